@@ -1,0 +1,113 @@
+// Rendering from the caller's side: settings in, a picture and what it cost out. The loop itself is path_tracer.cpp.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <glm/glm.hpp>
+
+#include "kernels/gpu_types.h"
+
+namespace wavepath {
+
+class Device;
+struct PackedScene;
+struct View; // host/scene/view.h: the resolved camera
+
+struct RenderSettings {
+  std::uint32_t width = 1280, height = 720;
+  std::uint32_t first_sample = 0;  // render samples first_sample <= s < last_sample of every pixel
+  std::uint32_t last_sample = 64;
+  double time_limit = 0.0;         // rendering seconds; 0 = none
+  double target_error = 0.0;       // estimated relative RMS error at which to stop; 0 = none
+  std::uint32_t max_depth = 8;
+  std::uint32_t sampler = gpu::kSamplerSobol;
+  std::uint32_t hemisphere = gpu::kHemisphereCosine;
+  std::uint32_t direct = gpu::kDirectMis;
+  std::uint32_t filter = gpu::kFilterBlackmanHarris;
+  std::uint32_t seed = 0;
+  bool specialize = true;
+  std::vector<std::string> aovs; // names of the contract's --aov
+  std::uint32_t wave_slots = 0;  // paths in flight; 0 = chosen from memory and measured dispatch time
+};
+
+// One EXR channel: row-major from the top left, width * height values.
+struct Channel {
+  std::string name; // "R", "albedo.R", "Z", ...
+  std::vector<float> values;
+};
+
+struct Picture {
+  std::uint32_t width = 0, height = 0;
+  std::vector<Channel> channels; // R G B A first
+};
+
+// Seconds on the device by kernel, and how often it was dispatched.
+struct StageTime {
+  std::string name;
+  double seconds = 0.0;
+  std::uint64_t dispatches = 0;
+};
+
+struct RayCounts {
+  std::uint64_t camera = 0, bounce = 0, shadow = 0;
+  std::uint64_t total() const { return camera + bounce + shadow; }
+};
+
+// Error of the mean image, without a reference: sqrt(relMSE) estimated from the spread of the replicates.
+struct ErrorEstimate {
+  double relative_rms = 0.0;
+  std::array<double, 2> ci95{};
+};
+
+struct Checkpoint { // at powers of two of spp, and at the end
+  std::uint32_t spp = 0;
+  double seconds = 0.0; // wall, rendering alone
+  double gpu_seconds = 0.0;
+  RayCounts rays;
+  ErrorEstimate error;
+};
+
+struct MemoryUse { // bytes on the device
+  std::uint64_t scene = 0, bvh = 0, paths = 0, film = 0;
+  std::uint64_t total() const { return scene + bvh + paths + film; }
+};
+
+enum class StopReason { samples, time, target_error, interrupted };
+
+struct RenderResult {
+  Picture picture;
+  std::uint32_t spp = 0; // samples a pixel that the picture holds
+  StopReason stop = StopReason::samples;
+  double compile_seconds = 0.0, upload_seconds = 0.0;
+  double seconds = 0.0, gpu_seconds = 0.0; // rendering alone
+  RayCounts rays;
+  ErrorEstimate error;
+  double slope = -0.5; // of log error against log time, fitted over the last checkpoints
+  std::vector<Checkpoint> checkpoints;
+  std::vector<StageTime> stages;
+  MemoryUse memory;
+  std::uint64_t nonfinite_samples = 0;
+  std::uint32_t first_nonfinite[2] = {0, 0}; // pixel x, y of one; valid if nonfinite_samples > 0
+};
+
+struct Progress {
+  std::uint32_t spp_done = 0, spp_planned = 0;
+  double fraction = 0.0; // of the samples planned
+  double seconds = 0.0;  // rendering so far
+  double mrays_per_second = 0.0;
+  ErrorEstimate error; // zero until known
+};
+
+// Called after every wave (at most about every 100 ms); return false to stop with what there is.
+using ProgressCallback = std::function<bool(const Progress&)>;
+
+// Renders `scene` as seen by `view`. Throws Error if the device cannot hold it or fails. The result depends on the device,
+// the scene, the view and the settings alone, not on wave_slots or timing (save where time_limit or target_error ends it).
+RenderResult render(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings,
+                    const ProgressCallback& progress = {});
+
+} // namespace wavepath

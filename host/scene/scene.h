@@ -1,0 +1,131 @@
+// A scene as plain arrays and indices: what glTF says, decoded and validated, before anything is laid out for the device.
+// Units and axes are glTF's: metres, right-handed, +Y up. Colours are linear unless an image says otherwise.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include <glm/glm.hpp>
+
+#include "host/base/warnings.h"
+
+namespace wavepath {
+
+inline constexpr std::uint32_t kNoIndex = 0xffffffffu;
+
+// Decoded texels, four channels, top row first (glTF's uv origin is the top left corner).
+struct Image {
+  std::string name; // for messages
+  std::uint32_t width = 0, height = 0;
+  std::vector<std::uint8_t> bytes; // RGBA8 as stored in the file (sRGB or linear by use); empty if `floats` is used
+  std::vector<float> floats;       // RGBA, for images of more than 8 bits: values 0..1 as stored, not yet linearized
+};
+
+enum class Wrap : std::uint8_t { repeat, clamp, mirror };
+
+// An image as one material slot uses it.
+struct TextureSlot {
+  std::uint32_t image = kNoIndex;
+  Wrap wrap_u = Wrap::repeat, wrap_v = Wrap::repeat;
+  bool nearest = false;     // magFilter NEAREST
+  bool srgb = false;        // by role: base colour, emission, specular colour
+  std::uint32_t uv_set = 0; // TEXCOORD_0 or _1
+  bool moved = false;       // KHR_texture_transform other than the identity
+  glm::mat2 uv_matrix{1.0f}; // uv' = uv_matrix * uv + uv_offset
+  glm::vec2 uv_offset{0.0f};
+
+  bool present() const { return image != kNoIndex; }
+};
+
+enum class AlphaMode : std::uint8_t { opaque, mask, blend };
+
+struct Material {
+  std::string name;
+  glm::vec4 base_color{1.0f};
+  float metallic = 1.0f, roughness = 1.0f;
+  glm::vec3 emission{0.0f}; // factor * KHR_materials_emissive_strength: radiance
+  float normal_scale = 1.0f;
+  AlphaMode alpha_mode = AlphaMode::opaque;
+  float alpha_cutoff = 0.5f;
+  bool double_sided = false;
+  bool unlit = false;
+  float ior = 1.5f; // 0 = infinite (KHR_materials_ior)
+  float specular = 1.0f;
+  glm::vec3 specular_color{1.0f};
+  float transmission = 0.0f;
+  bool volume = false;          // KHR_materials_volume with thickness > 0: a closed body that refracts
+  glm::vec3 attenuation{0.0f};  // 1/m; 0 = clear
+  TextureSlot base_color_texture, metallic_roughness_texture, normal_texture, emission_texture;
+  TextureSlot specular_texture, specular_color_texture, transmission_texture; // specular: A; transmission: R
+};
+
+// A run of triangles with one material: indices [first_index, first_index + index_count) of its mesh.
+struct Primitive {
+  std::uint32_t first_index = 0, index_count = 0;
+  std::uint32_t material = 0; // always valid: the default material is appended when a file needs it
+  bool has_normals = false;   // otherwise flat
+};
+
+// Triangles in the mesh's own space, morphed and (if skinned) already placed. Vertex arrays are empty or position-sized.
+struct Mesh {
+  std::string name;
+  std::vector<glm::vec3> positions;
+  std::vector<glm::vec3> normals;  // unit length; zero where a primitive is flat
+  std::vector<glm::vec4> tangents; // xyz unit, w = +-1; given or MikkTSpace-compatible; filled only where a normal map needs it
+  std::vector<glm::vec2> uvs[2];
+  std::vector<glm::vec4> colors; // COLOR_0, linear RGBA
+  std::vector<std::uint32_t> indices;
+  std::vector<Primitive> primitives;
+};
+
+struct Instance {
+  std::uint32_t mesh = 0;
+  glm::dmat4 world_from_object{1.0}; // affine, finite, invertible (others are dropped with a warning)
+};
+
+struct Camera {
+  std::string name;
+  bool orthographic = false;
+  double yfov = 0.8;          // radians, perspective
+  double aspect = 0.0;        // 0 = the image's
+  double xmag = 1.0, ymag = 1.0; // half extents, orthographic
+  glm::dmat4 world_from_camera{1.0}; // looks along its -Z, +Y up
+};
+
+enum class LightKind : std::uint8_t { point, spot, directional };
+
+struct PunctualLight {
+  std::string name;
+  LightKind kind = LightKind::point;
+  glm::vec3 intensity{1.0f}; // colour * intensity: candela, or lux for directional
+  glm::dvec3 position{0.0};
+  glm::dvec3 direction{0.0, 0.0, -1.0}; // in which it shines, unit length
+  double inner_cone = 0.0, outer_cone = 0.7853981633974483; // radians, half angles
+};
+
+// Radiance from infinity. `map` is lat-long, RGB, top row = +Y, centre column = +X (see contract, --env); empty = constant.
+struct Environment {
+  glm::vec3 radiance{0.0f}; // constant radiance, or the scale of the map
+  std::uint32_t width = 0, height = 0;
+  std::vector<glm::vec3> map;
+  double rotation = 0.0; // radians about +Y, counter-clockwise seen from above
+
+  bool present() const { return glm::any(glm::greaterThan(radiance, glm::vec3(0.0f))); }
+};
+
+struct Scene {
+  std::string path;
+  std::vector<Image> images;
+  std::vector<Material> materials;
+  std::vector<Mesh> meshes;
+  std::vector<Instance> instances;
+  std::vector<Camera> cameras;
+  std::vector<PunctualLight> lights;
+  Environment environment;
+  std::vector<std::string> extensions_used;
+  Warnings warnings;
+};
+
+} // namespace wavepath
