@@ -1,0 +1,126 @@
+#include "host/gpu/buffer.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cstring>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "host/base/error.h"
+#include "host/gpu/commands.h"
+#include "kernels/gpu_types.h"
+
+namespace wavepath {
+namespace {
+
+constexpr std::uint64_t kSmallest = 256; // bytes: the largest element that any empty binding could be asked for
+constexpr std::uint64_t kStagingBytes = 64ull << 20;
+constexpr VkMemoryPropertyFlags kHostFlags = VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
+
+// Memory properties to try, best first.
+std::vector<VkMemoryPropertyFlags> wishes(const Device& device, BufferHome home) {
+  if (home == BufferHome::readback) return {kHostFlags | VK_MEMORY_PROPERTY_HOST_CACHED_BIT, kHostFlags};
+  if (device.unified_memory()) return {VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT | kHostFlags, kHostFlags};
+  return {VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT, 0};
+}
+
+} // namespace
+
+Buffer::Buffer(Device& device, std::uint64_t bytes, BufferHome home) : device_(&device), bytes_(bytes) {
+  VkBufferCreateInfo info{VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO};
+  info.size = std::max(bytes, kSmallest);
+  info.usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT |
+               VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT |
+               VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
+  check(vkCreateBuffer(device.handle(), &info, nullptr, &buffer_), "creating a buffer");
+
+  VkMemoryRequirements needs{};
+  vkGetBufferMemoryRequirements(device.handle(), buffer_, &needs);
+  for (const VkMemoryPropertyFlags flags : wishes(device, home)) {
+    const std::uint32_t type = device.memory_type(needs.memoryTypeBits, flags);
+    if (type == gpu::kNone) continue;
+    VkMemoryAllocateInfo allocate{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO};
+    allocate.allocationSize = needs.size;
+    allocate.memoryTypeIndex = type;
+    if (vkAllocateMemory(device.handle(), &allocate, nullptr, &memory_) != VK_SUCCESS) continue;
+    const bool mappable = (flags & VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT) != 0;
+    VkResult result = vkBindBufferMemory(device.handle(), buffer_, memory_, 0);
+    if (result == VK_SUCCESS && mappable)
+      result = vkMapMemory(device.handle(), memory_, 0, VK_WHOLE_SIZE, 0, &mapped_);
+    if (result == VK_SUCCESS) {
+      allocated_ = needs.size;
+      device.count_memory(static_cast<std::int64_t>(allocated_));
+      return;
+    }
+    vkFreeMemory(device.handle(), memory_, nullptr);
+    memory_ = VK_NULL_HANDLE;
+  }
+  vkDestroyBuffer(device.handle(), buffer_, nullptr);
+  throw Error(device.info().name, fmt::format("no memory for a buffer of {:.1f} MiB", bytes / 1048576.0),
+              "use a smaller --size or scene, or close other programs");
+}
+
+Buffer::~Buffer() {
+  if (!buffer_) return;
+  vkDestroyBuffer(device_->handle(), buffer_, nullptr);
+  vkFreeMemory(device_->handle(), memory_, nullptr);
+  device_->count_memory(-static_cast<std::int64_t>(allocated_));
+}
+
+void Buffer::swap(Buffer& other) noexcept {
+  std::swap(device_, other.device_);
+  std::swap(buffer_, other.buffer_);
+  std::swap(memory_, other.memory_);
+  std::swap(bytes_, other.bytes_);
+  std::swap(allocated_, other.allocated_);
+  std::swap(mapped_, other.mapped_);
+}
+
+void Buffer::write(const void* data, std::uint64_t bytes, std::uint64_t offset) {
+  assert(offset + bytes <= bytes_);
+  if (mapped_)
+    std::memcpy(static_cast<char*>(mapped_) + offset, data, bytes);
+  else
+    copy_staged(nullptr, data, bytes, offset);
+}
+
+void Buffer::read(void* data, std::uint64_t bytes, std::uint64_t offset) const {
+  assert(offset + bytes <= bytes_);
+  if (mapped_)
+    std::memcpy(data, static_cast<const char*>(mapped_) + offset, bytes);
+  else
+    copy_staged(data, nullptr, bytes, offset);
+}
+
+void Buffer::fill_zero() {
+  if (mapped_) {
+    std::memset(mapped_, 0, bytes_);
+    return;
+  }
+  Commands commands(*device_);
+  vkCmdFillBuffer(commands.handle(), buffer_, 0, VK_WHOLE_SIZE, 0);
+  commands.submit_and_wait();
+}
+
+// In pieces, so that staging never doubles the memory of a large scene.
+void Buffer::copy_staged(void* read_to, const void* write_from, std::uint64_t bytes, std::uint64_t offset) const {
+  Buffer staging(*device_, std::min(bytes, kStagingBytes), BufferHome::readback);
+  for (std::uint64_t done = 0; done < bytes;) {
+    const std::uint64_t piece = std::min(bytes - done, kStagingBytes);
+    Commands commands(*device_);
+    if (write_from) {
+      std::memcpy(staging.mapped_, static_cast<const char*>(write_from) + done, piece);
+      const VkBufferCopy region{0, offset + done, piece};
+      vkCmdCopyBuffer(commands.handle(), staging.buffer_, buffer_, 1, &region);
+    } else {
+      const VkBufferCopy region{offset + done, 0, piece};
+      vkCmdCopyBuffer(commands.handle(), buffer_, staging.buffer_, 1, &region);
+    }
+    commands.submit_and_wait();
+    if (read_to) std::memcpy(static_cast<char*>(read_to) + done, staging.mapped_, piece);
+    done += piece;
+  }
+}
+
+} // namespace wavepath

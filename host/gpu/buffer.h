@@ -1,0 +1,65 @@
+// Device memory with a size and a purpose, moved in and out by copies that the caller can see.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <vulkan/vulkan.h>
+
+#include "host/gpu/device.h"
+
+namespace wavepath {
+
+// Where a buffer lives: `device` is fastest for kernels; `readback` is memory that the host reads while the device writes it.
+enum class BufferHome { device, readback };
+
+// Storage, uniform, texel, indirect and copy use are all allowed. A request for zero bytes yields a small buffer, because
+// every declared binding must be written (Mesa 22.3 crashes otherwise).
+class Buffer {
+public:
+  Buffer() = default;
+  Buffer(Device& device, std::uint64_t bytes, BufferHome home = BufferHome::device);
+  ~Buffer();
+  Buffer(Buffer&& other) noexcept { swap(other); }
+  Buffer& operator=(Buffer&& other) noexcept {
+    swap(other);
+    return *this;
+  }
+
+  VkBuffer handle() const { return buffer_; }
+  std::uint64_t bytes() const { return bytes_; }
+
+  // Copies between host and device and waits. Ranges must lie inside the buffer.
+  void write(const void* data, std::uint64_t bytes, std::uint64_t offset = 0);
+  void read(void* data, std::uint64_t bytes, std::uint64_t offset = 0) const;
+  void fill_zero();
+
+private:
+  void swap(Buffer& other) noexcept;
+  void copy_staged(void* read_to, const void* write_from, std::uint64_t bytes, std::uint64_t offset) const;
+
+  Device* device_ = nullptr;
+  VkBuffer buffer_ = VK_NULL_HANDLE;
+  VkDeviceMemory memory_ = VK_NULL_HANDLE;
+  std::uint64_t bytes_ = 0, allocated_ = 0;
+  void* mapped_ = nullptr; // null: reached by staging
+};
+
+// A device buffer holding a copy of `values`.
+template <class T>
+Buffer upload(Device& device, const std::vector<T>& values) {
+  Buffer buffer(device, values.size() * sizeof(T));
+  if (!values.empty()) buffer.write(values.data(), values.size() * sizeof(T));
+  return buffer;
+}
+
+template <class T>
+std::vector<T> download(const Buffer& buffer, std::size_t count, std::uint64_t offset = 0) {
+  std::vector<T> values(count);
+  if (count) buffer.read(values.data(), count * sizeof(T), offset);
+  return values;
+}
+
+} // namespace wavepath

@@ -1,0 +1,72 @@
+// A Vulkan 1.3 device with one compute queue: chosen, checked, and released at the end of its scope.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <vulkan/vulkan.h>
+
+namespace wavepath {
+
+// What `wavepath info` tells of a device. `missing`: what keeps us from using it, in words; empty = usable.
+struct DeviceInfo {
+  std::string name, driver, type; // type: cpu, integrated, discrete, virtual, other
+  std::string api;                // "1.3.230"
+  std::uint32_t subgroup_size = 0;
+  std::uint64_t memory_bytes = 0; // largest device-local heap
+  std::uint64_t max_storage_range = 0, max_texel_elements = 0, max_allocation = 0;
+  std::uint32_t max_groups = 0;
+  double timestamp_period_ns = 0.0; // 0 = the queue has no timestamps
+  std::vector<std::string> missing;
+};
+
+// Throws Error naming `what` and the driver's answer unless `result` is VK_SUCCESS.
+void check(VkResult result, const char* what);
+
+// Every device of the machine, in the order that --device INDEX counts.
+std::vector<DeviceInfo> list_devices();
+
+class Device {
+public:
+  // `wanted`: an index, or part of a name (case-insensitive); empty = a discrete GPU if there is one, then integrated, virtual,
+  // CPU. Throws Error if none fits, naming those that exist. The environment variable WAVEPATH_VALIDATION=1 turns the
+  // validation layer on, synchronization checks included.
+  explicit Device(const std::string& wanted = "");
+  ~Device();
+  Device(Device&&) = delete;
+
+  const DeviceInfo& info() const { return info_; }
+  VkDevice handle() const { return device_; }
+  VkQueue queue() const { return queue_; }
+  std::uint32_t queue_family() const { return queue_family_; }
+  // True where host and device share memory, so that uploads need no staging.
+  bool unified_memory() const { return unified_memory_; }
+
+  // Index of a memory type among `type_bits` that has `flags`, kNone (all ones) if there is none.
+  std::uint32_t memory_type(std::uint32_t type_bits, VkMemoryPropertyFlags flags) const;
+
+  // Bytes of device memory held by Buffers, now and at most.
+  void count_memory(std::int64_t bytes);
+  std::uint64_t memory_peak() const { return memory_peak_; }
+
+  // Validation errors and warnings of this process so far; each was printed to stderr.
+  static std::uint32_t validation_messages();
+
+private:
+  void release();
+
+  DeviceInfo info_;
+  VkInstance instance_ = VK_NULL_HANDLE;
+  VkDebugUtilsMessengerEXT messenger_ = VK_NULL_HANDLE;
+  VkPhysicalDevice physical_ = VK_NULL_HANDLE;
+  VkDevice device_ = VK_NULL_HANDLE;
+  VkQueue queue_ = VK_NULL_HANDLE;
+  std::uint32_t queue_family_ = 0;
+  bool unified_memory_ = false;
+  VkPhysicalDeviceMemoryProperties memory_{};
+  std::uint64_t memory_now_ = 0, memory_peak_ = 0;
+};
+
+} // namespace wavepath

@@ -1,0 +1,159 @@
+#include "host/gpu/kernel.h"
+
+#include <algorithm>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "host/base/error.h"
+
+namespace wavepath {
+namespace {
+
+struct Format {
+  VkFormat format;
+  std::uint64_t bytes;
+};
+
+VkDescriptorType descriptor_type(BindingKind kind) {
+  if (kind == BindingKind::uniform) return VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER;
+  if (kind == BindingKind::storage) return VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+  return VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER;
+}
+
+Format texel_format(BindingKind kind) {
+  switch (kind) {
+    case BindingKind::texels_rgba32f: return {VK_FORMAT_R32G32B32A32_SFLOAT, 16};
+    case BindingKind::texels_rgba32ui: return {VK_FORMAT_R32G32B32A32_UINT, 16};
+    case BindingKind::texels_rg32ui: return {VK_FORMAT_R32G32_UINT, 8};
+    case BindingKind::texels_r32ui: return {VK_FORMAT_R32_UINT, 4};
+    default: return {VK_FORMAT_R32_SFLOAT, 4};
+  }
+}
+
+// A binding beyond the device's limits would be cut off in silence, so it is refused.
+void check_limits(const DeviceInfo& info, const Binding& binding) {
+  const std::uint64_t bytes = binding.buffer->bytes();
+  const bool texels = descriptor_type(binding.kind) == VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER;
+  const std::uint64_t limit =
+      texels ? info.max_texel_elements * texel_format(binding.kind).bytes : info.max_storage_range;
+  if (bytes > limit)
+    throw Error(info.name, fmt::format("a buffer of {:.0f} MiB exceeds its limit of {:.0f} MiB", bytes / 1048576.0,
+                                       limit / 1048576.0),
+                "use a smaller scene or --size, or another device");
+}
+
+} // namespace
+
+BindingSet::BindingSet(Device& device, std::span<const Binding> bindings, std::uint32_t push_constant_bytes)
+    : device_(&device), push_constant_bytes_(push_constant_bytes) {
+  for (const Binding& binding : bindings) check_limits(device.info(), binding);
+  try {
+    create_layout(bindings);
+    write(bindings);
+  } catch (...) {
+    release();
+    throw;
+  }
+}
+
+BindingSet::~BindingSet() { release(); }
+
+void BindingSet::release() {
+  for (VkBufferView view : views_) vkDestroyBufferView(device_->handle(), view, nullptr);
+  vkDestroyDescriptorPool(device_->handle(), pool_, nullptr);
+  vkDestroyPipelineLayout(device_->handle(), pipeline_layout_, nullptr);
+  vkDestroyDescriptorSetLayout(device_->handle(), set_layout_, nullptr);
+}
+
+void BindingSet::create_layout(std::span<const Binding> bindings) {
+  std::vector<VkDescriptorSetLayoutBinding> slots;
+  std::vector<VkDescriptorPoolSize> sizes;
+  for (const Binding& binding : bindings) {
+    slots.push_back({binding.slot, descriptor_type(binding.kind), 1, VK_SHADER_STAGE_COMPUTE_BIT, nullptr});
+    sizes.push_back({descriptor_type(binding.kind), 1});
+  }
+  VkDescriptorSetLayoutCreateInfo set_info{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO};
+  set_info.bindingCount = static_cast<std::uint32_t>(slots.size());
+  set_info.pBindings = slots.data();
+  check(vkCreateDescriptorSetLayout(device_->handle(), &set_info, nullptr, &set_layout_), "creating a layout");
+
+  const VkPushConstantRange range{VK_SHADER_STAGE_COMPUTE_BIT, 0, push_constant_bytes_};
+  VkPipelineLayoutCreateInfo layout_info{VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO};
+  layout_info.setLayoutCount = 1;
+  layout_info.pSetLayouts = &set_layout_;
+  layout_info.pushConstantRangeCount = push_constant_bytes_ ? 1 : 0;
+  layout_info.pPushConstantRanges = &range;
+  check(vkCreatePipelineLayout(device_->handle(), &layout_info, nullptr, &pipeline_layout_), "creating a layout");
+
+  VkDescriptorPoolCreateInfo pool_info{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
+  pool_info.maxSets = 1;
+  pool_info.poolSizeCount = static_cast<std::uint32_t>(sizes.size());
+  pool_info.pPoolSizes = sizes.data();
+  check(vkCreateDescriptorPool(device_->handle(), &pool_info, nullptr, &pool_), "creating a descriptor pool");
+  VkDescriptorSetAllocateInfo allocate{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO};
+  allocate.descriptorPool = pool_;
+  allocate.descriptorSetCount = 1;
+  allocate.pSetLayouts = &set_layout_;
+  check(vkAllocateDescriptorSets(device_->handle(), &allocate, &set_), "allocating descriptors");
+}
+
+void BindingSet::write(std::span<const Binding> bindings) {
+  std::vector<VkDescriptorBufferInfo> infos(bindings.size());
+  std::vector<VkWriteDescriptorSet> writes;
+  views_.resize(bindings.size(), VK_NULL_HANDLE);
+  for (std::size_t i = 0; i < bindings.size(); ++i) {
+    const Binding& binding = bindings[i];
+    VkWriteDescriptorSet one{VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET};
+    one.dstSet = set_;
+    one.dstBinding = binding.slot;
+    one.descriptorCount = 1;
+    one.descriptorType = descriptor_type(binding.kind);
+    if (one.descriptorType == VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER) {
+      VkBufferViewCreateInfo info{VK_STRUCTURE_TYPE_BUFFER_VIEW_CREATE_INFO};
+      info.buffer = binding.buffer->handle();
+      info.format = texel_format(binding.kind).format;
+      info.range = VK_WHOLE_SIZE;
+      check(vkCreateBufferView(device_->handle(), &info, nullptr, &views_[i]), "creating a texel view");
+      one.pTexelBufferView = &views_[i];
+    } else {
+      infos[i] = {binding.buffer->handle(), 0, VK_WHOLE_SIZE};
+      one.pBufferInfo = &infos[i];
+    }
+    writes.push_back(one);
+  }
+  vkUpdateDescriptorSets(device_->handle(), static_cast<std::uint32_t>(writes.size()), writes.data(), 0, nullptr);
+}
+
+Kernel::Kernel(Device& device, std::string name, std::span<const std::uint32_t> spirv, const BindingSet& bindings,
+               std::span<const std::uint32_t> constants)
+    : device_(&device), name_(std::move(name)) {
+  VkShaderModuleCreateInfo module_info{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
+  module_info.codeSize = spirv.size_bytes();
+  module_info.pCode = spirv.data();
+  VkShaderModule module = VK_NULL_HANDLE;
+  check(vkCreateShaderModule(device.handle(), &module_info, nullptr, &module), ("loading kernel " + name_).c_str());
+
+  std::vector<VkSpecializationMapEntry> entries;
+  for (std::uint32_t i = 0; i < constants.size(); ++i) entries.push_back({i, i * 4, 4});
+  const VkSpecializationInfo specialization{static_cast<std::uint32_t>(entries.size()), entries.data(),
+                                            constants.size_bytes(), constants.data()};
+  VkComputePipelineCreateInfo info{VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO};
+  info.stage.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO;
+  info.stage.stage = VK_SHADER_STAGE_COMPUTE_BIT;
+  info.stage.module = module;
+  info.stage.pName = "main";
+  info.stage.pSpecializationInfo = &specialization;
+  info.layout = bindings.layout();
+  const VkResult result =
+      vkCreateComputePipelines(device.handle(), VK_NULL_HANDLE, 1, &info, nullptr, &pipeline_);
+  vkDestroyShaderModule(device.handle(), module, nullptr);
+  check(result, ("compiling kernel " + name_).c_str());
+}
+
+Kernel::Kernel(Kernel&& other) noexcept
+    : device_(other.device_), name_(std::move(other.name_)), pipeline_(std::exchange(other.pipeline_, VK_NULL_HANDLE)) {}
+
+Kernel::~Kernel() { vkDestroyPipeline(device_->handle(), pipeline_, nullptr); }
+
+} // namespace wavepath

@@ -1,0 +1,69 @@
+// Compute kernels and what they are bound to. One BindingSet serves all kernels of a renderer.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <vulkan/vulkan.h>
+
+#include "host/gpu/buffer.h"
+#include "host/gpu/device.h"
+
+namespace wavepath {
+
+
+// How kernels see a buffer: as uniform block, storage block, or texels of a format.
+enum class BindingKind { uniform, storage, texels_rgba32f, texels_rgba32ui, texels_rg32ui, texels_r32ui, texels_r32f };
+
+struct Binding {
+  std::uint32_t slot = 0;
+  BindingKind kind = BindingKind::storage;
+  const Buffer* buffer = nullptr; // outlives the set
+};
+
+// Descriptors for a list of buffers, with the layout that fits them.
+class BindingSet {
+public:
+  BindingSet(Device& device, std::span<const Binding> bindings, std::uint32_t push_constant_bytes);
+  ~BindingSet();
+  BindingSet(BindingSet&&) = delete;
+
+  VkDescriptorSet handle() const { return set_; }
+  VkPipelineLayout layout() const { return pipeline_layout_; }
+  std::uint32_t push_constant_bytes() const { return push_constant_bytes_; }
+
+private:
+  void create_layout(std::span<const Binding> bindings);
+  void write(std::span<const Binding> bindings);
+  void release();
+
+  Device* device_;
+  std::uint32_t push_constant_bytes_;
+  VkDescriptorSetLayout set_layout_ = VK_NULL_HANDLE;
+  VkPipelineLayout pipeline_layout_ = VK_NULL_HANDLE;
+  VkDescriptorPool pool_ = VK_NULL_HANDLE;
+  VkDescriptorSet set_ = VK_NULL_HANDLE;
+  std::vector<VkBufferView> views_;
+};
+
+// A compute pipeline. `constants[i]` is the value of specialization constant i; constants that the kernel lacks are ignored.
+class Kernel {
+public:
+  Kernel(Device& device, std::string name, std::span<const std::uint32_t> spirv, const BindingSet& bindings,
+         std::span<const std::uint32_t> constants);
+  ~Kernel();
+  Kernel(Kernel&& other) noexcept;
+  Kernel& operator=(Kernel&&) = delete;
+
+  VkPipeline handle() const { return pipeline_; }
+  const std::string& name() const { return name_; }
+
+private:
+  Device* device_;
+  std::string name_;
+  VkPipeline pipeline_ = VK_NULL_HANDLE;
+};
+
+} // namespace wavepath
