@@ -66,8 +66,9 @@ Plan plan(const Scene& scene);
 // `direct` (kDirect*): with kDirectBsdf no light is packed for sampling. Adds warnings about what it dropped to scene.warnings.
 PackedScene pack(Scene& scene, std::uint32_t direct = gpu::kDirectMis);
 
-// Packed tangent in the w of vertex_normals: octahedral direction, 16 + 15 bits, and the handedness in the lowest bit.
-// kernels/surface.glsl holds the inverse.
+// Packed tangent in the w of vertex_normals, as float bits: 31..16 and 15..1 hold the octahedral x and y of the direction
+// (Meyer et al. 2010; lower hemisphere where z < 0), each mapped from [-1,1] to [0, 65535] and [0, 32767]; bit 0 is set
+// where tangent.w < 0. No direction is stored as 0, which therefore stands for "no tangent". surface.glsl holds the inverse.
 float pack_tangent(const glm::vec4& tangent);
 
 } // namespace wavepath
