@@ -13,6 +13,7 @@ inline constexpr std::uint32_t kLeafCountShift = 28u;
 inline constexpr std::uint32_t kLeafFirstMask = 0x0fffffffu;
 inline constexpr std::uint32_t kMaxLeafSize = 8u;
 inline constexpr std::uint32_t kAbsent = 0xffffffffu;
+inline constexpr std::uint32_t kMaxStackBound = 96u; // build() never exceeds it, so a traversal stack may be sized by it
 
 struct WideNode {
   float lo_x[4], hi_x[4], lo_y[4], hi_y[4], lo_z[4], hi_z[4];
