@@ -37,10 +37,11 @@ struct Box {
 inline Box merge(const Box& a, const Box& b) { return {min(a.lo, b.lo), max(a.hi, b.hi)}; }
 inline Box merge(const Box& a, Vec3 p) { return {min(a.lo, p), max(a.hi, p)}; }
 
-// Surface area / 2; 0 for an inverted box.
-inline float half_area(const Box& box) {
-  const Vec3 e = max(box.hi - box.lo, Vec3{});
-  return e.x * e.y + e.y * e.z + e.z * e.x;
+// Surface area / 2; 0 for an inverted box. Double, because areas of very small or very large scenes leave the range of float.
+inline double half_area(const Box& box) {
+  const double x = std::max(double{box.hi.x} - box.lo.x, 0.0), y = std::max(double{box.hi.y} - box.lo.y, 0.0),
+               z = std::max(double{box.hi.z} - box.lo.z, 0.0);
+  return x * y + y * z + z * x;
 }
 
 // True if every coordinate is usable and no side is inverted; false for anything with a NaN in it.

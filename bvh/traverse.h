@@ -12,6 +12,7 @@
 #include <span>
 
 #include "bvh/intersect.h"
+#include "bvh/words.h"
 
 namespace wavepath::bvh {
 
@@ -41,7 +42,7 @@ void traverse(std::span<const WideNode> nodes, std::uint32_t root, const Prepare
   std::uint32_t current = root;
   float t_best = ray.t_max;
   for (;;) {
-    if ((current & kLeafBit) == 0) {
+    if (!is_leaf(current)) {
       const WideNode& node = nodes[current];
       if (counters) ++counters->visits;
       std::uint32_t keys[4];
@@ -57,9 +58,9 @@ void traverse(std::span<const WideNode> nodes, std::uint32_t root, const Prepare
         continue;
       }
     } else {
-      const std::uint32_t count = ((current >> kLeafCountShift) & (kMaxLeafSize - 1)) + 1;
+      const std::uint32_t count = leaf_count(current);
       if (counters) counters->tests += count;
-      if (leaf(current & kLeafFirstMask, count, t_best)) return;
+      if (leaf(leaf_first(current), count, t_best)) return;
     }
     if (stack_size == 0) return;
     current = stack[--stack_size];

@@ -1,0 +1,33 @@
+// The binary tree between the two halves of the build: made by top-down cuts, eaten by the collapse to four children a node.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "bvh/build.h"
+
+namespace wavepath::bvh {
+
+struct BinaryNode {
+  Box box;
+  std::uint32_t first;       // inner: left child, the right one follows; leaf: first item
+  std::uint16_t item_count;  // 0 = inner
+  std::uint16_t height;      // inner nodes on the longest path from here, itself included
+};
+
+struct BinaryTree {
+  std::unique_ptr<BinaryNode[]> nodes; // the root is the first; none if there are no items
+  std::size_t capacity = 0;            // nodes allocated; where they lie depends on timing, what they say does not
+  std::vector<std::uint32_t> order;
+};
+
+// No path is longer, whatever the input: where cuts by area would exceed it, halves by count finish the job.
+inline constexpr std::uint32_t kMaxBinaryDepth = 64;
+
+BinaryTree build_binary(std::span<const Box> boxes, const BuildConfig& config, BuildReport& report);
+
+// Joins up to three levels of two into nodes of four, opening the child of the largest area first, as long as the stack bound
+// stays within kMaxStackBound.
+WideTree collapse(BinaryTree binary);
+
+} // namespace wavepath::bvh

@@ -1,0 +1,32 @@
+// Builds the tree: parallel binned SAH (Wald 2007) to a binary tree, then a collapse to four children a node.
+#pragma once
+
+#include <cstddef>
+#include <span>
+
+#include "bvh/geometry.h"
+#include "bvh/wide.h"
+
+namespace wavepath::bvh {
+
+// More boxes than this cannot be indexed by a leaf word; build() must not be given more.
+inline constexpr std::size_t kMaxItems = kLeafFirstMask;
+
+struct BuildConfig {
+  std::uint32_t max_leaf_size = 4; // 1 .. kMaxLeafSize
+  std::uint32_t bin_count = 32;    // 2 .. 32 candidate slabs an axis
+  float node_cost = 1.0f;          // of visiting a binary node, relative to testing an item
+};
+
+struct BuildReport {
+  std::size_t dropped = 0;        // boxes with a NaN, an infinity, |coordinate| > kMaxCoordinate, or inverted
+  std::uint32_t binary_depth = 0; // inner nodes on the longest path before the collapse
+};
+
+// Item k of the tree is box order[k]; dropped boxes are not in `order`. The result depends on boxes and config alone, never on
+// the number of threads. Any input gives a tree whose stack bound is at most kMaxStackBound. Up to max_leaf_size boxes may give
+// a root that is a leaf and no nodes; no box at all gives one node of four absent children. Peak memory is about 110 bytes a
+// box, result included.
+WideTree build(std::span<const Box> boxes, const BuildConfig& config = {}, BuildReport* report = nullptr);
+
+} // namespace wavepath::bvh

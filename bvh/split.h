@@ -1,0 +1,80 @@
+// Where to cut a set of primitives in two: the surface area heuristic over bins on all three axes (Wald 2007).
+#pragma once
+
+#include <bit>
+#include <cstdint>
+#include <span>
+
+#include "bvh/geometry.h"
+
+namespace wavepath::bvh {
+
+// A box as eight lanes (-lo, unused, hi, unused), so that a merge is one maximum over all lanes.
+struct Bound {
+  static constexpr float kEmpty = std::numeric_limits<float>::lowest();
+  alignas(16) float lane[8] = {kEmpty, kEmpty, kEmpty, kEmpty, kEmpty, kEmpty, kEmpty, kEmpty};
+
+  void merge(const Bound& other) {
+    for (int i = 0; i < 8; ++i) lane[i] = lane[i] < other.lane[i] ? other.lane[i] : lane[i];
+  }
+  float extent(int axis) const { return lane[4 + axis] + lane[axis]; }
+  Box box() const { return {{-lane[0], -lane[1], -lane[2]}, {lane[4], lane[5], lane[6]}}; }
+};
+
+// A box on its way through the build.
+struct Primitive {
+  Bound bound; // lane 3 carries the index of the caller's box, disguised as a normal float so that no arithmetic slows down
+
+  Primitive() = default;
+  Primitive(const Box& box, std::uint32_t index)
+      : bound{{-box.lo.x, -box.lo.y, -box.lo.z, std::bit_cast<float>(index | 0x40000000u), box.hi.x, box.hi.y, box.hi.z, 0}} {}
+  std::uint32_t index() const { return std::bit_cast<std::uint32_t>(bound.lane[3]) & ~0x40000000u; }
+
+  // Twice the centroid, as a point and as a bound of itself.
+  float centroid(int axis) const { return bound.lane[4 + axis] - bound.lane[axis]; }
+  Bound centroid_bound() const {
+    Bound point;
+    for (int i = 0; i < 4; ++i) {
+      point.lane[i] = bound.lane[i] - bound.lane[4 + i];
+      point.lane[4 + i] = bound.lane[4 + i] - bound.lane[i];
+    }
+    return point;
+  }
+};
+
+// A division of the centroids' box into equal slabs on each axis.
+struct Slabs {
+  int count;
+  float lo[3], scale[3]; // scale 0: too thin to divide
+
+  Slabs(const Bound& centroids, int slab_count);
+  int of(const Primitive& primitive, int axis) const {
+    return std::min(static_cast<int>((primitive.centroid(axis) - lo[axis]) * scale[axis]), count - 1);
+  }
+};
+
+// Primitives whose slab on `axis` is below `slab` go left. No cut: left_count = 0.
+struct Cut {
+  double cost = std::numeric_limits<double>::infinity(); // items * half area, summed over both sides
+  int axis = 0, slab = 0;
+  std::uint32_t left_count = 0;
+  Bound left, right;
+};
+
+// What falls into each slab. Merging is exact, so that its order does not matter. The outermost slabs of a divided axis are
+// never empty, so every cut found has items on both sides.
+struct Bins {
+  static constexpr int kMaxCount = 32;
+  Bound bound[3][kMaxCount];
+  std::uint32_t item_count[3][kMaxCount];
+
+  explicit Bins(const Slabs& slabs);
+  void add(const Slabs& slabs, std::span<const Primitive> primitives);
+  void merge(const Slabs& slabs, const Bins& other);
+  Cut best_cut(const Slabs& slabs) const;
+};
+
+// Surface area / 2 of a bound that is not empty.
+double half_area(const Bound& bound);
+
+} // namespace wavepath::bvh
