@@ -1,0 +1,209 @@
+// EXR files by OpenEXR, streamed through AtomicFile.
+#include "host/render/picture_io_exr.h"
+
+#include <algorithm>
+#include <cmath>
+#include <exception>
+#include <thread>
+
+#include <Imath/half.h>
+#include <OpenEXR/ImfChannelList.h>
+#include <OpenEXR/ImfFrameBuffer.h>
+#include <OpenEXR/ImfHeader.h>
+#include <OpenEXR/ImfIO.h>
+#include <OpenEXR/ImfInputFile.h>
+#include <OpenEXR/ImfIntAttribute.h>
+#include <OpenEXR/ImfFloatAttribute.h>
+#include <OpenEXR/ImfMatrixAttribute.h>
+#include <OpenEXR/ImfOutputFile.h>
+#include <OpenEXR/ImfStringAttribute.h>
+#include <OpenEXR/ImfThreading.h>
+#include <fmt/format.h>
+
+#include "host/base/atomic_file.h"
+#include "host/base/error.h"
+#include "host/base/memory.h"
+
+namespace wavepath {
+namespace {
+
+constexpr float kHalfMax = 65504.0f;
+constexpr std::uint64_t kMostPixels = std::uint64_t{1} << 36; // so that byte counts cannot overflow
+
+// Remembers the first failure, because OpenEXR's destructors swallow what is thrown at them.
+class Stream : public Imf::OStream {
+public:
+  Stream(AtomicFile& file, const std::string& name) : Imf::OStream(name.c_str()), file_(file) {}
+  void write(const char data[], int bytes) override {
+    guarded([&] { file_.write(data, static_cast<std::size_t>(bytes)); });
+  }
+  std::uint64_t tellp() override { return file_.position(); }
+  void seekp(std::uint64_t position) override {
+    guarded([&] { file_.seek(position); });
+  }
+  void rethrow() const {
+    if (failure_) std::rethrow_exception(failure_);
+  }
+
+private:
+  template <class Action>
+  void guarded(Action action) {
+    try {
+      action();
+    } catch (...) {
+      if (!failure_) failure_ = std::current_exception();
+      throw;
+    }
+  }
+
+  AtomicFile& file_;
+  std::exception_ptr failure_;
+};
+
+// EXR's camera space is left-handed: x right, y up, z ahead. Imath multiplies row vectors from the left.
+Imath::M44f world_to_camera(const View& view) {
+  const glm::dvec3 axes[3] = {glm::normalize(view.right), glm::normalize(view.up), view.forward};
+  Imath::M44f m;
+  for (int column = 0; column < 3; ++column) {
+    for (int row = 0; row < 3; ++row) m[row][column] = static_cast<float>(axes[column][row]);
+    m[3][column] = static_cast<float>(-glm::dot(axes[column], view.position));
+  }
+  return m;
+}
+
+// NDC has (0,0) in the upper left and (1,1) in the lower right corner; its z is arbitrary, here increasing with distance.
+Imath::M44f world_to_ndc(const View& view) {
+  const float sx = static_cast<float>(0.5 / glm::length(view.right)), sy = static_cast<float>(-0.5 / glm::length(view.up));
+  const Imath::M44f perspective(sx, 0, 0, 0, 0, sy, 0, 0, 0.5f, 0.5f, 1, 1, 0, 0, -1, 0);
+  const Imath::M44f orthographic(sx, 0, 0, 0, 0, sy, 0, 0, 0, 0, 1, 0, 0.5f, 0.5f, 0, 1);
+  return world_to_camera(view) * (view.orthographic ? orthographic : perspective);
+}
+
+Imf::Header make_header(const Picture& picture, const PictureInfo& info, bool half) {
+  Imf::Header header(static_cast<int>(picture.width), static_cast<int>(picture.height));
+  header.compression() = Imf::ZIP_COMPRESSION;
+  for (const Channel& channel : picture.channels)
+    // Half counts only to 2048 without gaps.
+    header.channels().insert(channel.name, Imf::Channel(half && channel.name != "samples" ? Imf::HALF : Imf::FLOAT));
+
+  const auto add_text = [&](const char* name, const std::string& text) { header.insert(name, Imf::StringAttribute(text)); };
+  header.insert("wavepath.spp", Imf::IntAttribute(static_cast<int>(info.spp)));
+  header.insert("wavepath.seconds", Imf::FloatAttribute(static_cast<float>(info.seconds)));
+  if (info.error) header.insert("wavepath.error", Imf::FloatAttribute(static_cast<float>(*info.error)));
+  header.insert("wavepath.seed", Imf::IntAttribute(static_cast<int>(info.seed)));
+  add_text("wavepath.samples", info.samples);
+  add_text("wavepath.scene", info.scene);
+  add_text("wavepath.command", info.command);
+  add_text("wavepath.filter", info.filter);
+  add_text("wavepath.bias", info.bias);
+  add_text("wavepath.version", WAVEPATH_VERSION);
+  header.insert("samplesPerPixel", Imf::IntAttribute(static_cast<int>(info.spp)));
+  header.insert("renderTimeSeconds", Imf::FloatAttribute(static_cast<float>(info.seconds)));
+  if (info.view) {
+    header.insert("worldToCamera", Imf::M44fAttribute(world_to_camera(*info.view)));
+    header.insert("worldToNDC", Imf::M44fAttribute(world_to_ndc(*info.view)));
+  }
+  return header;
+}
+
+// Half copies of the channels; `clamped` counts what did not fit.
+std::vector<std::vector<Imath::half>> to_half(const Picture& picture, std::uint64_t& clamped) {
+  std::vector<std::vector<Imath::half>> halves;
+  for (const Channel& channel : picture.channels) {
+    std::vector<Imath::half>& values = halves.emplace_back();
+    values.reserve(channel.values.size());
+    for (const float value : channel.values) {
+      clamped += std::abs(value) > kHalfMax;
+      values.emplace_back(std::abs(value) > kHalfMax ? std::copysign(kHalfMax, value) : value);
+    }
+  }
+  return halves;
+}
+
+// The channel's place among ours: R G B A, then by name.
+std::pair<std::size_t, std::string> rank(const std::string& name) {
+  const std::size_t place = name.size() == 1 ? std::string("RGBA").find(name) : std::string::npos;
+  return {place, name};
+}
+
+} // namespace
+
+std::uint64_t write_exr(const std::string& path, const Picture& picture, const PictureInfo& info, bool half) {
+  Imf::setGlobalThreadCount(static_cast<int>(std::thread::hardware_concurrency()));
+  std::uint64_t clamped = 0;
+  std::vector<std::vector<Imath::half>> halves;
+  if (half) halves = to_half(picture, clamped);
+
+  const Imf::Header header = make_header(picture, info, half);
+  Imf::FrameBuffer pixels;
+  for (std::size_t i = 0; i < picture.channels.size(); ++i) {
+    const Channel& channel = picture.channels[i];
+    const bool as_half = header.channels()[channel.name].type == Imf::HALF;
+    const void* values = as_half ? static_cast<const void*>(halves[i].data()) : channel.values.data();
+    const std::size_t size = as_half ? sizeof(Imath::half) : sizeof(float);
+    // OpenEXR takes a pointer to non-const for reading and writing alike.
+    pixels.insert(channel.name, Imf::Slice(as_half ? Imf::HALF : Imf::FLOAT,
+                                           static_cast<char*>(const_cast<void*>(values)), size, size * picture.width));
+  }
+
+  AtomicFile file(path);
+  Stream stream(file, path);
+  try {
+    Imf::OutputFile output(stream, header);
+    output.setFrameBuffer(pixels);
+    output.writePixels(static_cast<int>(picture.height));
+  } catch (const std::exception& error) {
+    stream.rethrow();
+    throw Error(path, fmt::format("OpenEXR cannot write it ({})", error.what()), "report this");
+  }
+  stream.rethrow();
+  file.commit();
+  return clamped;
+}
+
+Picture read_exr(const std::string& path) try {
+  Imf::InputFile input(path.c_str());
+  const Imath::Box2i window = input.header().dataWindow();
+  Picture picture;
+  picture.width = static_cast<std::uint32_t>(window.max.x - window.min.x + 1);
+  picture.height = static_cast<std::uint32_t>(window.max.y - window.min.y + 1);
+  const std::uint64_t pixel_count = static_cast<std::uint64_t>(picture.width) * picture.height;
+
+  std::vector<std::string> names;
+  const Imf::ChannelList& channels = input.header().channels();
+  for (auto channel = channels.begin(); channel != channels.end(); ++channel) {
+    if (channel.channel().xSampling != 1 || channel.channel().ySampling != 1)
+      throw Error(path, fmt::format("channel {} is subsampled", channel.name()), "save it at full resolution");
+    names.emplace_back(channel.name());
+  }
+  std::sort(names.begin(), names.end(), [](const auto& a, const auto& b) { return rank(a) < rank(b); });
+  if (pixel_count > kMostPixels) throw Error(path, "claims more pixels than can be read", "check that it is intact");
+  require_memory(path, "reading it", pixel_count * names.size() * sizeof(float), "use a smaller picture");
+
+  Imf::FrameBuffer pixels;
+  for (const std::string& name : names) picture.channels.push_back({name, std::vector<float>(pixel_count)});
+  for (const Channel& channel : picture.channels)
+    pixels.insert(channel.name, Imf::Slice::Make(Imf::FLOAT, channel.values.data(), window));
+  input.setFrameBuffer(pixels);
+  input.readPixels(window.min.y, window.max.y);
+  return picture;
+} catch (const Error&) {
+  throw;
+} catch (const std::bad_alloc&) {
+  throw;
+} catch (const std::exception& error) {
+  throw Error(path, fmt::format("OpenEXR cannot read it ({})", error.what()), "check that it is a complete EXR file");
+}
+
+std::string read_attribute(const std::string& path, const std::string& name) {
+  if (picture_format(path) != PictureFormat::exr) return {};
+  try {
+    const Imf::InputFile input(path.c_str());
+    const auto* attribute = input.header().findTypedAttribute<Imf::StringAttribute>(name);
+    return attribute ? attribute->value() : std::string();
+  } catch (const std::exception&) {
+    return {}; // reading the picture itself says what is wrong
+  }
+}
+
+} // namespace wavepath
