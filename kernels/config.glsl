@@ -1,0 +1,17 @@
+// The specialization constants, declared once: what is switched off here folds away when the pipeline is compiled.
+// The defaults are the generic kernel: every feature, and the settings that the command line starts from.
+#ifndef WAVEPATH_CONFIG_GLSL
+#define WAVEPATH_CONFIG_GLSL
+
+#include "kernels/gpu_types.h"
+
+layout(constant_id = kSpecFeatures) const uint kFeatures = kFeaturesAll;
+layout(constant_id = kSpecStackSize) const uint kStackSize = 96u;
+layout(constant_id = kSpecSampler) const uint kSampler = kSamplerSobol;
+layout(constant_id = kSpecDirect) const uint kDirect = kDirectMis;
+layout(constant_id = kSpecHemisphere) const uint kHemisphere = kHemisphereCosine;
+layout(constant_id = kSpecFilter) const uint kFilter = kFilterBlackmanHarris;
+
+bool has(uint feature) { return (kFeatures & feature) != 0u; }
+
+#endif

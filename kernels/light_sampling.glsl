@@ -1,0 +1,145 @@
+// Choosing lights and points on them: alias tables, triangles, punctual lights, and the lat-long environment.
+//
+// Everything here works on data already fetched; the two functions at the end read the buffers of kernels/bindings.glsl
+// and are there when BIND_LIGHTS or BIND_ENVIRONMENT asked for those.
+#ifndef WAVEPATH_LIGHT_SAMPLING_GLSL
+#define WAVEPATH_LIGHT_SAMPLING_GLSL
+
+#include "kernels/gpu_types.h"
+#include "kernels/math.glsl"
+
+// ---- alias tables -----------------------------------------------------------------------------------------------
+
+// Column of u in [0, 1); u becomes the position inside the column. 24 bits of u leave 24 - log2(n) for that.
+uint alias_column(inout float u, uint n) {
+  float x = u * float(n);
+  uint column = min(uint(x), n - 1u);
+  u = clamp(x - float(column), 0.0, kOneMinusEpsilon);
+  return column;
+}
+
+// Column for tables so large that u.x alone does not reach every one: borrows the eight lowest bits of u.y.
+uint alias_column_large(inout vec2 u, uint n) {
+  uint bits = (uint(u.x * 16777216.0) << 8u) | (uint(u.y * 16777216.0) & 0xffu);
+  uint column, rest;
+  umulExtended(bits, n, column, rest);
+  u.x = float(rest >> 8u) * 5.9604645e-8;
+  return column;
+}
+
+// Stays in the column or follows its alias; u, compared with the threshold, is stretched back to [0, 1).
+uint alias_follow(uint column, float threshold, uint alias, inout float u) {
+  bool stay = u < threshold;
+  u = min(stay ? u / threshold : (u - threshold) / max(1.0 - threshold, 1e-10), kOneMinusEpsilon);
+  return stay ? column : alias;
+}
+
+// ---- triangles --------------------------------------------------------------------------------------------------
+
+// Density per solid angle of a point chosen with pdf_area, seen along `to_light` (unnormalized) on a surface with unit
+// normal n.
+float solid_angle_pdf(float pdf_area, vec3 to_light, vec3 n) {
+  float d2 = dot(to_light, to_light);
+  float cosine = abs(dot(to_light, n)) / sqrt(d2);
+  return cosine > 0.0 ? pdf_area * d2 / cosine : 0.0;
+}
+
+// ---- punctual lights --------------------------------------------------------------------------------------------
+
+// Irradiance that a point, spot or directional light gives a surface at p which faces it. to_light: to the light itself
+// for points and spots (not normalized), a unit vector for directional ones.
+vec3 punctual_irradiance(Light light, vec3 p, out vec3 to_light) {
+  bool distant = light.kind == kLightDirectional;
+  to_light = distant ? light.direction : light.position - p;
+  float d2 = distant ? 1.0 : dot(to_light, to_light);
+  if (!(d2 > 0.0)) return vec3(0.0);
+  float falloff = 1.0;
+  if (light.kind == kLightSpot) {
+    float c = -dot(to_light, light.direction) / sqrt(d2);
+    falloff = clamp(c * light.spot_scale + light.spot_offset, 0.0, 1.0);
+    falloff *= falloff;
+  }
+  return light.intensity * (falloff / d2);
+}
+
+// ---- environment ------------------------------------------------------------------------------------------------
+// Lat-long: u = atan2(z, x)/2pi + 1/2, v = acos(y)/pi from the top row, in the map's own frame. rotation = (cos, sin)
+// of the angle by which the map is turned about +Y, counter-clockwise seen from above.
+
+vec3 environment_from_world(vec3 d, vec2 rotation) {
+  return vec3(rotation.x * d.x - rotation.y * d.z, d.y, rotation.y * d.x + rotation.x * d.z);
+}
+vec3 world_from_environment(vec3 d, vec2 rotation) {
+  return vec3(rotation.x * d.x + rotation.y * d.z, d.y, rotation.x * d.z - rotation.y * d.x);
+}
+
+// Position in the map of a unit direction in its frame, both in [0, 1).
+vec2 environment_uv(vec3 d) {
+  float u = atan2_exact(d.z, d.x) * (0.5 * kInvPi) + 0.5;
+  float v = atan2_exact(sqrt(d.x * d.x + d.z * d.z), d.y) * kInvPi;
+  return vec2(u < 1.0 ? u : 0.0, min(v, kOneMinusEpsilon));
+}
+
+vec3 environment_direction(vec2 uv) {
+  vec2 azimuth = cos_sin_turns(uv.x - 0.5);
+  vec2 polar = cos_sin_turns(0.5 * uv.y);
+  return vec3(polar.y * azimuth.x, polar.x, polar.y * azimuth.y);
+}
+
+// Solid angle of a texel: 2pi/w times the difference of two cosines, written as a product because they agree near the
+// poles.
+float environment_texel_solid_angle(uint row, uint width, uint height) {
+  float h = float(height);
+  return 4.0 * kPi / float(width) * cos_sin_turns((float(row) + 0.5) / (2.0 * h)).y * cos_sin_turns(0.25 / h).y;
+}
+
+// Direction in texel (column, row), uniform in solid angle over it. Heights are measured from the nearer pole as sin^2
+// of half the polar angle, which is proportional to solid angle and keeps its precision there.
+vec3 environment_texel_direction(uint column, uint row, uint width, uint height, vec2 u) {
+  bool south = 2u * row >= height;
+  float k = float(south ? height - 1u - row : row);
+  float h = float(height);
+  float near = cos_sin_turns(0.25 * k / h).y, far = cos_sin_turns(0.25 * (k + 1.0) / h).y;
+  float s = mix(near * near, far * far, south ? 1.0 - u.y : u.y);
+  vec2 azimuth = cos_sin_turns((float(column) + u.x) / float(width) - 0.5);
+  float y = 1.0 - 2.0 * s;
+  return vec3(2.0 * sqrt(s * (1.0 - s)) * azimuth, south ? -y : y).xzy;
+}
+
+// ---- from the bound buffers -------------------------------------------------------------------------------------
+
+#ifdef BIND_LIGHTS
+// Index of a light chosen in proportion to lights[].probability; u is reused.
+uint pick_light(inout float u) {
+  uint column = alias_column(u, frame.light_count);
+  return alias_follow(column, lights[column].threshold, lights[column].alias, u);
+}
+#endif
+
+#ifdef BIND_ENVIRONMENT
+// Texel (column, row) of a direction in the map's frame.
+uvec2 environment_texel(vec3 d) {
+  uvec2 size = uvec2(frame.environment_width, frame.environment_height);
+  return min(uvec2(environment_uv(d) * vec2(size)), size - 1u);
+}
+
+// Density per solid angle with which sample_environment_map finds a direction in this texel.
+float environment_map_pdf(uvec2 texel) {
+  float probability = texelFetch(environment, int(texel.y * frame.environment_width + texel.x)).w;
+  return probability / environment_texel_solid_angle(texel.y, frame.environment_width, frame.environment_height);
+}
+
+// World direction chosen in proportion to the map, its texel and its density.
+vec3 sample_environment_map(vec2 u, out uvec2 texel, out float pdf) {
+  uint width = frame.environment_width, height = frame.environment_height;
+  uint column = alias_column_large(u, width * height);
+  uvec2 entry = texelFetch(environment_alias, int(column)).xy;
+  uint index = alias_follow(column, uintBitsToFloat(entry.x), entry.y, u.y);
+  texel = uvec2(index % width, index / width);
+  pdf = environment_map_pdf(texel);
+  vec3 d = environment_texel_direction(texel.x, texel.y, width, height, u);
+  return world_from_environment(d, frame.environment_rotation);
+}
+#endif
+
+#endif
