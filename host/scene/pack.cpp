@@ -1,0 +1,122 @@
+// The walk from Scene to PackedScene, stage by stage; see pack.h.
+#include "host/scene/pack.h"
+
+#include <chrono>
+
+#include <glm/gtc/matrix_transform.hpp>
+
+#include "host/base/error.h"
+#include "host/scene/bounds.h"
+#include "host/scene/environment_light.h"
+#include "host/scene/features.h"
+#include "host/scene/geometry.h"
+#include "host/scene/instances.h"
+#include "host/scene/lights.h"
+#include "host/scene/materials.h"
+#include "host/scene/vertices.h"
+
+namespace wavepath {
+namespace {
+
+// What every stage of packing geometry looks up.
+struct Layout {
+  Usage usage;
+  std::vector<std::uint32_t> material_index; // by scene material
+  std::vector<float> image_alpha;            // by image, see smallest_image_alpha()
+  bool with_vertices = false;                // triangles refer to vertex streams
+};
+
+void list_parts(const Scene& scene, const Layout& layout, std::uint32_t mesh_index,
+                const glm::dmat4& device_from_object, std::vector<Part>& parts) {
+  const Mesh& mesh = scene.meshes[mesh_index];
+  const std::vector<std::uint32_t> flags = triangle_flags(scene, mesh, layout.image_alpha);
+  const bool mirrored = glm::determinant(glm::dmat3(device_from_object)) < 0.0;
+  for (std::uint32_t p = 0; p < mesh.primitives.size(); ++p) {
+    if (mesh.primitives[p].index_count < 3) continue;
+    parts.push_back({mesh_index, p, layout.material_index[mesh.primitives[p].material], flags[p],
+                     layout.usage.first_vertex[mesh_index], device_from_object, mirrored});
+  }
+}
+
+// Meshes that are shown once, baked into one object around the origin.
+Object pack_static(const Scene& scene, const Layout& layout, const glm::dmat4& device_from_world, PackedScene& packed) {
+  std::vector<Part> parts;
+  for (const Instance& instance : scene.instances)
+    if (layout.usage.mesh_instances[instance.mesh] == 1)
+      list_parts(scene, layout, instance.mesh, device_from_world * instance.world_from_object, parts);
+  return append_object(scene, parts, layout.with_vertices, 1, packed);
+}
+
+// An object for the static part and one for every shared mesh, then the top level. Returns by instance its object.
+std::vector<std::uint32_t> pack_two_level(Scene& scene, const Layout& layout, const glm::dmat4& device_from_world,
+                                          PackedScene& packed, std::vector<Object>& objects) {
+  std::vector<Placement> placements{{0, glm::dmat4(1.0)}};
+  std::vector<std::uint32_t> object_of_mesh(scene.meshes.size(), kNoIndex);
+  for (std::uint32_t m = 0; m < scene.meshes.size(); ++m) {
+    if (layout.usage.mesh_instances[m] < 2) continue;
+    std::vector<Part> parts;
+    list_parts(scene, layout, m, glm::dmat4(1.0), parts);
+    object_of_mesh[m] = static_cast<std::uint32_t>(objects.size());
+    objects.push_back(append_object(scene, parts, layout.with_vertices, layout.usage.mesh_instances[m], packed));
+  }
+  for (const Instance& instance : scene.instances)
+    if (object_of_mesh[instance.mesh] != kNoIndex)
+      placements.push_back({object_of_mesh[instance.mesh], device_from_world * instance.world_from_object});
+
+  std::size_t skipped = 0;
+  std::vector<std::uint32_t> object_of = pack_instances(objects, placements, packed, skipped);
+  if (skipped > 0)
+    scene.warnings.add("instances too large, too far or too flat for single precision were dropped", skipped);
+  return object_of;
+}
+
+void place_origin(const Scene& scene, PackedScene& packed) {
+  const Bounds bounds = world_bounds(scene);
+  packed.origin = bounds.centre();
+  packed.radius = bounds.radius();
+}
+
+} // namespace
+
+PackedScene pack(Scene& scene, std::uint32_t direct) {
+  PackedScene packed;
+  place_origin(scene, packed);
+  Layout layout;
+  layout.usage = find_usage(scene);
+  layout.image_alpha = smallest_image_alpha(scene, layout.usage);
+
+  MaterialTable materials = pack_materials(scene, layout.usage);
+  layout.material_index = std::move(materials.packed_index);
+  packed.materials = std::move(materials.materials);
+  packed.textures = materials.textures.textures;
+  packed.texels = pack_texels(materials.textures, scene);
+
+  const Streams streams = needed_streams(scene, layout.usage);
+  layout.with_vertices = streams.any();
+  const auto start = std::chrono::steady_clock::now();
+  const glm::dmat4 device_from_world = glm::translate(glm::dmat4(1.0), -packed.origin);
+  packed.triangles.reserve(layout.usage.triangles_stored);
+  if (layout.with_vertices) packed.triangle_vertices.reserve(layout.usage.triangles_stored);
+  std::vector<Object> objects{pack_static(scene, layout, device_from_world, packed)};
+  std::vector<std::uint32_t> object_of;
+  if (layout.usage.two_level()) {
+    object_of = pack_two_level(scene, layout, device_from_world, packed, objects);
+    for (const std::uint32_t object : object_of) packed.triangle_count += objects[object].triangle_count;
+  } else {
+    packed.root = objects[0].root;
+    packed.stack_size = objects[0].stack_bound + 1;
+    packed.triangle_count = packed.triangles.size();
+  }
+  packed.bvh_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  if (packed.dropped_triangles > 0)
+    scene.warnings.add("triangles without area or with coordinates that are not finite were dropped",
+                       packed.dropped_triangles);
+
+  pack_vertices(scene, layout.usage, streams, packed);
+  pack_lights(scene, objects, object_of, pack_environment(scene.environment, packed), direct, packed);
+  packed.features = find_features(scene, layout.usage, packed);
+  packed.left_out = list_left_out(layout.usage, packed, direct);
+  return packed;
+}
+
+} // namespace wavepath

@@ -1,0 +1,54 @@
+// Foretells what pack() will lay out, from counts alone; see pack.h.
+#include <algorithm>
+
+#include "host/scene/materials.h"
+#include "host/scene/pack.h"
+#include "host/scene/vertices.h"
+
+namespace wavepath {
+namespace {
+
+// Nodes of a tree over `items`: one for every kItemsPerNode, as measured on the shared scenes, and at least the root.
+constexpr std::uint64_t kItemsPerNode = 5;
+std::uint64_t node_bytes(std::uint64_t items) { return (items / kItemsPerNode + 1) * sizeof(bvh::WideNode); }
+
+// Triangles that may become lights, instances counted.
+std::uint64_t count_emitters(const Scene& scene, const Usage& usage) {
+  std::uint64_t emitters = 0;
+  for (std::size_t m = 0; m < scene.meshes.size(); ++m)
+    for (const Primitive& primitive : scene.meshes[m].primitives) {
+      const Material& material = scene.materials[primitive.material];
+      const bool shines = !material.unlit && glm::any(glm::greaterThan(material.emission, glm::vec3(0.0f)));
+      if (shines) emitters += std::uint64_t{primitive.index_count / 3} * usage.mesh_instances[m];
+    }
+  return emitters;
+}
+
+} // namespace
+
+Plan plan(const Scene& scene) {
+  const Usage usage = find_usage(scene);
+  const Streams streams = needed_streams(scene, usage);
+  const MaterialTable materials = pack_materials(scene, usage);
+
+  Plan plan;
+  plan.triangles_stored = usage.triangles_stored;
+  plan.triangles_seen = usage.triangles_seen;
+  plan.instances = usage.two_level() ? usage.shared_instances + 1 : 0;
+  const std::uint64_t triangles = usage.triangles_stored * sizeof(gpu::Triangle);
+  const std::uint64_t corners = streams.any() ? usage.triangles_stored * sizeof(glm::uvec4) : 0;
+  const std::uint64_t stream = usage.vertex_count * sizeof(glm::vec4);
+  const std::uint64_t placed = plan.instances * sizeof(gpu::Instance);
+  const std::uint64_t environment = scene.environment.present() ? scene.environment.map.size() * sizeof(glm::vec4) : 0;
+  plan.triangle_bytes = triangles + corners;
+  plan.node_bytes = node_bytes(usage.triangles_stored) + (placed > 0 ? placed + node_bytes(plan.instances) : 0);
+  plan.vertex_bytes = streams.count() * stream;
+  plan.texel_bytes = materials.textures.word_count * sizeof(std::uint32_t);
+  plan.environment_bytes = environment + environment / 2; // and its alias table
+  plan.light_bytes = (count_emitters(scene, usage) + scene.lights.size() + 1) * sizeof(gpu::Light);
+  plan.largest_buffer = std::max({triangles, corners, plan.node_bytes - placed, placed, streams.any() ? stream : 0,
+                                  plan.texel_bytes, environment, plan.light_bytes});
+  return plan;
+}
+
+} // namespace wavepath

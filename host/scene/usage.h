@@ -1,0 +1,32 @@
+// What of a scene its instances really use: which meshes, how often, which materials, and where their vertices will go.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "host/scene/scene.h"
+
+namespace wavepath {
+
+struct Usage {
+  std::vector<std::uint32_t> mesh_instances; // by mesh: how many instances show it; 0 too if it has no triangle
+  std::vector<std::uint32_t> first_vertex;   // by mesh: its place in the packed vertex streams; kNoIndex if unused
+  std::vector<bool> material_used;           // by material
+  std::uint64_t vertex_count = 0;            // of all meshes in use, each once
+  std::uint64_t triangles_stored = 0;        // each mesh once, before any is dropped
+  std::uint64_t triangles_seen = 0;          // instances counted
+  std::uint64_t shared_instances = 0;        // instances of meshes that are shown more than once
+  bool smooth = false;                       // some primitive has vertex normals
+  bool colored = false;                      // some mesh has vertex colours
+
+  bool two_level() const { return shared_instances > 0; }
+};
+
+// A scene index out of range is the loader's mistake and not checked again. Throws Error if there are more vertices
+// than 32 bits can number.
+Usage find_usage(const Scene& scene);
+
+// Whether any texture slot of the material holds an image.
+bool textured(const Material& material);
+
+} // namespace wavepath
