@@ -230,8 +230,8 @@ struct Frame {
   uint orthographic;
   uint sample_total; // samples a pixel that the stratified sampler spreads over
   uint slot_count;   // capacity of one ray queue
+  uint scene_features; // kFeature bits that the scene has data for, whatever the kernels were compiled with
   uint pad0;
-  uint pad1;
 };
 GPU_CHECK(sizeof(Frame) == 128);
 
@@ -242,6 +242,7 @@ struct Wave {
   uint first_sample;
   uint sample_count;
   uint bounce; // 0 = camera rays
+  uint first_film_pixel; // pixel, in tile order, of the film's first entry
 };
 
 struct PathState {
@@ -305,7 +306,7 @@ struct FilmPixel {
   vec3 block;
   uint count; // finite samples so far
   vec3 total;
-  uint block_count;
+  float pad1;
   vec3 compensation;
   float pad0;
 };

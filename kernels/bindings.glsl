@@ -1,0 +1,61 @@
+// What a kernel can see. A kernel asks for each group by a macro before the include, so that it declares only what it uses.
+#ifndef WAVEPATH_BINDINGS_GLSL
+#define WAVEPATH_BINDINGS_GLSL
+
+#include "kernels/gpu_types.h"
+
+layout(set = 0, binding = kBindFrame, std140) uniform FrameBlock { Frame frame; };
+layout(push_constant) uniform WaveBlock { Wave wave; };
+
+#ifdef BIND_GEOMETRY
+layout(set = 0, binding = kBindNodes) uniform samplerBuffer nodes;
+layout(set = 0, binding = kBindTriangles) uniform samplerBuffer triangles;
+layout(set = 0, binding = kBindInstances) uniform samplerBuffer instances;
+#endif
+
+#ifdef BIND_SURFACES
+layout(set = 0, binding = kBindTriangleVertices) uniform usamplerBuffer triangle_vertices;
+layout(set = 0, binding = kBindVertexNormals) uniform samplerBuffer vertex_normals;
+layout(set = 0, binding = kBindVertexUvs) uniform samplerBuffer vertex_uvs;
+layout(set = 0, binding = kBindVertexColors) uniform samplerBuffer vertex_colors;
+layout(set = 0, binding = kBindMaterials, std430) readonly buffer MaterialBlock { Material materials[]; };
+layout(set = 0, binding = kBindTextures, std430) readonly buffer TextureBlock { Texture textures[]; };
+layout(set = 0, binding = kBindTexels) uniform usamplerBuffer texels;
+layout(set = 0, binding = kBindSrgbTable) uniform samplerBuffer srgb_table;
+#endif
+
+#ifdef BIND_LIGHTS
+layout(set = 0, binding = kBindLights, std430) readonly buffer LightBlock { Light lights[]; };
+#endif
+
+#ifdef BIND_ENVIRONMENT
+layout(set = 0, binding = kBindEnvironment) uniform samplerBuffer environment;
+layout(set = 0, binding = kBindEnvironmentAlias) uniform usamplerBuffer environment_alias;
+#endif
+
+#ifdef BIND_PATHS
+layout(set = 0, binding = kBindPaths, std430) buffer PathBlock { PathState paths[]; };
+layout(set = 0, binding = kBindPathMedia, std430) buffer PathMediaBlock { uint path_media[]; };
+layout(set = 0, binding = kBindPathAovs, std430) buffer PathAovBlock { PathAovs path_aovs[]; };
+#endif
+
+#ifdef BIND_RAYS
+layout(set = 0, binding = kBindRays, std430) writeonly buffer RayBlock { Ray rays[]; };
+layout(set = 0, binding = kBindRayTexels) uniform samplerBuffer ray_texels;
+layout(set = 0, binding = kBindHits, std430) buffer HitBlock { Hit hits[]; };
+#endif
+
+#ifdef BIND_SHADOW_RAYS
+layout(set = 0, binding = kBindShadowRays, std430) buffer ShadowRayBlock { ShadowRay shadow_rays[]; };
+#endif
+
+#ifdef BIND_QUEUES
+layout(set = 0, binding = kBindQueues, std430) buffer QueueBlock { Queues queues; };
+#endif
+
+#ifdef BIND_FILM
+layout(set = 0, binding = kBindFilm, std430) buffer FilmBlock { FilmPixel film[]; };
+layout(set = 0, binding = kBindFilmAovs, std430) buffer FilmAovBlock { FilmAovs film_aovs[]; };
+#endif
+
+#endif

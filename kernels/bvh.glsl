@@ -1,0 +1,194 @@
+// Traversal of the 4-wide BVH, one ray a lane: the device twin of bvh/traverse.h, operation for operation.
+// Boxes: the padded slab test of Ize 2013. Triangles: the watertight test of Woop, Benthin and Wald 2013. Include bindings.glsl with BIND_GEOMETRY first; where
+// alpha is tested, define ALPHA_TEST(triangle, b1, b2) as "this point is a hole".
+#ifndef WAVEPATH_BVH_GLSL
+#define WAVEPATH_BVH_GLSL
+
+#include "kernels/config.glsl"
+#include "kernels/math.glsl"
+
+const float kSmallestDirection = 8.67361738e-19; // 2^-60: keeps reciprocals finite, so that 0 * inf never arises
+const float kSlabPadding = 1.0 + 1.90734863e-6; // 2^-19, derived in bvh/intersect.h
+const float kSmallestNormal = 1.17549435e-38;
+const float kMaxCoordinate = 1e18; // beyond it, squares overflow
+const uint kMissedKey = 0xffffffffu;
+const uint kPopInstance = 0xfffffffeu; // stack entry: back to world space
+
+// A ray prepared for boxes (reciprocal) and triangles (shear onto the axis of its largest component).
+struct TraversalRay {
+  vec3 origin;
+  vec3 reciprocal;
+  vec3 shear;
+  uint axis; // of the largest component of the direction, the lowest on a tie
+};
+
+// (kx, ky, kz) = (axis + 1, axis + 2, axis) modulo 3.
+vec3 to_sheared_axes(vec3 v, uint axis) { return axis == 2u ? v.xyz : axis == 0u ? v.yzx : v.zxy; }
+
+TraversalRay make_traversal_ray(vec3 origin, vec3 direction) {
+  TraversalRay ray;
+  ray.origin = origin;
+  vec3 size = abs(direction);
+  vec3 clamped = max(size, vec3(kSmallestDirection));
+  ray.reciprocal = 1.0 / mix(clamped, -clamped, lessThan(direction, vec3(0.0)));
+  ray.axis = size.y > size.x ? 1u : 0u;
+  ray.axis = size.z > max(size.x, size.y) ? 2u : ray.axis;
+  vec3 d = to_sheared_axes(direction, ray.axis);
+  ray.shear = vec3(d.x / d.z, d.y / d.z, 1.0 / d.z);
+  return ray;
+}
+
+struct Candidate {
+  float t;
+  float b1;
+  float b2;
+  bool hit;
+  bool front; // counter-clockwise as seen from the ray's origin
+};
+
+// Bound on the error of t where a vertex lies behind the origin; derived in bvh/intersect.h.
+float depth_error(vec3 x, vec3 y, vec3 z, float reciprocal, float shear_z) {
+  const float kShearError = 9.0 * 5.9604645e-8;
+  const float kProductError = 2.0 * 5.9604645e-8;
+  const float kDepthError = 18.0 * 5.9604645e-8;
+  float max_x = max_component(abs(x)), max_y = max_component(abs(y)), max_z = max_component(abs(z));
+  float x_error = kShearError * (max_x + max_z), y_error = kShearError * (max_y + max_z);
+  float edge_error = 2.0 * (kProductError * max_x * max_y + y_error * max_x + x_error * max_y);
+  return 3.0 * (kDepthError + edge_error * abs(reciprocal)) * (max_z * abs(shear_z));
+}
+
+Candidate intersect_triangle(TraversalRay ray, vec3 v0, vec3 v1, vec3 v2) {
+  precise vec3 a = to_sheared_axes(v0 - ray.origin, ray.axis);
+  precise vec3 b = to_sheared_axes(v1 - ray.origin, ray.axis);
+  precise vec3 c = to_sheared_axes(v2 - ray.origin, ray.axis);
+  precise vec3 x = vec3(a.x, b.x, c.x) - ray.shear.x * vec3(a.z, b.z, c.z);
+  precise vec3 y = vec3(a.y, b.y, c.y) - ray.shear.y * vec3(a.z, b.z, c.z);
+  // Neighbours see a shared edge with swapped ends, hence exactly negated: no ray slips between them.
+  precise vec3 edge = vec3(x.z, x.x, x.y) * vec3(y.y, y.z, y.x) - vec3(y.z, y.x, y.y) * vec3(x.y, x.z, x.x);
+  bool outside = any(lessThan(edge, vec3(0.0))) && any(greaterThan(edge, vec3(0.0)));
+  precise float determinant = edge.x + edge.y + edge.z;
+  precise float reciprocal = 1.0 / determinant;
+  precise vec3 weight = edge * reciprocal;
+  precise vec3 depth = ray.shear.z * vec3(a.z, b.z, c.z);
+  precise float t = weight.x * depth.x + weight.y * depth.y + weight.z * depth.z;
+  // The signs of the depths are exact: with all vertices in front t needs no bound, however thin the triangle is.
+  bool in_front = min(depth.x, min(depth.y, depth.z)) > 0.0;
+  float t_least = in_front ? 0.0 : depth_error(x, y, vec3(a.z, b.z, c.z), reciprocal, ray.shear.z);
+  return Candidate(t, weight.y, weight.z, !outside && abs(determinant) >= kSmallestNormal && t > t_least,
+                   (determinant > 0.0) == (ray.shear.z > 0.0));
+}
+
+vec3 transform_point(uint first_texel, vec3 p) {
+  vec4 q = vec4(p, 1.0);
+  return vec3(dot(texelFetch(instances, int(first_texel)), q), dot(texelFetch(instances, int(first_texel + 1u)), q),
+              dot(texelFetch(instances, int(first_texel + 2u)), q));
+}
+vec3 transform_vector(uint first_texel, vec3 v) {
+  return vec3(dot(texelFetch(instances, int(first_texel)).xyz, v), dot(texelFetch(instances, int(first_texel + 1u)).xyz, v),
+              dot(texelFetch(instances, int(first_texel + 2u)).xyz, v));
+}
+
+#ifndef ALPHA_TEST
+#define ALPHA_TEST(triangle, b1, b2) false
+#endif
+
+// The nearest hit with 0 < t < t_max, or with ANY_HIT the first one found. Of hits at equal t the lowest (instance, triangle)
+// wins, so that the result does not depend on the order of visits.
+Hit trace(vec3 origin, vec3 direction, float t_max) {
+  Hit hit = Hit(kNone, 0u, 0.0, 0.0);
+  uint stack[kStackSize];
+  stack[0] = kNone; // popped when all is done
+  uint top = 1u;
+  float t_best = t_max;
+  bool valid = all(lessThanEqual(abs(origin), vec3(kMaxCoordinate))) &&
+               all(lessThanEqual(abs(direction), vec3(kMaxCoordinate))); // false for NaN
+  uint current = valid ? frame.root : kNone;
+  bool in_top_level = has(kFeatureInstances) && frame.root_is_top != 0u;
+  uint instance = 0u;
+  TraversalRay ray = make_traversal_ray(origin, direction);
+
+  while (current != kNone) {
+    while ((current & kLeafBit) == 0u) {
+      int base = int(current * kNodeTexels);
+      bvec3 negative = lessThan(ray.reciprocal, vec3(0.0));
+      ivec3 near_plane = ivec3(0, 2, 4) + ivec3(negative);
+      ivec3 far_plane = ivec3(1, 3, 5) - ivec3(negative);
+      vec4 t_near = max(max((texelFetch(nodes, base + near_plane.x) - ray.origin.x) * ray.reciprocal.x,
+                            (texelFetch(nodes, base + near_plane.y) - ray.origin.y) * ray.reciprocal.y),
+                        max((texelFetch(nodes, base + near_plane.z) - ray.origin.z) * ray.reciprocal.z, vec4(0.0)));
+      vec4 t_far = min(min((texelFetch(nodes, base + far_plane.x) - ray.origin.x) * ray.reciprocal.x,
+                           (texelFetch(nodes, base + far_plane.y) - ray.origin.y) * ray.reciprocal.y),
+                       min((texelFetch(nodes, base + far_plane.z) - ray.origin.z) * ray.reciprocal.z, vec4(t_best)));
+      bvec4 entered = lessThanEqual(t_near, t_far * kSlabPadding);
+      uvec4 child = floatBitsToUint(texelFetch(nodes, base + 6));
+
+      // Nearest child first. The key carries the slot in its low bits, so that equal distances keep their order.
+      uvec4 key = mix(uvec4(kMissedKey), (floatBitsToUint(t_near) & ~3u) | uvec4(0u, 1u, 2u, 3u), entered);
+      key = uvec4(min(key.x, key.y), max(key.x, key.y), min(key.z, key.w), max(key.z, key.w));
+      key = uvec4(min(key.x, key.z), min(key.y, key.w), max(key.x, key.z), max(key.y, key.w));
+      key = uvec4(key.x, min(key.y, key.z), max(key.y, key.z), key.w);
+
+      // Stored without a branch, kept by moving the top.
+      stack[top] = child[key.w & 3u];
+      top += uint(key.w != kMissedKey);
+      stack[top] = child[key.z & 3u];
+      top += uint(key.z != kMissedKey);
+      stack[top] = child[key.y & 3u];
+      top += uint(key.y != kMissedKey);
+      stack[top] = child[key.x & 3u];
+      top += uint(key.x != kMissedKey);
+      current = stack[--top];
+    }
+
+    if (has(kFeatureInstances)) {
+      if (current == kPopInstance) {
+        in_top_level = true;
+        ray = make_traversal_ray(origin, direction);
+        current = stack[--top];
+        continue;
+      }
+      if (in_top_level && current != kNone) {
+        // A leaf of the top level is one instance: go on in its space.
+        instance = current & kLeafFirstMask;
+        uint texel = instance * kInstanceTexels;
+        stack[top++] = kPopInstance;
+        in_top_level = false;
+        ray = make_traversal_ray(transform_point(texel, origin), transform_vector(texel, direction));
+        current = floatBitsToUint(texelFetch(instances, int(texel + 6u)).x);
+        continue;
+      }
+    }
+
+    if (current != kNone) {
+      uint triangle = current & kLeafFirstMask;
+      uint end = triangle + ((current & ~kLeafBit) >> kLeafCountShift) + 1u;
+      do {
+        int texel = int(triangle * kTriangleTexels);
+        vec4 v0 = texelFetch(triangles, texel);
+        vec4 v1 = texelFetch(triangles, texel + 1);
+        vec4 v2 = texelFetch(triangles, texel + 2);
+        uint flags = floatBitsToUint(v0.w);
+        Candidate candidate = intersect_triangle(ray, v0.xyz, v1.xyz, v2.xyz);
+        bool first = instance < hit.instance || (instance == hit.instance && triangle < hit.triangle);
+        bool accepted = candidate.hit && candidate.t < t_max &&
+                        (candidate.t < t_best || (candidate.t == t_best && first));
+        if (has(kFeatureCull)) accepted = accepted && (candidate.front || (flags & kTriangleSingleSided) == 0u);
+        if (has(kFeatureAlpha)) {
+          if (accepted && (flags & kTriangleAlpha) != 0u) accepted = !ALPHA_TEST(triangle, candidate.b1, candidate.b2);
+        }
+        if (accepted) {
+          t_best = candidate.t;
+          hit = Hit(triangle, instance, candidate.b1, candidate.b2);
+        }
+        ++triangle;
+      } while (triangle < end);
+#ifdef ANY_HIT
+      if (hit.triangle != kNone) return hit;
+#endif
+      current = stack[--top];
+    }
+  }
+  return hit;
+}
+
+#endif

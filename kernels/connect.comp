@@ -1,0 +1,32 @@
+// Follows the shadow rays: a path gains the light's contribution if nothing is in between.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+
+#define BIND_GEOMETRY
+#define BIND_SURFACES
+#define BIND_PATHS
+#define BIND_SHADOW_RAYS
+#define BIND_QUEUES
+#include "kernels/bindings.glsl"
+#include "kernels/dimensions.glsl"
+#include "kernels/pixel.glsl"
+#include "kernels/surface.glsl"
+
+Sampler path_sampler;
+#define ALPHA_TEST(triangle, b1, b2) \
+  (hash_unit(path_sampler, alpha_key(wave.bounce, kHashConnect), triangle) >= triangle_opacity(triangle, b1, b2))
+#define ANY_HIT
+#include "kernels/bvh.glsl"
+
+layout(local_size_x = kWorkgroupSize) in;
+
+void main() {
+  uint index = gl_GlobalInvocationID.x;
+  if (index >= queues.shadow_count) return;
+  ShadowRay ray = shadow_rays[index];
+  if (has(kFeatureAlpha)) path_sampler = slot_sampler(ray.slot);
+  if (trace(ray.origin, ray.direction, ray.t_max).triangle != kNone) return;
+  // One shadow ray a path and bounce: no other lane writes this slot.
+  paths[ray.slot].radiance += ray.contribution;
+  if (has(kFeatureAovs) && wave.bounce == 0u) path_aovs[ray.slot].direct += ray.contribution;
+}

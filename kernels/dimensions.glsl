@@ -1,0 +1,21 @@
+// Which pair of random numbers serves what. Bounce b uses kDimensionsPerBounce pairs from bounce_dimension(b) on, whether or not
+// a scene needs them all, so that leaving features out changes no number.
+#ifndef WAVEPATH_DIMENSIONS_GLSL
+#define WAVEPATH_DIMENSIONS_GLSL
+
+const uint kDimensionFilter = 0u;
+const uint kDimensionsPerBounce = 4u;
+
+const uint kDimensionDirection = 0u; // of the scattered ray
+const uint kDimensionChoice = 1u;    // x: lobe, y: Russian roulette
+const uint kDimensionLight = 2u;     // point on the light
+const uint kDimensionLightPick = 3u; // x: which light
+
+uint bounce_dimension(uint bounce) { return 1u + bounce * kDimensionsPerBounce; }
+
+// Keys of the hashed numbers for stochastic alpha: shadow rays draw others than the path's own rays.
+const uint kHashExtend = 0u;
+const uint kHashConnect = 1u;
+uint alpha_key(uint bounce, uint kind) { return 2u * bounce + kind; }
+
+#endif

@@ -1,0 +1,123 @@
+// Light as the integrator sees it: what a direction or a point on a light emits, and with which density next-event estimation
+// would have found it. Include bindings.glsl with BIND_GEOMETRY, BIND_SURFACES, BIND_LIGHTS and BIND_ENVIRONMENT first.
+#ifndef WAVEPATH_EMISSION_GLSL
+#define WAVEPATH_EMISSION_GLSL
+
+#include "kernels/light_sampling.glsl"
+#include "kernels/surface.glsl"
+
+// Weight of a technique with density `pdf` against another that would have had `other` (power heuristic, Veach 1997).
+// As a ratio: squares of densities near a delta light would overflow.
+float mis_weight(float pdf, float other) {
+  float ratio = other / pdf;
+  return 1.0 / (1.0 + ratio * ratio);
+}
+
+// Weight of light that the BSDF found by chance, where next-event estimation could have found it with density `light_pdf` per
+// solid angle (0: never).
+float emission_weight(float bsdf_pdf, float light_pdf) {
+  if (kDirect == kDirectBsdf || bsdf_pdf < 0.0 || light_pdf <= 0.0) return 1.0;
+  return kDirect == kDirectNee ? 0.0 : mis_weight(bsdf_pdf, light_pdf);
+}
+
+// Radiance leaving the surface on the side that the viewer sees.
+vec3 surface_emission(Surface surface, Material material, bool front) {
+  if (!has(kFeatureEmission)) return vec3(0.0);
+  if (!front && (material.flags & kMaterialDoubleSided) == 0u) return vec3(0.0);
+  return material.emission * sample_texture_or(material.emission_texture, surface.uv, vec4(1.0)).rgb;
+}
+
+// The map in a direction of its frame, interpolated between texel centres; u wraps, v ends at the poles.
+vec3 environment_map_radiance(vec3 direction) {
+  ivec2 size = ivec2(frame.environment_width, frame.environment_height);
+  vec2 position = environment_uv(direction) * vec2(size) - 0.5;
+  vec2 first = floor(position), weight = position - first;
+  int left = int(first.x) < 0 ? size.x - 1 : int(first.x);
+  int right = left + 1 == size.x ? 0 : left + 1;
+  int upper = max(int(first.y), 0) * size.x, lower = min(int(first.y) + 1, size.y - 1) * size.x;
+  return mix(mix(texelFetch(environment, upper + left).rgb, texelFetch(environment, upper + right).rgb, weight.x),
+             mix(texelFetch(environment, lower + left).rgb, texelFetch(environment, lower + right).rgb, weight.x), weight.y);
+}
+
+bool has_environment_map() { return has(kFeatureEnvironmentMap) && frame.environment_width > 0u; }
+
+// Radiance from infinity, and the density per solid angle with which next-event estimation picks the direction.
+vec3 environment_emission(vec3 direction, out float pdf) {
+  pdf = 0.0;
+  if (!has(kFeatureEnvironment)) return vec3(0.0);
+  if (has_environment_map()) {
+    vec3 d = environment_from_world(direction, frame.environment_rotation);
+    if (frame.environment_probability > 0.0) pdf = frame.environment_probability * environment_map_pdf(environment_texel(d));
+    return frame.environment_radiance * environment_map_radiance(d);
+  }
+  pdf = frame.environment_probability * warp_uniform_sphere_pdf();
+  return frame.environment_radiance;
+}
+
+// A point or direction on a light as next-event estimation draws it.
+struct LightSample {
+  vec3 direction; // to the light: unit length
+  float pdf;      // per solid angle, the choice of the light included; punctual lights: of the choice alone
+  vec3 radiance;  // arriving; of punctual lights the irradiance at normal incidence; zero: nothing to gain
+  bool delta;     // no other technique can find it
+  vec3 target;    // where the shadow ray ends
+  bool distant;   // at infinity, in `direction`
+};
+
+LightSample no_light() { return LightSample(vec3(0.0), 0.0, vec3(0.0), false, vec3(0.0), false); }
+
+LightSample sample_triangle_light(Light light, vec3 from, vec2 u) {
+  vec2 weights = warp_triangle(u);
+  Surface surface = fetch_surface(Hit(light.triangle, light.instance, weights.x, weights.y));
+  vec3 offset = surface.position - from;
+  float distance_squared = dot(offset, offset);
+  LightSample s = no_light();
+  if (distance_squared == 0.0) return s;
+  s.direction = offset / sqrt(distance_squared);
+  float cosine = dot(surface.geometric_normal, s.direction);
+  Material material = materials[surface.material];
+  float alpha = base_color(material, surface.uv, surface.color).a;
+  s.radiance = surface_emission(surface, material, cosine < 0.0) * opacity(material, alpha);
+  s.pdf = solid_angle_pdf(surface.light_pdf, offset, surface.geometric_normal);
+  s.target = offset_ray_origin(surface.position, surface.position_error, surface.geometric_normal, -s.direction);
+  return s;
+}
+
+LightSample sample_punctual_light(Light light, vec3 from) {
+  LightSample s = no_light();
+  vec3 to_light;
+  s.radiance = punctual_irradiance(light, from, to_light);
+  s.delta = true;
+  s.pdf = light.probability;
+  s.distant = light.kind == kLightDirectional;
+  s.direction = safe_normalize(to_light, light.direction);
+  s.target = light.position;
+  return s;
+}
+
+LightSample sample_environment(vec2 u) {
+  LightSample s = no_light();
+  s.distant = true;
+  if (has_environment_map()) {
+    uvec2 texel;
+    s.direction = sample_environment_map(u, texel, s.pdf);
+    vec3 d = environment_from_world(s.direction, frame.environment_rotation);
+    s.radiance = frame.environment_radiance * environment_map_radiance(d);
+  } else {
+    s.direction = warp_uniform_sphere(u);
+    s.pdf = warp_uniform_sphere_pdf();
+    s.radiance = frame.environment_radiance;
+  }
+  s.pdf *= frame.environment_probability;
+  return s;
+}
+
+LightSample sample_light(vec3 from, float u_pick, vec2 u) {
+  Light light = lights[pick_light(u_pick)];
+  if (has(kFeatureEnvironment) && light.kind == kLightEnvironment) return sample_environment(u);
+  if (has(kFeatureTriangleLights) && light.kind == kLightTriangle) return sample_triangle_light(light, from, u);
+  if (has(kFeaturePunctualLights)) return sample_punctual_light(light, from);
+  return no_light();
+}
+
+#endif

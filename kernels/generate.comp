@@ -1,0 +1,46 @@
+// Starts the paths of a wave: a camera ray for every (pixel, sample), its place in the pixel drawn from the filter.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+
+#define BIND_PATHS
+#define BIND_RAYS
+#define BIND_QUEUES
+#include "kernels/bindings.glsl"
+#include "kernels/config.glsl"
+#include "kernels/dimensions.glsl"
+#include "kernels/filter.glsl"
+#include "kernels/pixel.glsl"
+
+layout(local_size_x = kWorkgroupSize) in;
+
+void main() {
+  uint slot = gl_GlobalInvocationID.x;
+  if (slot == 0u) queues.ray_count[0] = wave.pixel_count * wave.sample_count;
+  if (slot >= wave.pixel_count * wave.sample_count) return;
+
+  uvec2 pixel = slot_pixel(slot);
+  vec2 u = sample_2d(slot_sampler(slot), kDimensionFilter);
+  vec2 position = vec2(pixel) + 0.5 + sample_filter(u);
+  float x = 2.0 * position.x / float(frame.width) - 1.0;
+  float y = 1.0 - 2.0 * position.y / float(frame.height);
+  vec3 across = x * frame.camera_right + y * frame.camera_up;
+  vec3 origin = frame.camera_position;
+  vec3 direction = frame.camera_forward + across;
+  if (has(kFeatureOrthographic) && frame.orthographic != 0u) {
+    origin = frame.camera_position + across;
+    direction = frame.camera_forward;
+  }
+
+  rays[slot] = Ray(origin, slot, normalize(direction), kInfinity);
+  paths[slot] = PathState(vec3(1.0), -1.0, vec3(0.0), 1.0);
+  if (has(kFeatureVolume)) path_media[slot] = kNone;
+  if (has(kFeatureAovs)) {
+    path_aovs[slot].albedo = vec3(0.0);
+    path_aovs[slot].depth = 0.0;
+    path_aovs[slot].normal = vec3(0.0);
+    path_aovs[slot].hit = 0.0;
+    path_aovs[slot].position = vec3(0.0);
+    path_aovs[slot].emission = vec3(0.0);
+    path_aovs[slot].direct = vec3(0.0);
+  }
+}

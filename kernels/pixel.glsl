@@ -1,0 +1,18 @@
+// Which (pixel, sample) a slot of the wave works on. Include bindings.glsl first.
+#ifndef WAVEPATH_PIXEL_GLSL
+#define WAVEPATH_PIXEL_GLSL
+
+#include "kernels/sampler.glsl"
+#include "kernels/tile_order.h"
+
+uvec2 slot_pixel(uint slot) {
+  return pixel_in_tile_order(wave.first_pixel + slot % wave.pixel_count, frame.width, frame.height);
+}
+uint slot_sample(uint slot) { return wave.first_sample + slot / wave.pixel_count; }
+
+Sampler slot_sampler(uint slot) {
+  uvec2 pixel = slot_pixel(slot);
+  return make_sampler(frame.seed, pixel.y * frame.width + pixel.x, slot_sample(slot), frame.sample_total);
+}
+
+#endif

@@ -1,0 +1,147 @@
+// From a hit to the surface there: position with its error bound, normals, texture coordinates, colour.
+// Include bindings.glsl with BIND_GEOMETRY and BIND_SURFACES first.
+#ifndef WAVEPATH_SURFACE_GLSL
+#define WAVEPATH_SURFACE_GLSL
+
+#include "kernels/config.glsl"
+#include "kernels/math.glsl"
+#include "kernels/texture.glsl"
+
+struct Surface {
+  vec3 position;       // device world
+  vec3 position_error; // bound on its absolute error, per axis (Pharr, Jakob, Humphreys, section 6.8)
+  vec3 geometric_normal; // unit, of the front: counter-clockwise
+  vec3 vertex_normal;    // unit, interpolated; the geometric one where a mesh is flat
+  vec4 tangent;          // unit, w = handedness; zero if the mesh has none
+  vec4 uv;               // TEXCOORD_0, TEXCOORD_1
+  vec4 color;            // COLOR_0
+  uint material;
+  float light_pdf; // per unit area, see Triangle
+};
+
+// Compiled in, and there is data for it: generic kernels must not read streams that this scene left out.
+bool uses(uint feature) { return has(feature) && (frame.scene_features & feature) != 0u; }
+bool is_instanced() { return has(kFeatureInstances) && frame.root_is_top != 0u; }
+
+// Inverse of pack_tangent in host/scene/pack.h. Zero where there is none.
+vec4 unpack_tangent(float packed) {
+  uint bits = floatBitsToUint(packed);
+  if (bits == 0u) return vec4(0.0);
+  vec2 octahedral = vec2(float(bits >> 16u) / 65535.0, float((bits >> 1u) & 32767u) / 32767.0) * 2.0 - 1.0;
+  vec3 direction = vec3(octahedral, 1.0 - abs(octahedral.x) - abs(octahedral.y));
+  if (direction.z < 0.0)
+    direction.xy = (1.0 - abs(direction.yx)) * vec2(direction.x < 0.0 ? -1.0 : 1.0, direction.y < 0.0 ? -1.0 : 1.0);
+  return vec4(normalize(direction), (bits & 1u) != 0u ? -1.0 : 1.0);
+}
+
+// uv of a point on a triangle, for tests that need nothing else.
+vec4 surface_uv(uint triangle, vec3 weights) {
+  uvec3 vertex = texelFetch(triangle_vertices, int(triangle)).xyz;
+  return weights.x * texelFetch(vertex_uvs, int(vertex.x)) + weights.y * texelFetch(vertex_uvs, int(vertex.y)) +
+         weights.z * texelFetch(vertex_uvs, int(vertex.z));
+}
+
+vec4 surface_color(uint triangle, vec3 weights) {
+  uvec3 vertex = texelFetch(triangle_vertices, int(triangle)).xyz;
+  return weights.x * texelFetch(vertex_colors, int(vertex.x)) + weights.y * texelFetch(vertex_colors, int(vertex.y)) +
+         weights.z * texelFetch(vertex_colors, int(vertex.z));
+}
+
+// Object to world: exact bounds on what the transform adds to the position's error.
+void to_world(uint instance, inout Surface surface) {
+  int texel = int(instance * kInstanceTexels);
+  vec4 from0 = texelFetch(instances, texel), from1 = texelFetch(instances, texel + 1), from2 = texelFetch(instances, texel + 2);
+  vec4 to0 = texelFetch(instances, texel + 3), to1 = texelFetch(instances, texel + 4), to2 = texelFetch(instances, texel + 5);
+  bool flipped = floatBitsToUint(texelFetch(instances, texel + 6).y) != 0u;
+  vec4 p = vec4(surface.position, 1.0);
+  vec3 size = abs(surface.position), error = surface.position_error;
+  surface.position_error =
+      (1.0 + gamma_bound(3)) * vec3(dot(abs(to0.xyz), error), dot(abs(to1.xyz), error), dot(abs(to2.xyz), error)) +
+      gamma_bound(4) * vec3(dot(abs(to0.xyz), size) + abs(to0.w), dot(abs(to1.xyz), size) + abs(to1.w),
+                            dot(abs(to2.xyz), size) + abs(to2.w));
+  surface.position = vec3(dot(to0, p), dot(to1, p), dot(to2, p));
+  // Normals go by the inverse transpose, which also keeps the front of a mirrored object in front.
+  vec3 n = surface.geometric_normal;
+  surface.geometric_normal = normalize(from0.xyz * n.x + from1.xyz * n.y + from2.xyz * n.z);
+  n = surface.vertex_normal;
+  surface.vertex_normal = normalize(from0.xyz * n.x + from1.xyz * n.y + from2.xyz * n.z);
+  vec3 t = surface.tangent.xyz;
+  surface.tangent.xyz = vec3(dot(to0.xyz, t), dot(to1.xyz, t), dot(to2.xyz, t));
+  surface.tangent.w = flipped ? -surface.tangent.w : surface.tangent.w;
+}
+
+Surface fetch_surface(Hit hit) {
+  int texel = int(hit.triangle * kTriangleTexels);
+  vec4 v0 = texelFetch(triangles, texel), v1 = texelFetch(triangles, texel + 1), v2 = texelFetch(triangles, texel + 2);
+  vec3 weights = vec3(1.0 - hit.b1 - hit.b2, hit.b1, hit.b2);
+  Surface surface;
+  surface.position = weights.x * v0.xyz + weights.y * v1.xyz + weights.z * v2.xyz;
+  surface.position_error =
+      gamma_bound(7) * (abs(weights.x * v0.xyz) + abs(weights.y * v1.xyz) + abs(weights.z * v2.xyz));
+  surface.geometric_normal = safe_normalize(cross(v1.xyz - v0.xyz, v2.xyz - v0.xyz), vec3(0.0, 0.0, 1.0));
+  surface.vertex_normal = surface.geometric_normal;
+  surface.material = floatBitsToUint(v1.w);
+  surface.light_pdf = v2.w;
+  surface.tangent = vec4(0.0);
+  surface.uv = vec4(0.0);
+  surface.color = vec4(1.0);
+
+  if (uses(kFeatureSmoothNormals | kFeatureNormalMaps)) {
+    uvec3 vertex = texelFetch(triangle_vertices, int(hit.triangle)).xyz;
+    vec4 n0 = texelFetch(vertex_normals, int(vertex.x));
+    vec4 n1 = texelFetch(vertex_normals, int(vertex.y));
+    vec4 n2 = texelFetch(vertex_normals, int(vertex.z));
+    if ((floatBitsToUint(v0.w) & kTriangleSmooth) != 0u)
+      surface.vertex_normal =
+          safe_normalize(weights.x * n0.xyz + weights.y * n1.xyz + weights.z * n2.xyz, surface.geometric_normal);
+    if (uses(kFeatureNormalMaps)) {
+      vec4 t0 = unpack_tangent(n0.w);
+      surface.tangent = vec4(weights.x * t0.xyz + weights.y * unpack_tangent(n1.w).xyz + weights.z * unpack_tangent(n2.w).xyz,
+                             t0.w);
+    }
+  }
+  if (uses(kFeatureTextures)) surface.uv = surface_uv(hit.triangle, weights);
+  if (uses(kFeatureVertexColors)) surface.color = surface_color(hit.triangle, weights);
+  if (is_instanced()) to_world(hit.instance, surface);
+  return surface;
+}
+
+// Base colour with alpha, everything multiplied in.
+vec4 base_color(Material material, vec4 uv, vec4 color) {
+  return material.base_color * color * sample_texture_or(material.base_color_texture, uv, vec4(1.0));
+}
+
+// Share of light that the surface stops: 1 = opaque. MASK decides by its cutoff, BLEND is a probability.
+float opacity(Material material, float alpha) {
+  if ((material.flags & kMaterialMask) != 0u) return alpha >= material.alpha_cutoff ? 1.0 : 0.0;
+  if ((material.flags & kMaterialBlend) != 0u) return clamp(alpha, 0.0, 1.0);
+  return 1.0;
+}
+
+// Opacity at a point of a triangle.
+float triangle_opacity(uint triangle, float b1, float b2) {
+  vec3 weights = vec3(1.0 - b1 - b2, b1, b2);
+  Material material = materials[floatBitsToUint(texelFetch(triangles, int(triangle * kTriangleTexels + 1u)).w)];
+  vec4 uv = uses(kFeatureTextures) ? surface_uv(triangle, weights) : vec4(0.0);
+  vec4 color = uses(kFeatureVertexColors) ? surface_color(triangle, weights) : vec4(1.0);
+  return opacity(material, base_color(material, uv, color).a);
+}
+
+// Shading normal on the side of `wo`: interpolated, bent by the normal map, and bent back where it would face away from the
+// viewer (such a direction cannot be seen on a real bumpy surface; leaving it would render black).
+vec3 shading_normal(Surface surface, Material material, bool front, vec3 wo) {
+  vec3 n = surface.vertex_normal;
+  if (has(kFeatureNormalMaps) && material.normal_texture != kNone && dot(surface.tangent.xyz, surface.tangent.xyz) > 0.0) {
+    vec3 mapped = sample_texture(material.normal_texture, surface.uv).xyz * 2.0 - 1.0;
+    mapped.xy *= material.normal_scale;
+    vec3 t = safe_normalize(surface.tangent.xyz - n * dot(n, surface.tangent.xyz), vec3(0.0));
+    vec3 b = cross(n, t) * surface.tangent.w;
+    n = safe_normalize(t * mapped.x + b * mapped.y + n * mapped.z, n);
+  }
+  if (!front) n = -n;
+  const float kGrazing = 1e-3; // cosine at which the normal is held
+  float cosine = dot(n, wo);
+  return cosine < kGrazing ? normalize(n + wo * (kGrazing - cosine)) : n;
+}
+
+#endif

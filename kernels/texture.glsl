@@ -1,0 +1,72 @@
+// Material textures: exact filtering in fp32 from texels in a buffer, so that every device yields the same bits.
+// Include bindings.glsl with BIND_SURFACES first.
+#ifndef WAVEPATH_TEXTURE_GLSL
+#define WAVEPATH_TEXTURE_GLSL
+
+#include "kernels/config.glsl"
+
+// Linear RGBA of one texel. Bytes are decoded before filtering, as light adds up linearly.
+vec4 fetch_texel(Texture image, int x, int y) {
+  uint texel = uint(y) * image.width + uint(x);
+  if ((image.flags & kTextureFloat) != 0u) {
+    int word = int(image.first_texel + 4u * texel);
+    return uintBitsToFloat(uvec4(texelFetch(texels, word).x, texelFetch(texels, word + 1).x, texelFetch(texels, word + 2).x,
+                                 texelFetch(texels, word + 3).x));
+  }
+  uint word = texelFetch(texels, int(image.first_texel + texel)).x;
+  uvec4 bytes = uvec4(word, word >> 8u, word >> 16u, word >> 24u) & 255u;
+  vec4 linear = vec4(bytes) / 255.0;
+  if ((image.flags & kTextureSrgb) != 0u)
+    linear.rgb = vec3(texelFetch(srgb_table, int(bytes.x)).x, texelFetch(srgb_table, int(bytes.y)).x,
+                      texelFetch(srgb_table, int(bytes.z)).x);
+  return linear;
+}
+
+// Position in the image, 0..1, after wrapping.
+float wrap_coordinate(float u, uint mode) {
+  if (mode == kWrapClamp) return clamp(u, 0.0, 1.0);
+  if (mode == kWrapMirror) return 1.0 - abs(1.0 - 2.0 * fract(0.5 * u));
+  return fract(u);
+}
+
+// The two texels around x (in texels), and the weight of the second. Neighbours wrap where the image repeats; where it is
+// mirrored or clamped the border's neighbour is the border itself.
+ivec2 neighbours(float x, int size, uint mode, out float weight) {
+  float first = floor(x - 0.5);
+  weight = x - 0.5 - first;
+  ivec2 texel = ivec2(int(first), int(first) + 1);
+  if (mode == kWrapRepeat) {
+    texel.x = texel.x < 0 ? texel.x + size : texel.x;
+    texel.y = texel.y >= size ? texel.y - size : texel.y;
+  }
+  return clamp(texel, ivec2(0), ivec2(size - 1));
+}
+
+// Value of textures[index] at the surface's coordinates: uv.xy = TEXCOORD_0, uv.zw = TEXCOORD_1.
+vec4 sample_texture(uint index, vec4 uv_sets) {
+  Texture image = textures[index];
+  vec2 uv = (image.flags & kTextureUv1) != 0u ? uv_sets.zw : uv_sets.xy;
+  if (has(kFeatureTextureTransform) && (image.flags & kTextureMoved) != 0u)
+    uv = vec2(dot(image.uv_matrix.xy, uv), dot(image.uv_matrix.zw, uv)) + image.uv_offset;
+
+  uint mode_u = (image.flags >> kTextureWrapUShift) & 3u, mode_v = (image.flags >> kTextureWrapVShift) & 3u;
+  float x = wrap_coordinate(uv.x, mode_u) * float(image.width);
+  float y = wrap_coordinate(uv.y, mode_v) * float(image.height);
+  if ((image.flags & kTextureNearest) != 0u)
+    return fetch_texel(image, clamp(int(x), 0, int(image.width) - 1), clamp(int(y), 0, int(image.height) - 1));
+
+  vec2 weight;
+  ivec2 columns = neighbours(x, int(image.width), mode_u, weight.x);
+  ivec2 rows = neighbours(y, int(image.height), mode_v, weight.y);
+  vec4 upper = mix(fetch_texel(image, columns.x, rows.x), fetch_texel(image, columns.y, rows.x), weight.x);
+  vec4 lower = mix(fetch_texel(image, columns.x, rows.y), fetch_texel(image, columns.y, rows.y), weight.x);
+  return mix(upper, lower, weight.y);
+}
+
+// As above, or `otherwise` where a slot has no texture.
+vec4 sample_texture_or(uint index, vec4 uv_sets, vec4 otherwise) {
+  if (!has(kFeatureTextures) || index == kNone) return otherwise;
+  return sample_texture(index, uv_sets);
+}
+
+#endif

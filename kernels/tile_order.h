@@ -1,0 +1,37 @@
+// The order in which waves visit pixels: 8x8 tiles, Z-order inside a tile (Morton 1966), so that neighbouring lanes trace
+// neighbouring rays. Compiled by kernels and host alike.
+#ifndef WAVEPATH_TILE_ORDER_H
+#define WAVEPATH_TILE_ORDER_H
+
+#ifdef __cplusplus
+#include <glm/glm.hpp>
+#define GPU_FUNCTION inline
+namespace wavepath::gpu {
+using uint = unsigned int;
+using glm::uvec2;
+#else
+#define GPU_FUNCTION
+#endif
+
+// Coordinates of the pixel with the given index in tile order, 0 <= index < width * height. Tiles cut off by the right or lower
+// border are visited row by row.
+GPU_FUNCTION uvec2 pixel_in_tile_order(uint index, uint width, uint height) {
+  uint tile_row = index / (8u * width);
+  uint in_row = index - tile_row * 8u * width;
+  uint rows = height - 8u * tile_row < 8u ? height - 8u * tile_row : 8u;
+  uint tile_column = in_row / (8u * rows);
+  uint in_tile = in_row - tile_column * 8u * rows;
+  uint columns = width - 8u * tile_column < 8u ? width - 8u * tile_column : 8u;
+  uint x = in_tile % columns;
+  uint y = in_tile / columns;
+  if (rows == 8u && columns == 8u) {
+    x = (in_tile & 1u) | ((in_tile >> 1u) & 2u) | ((in_tile >> 2u) & 4u);
+    y = ((in_tile >> 1u) & 1u) | ((in_tile >> 2u) & 2u) | ((in_tile >> 3u) & 4u);
+  }
+  return uvec2(8u * tile_column + x, 8u * tile_row + y);
+}
+
+#ifdef __cplusplus
+} // namespace wavepath::gpu
+#endif
+#endif
