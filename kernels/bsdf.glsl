@@ -128,7 +128,8 @@ vec3 eval_thin_transmission(Bsdf b, Interface surface, vec3 wo, vec3 wi, out flo
   vec3 h = normalize(wo + mirrored);
   float c = dot(wo, h);
   vec3 transmittance = facet_transmittance(b, surface, c);
-  pdf = ggx_reflected_pdf(wo, h, b.alpha) * (1.0 - reflect_probability(facet_reflectance(b, surface, c), transmittance));
+  float reflected = reflect_probability(facet_reflectance(b, surface, c), transmittance);
+  pdf = ggx_reflected_pdf(wo, h, b.alpha) * (1.0 - reflected);
   return transmittance * (ggx_distribution(h, b.alpha) * smith_visibility(wo, wi, b.alpha) * mirrored.z);
 }
 
@@ -142,9 +143,9 @@ vec3 eval_refraction(Bsdf b, Interface surface, vec3 wo, vec3 wi, out float pdf)
   if (o <= 0.0 || i >= 0.0) return vec3(0.0); // back-facing microfacet
   vec3 transmittance = facet_transmittance(b, surface, o);
   float s = o + eta * i;
-  float jacobian = 4.0 * o * -i / max(s * s, 1e-30); // of h, over the mirror's 1 / (4 o); eta^2 and radiance's 1 / eta^2 apart
-  pdf = ggx_reflected_pdf(wo, h, b.alpha) * jacobian * eta * eta *
-        (1.0 - reflect_probability(facet_reflectance(b, surface, o), transmittance));
+  float jacobian = 4.0 * o * -i / max(s * s, 1e-30); // of h, over the mirror's 1 / (4 o) and over eta^2
+  float reflected = reflect_probability(facet_reflectance(b, surface, o), transmittance);
+  pdf = ggx_reflected_pdf(wo, h, b.alpha) * (1.0 - reflected) * jacobian * eta * eta;
   return transmittance * (ggx_distribution(h, b.alpha) * smith_visibility(wo, wi, b.alpha) * -wi.z * jacobian);
 }
 
@@ -161,7 +162,8 @@ vec3 eval_lobes(Bsdf b, Lobes l, vec3 wo, vec3 wi, out float pdf) {
       pdf += l.facet_probability * lobe_pdf;
     }
   } else if (has(kFeatureTransmission) && wi.z < 0.0 && b.transmission > 0.0 && !l.delta_transmission) {
-    value = b.thin ? eval_thin_transmission(b, l.surface, wo, wi, lobe_pdf) : eval_refraction(b, l.surface, wo, wi, lobe_pdf);
+    value = b.thin ? eval_thin_transmission(b, l.surface, wo, wi, lobe_pdf)
+                   : eval_refraction(b, l.surface, wo, wi, lobe_pdf);
     pdf = l.facet_probability * lobe_pdf;
   }
   return value;
@@ -232,7 +234,8 @@ bool bsdf_sample(Bsdf b, vec3 wo, float u_lobe, vec2 u, out BsdfSample s) {
   }
   vec3 value = eval_lobes(b, l, wo, s.wi, s.pdf);
   if (!(s.pdf > 0.0) || !is_finite(s.pdf)) return false;
-  s.weight = kHemisphere == kHemisphereCosine && is_lambert(b) ? b.base_color : value / s.pdf; // exact where the cosines cancel
+  bool cancels = is_lambert(b) && kHemisphere == kHemisphereCosine; // f cos / pdf, with no need to round
+  s.weight = cancels ? b.base_color : value / s.pdf;
   return true;
 }
 

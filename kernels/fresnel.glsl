@@ -49,7 +49,7 @@ Interface make_interface(float ior, vec3 specular_color, float specular, bool en
 vec3 fresnel_dielectric(Interface i, float c) {
   float f = fresnel_exact(c, i.eta);
   float t = i.f0_exact < 0.0 ? pow5(clamp(1.0 - c, 0.0, 1.0)) : (f - i.f0_exact) / (1.0 - i.f0_exact);
-  vec3 curve = clamp(i.f0 * (1.0 - t) + vec3(i.f90 * t), 0.0, 1.0); // t dips below 0 near Brewster's angle where the ior is large
+  vec3 curve = clamp(i.f0 * (1.0 - t) + vec3(i.f90 * t), 0.0, 1.0); // t < 0 near Brewster's angle of a large ior
   return i.eta < 1.0 && f == 1.0 ? vec3(1.0) : curve;
 }
 
@@ -59,7 +59,8 @@ vec3 fresnel_dielectric(Interface i, float c) {
 // the rest mirrors the outside: 1 - mean_in = (1 - mean_out) / n^2.
 float fresnel_mean(Interface i) {
   float r = sqrt(max(i.f0_exact, 0.0));
-  float exact = r + (1.0 - r) * (r * (0.45773441 + r * (1.05981992 - r * 0.49654835)) + 1.62816214 * (sqrt(1.0 - r) - 1.0)) +
+  float polynomial = r * (0.45773441 + r * (1.05981992 - r * 0.49654835));
+  float exact = r + (1.0 - r) * (polynomial + 1.62816214 * (sqrt(1.0 - r) - 1.0)) +
                 1.16069601 * r * r * log(max(r, 1e-10));
   float t = i.f0_exact < 0.0 ? 1.0 / 21.0 : (exact - i.f0_exact) / (1.0 - i.f0_exact);
   float mean = clamp(max_component(i.f0) * (1.0 - t) + i.f90 * t, 0.0, 1.0);

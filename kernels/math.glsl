@@ -72,16 +72,23 @@ void make_basis(vec3 n, out vec3 tangent, out vec3 bitangent) {
   bitangent = vec3(b, s + n.y * n.y * a, -n.y);
 }
 
-vec3 to_local(vec3 v, vec3 tangent, vec3 bitangent, vec3 n) { return vec3(dot(v, tangent), dot(v, bitangent), dot(v, n)); }
-vec3 to_world(vec3 v, vec3 tangent, vec3 bitangent, vec3 n) { return v.x * tangent + v.y * bitangent + v.z * n; }
+vec3 to_local(vec3 v, vec3 tangent, vec3 bitangent, vec3 n) {
+  return vec3(dot(v, tangent), dot(v, bitangent), dot(v, n));
+}
+vec3 to_world(vec3 v, vec3 tangent, vec3 bitangent, vec3 n) {
+  return v.x * tangent + v.y * bitangent + v.z * n;
+}
 
 // ---- warps of u in [0,1)^2, each beside its density -------------------------------------------------------------
 
-// Concentric map (Shirley and Chiu 1997). u is a multiple of 2^-24, so adding half a step is exact, centres the lattice
-// and keeps clear of the middle, where the map is singular, and of the rim, where a cosine-weighted direction has no
-// density.
+// u stretched to (-1, 1). A multiple of 2^-24 plus half a step is exact, so the lattice of the samplers comes out
+// symmetric and clear of 0 and of the ends.
+vec2 signed_unit(vec2 u) { return clamp((2.0 * u - 1.0) + 5.9604645e-8, -kOneMinusEpsilon, kOneMinusEpsilon); }
+
+// Concentric map (Shirley and Chiu 1997). On that lattice it meets neither the middle, where the map is singular, nor the
+// rim, where a cosine-weighted direction has no density.
 vec2 warp_disk(vec2 u) {
-  vec2 a = clamp((2.0 * u - 1.0) + 5.9604645e-8, -kOneMinusEpsilon, kOneMinusEpsilon);
+  vec2 a = signed_unit(u);
   if (a == vec2(0.0)) return a;
   bool steep = abs(a.y) > abs(a.x);
   float r = steep ? a.y : a.x;
@@ -92,7 +99,7 @@ float warp_disk_pdf() { return kInvPi; }
 
 vec3 warp_cosine_hemisphere(vec2 u) {
   vec2 d = warp_disk(u);
-  return vec3(d, sqrt(max(1.0 - dot(d, d), 1e-7))); // 1e-7: rounding at the rim; the true value there is at least 1.2e-7
+  return vec3(d, sqrt(max(1.0 - dot(d, d), 1e-7))); // 1e-7: rounding at the rim, where the true value is 1.2e-7
 }
 float warp_cosine_hemisphere_pdf(float cos_theta) { return max(cos_theta, 0.0) * kInvPi; }
 
