@@ -1,0 +1,41 @@
+#!/usr/bin/env python3
+"""Writes the scenes of this folder; `--check` compares instead, and fails if a file differs from what would be written."""
+
+import pathlib
+import sys
+
+import house
+
+HERE = pathlib.Path(__file__).resolve().parent
+
+
+def files():
+    """Path relative to this folder -> bytes."""
+    yield "cornell_box.gltf", house.cornell_box().text()
+
+
+def main():
+    check = sys.argv[1:] == ["--check"]
+    if sys.argv[1:] and not check:
+        sys.exit("usage: generate.py [--check]")
+    wanted = dict(files())
+    stale = []
+    for name, data in wanted.items():
+        path = HERE / name
+        if path.exists() and path.read_bytes() == data:
+            continue
+        stale.append(name)
+        if not check:
+            path.parent.mkdir(exist_ok=True)
+            path.write_bytes(data)
+    strays = [str(p.relative_to(HERE)) for p in sorted(HERE.rglob("*.gl*")) if p.suffix in (".gltf", ".glb")
+              and str(p.relative_to(HERE)) not in wanted]
+    for name in stale:
+        print(f"{'differs from generate.py' if check else 'written'}: {name}")
+    for name in strays:
+        print(f"not made by generate.py: {name}")
+    sys.exit(1 if strays or (check and stale) else 0)
+
+
+if __name__ == "__main__":
+    main()
