@@ -73,7 +73,8 @@ std::vector<std::uint32_t> pack_instances(std::span<const Object> objects, std::
     deepest = std::max(deepest, object.stack_bound);
   }
 
-  const bvh::WideTree top = bvh::build(boxes);
+  // One instance a leaf: entering one is dear, and the kernels keep a single one open.
+  const bvh::WideTree top = bvh::build(boxes, {.max_leaf_size = 1});
   packed.root = append_tree(top, 0, packed.nodes);
   packed.root_is_top = true;
   packed.stack_size = top.stack_bound + 1 + deepest + 1; // a sentinel marks where the object's part of the stack begins

@@ -27,7 +27,9 @@ struct PackedScene {
   std::vector<bvh::WideNode> nodes;
   std::uint32_t root = 0; // child word
   bool root_is_top = false;
-  std::uint32_t stack_size = 0; // traversal stack entries that suffice for certain
+  // Traversal stack entries that suffice for certain, once a node's nearest child is taken without being stored: an end mark
+  // and the tree's bound; in two-level scenes the top level's, a mark that leads back to it, and the largest of its objects'.
+  std::uint32_t stack_size = 0;
   std::vector<gpu::Triangle> triangles;
   std::vector<gpu::Instance> instances; // empty unless root_is_top
 
