@@ -1,10 +1,11 @@
 // Pixel filters by importance sampling: a position drawn in proportion to the filter, with weight 1.
 //
-// box: 1 pixel wide. gaussian: sigma 0.5 pixels, cut at radius 1.5. blackman-harris: the 4-term window of radius 1.5, which is
-// also Cycles' default. The latter two are separable and are drawn by their inverse distribution, which is monotone, so a
-// stratified u gives stratified positions. With v = 2u - 1 the inverse is v P(-ln(1 - c v^2)), a shape that fits
-// bell curves well (Giles 2010 uses it for erfinv); c and P were fitted to numerical inversion. Their density is off by less
-// than 0.03 % (gaussian) and 0.3 % (blackman-harris, beyond 1 pixel; 0.01 % within) over all but 1e-4 of the samples.
+// box: 1 pixel wide. gaussian: sigma 0.5 pixels, cut at radius 1.5. blackman-harris: the 4-term window of radius 1.5,
+// which is also Cycles' default. The latter two are separable and are drawn by their inverse distribution, which is
+// monotone, so a stratified u gives stratified positions. With v = 2u - 1 the inverse is v P(-ln(1 - c v^2)), a shape
+// that fits bell curves well (Giles 2010 uses it for erfinv); c and P were fitted to numerical inversion. Their density
+// is off by less than 0.03 % (gaussian) and 0.3 % (blackman-harris; 0.01 % within 1 pixel) for all but 1e-3 of the
+// samples.
 #ifndef WAVEPATH_FILTER_GLSL
 #define WAVEPATH_FILTER_GLSL
 
@@ -27,8 +28,8 @@ vec2 sample_gaussian(vec2 v) {
 
 vec2 sample_blackman_harris(vec2 v) {
   vec2 s = bell_argument(v, 3e-6, 0.157271054);
-  vec2 p = 0.83423858 + s * (0.300078252 + s * (-0.184678256 + s * (0.0277308499 + s * (0.011873955 + s * (0.0131638157 +
-           s * (0.0373664498 + s * (-0.0203025729 + s * -0.0193893552)))))));
+  vec2 p = 0.83423858 + s * (0.300078252 + s * (-0.184678256 + s * (0.0277308499 + s * (0.011873955 +
+           s * (0.0131638157 + s * (0.0373664498 + s * (-0.0203025729 + s * -0.0193893552)))))));
   return v * p;
 }
 

@@ -85,8 +85,8 @@ vec3 to_world(vec3 v, vec3 tangent, vec3 bitangent, vec3 n) {
 // symmetric and clear of 0 and of the ends.
 vec2 signed_unit(vec2 u) { return clamp((2.0 * u - 1.0) + 5.9604645e-8, -kOneMinusEpsilon, kOneMinusEpsilon); }
 
-// Concentric map (Shirley and Chiu 1997). On that lattice it meets neither the middle, where the map is singular, nor the
-// rim, where a cosine-weighted direction has no density.
+// Concentric map (Shirley and Chiu 1997). On that lattice it meets neither the middle, where the map is singular, nor
+// the rim, where a cosine-weighted direction has no density.
 vec2 warp_disk(vec2 u) {
   vec2 a = signed_unit(u);
   if (a == vec2(0.0)) return a;
