@@ -1,0 +1,21 @@
+// Reads a glTF 2.0 file (.gltf with what it refers to, or .glb) into a Scene: everything checked, decoded and posed.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "host/scene/scene.h"
+
+namespace wavepath {
+
+struct LoadOptions {
+  std::string scene;     // name or index; empty = the file's default scene, else its first one
+  std::string animation; // name or index; empty = the pose at rest
+  double at = 0.0;       // seconds into the animation, clamped to its key frames
+};
+
+// Throws Error that names the file, what is wrong with it and what to do. What is ignored or repaired is counted in
+// Scene::warnings. Meshes, materials and images that the chosen scene does not use are neither read nor decoded.
+Scene load_gltf(const std::filesystem::path& path, const LoadOptions& options = {});
+
+} // namespace wavepath
