@@ -4,14 +4,19 @@
 import pathlib
 import sys
 
-import house
+import analytic
+import analytic_surfaces
+import pictures
 
 HERE = pathlib.Path(__file__).resolve().parent
 
 
 def files():
     """Path relative to this folder -> bytes."""
-    yield "cornell_box.gltf", house.cornell_box().text()
+    for build in (pictures.cornell_box, pictures.furnace_lambert, pictures.furnace_glass, pictures.furnace_metal):
+        yield f"{build.__name__}.gltf", build().text()
+    for name, scene in [*analytic.scenes(), *analytic_surfaces.scenes()]:
+        yield f"analytic/{name}.gltf", scene.text()
 
 
 def main():

@@ -64,7 +64,7 @@ class Shape:
 
 def quad(a, b, c, d):
     """Two triangles; the front is where a, b, c, d run counter-clockwise."""
-    return Shape([a, b, c, d], [0, 1, 2, 0, 2, 3], uvs=[(0.0, 1.0), (1.0, 1.0), (1.0, 0.0), (0.0, 0.0)])
+    return Shape([a, b, c, d], [0, 1, 2, 0, 2, 3])
 
 
 def join(shapes):

@@ -1,0 +1,121 @@
+"""Surfaces whose radiance is known on paper: mirrors, glass, rough metal, transparency, emission."""
+
+import math
+
+import oracles
+from analytic import COLOR, flags, look_down, product
+from gltf import Gltf, box, quad
+
+WIDE = 0.1
+
+
+def backdrop(g, height=-1.0, size=50.0):
+    """A glowing floor that looks up."""
+    s = size
+    g.mesh("backdrop", quad((-s, height, -s), (-s, height, s), (s, height, s), (s, height, -s)), g.emitter("backdrop", COLOR))
+
+
+def emitter():
+    g = Gltf("emission seen directly")
+    backdrop(g)
+    look_down(g, WIDE, 1.0)
+    g.expect("emissiveFactor * emissiveStrength", COLOR, flags(16, 0), exact=1e-6)
+    return g
+
+
+def unlit():
+    g = Gltf("unlit surface")
+    index = g.material("unlit", (0.75, 0.5, 0.25))
+    g.extend(g.doc["materials"][index], KHR_materials_unlit={})
+    g.mesh("sheet", quad((-1.0, 0.0, -1.0), (-1.0, 0.0, 1.0), (1.0, 0.0, 1.0), (1.0, 0.0, -1.0)), index)
+    look_down(g, WIDE, 1.0)
+    g.expect("the base colour, whatever the light", (0.75, 0.5, 0.25), flags(16), exact=1e-6)
+    return g
+
+
+def alpha(name, about, expected, render, exact=None, **mode):
+    g = Gltf(name)
+    backdrop(g)
+    sheet = quad((-1.0, 0.0, -1.0), (-1.0, 0.0, 1.0), (1.0, 0.0, 1.0), (1.0, 0.0, -1.0))
+    g.mesh("sheet", sheet, g.lambert("black", (0.0, 0.0, 0.0), alpha=0.25, **mode))
+    look_down(g, WIDE, 1.0)
+    terms = {"exact": exact} if exact else {}
+    g.expect(about, expected, render, **terms)
+    return g
+
+
+def alpha_blend():
+    return alpha("black sheet of opacity 1/4", "L = (1 - alpha) Le", product(COLOR, (0.75,) * 3),
+                 flags(1024), alphaMode="BLEND")
+
+
+def alpha_mask_kept():
+    return alpha("masked sheet, kept", "alpha >= cutoff is opaque", (0.0, 0.0, 0.0), flags(16), exact=1e-6, alphaMode="MASK",
+                 alphaCutoff=0.25)
+
+
+def alpha_mask_cut():
+    return alpha("masked sheet, cut", "alpha < cutoff is not there", COLOR, flags(16), exact=1e-6, alphaMode="MASK",
+                 alphaCutoff=0.3)
+
+
+def mirror():
+    g = Gltf("gold mirror at 45 degrees")
+    gold = (1.0, 0.76, 0.33)
+    s = 1.0
+    g.mesh("mirror", quad((-s, 0.0, -s), (-s, 0.0, s), (s, 0.0, s), (s, 0.0, -s)),
+           g.material("mirror", gold, metallic=1.0, roughness=0.0))
+    g.mesh("light", quad((-9.0, 0.5, -5.0), (9.0, 0.5, -5.0), (9.0, 9.0, -5.0), (-9.0, 9.0, -5.0)), g.emitter("light", COLOR))
+    g.camera((0.0, 1.0, 1.0), (0.0, 0.0, 0.0), extent=WIDE)
+    f = tuple(oracles.schlick(c, math.sqrt(0.5)) for c in gold)
+    g.expect("L = F Le with Schlick's F", product(f, COLOR), flags(16), exact=1e-5)
+    return g
+
+
+def slab(name, about, expected, **glass):
+    g = Gltf(name)
+    backdrop(g)
+    g.mesh("slab", box((-5.0, 0.0, -5.0), (5.0, 0.2, 5.0)), g.glass("glass", **glass))
+    look_down(g, WIDE, 1.0)
+    exact = {"exact": 1e-5} if glass["ior"] == 1.0 else {}
+    g.expect(about, product(COLOR, expected), flags(1024, 64), **exact)
+    return g
+
+
+def glass_slab():
+    return slab("glass slab, seen along its normal", "T = (1-F)/(1+F), F = 0.04", (oracles.slab(0.04),) * 3, ior=1.5)
+
+
+def absorbing_slab():
+    tint = (0.9, 0.5, 0.2)
+    return slab("absorbing slab without reflection", "Beer and Lambert: T = tint^(0.2 m/0.1 m)", [t * t for t in tint],
+                ior=1.0, attenuation=tint, distance=0.1)
+
+
+def absorbing_glass_slab():
+    tint = (0.9, 0.5, 0.2)
+    return slab("absorbing glass slab", "T = (1-F)^2 a/(1 - F^2 a^2), a = tint^(0.2 m/0.1 m)",
+                [oracles.slab(0.04, t * t) for t in tint], ior=1.5, attenuation=tint, distance=0.1)
+
+
+def rough_metal(alpha, cosine):
+    g = Gltf(f"GGX alpha {alpha}, F = 1, cosine {cosine}")
+    g.mesh("sheet", quad((-1.0, 0.0, -1.0), (-1.0, 0.0, 1.0), (1.0, 0.0, 1.0), (1.0, 0.0, -1.0)),
+           g.material("metal", metallic=1.0, roughness=math.sqrt(alpha)))
+    sine = math.sqrt(1 - cosine * cosine)
+    g.camera((0.0, cosine, sine), (0.0, 0.0, 0.0), up=(0.0, sine, -cosine), extent=WIDE)
+    exact = alpha == 1.0 and cosine == 1.0
+    value = 1 - math.log(2.0) if exact else oracles.ggx_albedo(alpha, min(cosine, 1 - 1e-9))
+    g.expect("single-scattering albedo: " + ("1 - ln 2" if exact else "quadrature over visible normals"), [value] * 3,
+             flags(1024, 1, "--env", "1,1,1"),
+             slack=0.0 if exact else 2e-4)
+    return g
+
+
+def scenes():
+    """File stem, scene."""
+    for build in (emitter, unlit, alpha_blend, alpha_mask_kept, alpha_mask_cut, mirror, glass_slab, absorbing_slab,
+                  absorbing_glass_slab):
+        yield build.__name__, build()
+    for alpha_value, cosine in ((0.25, 1.0), (0.25, 0.5), (0.5, 1.0), (0.5, 0.5), (1.0, 1.0), (1.0, 0.5)):
+        yield f"ggx_alpha_{alpha_value:g}_cosine_{cosine:g}".replace(".", "_"), rough_metal(alpha_value, cosine)

@@ -1,0 +1,75 @@
+"""Closed forms that analytic.py expects renders to reproduce."""
+
+import math
+
+from gltf import add, cross, dot, normalize, scale, sub
+
+
+def polygon_irradiance(polygon, point, normal):
+    """Irradiance at `point` from a polygon of radiance 1 above its horizon (Lambert 1760); front face towards the point."""
+    to = [normalize(sub(v, point)) for v in polygon]
+    total = 0.0
+    for a, b in zip(to, to[1:] + to[:1]):
+        total += math.acos(max(-1.0, min(1.0, dot(a, b)))) * dot(normal, normalize(cross(b, a)))
+    return total / 2
+
+
+def mesh_irradiance(triangles, point, normal):
+    """The same from a convex body: the sum over the triangles that face the point."""
+    facing = [t for t in triangles if dot(cross(sub(t[1], t[0]), sub(t[2], t[0])), sub(point, t[0])) > 0]
+    return sum(polygon_irradiance(list(t), point, normal) for t in facing)
+
+
+def corner_rectangle_form_factor(a, b, h):
+    """From a point to a parallel rectangle a x b at distance h that has one corner right above it."""
+    x, y = a / h, b / h
+    u, v = math.sqrt(1 + x * x), math.sqrt(1 + y * y)
+    return (x / u * math.atan(y / u) + y / v * math.atan(x / v)) / (2 * math.pi)
+
+
+def facing_squares_form_factor():
+    """Between unit squares that face each other at distance 1 (Howell's catalogue, C-11)."""
+    s = math.sqrt(2.0)
+    return 2 / math.pi * (math.log(2 / math.sqrt(3.0)) + 2 * s * math.atan(1 / s) - 2 * math.atan(1.0))
+
+
+def adjacent_squares_form_factor():
+    """Between perpendicular unit squares that share an edge: what is left of a closed cube."""
+    return (1 - facing_squares_form_factor()) / 4
+
+
+def schlick(f0, cosine):
+    return f0 + (1 - f0) * (1 - cosine) ** 5
+
+
+def slab(f, transmittance=1.0):
+    """Transmittance of a slab with reflectance f at each face, all internal reflections summed."""
+    return (1 - f) ** 2 * transmittance / (1 - (f * transmittance) ** 2)
+
+
+def spot_falloff(cosine, inner, outer):
+    """KHR_lights_punctual's recommended cone."""
+    s = 1 / max(0.001, math.cos(inner) - math.cos(outer))
+    return max(0.0, min(1.0, cosine * s - math.cos(outer) * s)) ** 2
+
+
+def ggx_albedo(alpha, cosine, n=128):
+    """Directional albedo of a GGX reflector with F = 1 and height-correlated Smith shadowing: midpoint rule over the
+    distribution of visible normals (spherical-cap form: Dupuy and Benyoub 2023); error below 1e-4."""
+    def smith_lambda(z):
+        return (math.sqrt(1 + alpha * alpha * (1 / (z * z) - 1)) - 1) / 2
+
+    wo = (math.sqrt(1 - cosine * cosine), 0.0, cosine)
+    std = normalize((wo[0] * alpha, 0.0, wo[2]))
+    total = 0.0
+    for i in range(n):
+        z = (1 - (i + 0.5) / n) * (1 + std[2]) - std[2]
+        r = math.sqrt(max(0.0, 1 - z * z))
+        for j in range(n):
+            phi = math.pi * (j + 0.5) / n  # the other half is its mirror image
+            c = add((r * math.cos(phi), r * math.sin(phi), z), std)
+            h = normalize((c[0] * alpha, c[1] * alpha, max(c[2], 1e-12)))
+            wi = sub(scale(h, 2 * dot(wo, h)), wo)
+            if wi[2] > 0:
+                total += (1 + smith_lambda(cosine)) / (1 + smith_lambda(cosine) + smith_lambda(wi[2]))
+    return total / (n * n)
