@@ -1,0 +1,30 @@
+// The commands of wavepath. Each adds itself to the parser and returns what runs it.
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+#include "host/base/warnings.h"
+
+namespace wavepath {
+
+// Runs a parsed command and returns its exit code. Throws Error.
+using Command = std::function<int()>;
+
+// Exit codes of the contract that are not errors.
+inline constexpr int kExitDone = 0, kExitFailed = 1, kExitUsage = 2, kExitTargetMissed = 3, kExitInterrupted = 130;
+
+// `command_line`: as the user typed it, for the record.
+Command add_render(CLI::App& app, const std::string& command_line);
+Command add_info(CLI::App& app);
+Command add_compare(CLI::App& app);
+
+// Parses, runs and returns the exit code. Throws Error, and UsageError for a command line that makes no sense.
+int run(int argument_count, const char* const* arguments);
+
+// One line a kind, on stderr.
+void print_warnings(const Warnings& warnings);
+
+} // namespace wavepath

@@ -1,0 +1,153 @@
+// wavepath info: what this machine offers, and what a scene holds and needs.
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "host/base/memory.h"
+#include "host/cli/commands.h"
+#include "host/cli/flags.h"
+#include "host/cli/scene_flags.h"
+#include "host/gpu/device.h"
+#include "host/render/stats.h"
+
+namespace wavepath {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct Request {
+  SceneRequest scene;
+  bool json = false;
+};
+
+Json to_json(const DeviceInfo& device) {
+  return {{"name", device.name},
+          {"driver", device.driver},
+          {"type", device.type},
+          {"api", device.api},
+          {"subgroup_size", device.subgroup_size},
+          {"memory_bytes", device.memory_bytes},
+          {"max_storage_range", device.max_storage_range},
+          {"max_texel_elements", device.max_texel_elements},
+          {"max_allocation", device.max_allocation},
+          {"max_groups", device.max_groups},
+          {"timestamp_period_ns", device.timestamp_period_ns},
+          {"missing", device.missing}};
+}
+
+void print_device(std::size_t index, const DeviceInfo& device) {
+  fmt::print("device {}: {}\n", index, device.name);
+  fmt::print("  driver                    {}\n", device.driver);
+  fmt::print("  type                      {}, Vulkan {}\n", device.type, device.api);
+  fmt::print("  subgroup size             {}\n", device.subgroup_size);
+  fmt::print("  memory                    {}\n", to_size_text(device.memory_bytes));
+  fmt::print("  largest allocation        {}\n", to_size_text(device.max_allocation));
+  fmt::print("  largest storage buffer    {}\n", to_size_text(device.max_storage_range));
+  fmt::print("  largest texel buffer      {} texels\n", device.max_texel_elements);
+  fmt::print("  workgroups in a dispatch  {}\n", device.max_groups);
+  fmt::print("  timestamps                {}\n",
+             device.timestamp_period_ns > 0.0 ? fmt::format("every {} ns", device.timestamp_period_ns) : "none");
+  fmt::print("  missing for wavepath      {}\n", device.missing.empty() ? "nothing" : fmt::format("{}", fmt::join(device.missing, "; ")));
+}
+
+int run_devices(const Request& request) {
+  const std::vector<DeviceInfo> devices = list_devices();
+  if (request.json) {
+    Json list = Json::array();
+    for (const DeviceInfo& device : devices) list.push_back(to_json(device));
+    fmt::print("{}", to_text({{"wavepath", WAVEPATH_VERSION}, {"devices", list}}));
+    return kExitDone;
+  }
+  fmt::print("wavepath {}\n", WAVEPATH_VERSION);
+  for (std::size_t i = 0; i < devices.size(); ++i) print_device(i, devices[i]);
+  if (devices.empty()) fmt::print("no Vulkan device: install a driver, such as mesa-vulkan-drivers\n");
+  return kExitDone;
+}
+
+// What info tells of a scene, in the order in which it is printed.
+Json describe(const std::string& path, const Scene& scene, const Plan& planned, const PackedScene& packed) {
+  Json cameras = Json::array(), left_out = Json::array(), warnings = Json::array();
+  for (const Camera& camera : scene.cameras)
+    cameras.push_back({{"name", camera.name}, {"kind", camera.orthographic ? "orthographic" : "perspective"}});
+  for (const LeftOut& entry : packed.left_out) left_out.push_back({{"what", entry.what}, {"why", entry.why}, {"bytes", entry.bytes}});
+  for (const auto& [text, count] : scene.warnings.counts()) warnings.push_back({{"text", text}, {"count", count}});
+  const auto emissive = std::count_if(packed.lights.begin(), packed.lights.end(), [](const auto& l) { return l.kind == gpu::kLightTriangle; });
+  return {{"wavepath", WAVEPATH_VERSION},
+          {"scene", path},
+          {"triangles", packed.triangle_count},
+          {"triangles_stored", planned.triangles_stored},
+          {"instances", scene.instances.size()},
+          {"meshes", scene.meshes.size()},
+          {"materials", scene.materials.size()},
+          {"images", scene.images.size()},
+          {"textures", packed.textures.size()},
+          {"lights", {{"punctual", scene.lights.size()}, {"emissive_triangles", emissive}, {"environment", scene.environment.present()}}},
+          {"cameras", cameras},
+          {"extensions", scene.extensions_used},
+          {"bytes",
+           {{"triangles", planned.triangle_bytes},
+            {"nodes", planned.node_bytes},
+            {"vertices", planned.vertex_bytes},
+            {"texels", planned.texel_bytes},
+            {"environment", planned.environment_bytes},
+            {"lights", planned.light_bytes},
+            {"total", planned.total()}}},
+          {"left_out", left_out},
+          {"warnings", warnings}};
+}
+
+std::string join_or_none(const std::vector<std::string>& words) {
+  return words.empty() ? "none" : fmt::format("{}", fmt::join(words, ", "));
+}
+
+void print_scene(const Json& about, const std::vector<std::string>& extensions) {
+  const auto number = [](const Json& json) { return json.get<std::uint64_t>(); };
+  const Json &lights = about["lights"], &bytes = about["bytes"];
+  fmt::print("{}\n", about["scene"].get<std::string>());
+  fmt::print("  triangles   {} seen, {} stored, {} instances of {} meshes\n", number(about["triangles"]), number(about["triangles_stored"]),
+             number(about["instances"]), number(about["meshes"]));
+  fmt::print("  materials   {}\n", number(about["materials"]));
+  fmt::print("  textures    {} uses of {} images\n", number(about["textures"]), number(about["images"]));
+  fmt::print("  lights      {} punctual, {} emissive triangles, {}\n", number(lights["punctual"]), number(lights["emissive_triangles"]),
+             lights["environment"].get<bool>() ? "an environment" : "no environment");
+  std::vector<std::string> cameras;
+  for (const Json& camera : about["cameras"])
+    cameras.push_back(fmt::format("{} '{}' ({})", cameras.size(), camera["name"].get<std::string>(), camera["kind"].get<std::string>()));
+  fmt::print("  cameras     {}\n", cameras.empty() ? "none: the scene is framed automatically" : join_or_none(cameras));
+  fmt::print("  extensions  {}\n", join_or_none(extensions));
+  fmt::print("  planned     {} on the device\n", to_size_text(number(bytes["total"])));
+  for (const auto& [what, count] : bytes.items())
+    if (what != "total" && number(count) > 0) fmt::print("    {:<12}{}\n", what, to_size_text(number(count)));
+  fmt::print("  left out    {}\n", about["left_out"].empty() ? "nothing" : "");
+  for (const Json& entry : about["left_out"])
+    fmt::print("    {}: {}{}\n", entry["what"].get<std::string>(), entry["why"].get<std::string>(),
+               number(entry["bytes"]) > 0 ? ", saves " + to_size_text(number(entry["bytes"])) : "");
+}
+
+int run_scene(const Request& request) {
+  Scene scene = load_scene(request.scene);
+  const Plan planned = plan(scene);
+  require_memory(request.scene.path, "packing it", planned.total(), "use a simpler scene");
+  const PackedScene packed = pack(scene);
+  const Json about = describe(request.scene.path, scene, planned, packed);
+  if (request.json) {
+    fmt::print("{}", to_text(about));
+  } else {
+    print_scene(about, scene.extensions_used);
+  }
+  print_warnings(scene.warnings);
+  return kExitDone;
+}
+
+} // namespace
+
+Command add_info(CLI::App& app) {
+  CLI::App* command = app.add_subcommand("info", "tell what devices there are, or what a scene holds and needs");
+  command->set_help_flag("-h,--help", "show this and exit")->group("Help");
+  const auto request = std::make_shared<Request>();
+  add_scene_flags(*command, request->scene, false);
+  add_switch(*command, "Output", {"--json", "", "print one JSON document", "off"}, request->json);
+  return [request] { return request->scene.path.empty() ? run_devices(*request) : run_scene(*request); };
+}
+
+} // namespace wavepath

@@ -1,0 +1,37 @@
+// The signal handlers.
+#include "host/cli/interrupt.h"
+
+#include <csignal>
+#include <initializer_list>
+
+namespace wavepath {
+namespace {
+
+volatile std::sig_atomic_t interrupt_count = 0;
+
+void on_signal(int) {
+  interrupt_count = 1;
+  // Both, so that one after the other ends the process too.
+  std::signal(SIGINT, SIG_DFL);
+  std::signal(SIGTERM, SIG_DFL);
+}
+
+} // namespace
+
+void catch_interrupts() {
+  // SA_RESTART: a driver's system calls are not expected to cope with being interrupted.
+  struct sigaction action{};
+  action.sa_handler = on_signal;
+  action.sa_flags = SA_RESTART;
+  sigemptyset(&action.sa_mask);
+  // A signal that the parent told us to ignore (nohup, background jobs) stays ignored.
+  for (const int signal : {SIGINT, SIGTERM}) {
+    struct sigaction before{};
+    sigaction(signal, nullptr, &before);
+    if (before.sa_handler != SIG_IGN) sigaction(signal, &action, nullptr);
+  }
+}
+
+bool interrupted() { return interrupt_count != 0; }
+
+} // namespace wavepath

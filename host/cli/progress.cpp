@@ -1,0 +1,87 @@
+// The progress line and where it goes.
+#include "host/cli/progress.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <limits>
+#include <string_view>
+
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+#include <fmt/format.h>
+
+namespace wavepath {
+namespace {
+
+constexpr std::chrono::milliseconds kRedraw{100}, kLineInterval{5000};
+
+std::string duration(double seconds) {
+  const auto whole = static_cast<long long>(std::min(seconds, 1e9));
+  if (seconds < 60.0) return fmt::format("{:.1f} s", seconds);
+  if (seconds < 3600.0) return fmt::format("{}:{:02}", whole / 60, whole % 60);
+  return fmt::format("{}:{:02}:{:02}", whole / 3600, whole / 60 % 60, whole % 60);
+}
+
+// Seconds to go: whichever limit ends the render first. Monte Carlo error falls with the square root of time.
+double seconds_left(const Progress& progress, double time_limit, double target_error) {
+  double left = std::numeric_limits<double>::infinity();
+  if (progress.fraction > 0.0) left = progress.seconds * (1.0 - progress.fraction) / progress.fraction;
+  if (time_limit > 0.0) left = std::min(left, time_limit - progress.seconds);
+  if (target_error > 0.0 && progress.error.relative_rms > 0.0) {
+    const double ratio = progress.error.relative_rms / target_error;
+    left = std::min(left, progress.seconds * (ratio * ratio - 1.0));
+  }
+  return std::max(left, 0.0);
+}
+
+int terminal_width() {
+  winsize size{};
+  return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : 80;
+}
+
+} // namespace
+
+std::string progress_text(const Progress& progress, double time_limit, double target_error, int bar_width) {
+  const double left = seconds_left(progress, time_limit, target_error);
+  // With a time limit or a target the share of the samples would tell little; the share of the time is what counts.
+  const double done = progress.seconds + left > 0.0 && std::isfinite(left) ? progress.seconds / (progress.seconds + left) : progress.fraction;
+  std::string text;
+  if (bar_width > 0) {
+    const int filled = static_cast<int>(std::lround(done * bar_width));
+    text += "[" + std::string(static_cast<std::size_t>(filled), '#') + std::string(static_cast<std::size_t>(bar_width - filled), '.') + "] ";
+  }
+  text += fmt::format("{:3.0f} %  {}/{} spp  {} elapsed", 100.0 * done, progress.spp_done, progress.spp_planned, duration(progress.seconds));
+  if (std::isfinite(left)) text += fmt::format(", {} left", duration(left));
+  text += fmt::format("  {:.2f} Mrays/s", progress.mrays_per_second);
+  if (progress.error.relative_rms > 0.0) text += fmt::format("  error {:.2g} %", 100.0 * progress.error.relative_rms);
+  return text;
+}
+
+ProgressDisplay::ProgressDisplay(bool quiet, double time_limit, double target_error)
+    : quiet_(quiet), time_limit_(time_limit), target_error_(target_error), last_(Clock::now()) {
+  const char* kind = std::getenv("TERM");
+  terminal_ = isatty(STDERR_FILENO) != 0 && kind != nullptr && std::string_view(kind) != "dumb";
+}
+
+ProgressDisplay::~ProgressDisplay() {
+  if (drawn_ && terminal_) std::fputs("\r\x1b[K", stderr);
+}
+
+void ProgressDisplay::show(const Progress& progress) {
+  const Clock::time_point now = Clock::now();
+  if (quiet_ || now - last_ < (terminal_ ? kRedraw : kLineInterval)) return;
+  last_ = now;
+  drawn_ = true;
+  if (!terminal_) {
+    fmt::print(stderr, "wavepath: {}\n", progress_text(progress, time_limit_, target_error_, 0));
+    return;
+  }
+  const std::size_t width = static_cast<std::size_t>(terminal_width() - 1);
+  fmt::print(stderr, "\r\x1b[K{}", progress_text(progress, time_limit_, target_error_, 20).substr(0, width));
+  std::fflush(stderr);
+}
+
+} // namespace wavepath

@@ -1,0 +1,147 @@
+// Settings and outputs from the command line.
+#include "host/cli/render_flags.h"
+
+#include <algorithm>
+#include <limits>
+#include <span>
+#include <string_view>
+#include <tuple>
+
+#include <fmt/format.h>
+
+#include "host/base/error.h"
+#include "host/cli/flags.h"
+#include "host/render/stats.h"
+
+namespace wavepath {
+namespace {
+
+constexpr std::uint32_t kLargestSide = 65536;
+constexpr std::uint32_t kMostSamples = std::numeric_limits<std::int32_t>::max(); // what EXR attributes hold
+constexpr std::uint32_t kOpenEndedSamples = 65536; // when time or error is to end the render
+constexpr std::uint32_t kDeepest = 4096;
+constexpr std::string_view kIntegrators[] = {"path"};
+constexpr std::string_view kOnOff[] = {"off", "on"};
+constexpr std::string_view kTonemaps[] = {"none", "aces", "agx", "neutral"}; // in the order of Tonemap
+constexpr std::string_view kAovs[] = {"albedo",  "normal", "depth",    "position", "variance",
+                                      "samples", "direct", "indirect", "emission"};
+
+// Parts of "A<separator>B".
+std::pair<FlagValue, FlagValue> split(const FlagValue& value, char separator, const char* remedy) {
+  const std::size_t middle = value.text.find(separator);
+  if (middle == std::string::npos) value.refuse("has the wrong form", remedy);
+  return {{value.flag, value.text.substr(0, middle)}, {value.flag, value.text.substr(middle + 1)}};
+}
+
+void read_size(const FlagValue& value, RenderSettings& settings) {
+  const auto [width, height] = split(value, 'x', "write it as WIDTHxHEIGHT, such as 1280x720");
+  settings.width = width.whole_number(1, kLargestSide);
+  settings.height = height.whole_number(1, kLargestSide);
+}
+
+void read_samples(const FlagValue& value, RenderRequest& request) {
+  const auto [first, last] = split(value, ':', "write it as A:B, such as 0:64");
+  request.samples = {first.whole_number(0, kMostSamples), last.whole_number(0, kMostSamples)};
+  if (request.samples->first >= request.samples->second) value.refuse("is an empty range", "give A:B with A below B");
+}
+
+void read_aovs(const FlagValue& value, std::vector<std::string>& aovs) {
+  aovs.clear();
+  for (std::size_t first = 0; first <= value.text.size();) {
+    const std::size_t end = std::min(value.text.find(',', first), value.text.size());
+    const FlagValue name{value.flag, value.text.substr(first, end - first)};
+    name.choice(kAovs);
+    if (std::find(aovs.begin(), aovs.end(), name.text) == aovs.end()) aovs.push_back(name.text);
+    first = end + 1;
+  }
+}
+
+void add_stop_flags(CLI::App& app, RenderRequest& request) {
+  RenderSettings& settings = request.settings;
+  const char* group = "When to stop (the first one reached)";
+  add_flag(app, group, {"--spp", "N", "samples per pixel", "64; 65536 where only --time or --target-error is given"},
+           [&](const FlagValue& value) { request.spp = value.whole_number(1, kMostSamples); });
+  add_flag(app, group, {"--time", "SECONDS", "rendering time in seconds, without loading and compiling", "no limit"},
+           [&](const FlagValue& value) { settings.time_limit = value.positive_number(); });
+  add_flag(app, group, {"--target-error", "E", "estimated relative RMS error, 0.01 = 1 %; exit code 3 if it was not reached", "none"},
+           [&](const FlagValue& value) { settings.target_error = value.positive_number(); });
+  add_flag(app, group, {"--samples", "A:B", "render only sample indices A <= s < B, for splitting and merging", "0:spp"},
+           [&](const FlagValue& value) { read_samples(value, request); });
+}
+
+} // namespace
+
+void add_render_flags(CLI::App& app, RenderRequest& request) {
+  RenderSettings& settings = request.settings;
+  const auto choose = [](std::uint32_t& target, std::span<const std::string_view> names) {
+    return [&target, names](const FlagValue& value) { target = value.choice(names); };
+  };
+  add_stop_flags(app, request);
+
+  const char* group = "Light transport";
+  add_flag(app, group, {"--integrator", "path", "how light is found: path tracing", "path"},
+           [](const FlagValue& value) { value.choice(kIntegrators); });
+  add_flag(app, group, {"--max-depth", "N", "longest path in bounces: 0 = emission seen directly, 1 = direct light, ...", "8"},
+           [&](const FlagValue& value) { settings.max_depth = value.whole_number(0, kDeepest); });
+  add_flag(app, group, {"--sampler", "independent|stratified|sobol", "sample points; sobol is Owen-scrambled", "sobol"},
+           choose(settings.sampler, kSamplerNames));
+  add_flag(app, group, {"--hemisphere", "cosine|uniform", "how diffuse directions are sampled", "cosine"},
+           choose(settings.hemisphere, kHemisphereNames));
+  add_flag(app, group, {"--direct", "mis|nee|bsdf", "direct light by both techniques, by light sampling, or by BSDF sampling", "mis"},
+           choose(settings.direct, kDirectNames));
+  add_flag(app, group, {"--seed", "N", "another seed gives another noise, the same seed the same bits", "0"},
+           [&](const FlagValue& value) { settings.seed = value.whole_number(0, kMostSamples); });
+  add_switch(app, group, {"--strict", "", "refuse anything biased but the depth asked for; exit code 1 if any sample was not finite", "off"}, request.strict);
+  add_flag(app, group, {"--device", "NAME|INDEX", "Vulkan device; 'wavepath info' lists them", "a discrete GPU if there is one"},
+           [&](const FlagValue& value) { request.device = value.text; });
+  add_flag(app, group, {"--specialize", "on|off", "leave out what the scene does not need; off gives the same image, slower", "on"},
+           [&](const FlagValue& value) { settings.specialize = value.choice(kOnOff) != 0; });
+}
+
+void add_picture_flags(CLI::App& app, RenderRequest& request) {
+  const char* group = "Picture";
+  add_flag(app, group, {"--size", "WxH", "pixels", "1280x720"},
+           [&](const FlagValue& value) { read_size(value, request.settings); });
+  add_flag(app, group,
+           {"--filter", "box|gaussian|blackman-harris", "pixel filter, importance-sampled",
+            "blackman-harris; box if --reference is box-filtered"},
+           [&](const FlagValue& value) { request.filter = value.choice(kFilterNames); });
+  add_flag(app, group,
+           {"--aov", "LIST",
+            "extra EXR channels, separated by commas: albedo, normal, depth, position, variance, samples, direct, indirect, "
+            "emission",
+            "none"},
+           [&](const FlagValue& value) { read_aovs(value, request.settings.aovs); });
+}
+
+void add_output_flags(CLI::App& app, OutputRequest& request) {
+  const char* group = "Output";
+  const auto keep = [](std::string& text) { return [&text](const FlagValue& value) { text = value.text; }; };
+  add_flag(app, group,
+           {"-o,--output", "FILE", "repeatable; .exr and .hdr linear, .png and .jpg tonemapped", "SCENE-stem.exr"},
+           [&](const FlagValue& value) { request.pictures.push_back(value.text); }, true);
+  add_switch(app, group, {"--half", "", "EXR with 16-bit floats", "off: 32-bit"}, request.write.half);
+  add_flag(app, group, {"--exposure", "EV", "brighten tonemapped outputs by this many stops", "0"},
+           [&](const FlagValue& value) { request.write.exposure = value.number(-64.0, 64.0); });
+  add_flag(app, group, {"--tonemap", "none|aces|agx|neutral", "tone curve of .png and .jpg outputs", "neutral"},
+           [&](const FlagValue& value) { request.write.tonemap = static_cast<Tonemap>(value.choice(kTonemaps)); });
+  add_flag(app, group, {"--stats", "FILE.json", "write everything that the run measured", "not written"}, keep(request.stats));
+  add_flag(app, group, {"--reference", "FILE.exr", "also measure the true error of the final picture", "none"}, keep(request.reference));
+  add_switch(app, group, {"--json", "", "print the stats document on stdout", "off"}, request.json);
+  add_switch(app, group, {"-q,--quiet", "", "no progress and no summary", "off"}, request.quiet);
+  add_switch(app, group, {"-v,--verbose", "", "say more on stderr: device, memory, seconds by stage, what is left out", "off"}, request.verbose);
+}
+
+void settle_samples(RenderRequest& request) {
+  RenderSettings& settings = request.settings;
+  const bool open_ended = settings.time_limit > 0.0 || settings.target_error > 0.0;
+  settings.first_sample = 0;
+  settings.last_sample = request.spp.value_or(open_ended ? kOpenEndedSamples : settings.last_sample);
+  if (!request.samples) return;
+  std::tie(settings.first_sample, settings.last_sample) = *request.samples;
+  if (request.spp && settings.last_sample > *request.spp)
+    throw UsageError("--samples", fmt::format("{} ends beyond --spp {}", settings.last_sample, *request.spp),
+                     "give a range within 0:spp");
+}
+
+} // namespace wavepath

@@ -1,0 +1,41 @@
+// The flags that say how to render and where the result goes.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+#include "host/render/picture_io.h"
+#include "host/render/render.h"
+
+namespace wavepath {
+
+struct OutputRequest {
+  std::vector<std::string> pictures; // .exr .hdr .png .jpg
+  WriteOptions write;
+  std::string stats, reference; // files; empty = none
+  bool quiet = false, verbose = false, json = false;
+};
+
+struct RenderRequest {
+  RenderSettings settings; // its sample range is set by settle_samples()
+  std::optional<std::uint32_t> spp;
+  std::optional<std::pair<std::uint32_t, std::uint32_t>> samples; // first, one past the last
+  std::optional<std::uint32_t> filter;
+  std::string device;
+  bool strict = false;
+};
+
+// The requests must outlive the parsing of `app`.
+void add_render_flags(CLI::App& app, RenderRequest& request);
+void add_picture_flags(CLI::App& app, RenderRequest& request);
+void add_output_flags(CLI::App& app, OutputRequest& request);
+
+// Works out the sample range once all flags are known. Throws UsageError where --spp and --samples disagree.
+void settle_samples(RenderRequest& request);
+
+} // namespace wavepath

@@ -1,0 +1,21 @@
+// What a render tells when it is done: stats document, warnings, summary.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "host/base/warnings.h"
+#include "host/cli/render_flags.h"
+#include "host/render/stats.h"
+
+namespace wavepath {
+
+// What of these settings keeps the expected picture from being the full light transport.
+std::vector<std::string> list_bias(const RenderSettings& settings);
+
+TrueError measure_true_error(const Picture& picture, const Picture& reference);
+
+// Writes the stats file and, as asked for, the document to stdout, and warnings and a summary to stderr.
+void report(const Run& run, const OutputRequest& output, Warnings warnings);
+
+} // namespace wavepath

@@ -1,0 +1,93 @@
+// From the command line to a command.
+#include <map>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "host/base/error.h"
+#include "host/cli/commands.h"
+#include "host/cli/flags.h"
+
+namespace wavepath {
+namespace {
+
+// The command line as a shell would take it again.
+std::string quote(int count, const char* const* arguments) {
+  std::string line;
+  for (int i = 0; i < count; ++i) {
+    const std::string word = arguments[i];
+    const bool plain = !word.empty() && word.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789"
+                                                               "_-+=.,:/@%") == std::string::npos;
+    std::string quoted = "'";
+    for (const char c : word) quoted += c == '\'' ? "'\\''" : std::string(1, c);
+    line += (i == 0 ? "" : " ") + (plain ? word : quoted + "'");
+  }
+  return line;
+}
+
+std::vector<std::string> command_names(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) names.push_back(command->get_name());
+  return names;
+}
+
+// What the parser could not place: an unknown flag or command, with what was probably meant.
+void refuse_leftovers(CLI::App& app) {
+  const std::vector<CLI::App*> chosen = app.get_subcommands();
+  const CLI::App& command = chosen.empty() ? app : *chosen.front();
+  std::vector<std::string> flags;
+  for (const CLI::Option* option : command.get_options())
+    for (const std::string& name : option->get_lnames()) flags.push_back("--" + name);
+  const std::string title = chosen.empty() ? "wavepath" : "wavepath " + command.get_name();
+
+  std::vector<std::string> words;
+  for (const std::string& word : app.remaining(true))
+    if (word != "--") words.push_back(word);
+  for (const std::string& word : words)
+    if (word.size() > 1 && word[0] == '-')
+      throw UsageError(word, "no such flag of '" + title + "'",
+                       nearest_name(word.substr(0, word.find('=')), flags).empty()
+                           ? "see " + title + " --help"
+                           : suggestion(word.substr(0, word.find('=')), flags));
+  if (words.empty()) return;
+  if (chosen.empty()) throw UsageError(words[0], "no such command", suggestion(words[0], command_names(app)));
+  throw UsageError(words[0], "is one argument too many for '" + title + "'", "see " + title + " --help");
+}
+
+} // namespace
+
+int run(int argument_count, const char* const* arguments) {
+  CLI::App app("wavepath: path-traced reference images of glTF scenes, in Vulkan compute", "wavepath");
+  app.formatter(std::make_shared<HelpLayout>());
+  app.set_help_flag("-h,--help", "show this and exit")->group("Help");
+  app.set_version_flag("--version", "wavepath " WAVEPATH_VERSION, "show the version and exit")->group("Help");
+  app.footer("wavepath COMMAND --help tells the flags of a command. Exit codes: 0 done, 1 the input or the machine failed, 2 "
+             "wrong usage, 3 the asked-for error was not reached, 130 interrupted (the result so far was saved).");
+  const std::map<std::string, Command> commands = {
+      {"render", add_render(app, quote(argument_count, arguments))}, {"info", add_info(app)}, {"compare", add_compare(app)}};
+
+  try {
+    app.parse(argument_count, arguments);
+  } catch (const CLI::CallForHelp&) {
+    fmt::print("{}", app.help());
+    return kExitDone;
+  } catch (const CLI::CallForVersion& version) {
+    fmt::print("{}\n", version.what());
+    return kExitDone;
+  } catch (const CLI::ParseError& error) {
+    refuse_leftovers(app);
+    throw UsageError("command line", error.what(), "see wavepath --help");
+  }
+  if (app.get_subcommands().empty())
+    throw UsageError("command line", "no command is given", fmt::format("choose from {}; see wavepath --help", fmt::join(command_names(app), ", ")));
+  return commands.at(app.get_subcommands().front()->get_name())();
+}
+
+void print_warnings(const Warnings& warnings) {
+  for (const auto& [text, count] : warnings.counts()) {
+    const std::string times = count > 1 ? fmt::format(" ({} times)", count) : "";
+    fmt::print(stderr, "wavepath: warning: {}{}\n", text, times);
+  }
+}
+
+} // namespace wavepath

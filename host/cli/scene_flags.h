@@ -1,0 +1,33 @@
+// The flags that say what is seen: scene file, pose, camera and environment.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+#include "host/scene/gltf.h"
+#include "host/scene/view.h"
+
+namespace wavepath {
+
+struct SceneRequest {
+  std::string path;
+  LoadOptions load;
+  ViewRequest view;
+  std::string environment; // as load_environment takes it; empty = by the rule of default_environment
+  double environment_intensity = 1.0;
+  double environment_rotation = 0.0; // radians
+};
+
+// `request` must outlive the parsing of `app`. SCENE itself may be left out where `required` is false.
+void add_scene_flags(CLI::App& app, SceneRequest& request, bool required);
+void add_view_flags(CLI::App& app, ViewRequest& request);
+
+// Reads the scene and puts its environment in. Throws Error.
+Scene load_scene(const SceneRequest& request);
+
+// Black if the scene has a light of its own (punctual, or an emissive surface in use), else white of radiance 1.
+Environment default_environment(const Scene& scene);
+
+} // namespace wavepath
