@@ -15,7 +15,7 @@ inline constexpr std::size_t kMaxItems = kLeafFirstMask;
 struct BuildConfig {
   std::uint32_t max_leaf_size = 4; // 1 .. kMaxLeafSize
   std::uint32_t bin_count = 32;    // 2 .. 32 candidate slabs an axis
-  float node_cost = 1.0f;          // of visiting a binary node, relative to testing an item
+  float node_cost = 1.0f;         // of visiting a binary node, relative to testing an item
 };
 
 struct BuildReport {

@@ -45,17 +45,19 @@ struct Primitive {
 // A division of the centroids' box into equal slabs on each axis.
 struct Slabs {
   int count;
-  float lo[3], scale[3]; // scale 0: too thin to divide
+  float last;         // count - 1
+  float inverse_size; // 1 / longest side of all items together; areas are measured in units of that side squared
+  alignas(16) float lo[4], scale[4]; // scale 0: too thin to divide; lane 3 is unused
 
-  Slabs(const Bound& centroids, int slab_count);
+  Slabs(const Bound& bound, const Bound& centroids, int slab_count);
   int of(const Primitive& primitive, int axis) const {
-    return std::min(static_cast<int>((primitive.centroid(axis) - lo[axis]) * scale[axis]), count - 1);
+    return static_cast<int>(std::min((primitive.centroid(axis) - lo[axis]) * scale[axis], last));
   }
 };
 
 // Primitives whose slab on `axis` is below `slab` go left. No cut: left_count = 0.
 struct Cut {
-  double cost = std::numeric_limits<double>::infinity(); // items * half area, summed over both sides
+  float cost = std::numeric_limits<float>::infinity(); // items * half area, summed over both sides; see half_area()
   int axis = 0, slab = 0;
   std::uint32_t left_count = 0;
   Bound left, right;
@@ -74,7 +76,10 @@ struct Bins {
   Cut best_cut(const Slabs& slabs) const;
 };
 
-// Surface area / 2 of a bound that is not empty.
-double half_area(const Bound& bound);
+// Surface area / 2, in units that make it fit a float in scenes of any size. The bound must not be empty.
+inline float half_area(const Bound& bound, float inverse_size) {
+  const float x = bound.extent(0) * inverse_size, y = bound.extent(1) * inverse_size, z = bound.extent(2) * inverse_size;
+  return x * y + y * z + z * x;
+}
 
 } // namespace wavepath::bvh
