@@ -31,7 +31,7 @@ void main() {
     direction = frame.camera_forward;
   }
 
-  rays[slot] = Ray(origin, slot, normalize(direction), kInfinity);
+  rays[slot] = Ray(origin, slot, normalize(direction), kFar);
   paths[slot] = PathState(vec3(1.0), -1.0, vec3(0.0), 1.0);
   if (has(kFeatureVolume)) path_media[slot] = kNone;
   if (has(kFeatureAovs)) {

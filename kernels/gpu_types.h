@@ -253,6 +253,8 @@ struct PathState {
 };
 GPU_CHECK(sizeof(PathState) == 32);
 
+GPU_CONSTANT float kFar = 3.402823466e38f; // t_max of a ray that nothing bounds
+
 struct Ray {
   vec3 origin;
   uint slot;
@@ -272,7 +274,7 @@ GPU_CHECK(sizeof(Hit) == 16);
 struct ShadowRay {
   vec3 origin;
   uint slot;
-  vec3 direction; // to the point on the light, not normalized: t in (0,1); unit length and t_max = inf for distant lights
+  vec3 direction; // to the point on the light, not normalized: t in (0,1); unit length and t_max = kFar for distant lights
   float t_max;
   vec3 contribution; // what the path gains if nothing is in between
   uint flags;        // kShadowDirect

@@ -102,7 +102,7 @@ bool connect_to_light(Vertex v, Sampler path_sampler, uint dimension, uint slot,
   ray.flags = 0u;
   ray.origin = offset_ray_origin(v.surface.position, v.surface.position_error, v.surface.geometric_normal, light.direction);
   ray.direction = light.distant ? light.direction : light.target - ray.origin;
-  ray.t_max = light.distant ? kInfinity : 1.0;
+  ray.t_max = light.distant ? kFar : 1.0;
   return true;
 }
 
@@ -127,7 +127,7 @@ bool scatter(Vertex v, Sampler path_sampler, uint dimension, uint slot, inout Pa
   if (!(max_component(path.throughput) > 0.0)) return false;
 
   if (has(kFeatureVolume) && s.transmitted && !v.bsdf.thin) path_media[slot] = medium_behind(v);
-  ray = Ray(offset_ray_origin(v.surface.position, v.surface.position_error, v.surface.geometric_normal, wi), slot, wi, kInfinity);
+  ray = Ray(offset_ray_origin(v.surface.position, v.surface.position_error, v.surface.geometric_normal, wi), slot, wi, kFar);
   return true;
 }
 

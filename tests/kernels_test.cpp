@@ -1,0 +1,331 @@
+// Each kernel of the wavefront alone: what it writes for a known input, against the CPU reference or by hand.
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <random>
+
+#include "bvh/traverse.h"
+#include "host/render/gpu_scene.h"
+#include "kernels/accumulate.spv.h"
+#include "kernels/advance.spv.h"
+#include "kernels/connect.spv.h"
+#include "kernels/extend.spv.h"
+#include "kernels/generate.spv.h"
+#include "kernels/tile_order.h"
+#include "tests/probe.h"
+
+namespace wavepath::test {
+namespace {
+
+constexpr std::uint32_t kSlots = 1 << 14;
+
+// All bindings of the path tracer, with memory that a test can fill and read.
+struct Bench {
+  Bench(Device& device_, const PackedScene& packed, std::uint32_t features, const gpu::Frame& frame_)
+      : device(device_), scene(upload_scene(device_, packed)), frame(device_, sizeof(gpu::Frame)),
+        paths(device_, kSlots * sizeof(gpu::PathState)), media(device_, kSlots * 4), path_aovs(device_, kSlots * sizeof(gpu::PathAovs)),
+        rays(device_, 2 * kSlots * sizeof(gpu::Ray)), hits(device_, kSlots * sizeof(gpu::Hit)),
+        shadow_rays(device_, kSlots * sizeof(gpu::ShadowRay)), queues(device_, sizeof(gpu::Queues)),
+        film(device_, kSlots * gpu::kReplicates * sizeof(gpu::FilmPixel)), film_aovs(device_, kSlots * sizeof(gpu::FilmAovs)),
+        constants{features, packed.stack_size + 1, gpu::kSamplerSobol, gpu::kDirectMis, gpu::kHemisphereCosine, gpu::kFilterBox} {
+    frame.write(&frame_, sizeof(frame_));
+    for (Buffer* buffer : {&paths, &media, &path_aovs, &film, &film_aovs}) buffer->fill_zero();
+    set_queues({});
+    using enum BindingKind;
+    std::vector<Binding> all = scene.bindings();
+    all.insert(all.end(), {{gpu::kBindFrame, uniform, &frame}, {gpu::kBindPaths, storage, &paths},
+                           {gpu::kBindRays, storage, &rays}, {gpu::kBindRayTexels, texels_rgba32f, &rays},
+                           {gpu::kBindHits, storage, &hits}, {gpu::kBindShadowRays, storage, &shadow_rays},
+                           {gpu::kBindQueues, storage, &queues}, {gpu::kBindFilm, storage, &film},
+                           {gpu::kBindPathMedia, storage, &media}, {gpu::kBindPathAovs, storage, &path_aovs},
+                           {gpu::kBindFilmAovs, storage, &film_aovs}});
+    bindings = std::make_unique<BindingSet>(device, all, static_cast<std::uint32_t>(sizeof(gpu::Wave)));
+  }
+
+  void set_queues(gpu::Queues value) { queues.write(&value, sizeof(value)); }
+  gpu::Queues get_queues() const { return download<gpu::Queues>(queues, 1).front(); }
+
+  void run(std::span<const std::uint32_t> spirv, std::uint32_t groups, const gpu::Wave& wave) {
+    const Kernel kernel(device, "kernel", spirv, *bindings, constants);
+    Commands commands(device);
+    commands.bind(*bindings);
+    commands.dispatch(kernel, groups, &wave);
+    commands.submit_and_wait();
+  }
+
+  Device& device;
+  GpuScene scene;
+  Buffer frame, paths, media, path_aovs, rays, hits, shadow_rays, queues, film, film_aovs;
+  std::array<std::uint32_t, 6> constants;
+  std::unique_ptr<BindingSet> bindings;
+};
+
+gpu::Frame frame_of(const PackedScene& packed, std::uint32_t width = 64, std::uint32_t height = 64) {
+  gpu::Frame frame{};
+  frame.root = packed.root;
+  frame.root_is_top = packed.root_is_top;
+  frame.scene_features = packed.features;
+  frame.slot_count = kSlots;
+  frame.width = width;
+  frame.height = height;
+  frame.sample_total = 16;
+  frame.camera_forward = {0, 0, -1};
+  frame.camera_right = {2, 0, 0};
+  frame.camera_up = {0, 1, 0};
+  frame.camera_position = {1, 2, 3};
+  return frame;
+}
+
+// `count` random triangles of very different sizes around the origin, as one mesh; single-sided ones every third.
+Scene soup(std::uint32_t count, std::uint32_t seed, bool double_sided) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<float> unit(-1.0f, 1.0f);
+  Scene scene;
+  scene.materials.emplace_back().double_sided = double_sided;
+  Mesh& mesh = scene.meshes.emplace_back();
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const glm::vec3 centre = glm::vec3(unit(random), unit(random), unit(random)) * 10.0f;
+    const float size = std::pow(10.0f, unit(random));
+    for (std::uint32_t v = 0; v < 3; ++v) {
+      mesh.positions.push_back(centre + size * glm::vec3(unit(random), unit(random), unit(random)));
+      mesh.indices.push_back(3 * i + v);
+    }
+  }
+  mesh.primitives.push_back({0, 3 * count, 0, false});
+  scene.instances.push_back({0, glm::dmat4(1.0)});
+  return scene;
+}
+
+std::vector<gpu::Ray> random_rays(std::uint32_t count, std::uint32_t seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<float> unit(-1.0f, 1.0f);
+  std::vector<gpu::Ray> rays;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    glm::vec3 d(unit(random), unit(random), unit(random));
+    if (i % 16 == 0) d = glm::vec3(0.0f, i % 32 ? -0.0f : 0.0f, i % 64 ? 1.0f : -1.0f); // along an axis
+    rays.push_back({glm::vec3(unit(random), unit(random), unit(random)) * 15.0f, i, glm::normalize(d), i % 5 ? gpu::kFar : 8.0f});
+  }
+  rays[1].origin.x = std::numeric_limits<float>::quiet_NaN();
+  rays[2].direction.y = std::numeric_limits<float>::infinity();
+  return rays;
+}
+
+bvh::Vec3 to_bvh(glm::vec3 v) { return {v.x, v.y, v.z}; }
+
+std::vector<bvh::Triangle> triangles_of(const PackedScene& packed) {
+  std::vector<bvh::Triangle> triangles;
+  for (const gpu::Triangle& t : packed.triangles) triangles.push_back({to_bvh(t.v0), to_bvh(t.v1), to_bvh(t.v2)});
+  return triangles;
+}
+
+class Kernels : public VulkanTest {};
+
+TEST_F(Kernels, ExtendEqualsReference) {
+  Scene scene = soup(3000, 1, true);
+  const PackedScene packed = pack(scene);
+  const auto rays = random_rays(kSlots, 2);
+  const auto triangles = triangles_of(packed);
+  bvh::WideTree tree{packed.nodes, {}, packed.root, packed.stack_size};
+  std::vector<gpu::Hit> first;
+  for (const std::uint32_t features : {packed.features, gpu::kFeaturesAll & ~gpu::kFeatureAovs}) {
+    Bench bench(device(), packed, features, frame_of(packed));
+    bench.rays.write(rays.data(), rays.size() * sizeof(gpu::Ray));
+    bench.set_queues({.ray_count = {kSlots, 0}});
+    bench.run(wavepath_extend_spv, kSlots / gpu::kWorkgroupSize, {0, 4096, 0, 4, 0, 0});
+    const auto hits = download<gpu::Hit>(bench.hits, kSlots);
+    std::uint32_t found = 0;
+    for (std::uint32_t i = 0; i < kSlots; ++i) {
+      const bvh::Hit expected =
+          bvh::closest_hit(tree, triangles, {to_bvh(rays[i].origin), to_bvh(rays[i].direction), rays[i].t_max});
+      ASSERT_EQ(hits[i].triangle, expected.item) << "ray " << i;
+      if (expected.item == bvh::kAbsent) continue;
+      ++found;
+      if (device().info().type != "cpu") continue; // other devices may divide within 2.5 ulp
+      ASSERT_EQ(hits[i].b1, expected.triangle.b1) << "ray " << i;
+      ASSERT_EQ(hits[i].b2, expected.triangle.b2) << "ray " << i;
+    }
+    EXPECT_GT(found, kSlots / 4);
+    EXPECT_LT(found, kSlots);
+  }
+}
+
+TEST_F(Kernels, ExtendCullsTheBacksOfSingleSidedTriangles) {
+  Scene scene = soup(1, 1, false);
+  scene.meshes[0].positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}; // counter-clockwise from +z
+  const PackedScene packed = pack(scene);
+  const glm::vec3 target = glm::vec3(0.25f, 0.25f, 0.0f) - glm::vec3(packed.origin);
+  Bench bench(device(), packed, packed.features, frame_of(packed));
+  const std::vector<gpu::Ray> rays = {{target + glm::vec3(0, 0, 1), 0, {0, 0, -1}, gpu::kFar},
+                                      {target - glm::vec3(0, 0, 1), 1, {0, 0, 1}, gpu::kFar}};
+  bench.rays.write(rays.data(), rays.size() * sizeof(gpu::Ray));
+  bench.set_queues({.ray_count = {2, 0}});
+  bench.run(wavepath_extend_spv, 1, {0, 4096, 0, 4, 0, 0});
+  const auto hits = download<gpu::Hit>(bench.hits, 2);
+  EXPECT_EQ(hits[0].triangle, 0u);
+  EXPECT_EQ(hits[1].triangle, gpu::kNone);
+}
+
+// Many instances of one mesh under mirrored, scaled and rotated transforms, against every triangle of every instance.
+TEST_F(Kernels, ExtendEqualsBruteForceOverInstances) {
+  Scene scene = soup(200, 3, true);
+  std::mt19937 random(4);
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  scene.instances.clear();
+  for (int i = 0; i < 24; ++i) {
+    glm::dmat4 m(1.0);
+    for (int c = 0; c < 3; ++c)
+      for (int r = 0; r < 3; ++r) m[c][r] = 0.15 * unit(random) + (c == r ? (i % 2 ? -0.5 : 0.5) : 0.0);
+    m[3] = glm::dvec4(8 * unit(random), 8 * unit(random), 8 * unit(random), 1.0);
+    scene.instances.push_back({0, m});
+  }
+  const PackedScene packed = pack(scene);
+  ASSERT_TRUE(packed.root_is_top);
+  Bench bench(device(), packed, packed.features, frame_of(packed));
+  const auto rays = random_rays(4096, 5);
+  bench.rays.write(rays.data(), rays.size() * sizeof(gpu::Ray));
+  bench.set_queues({.ray_count = {4096, 0}});
+  bench.run(wavepath_extend_spv, 64, {0, 4096, 0, 4, 0, 0});
+  const auto hits = download<gpu::Hit>(bench.hits, 4096);
+
+  std::uint32_t found = 0, different = 0;
+  for (std::uint32_t i = 0; i < 4096; ++i) {
+    float best = rays[i].t_max;
+    gpu::Hit expected{gpu::kNone, 0, 0, 0};
+    for (std::uint32_t k = 0; k < packed.instances.size(); ++k) {
+      const auto& rows = packed.instances[k].object_from_world;
+      const glm::vec4 o(rays[i].origin, 1.0f), d(rays[i].direction, 0.0f);
+      const bvh::Ray ray{{glm::dot(rows[0], o), glm::dot(rows[1], o), glm::dot(rows[2], o)},
+                         {glm::dot(rows[0], d), glm::dot(rows[1], d), glm::dot(rows[2], d)}, best};
+      const bvh::PreparedRay prepared = bvh::prepare(ray);
+      if (!prepared.valid) continue;
+      for (std::uint32_t t = 0; t < packed.triangles.size(); ++t) {
+        bvh::TriangleHit hit;
+        const gpu::Triangle& triangle = packed.triangles[t];
+        if (bvh::intersect(prepared, {to_bvh(triangle.v0), to_bvh(triangle.v1), to_bvh(triangle.v2)}, hit) && hit.t < best) {
+          best = hit.t;
+          expected = {t, k, hit.b1, hit.b2};
+        }
+      }
+    }
+    found += expected.triangle != gpu::kNone;
+    different += hits[i].triangle != expected.triangle ||
+                 (expected.triangle != gpu::kNone && hits[i].instance != expected.instance);
+  }
+  EXPECT_GT(found, 400u);
+  EXPECT_LE(different, 2u); // transforms may round differently in the last bit: rays through an edge
+}
+
+TEST_F(Kernels, ConnectAddsLightWhereNothingIsInBetween) {
+  Scene scene = soup(3000, 6, true);
+  const PackedScene packed = pack(scene);
+  const auto triangles = triangles_of(packed);
+  bvh::WideTree tree{packed.nodes, {}, packed.root, packed.stack_size};
+  auto rays = random_rays(kSlots, 7);
+  std::vector<gpu::ShadowRay> shadow_rays;
+  for (gpu::Ray& ray : rays)
+    shadow_rays.push_back({ray.origin, ray.slot, ray.direction * 12.0f, ray.slot % 2 ? 1.0f : gpu::kFar, {1, 2, 3}, 0});
+  Bench bench(device(), packed, packed.features, frame_of(packed));
+  bench.shadow_rays.write(shadow_rays.data(), shadow_rays.size() * sizeof(gpu::ShadowRay));
+  bench.set_queues({.shadow_count = kSlots});
+  bench.run(wavepath_connect_spv, kSlots / gpu::kWorkgroupSize, {0, 4096, 0, 4, 0, 0});
+  const auto paths = download<gpu::PathState>(bench.paths, kSlots);
+  std::uint32_t blocked_count = 0;
+  for (std::uint32_t i = 0; i < kSlots; ++i) {
+    const gpu::ShadowRay& ray = shadow_rays[i];
+    const bool blocked = bvh::any_hit(tree, triangles, {to_bvh(ray.origin), to_bvh(ray.direction), ray.t_max});
+    blocked_count += blocked;
+    ASSERT_EQ(paths[i].radiance, blocked ? glm::vec3(0.0f) : glm::vec3(1, 2, 3)) << "ray " << i;
+  }
+  EXPECT_GT(blocked_count, kSlots / 8);
+  EXPECT_LT(blocked_count, kSlots);
+}
+
+TEST_F(Kernels, GenerateCoversEveryPixelOnce) {
+  Scene scene = soup(1, 1, true);
+  const PackedScene packed = pack(scene);
+  const std::uint32_t width = 37, height = 21, count = width * height;
+  const gpu::Frame frame = frame_of(packed, width, height);
+  Bench bench(device(), packed, packed.features, frame);
+  bench.run(wavepath_generate_spv, (2 * count + 63) / 64, {0, count, 5, 2, 0, 0});
+  EXPECT_EQ(bench.get_queues().ray_count[0], 2 * count);
+  const auto rays = download<gpu::Ray>(bench.rays, 2 * count);
+  std::vector<int> seen(count, 0);
+  for (std::uint32_t slot = 0; slot < 2 * count; ++slot) {
+    ASSERT_EQ(rays[slot].slot, slot);
+    ASSERT_EQ(rays[slot].origin, frame.camera_position);
+    const glm::vec3 d = rays[slot].direction / -rays[slot].direction.z;
+    const double x = (d.x / 2.0 + 1.0) / 2.0 * width, y = (1.0 - d.y) / 2.0 * height; // the box filter stays in the pixel
+    const glm::uvec2 pixel = gpu::pixel_in_tile_order(slot % count, width, height);
+    ASSERT_NEAR(x, pixel.x + 0.5, 0.5 + 1e-4);
+    ASSERT_NEAR(y, pixel.y + 0.5, 0.5 + 1e-4);
+    ++seen[pixel.y * width + pixel.x];
+  }
+  for (const int times : seen) EXPECT_EQ(times, 2);
+}
+
+TEST_F(Kernels, AdvanceCountsRaysBeyond32Bits) {
+  Scene scene = soup(1, 1, true);
+  const PackedScene packed = pack(scene);
+  Bench bench(device(), packed, packed.features, frame_of(packed));
+  bench.set_queues({.ray_count = {1000, 77}, .shadow_count = 65, .camera_rays = {0xfffffff0u, 3}});
+  bench.run(wavepath_advance_spv, 1, {0, 0, 0, 0, 0, 0}); // before extend of bounce 0
+  gpu::Queues queues = bench.get_queues();
+  EXPECT_EQ(queues.extend_groups[0], 16u);
+  EXPECT_EQ(queues.ray_count[0], 1000u);
+  EXPECT_EQ(queues.ray_count[1], 0u);
+  EXPECT_EQ(queues.shadow_count, 0u);
+  EXPECT_EQ(queues.camera_rays[0], 1000u - 16u);
+  EXPECT_EQ(queues.camera_rays[1], 4u);
+  queues.shadow_count = 65;
+  bench.set_queues(queues);
+  bench.run(wavepath_advance_spv, 1, {0, 0, 0, 0, 1, 0}); // before connect of bounce 0
+  queues = bench.get_queues();
+  EXPECT_EQ(queues.connect_groups[0], 2u);
+  EXPECT_EQ(queues.shadow_rays[0], 65u);
+  EXPECT_EQ(queues.camera_rays[1], 4u);
+}
+
+TEST_F(Kernels, AccumulateKeepsSmallSamplesBesideLargeSums) {
+  Scene scene = soup(1, 1, true);
+  const PackedScene packed = pack(scene);
+  Bench bench(device(), packed, packed.features, frame_of(packed, 8, 8));
+  // 256 samples of each of 64 pixels: 0.1, whatever the sum has grown to; sample 7 of pixel 9 is not a number.
+  std::vector<gpu::PathState> paths(kSlots);
+  for (auto& path : paths) path.radiance = glm::vec3(0.1f, 1e-3f, 100.0f);
+  paths[7 * 64 + 9].radiance.y = std::numeric_limits<float>::quiet_NaN();
+  bench.paths.write(paths.data(), paths.size() * sizeof(gpu::PathState));
+  bench.set_queues({.first_nonfinite_pixel = gpu::kNone});
+  const int waves = 40;
+  for (int i = 0; i < waves; ++i)
+    bench.run(wavepath_accumulate_spv, 1, {0, 64, static_cast<std::uint32_t>(i) * 256, 256, 0, 0});
+  const auto film = download<gpu::FilmPixel>(bench.film, 128);
+  for (std::uint32_t i = 0; i < 128; ++i) {
+    const bool damaged = i == 9 * 2 + 1; // sample 7 belongs to the second replicate
+    EXPECT_EQ(film[i].count, 128u * waves - (damaged ? waves : 0));
+    const glm::dvec3 sum = glm::dvec3(film[i].total) + glm::dvec3(film[i].compensation) + glm::dvec3(film[i].block);
+    for (int c = 0; c < 3; ++c) {
+      const double expected = paths[0].radiance[c];
+      EXPECT_NEAR(sum[c] / film[i].count, expected, 4e-7 * expected);
+    }
+  }
+  const gpu::Queues queues = bench.get_queues();
+  EXPECT_EQ(queues.nonfinite_samples, static_cast<std::uint32_t>(waves));
+  const glm::uvec2 pixel = gpu::pixel_in_tile_order(9, 8, 8);
+  EXPECT_EQ(queues.first_nonfinite_pixel, pixel.y * 8 + pixel.x);
+}
+
+TEST(TileOrder, VisitsEveryPixelOnce) {
+  for (const auto& [width, height] : {std::pair{1u, 1u}, {8u, 8u}, {9u, 7u}, {64u, 24u}, {13u, 40u}}) {
+    std::vector<int> seen(width * height, 0);
+    for (std::uint32_t i = 0; i < width * height; ++i) {
+      const glm::uvec2 p = gpu::pixel_in_tile_order(i, width, height);
+      ASSERT_LT(p.x, width);
+      ASSERT_LT(p.y, height);
+      ++seen[p.y * width + p.x];
+    }
+    for (const int times : seen) EXPECT_EQ(times, 1);
+  }
+}
+
+} // namespace
+} // namespace wavepath::test
