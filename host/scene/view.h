@@ -23,13 +23,15 @@ struct View {
 
 // What --camera, --eye, --look-at, --up and --yfov say; what is left out comes from the chosen camera.
 struct ViewRequest {
-  std::string camera; // name or index; empty = the first
-  std::optional<glm::dvec3> eye, look_at, up;
-  std::optional<double> yfov; // radians
+  std::string camera{}; // name or index; empty = the first
+  std::optional<glm::dvec3> eye{}, look_at{}, up{};
+  std::optional<double> yfov{}; // radians
 };
 
-// Throws Error if the camera named is not there or the request is degenerate. A scene without a camera is framed: the
-// bounding sphere of its geometry fills the image, seen from a little above and to the right of +Z.
+// Throws Error if the camera named is not there or the request is degenerate. A perspective camera keeps its vertical angle,
+// an orthographic one its height; the width follows from the image. A scene without a camera is framed: the bounding sphere
+// of its geometry fills the image, seen from a little above and to the right of +Z; from an eye of the user's own, its middle
+// is looked at. A level camera stays level when only its eye or target is moved. `yfov` makes any camera perspective.
 View resolve_view(const Scene& scene, const ViewRequest& request, std::uint32_t width, std::uint32_t height);
 
 } // namespace wavepath

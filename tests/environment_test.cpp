@@ -1,0 +1,266 @@
+// Environments: the command line's words, files good and bad, the lat-long convention, and the importance table.
+#include "host/scene/environment.h"
+
+#include <bit>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <memory>
+#include <numbers>
+#include <random>
+
+#include <OpenImageIO/imageio.h>
+#include <gtest/gtest.h>
+
+#include "host/base/error.h"
+#include "host/scene/alias.h"
+#include "host/scene/environment_light.h"
+
+namespace wavepath {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+std::string temporary_file(const std::string& name) {
+  return (std::filesystem::path(testing::TempDir()) / ("wavepath_environment_" + name)).string();
+}
+
+struct FileOptions {
+  OIIO::TypeDesc type = OIIO::TypeDesc::FLOAT;
+  int tile = 0;
+  bool mip = false;
+  std::vector<std::string> channels{"R", "G", "B"};
+};
+
+// Writes `values` (interleaved) and, with `mip`, a second level full of 99.
+std::string write_image(const std::string& name, int width, int height, const std::vector<float>& values,
+                        const FileOptions& options = {}) {
+  const std::string file = temporary_file(name);
+  const std::unique_ptr<OIIO::ImageOutput> output = OIIO::ImageOutput::create(file);
+  OIIO::ImageSpec spec(width, height, static_cast<int>(options.channels.size()), options.type);
+  spec.channelnames = options.channels;
+  if (options.tile > 0) spec.tile_width = spec.tile_height = options.tile;
+  if (options.mip) spec["textureformat"] = "Plain Texture"; // asks for levels
+  EXPECT_TRUE(output->open(file, spec)) << output->geterror();
+  EXPECT_TRUE(output->write_image(OIIO::TypeDesc::FLOAT, values.data())) << output->geterror();
+  if (options.mip) {
+    OIIO::ImageSpec half = spec;
+    half.width = half.full_width = width / 2;
+    half.height = half.full_height = height / 2;
+    const std::vector<float> filler(std::size_t(half.width) * std::size_t(half.height) * options.channels.size(),
+                                    99.0f);
+    EXPECT_TRUE(output->open(file, half, OIIO::ImageOutput::AppendMIPLevel)) << output->geterror();
+    EXPECT_TRUE(output->write_image(OIIO::TypeDesc::FLOAT, filler.data()));
+  }
+  output->close();
+  return file;
+}
+
+// Pixel i holds (i, i + 1/4, i + 1/2): exact in half and in RGBE for small images.
+std::vector<float> counting_pixels(int count) {
+  std::vector<float> values;
+  for (int i = 0; i < count; ++i)
+    for (int c = 0; c < 3; ++c) values.push_back(static_cast<float>(i) + 0.25f * static_cast<float>(c));
+  return values;
+}
+
+void expect_counting(const Environment& environment, std::uint32_t width, std::uint32_t height) {
+  ASSERT_EQ(environment.width, width);
+  ASSERT_EQ(environment.height, height);
+  for (std::size_t i = 0; i < environment.map.size(); ++i) {
+    const auto value = static_cast<float>(i);
+    ASSERT_EQ(environment.map[i], glm::vec3(value, value + 0.25f, value + 0.5f)) << i;
+  }
+}
+
+std::string message_of(const std::string& argument) {
+  try {
+    load_environment(argument);
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+bool has(const std::string& text, const std::string& words) { return text.find(words) != std::string::npos; }
+
+TEST(Environment, ReadsConstants) {
+  const Environment environment = load_environment("0.5,1,2e1", 2.0, 0.25);
+  EXPECT_TRUE(environment.map.empty());
+  EXPECT_EQ(environment.radiance, glm::vec3(1.0f, 2.0f, 40.0f));
+  EXPECT_EQ(environment.rotation, 0.25);
+  EXPECT_TRUE(environment.present());
+  EXPECT_FALSE(load_environment("0,0,0").present());
+}
+
+TEST(Environment, RefusesWhatIsNeitherConstantNorMap) {
+  EXPECT_TRUE(has(message_of("1,2"), "neither R,G,B nor"));
+  EXPECT_TRUE(has(message_of("1,2,x"), "neither R,G,B nor"));
+  EXPECT_TRUE(has(message_of("1,2,3,4"), "neither R,G,B nor"));
+  EXPECT_TRUE(has(message_of("sky.png"), "neither R,G,B nor"));
+  EXPECT_TRUE(has(message_of("-1,0,0"), "not negative"));
+  EXPECT_TRUE(has(message_of(temporary_file("missing.exr")), "does not exist"));
+  EXPECT_THROW(load_environment("1,1,1", -1.0), UsageError);
+  EXPECT_THROW(load_environment("1,1,1", 1.0, std::numeric_limits<double>::quiet_NaN()), UsageError);
+}
+
+TEST(Environment, ReadsFloatHalfTiledMippedAndRadianceFiles) {
+  const std::vector<float> values = counting_pixels(32);
+  expect_counting(load_environment(write_image("float.exr", 8, 4, values)), 8, 4);
+  expect_counting(load_environment(write_image("half.exr", 8, 4, values, {.type = OIIO::TypeDesc::HALF})), 8, 4);
+  expect_counting(load_environment(write_image("UPPER.EXR", 8, 4, values)), 8, 4);
+  const std::vector<float> many = counting_pixels(32 * 16);
+  expect_counting(load_environment(write_image("tiled.exr", 32, 16, many, {.tile = 16})), 32, 16);
+  expect_counting(load_environment(write_image("mipped.exr", 32, 16, many, {.tile = 16, .mip = true})), 32, 16);
+  expect_counting(load_environment(write_image("radiance.hdr", 8, 4, values)), 8, 4);
+}
+
+TEST(Environment, FindsChannelsByName) {
+  std::vector<float> values;
+  for (int i = 0; i < 8; ++i) values.insert(values.end(), {1.0f, 7.0f, 3.0f, 2.0f, 1.0f}); // A, Z, B, G, R
+  const Environment environment =
+      load_environment(write_image("names.exr", 4, 2, values, {.channels = {"A", "Z", "B", "G", "R"}}));
+  EXPECT_EQ(environment.map[5], glm::vec3(1.0f, 2.0f, 3.0f));
+  const Environment grey =
+      load_environment(write_image("grey.exr", 4, 2, std::vector<float>(8, 0.5f), {.channels = {"Y"}}));
+  EXPECT_EQ(grey.map[7], glm::vec3(0.5f));
+  const std::string message =
+      message_of(write_image("uv.exr", 4, 2, std::vector<float>(16, 0.5f), {.channels = {"R", "G"}}));
+  EXPECT_TRUE(has(message, "no R, G and B channels (it has R, G)")) << message;
+}
+
+TEST(Environment, NamesTheTexelThatIsNoRadiance) {
+  const float bad[] = {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(), -0.5f};
+  for (const float value : bad) {
+    std::vector<float> values = counting_pixels(32);
+    values[3 * (2 * 8 + 5) + 1] = value;
+    const std::string message = message_of(write_image("bad.exr", 8, 4, values));
+    EXPECT_TRUE(has(message, "pixel (5, 2)")) << message;
+  }
+}
+
+TEST(Environment, RefusesBrokenFilesInWords) {
+  const std::string garbage = temporary_file("garbage.exr");
+  std::ofstream(garbage) << "this is no image";
+  EXPECT_TRUE(has(message_of(garbage), "cannot be opened as an image")) << message_of(garbage);
+  const std::string whole = write_image("whole.exr", 64, 32, counting_pixels(64 * 32));
+  std::filesystem::resize_file(whole, std::filesystem::file_size(whole) / 2);
+  EXPECT_NE(message_of(whole), "no error");
+  EXPECT_NE(message_of(testing::TempDir()), "no error");
+}
+
+TEST(Environment, TurnsDirectionsIntoPositionsAsTheContractSays) {
+  const auto expect_uv = [](const glm::dvec3& d, double rotation, double u, double v) {
+    const glm::dvec2 uv = environment_uv(d, rotation);
+    EXPECT_NEAR(uv.x, u, 1e-12);
+    EXPECT_NEAR(uv.y, v, 1e-12);
+  };
+  expect_uv({1, 0, 0}, 0.0, 0.5, 0.5);   // the centre looks along +X
+  expect_uv({0, 0, 1}, 0.0, 0.75, 0.5);  // three quarters across is +Z
+  expect_uv({0, 0, -2}, 0.0, 0.25, 0.5); // one quarter is -Z, at any length
+  EXPECT_NEAR(environment_uv({0, 1, 0}, 0.0).y, 0.0, 1e-12);
+  EXPECT_NEAR(environment_uv({0, -1, 0}, 0.0).y, 1.0, 1e-12);
+  // Turned a quarter counter-clockwise seen from above, what showed along +X shows along -Z.
+  expect_uv({0, 0, -1}, kPi / 2, 0.5, 0.5);
+  expect_uv({1, 0, 0}, kPi / 2, 0.75, 0.5);
+}
+
+TEST(Environment, InvertsTheConvention) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> uniform(0.001, 0.999);
+  for (int i = 0; i < 1000; ++i) {
+    const glm::dvec2 uv{uniform(random), uniform(random)};
+    const double rotation = 10.0 * uniform(random) - 5.0;
+    const glm::dvec3 d = environment_direction(uv, rotation);
+    EXPECT_NEAR(glm::length(d), 1.0, 1e-12);
+    const glm::dvec2 back = environment_uv(3.0 * d, rotation);
+    EXPECT_NEAR(back.x, uv.x, 1e-10);
+    EXPECT_NEAR(back.y, uv.y, 1e-10);
+  }
+}
+
+// The probabilities that the packed table really has, from its thresholds.
+std::vector<double> table_probabilities(const PackedScene& packed) {
+  AliasTable table;
+  for (const glm::uvec2& entry : packed.environment_alias) {
+    table.threshold.push_back(std::bit_cast<float>(entry.x));
+    table.alias.push_back(entry.y);
+  }
+  return alias_probabilities(table);
+}
+
+TEST(EnvironmentLight, WeighsTexelsByTentAndSolidAngle) {
+  Environment environment;
+  environment.radiance = glm::vec3(2.0f);
+  environment.width = 8;
+  environment.height = 4;
+  environment.map.assign(32, glm::vec3(0.0f));
+  environment.map[0] = glm::vec3(1.0f); // top left: its neighbours are across the seam, and itself beyond the pole
+  PackedScene packed;
+  const double integral = pack_environment(environment, packed);
+  const double ring[] = {2 * kPi / 8 * (1 - std::sqrt(0.5)),
+                         2 * kPi / 8 * std::sqrt(0.5)}; // of a texel in rows 0 and 1
+  const double top = (4.0 + 2.0) / 16.0, side = (2.0 + 1.0) / 16.0, below = 2.0 / 16.0, corner = 1.0 / 16.0;
+  EXPECT_NEAR(integral, 2.0 * ((top + 2 * side) * ring[0] + (below + 2 * corner) * ring[1]), 1e-12);
+  const std::vector<double> probability = table_probabilities(packed);
+  const auto expect = [&](std::size_t texel, double weight) {
+    EXPECT_NEAR(probability[texel], 2.0 * weight / integral, 1e-7) << texel;
+    EXPECT_FLOAT_EQ(packed.environment[texel].w, static_cast<float>(probability[texel]));
+  };
+  expect(0, top * ring[0]);
+  expect(1, side * ring[0]);
+  expect(7, side * ring[0]);
+  expect(8, below * ring[1]);
+  expect(9, corner * ring[1]);
+  expect(15, corner * ring[1]);
+  for (const std::size_t dark : {2u, 6u, 10u, 16u, 31u}) EXPECT_EQ(packed.environment[dark].w, 0.0f);
+}
+
+TEST(EnvironmentLight, SumsToTheSphereAndToOne) {
+  Environment environment;
+  environment.radiance = glm::vec3(1.0f);
+  environment.width = 64;
+  environment.height = 32;
+  environment.map.assign(64 * 32, glm::vec3(3.0f));
+  PackedScene packed;
+  EXPECT_NEAR(pack_environment(environment, packed), 4 * kPi * 3.0, 1e-9);
+  double sum = 0.0;
+  for (const glm::vec4& texel : packed.environment) sum += texel.w;
+  EXPECT_NEAR(sum, 1.0, 1e-6);
+  EXPECT_EQ(packed.environment_radiance, glm::vec3(1.0f)); // the scale; texels hold the map as it is
+  EXPECT_EQ(packed.environment[5], glm::vec4(glm::vec3(3.0f), packed.environment[5].w));
+}
+
+TEST(EnvironmentLight, FindsOneBrightTexelAmongMillions) {
+  Environment environment;
+  environment.radiance = glm::vec3(1.0f);
+  environment.width = 1024;
+  environment.height = 512;
+  environment.map.assign(1024 * 512, glm::vec3(1e-3f));
+  environment.map[256 * 1024 + 100] = glm::vec3(1e9f);
+  PackedScene packed;
+  pack_environment(environment, packed);
+  const std::vector<double> probability = table_probabilities(packed);
+  EXPECT_NEAR(probability[256 * 1024 + 100], 0.25, 1e-4); // 4/16 of the tent
+  EXPECT_NEAR(probability[256 * 1024 + 101], 0.125, 1e-4);
+  double smallest = 1.0;
+  for (const double p : probability) smallest = std::min(smallest, p);
+  EXPECT_GT(smallest, 0.0);
+}
+
+TEST(EnvironmentLight, TreatsBlackMapsAsNone) {
+  Environment environment;
+  environment.radiance = glm::vec3(1.0f);
+  environment.width = 4;
+  environment.height = 2;
+  environment.map.assign(8, glm::vec3(0.0f));
+  PackedScene packed;
+  EXPECT_EQ(pack_environment(environment, packed), 0.0);
+  EXPECT_TRUE(packed.environment.empty() && packed.environment_alias.empty());
+  EXPECT_EQ(packed.environment_radiance, glm::vec3(0.0f));
+  EXPECT_EQ(packed.environment_width, 0u);
+}
+
+} // namespace
+} // namespace wavepath

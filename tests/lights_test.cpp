@@ -1,0 +1,337 @@
+// Lights: alias tables, weights by power, and densities that estimator and picker agree on.
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include <gtest/gtest.h>
+#include <glm/gtc/matrix_transform.hpp>
+
+#include "host/scene/alias.h"
+#include "host/scene/emission.h"
+#include "host/scene/pack.h"
+#include "tests/scene_builder.h"
+
+namespace wavepath {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+glm::dmat4 moved(double x, double y, double z) { return glm::translate(glm::dmat4(1.0), glm::dvec3(x, y, z)); }
+
+AliasTable table_of(const PackedScene& packed) {
+  AliasTable table;
+  for (const gpu::Light& light : packed.lights) {
+    table.threshold.push_back(light.threshold);
+    table.alias.push_back(light.alias);
+  }
+  return table;
+}
+
+// `probability` of every light is what its table does, and all of them make one.
+void expect_consistent(const PackedScene& packed) {
+  const std::vector<double> exact = alias_probabilities(table_of(packed));
+  double sum = 0.0;
+  for (std::size_t i = 0; i < exact.size(); ++i) {
+    EXPECT_EQ(packed.lights[i].probability, static_cast<float>(exact[i])) << i;
+    sum += packed.lights[i].probability;
+  }
+  EXPECT_NEAR(sum, 1.0, 1e-6);
+}
+
+double world_area(const PackedScene& packed, const gpu::Light& light) {
+  const gpu::Triangle& t = packed.triangles[light.triangle];
+  glm::dmat3 linear(1.0);
+  if (packed.root_is_top)
+    for (int row = 0; row < 3; ++row)
+      for (int column = 0; column < 3; ++column)
+        linear[column][row] = packed.instances[light.instance].world_from_object[row][column];
+  return 0.5 * glm::length(glm::cross(linear * glm::dvec3(t.v1 - t.v0), linear * glm::dvec3(t.v2 - t.v0)));
+}
+
+Material emitter(float radiance) {
+  Material material = plain_material();
+  material.emission = glm::vec3(radiance);
+  material.double_sided = false;
+  return material;
+}
+
+PunctualLight punctual(LightKind kind, float intensity) {
+  PunctualLight light;
+  light.kind = kind;
+  light.intensity = glm::vec3(intensity);
+  return light;
+}
+
+TEST(Alias, ReproducesItsWeights) {
+  const std::vector<double> weights{1.0, 2.0, 3.0, 4.0, 0.0, 30.0};
+  const AliasTable table = build_alias_table(weights);
+  EXPECT_EQ(table.total, 40.0);
+  const std::vector<double> probability = alias_probabilities(table);
+  for (std::size_t i = 0; i < weights.size(); ++i) EXPECT_NEAR(probability[i], weights[i] / 40.0, 1e-7);
+  EXPECT_EQ(probability[4], 0.0); // never picked, not merely seldom
+}
+
+TEST(Alias, HoldsExtremeRatiosAndManyEntries) {
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> exponent(-12.0, 12.0);
+  std::vector<double> weights(100000);
+  for (double& weight : weights) weight = std::pow(10.0, exponent(random));
+  const AliasTable table = build_alias_table(weights);
+  const std::vector<double> probability = alias_probabilities(table);
+  double sum = 0.0;
+  for (std::size_t i = 0; i < weights.size(); ++i) {
+    EXPECT_NEAR(probability[i] / (weights[i] / table.total), 1.0, 1e-6);
+    sum += probability[i];
+  }
+  EXPECT_NEAR(sum, 1.0, 1e-12);
+}
+
+TEST(Alias, IsEmptyWithoutWeight) {
+  EXPECT_TRUE(build_alias_table({}).threshold.empty());
+  EXPECT_TRUE(build_alias_table(std::vector<double>(3, 0.0)).threshold.empty());
+  const AliasTable one = build_alias_table(std::vector<double>{5.0});
+  EXPECT_EQ(one.threshold[0], 1.0f);
+}
+
+TEST(Lights, AreWeightedByPower) {
+  Scene scene = triangle_scene(); // radius sqrt(1/2), area 1/2
+  scene.materials[0] = emitter(2.0f);
+  scene.lights = {punctual(LightKind::point, 3.0f), punctual(LightKind::spot, 5.0f),
+                  punctual(LightKind::directional, 7.0f)};
+  scene.lights[1].inner_cone = 0.3;
+  scene.lights[1].outer_cone = 0.6;
+  const PackedScene packed = pack(scene);
+  ASSERT_EQ(packed.lights.size(), 4u);
+  expect_consistent(packed);
+  // The spot's solid angle, integrated numerically over its falloff.
+  double spot = 0.0;
+  const int steps = 100000;
+  for (int i = 0; i < steps; ++i) {
+    const double c = -1.0 + 2.0 * (i + 0.5) / steps;
+    const double ramp = std::clamp((c - std::cos(0.6)) / (std::cos(0.3) - std::cos(0.6)), 0.0, 1.0);
+    spot += 2 * kPi * ramp * ramp * 2.0 / steps;
+  }
+  const double powers[] = {2.0 * kPi * 0.5, 4 * kPi * 3.0, 5.0 * spot, 7.0 * kPi * 0.5};
+  const double total = powers[0] + powers[1] + powers[2] + powers[3];
+  for (int i = 0; i < 4; ++i) EXPECT_NEAR(packed.lights[i].probability, powers[i] / total, 1e-6) << i;
+  EXPECT_EQ(packed.features,
+            gpu::kFeatureCull | gpu::kFeatureEmission | gpu::kFeatureTriangleLights | gpu::kFeaturePunctualLights);
+}
+
+TEST(Lights, ArePlacedAndTurnedForTheKernels) {
+  Scene scene = triangle_scene();
+  scene.lights = {punctual(LightKind::point, 1.0f), punctual(LightKind::spot, 1.0f),
+                  punctual(LightKind::directional, 1.0f)};
+  for (PunctualLight& light : scene.lights) {
+    light.position = {1e7 + 1.5, 0.5, 2.0};
+    light.direction = {0.6, 0.0, -0.8};
+  }
+  scene.instances[0].world_from_object = moved(1e7, 0, 0);
+  const PackedScene packed = pack(scene);
+  ASSERT_EQ(packed.lights.size(), 3u);
+  EXPECT_EQ(packed.lights[0].kind, gpu::kLightPoint);
+  EXPECT_EQ(packed.lights[0].position, glm::vec3(1.0f, 0.0f, 2.0f));
+  EXPECT_EQ(packed.lights[1].direction, glm::vec3(0.6f, 0.0f, -0.8f)); // the axis, away from the light
+  EXPECT_EQ(packed.lights[2].direction, glm::vec3(-0.6f, 0.0f, 0.8f)); // towards the light
+  const gpu::Light& spot = packed.lights[1];
+  const float outer = static_cast<float>(std::cos(scene.lights[1].outer_cone));
+  EXPECT_NEAR(1.0f * spot.spot_scale + spot.spot_offset, 1.0f, 1e-6f); // inner cone 0
+  EXPECT_NEAR(outer * spot.spot_scale + spot.spot_offset, 0.0f, 1e-6f);
+}
+
+TEST(Lights, SpotsWithAHardEdgeStayFinite) {
+  Scene scene = triangle_scene();
+  scene.lights = {punctual(LightKind::spot, 1.0f), punctual(LightKind::point, 1.0f)};
+  scene.lights[0].inner_cone = scene.lights[0].outer_cone = 0.5;
+  const PackedScene packed = pack(scene);
+  EXPECT_FLOAT_EQ(packed.lights[0].spot_scale, 1000.0f);
+  EXPECT_FLOAT_EQ(packed.lights[0].spot_offset, static_cast<float>(-std::cos(0.5) * 1000.0));
+  const double cap = 2 * kPi * (1 - std::cos(0.5));
+  EXPECT_NEAR(packed.lights[0].probability / packed.lights[1].probability, cap / (4 * kPi), 0.01);
+}
+
+TEST(Lights, EveryBakedTriangleIsFoundWithTheDensityItCarries) {
+  Scene scene;
+  scene.materials = {emitter(1.0f), emitter(4.0f), plain_material()};
+  scene.materials[1].double_sided = true;
+  add_instance(scene, add_mesh(scene, kUnitTriangle, 0), glm::scale(glm::dmat4(1.0), glm::dvec3(-3.0, 2.0, 1.0)));
+  add_instance(scene, add_mesh(scene, kUnitTriangle, 1), moved(0, 0, 1));
+  add_instance(scene, add_mesh(scene, kUnitTriangle, 2), moved(0, 0, 2));
+  const PackedScene packed = pack(scene);
+  ASSERT_EQ(packed.lights.size(), 2u);
+  expect_consistent(packed);
+  for (const gpu::Light& light : packed.lights)
+    EXPECT_NEAR(light.probability / world_area(packed, light) / packed.triangles[light.triangle].light_pdf, 1.0, 1e-6);
+  for (const gpu::Triangle& t : packed.triangles) {
+    const float power[] = {1.0f * 6.0f, 4.0f * 2.0f, 0.0f}; // radiance times area, both sides of the second
+    const float area[] = {3.0f, 0.5f, 1.0f};
+    EXPECT_NEAR(t.light_pdf, power[t.material] / 2.0f / 7.0f / area[t.material], 1e-6f);
+  }
+}
+
+TEST(Lights, InstancesShareOneDensityHoweverTheyAreScaled) {
+  Scene scene;
+  scene.materials = {emitter(1.0f), emitter(10.0f)};
+  const std::uint32_t shared = add_mesh(scene, {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 0}, {0, 1, 0}, {0, 0, 1}});
+  add_instance(scene, shared, moved(5, 0, 0));
+  add_instance(scene, shared, glm::scale(moved(-5, 0, 0), glm::dvec3(7.0, 0.3, -2.0)));
+  add_instance(scene, shared, glm::rotate(moved(0, 9, 0), 1.1, glm::dvec3(1, 2, 3)));
+  add_instance(scene, add_mesh(scene, kUnitTriangle, 1));
+  scene.lights = {punctual(LightKind::point, 0.5f)};
+  const PackedScene packed = pack(scene);
+  ASSERT_EQ(packed.lights.size(), 3u * 2u + 1u + 1u);
+  expect_consistent(packed);
+  double total_area[2] = {0.0, 0.0};
+  for (const gpu::Light& light : packed.lights) {
+    if (light.kind != gpu::kLightTriangle) continue;
+    const gpu::Triangle& triangle = packed.triangles[light.triangle];
+    EXPECT_NEAR(light.probability / world_area(packed, light) / triangle.light_pdf, 1.0, 1e-6);
+    total_area[triangle.material] += world_area(packed, light);
+  }
+  const double power = kPi * (total_area[0] + 10.0 * total_area[1]) + 4 * kPi * 0.5;
+  EXPECT_NEAR(packed.lights.back().probability, 4 * kPi * 0.5 / power, 1e-6);
+}
+
+TEST(Lights, LeaveUnlitAndDarkMaterialsAlone) {
+  Scene scene = triangle_scene();
+  scene.materials[0] = emitter(1.0f);
+  scene.materials[0].unlit = true;
+  const PackedScene unlit = pack(scene);
+  EXPECT_TRUE(unlit.lights.empty());
+  EXPECT_EQ(unlit.triangles[0].light_pdf, 0.0f);
+  EXPECT_EQ(unlit.features, gpu::kFeatureCull | gpu::kFeatureEmission);
+  scene.materials[0] = plain_material();
+  scene.lights = {punctual(LightKind::point, 0.0f)};
+  EXPECT_TRUE(pack(scene).lights.empty());
+}
+
+TEST(Lights, AreNotPackedForBsdfSampling) {
+  Scene scene = triangle_scene();
+  scene.materials[0] = emitter(1.0f);
+  scene.lights = {punctual(LightKind::point, 1.0f)};
+  scene.environment.radiance = glm::vec3(1.0f);
+  const PackedScene packed = pack(scene, gpu::kDirectBsdf);
+  EXPECT_TRUE(packed.lights.empty());
+  EXPECT_EQ(packed.triangles[0].light_pdf, 0.0f);
+  EXPECT_EQ(packed.environment_probability, 0.0f);
+  EXPECT_EQ(packed.environment_radiance, glm::vec3(1.0f)); // still shines on rays that leave
+  EXPECT_EQ(packed.features, gpu::kFeatureCull | gpu::kFeatureEmission | gpu::kFeatureEnvironment);
+  EXPECT_FALSE(scene.warnings.empty());
+}
+
+TEST(Lights, SampleConstantEnvironmentsOnlyWhereNothingElseDoes) {
+  Scene scene = triangle_scene();
+  scene.environment.radiance = glm::vec3(2.0f);
+  EXPECT_TRUE(pack(scene, gpu::kDirectMis).lights.empty());
+  const PackedScene nee = pack(scene, gpu::kDirectNee);
+  ASSERT_EQ(nee.lights.size(), 1u);
+  EXPECT_EQ(nee.lights[0].kind, gpu::kLightEnvironment);
+  EXPECT_EQ(nee.environment_probability, 1.0f);
+}
+
+TEST(Lights, SampleEnvironmentMapsByTheirPower) {
+  Scene scene = triangle_scene();
+  scene.environment.radiance = glm::vec3(2.0f);
+  scene.environment.width = 8;
+  scene.environment.height = 4;
+  scene.environment.map.assign(32, glm::vec3(0.5f));
+  scene.lights = {punctual(LightKind::point, 1.0f)};
+  const PackedScene packed = pack(scene);
+  ASSERT_EQ(packed.lights.size(), 2u);
+  expect_consistent(packed);
+  const double power = 4 * kPi * kPi * 0.5 * 1.0; // 4 pi^2 r^2 L
+  EXPECT_NEAR(packed.environment_probability, power / (power + 4 * kPi), 1e-6);
+  EXPECT_EQ(packed.environment_probability, packed.lights[1].probability);
+  EXPECT_EQ(packed.features, gpu::kFeaturePunctualLights | gpu::kFeatureEnvironment | gpu::kFeatureEnvironmentMap);
+}
+
+// Eight triangles side by side, each over an eighth of a texture of 64 x 1 texels.
+Scene textured_strip(const std::vector<std::uint8_t>& grey, Wrap wrap = Wrap::clamp, bool nearest = true) {
+  Scene scene;
+  scene.materials = {emitter(1.0f)};
+  scene.images.push_back({"strip", 64, 1, {}, {}});
+  for (const std::uint8_t g : grey) scene.images[0].bytes.insert(scene.images[0].bytes.end(), {g, g, g, 255});
+  scene.materials[0].emission_texture.image = 0;
+  scene.materials[0].emission_texture.wrap_u = wrap;
+  scene.materials[0].emission_texture.nearest = nearest;
+  std::vector<glm::vec3> positions;
+  for (int i = 0; i < 8; ++i)
+    for (const glm::vec3& p : kUnitTriangle) positions.push_back(p + glm::vec3(static_cast<float>(i), 0, 0));
+  add_instance(scene, add_mesh(scene, positions));
+  for (const glm::vec3& p : positions) scene.meshes[0].uvs[0].push_back({p.x / 8.0f, 0.5f});
+  return scene;
+}
+
+// Which of the eight are lights, by their place.
+std::vector<float> pdf_by_place(const PackedScene& packed) {
+  std::vector<float> pdf(8, 0.0f);
+  for (const gpu::Triangle& t : packed.triangles)
+    pdf[static_cast<std::size_t>(std::lround(t.v0.x + packed.origin.x))] = t.light_pdf;
+  return pdf;
+}
+
+TEST(TexturedLights, FollowTheTexture) {
+  std::vector<std::uint8_t> grey(64, 0);
+  for (int x = 0; x < 24; ++x)
+    grey[static_cast<std::size_t>(x)] = x < 8 ? 255 : 51; // places 0 bright, 1 and 2 a fifth, rest black
+  Scene scene = textured_strip(grey);
+  const PackedScene packed = pack(scene);
+  expect_consistent(packed);
+  const std::vector<float> pdf = pdf_by_place(packed);
+  EXPECT_NEAR(pdf[0], 1.0 / 1.4 / 0.5, 0.1);
+  EXPECT_NEAR(pdf[0] / pdf[2], 5.0, 0.5);
+  for (const std::size_t black : {5u, 6u, 7u}) EXPECT_EQ(pdf[black], 0.0f);
+  EXPECT_LE(packed.lights.size(), 5u);
+}
+
+TEST(TexturedLights, FindASingleLitTexel) {
+  for (const Wrap wrap : {Wrap::clamp, Wrap::repeat, Wrap::mirror})
+    for (int lit = 0; lit < 64; ++lit) {
+      std::vector<std::uint8_t> grey(64, 0);
+      grey[static_cast<std::size_t>(lit)] = 255;
+      Scene scene = textured_strip(grey, wrap, false);
+      const std::vector<float> pdf = pdf_by_place(pack(scene));
+      // Bilinear interpolation spreads the texel by one to either side: every triangle that it touches must be a light.
+      for (int place = 0; place < 8; ++place) {
+        const bool touched = lit + 1 >= 8 * place && lit - 1 < 8 * (place + 1);
+        if (touched) {
+          EXPECT_GT(pdf[static_cast<std::size_t>(place)], 0.0f) << lit << " " << place;
+        }
+      }
+    }
+}
+
+TEST(TexturedLights, FollowRepetitionAcrossTheSeam) {
+  std::vector<std::uint8_t> grey(64, 0);
+  grey[3] = 255;
+  Scene scene = textured_strip(grey, Wrap::repeat);
+  for (glm::vec2& uv : scene.meshes[0].uvs[0]) uv.x -= 2.0f + 4.0f / 64.0f;
+  const std::vector<float> pdf =
+      pdf_by_place(pack(scene)); // place 0 now spans texels 60..67, which are 60..63 and 0..3
+  EXPECT_GT(pdf[0], 0.0f);
+  EXPECT_EQ(pdf[4], 0.0f);
+}
+
+TEST(TexturedLights, ReadMovedSecondCoordinatesInLinearLight) {
+  std::vector<std::uint8_t> grey(64, 0);
+  for (std::size_t x = 0; x < 32; ++x) grey[x] = x < 16 ? 255 : 188; // sRGB 188 = 0.5029 linear
+  Scene scene = textured_strip(grey);
+  std::swap(scene.meshes[0].uvs[0], scene.meshes[0].uvs[1]);
+  TextureSlot& slot = scene.materials[0].emission_texture;
+  slot.srgb = true;
+  slot.uv_set = 1;
+  slot.moved = true;
+  slot.uv_matrix = glm::mat2(0.5f, 0.0f, 0.0f, 1.0f); // u' = u/2 reaches the lit half alone
+  const PackedScene packed = pack(scene);
+  const std::vector<float> pdf = pdf_by_place(packed);
+  EXPECT_NEAR(pdf[6] / pdf[1], 0.5029, 1e-3);
+  EXPECT_EQ(packed.lights.size(), 8u);
+}
+
+TEST(TexturedLights, AreNoneIfTheTextureIsBlack) {
+  Scene scene = textured_strip(std::vector<std::uint8_t>(64, 0));
+  EXPECT_TRUE(pack(scene).lights.empty());
+}
+
+} // namespace
+} // namespace wavepath

@@ -1,0 +1,256 @@
+// Materials, textures, texels and the feature bits that follow from them.
+#include "host/scene/materials.h"
+
+#include <bit>
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "host/scene/pack.h"
+#include "tests/scene_builder.h"
+
+namespace wavepath {
+namespace {
+
+Image byte_image(std::uint32_t width, std::uint32_t height, const std::vector<std::uint8_t>& bytes) {
+  return {"bytes", width, height, bytes, {}};
+}
+
+std::uint32_t features_of(const Material& material) {
+  Scene scene = triangle_scene();
+  scene.images.push_back(byte_image(1, 1, {10, 20, 30, 255}));
+  scene.materials[0] = material;
+  return pack(scene).features;
+}
+
+std::uint32_t flags_of(const Material& material, const std::vector<std::uint8_t>& texel = {255, 255, 255, 255},
+                       float color_alpha = 1.0f) {
+  Scene scene = triangle_scene();
+  scene.images.push_back(byte_image(1, 1, texel));
+  scene.materials[0] = material;
+  scene.materials[0].base_color_texture.image = 0;
+  scene.meshes[0].colors.assign(3, glm::vec4(1.0f));
+  scene.meshes[0].colors[1].a = color_alpha;
+  return pack(scene).triangles[0].flags;
+}
+
+TEST(Materials, KeepOnlyThoseInUse) {
+  Scene scene = triangle_scene();
+  scene.materials.assign(4, plain_material());
+  for (int i = 0; i < 4; ++i) scene.materials[static_cast<std::size_t>(i)].roughness = 0.1f * static_cast<float>(i);
+  scene.images.assign(3, byte_image(1, 1, {1, 2, 3, 4}));
+  for (std::uint32_t i = 0; i < 3; ++i) scene.materials[i].base_color_texture.image = i;
+  scene.meshes[0].primitives[0].material = 2;
+  add_instance(scene, add_mesh(scene, kUnitTriangle, 3));
+  add_mesh(scene, kUnitTriangle, 1); // not shown
+  const PackedScene packed = pack(scene);
+  ASSERT_EQ(packed.materials.size(), 2u);
+  EXPECT_EQ(packed.materials[0].roughness, 0.2f);
+  EXPECT_EQ(packed.materials[1].roughness, 0.3f);
+  EXPECT_EQ(packed.textures.size(), 1u);
+  EXPECT_EQ(packed.texels.size(), 1u);
+}
+
+TEST(Materials, CarryEveryField) {
+  Scene scene = triangle_scene();
+  Material& m = scene.materials[0];
+  m.base_color = {0.1f, 0.2f, 0.3f, 0.4f};
+  m.metallic = 0.5f;
+  m.roughness = 0.6f;
+  m.emission = {7.0f, 8.0f, 9.0f};
+  m.normal_scale = 1.1f;
+  m.alpha_cutoff = 0.12f;
+  m.ior = 1.3f;
+  m.specular = 0.14f;
+  m.specular_color = {0.15f, 0.16f, 0.17f};
+  m.transmission = 0.18f;
+  m.attenuation = {0.19f, 0.2f, 0.21f};
+  m.volume = true;
+  m.alpha_mode = AlphaMode::blend;
+  const gpu::Material g = pack(scene).materials[0];
+  EXPECT_EQ(g.base_color, m.base_color);
+  EXPECT_EQ(g.emission, m.emission);
+  EXPECT_EQ(g.specular_color, m.specular_color);
+  EXPECT_EQ(g.attenuation, m.attenuation);
+  EXPECT_EQ(g.metallic, 0.5f);
+  EXPECT_EQ(g.roughness, 0.6f);
+  EXPECT_EQ(g.normal_scale, 1.1f);
+  EXPECT_EQ(g.alpha_cutoff, 0.12f);
+  EXPECT_EQ(g.ior, 1.3f);
+  EXPECT_EQ(g.specular, 0.14f);
+  EXPECT_EQ(g.transmission, 0.18f);
+  EXPECT_EQ(g.flags, gpu::kMaterialDoubleSided | gpu::kMaterialBlend | gpu::kMaterialVolume);
+  for (const std::uint32_t texture :
+       {g.base_color_texture, g.metallic_roughness_texture, g.normal_texture, g.emission_texture, g.specular_texture,
+        g.specular_color_texture, g.transmission_texture})
+    EXPECT_EQ(texture, gpu::kNone);
+}
+
+TEST(Materials, PointEverySlotAtItsOwnTexture) {
+  Scene scene = triangle_scene();
+  Material& m = scene.materials[0];
+  TextureSlot* slots[] = {&m.base_color_texture,  &m.metallic_roughness_texture, &m.normal_texture,
+                          &m.emission_texture,    &m.specular_texture,           &m.specular_color_texture,
+                          &m.transmission_texture};
+  for (std::uint32_t i = 0; i < 7; ++i) {
+    scene.images.push_back(byte_image(i + 1, 1, std::vector<std::uint8_t>(4 * (i + 1), static_cast<std::uint8_t>(i))));
+    slots[i]->image = i;
+  }
+  const PackedScene packed = pack(scene);
+  const gpu::Material& g = packed.materials[0];
+  const std::uint32_t indices[] = {g.base_color_texture,  g.metallic_roughness_texture, g.normal_texture,
+                                   g.emission_texture,    g.specular_texture,           g.specular_color_texture,
+                                   g.transmission_texture};
+  for (std::uint32_t i = 0; i < 7; ++i) {
+    EXPECT_EQ(packed.textures[indices[i]].width, i + 1);
+    EXPECT_EQ(packed.texels[packed.textures[indices[i]].first_texel], i * 0x01010101u);
+  }
+}
+
+TEST(Textures, AreSharedWhereTheyAreTheSameUse) {
+  Scene scene = triangle_scene();
+  scene.images.push_back(byte_image(2, 1, {1, 2, 3, 4, 5, 6, 7, 8}));
+  Material& m = scene.materials[0];
+  m.base_color_texture.image = m.emission_texture.image = m.normal_texture.image = m.transmission_texture.image = 0;
+  m.base_color_texture.srgb = m.emission_texture.srgb = true;
+  m.transmission_texture.wrap_v = Wrap::mirror;
+  m.transmission_texture.nearest = true;
+  m.transmission_texture.uv_set = 1;
+  const PackedScene packed = pack(scene);
+  EXPECT_EQ(packed.texels, (std::vector<std::uint32_t>{0x04030201u, 0x08070605u})); // stored once
+  ASSERT_EQ(packed.textures.size(), 3u);
+  const gpu::Material& g = packed.materials[0];
+  EXPECT_EQ(g.base_color_texture, g.emission_texture);
+  EXPECT_EQ(packed.textures[g.base_color_texture].flags, gpu::kTextureSrgb);
+  EXPECT_EQ(packed.textures[g.normal_texture].flags, 0u);
+  EXPECT_EQ(packed.textures[g.transmission_texture].flags,
+            gpu::kTextureNearest | gpu::kTextureUv1 | gpu::kWrapMirror << gpu::kTextureWrapVShift);
+}
+
+TEST(Textures, CarryTheirTransformByRows) {
+  Scene scene = triangle_scene();
+  scene.images.push_back(byte_image(1, 1, {0, 0, 0, 0}));
+  TextureSlot& slot = scene.materials[0].base_color_texture;
+  slot.image = 0;
+  slot.moved = true;
+  slot.uv_matrix = glm::mat2(1.0f, 2.0f, 3.0f, 4.0f); // columns (1,2) and (3,4)
+  slot.uv_offset = {5.0f, 6.0f};
+  const PackedScene packed = pack(scene);
+  const gpu::Texture& t = packed.textures[0];
+  const glm::vec2 uv{0.3f, 0.7f};
+  const glm::vec2 expected = slot.uv_matrix * uv + slot.uv_offset;
+  EXPECT_FLOAT_EQ(t.uv_matrix.x * uv.x + t.uv_matrix.y * uv.y + t.uv_offset.x, expected.x);
+  EXPECT_FLOAT_EQ(t.uv_matrix.z * uv.x + t.uv_matrix.w * uv.y + t.uv_offset.y, expected.y);
+  EXPECT_NE(packed.features & gpu::kFeatureTextureTransform, 0u);
+}
+
+TEST(Textures, StoreFloatImagesLinear) {
+  Scene scene = triangle_scene();
+  scene.images.push_back({"floats", 1, 1, {}, {0.5f, 0.04f, 1.0f, 0.5f}});
+  Material& m = scene.materials[0];
+  m.base_color_texture.image = m.normal_texture.image = 0;
+  m.base_color_texture.srgb = true;
+  const PackedScene packed = pack(scene);
+  ASSERT_EQ(packed.texels.size(), 8u); // decoded, and as it is
+  const auto value = [&](std::uint32_t texture, std::uint32_t channel) {
+    return std::bit_cast<float>(packed.texels[packed.textures[texture].first_texel + channel]);
+  };
+  const gpu::Material& g = packed.materials[0];
+  EXPECT_FLOAT_EQ(value(g.base_color_texture, 0), 0.21404114f);
+  EXPECT_FLOAT_EQ(value(g.base_color_texture, 1), 0.04f / 12.92f);
+  EXPECT_FLOAT_EQ(value(g.base_color_texture, 2), 1.0f);
+  EXPECT_EQ(value(g.base_color_texture, 3), 0.5f); // alpha is linear
+  EXPECT_EQ(value(g.normal_texture, 0), 0.5f);
+  for (const gpu::Texture& t : packed.textures) EXPECT_EQ(t.flags, gpu::kTextureFloat);
+}
+
+TEST(Textures, ReadBackAsTheKernelsSeeThem) {
+  Scene scene = triangle_scene();
+  scene.images.push_back(byte_image(2, 2, {0, 0, 0, 0, 255, 128, 64, 32, 1, 2, 3, 4, 5, 6, 7, 8}));
+  scene.materials[0].base_color_texture.image = 0;
+  scene.materials[0].base_color_texture.srgb = true;
+  const PackedScene packed = pack(scene);
+  const glm::vec4 texel = read_texel(packed.textures[0], packed.texels, 1, 0);
+  EXPECT_FLOAT_EQ(texel.r, 1.0f);
+  EXPECT_FLOAT_EQ(texel.g, 0.21586050f);
+  EXPECT_FLOAT_EQ(texel.b, 0.051269457f);
+  EXPECT_FLOAT_EQ(texel.a, 32.0f / 255.0f);
+}
+
+TEST(TriangleFlags, KnowWhereAlphaCanMatter) {
+  Material m = plain_material();
+  m.alpha_mode = AlphaMode::blend;
+  m.base_color.a = 1.0f;
+  EXPECT_EQ(flags_of(m), 0u); // nothing can let a ray through
+  EXPECT_EQ(flags_of(m, {255, 255, 255, 254}), gpu::kTriangleAlpha);
+  EXPECT_EQ(flags_of(m, {255, 255, 255, 255}, 0.5f), gpu::kTriangleAlpha);
+  m.base_color.a = 0.99f;
+  EXPECT_EQ(flags_of(m), gpu::kTriangleAlpha);
+  m.alpha_mode = AlphaMode::mask;
+  m.alpha_cutoff = 0.5f;
+  EXPECT_EQ(flags_of(m), 0u);
+  EXPECT_EQ(flags_of(m, {255, 255, 255, 130}), 0u);
+  EXPECT_EQ(flags_of(m, {255, 255, 255, 127}), gpu::kTriangleAlpha);
+  EXPECT_EQ(flags_of(m, {255, 255, 255, 130}, 0.9f), gpu::kTriangleAlpha);
+  m.alpha_mode = AlphaMode::opaque;
+  EXPECT_EQ(flags_of(m, {0, 0, 0, 0}, 0.0f), 0u); // alpha is ignored
+}
+
+TEST(TriangleFlags, CullOnlySingleSidedOpaqueSurfaces) {
+  Material m = plain_material();
+  EXPECT_EQ(flags_of(m), 0u);
+  m.double_sided = false;
+  EXPECT_EQ(flags_of(m), gpu::kTriangleSingleSided);
+  m.transmission = 0.5f;
+  EXPECT_EQ(flags_of(m), 0u);
+}
+
+TEST(Features, FollowTheMaterialsInUse) {
+  const Material plain = plain_material();
+  EXPECT_EQ(features_of(plain), 0u);
+  Material m = plain;
+  m.double_sided = false;
+  EXPECT_EQ(features_of(m), gpu::kFeatureCull);
+  m = plain;
+  m.metallic = 0.1f;
+  EXPECT_EQ(features_of(m), gpu::kFeatureSpecular);
+  m = plain;
+  m.specular = 1.0f;
+  EXPECT_EQ(features_of(m), gpu::kFeatureSpecular);
+  m = plain;
+  m.unlit = true;
+  m.specular = m.transmission = 1.0f;
+  EXPECT_EQ(features_of(m), gpu::kFeatureEmission); // unlit surfaces only shine
+  m = plain;
+  m.transmission = 1.0f;
+  m.volume = true;
+  EXPECT_EQ(features_of(m), gpu::kFeatureSpecular | gpu::kFeatureTransmission); // clear glass needs no medium
+  m.attenuation = {0.0f, 1.0f, 0.0f};
+  EXPECT_EQ(features_of(m), gpu::kFeatureSpecular | gpu::kFeatureTransmission | gpu::kFeatureVolume);
+  m = plain;
+  m.normal_texture.image = 0;
+  EXPECT_EQ(features_of(m), gpu::kFeatureTextures | gpu::kFeatureNormalMaps);
+}
+
+TEST(Features, ListWhatIsLeftOutWithReasons) {
+  Scene scene = triangle_scene();
+  const PackedScene bare = pack(scene);
+  const auto find = [](const PackedScene& packed, const std::string& what) {
+    for (const LeftOut& entry : packed.left_out)
+      if (entry.what == what) return entry;
+    return LeftOut{};
+  };
+  for (const LeftOut& entry : bare.left_out) EXPECT_FALSE(entry.why.empty()) << entry.what;
+  EXPECT_EQ(find(bare, "vertex colours").bytes, 3u * 16u);
+  EXPECT_EQ(find(bare, "vertex indices").bytes, 16u);
+  EXPECT_FALSE(find(bare, "two-level BVH").why.empty());
+  EXPECT_FALSE(find(bare, "transmission").why.empty());
+  scene.meshes[0].colors.assign(3, glm::vec4(1.0f));
+  scene.materials[0].transmission = 1.0f;
+  const PackedScene more = pack(scene);
+  for (const char* what : {"vertex colours", "vertex indices", "transmission"})
+    EXPECT_TRUE(find(more, what).why.empty()) << what;
+}
+
+} // namespace
+} // namespace wavepath
