@@ -265,7 +265,6 @@ Device::Device(const std::string& wanted) {
     VkPhysicalDeviceVulkan13Features core13{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES};
     core13.synchronization2 = VK_TRUE; // both mandatory in 1.3
     core13.maintenance4 = VK_TRUE;     // glslang writes workgroup sizes as LocalSizeId
-    core13.maintenance4 = VK_TRUE;     // mandatory in 1.3; SPIR-V 1.6 gives the workgroup size as LocalSizeId
     VkDeviceCreateInfo info{VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO};
     info.pNext = &core13;
     info.queueCreateInfoCount = 1;
