@@ -58,13 +58,21 @@ struct Triangle {
   Vec3 v0, v1, v2;
 };
 
+// True if the three vertices lie on one line, exactly as far as double can tell.
+inline bool has_no_area(const Triangle& triangle) {
+  const double ax = double{triangle.v1.x} - triangle.v0.x, bx = double{triangle.v2.x} - triangle.v0.x;
+  const double ay = double{triangle.v1.y} - triangle.v0.y, by = double{triangle.v2.y} - triangle.v0.y;
+  const double az = double{triangle.v1.z} - triangle.v0.z, bz = double{triangle.v2.z} - triangle.v0.z;
+  return ax * by == ay * bx && ay * bz == az * by && az * bx == ax * bz;
+}
+
 // The box to build with: the triangle's own, widened by what rounding in the triangle test (intersect.h) can move a vertex.
 // That test moves a vertex v by up to 4 eps |p - o| + 11 eps size on each axis (p the hit, o the origin, eps = 2^-24, division
 // within 2.5 ulp); the slab test pads for the first term, 16 eps size covers the second, and 2 eps |coordinate| makes the
 // subtraction below round outwards. Without it, rays near an edge of a triangle much larger than its distance leak.
-// Invalid where a vertex is not finite or out of range, so that build() drops the triangle.
+// Invalid, so that build() drops the triangle, where a vertex is not finite or out of range or the triangle has no area.
 inline Box bounds(const Triangle& triangle) {
-  if (!in_range(triangle.v0) || !in_range(triangle.v1) || !in_range(triangle.v2)) return {};
+  if (!in_range(triangle.v0) || !in_range(triangle.v1) || !in_range(triangle.v2) || has_no_area(triangle)) return {};
   const Vec3 lo = min(triangle.v0, min(triangle.v1, triangle.v2));
   const Vec3 hi = max(triangle.v0, max(triangle.v1, triangle.v2));
   const float size = max_component(hi - lo) * 0x1p-20f;

@@ -60,43 +60,75 @@ struct TriangleHit {
   bool front;   // counter-clockwise seen from the ray's origin
 };
 
-// Bound on the error of t where some vertices lie behind the origin, so that t > bound means t > 0 for certain (the analysis
-// of Pharr, Jakob, Humphreys, "Physically Based Rendering", 3.9.6, with 2.5 ulp divisions and weights bounded by 1).
-// max_*: largest |coordinate| of the sheared vertices, z before scaling.
-inline float depth_error(float max_x, float max_y, float max_z, float inverse_det, float sz) {
-  constexpr float kShearError = 9 * 0x1p-24f, kProductError = 2 * 0x1p-24f, kDepthError = 18 * 0x1p-24f;
-  const float x_error = kShearError * (max_x + max_z), y_error = kShearError * (max_y + max_z);
-  const float edge_error = 2 * (kProductError * max_x * max_y + y_error * max_x + x_error * max_y);
-  return 3 * (kDepthError + edge_error * std::fabs(inverse_det)) * (max_z * std::fabs(sz));
+// A vertex relative to the ray: x, y across it (axes kx, ky, sheared), z = its t.
+inline Vec3 shear(const PreparedRay& ray, Vec3 vertex) {
+  const Vec3 p = vertex - ray.origin;
+  const float depth = p[ray.kz];
+  return {p[ray.kx] - ray.sx * depth, p[ray.ky] - ray.sy * depth, ray.sz * depth};
 }
 
-// False if the ray misses or the triangle is degenerate or edge-on. Does not look at t_max. Edges belong to the triangle.
-inline bool intersect(const PreparedRay& ray, const Triangle& triangle, TriangleHit& hit) {
-  const Vec3 a = triangle.v0 - ray.origin, b = triangle.v1 - ray.origin, c = triangle.v2 - ray.origin;
-  const float az = a[ray.kz], bz = b[ray.kz], cz = c[ray.kz];
-  const float ax = a[ray.kx] - ray.sx * az, ay = a[ray.ky] - ray.sy * az;
-  const float bx = b[ray.kx] - ray.sx * bz, by = b[ray.ky] - ray.sy * bz;
-  const float cx = c[ray.kx] - ray.sx * cz, cy = c[ray.ky] - ray.sy * cz;
-  const float u = cx * by - cy * bx, v = ax * cy - ay * cx, w = bx * ay - by * ax;
-  if ((u < 0 || v < 0 || w < 0) && (u > 0 || v > 0 || w > 0)) return false;
+// Where a ray meets a triangle that it is known to meet.
+struct Place {
+  float t, t_error; // t > t_error means t > 0 for certain; 0 where all vertices lie in front of the origin
+  float apex, b;    // weights of the first two vertices
+  bool valid;
+};
 
+// `apex` must be opposite the shortest edge, from b to c; v and w are the edge functions opposite b and c. Weights straight
+// from the edge functions err by eps * (longest edge / shortest), which for slivers puts the hit anywhere along them; that of
+// the apex, from differences along the shortest edge, does not, and how b and c share the rest hardly matters.
+inline Place locate(const PreparedRay& ray, Vec3 apex, Vec3 b, Vec3 c, float v, float w) {
+  const float ex = c.x - b.x, ey = c.y - b.y;
+  const float area = ex * (apex.y - b.y) - ey * (apex.x - b.x);
+  if (!(std::fabs(area) >= std::numeric_limits<float>::min())) return {0, 0, 0, 0, false};
+  const float apex_weight = std::clamp((ey * b.x - ex * b.y) / area, 0.0f, 1.0f);
+  const float share = v + w != 0 ? v / (v + w) : 0.0f; // of b in the rest
+  const float base = c.z + share * (b.z - c.z);
+  Place place{base + apex_weight * (apex.z - base), 0, apex_weight, (1 - apex_weight) * share, true};
+  if (std::min(apex.z, std::min(b.z, c.z)) > 0) return place; // their signs are exact
+
+  // The shear moves vertices by up to 9 eps (|x| + |z|), which with the rounding of the products above moves the apex's
+  // weight by 4 move e / |area| and the share by 4 move size / |area|, but never by more than 1.
+  const Vec3 size = max(abs(apex), max(abs(b), abs(c)));
+  const float width = std::max(size.x, size.y), depth = size.z / std::fabs(ray.sz);
+  const float move = 12 * 0x1p-24f * (width + depth), scale = 4 * move / std::fabs(area);
+  const float apex_error = std::min(scale * std::max(std::fabs(ex), std::fabs(ey)), 1.0f);
+  const float share_error = std::min(scale * 2 * width, 1.0f);
+  place.t_error = 18 * 0x1p-24f * size.z + apex_error * std::fabs(apex.z - base) + share_error * std::fabs(b.z - c.z);
+  return place;
+}
+
+// False, with `hit` unspecified, if the ray misses or the triangle is degenerate or edge-on. Does not look at t_max. Edges
+// belong to the triangle.
+inline bool intersect(const PreparedRay& ray, const Triangle& triangle, TriangleHit& hit) {
+  const Vec3 a = shear(ray, triangle.v0), b = shear(ray, triangle.v1), c = shear(ray, triangle.v2);
+  const float u = c.x * b.y - c.y * b.x, v = a.x * c.y - a.y * c.x, w = b.x * a.y - b.y * a.x;
+  if ((u < 0 || v < 0 || w < 0) && (u > 0 || v > 0 || w > 0)) return false;
+  // u, v, w may all cancel to 0 for a triangle far beside the ray and tiny against that distance. The signs of its vertices
+  // are exact, and a triangle that surrounds the ray lies on both sides of it on both axes.
+  if (std::min(a.x, std::min(b.x, c.x)) > 0 || std::max(a.x, std::max(b.x, c.x)) < 0) return false;
+  if (std::min(a.y, std::min(b.y, c.y)) > 0 || std::max(a.y, std::max(b.y, c.y)) < 0) return false;
   const float det = u + v + w;
   if (!(std::fabs(det) >= std::numeric_limits<float>::min())) return false; // 0, subnormal (devices flush those) or NaN
-  const float inverse_det = 1 / det;
-  const float b0 = u * inverse_det, b1 = v * inverse_det, b2 = w * inverse_det;
-  const float ta = ray.sz * az, tb = ray.sz * bz, tc = ray.sz * cz;
-  const float t = b0 * ta + b1 * tb + b2 * tc;
 
-  // The signs of ta, tb, tc are exact. With all vertices in front t needs no bound, however thin the triangle is.
-  float t_least = 0.0f;
-  if (!(std::min(ta, std::min(tb, tc)) > 0))
-    t_least = depth_error(max_component(abs({ax, bx, cx})), max_component(abs({ay, by, cy})),
-                          max_component(abs({az, bz, cz})), inverse_det, ray.sz);
-  if (!(t > t_least)) return false;
-
+  // The apex is the vertex opposite the shortest edge, the first on ties.
+  const auto square = [](Vec3 p, Vec3 q) { return (p.x - q.x) * (p.x - q.x) + (p.y - q.y) * (p.y - q.y); };
+  const float bc = square(b, c), ca = square(c, a), ab = square(a, b);
+  Place place;
+  if (bc <= ca && bc <= ab) {
+    place = locate(ray, a, b, c, v, w);
+    hit.b1 = place.b, hit.b2 = 1 - place.apex - place.b;
+  } else if (ca <= ab) {
+    place = locate(ray, b, c, a, w, u);
+    hit.b1 = place.apex, hit.b2 = place.b;
+  } else {
+    place = locate(ray, c, a, b, u, v);
+    hit.b1 = 1 - place.apex - place.b, hit.b2 = place.apex;
+  }
+  hit.t = place.t;
   // u+v+w is minus twice the signed area in (kx, ky), and kx, ky, kz are right-handed: seen along +kz that area is mirrored.
-  hit = {t, b1, b2, (det > 0) == (ray.sz > 0)};
-  return true;
+  hit.front = (det > 0) == (ray.sz > 0);
+  return place.valid && place.t > place.t_error;
 }
 
 } // namespace wavepath::bvh

@@ -76,10 +76,11 @@ struct Bins {
   Cut best_cut(const Slabs& slabs) const;
 };
 
-// Surface area / 2, in units that make it fit a float in scenes of any size. The bound must not be empty.
+// Surface area / 2, in units that make it fit a float in scenes of any size. The bound must not be empty. A little of the
+// length is added, so that cuts stay sensible among boxes on a line, whose areas are all zero.
 inline float half_area(const Bound& bound, float inverse_size) {
   const float x = bound.extent(0) * inverse_size, y = bound.extent(1) * inverse_size, z = bound.extent(2) * inverse_size;
-  return x * y + y * z + z * x;
+  return x * y + y * z + z * x + 0x1p-10f * (x + y + z);
 }
 
 } // namespace wavepath::bvh

@@ -1,5 +1,6 @@
 // From two children a node to four (Wald, Benthin, Boulos 2008), laid out depth first.
 #include <algorithm>
+#include <utility>
 
 #include "bvh/binary.h"
 #include "bvh/words.h"
@@ -43,17 +44,18 @@ bool may_open(const Family& family, std::uint32_t position, const BinaryNode* no
                      [&](std::uint32_t member) { return nodes[member].height <= left; });
 }
 
+// Opens the largest member, the tallest among equals, again and again.
 Family gather_children(const BinaryNode* nodes, std::uint32_t parent, std::uint32_t budget) {
   Family family{{nodes[parent].first, nodes[parent].first + 1}, 2};
   while (family.count < 4) {
     std::uint32_t best = family.count;
-    double best_area = -1.0;
+    std::pair<double, std::uint32_t> best_rank{-1.0, 0};
     for (std::uint32_t i = 0; i < family.count; ++i) {
       const BinaryNode& node = nodes[family.members[i]];
-      const double area = half_area(node.box);
-      if (node.item_count != 0 || !(area > best_area) || !may_open(family, i, nodes, budget)) continue;
+      const std::pair<double, std::uint32_t> rank(half_area(node.box), node.height);
+      if (node.item_count != 0 || rank <= best_rank || !may_open(family, i, nodes, budget)) continue;
       best = i;
-      best_area = area;
+      best_rank = rank;
     }
     if (best == family.count) break;
     family.open(best, nodes);
