@@ -1,0 +1,209 @@
+// Renders scenes whose radiance is known on paper (extras.wavepath of the files in scenes/, see scenes/README.md) and judges
+// them by a t-test; then what must hold for any scene: estimators agree, nothing depends on how the work is cut up.
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "host/cli/render_flags.h"
+#include "host/cli/scene_flags.h"
+#include "host/render/render.h"
+#include "host/scene/pack.h"
+#include "tests/probe.h"
+
+namespace wavepath::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+const fs::path kScenes = fs::path(WAVEPATH_SOURCE_DIR) / "scenes";
+
+// Student's t with the 64 degrees of freedom of an 8x8 picture: at this bound one of the 300 or so means that are tested
+// would fail by chance once in a hundred choices of the seed.
+constexpr double kLargestT = 4.4;
+constexpr double kLargestNoise = 0.01; // standard error over expected value; more would prove nothing
+constexpr double kRounding = 2e-6;     // relative, of means of floats
+
+struct Oracle {
+  std::vector<std::string> render; // flags
+  std::vector<double> expected;    // R G B
+  double exact = 0.0;              // relative, every pixel; 0 = judge the mean by its noise
+  double slack = 0.0;              // relative
+  std::vector<std::string> estimators;
+};
+
+std::vector<fs::path> list_scenes(bool with_oracle) {
+  std::vector<fs::path> paths;
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(kScenes)) {
+    if (entry.path().extension() != ".gltf") continue;
+    const nlohmann::json scene = nlohmann::json::parse(std::ifstream(entry.path()));
+    if (scene.contains("extras") == with_oracle) paths.push_back(entry.path());
+  }
+  std::sort(paths.begin(), paths.end());
+  return paths;
+}
+
+Oracle read_oracle(const fs::path& path) {
+  const nlohmann::json json = nlohmann::json::parse(std::ifstream(path)).at("extras").at("wavepath");
+  return {json.at("render"), json.at("expected"), json.value("exact", 0.0), json.value("slack", 0.0),
+          json.value("estimators", std::vector<std::string>{"mis", "nee", "bsdf"})};
+}
+
+// Renders as `wavepath render PATH FLAGS...` would; later flags count.
+RenderResult render_scene(Device& device, const fs::path& path, std::vector<std::string> flags, std::uint32_t wave_slots = 0) {
+  CLI::App app;
+  SceneRequest scene_request;
+  RenderRequest request;
+  add_scene_flags(app, scene_request, true);
+  add_render_flags(app, request);
+  add_picture_flags(app, request);
+  flags.insert(flags.begin(), path.string());
+  std::reverse(flags.begin(), flags.end()); // as CLI11 wants it
+  app.parse(flags);
+  settle_samples(request);
+  request.settings.filter = request.filter.value_or(gpu::kFilterBlackmanHarris);
+  request.settings.wave_slots = wave_slots;
+
+  Scene scene = load_scene(scene_request);
+  const View view = resolve_view(scene, {}, request.settings.width, request.settings.height);
+  const RenderResult result = render(device, pack(scene, request.settings.direct), view, request.settings);
+  EXPECT_EQ(result.nonfinite_samples, 0u);
+  return result;
+}
+
+std::vector<std::string> operator+(std::vector<std::string> flags, const std::vector<std::string>& more) {
+  flags.insert(flags.end(), more.begin(), more.end());
+  return flags;
+}
+
+std::vector<std::string> direct(const std::string& estimator) { return {"--direct", estimator}; }
+
+struct Mean {
+  double value = 0.0, standard_error = 0.0;
+};
+
+// The mean of two renders that differ in nothing but the seed. Their difference, pixel by pixel, tells the noise, whatever
+// the pixels' own values are.
+Mean mean_of(const std::vector<float>& a, const std::vector<float>& b) {
+  double sum = 0.0, squares = 0.0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    sum += double(a[i]) + double(b[i]);
+    squares += (double(a[i]) - double(b[i])) * (double(a[i]) - double(b[i]));
+  }
+  const double n = double(a.size());
+  return {sum / (2.0 * n), std::sqrt(squares) / (2.0 * n)};
+}
+
+std::string name_of(const ::testing::TestParamInfo<fs::path>& info) { return info.param.stem().string(); }
+
+class Analytic : public VulkanTest, public ::testing::WithParamInterface<fs::path> {};
+
+void expect_every_pixel(const Picture& picture, const Oracle& oracle) {
+  for (std::size_t c = 0; c < 3; ++c) {
+    const double expected = oracle.expected[c];
+    const double tolerance = oracle.exact * (expected > 0.0 ? expected : 1.0);
+    for (const float value : picture.channels[c].values) ASSERT_NEAR(value, expected, tolerance);
+  }
+}
+
+void expect_mean(const Picture& a, const Picture& b, const Oracle& oracle) {
+  for (std::size_t c = 0; c < 3; ++c) {
+    const Mean mean = mean_of(a.channels[c].values, b.channels[c].values);
+    const double expected = oracle.expected[c];
+    EXPECT_NEAR(mean.value, expected, kLargestT * mean.standard_error + (oracle.slack + kRounding) * expected)
+        << "channel " << c << ", standard error " << mean.standard_error;
+    EXPECT_LT(mean.standard_error, kLargestNoise * expected) << "channel " << c;
+  }
+}
+
+TEST_P(Analytic, EveryEstimatorFindsIt) {
+  const Oracle oracle = read_oracle(GetParam());
+  for (const std::string& estimator : oracle.estimators) {
+    SCOPED_TRACE("--direct " + estimator);
+    const std::vector<std::string> flags = oracle.render + direct(estimator);
+    const Picture first = render_scene(device(), GetParam(), flags + std::vector<std::string>{"--seed", "1"}).picture;
+    if (oracle.exact > 0.0) {
+      expect_every_pixel(first, oracle);
+      continue;
+    }
+    const Picture second = render_scene(device(), GetParam(), flags + std::vector<std::string>{"--seed", "2"}).picture;
+    expect_mean(first, second, oracle);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenes, Analytic, ::testing::ValuesIn(list_scenes(true)), name_of);
+
+class AnyScene : public VulkanTest {
+protected:
+  void expect_same_bits(const RenderResult& a, const RenderResult& b) {
+    ASSERT_EQ(a.picture.channels.size(), b.picture.channels.size());
+    for (std::size_t c = 0; c < a.picture.channels.size(); ++c)
+      EXPECT_EQ(a.picture.channels[c].values, b.picture.channels[c].values) << a.picture.channels[c].name;
+  }
+  const std::vector<std::string> small_{"--size", "24x16", "--spp", "8", "--max-depth", "6", "--aov", "albedo,normal,depth"};
+  // Between them they use every feature that this folder has.
+  const std::vector<fs::path> scenes_{kScenes / "cornell_box.gltf", kScenes / "furnace_glass.gltf",
+                                      kScenes / "analytic/lights_of_all_sizes.gltf", kScenes / "analytic/alpha_blend.gltf"};
+};
+
+TEST_F(AnyScene, TwoRunsGiveTheSameBits) {
+  for (const fs::path& path : scenes_) {
+    SCOPED_TRACE(path.stem());
+    expect_same_bits(render_scene(device(), path, small_), render_scene(device(), path, small_));
+  }
+}
+
+TEST_F(AnyScene, GenericKernelsGiveTheSameBits) {
+  for (const fs::path& path : scenes_) {
+    SCOPED_TRACE(path.stem());
+    expect_same_bits(render_scene(device(), path, small_),
+                     render_scene(device(), path, small_ + std::vector<std::string>{"--specialize", "off"}));
+  }
+}
+
+TEST_F(AnyScene, HowTheWorkIsCutUpDoesNotMatter) {
+  for (const fs::path& path : scenes_) {
+    SCOPED_TRACE(path.stem());
+    const RenderResult whole = render_scene(device(), path, small_);
+    for (const std::uint32_t slots : {64u, 1000u, 24u * 16u * 3u})
+      expect_same_bits(whole, render_scene(device(), path, small_, slots));
+  }
+}
+
+TEST_F(AnyScene, EstimatorsAndSamplersAgreeOnTheCornellBox) {
+  const std::vector<std::string> flags{"--size", "16x16", "--spp", "64", "--max-depth", "4"};
+  const std::vector<std::vector<std::string>> variants{direct("mis"), direct("nee"), direct("bsdf"), {"--sampler", "independent"},
+                                                       {"--sampler", "stratified"}, {"--hemisphere", "uniform"}};
+  std::vector<Picture> first, second;
+  for (const std::vector<std::string>& variant : variants) {
+    first.push_back(render_scene(device(), kScenes / "cornell_box.gltf", flags + variant + std::vector<std::string>{"--seed", "1"}).picture);
+    second.push_back(render_scene(device(), kScenes / "cornell_box.gltf", flags + variant + std::vector<std::string>{"--seed", "2"}).picture);
+  }
+  for (std::size_t i = 1; i < variants.size(); ++i) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      const Mean mis = mean_of(first[0].channels[c].values, second[0].channels[c].values);
+      const Mean other = mean_of(first[i].channels[c].values, second[i].channels[c].values);
+      EXPECT_NEAR(mis.value, other.value, kLargestT * std::hypot(mis.standard_error, other.standard_error))
+          << variants[i][1] << ", channel " << c;
+    }
+  }
+}
+
+TEST_F(AnyScene, RoughMetalNeverGainsLight) {
+  const Picture picture = render_scene(device(), kScenes / "furnace_metal.gltf",
+                                       {"--size", "80x20", "--spp", "64", "--env", "1,1,1", "--direct", "bsdf"}).picture;
+  float lowest = 1.0f;
+  for (const float value : picture.channels[0].values) {
+    EXPECT_LE(value, 1.0f + 1e-5f);
+    lowest = std::min(lowest, value);
+  }
+  EXPECT_LT(lowest, 0.5f) << "the roughest ball should lose most of its light to single scattering";
+}
+
+} // namespace
+} // namespace wavepath::test

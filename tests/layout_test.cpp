@@ -1,0 +1,150 @@
+// The structs of kernels/gpu_types.h lie in memory as C++ has them: member by member, against what SPIR-V says.
+#include <cstddef>
+#include <cstdint>
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <regex>
+#include <set>
+#include <span>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "kernels/gpu_types.h"
+#include "kernels/layout_probe.spv.h"
+
+namespace wavepath::gpu {
+namespace {
+
+using Offsets = std::map<std::string, std::size_t>; // member -> byte; "sizeof" -> bytes from one array element to the next
+
+// Reads the debug names and decorations of a SPIR-V module (SPIR-V specification 1.6, sections 3.42.2 and 3.42.3).
+std::map<std::string, Offsets> spirv_layouts(std::span<const std::uint32_t> words) {
+  constexpr std::uint32_t kOpName = 5, kOpMemberName = 6, kOpTypeRuntimeArray = 29, kOpDecorate = 71, kOpMemberDecorate = 72;
+  constexpr std::uint32_t kDecorationArrayStride = 6, kDecorationOffset = 35;
+  const auto text = [](const std::uint32_t* at) { return std::string(reinterpret_cast<const char*>(at)); };
+  std::map<std::uint32_t, std::string> names;
+  std::map<std::uint32_t, std::map<std::uint32_t, std::string>> member_names;
+  std::map<std::uint32_t, std::size_t> strides;
+  std::map<std::uint32_t, Offsets> offsets;
+  for (std::size_t i = 5; i < words.size(); i += words[i] >> 16) { // five words of header
+    const std::uint32_t* at = &words[i];
+    switch (at[0] & 0xffffu) {
+      case kOpName: names[at[1]] = text(at + 2); break;
+      case kOpMemberName: member_names[at[1]][at[2]] = text(at + 3); break;
+      case kOpDecorate:
+        if (at[2] == kDecorationArrayStride) strides[at[1]] = at[3];
+        break;
+      case kOpMemberDecorate:
+        if (at[3] == kDecorationOffset) offsets[at[1]][member_names[at[1]][at[2]]] = at[4];
+        break;
+      case kOpTypeRuntimeArray: offsets[at[2]]["sizeof"] = strides[at[1]]; break;
+      default: break;
+    }
+  }
+  std::map<std::string, Offsets> layouts;
+  for (const auto& [id, members] : offsets) layouts[names[id]].insert(members.begin(), members.end());
+  return layouts;
+}
+
+const std::map<std::string, Offsets>& layouts() {
+  static const std::map<std::string, Offsets> result = spirv_layouts(wavepath_layout_probe_spv);
+  return result;
+}
+
+bool is_padding(const std::string& member) { return member.starts_with("pad"); }
+
+// `host`: offsetof every member but padding.
+void compare(const std::string& name, std::size_t size, const Offsets& host) {
+  ASSERT_TRUE(layouts().contains(name)) << name << " is not in layout_probe.comp";
+  for (const auto& [member, offset] : layouts().at(name)) {
+    if (member == "sizeof") {
+      EXPECT_EQ(size, offset) << name;
+    } else if (!is_padding(member)) {
+      ASSERT_TRUE(host.contains(member)) << name << "::" << member << " is not compared";
+      EXPECT_EQ(host.at(member), offset) << name << "::" << member;
+    }
+  }
+}
+
+#define AT(Type, member) {#member, offsetof(Type, member)}
+
+TEST(Layout, Geometry) {
+  compare("Triangle", sizeof(Triangle),
+          {AT(Triangle, v0), AT(Triangle, flags), AT(Triangle, v1), AT(Triangle, material), AT(Triangle, v2),
+           AT(Triangle, light_pdf)});
+  compare("Instance", sizeof(Instance),
+          {AT(Instance, object_from_world), AT(Instance, world_from_object), AT(Instance, root), AT(Instance, flipped)});
+}
+
+TEST(Layout, Materials) {
+  compare("Material", sizeof(Material),
+          {AT(Material, base_color), AT(Material, emission), AT(Material, flags), AT(Material, specular_color),
+           AT(Material, specular), AT(Material, attenuation), AT(Material, transmission), AT(Material, metallic),
+           AT(Material, roughness), AT(Material, ior), AT(Material, alpha_cutoff), AT(Material, normal_scale),
+           AT(Material, base_color_texture), AT(Material, metallic_roughness_texture), AT(Material, normal_texture),
+           AT(Material, emission_texture), AT(Material, specular_texture), AT(Material, specular_color_texture),
+           AT(Material, transmission_texture)});
+  compare("Texture", sizeof(Texture),
+          {AT(Texture, first_texel), AT(Texture, width), AT(Texture, height), AT(Texture, flags), AT(Texture, uv_matrix),
+           AT(Texture, uv_offset)});
+}
+
+TEST(Layout, Lights) {
+  compare("Light", sizeof(Light),
+          {AT(Light, position), AT(Light, kind), AT(Light, direction), AT(Light, probability), AT(Light, intensity),
+           AT(Light, threshold), AT(Light, alias), AT(Light, triangle), AT(Light, instance), AT(Light, spot_scale),
+           AT(Light, spot_offset)});
+}
+
+TEST(Layout, Frame) {
+  compare("Frame", sizeof(Frame),
+          {AT(Frame, camera_position), AT(Frame, width), AT(Frame, camera_right), AT(Frame, height), AT(Frame, camera_up),
+           AT(Frame, max_depth), AT(Frame, camera_forward), AT(Frame, seed), AT(Frame, environment_radiance),
+           AT(Frame, environment_probability), AT(Frame, environment_rotation), AT(Frame, environment_width),
+           AT(Frame, environment_height), AT(Frame, light_count), AT(Frame, root), AT(Frame, root_is_top),
+           AT(Frame, orthographic), AT(Frame, sample_total), AT(Frame, slot_count), AT(Frame, scene_features)});
+  compare("Wave", sizeof(Wave),
+          {AT(Wave, first_pixel), AT(Wave, pixel_count), AT(Wave, first_sample), AT(Wave, sample_count), AT(Wave, bounce),
+           AT(Wave, first_film_pixel)});
+}
+
+TEST(Layout, PathsAndQueues) {
+  compare("PathState", sizeof(PathState),
+          {AT(PathState, throughput), AT(PathState, bsdf_pdf), AT(PathState, radiance), AT(PathState, eta_scale)});
+  compare("Ray", sizeof(Ray), {AT(Ray, origin), AT(Ray, slot), AT(Ray, direction), AT(Ray, t_max)});
+  compare("Hit", sizeof(Hit), {AT(Hit, triangle), AT(Hit, instance), AT(Hit, b1), AT(Hit, b2)});
+  compare("ShadowRay", sizeof(ShadowRay),
+          {AT(ShadowRay, origin), AT(ShadowRay, slot), AT(ShadowRay, direction), AT(ShadowRay, t_max),
+           AT(ShadowRay, contribution), AT(ShadowRay, flags)});
+  compare("Queues", sizeof(Queues),
+          {AT(Queues, ray_count), AT(Queues, shadow_count), AT(Queues, extend_groups), AT(Queues, connect_groups),
+           AT(Queues, camera_rays), AT(Queues, bounce_rays), AT(Queues, shadow_rays), AT(Queues, nonfinite_samples),
+           AT(Queues, first_nonfinite_pixel)});
+}
+
+TEST(Layout, Film) {
+  compare("FilmPixel", sizeof(FilmPixel),
+          {AT(FilmPixel, block), AT(FilmPixel, count), AT(FilmPixel, total), AT(FilmPixel, compensation)});
+  compare("PathAovs", sizeof(PathAovs),
+          {AT(PathAovs, albedo), AT(PathAovs, depth), AT(PathAovs, normal), AT(PathAovs, hit), AT(PathAovs, position),
+           AT(PathAovs, emission), AT(PathAovs, direct)});
+  compare("FilmAovs", sizeof(FilmAovs),
+          {AT(FilmAovs, albedo), AT(FilmAovs, depth), AT(FilmAovs, normal), AT(FilmAovs, hits), AT(FilmAovs, position),
+           AT(FilmAovs, count), AT(FilmAovs, emission), AT(FilmAovs, direct)});
+}
+
+TEST(Layout, EveryStructIsInTheProbe) {
+  std::ifstream file(WAVEPATH_SOURCE_DIR "/kernels/gpu_types.h");
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  const std::regex declaration("\nstruct (\\w+)");
+  std::set<std::string> declared;
+  for (auto match = std::sregex_iterator(text.begin(), text.end(), declaration); match != std::sregex_iterator(); ++match)
+    declared.insert((*match)[1]);
+  EXPECT_GE(declared.size(), 15u);
+  for (const std::string& name : declared) EXPECT_TRUE(layouts().contains(name)) << name;
+}
+
+} // namespace
+} // namespace wavepath::gpu

@@ -1,0 +1,23 @@
+// Declares every struct of kernels/gpu_types.h, so that its SPIR-V says where the shader compiler put each member.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "kernels/gpu_types.h"
+
+layout(local_size_x = 1) in;
+layout(push_constant) uniform Push { Wave wave; };
+layout(set = 0, binding = 0, std140) uniform FrameBlock { Frame frame; };
+layout(set = 0, binding = 1, std430) buffer Triangles { Triangle triangles[]; };
+layout(set = 0, binding = 2, std430) buffer Instances { Instance instances[]; };
+layout(set = 0, binding = 3, std430) buffer Materials { Material materials[]; };
+layout(set = 0, binding = 4, std430) buffer Textures { Texture textures[]; };
+layout(set = 0, binding = 5, std430) buffer Lights { Light lights[]; };
+layout(set = 0, binding = 6, std430) buffer Paths { PathState paths[]; };
+layout(set = 0, binding = 7, std430) buffer Rays { Ray rays[]; };
+layout(set = 0, binding = 8, std430) buffer Hits { Hit hits[]; };
+layout(set = 0, binding = 9, std430) buffer ShadowRays { ShadowRay shadow_rays[]; };
+layout(set = 0, binding = 10, std430) buffer QueueBlocks { Queues queues[]; };
+layout(set = 0, binding = 11, std430) buffer Film { FilmPixel film[]; };
+layout(set = 0, binding = 12, std430) buffer Aovs { PathAovs aovs[]; };
+layout(set = 0, binding = 13, std430) buffer FilmAovBlocks { FilmAovs film_aovs[]; };
+
+void main() {}

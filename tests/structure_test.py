@@ -1,0 +1,143 @@
+#!/usr/bin/env python3
+"""The rules of CONTRIBUTING.md that a compiler does not check: includes go downhill, Vulkan has few doors, documents tell
+the truth. Usage: structure_test.py SOURCE_DIR WAVEPATH_BINARY COMPILER"""
+
+import concurrent.futures
+import os
+import pathlib
+import re
+import subprocess
+import sys
+import unittest
+
+ROOT = pathlib.Path(sys.argv[1])
+WAVEPATH, COMPILER = sys.argv[2], sys.argv[3]
+
+# A file includes only files of its own folder and of those before it.
+DOWNHILL = ["bvh", "kernels", "host/base", "host/scene", "host/gpu", "host/render", "host/view", "host/cli", "host"]
+VULKAN_DOORS = {"host/gpu", "host/view"}
+DOCUMENTS = ["README.md", "CONTRIBUTING.md", "scenes/README.md"]
+
+
+def sources(*suffixes):
+    for folder in ("bvh", "kernels", "host", "tests", "benchmarks"):
+        for path in sorted((ROOT / folder).rglob("*")):
+            if path.suffix in suffixes:
+                yield path
+
+
+def name(path):
+    return str(path.relative_to(ROOT))
+
+
+def folder(path):
+    return name(path.parent)
+
+
+def includes(path):
+    return re.findall(r'^\s*#include "([^"]+)"', path.read_text(), re.M)
+
+
+def text_files():
+    listed = subprocess.run(["git", "-C", ROOT, "ls-files"], capture_output=True, text=True)
+    names = listed.stdout.split("\n") if listed.returncode == 0 else [name(p) for p in sources(".h", ".cpp", ".glsl", ".comp")]
+    return [ROOT / n for n in names if n and (ROOT / n).is_file()
+            and not n.endswith((".glb", ".png", ".jpg", ".exr", ".hdr", ".gltf"))]
+
+
+class Structure(unittest.TestCase):
+    def test_includes_go_downhill(self):
+        for path in sources(".h", ".cpp", ".glsl", ".comp"):
+            if folder(path) not in DOWNHILL:
+                continue
+            for include in includes(path):
+                target = str(pathlib.PurePosixPath(include).parent)
+                with self.subTest(file=name(path), include=include):
+                    if include.endswith(".spv.h"):
+                        continue  # generated from kernels/
+                    self.assertIn(target, DOWNHILL)
+                    self.assertTrue((ROOT / include).exists())
+                    self.assertLessEqual(DOWNHILL.index(target), DOWNHILL.index(folder(path)))
+
+    def test_vulkan_has_few_doors(self):
+        for path in sources(".h", ".cpp"):
+            if folder(path) not in VULKAN_DOORS:
+                with self.subTest(file=name(path)):
+                    self.assertNotRegex(path.read_text(), r"\bVk[A-Z]\w+|\bvk[A-Z]\w+\(|\bVK_[A-Z]+_")
+
+    def test_every_file_begins_with_its_job(self):
+        """x.cpp may leave that to x.h."""
+        for path in sources(".h", ".cpp", ".glsl", ".comp"):
+            twin = f'#include "{name(path.with_suffix(".h"))}"'
+            with self.subTest(file=name(path)):
+                self.assertTrue(path.read_text().startswith(("// ", twin)))
+
+    def test_headers_compile_alone(self):
+        """x.cpp includes x.h first, so compiling it is the proof; only headers without such a file are compiled here."""
+        alone = []
+        for path in sources(".h"):
+            twin = path.with_suffix(".cpp")
+            if not twin.exists():
+                alone.append(path)
+                continue
+            with self.subTest(file=name(twin)):
+                first = re.search(r'^#include [<"]([^">]+)[">]', twin.read_text(), re.M)
+                self.assertEqual(first.group(1), name(path))
+        generated = pathlib.Path(WAVEPATH).parent.parent / "generated"
+
+        def compile_alone(path):
+            command = [COMPILER, "-std=c++20", "-fsyntax-only", "-Wall", "-Wextra", f"-I{ROOT}", f"-isystem{generated}",
+                       "-include", name(path), "-x", "c++", os.devnull]
+            return path, subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
+
+        with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+            for path, result in pool.map(compile_alone, alone):
+                with self.subTest(file=name(path)):
+                    self.assertEqual(result.returncode, 0, result.stderr[:2000])
+
+    def test_nothing_names_a_machine(self):
+        for path in text_files():
+            with self.subTest(file=name(path)):
+                self.assertNotRegex(path.read_text(errors="replace"), r"(?<![\w.])/(home|root|work|Users)/\w")
+
+    def test_nothing_is_left_unfinished(self):
+        for path in text_files():
+            if path != pathlib.Path(__file__).resolve():
+                with self.subTest(file=name(path)):
+                    self.assertNotRegex(path.read_text(errors="replace"), r"\b(TODO|FIXME|XXX)\b|#if 0\b")
+
+    def test_commands_in_documents_exist(self):
+        def helps(*command):
+            result = subprocess.run([WAVEPATH, *command, "--help"], capture_output=True, text=True)
+            self.assertEqual(result.returncode, 0, command)
+            return result.stdout
+
+        known = helps()
+        checked = 0
+        for document in DOCUMENTS:
+            for line in re.findall(r"^(?:\$ )?(?:\./run|wavepath) +([^#\n]*)", (ROOT / document).read_text(), re.M):
+                words = line.split()
+                while words[0] in ("--no-install",):
+                    words.pop(0)
+                with self.subTest(document=document, line=line):
+                    checked += 1
+                    if words[0] in ("test", "setup"):
+                        continue
+                    self.assertRegex(known, rf"(?m)^\s+{words[0]}\b")
+                    options = helps(words[0])
+                    for flag in words[1:]:
+                        if flag.startswith("-"):
+                            self.assertRegex(options, rf"(?<![\w-]){re.escape(flag)}(?![\w-])")
+                        elif flag.startswith("scenes/"):
+                            self.assertTrue((ROOT / flag).exists(), flag)
+        self.assertGreater(checked, 1)
+
+    def test_links_in_documents_lead_somewhere(self):
+        for document in ["README.md", "CONTRIBUTING.md", "CHANGELOG.md", "scenes/README.md"]:
+            for target in re.findall(r"\]\(([^)#:]+)\)", (ROOT / document).read_text()):
+                with self.subTest(document=document, target=target):
+                    self.assertTrue(((ROOT / document).parent / target).exists())
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1])
