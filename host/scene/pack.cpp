@@ -38,12 +38,13 @@ void list_parts(const Scene& scene, const Layout& layout, std::uint32_t mesh_ind
   }
 }
 
-// Meshes that are shown once, baked into one object around the origin.
+// Meshes that are shown once, baked into one object around the origin; without triangles if all of them are shared.
 Object pack_static(const Scene& scene, const Layout& layout, const glm::dmat4& device_from_world, PackedScene& packed) {
   std::vector<Part> parts;
   for (const Instance& instance : scene.instances)
     if (layout.usage.mesh_instances[instance.mesh] == 1)
       list_parts(scene, layout, instance.mesh, device_from_world * instance.world_from_object, parts);
+  if (parts.empty() && layout.usage.two_level()) return {};
   return append_object(scene, parts, layout.with_vertices, 1, packed);
 }
 

@@ -24,8 +24,8 @@ struct PackedScene {
   glm::dvec3 origin{0.0}; // world position of the device's zero
   double radius = 0.0;    // of the bounding sphere around `origin`, metres
 
-  std::vector<bvh::WideNode> nodes;
-  std::uint32_t root = 0; // child word
+  std::vector<bvh::WideNode> nodes; // none if all triangles fit into one leaf
+  std::uint32_t root = 0;           // child word: a node or that leaf
   bool root_is_top = false;
   // Traversal stack entries that suffice for certain, once a node's nearest child is taken without being stored: an end mark
   // and the tree's bound; in two-level scenes the top level's, a mark that leads back to it, and the largest of its objects'.
@@ -56,7 +56,8 @@ struct PackedScene {
   double bvh_seconds = 0.0;
 };
 
-// What a scene will take on the device, computed before anything is laid out.
+// What a scene will take on the device, computed before anything is laid out. Exact but for tree nodes (an average of real
+// scenes) and lights (every triangle of a textured emitter counts, though most may prove black).
 struct Plan {
   std::uint64_t triangle_bytes = 0, node_bytes = 0, vertex_bytes = 0, texel_bytes = 0, environment_bytes = 0, light_bytes = 0;
   std::uint64_t triangles_stored = 0, triangles_seen = 0, instances = 0;
