@@ -2,9 +2,9 @@
 //
 // f = metallic * conductor + (1 - metallic) * dielectric, where the dielectric is an interface over a mix of a diffuse
 // base and transmission. What the interface reflects at a microfacet, the transmission below it lacks: (1 - max
-// F(v.h)), as in glTF's appendix B. The diffuse base is coupled by (1 - F(o)) (1 - F(i)) / (1 - mean F) instead: the
-// appendix's 1 - F(v.h) hands out up to 1.7 times the light that arrives at grazing angles, this one is reciprocal,
-// never gains, and is exact for a smooth coat.
+// F(v.h)), as in glTF's appendix B. The diffuse base is coupled by T(o) T(i) / mean T instead, T = 1 - albedo of the
+// interface. The appendix's 1 - F(v.h) hands out up to 1.7 times the light that arrives, at grazing angles; this is
+// reciprocal too, keeps energy, and is exact for a smooth coat.
 //
 // Directions are unit vectors in the local frame: z = shading normal, turned to wo's side, so wo.z > 0; they point away
 // from the surface. Radiance is transported: refraction scales it by 1 / eta^2. Microfacets narrower than alpha = 1e-4
@@ -92,9 +92,10 @@ Lobes lobes_of(Bsdf b, vec3 wo) {
   l.surface = surface_of(b);
   l.delta_reflection = b.alpha < kMinAlpha;
   l.delta_transmission = l.delta_reflection || (!b.thin && abs(l.surface.eta - 1.0) < kMinEtaStep);
-  float below = 1.0 - max_component(fresnel_dielectric(l.surface, wo.z));
+  float below = interface_transmittance(l.surface, wo.z, b.alpha);
   float base = (1.0 - b.metallic) * (1.0 - b.transmission);
-  l.diffuse = b.base_color * (base * below / max(1.0 - fresnel_mean(l.surface), 1e-6));
+  float mean = l.surface.eta < 1.0 ? 0.0 : interface_mean(l.surface, b.alpha);
+  l.diffuse = b.base_color * (base * below / max(1.0 - mean, 1e-6));
   float facets = luminance(facet_reflectance(b, l.surface, wo.z)) + luminance(facet_transmittance(b, l.surface, wo.z));
   float diffuse = luminance(b.base_color) * base * below;
   if (diffuse + facets > 0.0) {
@@ -108,10 +109,10 @@ Lobes lobes_of(Bsdf b, vec3 wo) {
 
 // ---- evaluation -------------------------------------------------------------------------------------------------
 
-vec3 eval_diffuse(Lobes l, vec3 wi, out float pdf) {
+vec3 eval_diffuse(Bsdf b, Lobes l, vec3 wi, out float pdf) {
   pdf = kHemisphere == kHemisphereUniform ? warp_uniform_hemisphere_pdf() : warp_cosine_hemisphere_pdf(wi.z);
   vec3 value = l.diffuse * (kInvPi * wi.z);
-  return kMicrofacets ? value * (1.0 - max_component(fresnel_dielectric(l.surface, wi.z))) : value;
+  return kMicrofacets ? value * interface_transmittance(l.surface, wi.z, b.alpha) : value;
 }
 
 vec3 eval_reflection(Bsdf b, Interface surface, vec3 wo, vec3 wi, out float pdf) {
@@ -155,7 +156,7 @@ vec3 eval_lobes(Bsdf b, Lobes l, vec3 wo, vec3 wi, out float pdf) {
   pdf = 0.0;
   float lobe_pdf = 0.0;
   if (wi.z > 0.0) {
-    value = eval_diffuse(l, wi, lobe_pdf);
+    value = eval_diffuse(b, l, wi, lobe_pdf);
     pdf = l.diffuse_probability * lobe_pdf;
     if (kMicrofacets && !l.delta_reflection) {
       value += eval_reflection(b, l.surface, wo, wi, lobe_pdf);
@@ -177,11 +178,12 @@ vec3 bsdf_eval(Bsdf b, vec3 wo, vec3 wi, out float pdf) {
 
 // ---- sampling ---------------------------------------------------------------------------------------------------
 
-// wo bent at a microfacet h; false where it is totally reflected.
+// wo bent at a microfacet h; false where it is totally reflected. Normalized, because 1/eta and the root near the
+// critical angle magnify rounding.
 bool refract_direction(vec3 wo, vec3 h, float eta, out vec3 wi) {
   float c = dot(wo, h);
   float g2 = c * c + (eta - 1.0) * (eta + 1.0);
-  wi = (h * (c - sqrt(max(g2, 0.0))) - wo) / eta;
+  wi = normalize(h * (c - sqrt(max(g2, 0.0))) - wo);
   return g2 > 0.0;
 }
 

@@ -1,0 +1,118 @@
+// The BSDF probes from the host's side: materials in, sums and histograms of samples or values of pairs out.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "tests/probe.h"
+#include "tests/statistics.h"
+
+#include "kernels/bsdf_eval_probe.spv.h"
+#include "kernels/bsdf_sample_probe.spv.h"
+
+namespace wavepath::test {
+
+inline constexpr std::uint32_t kEntering = 1, kThin = 2;
+
+// As struct Config in probes/bsdf_config.glsl. The default is glTF's default material, seen from outside.
+struct Config {
+  glm::vec3 base_color{1.0f};
+  float metallic = 0.0f;
+  glm::vec3 specular_color{1.0f};
+  float specular = 1.0f;
+  float alpha = 1.0f, transmission = 0.0f, ior = 1.5f;
+  std::uint32_t flags = kEntering | kThin;
+  glm::vec4 wo{0.0f, 0.0f, 1.0f, 0.0f};
+  glm::vec4 window{0.0f};
+};
+static_assert(sizeof(Config) == 80);
+
+struct Pair {
+  glm::vec3 wo;
+  std::uint32_t config;
+  glm::vec4 wi;
+};
+
+// Sums over the samples of one config; see Batch in probes/bsdf_sample_probe.comp. Means are per sample drawn.
+struct Drawn {
+  double count = 0.0;
+  glm::dvec3 weight{0.0};                                // mean of f cos / pdf, radiance scaling undone: the albedo
+  double weight_error = 0.0;                             // its standard error, were the samples independent
+  double delta = 0.0, rejected = 0.0, transmitted = 0.0; // fractions
+  double bad = 0.0;                                      // count
+  double least = 1e30, most = 0.0;                       // weight component of accepted samples
+  double mismatch = 0.0;                                 // with bsdf_eval
+  double farthest = 0.0;                                 // from the mirror direction
+};
+
+struct DrawSettings {
+  std::uint32_t seed = 1;
+  std::uint32_t batches = 64, batch_size = 256;
+  std::uint32_t bins = 1;
+  std::uint32_t sampler = gpu::kSamplerSobol; // low noise; chi-square needs independent
+  std::uint32_t hemisphere = gpu::kHemisphereCosine;
+  std::uint32_t features = gpu::kFeaturesAll;
+};
+
+struct DrawResult {
+  std::vector<Drawn> drawn;             // one a config
+  std::vector<std::uint32_t> histogram; // bins * bins a config; delta samples are not in it
+  ProbeBuffer raw;
+};
+
+inline glm::vec4 direction(double cosine, double azimuth = 0.7) {
+  const double sine = std::sqrt((1.0 - cosine) * (1.0 + cosine));
+  return {sine * std::cos(azimuth), sine * std::sin(azimuth), cosine, 0.0};
+}
+
+inline DrawResult draw(Device& device, const std::vector<Config>& configs, const DrawSettings& s) {
+  struct Batch {
+    glm::vec3 weight;
+    float square, delta, rejected, transmitted, bad, least, most, mismatch, farthest;
+  };
+  const std::uint32_t invocations = std::uint32_t(configs.size()) * s.batches;
+  std::vector<ProbeBuffer> buffers{
+      to_probe(configs), to_probe(std::vector<std::uint32_t>{s.seed, s.batches, s.batch_size, s.bins}),
+      ProbeBuffer(invocations * sizeof(Batch)), ProbeBuffer(configs.size() * s.bins * s.bins * 4)};
+  const std::array<std::uint32_t, 5> constants{s.features, 96, s.sampler, gpu::kDirectMis, s.hemisphere};
+  run_probe(device, wavepath_bsdf_sample_probe_spv, invocations, buffers, constants);
+  const auto batches = from_probe<Batch>(buffers[2]);
+  DrawResult result{{}, from_probe<std::uint32_t>(buffers[3]), buffers[2]};
+  for (std::size_t c = 0; c < configs.size(); ++c) {
+    Drawn d;
+    double square = 0.0;
+    d.count = double(s.batches) * s.batch_size;
+    for (std::size_t i = c * s.batches; i < (c + 1) * s.batches; ++i) {
+      const Batch& b = batches[i];
+      d.weight += glm::dvec3(b.weight) / d.count;
+      square += b.square / d.count;
+      d.delta += b.delta / d.count;
+      d.rejected += b.rejected / d.count;
+      d.transmitted += b.transmitted / d.count;
+      d.bad += b.bad;
+      d.least = std::min(d.least, double(b.least));
+      d.most = std::max(d.most, double(b.most));
+      d.mismatch = std::max(d.mismatch, double(b.mismatch));
+      d.farthest = std::max(d.farthest, double(b.farthest));
+    }
+    const double mean = glm::dot(d.weight, glm::dvec3(0.2126, 0.7152, 0.0722));
+    d.weight_error = std::sqrt(std::max(square - mean * mean, 0.0) / d.count);
+    result.drawn.push_back(d);
+  }
+  return result;
+}
+
+// bsdf_eval of every pair: value in xyz, pdf in w.
+inline std::vector<glm::vec4> evaluate(Device& device, const std::vector<Config>& configs,
+                                       const std::vector<Pair>& pairs,
+                                       std::uint32_t hemisphere = gpu::kHemisphereCosine,
+                                       std::uint32_t features = gpu::kFeaturesAll) {
+  std::vector<ProbeBuffer> buffers{to_probe(configs), to_probe(pairs), ProbeBuffer(pairs.size() * sizeof(glm::vec4))};
+  const std::array<std::uint32_t, 5> constants{features, 96, gpu::kSamplerSobol, gpu::kDirectMis, hemisphere};
+  run_probe(device, wavepath_bsdf_eval_probe_spv, std::uint32_t(pairs.size()), buffers, constants);
+  return from_probe<glm::vec4>(buffers[2]);
+}
+
+} // namespace wavepath::test

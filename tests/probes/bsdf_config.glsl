@@ -1,0 +1,39 @@
+// What the BSDF probes share: a material, the direction it is seen from, and the region of directions that is
+// histogrammed.
+#ifndef WAVEPATH_TESTS_BSDF_CONFIG_GLSL
+#define WAVEPATH_TESTS_BSDF_CONFIG_GLSL
+
+#include "kernels/bsdf.glsl"
+
+struct Config {
+  vec3 base_color;
+  float metallic;
+  vec3 specular_color;
+  float specular;
+  float alpha;
+  float transmission;
+  float ior;
+  uint flags; // 1: entering, 2: thin
+  vec4 wo;
+  vec4 window; // axis and half width of a square window around it; zero width: the whole sphere
+};
+
+Bsdf bsdf_of(Config c) {
+  return Bsdf(c.base_color, c.metallic, c.specular_color, c.specular, c.alpha, c.transmission, c.ior,
+              (c.flags & 1u) != 0u, (c.flags & 2u) != 0u);
+}
+
+// Position of a direction in the region, in [0,1)^2; false if it lies outside.
+bool region_position(Config c, vec3 w, out vec2 position) {
+  if (c.window.w == 0.0) {
+    position = vec2(0.5 * w.z + 0.5, fract(atan2_exact(w.y, w.x) * 0.5 * kInvPi));
+  } else {
+    vec3 tangent, bitangent;
+    make_basis(c.window.xyz, tangent, bitangent);
+    position = 0.5 * vec2(dot(w, tangent), dot(w, bitangent)) / c.window.w + 0.5;
+    if (dot(w, c.window.xyz) <= 0.0) return false;
+  }
+  return all(greaterThanEqual(position, vec2(0.0))) && all(lessThan(position, vec2(1.0)));
+}
+
+#endif

@@ -1,0 +1,23 @@
+// Evaluates bsdf_eval for pairs of directions: (wo, index of the material), (wi, unused) -> value, pdf.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "tests/probes/bsdf_config.glsl"
+
+layout(local_size_x = kWorkgroupSize) in;
+layout(push_constant) uniform Push { uint invocations; };
+struct Pair {
+  vec3 wo;
+  uint config;
+  vec4 wi;
+};
+layout(set = 0, binding = 0, std430) readonly buffer Configs { Config configs[]; };
+layout(set = 0, binding = 1, std430) readonly buffer Pairs { Pair pairs[]; };
+layout(set = 0, binding = 2, std430) writeonly buffer Values { vec4 values[]; };
+
+void main() {
+  uint i = gl_GlobalInvocationID.x;
+  if (i >= invocations) return;
+  float pdf;
+  vec3 value = bsdf_eval(bsdf_of(configs[pairs[i].config]), pairs[i].wo, pairs[i].wi.xyz, pdf);
+  values[i] = vec4(value, pdf);
+}
