@@ -7,6 +7,7 @@ import sys
 import analytic
 import analytic_surfaces
 import pictures
+import showcase
 
 HERE = pathlib.Path(__file__).resolve().parent
 
@@ -15,6 +16,7 @@ def files():
     """Path relative to this folder -> bytes."""
     for build in (pictures.cornell_box, pictures.furnace_lambert, pictures.furnace_glass, pictures.furnace_metal):
         yield f"{build.__name__}.gltf", build().text()
+    yield "showcase.glb", showcase.showcase().binary()
     for name, scene in [*analytic.scenes(), *analytic_surfaces.scenes()]:
         yield f"analytic/{name}.gltf", scene.text()
 
