@@ -31,7 +31,8 @@ std::vector<Triangle> soup(int count) {
 std::vector<Triangle> terrain(int count) {
   const int side = static_cast<int>(std::sqrt(count / 2.0));
   const auto vertex = [side](int i, int j) {
-    const float x = static_cast<float>(i) / static_cast<float>(side), y = static_cast<float>(j) / static_cast<float>(side);
+    const float x = static_cast<float>(i) / static_cast<float>(side),
+                y = static_cast<float>(j) / static_cast<float>(side);
     return Vec3{x, y, 0.05f * std::sin(20 * x) * std::cos(17 * y) + 0.01f * std::sin(170 * x + 90 * y)};
   };
   std::vector<Triangle> triangles;
@@ -54,7 +55,8 @@ std::vector<Box> boxes_of(const std::vector<Triangle>& triangles) {
 // Arguments: kind (0 soup, 1 terrain), triangles, threads.
 void build_tree(benchmark::State& state) {
   const std::vector<Box> boxes = boxes_of(make(static_cast<int>(state.range(0)), static_cast<int>(state.range(1))));
-  const tbb::global_control threads(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(state.range(2)));
+  const tbb::global_control threads(tbb::global_control::max_allowed_parallelism,
+                                    static_cast<std::size_t>(state.range(2)));
   WideTree tree;
   for (auto _ : state) tree = build(boxes);
   const Measure measured = measure(tree);

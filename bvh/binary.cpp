@@ -87,7 +87,8 @@ struct Sides {
   Bound centroids[2]; // of these items
 };
 
-// Appends each item to its side, in order. The side is an index rather than a branch, which would be mispredicted half the time.
+// Appends each item to its side, in order. The side is an index rather than a branch, which would be mispredicted half
+// the time.
 void scatter(std::span<const Primitive> items, const Slabs& slabs, const Cut& cut, Sides& sides) {
   for (const Primitive& item : items) {
     const int side = slabs.of(item, cut.axis) < cut.slab ? 0 : 1;

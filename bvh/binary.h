@@ -1,4 +1,4 @@
-// The binary tree between the two halves of the build: made by top-down cuts, eaten by the collapse to four children a node.
+// The binary tree between the two halves of the build: made by top-down cuts, eaten by the collapse to four children.
 #pragma once
 
 #include <memory>
@@ -10,9 +10,9 @@ namespace wavepath::bvh {
 
 struct BinaryNode {
   Box box;
-  std::uint32_t first;       // inner: left child, the right one follows; leaf: first item
-  std::uint16_t item_count;  // 0 = inner
-  std::uint16_t height;      // inner nodes on the longest path from here, itself included
+  std::uint32_t first;      // inner: left child, the right one follows; leaf: first item
+  std::uint16_t item_count; // 0 = inner
+  std::uint16_t height;     // inner nodes on the longest path from here, itself included
 };
 
 struct BinaryTree {
@@ -26,8 +26,8 @@ inline constexpr std::uint32_t kMaxBinaryDepth = 64;
 
 BinaryTree build_binary(std::span<const Box> boxes, const BuildConfig& config, BuildReport& report);
 
-// Joins up to three levels of two into nodes of four, opening the child of the largest area first, as long as the stack bound
-// stays within kMaxStackBound.
+// Joins up to three levels of two into nodes of four, opening the child of the largest area first, as long as the stack
+// bound stays within kMaxStackBound.
 WideTree collapse(BinaryTree binary);
 
 } // namespace wavepath::bvh

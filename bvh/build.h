@@ -15,7 +15,7 @@ inline constexpr std::size_t kMaxItems = kLeafFirstMask;
 struct BuildConfig {
   std::uint32_t max_leaf_size = 4; // 1 .. kMaxLeafSize
   std::uint32_t bin_count = 32;    // 2 .. 32 candidate slabs an axis
-  float node_cost = 1.0f;         // of visiting a binary node, relative to testing an item
+  float node_cost = 1.0f;          // of visiting a binary node, relative to testing an item
 };
 
 struct BuildReport {
@@ -23,10 +23,10 @@ struct BuildReport {
   std::uint32_t binary_depth = 0; // inner nodes on the longest path before the collapse
 };
 
-// Item k of the tree is box order[k]; dropped boxes are not in `order`. The result depends on boxes and config alone, never on
-// the number of threads. Any input gives a tree whose stack bound is at most kMaxStackBound. Up to max_leaf_size boxes may give
-// a root that is a leaf and no nodes; no box at all gives one node of four absent children. Peak memory is about 110 bytes a
-// box, result included.
+// Item k of the tree is box order[k]; dropped boxes are not in `order`. The result depends on boxes and config alone,
+// never on the number of threads. Any input gives a tree whose stack bound is at most kMaxStackBound. Up to
+// max_leaf_size boxes may give a root that is a leaf and no nodes; no box at all gives one node of four absent
+// children. Peak memory is about 140 bytes a box, result included.
 WideTree build(std::span<const Box> boxes, const BuildConfig& config = {}, BuildReport* report = nullptr);
 
 } // namespace wavepath::bvh

@@ -31,13 +31,15 @@ inline bool in_range(Vec3 a) {
 // Closed on all sides. The default box is inverted, the neutral element of merge().
 struct Box {
   Vec3 lo{std::numeric_limits<float>::max(), std::numeric_limits<float>::max(), std::numeric_limits<float>::max()};
-  Vec3 hi{std::numeric_limits<float>::lowest(), std::numeric_limits<float>::lowest(), std::numeric_limits<float>::lowest()};
+  Vec3 hi{std::numeric_limits<float>::lowest(), std::numeric_limits<float>::lowest(),
+          std::numeric_limits<float>::lowest()};
 };
 
 inline Box merge(const Box& a, const Box& b) { return {min(a.lo, b.lo), max(a.hi, b.hi)}; }
 inline Box merge(const Box& a, Vec3 p) { return {min(a.lo, p), max(a.hi, p)}; }
 
-// Surface area / 2; 0 for an inverted box. Double, because areas of very small or very large scenes leave the range of float.
+// Surface area / 2; 0 for an inverted box. Double, because areas of very small or very large scenes leave the range of
+// float.
 inline double half_area(const Box& box) {
   const double x = std::max(double{box.hi.x} - box.lo.x, 0.0), y = std::max(double{box.hi.y} - box.lo.y, 0.0),
                z = std::max(double{box.hi.z} - box.lo.z, 0.0);
@@ -66,11 +68,12 @@ inline bool has_no_area(const Triangle& triangle) {
   return ax * by == ay * bx && ay * bz == az * by && az * bx == ax * bz;
 }
 
-// The box to build with: the triangle's own, widened by what rounding in the triangle test (intersect.h) can move a vertex.
-// That test moves a vertex v by up to 4 eps |p - o| + 11 eps size on each axis (p the hit, o the origin, eps = 2^-24, division
-// within 2.5 ulp); the slab test pads for the first term, 16 eps size covers the second, and 2 eps |coordinate| makes the
-// subtraction below round outwards. Without it, rays near an edge of a triangle much larger than its distance leak.
-// Invalid, so that build() drops the triangle, where a vertex is not finite or out of range or the triangle has no area.
+// The box to build with: the triangle's own, widened by what rounding in the triangle test (intersect.h) can move a
+// vertex. That test moves a vertex v by up to 4 eps |p - o| + 11 eps size on each axis (p the hit, o the origin, eps =
+// 2^-24, division within 2.5 ulp); the slab test pads for the first term, 16 eps size covers the second, and 2 eps
+// |coordinate| makes the subtraction below round outwards. Without it, rays near an edge of a triangle much larger than
+// its distance leak. Invalid, so that build() drops the triangle, where a vertex is not finite or out of range or the
+// triangle has no area.
 inline Box bounds(const Triangle& triangle) {
   if (!in_range(triangle.v0) || !in_range(triangle.v1) || !in_range(triangle.v2) || has_no_area(triangle)) return {};
   const Vec3 lo = min(triangle.v0, min(triangle.v1, triangle.v2));

@@ -19,11 +19,16 @@ PreparedRay prepare(const Ray& ray) {
   if (size.y > size.x) kz = 1;
   if (size.z > size[kz]) kz = 2;
   const int kx = (kz + 1) % 3, ky = (kz + 2) % 3;
-  return {ray.origin, {clamped_inverse(d.x), clamped_inverse(d.y), clamped_inverse(d.z)},
-          kx,         ky,
-          kz,         d[kx] / d[kz],
-          d[ky] / d[kz], 1 / d[kz],
-          ray.t_max,  in_range(ray.origin) && in_range(d) && ray.t_max > 0};
+  return {ray.origin,
+          {clamped_inverse(d.x), clamped_inverse(d.y), clamped_inverse(d.z)},
+          kx,
+          ky,
+          kz,
+          d[kx] / d[kz],
+          d[ky] / d[kz],
+          1 / d[kz],
+          ray.t_max,
+          in_range(ray.origin) && in_range(d) && ray.t_max > 0};
 }
 
 } // namespace wavepath::bvh

@@ -1,6 +1,7 @@
-// The ray tests, step by step as kernels/bvh.glsl repeats them: a padded slab test (Ize 2013) of four boxes at once, and the
-// watertight triangle test of Woop, Benthin and Wald (2013). Every product and sum rounds on its own (no fused multiply-add):
-// the sign of a*b - c*d is then exact or zero, because rounding is monotone, and neighbours agree on the edge they share.
+// The ray tests, step by step as kernels/bvh.glsl repeats them: a padded slab test (Ize 2013) of four boxes at once,
+// and the watertight triangle test of Woop, Benthin and Wald (2013). Every product and sum rounds on its own (no fused
+// multiply-add): the sign of a*b - c*d is then exact or zero, because rounding is monotone, and neighbours agree on the
+// edge they share.
 #pragma once
 
 #include <bit>
@@ -20,8 +21,9 @@ struct Ray {
 // Constants of one ray, see prepare().
 struct PreparedRay {
   Vec3 origin, inverse; // inverse_i = 1 / d_i, with |d_i| first raised to kMinDirection keeping the sign (d_i < 0)
-  int kx, ky, kz;       // kz = axis of the largest |d_i|, the lowest on ties; kx = (kz+1)%3, ky = (kz+2)%3: an even permutation
-  float sx, sy, sz;     // d[kx]/d[kz], d[ky]/d[kz], 1/d[kz]
+  int kx, ky,
+      kz; // kz = axis of the largest |d_i|, the lowest on ties; kx = (kz+1)%3, ky = (kz+2)%3: an even permutation
+  float sx, sy, sz; // d[kx]/d[kz], d[ky]/d[kz], 1/d[kz]
   float t_max;
   bool valid; // false: NaN, infinite or out-of-range origin or direction, or not t_max > 0; such a ray hits nothing
 };
@@ -30,16 +32,17 @@ PreparedRay prepare(const Ray& ray);
 // Keeps 1/d_i finite, so that (b - o) * (1/d_i) is never 0 * inf, however the ray runs along a face.
 inline constexpr float kMinDirection = 0x1p-60f;
 
-// 1 + 32 eps on t_far covers, with division within 2.5 ulp, 7 eps in each of t_near and t_far and 9 eps in what the triangle
-// test does to its vertices, per axis and relative to the distance (see bounds() for the part relative to the triangle).
+// 1 + 32 eps on t_far covers, with division within 2.5 ulp, 7 eps in each of t_near and t_far and 9 eps in what the
+// triangle test does to its vertices, per axis and relative to the distance (see bounds() for the part relative to the
+// triangle).
 inline constexpr float kSlabPad = 1.0f + 0x1p-19f;
 
 // Sort key of a child: (bits of t_near & ~3) | slot, so that equal distances keep the order of their slots.
 inline constexpr std::uint32_t kMissedKey = 0xffffffffu;
 
-// keys[i] of the four children; t_best is the closest hit so far, or t_max. Per axis the near plane is hi where inverse < 0,
-// else lo; t = (plane - o) * inverse; t_near = max(tx, ty, tz, 0); t_far = min(tx, ty, tz, t_best) * kSlabPad; a child is
-// entered if t_near <= t_far. With a valid ray no NaN can arise, and an absent child is never entered.
+// keys[i] of the four children; t_best is the closest hit so far, or t_max. Per axis the near plane is hi where inverse
+// < 0, else lo; t = (plane - o) * inverse; t_near = max(tx, ty, tz, 0); t_far = min(tx, ty, tz, t_best) * kSlabPad; a
+// child is entered if t_near <= t_far. With a valid ray no NaN can arise, and an absent child is never entered.
 inline void enter_children(const WideNode& node, const PreparedRay& ray, float t_best, std::uint32_t keys[4]) {
   const Vec3 o = ray.origin, r = ray.inverse;
   const float *near_x = r.x < 0 ? node.hi_x : node.lo_x, *far_x = r.x < 0 ? node.lo_x : node.hi_x;
@@ -74,9 +77,10 @@ struct Place {
   bool valid;
 };
 
-// `apex` must be opposite the shortest edge, from b to c; v and w are the edge functions opposite b and c. Weights straight
-// from the edge functions err by eps * (longest edge / shortest), which for slivers puts the hit anywhere along them; that of
-// the apex, from differences along the shortest edge, does not, and how b and c share the rest hardly matters.
+// `apex` must be opposite the shortest edge, from b to c; v and w are the edge functions opposite b and c. Weights
+// straight from the edge functions err by eps * (longest edge / shortest), which for slivers puts the hit anywhere
+// along them; that of the apex, from differences along the shortest edge, does not, and how b and c share the rest
+// hardly matters.
 inline Place locate(const PreparedRay& ray, Vec3 apex, Vec3 b, Vec3 c, float v, float w) {
   const float ex = c.x - b.x, ey = c.y - b.y;
   const float area = ex * (apex.y - b.y) - ey * (apex.x - b.x);
@@ -98,14 +102,14 @@ inline Place locate(const PreparedRay& ray, Vec3 apex, Vec3 b, Vec3 c, float v, 
   return place;
 }
 
-// False, with `hit` unspecified, if the ray misses or the triangle is degenerate or edge-on. Does not look at t_max. Edges
-// belong to the triangle.
+// False, with `hit` unspecified, if the ray misses or the triangle is degenerate or edge-on. Does not look at t_max.
+// Edges belong to the triangle.
 inline bool intersect(const PreparedRay& ray, const Triangle& triangle, TriangleHit& hit) {
   const Vec3 a = shear(ray, triangle.v0), b = shear(ray, triangle.v1), c = shear(ray, triangle.v2);
   const float u = c.x * b.y - c.y * b.x, v = a.x * c.y - a.y * c.x, w = b.x * a.y - b.y * a.x;
   if ((u < 0 || v < 0 || w < 0) && (u > 0 || v > 0 || w > 0)) return false;
-  // u, v, w may all cancel to 0 for a triangle far beside the ray and tiny against that distance. The signs of its vertices
-  // are exact, and a triangle that surrounds the ray lies on both sides of it on both axes.
+  // u, v, w may all cancel to 0 for a triangle far beside the ray and tiny against that distance. The signs of its
+  // vertices are exact, and a triangle that surrounds the ray lies on both sides of it on both axes.
   if (std::min(a.x, std::min(b.x, c.x)) > 0 || std::max(a.x, std::max(b.x, c.x)) < 0) return false;
   if (std::min(a.y, std::min(b.y, c.y)) > 0 || std::max(a.y, std::max(b.y, c.y)) < 0) return false;
   const float det = u + v + w;
@@ -126,7 +130,8 @@ inline bool intersect(const PreparedRay& ray, const Triangle& triangle, Triangle
     hit.b1 = 1 - place.apex - place.b, hit.b2 = place.apex;
   }
   hit.t = place.t;
-  // u+v+w is minus twice the signed area in (kx, ky), and kx, ky, kz are right-handed: seen along +kz that area is mirrored.
+  // u+v+w is minus twice the signed area in (kx, ky), and kx, ky, kz are right-handed: seen along +kz that area is
+  // mirrored.
   hit.front = (det > 0) == (ray.sz > 0);
   return place.valid && place.t > place.t_error;
 }

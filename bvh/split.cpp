@@ -11,8 +11,11 @@ float inverse_or_zero(float x) { return x > 0x1p-100f ? 1 / x : 0.0f; }
 } // namespace
 
 Slabs::Slabs(const Bound& bound, const Bound& centroids, int slab_count)
-    : count(slab_count), last(static_cast<float>(slab_count - 1)),
-      inverse_size(inverse_or_zero(std::max(bound.extent(0), std::max(bound.extent(1), bound.extent(2))))), lo{}, scale{} {
+    : count(slab_count),
+      last(static_cast<float>(slab_count - 1)),
+      inverse_size(inverse_or_zero(std::max(bound.extent(0), std::max(bound.extent(1), bound.extent(2))))),
+      lo{},
+      scale{} {
   for (int axis = 0; axis < 3; ++axis) {
     lo[axis] = -centroids.lane[axis];
     scale[axis] = static_cast<float>(count) * inverse_or_zero(centroids.extent(axis));

@@ -23,11 +23,13 @@ struct Bound {
 
 // A box on its way through the build.
 struct Primitive {
-  Bound bound; // lane 3 carries the index of the caller's box, disguised as a normal float so that no arithmetic slows down
+  // Lane 3 carries the index of the caller's box, disguised as a normal float: subnormal ones slow arithmetic down.
+  Bound bound;
 
   Primitive() = default;
   Primitive(const Box& box, std::uint32_t index)
-      : bound{{-box.lo.x, -box.lo.y, -box.lo.z, std::bit_cast<float>(index | 0x40000000u), box.hi.x, box.hi.y, box.hi.z, 0}} {}
+      : bound{{-box.lo.x, -box.lo.y, -box.lo.z, std::bit_cast<float>(index | 0x40000000u), box.hi.x, box.hi.y, box.hi.z,
+               0}} {}
   std::uint32_t index() const { return std::bit_cast<std::uint32_t>(bound.lane[3]) & ~0x40000000u; }
 
   // Twice the centroid, as a point and as a bound of itself.
@@ -63,8 +65,8 @@ struct Cut {
   Bound left, right;
 };
 
-// What falls into each slab. Merging is exact, so that its order does not matter. The outermost slabs of a divided axis are
-// never empty, so every cut found has items on both sides.
+// What falls into each slab. Merging is exact, so that its order does not matter. The outermost slabs of a divided axis
+// are never empty, so every cut found has items on both sides.
 struct Bins {
   static constexpr int kMaxCount = 32;
   Bound bound[3][kMaxCount];
@@ -76,10 +78,11 @@ struct Bins {
   Cut best_cut(const Slabs& slabs) const;
 };
 
-// Surface area / 2, in units that make it fit a float in scenes of any size. The bound must not be empty. A little of the
-// length is added, so that cuts stay sensible among boxes on a line, whose areas are all zero.
+// Surface area / 2, in units that make it fit a float in scenes of any size. The bound must not be empty. A little of
+// the length is added, so that cuts stay sensible among boxes on a line, whose areas are all zero.
 inline float half_area(const Bound& bound, float inverse_size) {
-  const float x = bound.extent(0) * inverse_size, y = bound.extent(1) * inverse_size, z = bound.extent(2) * inverse_size;
+  const float x = bound.extent(0) * inverse_size, y = bound.extent(1) * inverse_size,
+              z = bound.extent(2) * inverse_size;
   return x * y + y * z + z * x + 0x1p-10f * (x + y + z);
 }
 

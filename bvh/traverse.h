@@ -1,11 +1,11 @@
 // The CPU reference traversal of a 4-wide tree, the oracle of the kernels: same order, same rounding, same ties.
 //
 // Recipe. current = root; repeat: if `current` is an inner node, enter_children() gives four keys; sort them ascending
-// (sort_keys(): network (0,1)(2,3)(0,2)(1,3)(1,2) with min and max); push the entered children of ranks 3, 2, 1 in that order;
-// current = the child of rank 0, or pop if none was entered. If `current` is a leaf, test its items in ascending order, then
-// pop. An empty stack ends it. A popped node is not tested against t_best again: its children will be.
-// Closest hit: a candidate replaces the best if t < best, or t == best and its item is lower, so that the answer does not
-// depend on the order of visits. Only t < t_max counts.
+// (sort_keys(): network (0,1)(2,3)(0,2)(1,3)(1,2) with min and max); push the entered children of ranks 3, 2, 1 in that
+// order; current = the child of rank 0, or pop if none was entered. If `current` is a leaf, test its items in ascending
+// order, then pop. An empty stack ends it. A popped node is not tested against t_best again: its children will be.
+// Closest hit: a candidate replaces the best if t < best, or t == best and its item is lower, so that the answer does
+// not depend on the order of visits. Only t < t_max counts.
 #pragma once
 
 #include <cassert>
@@ -30,9 +30,9 @@ inline void sort_keys(std::uint32_t keys[4]) {
   order(0, 1), order(2, 3), order(0, 2), order(1, 3), order(1, 2);
 }
 
-// Visits the leaves that `ray` enters, nearest first, from child word `root`. `leaf(first_item, item_count, t_best)` may lower
-// t_best, which starts at ray.t_max, and returns true to end the traversal. The stack bound of the tree below `root` must not
-// exceed kMaxStackBound, which build() guarantees.
+// Visits the leaves that `ray` enters, nearest first, from child word `root`. `leaf(first_item, item_count, t_best)`
+// may lower t_best, which starts at ray.t_max, and returns true to end the traversal. The stack bound of the tree below
+// `root` must not exceed kMaxStackBound, which build() guarantees.
 template <class Leaf>
 void traverse(std::span<const WideNode> nodes, std::uint32_t root, const PreparedRay& ray, Leaf&& leaf,
               Counters* counters = nullptr) {
@@ -73,8 +73,8 @@ struct Hit {
 };
 
 // `leaf` of traverse() for the closest of `triangles` (in leaf order: triangle k is primitive order[k]).
-inline void test_leaf(const PreparedRay& ray, std::span<const Triangle> triangles, std::uint32_t first, std::uint32_t count,
-                      float& t_best, Hit& hit) {
+inline void test_leaf(const PreparedRay& ray, std::span<const Triangle> triangles, std::uint32_t first,
+                      std::uint32_t count, float& t_best, Hit& hit) {
   for (std::uint32_t item = first; item < first + count; ++item) {
     TriangleHit candidate;
     if (!intersect(ray, triangles[item], candidate)) continue;
@@ -86,7 +86,8 @@ inline void test_leaf(const PreparedRay& ray, std::span<const Triangle> triangle
 }
 
 // Closest hit, front or back; ties go to the lowest item.
-Hit closest_hit(const WideTree& tree, std::span<const Triangle> triangles, const Ray& ray, Counters* counters = nullptr);
+Hit closest_hit(const WideTree& tree, std::span<const Triangle> triangles, const Ray& ray,
+                Counters* counters = nullptr);
 
 // Whether anything is hit before t_max.
 bool any_hit(const WideTree& tree, std::span<const Triangle> triangles, const Ray& ray, Counters* counters = nullptr);

@@ -108,7 +108,8 @@ struct Walk {
     if (nodes_missed != 0) fail(std::to_string(nodes_missed) + " nodes are never reached");
     if (items_missed != 0) fail(std::to_string(items_missed) + " items are in no leaf");
     if (tree.stack_bound != all.stack_bound)
-      fail("the stack bound is " + std::to_string(tree.stack_bound) + " but should be " + std::to_string(all.stack_bound));
+      fail("the stack bound is " + std::to_string(tree.stack_bound) + " but should be " +
+           std::to_string(all.stack_bound));
     if (all.stack_bound > kMaxStackBound) fail("the stack bound " + std::to_string(all.stack_bound) + " is too large");
   }
 };

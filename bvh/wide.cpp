@@ -34,8 +34,8 @@ struct Family {
   }
 };
 
-// A tree of height h can always be finished with h stack entries, two children a node; so a member may be opened only if the
-// heights of all members then fit into what is left of the budget.
+// A tree of height h can always be finished with h stack entries, two children a node; so a member may be opened only
+// if the heights of all members then fit into what is left of the budget.
 bool may_open(const Family& family, std::uint32_t position, const BinaryNode* nodes, std::uint32_t budget) {
   Family opened = family;
   opened.open(position, nodes);
