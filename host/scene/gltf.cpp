@@ -7,6 +7,8 @@
 #include <map>
 #include <string_view>
 
+#include <glm/gtc/matrix_access.hpp>
+
 #include "host/base/error.h"
 #include "host/scene/gltf_accessor.h"
 #include "host/scene/gltf_instancing.h"
@@ -30,15 +32,16 @@ struct Import {
   std::map<gltf::MeshUse, std::uint32_t> meshes;
 };
 
-bool is_invertible(const glm::dmat4& matrix) {
+// Finite, affine and invertible, with a determinant that survives division.
+bool is_usable(const glm::dmat4& matrix) {
   for (int i = 0; i < 4; ++i) {
     for (int j = 0; j < 4; ++j) {
       if (!std::isfinite(matrix[i][j])) return false;
     }
   }
-  // A determinant that survives division: 1/det must be finite.
+  if (glm::row(matrix, 3) != glm::dvec4(0.0, 0.0, 0.0, 1.0)) return false;
   const double determinant = glm::determinant(glm::dmat3(matrix));
-  return std::isfinite(1.0 / determinant) && matrix[0][3] == 0.0 && matrix[1][3] == 0.0 && matrix[2][3] == 0.0 && matrix[3][3] == 1.0;
+  return std::isfinite(determinant) && std::isfinite(1.0 / determinant);
 }
 
 void place_mesh(Import& import, int node_index) {
@@ -46,16 +49,18 @@ void place_mesh(Import& import, int node_index) {
   const auto& source = import.document.model.meshes[static_cast<std::size_t>(node.mesh)];
   gltf::MeshUse use{node.mesh, node.weights.empty() ? source.weights : node.weights, node.skin};
   const auto [found, is_new] = import.meshes.emplace(use, static_cast<std::uint32_t>(import.scene.meshes.size()));
-  if (is_new) import.scene.meshes.push_back(gltf::read_mesh(import.document, import.scene, import.materials, use, import.world));
+  if (is_new)
+    import.scene.meshes.push_back(gltf::read_mesh(import.document, import.scene, import.materials, use, import.world));
   if (import.scene.meshes[found->second].indices.empty()) return;
 
   std::vector<glm::dmat4> places = {glm::dmat4(1.0)}; // of a skinned mesh, which is in world space already
-  if (node.skin < 0) places = gltf::instance_matrices(import.document, node, import.world[static_cast<std::size_t>(node_index)]);
+  if (node.skin < 0)
+    places = gltf::instance_matrices(import.document, node, import.world[static_cast<std::size_t>(node_index)]);
   for (const glm::dmat4& place : places) {
-    if (is_invertible(place)) {
+    if (is_usable(place)) {
       import.scene.instances.push_back({found->second, place});
     } else {
-      import.scene.warnings.add("instance with a transform that is not finite or not invertible left out");
+      import.scene.warnings.add("instance with a transform that is not an invertible affine map left out");
     }
   }
 }
@@ -76,12 +81,13 @@ void place_camera(Import& import, const tinygltf::Node& node, const glm::dmat4& 
   const bool sound = camera.orthographic ? camera.xmag > 0.0 && camera.ymag > 0.0
                                          : camera.yfov > 0.0 && camera.yfov < 3.141592653589793 && camera.aspect >= 0.0;
   if (!sound) {
-    import.document.fail("camera " + std::to_string(node.camera) + " has a field of view, aspect ratio or size that no camera can have");
+    import.document.fail("camera " + std::to_string(node.camera) +
+                         " has a field of view, aspect ratio or size that no camera can have");
   }
-  if (is_invertible(world)) {
+  if (is_usable(world)) {
     import.scene.cameras.push_back(camera);
   } else {
-    import.scene.warnings.add("camera with a transform that is not finite or not invertible left out");
+    import.scene.warnings.add("camera with a transform that is not an invertible affine map left out");
   }
 }
 
@@ -115,10 +121,12 @@ void place_light(Import& import, const tinygltf::Node& node, const glm::dmat4& w
   if (glm::any(glm::lessThan(color, glm::dvec3(0.0))) || source.intensity < 0.0) {
     import.scene.warnings.add("negative light clamped to zero");
   }
-  if (source.range > 0.0) import.scene.warnings.add("light range ignored: light falls off with the square of the distance");
+  if (source.range > 0.0)
+    import.scene.warnings.add("light range ignored: light falls off with the square of the distance");
   if (light.kind == LightKind::spot) set_cone(import, source, light);
-  if (!is_invertible(world) || !glm::all(glm::lessThan(light.intensity, glm::vec3(1e30f)))) {
-    import.scene.warnings.add("light with an intensity or transform that is not finite or not invertible left out");
+  if (!is_usable(world) || !glm::all(glm::lessThan(light.intensity, glm::vec3(1e30f)))) {
+    import.scene.warnings.add(
+        "light with an intensity that is not finite or a transform that is not invertible left out");
     return;
   }
   light.position = glm::dvec3(world[3]);
@@ -128,11 +136,23 @@ void place_light(Import& import, const tinygltf::Node& node, const glm::dmat4& w
 
 bool is_known(std::string_view name) {
   // What the importer acts on, and what says nothing about the picture.
-  constexpr std::array kKnown = {
-      "EXT_mesh_gpu_instancing", "EXT_meshopt_compression", "EXT_texture_webp", "KHR_draco_mesh_compression",
-      "KHR_lights_punctual", "KHR_materials_emissive_strength", "KHR_materials_ior", "KHR_materials_specular",
-      "KHR_materials_transmission", "KHR_materials_unlit", "KHR_materials_variants", "KHR_materials_volume",
-      "KHR_mesh_quantization", "KHR_texture_basisu", "KHR_texture_transform", "KHR_xmp", "KHR_xmp_json_ld"};
+  constexpr std::array kKnown = {"EXT_mesh_gpu_instancing",
+                                 "EXT_meshopt_compression",
+                                 "EXT_texture_webp",
+                                 "KHR_draco_mesh_compression",
+                                 "KHR_lights_punctual",
+                                 "KHR_materials_emissive_strength",
+                                 "KHR_materials_ior",
+                                 "KHR_materials_specular",
+                                 "KHR_materials_transmission",
+                                 "KHR_materials_unlit",
+                                 "KHR_materials_variants",
+                                 "KHR_materials_volume",
+                                 "KHR_mesh_quantization",
+                                 "KHR_texture_basisu",
+                                 "KHR_texture_transform",
+                                 "KHR_xmp",
+                                 "KHR_xmp_json_ld"};
   return std::find(kKnown.begin(), kKnown.end(), name) != kKnown.end();
 }
 

@@ -22,8 +22,10 @@ bool is_known_type(int type) {
          type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT || type == TINYGLTF_COMPONENT_TYPE_FLOAT;
 }
 
-// `count` elements of `size` bytes every `stride` bytes from `offset` on, in `available` bytes; nothing here can overflow.
-bool fits(std::uint64_t available, std::uint64_t offset, std::uint64_t stride, std::uint64_t size, std::uint64_t count) {
+// `count` elements of `size` bytes every `stride` bytes from `offset` on, in `available` bytes; nothing here can
+// overflow.
+bool fits(std::uint64_t available, std::uint64_t offset, std::uint64_t stride, std::uint64_t size,
+          std::uint64_t count) {
   if (count == 0) return true;
   if (offset > available || size > available - offset) return false;
   return count - 1 <= (available - offset - size) / stride;
@@ -40,7 +42,8 @@ const std::uint8_t* sparse_bytes(Document& document, const std::string& what, in
 }
 
 std::shared_ptr<const std::vector<std::uint8_t>> with_substitutes(Document& document, const std::string& what,
-                                                                  const tinygltf::Accessor& accessor, const Elements& base) {
+                                                                  const tinygltf::Accessor& accessor,
+                                                                  const Elements& base) {
   const auto& sparse = accessor.sparse;
   const auto size = element_size(accessor, base.components);
   require_memory(document.file, what, std::uint64_t{base.count} * size, "use a machine with more memory");
@@ -56,8 +59,10 @@ std::shared_ptr<const std::vector<std::uint8_t>> with_substitutes(Document& docu
       indices.component_type != TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT) {
     document.fail(what + " has sparse indices that are not unsigned integers");
   }
-  indices.stride = static_cast<std::size_t>(tinygltf::GetComponentSizeInBytes(static_cast<std::uint32_t>(indices.component_type)));
-  indices.bytes = sparse_bytes(document, what, sparse.indices.bufferView, sparse.indices.byteOffset, indices.stride, indices.count);
+  indices.stride =
+      static_cast<std::size_t>(tinygltf::GetComponentSizeInBytes(static_cast<std::uint32_t>(indices.component_type)));
+  indices.bytes =
+      sparse_bytes(document, what, sparse.indices.bufferView, sparse.indices.byteOffset, indices.stride, indices.count);
   const std::uint8_t* values =
       sparse_bytes(document, what, sparse.values.bufferView, sparse.values.byteOffset, size, indices.count);
   for (std::size_t i = 0; i < indices.count; ++i) {
@@ -68,7 +73,8 @@ std::shared_ptr<const std::vector<std::uint8_t>> with_substitutes(Document& docu
   return filled;
 }
 
-template <typename T> T load(const std::uint8_t* bytes) {
+template <typename T>
+T load(const std::uint8_t* bytes) {
   T value;
   std::memcpy(&value, bytes, sizeof(T));
   return value;
@@ -136,23 +142,30 @@ double component(const Elements& elements, std::size_t element, int index) {
       const double value = load<std::int8_t>(bytes + i);
       return n ? std::max(value / 127.0, -1.0) : value;
     }
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE: return bytes[i] / (n ? 255.0 : 1.0);
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
+      return bytes[i] / (n ? 255.0 : 1.0);
     case TINYGLTF_COMPONENT_TYPE_SHORT: {
       const double value = load<std::int16_t>(bytes + 2 * i);
       return n ? std::max(value / 32767.0, -1.0) : value;
     }
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT: return load<std::uint16_t>(bytes + 2 * i) / (n ? 65535.0 : 1.0);
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT: return load<std::uint32_t>(bytes + 4 * i) / (n ? 4294967295.0 : 1.0);
-    default: return load<float>(bytes + 4 * i);
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
+      return load<std::uint16_t>(bytes + 2 * i) / (n ? 65535.0 : 1.0);
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT:
+      return load<std::uint32_t>(bytes + 4 * i) / (n ? 4294967295.0 : 1.0);
+    default:
+      return load<float>(bytes + 4 * i);
   }
 }
 
 std::uint32_t index_at(const Elements& indices, std::size_t element) {
   const std::uint8_t* bytes = indices.bytes + element * indices.stride;
   switch (indices.component_type) {
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE: return *bytes;
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT: return load<std::uint16_t>(bytes);
-    default: return load<std::uint32_t>(bytes);
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
+      return *bytes;
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
+      return load<std::uint16_t>(bytes);
+    default:
+      return load<std::uint32_t>(bytes);
   }
 }
 

@@ -27,8 +27,9 @@ struct Elements {
 
 using Decoded = std::map<int, std::vector<std::uint8_t>>; // what decode_draco returns
 
-// Opens an accessor of any type; sparse ones are filled in. `what` names it in messages. `decoded` replaces the contents of
-// the accessors that it holds, and must outlive the result. Throws Error if it is out of bounds or malformed.
+// Opens an accessor of any type; sparse ones are filled in. `what` names it in messages. `decoded` replaces the
+// contents of the accessors that it holds, and must outlive the result. Throws Error if it is out of bounds or
+// malformed.
 Elements open_accessor(Document& document, int accessor, const std::string& what, const Decoded& decoded = {});
 
 // The same for indices: SCALAR, unsigned integer.
@@ -40,13 +41,15 @@ double component(const Elements& elements, std::size_t element, int index);
 std::uint32_t index_at(const Elements& indices, std::size_t element);
 
 // Element as a vector; components that the accessor lacks are `fill`.
-template <int N> glm::vec<N, float> vector_at(const Elements& elements, std::size_t element, float fill = 0.0f) {
+template <int N>
+glm::vec<N, float> vector_at(const Elements& elements, std::size_t element, float fill = 0.0f) {
   glm::vec<N, float> result(fill);
   if (elements.component_type == TINYGLTF_COMPONENT_TYPE_FLOAT) {
     const auto count = static_cast<std::size_t>(elements.components < N ? elements.components : N);
     std::memcpy(&result[0], elements.bytes + element * elements.stride, count * sizeof(float));
   } else {
-    for (int i = 0; i < N && i < elements.components; ++i) result[i] = static_cast<float>(component(elements, element, i));
+    for (int i = 0; i < N && i < elements.components; ++i)
+      result[i] = static_cast<float>(component(elements, element, i));
   }
   return result;
 }

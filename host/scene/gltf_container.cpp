@@ -30,7 +30,8 @@ void read_or_fail(const std::filesystem::path& path, std::uint64_t offset, std::
   if (!read_file(path, offset, out)) throw Error(path.string(), "cannot be read", "check its permissions and the disk");
 }
 
-template <typename T> T read_struct(const std::filesystem::path& path, std::uint64_t offset) {
+template <typename T>
+T read_struct(const std::filesystem::path& path, std::uint64_t offset) {
   std::uint8_t bytes[sizeof(T)];
   read_or_fail(path, offset, bytes);
   T value;
@@ -45,7 +46,8 @@ Container read_glb(const std::filesystem::path& path, std::uint64_t size) {
     throw Error(file, "has GLB version " + std::to_string(header.version), "convert it to glTF 2.0");
   }
   if (header.length > size) {
-    throw Error(file, "is cut short: " + std::to_string(size) + " of " + std::to_string(header.length) + " bytes are there",
+    throw Error(file,
+                "is cut short: " + std::to_string(size) + " of " + std::to_string(header.length) + " bytes are there",
                 "copy or download it again");
   }
   Container container;
@@ -54,7 +56,8 @@ Container read_glb(const std::filesystem::path& path, std::uint64_t size) {
     const auto head = read_struct<ChunkHeader>(path, offset);
     offset += sizeof(ChunkHeader);
     if (head.length > header.length - offset) {
-      throw Error(file, "chunk " + std::to_string(chunk) + " reaches beyond the end of the file", "copy or download it again");
+      throw Error(file, "chunk " + std::to_string(chunk) + " reaches beyond the end of the file",
+                  "copy or download it again");
     }
     if (chunk == 0 && (head.type != kJsonChunk || head.length > kMaxJsonBytes)) {
       throw Error(file, "does not begin with a JSON chunk of reasonable size", kRepair);
@@ -110,7 +113,8 @@ Container read_container(const std::filesystem::path& path) {
   if (std::memcmp(read_struct<Header>(path, 0).magic, "glTF", 4) == 0) {
     container = read_glb(path, *size);
   } else {
-    if (*size > kMaxJsonBytes) throw Error(file, "holds more than 1 GiB of JSON", "move its data into .bin files or a .glb");
+    if (*size > kMaxJsonBytes)
+      throw Error(file, "holds more than 1 GiB of JSON", "move its data into .bin files or a .glb");
     container.json.resize(*size);
     read_or_fail(path, 0, {reinterpret_cast<std::uint8_t*>(container.json.data()), container.json.size()});
     if (container.json.starts_with("\xef\xbb\xbf")) container.json.erase(0, 3);

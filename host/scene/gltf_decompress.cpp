@@ -24,12 +24,14 @@ Meshopt read_meshopt(const tinygltf::Value& value) {
   const auto text = [&](const char* name, const char* otherwise) {
     return value.Has(name) ? value.Get(name).Get<std::string>() : std::string(otherwise);
   };
-  return {number("buffer"), value.Has("byteOffset") ? number("byteOffset") : 0, number("byteLength"), number("byteStride"),
-          number("count"), text("mode", ""), text("filter", "NONE")};
+  return {number("buffer"),      value.Has("byteOffset") ? number("byteOffset") : 0,
+          number("byteLength"),  number("byteStride"),
+          number("count"),       text("mode", ""),
+          text("filter", "NONE")};
 }
 
-// The library asserts on strides; the ratios are the best that its formats can reach, so that a few bytes cannot ask for
-// gigabytes: 4 bytes of header for 256 values of each byte channel, one byte a triangle, one byte an index.
+// The library asserts on strides; the ratios are the best that its formats can reach, so that a few bytes cannot ask
+// for gigabytes: 4 bytes of header for 256 values of each byte channel, one byte a triangle, one byte an index.
 bool is_plausible(const Meshopt& view) {
   if (view.mode == "ATTRIBUTES") {
     const bool stride = view.stride > 0 && view.stride <= 256 && view.stride % 4 == 0;
@@ -48,9 +50,10 @@ bool is_filter_sound(const Meshopt& view) {
   return view.filter == "EXPONENTIAL" && view.stride % 4 == 0;
 }
 
-std::vector<std::uint8_t> packed_indices(const Document& document, const draco::Mesh& mesh, const tinygltf::Accessor& accessor) {
-  const std::size_t size = static_cast<std::size_t>(tinygltf::GetComponentSizeInBytes(
-      static_cast<std::uint32_t>(accessor.componentType)));
+std::vector<std::uint8_t> packed_indices(const Document& document, const draco::Mesh& mesh,
+                                         const tinygltf::Accessor& accessor) {
+  const std::size_t size =
+      static_cast<std::size_t>(tinygltf::GetComponentSizeInBytes(static_cast<std::uint32_t>(accessor.componentType)));
   if (accessor.count != std::size_t{mesh.num_faces()} * 3) {
     document.fail("an index accessor has " + std::to_string(accessor.count) + " elements, but its Draco data has " +
                   std::to_string(mesh.num_faces()) + " triangles");
@@ -88,13 +91,26 @@ std::vector<std::uint8_t> packed_attribute(const Document& document, const draco
   std::vector<std::uint8_t> bytes(accessor.count * static_cast<std::size_t>(components * size));
   bool done = false;
   switch (accessor.componentType) {
-    case TINYGLTF_COMPONENT_TYPE_BYTE: done = pack<std::int8_t>(mesh, *attribute, components, bytes.data()); break;
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE: done = pack<std::uint8_t>(mesh, *attribute, components, bytes.data()); break;
-    case TINYGLTF_COMPONENT_TYPE_SHORT: done = pack<std::int16_t>(mesh, *attribute, components, bytes.data()); break;
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT: done = pack<std::uint16_t>(mesh, *attribute, components, bytes.data()); break;
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT: done = pack<std::uint32_t>(mesh, *attribute, components, bytes.data()); break;
-    case TINYGLTF_COMPONENT_TYPE_FLOAT: done = pack<float>(mesh, *attribute, components, bytes.data()); break;
-    default: break;
+    case TINYGLTF_COMPONENT_TYPE_BYTE:
+      done = pack<std::int8_t>(mesh, *attribute, components, bytes.data());
+      break;
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
+      done = pack<std::uint8_t>(mesh, *attribute, components, bytes.data());
+      break;
+    case TINYGLTF_COMPONENT_TYPE_SHORT:
+      done = pack<std::int16_t>(mesh, *attribute, components, bytes.data());
+      break;
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
+      done = pack<std::uint16_t>(mesh, *attribute, components, bytes.data());
+      break;
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT:
+      done = pack<std::uint32_t>(mesh, *attribute, components, bytes.data());
+      break;
+    case TINYGLTF_COMPONENT_TYPE_FLOAT:
+      done = pack<float>(mesh, *attribute, components, bytes.data());
+      break;
+    default:
+      break;
   }
   if (!done) document.fail("the Draco data of " + shown(name) + " cannot be converted");
   return bytes;
@@ -125,9 +141,12 @@ std::vector<std::uint8_t> decode_meshopt(Document& document, std::size_t index) 
   require_memory(document.file, what, view.count * view.stride, "use a machine with more memory");
   std::vector<std::uint8_t> out(view.count * view.stride);
   int failed = 0;
-  if (view.mode == "ATTRIBUTES") failed = meshopt_decodeVertexBuffer(out.data(), view.count, view.stride, bytes.data(), bytes.size());
-  if (view.mode == "TRIANGLES") failed = meshopt_decodeIndexBuffer(out.data(), view.count, view.stride, bytes.data(), bytes.size());
-  if (view.mode == "INDICES") failed = meshopt_decodeIndexSequence(out.data(), view.count, view.stride, bytes.data(), bytes.size());
+  if (view.mode == "ATTRIBUTES")
+    failed = meshopt_decodeVertexBuffer(out.data(), view.count, view.stride, bytes.data(), bytes.size());
+  if (view.mode == "TRIANGLES")
+    failed = meshopt_decodeIndexBuffer(out.data(), view.count, view.stride, bytes.data(), bytes.size());
+  if (view.mode == "INDICES")
+    failed = meshopt_decodeIndexSequence(out.data(), view.count, view.stride, bytes.data(), bytes.size());
   if (failed) document.fail(what + " holds damaged meshopt data");
   if (view.filter == "OCTAHEDRAL") meshopt_decodeFilterOct(out.data(), view.count, view.stride);
   if (view.filter == "QUATERNION") meshopt_decodeFilterQuat(out.data(), view.count, view.stride);
@@ -143,7 +162,8 @@ std::map<int, std::vector<std::uint8_t>> decode_draco(Document& document, const 
   const auto view = static_cast<std::size_t>(extension->second.Get("bufferView").GetNumberAsInt());
   const auto mesh = read_draco_mesh(document, view_bytes(document, view));
   if (const auto indices = primitive.attributes.find(kIndices); indices != primitive.attributes.end()) {
-    decoded[indices->second] = packed_indices(document, *mesh, document.model.accessors[static_cast<std::size_t>(indices->second)]);
+    decoded[indices->second] =
+        packed_indices(document, *mesh, document.model.accessors[static_cast<std::size_t>(indices->second)]);
   }
   const tinygltf::Value& ids = extension->second.Get("attributes");
   for (const std::string& name : ids.Keys()) {

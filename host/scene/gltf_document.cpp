@@ -20,12 +20,25 @@ namespace {
 using nlohmann::json;
 
 // Extensions that a file may require. KHR_texture_basisu is judged where a texture uses it: it may have a fallback.
-constexpr std::array<std::string_view, 19> kSupported = {
-    "EXT_mesh_gpu_instancing", "EXT_meshopt_compression", "EXT_texture_webp", "KHR_draco_mesh_compression",
-    "KHR_lights_punctual", "KHR_materials_emissive_strength", "KHR_materials_ior", "KHR_materials_specular",
-    "KHR_materials_transmission", "KHR_materials_unlit", "KHR_materials_variants", "KHR_materials_volume",
-    "KHR_mesh_quantization", "KHR_texture_basisu", "KHR_texture_transform", "KHR_xmp", "KHR_xmp_json_ld",
-    "MSFT_packing_occlusionRoughnessMetallic", "MSFT_packing_normalRoughnessMetallic"};
+constexpr std::array<std::string_view, 19> kSupported = {"EXT_mesh_gpu_instancing",
+                                                         "EXT_meshopt_compression",
+                                                         "EXT_texture_webp",
+                                                         "KHR_draco_mesh_compression",
+                                                         "KHR_lights_punctual",
+                                                         "KHR_materials_emissive_strength",
+                                                         "KHR_materials_ior",
+                                                         "KHR_materials_specular",
+                                                         "KHR_materials_transmission",
+                                                         "KHR_materials_unlit",
+                                                         "KHR_materials_variants",
+                                                         "KHR_materials_volume",
+                                                         "KHR_mesh_quantization",
+                                                         "KHR_texture_basisu",
+                                                         "KHR_texture_transform",
+                                                         "KHR_xmp",
+                                                         "KHR_xmp_json_ld",
+                                                         "MSFT_packing_occlusionRoughnessMetallic",
+                                                         "MSFT_packing_normalRoughnessMetallic"};
 
 json parse_json(const std::string& file, const std::string& text) {
   try {
@@ -92,12 +105,15 @@ void parse_model(Document& document, const json& root) {
   tinygltf::TinyGLTF loader;
   bool parsed = false;
   try {
-    parsed = loader.LoadASCIIFromString(&document.model, &error, &warning, text.data(), static_cast<unsigned int>(text.size()),
-                                        "", tinygltf::NO_REQUIRE);
+    parsed = loader.LoadASCIIFromString(&document.model, &error, &warning, text.data(),
+                                        static_cast<unsigned int>(text.size()), "", tinygltf::NO_REQUIRE);
   } catch (const std::exception& exception) {
     error = exception.what();
   }
-  if (!parsed) document.fail("is not sound glTF: " + shown(error.substr(0, error.find('\n'))));
+  if (parsed) return;
+  // Complaints about optional properties may stand before the one that counts.
+  error.erase(error.find_last_not_of('\n') + 1);
+  document.fail("is not sound glTF: " + shown(error.substr(error.rfind('\n') + 1)));
 }
 
 // Sums of two 53-bit numbers cannot overflow.
@@ -106,7 +122,8 @@ void check_views(const Document& document) {
   for (std::size_t i = 0; i < views.size(); ++i) {
     const std::uint64_t size = document.buffers[static_cast<std::size_t>(views[i].buffer)].size;
     if (std::uint64_t{views[i].byteOffset} + views[i].byteLength > size) {
-      document.fail("buffer view " + std::to_string(i) + " reaches beyond the " + std::to_string(size) + " bytes of its buffer");
+      document.fail("buffer view " + std::to_string(i) + " reaches beyond the " + std::to_string(size) +
+                    " bytes of its buffer");
     }
   }
 }
@@ -117,14 +134,15 @@ std::vector<std::uint8_t> read_uri(const Document& document, const std::string& 
   const auto size = path ? regular_file_size(*path) : std::nullopt;
   if (!size) document.fail(what + " '" + shown(uri) + "' is not there", "put it beside the file");
   if (*size < wanted) {
-    document.fail(what + " '" + shown(uri) + "' is cut short: " + std::to_string(*size) + " of " + std::to_string(wanted) +
-                      " bytes are there",
+    document.fail(what + " '" + shown(uri) + "' is cut short: " + std::to_string(*size) + " of " +
+                      std::to_string(wanted) + " bytes are there",
                   "copy or download it again");
   }
   const std::uint64_t length = wanted ? wanted : *size;
   require_memory(document.file, what + " '" + shown(uri) + "'", length, "use a machine with more memory");
   std::vector<std::uint8_t> bytes(length);
-  if (!read_file(*path, 0, bytes)) document.fail(what + " '" + shown(uri) + "' cannot be read", "check its permissions");
+  if (!read_file(*path, 0, bytes))
+    document.fail(what + " '" + shown(uri) + "' cannot be read", "check its permissions");
   return bytes;
 }
 

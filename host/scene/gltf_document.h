@@ -1,4 +1,5 @@
-// A glTF document: parsed by tinygltf after our own checks, with its bytes brought in only when something asks for them.
+// A glTF document: parsed by tinygltf after our own checks, with its bytes brought in only when something asks for
+// them.
 #pragma once
 
 #include <cstdint>
@@ -27,7 +28,7 @@ inline constexpr const char* kIndices = "INDICES";
 
 struct Document {
   std::filesystem::path path;
-  std::string file; // the path, for messages
+  std::string file;      // the path, for messages
   tinygltf::Model model; // without buffers and images; every index in it is in range
   std::vector<Source> buffers, images;
   std::vector<std::uint8_t> binary; // of a .glb: the contents of buffer 0

@@ -18,7 +18,8 @@ std::vector<glm::dmat4> instance_matrices(Document& document, const tinygltf::No
     if (!attributes.Has(name)) return Elements{};
     const Elements elements = open_accessor(document, attributes.Get(name).GetNumberAsInt(), name);
     if (elements.components != components || (!is_first && elements.count != count)) {
-      document.fail(std::string("instance attribute ") + name + " has the wrong type, or another count than its fellows");
+      document.fail(std::string("instance attribute ") + name +
+                    " has the wrong type, or another count than its fellows");
     }
     count = elements.count;
     is_first = false;

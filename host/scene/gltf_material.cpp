@@ -27,7 +27,8 @@ double number(const Value& value, const std::string& name, double otherwise) {
   return value.Has(name) ? value.Get(name).GetNumberAsDouble() : otherwise;
 }
 
-template <int N> glm::vec<N, float> numbers(const Value& value, const std::string& name, glm::vec<N, float> otherwise) {
+template <int N>
+glm::vec<N, float> numbers(const Value& value, const std::string& name, glm::vec<N, float> otherwise) {
   if (!value.Has(name)) return otherwise;
   for (int i = 0; i < N; ++i) otherwise[i] = static_cast<float>(value.Get(name).Get(i).GetNumberAsDouble());
   return otherwise;
@@ -38,8 +39,10 @@ float clamped(Scene& scene, const std::string& what, double value, double lo, do
   return static_cast<float>(std::clamp(value, lo, hi));
 }
 
-template <int N> glm::vec<N, float> clamped(Scene& scene, const std::string& what, glm::vec<N, float> value, float hi = 1.0f) {
-  if (glm::any(glm::lessThan(value, glm::vec<N, float>(0.0f))) || glm::any(glm::greaterThan(value, glm::vec<N, float>(hi)))) {
+template <int N>
+glm::vec<N, float> clamped(Scene& scene, const std::string& what, glm::vec<N, float> value, float hi = 1.0f) {
+  if (glm::any(glm::lessThan(value, glm::vec<N, float>(0.0f))) ||
+      glm::any(glm::greaterThan(value, glm::vec<N, float>(hi)))) {
     scene.warnings.add("material " + what + " outside its range, clamped");
   }
   return glm::clamp(value, 0.0f, hi);
@@ -60,24 +63,32 @@ std::size_t image_of_texture(const Document& document, int index) {
   for (const auto& [name, value] : texture.extensions) needed += (needed.empty() ? "" : ", ") + shown(name);
   const std::string what = "texture " + std::to_string(index);
   if (needed.empty()) document.fail(what + " has no image");
-  document.fail(what + " needs " + needed + ", which wavepath does not support", "export it with PNG, JPEG or WebP images");
+  document.fail(what + " needs " + needed + ", which wavepath does not support",
+                "export it with PNG, JPEG or WebP images");
 }
 
 std::uint32_t use_image(Context& context, std::size_t image) {
   const Source& source = context.document.images[image];
   const bool shared_file = source.view < 0 && !is_data_uri(source.uri);
-  const std::string key = shared_file ? source.uri : source.view >= 0 ? ":" + std::to_string(source.view) : "#" + std::to_string(image);
-  const auto [found, is_new] = context.map.image_of.emplace(key, static_cast<std::uint32_t>(context.map.image_sources.size()));
+  const std::string key = shared_file        ? source.uri
+                          : source.view >= 0 ? ":" + std::to_string(source.view)
+                                             : "#" + std::to_string(image);
+  const auto [found, is_new] =
+      context.map.image_of.emplace(key, static_cast<std::uint32_t>(context.map.image_sources.size()));
   if (is_new) context.map.image_sources.push_back(image);
   return found->second;
 }
 
 Wrap to_wrap(const Document& document, int mode) {
   switch (mode) {
-    case TINYGLTF_TEXTURE_WRAP_REPEAT: return Wrap::repeat;
-    case TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE: return Wrap::clamp;
-    case TINYGLTF_TEXTURE_WRAP_MIRRORED_REPEAT: return Wrap::mirror;
-    default: document.fail("a sampler has unknown wrap mode " + std::to_string(mode));
+    case TINYGLTF_TEXTURE_WRAP_REPEAT:
+      return Wrap::repeat;
+    case TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE:
+      return Wrap::clamp;
+    case TINYGLTF_TEXTURE_WRAP_MIRRORED_REPEAT:
+      return Wrap::mirror;
+    default:
+      document.fail("a sampler has unknown wrap mode " + std::to_string(mode));
   }
 }
 
@@ -120,7 +131,8 @@ TextureSlot read_slot(Context& context, const Value& parent, const std::string& 
   const Value& info = parent.Get(name);
   ExtensionMap extensions;
   if (info.Has("extensions")) extensions = info.Get("extensions").Get<Value::Object>();
-  return read_slot(context, info.Get("index").GetNumberAsInt(), static_cast<int>(number(info, "texCoord", 0.0)), extensions, srgb);
+  return read_slot(context, info.Get("index").GetNumberAsInt(), static_cast<int>(number(info, "texCoord", 0.0)),
+                   extensions, srgb);
 }
 
 AlphaMode to_alpha_mode(const Document& document, const std::string& mode) {
@@ -148,7 +160,8 @@ void read_volume(Context& context, const Value& volume, Material& material) {
     context.document.fail("a material has attenuationDistance " + std::to_string(distance), "make it positive");
   }
   if (distance <= 0.0) return; // left out: infinite
-  const auto color = clamped<3>(context.scene, "attenuationColor", numbers<3>(volume, "attenuationColor", glm::vec3(1.0f)));
+  const auto color =
+      clamped<3>(context.scene, "attenuationColor", numbers<3>(volume, "attenuationColor", glm::vec3(1.0f)));
   for (int i = 0; i < 3; ++i) {
     // No light at all would need an infinite coefficient: 1e-10 is as black as the output can show.
     material.attenuation[i] = static_cast<float>(-std::log(std::max(double{color[i]}, 1e-10)) / distance);
@@ -160,15 +173,18 @@ void read_surface(Context& context, const tinygltf::Material& source, Material& 
   const auto& pbr = source.pbrMetallicRoughness;
   material.metallic = clamped(scene, "metallicFactor", pbr.metallicFactor, 0.0, 1.0);
   material.roughness = clamped(scene, "roughnessFactor", pbr.roughnessFactor, 0.0, 1.0);
-  material.metallic_roughness_texture = read_slot(context, pbr.metallicRoughnessTexture.index, pbr.metallicRoughnessTexture.texCoord,
-                                                  pbr.metallicRoughnessTexture.extensions, false);
+  material.metallic_roughness_texture =
+      read_slot(context, pbr.metallicRoughnessTexture.index, pbr.metallicRoughnessTexture.texCoord,
+                pbr.metallicRoughnessTexture.extensions, false);
   material.normal_texture = read_slot(context, source.normalTexture.index, source.normalTexture.texCoord,
                                       source.normalTexture.extensions, false);
   material.normal_scale = static_cast<float>(source.normalTexture.scale);
-  if (source.occlusionTexture.index >= 0) scene.warnings.add("occlusion texture ignored: path tracing computes occlusion");
+  if (source.occlusionTexture.index >= 0)
+    scene.warnings.add("occlusion texture ignored: path tracing computes occlusion");
 
   const auto& factor = source.emissiveFactor;
-  const double strength = number(extension(source.extensions, "KHR_materials_emissive_strength"), "emissiveStrength", 1.0);
+  const double strength =
+      number(extension(source.extensions, "KHR_materials_emissive_strength"), "emissiveStrength", 1.0);
   const glm::vec3 emission = clamped<3>(scene, "emissiveFactor", glm::vec3(factor[0], factor[1], factor[2]));
   material.emission = emission * clamped(scene, "emissiveStrength", strength, 0.0, 1e30);
   if (emission != glm::vec3(0.0f)) {
@@ -180,8 +196,10 @@ void read_surface(Context& context, const tinygltf::Material& source, Material& 
   material.ior = ior == 0.0 ? 0.0f : clamped(scene, "ior", ior, 1.0, 1e6);
   read_specular(context, extension(source.extensions, "KHR_materials_specular"), material);
   const Value& transmission = extension(source.extensions, "KHR_materials_transmission");
-  material.transmission = clamped(scene, "transmissionFactor", number(transmission, "transmissionFactor", 0.0), 0.0, 1.0);
-  if (material.transmission > 0.0f) material.transmission_texture = read_slot(context, transmission, "transmissionTexture", false);
+  material.transmission =
+      clamped(scene, "transmissionFactor", number(transmission, "transmissionFactor", 0.0), 0.0, 1.0);
+  if (material.transmission > 0.0f)
+    material.transmission_texture = read_slot(context, transmission, "transmissionTexture", false);
   read_volume(context, extension(source.extensions, "KHR_materials_volume"), material);
 }
 
@@ -213,7 +231,8 @@ std::uint32_t use_material(const Document& document, Scene& scene, MaterialMap& 
       value.emissiveFactor = {0.0, 0.0, 0.0};
       return value;
     }();
-    const tinygltf::Material& source = material < 0 ? kDefault : document.model.materials[static_cast<std::size_t>(material)];
+    const tinygltf::Material& source =
+        material < 0 ? kDefault : document.model.materials[static_cast<std::size_t>(material)];
     scene.materials.push_back(read_material(context, source));
   }
   return found->second;

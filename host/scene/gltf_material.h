@@ -13,9 +13,9 @@ namespace wavepath::gltf {
 
 // What has been converted so far.
 struct MaterialMap {
-  std::map<int, std::uint32_t> materials;           // glTF material (-1: the default one) -> Scene::materials
-  std::map<std::string, std::uint32_t> image_of;    // where its data come from -> Scene::images
-  std::vector<std::size_t> image_sources;           // glTF image of each of Scene::images
+  std::map<int, std::uint32_t> materials;        // glTF material (-1: the default one) -> Scene::materials
+  std::map<std::string, std::uint32_t> image_of; // where its data come from -> Scene::images
+  std::vector<std::size_t> image_sources;        // glTF image of each of Scene::images
 };
 
 // The index in scene.materials of a glTF material, or of the default material for -1. Throws Error.

@@ -34,7 +34,8 @@ Elements open_attribute(Document& document, const std::map<std::string, int>& at
   const Elements elements = open_accessor(document, found->second, name, decoded);
   const bool color = name == "COLOR_0" && elements.components == 3; // RGB or RGBA
   if (elements.components != components && !color) {
-    document.fail(name + " (accessor " + std::to_string(found->second) + ") does not have " + std::to_string(components) + " components");
+    document.fail(name + " (accessor " + std::to_string(found->second) + ") does not have " +
+                  std::to_string(components) + " components");
   }
   if (elements.count != count) {
     document.fail(name + " (accessor " + std::to_string(found->second) + ") has " + std::to_string(elements.count) +
@@ -44,9 +45,9 @@ Elements open_attribute(Document& document, const std::map<std::string, int>& at
 }
 
 bool uses_uv_set(const Material& material, std::uint32_t set) {
-  for (const TextureSlot* slot : {&material.base_color_texture, &material.metallic_roughness_texture, &material.normal_texture,
-                                  &material.emission_texture, &material.specular_texture, &material.specular_color_texture,
-                                  &material.transmission_texture}) {
+  for (const TextureSlot* slot : {&material.base_color_texture, &material.metallic_roughness_texture,
+                                  &material.normal_texture, &material.emission_texture, &material.specular_texture,
+                                  &material.specular_color_texture, &material.transmission_texture}) {
     if (slot->present() && slot->uv_set == set) return true;
   }
   return false;
@@ -55,7 +56,8 @@ bool uses_uv_set(const Material& material, std::uint32_t set) {
 Attributes open_attributes(Document& document, Scene& scene, const tinygltf::Primitive& primitive, const MeshUse& use,
                            const Material& material, const Decoded& decoded) {
   Attributes result;
-  const std::size_t count = document.model.accessors[static_cast<std::size_t>(primitive.attributes.at("POSITION"))].count;
+  const std::size_t count =
+      document.model.accessors[static_cast<std::size_t>(primitive.attributes.at("POSITION"))].count;
   const auto open = [&](const std::string& name, int components) {
     return open_attribute(document, primitive.attributes, name, components, count, decoded);
   };
@@ -66,7 +68,8 @@ Attributes open_attributes(Document& document, Scene& scene, const tinygltf::Pri
   for (std::uint32_t set = 0; set < 2; ++set) {
     if (!uses_uv_set(material, set)) continue;
     result.uvs[set] = open("TEXCOORD_" + std::to_string(set), 2);
-    if (!result.uvs[set].present()) scene.warnings.add("primitive lacks the texture coordinates that its material uses; 0 taken");
+    if (!result.uvs[set].present())
+      scene.warnings.add("primitive lacks the texture coordinates that its material uses; 0 taken");
   }
   result.color = open("COLOR_0", 4);
   for (std::size_t i = 0; i < primitive.targets.size() && i < use.weights.size(); ++i) {
@@ -74,13 +77,15 @@ Attributes open_attributes(Document& document, Scene& scene, const tinygltf::Pri
     const auto displacement = [&](const char* name) {
       return open_attribute(document, primitive.targets[i], name, 3, count, {});
     };
-    result.targets.push_back({use.weights[i], displacement("POSITION"), displacement("NORMAL"), displacement("TANGENT")});
+    result.targets.push_back(
+        {use.weights[i], displacement("POSITION"), displacement("NORMAL"), displacement("TANGENT")});
   }
   return result;
 }
 
 // Corners of the triangles that a primitive draws.
-std::vector<std::uint32_t> triangulate(const Document& document, int mode, const Elements& indices, std::size_t vertex_count) {
+std::vector<std::uint32_t> triangulate(const Document& document, int mode, const Elements& indices,
+                                       std::size_t vertex_count) {
   const std::size_t count = indices.present() ? indices.count : vertex_count;
   const bool list = mode == TINYGLTF_MODE_TRIANGLES;
   if (list && count % 3) document.fail("a list of triangles has " + std::to_string(count) + " corners");
@@ -89,7 +94,8 @@ std::vector<std::uint32_t> triangulate(const Document& document, int mode, const
   const auto corner = [&](std::size_t i) {
     const std::uint32_t index = indices.present() ? index_at(indices, i) : static_cast<std::uint32_t>(i);
     if (index >= vertex_count) {
-      document.fail("index " + std::to_string(index) + " is out of range: there are " + std::to_string(vertex_count) + " vertices");
+      document.fail("index " + std::to_string(index) + " is out of range: there are " + std::to_string(vertex_count) +
+                    " vertices");
     }
     return index;
   };
@@ -123,14 +129,16 @@ std::vector<std::uint32_t> keep_used(std::vector<std::uint32_t>& corners, std::s
 }
 
 template <int N>
-void gather(const Elements& elements, const std::vector<std::uint32_t>& used, std::vector<glm::vec<N, float>>& out, float fill = 0.0f) {
+void gather(const Elements& elements, const std::vector<std::uint32_t>& used, std::vector<glm::vec<N, float>>& out,
+            float fill = 0.0f) {
   if (!elements.present()) return;
   out.resize(used.size());
   for (std::size_t i = 0; i < used.size(); ++i) out[i] = vector_at<N>(elements, used[i], fill);
 }
 
 template <typename Vector>
-void displace(const Elements& elements, double weight, const std::vector<std::uint32_t>& used, std::vector<Vector>& out) {
+void displace(const Elements& elements, double weight, const std::vector<std::uint32_t>& used,
+              std::vector<Vector>& out) {
   if (!elements.present() || out.empty()) return;
   for (std::size_t i = 0; i < used.size(); ++i) {
     const glm::vec3 by = static_cast<float>(weight) * vector_at<3>(elements, used[i]);
@@ -158,7 +166,8 @@ void apply_skin(const Document& document, const Skin& skin, const std::vector<st
     const glm::dmat3 linear(matrix);
     if (!part.normals.empty()) {
       // The cofactor matrix is the inverse transpose up to a factor, and exists for singular matrices too.
-      const glm::dmat3 cofactor(glm::cross(linear[1], linear[2]), glm::cross(linear[2], linear[0]), glm::cross(linear[0], linear[1]));
+      const glm::dmat3 cofactor(glm::cross(linear[1], linear[2]), glm::cross(linear[2], linear[0]),
+                                glm::cross(linear[0], linear[1]));
       const double sign = glm::determinant(linear) < 0.0 ? -1.0 : 1.0;
       const glm::dvec3 normal = sign * (cofactor * glm::dvec3(part.normals[i]));
       part.normals[i] = glm::vec3(normal / std::max(glm::length(normal), 1e-300));
@@ -171,8 +180,8 @@ void apply_skin(const Document& document, const Skin& skin, const std::vector<st
 }
 
 // The triangles of one primitive as a mesh of their own; empty for points and lines.
-Mesh read_primitive(Document& document, Scene& scene, MaterialMap& map, const tinygltf::Primitive& primitive, const MeshUse& use,
-                    const std::vector<glm::dmat4>& world) {
+Mesh read_primitive(Document& document, Scene& scene, MaterialMap& map, const tinygltf::Primitive& primitive,
+                    const MeshUse& use, const std::vector<glm::dmat4>& world) {
   Mesh part;
   if (primitive.mode < TINYGLTF_MODE_POINTS || primitive.mode > TINYGLTF_MODE_TRIANGLE_FAN) {
     document.fail("a primitive has unknown mode " + std::to_string(primitive.mode));
@@ -203,7 +212,8 @@ Mesh read_primitive(Document& document, Scene& scene, MaterialMap& map, const ti
   if (attributes.skin.present()) apply_skin(document, attributes.skin, used, part);
   const bool has_normals = !part.normals.empty();
   if (has_normals) {
-    if (const auto count = repair_normals(part)) scene.warnings.add("vertex normal of no length replaced by that of its faces", count);
+    if (const auto count = repair_normals(part))
+      scene.warnings.add("vertex normal of no length replaced by that of its faces", count);
   }
   if (material.normal_texture.present()) {
     const std::size_t count = part.tangents.empty() ? 0 : repair_tangents(part);
@@ -216,7 +226,8 @@ Mesh read_primitive(Document& document, Scene& scene, MaterialMap& map, const ti
 
 // Appends one vertex array to another; where either lacks what the other has, `missing` stands.
 template <typename T>
-void append(std::vector<T>& to, const std::vector<T>& from, std::size_t to_count, std::size_t from_count, const T& missing) {
+void append(std::vector<T>& to, const std::vector<T>& from, std::size_t to_count, std::size_t from_count,
+            const T& missing) {
   if (to.empty() && from.empty()) return;
   to.resize(to_count, missing);
   to.insert(to.end(), from.begin(), from.end());
@@ -235,7 +246,8 @@ void append(const Document& document, Mesh& mesh, const Mesh& part) {
   for (int set = 0; set < 2; ++set) append(mesh.uvs[set], part.uvs[set], first_vertex, count, glm::vec2(0.0f));
   append(mesh.colors, part.colors, first_vertex, count, glm::vec4(1.0f));
   mesh.indices.reserve(first_index + part.indices.size());
-  for (const std::uint32_t index : part.indices) mesh.indices.push_back(static_cast<std::uint32_t>(first_vertex) + index);
+  for (const std::uint32_t index : part.indices)
+    mesh.indices.push_back(static_cast<std::uint32_t>(first_vertex) + index);
   for (Primitive primitive : part.primitives) {
     primitive.first_index += static_cast<std::uint32_t>(first_index);
     mesh.primitives.push_back(primitive);
@@ -244,7 +256,8 @@ void append(const Document& document, Mesh& mesh, const Mesh& part) {
 
 } // namespace
 
-Mesh read_mesh(Document& document, Scene& scene, MaterialMap& map, const MeshUse& use, const std::vector<glm::dmat4>& world) {
+Mesh read_mesh(Document& document, Scene& scene, MaterialMap& map, const MeshUse& use,
+               const std::vector<glm::dmat4>& world) {
   const tinygltf::Mesh& source = document.model.meshes[static_cast<std::size_t>(use.mesh)];
   Mesh mesh;
   for (const tinygltf::Primitive& primitive : source.primitives) {

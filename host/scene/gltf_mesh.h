@@ -19,6 +19,7 @@ struct MeshUse {
 };
 
 // `world`: matrices of all nodes. Converts the materials that it needs. Throws Error.
-Mesh read_mesh(Document& document, Scene& scene, MaterialMap& map, const MeshUse& use, const std::vector<glm::dmat4>& world);
+Mesh read_mesh(Document& document, Scene& scene, MaterialMap& map, const MeshUse& use,
+               const std::vector<glm::dmat4>& world);
 
 } // namespace wavepath::gltf

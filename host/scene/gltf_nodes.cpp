@@ -71,7 +71,8 @@ std::size_t choose(const Document& document, const std::string& kind, const std:
   for (std::size_t i = 0; i < names.size() && i < 20; ++i) {
     list += (i ? ", " : "") + std::to_string(i) + (names[i].empty() ? "" : " '" + shown(names[i]) + "'");
   }
-  document.fail("has no " + kind + " '" + shown(request) + "'", list.empty() ? "leave that option out" : "choose one of " + list);
+  document.fail("has no " + kind + " '" + shown(request) + "'",
+                list.empty() ? "leave that option out" : "choose one of " + list);
 }
 
 std::vector<int> scene_nodes(const Document& document, const std::string& request) {

@@ -10,7 +10,8 @@
 
 namespace wavepath::gltf {
 
-// Index of what `request` (name or index) means among `names`; throws Error that lists them. `kind`: "scene", "animation".
+// Index of what `request` (name or index) means among `names`; throws Error that lists them. `kind`: "scene",
+// "animation".
 std::size_t choose(const Document& document, const std::string& kind, const std::vector<std::string>& names,
                    const std::string& request);
 

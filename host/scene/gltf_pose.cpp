@@ -14,13 +14,15 @@ namespace {
 using Values = std::vector<double>;
 
 struct Track {
-  Values times, values; // values: width for each key; three times that for cubic splines: in-tangent, value, out-tangent
+  Values times,
+      values; // values: width for each key; three times that for cubic splines: in-tangent, value, out-tangent
   std::size_t width = 0;
   bool step = false, cubic = false;
 
   Values key(std::size_t index, std::size_t part = 1) const {
     const std::size_t first = (cubic ? index * 3 + part : index) * width;
-    return {values.begin() + static_cast<std::ptrdiff_t>(first), values.begin() + static_cast<std::ptrdiff_t>(first + width)};
+    return {values.begin() + static_cast<std::ptrdiff_t>(first),
+            values.begin() + static_cast<std::ptrdiff_t>(first + width)};
   }
 };
 
@@ -66,7 +68,8 @@ Values sample(const Track& track, double seconds, bool rotation) {
   return a;
 }
 
-Track open_track(Document& document, const tinygltf::AnimationSampler& sampler, const std::string& what, std::size_t width) {
+Track open_track(Document& document, const tinygltf::AnimationSampler& sampler, const std::string& what,
+                 std::size_t width) {
   Track track;
   track.step = sampler.interpolation == "STEP";
   track.cubic = sampler.interpolation == "CUBICSPLINE";
@@ -113,15 +116,19 @@ void pose(Document& document, Warnings& warnings, const std::string& request, do
     if (channel.target_node < 0) continue;
     tinygltf::Node& node = document.model.nodes[static_cast<std::size_t>(channel.target_node)];
     const std::string& path = channel.target_path;
-    Values* target = path == "translation" ? &node.translation : path == "rotation" ? &node.rotation
-                     : path == "scale" ? &node.scale : path == "weights" ? &node.weights : nullptr;
+    Values* target = path == "translation" ? &node.translation
+                     : path == "rotation"  ? &node.rotation
+                     : path == "scale"     ? &node.scale
+                     : path == "weights"   ? &node.weights
+                                           : nullptr;
     const std::size_t width = path == "rotation" ? 4 : path == "weights" ? target_count(document, node) : 3;
     if (!target || width == 0) {
       warnings.add("animation channel that moves nothing known ignored");
       continue;
     }
     if (target != &node.weights && !node.matrix.empty()) document.fail(what + " moves a node that has a matrix");
-    const Track track = open_track(document, animation.samplers[static_cast<std::size_t>(channel.sampler)], what, width);
+    const Track track =
+        open_track(document, animation.samplers[static_cast<std::size_t>(channel.sampler)], what, width);
     *target = sample(track, seconds, path == "rotation");
   }
 }

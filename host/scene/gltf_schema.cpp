@@ -1,4 +1,5 @@
-// Checks a glTF document against a table of rules, one a property (glTF 2.0 specification, chapter 5, and the extensions).
+// Checks a glTF document against a table of rules, one a property (glTF 2.0 specification, chapter 5, and the
+// extensions).
 #include "host/scene/gltf_schema.h"
 
 #include <array>
@@ -166,11 +167,14 @@ std::vector<Rule> material_rules() {
       {extensions + "volume.attenuationDistance", Kind::number},
       {extensions + "volume.attenuationColor", Kind::numbers, false, {}, 3},
   };
-  const std::array<std::string, 8> textures = {
-      "materials[].pbrMetallicRoughness.baseColorTexture", "materials[].pbrMetallicRoughness.metallicRoughnessTexture",
-      "materials[].normalTexture", "materials[].occlusionTexture", "materials[].emissiveTexture",
-      extensions + "specular.specularTexture", extensions + "specular.specularColorTexture",
-      extensions + "transmission.transmissionTexture"};
+  const std::array<std::string, 8> textures = {"materials[].pbrMetallicRoughness.baseColorTexture",
+                                               "materials[].pbrMetallicRoughness.metallicRoughnessTexture",
+                                               "materials[].normalTexture",
+                                               "materials[].occlusionTexture",
+                                               "materials[].emissiveTexture",
+                                               extensions + "specular.specularTexture",
+                                               extensions + "specular.specularColorTexture",
+                                               extensions + "transmission.transmissionTexture"};
   for (const std::string& texture : textures) {
     const std::string transform = texture + ".extensions.KHR_texture_transform";
     rules.push_back({texture + ".index", Kind::index, kRequired, "textures"});
@@ -241,15 +245,24 @@ private:
 
   void check_value(json& value) const {
     switch (rule_->kind) {
-      case Kind::object: return value.is_object() ? void() : fail("is not a JSON object");
-      case Kind::list: return value.is_array() ? void() : fail("is not a JSON array");
-      case Kind::string: return value.is_string() ? void() : fail("is not a string");
-      case Kind::boolean: return value.is_boolean() ? void() : fail("is neither true nor false");
-      case Kind::number: return value.is_number() ? void() : fail("is not a number");
-      case Kind::numbers: return check_numbers(value);
-      case Kind::small: return check_integer(value, kMaxSmall);
-      case Kind::size: return check_integer(value, kMaxSize);
-      case Kind::index: break;
+      case Kind::object:
+        return value.is_object() ? void() : fail("is not a JSON object");
+      case Kind::list:
+        return value.is_array() ? void() : fail("is not a JSON array");
+      case Kind::string:
+        return value.is_string() ? void() : fail("is not a string");
+      case Kind::boolean:
+        return value.is_boolean() ? void() : fail("is neither true nor false");
+      case Kind::number:
+        return value.is_number() ? void() : fail("is not a number");
+      case Kind::numbers:
+        return check_numbers(value);
+      case Kind::small:
+        return check_integer(value, kMaxSmall);
+      case Kind::size:
+        return check_integer(value, kMaxSize);
+      case Kind::index:
+        break;
     }
     check_integer(value, kMaxSize);
     if (value.get<std::uint64_t>() >= into_count_) {

@@ -29,12 +29,13 @@ std::vector<glm::dmat4> joint_matrices(Document& document, int index, const std:
 
 } // namespace
 
-Skin open_skin(Document& document, const tinygltf::Primitive& primitive, int index, const std::vector<glm::dmat4>& world,
-               const Decoded& decoded) {
+Skin open_skin(Document& document, const tinygltf::Primitive& primitive, int index,
+               const std::vector<glm::dmat4>& world, const Decoded& decoded) {
   Skin skin;
   if (index < 0) return skin;
   skin.joints = joint_matrices(document, index, world);
-  const std::size_t vertex_count = document.model.accessors[static_cast<std::size_t>(primitive.attributes.at("POSITION"))].count;
+  const std::size_t vertex_count =
+      document.model.accessors[static_cast<std::size_t>(primitive.attributes.at("POSITION"))].count;
   for (int set = 0;; ++set) {
     const auto joints = primitive.attributes.find("JOINTS_" + std::to_string(set));
     const auto weights = primitive.attributes.find("WEIGHTS_" + std::to_string(set));
@@ -60,7 +61,8 @@ glm::dmat4 blend(const Document& document, const Skin& skin, std::size_t vertex)
       if (!(weight > 0.0)) continue;
       const double joint = component(skin.indices[set], vertex, i);
       if (!(joint >= 0.0 && joint < static_cast<double>(skin.joints.size()))) {
-        document.fail("vertex " + std::to_string(vertex) + " of a mesh with a skin uses a joint that the skin does not have");
+        document.fail("vertex " + std::to_string(vertex) +
+                      " of a mesh with a skin uses a joint that the skin does not have");
       }
       sum += weight * skin.joints[static_cast<std::size_t>(joint)];
       total += weight;

@@ -1,6 +1,8 @@
 // Decodes image files through OpenImageIO.
 #include "host/scene/image.h"
 
+#include <algorithm>
+#include <array>
 #include <cstring>
 #include <string_view>
 
@@ -24,6 +26,36 @@ const char* reader_for(std::span<const std::uint8_t> file) {
   return "";
 }
 
+std::uint32_t big_endian(const std::uint8_t* bytes) {
+  return std::uint32_t{bytes[0]} << 24 | std::uint32_t{bytes[1]} << 16 | std::uint32_t{bytes[2]} << 8 | bytes[3];
+}
+
+std::uint32_t crc32(std::span<const std::uint8_t> bytes) {
+  static const std::array<std::uint32_t, 256> kTable = [] {
+    std::array<std::uint32_t, 256> table;
+    for (std::uint32_t i = 0; i < 256; ++i) {
+      table[i] = i;
+      for (int bit = 0; bit < 8; ++bit) table[i] = table[i] >> 1 ^ (table[i] & 1 ? 0xedb88320u : 0u);
+    }
+    return table;
+  }();
+  std::uint32_t crc = 0xffffffffu;
+  for (const std::uint8_t byte : bytes) crc = crc >> 8 ^ kTable[(crc ^ byte) & 0xff];
+  return ~crc;
+}
+
+// Whether all chunks of a PNG are whole. libpng would find out too, but it prints to stderr on its own account.
+bool is_png_whole(std::span<const std::uint8_t> file) {
+  for (std::size_t at = 8; file.size() - at >= 12;) {
+    const std::uint32_t length = big_endian(&file[at]);
+    if (length > file.size() - at - 12) return false;
+    if (crc32(file.subspan(at + 4, std::size_t{length} + 4)) != big_endian(&file[at + 8 + length])) return false;
+    if (std::memcmp(&file[at + 4], "IEND", 4) == 0) return true;
+    at += std::size_t{length} + 12;
+  }
+  return false;
+}
+
 std::string describe(std::span<const std::uint8_t> file) {
   const std::string_view head(reinterpret_cast<const char*>(file.data()), std::min<std::size_t>(file.size(), 12));
   if (head.starts_with("\xabKTX 20\xbb")) return "is KTX2 (KHR_texture_basisu), which wavepath does not support";
@@ -31,7 +63,8 @@ std::string describe(std::span<const std::uint8_t> file) {
 }
 
 // Spreads 1 (grey), 2 (grey, alpha) or 3 channels in the first texels of `texels` over 4, from the last one backwards.
-template <typename T> void spread(std::vector<T>& texels, std::size_t count, int channels, T opaque) {
+template <typename T>
+void spread(std::vector<T>& texels, std::size_t count, int channels, T opaque) {
   for (std::size_t i = count; channels < 4 && i-- > 0;) {
     T in[4];
     std::memcpy(in, &texels[i * static_cast<std::size_t>(channels)], sizeof(T) * static_cast<std::size_t>(channels));
@@ -44,8 +77,20 @@ template <typename T> void spread(std::vector<T>& texels, std::size_t count, int
   }
 }
 
+// The WebP reader of OpenImageIO before 2.5 multiplies by alpha whatever it is asked; this brings the colours back, as
+// well as 8 bits can hold them.
+void unpremultiply(std::vector<std::uint8_t>& texels) {
+  for (std::size_t i = 0; i < texels.size(); i += 4) {
+    const unsigned alpha = texels[i + 3];
+    for (std::size_t c = 0; c < 3 && alpha > 0; ++c) {
+      texels[i + c] = static_cast<std::uint8_t>(std::min((texels[i + c] * 255u + alpha / 2) / alpha, 255u));
+    }
+  }
+}
+
 template <typename T>
-bool read_texels(OIIO::ImageInput& input, int channels, OIIO::TypeDesc type, std::size_t count, std::vector<T>& texels, T opaque) {
+bool read_texels(OIIO::ImageInput& input, int channels, OIIO::TypeDesc type, std::size_t count, std::vector<T>& texels,
+                 T opaque) {
   texels.resize(count * 4);
   if (!input.read_image(0, 0, 0, channels, type, texels.data())) return false;
   spread(texels, count, channels, opaque);
@@ -58,6 +103,7 @@ Image decode_image(const std::string& where, const std::string& name, std::span<
   const std::string what = "image '" + name + "' ";
   const std::string reader = reader_for(file);
   if (reader.empty()) throw Error(where, what + describe(file), kRemedy);
+  if (reader == "image.png" && !is_png_whole(file)) throw Error(where, what + "is damaged or cut short", kRemedy);
   OIIO::Filesystem::IOMemReader memory(const_cast<std::uint8_t*>(file.data()), file.size()); // only read from
   OIIO::Filesystem::IOProxy* proxy = &memory;
   OIIO::ImageSpec config;
@@ -87,6 +133,8 @@ Image decode_image(const std::string& where, const std::string& name, std::span<
                         ? read_texels(*input, channels, OIIO::TypeDesc::FLOAT, count, image.floats, 1.0f)
                         : read_texels(*input, channels, OIIO::TypeDesc::UINT8, count, image.bytes, std::uint8_t{255});
   if (!read) throw damaged();
+  const bool keeps_alpha_apart = reader != "image.webp" || spec.get_int_attribute("oiio:UnassociatedAlpha") != 0;
+  if (!keeps_alpha_apart) unpremultiply(image.bytes);
   return image;
 }
 

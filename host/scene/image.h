@@ -9,8 +9,9 @@
 
 namespace wavepath {
 
-// `where` is the scene file and `name` the image, for messages. Grey, grey with alpha and palette images become RGBA; more
-// than 8 bits become floats. Throws Error if the format is another one, the file is damaged or the image is absurdly large.
+// `where` is the scene file and `name` the image, for messages. Grey, grey with alpha and palette images become RGBA;
+// more than 8 bits become floats. Throws Error if the format is another one, the file is damaged or the image is
+// absurdly large.
 Image decode_image(const std::string& where, const std::string& name, std::span<const std::uint8_t> file);
 
 } // namespace wavepath

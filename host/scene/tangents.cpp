@@ -1,5 +1,6 @@
-// MikkTSpace in short: the tangents of the faces around a vertex, each projected into the vertex plane and made unit length,
-// are averaged by the angle of the face there, over all triangles that share position, normal, uv and handedness.
+// MikkTSpace in short: the tangents of the faces around a vertex, each projected into the vertex plane and made unit
+// length, are averaged by the angle of the face there, over all triangles that share position, normal, uv and
+// handedness.
 #include "host/scene/tangents.h"
 
 #include <array>
@@ -87,13 +88,15 @@ Sums sum_tangents(const Mesh& mesh, const std::vector<glm::vec2>& uvs) {
       const glm::vec3 normal = corner_normal(mesh, face, corner[k]);
       const glm::dvec3 n(normal);
       const glm::dvec3 projected = unit(face.tangent - n * glm::dot(n, face.tangent));
-      sums[make_key(mesh.positions[corner[k]], normal, uvs[corner[k]], face.positive)] += corner_angle(mesh, corner, k, n) * projected;
+      sums[make_key(mesh.positions[corner[k]], normal, uvs[corner[k]], face.positive)] +=
+          corner_angle(mesh, corner, k, n) * projected;
     }
   }
   return sums;
 }
 
-glm::vec4 corner_tangent(const Mesh& mesh, const std::vector<glm::vec2>& uvs, const Sums& sums, const Face& face, std::uint32_t vertex) {
+glm::vec4 corner_tangent(const Mesh& mesh, const std::vector<glm::vec2>& uvs, const Sums& sums, const Face& face,
+                         std::uint32_t vertex) {
   const glm::vec3 normal = corner_normal(mesh, face, vertex);
   // A degenerate triangle takes the tangent of a neighbour, of either handedness.
   for (const bool positive : {face.positive, !face.positive}) {
@@ -106,7 +109,8 @@ glm::vec4 corner_tangent(const Mesh& mesh, const std::vector<glm::vec2>& uvs, co
   return glm::vec4(any_tangent(normal), 1.0f);
 }
 
-template <typename T> void repeat(std::vector<T>& values, std::uint32_t vertex) {
+template <typename T>
+void repeat(std::vector<T>& values, std::uint32_t vertex) {
   if (!values.empty()) values.push_back(T(values[vertex]));
 }
 

@@ -1,0 +1,314 @@
+// glTF import, feature by feature: materials, their extensions, textures and images.
+#include <cmath>
+
+#include <OpenImageIO/imageio.h>
+#include <gtest/gtest.h>
+
+#include "host/base/error.h"
+#include "host/scene/gltf.h"
+#include "tests/gltf_builder.h"
+
+namespace wavepath {
+namespace {
+
+using nlohmann::json;
+using test::GltfBuilder;
+using test::TempFolder;
+
+// Two texels, red and half-blue with alpha 51, as a palette PNG.
+const char kPalettePng[] =
+    "\x89\x50\x4e\x47\x0d\x0a\x1a\x0a\x00\x00\x00\x0d\x49\x48\x44\x52\x00\x00\x00\x02\x00\x00\x00\x01"
+    "\x08\x03\x00\x00\x00\xc3\xfc\x8f\xb8\x00\x00\x00\x06\x50\x4c\x54\x45\xff\x00\x00\x00\x80\xff\x57"
+    "\x22\x65\xc5\x00\x00\x00\x02\x74\x52\x4e\x53\xff\x33\x5a\x67\x51\x5c\x00\x00\x00\x0b\x49\x44\x41"
+    "\x54\x78\xda\x63\x60\x60\x04\x00\x00\x04\x00\x02\x2c\xde\x48\xad\x00\x00\x00\x00\x49\x45\x4e\x44"
+    "\xae\x42\x60\x82";
+
+// Two texels, (102, 51, 204) with alpha 128 and red, as a lossless WebP.
+const char kWebp[] =
+    "\x52\x49\x46\x46\x20\x00\x00\x00\x57\x45\x42\x50\x56\x50\x38\x4c\x14\x00\x00\x00\x2f\x01\x00\x00"
+    "\x10\x0f\x30\x33\x3f\xfb\x1f\xe6\x07\xfe\x87\x16\x32\xa2\xff\x01";
+
+Scene load(const GltfBuilder& builder) {
+  TempFolder folder;
+  return load_gltf(folder.write("scene.gltf", builder.json()));
+}
+
+std::size_t warning_count(const Scene& scene, const std::string& text) {
+  std::size_t count = 0;
+  for (const auto& [warning, times] : scene.warnings.counts()) {
+    if (warning.find(text) != std::string::npos) count += times;
+  }
+  return count;
+}
+
+// The triangle, with texture coordinates and this material.
+GltfBuilder with_material(const json& material) {
+  GltfBuilder b = GltfBuilder::triangle();
+  b.primitive()["attributes"]["TEXCOORD_0"] = b.floats("VEC2", {0, 0, 1, 0, 0, 1});
+  b.primitive()["attributes"]["TEXCOORD_1"] = b.floats("VEC2", {0, 0, 2, 0, 0, 2});
+  b.primitive()["material"] = b.add("materials", material);
+  return b;
+}
+
+GltfBuilder with_texture(const json& material) {
+  GltfBuilder b = with_material(material);
+  b.add("images", {{"name", "palette"}, {"bufferView", b.view(std::string(kPalettePng, sizeof(kPalettePng) - 1))}});
+  b.add("textures", {{"source", 0}});
+  return b;
+}
+
+Material only_material(const json& material) { return load(with_material(material)).materials.at(0); }
+
+TEST(GltfMaterial, DefaultsAreThoseOfTheSpecification) {
+  for (const Material& m : {load(GltfBuilder::triangle()).materials.at(0), only_material(json::object())}) {
+    EXPECT_EQ(m.base_color, glm::vec4(1));
+    EXPECT_EQ(m.metallic, 1.0f);
+    EXPECT_EQ(m.roughness, 1.0f);
+    EXPECT_EQ(m.emission, glm::vec3(0));
+    EXPECT_EQ(m.alpha_mode, AlphaMode::opaque);
+    EXPECT_EQ(m.alpha_cutoff, 0.5f);
+    EXPECT_EQ(m.ior, 1.5f);
+    EXPECT_EQ(m.specular, 1.0f);
+    EXPECT_EQ(m.specular_color, glm::vec3(1));
+    EXPECT_EQ(m.transmission, 0.0f);
+    EXPECT_FALSE(m.double_sided || m.unlit || m.volume || m.base_color_texture.present());
+  }
+}
+
+TEST(GltfMaterial, FactorsAndExtensions) {
+  const Material m =
+      only_material({{"name", "all"},
+                     {"pbrMetallicRoughness",
+                      {{"baseColorFactor", {0.1, 0.2, 0.3, 0.4}}, {"metallicFactor", 0.5}, {"roughnessFactor", 0.25}}},
+                     {"emissiveFactor", {1, 0.5, 0}},
+                     {"alphaMode", "MASK"},
+                     {"alphaCutoff", 0.75},
+                     {"doubleSided", true},
+                     {"extensions",
+                      {{"KHR_materials_emissive_strength", {{"emissiveStrength", 100}}},
+                       {"KHR_materials_ior", {{"ior", 1.25}}},
+                       {"KHR_materials_specular", {{"specularFactor", 0.5}, {"specularColorFactor", {0.5, 2, 0}}}},
+                       {"KHR_materials_transmission", {{"transmissionFactor", 0.75}}}}}});
+  EXPECT_EQ(m.name, "all");
+  EXPECT_EQ(m.base_color, glm::vec4(0.1f, 0.2f, 0.3f, 0.4f));
+  EXPECT_EQ(m.metallic, 0.5f);
+  EXPECT_EQ(m.roughness, 0.25f);
+  EXPECT_EQ(m.emission, glm::vec3(100, 50, 0));
+  EXPECT_EQ(m.alpha_mode, AlphaMode::mask);
+  EXPECT_EQ(m.alpha_cutoff, 0.75f);
+  EXPECT_TRUE(m.double_sided);
+  EXPECT_EQ(m.ior, 1.25f);
+  EXPECT_EQ(m.specular, 0.5f);
+  EXPECT_EQ(m.specular_color, glm::vec3(0.5, 2, 0)); // may exceed 1
+  EXPECT_EQ(m.transmission, 0.75f);
+  EXPECT_FALSE(m.volume);
+  EXPECT_EQ(only_material({{"extensions", {{"KHR_materials_ior", {{"ior", 0}}}}}}).ior, 0.0f);
+  EXPECT_EQ(only_material({{"alphaMode", "BLEND"}}).alpha_mode, AlphaMode::blend);
+}
+
+TEST(GltfMaterial, VolumeAttenuation) {
+  const auto volume = [](const json& value) {
+    return only_material({{"extensions", {{"KHR_materials_volume", value}}}});
+  };
+  const Material tinted =
+      volume({{"thicknessFactor", 1}, {"attenuationDistance", 2}, {"attenuationColor", {0.5, 1, 0}}});
+  EXPECT_TRUE(tinted.volume);
+  EXPECT_NEAR(tinted.attenuation.x, std::log(2.0) / 2, 1e-6);
+  EXPECT_EQ(tinted.attenuation.y, 0.0f);
+  EXPECT_GT(tinted.attenuation.z, 10.0f);
+  EXPECT_TRUE(std::isfinite(tinted.attenuation.z));
+  const Material clear = volume({{"thicknessFactor", 1}, {"attenuationColor", {0.5, 0.5, 0.5}}}); // infinite distance
+  EXPECT_TRUE(clear.volume);
+  EXPECT_EQ(clear.attenuation, glm::vec3(0));
+  EXPECT_FALSE(volume({{"attenuationDistance", 1}, {"attenuationColor", {0, 0, 0}}}).volume); // thin
+  EXPECT_THROW(volume({{"thicknessFactor", 1}, {"attenuationDistance", 0}}), Error);
+}
+
+TEST(GltfMaterial, UnlitKeepsOnlyTheBaseColor) {
+  const Scene scene = load(with_texture({{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}}},
+                                         {"emissiveFactor", {1, 1, 1}},
+                                         {"normalTexture", {{"index", 0}}},
+                                         {"extensions", {{"KHR_materials_unlit", json::object()}}}}));
+  const Material& m = scene.materials.at(0);
+  EXPECT_TRUE(m.unlit && m.base_color_texture.present());
+  EXPECT_FALSE(m.normal_texture.present());
+  EXPECT_EQ(m.emission, glm::vec3(0));
+  EXPECT_TRUE(scene.meshes[0].tangents.empty());
+}
+
+TEST(GltfMaterial, ValuesOutOfRangeAreClampedWithAWarning) {
+  const Scene scene = load(with_material({{"pbrMetallicRoughness", {{"metallicFactor", 3}, {"roughnessFactor", -1}}},
+                                          {"extensions", {{"KHR_materials_ior", {{"ior", 0.5}}}}}}));
+  EXPECT_EQ(scene.materials[0].metallic, 1.0f);
+  EXPECT_EQ(scene.materials[0].roughness, 0.0f);
+  EXPECT_EQ(scene.materials[0].ior, 1.0f);
+  EXPECT_EQ(warning_count(scene, "clamped"), 3u);
+}
+
+TEST(GltfMaterial, OnlyWhatIsUsedIsLoaded) {
+  GltfBuilder b = with_texture(json::object());
+  b.add("images", {{"uri", "absent.png"}});
+  b.add("textures", {{"source", 1}});
+  b.add("materials", {{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 1}}}}}});
+  const Scene scene = load(b); // neither image is touched
+  EXPECT_EQ(scene.materials.size(), 1u);
+  EXPECT_TRUE(scene.images.empty());
+  EXPECT_TRUE(scene.meshes[0].uvs[0].empty());
+}
+
+// --- textures ---
+
+TEST(GltfTexture, SlotsSamplersAndRoles) {
+  GltfBuilder b = with_texture(
+      {{"pbrMetallicRoughness",
+        {{"baseColorTexture", {{"index", 1}}}, {"metallicRoughnessTexture", {{"index", 0}, {"texCoord", 1}}}}},
+       {"normalTexture", {{"index", 0}, {"scale", 0.5}}},
+       {"occlusionTexture", {{"index", 0}}},
+       {"emissiveTexture", {{"index", 0}}},
+       {"emissiveFactor", {1, 1, 1}}});
+  b.add("samplers", {{"magFilter", 9728}, {"wrapS", 33071}, {"wrapT", 33648}});
+  b.add("textures", {{"source", 0}, {"sampler", 0}});
+  const Scene scene = load(b);
+  const Material& m = scene.materials.at(0);
+  EXPECT_EQ(scene.images.size(), 1u); // one image, four uses
+  EXPECT_TRUE(m.base_color_texture.srgb && m.emission_texture.srgb);
+  EXPECT_FALSE(m.metallic_roughness_texture.srgb || m.normal_texture.srgb);
+  EXPECT_TRUE(m.base_color_texture.nearest);
+  EXPECT_EQ(m.base_color_texture.wrap_u, Wrap::clamp);
+  EXPECT_EQ(m.base_color_texture.wrap_v, Wrap::mirror);
+  EXPECT_FALSE(m.normal_texture.nearest);
+  EXPECT_EQ(m.normal_texture.wrap_u, Wrap::repeat);
+  EXPECT_EQ(m.metallic_roughness_texture.uv_set, 1u);
+  EXPECT_EQ(m.normal_scale, 0.5f);
+  EXPECT_FALSE(m.base_color_texture.moved);
+  EXPECT_EQ(warning_count(scene, "occlusion"), 1u);
+  EXPECT_EQ(scene.meshes[0].uvs[1][1], glm::vec2(2, 0));
+  EXPECT_EQ(scene.meshes[0].tangents.size(), 3u);
+}
+
+TEST(GltfTexture, Transform) {
+  const json transform = {{"offset", {0.5, 0.25}}, {"rotation", std::acos(0.0)}, {"scale", {2, 3}}, {"texCoord", 1}};
+  const Scene scene = load(
+      with_texture({{"pbrMetallicRoughness",
+                     {{"baseColorTexture", {{"index", 0}, {"extensions", {{"KHR_texture_transform", transform}}}}}}}}));
+  const TextureSlot& slot = scene.materials.at(0).base_color_texture;
+  EXPECT_TRUE(slot.moved);
+  EXPECT_EQ(slot.uv_set, 1u);
+  // Scaled to (2, 0), turned by 90 degrees counter-clockwise as seen (v points down), then moved.
+  const glm::vec2 u = slot.uv_matrix * glm::vec2(1, 0) + slot.uv_offset;
+  EXPECT_NEAR(u.x, 0.5, 1e-6);
+  EXPECT_NEAR(u.y, 0.25 - 2, 1e-6);
+  const glm::vec2 v = slot.uv_matrix * glm::vec2(0, 1);
+  EXPECT_NEAR(v.x, 3, 1e-6);
+  EXPECT_NEAR(v.y, 0, 1e-6);
+}
+
+TEST(GltfTexture, SpecularAndTransmissionTextures) {
+  const json texture = {{"index", 0}, {"texCoord", 1}};
+  const Scene scene = load(with_texture(
+      {{"extensions",
+        {{"KHR_materials_specular", {{"specularTexture", texture}, {"specularColorTexture", texture}}},
+         {"KHR_materials_transmission", {{"transmissionFactor", 1}, {"transmissionTexture", texture}}}}}}));
+  const Material& m = scene.materials.at(0);
+  EXPECT_TRUE(m.specular_texture.present() && m.specular_color_texture.present() && m.transmission_texture.present());
+  EXPECT_TRUE(m.specular_color_texture.srgb);
+  EXPECT_FALSE(m.specular_texture.srgb || m.transmission_texture.srgb);
+  EXPECT_EQ(m.transmission_texture.uv_set, 1u);
+}
+
+TEST(GltfTexture, GivenTangentsAreKeptAndBadOnesRepaired) {
+  GltfBuilder b = with_texture({{"normalTexture", {{"index", 0}}}});
+  b.primitive()["attributes"]["NORMAL"] = b.floats("VEC3", {0, 0, 1, 0, 0, 1, 0, 0, 1});
+  b.primitive()["attributes"]["TANGENT"] = b.floats("VEC4", {0, 2, 0, -1, 0, 0, 1, 1, 0, 0, 0, 0});
+  const Scene scene = load(b);
+  EXPECT_EQ(scene.meshes[0].tangents[0], glm::vec4(0, 1, 0, -1));
+  EXPECT_EQ(scene.meshes[0].tangents[1].z, 0.0f);
+  EXPECT_EQ(warning_count(scene, "tangent"), 2u);
+  b.primitive()["attributes"].erase("NORMAL");                      // then given tangents must be ignored
+  EXPECT_EQ(load(b).meshes[0].tangents[0], glm::vec4(1, 0, 0, -1)); // v runs along +y, so this one is mirrored
+}
+
+TEST(GltfTexture, FallbackOfABasisTexture) {
+  GltfBuilder b = with_texture({{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}}}});
+  b.root["extensionsUsed"] = {"KHR_texture_basisu"};
+  b.root["textures"][0]["extensions"]["KHR_texture_basisu"]["source"] = 5;
+  EXPECT_EQ(load(b).images.size(), 1u);
+}
+
+// --- extensions ---
+
+TEST(GltfExtensions, UnknownUsedOnesAreOneWarning) {
+  GltfBuilder b = with_material({{"extensions", {{"KHR_materials_clearcoat", {{"clearcoatFactor", 1}}}}}});
+  b.root["extensionsUsed"] = {"KHR_materials_clearcoat", "EXT_mystery", "KHR_xmp_json_ld", "KHR_materials_variants"};
+  const Scene scene = load(b);
+  ASSERT_EQ(scene.warnings.counts().size(), 1u);
+  EXPECT_NE(scene.warnings.counts().begin()->first.find("KHR_materials_clearcoat, EXT_mystery"), std::string::npos);
+  EXPECT_EQ(scene.warnings.counts().begin()->first.find("xmp"), std::string::npos);
+  EXPECT_EQ(scene.extensions_used.size(), 4u);
+}
+
+// --- images ---
+
+// Writes an image file with OpenImageIO and loads it through a scene.
+Image through_file(const std::string& name, int channels, OIIO::TypeDesc type, const std::vector<float>& texels) {
+  TempFolder folder;
+  const auto count = static_cast<int>(texels.size()) / channels;
+  auto output = OIIO::ImageOutput::create(name);
+  OIIO::ImageSpec spec(count, 1, channels, type);
+  spec["oiio:UnassociatedAlpha"] = 1;
+  EXPECT_TRUE(output && output->open((folder.path() / name).string(), spec));
+  EXPECT_TRUE(output->write_image(OIIO::TypeDesc::FLOAT, texels.data()) && output->close());
+  GltfBuilder b = with_material({{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}}}});
+  b.add("images", {{"uri", name}});
+  b.add("textures", {{"source", 0}});
+  return load_gltf(folder.write("scene.gltf", b.json())).images.at(0);
+}
+
+using Texels = std::vector<std::uint8_t>;
+
+TEST(GltfImage, ChannelsBecomeRgbaUnchanged) {
+  EXPECT_EQ(through_file("grey.png", 1, OIIO::TypeDesc::UINT8, {0.2f, 1.0f}).bytes,
+            (Texels{51, 51, 51, 255, 255, 255, 255, 255}));
+  EXPECT_EQ(through_file("alpha.png", 2, OIIO::TypeDesc::UINT8, {0.2f, 0.4f}).bytes, (Texels{51, 51, 51, 102}));
+  EXPECT_EQ(through_file("rgb.png", 3, OIIO::TypeDesc::UINT8, {1.0f, 0.2f, 0.4f}).bytes, (Texels{255, 51, 102, 255}));
+  // Neither premultiplied nor lost where alpha is zero.
+  EXPECT_EQ(through_file("rgba.png", 4, OIIO::TypeDesc::UINT8, {1.0f, 0.2f, 0.4f, 0.0f, 0.6f, 0.8f, 0.2f, 0.2f}).bytes,
+            (Texels{255, 51, 102, 0, 153, 204, 51, 51}));
+}
+
+TEST(GltfImage, PalettesWithTransparency) {
+  const Scene scene = load(with_texture({{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}}}}));
+  EXPECT_EQ(scene.images.at(0).bytes, (Texels{255, 0, 0, 255, 0, 128, 255, 51}));
+  EXPECT_EQ(scene.images[0].name, "palette");
+  EXPECT_EQ(scene.images[0].width, 2u);
+  EXPECT_EQ(scene.images[0].height, 1u);
+}
+
+TEST(GltfImage, SixteenBitsBecomeFloats) {
+  const Image image = through_file("deep.png", 3, OIIO::TypeDesc::UINT16, {1.0f, 0.25f, 1.0f / 65535});
+  EXPECT_TRUE(image.bytes.empty());
+  ASSERT_EQ(image.floats.size(), 4u);
+  EXPECT_NEAR(image.floats[1], 0.25f, 1e-5f);
+  EXPECT_NEAR(image.floats[2], 1.0f / 65535, 1e-8f);
+  EXPECT_EQ(image.floats[3], 1.0f);
+}
+
+TEST(GltfImage, Jpeg) {
+  const Image jpeg = through_file("grey.jpg", 3, OIIO::TypeDesc::UINT8, std::vector<float>(3 * 16, 0.4f));
+  ASSERT_EQ(jpeg.bytes.size(), 64u);
+  EXPECT_NEAR(jpeg.bytes[0], 102, 2);
+  EXPECT_EQ(jpeg.bytes[3], 255);
+}
+
+TEST(GltfImage, WebpKeepsItsColorsBesideAlpha) {
+  GltfBuilder b = with_material({{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}}}});
+  b.add("images", {{"bufferView", b.view(std::string(kWebp, sizeof(kWebp) - 1))}});
+  b.add("textures", {{"extensions", {{"EXT_texture_webp", {{"source", 0}}}}}});
+  const Texels bytes = load(b).images.at(0).bytes;
+  const Texels expected{102, 51, 204, 128, 255, 0, 0, 255};
+  ASSERT_EQ(bytes.size(), expected.size());
+  for (std::size_t i = 0; i < bytes.size(); ++i) EXPECT_NEAR(bytes[i], expected[i], 1) << i;
+}
+
+} // namespace
+} // namespace wavepath

@@ -1,0 +1,153 @@
+// Loads every real scene in shared/scenes: what its INDEX.md says must come out, or a refusal that is true.
+#include <fstream>
+#include <regex>
+
+#include <gtest/gtest.h>
+
+#include "host/base/error.h"
+#include "host/scene/gltf.h"
+#include "host/scene/tangents.h"
+
+namespace wavepath {
+namespace {
+
+const std::filesystem::path kScenes = std::filesystem::path(WAVEPATH_SOURCE_DIR) / "../shared/scenes";
+
+std::size_t triangles_seen(const Scene& scene) {
+  std::size_t count = 0;
+  for (const Instance& instance : scene.instances) count += scene.meshes[instance.mesh].indices.size() / 3;
+  return count;
+}
+
+// Every index in range, every array of the right size, every number that others rely on finite.
+void expect_sound(const Scene& scene) {
+  for (const Mesh& mesh : scene.meshes) {
+    const std::size_t count = mesh.positions.size();
+    EXPECT_TRUE(mesh.normals.empty() || mesh.normals.size() == count);
+    EXPECT_TRUE(mesh.tangents.empty() || mesh.tangents.size() == count);
+    EXPECT_TRUE(mesh.colors.empty() || mesh.colors.size() == count);
+    for (const auto& uvs : mesh.uvs) EXPECT_TRUE(uvs.empty() || uvs.size() == count);
+    for (const std::uint32_t index : mesh.indices) ASSERT_LT(index, count);
+    for (const Primitive& primitive : mesh.primitives) {
+      ASSERT_LE(primitive.first_index + primitive.index_count, mesh.indices.size());
+      ASSERT_LT(primitive.material, scene.materials.size());
+      const bool bumped = scene.materials[primitive.material].normal_texture.present();
+      for (std::uint32_t i = 0; i < primitive.index_count; ++i) {
+        const std::uint32_t vertex = mesh.indices[primitive.first_index + i];
+        if (primitive.has_normals) {
+          ASSERT_NEAR(glm::length(mesh.normals[vertex]), 1.0f, 1e-5f);
+        }
+        if (bumped) {
+          ASSERT_NEAR(glm::length(glm::vec3(mesh.tangents[vertex])), 1.0f, 1e-5f);
+          ASSERT_EQ(std::abs(mesh.tangents[vertex].w), 1.0f);
+        }
+      }
+    }
+  }
+  for (const Image& image : scene.images) {
+    EXPECT_EQ(image.bytes.size() + image.floats.size(), std::size_t{image.width} * image.height * 4);
+  }
+}
+
+TEST(GltfScenes, EverySceneLoadsAsItsIndexSays) {
+  std::ifstream index(kScenes / "INDEX.md");
+  if (!index) GTEST_SKIP() << "no shared/scenes beside the repository";
+  // | file | triangles in the file [/ in the default scene] | cameras | ...
+  const std::regex row(R"(\| ([^|]*\.gl(?:tf|b)) \| ([0-9,]+)(?: / ([0-9,]+))? \| ([0-9]+) \|.*)");
+  int loaded = 0;
+  for (std::string line; std::getline(index, line);) {
+    std::smatch match;
+    if (!std::regex_match(line, match, row)) continue;
+    const std::string name = match[1];
+    SCOPED_TRACE(name);
+    std::string expected = match[3].matched ? match[3] : match[2];
+    std::erase(expected, ',');
+    try {
+      const Scene scene = load_gltf(kScenes / name);
+      EXPECT_EQ(triangles_seen(scene), std::stoul(expected));
+      EXPECT_EQ(scene.cameras.size(), std::stoul(match[4]));
+      expect_sound(scene);
+      ++loaded;
+    } catch (const Error& error) {
+      const std::string message = error.what();
+      const bool basis =
+          name.starts_with("AnisotropyBarnLamp") && message.find("KHR_texture_basisu") != std::string::npos;
+      const bool iridescence =
+          name.starts_with("IridescenceSuzanne") && message.find("KHR_materials_iridescence") != std::string::npos;
+      EXPECT_TRUE(basis || iridescence) << message;
+    }
+  }
+  EXPECT_EQ(loaded, 60);
+}
+
+// The box around all instances, and the summed area of their triangles.
+struct Measure {
+  glm::dvec3 lo{1e300}, hi{-1e300};
+  double area = 0.0;
+};
+
+Measure measure(const Scene& scene) {
+  Measure result;
+  for (const Instance& instance : scene.instances) {
+    const Mesh& mesh = scene.meshes[instance.mesh];
+    const auto at = [&](std::size_t i) {
+      return glm::dvec3(instance.world_from_object * glm::dvec4(glm::dvec3(mesh.positions[mesh.indices[i]]), 1.0));
+    };
+    for (std::size_t i = 0; i < mesh.indices.size(); i += 3) {
+      const glm::dvec3 a = at(i), b = at(i + 1), c = at(i + 2);
+      result.lo = glm::min(result.lo, glm::min(a, glm::min(b, c)));
+      result.hi = glm::max(result.hi, glm::max(a, glm::max(b, c)));
+      result.area += 0.5 * glm::length(glm::cross(b - a, c - a));
+    }
+  }
+  return result;
+}
+
+TEST(GltfScenes, CompressedFilesEqualPlainOnes) {
+  if (!std::filesystem::exists(kScenes)) GTEST_SKIP() << "no shared/scenes beside the repository";
+  const std::pair<const char*, const char*> pairs[] = {
+      {"Box/glTF-Draco/Box.gltf", "Box/glTF/Box.gltf"},
+      {"StanfordDragon/dragon-draco.gltf", "StanfordDragon/dragon-plain.glb"},
+      {"HotelRoom/HotelRoom-meshopt.glb", "HotelRoom/HotelRoom-plain.glb"},
+      {"MorphPrimitivesTest/glTF-Draco/MorphPrimitivesTest.gltf",
+       "MorphPrimitivesTest/glTF-Binary/MorphPrimitivesTest.glb"}};
+  for (const auto& [compressed_name, plain_name] : pairs) {
+    SCOPED_TRACE(compressed_name);
+    const Scene compressed = load_gltf(kScenes / compressed_name), plain = load_gltf(kScenes / plain_name);
+    EXPECT_EQ(triangles_seen(compressed), triangles_seen(plain));
+    EXPECT_EQ(compressed.materials.size(), plain.materials.size());
+    const Measure a = measure(compressed), b = measure(plain);
+    // Draco quantizes positions to 11 bits or more of the box.
+    const double step = glm::length(b.hi - b.lo) / 1024;
+    EXPECT_LT(glm::length(a.lo - b.lo), step);
+    EXPECT_LT(glm::length(a.hi - b.hi), step);
+    EXPECT_NEAR(a.area / b.area, 1.0, 2e-3);
+  }
+}
+
+// Tangents that other tools put into files, against ours from the same positions, normals and texture coordinates.
+TEST(GltfScenes, GeneratedTangentsEqualGivenOnes) {
+  if (!std::filesystem::exists(kScenes)) GTEST_SKIP() << "no shared/scenes beside the repository";
+  for (const char* name : {"WaterBottle/glTF/WaterBottle.gltf", "FlightHelmet/FlightHelmet.gltf"}) {
+    SCOPED_TRACE(name);
+    double sum = 0.0;
+    std::size_t same_hand = 0, count = 0;
+    for (const Mesh& given : load_gltf(kScenes / name).meshes) {
+      if (given.tangents.empty()) continue;
+      Mesh made = given;
+      generate_tangents(made, made.uvs[0]);
+      for (std::size_t i = 0; i < given.indices.size(); ++i) { // corner by corner: vertices may have been split
+        const glm::vec4 a = given.tangents[given.indices[i]], b = made.tangents[made.indices[i]];
+        sum += glm::dot(glm::vec3(a), glm::vec3(b));
+        same_hand += a.w == b.w;
+        ++count;
+      }
+    }
+    ASSERT_GT(count, 1000u);
+    EXPECT_GT(sum / static_cast<double>(count), 0.98);
+    EXPECT_GT(static_cast<double>(same_hand) / static_cast<double>(count), 0.99);
+  }
+}
+
+} // namespace
+} // namespace wavepath

@@ -1,0 +1,484 @@
+// glTF import, feature by feature: geometry, nodes, skins, morph targets, animation. Each test builds its own tiny
+// file.
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "host/scene/gltf.h"
+#include "host/scene/tangents.h"
+#include "tests/gltf_builder.h"
+
+namespace wavepath {
+namespace {
+
+using nlohmann::json;
+using test::GltfBuilder;
+using test::TempFolder;
+
+Scene load(const GltfBuilder& builder, const LoadOptions& options = {}) {
+  TempFolder folder;
+  return load_gltf(folder.write("scene.gltf", builder.json()), options);
+}
+
+std::size_t warning_count(const Scene& scene, const std::string& text) {
+  std::size_t count = 0;
+  for (const auto& [warning, times] : scene.warnings.counts()) {
+    if (warning.find(text) != std::string::npos) count += times;
+  }
+  return count;
+}
+
+void expect_near(const glm::dvec3& actual, const glm::dvec3& expected, double tolerance = 1e-6) {
+  EXPECT_LE(glm::length(actual - expected), tolerance)
+      << actual.x << " " << actual.y << " " << actual.z << " instead of " << expected.x << " " << expected.y << " "
+      << expected.z;
+}
+
+// --- containers ---
+
+TEST(Gltf, TheSameFromEveryContainer) {
+  TempFolder folder;
+  const GltfBuilder builder = GltfBuilder::triangle();
+  folder.write("b\xc3\xbc\x66 1.bin", builder.bytes);
+  folder.write("50%20.bin", builder.bytes);
+  for (const auto& path : {folder.write("embedded.gltf", builder.json()), folder.write("binary.glb", builder.glb()),
+                           folder.write("spaces.gltf", builder.json("b\xc3\xbc\x66 1.bin")),
+                           folder.write("encoded.gltf", builder.json("b%C3%bcf%201.bin")),
+                           folder.write("literal.gltf", builder.json("50%20.bin")),
+                           folder.write("marked.gltf", "\xef\xbb\xbf" + builder.json())}) {
+    const Scene scene = load_gltf(path);
+    ASSERT_EQ(scene.meshes.size(), 1u) << path;
+    EXPECT_EQ(scene.meshes[0].positions[1], glm::vec3(1, 0, 0)) << path;
+    EXPECT_EQ(scene.instances.size(), 1u);
+    EXPECT_TRUE(scene.warnings.empty());
+    EXPECT_EQ(scene.path, path.string());
+  }
+}
+
+TEST(Gltf, EmptySceneLoads) {
+  const Scene scene = load(GltfBuilder{});
+  EXPECT_TRUE(scene.meshes.empty() && scene.instances.empty() && scene.materials.empty());
+}
+
+// --- accessors ---
+
+TEST(Gltf, ComponentTypesAndNormalization) {
+  GltfBuilder b;
+  b.root["extensionsUsed"] = b.root["extensionsRequired"] = {"KHR_mesh_quantization"};
+  const auto add = [&](int position) { b.mesh_node({{"POSITION", position}}); };
+  add(b.accessor<std::int8_t>("VEC3", test::kByte, {-128, 127, 0, 1, 2, 3, 4, 5, 7}, true));
+  add(b.accessor<std::uint8_t>("VEC3", test::kUbyte, {255, 51, 0, 1, 2, 3, 4, 5, 7}, true));
+  add(b.accessor<std::int16_t>("VEC3", test::kShort, {-32768, 32767, 16384, 1, 2, 3, 4, 5, 7}, true));
+  add(b.accessor<std::uint16_t>("VEC3", test::kUshort, {65535, 13107, 0, 1, 2, 3, 4, 5, 7}, true));
+  add(b.accessor<std::int8_t>("VEC3", test::kByte, {-128, 127, 0, 1, 2, 3, 4, 5, 7}));
+  add(b.accessor<std::uint16_t>("VEC3", test::kUshort, {65535, 7, 0, 1, 2, 3, 4, 5, 7}));
+  add(b.accessor<std::uint32_t>("VEC3", test::kUint, {70000, 7, 0, 1, 2, 3, 4, 5, 7}));
+  const Scene scene = load(b);
+  const glm::vec3 expected[] = {{-1, 1, 0},    {1, 0.2, 0},  {-1, 1, 16384.0 / 32767.0}, {1, 0.2, 0}, {-128, 127, 0},
+                                {65535, 7, 0}, {70000, 7, 0}};
+  ASSERT_EQ(scene.meshes.size(), std::size(expected));
+  for (std::size_t i = 0; i < std::size(expected); ++i) expect_near(scene.meshes[i].positions[0], expected[i], 1e-7);
+  EXPECT_TRUE(scene.warnings.empty());
+}
+
+TEST(Gltf, StridedAndOffsetAccessors) {
+  GltfBuilder b;
+  // Interleaved: position, normal.
+  const int view = b.view(std::vector<float>{0, 0, 0, 0, 0, 2, 1, 0, 0, 0, 3, 0, 0, 1, 0, 4, 0, 0}, 24);
+  const int position =
+      b.add("accessors", {{"bufferView", view}, {"componentType", 5126}, {"type", "VEC3"}, {"count", 3}});
+  const int normal = b.add(
+      "accessors", {{"bufferView", view}, {"byteOffset", 12}, {"componentType", 5126}, {"type", "VEC3"}, {"count", 3}});
+  b.mesh_node({{"POSITION", position}, {"NORMAL", normal}});
+  const Scene scene = load(b);
+  EXPECT_EQ(scene.meshes[0].positions[2], glm::vec3(0, 1, 0));
+  EXPECT_EQ(scene.meshes[0].normals[0], glm::vec3(0, 0, 1)); // made unit length
+  EXPECT_EQ(scene.meshes[0].normals[2], glm::vec3(1, 0, 0));
+  EXPECT_TRUE(scene.meshes[0].primitives[0].has_normals);
+}
+
+TEST(Gltf, SparseAccessors) {
+  GltfBuilder b = GltfBuilder::triangle();
+  const int indices = b.view(std::vector<std::uint8_t>{2, 0}), values = b.view(std::vector<float>{5, 5, 5, 6, 6, 6});
+  const json sparse = {{"count", 2},
+                       {"indices", {{"bufferView", indices}, {"componentType", 5121}}},
+                       {"values", {{"bufferView", values}}}};
+  json with_base = b.root["accessors"][0];
+  with_base["sparse"] = sparse;
+  b.mesh_node({{"POSITION", b.add("accessors", with_base)}});
+  with_base.erase("bufferView");
+  b.mesh_node({{"POSITION", b.add("accessors", with_base)}});
+  const Scene scene = load(b);
+  ASSERT_EQ(scene.meshes.size(), 3u);
+  EXPECT_EQ(scene.meshes[1].positions, (std::vector<glm::vec3>{{6, 6, 6}, {1, 0, 0}, {5, 5, 5}}));
+  EXPECT_EQ(scene.meshes[2].positions, (std::vector<glm::vec3>{{6, 6, 6}, {0, 0, 0}, {5, 5, 5}}));
+}
+
+TEST(Gltf, IndicesOfEveryTypeKeepOnlyUsedVertices) {
+  GltfBuilder b;
+  const int position = b.floats("VEC3", {9, 9, 9, 0, 0, 0, 1, 0, 0, 8, 8, 8, 0, 1, 0});
+  const int indices[] = {b.accessor<std::uint8_t>("SCALAR", test::kUbyte, {4, 1, 2}),
+                         b.accessor<std::uint16_t>("SCALAR", test::kUshort, {4, 1, 2}),
+                         b.accessor<std::uint32_t>("SCALAR", test::kUint, {4, 1, 2})};
+  for (const int accessor : indices) b.mesh_node({{"POSITION", position}}, {{"indices", accessor}});
+  const Scene scene = load(b);
+  ASSERT_EQ(scene.meshes.size(), 3u);
+  for (const Mesh& mesh : scene.meshes) {
+    EXPECT_EQ(mesh.positions, (std::vector<glm::vec3>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}));
+    EXPECT_EQ(mesh.indices, (std::vector<std::uint32_t>{2, 0, 1}));
+  }
+}
+
+// --- primitives ---
+
+TEST(Gltf, StripsFansPointsAndLines) {
+  GltfBuilder b;
+  const int position = b.floats("VEC3", {0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0, 2, 2, 0});
+  for (const int mode : {0, 1, 2, 3, 5, 6}) b.mesh_node({{"POSITION", position}}, {{"mode", mode}});
+  const Scene scene = load(b);
+  ASSERT_EQ(scene.instances.size(), 2u);
+  EXPECT_EQ(scene.meshes[scene.instances[0].mesh].indices, (std::vector<std::uint32_t>{0, 1, 2, 1, 3, 2, 2, 3, 4}));
+  EXPECT_EQ(scene.meshes[scene.instances[1].mesh].indices, (std::vector<std::uint32_t>{1, 2, 0, 2, 3, 0, 3, 4, 0}));
+  EXPECT_EQ(warning_count(scene, "points or lines"), 4u);
+}
+
+TEST(Gltf, PrimitivesOfOneMeshAreJoined) {
+  GltfBuilder b = GltfBuilder::triangle();
+  json second = b.primitive();
+  b.primitive()["attributes"]["COLOR_0"] =
+      b.accessor<std::uint8_t>("VEC3", test::kUbyte, {255, 0, 0, 0, 255, 0, 0, 0, 51}, true);
+  second["material"] = b.add("materials", {{"name", "second"}});
+  second["attributes"]["NORMAL"] = b.floats("VEC3", {0, 0, 1, 0, 0, 1, 0, 0, 1});
+  b.root["meshes"][0]["primitives"].push_back(second);
+  const Scene scene = load(b);
+  const Mesh& mesh = scene.meshes[0];
+  ASSERT_EQ(mesh.primitives.size(), 2u);
+  EXPECT_EQ(mesh.primitives[1].first_index, 3u);
+  EXPECT_EQ(mesh.primitives[1].index_count, 3u);
+  EXPECT_EQ(mesh.indices, (std::vector<std::uint32_t>{0, 1, 2, 3, 4, 5}));
+  EXPECT_FALSE(mesh.primitives[0].has_normals);
+  EXPECT_TRUE(mesh.primitives[1].has_normals);
+  ASSERT_EQ(mesh.normals.size(), 6u);
+  EXPECT_EQ(mesh.normals[0], glm::vec3(0)); // flat
+  EXPECT_EQ(mesh.normals[5], glm::vec3(0, 0, 1));
+  ASSERT_EQ(mesh.colors.size(), 6u);
+  EXPECT_EQ(mesh.colors[2], glm::vec4(0, 0, 51 / 255.0f, 1));
+  EXPECT_EQ(mesh.colors[3], glm::vec4(1));                          // what the second primitive lacks
+  EXPECT_EQ(scene.materials[mesh.primitives[0].material].name, ""); // the default one
+  EXPECT_EQ(scene.materials[mesh.primitives[1].material].name, "second");
+}
+
+TEST(Gltf, ColorsOfFloatsAndShortsWithAlpha) {
+  GltfBuilder b = GltfBuilder::triangle();
+  b.primitive()["attributes"]["COLOR_0"] = b.floats("VEC4", {0.25, 0.5, 1, 0.75, 0, 0, 0, 0, 0, 0, 0, 0});
+  b.mesh_node({{"POSITION", 0},
+               {"COLOR_0", b.accessor<std::uint16_t>("VEC4", test::kUshort,
+                                                     {65535, 0, 13107, 65535, 0, 0, 0, 0, 0, 0, 0, 0}, true)}});
+  const Scene scene = load(b);
+  EXPECT_EQ(scene.meshes[0].colors[0], glm::vec4(0.25, 0.5, 1, 0.75));
+  EXPECT_EQ(scene.meshes[1].colors[0], glm::vec4(1, 0, 0.2f, 1));
+}
+
+TEST(Gltf, NormalsWithoutLengthAreRepaired) {
+  GltfBuilder b = GltfBuilder::triangle();
+  b.primitive()["attributes"]["NORMAL"] = b.floats("VEC3", {0, 0, 0, NAN, 0, 1, 3, 0, 4});
+  const Scene scene = load(b);
+  EXPECT_EQ(scene.meshes[0].normals[0], glm::vec3(0, 0, 1));
+  EXPECT_EQ(scene.meshes[0].normals[1], glm::vec3(0, 0, 1));
+  expect_near(scene.meshes[0].normals[2], {0.6, 0, 0.8}, 1e-7);
+  EXPECT_EQ(warning_count(scene, "normal"), 2u);
+}
+
+TEST(Gltf, NonFinitePositionsAreKeptForThePackerToCount) {
+  GltfBuilder b;
+  b.mesh_node({{"POSITION", b.floats("VEC3", {0, 0, 0, INFINITY, 0, 0, 0, NAN, 0})}});
+  const Scene scene = load(b);
+  EXPECT_TRUE(std::isinf(scene.meshes[0].positions[1].x) && std::isnan(scene.meshes[0].positions[2].y));
+}
+
+// --- nodes ---
+
+TEST(Gltf, TransformsAreComposedInDouble) {
+  GltfBuilder b = GltfBuilder::triangle();
+  const double h = std::sqrt(0.5);
+  b.root["nodes"][0]["translation"] = {1e-9, 2, 3};
+  b.root["nodes"][0]["rotation"] = {0, 0, h, h}; // +90 degrees about z
+  b.root["nodes"][0]["scale"] = {2, 3, 4};
+  b.add("nodes", {{"children", {0}}, {"matrix", {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, -1, 0, 1000000, 0, 0, 1}}});
+  const Scene scene = load(b);
+  ASSERT_EQ(scene.instances.size(), 1u);
+  const glm::dmat4& m = scene.instances[0].world_from_object;
+  expect_near(m * glm::dvec4(1, 0, 0, 1), {1000000 + 1e-9, 4, -3}, 1e-9);
+  expect_near(m * glm::dvec4(0, 1, 0, 0), {-3, 0, 0}, 1e-12);
+  EXPECT_NEAR(m[3].x - 1e6, 1e-9, 2e-10);        // a float would have lost it
+  EXPECT_LT(glm::determinant(glm::dmat3(m)), 0); // mirrored
+}
+
+TEST(Gltf, RepeatedMeshesAreInstances) {
+  GltfBuilder b = GltfBuilder::triangle();
+  for (int i = 1; i < 4; ++i) b.add("nodes", {{"mesh", 0}, {"translation", {i, 0, 0}}});
+  const Scene scene = load(b);
+  EXPECT_EQ(scene.meshes.size(), 1u);
+  ASSERT_EQ(scene.instances.size(), 4u);
+  EXPECT_EQ(scene.instances[3].world_from_object[3].x, 3.0);
+}
+
+TEST(Gltf, SingularTransformsAreLeftOut) {
+  GltfBuilder b = GltfBuilder::triangle();
+  b.add("nodes", {{"mesh", 0}, {"scale", {1, 0, 1}}});
+  b.add("nodes", {{"mesh", 0}, {"scale", {1e200, 1e200, 1e200}}});
+  const Scene scene = load(b);
+  EXPECT_EQ(scene.instances.size(), 1u);
+  EXPECT_EQ(warning_count(scene, "instance"), 2u);
+}
+
+TEST(Gltf, GpuInstancing) {
+  GltfBuilder b = GltfBuilder::triangle();
+  b.root["nodes"][0]["translation"] = {10, 0, 0};
+  b.root["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"] = {
+      {"TRANSLATION", b.floats("VEC3", {0, 0, 0, 0, 5, 0})},
+      {"ROTATION", b.accessor<std::int8_t>("VEC4", test::kByte, {0, 0, 0, 127, 0, 0, 127, 0}, true)},
+      {"SCALE", b.floats("VEC3", {1, 1, 1, 2, 2, 2})}};
+  const Scene scene = load(b);
+  EXPECT_EQ(scene.meshes.size(), 1u);
+  ASSERT_EQ(scene.instances.size(), 2u);
+  expect_near(scene.instances[0].world_from_object * glm::dvec4(1, 0, 0, 1), {11, 0, 0});
+  expect_near(scene.instances[1].world_from_object * glm::dvec4(1, 0, 0, 1), {8, 5, 0}); // half a turn about z
+}
+
+TEST(Gltf, ScenesAreChosenByDefaultIndexAndName) {
+  GltfBuilder b = GltfBuilder::triangle();
+  b.mesh_node({{"POSITION", b.floats("VEC3", {0, 0, 0, 7, 0, 0, 0, 1, 0})}});
+  b.add("scenes", {{"name", "first"}, {"nodes", {0}}});
+  b.add("scenes", {{"name", "other"}, {"nodes", {1}}});
+  const auto width = [&](const std::string& name) { return load(b, {name, "", 0.0}).meshes.at(0).positions[1].x; };
+  EXPECT_EQ(width(""), 1.0f);
+  EXPECT_EQ(width("1"), 7.0f);
+  EXPECT_EQ(width("other"), 7.0f);
+  b.root["scene"] = 1;
+  EXPECT_EQ(width(""), 7.0f);
+  EXPECT_EQ(width("first"), 1.0f);
+  EXPECT_EQ(load(b).meshes.size(), 1u); // the mesh of the other scene is not read
+}
+
+TEST(Gltf, Cameras) {
+  GltfBuilder b;
+  b.add("cameras", {{"name", "eye"},
+                    {"type", "perspective"},
+                    {"perspective", {{"yfov", 0.5}, {"aspectRatio", 2.0}, {"znear", 0.1}}}});
+  b.add("cameras", {{"type", "orthographic"}, {"orthographic", {{"xmag", 3}, {"ymag", 4}, {"znear", 0}, {"zfar", 9}}}});
+  b.add("nodes", {{"camera", 0}, {"translation", {1, 2, 3}}});
+  b.add("nodes", {{"camera", 1}, {"name", "plan"}});
+  const Scene scene = load(b);
+  ASSERT_EQ(scene.cameras.size(), 2u);
+  EXPECT_EQ(scene.cameras[0].name, "eye");
+  EXPECT_FALSE(scene.cameras[0].orthographic);
+  EXPECT_EQ(scene.cameras[0].yfov, 0.5);
+  EXPECT_EQ(scene.cameras[0].aspect, 2.0);
+  expect_near(scene.cameras[0].world_from_camera[3], {1, 2, 3});
+  EXPECT_TRUE(scene.cameras[1].orthographic);
+  EXPECT_EQ(scene.cameras[1].name, "plan");
+  EXPECT_EQ(scene.cameras[1].xmag, 3.0);
+  EXPECT_EQ(scene.cameras[1].ymag, 4.0);
+}
+
+TEST(Gltf, PunctualLights) {
+  GltfBuilder b;
+  const double h = std::sqrt(0.5);
+  b.root["extensions"]["KHR_lights_punctual"]["lights"] = {
+      {{"type", "point"}, {"color", {1, 0.5, 0}}, {"intensity", 10}},
+      {{"type", "spot"}, {"spot", {{"innerConeAngle", 0.2}, {"outerConeAngle", 0.4}}}},
+      {{"type", "directional"}, {"intensity", 3}, {"name", "sun"}}};
+  for (int i = 0; i < 3; ++i)
+    b.add("nodes", {{"extensions", {{"KHR_lights_punctual", {{"light", i}}}}}, {"translation", {0, i, 0}}});
+  b.root["nodes"][2]["rotation"] = {-h, 0, 0, h}; // from -z down to -y
+  b.root["nodes"][2]["scale"] = {5, 5, 5};
+  const Scene scene = load(b);
+  ASSERT_EQ(scene.lights.size(), 3u);
+  EXPECT_EQ(scene.lights[0].kind, LightKind::point);
+  EXPECT_EQ(scene.lights[0].intensity, glm::vec3(10, 5, 0));
+  EXPECT_EQ(scene.lights[1].kind, LightKind::spot);
+  EXPECT_EQ(scene.lights[1].inner_cone, 0.2);
+  EXPECT_EQ(scene.lights[1].outer_cone, 0.4);
+  expect_near(scene.lights[1].position, {0, 1, 0});
+  EXPECT_EQ(scene.lights[2].kind, LightKind::directional);
+  EXPECT_EQ(scene.lights[2].name, "sun");
+  expect_near(scene.lights[2].direction, {0, -1, 0}, 1e-12);
+}
+
+// --- morph targets, skins, animation ---
+
+TEST(Gltf, MorphTargetsAtMeshAndNodeWeights) {
+  GltfBuilder b = GltfBuilder::triangle();
+  b.primitive()["attributes"]["NORMAL"] = b.floats("VEC3", {0, 0, 1, 0, 0, 1, 0, 0, 1});
+  b.primitive()["targets"] = {{{"POSITION", b.floats("VEC3", {0, 0, 2, 0, 0, 0, 0, 0, 0})},
+                               {"NORMAL", b.floats("VEC3", {4, 0, -1, 0, 0, 0, 0, 0, 0})}},
+                              {{"POSITION", b.floats("VEC3", {0, 0, 0, 0, 8, 0, 0, 0, 0})}}};
+  b.root["meshes"][0]["weights"] = {0.5, 0.25};
+  b.add("nodes", {{"mesh", 0}, {"weights", {1, 0}}});
+  b.add("nodes", {{"mesh", 0}});
+  const Scene scene = load(b);
+  ASSERT_EQ(scene.meshes.size(), 2u); // two sets of weights; nodes 0 and 2 share one
+  EXPECT_EQ(scene.instances[2].mesh, scene.instances[0].mesh);
+  EXPECT_EQ(scene.meshes[0].positions[0], glm::vec3(0, 0, 1));
+  EXPECT_EQ(scene.meshes[0].positions[1], glm::vec3(1, 2, 0));
+  EXPECT_EQ(scene.meshes[1].positions[0], glm::vec3(0, 0, 2));
+  EXPECT_EQ(scene.meshes[1].positions[1], glm::vec3(1, 0, 0));
+  EXPECT_EQ(scene.meshes[1].normals[0], glm::vec3(1, 0, 0));
+}
+
+GltfBuilder skinned() {
+  GltfBuilder b = GltfBuilder::triangle();
+  auto& attributes = b.primitive()["attributes"];
+  attributes["NORMAL"] = b.floats("VEC3", {1, 0, 0, 1, 0, 0, 1, 0, 0});
+  attributes["JOINTS_0"] = b.accessor<std::uint8_t>("VEC4", test::kUbyte, {0, 1, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0});
+  attributes["WEIGHTS_0"] =
+      b.accessor<std::uint8_t>("VEC4", test::kUbyte, {255, 0, 0, 0, 255, 0, 0, 0, 51, 204, 0, 0}, true);
+  const int inverse_bind = b.floats(
+      "MAT4", {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, -1, 0, 0, 1});
+  b.root["nodes"][0]["translation"] = {100, 100, 100}; // ignored: joints place the mesh
+  b.root["nodes"][0]["skin"] = 0;
+  const double h = std::sqrt(0.5);
+  b.add("nodes", {{"translation", {0, 0, 5}}, {"children", {2}}});
+  b.add("nodes", {{"translation", {1, 0, 0}}, {"rotation", {0, 0, h, h}}, {"scale", {1, 2, 1}}});
+  b.add("skins", {{"joints", {1, 2}}, {"inverseBindMatrices", inverse_bind}});
+  return b;
+}
+
+TEST(Gltf, SkinsPoseTheMeshInWorldSpace) {
+  const Scene scene = load(skinned());
+  ASSERT_EQ(scene.instances.size(), 1u);
+  EXPECT_EQ(scene.instances[0].world_from_object, glm::dmat4(1.0));
+  const Mesh& mesh = scene.meshes[0];
+  expect_near(mesh.positions[0], {0, 0, 5}); // joint 0
+  expect_near(mesh.positions[1], {1, 0, 5}); // at joint 1's origin
+  // (0,1,0): joint 0 gives (0,1,5); joint 1: (-1,1,0) scaled to (-1,2,0), turned to (-2,-1,0), moved to (-1,-1,5).
+  expect_near(mesh.positions[2], glm::dvec3(0, 1, 5) * 0.2 + glm::dvec3(-1, -1, 5) * 0.8, 1e-5);
+  expect_near(mesh.normals[1], {0, 1, 0}); // +x turned by 90 degrees
+}
+
+// The triangle with keys at 1 s and 3 s; the values are the accessor that the caller adds next.
+GltfBuilder animated(const std::string& path, const std::string& interpolation) {
+  GltfBuilder b = GltfBuilder::triangle();
+  b.add("animations", {{"name", "move"},
+                       {"samplers", {{{"input", 1}, {"output", 2}, {"interpolation", interpolation}}}},
+                       {"channels", {{{"sampler", 0}, {"target", {{"node", 0}, {"path", path}}}}}}});
+  b.floats("SCALAR", {1, 3});
+  return b;
+}
+
+glm::dvec3 moved(const GltfBuilder& builder, double seconds, const glm::dvec4& point = {0, 0, 0, 1}) {
+  return load(builder, {"", "move", seconds}).instances.at(0).world_from_object * point;
+}
+
+TEST(Gltf, LinearAndStepAnimation) {
+  GltfBuilder linear = animated("translation", "LINEAR");
+  linear.floats("VEC3", {2, 0, 0, 6, 0, 8});
+  expect_near(moved(linear, 0), {2, 0, 0}); // held
+  expect_near(moved(linear, 1.5), {3, 0, 2});
+  expect_near(moved(linear, 9), {6, 0, 8});
+  EXPECT_EQ(load(linear).instances[0].world_from_object, glm::dmat4(1.0)); // at rest unless asked
+  GltfBuilder step = animated("scale", "STEP");
+  step.floats("VEC3", {2, 2, 2, 6, 6, 6});
+  expect_near(moved(step, 2.9, {1, 0, 0, 1}), {2, 0, 0});
+  expect_near(moved(step, 3.0, {1, 0, 0, 1}), {6, 0, 0});
+}
+
+TEST(Gltf, RotationsTakeTheShorterArc) {
+  GltfBuilder b = animated("rotation", "LINEAR");
+  const auto h = static_cast<float>(std::sqrt(0.5));
+  b.floats("VEC4", {0, 0, 0, 1, 0, 0, -h, -h}); // 90 degrees about z, with the other sign
+  const double angle = 0.25 * std::acos(0.0);
+  expect_near(moved(b, 1.5, {1, 0, 0, 1}), {std::cos(angle), std::sin(angle), 0});
+}
+
+TEST(Gltf, CubicSplineAnimation) {
+  GltfBuilder b = animated("translation", "CUBICSPLINE");
+  // In-tangent, value, out-tangent at each of the two keys, 2 s apart.
+  b.floats("VEC3", {9, 9, 9, 0, 0, 0, 1, 0, 0, 0, 2, 0, 4, 0, 0, 9, 9, 9});
+  // Halfway the Hermite basis is 1/2, 1/8, 1/2, -1/8; tangents count times the duration.
+  expect_near(moved(b, 2.0), {0.5 * 0 + 0.125 * 2 * 1 + 0.5 * 4, -0.125 * 2 * 2, 0});
+  expect_near(moved(b, 3.0), {4, 0, 0});
+}
+
+TEST(Gltf, AnimatedMorphWeights) {
+  GltfBuilder b = animated("weights", "LINEAR");
+  b.floats("SCALAR", {0, 1, 1, 0}); // two targets at two times
+  b.primitive()["targets"] = {{{"POSITION", b.floats("VEC3", {0, 0, 4, 0, 0, 0, 0, 0, 0})}},
+                              {{"POSITION", b.floats("VEC3", {0, 8, 0, 0, 0, 0, 0, 0, 0})}}};
+  const Scene scene = load(b, {"", "0", 1.5});
+  EXPECT_EQ(scene.meshes[0].positions[0], glm::vec3(0, 6, 1));
+}
+
+// --- tangents ---
+
+Mesh quad(bool mirrored) {
+  Mesh mesh;
+  mesh.positions = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
+  mesh.normals.assign(4, {0, 0, 1});
+  mesh.uvs[0] = {{0, 1}, {1, 1}, {1, 0}, {0, 0}}; // the image upright: v points down
+  if (mirrored)
+    for (glm::vec2& uv : mesh.uvs[0]) uv.x = -uv.x;
+  mesh.indices = {0, 1, 2, 0, 2, 3};
+  return mesh;
+}
+
+TEST(Tangents, PointAlongUAndSayTheHandedness) {
+  Mesh upright = quad(false), mirrored = quad(true);
+  generate_tangents(upright, upright.uvs[0]);
+  generate_tangents(mirrored, mirrored.uvs[0]);
+  ASSERT_EQ(upright.tangents.size(), 4u);
+  ASSERT_EQ(mirrored.tangents.size(), 4u);
+  for (const glm::vec4& t : upright.tangents) EXPECT_EQ(t, glm::vec4(1, 0, 0, 1));
+  for (const glm::vec4& t : mirrored.tangents) EXPECT_EQ(t, glm::vec4(-1, 0, 0, -1));
+}
+
+TEST(Tangents, VerticesAreSplitWhereHandednessChanges) {
+  Mesh mesh;
+  mesh.positions = {{0, 0, 0}, {0, 1, 0}, {1, 0, 0}, {-1, 0, 0}};
+  mesh.normals.assign(4, {0, 0, 1});
+  mesh.uvs[0] = {{0, 1}, {0, 0}, {1, 1}, {1, 1}}; // the left triangle mirrors the right one
+  mesh.colors.assign(4, {1, 1, 1, 1});
+  mesh.indices = {0, 2, 1, 0, 1, 3};
+  generate_tangents(mesh, mesh.uvs[0]);
+  EXPECT_EQ(mesh.positions.size(), 6u);
+  EXPECT_EQ(mesh.tangents.size(), 6u);
+  EXPECT_EQ(mesh.colors.size(), 6u);
+  for (int k = 0; k < 3; ++k) {
+    EXPECT_EQ(mesh.tangents[mesh.indices[static_cast<std::size_t>(k)]], glm::vec4(1, 0, 0, 1));
+    EXPECT_EQ(mesh.tangents[mesh.indices[static_cast<std::size_t>(3 + k)]], glm::vec4(-1, 0, 0, -1));
+  }
+  EXPECT_EQ(mesh.positions[mesh.indices[3]], glm::vec3(0, 0, 0));
+}
+
+TEST(Tangents, AreWeightedByTheAngleOfTheFace) {
+  // Around vertex 0: a face of 90 degrees with its tangent along (1,0) and one of 45 degrees with its tangent along
+  // (1,1).
+  Mesh mesh;
+  mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {-1, 1, 0}};
+  mesh.normals.assign(4, {0, 0, 1});
+  mesh.uvs[0] = {{0, 0}, {1, 0}, {0, -1}, {-1, -2}};
+  mesh.indices = {0, 1, 2, 0, 2, 3};
+  generate_tangents(mesh, mesh.uvs[0]);
+  expect_near(glm::vec3(mesh.tangents[mesh.indices[0]]),
+              glm::normalize(glm::dvec3(2 + std::sqrt(0.5), std::sqrt(0.5), 0)), 1e-6);
+  expect_near(glm::vec3(mesh.tangents[mesh.indices[5]]), {std::sqrt(0.5), std::sqrt(0.5), 0}, 1e-6);
+}
+
+TEST(Tangents, OfFlatAndDegenerateTriangles) {
+  Mesh flat = quad(false);
+  flat.normals.clear();
+  flat.uvs[0][2] = flat.uvs[0][3] = flat.uvs[0][0]; // the second triangle has no uv area
+  generate_tangents(flat, flat.uvs[0]);
+  for (const glm::vec4& t : flat.tangents) {
+    EXPECT_NEAR(glm::length(glm::vec3(t)), 1.0f, 1e-6f);
+    EXPECT_NEAR(t.z, 0.0f, 1e-6f);
+    EXPECT_EQ(std::abs(t.w), 1.0f);
+  }
+  Mesh without = quad(false);
+  generate_tangents(without, {});
+  for (const glm::vec4& t : without.tangents) EXPECT_NEAR(glm::length(glm::vec3(t)), 1.0f, 1e-6f);
+}
+
+} // namespace
+} // namespace wavepath
