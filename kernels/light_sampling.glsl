@@ -1,7 +1,7 @@
 // Choosing lights and points on them: alias tables, triangles, punctual lights, and the lat-long environment.
 //
 // Everything here works on data already fetched; the two functions at the end read the buffers of kernels/bindings.glsl
-// and are there when BIND_LIGHTS asked for those.
+// and are there when BIND_LIGHTS or BIND_ENVIRONMENT asked for those.
 #ifndef WAVEPATH_LIGHT_SAMPLING_GLSL
 #define WAVEPATH_LIGHT_SAMPLING_GLSL
 
@@ -114,7 +114,9 @@ uint pick_light(inout float u) {
   uint column = alias_column(u, frame.light_count);
   return alias_follow(column, lights[column].threshold, lights[column].alias, u);
 }
+#endif
 
+#ifdef BIND_ENVIRONMENT
 // Texel (column, row) of a direction in the map's frame.
 uvec2 environment_texel(vec3 d) {
   uvec2 size = uvec2(frame.environment_width, frame.environment_height);

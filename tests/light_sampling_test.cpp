@@ -1,0 +1,285 @@
+// kernels/light_sampling.glsl on the device: which light, where on it, and how the environment is addressed and
+// sampled.
+#include <bit>
+#include <cmath>
+#include <numbers>
+
+#include "tests/probe.h"
+#include "tests/statistics.h"
+
+#include "kernels/light_sampling_probe.spv.h"
+
+namespace wavepath::test {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+struct Element {
+  glm::vec4 a{0.0f}, b{0.0f};
+};
+
+// Walker's alias table: thresholds and aliases of a distribution.
+struct Alias {
+  std::vector<float> threshold;
+  std::vector<std::uint32_t> alias;
+};
+Alias make_alias(const std::vector<double>& probability) {
+  const std::size_t n = probability.size();
+  Alias table{std::vector<float>(n, 1.0f), std::vector<std::uint32_t>(n)};
+  std::vector<double> rest;
+  std::vector<std::size_t> small, large;
+  for (std::size_t i = 0; i < n; ++i) {
+    rest.push_back(probability[i] * double(n));
+    table.alias[i] = std::uint32_t(i);
+    (rest[i] < 1.0 ? small : large).push_back(i);
+  }
+  while (!small.empty() && !large.empty()) {
+    const std::size_t s = small.back(), l = large.back();
+    small.pop_back();
+    table.threshold[s] = float(rest[s]);
+    table.alias[s] = std::uint32_t(l);
+    rest[l] -= 1.0 - rest[s];
+    if (rest[l] < 1.0) large.pop_back(), small.push_back(l);
+  }
+  return table;
+}
+
+class LightSamplingTest : public VulkanTest {
+protected:
+  std::vector<Element> run(std::uint32_t mode, std::vector<Element> elements) {
+    const Buffer frame_buffer = upload(device(), std::vector<gpu::Frame>{frame_});
+    const Buffer light_buffer = upload(device(), lights_);
+    const Buffer environment = upload(device(), environment_), alias = upload(device(), alias_);
+    const Buffer element_buffer = upload(device(), elements);
+    const std::vector<Binding> bindings{{gpu::kBindFrame, BindingKind::uniform, &frame_buffer},
+                                        {gpu::kBindLights, BindingKind::storage, &light_buffer},
+                                        {gpu::kBindEnvironment, BindingKind::texels_rgba32f, &environment},
+                                        {gpu::kBindEnvironmentAlias, BindingKind::texels_rg32ui, &alias},
+                                        {gpu::kBindFilm, BindingKind::storage, &element_buffer}};
+    const gpu::Wave wave{.pixel_count = std::uint32_t(elements.size()), .bounce = mode};
+    const BindingSet set(device(), bindings, sizeof wave);
+    const Kernel kernel(device(), "light_sampling_probe", wavepath_light_sampling_probe_spv, set, {});
+    Commands commands(device());
+    commands.bind(set);
+    commands.dispatch(kernel, (wave.pixel_count + gpu::kWorkgroupSize - 1) / gpu::kWorkgroupSize, &wave);
+    commands.submit_and_wait();
+    return download<Element>(element_buffer, elements.size());
+  }
+
+  // A map with these weights a texel, normalized to probabilities.
+  void set_map(std::uint32_t width, std::uint32_t height, std::vector<double> weights) {
+    frame_.environment_width = width;
+    frame_.environment_height = height;
+    double sum = 0.0;
+    for (const double w : weights) sum += w;
+    environment_.clear();
+    alias_.clear();
+    for (double& w : weights) environment_.emplace_back(1.0f, 1.0f, 1.0f, w /= sum);
+    const Alias table = make_alias(weights);
+    for (std::size_t i = 0; i < weights.size(); ++i)
+      alias_.emplace_back(std::bit_cast<std::uint32_t>(table.threshold[i]), table.alias[i]);
+  }
+  void rotate(double degrees) {
+    frame_.environment_rotation = {std::cos(degrees * kPi / 180.0), std::sin(degrees * kPi / 180.0)};
+  }
+  float next() { return float((state_ = state_ * 6364136223846793005u + 1442695040888963407u) >> 40) * 0x1p-24f; }
+
+  void SetUp() override {
+    VulkanTest::SetUp();
+    rotate(0.0);
+    set_map(1, 1, {1.0});
+    lights_.resize(1);
+  }
+
+  gpu::Frame frame_{};
+  std::vector<gpu::Light> lights_;
+  std::vector<glm::vec4> environment_;
+  std::vector<glm::uvec2> alias_;
+
+private:
+  std::uint64_t state_ = 1;
+};
+
+// The centre of the image looks along +X, three quarters across +Z, one quarter -Z, the top row +Y; a positive rotation
+// turns the map counter-clockwise seen from above, so that its centre goes from +X towards -Z.
+TEST_F(LightSamplingTest, EnvironmentIsAddressedAsTheContractSays) {
+  const auto uv = [&](const glm::vec3& d) { return run(0, {{.a = glm::vec4(d, 0)}})[0].b; };
+  EXPECT_NEAR(uv({1, 0, 0}).x, 0.5, 1e-6);
+  EXPECT_NEAR(uv({1, 0, 0}).y, 0.5, 1e-6);
+  EXPECT_NEAR(uv({0, 0, 1}).x, 0.75, 1e-6);
+  EXPECT_NEAR(uv({0, 0, -1}).x, 0.25, 1e-6);
+  EXPECT_NEAR(uv({0, 1, 0}).y, 0.0, 1e-6);
+  EXPECT_NEAR(uv({0, -1, 0}).y, 1.0, 1e-6);
+  EXPECT_LT(uv({0, -1, 0}).y, 1.0f);
+  EXPECT_LT(uv({-1, 0, 0}).x, 1.0f);
+  rotate(90.0);
+  EXPECT_NEAR(uv({0, 0, -1}).x, 0.5, 1e-6);
+  rotate(37.0);
+  std::vector<Element> in;
+  for (int i = 0; i < 10000; ++i)
+    in.push_back({.a = glm::vec4(glm::normalize(glm::vec3(next(), next(), next()) - 0.5f), 0)});
+  for (const Element& e : run(0, in)) ASSERT_LT(e.b.z, 3e-6f);
+}
+
+TEST_F(LightSamplingTest, TexelsTileTheSphereAndDirectionsStayInside) {
+  for (const auto& [width, height] : {std::pair{8u, 4u}, std::pair{7u, 5u}, std::pair{8192u, 4096u}}) {
+    frame_.environment_width = width;
+    frame_.environment_height = height;
+    double total = 0.0;
+    std::vector<Element> in;
+    for (std::uint32_t row = 0; row < height; ++row)
+      for (const float t : {0.0f, 0.3f, 0.5f, 1.0f - 0x1p-24f})
+        in.push_back({.a = {float(row % width), float(row), next(), t}});
+    const auto out = run(3, in);
+    for (std::size_t i = 0; i < in.size(); ++i) {
+      const glm::dvec3 d(out[i].b);
+      if (i % 4 == 0) total += double(out[i].b.w) * width;
+      ASSERT_NEAR(glm::length(d), 1.0, 1e-6);
+      const double v = std::atan2(std::hypot(d.x, d.z), d.y) / kPi * height,
+                   u = std::atan2(d.z, d.x) / (2.0 * kPi) + 0.5;
+      ASSERT_NEAR(v, in[i].a.y + 0.5, 0.5 + 2e-7 * height) << "row " << in[i].a.y << " of " << height;
+      if (std::hypot(d.x, d.z) > 0.0) {
+        ASSERT_NEAR(u * width, in[i].a.x + in[i].a.z, 1e-6 * width);
+      }
+      const double a = kPi * in[i].a.y / height, b = kPi * (in[i].a.y + 1.0) / height;
+      const double exact = 2.0 * kPi / width * 2.0 * std::sin(0.5 * (a + b)) * std::sin(0.5 * (b - a));
+      ASSERT_NEAR(out[i].b.w, exact, 1e-6 * exact);
+    }
+    EXPECT_NEAR(total, 4.0 * kPi, 1e-5);
+  }
+}
+
+TEST_F(LightSamplingTest, EnvironmentSamplesFollowTheMap) {
+  constexpr std::uint32_t kWidth = 24, kHeight = 13;
+  std::vector<double> weights;
+  for (std::uint32_t i = 0; i < kWidth * kHeight; ++i) weights.push_back(i % 7 == 0 ? 0.0 : 0.1 + next());
+  weights[100] = 300.0; // a sun
+  set_map(kWidth, kHeight, weights);
+  rotate(123.0);
+  std::vector<Element> in(1 << 19);
+  for (Element& e : in) e.a = {next(), next(), 0, 0};
+  std::vector<double> counts(weights.size()), expected;
+  Mean solid_angle;
+  std::size_t strays = 0;
+  for (const Element& e : run(1, in)) {
+    const std::size_t texel = std::size_t(e.b.y) * kWidth + std::size_t(e.b.x);
+    counts[texel] += 1.0;
+    solid_angle.add(1.0 / e.a.w);
+    strays += e.b.x != e.b.z || e.b.y != e.b.w; // rounding at a border
+    ASSERT_GT(environment_[texel].w, 0.0f);
+  }
+  double lit = 0.0;
+  for (std::size_t i = 0; i < weights.size(); ++i) {
+    expected.push_back(environment_[i].w * double(in.size()));
+    const double row = double(i / kWidth);
+    if (weights[i] > 0.0)
+      lit += 2.0 * kPi / kWidth * (std::cos(kPi * row / kHeight) - std::cos(kPi * (row + 1) / kHeight));
+  }
+  EXPECT_GT(chi_square(counts, expected).p_value, 0.01);
+  EXPECT_NEAR(solid_angle.mean(), lit, 4.0 * solid_angle.error()); // E[1/pdf] = the solid angle that can be sampled
+  EXPECT_LT(strays, in.size() / 10000);
+}
+
+TEST_F(LightSamplingTest, EnvironmentDensityIntegratesToOne) {
+  constexpr std::uint32_t kWidth = 16, kHeight = 9;
+  std::vector<double> weights;
+  for (std::uint32_t i = 0; i < kWidth * kHeight; ++i) weights.push_back(next());
+  set_map(kWidth, kHeight, weights);
+  rotate(-40.0);
+  std::vector<Element> in;
+  constexpr int kRows = 4096, kColumns = 64; // uniform in (height, azimuth): equal solid angles
+  for (int i = 0; i < kRows; ++i)
+    for (int k = 0; k < kColumns; ++k) {
+      const double y = 1.0 - 2.0 * (i + 0.5) / kRows, phi = 2.0 * kPi * (k + 0.5) / kColumns,
+                   r = std::sqrt(1.0 - y * y);
+      in.push_back({.a = {r * std::cos(phi), y, r * std::sin(phi), 0}});
+    }
+  double sum = 0.0;
+  for (const Element& e : run(0, in)) sum += e.b.w;
+  EXPECT_NEAR(sum * 4.0 * kPi / double(in.size()), 1.0, 1e-3);
+}
+
+TEST_F(LightSamplingTest, LightsArePickedByTheirProbability) {
+  const std::vector<double> probability{0.5, 0.001, 0.0, 0.199, 0.3};
+  const Alias table = make_alias(probability);
+  lights_.assign(probability.size(), {});
+  for (std::size_t i = 0; i < probability.size(); ++i) {
+    lights_[i].threshold = table.threshold[i];
+    lights_[i].alias = table.alias[i];
+  }
+  frame_.light_count = std::uint32_t(lights_.size());
+  std::vector<Element> in;
+  for (int i = 0; i < 1 << 20; ++i) in.push_back({.a = {(float(i) + 0.5f) * 0x1p-20f, 0, 0, 0}});
+  in.front().a.x = 0.0f;
+  in.back().a.x = 1.0f - 0x1p-24f;
+  std::vector<double> counts(probability.size()), rest(16);
+  for (const Element& e : run(2, in)) {
+    counts.at(std::size_t(e.b.x)) += 1.0;
+    ASSERT_TRUE(e.b.y >= 0.0f && e.b.y < 1.0f) << e.b.y;
+    rest.at(std::size_t(e.b.y * 16.0f)) += 1.0;
+  }
+  for (std::size_t i = 0; i < probability.size(); ++i) EXPECT_NEAR(counts[i] / double(in.size()), probability[i], 1e-5);
+  for (const double n : rest)
+    EXPECT_NEAR(n / double(in.size()), 1.0 / 16.0, 1e-3); // what is left of u is uniform again
+}
+
+// 24 bits do not reach every texel of a large map; the borrowed ones do.
+TEST_F(LightSamplingTest, LargeTablesAreReachedThroughout) {
+  const std::uint32_t n = 16384u * 8192u;
+  std::vector<Element> in;
+  for (int i = 0; i < 1 << 16; ++i) in.push_back({.a = {next(), next(), std::bit_cast<float>(n), 0}});
+  in.push_back({.a = {1.0f - 0x1p-24f, 1.0f - 0x1p-24f, std::bit_cast<float>(n), 0}});
+  std::vector<double> coarse(64), fine(8);
+  for (const Element& e : run(6, in)) {
+    const auto column = std::bit_cast<std::uint32_t>(e.b.x);
+    ASSERT_LT(column, n);
+    ASSERT_TRUE(e.b.y >= 0.0f && e.b.y < 1.0f);
+    coarse[column / (n / 64)] += 1.0;
+    fine[column % 8] += 1.0; // plain 24 bits would only give multiples of 8
+  }
+  EXPECT_GT(chi_square_uniform(coarse).p_value, 0.005);
+  EXPECT_GT(chi_square_uniform(fine).p_value, 0.005);
+}
+
+TEST_F(LightSamplingTest, PunctualLightsFollowTheirLaws) {
+  const double inner = 0.3, outer = 0.6, scale = 1.0 / (std::cos(inner) - std::cos(outer));
+  gpu::Light spot{};
+  spot.kind = gpu::kLightSpot;
+  spot.position = {0, 2, 0};
+  spot.direction = {0, -1, 0};
+  spot.intensity = {8, 4, 2};
+  spot.spot_scale = float(scale);
+  spot.spot_offset = float(-std::cos(outer) * scale);
+  gpu::Light point = spot, sun = spot;
+  point.kind = gpu::kLightPoint;
+  sun.kind = gpu::kLightDirectional;
+  sun.direction = {0, 1, 0};
+  lights_ = {point, spot, sun};
+  const auto at = [&](double angle, float light) { // below the light, `angle` off its axis, at distance 2
+    return Element{.a = {2.0 * std::sin(angle), 2.0 - 2.0 * std::cos(angle), 0.0, light}};
+  };
+  const auto out =
+      run(4, {at(0.0, 0), at(1.0, 0), at(0.2, 1), at(0.45, 1), at(0.7, 1), at(0.3, 2), {.a = {0, 2, 0, 0}}});
+  EXPECT_NEAR(out[0].a.x, 2.0, 1e-5); // I / d^2
+  EXPECT_NEAR(out[0].a.z, 0.5, 1e-5);
+  EXPECT_NEAR(out[1].a.x, 2.0, 1e-5);
+  EXPECT_LT(glm::length(glm::vec3(out[0].b) - glm::vec3(0, 2, 0)), 1e-6f);
+  EXPECT_NEAR(out[2].a.x, 2.0, 1e-5);
+  const double falloff = (std::cos(0.45) - std::cos(outer)) * scale;
+  EXPECT_NEAR(out[3].a.x, 2.0 * falloff * falloff, 1e-5);
+  EXPECT_EQ(out[4].a.x, 0.0f);
+  EXPECT_EQ(glm::vec3(out[5].a), glm::vec3(8, 4, 2));
+  EXPECT_EQ(glm::vec3(out[5].b), glm::vec3(0, 1, 0));
+  EXPECT_EQ(glm::vec3(out[6].a), glm::vec3(0)); // at the light itself
+}
+
+TEST_F(LightSamplingTest, AreaDensitiesBecomeSolidAngleDensities) {
+  const auto out =
+      run(5, {{{0, 0, 3, 0.5f}, {0, 0, -1, 0}}, {{0, 3, 3, 0.5f}, {0, 0, 1, 0}}, {{3, 0, 0, 0.5f}, {0, 0, 1, 0}}});
+  EXPECT_NEAR(out[0].b.w, 4.5, 1e-5);
+  EXPECT_NEAR(out[1].b.w, 0.5 * 18.0 * std::sqrt(2.0), 1e-4);
+  EXPECT_EQ(out[2].b.w, 0.0f); // edge on
+}
+
+} // namespace
+} // namespace wavepath::test

@@ -1,0 +1,48 @@
+// Evaluates kernels/light_sampling.glsl on the buffers that the renderer binds: one function by mode (wave.bounce).
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#define BIND_LIGHTS
+#define BIND_ENVIRONMENT
+#include "kernels/bindings.glsl"
+#include "kernels/light_sampling.glsl"
+
+layout(local_size_x = kWorkgroupSize) in;
+struct Element {
+  vec4 a, b;
+};
+layout(set = 0, binding = kBindFilm, std430) buffer Elements { Element elements[]; };
+
+void main() {
+  uint i = gl_GlobalInvocationID.x;
+  if (i >= wave.pixel_count) return;
+  Element e = elements[i];
+  uint width = frame.environment_width, height = frame.environment_height;
+  if (wave.bounce == 0u) { // world direction a -> b: uv, and whether the way back ends where it began
+    vec3 d = environment_from_world(e.a.xyz, frame.environment_rotation);
+    e.b.xy = environment_uv(d);
+    e.b.z = distance(world_from_environment(environment_direction(e.b.xy), frame.environment_rotation), e.a.xyz);
+    e.b.w = environment_map_pdf(environment_texel(d));
+  } else if (wave.bounce == 1u) { // u in a.xy -> a: direction, density; b: texel
+    uvec2 texel;
+    e.a.xyz = sample_environment_map(e.a.xy, texel, e.a.w);
+    e.b.xy = vec2(texel);
+    e.b.zw = vec2(environment_texel(environment_from_world(e.a.xyz, frame.environment_rotation)));
+  } else if (wave.bounce == 2u) { // u in a.x -> b: light, what is left of u
+    e.b.y = e.a.x;
+    e.b.x = float(pick_light(e.b.y));
+  } else if (wave.bounce == 3u) { // texel a.xy of a map sized as the frame says, u in a.zw -> b: direction, solid angle
+    e.b.xyz = environment_texel_direction(uint(e.a.x), uint(e.a.y), width, height, e.a.zw);
+    e.b.w = environment_texel_solid_angle(uint(e.a.y), width, height);
+  } else if (wave.bounce == 4u) { // light a.w seen from a.xyz -> a: irradiance; b: towards it
+    vec3 to_light;
+    e.a.xyz = punctual_irradiance(lights[uint(e.a.w)], e.a.xyz, to_light);
+    e.b.xyz = to_light;
+  } else if (wave.bounce == 5u) { // pdf_area a.w, offset a.xyz, normal b.xyz -> b.w
+    e.b.w = solid_angle_pdf(e.a.w, e.a.xyz, e.b.xyz);
+  } else { // u in a.xy, table size in the bits of a.z -> column in the bits of b.x
+    vec2 u = e.a.xy;
+    e.b.x = uintBitsToFloat(alias_column_large(u, floatBitsToUint(e.a.z)));
+    e.b.y = u.x;
+  }
+  elements[i] = e;
+}
