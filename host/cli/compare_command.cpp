@@ -125,7 +125,7 @@ void read_limit(const FlagValue& value, std::vector<Limit>& limits) {
 
 Command add_compare(CLI::App& app) {
   CLI::App* command = app.add_subcommand("compare", "measure how far an image is from a reference");
-  command->set_help_flag("-h,--help", "show this and exit")->group("Help");
+  command->set_help_flag("-h,--help", "show this and exit")->group(kHelpGroup);
   command->footer("All metrics are of linear values over pixels and RGB; .png and .jpg are decoded from sRGB first. FLIP is HDR-FLIP unless both "
                   "are .png or .jpg. PSNR takes the reference's largest value as its peak, or 1 for .png and .jpg.");
   const auto request = std::make_shared<Request>();

@@ -85,7 +85,7 @@ glm::dvec3 FlagValue::triple() const {
 
 std::uint32_t FlagValue::choice(std::span<const std::string_view> names) const {
   const auto found = std::find(names.begin(), names.end(), text);
-  if (found == names.end()) refuse("is not there", suggestion(text, std::vector<std::string>(names.begin(), names.end())));
+  if (found == names.end()) refuse("is unknown", suggestion(text, std::vector<std::string>(names.begin(), names.end())));
   return static_cast<std::uint32_t>(found - names.begin());
 }
 

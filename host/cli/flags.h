@@ -40,8 +40,10 @@ void add_switch(CLI::App& app, const char* group, const Flag& flag, bool& value)
 // The name among `names` that is nearest to `text` by edit distance; empty if none is near enough to be meant.
 std::string nearest_name(const std::string& text, std::span<const std::string> names);
 
-// ": did you mean X" for messages, or the list of what there is.
+// A remedy for a name that is not there: "did you mean X?", or the list of what there is.
 std::string suggestion(const std::string& text, std::span<const std::string> names);
+
+inline constexpr const char* kHelpGroup = "Help"; // of --help and --version
 
 // Lays out --help: usage, then the flags by group, each with its meaning and default.
 class HelpLayout : public CLI::FormatterBase {

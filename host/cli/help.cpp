@@ -1,5 +1,7 @@
 // The layout of --help.
+#include <algorithm>
 #include <sstream>
+#include <vector>
 
 #include "host/cli/flags.h"
 
@@ -11,7 +13,7 @@ constexpr std::size_t kHelpWidth = 100, kMeaningColumn = 30;
 // Words of `text` from column `column` on, lines broken at kHelpWidth. The cursor stands at `used`.
 std::string wrap(const std::string& text, std::size_t column, std::size_t used) {
   std::string out;
-  if (used + 2 > column) {
+  if (used > 0 && used + 2 > column) {
     out += '\n';
     used = 0;
   }
@@ -41,29 +43,31 @@ std::string line(const CLI::Option& option) {
   }
   names = "  " + names;
   const std::string initial = option.get_default_str();
-  return names + wrap(option.get_description() + (initial.empty() ? "" : " [" + initial + "]"), kMeaningColumn, names.size());
+  return names + wrap(option.get_description() + (initial.empty() ? "" : " [default: " + initial + "]"), kMeaningColumn, names.size());
 }
 
 } // namespace
 
 std::string HelpLayout::make_help(const CLI::App* app, std::string, CLI::AppFormatMode) const {
-  std::string out = wrap(app->get_description(), 0, 0) + "\nUsage: ";
+  const std::string title = (app->get_parent() ? app->get_parent()->get_name() + " " : "") + app->get_name();
+  std::string out = wrap(title + ": " + app->get_description(), 0, 0) + "\nUsage: " + title;
   const auto commands = app->get_subcommands([](const CLI::App*) { return true; });
-  out += (app->get_parent() ? app->get_parent()->get_name() + " " : "") + app->get_name();
   if (!commands.empty()) out += " COMMAND";
   for (const CLI::Option* option : app->get_options())
     if (option->get_positional())
       out += option->get_required() ? " " + option->get_name(true) : " [" + option->get_name(true) + "]";
   out += " [flags]\n";
 
-  if (!commands.empty()) {
-    out += "\nCommands\n";
-    for (const CLI::App* command : commands)
-      out += "  " + command->get_name() + wrap(command->get_description(), kMeaningColumn, command->get_name().size() + 2);
-  }
-  for (const std::string& group : app->get_groups()) {
+  if (!commands.empty()) out += "\nCommands\n";
+  for (const CLI::App* command : commands)
+    out += "  " + command->get_name() + wrap(command->get_description(), kMeaningColumn, command->get_name().size() + 2);
+
+  // The parser lists its own --help first; readers want it last.
+  std::vector<std::string> groups = app->get_groups();
+  std::stable_partition(groups.begin(), groups.end(), [](const std::string& group) { return group != kHelpGroup; });
+  for (const std::string& group : groups) {
     const auto members = app->get_options([&](const CLI::Option* option) { return option->get_group() == group; });
-    if (group.empty() || members.empty()) continue;
+    if (members.empty()) continue;
     out += "\n" + group + "\n";
     for (const CLI::Option* option : members) out += line(*option);
   }

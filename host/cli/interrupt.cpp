@@ -32,6 +32,8 @@ void catch_interrupts() {
   }
 }
 
+void ignore_file_size_signal() { std::signal(SIGXFSZ, SIG_IGN); }
+
 bool interrupted() { return interrupt_count != 0; }
 
 } // namespace wavepath

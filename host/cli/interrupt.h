@@ -1,11 +1,13 @@
-// Ctrl-C, asked for politely: the first SIGINT or SIGTERM sets a flag, the second ends the process.
+// Signals: Ctrl-C asks politely first, and a file that grows too large is an error rather than the end.
 #pragma once
 
 namespace wavepath {
 
-// From here on signals are caught; to be called once.
+// From here on the first SIGINT or SIGTERM makes interrupted() true, and the second ends the process. To be called once.
 void catch_interrupts();
-
 bool interrupted();
+
+// Makes writing beyond the file size limit fail like writing to a full disk, instead of killing the process.
+void ignore_file_size_signal();
 
 } // namespace wavepath

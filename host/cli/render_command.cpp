@@ -1,5 +1,6 @@
 // wavepath render: checks, loads, packs, renders, writes, reports.
 #include <chrono>
+#include <exception>
 #include <filesystem>
 #include <memory>
 
@@ -9,6 +10,7 @@
 #include "host/base/error.h"
 #include "host/base/memory.h"
 #include "host/cli/commands.h"
+#include "host/cli/flags.h"
 #include "host/cli/interrupt.h"
 #include "host/cli/progress.h"
 #include "host/cli/render_flags.h"
@@ -41,12 +43,12 @@ void require_file(const std::string& path) {
 
 // Everything that can be known to fail is refused before the time of loading and rendering is spent.
 void check_files(Request& request) {
-  require_file(request.scene.path);
   OutputRequest& output = request.output;
   if (output.pictures.empty()) output.pictures = {std::filesystem::path(request.scene.path).stem().string() + ".exr"};
   for (const std::string& path : output.pictures)
     if (!picture_format(path))
       throw UsageError(path, "has no extension that names a picture format", "end it in .exr, .hdr, .png or .jpg");
+  require_file(request.scene.path);
 
   std::vector<std::string> targets = output.pictures;
   if (!output.stats.empty()) targets.push_back(output.stats);
@@ -113,6 +115,18 @@ RenderResult render_shown(const Request& request, Device& device, const PackedSc
   });
 }
 
+// Tries every output even if one fails, because rendering was the expensive part; returns the first failure.
+std::exception_ptr write_pictures(const Request& request, const PictureInfo& info, const Picture& picture, Warnings& warnings) {
+  std::exception_ptr failure;
+  for (const std::string& path : request.output.pictures) try {
+      const std::uint64_t clamped = write_picture(path, picture, info, request.output.write);
+      if (clamped > 0) warnings.add(path + ": value clamped to what the format holds", clamped);
+    } catch (const Error&) {
+      if (!failure) failure = std::current_exception();
+    }
+  return failure;
+}
+
 int exit_code(const Request& request, const RenderResult& result) {
   if (result.stop == StopReason::interrupted) return kExitInterrupted;
   const double target = request.render.settings.target_error;
@@ -142,16 +156,14 @@ int run_render(Request& request) {
   run.bias = list_bias(settings);
 
   const Stopwatch writing;
-  for (const std::string& path : request.output.pictures) {
-    const std::uint64_t clamped = write_picture(path, result.picture, picture_info(request, view, result, run.bias), request.output.write);
-    if (clamped > 0) warnings.add(path + ": value clamped to what the format holds", clamped);
-  }
+  const std::exception_ptr failure = write_pictures(request, picture_info(request, view, result, run.bias), result.picture, warnings);
   run.write_seconds = writing.seconds();
   if (reference) run.true_error = measure_true_error(result.picture, *reference);
   run.load_seconds = load_seconds;
   run.peak_bytes = device.memory_peak();
   run.total_seconds = total.seconds();
   report(run, request.output, warnings);
+  if (failure) std::rethrow_exception(failure);
   if (request.render.strict && result.nonfinite_samples > 0)
     throw Error(request.scene.path, fmt::format("{} samples were not finite, one in pixel {},{}", result.nonfinite_samples,
                                                 result.first_nonfinite[0], result.first_nonfinite[1]),
@@ -163,7 +175,7 @@ int run_render(Request& request) {
 
 Command add_render(CLI::App& app, const std::string& command_line) {
   CLI::App* command = app.add_subcommand("render", "path-trace a glTF scene to a picture");
-  command->set_help_flag("-h,--help", "show this and exit")->group("Help");
+  command->set_help_flag("-h,--help", "show this and exit")->group(kHelpGroup);
   const auto request = std::make_shared<Request>();
   request->command_line = command_line;
   add_output_flags(*command, request->output);

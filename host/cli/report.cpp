@@ -24,18 +24,18 @@ void print_summary(const Run& run, const OutputRequest& output) {
 
 void print_details(const Run& run) {
   const RenderResult& result = run.result;
-  fmt::print(stderr, "  device    {} ({}, {})\n", run.device.name, run.device.driver, run.device.type);
-  fmt::print(stderr, "  scene     {} triangles, {} lights\n", run.packed.triangle_count, run.packed.lights.size());
-  fmt::print(stderr, "  memory    {} on the device at most: scene {}, BVH {}, paths {}, film {}\n", to_size_text(run.peak_bytes),
+  fmt::print(stderr, "  device      {} ({}, {})\n", run.device.name, run.device.driver, run.device.type);
+  fmt::print(stderr, "  scene       {} triangles, {} lights\n", run.packed.triangle_count, run.packed.lights.size());
+  fmt::print(stderr, "  memory      {} on the device at most: scene {}, BVH {}, paths {}, film {}\n", to_size_text(run.peak_bytes),
              to_size_text(result.memory.scene), to_size_text(result.memory.bvh), to_size_text(result.memory.paths),
              to_size_text(result.memory.film));
-  fmt::print(stderr, "  seconds   load {:.2f}, BVH {:.2f}, upload {:.2f}, compile {:.2f}, render {:.2f}, write {:.2f}\n", run.load_seconds,
+  fmt::print(stderr, "  seconds     load {:.2f}, BVH {:.2f}, upload {:.2f}, compile {:.2f}, render {:.2f}, write {:.2f}\n", run.load_seconds,
              run.packed.bvh_seconds, result.upload_seconds, result.compile_seconds, result.seconds, run.write_seconds);
-  fmt::print(stderr, "  rays      camera {}, bounce {}, shadow {}\n", result.rays.camera, result.rays.bounce, result.rays.shadow);
+  fmt::print(stderr, "  rays        camera {}, bounce {}, shadow {}\n", result.rays.camera, result.rays.bounce, result.rays.shadow);
   for (const StageTime& stage : result.stages)
-    fmt::print(stderr, "  {:<10}{:.3f} s in {} dispatches\n", stage.name, stage.seconds, stage.dispatches);
+    fmt::print(stderr, "  {:<12}{:.3f} s in {} dispatches\n", stage.name, stage.seconds, stage.dispatches);
   for (const LeftOut& entry : run.packed.left_out)
-    fmt::print(stderr, "  left out  {}: {} ({})\n", entry.what, entry.why, to_size_text(entry.bytes));
+    fmt::print(stderr, "  left out    {}: {} ({})\n", entry.what, entry.why, to_size_text(entry.bytes));
 }
 
 } // namespace

@@ -7,6 +7,7 @@
 #include "host/base/error.h"
 #include "host/cli/commands.h"
 #include "host/cli/flags.h"
+#include "host/cli/interrupt.h"
 
 namespace wavepath {
 namespace {
@@ -31,36 +32,41 @@ std::vector<std::string> command_names(const CLI::App& app) {
   return names;
 }
 
-// What the parser could not place: an unknown flag or command, with what was probably meant.
-void refuse_leftovers(CLI::App& app) {
-  const std::vector<CLI::App*> chosen = app.get_subcommands();
-  const CLI::App& command = chosen.empty() ? app : *chosen.front();
-  std::vector<std::string> flags;
-  for (const CLI::Option* option : command.get_options())
-    for (const std::string& name : option->get_lnames()) flags.push_back("--" + name);
-  const std::string title = chosen.empty() ? "wavepath" : "wavepath " + command.get_name();
+std::vector<std::string> flag_names(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::Option* option : app.get_options())
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  return names;
+}
 
-  std::vector<std::string> words;
-  for (const std::string& word : app.remaining(true))
-    if (word != "--") words.push_back(word);
-  for (const std::string& word : words)
-    if (word.size() > 1 && word[0] == '-')
-      throw UsageError(word, "no such flag of '" + title + "'",
-                       nearest_name(word.substr(0, word.find('=')), flags).empty()
-                           ? "see " + title + " --help"
-                           : suggestion(word.substr(0, word.find('=')), flags));
-  if (words.empty()) return;
-  if (chosen.empty()) throw UsageError(words[0], "no such command", suggestion(words[0], command_names(app)));
-  throw UsageError(words[0], "is one argument too many for '" + title + "'", "see " + title + " --help");
+// Throws UsageError for what the parser could not place: an unknown flag or command, with what was probably meant.
+void refuse_leftovers(const CLI::App& app, const CLI::App* chosen) {
+  const CLI::App& command = chosen ? *chosen : app;
+  const std::string title = chosen ? "wavepath " + command.get_name() : "wavepath", help = "see " + title + " --help";
+  for (const std::string& word : app.remaining())
+    if (chosen && word != "--") throw UsageError(word, "stands before the command", "write " + title + " first, then its flags");
+  const std::vector<std::string> words = command.remaining();
+  for (const std::string& word : words) {
+    if (word.size() < 2 || word[0] != '-' || word == "--") continue;
+    const std::string name = word.substr(0, word.find('='));
+    const std::vector<std::string> flags = flag_names(command);
+    throw UsageError(name, "no such flag of '" + title + "'", nearest_name(name, flags).empty() ? help : suggestion(name, flags));
+  }
+  for (const std::string& word : words) {
+    if (word == "--") continue;
+    if (!chosen) throw UsageError(word, "no such command", suggestion(word, command_names(app)));
+    throw UsageError(word, "is one argument too many for '" + title + "'", help);
+  }
 }
 
 } // namespace
 
 int run(int argument_count, const char* const* arguments) {
-  CLI::App app("wavepath: path-traced reference images of glTF scenes, in Vulkan compute", "wavepath");
+  ignore_file_size_signal();
+  CLI::App app("path-traced reference images of glTF scenes, in Vulkan compute", "wavepath");
   app.formatter(std::make_shared<HelpLayout>());
-  app.set_help_flag("-h,--help", "show this and exit")->group("Help");
-  app.set_version_flag("--version", "wavepath " WAVEPATH_VERSION, "show the version and exit")->group("Help");
+  app.set_help_flag("-h,--help", "show this and exit")->group(kHelpGroup);
+  app.set_version_flag("--version", "wavepath " WAVEPATH_VERSION, "show the version and exit")->group(kHelpGroup);
   app.footer("wavepath COMMAND --help tells the flags of a command. Exit codes: 0 done, 1 the input or the machine failed, 2 "
              "wrong usage, 3 the asked-for error was not reached, 130 interrupted (the result so far was saved).");
   const std::map<std::string, Command> commands = {
@@ -75,7 +81,7 @@ int run(int argument_count, const char* const* arguments) {
     fmt::print("{}\n", version.what());
     return kExitDone;
   } catch (const CLI::ParseError& error) {
-    refuse_leftovers(app);
+    refuse_leftovers(app, app.get_subcommands().empty() ? nullptr : app.get_subcommands().front());
     throw UsageError("command line", error.what(), "see wavepath --help");
   }
   if (app.get_subcommands().empty())
