@@ -46,35 +46,69 @@ struct Candidate {
   bool front; // counter-clockwise as seen from the ray's origin
 };
 
-// Bound on the error of t where a vertex lies behind the origin; derived in bvh/intersect.h.
-float depth_error(vec3 x, vec3 y, vec3 z, float reciprocal, float shear_z) {
-  const float kShearError = 9.0 * 5.9604645e-8;
-  const float kProductError = 2.0 * 5.9604645e-8;
-  const float kDepthError = 18.0 * 5.9604645e-8;
-  float max_x = max_component(abs(x)), max_y = max_component(abs(y)), max_z = max_component(abs(z));
-  float x_error = kShearError * (max_x + max_z), y_error = kShearError * (max_y + max_z);
-  float edge_error = 2.0 * (kProductError * max_x * max_y + y_error * max_x + x_error * max_y);
-  return 3.0 * (kDepthError + edge_error * abs(reciprocal)) * (max_z * abs(shear_z));
+// A vertex relative to the ray: x, y across it (sheared), z = its t.
+vec3 shear_vertex(TraversalRay ray, vec3 vertex) {
+  precise vec3 p = to_sheared_axes(vertex - ray.origin, ray.axis);
+  precise vec3 sheared = vec3(p.xy - ray.shear.xy * p.z, ray.shear.z * p.z);
+  return sheared;
 }
 
+// Where a ray meets a triangle that it is known to meet.
+struct Place {
+  float t;
+  float t_error; // t > t_error means t > 0 for certain
+  float apex;    // weights of the first two vertices
+  float b;
+  bool valid;
+};
+
+// `apex` is opposite the shortest edge, from b to c; v and w are the edge functions opposite b and c. Derived in
+// bvh/intersect.h: taken straight from the edge functions, the weights would put hits anywhere along a sliver.
+Place locate(TraversalRay ray, vec3 apex, vec3 b, vec3 c, float v, float w) {
+  precise vec2 edge = c.xy - b.xy;
+  precise float area = edge.x * (apex.y - b.y) - edge.y * (apex.x - b.x);
+  precise float apex_weight = clamp((edge.y * b.x - edge.x * b.y) / area, 0.0, 1.0);
+  precise float share = v + w != 0.0 ? v / (v + w) : 0.0; // of b in the rest
+  precise float base = c.z + share * (b.z - c.z);
+  precise float t = base + apex_weight * (apex.z - base);
+  // With all vertices in front, their depths being exact in sign, t needs no bound, however thin the triangle is.
+  const float kEpsilon = 5.9604645e-8;
+  vec3 size = max(abs(apex), max(abs(b), abs(c)));
+  float width = max(size.x, size.y), depth = size.z / abs(ray.shear.z);
+  float scale = 4.0 * (12.0 * kEpsilon * (width + depth)) / abs(area);
+  float apex_error = min(scale * max(abs(edge.x), abs(edge.y)), 1.0);
+  float share_error = min(scale * 2.0 * width, 1.0);
+  float t_error = 18.0 * kEpsilon * size.z + apex_error * abs(apex.z - base) + share_error * abs(b.z - c.z);
+  bool in_front = min(apex.z, min(b.z, c.z)) > 0.0;
+  return Place(t, in_front ? 0.0 : t_error, apex_weight, (1.0 - apex_weight) * share, abs(area) >= kSmallestNormal);
+}
+
+float squared_distance(vec3 p, vec3 q) {
+  precise vec2 d = p.xy - q.xy;
+  precise float squared = d.x * d.x + d.y * d.y;
+  return squared;
+}
+
+bool surrounds_zero(float a, float b, float c) { return min(a, min(b, c)) <= 0.0 && max(a, max(b, c)) >= 0.0; }
+
 Candidate intersect_triangle(TraversalRay ray, vec3 v0, vec3 v1, vec3 v2) {
-  precise vec3 a = to_sheared_axes(v0 - ray.origin, ray.axis);
-  precise vec3 b = to_sheared_axes(v1 - ray.origin, ray.axis);
-  precise vec3 c = to_sheared_axes(v2 - ray.origin, ray.axis);
-  precise vec3 x = vec3(a.x, b.x, c.x) - ray.shear.x * vec3(a.z, b.z, c.z);
-  precise vec3 y = vec3(a.y, b.y, c.y) - ray.shear.y * vec3(a.z, b.z, c.z);
+  vec3 a = shear_vertex(ray, v0), b = shear_vertex(ray, v1), c = shear_vertex(ray, v2);
   // Neighbours see a shared edge with swapped ends, hence exactly negated: no ray slips between them.
-  precise vec3 edge = vec3(x.z, x.x, x.y) * vec3(y.y, y.z, y.x) - vec3(y.z, y.x, y.y) * vec3(x.y, x.z, x.x);
-  bool outside = any(lessThan(edge, vec3(0.0))) && any(greaterThan(edge, vec3(0.0)));
-  precise float determinant = edge.x + edge.y + edge.z;
-  precise float reciprocal = 1.0 / determinant;
-  precise vec3 weight = edge * reciprocal;
-  precise vec3 depth = ray.shear.z * vec3(a.z, b.z, c.z);
-  precise float t = weight.x * depth.x + weight.y * depth.y + weight.z * depth.z;
-  // The signs of the depths are exact: with all vertices in front t needs no bound, however thin the triangle is.
-  bool in_front = min(depth.x, min(depth.y, depth.z)) > 0.0;
-  float t_least = in_front ? 0.0 : depth_error(x, y, vec3(a.z, b.z, c.z), reciprocal, ray.shear.z);
-  return Candidate(t, weight.y, weight.z, !outside && abs(determinant) >= kSmallestNormal && t > t_least,
+  precise float u = c.x * b.y - c.y * b.x;
+  precise float v = a.x * c.y - a.y * c.x;
+  precise float w = b.x * a.y - b.y * a.x;
+  bool inside = (min(u, min(v, w)) >= 0.0 || max(u, max(v, w)) <= 0.0) && surrounds_zero(a.x, b.x, c.x) &&
+                surrounds_zero(a.y, b.y, c.y);
+  precise float determinant = u + v + w;
+
+  // The apex is the vertex opposite the shortest edge, the first on ties.
+  float bc = squared_distance(b, c), ca = squared_distance(c, a), ab = squared_distance(a, b);
+  bool apex_a = bc <= ca && bc <= ab, apex_b = !apex_a && ca <= ab;
+  Place place = locate(ray, apex_a ? a : apex_b ? b : c, apex_a ? b : apex_b ? c : a, apex_a ? c : apex_b ? a : b,
+                       apex_a ? v : apex_b ? w : u, apex_a ? w : apex_b ? u : v);
+  float rest = 1.0 - place.apex - place.b;
+  return Candidate(place.t, apex_a ? place.b : apex_b ? place.apex : rest, apex_a ? rest : apex_b ? place.b : place.apex,
+                   inside && abs(determinant) >= kSmallestNormal && place.valid && place.t > place.t_error,
                    (determinant > 0.0) == (ray.shear.z > 0.0));
 }
 

@@ -128,9 +128,12 @@ float triangle_opacity(uint triangle, float b1, float b2) {
 }
 
 // Shading normal on the side of `wo`: interpolated, bent by the normal map, and bent back where it would face away from the
-// viewer (such a direction cannot be seen on a real bumpy surface; leaving it would render black).
+// viewer (such a direction cannot be seen on a real bumpy surface; leaving it would render black). Which of its two signs is
+// meant follows from the side that is seen, so that meshes whose normals disagree with their winding are shaded all the same.
 vec3 shading_normal(Surface surface, Material material, bool front, vec3 wo) {
+  vec3 facing = front ? surface.geometric_normal : -surface.geometric_normal;
   vec3 n = surface.vertex_normal;
+  bool reversed = dot(n, facing) < 0.0;
   if (has(kFeatureNormalMaps) && material.normal_texture != kNone && dot(surface.tangent.xyz, surface.tangent.xyz) > 0.0) {
     vec3 mapped = sample_texture(material.normal_texture, surface.uv).xyz * 2.0 - 1.0;
     mapped.xy *= material.normal_scale;
@@ -138,7 +141,7 @@ vec3 shading_normal(Surface surface, Material material, bool front, vec3 wo) {
     vec3 b = cross(n, t) * surface.tangent.w;
     n = safe_normalize(t * mapped.x + b * mapped.y + n * mapped.z, n);
   }
-  if (!front) n = -n;
+  if (reversed) n = -n;
   const float kGrazing = 1e-3; // cosine at which the normal is held
   float cosine = dot(n, wo);
   return cosine < kGrazing ? normalize(n + wo * (kGrazing - cosine)) : n;
