@@ -5,15 +5,16 @@
 #include <gtest/gtest.h>
 
 #include "host/base/error.h"
-#include "host/scene/gltf.h"
-#include "tests/gltf_builder.h"
+#include "tests/gltf_checks.h"
 
 namespace wavepath {
 namespace {
 
 using nlohmann::json;
 using test::GltfBuilder;
+using test::load;
 using test::TempFolder;
+using test::warning_count;
 
 // Two texels, red and half-blue with alpha 51, as a palette PNG.
 const char kPalettePng[] =
@@ -27,19 +28,6 @@ const char kPalettePng[] =
 const char kWebp[] =
     "\x52\x49\x46\x46\x20\x00\x00\x00\x57\x45\x42\x50\x56\x50\x38\x4c\x14\x00\x00\x00\x2f\x01\x00\x00"
     "\x10\x0f\x30\x33\x3f\xfb\x1f\xe6\x07\xfe\x87\x16\x32\xa2\xff\x01";
-
-Scene load(const GltfBuilder& builder) {
-  TempFolder folder;
-  return load_gltf(folder.write("scene.gltf", builder.json()));
-}
-
-std::size_t warning_count(const Scene& scene, const std::string& text) {
-  std::size_t count = 0;
-  for (const auto& [warning, times] : scene.warnings.counts()) {
-    if (warning.find(text) != std::string::npos) count += times;
-  }
-  return count;
-}
 
 // The triangle, with texture coordinates and this material.
 GltfBuilder with_material(const json& material) {

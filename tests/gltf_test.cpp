@@ -1,38 +1,20 @@
-// glTF import, feature by feature: geometry, nodes, skins, morph targets, animation. Each test builds its own tiny
+// glTF import, feature by feature: containers, geometry, nodes, cameras, lights. Each test builds its own tiny
 // file.
 #include <cmath>
 
 #include <gtest/gtest.h>
 
-#include "host/scene/gltf.h"
-#include "host/scene/tangents.h"
-#include "tests/gltf_builder.h"
+#include "tests/gltf_checks.h"
 
 namespace wavepath {
 namespace {
 
 using nlohmann::json;
+using test::expect_near;
 using test::GltfBuilder;
+using test::load;
 using test::TempFolder;
-
-Scene load(const GltfBuilder& builder, const LoadOptions& options = {}) {
-  TempFolder folder;
-  return load_gltf(folder.write("scene.gltf", builder.json()), options);
-}
-
-std::size_t warning_count(const Scene& scene, const std::string& text) {
-  std::size_t count = 0;
-  for (const auto& [warning, times] : scene.warnings.counts()) {
-    if (warning.find(text) != std::string::npos) count += times;
-  }
-  return count;
-}
-
-void expect_near(const glm::dvec3& actual, const glm::dvec3& expected, double tolerance = 1e-6) {
-  EXPECT_LE(glm::length(actual - expected), tolerance)
-      << actual.x << " " << actual.y << " " << actual.z << " instead of " << expected.x << " " << expected.y << " "
-      << expected.z;
-}
+using test::warning_count;
 
 // --- containers ---
 
@@ -304,180 +286,6 @@ TEST(Gltf, PunctualLights) {
   EXPECT_EQ(scene.lights[2].kind, LightKind::directional);
   EXPECT_EQ(scene.lights[2].name, "sun");
   expect_near(scene.lights[2].direction, {0, -1, 0}, 1e-12);
-}
-
-// --- morph targets, skins, animation ---
-
-TEST(Gltf, MorphTargetsAtMeshAndNodeWeights) {
-  GltfBuilder b = GltfBuilder::triangle();
-  b.primitive()["attributes"]["NORMAL"] = b.floats("VEC3", {0, 0, 1, 0, 0, 1, 0, 0, 1});
-  b.primitive()["targets"] = {{{"POSITION", b.floats("VEC3", {0, 0, 2, 0, 0, 0, 0, 0, 0})},
-                               {"NORMAL", b.floats("VEC3", {4, 0, -1, 0, 0, 0, 0, 0, 0})}},
-                              {{"POSITION", b.floats("VEC3", {0, 0, 0, 0, 8, 0, 0, 0, 0})}}};
-  b.root["meshes"][0]["weights"] = {0.5, 0.25};
-  b.add("nodes", {{"mesh", 0}, {"weights", {1, 0}}});
-  b.add("nodes", {{"mesh", 0}});
-  const Scene scene = load(b);
-  ASSERT_EQ(scene.meshes.size(), 2u); // two sets of weights; nodes 0 and 2 share one
-  EXPECT_EQ(scene.instances[2].mesh, scene.instances[0].mesh);
-  EXPECT_EQ(scene.meshes[0].positions[0], glm::vec3(0, 0, 1));
-  EXPECT_EQ(scene.meshes[0].positions[1], glm::vec3(1, 2, 0));
-  EXPECT_EQ(scene.meshes[1].positions[0], glm::vec3(0, 0, 2));
-  EXPECT_EQ(scene.meshes[1].positions[1], glm::vec3(1, 0, 0));
-  EXPECT_EQ(scene.meshes[1].normals[0], glm::vec3(1, 0, 0));
-}
-
-GltfBuilder skinned() {
-  GltfBuilder b = GltfBuilder::triangle();
-  auto& attributes = b.primitive()["attributes"];
-  attributes["NORMAL"] = b.floats("VEC3", {1, 0, 0, 1, 0, 0, 1, 0, 0});
-  attributes["JOINTS_0"] = b.accessor<std::uint8_t>("VEC4", test::kUbyte, {0, 1, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0});
-  attributes["WEIGHTS_0"] =
-      b.accessor<std::uint8_t>("VEC4", test::kUbyte, {255, 0, 0, 0, 255, 0, 0, 0, 51, 204, 0, 0}, true);
-  const int inverse_bind = b.floats(
-      "MAT4", {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, -1, 0, 0, 1});
-  b.root["nodes"][0]["translation"] = {100, 100, 100}; // ignored: joints place the mesh
-  b.root["nodes"][0]["skin"] = 0;
-  const double h = std::sqrt(0.5);
-  b.add("nodes", {{"translation", {0, 0, 5}}, {"children", {2}}});
-  b.add("nodes", {{"translation", {1, 0, 0}}, {"rotation", {0, 0, h, h}}, {"scale", {1, 2, 1}}});
-  b.add("skins", {{"joints", {1, 2}}, {"inverseBindMatrices", inverse_bind}});
-  return b;
-}
-
-TEST(Gltf, SkinsPoseTheMeshInWorldSpace) {
-  const Scene scene = load(skinned());
-  ASSERT_EQ(scene.instances.size(), 1u);
-  EXPECT_EQ(scene.instances[0].world_from_object, glm::dmat4(1.0));
-  const Mesh& mesh = scene.meshes[0];
-  expect_near(mesh.positions[0], {0, 0, 5}); // joint 0
-  expect_near(mesh.positions[1], {1, 0, 5}); // at joint 1's origin
-  // (0,1,0): joint 0 gives (0,1,5); joint 1: (-1,1,0) scaled to (-1,2,0), turned to (-2,-1,0), moved to (-1,-1,5).
-  expect_near(mesh.positions[2], glm::dvec3(0, 1, 5) * 0.2 + glm::dvec3(-1, -1, 5) * 0.8, 1e-5);
-  expect_near(mesh.normals[1], {0, 1, 0}); // +x turned by 90 degrees
-}
-
-// The triangle with keys at 1 s and 3 s; the values are the accessor that the caller adds next.
-GltfBuilder animated(const std::string& path, const std::string& interpolation) {
-  GltfBuilder b = GltfBuilder::triangle();
-  b.add("animations", {{"name", "move"},
-                       {"samplers", {{{"input", 1}, {"output", 2}, {"interpolation", interpolation}}}},
-                       {"channels", {{{"sampler", 0}, {"target", {{"node", 0}, {"path", path}}}}}}});
-  b.floats("SCALAR", {1, 3});
-  return b;
-}
-
-glm::dvec3 moved(const GltfBuilder& builder, double seconds, const glm::dvec4& point = {0, 0, 0, 1}) {
-  return load(builder, {"", "move", seconds}).instances.at(0).world_from_object * point;
-}
-
-TEST(Gltf, LinearAndStepAnimation) {
-  GltfBuilder linear = animated("translation", "LINEAR");
-  linear.floats("VEC3", {2, 0, 0, 6, 0, 8});
-  expect_near(moved(linear, 0), {2, 0, 0}); // held
-  expect_near(moved(linear, 1.5), {3, 0, 2});
-  expect_near(moved(linear, 9), {6, 0, 8});
-  EXPECT_EQ(load(linear).instances[0].world_from_object, glm::dmat4(1.0)); // at rest unless asked
-  GltfBuilder step = animated("scale", "STEP");
-  step.floats("VEC3", {2, 2, 2, 6, 6, 6});
-  expect_near(moved(step, 2.9, {1, 0, 0, 1}), {2, 0, 0});
-  expect_near(moved(step, 3.0, {1, 0, 0, 1}), {6, 0, 0});
-}
-
-TEST(Gltf, RotationsTakeTheShorterArc) {
-  GltfBuilder b = animated("rotation", "LINEAR");
-  const auto h = static_cast<float>(std::sqrt(0.5));
-  b.floats("VEC4", {0, 0, 0, 1, 0, 0, -h, -h}); // 90 degrees about z, with the other sign
-  const double angle = 0.25 * std::acos(0.0);
-  expect_near(moved(b, 1.5, {1, 0, 0, 1}), {std::cos(angle), std::sin(angle), 0});
-}
-
-TEST(Gltf, CubicSplineAnimation) {
-  GltfBuilder b = animated("translation", "CUBICSPLINE");
-  // In-tangent, value, out-tangent at each of the two keys, 2 s apart.
-  b.floats("VEC3", {9, 9, 9, 0, 0, 0, 1, 0, 0, 0, 2, 0, 4, 0, 0, 9, 9, 9});
-  // Halfway the Hermite basis is 1/2, 1/8, 1/2, -1/8; tangents count times the duration.
-  expect_near(moved(b, 2.0), {0.5 * 0 + 0.125 * 2 * 1 + 0.5 * 4, -0.125 * 2 * 2, 0});
-  expect_near(moved(b, 3.0), {4, 0, 0});
-}
-
-TEST(Gltf, AnimatedMorphWeights) {
-  GltfBuilder b = animated("weights", "LINEAR");
-  b.floats("SCALAR", {0, 1, 1, 0}); // two targets at two times
-  b.primitive()["targets"] = {{{"POSITION", b.floats("VEC3", {0, 0, 4, 0, 0, 0, 0, 0, 0})}},
-                              {{"POSITION", b.floats("VEC3", {0, 8, 0, 0, 0, 0, 0, 0, 0})}}};
-  const Scene scene = load(b, {"", "0", 1.5});
-  EXPECT_EQ(scene.meshes[0].positions[0], glm::vec3(0, 6, 1));
-}
-
-// --- tangents ---
-
-Mesh quad(bool mirrored) {
-  Mesh mesh;
-  mesh.positions = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
-  mesh.normals.assign(4, {0, 0, 1});
-  mesh.uvs[0] = {{0, 1}, {1, 1}, {1, 0}, {0, 0}}; // the image upright: v points down
-  if (mirrored)
-    for (glm::vec2& uv : mesh.uvs[0]) uv.x = -uv.x;
-  mesh.indices = {0, 1, 2, 0, 2, 3};
-  return mesh;
-}
-
-TEST(Tangents, PointAlongUAndSayTheHandedness) {
-  Mesh upright = quad(false), mirrored = quad(true);
-  generate_tangents(upright, upright.uvs[0]);
-  generate_tangents(mirrored, mirrored.uvs[0]);
-  ASSERT_EQ(upright.tangents.size(), 4u);
-  ASSERT_EQ(mirrored.tangents.size(), 4u);
-  for (const glm::vec4& t : upright.tangents) EXPECT_EQ(t, glm::vec4(1, 0, 0, 1));
-  for (const glm::vec4& t : mirrored.tangents) EXPECT_EQ(t, glm::vec4(-1, 0, 0, -1));
-}
-
-TEST(Tangents, VerticesAreSplitWhereHandednessChanges) {
-  Mesh mesh;
-  mesh.positions = {{0, 0, 0}, {0, 1, 0}, {1, 0, 0}, {-1, 0, 0}};
-  mesh.normals.assign(4, {0, 0, 1});
-  mesh.uvs[0] = {{0, 1}, {0, 0}, {1, 1}, {1, 1}}; // the left triangle mirrors the right one
-  mesh.colors.assign(4, {1, 1, 1, 1});
-  mesh.indices = {0, 2, 1, 0, 1, 3};
-  generate_tangents(mesh, mesh.uvs[0]);
-  EXPECT_EQ(mesh.positions.size(), 6u);
-  EXPECT_EQ(mesh.tangents.size(), 6u);
-  EXPECT_EQ(mesh.colors.size(), 6u);
-  for (int k = 0; k < 3; ++k) {
-    EXPECT_EQ(mesh.tangents[mesh.indices[static_cast<std::size_t>(k)]], glm::vec4(1, 0, 0, 1));
-    EXPECT_EQ(mesh.tangents[mesh.indices[static_cast<std::size_t>(3 + k)]], glm::vec4(-1, 0, 0, -1));
-  }
-  EXPECT_EQ(mesh.positions[mesh.indices[3]], glm::vec3(0, 0, 0));
-}
-
-TEST(Tangents, AreWeightedByTheAngleOfTheFace) {
-  // Around vertex 0: a face of 90 degrees with its tangent along (1,0) and one of 45 degrees with its tangent along
-  // (1,1).
-  Mesh mesh;
-  mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {-1, 1, 0}};
-  mesh.normals.assign(4, {0, 0, 1});
-  mesh.uvs[0] = {{0, 0}, {1, 0}, {0, -1}, {-1, -2}};
-  mesh.indices = {0, 1, 2, 0, 2, 3};
-  generate_tangents(mesh, mesh.uvs[0]);
-  expect_near(glm::vec3(mesh.tangents[mesh.indices[0]]),
-              glm::normalize(glm::dvec3(2 + std::sqrt(0.5), std::sqrt(0.5), 0)), 1e-6);
-  expect_near(glm::vec3(mesh.tangents[mesh.indices[5]]), {std::sqrt(0.5), std::sqrt(0.5), 0}, 1e-6);
-}
-
-TEST(Tangents, OfFlatAndDegenerateTriangles) {
-  Mesh flat = quad(false);
-  flat.normals.clear();
-  flat.uvs[0][2] = flat.uvs[0][3] = flat.uvs[0][0]; // the second triangle has no uv area
-  generate_tangents(flat, flat.uvs[0]);
-  for (const glm::vec4& t : flat.tangents) {
-    EXPECT_NEAR(glm::length(glm::vec3(t)), 1.0f, 1e-6f);
-    EXPECT_NEAR(t.z, 0.0f, 1e-6f);
-    EXPECT_EQ(std::abs(t.w), 1.0f);
-  }
-  Mesh without = quad(false);
-  generate_tangents(without, {});
-  for (const glm::vec4& t : without.tangents) EXPECT_NEAR(glm::length(glm::vec3(t)), 1.0f, 1e-6f);
 }
 
 } // namespace

@@ -5,21 +5,17 @@
 #include <gtest/gtest.h>
 
 #include "host/base/error.h"
-#include "host/scene/gltf.h"
-#include "tests/gltf_builder.h"
+#include "tests/gltf_checks.h"
 
 namespace wavepath {
 namespace {
 
 using nlohmann::json;
+using test::full;
 using test::GltfBuilder;
 using test::TempFolder;
 
-// A sound PNG of one texel (64, 128, 192), and one whose header claims 60000 x 60000 texels: 14 GB if believed.
-const char kPng[] =
-    "\x89\x50\x4e\x47\x0d\x0a\x1a\x0a\x00\x00\x00\x0d\x49\x48\x44\x52\x00\x00\x00\x01\x00\x00\x00\x01"
-    "\x08\x02\x00\x00\x00\x90\x77\x53\xde\x00\x00\x00\x0c\x49\x44\x41\x54\x78\xda\x63\x70\x68\x38\x00"
-    "\x00\x02\x84\x01\x81\x18\x6a\x74\x87\x00\x00\x00\x00\x49\x45\x4e\x44\xae\x42\x60\x82";
+// A PNG whose header claims 60000 x 60000 texels: 14 GB if believed.
 const char kHugePng[] =
     "\x89\x50\x4e\x47\x0d\x0a\x1a\x0a\x00\x00\x00\x0d\x49\x48\x44\x52\x00\x00\xea\x60\x00\x00\xea\x60"
     "\x08\x06\x00\x00\x00\x80\xd2\x75\x42\x00\x00\x00\x0b\x49\x44\x41\x54\x78\xda\x63\x60\x40\x05\x00"
@@ -47,36 +43,6 @@ void expect_refused(const std::filesystem::path& path, const std::string& expect
   EXPECT_NE(rest.substr(0, remedy).find(expected), std::string::npos) << message << "\nexpected: " << expected;
   EXPECT_EQ(message.find('\n'), std::string::npos) << message;
   EXPECT_LT(rest.size(), 400u) << message;
-}
-
-// A valid file with everything in it that the cases damage: indexed triangle, normal, uv, skin, morph target, texture,
-// camera, animation. Accessors: 0 positions, 1 indices, 2 normals, 3 uvs, 4 joints, 5 weights, 6 times, 7 translations.
-GltfBuilder full() {
-  GltfBuilder b = GltfBuilder::triangle();
-  auto& attributes = b.primitive()["attributes"];
-  b.primitive()["indices"] = b.accessor<std::uint16_t>("SCALAR", test::kUshort, {0, 1, 2});
-  attributes["NORMAL"] = b.floats("VEC3", {0, 0, 1, 0, 0, 1, 0, 0, 1});
-  attributes["TEXCOORD_0"] = b.floats("VEC2", {0, 0, 1, 0, 0, 1});
-  attributes["JOINTS_0"] = b.accessor<std::uint8_t>("VEC4", test::kUbyte, {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0});
-  attributes["WEIGHTS_0"] = b.floats("VEC4", {1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0});
-  const int times = b.floats("SCALAR", {0, 1});
-  const int translations = b.floats("VEC3", {0, 0, 0, 1, 0, 0});
-  b.primitive()["targets"] = {{{"POSITION", 0}}};
-  b.root["meshes"][0]["weights"] = {0.5};
-  b.add("nodes", {{"translation", {0, 0, 1}}}); // node 1: the joint
-  b.root["nodes"][0]["skin"] = b.add("skins", {{"joints", {1}}});
-  b.add("nodes",
-        {{"camera", b.add("cameras", {{"type", "perspective"}, {"perspective", {{"yfov", 1}, {"znear", 0.1}}}})}});
-  b.add("animations", {{"name", "move"},
-                       {"samplers", {{{"input", times}, {"output", translations}}}},
-                       {"channels", {{{"sampler", 0}, {"target", {{"node", 1}, {"path", "translation"}}}}}}});
-  b.add("images", {{"bufferView", b.view(std::string(kPng, sizeof(kPng) - 1))}, {"mimeType", "image/png"}});
-  b.add("samplers", {{"magFilter", 9729}});
-  b.add("textures", {{"source", 0}, {"sampler", 0}});
-  b.primitive()["material"] = b.add("materials", {{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}}}});
-  b.add("scenes", {{"nodes", {0, 1, 2}}});
-  b.root["scene"] = 0;
-  return b;
 }
 
 struct Case {
