@@ -206,7 +206,7 @@ dvec3 hdr_display(dvec3 c) { return (k0 * c * c + k1 * c) / (k3 * c * c + k4 * c
 std::array<double, 2> exposure_range(const Picture& reference) {
   std::vector<double> y(reference.channels[0].values.size());
   for (std::size_t i = 0; i < y.size(); ++i)
-    y[i] = xyz_from_rgb({reference.channels[0].values[i], reference.channels[1].values[i], reference.channels[2].values[i]}).y;
+    y[i] = 0.2126 * reference.channels[0].values[i] + 0.7152 * reference.channels[1].values[i] + 0.0722 * reference.channels[2].values[i];
   constexpr double kTarget = 0.85;
   const double a = k0 - kTarget * k3, b = k1 - kTarget * k4, c = -kTarget * k5;
   const double bright = (-b + std::sqrt(b * b - 4.0 * a * c)) / (2.0 * a);

@@ -51,7 +51,8 @@ std::vector<float> interleave(const Picture& picture) {
 // darken the picture by a fifth of a percent on average.
 glm::vec3 round_to_shared_exponent(glm::vec3 color) {
   int exponent = 0;
-  std::frexp(std::max({color.x, color.y, color.z}), &exponent);
+  const float mantissa = std::frexp(std::max({color.x, color.y, color.z}), &exponent);
+  if (std::round(256.0f * mantissa) == 256.0f) ++exponent; // rounds up to the next power of two
   for (int c = 0; c < 3; ++c) color[c] = std::ldexp(std::round(std::ldexp(color[c], 8 - exponent)), exponent - 8);
   return color;
 }
