@@ -27,8 +27,9 @@ struct PackedScene {
   std::vector<bvh::WideNode> nodes; // none if all triangles fit into one leaf
   std::uint32_t root = 0;           // child word: a node or that leaf
   bool root_is_top = false;
-  // Traversal stack entries that suffice for certain, once a node's nearest child is taken without being stored: an end mark
-  // and the tree's bound; in two-level scenes the top level's, a mark that leads back to it, and the largest of its objects'.
+  // Traversal stack entries that suffice for certain, once a node's nearest child is taken without being stored: an end
+  // mark and the tree's bound; in two-level scenes the top level's, a mark that leads back to it, and the largest of
+  // its objects'.
   std::uint32_t stack_size = 0;
   std::vector<gpu::Triangle> triangles;
   std::vector<gpu::Instance> instances; // empty unless root_is_top
@@ -51,27 +52,32 @@ struct PackedScene {
 
   std::uint32_t features = 0; // kFeature bits
   std::vector<LeftOut> left_out;
-  std::uint64_t triangle_count = 0; // as seen: instances counted
+  std::uint64_t triangle_count = 0;    // as seen: instances counted
   std::uint64_t dropped_triangles = 0; // non-finite or degenerate
   double bvh_seconds = 0.0;
 };
 
-// What a scene will take on the device, computed before anything is laid out. Exact but for tree nodes (an average of real
-// scenes) and lights (every triangle of a textured emitter counts, though most may prove black).
+// What a scene will take on the device, computed before anything is laid out. Exact but for tree nodes (an average of
+// real scenes) and lights (every triangle of a textured emitter counts, though most may prove black).
 struct Plan {
-  std::uint64_t triangle_bytes = 0, node_bytes = 0, vertex_bytes = 0, texel_bytes = 0, environment_bytes = 0, light_bytes = 0;
+  std::uint64_t triangle_bytes = 0, node_bytes = 0, vertex_bytes = 0, texel_bytes = 0, environment_bytes = 0,
+                light_bytes = 0;
   std::uint64_t triangles_stored = 0, triangles_seen = 0, instances = 0;
   std::uint64_t largest_buffer = 0; // bytes of the largest single array
-  std::uint64_t total() const { return triangle_bytes + node_bytes + vertex_bytes + texel_bytes + environment_bytes + light_bytes; }
+  std::uint64_t total() const {
+    return triangle_bytes + node_bytes + vertex_bytes + texel_bytes + environment_bytes + light_bytes;
+  }
 };
 Plan plan(const Scene& scene);
 
-// `direct` (kDirect*): with kDirectBsdf no light is packed for sampling. Adds warnings about what it dropped to scene.warnings.
+// `direct` (kDirect*): with kDirectBsdf no light is packed for sampling. Adds warnings about what it dropped to
+// scene.warnings.
 PackedScene pack(Scene& scene, std::uint32_t direct = gpu::kDirectMis);
 
-// Packed tangent in the w of vertex_normals, as float bits: 31..16 and 15..1 hold the octahedral x and y of the direction
-// (Meyer et al. 2010; lower hemisphere where z < 0), each mapped from [-1,1] to [0, 65535] and [0, 32767]; bit 0 is set
-// where tangent.w < 0. No direction is stored as 0, which therefore stands for "no tangent". surface.glsl holds the inverse.
+// Packed tangent in the w of vertex_normals, as float bits: 31..16 and 15..1 hold the octahedral x and y of the
+// direction (Meyer et al. 2010; lower hemisphere where z < 0), each mapped from [-1,1] to [0, 65535] and [0, 32767];
+// bit 0 is set where tangent.w < 0. No direction is stored as 0, which therefore stands for "no tangent". surface.glsl
+// holds the inverse.
 float pack_tangent(const glm::vec4& tangent);
 
 } // namespace wavepath

@@ -11,8 +11,8 @@
 
 namespace wavepath {
 
-// World space, double precision. A camera ray through image position (x, y) in [-1,1], y upwards: perspective: direction
-// forward + x*right + y*up from position; orthographic: direction forward from position + x*right + y*up.
+// World space, double precision. A camera ray through image position (x, y) in [-1,1], y upwards: perspective:
+// direction forward + x*right + y*up from position; orthographic: direction forward from position + x*right + y*up.
 struct View {
   bool orthographic = false;
   glm::dvec3 position{0.0};
@@ -28,10 +28,11 @@ struct ViewRequest {
   std::optional<double> yfov{}; // radians
 };
 
-// Throws Error if the camera named is not there or the request is degenerate. A perspective camera keeps its vertical angle,
-// an orthographic one its height; the width follows from the image. A scene without a camera is framed: the bounding sphere
-// of its geometry fills the image, seen from a little above and to the right of +Z; from an eye of the user's own, its middle
-// is looked at. A level camera stays level when only its eye or target is moved. `yfov` makes any camera perspective.
+// Throws Error if the camera named is not there or the request is degenerate. A perspective camera keeps its vertical
+// angle, an orthographic one its height; the width follows from the image. A scene without a camera is framed: the
+// bounding sphere of its geometry fills the image, seen from a little above and to the right of +Z; from an eye of the
+// user's own, its middle is looked at. A level camera stays level when only its eye or target is moved. `yfov` makes
+// any camera perspective.
 View resolve_view(const Scene& scene, const ViewRequest& request, std::uint32_t width, std::uint32_t height);
 
 } // namespace wavepath
