@@ -1,6 +1,6 @@
 """Scenes whose radiance is known on paper; each carries the formula and the value in extras.wavepath.
 
-Most measure one point: an orthographic camera 0.1 mm wide, close above the receiver, so that it stands in no light's way.
+Most measure one point: an orthographic camera 2 um wide, close above the receiver, so that it stands in no light's way.
 """
 
 import math
@@ -36,7 +36,7 @@ def floor(g, material, size=1.0):
     g.mesh("floor", quad((-s, 0.0, -s), (-s, 0.0, s), (s, 0.0, s), (s, 0.0, -s)), material)
 
 
-def look_down(g, extent=1e-4, height=0.05):
+def look_down(g, extent=1e-6, height=0.05):
     g.camera((0.0, height, 0.0), ORIGIN, up=(0.0, 0.0, -1.0), extent=extent)
 
 
@@ -68,7 +68,7 @@ def disc_light():
 
 def half_hidden_disc_light():
     half = quad((0.0, 1.0, -9.0), (9.0, 1.0, -9.0), (9.0, 1.0, 9.0), (0.0, 1.0, 9.0))
-    return area_light("half-hidden disc light", disc(1.0, 2.0, 64), "an occluder's edge through the axis hides exactly half",
+    return area_light("half-hidden disc light", disc(1.0, 2.0, 64), "an edge through the axis hides exactly half",
                       occluder=half, factor=0.5)
 
 
@@ -79,7 +79,8 @@ def sphere_light():
 
 def tilted_sphere_light():
     body = sphere(32, smooth=False).moved((0.0, 3.0 * math.cos(1.0), 3.0 * math.sin(1.0)))
-    return area_light("sphere light at one radian", body, "E = pi L (R/d)^2 cos 1, R = 1, d = 3; here of the polyhedron")
+    return area_light("sphere light at one radian", body,
+                      "E = pi L (R/d)^2 cos 1, R = 1, d = 3; here of the polyhedron")
 
 
 def rectangle(x0, x1, z0, z1, y=1.0):
@@ -90,7 +91,8 @@ def rectangle(x0, x1, z0, z1, y=1.0):
 def rectangle_light_corner():
     g = receiver("unit square light above its corner")
     g.mesh("light", rectangle(0.0, 1.0, 0.0, 1.0), g.emitter("light", COLOR))
-    g.expect("E = pi L F(a/h, b/h), a = b = h = 1", reflected(PI * oracles.corner_rectangle_form_factor(1, 1, 1)), flags())
+    f = oracles.corner_rectangle_form_factor(1, 1, 1)
+    g.expect("E = pi L F(a/h, b/h), a = b = h = 1", reflected(PI * f), flags())
     return g
 
 
@@ -104,17 +106,17 @@ def rectangle_light_centre():
 
 def rectangle_light_below_horizon():
     g = receiver("light that reaches below the horizon")
-    light = quad((-0.5, -1.0, -2.0), (0.5, -1.0, -2.0), (0.5, 1.0, -2.0), (-0.5, 1.0, -2.0))
+    light = quad((-1.0, -1.0, -0.5), (1.0, -1.0, -0.5), (1.0, 1.0, -0.5), (-1.0, 1.0, -0.5))
     g.mesh("light", light, g.emitter("light", COLOR))
-    above = [(-0.5, 0.0, -2.0), (0.5, 0.0, -2.0), (0.5, 1.0, -2.0), (-0.5, 1.0, -2.0)]
+    above = [(-1.0, 0.0, -0.5), (1.0, 0.0, -0.5), (1.0, 1.0, -0.5), (-1.0, 1.0, -0.5)]
     g.expect("Lambert's polygon formula of the part above the horizon",
              reflected(oracles.polygon_irradiance(above, ORIGIN, UP)), flags())
     return g
 
 
 def touching_light():
-    g = receiver("light 1 um above the receiver", camera_height=5e-7)
-    g.mesh("light", rectangle(-0.5, 0.5, -0.5, 0.5, y=1e-6), g.emitter("light", COLOR))
+    g = receiver("light 0.1 mm above the receiver", camera_height=5e-5)
+    g.mesh("light", rectangle(-0.5, 0.5, -0.5, 0.5, y=1e-4), g.emitter("light", COLOR))
     g.expect("E -> pi L as h -> 0", reflected(PI), flags(), slack=1e-5, estimators=NO_NEE)
     return g
 
@@ -131,7 +133,7 @@ def point_light():
 def directional_light():
     g = receiver("directional light at 60 degrees")
     g.light("directional", 10.0, COLOR_UNIT, direction=(math.sin(PI / 3), -math.cos(PI / 3), 0.0))
-    g.expect("L = albedo E cos/pi", reflected(5.0, COLOR_UNIT), flags(), exact=2e-6, estimators=NEEDS_LIGHT_SAMPLING)
+    g.expect("L = albedo E cos/pi", reflected(5.0, COLOR_UNIT), flags(), exact=5e-6, estimators=NEEDS_LIGHT_SAMPLING)
     return g
 
 
@@ -178,8 +180,9 @@ def facing_squares():
 
 def adjacent_squares():
     wall = quad((-0.5, 0.0, -0.5), (0.5, 0.0, -0.5), (0.5, 1.0, -0.5), (-0.5, 1.0, -0.5))
-    return squares("perpendicular unit squares", "form factor between unit squares that share an edge: mean over the receiver",
-                   wall, oracles.adjacent_squares_form_factor(), estimators=NO_NEE)
+    return squares("perpendicular unit squares",
+                   "form factor between unit squares that share an edge: mean over the receiver", wall,
+                   oracles.adjacent_squares_form_factor(), estimators=NO_NEE)
 
 
 def inside_glowing_cube():
@@ -209,7 +212,8 @@ def enclosure():
 
 def truncated_enclosure():
     g = Gltf("closed box of albedo 0.9, eight bounces")
-    g.mesh("box", box((-1.0, -1.0, -1.0), (1.0, 1.0, 1.0)).flipped(), g.emitter("wall", (0.1, 0.1, 0.1), (0.9, 0.9, 0.9)))
+    inside = box((-1.0, -1.0, -1.0), (1.0, 1.0, 1.0)).flipped()
+    g.mesh("box", inside, g.emitter("wall", (0.1, 0.1, 0.1), (0.9, 0.9, 0.9)))
     g.camera(ORIGIN, (1.0, 0.0, 0.0), yfov=1.0)
     g.expect("L = Le (1-rho^9)/(1-rho)", [1 - 0.9 ** 9] * 3, flags(depth=8), estimators=NO_NEE)
     return g
@@ -230,8 +234,8 @@ def ambient_occlusion(name, about, walls, expected):
     g = Gltf(name)
     floor(g, g.lambert("receiver", (1.0, 1.0, 1.0)), size=1000.0)
     g.mesh("walls", join(walls), g.lambert("black", (0.0, 0.0, 0.0), doubleSided=True))
-    look_down(g, extent=1e-5, height=1e-3)
-    g.expect(about, [expected] * 3, flags(256, 1, "--env", "1,1,1"), slack=1e-5)
+    look_down(g)
+    g.expect(about, [expected] * 3, flags(256, 1, "--env", "1,1,1"), slack=3e-4)
     return g
 
 
@@ -242,13 +246,13 @@ def occlusion_by_wall():
 
 
 def occlusion_in_wedge():
-    d = 1e-2
+    d = 0.1
     wall = quad((-d, 0.0, -FAR), (-d, FAR, -FAR), (-d, FAR, FAR), (-d, 0.0, FAR))
-    return ambient_occlusion("beside a tall wall", "wedge of opening angle b: (1 - cos b)/2 with b = 90 degrees", [wall], 0.5)
+    return ambient_occlusion("beside a tall wall", "wedge of opening angle b: (1 - cos b)/2", [wall], 0.5)
 
 
 def occlusion_in_corner():
-    d = 1e-2
+    d = 0.1
     walls = [quad((-d, 0.0, -d), (-d, FAR, -d), (-d, FAR, FAR), (-d, 0.0, FAR)),
              quad((-d, 0.0, -d), (FAR, 0.0, -d), (FAR, FAR, -d), (-d, FAR, -d))]
     return ambient_occlusion("corner of three planes", "an octant of the cosine-weighted sphere: 1/4", walls, 0.25)
@@ -269,6 +273,6 @@ def scenes():
     for build in (disc_light, half_hidden_disc_light, sphere_light, tilted_sphere_light, rectangle_light_corner,
                   rectangle_light_centre, rectangle_light_below_horizon, touching_light, point_light, directional_light,
                   spot_light, lights_of_all_sizes, facing_squares, adjacent_squares, inside_glowing_cube, enclosure,
-                  truncated_enclosure, point_light_in_sphere, occlusion_by_wall, occlusion_in_wedge, occlusion_in_corner,
-                  occlusion_in_open_box):
+                  truncated_enclosure, point_light_in_sphere, occlusion_by_wall, occlusion_in_wedge,
+                  occlusion_in_corner, occlusion_in_open_box):
         yield build.__name__, build()

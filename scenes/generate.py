@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes the scenes of this folder; `--check` compares instead, and fails if a file differs from what would be written."""
+"""Writes the scenes of this folder; `--check` compares instead, and fails if a file differs."""
 
 import pathlib
 import sys

@@ -220,7 +220,7 @@ class Gltf:
                          matrix=[*x, 0.0, *y, 0.0, *z, 0.0, *eye, 1.0])
 
     def light(self, kind, intensity, color=(1.0, 1.0, 1.0), position=(0.0, 0.0, 0.0), direction=None, spot=None):
-        """Candela (point, spot) or lux (directional); `direction` in which it shines; `spot`: inner and outer half angle."""
+        """Candela (point, spot) or lux (directional); `direction` in which it shines; `spot`: half angles."""
         light = {"type": kind, "intensity": intensity, "color": list(color)}
         if spot:
             light["spot"] = {"innerConeAngle": spot[0], "outerConeAngle": spot[1]}

@@ -55,7 +55,8 @@ def furnace_lambert():
 
 def furnace_glass():
     """Faceted, because interpolated normals bend rays that flat ones would not."""
-    g = furnace("glass furnace", "glass that absorbs nothing: L = 1, whatever its ior", exact=1e-5, estimators=["mis", "bsdf"])
+    g = furnace("glass furnace", "glass that absorbs nothing: L = 1, whatever its ior", exact=1e-5,
+                estimators=["mis", "bsdf"])
     ball = g.shape(sphere(16, smooth=False))
     for i, ior in enumerate((1.0, 1.000001, 1.5, 2.4)):
         g.mesh(f"ior {ior}", ball, g.glass(f"ior {ior}", ior), translation=[i * 0.9 - 1.35, 0.4, 0.0], scale=[0.4] * 3)

@@ -1,4 +1,4 @@
-"""The picture on the first page: glass, metals and ceramics on a tiled stage, between a soft box and two strips of light."""
+"""The picture on the first page: glass, metals and ceramics on a tiled stage, under a soft box."""
 
 import math
 
@@ -36,8 +36,8 @@ def torus_knot(around=3, through=2, radius=0.62, swing=0.27, tube=0.155, steps=3
 def brilliant(sides=12, table=0.55, crown=0.34, pavilion=0.86):
     """A cut gem, flat-faced: table, crown and pavilion; girdle of radius 1 at y = 0."""
     def ring(radius, y, turn):
-        return [(radius * math.cos(2 * math.pi * (i + turn) / sides), y, -radius * math.sin(2 * math.pi * (i + turn) / sides))
-                for i in range(sides)]
+        return [(radius * math.cos(a), y, -radius * math.sin(a))
+                for a in (2 * math.pi * (i + turn) / sides for i in range(sides))]
 
     top, girdle, tip = ring(table, crown, 0.5), ring(1.0, 0.0, 0.0), (0.0, -pavilion, 0.0)
     faces = []
@@ -88,7 +88,8 @@ def tiles():
 
 
 def stage(g):
-    circle = [(STAGE_RADIUS * math.cos(a), -STAGE_RADIUS * math.sin(a)) for a in (2 * math.pi * i / 128 for i in range(128))]
+    circle = [(STAGE_RADIUS * math.cos(a), -STAGE_RADIUS * math.sin(a))
+              for a in (2 * math.pi * i / 128 for i in range(128))]
     g.mesh("stage", prism(circle, STAGE_HEIGHT - 0.002), g.material("stage edge", (0.75, 0.72, 0.66), roughness=0.5))
     top = Shape([(x, STAGE_HEIGHT, z) for x, z in circle], [v for i in range(1, 127) for v in (0, i, i + 1)],
                 uvs=[(0.5 + 0.5 * x / STAGE_RADIUS, 0.5 + 0.5 * z / STAGE_RADIUS) for x, z in circle])
@@ -123,8 +124,8 @@ def showcase():
     def metal(name, color, roughness):
         return g.material(name, color, metallic=1.0, roughness=roughness)
 
-    g.mesh("knot", torus_knot(), metal("rose gold", (0.96, 0.64, 0.54), 0.2), translation=[0.0, STAGE_HEIGHT + 0.995, -0.55],
-           rotation=[0.0, math.sin(0.15), 0.0, math.cos(0.15)])
+    g.mesh("knot", torus_knot(), metal("rose gold", (0.96, 0.64, 0.54), 0.2),
+           translation=[0.0, STAGE_HEIGHT + 0.995, -0.55], rotation=[0.0, math.sin(0.15), 0.0, math.cos(0.15)])
     place("glass", -1.25, 0.75, 0.52, g.glass("glass"))
     place("amber", 1.3, 0.95, 0.44, g.glass("amber", attenuation=(1.0, 0.55, 0.12), distance=0.35))
     place("copper", -2.05, -0.55, 0.58, metal("rough copper", (0.955, 0.638, 0.538), 0.45))
