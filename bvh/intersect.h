@@ -74,7 +74,6 @@ inline Vec3 shear(const PreparedRay& ray, Vec3 vertex) {
 struct Place {
   float t, t_error; // t > t_error means t > 0 for certain; 0 where all vertices lie in front of the origin
   float apex, b;    // weights of the first two vertices
-  bool valid;
 };
 
 // `apex` must be opposite the shortest edge, from b to c; v and w are the edge functions opposite b and c. Weights
@@ -83,22 +82,29 @@ struct Place {
 // hardly matters.
 inline Place locate(const PreparedRay& ray, Vec3 apex, Vec3 b, Vec3 c, float v, float w) {
   const float ex = c.x - b.x, ey = c.y - b.y;
-  const float area = ex * (apex.y - b.y) - ey * (apex.x - b.x);
-  if (!(std::fabs(area) >= std::numeric_limits<float>::min())) return {0, 0, 0, 0, false};
-  const float apex_weight = std::clamp((ey * b.x - ex * b.y) / area, 0.0f, 1.0f);
-  const float share = v + w != 0 ? v / (v + w) : 0.0f; // of b in the rest
-  const float base = c.z + share * (b.z - c.z);
-  Place place{base + apex_weight * (apex.z - base), 0, apex_weight, (1 - apex_weight) * share, true};
+  const float area = ex * (apex.y - b.y) - ey * (apex.x - b.x), rest = v + w;
+  if (!(std::fabs(area) >= std::numeric_limits<float>::min())) return {0, 0, 0, 0}; // not a hit: t > t_error is false
+  const float weight = std::clamp((ey * b.x - ex * b.y) / area, 0.0f, 1.0f);
+  const float share_b = rest != 0 ? v / rest : 0.0f, share_c = rest != 0 ? w / rest : 1.0f;
+  // From the nearer end, so that a far one adds no error beyond its share, and equal depths come out exactly.
+  const float base = std::fabs(b.z) < std::fabs(c.z) ? b.z + share_c * (c.z - b.z) : c.z + share_b * (b.z - c.z);
+  Place place{base + weight * (apex.z - base), 0, weight, (1 - weight) * share_b};
   if (std::min(apex.z, std::min(b.z, c.z)) > 0) return place; // their signs are exact
 
-  // The shear moves vertices by up to 9 eps (|x| + |z|), which with the rounding of the products above moves the apex's
-  // weight by 4 move e / |area| and the share by 4 move size / |area|, but never by more than 1.
-  const Vec3 size = max(abs(apex), max(abs(b), abs(c)));
-  const float width = std::max(size.x, size.y), depth = size.z / std::fabs(ray.sz);
-  const float move = 12 * 0x1p-24f * (width + depth), scale = 4 * move / std::fabs(area);
-  const float apex_error = std::min(scale * std::max(std::fabs(ex), std::fabs(ey)), 1.0f);
-  const float share_error = std::min(scale * 2 * width, 1.0f);
-  place.t_error = 18 * 0x1p-24f * size.z + apex_error * std::fabs(apex.z - base) + share_error * std::fabs(b.z - c.z);
+  // Otherwise bound the error of t. In 1/eps: shear() moves a vertex across the ray by 3 (extent + depth), which moves
+  // the hit by as much times the vertex's weight; the products for the weights of the apex and of b err by 4 and by 4
+  // times what they multiply; depths err by 5, relatively. What sx, sy, sz err by scales or tilts the ray, so that no t
+  // changes its sign. All is rounded up for divisions within 2.5 ulp and for the rounding of the bound itself.
+  const float extent_a = std::max(std::fabs(apex.x), std::fabs(apex.y)), to_depth = 1 / std::fabs(ray.sz);
+  const float extent_b = std::max(std::fabs(b.x), std::fabs(b.y)), extent_c = std::max(std::fabs(c.x), std::fabs(c.y));
+  const float weight_b = place.b, weight_c = (1 - weight) * share_c, edge = std::max(std::fabs(ex), std::fabs(ey));
+  const float depths = weight * std::fabs(apex.z) + weight_b * std::fabs(b.z) + weight_c * std::fabs(c.z);
+  const float move = weight * extent_a + weight_b * extent_b + weight_c * extent_c + depths * to_depth;
+  const float longest = extent_a + std::max(extent_b, extent_c);
+  const float apex_error = edge * (8 * move + 6 * extent_b + 12 * weight * longest) / std::fabs(area);
+  const float share_error = (8 * move * longest + 6 * extent_a * (extent_b + extent_c)) / std::fabs(area);
+  place.t_error = 0x1p-24f * (12 * depths + apex_error * std::fabs(apex.z - base) +
+                              std::min(share_error, 0x1p24f) * std::fabs(b.z - c.z));
   return place;
 }
 
@@ -133,7 +139,7 @@ inline bool intersect(const PreparedRay& ray, const Triangle& triangle, Triangle
   // u+v+w is minus twice the signed area in (kx, ky), and kx, ky, kz are right-handed: seen along +kz that area is
   // mirrored.
   hit.front = (det > 0) == (ray.sz > 0);
-  return place.valid && place.t > place.t_error;
+  return place.t > place.t_error;
 }
 
 } // namespace wavepath::bvh

@@ -124,17 +124,18 @@ TEST(Build, GeometricProgression) {
   }
 }
 
-// Boxes whose every cut by area peels off a single one: only the depth budget ends that.
+// Nested cubes over 159 octaves: cuts by area peel off an octave or two each, and only the depth budget ends that.
 TEST(Build, DepthIsBoundedWhereAreaCutsPeel) {
   std::vector<Box> boxes;
-  for (int k = 0; k < 100'000; ++k) {
-    const float x = std::pow(0.97f, static_cast<float>(k % 2000));
-    boxes.push_back({{0, 0, 0}, {x, x, x}});
-  }
+  for (int octave = -99; octave < 60; ++octave)
+    for (int copy = 0; copy < 100; ++copy) {
+      const float x = std::ldexp(1.0f, octave);
+      boxes.push_back({{0, 0, 0}, {x, x, x}});
+    }
   BuildReport report;
-  const WideTree tree = build(boxes, {.max_leaf_size = 1}, &report);
+  const WideTree tree = build(boxes, {.max_leaf_size = 1, .bin_count = 2}, &report);
   EXPECT_TRUE(validate(tree, boxes).empty());
-  EXPECT_LE(report.binary_depth, 64u);
+  EXPECT_EQ(report.binary_depth, 64u);
   EXPECT_LE(tree.stack_bound, kMaxStackBound);
 }
 

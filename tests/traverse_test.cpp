@@ -1,4 +1,7 @@
 // The reference traversal agrees with testing every triangle, and closed meshes do not leak.
+#include <array>
+#include <utility>
+
 #include "bvh/traverse.h"
 
 #include "tests/meshes.h"
@@ -80,6 +83,23 @@ TEST(Trace, TiesGoToTheLowestItem) {
   }
 }
 
+// Triangles of many sizes in one plane: the larger the box, the earlier it is entered, whatever the item.
+TEST(Trace, TiesGoToTheLowestItemInAnyOrderOfVisits) {
+  Random random(27);
+  Triangles triangles;
+  for (int i = 0; i < 1000; ++i) {
+    const float x = random.uniform(-1, 1), y = random.uniform(-1, 1), size = random.uniform(0.1f, 3);
+    triangles.push_back({{x - size, y - size, 0}, {x + size, y - size, 0}, {x, y + size, 0}});
+  }
+  const Mesh mesh = build_checked(triangles);
+  for (int i = 0; i < 1000; ++i) {
+    const Ray ray{{random.uniform(-1, 1), random.uniform(-1, 1), 1}, {random.uniform(-0.5f, 0.5f), 0, -1}};
+    const Hit hit = closest_hit(mesh.tree, mesh.triangles, ray);
+    ASSERT_EQ(hit.triangle.t, 1.0f);
+    expect_same(hit, brute_force(mesh.triangles, ray));
+  }
+}
+
 TEST(Trace, BarycentricsAndDistanceGiveTheHitPoint) {
   const Mesh mesh = build_checked(soup(1000, 24));
   Random random(25);
@@ -143,6 +163,46 @@ TEST(Trace, DistanceBoundsAreOpen) {
   EXPECT_FALSE(hit(2, kInf));
 }
 
+// Six times the signed volume of the tetrahedron over a triangle, and a bound on its error, in double.
+std::pair<double, double> side_of(const Triangle& t, Vec3 p) {
+  const auto minus = [](Vec3 a, Vec3 b) { return std::array{double{a.x} - b.x, double{a.y} - b.y, double{a.z} - b.z}; };
+  const std::array a = minus(t.v0, p), b = minus(t.v1, p), c = minus(t.v2, p);
+  double sum = 0, size = 0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const std::size_t j = (i + 1) % 3, k = (i + 2) % 3;
+    sum += a[i] * (b[j] * c[k] - b[k] * c[j]);
+    size += std::fabs(a[i] * b[j] * c[k]) + std::fabs(a[i] * b[k] * c[j]);
+  }
+  return {sum, size * 1e-14};
+}
+
+// Origins within a few units in the last place of the triangle, whatever its shape: a hit is reported only if the
+// triangle truly lies in front.
+TEST(Trace, NothingBehindTheOriginIsHit) {
+  Random random(28);
+  int near_hits = 0;
+  for (int i = 0; i < 300'000; ++i) {
+    const Vec3 v0 = random.point(-1, 1), long_edge = random.point(-1, 1);
+    const Vec3 v2 = v0 + long_edge * random.uniform() + random.point(-1, 1) * std::pow(10.0f, random.uniform(-4, 0));
+    const Triangle t{v0, v0 + long_edge, v2};
+    const float b1 = random.uniform(0.05f, 0.9f), b2 = random.uniform(0.05f, 0.95f - b1);
+    const Vec3 on = t.v0 + (t.v1 - t.v0) * b1 + (t.v2 - t.v0) * b2;
+    const Vec3 origin = on + random.point(-1, 1) * std::pow(10.0f, random.uniform(-8, -1));
+    const Vec3 direction = random.direction();
+    const auto [side, side_error] = side_of(t, origin);
+    const auto [later, later_error] = side_of(t, origin + direction * 4.0f);
+    if (std::fabs(side) < side_error || std::fabs(later) < later_error) continue;
+    TriangleHit hit;
+    const bool is_hit = intersect(prepare({origin, direction}), t, hit);
+    const bool in_front = (side > 0) != (later > 0);
+    if (is_hit) {
+      ASSERT_TRUE(in_front) << "t = " << hit.t;
+      near_hits += hit.t < 1e-5f;
+    }
+  }
+  EXPECT_GT(near_hits, 1000);
+}
+
 // Rays that run exactly along the faces of boxes, with zeros of both signs.
 TEST(Trace, AxisAlignedRaysOnBoxFaces) {
   Triangles triangles; // a 16 x 16 grid of quads in the plane z = 0
@@ -166,6 +226,29 @@ TEST(Trace, AxisAlignedRaysOnBoxFaces) {
         }
         const Ray along{{-5, y, 0}, {1, zero, zero}}; // within the plane: edge-on triangles are never hit
         EXPECT_EQ(closest_hit(mesh.tree, mesh.triangles, along).item, kAbsent);
+      }
+}
+
+// Unwidened boxes, as a top level may have: a ray within their faces enters one side or the other.
+TEST(Trace, AxisAlignedRaysBetweenBoxes) {
+  std::vector<Box> boxes;
+  for (int x = 0; x < 8; ++x)
+    for (int y = 0; y < 8; ++y) {
+      const Vec3 lo{static_cast<float>(x), static_cast<float>(y), 0};
+      boxes.push_back({lo, lo + Vec3{1, 1, 1}});
+    }
+  const WideTree tree = build(boxes, {.max_leaf_size = 1});
+  for (const float zero : {0.0f, -0.0f})
+    for (int x = 0; x < 8; ++x)
+      for (int y = 0; y < 8; ++y) {
+        const PreparedRay ray = prepare({{static_cast<float>(x), static_cast<float>(y), -1}, {zero, zero, 1}});
+        for (int axis = 0; axis < 3; ++axis) EXPECT_TRUE(std::isfinite(ray.inverse[axis]) && ray.inverse[axis] > 0);
+        int entered = 0;
+        traverse(tree.nodes, tree.root, ray, [&](std::uint32_t, std::uint32_t, float&) {
+          ++entered;
+          return false;
+        });
+        EXPECT_EQ(entered, 1);
       }
 }
 
@@ -214,10 +297,29 @@ TEST(Watertight, NearTheEdgeOfLargeTriangles) {
     const Triangle& t = triangles[static_cast<std::size_t>(random.uniform(0, 7.99f))];
     const float along = random.uniform();
     const Vec3 on_edge = t.v0 + (t.v1 - t.v0) * along;
-    const Vec3 origin = on_edge * (1 - std::pow(10.0f, random.uniform(-4, -1)));
+    const float distance = std::pow(10.0f, random.uniform(-4, -1));
+    const Vec3 origin = on_edge * (1 - distance) + random.point(-1, 1) * (0.1f * distance);
     leaks += !any_hit(mesh.tree, mesh.triangles, {origin, on_edge - origin});
     const Vec3 nearby = t.v0 + (t.v1 - t.v0) * (along + random.uniform(-1e-3f, 1e-3f));
     leaks += !any_hit(mesh.tree, mesh.triangles, {origin, nearby - origin});
+  }
+  EXPECT_EQ(leaks, 0);
+}
+
+// A tetrahedron whose upper edge lies on the faces of its triangles' boxes, from points very near to that edge.
+// Rounding in the triangle test grows with the triangle, not with the distance: a box that is not widened for it lets
+// rays through.
+TEST(Watertight, NearAnEdgeThatBoundsItsBoxes) {
+  const Vec3 r0{-1.1f, 3.37e-4f, 7.31e-4f}, r1{0.9f, 3.37e-4f, 7.31e-4f}, p{0.1f, -0.7f, -1.3f}, q{0.2f, 1.4f, -1.4f};
+  const Mesh mesh = build_checked({{r0, r1, p}, {r0, r1, q}, {p, q, r0}, {p, q, r1}}, {.max_leaf_size = 1});
+  Random random(34);
+  int leaks = 0;
+  for (int i = 0; i < 300'000; ++i) {
+    const Vec3 on_edge = r0 + (r1 - r0) * random.uniform(0.2f, 0.8f);
+    const float distance = std::pow(10.0f, random.uniform(-4, -2));
+    const Vec3 origin = on_edge + Vec3{random.uniform(-2, 2), random.uniform(-0.5f, 0.5f), -1} * distance;
+    const Vec3 aside{0, random.uniform(-5e-8f, 5e-8f), random.uniform(-5e-8f, 5e-8f)};
+    leaks += !any_hit(mesh.tree, mesh.triangles, {origin, on_edge - origin + aside});
   }
   EXPECT_EQ(leaks, 0);
 }
