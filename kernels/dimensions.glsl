@@ -9,7 +9,7 @@ const uint kDimensionsPerBounce = 4u;
 const uint kDimensionDirection = 0u; // of the scattered ray
 const uint kDimensionChoice = 1u;    // x: lobe, y: Russian roulette
 const uint kDimensionLight = 2u;     // point on the light
-const uint kDimensionLightPick = 3u; // x: which light
+const uint kDimensionLightPick = 3u; // which light
 
 uint bounce_dimension(uint bounce) { return 1u + bounce * kDimensionsPerBounce; }
 

@@ -112,7 +112,7 @@ LightSample sample_environment(vec2 u) {
   return s;
 }
 
-LightSample sample_light(vec3 from, float u_pick, vec2 u) {
+LightSample sample_light(vec3 from, vec2 u_pick, vec2 u) {
   Light light = lights[pick_light(u_pick)];
   if (has(kFeatureEnvironment) && light.kind == kLightEnvironment) return sample_environment(u);
   if (has(kFeatureTriangleLights) && light.kind == kLightTriangle) return sample_triangle_light(light, from, u);

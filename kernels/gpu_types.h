@@ -87,7 +87,6 @@ GPU_CONSTANT uint kBindFilm = 21u;             // storage FilmPixel[], kReplicat
 GPU_CONSTANT uint kBindPathMedia = 22u;        // storage uint[], one a slot: material whose inside the path is in (kFeatureVolume)
 GPU_CONSTANT uint kBindPathAovs = 23u;         // storage PathAovs[], one a slot (kFeatureAovs)
 GPU_CONSTANT uint kBindFilmAovs = 24u;         // storage FilmAovs[], one a pixel (kFeatureAovs)
-GPU_CONSTANT uint kBindCount = 25u;
 
 // ---- geometry -------------------------------------------------------------------------------------------------------------
 GPU_CONSTANT uint kNodeTexels = 7u;     // lo_x hi_x lo_y hi_y lo_z hi_z of four children, then four child words
@@ -277,10 +276,9 @@ struct ShadowRay {
   vec3 direction; // to the point on the light, not normalized: t in (0,1); unit length and t_max = kFar for distant lights
   float t_max;
   vec3 contribution; // what the path gains if nothing is in between
-  uint flags;        // kShadowDirect
+  float pad0;
 };
 GPU_CHECK(sizeof(ShadowRay) == 48);
-GPU_CONSTANT uint kShadowDirect = 1u; // counts as direct light in the AOVs
 
 struct Queues {
   uint ray_count[2];

@@ -10,16 +10,9 @@
 
 // ---- alias tables -----------------------------------------------------------------------------------------------
 
-// Column of u in [0, 1); u becomes the position inside the column. 24 bits of u leave 24 - log2(n) for that.
-uint alias_column(inout float u, uint n) {
-  float x = u * float(n);
-  uint column = min(uint(x), n - 1u);
-  u = clamp(x - float(column), 0.0, kOneMinusEpsilon);
-  return column;
-}
-
-// Column for tables so large that u.x alone does not reach every one: borrows the eight lowest bits of u.y.
-uint alias_column_large(inout vec2 u, uint n) {
+// Column of u.x among n; u.x becomes the position inside the column. Tables can have more columns than a float's 24 bits tell
+// apart, so eight more are borrowed from the lowest of u.y.
+uint alias_column(inout vec2 u, uint n) {
   uint bits = (uint(u.x * 16777216.0) << 8u) | (uint(u.y * 16777216.0) & 0xffu);
   uint column, rest;
   umulExtended(bits, n, column, rest);
@@ -109,10 +102,11 @@ vec3 environment_texel_direction(uint column, uint row, uint width, uint height,
 // ---- from the bound buffers -------------------------------------------------------------------------------------
 
 #ifdef BIND_LIGHTS
-// Index of a light chosen in proportion to lights[].probability; u is reused.
-uint pick_light(inout float u) {
+// Index of a light chosen in proportion to lights[].probability; u.y, which decides between column and alias at full
+// precision however many lights there are, is uniform again afterwards.
+uint pick_light(inout vec2 u) {
   uint column = alias_column(u, frame.light_count);
-  return alias_follow(column, lights[column].threshold, lights[column].alias, u);
+  return alias_follow(column, lights[column].threshold, lights[column].alias, u.y);
 }
 #endif
 
@@ -132,7 +126,7 @@ float environment_map_pdf(uvec2 texel) {
 // World direction chosen in proportion to the map, its texel and its density.
 vec3 sample_environment_map(vec2 u, out uvec2 texel, out float pdf) {
   uint width = frame.environment_width, height = frame.environment_height;
-  uint column = alias_column_large(u, width * height);
+  uint column = alias_column(u, width * height);
   uvec2 entry = texelFetch(environment_alias, int(column)).xy;
   uint index = alias_follow(column, uintBitsToFloat(entry.x), entry.y, u.y);
   texel = uvec2(index % width, index / width);

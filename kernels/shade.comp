@@ -80,7 +80,7 @@ uint medium_behind(Vertex v) { return v.bsdf.entering ? v.surface.material : kNo
 // Next-event estimation: true if there is a shadow ray worth tracing.
 bool connect_to_light(Vertex v, Sampler path_sampler, uint dimension, uint slot, vec3 throughput, out ShadowRay ray) {
   vec2 u = sample_2d(path_sampler, dimension + kDimensionLight);
-  float u_pick = sample_2d(path_sampler, dimension + kDimensionLightPick).x;
+  vec2 u_pick = sample_2d(path_sampler, dimension + kDimensionLightPick);
   LightSample light = sample_light(v.surface.position, u_pick, u);
   if (max_component(light.radiance) <= 0.0 || !(light.pdf > 0.0) || !sides_agree(v, light.direction)) return false;
 
@@ -99,7 +99,6 @@ bool connect_to_light(Vertex v, Sampler path_sampler, uint dimension, uint slot,
   if (max_component(ray.contribution) <= 0.0) return false;
 
   ray.slot = slot;
-  ray.flags = 0u;
   ray.origin = offset_ray_origin(v.surface.position, v.surface.position_error, v.surface.geometric_normal, light.direction);
   ray.direction = light.distant ? light.direction : light.target - ray.origin;
   ray.t_max = light.distant ? kFar : 1.0;

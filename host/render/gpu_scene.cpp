@@ -9,6 +9,12 @@
 namespace wavepath {
 namespace {
 
+// bvh/ knows nothing of devices; what it writes is what the kernels read.
+static_assert(sizeof(bvh::WideNode) == 16 * gpu::kNodeTexels);
+static_assert(bvh::kLeafBit == gpu::kLeafBit && bvh::kLeafCountShift == gpu::kLeafCountShift &&
+              bvh::kLeafFirstMask == gpu::kLeafFirstMask && bvh::kMaxLeafSize == gpu::kMaxLeafSize &&
+              bvh::kAbsent == gpu::kNone);
+
 // Byte value to linear radiance, IEC 61966-2-1.
 std::vector<float> srgb_decoding() {
   std::vector<float> table(256);

@@ -27,9 +27,10 @@ void main() {
     e.a.xyz = sample_environment_map(e.a.xy, texel, e.a.w);
     e.b.xy = vec2(texel);
     e.b.zw = vec2(environment_texel(environment_from_world(e.a.xyz, frame.environment_rotation)));
-  } else if (wave.bounce == 2u) { // u in a.x -> b: light, what is left of u
-    e.b.y = e.a.x;
-    e.b.x = float(pick_light(e.b.y));
+  } else if (wave.bounce == 2u) { // u in a.xy -> b: light, what is left of u.y
+    vec2 u = e.a.xy;
+    e.b.x = float(pick_light(u));
+    e.b.y = u.y;
   } else if (wave.bounce == 3u) { // texel a.xy of a map sized as the frame says, u in a.zw -> b: direction, solid angle
     e.b.xyz = environment_texel_direction(uint(e.a.x), uint(e.a.y), width, height, e.a.zw);
     e.b.w = environment_texel_solid_angle(uint(e.a.y), width, height);
@@ -41,7 +42,7 @@ void main() {
     e.b.w = solid_angle_pdf(e.a.w, e.a.xyz, e.b.xyz);
   } else { // u in a.xy, table size in the bits of a.z -> column in the bits of b.x
     vec2 u = e.a.xy;
-    e.b.x = uintBitsToFloat(alias_column_large(u, floatBitsToUint(e.a.z)));
+    e.b.x = uintBitsToFloat(alias_column(u, floatBitsToUint(e.a.z)));
     e.b.y = u.x;
   }
   elements[i] = e;
