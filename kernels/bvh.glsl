@@ -56,10 +56,9 @@ vec3 shear_vertex(TraversalRay ray, vec3 vertex) {
 // Where a ray meets a triangle that it is known to meet.
 struct Place {
   float t;
-  float t_error; // t > t_error means t > 0 for certain
+  float t_error; // it is a hit if t > t_error
   float apex;    // weights of the first two vertices
   float b;
-  bool valid;
 };
 
 // `apex` is opposite the shortest edge, from b to c; v and w are the edge functions opposite b and c. Derived in
@@ -67,20 +66,29 @@ struct Place {
 Place locate(TraversalRay ray, vec3 apex, vec3 b, vec3 c, float v, float w) {
   precise vec2 edge = c.xy - b.xy;
   precise float area = edge.x * (apex.y - b.y) - edge.y * (apex.x - b.x);
-  precise float apex_weight = clamp((edge.y * b.x - edge.x * b.y) / area, 0.0, 1.0);
-  precise float share = v + w != 0.0 ? v / (v + w) : 0.0; // of b in the rest
-  precise float base = c.z + share * (b.z - c.z);
-  precise float t = base + apex_weight * (apex.z - base);
-  // With all vertices in front, their depths being exact in sign, t needs no bound, however thin the triangle is.
-  const float kEpsilon = 5.9604645e-8;
-  vec3 size = max(abs(apex), max(abs(b), abs(c)));
-  float width = max(size.x, size.y), depth = size.z / abs(ray.shear.z);
-  float scale = 4.0 * (12.0 * kEpsilon * (width + depth)) / abs(area);
-  float apex_error = min(scale * max(abs(edge.x), abs(edge.y)), 1.0);
-  float share_error = min(scale * 2.0 * width, 1.0);
-  float t_error = 18.0 * kEpsilon * size.z + apex_error * abs(apex.z - base) + share_error * abs(b.z - c.z);
+  precise float rest = v + w;
+  precise float weight = clamp((edge.y * b.x - edge.x * b.y) / area, 0.0, 1.0);
+  float share_b = rest != 0.0 ? v / rest : 0.0, share_c = rest != 0.0 ? w / rest : 1.0;
+  // From the nearer end, so that a far one adds no error beyond its share, and equal depths come out exactly.
+  precise float base = abs(b.z) < abs(c.z) ? b.z + share_c * (c.z - b.z) : c.z + share_b * (b.z - c.z);
+  precise float t = base + weight * (apex.z - base);
+  Place place = Place(t, 0.0, weight, (1.0 - weight) * share_b);
+
+  // Their depths being exact in sign, with all vertices in front t needs no bound, however thin the triangle is.
   bool in_front = min(apex.z, min(b.z, c.z)) > 0.0;
-  return Place(t, in_front ? 0.0 : t_error, apex_weight, (1.0 - apex_weight) * share, abs(area) >= kSmallestNormal);
+  const float kEpsilon = 5.9604645e-8;
+  float extent_a = max(abs(apex.x), abs(apex.y)), extent_b = max(abs(b.x), abs(b.y)), extent_c = max(abs(c.x), abs(c.y));
+  float weight_b = place.b, weight_c = (1.0 - weight) * share_c;
+  float depths = weight * abs(apex.z) + weight_b * abs(b.z) + weight_c * abs(c.z);
+  float move = weight * extent_a + weight_b * extent_b + weight_c * extent_c + depths / abs(ray.shear.z);
+  float longest = extent_a + max(extent_b, extent_c);
+  float apex_error = max(abs(edge.x), abs(edge.y)) * (8.0 * move + 6.0 * extent_b + 12.0 * weight * longest) / abs(area);
+  float share_error = (8.0 * move * longest + 6.0 * extent_a * (extent_b + extent_c)) / abs(area);
+  float t_error =
+      kEpsilon * (12.0 * depths + apex_error * abs(apex.z - base) + min(share_error, 16777216.0) * abs(b.z - c.z));
+  place.t_error = in_front ? 0.0 : t_error;
+  if (!(abs(area) >= kSmallestNormal)) place = Place(0.0, 0.0, 0.0, 0.0);
+  return place;
 }
 
 float squared_distance(vec3 p, vec3 q) {
@@ -108,7 +116,7 @@ Candidate intersect_triangle(TraversalRay ray, vec3 v0, vec3 v1, vec3 v2) {
                        apex_a ? v : apex_b ? w : u, apex_a ? w : apex_b ? u : v);
   float rest = 1.0 - place.apex - place.b;
   return Candidate(place.t, apex_a ? place.b : apex_b ? place.apex : rest, apex_a ? rest : apex_b ? place.b : place.apex,
-                   inside && abs(determinant) >= kSmallestNormal && place.valid && place.t > place.t_error,
+                   inside && abs(determinant) >= kSmallestNormal && place.t > place.t_error,
                    (determinant > 0.0) == (ray.shear.z > 0.0));
 }
 
