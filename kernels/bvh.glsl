@@ -148,88 +148,114 @@ Hit trace(vec3 origin, vec3 direction, float t_max) {
   bool in_top_level = has(kFeatureInstances) && frame.root_is_top != 0u;
   uint instance = 0u;
   TraversalRay ray = make_traversal_ray(origin, direction);
+  // A candidate whose alpha has to be looked up. Drivers that run both sides of every branch (Mesa 22.3) would do that for
+  // each triangle tested; so the walk stops at such a candidate, and all lanes look theirs up together.
+  Hit pending = Hit(kNone, 0u, 0.0, 0.0);
+  float t_pending = 0.0;
 
-  while (current != kNone) {
-    while ((current & kLeafBit) == 0u) {
-      int base = int(current * kNodeTexels);
-      bvec3 negative = lessThan(ray.reciprocal, vec3(0.0));
-      ivec3 near_plane = ivec3(0, 2, 4) + ivec3(negative);
-      ivec3 far_plane = ivec3(1, 3, 5) - ivec3(negative);
-      vec4 t_near = max(max((texelFetch(nodes, base + near_plane.x) - ray.origin.x) * ray.reciprocal.x,
-                            (texelFetch(nodes, base + near_plane.y) - ray.origin.y) * ray.reciprocal.y),
-                        max((texelFetch(nodes, base + near_plane.z) - ray.origin.z) * ray.reciprocal.z, vec4(0.0)));
-      vec4 t_far = min(min((texelFetch(nodes, base + far_plane.x) - ray.origin.x) * ray.reciprocal.x,
-                           (texelFetch(nodes, base + far_plane.y) - ray.origin.y) * ray.reciprocal.y),
-                       min((texelFetch(nodes, base + far_plane.z) - ray.origin.z) * ray.reciprocal.z, vec4(t_best)));
-      bvec4 entered = lessThanEqual(t_near, t_far * kSlabPadding);
-      uvec4 child = floatBitsToUint(texelFetch(nodes, base + 6));
+  do {
+    while (current != kNone && pending.triangle == kNone) {
+      while ((current & kLeafBit) == 0u) {
+        int base = int(current * kNodeTexels);
+        bvec3 negative = lessThan(ray.reciprocal, vec3(0.0));
+        ivec3 near_plane = ivec3(0, 2, 4) + ivec3(negative);
+        ivec3 far_plane = ivec3(1, 3, 5) - ivec3(negative);
+        vec4 t_near = max(max((texelFetch(nodes, base + near_plane.x) - ray.origin.x) * ray.reciprocal.x,
+                              (texelFetch(nodes, base + near_plane.y) - ray.origin.y) * ray.reciprocal.y),
+                          max((texelFetch(nodes, base + near_plane.z) - ray.origin.z) * ray.reciprocal.z, vec4(0.0)));
+        vec4 t_far = min(min((texelFetch(nodes, base + far_plane.x) - ray.origin.x) * ray.reciprocal.x,
+                             (texelFetch(nodes, base + far_plane.y) - ray.origin.y) * ray.reciprocal.y),
+                         min((texelFetch(nodes, base + far_plane.z) - ray.origin.z) * ray.reciprocal.z, vec4(t_best)));
+        bvec4 entered = lessThanEqual(t_near, t_far * kSlabPadding);
+        uvec4 child = floatBitsToUint(texelFetch(nodes, base + 6));
 
-      // Nearest child first. The key carries the slot in its low bits, so that equal distances keep their order.
-      uvec4 key = mix(uvec4(kMissedKey), (floatBitsToUint(t_near) & ~3u) | uvec4(0u, 1u, 2u, 3u), entered);
-      key = uvec4(min(key.x, key.y), max(key.x, key.y), min(key.z, key.w), max(key.z, key.w));
-      key = uvec4(min(key.x, key.z), min(key.y, key.w), max(key.x, key.z), max(key.y, key.w));
-      key = uvec4(key.x, min(key.y, key.z), max(key.y, key.z), key.w);
+        // Nearest child first. The key carries the slot in its low bits, so that equal distances keep their order.
+        uvec4 key = mix(uvec4(kMissedKey), (floatBitsToUint(t_near) & ~3u) | uvec4(0u, 1u, 2u, 3u), entered);
+        key = uvec4(min(key.x, key.y), max(key.x, key.y), min(key.z, key.w), max(key.z, key.w));
+        key = uvec4(min(key.x, key.z), min(key.y, key.w), max(key.x, key.z), max(key.y, key.w));
+        key = uvec4(key.x, min(key.y, key.z), max(key.y, key.z), key.w);
 
-      // Stored without a branch, kept by moving the top.
-      stack[top] = child[key.w & 3u];
-      top += uint(key.w != kMissedKey);
-      stack[top] = child[key.z & 3u];
-      top += uint(key.z != kMissedKey);
-      stack[top] = child[key.y & 3u];
-      top += uint(key.y != kMissedKey);
-      stack[top] = child[key.x & 3u];
-      top += uint(key.x != kMissedKey);
-      current = stack[--top];
-    }
-
-    if (has(kFeatureInstances)) {
-      if (current == kPopInstance) {
-        in_top_level = true;
-        ray = make_traversal_ray(origin, direction);
+        // Stored without a branch, kept by moving the top.
+        stack[top] = child[key.w & 3u];
+        top += uint(key.w != kMissedKey);
+        stack[top] = child[key.z & 3u];
+        top += uint(key.z != kMissedKey);
+        stack[top] = child[key.y & 3u];
+        top += uint(key.y != kMissedKey);
+        stack[top] = child[key.x & 3u];
+        top += uint(key.x != kMissedKey);
         current = stack[--top];
-        continue;
       }
-      if (in_top_level && current != kNone) {
-        // A leaf of the top level is one instance: go on in its space.
-        instance = current & kLeafFirstMask;
-        uint texel = instance * kInstanceTexels;
-        stack[top++] = kPopInstance;
-        in_top_level = false;
-        ray = make_traversal_ray(transform_point(texel, origin), transform_vector(texel, direction));
-        current = floatBitsToUint(texelFetch(instances, int(texel + 6u)).x);
-        continue;
-      }
-    }
 
-    if (current != kNone) {
-      uint triangle = current & kLeafFirstMask;
-      uint end = triangle + ((current & ~kLeafBit) >> kLeafCountShift) + 1u;
-      do {
-        int texel = int(triangle * kTriangleTexels);
-        vec4 v0 = texelFetch(triangles, texel);
-        vec4 v1 = texelFetch(triangles, texel + 1);
-        vec4 v2 = texelFetch(triangles, texel + 2);
-        uint flags = floatBitsToUint(v0.w);
-        Candidate candidate = intersect_triangle(ray, v0.xyz, v1.xyz, v2.xyz);
-        bool first = instance < hit.instance || (instance == hit.instance && triangle < hit.triangle);
-        bool accepted = candidate.hit && candidate.t < t_max &&
-                        (candidate.t < t_best || (candidate.t == t_best && first));
-        if (has(kFeatureCull)) accepted = accepted && (candidate.front || (flags & kTriangleSingleSided) == 0u);
-        if (has(kFeatureAlpha)) {
-          if (accepted && (flags & kTriangleAlpha) != 0u) accepted = !ALPHA_TEST(triangle, candidate.b1, candidate.b2);
+      if (has(kFeatureInstances)) {
+        if (current == kPopInstance) {
+          in_top_level = true;
+          ray = make_traversal_ray(origin, direction);
+          current = stack[--top];
+          continue;
         }
-        if (accepted) {
-          t_best = candidate.t;
-          hit = Hit(triangle, instance, candidate.b1, candidate.b2);
+        if (in_top_level && current != kNone) {
+          // A leaf of the top level is one instance: go on in its space.
+          instance = current & kLeafFirstMask;
+          uint texel = instance * kInstanceTexels;
+          stack[top++] = kPopInstance;
+          in_top_level = false;
+          ray = make_traversal_ray(transform_point(texel, origin), transform_vector(texel, direction));
+          current = floatBitsToUint(texelFetch(instances, int(texel + 6u)).x);
+          continue;
         }
-        ++triangle;
-      } while (triangle < end);
+      }
+
+      if (current != kNone) {
+        uint triangle = current & kLeafFirstMask;
+        uint end = triangle + ((current & ~kLeafBit) >> kLeafCountShift) + 1u;
+        do {
+          int texel = int(triangle * kTriangleTexels);
+          vec4 v0 = texelFetch(triangles, texel);
+          vec4 v1 = texelFetch(triangles, texel + 1);
+          vec4 v2 = texelFetch(triangles, texel + 2);
+          uint flags = floatBitsToUint(v0.w);
+          Candidate candidate = intersect_triangle(ray, v0.xyz, v1.xyz, v2.xyz);
+          bool first = instance < hit.instance || (instance == hit.instance && triangle < hit.triangle);
+          bool accepted = candidate.hit && candidate.t < t_max &&
+                          (candidate.t < t_best || (candidate.t == t_best && first));
+          if (has(kFeatureCull)) accepted = accepted && (candidate.front || (flags & kTriangleSingleSided) == 0u);
+          Hit found = Hit(triangle, instance, candidate.b1, candidate.b2);
+          ++triangle;
+          if (has(kFeatureAlpha)) {
+            if (accepted && (flags & kTriangleAlpha) != 0u) {
+              accepted = false;
+              pending = found;
+              t_pending = candidate.t;
+              // The rest of the leaf waits on the stack.
+              if (triangle < end) stack[top++] = kLeafBit | (end - triangle - 1u) << kLeafCountShift | triangle;
+              triangle = end;
+            }
+          }
+          if (accepted) {
+            t_best = candidate.t;
+            hit = found;
+          }
+        } while (triangle < end);
+        current = stack[--top];
 #ifdef ANY_HIT
-      if (hit.triangle != kNone) return hit;
+        if (hit.triangle != kNone) current = kNone;
 #endif
-      current = stack[--top];
+      }
     }
-  }
+    if (has(kFeatureAlpha)) {
+      if (pending.triangle != kNone) {
+        if (!ALPHA_TEST(pending.triangle, pending.b1, pending.b2)) {
+          t_best = t_pending;
+          hit = pending;
+#ifdef ANY_HIT
+          current = kNone;
+#endif
+        }
+        pending.triangle = kNone;
+      }
+    }
+  } while (current != kNone);
   return hit;
 }
 

@@ -27,7 +27,7 @@ struct Bench {
         rays(device_, 2 * kSlots * sizeof(gpu::Ray)), hits(device_, kSlots * sizeof(gpu::Hit)),
         shadow_rays(device_, kSlots * sizeof(gpu::ShadowRay)), queues(device_, sizeof(gpu::Queues)),
         film(device_, kSlots * gpu::kReplicates * sizeof(gpu::FilmPixel)), film_aovs(device_, kSlots * sizeof(gpu::FilmAovs)),
-        constants{features, packed.stack_size + 1, gpu::kSamplerSobol, gpu::kDirectMis, gpu::kHemisphereCosine, gpu::kFilterBox} {
+        constants{features, packed.stack_size + 2, gpu::kSamplerSobol, gpu::kDirectMis, gpu::kHemisphereCosine, gpu::kFilterBox} {
     frame.write(&frame_, sizeof(frame_));
     for (Buffer* buffer : {&paths, &media, &path_aovs, &film, &film_aovs}) buffer->fill_zero();
     set_queues({});
@@ -238,6 +238,50 @@ TEST_F(Kernels, ConnectAddsLightWhereNothingIsInBetween) {
   }
   EXPECT_GT(blocked_count, kSlots / 8);
   EXPECT_LT(blocked_count, kSlots);
+}
+
+// Every second triangle is a hole: rays must find what they would find without it, whatever order they meet them in.
+TEST_F(Kernels, HolesAreInvisibleToExtendAndConnect) {
+  Scene scene = soup(3000, 8, true);
+  scene.materials[0].alpha_mode = AlphaMode::mask;
+  for (std::uint32_t v = 0; v < 9000; ++v) scene.meshes[0].colors.emplace_back(1.0f, 1.0f, 1.0f, v / 3 % 2 ? 1.0f : 0.0f);
+  const PackedScene packed = pack(scene);
+  ASSERT_TRUE(packed.features & gpu::kFeatureAlpha);
+  const auto triangles = triangles_of(packed);
+  const auto is_hole = [&](std::uint32_t item) {
+    return packed.vertex_colors[packed.triangle_vertices[item].x].a < packed.materials[0].alpha_cutoff;
+  };
+  const auto expected_hit = [&](const bvh::Ray& ray) {
+    const bvh::PreparedRay prepared = bvh::prepare(ray);
+    bvh::Hit best;
+    bvh::traverse(packed.nodes, packed.root, prepared, [&](std::uint32_t first, std::uint32_t count, float& t_best) {
+      for (std::uint32_t item = first; item < first + count; ++item)
+        if (!is_hole(item)) bvh::test_leaf(prepared, triangles, item, 1, t_best, best);
+      return false;
+    });
+    return best.item;
+  };
+
+  const auto rays = random_rays(kSlots, 9);
+  std::vector<gpu::ShadowRay> shadow_rays;
+  for (const gpu::Ray& ray : rays) shadow_rays.push_back({ray.origin, ray.slot, ray.direction, ray.t_max, {1, 2, 3}, 0});
+  Bench bench(device(), packed, packed.features, frame_of(packed));
+  bench.rays.write(rays.data(), rays.size() * sizeof(gpu::Ray));
+  bench.shadow_rays.write(shadow_rays.data(), shadow_rays.size() * sizeof(gpu::ShadowRay));
+  bench.set_queues({.ray_count = {kSlots, 0}, .shadow_count = kSlots});
+  bench.run(wavepath_extend_spv, kSlots / gpu::kWorkgroupSize, {0, 4096, 0, 4, 0, 0});
+  bench.run(wavepath_connect_spv, kSlots / gpu::kWorkgroupSize, {0, 4096, 0, 4, 0, 0});
+  const auto hits = download<gpu::Hit>(bench.hits, kSlots);
+  const auto paths = download<gpu::PathState>(bench.paths, kSlots);
+  std::uint32_t found = 0;
+  for (std::uint32_t i = 0; i < kSlots; ++i) {
+    const std::uint32_t expected = expected_hit({to_bvh(rays[i].origin), to_bvh(rays[i].direction), rays[i].t_max});
+    found += expected != bvh::kAbsent;
+    ASSERT_EQ(hits[i].triangle, expected) << "ray " << i;
+    ASSERT_EQ(paths[i].radiance.x, expected == bvh::kAbsent ? 1.0f : 0.0f) << "ray " << i;
+  }
+  EXPECT_GT(found, kSlots / 4);
+  EXPECT_LT(found, kSlots);
 }
 
 TEST_F(Kernels, GenerateCoversEveryPixelOnce) {

@@ -132,8 +132,8 @@ void PathTracer::allocate(Device& device, const RenderSettings& settings) {
 }
 
 void PathTracer::create_kernels(Device& device, const RenderSettings& settings, std::uint32_t stack_size) {
-  // Traversal stores one entry beyond what it keeps.
-  const std::array<std::uint32_t, 6> constants = {features_,           stack_size + 1,      settings.sampler,
+  // Traversal stores one entry beyond what it keeps, and a leaf that it left half done.
+  const std::array<std::uint32_t, 6> constants = {features_,           stack_size + 2,      settings.sampler,
                                                   settings.direct, settings.hemisphere, settings.filter};
   kernels_.reserve(stage_count);
   for (const StageCode& stage : kStages) {
