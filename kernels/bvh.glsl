@@ -134,9 +134,14 @@ vec3 transform_vector(uint first_texel, vec3 v) {
 #define ALPHA_TEST(triangle, b1, b2) false
 #endif
 
-// The nearest hit with 0 < t < t_max, or with ANY_HIT the first one found. Of hits at equal t the lowest (instance, triangle)
+// The nearest hit with 0 < t < t_max, or with ANY_HIT the first one found that is not `target`, the triangle at whose surface a
+// shadow ray ends: rounding must not let a light hide itself. Of hits at equal t the lowest (instance, triangle)
 // wins, so that the result does not depend on the order of visits.
+#ifdef ANY_HIT
+Hit trace(vec3 origin, vec3 direction, float t_max, uint target, uint target_instance) {
+#else
 Hit trace(vec3 origin, vec3 direction, float t_max) {
+#endif
   Hit hit = Hit(kNone, 0u, 0.0, 0.0);
   uint stack[kStackSize];
   stack[0] = kNone; // popped when all is done
@@ -219,6 +224,9 @@ Hit trace(vec3 origin, vec3 direction, float t_max) {
           bool first = instance < hit.instance || (instance == hit.instance && triangle < hit.triangle);
           bool accepted = candidate.hit && candidate.t < t_max &&
                           (candidate.t < t_best || (candidate.t == t_best && first));
+#ifdef ANY_HIT
+          accepted = accepted && (triangle != target || instance != target_instance);
+#endif
           if (has(kFeatureCull)) accepted = accepted && (candidate.front || (flags & kTriangleSingleSided) == 0u);
           Hit found = Hit(triangle, instance, candidate.b1, candidate.b2);
           ++triangle;

@@ -4,6 +4,7 @@
 
 #define BIND_GEOMETRY
 #define BIND_SURFACES
+#define BIND_LIGHTS
 #define BIND_PATHS
 #define BIND_SHADOW_RAYS
 #define BIND_QUEUES
@@ -25,7 +26,8 @@ void main() {
   if (index >= queues.shadow_count) return;
   ShadowRay ray = shadow_rays[index];
   if (has(kFeatureAlpha)) path_sampler = slot_sampler(ray.slot);
-  if (trace(ray.origin, ray.direction, ray.t_max).triangle != kNone) return;
+  uint target = lights[ray.light].kind == kLightTriangle ? lights[ray.light].triangle : kNone;
+  if (trace(ray.origin, ray.direction, ray.t_max, target, lights[ray.light].instance).triangle != kNone) return;
   // One shadow ray a path and bounce: no other lane writes this slot.
   paths[ray.slot].radiance += ray.contribution;
   if (has(kFeatureAovs) && wave.bounce == 0u) path_aovs[ray.slot].direct += ray.contribution;

@@ -62,9 +62,10 @@ struct LightSample {
   bool delta;     // no other technique can find it
   vec3 target;    // where the shadow ray ends
   bool distant;   // at infinity, in `direction`
+  uint light;     // its index
 };
 
-LightSample no_light() { return LightSample(vec3(0.0), 0.0, vec3(0.0), false, vec3(0.0), false); }
+LightSample no_light() { return LightSample(vec3(0.0), 0.0, vec3(0.0), false, vec3(0.0), false, 0u); }
 
 LightSample sample_triangle_light(Light light, vec3 from, vec2 u) {
   vec2 weights = warp_triangle(u);
@@ -113,11 +114,17 @@ LightSample sample_environment(vec2 u) {
 }
 
 LightSample sample_light(vec3 from, vec2 u_pick, vec2 u) {
-  Light light = lights[pick_light(u_pick)];
-  if (has(kFeatureEnvironment) && light.kind == kLightEnvironment) return sample_environment(u);
-  if (has(kFeatureTriangleLights) && light.kind == kLightTriangle) return sample_triangle_light(light, from, u);
-  if (has(kFeaturePunctualLights)) return sample_punctual_light(light, from);
-  return no_light();
+  uint index = pick_light(u_pick);
+  Light light = lights[index];
+  LightSample s = no_light();
+  if (has(kFeatureEnvironment) && light.kind == kLightEnvironment)
+    s = sample_environment(u);
+  else if (has(kFeatureTriangleLights) && light.kind == kLightTriangle)
+    s = sample_triangle_light(light, from, u);
+  else if (has(kFeaturePunctualLights))
+    s = sample_punctual_light(light, from);
+  s.light = index;
+  return s;
 }
 
 #endif

@@ -99,6 +99,7 @@ bool connect_to_light(Vertex v, Sampler path_sampler, uint dimension, uint slot,
   if (max_component(ray.contribution) <= 0.0) return false;
 
   ray.slot = slot;
+  ray.light = light.light;
   ray.origin = offset_ray_origin(v.surface.position, v.surface.position_error, v.surface.geometric_normal, light.direction);
   ray.direction = light.distant ? light.direction : light.target - ray.origin;
   ray.t_max = light.distant ? kFar : 1.0;

@@ -217,7 +217,8 @@ TEST_F(Kernels, ExtendEqualsBruteForceOverInstances) {
 
 TEST_F(Kernels, ConnectAddsLightWhereNothingIsInBetween) {
   Scene scene = soup(3000, 6, true);
-  const PackedScene packed = pack(scene);
+  PackedScene packed = pack(scene);
+  packed.lights = {gpu::Light{.kind = gpu::kLightPoint}};
   const auto triangles = triangles_of(packed);
   bvh::WideTree tree{packed.nodes, {}, packed.root, packed.stack_size};
   auto rays = random_rays(kSlots, 7);
@@ -240,12 +241,34 @@ TEST_F(Kernels, ConnectAddsLightWhereNothingIsInBetween) {
   EXPECT_LT(blocked_count, kSlots);
 }
 
+// A light must not hide itself, however the ray towards it rounds; what it hides from others stays hidden.
+TEST_F(Kernels, ConnectIsNotBlockedByTheTriangleThatItAimsAt) {
+  Scene scene = soup(1, 1, true);
+  PackedScene packed = pack(scene);
+  packed.lights = {gpu::Light{.kind = gpu::kLightTriangle, .triangle = 0}, gpu::Light{.kind = gpu::kLightTriangle, .triangle = 1},
+                   gpu::Light{.kind = gpu::kLightPoint, .triangle = 0}};
+  const gpu::Triangle& triangle = packed.triangles[0];
+  const glm::vec3 centre = (triangle.v0 + triangle.v1 + triangle.v2) / 3.0f;
+  const glm::vec3 normal = glm::normalize(glm::cross(triangle.v1 - triangle.v0, triangle.v2 - triangle.v0));
+  std::vector<gpu::ShadowRay> shadow_rays;
+  for (std::uint32_t i = 0; i < 3; ++i) shadow_rays.push_back({centre + normal, i, -normal, 2.0f, {1, 2, 3}, i});
+  Bench bench(device(), packed, packed.features, frame_of(packed));
+  bench.shadow_rays.write(shadow_rays.data(), shadow_rays.size() * sizeof(gpu::ShadowRay));
+  bench.set_queues({.shadow_count = 3});
+  bench.run(wavepath_connect_spv, 1, {0, 4096, 0, 4, 0, 0});
+  const auto paths = download<gpu::PathState>(bench.paths, 3);
+  EXPECT_EQ(paths[0].radiance.x, 1.0f);
+  EXPECT_EQ(paths[1].radiance.x, 0.0f);
+  EXPECT_EQ(paths[2].radiance.x, 0.0f);
+}
+
 // Every second triangle is a hole: rays must find what they would find without it, whatever order they meet them in.
 TEST_F(Kernels, HolesAreInvisibleToExtendAndConnect) {
   Scene scene = soup(3000, 8, true);
   scene.materials[0].alpha_mode = AlphaMode::mask;
   for (std::uint32_t v = 0; v < 9000; ++v) scene.meshes[0].colors.emplace_back(1.0f, 1.0f, 1.0f, v / 3 % 2 ? 1.0f : 0.0f);
-  const PackedScene packed = pack(scene);
+  PackedScene packed = pack(scene);
+  packed.lights = {gpu::Light{.kind = gpu::kLightPoint}};
   ASSERT_TRUE(packed.features & gpu::kFeatureAlpha);
   const auto triangles = triangles_of(packed);
   const auto is_hole = [&](std::uint32_t item) {

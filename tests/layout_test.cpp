@@ -117,7 +117,7 @@ TEST(Layout, PathsAndQueues) {
   compare("Hit", sizeof(Hit), {AT(Hit, triangle), AT(Hit, instance), AT(Hit, b1), AT(Hit, b2)});
   compare("ShadowRay", sizeof(ShadowRay),
           {AT(ShadowRay, origin), AT(ShadowRay, slot), AT(ShadowRay, direction), AT(ShadowRay, t_max),
-           AT(ShadowRay, contribution), AT(ShadowRay, pad0)});
+           AT(ShadowRay, contribution), AT(ShadowRay, light)});
   compare("Queues", sizeof(Queues),
           {AT(Queues, ray_count), AT(Queues, shadow_count), AT(Queues, extend_groups), AT(Queues, connect_groups),
            AT(Queues, camera_rays), AT(Queues, bounce_rays), AT(Queues, shadow_rays), AT(Queues, nonfinite_samples),

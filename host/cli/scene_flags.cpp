@@ -1,6 +1,8 @@
 // Scene, camera and environment from the command line.
 #include "host/cli/scene_flags.h"
 
+#include <algorithm>
+#include <filesystem>
 #include <limits>
 
 #include <glm/gtc/constants.hpp>
@@ -14,6 +16,14 @@ namespace wavepath {
 namespace {
 
 constexpr double kLargest = std::numeric_limits<float>::max();
+
+// What is no file but has two commas is meant as radiance, and then has to be one.
+void read_environment(const FlagValue& value, SceneRequest& request) {
+  std::error_code error;
+  const bool radiance = std::count(value.text.begin(), value.text.end(), ',') == 2 && !std::filesystem::exists(value.text, error);
+  if (radiance && glm::any(glm::lessThan(value.triple(), glm::dvec3(0.0)))) value.refuse("is negative", "give radiance of zero or more");
+  request.environment = value.text;
+}
 
 } // namespace
 
@@ -30,7 +40,7 @@ void add_scene_flags(CLI::App& app, SceneRequest& request, bool required) {
             "environment: lat-long .exr or .hdr, its centre along world +X and three quarters across along +Z, or constant "
             "radiance",
             "black if the scene has any light, else 1,1,1"},
-           keep(request.environment));
+           [&](const FlagValue& value) { read_environment(value, request); });
   add_flag(app, group, {"--env-intensity", "X", "factor on the environment's radiance", "1"},
            [&](const FlagValue& value) { request.environment_intensity = value.number(0.0, kLargest); });
   add_flag(app, group, {"--env-rotation", "DEG", "turn the environment about +Y, degrees counter-clockwise from above", "0"},

@@ -1,0 +1,187 @@
+// wavepath render, run as a user runs it, on whatever device there is.
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+
+#include <sys/resource.h>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "host/gpu/device.h"
+#include "host/render/picture_io.h"
+#include "tests/run_wavepath.h"
+#include "tests/temporary_folder.h"
+
+namespace wavepath::test {
+namespace {
+
+using Json = nlohmann::json;
+
+class CliRenderTest : public ::testing::Test {
+protected:
+  void SetUp() override {
+    if (list_devices().empty()) GTEST_SKIP() << "no Vulkan device";
+  }
+  // Renders the Cornell box at 48x32 with `extra` flags.
+  Outcome render(const std::vector<std::string>& extra, const RunOptions& options = {}) {
+    std::vector<std::string> arguments = {"render", scene_file("cornell_box.gltf"), "--size", "48x32"};
+    arguments.insert(arguments.end(), extra.begin(), extra.end());
+    return run_wavepath(arguments, options);
+  }
+  std::size_t file_count() const {
+    return static_cast<std::size_t>(std::distance(std::filesystem::directory_iterator(folder_.path()), std::filesystem::directory_iterator()));
+  }
+
+  TemporaryFolder folder_;
+  std::string exr_ = folder_.file("a.exr"), stats_ = folder_.file("a.json");
+};
+
+TEST_F(CliRenderTest, WritesEveryOutput) {
+  const std::string hdr = folder_.file("a.hdr"), png = folder_.file("a.png"), jpg = folder_.file("a.jpg");
+  const Outcome outcome = render({"-o", exr_, "-o", hdr, "-o", png, "-o", jpg, "--spp", "4"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_EQ(outcome.out, "");
+  for (const std::string& path : {exr_, hdr, png, jpg}) EXPECT_EQ(read_picture(path).width, 48u) << path;
+  EXPECT_EQ(read_attribute(exr_, "wavepath.samples"), "0:4");
+  EXPECT_EQ(file_count(), 4u);
+}
+
+TEST_F(CliRenderTest, TheDefaultOutputIsNamedAfterTheScene) {
+  RunOptions options;
+  options.folder = folder_.path().string();
+  ASSERT_EQ(render({"--spp", "1", "-q"}, options).exit_code, 0);
+  EXPECT_TRUE(std::filesystem::exists(folder_.file("cornell_box.exr")));
+}
+
+TEST_F(CliRenderTest, QuietIsSilentAndJsonIsAllThatStdoutCarries) {
+  const Outcome outcome = render({"-o", exr_, "--spp", "2", "-q", "--json"});
+  EXPECT_EQ(outcome.exit_code, 0);
+  EXPECT_EQ(outcome.err, "");
+  EXPECT_EQ(Json::parse(outcome.out)["spp"], 2);
+}
+
+TEST_F(CliRenderTest, StatsHaveTheKeysOfTheContract) {
+  ASSERT_EQ(render({"-o", exr_, "--spp", "4", "--stats", stats_, "--seed", "3"}).exit_code, 0);
+  const Json stats = Json::parse(std::ifstream(stats_));
+  for (const char* key : {"wavepath", "scene", "command", "sampler", "integrator"}) EXPECT_TRUE(stats[key].is_string()) << key;
+  for (const char* key : {"seed", "max_depth", "spp", "triangles", "lights"}) EXPECT_TRUE(stats[key].is_number_unsigned()) << key;
+  for (const char* key : {"name", "driver", "type", "api"}) EXPECT_TRUE(stats["device"][key].is_string()) << key;
+  EXPECT_EQ(stats["size"], Json({48, 32}));
+  EXPECT_EQ(stats["seed"], 3);
+  EXPECT_EQ(stats["sampler"], "sobol");
+  EXPECT_EQ(stats["triangles"], 36);
+  for (const char* key : {"load", "bvh", "upload", "compile", "render", "write", "total"}) EXPECT_GE(stats["seconds"][key].get<double>(), 0.0) << key;
+  EXPECT_GT(stats["seconds"]["render"].get<double>(), 0.0);
+  EXPECT_EQ(stats["rays"]["camera"], 48 * 32 * 4);
+  EXPECT_GT(stats["rays"]["bounce"].get<int>(), 0);
+  EXPECT_GT(stats["rays"]["shadow"].get<int>(), 0);
+  EXPECT_GT(stats["mrays_per_second"].get<double>(), 0.0);
+  EXPECT_GT(stats["error"]["relative_rms"].get<double>(), 0.0);
+  EXPECT_LE(stats["error"]["ci95"][0].get<double>(), stats["error"]["ci95"][1].get<double>());
+  EXPECT_TRUE(stats["error"]["method"].is_string() && stats["error"]["slope"].is_number());
+  EXPECT_EQ(stats["nonfinite"]["samples"], 0);
+  EXPECT_TRUE(stats["nonfinite"]["first"].is_null());
+  EXPECT_EQ(stats["bias"].size(), 1u);
+  for (const Json& entry : stats["left_out"])
+    EXPECT_TRUE(entry["what"].is_string() && entry["why"].is_string() && entry["bytes"].is_number_unsigned()) << entry;
+  for (const char* key : {"scene", "bvh", "paths", "film"}) EXPECT_GT(stats["memory"][key].get<int>(), 0) << key;
+  EXPECT_GE(stats["memory"]["peak"].get<int>(), stats["memory"]["film"].get<int>());
+
+  ASSERT_EQ(stats["checkpoints"].size(), 3u); // 1, 2 and 4 samples
+  for (const Json& point : stats["checkpoints"]) {
+    for (const char* key : {"spp", "seconds", "gpu_seconds", "rays"}) EXPECT_TRUE(point[key].is_number()) << key;
+    for (const char* key : {"mse", "relmse", "mrse", "flip"}) EXPECT_TRUE(point.contains(key) && point[key].is_null()) << key;
+  }
+  EXPECT_TRUE(stats["checkpoints"][0]["estimated_relative_rms"].is_null()); // one sample has no spread
+  EXPECT_GT(stats["checkpoints"][2]["estimated_relative_rms"].get<double>(), 0.0);
+}
+
+TEST_F(CliRenderTest, TwoRunsAreBitIdentical) {
+  ASSERT_EQ(render({"-o", exr_, "--spp", "4"}).exit_code, 0);
+  ASSERT_EQ(render({"-o", folder_.file("b.exr"), "--spp", "4"}).exit_code, 0);
+  ASSERT_EQ(render({"-o", folder_.file("c.exr"), "--spp", "4", "--seed", "1"}).exit_code, 0);
+  const Picture a = read_picture(exr_), b = read_picture(folder_.file("b.exr")), c = read_picture(folder_.file("c.exr"));
+  for (std::size_t i = 0; i < a.channels.size(); ++i) EXPECT_EQ(a.channels[i].values, b.channels[i].values);
+  EXPECT_NE(a.channels[0].values, c.channels[0].values);
+}
+
+TEST_F(CliRenderTest, TheTargetDecidesTheExitCode) {
+  EXPECT_EQ(render({"-o", exr_, "--target-error", "0.000001", "--spp", "4"}).exit_code, 3);
+  EXPECT_TRUE(std::filesystem::exists(exr_));
+  EXPECT_EQ(render({"-o", exr_, "--target-error", "10"}).exit_code, 0);
+}
+
+TEST_F(CliRenderTest, TimeEndsTheRender) {
+  ASSERT_EQ(render({"-o", exr_, "--time", "0.3", "--stats", stats_, "-q"}).exit_code, 0);
+  const Json stats = Json::parse(std::ifstream(stats_));
+  EXPECT_GT(stats["spp"].get<int>(), 0);
+  EXPECT_LT(stats["spp"].get<int>(), 65536);
+}
+
+TEST_F(CliRenderTest, ReferenceGivesTheTrueErrorAndItsFilter) {
+  const std::string reference = folder_.file("reference.exr");
+  ASSERT_EQ(render({"-o", reference, "--spp", "64", "--filter", "box", "--seed", "5"}).exit_code, 0);
+  ASSERT_EQ(render({"-o", exr_, "--spp", "4", "--reference", reference, "--stats", stats_}).exit_code, 0);
+  EXPECT_EQ(read_attribute(exr_, "wavepath.filter"), "box");
+  const Json last = Json::parse(std::ifstream(stats_))["checkpoints"].back();
+  EXPECT_GT(last["relmse"].get<double>(), 0.0);
+  EXPECT_GT(last["flip"].get<double>(), 0.0);
+  const Json compared = Json::parse(run_wavepath({"compare", exr_, reference, "--json"}).out);
+  EXPECT_EQ(last["relmse"], compared["relmse"]);
+  EXPECT_EQ(last["mse"], compared["mse"]);
+  EXPECT_EQ(run_wavepath({"render", scene_file("cornell_box.gltf"), "--size", "8x8", "-o", exr_, "--reference", reference}).exit_code, 2);
+}
+
+TEST_F(CliRenderTest, AnInterruptSavesAndExits130) {
+  for (const int signal : {SIGINT, SIGTERM}) {
+    RunOptions options;
+    options.terminal = true; // the bar on a terminal is also what tells that rendering has begun
+    options.signal_after = "elapsed";
+    options.signal = signal;
+    const Outcome outcome = render({"-o", exr_, "--spp", "100000000"}, options);
+    EXPECT_EQ(outcome.exit_code, 130) << outcome.err;
+    EXPECT_NE(outcome.err.find(" spp "), std::string::npos);
+    EXPECT_NE(outcome.err.find("Mrays/s"), std::string::npos);
+    EXPECT_EQ(read_picture(exr_).width, 48u);
+    std::filesystem::remove(exr_);
+  }
+}
+
+TEST_F(CliRenderTest, AFullDiskFailsAndLeavesNothing) {
+  RunOptions options;
+  options.in_child = [] {
+    const rlimit limit{2000, 2000};
+    setrlimit(RLIMIT_FSIZE, &limit);
+    setenv("MESA_SHADER_CACHE_DISABLE", "1", 1); // its files would hit the limit too
+  };
+  std::ofstream(exr_) << "old";
+  const Outcome outcome = render({"-o", exr_, "--spp", "1", "-q"}, options);
+  EXPECT_EQ(outcome.exit_code, 1) << outcome.err;
+  EXPECT_NE(outcome.err.find("a.exr: cannot write"), std::string::npos) << outcome.err;
+  EXPECT_EQ(std::filesystem::file_size(exr_), 3u);
+  EXPECT_EQ(file_count(), 1u);
+}
+
+TEST_F(CliRenderTest, WhatDoesNotFitIsRefusedInNumbers) {
+  const Outcome outcome = run_wavepath({"render", scene_file("cornell_box.gltf"), "--size", "65536x65536", "-o", exr_});
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_NE(outcome.err.find("GiB is available; use a smaller --size"), std::string::npos) << outcome.err;
+}
+
+TEST_F(CliRenderTest, UnknownDevicesAreNamed) {
+  const Outcome outcome = render({"-o", exr_, "--device", "no such device"});
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_NE(outcome.err.find("no such device"), std::string::npos);
+  const Outcome info = run_wavepath({"info", "--json"});
+  EXPECT_EQ(info.exit_code, 0);
+  EXPECT_EQ(Json::parse(info.out)["devices"].size(), list_devices().size());
+}
+
+TEST_F(CliRenderTest, VerboseNamesWhatIsLeftOut) {
+  const Outcome outcome = render({"-o", exr_, "--spp", "1", "-v"});
+  for (const char* word : {"device", "memory", "seconds", "left out", "extend"}) EXPECT_NE(outcome.err.find(word), std::string::npos) << word;
+}
+
+} // namespace
+} // namespace wavepath::test

@@ -1,0 +1,213 @@
+// The command line without rendering: help, mistakes, exit codes, info and compare. Needs no Vulkan device.
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "host/cli/flags.h"
+#include "host/cli/progress.h"
+#include "host/render/picture_io.h"
+#include "tests/run_wavepath.h"
+#include "tests/temporary_folder.h"
+
+namespace wavepath::test {
+namespace {
+
+// A mistake gives its exit code, one line on stderr that holds `text`, and nothing on stdout.
+void expect_error(const std::vector<std::string>& arguments, int exit_code, const std::string& text) {
+  const Outcome outcome = run_wavepath(arguments);
+  EXPECT_EQ(outcome.exit_code, exit_code) << outcome.err;
+  EXPECT_EQ(outcome.err.rfind("wavepath: error: ", 0), 0u) << outcome.err;
+  EXPECT_NE(outcome.err.find(text), std::string::npos) << outcome.err;
+  EXPECT_NE(outcome.err.find("; "), std::string::npos) << "no remedy: " << outcome.err;
+  EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+  EXPECT_EQ(outcome.out, "");
+}
+
+// Without line breaks and indentation.
+std::string flowing(const std::string& text) {
+  std::istringstream words(text);
+  std::string line;
+  for (std::string word; words >> word;) line += word + " ";
+  return line;
+}
+
+const std::string kBox = scene_file("cornell_box.gltf");
+
+TEST(Help, DocumentsEveryFlagOfTheContract) {
+  const Outcome help = run_wavepath({"render", "--help"});
+  EXPECT_EQ(help.exit_code, 0);
+  EXPECT_EQ(help.err, "");
+  for (const char* flag :
+       {"SCENE", "-o, --output FILE", "--size WxH", "--camera NAME|INDEX", "--eye X,Y,Z", "--look-at X,Y,Z", "--up X,Y,Z", "--yfov DEG",
+        "--env FILE|R,G,B", "--env-intensity X", "--env-rotation DEG", "--spp N", "--time SECONDS", "--target-error E", "--max-depth N",
+        "--integrator", "--sampler independent|stratified|sobol", "--hemisphere cosine|uniform", "--direct mis|nee|bsdf", "--seed N",
+        "--samples A:B", "--filter box|gaussian|blackman-harris", "--aov LIST", "--exposure EV", "--tonemap none|aces|agx|neutral",
+        "--stats FILE.json", "--reference FILE.exr", "--strict", "--device NAME|INDEX", "--specialize on|off", "-q", "-v", "--json",
+        "--half", "--animation NAME|INDEX", "--at SECONDS"})
+    EXPECT_NE(help.out.find(flag), std::string::npos) << flag;
+  for (const char* initial : {"[default: 1280x720]", "[default: 8]", "[default: sobol]", "[default: mis]",
+                              "[default: cosine]", "[default: neutral]", "SCENE-stem.exr]"})
+    EXPECT_NE(flowing(help.out).find(initial), std::string::npos) << initial;
+  for (std::size_t first = 0; first < help.out.size(); first = help.out.find('\n', first) + 1)
+    EXPECT_LE(help.out.find('\n', first) - first, 100u) << help.out.substr(first, 110);
+}
+
+TEST(Help, ListsCommandsAndVersion) {
+  const Outcome help = run_wavepath({"--help"}), version = run_wavepath({"--version"});
+  for (const char* command : {"render", "info", "compare"}) EXPECT_NE(help.out.find(command), std::string::npos);
+  EXPECT_EQ(version.exit_code, 0);
+  EXPECT_EQ(version.out, "wavepath " WAVEPATH_VERSION "\n");
+}
+
+TEST(Usage, UnknownNamesSuggestTheNearest) {
+  expect_error({"render", kBox, "--ssp", "4"}, 2, "--ssp: no such flag of 'wavepath render'; did you mean --spp?");
+  expect_error({"render", kBox, "--samplr=sobol"}, 2, "did you mean --sampler?");
+  expect_error({"render", "--zzzzzzzz"}, 2, "--zzzzzzzz: no such flag");
+  expect_error({"rendr", kBox}, 2, "rendr: no such command; did you mean render?");
+  expect_error({"render", kBox, "--sampler", "sobl"}, 2, "did you mean sobol?");
+  expect_error({"render", kBox, "--aov", "albedo,nromal"}, 2, "did you mean normal?");
+  expect_error({"--spp", "4", "render", kBox}, 2, "stands before the command");
+}
+
+TEST(Usage, WhatIsNotThereYetIsNotFaked) {
+  expect_error({"render", kBox, "--integrator", "hybrid"}, 2, "'hybrid' is unknown; choose from path");
+  expect_error({"view", kBox}, 2, "view: no such command; choose from render, info, compare");
+  expect_error({"render", kBox, "--checkpoint", "c"}, 2, "--checkpoint: no such flag");
+}
+
+TEST(Usage, BadValues) {
+  expect_error({"render", kBox, "--size", "0x0"}, 2, "--size: '0' is not");
+  expect_error({"render", kBox, "--size", "1e9x1e9"}, 2, "--size: '1e9' is not");
+  expect_error({"render", kBox, "--size", "1000000000x1000000000"}, 2, "from 1 to 65536");
+  expect_error({"render", kBox, "--size", "640"}, 2, "WIDTHxHEIGHT");
+  expect_error({"render", kBox, "--spp", "0"}, 2, "--spp: '0'");
+  expect_error({"render", kBox, "--spp", "-3"}, 2, "--spp: '-3'");
+  expect_error({"render", kBox, "--spp", "99999999999999999999999"}, 2, "--spp: '9");
+  expect_error({"render", kBox, "--samples", "8:4"}, 2, "empty range");
+  expect_error({"render", kBox, "--samples", "0:128", "--spp", "64"}, 2, "ends beyond --spp 64");
+  expect_error({"render", kBox, "--time", "nan"}, 2, "--time: 'nan'");
+  expect_error({"render", kBox, "--target-error", "0"}, 2, "--target-error: '0'");
+  expect_error({"render", kBox, "--env", "1,nan,1"}, 2, "--env: '1,nan,1'");
+  expect_error({"render", kBox, "--env", "1,-1,1"}, 2, "is negative");
+  expect_error({"render", kBox, "--eye", "1,2"}, 2, "X,Y,Z");
+  expect_error({"render", kBox, "--yfov", "180"}, 2, "too wide");
+  expect_error({"render", kBox, "--exposure", "inf"}, 2, "--exposure");
+}
+
+TEST(Usage, MissingOrExcessArguments) {
+  expect_error({}, 2, "no command is given");
+  expect_error({"render"}, 2, "SCENE is required");
+  expect_error({"render", kBox, "-o"}, 2, "--output");
+  expect_error({"render", kBox, "other.gltf"}, 2, "other.gltf: is one argument too many");
+  expect_error({"render", kBox, "-o", "a.tiff"}, 2, "end it in .exr, .hdr, .png or .jpg");
+}
+
+TEST(Files, AreCheckedBeforeAnythingIsLoaded) {
+  const TemporaryFolder folder;
+  const std::string nonsense = folder.file("nonsense.gltf"); // would fail to load
+  std::ofstream(nonsense) << "{}";
+  expect_error({"render", folder.file("absent.gltf")}, 1, "absent.gltf: does not exist");
+  expect_error({"render", folder.path().string()}, 1, "is a folder");
+  expect_error({"render", nonsense, "-o", folder.file("no/such/a.exr")}, 1, "does not exist; create it first");
+  expect_error({"render", nonsense, "-o", "/proc/a.exr"}, 1, "/proc/a.exr");
+  expect_error({"render", nonsense, "-o", folder.file("a.exr"), "--stats", folder.file("no/s.json")}, 1, "does not exist; create it first");
+  std::ofstream(folder.file("r.exr")) << "no picture";
+  expect_error({"render", nonsense, "-o", folder.file("a.exr"), "--reference", folder.file("r.exr")}, 1, "r.exr: OpenEXR cannot read it");
+  expect_error({"render", nonsense, "-o", folder.file("r.exr"), "--reference", folder.file("r.exr")}, 2, "would overwrite an input");
+  EXPECT_FALSE(std::filesystem::exists(folder.file("a.exr")));
+}
+
+TEST(Info, TellsWhatASceneHolds) {
+  const Outcome json = run_wavepath({"info", kBox, "--json"});
+  ASSERT_EQ(json.exit_code, 0) << json.err;
+  const auto about = nlohmann::json::parse(json.out);
+  EXPECT_EQ(about["triangles"], 36);
+  EXPECT_EQ(about["lights"]["emissive_triangles"], 2);
+  EXPECT_EQ(about["lights"]["environment"], false);
+  EXPECT_GT(about["bytes"]["total"].get<int>(), 36 * 48);
+  EXPECT_FALSE(about["left_out"].empty());
+  for (const auto& entry : about["left_out"]) {
+    EXPECT_TRUE(entry["what"].is_string() && entry["why"].is_string() && entry["bytes"].is_number_unsigned());
+  }
+  const Outcome text = run_wavepath({"info", kBox});
+  EXPECT_NE(text.out.find("triangles   36 seen"), std::string::npos) << text.out;
+}
+
+TEST(Info, TheEnvironmentIsWhiteOnlyWithoutLights) {
+  const auto lit = [](const std::vector<std::string>& extra) {
+    std::vector<std::string> arguments = {"info", scene_file("furnace_lambert.gltf"), "--json"};
+    arguments.insert(arguments.end(), extra.begin(), extra.end());
+    return nlohmann::json::parse(run_wavepath(arguments).out)["lights"]["environment"].get<bool>();
+  };
+  EXPECT_TRUE(lit({}));
+  EXPECT_FALSE(lit({"--env", "0,0,0"}));
+}
+
+class CompareTest : public ::testing::Test {
+protected:
+  void SetUp() override {
+    Picture picture{32, 16, {}};
+    for (const char* name : {"R", "G", "B", "A"}) picture.channels.push_back({name, std::vector<float>(512, 0.5f)});
+    write_picture(reference_, picture, {}, {});
+    picture.channels[1].values[7] = 0.75f;
+    write_picture(image_, picture, {}, {});
+    picture.channels[1].values[8] = std::numeric_limits<float>::quiet_NaN();
+    write_picture(broken_, picture, {}, {});
+  }
+  TemporaryFolder folder_;
+  std::string image_ = folder_.file("image.exr"), reference_ = folder_.file("reference.exr"), broken_ = folder_.file("broken.exr");
+};
+
+TEST_F(CompareTest, Measures) {
+  const Outcome outcome = run_wavepath({"compare", image_, reference_, "--json", "--map", folder_.file("map.png")});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const auto json = nlohmann::json::parse(outcome.out);
+  EXPECT_NEAR(json["mse"], 0.0625 / 1536, 1e-12);
+  EXPECT_NEAR(json["relmse"], 0.0625 / 0.26 / 1536, 1e-9);
+  EXPECT_NEAR(json["mrse"], 0.0625 / (0.51 * 0.51) / 1536, 1e-9);
+  EXPECT_EQ(json["max"], 0.25);
+  EXPECT_EQ(json["nonfinite"]["image"], 0);
+  EXPECT_GT(json["flip"].get<double>(), 0.0);
+  EXPECT_NEAR(json["mean_ratio"][1], 1.0 + 0.5 / 512, 1e-9);
+  EXPECT_EQ(read_picture(folder_.file("map.png")).width, 32u);
+  EXPECT_NE(run_wavepath({"compare", image_, reference_}).out.find("relmse"), std::string::npos);
+}
+
+TEST_F(CompareTest, Checks) {
+  EXPECT_EQ(run_wavepath({"compare", image_, reference_, "--max", "mse=0.001", "--max", "flip=0.5"}).exit_code, 0);
+  const Outcome outcome = run_wavepath({"compare", image_, reference_, "--max", "mse=0.001", "--max", "max=0.1"});
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_NE(outcome.err.find("max is 0.25, more than 0.1"), std::string::npos) << outcome.err;
+  expect_error({"compare", image_, reference_, "--max", "msee=1"}, 2, "did you mean mse?");
+  expect_error({"compare", image_, reference_, "--max", "mse"}, 2, "METRIC=VALUE");
+}
+
+TEST_F(CompareTest, NonFiniteImagesFail) {
+  const Outcome outcome = run_wavepath({"compare", broken_, reference_, "--json"});
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_EQ(nlohmann::json::parse(outcome.out)["nonfinite"]["image"], 1);
+  EXPECT_NE(outcome.err.find("not finite"), std::string::npos);
+}
+
+TEST(Suggestions, AreNearOrAbsent) {
+  const std::vector<std::string> names = {"--output", "--spp", "--sampler", "--samples"};
+  EXPECT_EQ(nearest_name("--out", names), "--output");
+  EXPECT_EQ(nearest_name("--psp", names), "--spp");
+  EXPECT_EQ(nearest_name("--quaternion", names), "");
+}
+
+TEST(ProgressText, TheFirstLimitReachedTellsWhatIsLeft) {
+  const Progress half{32, 64, 0.5, 10.0, 3.5, {0.04, {0.03, 0.05}}};
+  EXPECT_EQ(progress_text(half, 0.0, 0.0, 0), " 50 %  32/64 spp  10.0 s elapsed, 10.0 s left  3.50 Mrays/s  error 4 %");
+  EXPECT_NE(progress_text(half, 12.0, 0.0, 0).find("2.0 s left"), std::string::npos);
+  EXPECT_NE(progress_text(half, 0.0, 0.032, 0).find("5.6 s left"), std::string::npos); // 10 s * ((0.04 / 0.032)^2 - 1)
+  EXPECT_NE(progress_text(half, 0.0, 0.0, 10).find("[#####.....]"), std::string::npos);
+  EXPECT_NE(progress_text({0, 64, 0.0, 0.0, 0.0, {}}, 0.0, 0.0, 0).find("0/64 spp"), std::string::npos);
+}
+
+} // namespace
+} // namespace wavepath::test
