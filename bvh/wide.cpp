@@ -1,4 +1,6 @@
 // From two children a node to four (Wald, Benthin, Boulos 2008), laid out depth first.
+#include "bvh/wide.h"
+
 #include <algorithm>
 #include <utility>
 
