@@ -16,6 +16,13 @@
 namespace wavepath::test {
 namespace {
 
+std::string scene_file(const std::string& name) { return std::string(WAVEPATH_SOURCE_DIR "/scenes/") + name; }
+
+Outcome run_wavepath(std::vector<std::string> arguments, const RunOptions& options = {}) {
+  arguments.insert(arguments.begin(), WAVEPATH_BINARY);
+  return run_program(std::move(arguments), options);
+}
+
 using Json = nlohmann::json;
 
 class CliRenderTest : public ::testing::Test {

@@ -16,6 +16,13 @@
 namespace wavepath::test {
 namespace {
 
+std::string scene_file(const std::string& name) { return std::string(WAVEPATH_SOURCE_DIR "/scenes/") + name; }
+
+Outcome run_wavepath(std::vector<std::string> arguments, const RunOptions& options = {}) {
+  arguments.insert(arguments.begin(), WAVEPATH_BINARY);
+  return run_program(std::move(arguments), options);
+}
+
 // A mistake gives its exit code, one line on stderr that holds `text`, and nothing on stdout.
 void expect_error(const std::vector<std::string>& arguments, int exit_code, const std::string& text) {
   const Outcome outcome = run_wavepath(arguments);

@@ -1,4 +1,4 @@
-// Runs the built wavepath program as a user would, and says what it printed and how it ended.
+// Runs a program, the built wavepath, as a user would, and says what it printed and how it ended.
 #pragma once
 
 #include <functional>
@@ -28,9 +28,8 @@ struct RunOptions {
   std::string folder;              // working directory
 };
 
-inline std::string scene_file(const std::string& name) { return std::string(WAVEPATH_SOURCE_DIR "/scenes/") + name; }
-
-inline Outcome run_wavepath(std::vector<std::string> arguments, const RunOptions& options = {}) {
+// `arguments`: the program first.
+inline Outcome run_program(std::vector<std::string> arguments, const RunOptions& options = {}) {
   int out[2], err[2];
   EXPECT_EQ(pipe(out), 0);
   if (options.terminal) {
@@ -38,7 +37,6 @@ inline Outcome run_wavepath(std::vector<std::string> arguments, const RunOptions
   } else {
     EXPECT_EQ(pipe(err), 0);
   }
-  arguments.insert(arguments.begin(), WAVEPATH_BINARY);
   std::vector<char*> pointers;
   for (std::string& argument : arguments) pointers.push_back(argument.data());
   pointers.push_back(nullptr);
