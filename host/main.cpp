@@ -33,7 +33,9 @@ int run_and_report(int argument_count, const char* const* arguments) try {
 int main(int argument_count, char** arguments) {
   const int exit_code = run_and_report(argument_count, arguments);
   const auto messages = wavepath::Device::validation_messages();
-  if (messages > 0) return fail(wavepath::kExitFailed, fmt::format("Vulkan validation: {} messages; report them", messages).c_str());
-  if (std::fflush(stdout) != 0) return fail(wavepath::kExitFailed, "stdout: cannot be written; free some space or write elsewhere");
+  if (messages > 0)
+    return fail(wavepath::kExitFailed, fmt::format("Vulkan validation: {} messages; report them", messages).c_str());
+  if (std::fflush(stdout) != 0)
+    return fail(wavepath::kExitFailed, "stdout: cannot be written; free some space or write elsewhere");
   return exit_code;
 }

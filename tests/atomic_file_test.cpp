@@ -122,7 +122,8 @@ TEST_F(AtomicFileTest, FollowsLinks) {
 }
 
 TEST_F(AtomicFileTest, HopelessTargetsAreRefusedInWords) {
-  EXPECT_NE(message_of([&] { require_writable(folder_.file("no/such/file")); }).find("does not exist; create it first"), std::string::npos);
+  EXPECT_NE(message_of([&] { require_writable(folder_.file("no/such/file")); }).find("does not exist; create it first"),
+            std::string::npos);
   EXPECT_NE(message_of([&] { require_writable(folder_.path().string()); }).find("is a folder"), std::string::npos);
   EXPECT_NE(message_of([&] { require_writable(""); }).find("is empty"), std::string::npos);
   write_file(target_, "a file");
@@ -143,7 +144,8 @@ TEST_F(AtomicFileTest, ReadOnlyTargetsAreRefused) {
 TEST(Memory, IsRefusedInNumbers) {
   EXPECT_GT(available_memory(), 1u << 20);
   require_memory("here", "a little", 1, "nothing");
-  const std::string message = message_of([] { require_memory("scene.gltf", "loading it", std::uint64_t{1} << 60, "use less"); });
+  const std::string message =
+      message_of([] { require_memory("scene.gltf", "loading it", std::uint64_t{1} << 60, "use less"); });
   EXPECT_NE(message.find("scene.gltf: loading it takes 1.0 EiB of memory, and "), std::string::npos) << message;
   EXPECT_NE(message.find("; use less"), std::string::npos);
 }
@@ -154,7 +156,7 @@ TEST(Memory, HonoursTheAddressSpaceLimit) {
 #endif
   const std::uint64_t least = std::uint64_t{1} << 30;
   if (available_memory() < 2 * least) GTEST_SKIP() << "too little memory for the limit to matter";
-  const int status = in_child([least] {
+  const int status = in_child([] {
     const rlimit limit{rlim_t{least}, rlim_t{least}};
     setrlimit(RLIMIT_AS, &limit);
     _exit(available_memory() <= least ? 7 : 8);

@@ -37,7 +37,8 @@ protected:
     return run_wavepath(arguments, options);
   }
   std::size_t file_count() const {
-    return static_cast<std::size_t>(std::distance(std::filesystem::directory_iterator(folder_.path()), std::filesystem::directory_iterator()));
+    return static_cast<std::size_t>(
+        std::distance(std::filesystem::directory_iterator(folder_.path()), std::filesystem::directory_iterator()));
   }
 
   TemporaryFolder folder_;
@@ -71,14 +72,17 @@ TEST_F(CliRenderTest, QuietIsSilentAndJsonIsAllThatStdoutCarries) {
 TEST_F(CliRenderTest, StatsHaveTheKeysOfTheContract) {
   ASSERT_EQ(render({"-o", exr_, "--spp", "4", "--stats", stats_, "--seed", "3"}).exit_code, 0);
   const Json stats = Json::parse(std::ifstream(stats_));
-  for (const char* key : {"wavepath", "scene", "command", "sampler", "integrator"}) EXPECT_TRUE(stats[key].is_string()) << key;
-  for (const char* key : {"seed", "max_depth", "spp", "triangles", "lights"}) EXPECT_TRUE(stats[key].is_number_unsigned()) << key;
+  for (const char* key : {"wavepath", "scene", "command", "sampler", "integrator"})
+    EXPECT_TRUE(stats[key].is_string()) << key;
+  for (const char* key : {"seed", "max_depth", "spp", "triangles", "lights"})
+    EXPECT_TRUE(stats[key].is_number_unsigned()) << key;
   for (const char* key : {"name", "driver", "type", "api"}) EXPECT_TRUE(stats["device"][key].is_string()) << key;
   EXPECT_EQ(stats["size"], Json({48, 32}));
   EXPECT_EQ(stats["seed"], 3);
   EXPECT_EQ(stats["sampler"], "sobol");
   EXPECT_EQ(stats["triangles"], 36);
-  for (const char* key : {"load", "bvh", "upload", "compile", "render", "write", "total"}) EXPECT_GE(stats["seconds"][key].get<double>(), 0.0) << key;
+  for (const char* key : {"load", "bvh", "upload", "compile", "render", "write", "total"})
+    EXPECT_GE(stats["seconds"][key].get<double>(), 0.0) << key;
   EXPECT_GT(stats["seconds"]["render"].get<double>(), 0.0);
   EXPECT_EQ(stats["rays"]["camera"], 48 * 32 * 4);
   EXPECT_GT(stats["rays"]["bounce"].get<int>(), 0);
@@ -98,7 +102,8 @@ TEST_F(CliRenderTest, StatsHaveTheKeysOfTheContract) {
   ASSERT_EQ(stats["checkpoints"].size(), 3u); // 1, 2 and 4 samples
   for (const Json& point : stats["checkpoints"]) {
     for (const char* key : {"spp", "seconds", "gpu_seconds", "rays"}) EXPECT_TRUE(point[key].is_number()) << key;
-    for (const char* key : {"mse", "relmse", "mrse", "flip"}) EXPECT_TRUE(point.contains(key) && point[key].is_null()) << key;
+    for (const char* key : {"mse", "relmse", "mrse", "flip"})
+      EXPECT_TRUE(point.contains(key) && point[key].is_null()) << key;
   }
   EXPECT_TRUE(stats["checkpoints"][0]["estimated_relative_rms"].is_null()); // one sample has no spread
   EXPECT_GT(stats["checkpoints"][2]["estimated_relative_rms"].get<double>(), 0.0);
@@ -108,7 +113,8 @@ TEST_F(CliRenderTest, TwoRunsAreBitIdentical) {
   ASSERT_EQ(render({"-o", exr_, "--spp", "4"}).exit_code, 0);
   ASSERT_EQ(render({"-o", folder_.file("b.exr"), "--spp", "4"}).exit_code, 0);
   ASSERT_EQ(render({"-o", folder_.file("c.exr"), "--spp", "4", "--seed", "1"}).exit_code, 0);
-  const Picture a = read_picture(exr_), b = read_picture(folder_.file("b.exr")), c = read_picture(folder_.file("c.exr"));
+  const Picture a = read_picture(exr_), b = read_picture(folder_.file("b.exr")),
+                c = read_picture(folder_.file("c.exr"));
   for (std::size_t i = 0; i < a.channels.size(); ++i) EXPECT_EQ(a.channels[i].values, b.channels[i].values);
   EXPECT_NE(a.channels[0].values, c.channels[0].values);
 }
@@ -137,7 +143,10 @@ TEST_F(CliRenderTest, ReferenceGivesTheTrueErrorAndItsFilter) {
   const Json compared = Json::parse(run_wavepath({"compare", exr_, reference, "--json"}).out);
   EXPECT_EQ(last["relmse"], compared["relmse"]);
   EXPECT_EQ(last["mse"], compared["mse"]);
-  EXPECT_EQ(run_wavepath({"render", scene_file("cornell_box.gltf"), "--size", "8x8", "-o", exr_, "--reference", reference}).exit_code, 2);
+  EXPECT_EQ(
+      run_wavepath({"render", scene_file("cornell_box.gltf"), "--size", "8x8", "-o", exr_, "--reference", reference})
+          .exit_code,
+      2);
 }
 
 TEST_F(CliRenderTest, AnInterruptSavesAndExits130) {
@@ -187,7 +196,8 @@ TEST_F(CliRenderTest, UnknownDevicesAreNamed) {
 
 TEST_F(CliRenderTest, VerboseNamesWhatIsLeftOut) {
   const Outcome outcome = render({"-o", exr_, "--spp", "1", "-v"});
-  for (const char* word : {"device", "memory", "seconds", "left out", "extend"}) EXPECT_NE(outcome.err.find(word), std::string::npos) << word;
+  for (const char* word : {"device", "memory", "seconds", "left out", "extend"})
+    EXPECT_NE(outcome.err.find(word), std::string::npos) << word;
 }
 
 } // namespace

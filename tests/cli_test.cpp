@@ -48,13 +48,42 @@ TEST(Help, DocumentsEveryFlagOfTheContract) {
   const Outcome help = run_wavepath({"render", "--help"});
   EXPECT_EQ(help.exit_code, 0);
   EXPECT_EQ(help.err, "");
-  for (const char* flag :
-       {"SCENE", "-o, --output FILE", "--size WxH", "--camera NAME|INDEX", "--eye X,Y,Z", "--look-at X,Y,Z", "--up X,Y,Z", "--yfov DEG",
-        "--env FILE|R,G,B", "--env-intensity X", "--env-rotation DEG", "--spp N", "--time SECONDS", "--target-error E", "--max-depth N",
-        "--integrator", "--sampler independent|stratified|sobol", "--hemisphere cosine|uniform", "--direct mis|nee|bsdf", "--seed N",
-        "--samples A:B", "--filter box|gaussian|blackman-harris", "--aov LIST", "--exposure EV", "--tonemap none|aces|agx|neutral",
-        "--stats FILE.json", "--reference FILE.exr", "--strict", "--device NAME|INDEX", "--specialize on|off", "-q", "-v", "--json",
-        "--half", "--animation NAME|INDEX", "--at SECONDS"})
+  for (const char* flag : {"SCENE",
+                           "-o, --output FILE",
+                           "--size WxH",
+                           "--camera NAME|INDEX",
+                           "--eye X,Y,Z",
+                           "--look-at X,Y,Z",
+                           "--up X,Y,Z",
+                           "--yfov DEG",
+                           "--env FILE|R,G,B",
+                           "--env-intensity X",
+                           "--env-rotation DEG",
+                           "--spp N",
+                           "--time SECONDS",
+                           "--target-error E",
+                           "--max-depth N",
+                           "--integrator",
+                           "--sampler independent|stratified|sobol",
+                           "--hemisphere cosine|uniform",
+                           "--direct mis|nee|bsdf",
+                           "--seed N",
+                           "--samples A:B",
+                           "--filter box|gaussian|blackman-harris",
+                           "--aov LIST",
+                           "--exposure EV",
+                           "--tonemap none|aces|agx|neutral",
+                           "--stats FILE.json",
+                           "--reference FILE.exr",
+                           "--strict",
+                           "--device NAME|INDEX",
+                           "--specialize on|off",
+                           "-q",
+                           "-v",
+                           "--json",
+                           "--half",
+                           "--animation NAME|INDEX",
+                           "--at SECONDS"})
     EXPECT_NE(help.out.find(flag), std::string::npos) << flag;
   for (const char* initial : {"[default: 1280x720]", "[default: 8]", "[default: sobol]", "[default: mis]",
                               "[default: cosine]", "[default: neutral]", "SCENE-stem.exr]"})
@@ -121,10 +150,13 @@ TEST(Files, AreCheckedBeforeAnythingIsLoaded) {
   expect_error({"render", folder.path().string()}, 1, "is a folder");
   expect_error({"render", nonsense, "-o", folder.file("no/such/a.exr")}, 1, "does not exist; create it first");
   expect_error({"render", nonsense, "-o", "/proc/a.exr"}, 1, "/proc/a.exr");
-  expect_error({"render", nonsense, "-o", folder.file("a.exr"), "--stats", folder.file("no/s.json")}, 1, "does not exist; create it first");
+  expect_error({"render", nonsense, "-o", folder.file("a.exr"), "--stats", folder.file("no/s.json")}, 1,
+               "does not exist; create it first");
   std::ofstream(folder.file("r.exr")) << "no picture";
-  expect_error({"render", nonsense, "-o", folder.file("a.exr"), "--reference", folder.file("r.exr")}, 1, "r.exr: OpenEXR cannot read it");
-  expect_error({"render", nonsense, "-o", folder.file("r.exr"), "--reference", folder.file("r.exr")}, 2, "would overwrite an input");
+  expect_error({"render", nonsense, "-o", folder.file("a.exr"), "--reference", folder.file("r.exr")}, 1,
+               "r.exr: OpenEXR cannot read it");
+  expect_error({"render", nonsense, "-o", folder.file("r.exr"), "--reference", folder.file("r.exr")}, 2,
+               "would overwrite an input");
   EXPECT_FALSE(std::filesystem::exists(folder.file("a.exr")));
 }
 
@@ -166,7 +198,8 @@ protected:
     write_picture(broken_, picture, {}, {});
   }
   TemporaryFolder folder_;
-  std::string image_ = folder_.file("image.exr"), reference_ = folder_.file("reference.exr"), broken_ = folder_.file("broken.exr");
+  std::string image_ = folder_.file("image.exr"), reference_ = folder_.file("reference.exr"),
+              broken_ = folder_.file("broken.exr");
 };
 
 TEST_F(CompareTest, Measures) {

@@ -14,11 +14,14 @@ namespace {
 
 Picture constant(std::uint32_t width, std::uint32_t height, glm::vec3 color) {
   Picture picture{width, height, {}};
-  for (int c = 0; c < 3; ++c) picture.channels.push_back({std::string(1, "RGB"[c]), std::vector<float>(width * height, color[c])});
+  for (int c = 0; c < 3; ++c)
+    picture.channels.push_back({std::string(1, "RGB"[c]), std::vector<float>(width * height, color[c])});
   return picture;
 }
 
-double mean(const std::vector<float>& values) { return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size()); }
+double mean(const std::vector<float>& values) {
+  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
 
 TEST(Metrics, ByHand) {
   Picture picture = constant(2, 1, glm::vec3(0.0f)), reference = picture;
@@ -63,11 +66,13 @@ TEST(Metrics, OtherSizesAreRefused) {
 
 // The largest distance in the color space is between green and blue, and redistribution maps it to one.
 TEST(Flip, GreenAgainstBlueIsOne) {
-  for (const float value : ldr_flip(constant(8, 8, {0, 1, 0}), constant(8, 8, {0, 0, 1}))) EXPECT_NEAR(value, 1.0f, 1e-5f);
+  for (const float value : ldr_flip(constant(8, 8, {0, 1, 0}), constant(8, 8, {0, 0, 1})))
+    EXPECT_NEAR(value, 1.0f, 1e-5f);
 }
 
-// Flat black and white have no features, so their error is the redistributed distance of 100^0.7 = 25.119 alone. The largest
-// distance is 203.30 (green 87.736, -75.610, 72.981; blue 32.298, 25.578, -34.836), 203.30^0.7 = 41.276, 0.4 of it 16.510.
+// Flat black and white have no features, so their error is the redistributed distance of 100^0.7 = 25.119 alone. The
+// largest distance is 203.30 (green 87.736, -75.610, 72.981; blue 32.298, 25.578, -34.836), 203.30^0.7 = 41.276, 0.4 of
+// it 16.510.
 TEST(Flip, BlackAgainstWhite) {
   const float value = ldr_flip(constant(8, 8, glm::vec3(0.0f)), constant(8, 8, glm::vec3(1.0f)))[20];
   EXPECT_NEAR(value, 0.95 + 0.05 * (25.1189 - 16.5104) / (41.2761 - 16.5104), 1e-5);

@@ -86,7 +86,8 @@ protected:
 };
 
 TEST_F(PictureIoTest, ExrHasTheContractsHeader) {
-  const std::vector<std::string> names = {"R", "G", "B", "A", "albedo.R", "albedo.G", "albedo.B", "N.X", "N.Y", "N.Z", "Z", "samples"};
+  const std::vector<std::string> names = {"R",        "G",   "B",   "A",   "albedo.R", "albedo.G",
+                                          "albedo.B", "N.X", "N.Y", "N.Z", "Z",        "samples"};
   const std::string path = folder_.file("a.exr");
   EXPECT_EQ(write_picture(path, random_picture(7, 5, names), example_info(), {}), 0u);
 
@@ -140,7 +141,8 @@ TEST_F(PictureIoTest, ExrKeepsEveryBit) {
   ASSERT_EQ(back.channels.size(), 6u);
   EXPECT_EQ(back.channels[0].name, "R");
   EXPECT_EQ(back.channels[3].name, "A");
-  for (const Channel& channel : picture.channels) EXPECT_EQ(find_channel(back, channel.name)->values, channel.values) << channel.name;
+  for (const Channel& channel : picture.channels)
+    EXPECT_EQ(find_channel(back, channel.name)->values, channel.values) << channel.name;
 }
 
 TEST_F(PictureIoTest, HalfClampsAndCounts) {
@@ -165,7 +167,8 @@ TEST_F(PictureIoTest, HdrRoundsToNearest) {
   EXPECT_EQ(back.channels[0].values[0], 0.0f);
   double sum = 0.0, sum_back = 0.0;
   for (std::size_t i = 1; i < 64 * 64; ++i) {
-    const float brightest = std::max({picture.channels[0].values[i], picture.channels[1].values[i], picture.channels[2].values[i]});
+    const float brightest =
+        std::max({picture.channels[0].values[i], picture.channels[1].values[i], picture.channels[2].values[i]});
     for (std::size_t c = 0; c < 3; ++c) {
       EXPECT_LE(std::abs(back.channels[c].values[i] - picture.channels[c].values[i]), brightest / 256.0f);
       sum += picture.channels[c].values[i];
@@ -184,16 +187,20 @@ TEST_F(PictureIoTest, PngHoldsExposedSrgb) {
   ASSERT_EQ(back.width, 3u);
   for (std::size_t c = 0; c < 3; ++c)
     for (std::size_t i = 0; i < 6; ++i)
-      EXPECT_NEAR(to_srgb(back.channels[c].values[i]), to_srgb(4.0f * picture.channels[c].values[i]), 0.5f / 255.0f + 1e-5f);
+      EXPECT_NEAR(to_srgb(back.channels[c].values[i]), to_srgb(4.0f * picture.channels[c].values[i]),
+                  0.5f / 255.0f + 1e-5f);
 }
 
 TEST_F(PictureIoTest, JpgDecodes) {
   Picture picture = random_picture(40, 30, {"R", "G", "B", "A"});
-  for (std::size_t c = 0; c < 3; ++c) std::fill(picture.channels[c].values.begin(), picture.channels[c].values.end(), 0.3f + 0.2f * static_cast<float>(c));
+  for (std::size_t c = 0; c < 3; ++c)
+    std::fill(picture.channels[c].values.begin(), picture.channels[c].values.end(),
+              0.3f + 0.2f * static_cast<float>(c));
   write_picture(folder_.file("a.jpeg"), picture, {}, {false, 0.0, Tonemap::none});
   const Picture back = read_picture(folder_.file("a.jpeg"));
   ASSERT_EQ(back.height, 30u);
-  for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(back.channels[c].values[77], 0.3f + 0.2f * static_cast<float>(c), 0.02f);
+  for (std::size_t c = 0; c < 3; ++c)
+    EXPECT_NEAR(back.channels[c].values[77], 0.3f + 0.2f * static_cast<float>(c), 0.02f);
 }
 
 TEST_F(PictureIoTest, ExtensionsAreKnownInAnyCase) {
@@ -236,7 +243,8 @@ TEST_F(PictureIoTest, AFullDiskLeavesTheOldPicture) {
       EXPECT_EQ(std::filesystem::file_size(path), 3u) << name << " with room for " << room;
     }
   }
-  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_.path()), std::filesystem::directory_iterator()), 4);
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_.path()), std::filesystem::directory_iterator()),
+            4);
 }
 
 } // namespace

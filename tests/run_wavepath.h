@@ -21,11 +21,11 @@ struct Outcome {
 };
 
 struct RunOptions {
-  bool terminal = false;           // stderr is a terminal
-  std::string signal_after;        // send `signal` once stderr holds this
+  bool terminal = false;    // stderr is a terminal
+  std::string signal_after; // send `signal` once stderr holds this
   int signal = 0;
-  std::function<void()> in_child;  // before the program starts
-  std::string folder;              // working directory
+  std::function<void()> in_child; // before the program starts
+  std::string folder;             // working directory
 };
 
 // `arguments`: the program first.

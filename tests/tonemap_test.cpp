@@ -20,7 +20,8 @@ TEST(Tonemap, StaysInRange) {
     for (int r = -20; r <= 40; r += 5)
       for (int g = -20; g <= 40; g += 5) {
         const vec3 c = tonemap(curve, vec3(std::exp2(r), std::exp2(g), 0.18f));
-        for (int i = 0; i < 3; ++i) EXPECT_TRUE(c[i] >= 0.0f && c[i] <= 1.0f) << static_cast<int>(curve) << " " << r << " " << g;
+        for (int i = 0; i < 3; ++i)
+          EXPECT_TRUE(c[i] >= 0.0f && c[i] <= 1.0f) << static_cast<int>(curve) << " " << r << " " << g;
       }
 }
 
@@ -49,7 +50,8 @@ TEST(Tonemap, BadValuesAreBlackOrWhite) {
 
 TEST(Tonemap, NoneClamps) { EXPECT_EQ(tonemap(Tonemap::none, vec3(0.25f, 1.0f, 3.0f)), vec3(0.25f, 1.0f, 1.0f)); }
 
-// By hand: above 0.08 the offset is 0.04; 0.8 reaches the start of compression; 1.0 becomes 1 - 0.24^2 / (0.96 + 0.24 - 0.76).
+// By hand: above 0.08 the offset is 0.04; 0.8 reaches the start of compression; 1.0 becomes 1 - 0.24^2 / (0.96 + 0.24 -
+// 0.76).
 TEST(Tonemap, NeutralKeepsBaseColours) {
   EXPECT_NEAR(grey(Tonemap::neutral, 0.5f), 0.46f, 1e-6f);
   EXPECT_NEAR(grey(Tonemap::neutral, 0.8f), 0.76f, 1e-6f);
@@ -63,7 +65,8 @@ TEST(Tonemap, NeutralKeepsBaseColours) {
 
 // A saturated light of 10: peak 9.96 or so compresses to 1 - 0.0576 / 9.48 and 58 % of it fades to white.
 TEST(Tonemap, NeutralFadesToWhite) {
-  const double peak = 10.0, new_peak = 1.0 - 0.0576 / (peak + 0.24 - 0.76), g = 1.0 - 1.0 / (0.15 * (peak - new_peak) + 1.0);
+  const double peak = 10.0, new_peak = 1.0 - 0.0576 / (peak + 0.24 - 0.76),
+               g = 1.0 - 1.0 / (0.15 * (peak - new_peak) + 1.0);
   const vec3 color = tonemap(Tonemap::neutral, vec3(10.0f, 0.0f, 0.0f)); // black channels take no offset
   EXPECT_NEAR(color.r, new_peak, 1e-5);
   EXPECT_NEAR(color.g, new_peak * g, 1e-5);
@@ -84,7 +87,8 @@ TEST(Tonemap, AcesOfGrey) {
 // The pivot of AgX's sigmoid puts middle grey at half of the display signal, and saturated lights lose their colour.
 TEST(Tonemap, AgxPivotsAtMiddleGrey) {
   EXPECT_NEAR(grey(Tonemap::agx, 0.18f), std::pow(0.5, 2.2), 0.005);
-  const vec3 dim = tonemap(Tonemap::agx, vec3(0.2f, 0.01f, 0.01f)), bright = tonemap(Tonemap::agx, vec3(200.0f, 10.0f, 10.0f));
+  const vec3 dim = tonemap(Tonemap::agx, vec3(0.2f, 0.01f, 0.01f)),
+             bright = tonemap(Tonemap::agx, vec3(200.0f, 10.0f, 10.0f));
   EXPECT_LT(bright.r / bright.g, dim.r / dim.g);
   EXPECT_GT(bright.r, 0.9f);
 }
@@ -93,7 +97,8 @@ TEST(Srgb, KnownValuesAndInverse) {
   EXPECT_NEAR(to_srgb(0.5f), 0.735357f, 1e-5f);
   EXPECT_NEAR(to_srgb(0.001f), 0.01292f, 1e-6f);
   EXPECT_NEAR(from_srgb(0.5f), 0.214041f, 1e-5f);
-  for (int i = 0; i <= 1000; ++i) EXPECT_NEAR(from_srgb(to_srgb(static_cast<float>(i) / 1000.0f)), static_cast<float>(i) / 1000.0f, 2e-6f);
+  for (int i = 0; i <= 1000; ++i)
+    EXPECT_NEAR(from_srgb(to_srgb(static_cast<float>(i) / 1000.0f)), static_cast<float>(i) / 1000.0f, 2e-6f);
 }
 
 } // namespace

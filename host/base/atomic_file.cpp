@@ -28,7 +28,7 @@ fs::path resolve(const std::string& target) {
 }
 
 bool is_special(const fs::path& path) {
-  struct stat status{};
+  struct stat status {};
   return ::stat(path.c_str(), &status) == 0 && !S_ISREG(status.st_mode);
 }
 

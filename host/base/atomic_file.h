@@ -9,8 +9,8 @@ namespace wavepath {
 
 class AtomicFile {
 public:
-  // Opens a temporary file in the folder of `target` (links are followed). A target that exists and is no regular file, such
-  // as a pipe or /dev/stdout, is written directly. Throws Error if that cannot be done.
+  // Opens a temporary file in the folder of `target` (links are followed). A target that exists and is no regular file,
+  // such as a pipe or /dev/stdout, is written directly. Throws Error if that cannot be done.
   explicit AtomicFile(const std::string& target);
   ~AtomicFile(); // without commit() nothing stays behind
   AtomicFile(AtomicFile&&) = delete;

@@ -51,7 +51,8 @@ std::uint64_t control_group_room() {
     const std::uint64_t used = read_number(folder + "/memory.current");
     const std::uint64_t cache = read_entry((folder + "/memory.stat").c_str(), "inactive_file", 1);
     if (used != kUnknown)
-      least = std::min(least, room(read_number(folder + "/memory.max"), used - (cache == kUnknown ? 0 : std::min(cache, used))));
+      least = std::min(
+          least, room(read_number(folder + "/memory.max"), used - (cache == kUnknown ? 0 : std::min(cache, used))));
   }
   return least;
 }
@@ -71,8 +72,10 @@ std::uint64_t available_memory() {
 void require_memory(const std::string& where, const std::string& what, std::uint64_t bytes, const std::string& remedy) {
   const std::uint64_t available = available_memory();
   if (bytes > available)
-    throw Error(where, fmt::format("{} takes {} of memory, and {} is available", what, to_size_text(bytes), to_size_text(available)),
-                remedy);
+    throw Error(
+        where,
+        fmt::format("{} takes {} of memory, and {} is available", what, to_size_text(bytes), to_size_text(available)),
+        remedy);
 }
 
 std::string to_size_text(std::uint64_t bytes) {

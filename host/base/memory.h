@@ -7,8 +7,8 @@
 
 namespace wavepath {
 
-// Bytes: the least of what the kernel calls available and what the process's control group and address-space limit still
-// allow. The maximum of the type where the system does not say.
+// Bytes: the least of what the kernel calls available and what the process's control group and address-space limit
+// still allow. The maximum of the type where the system does not say.
 std::uint64_t available_memory();
 
 // Throws Error(where, ...) naming both numbers if `bytes` for `what` exceed available_memory(); `remedy` as in Error.

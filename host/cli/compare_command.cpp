@@ -40,7 +40,8 @@ bool is_display(const std::string& path) {
 
 // Black, purple, orange, pale yellow: brightness rises evenly, so that the map also reads in grey.
 glm::vec3 map_color(float error) {
-  const glm::vec3 stops[] = {{0.0f, 0.0f, 0.015f}, {0.32f, 0.07f, 0.48f}, {0.72f, 0.21f, 0.47f}, {0.99f, 0.53f, 0.38f}, {0.99f, 0.99f, 0.75f}};
+  const glm::vec3 stops[] = {
+      {0.0f, 0.0f, 0.015f}, {0.32f, 0.07f, 0.48f}, {0.72f, 0.21f, 0.47f}, {0.99f, 0.53f, 0.38f}, {0.99f, 0.99f, 0.75f}};
   const float position = std::clamp(error, 0.0f, 1.0f) * 4.0f;
   const int first = std::min(static_cast<int>(position), 3);
   return glm::mix(stops[first], stops[first + 1], position - static_cast<float>(first));
@@ -49,7 +50,8 @@ glm::vec3 map_color(float error) {
 void write_map(const std::string& path, const Picture& like, const std::vector<float>& flip) {
   Picture map{like.width, like.height, {{"R", {}}, {"G", {}}, {"B", {}}}};
   for (const float error : flip)
-    for (int c = 0; c < 3; ++c) map.channels[static_cast<std::size_t>(c)].values.push_back(from_srgb(map_color(error)[c]));
+    for (int c = 0; c < 3; ++c)
+      map.channels[static_cast<std::size_t>(c)].values.push_back(from_srgb(map_color(error)[c]));
   write_picture(path, map, {}, {false, 0.0, Tonemap::none});
 }
 
@@ -76,7 +78,9 @@ void print(const Json& json) {
     if (value.is_string()) text = value.get<std::string>();
     if (value.is_number()) text = fmt::format("{:.8g}", value.get<double>());
     if (name == "mean_ratio") text = fmt::format("{:.6f}", fmt::join(value.get<std::vector<double>>(), " "));
-    if (name == "nonfinite") text = fmt::format("image {}, reference {}", value["image"].get<std::uint64_t>(), value["reference"].get<std::uint64_t>());
+    if (name == "nonfinite")
+      text = fmt::format("image {}, reference {}", value["image"].get<std::uint64_t>(),
+                         value["reference"].get<std::uint64_t>());
     fmt::print("{:<13}{}\n", name, text);
   }
 }
@@ -101,14 +105,16 @@ int run_compare(const Request& request) {
   if (metrics.finite())
     for (const Limit& limit : request.limits)
       if (const double value = json[limit.metric]; !(value <= limit.value))
-        exceeded += fmt::format("{}{} is {:.8g}, more than {:.8g}", exceeded.empty() ? "" : ", ", limit.metric, value, limit.value);
+        exceeded += fmt::format("{}{} is {:.8g}, more than {:.8g}", exceeded.empty() ? "" : ", ", limit.metric, value,
+                                limit.value);
   if (request.json) {
     fmt::print("{}", to_text(json));
   } else {
     print(json);
   }
   if (!metrics.finite())
-    throw Error(metrics.nonfinite_image > 0 ? request.image : request.reference, "holds values that are not finite", "an image with such has no score");
+    throw Error(metrics.nonfinite_image > 0 ? request.image : request.reference, "holds values that are not finite",
+                "an image with such has no score");
   if (!exceeded.empty()) throw Error(request.image, exceeded, "look at both pictures, or use --map");
   return kExitDone;
 }
@@ -126,16 +132,24 @@ void read_limit(const FlagValue& value, std::vector<Limit>& limits) {
 Command add_compare(CLI::App& app) {
   CLI::App* command = app.add_subcommand("compare", "measure how far an image is from a reference");
   command->set_help_flag("-h,--help", "show this and exit")->group(kHelpGroup);
-  command->footer("All metrics are of linear values over pixels and RGB; .png and .jpg are decoded from sRGB first. FLIP is HDR-FLIP unless both "
-                  "are .png or .jpg. PSNR takes the reference's largest value as its peak, or 1 for .png and .jpg.");
+  command->footer(
+      "All metrics are of linear values over pixels and RGB; .png and .jpg are decoded from sRGB first. FLIP is "
+      "HDR-FLIP unless both "
+      "are .png or .jpg. PSNR takes the reference's largest value as its peak, or 1 for .png and .jpg.");
   const auto request = std::make_shared<Request>();
   const auto keep = [](std::string& text) { return [&text](const FlagValue& value) { text = value.text; }; };
   add_flag(*command, "Pictures", {"IMAGE", "FILE", ".exr, .hdr, .png or .jpg"}, keep(request->image))->required();
-  add_flag(*command, "Pictures", {"REFERENCE", "FILE", "what it should look like, of the same size"}, keep(request->reference))->required();
-  add_flag(*command, "Output", {"--map", "FILE.png", "picture of the FLIP error, black = equal, pale yellow = 1", "not written"}, keep(request->map));
+  add_flag(*command, "Pictures", {"REFERENCE", "FILE", "what it should look like, of the same size"},
+           keep(request->reference))
+      ->required();
   add_flag(*command, "Output",
-           {"--max", "METRIC=VALUE", "repeatable; exit code 1 if the metric is larger: mse, relmse, mrse, relative_rms, flip, max, p99.9"},
-           [request](const FlagValue& value) { read_limit(value, request->limits); }, true);
+           {"--map", "FILE.png", "picture of the FLIP error, black = equal, pale yellow = 1", "not written"},
+           keep(request->map));
+  add_flag(
+      *command, "Output",
+      {"--max", "METRIC=VALUE",
+       "repeatable; exit code 1 if the metric is larger: mse, relmse, mrse, relative_rms, flip, max, p99.9"},
+      [request](const FlagValue& value) { read_limit(value, request->limits); }, true);
   add_switch(*command, "Output", {"--json", "", "print one JSON document", "off"}, request->json);
   return [request] { return run_compare(*request); };
 }

@@ -39,7 +39,8 @@ std::size_t edit_distance(const std::string& a, const std::string& b) {
         continue;
       }
       d[i][j] = std::min({d[i - 1][j] + 1, d[i][j - 1] + 1, d[i - 1][j - 1] + (a[i - 1] != b[j - 1])});
-      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1]) d[i][j] = std::min(d[i][j], d[i - 2][j - 2] + 1);
+      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
+        d[i][j] = std::min(d[i][j], d[i - 2][j - 2] + 1);
     }
   return d[a.size()][b.size()];
 }
@@ -75,7 +76,8 @@ glm::dvec3 FlagValue::triple() const {
   std::string_view rest = text;
   for (int i = 0; i < 3; ++i) {
     const std::size_t end = i < 2 ? rest.find(',') : rest.size();
-    const std::optional<double> value = end == std::string_view::npos ? std::nullopt : parse_finite(rest.substr(0, end));
+    const std::optional<double> value =
+        end == std::string_view::npos ? std::nullopt : parse_finite(rest.substr(0, end));
     if (!value) refuse("is not three numbers", "write them as X,Y,Z without spaces");
     result[i] = *value;
     rest.remove_prefix(std::min(end + 1, rest.size()));
@@ -85,7 +87,8 @@ glm::dvec3 FlagValue::triple() const {
 
 std::uint32_t FlagValue::choice(std::span<const std::string_view> names) const {
   const auto found = std::find(names.begin(), names.end(), text);
-  if (found == names.end()) refuse("is unknown", suggestion(text, std::vector<std::string>(names.begin(), names.end())));
+  if (found == names.end())
+    refuse("is unknown", suggestion(text, std::vector<std::string>(names.begin(), names.end())));
   return static_cast<std::uint32_t>(found - names.begin());
 }
 
@@ -119,7 +122,8 @@ std::string nearest_name(const std::string& text, std::span<const std::string> n
 
 std::string suggestion(const std::string& text, std::span<const std::string> names) {
   const std::string nearest = nearest_name(text, names);
-  return nearest.empty() ? fmt::format("choose from {}", fmt::join(names, ", ")) : fmt::format("did you mean {}?", nearest);
+  return nearest.empty() ? fmt::format("choose from {}", fmt::join(names, ", "))
+                         : fmt::format("did you mean {}?", nearest);
 }
 
 } // namespace wavepath

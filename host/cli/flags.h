@@ -18,9 +18,9 @@ struct FlagValue {
   std::string text;
 
   std::uint32_t whole_number(std::uint64_t lowest, std::uint64_t highest) const;
-  double number(double lowest, double highest) const; // finite, both ends included
-  double positive_number() const;                     // finite
-  glm::dvec3 triple() const;                          // "X,Y,Z", finite
+  double number(double lowest, double highest) const;                  // finite, both ends included
+  double positive_number() const;                                      // finite
+  glm::dvec3 triple() const;                                           // "X,Y,Z", finite
   std::uint32_t choice(std::span<const std::string_view> names) const; // index of one of the names
   [[noreturn]] void refuse(const std::string& problem, const std::string& remedy) const;
 };

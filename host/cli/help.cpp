@@ -38,12 +38,14 @@ std::string line(const CLI::Option& option) {
   if (!option.get_positional()) {
     for (const std::string& name : option.get_snames()) names += (names.empty() ? "-" : ", -") + name;
     if (names.empty()) names = "    "; // so that long names line up
-    for (const std::string& name : option.get_lnames()) names += (names == "    " || names.empty() ? "--" : ", --") + name;
+    for (const std::string& name : option.get_lnames())
+      names += (names == "    " || names.empty() ? "--" : ", --") + name;
     if (option.get_expected_max() > 0) names += " " + option.get_type_name();
   }
   names = "  " + names;
   const std::string initial = option.get_default_str();
-  return names + wrap(option.get_description() + (initial.empty() ? "" : " [default: " + initial + "]"), kMeaningColumn, names.size());
+  return names + wrap(option.get_description() + (initial.empty() ? "" : " [default: " + initial + "]"), kMeaningColumn,
+                      names.size());
 }
 
 } // namespace
@@ -60,7 +62,8 @@ std::string HelpLayout::make_help(const CLI::App* app, std::string, CLI::AppForm
 
   if (!commands.empty()) out += "\nCommands\n";
   for (const CLI::App* command : commands)
-    out += "  " + command->get_name() + wrap(command->get_description(), kMeaningColumn, command->get_name().size() + 2);
+    out +=
+        "  " + command->get_name() + wrap(command->get_description(), kMeaningColumn, command->get_name().size() + 2);
 
   // The parser lists its own --help first; readers want it last.
   std::vector<std::string> groups = app->get_groups();

@@ -47,7 +47,8 @@ void print_device(std::size_t index, const DeviceInfo& device) {
   fmt::print("  workgroups in a dispatch  {}\n", device.max_groups);
   fmt::print("  timestamps                {}\n",
              device.timestamp_period_ns > 0.0 ? fmt::format("every {} ns", device.timestamp_period_ns) : "none");
-  fmt::print("  missing for wavepath      {}\n", device.missing.empty() ? "nothing" : fmt::format("{}", fmt::join(device.missing, "; ")));
+  fmt::print("  missing for wavepath      {}\n",
+             device.missing.empty() ? "nothing" : fmt::format("{}", fmt::join(device.missing, "; ")));
 }
 
 int run_devices(const Request& request) {
@@ -69,9 +70,11 @@ Json describe(const std::string& path, const Scene& scene, const Plan& planned, 
   Json cameras = Json::array(), left_out = Json::array(), warnings = Json::array();
   for (const Camera& camera : scene.cameras)
     cameras.push_back({{"name", camera.name}, {"kind", camera.orthographic ? "orthographic" : "perspective"}});
-  for (const LeftOut& entry : packed.left_out) left_out.push_back({{"what", entry.what}, {"why", entry.why}, {"bytes", entry.bytes}});
+  for (const LeftOut& entry : packed.left_out)
+    left_out.push_back({{"what", entry.what}, {"why", entry.why}, {"bytes", entry.bytes}});
   for (const auto& [text, count] : scene.warnings.counts()) warnings.push_back({{"text", text}, {"count", count}});
-  const auto emissive = std::count_if(packed.lights.begin(), packed.lights.end(), [](const auto& l) { return l.kind == gpu::kLightTriangle; });
+  const auto emissive = std::count_if(packed.lights.begin(), packed.lights.end(),
+                                      [](const auto& l) { return l.kind == gpu::kLightTriangle; });
   return {{"wavepath", WAVEPATH_VERSION},
           {"scene", path},
           {"triangles", packed.triangle_count},
@@ -81,7 +84,10 @@ Json describe(const std::string& path, const Scene& scene, const Plan& planned, 
           {"materials", scene.materials.size()},
           {"images", scene.images.size()},
           {"textures", packed.textures.size()},
-          {"lights", {{"punctual", scene.lights.size()}, {"emissive_triangles", emissive}, {"environment", scene.environment.present()}}},
+          {"lights",
+           {{"punctual", scene.lights.size()},
+            {"emissive_triangles", emissive},
+            {"environment", scene.environment.present()}}},
           {"cameras", cameras},
           {"extensions", scene.extensions_used},
           {"bytes",
@@ -104,15 +110,17 @@ void print_scene(const Json& about, const std::vector<std::string>& extensions) 
   const auto number = [](const Json& json) { return json.get<std::uint64_t>(); };
   const Json &lights = about["lights"], &bytes = about["bytes"];
   fmt::print("{}\n", about["scene"].get<std::string>());
-  fmt::print("  triangles   {} seen, {} stored, {} instances of {} meshes\n", number(about["triangles"]), number(about["triangles_stored"]),
-             number(about["instances"]), number(about["meshes"]));
+  fmt::print("  triangles   {} seen, {} stored, {} instances of {} meshes\n", number(about["triangles"]),
+             number(about["triangles_stored"]), number(about["instances"]), number(about["meshes"]));
   fmt::print("  materials   {}\n", number(about["materials"]));
   fmt::print("  textures    {} uses of {} images\n", number(about["textures"]), number(about["images"]));
-  fmt::print("  lights      {} punctual, {} emissive triangles, {}\n", number(lights["punctual"]), number(lights["emissive_triangles"]),
+  fmt::print("  lights      {} punctual, {} emissive triangles, {}\n", number(lights["punctual"]),
+             number(lights["emissive_triangles"]),
              lights["environment"].get<bool>() ? "an environment" : "no environment");
   std::vector<std::string> cameras;
   for (const Json& camera : about["cameras"])
-    cameras.push_back(fmt::format("{} '{}' ({})", cameras.size(), camera["name"].get<std::string>(), camera["kind"].get<std::string>()));
+    cameras.push_back(fmt::format("{} '{}' ({})", cameras.size(), camera["name"].get<std::string>(),
+                                  camera["kind"].get<std::string>()));
   fmt::print("  cameras     {}\n", cameras.empty() ? "none: the scene is framed automatically" : join_or_none(cameras));
   fmt::print("  extensions  {}\n", join_or_none(extensions));
   fmt::print("  planned     {} on the device\n", to_size_text(number(bytes["total"])));

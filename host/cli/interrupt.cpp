@@ -20,13 +20,13 @@ void on_signal(int) {
 
 void catch_interrupts() {
   // SA_RESTART: a driver's system calls are not expected to cope with being interrupted.
-  struct sigaction action{};
+  struct sigaction action {};
   action.sa_handler = on_signal;
   action.sa_flags = SA_RESTART;
   sigemptyset(&action.sa_mask);
   // A signal that the parent told us to ignore (nohup, background jobs) stays ignored.
   for (const int signal : {SIGINT, SIGTERM}) {
-    struct sigaction before{};
+    struct sigaction before {};
     sigaction(signal, nullptr, &before);
     if (before.sa_handler != SIG_IGN) sigaction(signal, &action, nullptr);
   }

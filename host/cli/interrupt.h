@@ -3,7 +3,8 @@
 
 namespace wavepath {
 
-// From here on the first SIGINT or SIGTERM makes interrupted() true, and the second ends the process. To be called once.
+// From here on the first SIGINT or SIGTERM makes interrupted() true, and the second ends the process. To be called
+// once.
 void catch_interrupts();
 bool interrupted();
 

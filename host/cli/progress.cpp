@@ -47,13 +47,17 @@ int terminal_width() {
 std::string progress_text(const Progress& progress, double time_limit, double target_error, int bar_width) {
   const double left = seconds_left(progress, time_limit, target_error);
   // With a time limit or a target the share of the samples would tell little; the share of the time is what counts.
-  const double done = progress.seconds + left > 0.0 && std::isfinite(left) ? progress.seconds / (progress.seconds + left) : progress.fraction;
+  const double done = progress.seconds + left > 0.0 && std::isfinite(left)
+                          ? progress.seconds / (progress.seconds + left)
+                          : progress.fraction;
   std::string text;
   if (bar_width > 0) {
     const int filled = static_cast<int>(std::lround(done * bar_width));
-    text += "[" + std::string(static_cast<std::size_t>(filled), '#') + std::string(static_cast<std::size_t>(bar_width - filled), '.') + "] ";
+    text += "[" + std::string(static_cast<std::size_t>(filled), '#') +
+            std::string(static_cast<std::size_t>(bar_width - filled), '.') + "] ";
   }
-  text += fmt::format("{:3.0f} %  {}/{} spp  {} elapsed", 100.0 * done, progress.spp_done, progress.spp_planned, duration(progress.seconds));
+  text += fmt::format("{:3.0f} %  {}/{} spp  {} elapsed", 100.0 * done, progress.spp_done, progress.spp_planned,
+                      duration(progress.seconds));
   if (std::isfinite(left)) text += fmt::format(", {} left", duration(left));
   text += fmt::format("  {:.2f} Mrays/s", progress.mrays_per_second);
   if (progress.error.relative_rms > 0.0) text += fmt::format("  error {:.2g} %", 100.0 * progress.error.relative_rms);

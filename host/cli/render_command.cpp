@@ -70,7 +70,9 @@ std::optional<Picture> read_reference(Request& request) {
   if (!path.empty()) {
     reference = read_picture(path);
     if (reference->width != settings.width || reference->height != settings.height)
-      throw UsageError(path, fmt::format("is {}x{}, the render {}x{}", reference->width, reference->height, settings.width, settings.height),
+      throw UsageError(path,
+                       fmt::format("is {}x{}, the render {}x{}", reference->width, reference->height, settings.width,
+                                   settings.height),
                        fmt::format("render with --size {}x{}", reference->width, reference->height));
   }
   const bool box = reference && read_attribute(path, "wavepath.filter") == kFilterNames[gpu::kFilterBox];
@@ -82,14 +84,16 @@ std::optional<Picture> read_reference(Request& request) {
 void require_memory_for(const Request& request, const Plan& plan, const DeviceInfo& device) {
   const RenderSettings& settings = request.render.settings;
   const std::uint64_t pixels = std::uint64_t{settings.width} * settings.height;
-  const std::uint64_t film = pixels * (gpu::kReplicates * sizeof(gpu::FilmPixel) + (settings.aovs.empty() ? 0 : sizeof(gpu::FilmAovs)));
+  const std::uint64_t film =
+      pixels * (gpu::kReplicates * sizeof(gpu::FilmPixel) + (settings.aovs.empty() ? 0 : sizeof(gpu::FilmAovs)));
   const std::uint64_t picture = pixels * sizeof(float) * (4 + 3 * settings.aovs.size());
   const std::uint64_t copies = device.type == "cpu" ? 2 : 1;
   require_memory(request.scene.path, fmt::format("rendering it at {}x{}", settings.width, settings.height),
                  copies * (plan.total() + film) + picture, "use a smaller --size, fewer --aov or a simpler scene");
 }
 
-PictureInfo picture_info(const Request& request, const View& view, const RenderResult& result, const std::vector<std::string>& bias) {
+PictureInfo picture_info(const Request& request, const View& view, const RenderResult& result,
+                         const std::vector<std::string>& bias) {
   const RenderSettings& settings = request.render.settings;
   PictureInfo info;
   info.spp = result.spp;
@@ -116,7 +120,8 @@ RenderResult render_shown(const Request& request, Device& device, const PackedSc
 }
 
 // Tries every output even if one fails, because rendering was the expensive part; returns the first failure.
-std::exception_ptr write_pictures(const Request& request, const PictureInfo& info, const Picture& picture, Warnings& warnings) {
+std::exception_ptr write_pictures(const Request& request, const PictureInfo& info, const Picture& picture,
+                                  Warnings& warnings) {
   std::exception_ptr failure;
   for (const std::string& path : request.output.pictures) try {
       const std::uint64_t clamped = write_picture(path, picture, info, request.output.write);
@@ -156,7 +161,8 @@ int run_render(Request& request) {
   run.bias = list_bias(settings);
 
   const Stopwatch writing;
-  const std::exception_ptr failure = write_pictures(request, picture_info(request, view, result, run.bias), result.picture, warnings);
+  const std::exception_ptr failure =
+      write_pictures(request, picture_info(request, view, result, run.bias), result.picture, warnings);
   run.write_seconds = writing.seconds();
   if (reference) run.true_error = measure_true_error(result.picture, *reference);
   run.load_seconds = load_seconds;
@@ -165,8 +171,9 @@ int run_render(Request& request) {
   report(run, request.output, warnings);
   if (failure) std::rethrow_exception(failure);
   if (request.render.strict && result.nonfinite_samples > 0)
-    throw Error(request.scene.path, fmt::format("{} samples were not finite, one in pixel {},{}", result.nonfinite_samples,
-                                                result.first_nonfinite[0], result.first_nonfinite[1]),
+    throw Error(request.scene.path,
+                fmt::format("{} samples were not finite, one in pixel {},{}", result.nonfinite_samples,
+                            result.first_nonfinite[0], result.first_nonfinite[1]),
                 "report this with the scene, or render without --strict");
   return exit_code(request, result);
 }

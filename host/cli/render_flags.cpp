@@ -63,9 +63,12 @@ void add_stop_flags(CLI::App& app, RenderRequest& request) {
            [&](const FlagValue& value) { request.spp = value.whole_number(1, kMostSamples); });
   add_flag(app, group, {"--time", "SECONDS", "rendering time in seconds, without loading and compiling", "no limit"},
            [&](const FlagValue& value) { settings.time_limit = value.positive_number(); });
-  add_flag(app, group, {"--target-error", "E", "estimated relative RMS error, 0.01 = 1 %; exit code 3 if it was not reached", "none"},
-           [&](const FlagValue& value) { settings.target_error = value.positive_number(); });
-  add_flag(app, group, {"--samples", "A:B", "render only sample indices A <= s < B, for splitting and merging", "0:spp"},
+  add_flag(
+      app, group,
+      {"--target-error", "E", "estimated relative RMS error, 0.01 = 1 %; exit code 3 if it was not reached", "none"},
+      [&](const FlagValue& value) { settings.target_error = value.positive_number(); });
+  add_flag(app, group,
+           {"--samples", "A:B", "render only sample indices A <= s < B, for splitting and merging", "0:spp"},
            [&](const FlagValue& value) { read_samples(value, request); });
 }
 
@@ -81,20 +84,28 @@ void add_render_flags(CLI::App& app, RenderRequest& request) {
   const char* group = "Light transport";
   add_flag(app, group, {"--integrator", "path", "how light is found: path tracing", "path"},
            [](const FlagValue& value) { value.choice(kIntegrators); });
-  add_flag(app, group, {"--max-depth", "N", "longest path in bounces: 0 = emission seen directly, 1 = direct light, ...", "8"},
+  add_flag(app, group,
+           {"--max-depth", "N", "longest path in bounces: 0 = emission seen directly, 1 = direct light, ...", "8"},
            [&](const FlagValue& value) { settings.max_depth = value.whole_number(0, kDeepest); });
   add_flag(app, group, {"--sampler", "independent|stratified|sobol", "sample points; sobol is Owen-scrambled", "sobol"},
            choose(settings.sampler, kSamplerNames));
   add_flag(app, group, {"--hemisphere", "cosine|uniform", "how diffuse directions are sampled", "cosine"},
            choose(settings.hemisphere, kHemisphereNames));
-  add_flag(app, group, {"--direct", "mis|nee|bsdf", "direct light by both techniques, by light sampling, or by BSDF sampling", "mis"},
-           choose(settings.direct, kDirectNames));
+  add_flag(
+      app, group,
+      {"--direct", "mis|nee|bsdf", "direct light by both techniques, by light sampling, or by BSDF sampling", "mis"},
+      choose(settings.direct, kDirectNames));
   add_flag(app, group, {"--seed", "N", "another seed gives another noise, the same seed the same bits", "0"},
            [&](const FlagValue& value) { settings.seed = value.whole_number(0, kMostSamples); });
-  add_switch(app, group, {"--strict", "", "refuse anything biased but the depth asked for; exit code 1 if any sample was not finite", "off"}, request.strict);
-  add_flag(app, group, {"--device", "NAME|INDEX", "Vulkan device; 'wavepath info' lists them", "a discrete GPU if there is one"},
+  add_switch(app, group,
+             {"--strict", "",
+              "refuse anything biased but the depth asked for; exit code 1 if any sample was not finite", "off"},
+             request.strict);
+  add_flag(app, group,
+           {"--device", "NAME|INDEX", "Vulkan device; 'wavepath info' lists them", "a discrete GPU if there is one"},
            [&](const FlagValue& value) { request.device = value.text; });
-  add_flag(app, group, {"--specialize", "on|off", "leave out what the scene does not need; off gives the same image, slower", "on"},
+  add_flag(app, group,
+           {"--specialize", "on|off", "leave out what the scene does not need; off gives the same image, slower", "on"},
            [&](const FlagValue& value) { settings.specialize = value.choice(kOnOff) != 0; });
 }
 
@@ -106,30 +117,36 @@ void add_picture_flags(CLI::App& app, RenderRequest& request) {
            {"--filter", "box|gaussian|blackman-harris", "pixel filter, importance-sampled",
             "blackman-harris; box if --reference is box-filtered"},
            [&](const FlagValue& value) { request.filter = value.choice(kFilterNames); });
-  add_flag(app, group,
-           {"--aov", "LIST",
-            "extra EXR channels, separated by commas: albedo, normal, depth, position, variance, samples, direct, indirect, "
-            "emission",
-            "none"},
-           [&](const FlagValue& value) { read_aovs(value, request.settings.aovs); });
+  add_flag(
+      app, group,
+      {"--aov", "LIST",
+       "extra EXR channels, separated by commas: albedo, normal, depth, position, variance, samples, direct, indirect, "
+       "emission",
+       "none"},
+      [&](const FlagValue& value) { read_aovs(value, request.settings.aovs); });
 }
 
 void add_output_flags(CLI::App& app, OutputRequest& request) {
   const char* group = "Output";
   const auto keep = [](std::string& text) { return [&text](const FlagValue& value) { text = value.text; }; };
-  add_flag(app, group,
-           {"-o,--output", "FILE", "repeatable; .exr and .hdr linear, .png and .jpg tonemapped", "SCENE-stem.exr"},
-           [&](const FlagValue& value) { request.pictures.push_back(value.text); }, true);
+  add_flag(
+      app, group,
+      {"-o,--output", "FILE", "repeatable; .exr and .hdr linear, .png and .jpg tonemapped", "SCENE-stem.exr"},
+      [&](const FlagValue& value) { request.pictures.push_back(value.text); }, true);
   add_switch(app, group, {"--half", "", "EXR with 16-bit floats", "off: 32-bit"}, request.write.half);
   add_flag(app, group, {"--exposure", "EV", "brighten tonemapped outputs by this many stops", "0"},
            [&](const FlagValue& value) { request.write.exposure = value.number(-64.0, 64.0); });
   add_flag(app, group, {"--tonemap", "none|aces|agx|neutral", "tone curve of .png and .jpg outputs", "neutral"},
            [&](const FlagValue& value) { request.write.tonemap = static_cast<Tonemap>(value.choice(kTonemaps)); });
-  add_flag(app, group, {"--stats", "FILE.json", "write everything that the run measured", "not written"}, keep(request.stats));
-  add_flag(app, group, {"--reference", "FILE.exr", "also measure the true error of the final picture", "none"}, keep(request.reference));
+  add_flag(app, group, {"--stats", "FILE.json", "write everything that the run measured", "not written"},
+           keep(request.stats));
+  add_flag(app, group, {"--reference", "FILE.exr", "also measure the true error of the final picture", "none"},
+           keep(request.reference));
   add_switch(app, group, {"--json", "", "print the stats document on stdout", "off"}, request.json);
   add_switch(app, group, {"-q,--quiet", "", "no progress and no summary", "off"}, request.quiet);
-  add_switch(app, group, {"-v,--verbose", "", "say more on stderr: device, memory, seconds by stage, what is left out", "off"}, request.verbose);
+  add_switch(app, group,
+             {"-v,--verbose", "", "say more on stderr: device, memory, seconds by stage, what is left out", "off"},
+             request.verbose);
 }
 
 void settle_samples(RenderRequest& request) {

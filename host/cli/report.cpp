@@ -17,21 +17,25 @@ void print_summary(const Run& run, const OutputRequest& output) {
   const RenderResult& result = run.result;
   const double speed = result.seconds > 0.0 ? 1e-6 * static_cast<double>(result.rays.total()) / result.seconds : 0.0;
   std::string error;
-  if (const auto estimate = estimated_error(result)) error = fmt::format(", estimated error {:.3g} %", 100.0 * *estimate);
-  fmt::print(stderr, "wavepath: {}: {} spp in {:.2f} s, {:.2f} Mrays/s{}\n", fmt::join(output.pictures, ", "), result.spp,
-             result.seconds, speed, error);
+  if (const auto estimate = estimated_error(result))
+    error = fmt::format(", estimated error {:.3g} %", 100.0 * *estimate);
+  fmt::print(stderr, "wavepath: {}: {} spp in {:.2f} s, {:.2f} Mrays/s{}\n", fmt::join(output.pictures, ", "),
+             result.spp, result.seconds, speed, error);
 }
 
 void print_details(const Run& run) {
   const RenderResult& result = run.result;
   fmt::print(stderr, "  device      {} ({}, {})\n", run.device.name, run.device.driver, run.device.type);
   fmt::print(stderr, "  scene       {} triangles, {} lights\n", run.packed.triangle_count, run.packed.lights.size());
-  fmt::print(stderr, "  memory      {} on the device at most: scene {}, BVH {}, paths {}, film {}\n", to_size_text(run.peak_bytes),
-             to_size_text(result.memory.scene), to_size_text(result.memory.bvh), to_size_text(result.memory.paths),
-             to_size_text(result.memory.film));
-  fmt::print(stderr, "  seconds     load {:.2f}, BVH {:.2f}, upload {:.2f}, compile {:.2f}, render {:.2f}, write {:.2f}\n", run.load_seconds,
-             run.packed.bvh_seconds, result.upload_seconds, result.compile_seconds, result.seconds, run.write_seconds);
-  fmt::print(stderr, "  rays        camera {}, bounce {}, shadow {}\n", result.rays.camera, result.rays.bounce, result.rays.shadow);
+  fmt::print(stderr, "  memory      {} on the device at most: scene {}, BVH {}, paths {}, film {}\n",
+             to_size_text(run.peak_bytes), to_size_text(result.memory.scene), to_size_text(result.memory.bvh),
+             to_size_text(result.memory.paths), to_size_text(result.memory.film));
+  fmt::print(stderr,
+             "  seconds     load {:.2f}, BVH {:.2f}, upload {:.2f}, compile {:.2f}, render {:.2f}, write {:.2f}\n",
+             run.load_seconds, run.packed.bvh_seconds, result.upload_seconds, result.compile_seconds, result.seconds,
+             run.write_seconds);
+  fmt::print(stderr, "  rays        camera {}, bounce {}, shadow {}\n", result.rays.camera, result.rays.bounce,
+             result.rays.shadow);
   for (const StageTime& stage : result.stages)
     fmt::print(stderr, "  {:<12}{:.3f} s in {} dispatches\n", stage.name, stage.seconds, stage.dispatches);
   for (const LeftOut& entry : run.packed.left_out)
@@ -55,10 +59,12 @@ TrueError measure_true_error(const Picture& picture, const Picture& reference) {
 void report(const Run& run, const OutputRequest& output, Warnings warnings) {
   const RenderResult& result = run.result;
   if (result.nonfinite_samples > 0)
-    warnings.add(fmt::format("non-finite sample left out, one in pixel {},{}", result.first_nonfinite[0], result.first_nonfinite[1]),
+    warnings.add(fmt::format("non-finite sample left out, one in pixel {},{}", result.first_nonfinite[0],
+                             result.first_nonfinite[1]),
                  result.nonfinite_samples);
   if (result.spp == 0) warnings.add("stopped within the first sample; pixels that it had not reached are black");
-  if (run.true_error && !run.true_error->metrics.finite()) warnings.add(output.reference + ": not compared, a value is not finite");
+  if (run.true_error && !run.true_error->metrics.finite())
+    warnings.add(output.reference + ": not compared, a value is not finite");
   print_warnings(warnings);
 
   const std::string document = to_text(stats_document(run));
@@ -68,7 +74,8 @@ void report(const Run& run, const OutputRequest& output, Warnings warnings) {
   print_summary(run, output);
   if (run.true_error && run.true_error->metrics.finite())
     fmt::print(stderr, "wavepath: against {}: relMSE {:.6g}, MSE {:.6g}, MRSE {:.6g}, FLIP {:.4f}\n", output.reference,
-               run.true_error->metrics.relmse, run.true_error->metrics.mse, run.true_error->metrics.mrse, run.true_error->flip);
+               run.true_error->metrics.relmse, run.true_error->metrics.mse, run.true_error->metrics.mrse,
+               run.true_error->flip);
   if (output.verbose) print_details(run);
 }
 

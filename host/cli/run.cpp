@@ -17,8 +17,9 @@ std::string quote(int count, const char* const* arguments) {
   std::string line;
   for (int i = 0; i < count; ++i) {
     const std::string word = arguments[i];
-    const bool plain = !word.empty() && word.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789"
-                                                               "_-+=.,:/@%") == std::string::npos;
+    const bool plain = !word.empty() && word.find_first_not_of(
+                                            "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789"
+                                            "_-+=.,:/@%") == std::string::npos;
     std::string quoted = "'";
     for (const char c : word) quoted += c == '\'' ? "'\\''" : std::string(1, c);
     line += (i == 0 ? "" : " ") + (plain ? word : quoted + "'");
@@ -28,7 +29,8 @@ std::string quote(int count, const char* const* arguments) {
 
 std::vector<std::string> command_names(const CLI::App& app) {
   std::vector<std::string> names;
-  for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) names.push_back(command->get_name());
+  for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; }))
+    names.push_back(command->get_name());
   return names;
 }
 
@@ -44,13 +46,15 @@ void refuse_leftovers(const CLI::App& app, const CLI::App* chosen) {
   const CLI::App& command = chosen ? *chosen : app;
   const std::string title = chosen ? "wavepath " + command.get_name() : "wavepath", help = "see " + title + " --help";
   for (const std::string& word : app.remaining())
-    if (chosen && word != "--") throw UsageError(word, "stands before the command", "write " + title + " first, then its flags");
+    if (chosen && word != "--")
+      throw UsageError(word, "stands before the command", "write " + title + " first, then its flags");
   const std::vector<std::string> words = command.remaining();
   for (const std::string& word : words) {
     if (word.size() < 2 || word[0] != '-' || word == "--") continue;
     const std::string name = word.substr(0, word.find('='));
     const std::vector<std::string> flags = flag_names(command);
-    throw UsageError(name, "no such flag of '" + title + "'", nearest_name(name, flags).empty() ? help : suggestion(name, flags));
+    throw UsageError(name, "no such flag of '" + title + "'",
+                     nearest_name(name, flags).empty() ? help : suggestion(name, flags));
   }
   for (const std::string& word : words) {
     if (word == "--") continue;
@@ -67,10 +71,12 @@ int run(int argument_count, const char* const* arguments) {
   app.formatter(std::make_shared<HelpLayout>());
   app.set_help_flag("-h,--help", "show this and exit")->group(kHelpGroup);
   app.set_version_flag("--version", "wavepath " WAVEPATH_VERSION, "show the version and exit")->group(kHelpGroup);
-  app.footer("wavepath COMMAND --help tells the flags of a command. Exit codes: 0 done, 1 the input or the machine failed, 2 "
-             "wrong usage, 3 the asked-for error was not reached, 130 interrupted (the result so far was saved).");
-  const std::map<std::string, Command> commands = {
-      {"render", add_render(app, quote(argument_count, arguments))}, {"info", add_info(app)}, {"compare", add_compare(app)}};
+  app.footer(
+      "wavepath COMMAND --help tells the flags of a command. Exit codes: 0 done, 1 the input or the machine failed, 2 "
+      "wrong usage, 3 the asked-for error was not reached, 130 interrupted (the result so far was saved).");
+  const std::map<std::string, Command> commands = {{"render", add_render(app, quote(argument_count, arguments))},
+                                                   {"info", add_info(app)},
+                                                   {"compare", add_compare(app)}};
 
   try {
     app.parse(argument_count, arguments);
@@ -85,7 +91,8 @@ int run(int argument_count, const char* const* arguments) {
     throw UsageError("command line", error.what(), "see wavepath --help");
   }
   if (app.get_subcommands().empty())
-    throw UsageError("command line", "no command is given", fmt::format("choose from {}; see wavepath --help", fmt::join(command_names(app), ", ")));
+    throw UsageError("command line", "no command is given",
+                     fmt::format("choose from {}; see wavepath --help", fmt::join(command_names(app), ", ")));
   return commands.at(app.get_subcommands().front()->get_name())();
 }
 

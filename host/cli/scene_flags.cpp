@@ -20,8 +20,10 @@ constexpr double kLargest = std::numeric_limits<float>::max();
 // What is no file but has two commas is meant as radiance, and then has to be one.
 void read_environment(const FlagValue& value, SceneRequest& request) {
   std::error_code error;
-  const bool radiance = std::count(value.text.begin(), value.text.end(), ',') == 2 && !std::filesystem::exists(value.text, error);
-  if (radiance && glm::any(glm::lessThan(value.triple(), glm::dvec3(0.0)))) value.refuse("is negative", "give radiance of zero or more");
+  const bool radiance =
+      std::count(value.text.begin(), value.text.end(), ',') == 2 && !std::filesystem::exists(value.text, error);
+  if (radiance && glm::any(glm::lessThan(value.triple(), glm::dvec3(0.0))))
+    value.refuse("is negative", "give radiance of zero or more");
   request.environment = value.text;
 }
 
@@ -31,19 +33,23 @@ void add_scene_flags(CLI::App& app, SceneRequest& request, bool required) {
   const auto keep = [](std::string& text) { return [&text](const FlagValue& value) { text = value.text; }; };
   const char* group = "Scene";
   add_flag(app, group, {"SCENE", "FILE", "glTF 2.0 file, .gltf or .glb"}, keep(request.path))->required(required);
-  add_flag(app, group, {"--scene", "NAME|INDEX", "which scene of the file", "the file's default"}, keep(request.load.scene));
-  add_flag(app, group, {"--animation", "NAME|INDEX", "pose the scene by this animation", "none"}, keep(request.load.animation));
+  add_flag(app, group, {"--scene", "NAME|INDEX", "which scene of the file", "the file's default"},
+           keep(request.load.scene));
+  add_flag(app, group, {"--animation", "NAME|INDEX", "pose the scene by this animation", "none"},
+           keep(request.load.animation));
   add_flag(app, group, {"--at", "SECONDS", "time within the animation", "0"},
            [&](const FlagValue& value) { request.load.at = value.number(-kLargest, kLargest); });
-  add_flag(app, group,
-           {"--env", "FILE|R,G,B",
-            "environment: lat-long .exr or .hdr, its centre along world +X and three quarters across along +Z, or constant "
-            "radiance",
-            "black if the scene has any light, else 1,1,1"},
-           [&](const FlagValue& value) { read_environment(value, request); });
+  add_flag(
+      app, group,
+      {"--env", "FILE|R,G,B",
+       "environment: lat-long .exr or .hdr, its centre along world +X and three quarters across along +Z, or constant "
+       "radiance",
+       "black if the scene has any light, else 1,1,1"},
+      [&](const FlagValue& value) { read_environment(value, request); });
   add_flag(app, group, {"--env-intensity", "X", "factor on the environment's radiance", "1"},
            [&](const FlagValue& value) { request.environment_intensity = value.number(0.0, kLargest); });
-  add_flag(app, group, {"--env-rotation", "DEG", "turn the environment about +Y, degrees counter-clockwise from above", "0"},
+  add_flag(app, group,
+           {"--env-rotation", "DEG", "turn the environment about +Y, degrees counter-clockwise from above", "0"},
            [&](const FlagValue& value) { request.environment_rotation = glm::radians(value.number(-1e6, 1e6)); });
 }
 
@@ -52,19 +58,23 @@ void add_view_flags(CLI::App& app, ViewRequest& request) {
   const auto triple = [](std::optional<glm::dvec3>& target) {
     return [&target](const FlagValue& value) { target = value.triple(); };
   };
+  add_flag(
+      app, group,
+      {"--camera", "NAME|INDEX", "glTF camera; without any camera in the file the scene is framed automatically", "0"},
+      [&](const FlagValue& value) { request.camera = value.text; });
   add_flag(app, group,
-           {"--camera", "NAME|INDEX", "glTF camera; without any camera in the file the scene is framed automatically", "0"},
-           [&](const FlagValue& value) { request.camera = value.text; });
-  add_flag(app, group, {"--eye", "X,Y,Z", "position of a camera of your own, world units (metres)", "the chosen camera's"},
+           {"--eye", "X,Y,Z", "position of a camera of your own, world units (metres)", "the chosen camera's"},
            triple(request.eye));
   add_flag(app, group, {"--look-at", "X,Y,Z", "point in the middle of the image, world units", "the chosen camera's"},
            triple(request.look_at));
-  add_flag(app, group, {"--up", "X,Y,Z", "direction that is up in the image", "the chosen camera's"}, triple(request.up));
-  add_flag(app, group, {"--yfov", "DEG", "vertical field of view, degrees", "the chosen camera's"}, [&](const FlagValue& value) {
-    const double degrees = value.positive_number();
-    if (degrees >= 180.0) value.refuse("is too wide", "give an angle below 180 degrees");
-    request.yfov = glm::radians(degrees);
-  });
+  add_flag(app, group, {"--up", "X,Y,Z", "direction that is up in the image", "the chosen camera's"},
+           triple(request.up));
+  add_flag(app, group, {"--yfov", "DEG", "vertical field of view, degrees", "the chosen camera's"},
+           [&](const FlagValue& value) {
+             const double degrees = value.positive_number();
+             if (degrees >= 180.0) value.refuse("is too wide", "give an angle below 180 degrees");
+             request.yfov = glm::radians(degrees);
+           });
 }
 
 Scene load_scene(const SceneRequest& request) {

@@ -30,8 +30,9 @@ double largest(const Picture& picture) {
 
 PictureMetrics compare_pictures(const Picture& picture, const Picture& reference, double peak) {
   if (picture.width != reference.width || picture.height != reference.height)
-    throw Error("comparison", fmt::format("the pictures differ in size, {}x{} and {}x{}", picture.width, picture.height,
-                                          reference.width, reference.height),
+    throw Error("comparison",
+                fmt::format("the pictures differ in size, {}x{} and {}x{}", picture.width, picture.height,
+                            reference.width, reference.height),
                 "compare pictures of one size");
   PictureMetrics metrics;
   metrics.nonfinite_image = count_nonfinite(picture);

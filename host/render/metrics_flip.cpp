@@ -1,9 +1,12 @@
-// FLIP: P. Andersson et al., "FLIP: A Difference Evaluator for Alternating Images", HPG 2020, and "Visualizing Errors in
-// Rendered High Dynamic Range Images", Eurographics 2021. Equation numbers below are the first paper's.
+// FLIP: P. Andersson et al., "FLIP: A Difference Evaluator for Alternating Images", HPG 2020, and "Visualizing Errors
+// in Rendered High Dynamic Range Images", Eurographics 2021. Equation numbers below are the first paper's.
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <numeric>
+
+#include <tbb/parallel_for.h>
 
 #include "host/render/metrics.h"
 
@@ -15,46 +18,50 @@ constexpr double kPi = std::numbers::pi;
 constexpr double kPixelsPerDegree = 0.7 * 3840.0 / 0.7 * kPi / 180.0; // 0.7 m from a 0.7 m wide monitor of 3840 pixels
 const dvec3 kWhite(0.950428545, 1.0, 1.088900371);                    // CIE XYZ of D65
 
-// One value or colour a pixel; reading beyond the border gives the nearest pixel.
+// One value or colour a pixel.
 template <class T>
 struct Plane {
-  int width = 0, height = 0;
+  std::size_t width = 0, height = 0;
   std::vector<T> values;
 
-  Plane(int w, int h) : width(w), height(h), values(static_cast<std::size_t>(w) * static_cast<std::size_t>(h)) {}
-  const T& at(int x, int y) const {
-    const std::size_t row = static_cast<std::size_t>(std::clamp(y, 0, height - 1));
-    return values[row * static_cast<std::size_t>(width) + static_cast<std::size_t>(std::clamp(x, 0, width - 1))];
-  }
+  Plane(std::size_t w, std::size_t h) : width(w), height(h), values(w * h) {}
 };
 
 using Kernel = std::vector<double>; // odd length, centred
 
-double dot(const Kernel& kernel, double value) {
-  double sum = 0.0;
-  for (const double weight : kernel) sum += weight * value;
-  return sum;
+double sum_of(const Kernel& kernel) { return std::accumulate(kernel.begin(), kernel.end(), 0.0); }
+
+// `row` (width + 2 * radius values) with its ends repeated, summed with weights into `out`. The inner loop runs over
+// pixels, so that it vectorizes.
+void convolve_row(const double* row, const Kernel& kernel, double* out, std::size_t width) {
+  std::fill_n(out, width, 0.0);
+  for (std::size_t k = 0; k < kernel.size(); ++k)
+    for (std::size_t x = 0; x < width; ++x) out[x] += kernel[k] * row[x + k];
 }
 
-template <class T>
-Plane<T> convolve(const Plane<T>& in, const Kernel& along_x, const Kernel& along_y) {
-  Plane<T> rows(in.width, in.height), out(in.width, in.height);
-  const auto pass = [](const Plane<T>& from, Plane<T>& to, const Kernel& kernel, int step_x, int step_y) {
-    const int radius = static_cast<int>(kernel.size()) / 2;
-    for (int y = 0; y < from.height; ++y)
-      for (int x = 0; x < from.width; ++x) {
-        T sum{};
-        for (int k = -radius; k <= radius; ++k)
-          sum += kernel[static_cast<std::size_t>(k + radius)] * from.at(x + k * step_x, y + k * step_y);
-        to.values[static_cast<std::size_t>(y) * static_cast<std::size_t>(from.width) + static_cast<std::size_t>(x)] = sum;
-      }
-  };
-  pass(in, rows, along_x, 1, 0);
-  pass(rows, out, along_y, 0, 1);
+// Beyond the border lies the nearest pixel.
+Plane<double> convolve(const Plane<double>& in, const Kernel& along_x, const Kernel& along_y) {
+  const std::size_t width = in.width, height = in.height, radius = along_x.size() / 2;
+  Plane<double> rows(width, height), out(width, height);
+  tbb::parallel_for(std::size_t{0}, height, [&](std::size_t y) {
+    const double* first = &in.values[y * width];
+    std::vector<double> padded(first, first + width);
+    padded.insert(padded.begin(), radius, first[0]);
+    padded.insert(padded.end(), radius, first[width - 1]);
+    convolve_row(padded.data(), along_x, &rows.values[y * width], width);
+  });
+  tbb::parallel_for(std::size_t{0}, height, [&](std::size_t y) {
+    double* sums = &out.values[y * width];
+    for (std::size_t k = 0; k < along_y.size(); ++k) {
+      const std::size_t source = std::clamp(y + k, radius, height - 1 + radius) - radius;
+      for (std::size_t x = 0; x < width; ++x) sums[x] += along_y[k] * rows.values[source * width + x];
+    }
+  });
   return out;
 }
 
-// ---- colour spaces --------------------------------------------------------------------------------------------------------
+// ---- colour spaces
+// --------------------------------------------------------------------------------------------------------
 
 dvec3 xyz_from_rgb(dvec3 c) {
   return {10135552.0 / 24577794.0 * c.x + 8788810.0 / 24577794.0 * c.y + 4435075.0 / 24577794.0 * c.z,
@@ -86,13 +93,15 @@ dvec3 hunt_lab_from_rgb(dvec3 c) {
 }
 double hyab(dvec3 a, dvec3 b) { return std::abs(a.x - b.x) + std::hypot(a.y - b.y, a.z - b.z); } // eq. 6
 
-// ---- colour pipeline ------------------------------------------------------------------------------------------------------
+// ---- colour pipeline
+// ------------------------------------------------------------------------------------------------------
 
 // Contrast sensitivity as one or two Gaussians a channel (eq. 2): a sqrt(pi/b) exp(-pi^2 d^2 / b), d in degrees.
 struct Sensitivity {
   double a1, b1, a2, b2;
 };
-constexpr Sensitivity kAchromatic{1.0, 0.0047, 0.0, 1e-5}, kRedGreen{1.0, 0.0053, 0.0, 1e-5}, kBlueYellow{34.1, 0.04, 13.5, 0.025};
+constexpr Sensitivity kAchromatic{1.0, 0.0047, 0.0, 1e-5}, kRedGreen{1.0, 0.0053, 0.0, 1e-5},
+    kBlueYellow{34.1, 0.04, 13.5, 0.025};
 
 Kernel gaussian(double b, int radius) {
   Kernel kernel;
@@ -103,10 +112,11 @@ Kernel gaussian(double b, int radius) {
 
 // A sum of two separable filters, scaled to unit sum.
 Plane<double> filter(const Plane<double>& in, const Sensitivity& s) {
-  const int radius = static_cast<int>(std::ceil(3.0 * std::sqrt(kBlueYellow.b1 / (2.0 * kPi * kPi)) * kPixelsPerDegree));
+  const int radius =
+      static_cast<int>(std::ceil(3.0 * std::sqrt(kBlueYellow.b1 / (2.0 * kPi * kPi)) * kPixelsPerDegree));
   const Kernel first = gaussian(s.b1, radius), second = gaussian(s.b2, radius);
   const double w1 = s.a1 * std::sqrt(kPi / s.b1), w2 = s.a2 * std::sqrt(kPi / s.b2);
-  const double sum = w1 * dot(first, dot(first, 1.0)) + w2 * dot(second, dot(second, 1.0));
+  const double sum = w1 * std::pow(sum_of(first), 2) + w2 * std::pow(sum_of(second), 2);
   Plane<double> out = convolve(in, first, first);
   for (double& value : out.values) value *= w1 / sum;
   if (w2 == 0.0) return out;
@@ -126,8 +136,9 @@ std::vector<dvec3> perceived(const Plane<dvec3>& ycxcz) {
   const Plane<double> y = filter(component(ycxcz, 0), kAchromatic), cx = filter(component(ycxcz, 1), kRedGreen),
                       cz = filter(component(ycxcz, 2), kBlueYellow);
   std::vector<dvec3> lab(y.values.size());
-  for (std::size_t i = 0; i < lab.size(); ++i)
+  tbb::parallel_for(std::size_t{0}, lab.size(), [&](std::size_t i) {
     lab[i] = hunt_lab_from_rgb(glm::clamp(rgb_from_ycxcz({y.values[i], cx.values[i], cz.values[i]}), 0.0, 1.0));
+  });
   return lab;
 }
 
@@ -139,9 +150,11 @@ double redistribute(double distance) {
   return d < knee ? kKneeValue / knee * d : kKneeValue + (d - knee) / (most - knee) * (1.0 - kKneeValue);
 }
 
-// ---- feature pipeline -----------------------------------------------------------------------------------------------------
+// ---- feature pipeline
+// -----------------------------------------------------------------------------------------------------
 
-// First (edges) or second (points) derivative of a Gaussian whose positive and negative parts sum to +1 and -1 (eq. 8-10).
+// First (edges) or second (points) derivative of a Gaussian whose positive and negative parts sum to +1 and -1 (eq.
+// 8-10).
 std::vector<double> features(const Plane<double>& luminance, bool points) {
   const double deviation = 0.5 * 0.082 * kPixelsPerDegree;
   const int radius = static_cast<int>(std::ceil(3.0 * deviation));
@@ -175,21 +188,22 @@ std::vector<float> flip(const Plane<dvec3>& picture, const Plane<dvec3>& referen
   const std::vector<double> edges_a = features(y_a, false), edges_b = features(y_b, false);
   const std::vector<double> points_a = features(y_a, true), points_b = features(y_b, true);
   std::vector<float> error(color_a.size());
-  for (std::size_t i = 0; i < error.size(); ++i) {
+  tbb::parallel_for(std::size_t{0}, error.size(), [&](std::size_t i) {
     const double color = redistribute(hyab(color_a[i], color_b[i]));
     const double difference = std::max(std::abs(edges_a[i] - edges_b[i]), std::abs(points_a[i] - points_b[i]));
     const double feature = std::min(1.0, std::sqrt(difference / std::numbers::sqrt2)); // eq. 11
     error[i] = static_cast<float>(std::pow(color, 1.0 - feature));                     // eq. 12
-  }
+  });
   return error;
 }
 
-// ---- pictures in, maps out ------------------------------------------------------------------------------------------------
+// ---- pictures in, maps out
+// ------------------------------------------------------------------------------------------------
 
 // Every pixel through `display`, which gives linear RGB in [0,1].
 template <class Display>
 Plane<dvec3> to_ycxcz(const Picture& picture, Display display) {
-  Plane<dvec3> out(static_cast<int>(picture.width), static_cast<int>(picture.height));
+  Plane<dvec3> out(picture.width, picture.height);
   for (std::size_t i = 0; i < out.values.size(); ++i) {
     const dvec3 radiance(picture.channels[0].values[i], picture.channels[1].values[i], picture.channels[2].values[i]);
     out.values[i] = ycxcz_from_rgb(glm::clamp(display(radiance), 0.0, 1.0));
@@ -206,7 +220,8 @@ dvec3 hdr_display(dvec3 c) { return (k0 * c * c + k1 * c) / (k3 * c * c + k4 * c
 std::array<double, 2> exposure_range(const Picture& reference) {
   std::vector<double> y(reference.channels[0].values.size());
   for (std::size_t i = 0; i < y.size(); ++i)
-    y[i] = 0.2126 * reference.channels[0].values[i] + 0.7152 * reference.channels[1].values[i] + 0.0722 * reference.channels[2].values[i];
+    y[i] = 0.2126 * reference.channels[0].values[i] + 0.7152 * reference.channels[1].values[i] +
+           0.0722 * reference.channels[2].values[i];
   constexpr double kTarget = 0.85;
   const double a = k0 - kTarget * k3, b = k1 - kTarget * k4, c = -kTarget * k5;
   const double bright = (-b + std::sqrt(b * b - 4.0 * a * c)) / (2.0 * a);
@@ -216,7 +231,7 @@ std::array<double, 2> exposure_range(const Picture& reference) {
   double median = *middle;
   if (y.size() % 2 == 0) median = 0.5 * (median + *std::max_element(y.begin(), middle));
   const double most = *std::max_element(middle, y.end());
-  if (!(most > 0.0)) return {0.0, 0.0}; // a black reference asks for no exposure in particular
+  if (!(most > 0.0)) return {0.0, 0.0};                  // a black reference asks for no exposure in particular
   const double least = std::max(median, most * 0x1p-20); // a black median would ask for infinitely many
   return {std::log2(bright / most), std::log2(bright / least)};
 }

@@ -47,8 +47,8 @@ std::vector<float> interleave(const Picture& picture) {
   return rgb;
 }
 
-// Rounds a colour to what shared-exponent bytes hold: 8 bits of the brightest channel. The encoder truncates, which would
-// darken the picture by a fifth of a percent on average.
+// Rounds a colour to what shared-exponent bytes hold: 8 bits of the brightest channel. The encoder truncates, which
+// would darken the picture by a fifth of a percent on average.
 glm::vec3 round_to_shared_exponent(glm::vec3 color) {
   int exponent = 0;
   const float mantissa = std::frexp(std::max({color.x, color.y, color.z}), &exponent);
@@ -80,7 +80,8 @@ void write_display(const std::string& path, const Picture& picture, const WriteO
   const float scale = static_cast<float>(std::exp2(options.exposure));
   std::vector<std::uint8_t> rgb(3 * picture.channels[0].values.size());
   for (std::size_t i = 0; i < rgb.size() / 3; ++i) {
-    const glm::vec3 radiance(picture.channels[0].values[i], picture.channels[1].values[i], picture.channels[2].values[i]);
+    const glm::vec3 radiance(picture.channels[0].values[i], picture.channels[1].values[i],
+                             picture.channels[2].values[i]);
     const glm::vec3 shown = tonemap(options.tonemap, scale * radiance);
     for (int c = 0; c < 3; ++c)
       rgb[3 * i + static_cast<std::size_t>(c)] = static_cast<std::uint8_t>(std::lround(255.0f * to_srgb(shown[c])));
@@ -105,7 +106,8 @@ Picture read_encoded(const std::string& path) {
     throw Error(path, fmt::format("cannot be decoded ({})", input->geterror()), "check that it is a complete picture");
   const bool encoded = !spec.format.is_floating_point();
   for (std::size_t c = 0; c < 3; ++c) {
-    Channel& channel = picture.channels.emplace_back(Channel{std::string(1, "RGB"[c]), std::vector<float>(pixel_count)});
+    Channel& channel =
+        picture.channels.emplace_back(Channel{std::string(1, "RGB"[c]), std::vector<float>(pixel_count)});
     const std::size_t source = stored >= 3 ? c : 0;
     for (std::size_t i = 0; i < pixel_count; ++i) {
       const float value = values[i * stored + source];
@@ -119,7 +121,8 @@ Picture read_encoded(const std::string& path) {
 
 std::optional<PictureFormat> picture_format(const std::string& path) {
   std::string extension = std::filesystem::path(path).extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(), [](unsigned char c) { return std::tolower(c); });
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return std::tolower(c); });
   if (extension == ".exr") return PictureFormat::exr;
   if (extension == ".hdr") return PictureFormat::hdr;
   if (extension == ".png") return PictureFormat::png;
@@ -152,7 +155,8 @@ Picture read_picture(const std::string& path) {
 }
 
 const Channel* find_channel(const Picture& picture, const std::string& name) {
-  const auto found = std::find_if(picture.channels.begin(), picture.channels.end(), [&](const Channel& c) { return c.name == name; });
+  const auto found =
+      std::find_if(picture.channels.begin(), picture.channels.end(), [&](const Channel& c) { return c.name == name; });
   return found == picture.channels.end() ? nullptr : &*found;
 }
 

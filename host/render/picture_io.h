@@ -29,17 +29,18 @@ struct PictureInfo {
 };
 
 struct WriteOptions {
-  bool half = false;      // EXR: 16-bit floats
-  double exposure = 0.0;  // PNG, JPG: radiance is scaled by 2^exposure
+  bool half = false;     // EXR: 16-bit floats
+  double exposure = 0.0; // PNG, JPG: radiance is scaled by 2^exposure
   Tonemap tonemap = Tonemap::neutral;
 };
 
-// Writes the format that the extension of `path` names: all channels to EXR, R G B to the others. Returns how many values
-// were clamped because the format ends before them. Throws Error; then `path` is as it was.
+// Writes the format that the extension of `path` names: all channels to EXR, R G B to the others. Returns how many
+// values were clamped because the format ends before them. Throws Error; then `path` is as it was.
 std::uint64_t write_picture(const std::string& path, const Picture& picture, const PictureInfo& info,
                             const WriteOptions& options);
 
-// Linear values of a file, R G B first; grey is spread to three channels, 8 and 16 bit images count as sRGB. Throws Error.
+// Linear values of a file, R G B first; grey is spread to three channels, 8 and 16 bit images count as sRGB. Throws
+// Error.
 Picture read_picture(const std::string& path);
 
 // A text attribute of an EXR header; empty if the file is no EXR or has none of that name.

@@ -8,12 +8,12 @@
 
 #include <Imath/half.h>
 #include <OpenEXR/ImfChannelList.h>
+#include <OpenEXR/ImfFloatAttribute.h>
 #include <OpenEXR/ImfFrameBuffer.h>
 #include <OpenEXR/ImfHeader.h>
 #include <OpenEXR/ImfIO.h>
 #include <OpenEXR/ImfInputFile.h>
 #include <OpenEXR/ImfIntAttribute.h>
-#include <OpenEXR/ImfFloatAttribute.h>
 #include <OpenEXR/ImfMatrixAttribute.h>
 #include <OpenEXR/ImfOutputFile.h>
 #include <OpenEXR/ImfStringAttribute.h>
@@ -71,9 +71,11 @@ Imath::M44f world_to_camera(const View& view) {
   return m;
 }
 
-// NDC has (0,0) in the upper left and (1,1) in the lower right corner; its z is arbitrary, here increasing with distance.
+// NDC has (0,0) in the upper left and (1,1) in the lower right corner; its z is arbitrary, here increasing with
+// distance.
 Imath::M44f world_to_ndc(const View& view) {
-  const float sx = static_cast<float>(0.5 / glm::length(view.right)), sy = static_cast<float>(-0.5 / glm::length(view.up));
+  const float sx = static_cast<float>(0.5 / glm::length(view.right)),
+              sy = static_cast<float>(-0.5 / glm::length(view.up));
   const Imath::M44f perspective(sx, 0, 0, 0, 0, sy, 0, 0, 0.5f, 0.5f, 1, 1, 0, 0, -1, 0);
   const Imath::M44f orthographic(sx, 0, 0, 0, 0, sy, 0, 0, 0, 0, 1, 0, 0.5f, 0.5f, 0, 1);
   return world_to_camera(view) * (view.orthographic ? orthographic : perspective);
@@ -86,7 +88,9 @@ Imf::Header make_header(const Picture& picture, const PictureInfo& info, bool ha
     // Half counts only to 2048 without gaps.
     header.channels().insert(channel.name, Imf::Channel(half && channel.name != "samples" ? Imf::HALF : Imf::FLOAT));
 
-  const auto add_text = [&](const char* name, const std::string& text) { header.insert(name, Imf::StringAttribute(text)); };
+  const auto add_text = [&](const char* name, const std::string& text) {
+    header.insert(name, Imf::StringAttribute(text));
+  };
   header.insert("wavepath.spp", Imf::IntAttribute(static_cast<int>(info.spp)));
   header.insert("wavepath.seconds", Imf::FloatAttribute(static_cast<float>(info.seconds)));
   if (info.error) header.insert("wavepath.error", Imf::FloatAttribute(static_cast<float>(*info.error)));

@@ -50,10 +50,11 @@ Json seconds_json(const Run& run) {
 }
 
 Json error_json(const RenderResult& result) {
-  Json json{{"relative_rms", nullptr},
-            {"ci95", nullptr},
-            {"method", fmt::format("spread of the means of {} independently scrambled replicates a pixel", gpu::kReplicates)},
-            {"slope", result.slope}};
+  Json json{
+      {"relative_rms", nullptr},
+      {"ci95", nullptr},
+      {"method", fmt::format("spread of the means of {} independently scrambled replicates a pixel", gpu::kReplicates)},
+      {"slope", result.slope}};
   if (has_estimate(result.spp, result.error)) {
     json["relative_rms"] = result.error.relative_rms;
     json["ci95"] = {result.error.ci95[0], result.error.ci95[1]};
@@ -77,41 +78,47 @@ Json stats_document(const Run& run) {
     left_out.push_back({{"what", entry.what}, {"why", entry.why}, {"bytes", entry.bytes}});
   // Only the last picture is at hand, so only its true error is known.
   for (const Checkpoint& checkpoint : result.checkpoints)
-    checkpoints.push_back(to_json(checkpoint, run.true_error && &checkpoint == &result.checkpoints.back() ? &*run.true_error : nullptr));
+    checkpoints.push_back(
+        to_json(checkpoint, run.true_error && &checkpoint == &result.checkpoints.back() ? &*run.true_error : nullptr));
   for (const StageTime& stage : result.stages)
     stages.push_back({{"name", stage.name}, {"seconds", stage.seconds}, {"dispatches", stage.dispatches}});
 
-  return {{"wavepath", WAVEPATH_VERSION},
-          {"scene", run.scene},
-          {"command", run.command},
-          {"seed", settings.seed},
-          {"sampler", kSamplerNames[settings.sampler]},
-          {"integrator", "path"},
-          {"max_depth", settings.max_depth},
-          {"device", {{"name", run.device.name}, {"driver", run.device.driver}, {"type", run.device.type}, {"api", run.device.api}}},
-          {"size", {settings.width, settings.height}},
-          {"spp", result.spp},
-          {"triangles", run.packed.triangle_count},
-          {"lights", run.packed.lights.size()},
-          {"seconds", seconds_json(run)},
-          {"rays", to_json(result.rays)},
-          {"mrays_per_second", result.seconds > 0.0 ? 1e-6 * static_cast<double>(result.rays.total()) / result.seconds : 0.0},
-          {"error", error_json(result)},
-          {"nonfinite", nonfinite_json(result)},
-          {"bias", run.bias},
-          {"left_out", left_out},
-          {"memory",
-           {{"scene", result.memory.scene},
-            {"bvh", result.memory.bvh},
-            {"paths", result.memory.paths},
-            {"film", result.memory.film},
-            {"peak", run.peak_bytes}}},
-          {"checkpoints", checkpoints},
-          {"gpu_seconds", result.gpu_seconds},
-          {"stages", stages}};
+  return {
+      {"wavepath", WAVEPATH_VERSION},
+      {"scene", run.scene},
+      {"command", run.command},
+      {"seed", settings.seed},
+      {"sampler", kSamplerNames[settings.sampler]},
+      {"integrator", "path"},
+      {"max_depth", settings.max_depth},
+      {"device",
+       {{"name", run.device.name}, {"driver", run.device.driver}, {"type", run.device.type}, {"api", run.device.api}}},
+      {"size", {settings.width, settings.height}},
+      {"spp", result.spp},
+      {"triangles", run.packed.triangle_count},
+      {"lights", run.packed.lights.size()},
+      {"seconds", seconds_json(run)},
+      {"rays", to_json(result.rays)},
+      {"mrays_per_second",
+       result.seconds > 0.0 ? 1e-6 * static_cast<double>(result.rays.total()) / result.seconds : 0.0},
+      {"error", error_json(result)},
+      {"nonfinite", nonfinite_json(result)},
+      {"bias", run.bias},
+      {"left_out", left_out},
+      {"memory",
+       {{"scene", result.memory.scene},
+        {"bvh", result.memory.bvh},
+        {"paths", result.memory.paths},
+        {"film", result.memory.film},
+        {"peak", run.peak_bytes}}},
+      {"checkpoints", checkpoints},
+      {"gpu_seconds", result.gpu_seconds},
+      {"stages", stages}};
 }
 
-std::string to_text(const Json& document) { return document.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"; }
+std::string to_text(const Json& document) {
+  return document.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
 
 std::optional<double> estimated_error(const RenderResult& result) {
   return has_estimate(result.spp, result.error) ? std::optional(result.error.relative_rms) : std::nullopt;

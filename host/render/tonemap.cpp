@@ -13,8 +13,8 @@ using glm::vec3;
 float max_component(vec3 c) { return std::max({c.x, c.y, c.z}); }
 float min_component(vec3 c) { return std::min({c.x, c.y, c.z}); }
 
-// https://github.com/KhronosGroup/ToneMapping, PBR_Neutral. Removes the Fresnel offset of a dielectric, then compresses the
-// brightest channel above 0.76 towards 1 and lets the colour fade to white as it does.
+// https://github.com/KhronosGroup/ToneMapping, PBR_Neutral. Removes the Fresnel offset of a dielectric, then compresses
+// the brightest channel above 0.76 towards 1 and lets the colour fade to white as it does.
 vec3 khronos_neutral(vec3 c) {
   constexpr float kFresnel = 0.04f, kStart = 0.8f - kFresnel, kDesaturation = 0.15f;
   const float least = min_component(c);
@@ -30,9 +30,9 @@ vec3 khronos_neutral(vec3 c) {
 
 // Rows of the matrices as published; GLM wants columns.
 vec3 aces_fitted(vec3 c) {
-  const mat3 input = glm::transpose(mat3(0.59719f, 0.35458f, 0.04823f,   //
-                                         0.07600f, 0.90834f, 0.01566f,   //
-                                         0.02840f, 0.13383f, 0.83777f)); // sRGB to AP1, with the RRT's saturation
+  const mat3 input = glm::transpose(mat3(0.59719f, 0.35458f, 0.04823f,    //
+                                         0.07600f, 0.90834f, 0.01566f,    //
+                                         0.02840f, 0.13383f, 0.83777f));  // sRGB to AP1, with the RRT's saturation
   const mat3 output = glm::transpose(mat3(1.60475f, -0.53108f, -0.07367f, //
                                           -0.10208f, 1.10813f, -0.00605f, //
                                           -0.00327f, -0.07276f, 1.07602f));
