@@ -119,6 +119,23 @@ TEST_F(CliRenderTest, TwoRunsAreBitIdentical) {
   EXPECT_NE(a.channels[0].values, c.channels[0].values);
 }
 
+TEST_F(CliRenderTest, PartsAverageToTheWhole) {
+  for (const std::string sampler : {"independent", "stratified", "sobol"}) {
+    const auto part = [&](const char* range) {
+      EXPECT_EQ(render({"-o", exr_, "--spp", "8", "--sampler", sampler, "--samples", range}).exit_code, 0);
+      EXPECT_EQ(read_attribute(exr_, "wavepath.samples"), range);
+      return read_picture(exr_);
+    };
+    const Picture first = part("0:4"), second = part("4:8"), whole = part("0:8");
+    for (std::size_t c = 0; c < 3; ++c)
+      for (std::size_t i = 0; i < whole.channels[c].values.size(); ++i) {
+        const float value = whole.channels[c].values[i];
+        ASSERT_NEAR(0.5f * (first.channels[c].values[i] + second.channels[c].values[i]), value, 1e-5f * (1.0f + value))
+            << sampler << " pixel " << i;
+      }
+  }
+}
+
 TEST_F(CliRenderTest, TheTargetDecidesTheExitCode) {
   EXPECT_EQ(render({"-o", exr_, "--target-error", "0.000001", "--spp", "4"}).exit_code, 3);
   EXPECT_TRUE(std::filesystem::exists(exr_));
@@ -130,6 +147,7 @@ TEST_F(CliRenderTest, TimeEndsTheRender) {
   const Json stats = Json::parse(std::ifstream(stats_));
   EXPECT_GT(stats["spp"].get<int>(), 0);
   EXPECT_LT(stats["spp"].get<int>(), 65536);
+  EXPECT_EQ(stats["checkpoints"].back()["spp"], stats["spp"]);
 }
 
 TEST_F(CliRenderTest, ReferenceGivesTheTrueErrorAndItsFilter) {

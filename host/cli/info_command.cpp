@@ -126,7 +126,7 @@ void print_scene(const Json& about, const std::vector<std::string>& extensions) 
   fmt::print("  planned     {} on the device\n", to_size_text(number(bytes["total"])));
   for (const auto& [what, count] : bytes.items())
     if (what != "total" && number(count) > 0) fmt::print("    {:<12}{}\n", what, to_size_text(number(count)));
-  fmt::print("  left out    {}\n", about["left_out"].empty() ? "nothing" : "");
+  fmt::print("  left out{}\n", about["left_out"].empty() ? "    nothing" : "");
   for (const Json& entry : about["left_out"])
     fmt::print("    {}: {}{}\n", entry["what"].get<std::string>(), entry["why"].get<std::string>(),
                number(entry["bytes"]) > 0 ? ", saves " + to_size_text(number(entry["bytes"])) : "");

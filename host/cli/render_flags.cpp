@@ -67,9 +67,11 @@ void add_stop_flags(CLI::App& app, RenderRequest& request) {
       app, group,
       {"--target-error", "E", "estimated relative RMS error, 0.01 = 1 %; exit code 3 if it was not reached", "none"},
       [&](const FlagValue& value) { settings.target_error = value.positive_number(); });
-  add_flag(app, group,
-           {"--samples", "A:B", "render only sample indices A <= s < B, for splitting and merging", "0:spp"},
-           [&](const FlagValue& value) { read_samples(value, request); });
+  add_flag(
+      app, group,
+      {"--samples", "A:B",
+       "render only sample indices A <= s < B, for splitting and merging; give every part the whole's --spp", "0:spp"},
+      [&](const FlagValue& value) { read_samples(value, request); });
 }
 
 } // namespace
@@ -156,6 +158,7 @@ void settle_samples(RenderRequest& request) {
   settings.last_sample = request.spp.value_or(open_ended ? kOpenEndedSamples : settings.last_sample);
   if (!request.samples) return;
   std::tie(settings.first_sample, settings.last_sample) = *request.samples;
+  settings.sample_total = request.spp.value_or(0); // parts of one render give --spp, so that they share its strata
   if (request.spp && settings.last_sample > *request.spp)
     throw UsageError("--samples", fmt::format("{} ends beyond --spp {}", settings.last_sample, *request.spp),
                      "give a range within 0:spp");

@@ -53,7 +53,7 @@ gpu::Frame make_frame(const PackedScene& scene, const View& view, const RenderSe
   frame.light_count = static_cast<std::uint32_t>(scene.lights.size());
   frame.root = scene.root;
   frame.root_is_top = scene.root_is_top ? 1u : 0u;
-  frame.sample_total = settings.last_sample;
+  frame.sample_total = settings.sample_total > 0 ? settings.sample_total : settings.last_sample;
   frame.slot_count = slots;
   frame.scene_features = scene.features;
   return frame;

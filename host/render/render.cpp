@@ -36,7 +36,7 @@ std::uint32_t choose_slots(const DeviceInfo& info, const PackedScene& scene, con
   std::uint64_t slots = info.type == "cpu" ? 1u << 17 : 1u << 21;
   if (settings.wave_slots) slots = settings.wave_slots;
   slots = std::min(slots, pixels * samples);
-  slots = std::min(slots, info.max_storage_range / (2 * sizeof(gpu::Ray)));
+  slots = std::min(slots, info.max_storage_range / std::max(2 * sizeof(gpu::Ray), sizeof(gpu::PathAovs)));
   slots = std::min(slots, info.max_texel_elements / 4);
   slots = std::min<std::uint64_t>(slots, std::uint64_t{info.max_groups} * gpu::kWorkgroupSize);
   slots = std::min(slots, std::max<std::uint64_t>(info.memory_bytes / 8 / bytes_per_slot(scene.features), 1024));
@@ -51,7 +51,7 @@ public:
   void report(double longest_dispatch, std::uint32_t paths) {
     if (longest_dispatch > kLongestDispatch)
       wave_ = std::max(std::min(paths, wave_) / 2, gpu::kWorkgroupSize);
-    else if (longest_dispatch < kLongestDispatch / 4 && paths == wave_)
+    else if (longest_dispatch < kLongestDispatch / 4 && paths > wave_ / 2)
       wave_ = std::min(wave_ * 2, slots_);
   }
 
@@ -116,7 +116,8 @@ private:
 
   // A pass covers every pixel with the same samples: one, or as many as fill a wave, but never across a checkpoint.
   std::uint32_t pass_end() const {
-    const std::uint32_t fit = static_cast<std::uint32_t>(std::max<std::uint64_t>(governor_.wave() / pixels(), 1));
+    constexpr std::uint64_t kMostSamples = 32768; // accumulate loops over them; Mesa 22.3 ends loops at 65,535 trips
+    const auto fit = static_cast<std::uint32_t>(std::clamp<std::uint64_t>(governor_.wave() / pixels(), 1, kMostSamples));
     const std::uint32_t next_checkpoint = settings_.first_sample + std::bit_ceil(spp_done() + 1);
     return std::min({sample_ + fit, next_checkpoint, settings_.last_sample});
   }
@@ -197,6 +198,8 @@ private:
     result_.gpu_seconds = last.gpu_seconds;
     result_.rays = last.rays;
     result_.error = last.error;
+    const std::uint32_t known = result_.checkpoints.empty() ? 0 : result_.checkpoints.back().spp;
+    if (last.spp != known) result_.checkpoints.push_back(last); // ended by time or interrupt
     result_.slope = fit_slope(result_.checkpoints);
     result_.stages = tracer_.stages();
     result_.memory = tracer_.memory();

@@ -21,6 +21,7 @@ struct RenderSettings {
   std::uint32_t width = 1280, height = 720;
   std::uint32_t first_sample = 0;  // render samples first_sample <= s < last_sample of every pixel
   std::uint32_t last_sample = 64;
+  std::uint32_t sample_total = 0;  // of the render that this range is a part of, for stratification; 0 = last_sample
   double time_limit = 0.0;         // rendering seconds; 0 = none
   double target_error = 0.0;       // estimated relative RMS error at which to stop; 0 = none
   std::uint32_t max_depth = 8;
