@@ -39,10 +39,11 @@ def includes(path):
 
 
 def text_files():
-    listed = subprocess.run(["git", "-C", ROOT, "ls-files"], capture_output=True, text=True)
-    names = listed.stdout.split("\n") if listed.returncode == 0 else [name(p) for p in sources(".h", ".cpp", ".glsl", ".comp")]
-    return [ROOT / n for n in names if n and (ROOT / n).is_file()
-            and not n.endswith((".glb", ".png", ".jpg", ".exr", ".hdr", ".gltf"))]
+    """What people read: sources and documents, but nothing that a build or a user has put beside them."""
+    kinds = (".h", ".cpp", ".glsl", ".comp", ".py", ".md", ".txt", "")
+    for folder in ("bvh", "kernels", "host", "scenes", "tests", "benchmarks", ".ci"):
+        yield from (p for p in sorted((ROOT / folder).rglob("*")) if p.is_file() and p.suffix in kinds)
+    yield from (ROOT / n for n in ("run", "CMakeLists.txt", "CMakePresets.json", "README.md", "CONTRIBUTING.md", "CHANGELOG.md"))
 
 
 class Structure(unittest.TestCase):
@@ -87,7 +88,8 @@ class Structure(unittest.TestCase):
 
         def compile_alone(path):
             command = [COMPILER, "-std=c++20", "-fsyntax-only", "-Wall", "-Wextra", f"-I{ROOT}", f"-isystem{generated}",
-                       "-include", name(path), "-x", "c++", os.devnull]
+                       f'-DWAVEPATH_SOURCE_DIR="{ROOT}"', f'-DWAVEPATH_BINARY="{WAVEPATH}"', "-include", name(path),
+                       "-x", "c++", os.devnull]
             return path, subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
 
         with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
