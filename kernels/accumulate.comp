@@ -51,6 +51,7 @@ void main() {
     if (is_finite(radiance)) {
       pixel.block += radiance;
       pixel.count += 1u;
+      if (has(kFeatureAovs)) accumulate_aovs(film_index, path_aovs[slot]);
     } else {
       uvec2 at = slot_pixel(slot);
       atomicAdd(queues.nonfinite_samples, 1u);
@@ -58,6 +59,5 @@ void main() {
     }
     if ((sample_index / kReplicates) % kFilmBlock == kFilmBlock - 1u) add_block(pixel);
     film[film_slot] = pixel;
-    if (has(kFeatureAovs)) accumulate_aovs(film_index, path_aovs[slot]);
   }
 }

@@ -1,6 +1,6 @@
 // Traversal of the 4-wide BVH, one ray a lane: the device twin of bvh/traverse.h, operation for operation.
 // Boxes: the padded slab test of Ize 2013. Triangles: the watertight test of Woop, Benthin and Wald 2013. Include bindings.glsl with BIND_GEOMETRY first; where
-// alpha is tested, define ALPHA_TEST(triangle, b1, b2) as "this point is a hole".
+// alpha is tested, define ALPHA_TEST(hit) as "this point is a hole".
 #ifndef WAVEPATH_BVH_GLSL
 #define WAVEPATH_BVH_GLSL
 
@@ -131,7 +131,7 @@ vec3 transform_vector(uint first_texel, vec3 v) {
 }
 
 #ifndef ALPHA_TEST
-#define ALPHA_TEST(triangle, b1, b2) false
+#define ALPHA_TEST(hit) false
 #endif
 
 // The nearest hit with 0 < t < t_max, or with ANY_HIT the first one found that is not `target`, the triangle at whose surface a
@@ -253,7 +253,7 @@ Hit trace(vec3 origin, vec3 direction, float t_max) {
     }
     if (has(kFeatureAlpha)) {
       if (pending.triangle != kNone) {
-        if (!ALPHA_TEST(pending.triangle, pending.b1, pending.b2)) {
+        if (!ALPHA_TEST(pending)) {
           t_best = t_pending;
           hit = pending;
 #ifdef ANY_HIT

@@ -14,8 +14,7 @@
 #include "kernels/surface.glsl"
 
 Sampler path_sampler;
-#define ALPHA_TEST(triangle, b1, b2) \
-  (hash_unit(path_sampler, alpha_key(wave.bounce, kHashConnect), triangle) >= triangle_opacity(triangle, b1, b2))
+#define ALPHA_TEST(hit) is_hole(hit, path_sampler, kHashConnect)
 #define ANY_HIT
 #include "kernels/bvh.glsl"
 

@@ -12,8 +12,7 @@
 #include "kernels/surface.glsl"
 
 Sampler path_sampler;
-#define ALPHA_TEST(triangle, b1, b2) \
-  (hash_unit(path_sampler, alpha_key(wave.bounce, kHashExtend), triangle) >= triangle_opacity(triangle, b1, b2))
+#define ALPHA_TEST(hit) is_hole(hit, path_sampler, kHashExtend)
 #include "kernels/bvh.glsl"
 
 layout(local_size_x = kWorkgroupSize) in;

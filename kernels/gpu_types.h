@@ -186,8 +186,8 @@ GPU_CONSTANT uint kLightSpot = 2u;
 GPU_CONSTANT uint kLightDirectional = 3u;
 GPU_CONSTANT uint kLightEnvironment = 4u;
 
-// A light, and its column of the power-weighted alias table (Walker 1977, Vose 1991): pick i = floor(u*n), keep it if
-// fract(u*n) < threshold, else take `alias`.
+// A light, and its column of the power-weighted alias table (Walker 1977, Vose 1991): pick i = floor(u.x*n), keep it if
+// u.y < threshold, else take `alias`.
 struct Light {
   vec3 position; // punctual, device world space
   uint kind;
@@ -327,7 +327,7 @@ struct PathAovs {
 };
 GPU_CHECK(sizeof(PathAovs) == 80);
 
-// Sums over samples of the fields of PathAovs.
+// Running means over samples of the fields of PathAovs.
 struct FilmAovs {
   vec3 albedo;
   float depth;

@@ -77,6 +77,12 @@ bool sides_agree(Vertex v, vec3 wi) {
 // What a ray is in after crossing the surface of a volume.
 uint medium_behind(Vertex v) { return v.bsdf.entering ? v.surface.material : kNone; }
 
+// Share of light that a way through a medium leaves; only open meshes let a path leave to infinity inside one.
+const float kFarAway = 1e30; // metres; not infinity: 0 * inf
+vec3 medium_transmittance(uint medium, float distance_) {
+  return medium == kNone ? vec3(1.0) : exp(-materials[medium].attenuation * distance_);
+}
+
 // Next-event estimation: true if there is a shadow ray worth tracing.
 bool connect_to_light(Vertex v, Sampler path_sampler, uint dimension, uint slot, vec3 throughput, out ShadowRay ray) {
   vec2 u = sample_2d(path_sampler, dimension + kDimensionLight);
@@ -92,9 +98,7 @@ bool connect_to_light(Vertex v, Sampler path_sampler, uint dimension, uint slot,
   if (has(kFeatureVolume)) {
     bool crossing = dot(light.direction, v.normal) < 0.0 && !v.bsdf.thin;
     uint medium = crossing ? medium_behind(v) : path_media[slot];
-    const float kFarAway = 1e30; // not infinity: 0 * inf
-    float distance_ = light.distant ? kFarAway : length(light.target - v.surface.position);
-    if (medium != kNone) ray.contribution *= exp(-materials[medium].attenuation * distance_);
+    ray.contribution *= medium_transmittance(medium, light.distant ? kFarAway : length(light.target - v.surface.position));
   }
   if (max_component(ray.contribution) <= 0.0) return false;
 
@@ -158,6 +162,7 @@ void shade(uint index, out bool wants_ray, out Ray next, out bool wants_shadow, 
   PathState path = paths[slot];
 
   if (hit.triangle == kNone) {
+    if (has(kFeatureVolume)) path.throughput *= medium_transmittance(path_media[slot], kFarAway);
     float light_pdf;
     vec3 radiance = environment_emission(direction, light_pdf);
     add_radiance(path, slot, path.throughput * radiance * emission_weight(path.bsdf_pdf, light_pdf));
@@ -168,8 +173,7 @@ void shade(uint index, out bool wants_ray, out Ray next, out bool wants_shadow, 
   Surface surface = fetch_surface(hit);
   Material material = materials[surface.material];
   vec3 offset = surface.position - origin_slot.xyz;
-  if (has(kFeatureVolume) && path_media[slot] != kNone)
-    path.throughput *= exp(-materials[path_media[slot]].attenuation * length(offset));
+  if (has(kFeatureVolume)) path.throughput *= medium_transmittance(path_media[slot], length(offset));
   Vertex v = make_vertex(surface, material, direction);
   if (has(kFeatureAovs) && wave.bounce == 0u) record_first_hit(slot, v, origin_slot.xyz);
 

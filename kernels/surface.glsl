@@ -4,7 +4,9 @@
 #define WAVEPATH_SURFACE_GLSL
 
 #include "kernels/config.glsl"
+#include "kernels/dimensions.glsl"
 #include "kernels/math.glsl"
+#include "kernels/sampler.glsl"
 #include "kernels/texture.glsl"
 
 struct Surface {
@@ -118,13 +120,20 @@ float opacity(Material material, float alpha) {
   return 1.0;
 }
 
-// Opacity at a point of a triangle.
-float triangle_opacity(uint triangle, float b1, float b2) {
-  vec3 weights = vec3(1.0 - b1 - b2, b1, b2);
+// Opacity where a ray meets a triangle.
+float hit_opacity(Hit hit) {
+  uint triangle = hit.triangle;
+  vec3 weights = vec3(1.0 - hit.b1 - hit.b2, hit.b1, hit.b2);
   Material material = materials[floatBitsToUint(texelFetch(triangles, int(triangle * kTriangleTexels + 1u)).w)];
   vec4 uv = uses(kFeatureTextures) ? surface_uv(triangle, weights) : vec4(0.0);
   vec4 color = uses(kFeatureVertexColors) ? surface_color(triangle, weights) : vec4(1.0);
   return opacity(material, base_color(material, uv, color).a);
+}
+
+// Whether this path passes through the hit: decided by a number of its own for every placed triangle and kind of ray.
+bool is_hole(Hit hit, Sampler path_sampler, uint kind) {
+  uint placed = hit.triangle + hit.instance * 0x9e3779b9u; // golden ratio: spreads instances over the words
+  return hash_unit(path_sampler, alpha_key(wave.bounce, kind), placed) >= hit_opacity(hit);
 }
 
 // Shading normal on the side of `wo`: interpolated, bent by the normal map, and bent back where it would face away from the
