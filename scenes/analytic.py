@@ -115,8 +115,8 @@ def rectangle_light_below_horizon():
 
 
 def touching_light():
-    g = receiver("light 0.1 mm above the receiver", camera_height=5e-5)
-    g.mesh("light", rectangle(-0.5, 0.5, -0.5, 0.5, y=1e-4), g.emitter("light", COLOR))
+    g = receiver("10 cm light 1 um above the receiver", camera_height=5e-7)
+    g.mesh("light", rectangle(-0.05, 0.05, -0.05, 0.05, y=1e-6), g.emitter("light", COLOR))
     g.expect("E -> pi L as h -> 0", reflected(PI), flags(), slack=1e-5, estimators=NO_NEE)
     return g
 
