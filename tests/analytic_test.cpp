@@ -148,7 +148,8 @@ protected:
   const std::vector<std::string> small_{"--size", "24x16", "--spp", "8", "--max-depth", "6", "--aov", "albedo,normal,depth"};
   // Between them they use every feature that this folder has.
   const std::vector<fs::path> scenes_{kScenes / "cornell_box.gltf", kScenes / "furnace_glass.gltf",
-                                      kScenes / "analytic/lights_of_all_sizes.gltf", kScenes / "analytic/alpha_blend.gltf"};
+                                      kScenes / "analytic/lights_of_all_sizes.gltf", kScenes / "analytic/alpha_blend.gltf",
+                                      kScenes / "showcase.glb"};
 };
 
 TEST_F(AnyScene, TwoRunsGiveTheSameBits) {
