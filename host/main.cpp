@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "host/base/error.h"
+#include "host/base/process_clock.h"
 #include "host/cli/commands.h"
 #include "host/gpu/device.h"
 
@@ -31,6 +32,7 @@ int run_and_report(int argument_count, const char* const* arguments) try {
 } // namespace
 
 int main(int argument_count, char** arguments) {
+  wavepath::seconds_since_process_start(); // the clock starts
   const int exit_code = run_and_report(argument_count, arguments);
   const auto messages = wavepath::Device::validation_messages();
   if (messages > 0)

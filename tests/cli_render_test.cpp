@@ -84,6 +84,8 @@ TEST_F(CliRenderTest, StatsHaveTheKeysOfTheContract) {
   for (const char* key : {"load", "bvh", "upload", "compile", "render", "write", "total"})
     EXPECT_GE(stats["seconds"][key].get<double>(), 0.0) << key;
   EXPECT_GT(stats["seconds"]["render"].get<double>(), 0.0);
+  EXPECT_GT(stats["seconds"]["first_pixel"].get<double>(), 0.0);
+  EXPECT_LE(stats["seconds"]["first_pixel"].get<double>(), stats["seconds"]["total"].get<double>());
   EXPECT_EQ(stats["rays"]["camera"], 48 * 32 * 4);
   EXPECT_GT(stats["rays"]["bounce"].get<int>(), 0);
   EXPECT_GT(stats["rays"]["shadow"].get<int>(), 0);

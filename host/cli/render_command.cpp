@@ -9,6 +9,7 @@
 #include "host/base/atomic_file.h"
 #include "host/base/error.h"
 #include "host/base/memory.h"
+#include "host/base/process_clock.h"
 #include "host/cli/commands.h"
 #include "host/cli/flags.h"
 #include "host/cli/interrupt.h"
@@ -16,6 +17,7 @@
 #include "host/cli/render_flags.h"
 #include "host/cli/report.h"
 #include "host/cli/scene_flags.h"
+#include "host/gpu/pipeline_cache.h"
 
 namespace wavepath {
 namespace {
@@ -140,7 +142,6 @@ int exit_code(const Request& request, const RenderResult& result) {
 }
 
 int run_render(Request& request) {
-  const Stopwatch total;
   RenderSettings& settings = request.render.settings;
   settle_samples(request.render);
   check_files(request);
@@ -167,7 +168,9 @@ int run_render(Request& request) {
   if (reference) run.true_error = measure_true_error(result.picture, *reference);
   run.load_seconds = load_seconds;
   run.peak_bytes = device.memory_peak();
-  run.total_seconds = total.seconds();
+  run.total_seconds = seconds_since_process_start();
+  device.pipeline_cache().save();
+  run.kernel_cache = device.pipeline_cache().describe();
   report(run, request.output, warnings);
   if (failure) std::rethrow_exception(failure);
   if (request.render.strict && result.nonfinite_samples > 0)

@@ -140,8 +140,10 @@ void add_output_flags(CLI::App& app, OutputRequest& request) {
            [&](const FlagValue& value) { request.write.exposure = value.number(-64.0, 64.0); });
   add_flag(app, group, {"--tonemap", "none|aces|agx|neutral", "tone curve of .png and .jpg outputs", "neutral"},
            [&](const FlagValue& value) { request.write.tonemap = static_cast<Tonemap>(value.choice(kTonemaps)); });
-  add_flag(app, group, {"--stats", "FILE.json", "write everything that the run measured", "not written"},
-           keep(request.stats));
+  add_flag(
+      app, group,
+      {"--stats", "FILE.json", "write everything that the run measured, time to the first pixel included", "not written"},
+      keep(request.stats));
   add_flag(app, group, {"--reference", "FILE.exr", "also measure the true error of the final picture", "none"},
            keep(request.reference));
   add_switch(app, group, {"--json", "", "print the stats document on stdout", "off"}, request.json);

@@ -31,9 +31,10 @@ void print_details(const Run& run) {
              to_size_text(run.peak_bytes), to_size_text(result.memory.scene), to_size_text(result.memory.bvh),
              to_size_text(result.memory.paths), to_size_text(result.memory.film));
   fmt::print(stderr,
-             "  seconds     load {:.2f}, BVH {:.2f}, upload {:.2f}, compile {:.2f}, render {:.2f}, write {:.2f}\n",
+             "  seconds     load {:.2f}, BVH {:.2f}, upload {:.2f}, compile {:.2f}, render {:.2f}, write {:.2f}; first pixel after {:.2f}\n",
              run.load_seconds, run.packed.bvh_seconds, result.upload_seconds, result.compile_seconds, result.seconds,
-             run.write_seconds);
+             run.write_seconds, result.first_pixel_seconds);
+  fmt::print(stderr, "  kernels     cache {}\n", run.kernel_cache);
   fmt::print(stderr, "  rays        camera {}, bounce {}, shadow {}\n", result.rays.camera, result.rays.bounce,
              result.rays.shadow);
   for (const StageTime& stage : result.stages)

@@ -73,7 +73,9 @@ int run(int argument_count, const char* const* arguments) {
   app.set_version_flag("--version", "wavepath " WAVEPATH_VERSION, "show the version and exit")->group(kHelpGroup);
   app.footer(
       "wavepath COMMAND --help tells the flags of a command. Exit codes: 0 done, 1 the input or the machine failed, 2 "
-      "wrong usage, 3 the asked-for error was not reached, 130 interrupted (the result so far was saved).");
+      "wrong usage, 3 the asked-for error was not reached, 130 interrupted (the result so far was saved). "
+      "Compiled kernels are kept in $XDG_CACHE_HOME/wavepath or ~/.cache/wavepath; WAVEPATH_CACHE=FOLDER moves that, "
+      "WAVEPATH_CACHE=off leaves it out.");
   const std::map<std::string, Command> commands = {{"render", add_render(app, quote(argument_count, arguments))},
                                                    {"info", add_info(app)},
                                                    {"compare", add_compare(app)}};

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "host/base/error.h"
+#include "host/gpu/pipeline_cache.h"
 #include "kernels/gpu_types.h"
 
 namespace wavepath {
@@ -271,6 +272,7 @@ Device::Device(const std::string& wanted) {
     info.pQueueCreateInfos = &queue_info;
     check(vkCreateDevice(physical_, &info, nullptr, &device_), "opening the device");
     vkGetDeviceQueue(device_, queue_family_, 0, &queue_);
+    pipeline_cache_ = std::make_unique<PipelineCache>(physical_, device_);
   } catch (...) {
     release();
     throw;
@@ -280,6 +282,7 @@ Device::Device(const std::string& wanted) {
 Device::~Device() { release(); }
 
 void Device::release() {
+  pipeline_cache_.reset();
   if (device_) vkDestroyDevice(device_, nullptr);
   if (messenger_) {
     const auto destroy = reinterpret_cast<PFN_vkDestroyDebugUtilsMessengerEXT>(

@@ -10,6 +10,8 @@
 
 namespace wavepath {
 
+class PipelineCache; // host/gpu/pipeline_cache.h
+
 // What `wavepath info` tells of a device. `missing`: what keeps us from using it, in words; empty = usable.
 struct DeviceInfo {
   std::string name, driver, type; // type: cpu, integrated, discrete, virtual, other
@@ -41,6 +43,7 @@ public:
   VkDevice handle() const { return device_; }
   VkQueue queue() const { return queue_; }
   std::uint32_t queue_family() const { return queue_family_; }
+  PipelineCache& pipeline_cache() const { return *pipeline_cache_; }
   // True where host and device share memory, so that uploads need no staging.
   bool unified_memory() const { return unified_memory_; }
 
@@ -65,6 +68,7 @@ private:
   VkQueue queue_ = VK_NULL_HANDLE;
   std::uint32_t queue_family_ = 0;
   bool unified_memory_ = false;
+  std::unique_ptr<PipelineCache> pipeline_cache_;
   VkPhysicalDeviceMemoryProperties memory_{};
   std::uint64_t memory_now_ = 0, memory_peak_ = 0;
 };

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "host/base/error.h"
+#include "host/gpu/pipeline_cache.h"
 
 namespace wavepath {
 namespace {
@@ -146,7 +147,7 @@ Kernel::Kernel(Device& device, std::string name, std::span<const std::uint32_t> 
   info.stage.pSpecializationInfo = &specialization;
   info.layout = bindings.layout();
   const VkResult result =
-      vkCreateComputePipelines(device.handle(), VK_NULL_HANDLE, 1, &info, nullptr, &pipeline_);
+      vkCreateComputePipelines(device.handle(), device.pipeline_cache().handle(), 1, &info, nullptr, &pipeline_);
   vkDestroyShaderModule(device.handle(), module, nullptr);
   check(result, ("compiling kernel " + name_).c_str());
 }

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "host/base/error.h"
+#include "host/base/process_clock.h"
 #include "host/render/film.h"
 #include "host/render/path_tracer.h"
 
@@ -94,6 +95,7 @@ public:
     while (sample_ < settings_.last_sample && !stopped_) {
       const std::uint32_t next = pass_end();
       if (!render_pass(next - sample_)) break;
+      if (spp_done() == 0) result_.first_pixel_seconds = seconds_since_process_start();
       sample_ = next;
       if (is_checkpoint()) checkpoint();
     }

@@ -85,6 +85,7 @@ struct RenderResult {
   StopReason stop = StopReason::samples;
   double compile_seconds = 0.0, upload_seconds = 0.0;
   double seconds = 0.0, gpu_seconds = 0.0; // rendering alone
+  double first_pixel_seconds = 0.0;        // from the start of the process until every pixel had its first sample
   RayCounts rays;
   ErrorEstimate error;
   double slope = -0.5; // of log error against log time, fitted over the last checkpoints

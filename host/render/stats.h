@@ -34,8 +34,10 @@ struct Run {
   const RenderSettings& settings;
   const PackedScene& packed;
   const RenderResult& result;
-  double load_seconds = 0.0, write_seconds = 0.0, total_seconds = 0.0;
+  double load_seconds = 0.0, write_seconds = 0.0;
+  double total_seconds = 0.0; // from the start of the process
   std::uint64_t peak_bytes = 0;
+  std::string kernel_cache{}; // what PipelineCache::describe() says
   std::optional<TrueError> true_error{};
   std::vector<std::string> bias{};
 };
