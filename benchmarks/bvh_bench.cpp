@@ -62,7 +62,7 @@ void build_tree(benchmark::State& state) {
   const Measure measured = measure(tree);
   state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(boxes.size()));
   state.counters["sah"] = measured.sah_cost;
-  state.counters["stack"] = tree.stack_bound;
+  state.counters["depth"] = tree.depth;
   state.counters["bytes/item"] = static_cast<double>(measured.node_bytes) / static_cast<double>(boxes.size());
   state.counters["items/leaf"] = static_cast<double>(boxes.size()) / static_cast<double>(measured.leaf_count);
   state.counters["children"] = measured.children_per_node;

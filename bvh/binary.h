@@ -26,8 +26,7 @@ inline constexpr std::uint32_t kMaxBinaryDepth = 64;
 
 BinaryTree build_binary(std::span<const Box> boxes, const BuildConfig& config, BuildReport& report);
 
-// Joins up to three levels of two into nodes of four, opening the child of the largest area first, as long as the stack
-// bound stays within kMaxStackBound.
+// Joins up to three levels of two into nodes of four, opening the child of the largest area first.
 WideTree collapse(BinaryTree binary);
 
 } // namespace wavepath::bvh

@@ -9,11 +9,12 @@
 
 namespace wavepath::bvh {
 
-// More boxes than this cannot be indexed by a leaf word; build() must not be given more.
-inline constexpr std::size_t kMaxItems = kLeafFirstMask;
+// build() must not be given more: leaves that wait on a traversal's stack hold the index of an item in 28 bits, and
+// all-ones stands for none.
+inline constexpr std::size_t kMaxItems = kMaxLeafItems - kMaxLeafSize;
 
 struct BuildConfig {
-  std::uint32_t max_leaf_size = 4; // 1 .. kMaxLeafSize
+  std::uint32_t max_leaf_size = 3; // 1 .. kMaxLeafSize
   std::uint32_t bin_count = 32;    // 2 .. 32 candidate slabs an axis
   float node_cost = 1.0f;          // of visiting a binary node, relative to testing an item
 };
@@ -24,9 +25,8 @@ struct BuildReport {
 };
 
 // Item k of the tree is box order[k]; dropped boxes are not in `order`. The result depends on boxes and config alone,
-// never on the number of threads. Any input gives a tree whose stack bound is at most kMaxStackBound. Up to
-// max_leaf_size boxes may give a root that is a leaf and no nodes; no box at all gives one node of four absent
-// children. Peak memory is about 140 bytes a box, result included.
+// never on the number of threads. Any input gives a tree no deeper than kMaxDepth. Peak memory is about 140 bytes a
+// box, result included.
 WideTree build(std::span<const Box> boxes, const BuildConfig& config = {}, BuildReport* report = nullptr);
 
 } // namespace wavepath::bvh

@@ -1,14 +1,14 @@
-// The ray tests, step by step as kernels/bvh.glsl repeats them: a padded slab test (Ize 2013) of four boxes at once,
-// and the watertight triangle test of Woop, Benthin and Wald (2013). Every product and sum rounds on its own (no fused
-// multiply-add): the sign of a*b - c*d is then exact or zero, because rounding is monotone, and neighbours agree on the
-// edge they share.
+// The ray tests, step by step as kernels/bvh.glsl repeats them: a padded slab test (Ize 2013) of the four boxes of a
+// node, and the watertight triangle test of Woop, Benthin and Wald (2013). Every product and sum rounds on its own (no
+// fused multiply-add): the sign of a*b - c*d is then exact or zero, because rounding is monotone, and neighbours agree
+// on the edge they share.
 #pragma once
 
 #include <bit>
 #include <cstdint>
 
 #include "bvh/geometry.h"
-#include "bvh/wide.h"
+#include "bvh/words.h"
 
 namespace wavepath::bvh {
 
@@ -32,29 +32,48 @@ PreparedRay prepare(const Ray& ray);
 // Keeps 1/d_i finite, so that (b - o) * (1/d_i) is never 0 * inf, however the ray runs along a face.
 inline constexpr float kMinDirection = 0x1p-60f;
 
-// 1 + 32 eps on t_far covers, with division within 2.5 ulp, 7 eps in each of t_near and t_far and 9 eps in what the
+// 1 + 32 eps on t_far covers, with division within 2.5 ulp, 8 eps in each of t_near and t_far and 9 eps in what the
 // triangle test does to its vertices, per axis and relative to the distance (see bounds() for the part relative to the
 // triangle).
 inline constexpr float kSlabPad = 1.0f + 0x1p-19f;
 
-// Sort key of a child: (bits of t_near & ~3) | slot, so that equal distances keep the order of their slots.
-inline constexpr std::uint32_t kMissedKey = 0xffffffffu;
+// Which children a ray enters. Bit k of the masks stands for slot k.
+struct Entered {
+  std::uint32_t inner, leaves;
+  std::uint32_t t_bits[4]; // bits of t_near, 0 or more, of every slot
+};
 
-// keys[i] of the four children; t_best is the closest hit so far, or t_max. Per axis the near plane is hi where inverse
-// < 0, else lo; t = (plane - o) * inverse; t_near = max(tx, ty, tz, 0); t_far = min(tx, ty, tz, t_best) * kSlabPad; a
-// child is entered if t_near <= t_far. With a valid ray no NaN can arise, and an absent child is never entered.
-inline void enter_children(const WideNode& node, const PreparedRay& ray, float t_best, std::uint32_t keys[4]) {
-  const Vec3 o = ray.origin, r = ray.inverse;
-  const float *near_x = r.x < 0 ? node.hi_x : node.lo_x, *far_x = r.x < 0 ? node.lo_x : node.hi_x;
-  const float *near_y = r.y < 0 ? node.hi_y : node.lo_y, *far_y = r.y < 0 ? node.lo_y : node.hi_y;
-  const float *near_z = r.z < 0 ? node.hi_z : node.lo_z, *far_z = r.z < 0 ? node.lo_z : node.hi_z;
-  for (std::uint32_t i = 0; i < 4; ++i) {
-    const float xy_near = std::max((near_x[i] - o.x) * r.x, (near_y[i] - o.y) * r.y);
-    const float xy_far = std::min((far_x[i] - o.x) * r.x, (far_y[i] - o.y) * r.y);
-    const float t_near = std::max(std::max(0.0f, (near_z[i] - o.z) * r.z), xy_near);
-    const float t_far = std::min(std::min(t_best, (far_z[i] - o.z) * r.z), xy_far) * kSlabPad;
-    keys[i] = t_near <= t_far ? (std::bit_cast<std::uint32_t>(t_near) & ~3u) | i : kMissedKey;
+// `t_best` is the closest hit so far, or t_max. Plane q of an axis lies at t = q * slope + offset, with slope = cell *
+// inverse and offset = (grid origin - ray origin) * inverse. Slope is exact, cells being powers of two; so t errs by 2
+// eps of q * slope and 3 eps of offset, or, offset being at most |t| + 255 slope, by 3 eps of t, which kSlabPad covers,
+// and 5 * 255 eps = 2^-13.6 of a cell, which kGridMargin covers. Per axis the near plane is hi where inverse < 0, else
+// lo; t_near = max(tx, ty, tz, 0); t_far = min(tx, ty, tz, t_best) * kSlabPad; a child is entered if t_near <= t_far.
+// With a valid ray nothing overflows. Maxima and minima are taken of the bits as signed integers: that orders floats of
+// which one is not negative as they should be, and which of two negative ones is returned does not matter.
+inline Entered enter_children(const WideNode& node, const PreparedRay& ray, float t_best) {
+  const auto bits = [](float x) { return std::bit_cast<std::int32_t>(x); };
+  float slope[3], offset[3];
+  const std::uint8_t *near_planes[3], *far_planes[3];
+  for (int axis = 0; axis < 3; ++axis) {
+    slope[axis] = cell(node, axis) * ray.inverse[axis];
+    offset[axis] = (node.origin[axis] - ray.origin[axis]) * ray.inverse[axis];
+    const bool backwards = ray.inverse[axis] < 0;
+    near_planes[axis] = backwards ? hi_planes(node, axis) : lo_planes(node, axis);
+    far_planes[axis] = backwards ? lo_planes(node, axis) : hi_planes(node, axis);
   }
+  Entered entered{0, 0, {}};
+  for (std::uint32_t slot = 0; slot < 4; ++slot) {
+    std::int32_t t_near = 0, t_far = bits(t_best);
+    for (int axis = 0; axis < 3; ++axis) {
+      t_near = std::max(t_near, bits(static_cast<float>(near_planes[axis][slot]) * slope[axis] + offset[axis]));
+      t_far = std::min(t_far, bits(static_cast<float>(far_planes[axis][slot]) * slope[axis] + offset[axis]));
+    }
+    entered.t_bits[slot] = static_cast<std::uint32_t>(t_near);
+    if (!(std::bit_cast<float>(t_near) <= std::bit_cast<float>(t_far) * kSlabPad)) continue;
+    entered.inner |= std::uint32_t{is_inner(node, slot)} << slot;
+    entered.leaves |= std::uint32_t{is_leaf(node, slot)} << slot;
+  }
+  return entered;
 }
 
 struct TriangleHit {

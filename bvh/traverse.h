@@ -1,11 +1,14 @@
-// The CPU reference traversal of a 4-wide tree, the oracle of the kernels: same order, same rounding, same ties.
+// The CPU reference traversal, the oracle of the kernels: the same visits in the same order, the same rounding and
+// ties.
 //
-// Recipe. current = root; repeat: if `current` is an inner node, enter_children() gives four keys; sort them ascending
-// (sort_keys(): network (0,1)(2,3)(0,2)(1,3)(1,2) with min and max); push the entered children of ranks 3, 2, 1 in that
-// order; current = the child of rank 0, or pop if none was entered. If `current` is a leaf, test its items in ascending
-// order, then pop. An empty stack ends it. A popped node is not tested against t_best again: its children will be.
-// Closest hit: a candidate replaces the best if t < best, or t == best and its item is lower, so that the answer does
-// not depend on the order of visits. Only t < t_max counts.
+// Recipe. A stack holds groups of siblings that still wait, nearest next; leaves wait apart. Repeat: visit nodes until
+// two leaves or more wait, or no node is left; then test all the leaves that wait, latest first. A visit lets the
+// leaves that the ray enters wait, highest slot first, so that the lowest is tested first; goes on with the nearest
+// inner child entered (of any-hit rays: the one in the highest slot, which is the largest); leaves the others as one
+// group on the stack; and if there is none, takes the next of the topmost group. Postponing leaves costs a ray 2 % more
+// visits and 10 % more tests, and lets eight rays that go in step visit nodes together far more often. Nothing that
+// waits is tested against t_best again. Closest hit: a candidate replaces the best if t < best, or t == best and its
+// item is lower, so that the answer does not depend on the order of visits. Only t < t_max counts.
 #pragma once
 
 #include <cassert>
@@ -16,54 +19,75 @@
 
 namespace wavepath::bvh {
 
-// Work done, for benchmarks and budgets: inner nodes visited, items in the leaves reached.
+// Work done, for benchmarks and budgets: nodes visited, items in the leaves reached.
 struct Counters {
   std::uint64_t visits = 0, tests = 0;
 };
 
-inline void sort_keys(std::uint32_t keys[4]) {
-  const auto order = [keys](int i, int j) {
-    const std::uint32_t lower = std::min(keys[i], keys[j]), upper = std::max(keys[i], keys[j]);
-    keys[i] = lower;
-    keys[j] = upper;
-  };
-  order(0, 1), order(2, 3), order(0, 2), order(1, 3), order(1, 2);
+enum class Order { nearest_first, largest_first };
+
+// Siblings that wait, by slot, the next one first.
+struct SiblingGroup {
+  std::uint32_t first_child;
+  std::uint32_t count;
+  std::uint32_t slots[4];
+};
+
+inline SiblingGroup order_children(const WideNode& node, const Entered& entered, Order order) {
+  SiblingGroup group{node.first_child, 0, {}};
+  for (std::uint32_t slot = 0; slot < 4; ++slot) {
+    if (!(entered.inner >> slot & 1u)) continue;
+    std::uint32_t place = group.count++;
+    // Distances are compared without their two lowest bits, which carry the slot on devices.
+    const auto before = [&](std::uint32_t other) {
+      return order == Order::largest_first || entered.t_bits[slot] >> 2 < entered.t_bits[other] >> 2;
+    };
+    for (; place > 0 && before(group.slots[place - 1]); --place) group.slots[place] = group.slots[place - 1];
+    group.slots[place] = slot;
+  }
+  return group;
 }
 
-// Visits the leaves that `ray` enters, nearest first, from child word `root`. `leaf(first_item, item_count, t_best)`
-// may lower t_best, which starts at ray.t_max, and returns true to end the traversal. The stack bound of the tree below
-// `root` must not exceed kMaxStackBound, which build() guarantees.
+// Visits the leaves that `ray` enters below the root. `leaf(first_item, item_count, t_best)` may lower t_best, which
+// starts at ray.t_max, and returns true to end the traversal.
 template <class Leaf>
-void traverse(std::span<const WideNode> nodes, std::uint32_t root, const PreparedRay& ray, Leaf&& leaf,
+void traverse(std::span<const WideNode> nodes, const PreparedRay& ray, Order order, Leaf&& leaf,
               Counters* counters = nullptr) {
-  if (!ray.valid || root == kAbsent) return;
-  std::uint32_t stack[kMaxStackBound];
-  std::uint32_t stack_size = 0;
-  std::uint32_t current = root;
+  if (!ray.valid) return;
+  struct WaitingLeaf {
+    std::uint32_t first, count;
+  };
+  SiblingGroup stack[kMaxDepth];
+  WaitingLeaf leaves[5];
+  std::uint32_t stack_size = 0, leaf_count = 0;
+  std::uint32_t current = 0;
   float t_best = ray.t_max;
   for (;;) {
-    if (!is_leaf(current)) {
+    while (current != kAbsent && leaf_count < 2) {
       const WideNode& node = nodes[current];
       if (counters) ++counters->visits;
-      std::uint32_t keys[4];
-      enter_children(node, ray, t_best, keys);
-      sort_keys(keys);
-      for (int rank = 3; rank > 0; --rank)
-        if (keys[rank] != kMissedKey) {
-          assert(stack_size < kMaxStackBound);
-          stack[stack_size++] = node.child[keys[rank] & 3u];
-        }
-      if (keys[0] != kMissedKey) {
-        current = node.child[keys[0] & 3u];
-        continue;
+      const Entered entered = enter_children(node, ray, t_best);
+      for (std::uint32_t slot = 4; slot-- > 0;)
+        if (entered.leaves >> slot & 1u) leaves[leaf_count++] = {first_item(node, slot), item_count(node, slot)};
+      const SiblingGroup group = order_children(node, entered, order);
+      if (group.count > 0) {
+        assert(stack_size < kMaxDepth);
+        stack[stack_size++] = group;
       }
-    } else {
-      const std::uint32_t count = leaf_count(current);
-      if (counters) counters->tests += count;
-      if (leaf(leaf_first(current), count, t_best)) return;
+      current = kAbsent;
+      if (stack_size > 0) {
+        SiblingGroup& next = stack[stack_size - 1];
+        current = next.first_child + next.slots[0];
+        std::copy(next.slots + 1, next.slots + next.count, next.slots);
+        if (--next.count == 0) --stack_size;
+      }
     }
-    if (stack_size == 0) return;
-    current = stack[--stack_size];
+    while (leaf_count > 0) {
+      const WaitingLeaf& next = leaves[--leaf_count];
+      if (counters) counters->tests += next.count;
+      if (leaf(next.first, next.count, t_best)) return;
+    }
+    if (current == kAbsent) return;
   }
 }
 

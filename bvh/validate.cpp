@@ -2,6 +2,7 @@
 #include "bvh/validate.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "bvh/words.h"
 
@@ -9,7 +10,18 @@ namespace wavepath::bvh {
 
 namespace {
 
-constexpr std::uint32_t kMaxDepth = 1000; // keeps the recursion safe on a chain that no builder makes
+constexpr std::uint32_t kMaxWalk = 1000; // keeps the recursion safe on a chain that no builder makes
+
+// The larger of what two boxes reach.
+void grow(GridBox& box, const GridBox& other) {
+  for (int axis = 0; axis < 3; ++axis) {
+    box.lo[axis] = std::min(box.lo[axis], other.lo[axis]);
+    box.hi[axis] = std::max(box.hi[axis], other.hi[axis]);
+  }
+}
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr GridBox kNothing{{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
 
 struct Walk {
   const WideTree& tree;
@@ -17,69 +29,66 @@ struct Walk {
   std::vector<std::string> reasons;
   std::vector<bool> node_seen = std::vector<bool>(tree.nodes.size());
   std::vector<bool> item_seen = std::vector<bool>(tree.order.size());
+  std::uint32_t depth_seen = 0;
 
   void fail(std::string reason) {
     if (reasons.size() < kMaxReasons) reasons.push_back(std::move(reason));
   }
 
-  // What lies below a child, and the stack entries that its traversal can need.
-  struct Below {
-    Box box;
-    std::uint32_t stack_bound = 0;
-  };
-
-  Below leaf(std::uint32_t word) {
-    Below below;
-    const std::size_t first = leaf_first(word), count = leaf_count(word);
-    const std::string name = "leaf of items " + std::to_string(first) + " to " + std::to_string(first + count - 1);
+  // What a leaf's items reach.
+  GridBox leaf(std::size_t first, std::size_t count) {
+    GridBox below = kNothing;
     if (first + count > tree.order.size()) {
-      fail(name + " exceeds the " + std::to_string(tree.order.size()) + " items");
+      fail("leaf of items " + std::to_string(first) + " to " + std::to_string(first + count - 1) + " exceeds the " +
+           std::to_string(tree.order.size()) + " items");
       return below;
     }
     for (std::size_t item = first; item < first + count; ++item) {
       if (item_seen[item]) fail("item " + std::to_string(item) + " is in more than one leaf");
       item_seen[item] = true;
-      if (tree.order[item] < boxes.size()) below.box = merge(below.box, boxes[tree.order[item]]);
+      if (tree.order[item] >= boxes.size()) continue;
+      const Box& box = boxes[tree.order[item]];
+      grow(below, {{box.lo.x, box.lo.y, box.lo.z}, {box.hi.x, box.hi.y, box.hi.z}});
     }
     return below;
   }
 
-  Below inner(std::uint32_t index, std::uint32_t depth) {
-    Below below;
+  // What all items below a node reach.
+  GridBox inner(std::uint32_t index, std::uint32_t depth) {
+    GridBox all = kNothing;
     const std::string name = "node " + std::to_string(index);
     if (index >= tree.nodes.size()) {
       fail(name + " is out of range");
-      return below;
+      return all;
     }
-    if (node_seen[index] || depth > kMaxDepth) {
+    if (node_seen[index] || depth > kMaxWalk) {
       fail(name + (node_seen[index] ? " is reached twice" : " lies too deep"));
-      return below;
+      return all;
     }
     node_seen[index] = true;
+    depth_seen = std::max(depth_seen, depth);
     const WideNode& node = tree.nodes[index];
     std::uint32_t child_count = 0;
     for (std::uint32_t slot = 0; slot < 4; ++slot) {
-      if (is_absent(node, slot, name)) continue;
-      ++child_count;
-      const Box box = child_box(node, slot);
-      const Below child = is_leaf(node.child[slot]) ? leaf(node.child[slot]) : inner(node.child[slot], depth + 1);
-      if (!contains(box, child.box)) fail("child " + std::to_string(slot) + " of " + name + " sticks out of its box");
-      below.box = merge(below.box, box);
-      below.stack_bound = std::max(below.stack_bound, child.stack_bound);
+      const std::string child = "child " + std::to_string(slot) + " of " + name;
+      if (is_inner(node, slot) && is_leaf(node, slot)) fail(child + " is both a node and a leaf");
+      if (!is_inner(node, slot) && !is_leaf(node, slot)) continue;
+      if (slot != child_count++) fail(child + " comes after an absent one");
+      const GridBox below = is_leaf(node, slot) ? leaf(first_item(node, slot), item_count(node, slot))
+                                                : inner(node.first_child + slot, depth + 1);
+      if (!contains_with_margin(node, slot, below)) fail(child + " sticks out of its box");
+      grow(all, below);
     }
-    if (child_count < 2 && !tree.order.empty()) fail(name + " has fewer than two children");
-    below.stack_bound += std::max(child_count, 1u) - 1;
-    return below;
+    if (child_count < 2 && tree.order.size() > kMaxLeafSize) fail(name + " has fewer than two children");
+    return all;
   }
 
-  bool is_absent(const WideNode& node, std::uint32_t slot, const std::string& name) {
-    if (node.child[slot] != kAbsent) return false;
-    const Box box = child_box(node, slot), inverted;
-    for (int axis = 0; axis < 3; ++axis)
-      if (box.lo[axis] != inverted.lo[axis] || box.hi[axis] != inverted.hi[axis]) {
-        fail("absent child " + std::to_string(slot) + " of " + name + " has a box that a ray may enter");
-        break;
-      }
+  static bool contains_with_margin(const WideNode& node, std::uint32_t slot, const GridBox& below) {
+    const GridBox box = child_box(node, slot);
+    for (int axis = 0; axis < 3; ++axis) {
+      const double margin = kGridMargin * double{cell(node, axis)};
+      if (!(box.lo[axis] <= below.lo[axis] - margin && box.hi[axis] >= below.hi[axis] + margin)) return false;
+    }
     return true;
   }
 
@@ -98,19 +107,14 @@ struct Walk {
 
   void check() {
     check_order();
-    if (tree.root == kAbsent) {
-      fail("the root is absent");
-      return;
-    }
-    const Below all = is_leaf(tree.root) ? leaf(tree.root) : inner(tree.root, 1);
+    inner(0, 1);
     const auto nodes_missed = std::count(node_seen.begin(), node_seen.end(), false);
     const auto items_missed = std::count(item_seen.begin(), item_seen.end(), false);
     if (nodes_missed != 0) fail(std::to_string(nodes_missed) + " nodes are never reached");
     if (items_missed != 0) fail(std::to_string(items_missed) + " items are in no leaf");
-    if (tree.stack_bound != all.stack_bound)
-      fail("the stack bound is " + std::to_string(tree.stack_bound) + " but should be " +
-           std::to_string(all.stack_bound));
-    if (all.stack_bound > kMaxStackBound) fail("the stack bound " + std::to_string(all.stack_bound) + " is too large");
+    if (tree.depth != depth_seen)
+      fail("the depth is " + std::to_string(tree.depth) + " but should be " + std::to_string(depth_seen));
+    if (depth_seen > kMaxDepth) fail("the depth " + std::to_string(depth_seen) + " is too large");
   }
 };
 

@@ -1,8 +1,10 @@
-// From two children a node to four (Wald, Benthin, Boulos 2008), laid out depth first.
+// From two children a node to four (Wald, Benthin, Boulos 2008), siblings side by side, otherwise depth first.
 #include "bvh/wide.h"
 
 #include <algorithm>
 #include <utility>
+
+#include <tbb/parallel_for.h>
 
 #include "bvh/binary.h"
 #include "bvh/words.h"
@@ -11,88 +13,100 @@ namespace wavepath::bvh {
 
 namespace {
 
-// A child word with the stack entries that traversal below it can need.
-struct Emitted {
-  std::uint32_t word, stack_bound;
-};
-
-WideNode empty_node() {
-  WideNode node;
-  for (std::uint32_t slot = 0; slot < 4; ++slot) set_child(node, slot, Box{}, kAbsent);
-  return node;
-}
-
 // The binary nodes that become the children of one wide node.
 struct Family {
   std::uint32_t members[4];
-  std::uint32_t count;
-
-  void open(std::uint32_t position, const BinaryNode* nodes) {
-    const std::uint32_t left = nodes[members[position]].first;
-    std::copy_backward(members + position + 1, members + count, members + count + 1);
-    members[position] = left;
-    members[position + 1] = left + 1;
-    ++count;
-  }
+  std::uint32_t count = 0;
 };
 
-// A tree of height h can always be finished with h stack entries, two children a node; so a member may be opened only
-// if the heights of all members then fit into what is left of the budget.
-bool may_open(const Family& family, std::uint32_t position, const BinaryNode* nodes, std::uint32_t budget) {
-  Family opened = family;
-  opened.open(position, nodes);
-  const std::uint32_t left = budget - (opened.count - 1);
-  return std::all_of(opened.members, opened.members + opened.count,
-                     [&](std::uint32_t member) { return nodes[member].height <= left; });
-}
+struct Member {
+  std::uint32_t node;
+  bool leaf;
+  double area;
+  std::uint32_t height;
+};
 
-// Opens the largest member, the tallest among equals, again and again.
-Family gather_children(const BinaryNode* nodes, std::uint32_t parent, std::uint32_t budget) {
-  Family family{{nodes[parent].first, nodes[parent].first + 1}, 2};
-  while (family.count < 4) {
-    std::uint32_t best = family.count;
-    std::pair<double, std::uint32_t> best_rank{-1.0, 0};
-    for (std::uint32_t i = 0; i < family.count; ++i) {
-      const BinaryNode& node = nodes[family.members[i]];
-      const std::pair<double, std::uint32_t> rank(half_area(node.box), node.height);
-      if (node.item_count != 0 || rank <= best_rank || !may_open(family, i, nodes, budget)) continue;
-      best = i;
-      best_rank = rank;
-    }
-    if (best == family.count) break;
-    family.open(best, nodes);
+// Opens the largest inner member, the tallest among equals, again and again; then puts inner members before leaves, and
+// both in growing area.
+Family gather_children(const BinaryNode* nodes, std::uint32_t parent) {
+  const auto member = [nodes](std::uint32_t node) {
+    return Member{node, nodes[node].item_count != 0, half_area(nodes[node].box), nodes[node].height};
+  };
+  Member members[4] = {member(nodes[parent].first), member(nodes[parent].first + 1)};
+  std::uint32_t count = 2;
+  while (count < 4) {
+    std::uint32_t largest = count;
+    for (std::uint32_t i = 0; i < count; ++i)
+      if (!members[i].leaf && (largest == count || std::pair(members[i].area, members[i].height) >
+                                                       std::pair(members[largest].area, members[largest].height)))
+        largest = i;
+    if (largest == count) break;
+    const std::uint32_t left = nodes[members[largest].node].first;
+    members[largest] = member(left);
+    members[count++] = member(left + 1);
   }
+  // Insertion keeps equals in order, which must not depend on where nodes lie.
+  const auto before = [](const Member& a, const Member& b) { return a.leaf != b.leaf ? b.leaf : a.area < b.area; };
+  for (std::uint32_t i = 1; i < count; ++i)
+    for (std::uint32_t k = i; k > 0 && before(members[k], members[k - 1]); --k) std::swap(members[k], members[k - 1]);
+  Family family{{}, count};
+  for (std::uint32_t i = 0; i < count; ++i) family.members[i] = members[i].node;
   return family;
 }
 
-Emitted emit(const BinaryNode* nodes, std::uint32_t index, std::uint32_t budget, std::vector<WideNode>& out) {
-  const BinaryNode& node = nodes[index];
-  if (node.item_count != 0) return {leaf_word(node.first, node.item_count), 0};
-  const Family family = gather_children(nodes, index, budget);
-  const auto word = static_cast<std::uint32_t>(out.size());
-  out.push_back(empty_node());
-  std::uint32_t deepest = 0;
-  for (std::uint32_t slot = 0; slot < family.count; ++slot) {
-    const Emitted child = emit(nodes, family.members[slot], budget - (family.count - 1), out);
-    set_child(out[word], slot, nodes[family.members[slot]].box, child.word);
-    deepest = std::max(deepest, child.stack_bound);
+// Lays out nodes and items; the boxes come later, several threads at once.
+struct Layout {
+  const BinaryTree& binary;
+  WideTree& tree;
+  std::vector<Family> families; // of tree.nodes
+
+  void place(const Family& family, std::uint32_t target, std::uint32_t depth) {
+    std::uint32_t inner_count = 0;
+    WideNode node{};
+    node.first_child = static_cast<std::uint32_t>(tree.nodes.size());
+    node.first_item = static_cast<std::uint32_t>(tree.order.size());
+    for (std::uint32_t slot = 0; slot < family.count; ++slot) {
+      const BinaryNode& member = binary.nodes[family.members[slot]];
+      inner_count += member.item_count == 0;
+      node.layout |= std::uint32_t{member.item_count} << (kItemCountShift + 2 * slot);
+      for (std::uint32_t item = member.first; item < member.first + member.item_count; ++item)
+        tree.order.push_back(binary.order[item]);
+    }
+    node.layout |= inner_count << kInnerCountShift;
+    tree.nodes.resize(tree.nodes.size() + inner_count);
+    families.resize(tree.nodes.size());
+    tree.nodes[target] = node;
+    families[target] = family;
+    tree.depth = std::max(tree.depth, depth);
+    for (std::uint32_t slot = 0; slot < inner_count; ++slot)
+      place(gather_children(binary.nodes.get(), family.members[slot]), node.first_child + slot, depth + 1);
   }
-  return {word, deepest + family.count - 1};
+};
+
+void fill_boxes(const Family& family, const BinaryNode* nodes, WideNode& node) {
+  Box boxes[4];
+  for (std::uint32_t slot = 0; slot < family.count; ++slot) boxes[slot] = nodes[family.members[slot]].box;
+  const WideNode grid = place_on_grid({boxes, family.count});
+  const WideNode links = node;
+  node = grid;
+  node.layout |= links.layout;
+  node.first_child = links.first_child;
+  node.first_item = links.first_item;
 }
 
 } // namespace
 
 WideTree collapse(BinaryTree binary) {
   WideTree tree;
-  tree.order = std::move(binary.order);
-  if (!binary.nodes) {
-    tree.nodes.push_back(empty_node());
-    return tree;
-  }
-  tree.nodes.reserve(binary.capacity / 6); // pages that stay unused cost nothing
-  const Emitted root = emit(binary.nodes.get(), 0, kMaxStackBound, tree.nodes);
-  tree.root = root.word;
-  tree.stack_bound = root.stack_bound;
+  tree.order.reserve(binary.order.size());
+  tree.nodes.reserve(1 + binary.capacity / 6); // pages that stay unused cost nothing
+  tree.nodes.resize(1);
+  Layout layout{binary, tree, std::vector<Family>(1)};
+  Family root;
+  if (binary.nodes) root = binary.nodes[0].item_count != 0 ? Family{{0}, 1} : gather_children(binary.nodes.get(), 0);
+  layout.place(root, 0, 1);
+  tbb::parallel_for(std::size_t{0}, tree.nodes.size(),
+                    [&](std::size_t i) { fill_boxes(layout.families[i], binary.nodes.get(), tree.nodes[i]); });
   return tree;
 }
 

@@ -1,26 +1,53 @@
-// How to read what WideNode packs: child words and the boxes beside them.
+// How to read and write what WideNode packs.
 #pragma once
+
+#include <bit>
+#include <span>
 
 #include "bvh/geometry.h"
 #include "bvh/wide.h"
 
 namespace wavepath::bvh {
 
-inline bool is_leaf(std::uint32_t word) { return (word & kLeafBit) != 0; } // true for kAbsent as well
-inline std::uint32_t leaf_count(std::uint32_t word) { return ((word >> kLeafCountShift) & (kMaxLeafSize - 1)) + 1; }
-inline std::uint32_t leaf_first(std::uint32_t word) { return word & kLeafFirstMask; }
-inline std::uint32_t leaf_word(std::uint32_t first, std::uint32_t count) {
-  return kLeafBit | (count - 1) << kLeafCountShift | first;
+inline std::uint32_t inner_count(const WideNode& node) { return node.layout >> kInnerCountShift & 7u; }
+inline std::uint32_t item_count(const WideNode& node, std::uint32_t slot) {
+  return node.layout >> (kItemCountShift + 2 * slot) & 3u;
+}
+inline bool is_inner(const WideNode& node, std::uint32_t slot) { return slot < inner_count(node); }
+inline bool is_leaf(const WideNode& node, std::uint32_t slot) { return item_count(node, slot) != 0; }
+inline std::uint32_t first_item(const WideNode& node, std::uint32_t slot) {
+  std::uint32_t first = node.first_item;
+  for (std::uint32_t before = 0; before < slot; ++before) first += item_count(node, before);
+  return first;
 }
 
-inline Box child_box(const WideNode& node, std::uint32_t slot) {
-  return {{node.lo_x[slot], node.lo_y[slot], node.lo_z[slot]}, {node.hi_x[slot], node.hi_y[slot], node.hi_z[slot]}};
+inline float cell(const WideNode& node, int axis) {
+  const std::uint32_t exponent = (node.layout >> (7 * axis) & 127u) + 127 - kCellBias;
+  return std::bit_cast<float>(exponent << 23);
 }
 
-inline void set_child(WideNode& node, std::uint32_t slot, const Box& box, std::uint32_t word) {
-  node.lo_x[slot] = box.lo.x, node.lo_y[slot] = box.lo.y, node.lo_z[slot] = box.lo.z;
-  node.hi_x[slot] = box.hi.x, node.hi_y[slot] = box.hi.y, node.hi_z[slot] = box.hi.z;
-  node.child[slot] = word;
+// Lanes of the four children's lower and upper planes on an axis.
+inline const std::uint8_t* lo_planes(const WideNode& node, int axis) {
+  return axis == 0 ? node.lo_x : axis == 1 ? node.lo_y : node.lo_z;
 }
+inline const std::uint8_t* hi_planes(const WideNode& node, int axis) {
+  return axis == 0 ? node.hi_x : axis == 1 ? node.hi_y : node.hi_z;
+}
+
+// A box of the grid, exactly.
+struct GridBox {
+  double lo[3], hi[3];
+};
+inline GridBox child_box(const WideNode& node, std::uint32_t slot) {
+  GridBox box;
+  for (int axis = 0; axis < 3; ++axis) {
+    box.lo[axis] = node.origin[axis] + double{cell(node, axis)} * lo_planes(node, axis)[slot];
+    box.hi[axis] = node.origin[axis] + double{cell(node, axis)} * hi_planes(node, axis)[slot];
+  }
+  return box;
+}
+
+// A node with the given boxes (at most four) in its first slots, the other slots absent, and nothing else set.
+WideNode place_on_grid(std::span<const Box> boxes);
 
 } // namespace wavepath::bvh

@@ -8,7 +8,7 @@ layout(set = 0, binding = kBindFrame, std140) uniform FrameBlock { Frame frame; 
 layout(push_constant) uniform WaveBlock { Wave wave; };
 
 #ifdef BIND_GEOMETRY
-layout(set = 0, binding = kBindNodes) uniform samplerBuffer nodes;
+layout(set = 0, binding = kBindNodes) uniform usamplerBuffer nodes;
 layout(set = 0, binding = kBindTriangles) uniform samplerBuffer triangles;
 layout(set = 0, binding = kBindInstances) uniform samplerBuffer instances;
 #endif

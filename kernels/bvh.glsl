@@ -1,4 +1,4 @@
-// Traversal of the 4-wide BVH, one ray a lane: the device twin of bvh/traverse.h, operation for operation.
+// Traversal of the 4-wide BVH, one ray a lane: the device twin of bvh/traverse.h, whose head says what it does and in which order.
 // Boxes: the padded slab test of Ize 2013. Triangles: the watertight test of Woop, Benthin and Wald 2013. Include bindings.glsl with BIND_GEOMETRY first; where
 // alpha is tested, define ALPHA_TEST(hit) as "this point is a hole".
 #ifndef WAVEPATH_BVH_GLSL
@@ -12,7 +12,6 @@ const float kSlabPadding = 1.0 + 1.90734863e-6; // 2^-19, derived in bvh/interse
 const float kSmallestNormal = 1.17549435e-38;
 const float kMaxCoordinate = 1e18; // beyond it, squares overflow
 const uint kMissedKey = 0xffffffffu;
-const uint kPopInstance = 0xfffffffeu; // stack entry: back to world space
 
 // A ray prepared for boxes (reciprocal) and triangles (shear onto the axis of its largest component).
 struct TraversalRay {
@@ -134,6 +133,165 @@ vec3 transform_vector(uint first_texel, vec3 v) {
 #define ALPHA_TEST(hit) false
 #endif
 
+// ---- what waits ------------------------------------------------------------------------------------------------------------
+// A stack entry is a group of siblings: their first index and the slots of those that still wait, which for a closest hit come by
+// distance, three of two bits, the last one repeated; for any hit as a mask, highest slot first. Entries with the top bit
+// set are not groups: an instance that waits (a leaf word), the way back to world space, or kNone, the bottom.
+// CPU drivers run all lanes of a subgroup in step and write a local array lane by lane, which cost more than all else a visit
+// does; so the top of the stack is in registers there, moved by selects, and the array takes what overflows (on Sponza, less than one
+// ray in a thousand). Where local arrays are cheap, they hold all of it.
+#ifdef ANY_HIT
+const uint kSlotBits = 4u;
+const uint kOnlySlot0 = 1u; // the slots of a group of one
+#else
+const uint kSlotBits = 6u;
+const uint kOnlySlot0 = 0u;
+#endif
+const uint kPopInstance = 0xfffffffeu;
+
+uvec4 stack_top, stack_below; // kStackInRegisters
+uint stack_array[kStackSize];
+uint stack_size; // entries in the array
+uvec4 leaves; // leaf words that wait, latest first
+uint last_leaf; // a fifth
+
+void clear_waiting() {
+  stack_top = stack_below = leaves = uvec4(kNone);
+  last_leaf = kNone;
+  stack_array[0] = kNone;
+  stack_size = kStackInRegisters ? 0u : 1u;
+}
+
+bool stack_is_full() { return kStackInRegisters && stack_below.w != kNone; }
+
+// Needs room: !stack_is_full().
+void push(bool wanted, uint entry) {
+  if (kStackInRegisters) {
+    stack_below = mix(stack_below, uvec4(stack_top.w, stack_below.xyz), bvec4(wanted));
+    stack_top = mix(stack_top, uvec4(entry, stack_top.xyz), bvec4(wanted));
+  } else { // stored without a branch, kept by moving the top
+    stack_array[stack_size] = entry;
+    stack_size += uint(wanted);
+  }
+}
+
+// Moves the lowest register to the array.
+void spill() {
+  if (kStackInRegisters && stack_below.w != kNone) {
+    stack_array[stack_size++] = stack_below.w;
+    stack_below.w = kNone;
+  }
+}
+#ifdef ANY_HIT
+uint first_slot(uint mask) { return (mask & 8u) != 0u ? 3u : (mask & 4u) != 0u ? 2u : mask >> 1u; }
+#endif
+
+// Where `wanted`, the next node to visit, or an entry that is no group.
+void pop(bool wanted, inout uint current) {
+  uint entry = kStackInRegisters ? stack_top.x : stack_array[stack_size - 1u];
+#ifdef ANY_HIT
+  uint slot = first_slot(entry & 15u);
+  uint rest = entry & ~(1u << slot);
+  bool last = (rest & 15u) == 0u;
+#else
+  uint slot = entry & 3u;
+  uint rest = (entry & ~15u) | (entry >> 2u & 15u);
+  bool last = (entry >> 2u & 3u) == slot;
+#endif
+  bool special = int(entry) < 0;
+  current = wanted ? (special ? entry : (entry >> kSlotBits) + slot) : current;
+  bool leaves_stack = wanted && (special || last);
+  if (kStackInRegisters) {
+    stack_top.x = wanted ? rest : stack_top.x;
+    stack_top = mix(stack_top, uvec4(stack_top.yzw, stack_below.x), bvec4(leaves_stack));
+    stack_below = mix(stack_below, uvec4(stack_below.yzw, kNone), bvec4(leaves_stack));
+  } else if (wanted && entry != kNone) {
+    stack_array[stack_size - 1u] = rest;
+    stack_size -= uint(leaves_stack);
+  }
+}
+
+// The same where the registers may have run out, while the array has not.
+void take_next(bool wanted, inout uint current) {
+  if (kStackInRegisters && wanted && stack_top.x == kNone && stack_size > 0u) stack_top.x = stack_array[--stack_size];
+  pop(wanted, current);
+}
+
+uint leaf_word(uint first, uint count) { return kLeafBit | count << kLeafCountShift | first; }
+uint leaf_first(uint leaf) { return leaf & kLeafFirstMask; }
+uint leaf_end(uint leaf) { return (leaf & kLeafFirstMask) + (leaf >> kLeafCountShift & 7u); }
+
+void add_leaf(bool wanted, uint leaf) {
+  last_leaf = wanted ? leaves.w : last_leaf;
+  leaves = mix(leaves, uvec4(leaf, leaves.xyz), bvec4(wanted));
+}
+
+void take_leaf() {
+  leaves = uvec4(leaves.yzw, last_leaf);
+  last_leaf = kNone;
+}
+
+// ---- a visit -----------------------------------------------------------------------------------------------------------------
+ivec4 bytes_of(uint word) { return ivec4(word & 255u, word >> 8u & 255u, word >> 16u & 255u, word >> 24u); }
+
+// Times at which the ray crosses four planes of an axis, as bits: see enter_children() in bvh/intersect.h.
+ivec4 crossings(uint planes, float slope, float offset) {
+  return floatBitsToInt(vec4(bytes_of(planes)) * slope + offset);
+}
+
+float cell_size(uint layout_, uint shift) {
+  return uintBitsToFloat(((layout_ >> shift & 127u) + 127u - kCellBias) << 23u);
+}
+
+// Tests the children of node `current`, lets what the ray enters wait, and moves on to the next node.
+void visit(TraversalRay ray, float t_best, inout uint current) {
+  int texel = int(current * kNodeTexels);
+  uvec4 grid = texelFetch(nodes, texel), xy = texelFetch(nodes, texel + 1), zw = texelFetch(nodes, texel + 2);
+  vec3 slope = vec3(cell_size(grid.w, 0u), cell_size(grid.w, 7u), cell_size(grid.w, 14u)) * ray.reciprocal;
+  vec3 offset = (uintBitsToFloat(grid.xyz) - ray.origin) * ray.reciprocal;
+  bvec3 backwards = lessThan(ray.reciprocal, vec3(0.0));
+  uvec3 near_planes = mix(uvec3(xy.xz, zw.x), uvec3(xy.yw, zw.y), backwards);
+  uvec3 far_planes = mix(uvec3(xy.yw, zw.y), uvec3(xy.xz, zw.x), backwards);
+  ivec4 t_near = max(max(crossings(near_planes.x, slope.x, offset.x), crossings(near_planes.y, slope.y, offset.y)),
+                     max(crossings(near_planes.z, slope.z, offset.z), ivec4(0)));
+  ivec4 t_far = min(min(crossings(far_planes.x, slope.x, offset.x), crossings(far_planes.y, slope.y, offset.y)),
+                    min(crossings(far_planes.z, slope.z, offset.z), ivec4(floatBitsToInt(t_best))));
+  bvec4 entered = lessThanEqual(intBitsToFloat(t_near), intBitsToFloat(t_far) * kSlabPadding);
+
+  uvec4 count = grid.wwww >> uvec4(24u, 26u, 28u, 30u) & 3u;
+  bvec4 leaf = notEqual(count, uvec4(0u));
+  uint item1 = zw.w + count.x, item2 = item1 + count.y, item3 = item2 + count.z;
+  add_leaf(entered.w && leaf.w, leaf_word(item3, count.w));
+  add_leaf(entered.z && leaf.z, leaf_word(item2, count.z));
+  add_leaf(entered.y && leaf.y, leaf_word(item1, count.y));
+  add_leaf(entered.x && leaf.x, leaf_word(zw.w, count.x));
+
+  uint inner_count = grid.w >> 21u & 7u;
+#ifdef ANY_HIT
+  uvec4 bits = mix(uvec4(0u), uvec4(1u, 2u, 4u, 8u), entered);
+  uint mask = (bits.x | bits.y | bits.z | bits.w) & ((1u << inner_count) - 1u);
+  bool found = mask != 0u;
+  uint slot = first_slot(mask);
+  uint rest = mask & ~(1u << slot);
+  push(rest != 0u && found, zw.z << kSlotBits | rest);
+#else
+  // Nearest child first. The key carries the slot in its low bits, so that equal distances keep their order.
+  uvec4 key = mix(uvec4(kMissedKey), (uvec4(t_near) & ~3u) | uvec4(0u, 1u, 2u, 3u), entered);
+  key = mix(key, uvec4(kMissedKey), greaterThanEqual(uvec4(0u, 1u, 2u, 3u), uvec4(inner_count)));
+  key = uvec4(min(key.x, key.y), max(key.x, key.y), min(key.z, key.w), max(key.z, key.w));
+  key = uvec4(min(key.x, key.z), min(key.y, key.w), max(key.x, key.z), max(key.y, key.w));
+  key = uvec4(key.x, min(key.y, key.z), max(key.y, key.z), key.w);
+  bool found = key.x != kMissedKey;
+  uint slot = key.x & 3u;
+  uint third = key.z != kMissedKey ? key.z : key.y;
+  uint fourth = key.w != kMissedKey ? key.w : third;
+  push(key.y != kMissedKey, zw.z << kSlotBits | (key.y & 3u) | (third & 3u) << 2u | (fourth & 3u) << 4u);
+#endif
+  current = zw.z + slot;
+  pop(!found, current);
+}
+
+// ---- the walk ----------------------------------------------------------------------------------------------------------------
 // The nearest hit with 0 < t < t_max, or with ANY_HIT the first one found that is not `target`, the triangle at whose surface a
 // shadow ray ends: rounding must not let a light hide itself. Of hits at equal t the lowest (instance, triangle)
 // wins, so that the result does not depend on the order of visits.
@@ -143,9 +301,7 @@ Hit trace(vec3 origin, vec3 direction, float t_max, uint target, uint target_ins
 Hit trace(vec3 origin, vec3 direction, float t_max) {
 #endif
   Hit hit = Hit(kNone, 0u, 0.0, 0.0);
-  uint stack[kStackSize];
-  stack[0] = kNone; // popped when all is done
-  uint top = 1u;
+  clear_waiting();
   float t_best = t_max;
   bool valid = all(lessThanEqual(abs(origin), vec3(kMaxCoordinate))) &&
                all(lessThanEqual(abs(direction), vec3(kMaxCoordinate))); // false for NaN
@@ -153,118 +309,103 @@ Hit trace(vec3 origin, vec3 direction, float t_max) {
   bool in_top_level = has(kFeatureInstances) && frame.root_is_top != 0u;
   uint instance = 0u;
   TraversalRay ray = make_traversal_ray(origin, direction);
+  bool done = !valid;
+
   // A candidate whose alpha has to be looked up. Drivers that run both sides of every branch (Mesa 22.3) would do that for
-  // each triangle tested; so the walk stops at such a candidate, and all lanes look theirs up together.
+  // each triangle tested; so a lane stops at such a candidate until no lane of its subgroup can go on without a look-up.
   Hit pending = Hit(kNone, 0u, 0.0, 0.0);
   float t_pending = 0.0;
 
   do {
-    while (current != kNone && pending.triangle == kNone) {
-      while ((current & kLeafBit) == 0u) {
-        int base = int(current * kNodeTexels);
-        bvec3 negative = lessThan(ray.reciprocal, vec3(0.0));
-        ivec3 near_plane = ivec3(0, 2, 4) + ivec3(negative);
-        ivec3 far_plane = ivec3(1, 3, 5) - ivec3(negative);
-        vec4 t_near = max(max((texelFetch(nodes, base + near_plane.x) - ray.origin.x) * ray.reciprocal.x,
-                              (texelFetch(nodes, base + near_plane.y) - ray.origin.y) * ray.reciprocal.y),
-                          max((texelFetch(nodes, base + near_plane.z) - ray.origin.z) * ray.reciprocal.z, vec4(0.0)));
-        vec4 t_far = min(min((texelFetch(nodes, base + far_plane.x) - ray.origin.x) * ray.reciprocal.x,
-                             (texelFetch(nodes, base + far_plane.y) - ray.origin.y) * ray.reciprocal.y),
-                         min((texelFetch(nodes, base + far_plane.z) - ray.origin.z) * ray.reciprocal.z, vec4(t_best)));
-        bvec4 entered = lessThanEqual(t_near, t_far * kSlabPadding);
-        uvec4 child = floatBitsToUint(texelFetch(nodes, base + 6));
+    while (!done && pending.triangle == kNone) {
+      while (int(current) >= 0 && leaves.y == kNone && !stack_is_full()) visit(ray, t_best, current);
 
-        // Nearest child first. The key carries the slot in its low bits, so that equal distances keep their order.
-        uvec4 key = mix(uvec4(kMissedKey), (floatBitsToUint(t_near) & ~3u) | uvec4(0u, 1u, 2u, 3u), entered);
-        key = uvec4(min(key.x, key.y), max(key.x, key.y), min(key.z, key.w), max(key.z, key.w));
-        key = uvec4(min(key.x, key.z), min(key.y, key.w), max(key.x, key.z), max(key.y, key.w));
-        key = uvec4(key.x, min(key.y, key.z), max(key.y, key.z), key.w);
-
-        // Stored without a branch, kept by moving the top.
-        stack[top] = child[key.w & 3u];
-        top += uint(key.w != kMissedKey);
-        stack[top] = child[key.z & 3u];
-        top += uint(key.z != kMissedKey);
-        stack[top] = child[key.y & 3u];
-        top += uint(key.y != kMissedKey);
-        stack[top] = child[key.x & 3u];
-        top += uint(key.x != kMissedKey);
-        current = stack[--top];
-      }
-
-      if (has(kFeatureInstances)) {
-        if (current == kPopInstance) {
-          in_top_level = true;
-          ray = make_traversal_ray(origin, direction);
-          current = stack[--top];
-          continue;
+      uint item = leaf_first(leaves.x), end = leaf_end(leaves.x);
+      bool testing = leaves.x != kNone && !in_top_level;
+      while (testing) {
+        int texel = int(item * kTriangleTexels);
+        vec4 v0 = texelFetch(triangles, texel);
+        vec4 v1 = texelFetch(triangles, texel + 1);
+        vec4 v2 = texelFetch(triangles, texel + 2);
+        uint flags = floatBitsToUint(v0.w);
+        Candidate candidate = intersect_triangle(ray, v0.xyz, v1.xyz, v2.xyz);
+        bool first = instance < hit.instance || (instance == hit.instance && item < hit.triangle);
+        bool accepted = candidate.hit && candidate.t < t_max &&
+                        (candidate.t < t_best || (candidate.t == t_best && first));
+#ifdef ANY_HIT
+        accepted = accepted && (item != target || instance != target_instance);
+#endif
+        if (has(kFeatureCull)) accepted = accepted && (candidate.front || (flags & kTriangleSingleSided) == 0u);
+        Hit found = Hit(item, instance, candidate.b1, candidate.b2);
+        ++item;
+        bool needs_alpha = has(kFeatureAlpha) && accepted && (flags & kTriangleAlpha) != 0u;
+        if (has(kFeatureAlpha)) {
+          if (needs_alpha) {
+            pending = found;
+            t_pending = candidate.t;
+          }
+          leaves.x = needs_alpha ? leaf_word(item, end - item) : leaves.x; // the rest of the leaf goes on waiting
         }
-        if (in_top_level && current != kNone) {
-          // A leaf of the top level is one instance: go on in its space.
-          instance = current & kLeafFirstMask;
+        if (accepted && !needs_alpha) {
+          t_best = candidate.t;
+          hit = found;
+        }
+        if (item == end) {
+          take_leaf();
+          item = leaf_first(leaves.x);
+          end = leaf_end(leaves.x);
+        }
+        testing = leaves.x != kNone && !needs_alpha;
+#ifdef ANY_HIT
+        testing = testing && hit.triangle == kNone;
+#endif
+      }
+      spill();
+      take_next(current == kNone, current);
+      if (has(kFeatureInstances) && frame.root_is_top != 0u) {
+        // An instance that waited on the stack joins those that wait beside it.
+        bool is_instance = in_top_level && int(current) < 0 && current != kNone;
+        add_leaf(is_instance, current);
+        take_next(is_instance, current);
+        if (in_top_level && leaves.x != kNone) {
+          // Go on in the space of the latest; all else of the top level goes to the stack meanwhile.
+          instance = leaf_first(leaves.x);
+          take_leaf();
+          spill();
+          push(current != kNone, int(current) < 0 ? current : current << kSlotBits | kOnlySlot0);
+          while (leaves.x != kNone) {
+            spill();
+            push(true, leaves.x);
+            take_leaf();
+          }
+          spill();
+          push(true, kPopInstance);
           uint texel = instance * kInstanceTexels;
-          stack[top++] = kPopInstance;
-          in_top_level = false;
           ray = make_traversal_ray(transform_point(texel, origin), transform_vector(texel, direction));
           current = floatBitsToUint(texelFetch(instances, int(texel + 6u)).x);
-          continue;
+          in_top_level = false;
+        } else if (current == kPopInstance && leaves.x == kNone) {
+          in_top_level = true;
+          ray = make_traversal_ray(origin, direction);
+          take_next(true, current);
         }
       }
-
-      if (current != kNone) {
-        uint triangle = current & kLeafFirstMask;
-        uint end = triangle + ((current & ~kLeafBit) >> kLeafCountShift) + 1u;
-        do {
-          int texel = int(triangle * kTriangleTexels);
-          vec4 v0 = texelFetch(triangles, texel);
-          vec4 v1 = texelFetch(triangles, texel + 1);
-          vec4 v2 = texelFetch(triangles, texel + 2);
-          uint flags = floatBitsToUint(v0.w);
-          Candidate candidate = intersect_triangle(ray, v0.xyz, v1.xyz, v2.xyz);
-          bool first = instance < hit.instance || (instance == hit.instance && triangle < hit.triangle);
-          bool accepted = candidate.hit && candidate.t < t_max &&
-                          (candidate.t < t_best || (candidate.t == t_best && first));
+      done = current == kNone && leaves.x == kNone;
 #ifdef ANY_HIT
-          accepted = accepted && (triangle != target || instance != target_instance);
+      done = done || hit.triangle != kNone;
 #endif
-          if (has(kFeatureCull)) accepted = accepted && (candidate.front || (flags & kTriangleSingleSided) == 0u);
-          Hit found = Hit(triangle, instance, candidate.b1, candidate.b2);
-          ++triangle;
-          if (has(kFeatureAlpha)) {
-            if (accepted && (flags & kTriangleAlpha) != 0u) {
-              accepted = false;
-              pending = found;
-              t_pending = candidate.t;
-              // The rest of the leaf waits on the stack.
-              if (triangle < end) stack[top++] = kLeafBit | (end - triangle - 1u) << kLeafCountShift | triangle;
-              triangle = end;
-            }
-          }
-          if (accepted) {
-            t_best = candidate.t;
-            hit = found;
-          }
-        } while (triangle < end);
-        current = stack[--top];
-#ifdef ANY_HIT
-        if (hit.triangle != kNone) current = kNone;
-#endif
-      }
     }
     if (has(kFeatureAlpha)) {
-      if (pending.triangle != kNone) {
-        if (!ALPHA_TEST(pending)) {
-          t_best = t_pending;
-          hit = pending;
+      if (pending.triangle != kNone && !ALPHA_TEST(pending)) {
+        t_best = t_pending;
+        hit = pending;
 #ifdef ANY_HIT
-          current = kNone;
+        done = true;
 #endif
-        }
-        pending.triangle = kNone;
       }
+      pending.triangle = kNone;
     }
-  } while (current != kNone);
+  } while (!done);
   return hit;
 }
-
 #endif

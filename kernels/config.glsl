@@ -6,12 +6,14 @@
 #include "kernels/gpu_types.h"
 
 layout(constant_id = kSpecFeatures) const uint kFeatures = kFeaturesAll;
-layout(constant_id = kSpecStackSize) const uint kStackSize = 96u;
+layout(constant_id = kSpecStackSize) const uint kStackSize = 160u;
+layout(constant_id = kSpecStack) const uint kStack = kStackArray;
 layout(constant_id = kSpecSampler) const uint kSampler = kSamplerSobol;
 layout(constant_id = kSpecDirect) const uint kDirect = kDirectMis;
 layout(constant_id = kSpecHemisphere) const uint kHemisphere = kHemisphereCosine;
 layout(constant_id = kSpecFilter) const uint kFilter = kFilterBlackmanHarris;
 
+const bool kStackInRegisters = kStack == kStackRegisters;
 bool has(uint feature) { return (kFeatures & feature) != 0u; }
 
 #endif

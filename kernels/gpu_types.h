@@ -54,16 +54,19 @@ GPU_CONSTANT uint kSpecSampler = 2u;
 GPU_CONSTANT uint kSpecDirect = 3u;
 GPU_CONSTANT uint kSpecHemisphere = 4u;
 GPU_CONSTANT uint kSpecFilter = 5u;
+GPU_CONSTANT uint kSpecStack = 6u; // where the traversal stack lives; changes no result
+GPU_CONSTANT uint kSpecCount = 7u;
 
 GPU_CONSTANT uint kSamplerIndependent = 0u, kSamplerStratified = 1u, kSamplerSobol = 2u;
 GPU_CONSTANT uint kDirectMis = 0u, kDirectNee = 1u, kDirectBsdf = 2u;
 GPU_CONSTANT uint kHemisphereCosine = 0u, kHemisphereUniform = 1u;
+GPU_CONSTANT uint kStackArray = 0u, kStackRegisters = 1u;
 GPU_CONSTANT uint kFilterBox = 0u, kFilterGaussian = 1u, kFilterBlackmanHarris = 2u;
 
 // ---- descriptor bindings, one set for all kernels -------------------------------------------------------------------------
 // Read-only data goes through uniform texel buffers: on lavapipe (Mesa 22.3) they traverse twice as fast as storage buffers.
 GPU_CONSTANT uint kBindFrame = 0u;             // uniform Frame
-GPU_CONSTANT uint kBindNodes = 1u;             // texels RGBA32F, kNodeTexels each: bvh::WideNode
+GPU_CONSTANT uint kBindNodes = 1u;             // texels RGBA32UI, kNodeTexels each: bvh::WideNode
 GPU_CONSTANT uint kBindTriangles = 2u;         // texels RGBA32F, kTriangleTexels each: Triangle, in BVH leaf order
 GPU_CONSTANT uint kBindTriangleVertices = 3u;  // texels RGBA32UI, one a triangle: three vertex indices, unused
 GPU_CONSTANT uint kBindVertexNormals = 4u;     // texels RGBA32F, one a vertex: normal, packed tangent (see pack_tangent)
@@ -89,16 +92,16 @@ GPU_CONSTANT uint kBindPathAovs = 23u;         // storage PathAovs[], one a slot
 GPU_CONSTANT uint kBindFilmAovs = 24u;         // storage FilmAovs[], one a pixel (kFeatureAovs)
 
 // ---- geometry -------------------------------------------------------------------------------------------------------------
-GPU_CONSTANT uint kNodeTexels = 7u;     // lo_x hi_x lo_y hi_y lo_z hi_z of four children, then four child words
+GPU_CONSTANT uint kNodeTexels = 3u;     // 48 bytes, see bvh/wide.h
+GPU_CONSTANT uint kCellBias = 66u;      // of the exponents of a node's grid
 GPU_CONSTANT uint kTriangleTexels = 3u; // 48 bytes
 GPU_CONSTANT uint kInstanceTexels = 7u;
 
-// Child words of a node: inner child = index of its node; leaf = kLeafBit | (count-1) << kLeafCountShift | first item.
-// Items are triangles, or instances in the top level of a two-level tree. An absent child has an inverted box and is never hit.
+// A leaf that waits to be tested: kLeafBit | item count << kLeafCountShift | first item. Items are triangles, or instances in
+// the top level of a two-level tree.
 GPU_CONSTANT uint kLeafBit = 0x80000000u;
 GPU_CONSTANT uint kLeafCountShift = 28u;
 GPU_CONSTANT uint kLeafFirstMask = 0x0fffffffu;
-GPU_CONSTANT uint kMaxLeafSize = 8u;
 
 GPU_CONSTANT uint kTriangleSingleSided = 1u << 0; // invisible from behind
 GPU_CONSTANT uint kTriangleAlpha = 1u << 1;       // its material is MASK or BLEND
@@ -119,7 +122,7 @@ GPU_CHECK(sizeof(Triangle) == 16 * kTriangleTexels);
 struct Instance {
   vec4 object_from_world[3];
   vec4 world_from_object[3];
-  uint root;    // child word at which traversal of the object starts
+  uint root;    // node at which traversal of the object starts
   uint flipped; // 0 or 1
   uint pad0;
   uint pad1;
@@ -224,7 +227,7 @@ struct Frame {
   uint environment_width;
   uint environment_height;
   uint light_count;
-  uint root;        // child word where traversal starts
+  uint root;        // node where traversal starts
   uint root_is_top; // 1: the root is the top level of a two-level tree, leaves hold instances
   uint orthographic;
   uint sample_total; // samples a pixel that the stratified sampler spreads over

@@ -20,7 +20,7 @@ TEST(Build, RandomSoupIsValidForEveryLeafSize) {
     const Measure measured = measure(mesh.tree);
     EXPECT_EQ(measured.item_count, triangles.size());
     for (std::uint32_t larger = size + 1; larger <= kMaxLeafSize; ++larger) EXPECT_EQ(measured.leaf_sizes[larger], 0u);
-    EXPECT_LE(mesh.tree.stack_bound, 48u);
+    EXPECT_LE(mesh.tree.depth, 20u);
   }
 }
 
@@ -63,8 +63,7 @@ TEST(Build, SameBytesForAnyThreadCount) {
   }
   for (const WideTree& tree : trees) {
     EXPECT_EQ(tree.order, trees[0].order);
-    EXPECT_EQ(tree.root, trees[0].root);
-    EXPECT_EQ(tree.stack_bound, trees[0].stack_bound);
+    EXPECT_EQ(tree.depth, trees[0].depth);
     ASSERT_EQ(tree.nodes.size(), trees[0].nodes.size());
     EXPECT_EQ(std::memcmp(tree.nodes.data(), trees[0].nodes.data(), tree.nodes.size() * sizeof(WideNode)), 0);
   }
@@ -73,7 +72,7 @@ TEST(Build, SameBytesForAnyThreadCount) {
 TEST(Build, Duplicates) {
   const Triangle triangle{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
   const Mesh mesh = build_checked(Triangles(10'000, triangle));
-  EXPECT_LE(mesh.tree.stack_bound, 24u);
+  EXPECT_LE(mesh.tree.depth, 8u);
   const Hit hit = closest_hit(mesh.tree, mesh.triangles, {{0.25f, 0.25f, 1}, {0, 0, -1}});
   EXPECT_EQ(hit.item, 0u);
 }
@@ -107,7 +106,7 @@ TEST(Build, EqualCentroids) {
     triangles.push_back({{-r, -r, -r}, {r, r, -r}, {r, r, r}});
   }
   const Mesh mesh = build_checked(triangles);
-  EXPECT_LE(mesh.tree.stack_bound, 48u);
+  EXPECT_LE(mesh.tree.depth, 20u);
 }
 
 TEST(Build, GeometricProgression) {
@@ -120,7 +119,7 @@ TEST(Build, GeometricProgression) {
       }
     const Mesh mesh = build_checked(triangles, {.max_leaf_size = 1});
     EXPECT_LE(mesh.report.binary_depth, 64u);
-    EXPECT_LE(mesh.tree.stack_bound, kMaxStackBound);
+    EXPECT_LE(mesh.tree.depth, kMaxDepth);
   }
 }
 
@@ -136,7 +135,7 @@ TEST(Build, DepthIsBoundedWhereAreaCutsPeel) {
   const WideTree tree = build(boxes, {.max_leaf_size = 1, .bin_count = 2}, &report);
   EXPECT_TRUE(validate(tree, boxes).empty());
   EXPECT_EQ(report.binary_depth, 64u);
-  EXPECT_LE(tree.stack_bound, kMaxStackBound);
+  EXPECT_LE(tree.depth, kMaxDepth);
 }
 
 TEST(Build, MillionInALine) {
@@ -147,7 +146,7 @@ TEST(Build, MillionInALine) {
   }
   const WideTree tree = build(boxes);
   EXPECT_TRUE(validate(tree, boxes).empty());
-  EXPECT_LE(tree.stack_bound, 36u);
+  EXPECT_LE(tree.depth, 12u);
 }
 
 TEST(Build, DropsWhatIsNotANumber) {
@@ -195,35 +194,75 @@ TEST(Validate, ReportsEveryKindOfDamage) {
     damage(tree);
     return !validate(tree, boxes).empty();
   };
-  const auto inner_slot = [&](const WideNode& node) {
-    std::size_t slot = 0;
-    while (slot < 4 && (node.child[slot] & kLeafBit) != 0) ++slot;
-    return slot;
-  };
-  const std::size_t inner = inner_slot(good.nodes[0]);
-  ASSERT_LT(inner, 4u);
-  EXPECT_TRUE(damaged([&](WideTree& t) { t.nodes[0].hi_x[inner] = std::nextafter(t.nodes[0].hi_x[inner], -1.0f); }));
-  EXPECT_TRUE(damaged([&](WideTree& t) { t.nodes.back().lo_z[0] += 1.0f; }));
-  EXPECT_TRUE(damaged([&](WideTree& t) { t.nodes.back().hi_y[0] = kNan; }));
-  EXPECT_TRUE(damaged([&](WideTree& t) { t.nodes[0].child[inner] = 0; }));
-  EXPECT_TRUE(damaged([&](WideTree& t) { t.nodes[0].child[inner] = static_cast<std::uint32_t>(t.nodes.size()); }));
-  EXPECT_TRUE(damaged([&](WideTree& t) { t.nodes[0].child[inner] = kLeafBit | 500u; }));
-  EXPECT_TRUE(damaged([&](WideTree& t) { t.nodes[0].child[inner] = kAbsent; }));
-  EXPECT_TRUE(damaged([&](WideTree& t) { t.nodes.back().child[0] ^= 1u << kLeafCountShift; }));
+  ASSERT_GT(inner_count(good.nodes[0]), 1u);
+  ASSERT_GT(item_count(good.nodes.back(), 0), 0u);
+  EXPECT_TRUE(damaged([&](WideTree& t) { --t.nodes[0].hi_x[0]; }));
+  EXPECT_TRUE(damaged([&](WideTree& t) { ++t.nodes.back().lo_z[0]; }));
+  EXPECT_TRUE(damaged([&](WideTree& t) { t.nodes.back().hi_y[0] = 0; }));
+  EXPECT_TRUE(damaged([&](WideTree& t) { t.nodes[0].origin[1] = kNan; }));
+  EXPECT_TRUE(damaged([&](WideTree& t) { t.nodes[0].layout -= 1u; })); // cells of half the size
+  EXPECT_TRUE(damaged([&](WideTree& t) { t.nodes[0].first_child = 0; }));
+  EXPECT_TRUE(damaged([&](WideTree& t) { t.nodes[0].first_child = static_cast<std::uint32_t>(t.nodes.size()); }));
+  EXPECT_TRUE(damaged([&](WideTree& t) { t.nodes[0].layout -= 1u << kInnerCountShift; }));
+  EXPECT_TRUE(damaged([&](WideTree& t) { t.nodes[0].layout |= 1u << kItemCountShift; }));
+  EXPECT_TRUE(damaged([&](WideTree& t) { t.nodes.back().first_item = 500u; }));
+  EXPECT_TRUE(damaged([&](WideTree& t) { t.nodes.back().layout ^= 1u << kItemCountShift; }));
   EXPECT_TRUE(damaged([&](WideTree& t) { t.nodes.push_back(t.nodes.back()); }));
   EXPECT_TRUE(damaged([&](WideTree& t) { t.order[3] = t.order[4]; }));
   EXPECT_TRUE(damaged([&](WideTree& t) { t.order[3] = 500; }));
   EXPECT_TRUE(damaged([&](WideTree& t) { std::swap(t.order.front(), t.order.back()); }));
   EXPECT_TRUE(damaged([&](WideTree& t) { t.order.pop_back(); }));
-  EXPECT_TRUE(damaged([&](WideTree& t) { ++t.stack_bound; }));
-  EXPECT_TRUE(damaged([&](WideTree& t) { --t.stack_bound; }));
-  EXPECT_TRUE(damaged([&](WideTree& t) { t.root = kAbsent; }));
-  EXPECT_TRUE(damaged([&](WideTree& t) { t.root = 1; }));
-  EXPECT_TRUE(damaged([&](WideTree& t) {
-    for (WideNode& node : t.nodes)
-      for (int slot = 0; slot < 4; ++slot)
-        if (node.child[slot] == kAbsent) node.lo_x[slot] = -1.0f;
-  }));
+  EXPECT_TRUE(damaged([&](WideTree& t) { ++t.depth; }));
+  EXPECT_TRUE(damaged([&](WideTree& t) { --t.depth; }));
+}
+
+// ---- the grid
+// -------------------------------------------------------------------------------------------------------------
+
+// Boxes of any size, place and flatness lie inside their boxes on the grid, with the margin, and those are tight.
+TEST(Grid, ContainsItsBoxesAtEveryScale) {
+  Random random(40);
+  for (int i = 0; i < 200'000; ++i) {
+    const float size = std::pow(10.0f, random.uniform(-6, 8)), offset = std::pow(10.0f, random.uniform(-6, 8));
+    const Vec3 place = random.point(-1, 1) * offset;
+    std::vector<Box> boxes(1 + static_cast<std::size_t>(random.uniform(0, 3.99f)));
+    for (Box& box : boxes) {
+      Vec3 a = place + random.point(-1, 1) * size, b = place + random.point(-1, 1) * size;
+      if (random.uniform() < 0.2f) b.x = a.x;
+      if (random.uniform() < 0.2f) b.y = a.y;
+      if (random.uniform() < 0.1f) a.z = b.z = place.z;
+      box = {min(a, b), max(a, b)};
+    }
+    const WideNode node = place_on_grid(boxes);
+    for (int axis = 0; axis < 3; ++axis) {
+      float lowest = kInf, highest = -kInf;
+      for (const Box& box : boxes) {
+        lowest = std::min(lowest, box.lo[axis]);
+        highest = std::max(highest, box.hi[axis]);
+      }
+      const double size_of_cell = double{cell(node, axis)}, margin = kGridMargin * size_of_cell;
+      for (std::uint32_t slot = 0; slot < boxes.size(); ++slot) {
+        const GridBox box = child_box(node, slot);
+        ASSERT_LE(box.lo[axis], boxes[slot].lo[axis] - margin);
+        ASSERT_GE(box.hi[axis], boxes[slot].hi[axis] + margin);
+        ASSERT_GE(box.lo[axis], boxes[slot].lo[axis] - size_of_cell - margin);
+        ASSERT_LE(box.hi[axis], boxes[slot].hi[axis] + size_of_cell + margin);
+      }
+      // 255 cells hold the children and what the origin's last place adds; half as large ones would not.
+      const float below = std::nextafter(lowest, -kInf);
+      ASSERT_LE(size_of_cell * 120, std::max(double{highest} - below, 120 * 0x1p-66) * 1.01);
+    }
+  }
+}
+
+// A speck seen from far away: its inverted boxes would be within what the slab test forgives, but the counts tell.
+TEST(Grid, AbsentChildrenAreNeverEntered) {
+  const Triangle speck{{1, 1, 1}, {1 + 1e-6f, 1, 1}, {1, 1 + 1e-6f, 1}};
+  const Mesh mesh = build_checked({speck});
+  const PreparedRay ray = prepare({{1e4f, 1e4f, 1e4f}, {-1, -1, -1}});
+  const Entered entered = enter_children(mesh.tree.nodes[0], ray, kInf);
+  EXPECT_EQ(entered.inner, 0u);
+  EXPECT_EQ(entered.leaves, 1u);
 }
 
 } // namespace

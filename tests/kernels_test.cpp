@@ -21,13 +21,14 @@ constexpr std::uint32_t kSlots = 1 << 14;
 
 // All bindings of the path tracer, with memory that a test can fill and read.
 struct Bench {
-  Bench(Device& device_, const PackedScene& packed, std::uint32_t features, const gpu::Frame& frame_)
+  Bench(Device& device_, const PackedScene& packed, std::uint32_t features, const gpu::Frame& frame_,
+        std::uint32_t stack = gpu::kStackRegisters)
       : device(device_), scene(upload_scene(device_, packed)), frame(device_, sizeof(gpu::Frame)),
         paths(device_, kSlots * sizeof(gpu::PathState)), media(device_, kSlots * 4), path_aovs(device_, kSlots * sizeof(gpu::PathAovs)),
         rays(device_, 2 * kSlots * sizeof(gpu::Ray)), hits(device_, kSlots * sizeof(gpu::Hit)),
         shadow_rays(device_, kSlots * sizeof(gpu::ShadowRay)), queues(device_, sizeof(gpu::Queues)),
         film(device_, kSlots * gpu::kReplicates * sizeof(gpu::FilmPixel)), film_aovs(device_, kSlots * sizeof(gpu::FilmAovs)),
-        constants{features, packed.stack_size + 2, gpu::kSamplerSobol, gpu::kDirectMis, gpu::kHemisphereCosine, gpu::kFilterBox} {
+        constants{features, packed.stack_size + 2, gpu::kSamplerSobol, gpu::kDirectMis, gpu::kHemisphereCosine, gpu::kFilterBox, stack} {
     frame.write(&frame_, sizeof(frame_));
     for (Buffer* buffer : {&paths, &media, &path_aovs, &film, &film_aovs}) buffer->fill_zero();
     set_queues({});
@@ -56,7 +57,7 @@ struct Bench {
   Device& device;
   GpuScene scene;
   Buffer frame, paths, media, path_aovs, rays, hits, shadow_rays, queues, film, film_aovs;
-  std::array<std::uint32_t, 6> constants;
+  std::array<std::uint32_t, gpu::kSpecCount> constants;
   std::unique_ptr<BindingSet> bindings;
 };
 
@@ -125,10 +126,11 @@ TEST_F(Kernels, ExtendEqualsReference) {
   const PackedScene packed = pack(scene);
   const auto rays = random_rays(kSlots, 2);
   const auto triangles = triangles_of(packed);
-  bvh::WideTree tree{packed.nodes, {}, packed.root, packed.stack_size};
-  std::vector<gpu::Hit> first;
-  for (const std::uint32_t features : {packed.features, gpu::kFeaturesAll & ~gpu::kFeatureAovs}) {
-    Bench bench(device(), packed, features, frame_of(packed));
+  const bvh::WideTree tree{packed.nodes, {}, packed.stack_size};
+  const std::uint32_t all = gpu::kFeaturesAll & ~gpu::kFeatureAovs;
+  for (const auto& [features, stack] : {std::pair{packed.features, gpu::kStackRegisters}, {packed.features, gpu::kStackArray},
+                                        {all, gpu::kStackRegisters}, {all, gpu::kStackArray}}) {
+    Bench bench(device(), packed, features, frame_of(packed), stack);
     bench.rays.write(rays.data(), rays.size() * sizeof(gpu::Ray));
     bench.set_queues({.ray_count = {kSlots, 0}});
     bench.run(wavepath_extend_spv, kSlots / gpu::kWorkgroupSize, {0, 4096, 0, 4, 0, 0});
@@ -180,12 +182,20 @@ TEST_F(Kernels, ExtendEqualsBruteForceOverInstances) {
   }
   const PackedScene packed = pack(scene);
   ASSERT_TRUE(packed.root_is_top);
-  Bench bench(device(), packed, packed.features, frame_of(packed));
   const auto rays = random_rays(4096, 5);
-  bench.rays.write(rays.data(), rays.size() * sizeof(gpu::Ray));
-  bench.set_queues({.ray_count = {4096, 0}});
-  bench.run(wavepath_extend_spv, 64, {0, 4096, 0, 4, 0, 0});
-  const auto hits = download<gpu::Hit>(bench.hits, 4096);
+  std::vector<gpu::Hit> hits;
+  for (const std::uint32_t stack : {gpu::kStackArray, gpu::kStackRegisters}) {
+    Bench bench(device(), packed, packed.features, frame_of(packed), stack);
+    bench.rays.write(rays.data(), rays.size() * sizeof(gpu::Ray));
+    bench.set_queues({.ray_count = {4096, 0}});
+    bench.run(wavepath_extend_spv, 64, {0, 4096, 0, 4, 0, 0});
+    const auto found = download<gpu::Hit>(bench.hits, 4096);
+    for (std::uint32_t i = 0; i < hits.size(); ++i) {
+      ASSERT_EQ(found[i].triangle, hits[i].triangle) << "ray " << i;
+      ASSERT_EQ(found[i].instance, hits[i].instance) << "ray " << i;
+    }
+    hits = found;
+  }
 
   std::uint32_t found = 0, different = 0;
   for (std::uint32_t i = 0; i < 4096; ++i) {
@@ -220,25 +230,27 @@ TEST_F(Kernels, ConnectAddsLightWhereNothingIsInBetween) {
   PackedScene packed = pack(scene);
   packed.lights = {gpu::Light{.kind = gpu::kLightPoint}};
   const auto triangles = triangles_of(packed);
-  bvh::WideTree tree{packed.nodes, {}, packed.root, packed.stack_size};
+  const bvh::WideTree tree{packed.nodes, {}, packed.stack_size};
   auto rays = random_rays(kSlots, 7);
   std::vector<gpu::ShadowRay> shadow_rays;
   for (gpu::Ray& ray : rays)
     shadow_rays.push_back({ray.origin, ray.slot, ray.direction * 12.0f, ray.slot % 2 ? 1.0f : gpu::kFar, {1, 2, 3}, 0});
-  Bench bench(device(), packed, packed.features, frame_of(packed));
-  bench.shadow_rays.write(shadow_rays.data(), shadow_rays.size() * sizeof(gpu::ShadowRay));
-  bench.set_queues({.shadow_count = kSlots});
-  bench.run(wavepath_connect_spv, kSlots / gpu::kWorkgroupSize, {0, 4096, 0, 4, 0, 0});
-  const auto paths = download<gpu::PathState>(bench.paths, kSlots);
-  std::uint32_t blocked_count = 0;
-  for (std::uint32_t i = 0; i < kSlots; ++i) {
-    const gpu::ShadowRay& ray = shadow_rays[i];
-    const bool blocked = bvh::any_hit(tree, triangles, {to_bvh(ray.origin), to_bvh(ray.direction), ray.t_max});
-    blocked_count += blocked;
-    ASSERT_EQ(paths[i].radiance, blocked ? glm::vec3(0.0f) : glm::vec3(1, 2, 3)) << "ray " << i;
+  for (const std::uint32_t stack : {gpu::kStackArray, gpu::kStackRegisters}) {
+    Bench bench(device(), packed, packed.features, frame_of(packed), stack);
+    bench.shadow_rays.write(shadow_rays.data(), shadow_rays.size() * sizeof(gpu::ShadowRay));
+    bench.set_queues({.shadow_count = kSlots});
+    bench.run(wavepath_connect_spv, kSlots / gpu::kWorkgroupSize, {0, 4096, 0, 4, 0, 0});
+    const auto paths = download<gpu::PathState>(bench.paths, kSlots);
+    std::uint32_t blocked_count = 0;
+    for (std::uint32_t i = 0; i < kSlots; ++i) {
+      const gpu::ShadowRay& ray = shadow_rays[i];
+      const bool blocked = bvh::any_hit(tree, triangles, {to_bvh(ray.origin), to_bvh(ray.direction), ray.t_max});
+      blocked_count += blocked;
+      ASSERT_EQ(paths[i].radiance, blocked ? glm::vec3(0.0f) : glm::vec3(1, 2, 3)) << "ray " << i;
+    }
+    EXPECT_GT(blocked_count, kSlots / 8);
+    EXPECT_LT(blocked_count, kSlots);
   }
-  EXPECT_GT(blocked_count, kSlots / 8);
-  EXPECT_LT(blocked_count, kSlots);
 }
 
 // A light must not hide itself, however the ray towards it rounds; what it hides from others stays hidden.
@@ -277,7 +289,7 @@ TEST_F(Kernels, HolesAreInvisibleToExtendAndConnect) {
   const auto expected_hit = [&](const bvh::Ray& ray) {
     const bvh::PreparedRay prepared = bvh::prepare(ray);
     bvh::Hit best;
-    bvh::traverse(packed.nodes, packed.root, prepared, [&](std::uint32_t first, std::uint32_t count, float& t_best) {
+    bvh::traverse(packed.nodes, prepared, bvh::Order::nearest_first, [&](std::uint32_t first, std::uint32_t count, float& t_best) {
       for (std::uint32_t item = first; item < first + count; ++item)
         if (!is_hole(item)) bvh::test_leaf(prepared, triangles, item, 1, t_best, best);
       return false;

@@ -1,5 +1,6 @@
 // Geometry as packed: origin, baking, winding, instancing, streams, dropped triangles, trees and stack bounds.
 #include "host/scene/pack.h"
+#include "bvh/words.h"
 
 #include <algorithm>
 #include <bit>
@@ -44,47 +45,38 @@ std::vector<glm::vec3> triangle_cloud(std::size_t count) {
   return positions;
 }
 
-// Walks a subtree of the packed nodes. `visit(item, lo, hi)` gets every leaf item with the box that guards it. Returns
-// the largest sum of (children - 1) along a path, and checks that boxes nest.
+// Walks a subtree of the packed nodes. `visit(item, box)` gets every leaf item with the box that guards it. Returns the
+// nodes on the longest path.
 template <typename Visit>
-std::uint32_t walk(const PackedScene& packed, std::uint32_t word, const glm::vec3& lo, const glm::vec3& hi,
-                   const Visit& visit) {
-  if (word & bvh::kLeafBit) {
-    const std::uint32_t first = word & bvh::kLeafFirstMask,
-                        count = ((word & ~bvh::kLeafBit) >> bvh::kLeafCountShift) + 1;
-    for (std::uint32_t i = first; i < first + count; ++i) visit(i, lo, hi);
+std::uint32_t walk(const PackedScene& packed, std::uint32_t index, const Visit& visit) {
+  if (index >= packed.nodes.size()) {
+    ADD_FAILURE() << "node " << index << " is beyond the nodes";
     return 0;
   }
-  if (word >= packed.nodes.size()) {
-    ADD_FAILURE() << "child word " << word << " is beyond the nodes";
-    return 0;
+  const bvh::WideNode& node = packed.nodes[index];
+  std::uint32_t deepest = 0;
+  for (std::uint32_t slot = 0; slot < 4; ++slot) {
+    const std::uint32_t first = bvh::first_item(node, slot);
+    for (std::uint32_t item = first; item < first + bvh::item_count(node, slot); ++item)
+      visit(item, bvh::child_box(node, slot));
+    if (bvh::is_inner(node, slot)) deepest = std::max(deepest, walk(packed, node.first_child + slot, visit));
   }
-  const bvh::WideNode& node = packed.nodes[word];
-  std::uint32_t children = 0, deepest = 0;
-  for (int k = 0; k < 4; ++k) {
-    if (node.child[k] == bvh::kAbsent) continue;
-    ++children;
-    const glm::vec3 child_lo{node.lo_x[k], node.lo_y[k], node.lo_z[k]},
-        child_hi{node.hi_x[k], node.hi_y[k], node.hi_z[k]};
-    EXPECT_TRUE(glm::all(glm::greaterThanEqual(child_lo, lo)) && glm::all(glm::lessThanEqual(child_hi, hi)));
-    deepest = std::max(deepest, walk(packed, node.child[k], child_lo, child_hi, visit));
-  }
-  return children == 0 ? 0 : children - 1 + deepest;
+  return deepest + 1;
 }
 
-const glm::vec3 kEverywhere(std::numeric_limits<float>::infinity());
-
-bool inside(const glm::dvec3& p, const glm::vec3& lo, const glm::vec3& hi) {
-  return glm::all(glm::greaterThanEqual(p, glm::dvec3(lo))) && glm::all(glm::lessThanEqual(p, glm::dvec3(hi)));
+bool inside(const glm::dvec3& p, const bvh::GridBox& box) {
+  bool all = true;
+  for (int axis = 0; axis < 3; ++axis) all = all && p[axis] >= box.lo[axis] && p[axis] <= box.hi[axis];
+  return all;
 }
 
 // Every triangle of [first, first + count) hangs in exactly one leaf of `root`, inside its box.
 std::uint32_t check_object(const PackedScene& packed, std::uint32_t root, std::vector<int>& seen) {
-  return walk(packed, root, -kEverywhere, kEverywhere, [&](std::uint32_t t, const glm::vec3& lo, const glm::vec3& hi) {
+  return walk(packed, root, [&](std::uint32_t t, const bvh::GridBox& box) {
     ASSERT_LT(t, packed.triangles.size());
     ++seen[t];
     const gpu::Triangle& triangle = packed.triangles[t];
-    EXPECT_TRUE(inside(triangle.v0, lo, hi) && inside(triangle.v1, lo, hi) && inside(triangle.v2, lo, hi));
+    EXPECT_TRUE(inside(triangle.v0, box) && inside(triangle.v1, box) && inside(triangle.v2, box));
   });
 }
 
@@ -241,8 +233,7 @@ TEST(Pack, HoldsAnEmptyScene) {
   const PackedScene empty = pack(scene);
   EXPECT_TRUE(empty.triangles.empty() && empty.lights.empty());
   EXPECT_FALSE(empty.root_is_top);
-  ASSERT_LT(empty.root, empty.nodes.size());
-  for (const std::uint32_t child : empty.nodes[empty.root].child) EXPECT_EQ(child, bvh::kAbsent);
+  EXPECT_EQ(walk(empty, empty.root, [](std::uint32_t, const bvh::GridBox&) { FAIL() << "there is no item"; }), 1u);
   EXPECT_EQ(empty.origin, glm::dvec3(0.0));
 }
 
@@ -254,9 +245,9 @@ TEST(Pack, BuildsAValidTreeOfOneLevel) {
   EXPECT_FALSE(packed.root_is_top);
   EXPECT_TRUE(packed.instances.empty());
   std::vector<int> seen(packed.triangles.size(), 0);
-  const std::uint32_t bound = check_object(packed, packed.root, seen);
+  const std::uint32_t depth = check_object(packed, packed.root, seen);
   EXPECT_EQ(std::count(seen.begin(), seen.end(), 1), 5000);
-  EXPECT_EQ(packed.stack_size, bound + 1);
+  EXPECT_EQ(packed.stack_size, depth);
 }
 
 // Two shared meshes and a static one, mirrored and scaled instances among them.
@@ -292,42 +283,32 @@ TEST(PackInstances, BuildsValidTreesOfBothLevels) {
   std::vector<int> seen(packed.triangles.size(), 0), placed(packed.instances.size(), 0);
   std::vector<std::uint32_t> roots;
   std::uint32_t deepest = 0;
-  const std::uint32_t top = walk(
-      packed, packed.root, -kEverywhere, kEverywhere, [&](std::uint32_t i, const glm::vec3& lo, const glm::vec3& hi) {
-        ++placed[i];
-        const gpu::Instance& instance = packed.instances[i];
-        walk(packed, instance.root, -kEverywhere, kEverywhere,
-             [&](std::uint32_t t, const glm::vec3&, const glm::vec3&) {
-               for (const glm::vec3& v : {packed.triangles[t].v0, packed.triangles[t].v1, packed.triangles[t].v2})
-                 EXPECT_TRUE(inside(apply(instance.world_from_object, v), lo, hi));
-             });
-        if (std::find(roots.begin(), roots.end(), instance.root) != roots.end()) return;
-        roots.push_back(instance.root);
-        deepest = std::max(deepest, check_object(packed, instance.root, seen));
-      });
+  const std::uint32_t top = walk(packed, packed.root, [&](std::uint32_t i, const bvh::GridBox& box) {
+    ++placed[i];
+    const gpu::Instance& instance = packed.instances[i];
+    walk(packed, instance.root, [&](std::uint32_t t, const bvh::GridBox&) {
+      for (const glm::vec3& v : {packed.triangles[t].v0, packed.triangles[t].v1, packed.triangles[t].v2})
+        EXPECT_TRUE(inside(apply(instance.world_from_object, v), box));
+    });
+    if (std::find(roots.begin(), roots.end(), instance.root) != roots.end()) return;
+    roots.push_back(instance.root);
+    deepest = std::max(deepest, check_object(packed, instance.root, seen));
+  });
   EXPECT_EQ(roots.size(), 3u);
   EXPECT_EQ(std::count(seen.begin(), seen.end(), 1), 341);
   EXPECT_EQ(std::count(placed.begin(), placed.end(), 1), 23);
-  EXPECT_EQ(packed.stack_size, top + 1 + deepest + 1);
+  EXPECT_EQ(packed.stack_size, top + 1 + 4 + 1 + deepest);
 }
 
 TEST(PackInstances, HaveOneLeafEach) {
   Scene scene = triangle_scene();
   for (int i = 0; i < 30; ++i) add_instance(scene, 0); // all in one place, where a leaf of several would be cheapest
   const PackedScene packed = pack(scene);
-  std::vector<std::uint32_t> open{packed.root};
   std::size_t leaves = 0;
-  while (!open.empty()) {
-    const std::uint32_t word = open.back();
-    open.pop_back();
-    if (word == bvh::kAbsent) continue;
-    if (word & bvh::kLeafBit) {
-      EXPECT_EQ((word & ~bvh::kLeafBit) >> bvh::kLeafCountShift, 0u);
-      ++leaves;
-      continue;
-    }
-    for (const std::uint32_t child : packed.nodes[word].child) open.push_back(child);
-  }
+  for (const bvh::WideNode& node : packed.nodes)
+    for (std::uint32_t slot = 0; slot < 4; ++slot) leaves += bvh::is_leaf(node, slot);
+  leaves -= 1; // of the mesh's own tree
+  for (std::uint32_t slot = 0; slot < 4; ++slot) EXPECT_LE(bvh::item_count(packed.nodes[packed.root], slot), 1u);
   EXPECT_EQ(leaves, packed.instances.size());
 }
 

@@ -11,9 +11,7 @@ namespace {
 
 // bvh/ knows nothing of devices; what it writes is what the kernels read.
 static_assert(sizeof(bvh::WideNode) == 16 * gpu::kNodeTexels);
-static_assert(bvh::kLeafBit == gpu::kLeafBit && bvh::kLeafCountShift == gpu::kLeafCountShift &&
-              bvh::kLeafFirstMask == gpu::kLeafFirstMask && bvh::kMaxLeafSize == gpu::kMaxLeafSize &&
-              bvh::kAbsent == gpu::kNone);
+static_assert(bvh::kCellBias == gpu::kCellBias && bvh::kAbsent == gpu::kNone && bvh::kMaxLeafItems == gpu::kLeafFirstMask + 1);
 
 // Byte value to linear radiance, IEC 61966-2-1.
 std::vector<float> srgb_decoding() {
@@ -83,7 +81,7 @@ GpuScene upload_scene(Device& device, const PackedScene& scene) {
 
 std::vector<Binding> GpuScene::bindings() const {
   using enum BindingKind;
-  return {{gpu::kBindNodes, texels_rgba32f, &nodes},
+  return {{gpu::kBindNodes, texels_rgba32ui, &nodes},
           {gpu::kBindTriangles, texels_rgba32f, &triangles},
           {gpu::kBindTriangleVertices, texels_rgba32ui, &triangle_vertices},
           {gpu::kBindVertexNormals, texels_rgba32f, &vertex_normals},

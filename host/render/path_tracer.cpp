@@ -132,9 +132,10 @@ void PathTracer::allocate(Device& device, const RenderSettings& settings) {
 }
 
 void PathTracer::create_kernels(Device& device, const RenderSettings& settings, std::uint32_t stack_size) {
-  // Traversal stores one entry beyond what it keeps, and a leaf that it left half done.
-  const std::array<std::uint32_t, 6> constants = {features_,           stack_size + 2,      settings.sampler,
-                                                  settings.direct, settings.hemisphere, settings.filter};
+  // Traversal marks the bottom of its stack, and stores one entry beyond what it keeps.
+  const std::uint32_t stack = device.info().type == "cpu" ? gpu::kStackRegisters : gpu::kStackArray;
+  const std::array<std::uint32_t, gpu::kSpecCount> constants = {
+      features_, stack_size + 2, settings.sampler, settings.direct, settings.hemisphere, settings.filter, stack};
   kernels_.reserve(stage_count);
   for (const StageCode& stage : kStages) {
     kernels_.emplace_back(device, stage.name, stage.spirv, *bands_.front().bindings, constants);

@@ -1,6 +1,7 @@
 // Bakes, checks, orders and stores the triangles of one object; see geometry.h.
 #include "host/scene/geometry.h"
 
+#include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
 #include "bvh/build.h"
@@ -80,14 +81,12 @@ std::vector<bvh::Box> box_valid(const Scene& scene, std::span<const Part> parts,
 
 std::uint32_t append_tree(const bvh::WideTree& tree, std::uint32_t first_item, std::vector<bvh::WideNode>& nodes) {
   const std::uint32_t first_node = static_cast<std::uint32_t>(nodes.size());
-  const auto renumber = [&](std::uint32_t word) {
-    if (word == bvh::kAbsent) return word;
-    return word + (word & bvh::kLeafBit ? first_item : first_node);
-  };
   nodes.insert(nodes.end(), tree.nodes.begin(), tree.nodes.end());
-  for (std::size_t n = first_node; n < nodes.size(); ++n)
-    for (std::uint32_t& child : nodes[n].child) child = renumber(child);
-  return renumber(tree.root);
+  for (std::size_t n = first_node; n < nodes.size(); ++n) {
+    nodes[n].first_child += first_node;
+    nodes[n].first_item += first_item;
+  }
+  return first_node;
 }
 
 Object append_object(const Scene& scene, std::span<const Part> parts, bool with_vertices, std::uint64_t times,
@@ -98,8 +97,8 @@ Object append_object(const Scene& scene, std::span<const Part> parts, bool with_
   packed.dropped_triangles += (listed - sources.size()) * times;
 
   const std::size_t first = packed.triangles.size();
-  if (first + sources.size() > bvh::kLeafFirstMask)
-    throw Error(scene.path, "has more than 268435454 triangles", "simplify or split the scene");
+  if (first + sources.size() > bvh::kMaxItems)
+    throw Error(scene.path, fmt::format("has more than {} triangles", bvh::kMaxItems), "simplify or split the scene");
 
   Object object;
   object.first_triangle = static_cast<std::uint32_t>(first);
@@ -112,7 +111,9 @@ Object append_object(const Scene& scene, std::span<const Part> parts, bool with_
   }
   const bvh::WideTree tree = bvh::build(boxes);
   boxes = {};
-  object.stack_bound = tree.stack_bound;
+  if (packed.nodes.size() + tree.nodes.size() > bvh::kMaxNodes)
+    throw Error(scene.path, fmt::format("needs more than {} BVH nodes", bvh::kMaxNodes), "simplify or split the scene");
+  object.depth = tree.depth;
   object.root = append_tree(tree, object.first_triangle, packed.nodes);
 
   packed.triangles.resize(first + sources.size());

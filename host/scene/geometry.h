@@ -27,19 +27,19 @@ struct Part {
 // A tree of triangles inside PackedScene::nodes and ::triangles.
 struct Object {
   std::uint32_t first_triangle = 0, triangle_count = 0;
-  std::uint32_t root = 0; // child word, in the numbering of PackedScene::nodes
-  std::uint32_t stack_bound = 0;
+  std::uint32_t root = 0;  // node of PackedScene::nodes
+  std::uint32_t depth = 0; // nodes on the longest path from there
   glm::vec3 lo{0.0f}, hi{0.0f}; // around its boxes in the tree, in its own space; 0 if it is empty
 };
 
 // Appends the triangles of `parts` and the tree over them to `packed` (nodes, triangles, triangle_vertices if
 // `with_vertices`). Triangles that are not finite or have exactly no area are left out and counted in
 // packed.dropped_triangles, `times` each (the instances that would have shown them). light_pdf is left 0. Throws Error
-// if leaf items exceed what a child word can number.
+// if there are more items or nodes than traversal can number.
 Object append_object(const Scene& scene, std::span<const Part> parts, bool with_vertices, std::uint64_t times,
                      PackedScene& packed);
 
-// Appends `tree` to packed.nodes, its items renumbered from `first_item`; returns its root word.
+// Appends `tree` to `nodes`, its items renumbered from `first_item`; returns its root.
 std::uint32_t append_tree(const bvh::WideTree& tree, std::uint32_t first_item, std::vector<bvh::WideNode>& nodes);
 
 } // namespace wavepath

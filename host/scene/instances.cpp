@@ -70,14 +70,16 @@ std::vector<std::uint32_t> pack_instances(std::span<const Object> objects, std::
     instances.push_back(instance);
     object_of.push_back(placement.object);
     boxes.push_back(box);
-    deepest = std::max(deepest, object.stack_bound);
+    deepest = std::max(deepest, object.depth);
   }
 
   // One instance a leaf: entering one is dear, and the kernels keep a single one open.
   const bvh::WideTree top = bvh::build(boxes, {.max_leaf_size = 1});
   packed.root = append_tree(top, 0, packed.nodes);
   packed.root_is_top = true;
-  packed.stack_size = top.stack_bound + 1 + deepest + 1; // a sentinel marks where the object's part of the stack begins
+  // While an object is traversed, the node and the (at most four) other instances that came next wait below the mark that
+  // leads back to them.
+  packed.stack_size = top.depth + 1 + 4 + 1 + deepest;
   packed.instances.reserve(instances.size());
   std::vector<std::uint32_t> ordered_objects;
   ordered_objects.reserve(instances.size());

@@ -105,7 +105,7 @@ PackedScene pack(Scene& scene, std::uint32_t direct) {
     for (const std::uint32_t object : object_of) packed.triangle_count += objects[object].triangle_count;
   } else {
     packed.root = objects[0].root;
-    packed.stack_size = objects[0].stack_bound + 1;
+    packed.stack_size = objects[0].depth;
     packed.triangle_count = packed.triangles.size();
   }
   packed.bvh_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

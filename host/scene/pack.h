@@ -24,13 +24,10 @@ struct PackedScene {
   glm::dvec3 origin{0.0}; // world position of the device's zero
   double radius = 0.0;    // of the bounding sphere around `origin`, metres
 
-  std::vector<bvh::WideNode> nodes; // none if all triangles fit into one leaf
-  std::uint32_t root = 0;           // child word: a node or that leaf
+  std::vector<bvh::WideNode> nodes;
+  std::uint32_t root = 0; // node
   bool root_is_top = false;
-  // Traversal stack entries that suffice for certain, once a node's nearest child is taken without being stored: an end
-  // mark and the tree's bound; in two-level scenes the top level's, a mark that leads back to it, and the largest of
-  // its objects'.
-  std::uint32_t stack_size = 0;
+  std::uint32_t stack_size = 0; // traversal stack entries that suffice for certain
   std::vector<gpu::Triangle> triangles;
   std::vector<gpu::Instance> instances; // empty unless root_is_top
 
