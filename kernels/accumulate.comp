@@ -10,6 +10,7 @@
 #include "kernels/bindings.glsl"
 #include "kernels/math.glsl"
 #include "kernels/pixel.glsl"
+#include "kernels/records.glsl"
 
 layout(local_size_x = kWorkgroupSize) in;
 
@@ -47,7 +48,7 @@ void main() {
     uint sample_index = wave.first_sample + s;
     uint film_slot = film_index * kReplicates + sample_index % kReplicates;
     FilmPixel pixel = film[film_slot];
-    vec3 radiance = paths[slot].radiance;
+    vec3 radiance = fetch_path(slot).radiance;
     if (is_finite(radiance)) {
       pixel.block += radiance;
       pixel.count += 1u;

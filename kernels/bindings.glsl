@@ -18,14 +18,14 @@ layout(set = 0, binding = kBindTriangleVertices) uniform usamplerBuffer triangle
 layout(set = 0, binding = kBindVertexNormals) uniform samplerBuffer vertex_normals;
 layout(set = 0, binding = kBindVertexUvs) uniform samplerBuffer vertex_uvs;
 layout(set = 0, binding = kBindVertexColors) uniform samplerBuffer vertex_colors;
-layout(set = 0, binding = kBindMaterials, std430) readonly buffer MaterialBlock { Material materials[]; };
-layout(set = 0, binding = kBindTextures, std430) readonly buffer TextureBlock { Texture textures[]; };
+layout(set = 0, binding = kBindMaterials) uniform usamplerBuffer material_texels;
+layout(set = 0, binding = kBindTextures) uniform usamplerBuffer texture_texels;
 layout(set = 0, binding = kBindTexels) uniform usamplerBuffer texels;
 layout(set = 0, binding = kBindSrgbTable) uniform samplerBuffer srgb_table;
 #endif
 
 #ifdef BIND_LIGHTS
-layout(set = 0, binding = kBindLights, std430) readonly buffer LightBlock { Light lights[]; };
+layout(set = 0, binding = kBindLights) uniform usamplerBuffer light_texels;
 #endif
 
 #ifdef BIND_ENVIRONMENT
@@ -34,7 +34,8 @@ layout(set = 0, binding = kBindEnvironmentAlias) uniform usamplerBuffer environm
 #endif
 
 #ifdef BIND_PATHS
-layout(set = 0, binding = kBindPaths, std430) buffer PathBlock { PathState paths[]; };
+layout(set = 0, binding = kBindPaths, std430) writeonly buffer PathBlock { PathState paths[]; };
+layout(set = 0, binding = kBindPathTexels) uniform samplerBuffer path_texels;
 layout(set = 0, binding = kBindPathMedia, std430) buffer PathMediaBlock { uint path_media[]; };
 layout(set = 0, binding = kBindPathAovs, std430) buffer PathAovBlock { PathAovs path_aovs[]; };
 #endif
@@ -42,11 +43,13 @@ layout(set = 0, binding = kBindPathAovs, std430) buffer PathAovBlock { PathAovs 
 #ifdef BIND_RAYS
 layout(set = 0, binding = kBindRays, std430) writeonly buffer RayBlock { Ray rays[]; };
 layout(set = 0, binding = kBindRayTexels) uniform samplerBuffer ray_texels;
-layout(set = 0, binding = kBindHits, std430) buffer HitBlock { Hit hits[]; };
+layout(set = 0, binding = kBindHits, std430) writeonly buffer HitBlock { Hit hits[]; };
+layout(set = 0, binding = kBindHitTexels) uniform usamplerBuffer hit_texels;
 #endif
 
 #ifdef BIND_SHADOW_RAYS
-layout(set = 0, binding = kBindShadowRays, std430) buffer ShadowRayBlock { ShadowRay shadow_rays[]; };
+layout(set = 0, binding = kBindShadowRays, std430) writeonly buffer ShadowRayBlock { ShadowRay shadow_rays[]; };
+layout(set = 0, binding = kBindShadowRayTexels) uniform usamplerBuffer shadow_ray_texels;
 #endif
 
 #ifdef BIND_QUEUES

@@ -11,6 +11,7 @@
 #include "kernels/bindings.glsl"
 #include "kernels/dimensions.glsl"
 #include "kernels/pixel.glsl"
+#include "kernels/records.glsl"
 #include "kernels/surface.glsl"
 
 Sampler path_sampler;
@@ -23,11 +24,16 @@ layout(local_size_x = kWorkgroupSize) in;
 void main() {
   uint index = gl_GlobalInvocationID.x;
   if (index >= queues.shadow_count) return;
-  ShadowRay ray = shadow_rays[index];
+  ShadowRay ray = fetch_shadow_ray(index);
   if (has(kFeatureAlpha)) path_sampler = slot_sampler(ray.slot);
-  uint target = lights[ray.light].kind == kLightTriangle ? lights[ray.light].triangle : kNone;
-  if (trace(ray.origin, ray.direction, ray.t_max, target, lights[ray.light].instance).triangle != kNone) return;
+  uint target = kNone, target_instance = 0u;
+  if (has(kFeatureTriangleLights)) {
+    Light light = fetch_light(ray.light);
+    target = light.kind == kLightTriangle ? light.triangle : kNone;
+    target_instance = light.instance;
+  }
+  if (trace(ray.origin, ray.direction, ray.t_max, target, target_instance).triangle != kNone) return;
   // One shadow ray a path and bounce: no other lane writes this slot.
-  paths[ray.slot].radiance += ray.contribution;
+  paths[ray.slot].radiance = fetch_path(ray.slot).radiance + ray.contribution;
   if (has(kFeatureAovs) && wave.bounce == 0u) path_aovs[ray.slot].direct += ray.contribution;
 }

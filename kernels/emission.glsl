@@ -24,7 +24,7 @@ float emission_weight(float bsdf_pdf, float light_pdf) {
 vec3 surface_emission(Surface surface, Material material, bool front) {
   if (!has(kFeatureEmission)) return vec3(0.0);
   if (!front && (material.flags & kMaterialDoubleSided) == 0u) return vec3(0.0);
-  return material.emission * sample_texture_or(material.emission_texture, surface.uv, vec4(1.0)).rgb;
+  return material.emission * sample_texture_or_1(kFeatureEmissionTextures, material.emission_texture, surface.uv).rgb;
 }
 
 // The map in a direction of its frame, interpolated between texel centres; u wraps, v ends at the poles.
@@ -76,9 +76,9 @@ LightSample sample_triangle_light(Light light, vec3 from, vec2 u) {
   if (distance_squared == 0.0) return s;
   s.direction = offset / sqrt(distance_squared);
   float cosine = dot(surface.geometric_normal, s.direction);
-  Material material = materials[surface.material];
-  float alpha = base_color(material, surface.uv, surface.color).a;
-  s.radiance = surface_emission(surface, material, cosine < 0.0) * opacity(material, alpha);
+  Material material = fetch_material(surface.material);
+  s.radiance = surface_emission(surface, material, cosine < 0.0);
+  if (has(kFeatureAlpha)) s.radiance *= opacity(material, base_color(material, surface.uv, surface.color).a);
   s.pdf = solid_angle_pdf(surface.light_pdf, offset, surface.geometric_normal);
   s.target = offset_ray_origin(surface.position, surface.position_error, surface.geometric_normal, -s.direction);
   return s;
@@ -115,7 +115,7 @@ LightSample sample_environment(vec2 u) {
 
 LightSample sample_light(vec3 from, vec2 u_pick, vec2 u) {
   uint index = pick_light(u_pick);
-  Light light = lights[index];
+  Light light = fetch_light(index);
   LightSample s = no_light();
   if (has(kFeatureEnvironment) && light.kind == kLightEnvironment)
     s = sample_environment(u);

@@ -45,7 +45,14 @@ GPU_CONSTANT uint kFeatureEnvironment = 1u << 14;    // any environment radiance
 GPU_CONSTANT uint kFeatureEnvironmentMap = 1u << 15; // a lat-long image rather than a constant
 GPU_CONSTANT uint kFeatureAovs = 1u << 16;           // extra output channels
 GPU_CONSTANT uint kFeatureOrthographic = 1u << 17;
-GPU_CONSTANT uint kFeaturesAll = (1u << 18) - 1u;
+GPU_CONSTANT uint kFeatureBaseColorTextures = 1u << 18;
+GPU_CONSTANT uint kFeatureMetallicRoughnessTextures = 1u << 19;
+GPU_CONSTANT uint kFeatureSpecularTextures = 1u << 20; // of the specular factor or its colour
+GPU_CONSTANT uint kFeatureTransmissionTextures = 1u << 21;
+GPU_CONSTANT uint kFeatureEmissionTextures = 1u << 22;
+GPU_CONSTANT uint kFeatureFloatTextures = 1u << 23;   // texels of four floats
+GPU_CONSTANT uint kFeatureNearestTextures = 1u << 24; // unfiltered look-ups
+GPU_CONSTANT uint kFeaturesAll = (1u << 25) - 1u;
 
 // ---- specialization constants ---------------------------------------------------------------------------------------------
 GPU_CONSTANT uint kSpecFeatures = 0u;
@@ -73,11 +80,11 @@ GPU_CONSTANT uint kBindVertexNormals = 4u;     // texels RGBA32F, one a vertex: 
 GPU_CONSTANT uint kBindVertexUvs = 5u;         // texels RGBA32F, one a vertex: TEXCOORD_0, TEXCOORD_1
 GPU_CONSTANT uint kBindVertexColors = 6u;      // texels RGBA32F, one a vertex: COLOR_0, linear
 GPU_CONSTANT uint kBindInstances = 7u;         // texels RGBA32F, kInstanceTexels each: Instance
-GPU_CONSTANT uint kBindMaterials = 8u;         // storage Material[]
-GPU_CONSTANT uint kBindTextures = 9u;          // storage Texture[]
+GPU_CONSTANT uint kBindMaterials = 8u;         // texels RGBA32UI, kMaterialTexels each: Material
+GPU_CONSTANT uint kBindTextures = 9u;          // texels RGBA32UI, kTextureTexels each: Texture
 GPU_CONSTANT uint kBindTexels = 10u;           // texels R32UI: one word a texel (RGBA8) or four (RGBA32F)
 GPU_CONSTANT uint kBindSrgbTable = 11u;        // texels R32F, 256: byte -> linear
-GPU_CONSTANT uint kBindLights = 12u;           // storage Light[]
+GPU_CONSTANT uint kBindLights = 12u;           // texels RGBA32UI, kLightTexels each: Light
 GPU_CONSTANT uint kBindEnvironment = 13u;      // texels RGBA32F: radiance, probability of the texel
 GPU_CONSTANT uint kBindEnvironmentAlias = 14u; // texels RG32UI: float bits of the threshold, alias
 GPU_CONSTANT uint kBindPaths = 15u;            // storage PathState[], one a slot
@@ -90,6 +97,10 @@ GPU_CONSTANT uint kBindFilm = 21u;             // storage FilmPixel[], kReplicat
 GPU_CONSTANT uint kBindPathMedia = 22u;        // storage uint[], one a slot: material whose inside the path is in (kFeatureVolume)
 GPU_CONSTANT uint kBindPathAovs = 23u;         // storage PathAovs[], one a slot (kFeatureAovs)
 GPU_CONSTANT uint kBindFilmAovs = 24u;         // storage FilmAovs[], one a pixel (kFeatureAovs)
+// The same memory for reading: each is written and read by one lane, or with a barrier in between.
+GPU_CONSTANT uint kBindPathTexels = 25u;      // texels RGBA32F
+GPU_CONSTANT uint kBindHitTexels = 26u;       // texels RGBA32UI
+GPU_CONSTANT uint kBindShadowRayTexels = 27u; // texels RGBA32UI
 
 // ---- geometry -------------------------------------------------------------------------------------------------------------
 GPU_CONSTANT uint kNodeTexels = 3u;     // 48 bytes, see bvh/wide.h
@@ -158,7 +169,8 @@ struct Material {
   uint specular_color_texture;
   uint transmission_texture;
 };
-GPU_CHECK(sizeof(Material) == 112);
+GPU_CONSTANT uint kMaterialTexels = 7u;
+GPU_CHECK(sizeof(Material) == 16 * kMaterialTexels);
 
 GPU_CONSTANT uint kWrapRepeat = 0u, kWrapClamp = 1u, kWrapMirror = 2u;
 GPU_CONSTANT uint kTextureWrapUShift = 0u; // two bits each
@@ -180,7 +192,8 @@ struct Texture {
   uint pad0;
   uint pad1;
 };
-GPU_CHECK(sizeof(Texture) == 48);
+GPU_CONSTANT uint kTextureTexels = 3u;
+GPU_CHECK(sizeof(Texture) == 16 * kTextureTexels);
 
 // ---- lights ---------------------------------------------------------------------------------------------------------------
 GPU_CONSTANT uint kLightTriangle = 0u;
@@ -207,7 +220,8 @@ struct Light {
   float pad1;
   float pad2;
 };
-GPU_CHECK(sizeof(Light) == 80);
+GPU_CONSTANT uint kLightTexels = 5u;
+GPU_CHECK(sizeof(Light) == 16 * kLightTexels);
 
 // ---- one render -----------------------------------------------------------------------------------------------------------
 // Camera rays: origin = camera_position (+ x*camera_right + y*camera_up, orthographic), direction = camera_forward

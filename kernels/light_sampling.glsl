@@ -7,6 +7,7 @@
 
 #include "kernels/gpu_types.h"
 #include "kernels/math.glsl"
+#include "kernels/records.glsl"
 
 // ---- alias tables -----------------------------------------------------------------------------------------------
 
@@ -102,11 +103,12 @@ vec3 environment_texel_direction(uint column, uint row, uint width, uint height,
 // ---- from the bound buffers -------------------------------------------------------------------------------------
 
 #ifdef BIND_LIGHTS
-// Index of a light chosen in proportion to lights[].probability; u.y, which decides between column and alias at full
+// Index of a light chosen in proportion to Light::probability; u.y, which decides between column and alias at full
 // precision however many lights there are, is uniform again afterwards.
 uint pick_light(inout vec2 u) {
   uint column = alias_column(u, frame.light_count);
-  return alias_follow(column, lights[column].threshold, lights[column].alias, u.y);
+  Light light = fetch_light(column);
+  return alias_follow(column, light.threshold, light.alias, u.y);
 }
 #endif
 

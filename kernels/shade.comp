@@ -17,6 +17,7 @@
 #include "kernels/emission.glsl"
 #include "kernels/pixel.glsl"
 #include "kernels/queue.glsl"
+#include "kernels/records.glsl"
 
 layout(local_size_x = kWorkgroupSize) in;
 
@@ -39,15 +40,17 @@ Bsdf make_bsdf(Material material, vec4 uv, vec3 base, bool front) {
   b.transmission = 0.0;
   b.specular = material.specular;
   b.specular_color = material.specular_color;
-  if (has(kFeatureSpecular) && has(kFeatureTextures)) {
-    vec4 metallic_roughness = sample_texture_or(material.metallic_roughness_texture, uv, vec4(1.0));
+  if (has(kFeatureSpecular)) {
+    vec4 metallic_roughness =
+        sample_texture_or_1(kFeatureMetallicRoughnessTextures, material.metallic_roughness_texture, uv);
     b.metallic *= metallic_roughness.b;
     roughness *= metallic_roughness.g;
-    b.specular *= sample_texture_or(material.specular_texture, uv, vec4(1.0)).a;
-    b.specular_color *= sample_texture_or(material.specular_color_texture, uv, vec4(1.0)).rgb;
+    b.specular *= sample_texture_or_1(kFeatureSpecularTextures, material.specular_texture, uv).a;
+    b.specular_color *= sample_texture_or_1(kFeatureSpecularTextures, material.specular_color_texture, uv).rgb;
   }
   if (has(kFeatureTransmission))
-    b.transmission = material.transmission * sample_texture_or(material.transmission_texture, uv, vec4(1.0)).r;
+    b.transmission =
+        material.transmission * sample_texture_or_1(kFeatureTransmissionTextures, material.transmission_texture, uv).r;
   b.alpha = roughness * roughness;
   b.ior = material.ior;
   b.entering = front;
@@ -80,7 +83,7 @@ uint medium_behind(Vertex v) { return v.bsdf.entering ? v.surface.material : kNo
 // Share of light that a way through a medium leaves; only open meshes let a path leave to infinity inside one.
 const float kFarAway = 1e30; // metres; not infinity: 0 * inf
 vec3 medium_transmittance(uint medium, float distance_) {
-  return medium == kNone ? vec3(1.0) : exp(-materials[medium].attenuation * distance_);
+  return medium == kNone ? vec3(1.0) : exp(-fetch_material(medium).attenuation * distance_);
 }
 
 // Next-event estimation: true if there is a shadow ray worth tracing.
@@ -158,8 +161,8 @@ void shade(uint index, out bool wants_ray, out Ray next, out bool wants_shadow, 
   vec4 origin_slot = texelFetch(ray_texels, texel);
   vec3 direction = texelFetch(ray_texels, texel + 1).xyz;
   uint slot = floatBitsToUint(origin_slot.w);
-  Hit hit = hits[index];
-  PathState path = paths[slot];
+  Hit hit = fetch_hit(index);
+  PathState path = fetch_path(slot);
 
   if (hit.triangle == kNone) {
     if (has(kFeatureVolume)) path.throughput *= medium_transmittance(path_media[slot], kFarAway);
@@ -171,7 +174,7 @@ void shade(uint index, out bool wants_ray, out Ray next, out bool wants_shadow, 
   }
 
   Surface surface = fetch_surface(hit);
-  Material material = materials[surface.material];
+  Material material = fetch_material(surface.material);
   vec3 offset = surface.position - origin_slot.xyz;
   if (has(kFeatureVolume)) path.throughput *= medium_transmittance(path_media[slot], length(offset));
   Vertex v = make_vertex(surface, material, direction);

@@ -110,7 +110,7 @@ Surface fetch_surface(Hit hit) {
 
 // Base colour with alpha, everything multiplied in.
 vec4 base_color(Material material, vec4 uv, vec4 color) {
-  return material.base_color * color * sample_texture_or(material.base_color_texture, uv, vec4(1.0));
+  return material.base_color * color * sample_texture_or_1(kFeatureBaseColorTextures, material.base_color_texture, uv);
 }
 
 // Share of light that the surface stops: 1 = opaque. MASK decides by its cutoff, BLEND is a probability.
@@ -124,7 +124,8 @@ float opacity(Material material, float alpha) {
 float hit_opacity(Hit hit) {
   uint triangle = hit.triangle;
   vec3 weights = vec3(1.0 - hit.b1 - hit.b2, hit.b1, hit.b2);
-  Material material = materials[floatBitsToUint(texelFetch(triangles, int(triangle * kTriangleTexels + 1u)).w)];
+  Material material =
+      fetch_material(floatBitsToUint(texelFetch(triangles, int(triangle * kTriangleTexels + 1u)).w));
   vec4 uv = uses(kFeatureTextures) ? surface_uv(triangle, weights) : vec4(0.0);
   vec4 color = uses(kFeatureVertexColors) ? surface_color(triangle, weights) : vec4(1.0);
   return opacity(material, base_color(material, uv, color).a);

@@ -4,11 +4,13 @@
 #define WAVEPATH_TEXTURE_GLSL
 
 #include "kernels/config.glsl"
+#include "kernels/records.glsl"
+#include "kernels/tile_order.h"
 
 // Linear RGBA of one texel. Bytes are decoded before filtering, as light adds up linearly.
 vec4 fetch_texel(Texture image, int x, int y) {
-  uint texel = uint(y) * image.width + uint(x);
-  if ((image.flags & kTextureFloat) != 0u) {
+  uint texel = texel_index(uint(x), uint(y), image.width);
+  if (has(kFeatureFloatTextures) && (image.flags & kTextureFloat) != 0u) {
     int word = int(image.first_texel + 4u * texel);
     return uintBitsToFloat(uvec4(texelFetch(texels, word).x, texelFetch(texels, word + 1).x, texelFetch(texels, word + 2).x,
                                  texelFetch(texels, word + 3).x));
@@ -42,9 +44,9 @@ ivec2 neighbours(float x, int size, uint mode, out float weight) {
   return clamp(texel, ivec2(0), ivec2(size - 1));
 }
 
-// Value of textures[index] at the surface's coordinates: uv.xy = TEXCOORD_0, uv.zw = TEXCOORD_1.
+// Value of a texture at the surface's coordinates: uv.xy = TEXCOORD_0, uv.zw = TEXCOORD_1.
 vec4 sample_texture(uint index, vec4 uv_sets) {
-  Texture image = textures[index];
+  Texture image = fetch_texture(index);
   vec2 uv = (image.flags & kTextureUv1) != 0u ? uv_sets.zw : uv_sets.xy;
   if (has(kFeatureTextureTransform) && (image.flags & kTextureMoved) != 0u)
     uv = vec2(dot(image.uv_matrix.xy, uv), dot(image.uv_matrix.zw, uv)) + image.uv_offset;
@@ -52,7 +54,7 @@ vec4 sample_texture(uint index, vec4 uv_sets) {
   uint mode_u = (image.flags >> kTextureWrapUShift) & 3u, mode_v = (image.flags >> kTextureWrapVShift) & 3u;
   float x = wrap_coordinate(uv.x, mode_u) * float(image.width);
   float y = wrap_coordinate(uv.y, mode_v) * float(image.height);
-  if ((image.flags & kTextureNearest) != 0u)
+  if (has(kFeatureNearestTextures) && (image.flags & kTextureNearest) != 0u)
     return fetch_texel(image, clamp(int(x), 0, int(image.width) - 1), clamp(int(y), 0, int(image.height) - 1));
 
   vec2 weight;
@@ -63,9 +65,9 @@ vec4 sample_texture(uint index, vec4 uv_sets) {
   return mix(upper, lower, weight.y);
 }
 
-// As above, or `otherwise` where a slot has no texture.
-vec4 sample_texture_or(uint index, vec4 uv_sets, vec4 otherwise) {
-  if (!has(kFeatureTextures) || index == kNone) return otherwise;
+// As above, or 1 where a slot has no texture. `feature` says whether any material of the scene has one in this slot.
+vec4 sample_texture_or_1(uint feature, uint index, vec4 uv_sets) {
+  if (!has(feature) || index == kNone) return vec4(1.0);
   return sample_texture(index, uv_sets);
 }
 

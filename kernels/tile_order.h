@@ -1,5 +1,5 @@
-// The order in which waves visit pixels: 8x8 tiles, Z-order inside a tile (Morton 1966), so that neighbouring lanes trace
-// neighbouring rays. Compiled by kernels and host alike.
+// Orders that keep neighbours together. Waves visit pixels in 8x8 tiles, Z-order inside a tile (Morton 1966), so that neighbouring
+// lanes trace neighbouring rays. Compiled by kernels and host alike.
 #ifndef WAVEPATH_TILE_ORDER_H
 #define WAVEPATH_TILE_ORDER_H
 
@@ -30,6 +30,14 @@ GPU_FUNCTION uvec2 pixel_in_tile_order(uint index, uint width, uint height) {
   }
   return uvec2(8u * tile_column + x, 8u * tile_row + y);
 }
+
+// Texels lie in tiles of 4x4, which a cache line holds: a filtered look-up touches 1.6 lines on average instead of 2.1.
+// Index of texel (x, y), and how many an image takes: its right and lower border are filled up to whole tiles.
+GPU_FUNCTION uint texel_index(uint x, uint y, uint width) {
+  uint tiles_across = (width + 3u) / 4u;
+  return ((y / 4u) * tiles_across + x / 4u) * 16u + (y % 4u) * 4u + x % 4u;
+}
+GPU_FUNCTION uint texel_count(uint width, uint height) { return ((width + 3u) / 4u) * ((height + 3u) / 4u) * 16u; }
 
 #ifdef __cplusplus
 } // namespace wavepath::gpu

@@ -34,9 +34,9 @@ struct Bench {
     set_queues({});
     using enum BindingKind;
     std::vector<Binding> all = scene.bindings();
-    all.insert(all.end(), {{gpu::kBindFrame, uniform, &frame}, {gpu::kBindPaths, storage, &paths},
+    all.insert(all.end(), {{gpu::kBindFrame, uniform, &frame}, {gpu::kBindPaths, storage, &paths}, {gpu::kBindPathTexels, texels_rgba32f, &paths},
                            {gpu::kBindRays, storage, &rays}, {gpu::kBindRayTexels, texels_rgba32f, &rays},
-                           {gpu::kBindHits, storage, &hits}, {gpu::kBindShadowRays, storage, &shadow_rays},
+                           {gpu::kBindHits, storage, &hits}, {gpu::kBindHitTexels, texels_rgba32ui, &hits}, {gpu::kBindShadowRays, storage, &shadow_rays}, {gpu::kBindShadowRayTexels, texels_rgba32ui, &shadow_rays},
                            {gpu::kBindQueues, storage, &queues}, {gpu::kBindFilm, storage, &film},
                            {gpu::kBindPathMedia, storage, &media}, {gpu::kBindPathAovs, storage, &path_aovs},
                            {gpu::kBindFilmAovs, storage, &film_aovs}});
@@ -257,6 +257,7 @@ TEST_F(Kernels, ConnectAddsLightWhereNothingIsInBetween) {
 TEST_F(Kernels, ConnectIsNotBlockedByTheTriangleThatItAimsAt) {
   Scene scene = soup(1, 1, true);
   PackedScene packed = pack(scene);
+  packed.features |= gpu::kFeatureTriangleLights;
   packed.lights = {gpu::Light{.kind = gpu::kLightTriangle, .triangle = 0}, gpu::Light{.kind = gpu::kLightTriangle, .triangle = 1},
                    gpu::Light{.kind = gpu::kLightPoint, .triangle = 0}};
   const gpu::Triangle& triangle = packed.triangles[0];

@@ -52,7 +52,7 @@ protected:
     const Buffer environment = upload(device(), environment_), alias = upload(device(), alias_);
     const Buffer element_buffer = upload(device(), elements);
     const std::vector<Binding> bindings{{gpu::kBindFrame, BindingKind::uniform, &frame_buffer},
-                                        {gpu::kBindLights, BindingKind::storage, &light_buffer},
+                                        {gpu::kBindLights, BindingKind::texels_rgba32ui, &light_buffer},
                                         {gpu::kBindEnvironment, BindingKind::texels_rgba32f, &environment},
                                         {gpu::kBindEnvironmentAlias, BindingKind::texels_rg32ui, &alias},
                                         {gpu::kBindFilm, BindingKind::storage, &element_buffer}};

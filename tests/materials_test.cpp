@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "host/scene/pack.h"
+#include "kernels/tile_order.h"
 #include "tests/scene_builder.h"
 
 namespace wavepath {
@@ -48,7 +49,7 @@ TEST(Materials, KeepOnlyThoseInUse) {
   EXPECT_EQ(packed.materials[0].roughness, 0.2f);
   EXPECT_EQ(packed.materials[1].roughness, 0.3f);
   EXPECT_EQ(packed.textures.size(), 1u);
-  EXPECT_EQ(packed.texels.size(), 1u);
+  EXPECT_EQ(packed.texels.size(), 16u); // one tile
 }
 
 TEST(Materials, CarryEveryField) {
@@ -117,7 +118,9 @@ TEST(Textures, AreSharedWhereTheyAreTheSameUse) {
   m.transmission_texture.nearest = true;
   m.transmission_texture.uv_set = 1;
   const PackedScene packed = pack(scene);
-  EXPECT_EQ(packed.texels, (std::vector<std::uint32_t>{0x04030201u, 0x08070605u})); // stored once
+  ASSERT_EQ(packed.texels.size(), 16u); // stored once
+  EXPECT_EQ(packed.texels[0], 0x04030201u);
+  EXPECT_EQ(packed.texels[1], 0x08070605u);
   ASSERT_EQ(packed.textures.size(), 3u);
   const gpu::Material& g = packed.materials[0];
   EXPECT_EQ(g.base_color_texture, g.emission_texture);
@@ -151,7 +154,7 @@ TEST(Textures, StoreFloatImagesLinear) {
   m.base_color_texture.image = m.normal_texture.image = 0;
   m.base_color_texture.srgb = true;
   const PackedScene packed = pack(scene);
-  ASSERT_EQ(packed.texels.size(), 8u); // decoded, and as it is
+  ASSERT_EQ(packed.texels.size(), 2u * 64u); // decoded, and as it is
   const auto value = [&](std::uint32_t texture, std::uint32_t channel) {
     return std::bit_cast<float>(packed.texels[packed.textures[texture].first_texel + channel]);
   };
@@ -230,6 +233,33 @@ TEST(Features, FollowTheMaterialsInUse) {
   m = plain;
   m.normal_texture.image = 0;
   EXPECT_EQ(features_of(m), gpu::kFeatureTextures | gpu::kFeatureNormalMaps);
+  const std::pair<TextureSlot Material::*, std::uint32_t> slots[] = {
+      {&Material::base_color_texture, gpu::kFeatureBaseColorTextures},
+      {&Material::metallic_roughness_texture, gpu::kFeatureMetallicRoughnessTextures},
+      {&Material::specular_texture, gpu::kFeatureSpecularTextures},
+      {&Material::specular_color_texture, gpu::kFeatureSpecularTextures},
+      {&Material::transmission_texture, gpu::kFeatureTransmissionTextures},
+      {&Material::emission_texture, gpu::kFeatureEmissionTextures}};
+  for (const auto& [slot, feature] : slots) {
+    m = plain;
+    (m.*slot).image = 0;
+    EXPECT_EQ(features_of(m), gpu::kFeatureTextures | feature);
+    (m.*slot).nearest = true;
+    EXPECT_EQ(features_of(m), gpu::kFeatureTextures | feature | gpu::kFeatureNearestTextures);
+  }
+}
+
+// Every texel of an image of any size is found again, and each has a place of its own.
+TEST(Texels, LieInTiles) {
+  for (const auto& [width, height] : {std::pair{1u, 1u}, {4u, 4u}, {5u, 3u}, {17u, 9u}}) {
+    std::vector<int> seen(gpu::texel_count(width, height), 0);
+    for (std::uint32_t y = 0; y < height; ++y)
+      for (std::uint32_t x = 0; x < width; ++x) {
+        ASSERT_LT(gpu::texel_index(x, y, width), seen.size());
+        EXPECT_EQ(++seen[gpu::texel_index(x, y, width)], 1);
+        EXPECT_EQ(gpu::texel_index(x, y, width) / 16, gpu::texel_index(x / 4 * 4, y / 4 * 4, width) / 16);
+      }
+  }
 }
 
 TEST(Features, ListWhatIsLeftOutWithReasons) {

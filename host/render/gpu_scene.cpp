@@ -51,7 +51,7 @@ GpuScene upload_scene(Device& device, const PackedScene& scene) {
   check_fits(info, "vertex colours", bytes_of(scene.vertex_colors), wide);
   check_fits(info, "textures", bytes_of(scene.texels), word);
   check_fits(info, "environment texels", bytes_of(scene.environment), wide);
-  check_fits(info, "lights", bytes_of(scene.lights), info.max_storage_range);
+  check_fits(info, "lights", bytes_of(scene.lights), wide);
   const std::uint64_t total = bytes_of(scene.nodes) + bytes_of(scene.triangles) + bytes_of(scene.triangle_vertices) +
                               bytes_of(scene.vertex_normals) + bytes_of(scene.vertex_uvs) + bytes_of(scene.vertex_colors) +
                               bytes_of(scene.texels) + bytes_of(scene.environment) + bytes_of(scene.lights);
@@ -88,11 +88,11 @@ std::vector<Binding> GpuScene::bindings() const {
           {gpu::kBindVertexUvs, texels_rgba32f, &vertex_uvs},
           {gpu::kBindVertexColors, texels_rgba32f, &vertex_colors},
           {gpu::kBindInstances, texels_rgba32f, &instances},
-          {gpu::kBindMaterials, storage, &materials},
-          {gpu::kBindTextures, storage, &textures},
+          {gpu::kBindMaterials, texels_rgba32ui, &materials},
+          {gpu::kBindTextures, texels_rgba32ui, &textures},
           {gpu::kBindTexels, texels_r32ui, &texels},
           {gpu::kBindSrgbTable, texels_r32f, &srgb_table},
-          {gpu::kBindLights, storage, &lights},
+          {gpu::kBindLights, texels_rgba32ui, &lights},
           {gpu::kBindEnvironment, texels_rgba32f, &environment},
           {gpu::kBindEnvironmentAlias, texels_rg32ui, &environment_alias}};
 }

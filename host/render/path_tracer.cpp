@@ -104,11 +104,11 @@ void PathTracer::allocate(Device& device, const RenderSettings& settings) {
   std::vector<Binding> bindings = scene_.bindings();
   using enum BindingKind;
   bindings.insert(bindings.end(), {{gpu::kBindFrame, uniform, &frame_buffer_},
-                                   {gpu::kBindPaths, storage, &paths_},
+                                   {gpu::kBindPaths, storage, &paths_}, {gpu::kBindPathTexels, texels_rgba32f, &paths_},
                                    {gpu::kBindRays, storage, &rays_},
                                    {gpu::kBindRayTexels, texels_rgba32f, &rays_},
-                                   {gpu::kBindHits, storage, &hits_},
-                                   {gpu::kBindShadowRays, storage, &shadow_rays_},
+                                   {gpu::kBindHits, storage, &hits_}, {gpu::kBindHitTexels, texels_rgba32ui, &hits_},
+                                   {gpu::kBindShadowRays, storage, &shadow_rays_}, {gpu::kBindShadowRayTexels, texels_rgba32ui, &shadow_rays_},
                                    {gpu::kBindQueues, storage, &queues_},
                                    {gpu::kBindPathMedia, storage, &path_media_},
                                    {gpu::kBindPathAovs, storage, &path_aovs_}});

@@ -33,6 +33,15 @@ std::uint32_t material_features(const Scene& scene, const Usage& usage) {
   const auto any = [&](auto predicate) { return any_used_material(scene, usage, predicate); };
   return bit_if(any(textured), gpu::kFeatureTextures) |
          bit_if(any([](const Material& m) { return m.normal_texture.present(); }), gpu::kFeatureNormalMaps) |
+         bit_if(any([](const Material& m) { return m.base_color_texture.present(); }), gpu::kFeatureBaseColorTextures) |
+         bit_if(any([](const Material& m) { return m.metallic_roughness_texture.present(); }),
+                gpu::kFeatureMetallicRoughnessTextures) |
+         bit_if(
+             any([](const Material& m) { return m.specular_texture.present() || m.specular_color_texture.present(); }),
+             gpu::kFeatureSpecularTextures) |
+         bit_if(any([](const Material& m) { return m.transmission_texture.present(); }),
+                gpu::kFeatureTransmissionTextures) |
+         bit_if(any([](const Material& m) { return m.emission_texture.present(); }), gpu::kFeatureEmissionTextures) |
          bit_if(any(reflects_specularly), gpu::kFeatureSpecular) | bit_if(any(transmits), gpu::kFeatureTransmission) |
          bit_if(any(attenuates), gpu::kFeatureVolume) | bit_if(any(shines), gpu::kFeatureEmission);
 }
@@ -55,14 +64,16 @@ std::uint32_t light_features(const PackedScene& packed) {
 std::uint32_t find_features(const Scene& scene, const Usage& usage, const PackedScene& packed) {
   std::uint32_t flags = 0;
   for (const gpu::Triangle& triangle : packed.triangles) flags |= triangle.flags;
-  const bool moved = std::any_of(packed.textures.begin(), packed.textures.end(),
-                                 [](const gpu::Texture& t) { return t.flags & gpu::kTextureMoved; });
+  std::uint32_t texture_flags = 0;
+  for (const gpu::Texture& texture : packed.textures) texture_flags |= texture.flags;
   return material_features(scene, usage) | light_features(packed) | bit_if(packed.root_is_top, gpu::kFeatureInstances) |
          bit_if(flags & gpu::kTriangleAlpha, gpu::kFeatureAlpha) |
          bit_if(flags & gpu::kTriangleSingleSided, gpu::kFeatureCull) |
          bit_if(flags & gpu::kTriangleSmooth, gpu::kFeatureSmoothNormals) |
          bit_if(!packed.vertex_colors.empty(), gpu::kFeatureVertexColors) |
-         bit_if(moved, gpu::kFeatureTextureTransform);
+         bit_if(texture_flags & gpu::kTextureMoved, gpu::kFeatureTextureTransform) |
+         bit_if(texture_flags & gpu::kTextureFloat, gpu::kFeatureFloatTextures) |
+         bit_if(texture_flags & gpu::kTextureNearest, gpu::kFeatureNearestTextures);
 }
 
 std::vector<LeftOut> list_left_out(const Usage& usage, const PackedScene& packed, std::uint32_t direct) {
@@ -79,6 +90,13 @@ std::vector<LeftOut> list_left_out(const Usage& usage, const PackedScene& packed
       {gpu::kFeatureAlpha, {"alpha test", "no surface lets rays through by its alpha", 0}},
       {gpu::kFeatureCull, {"culling of back faces", "every surface is double-sided or transmissive", 0}},
       {gpu::kFeatureTextures, {"textures", "no material in use has a texture", packed.vertex_uvs.empty() ? stream : 0}},
+      {gpu::kFeatureBaseColorTextures, {"base colour textures", "no material in use has one", 0}},
+      {gpu::kFeatureMetallicRoughnessTextures, {"metallic-roughness textures", "no material in use has one", 0}},
+      {gpu::kFeatureSpecularTextures, {"specular textures", "no material in use has one", 0}},
+      {gpu::kFeatureTransmissionTextures, {"transmission textures", "no material in use has one", 0}},
+      {gpu::kFeatureEmissionTextures, {"emission textures", "no material in use has one", 0}},
+      {gpu::kFeatureFloatTextures, {"textures of floats", "all texels in use are bytes", 0}},
+      {gpu::kFeatureNearestTextures, {"unfiltered textures", "every texture in use is filtered", 0}},
       {gpu::kFeatureTextureTransform, {"texture transforms", "no texture in use is moved, turned or scaled", 0}},
       {gpu::kFeatureNormalMaps, {"normal maps", "no material in use has a normal texture", 0}},
       {gpu::kFeatureSmoothNormals,

@@ -3,10 +3,12 @@
 
 #include <bit>
 #include <cmath>
+#include <cstring>
 
 #include <tbb/parallel_for.h>
 
 #include "host/base/error.h"
+#include "kernels/tile_order.h"
 
 namespace wavepath {
 namespace {
@@ -40,24 +42,25 @@ std::uint32_t add_image(TextureTable& table, const Scene& scene, std::uint32_t i
   if (is_new) {
     const Image& source = scene.images[image];
     table.images.push_back({image, decode_srgb, table.word_count});
-    table.word_count += std::uint64_t{source.width} * source.height * (source.floats.empty() ? 1 : 4);
+    table.word_count += std::uint64_t{gpu::texel_count(source.width, source.height)} * (source.floats.empty() ? 1 : 4);
   }
   return entry->second;
 }
 
 void store_image(const Image& image, const StoredImage& stored, std::uint32_t* words) {
-  const std::size_t texel_count = std::size_t{image.width} * image.height;
-  tbb::parallel_for(std::size_t{0}, texel_count, [&](std::size_t i) {
-    if (image.floats.empty()) {
-      const std::uint8_t* b = &image.bytes[4 * i];
-      words[i] = std::uint32_t{b[0]} | std::uint32_t{b[1]} << 8 | std::uint32_t{b[2]} << 16 | std::uint32_t{b[3]} << 24;
-      return;
-    }
-    for (std::size_t channel = 0; channel < 4; ++channel) {
-      const float value = image.floats[4 * i + channel];
-      const bool decode = stored.decode_srgb && channel < 3;
-      words[4 * i + channel] =
-          std::bit_cast<std::uint32_t>(decode ? static_cast<float>(linear_from_srgb(value)) : value);
+  tbb::parallel_for(0u, image.height, [&](std::uint32_t y) {
+    for (std::uint32_t x = 0; x < image.width; ++x) {
+      const std::size_t from = 4 * (std::size_t{y} * image.width + x), to = gpu::texel_index(x, y, image.width);
+      if (image.floats.empty()) {
+        std::memcpy(words + to, &image.bytes[from], 4);
+        continue;
+      }
+      for (std::size_t channel = 0; channel < 4; ++channel) {
+        const float value = image.floats[from + channel];
+        const bool decode = stored.decode_srgb && channel < 3;
+        words[4 * to + channel] =
+            std::bit_cast<std::uint32_t>(decode ? static_cast<float>(linear_from_srgb(value)) : value);
+      }
     }
   });
 }
@@ -102,7 +105,7 @@ std::vector<std::uint32_t> pack_texels(const TextureTable& table, const Scene& s
 
 glm::vec4 read_texel(const gpu::Texture& texture, const std::vector<std::uint32_t>& texels, std::uint32_t x,
                      std::uint32_t y) {
-  const std::size_t index = std::size_t{y} * texture.width + x;
+  const std::size_t index = gpu::texel_index(x, y, texture.width);
   glm::vec4 value;
   if (texture.flags & gpu::kTextureFloat) {
     for (int c = 0; c < 4; ++c) value[c] = std::bit_cast<float>(texels[texture.first_texel + 4 * index + c]);

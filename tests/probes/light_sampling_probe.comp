@@ -36,7 +36,7 @@ void main() {
     e.b.w = environment_texel_solid_angle(uint(e.a.y), width, height);
   } else if (wave.bounce == 4u) { // light a.w seen from a.xyz -> a: irradiance; b: towards it
     vec3 to_light;
-    e.a.xyz = punctual_irradiance(lights[uint(e.a.w)], e.a.xyz, to_light);
+    e.a.xyz = punctual_irradiance(fetch_light(uint(e.a.w)), e.a.xyz, to_light);
     e.b.xyz = to_light;
   } else if (wave.bounce == 5u) { // pdf_area a.w, offset a.xyz, normal b.xyz -> b.w
     e.b.w = solid_angle_pdf(e.a.w, e.a.xyz, e.b.xyz);
