@@ -7,7 +7,7 @@ Hit closest_hit(const WideTree& tree, std::span<const Triangle> triangles, const
   const PreparedRay prepared = prepare(ray);
   Hit hit;
   const auto leaf = [&](std::uint32_t first, std::uint32_t count, float& t_best) {
-    test_leaf(prepared, triangles, first, count, t_best, hit);
+    test_leaf(prepared, triangles, tree.order, first, count, t_best, hit);
     return false;
   };
   traverse(tree.nodes, prepared, Order::nearest_first, leaf, counters);
@@ -18,7 +18,7 @@ bool any_hit(const WideTree& tree, std::span<const Triangle> triangles, const Ra
   const PreparedRay prepared = prepare(ray);
   Hit hit;
   const auto leaf = [&](std::uint32_t first, std::uint32_t count, float& t_best) {
-    test_leaf(prepared, triangles, first, count, t_best, hit);
+    test_leaf(prepared, triangles, tree.order, first, count, t_best, hit);
     return hit.item != kAbsent;
   };
   traverse(tree.nodes, prepared, Order::largest_first, leaf, counters);

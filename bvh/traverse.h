@@ -8,7 +8,7 @@
 // group on the stack; and if there is none, takes the next of the topmost group. Postponing leaves costs a ray 2 % more
 // visits and 10 % more tests, and lets eight rays that go in step visit nodes together far more often. Nothing that
 // waits is tested against t_best again. Closest hit: a candidate replaces the best if t < best, or t == best and its
-// item is lower, so that the answer does not depend on the order of visits. Only t < t_max counts.
+// primitive is lower, so that the answer depends neither on the order of visits nor on the tree. Only t < t_max counts.
 #pragma once
 
 #include <cassert>
@@ -92,24 +92,24 @@ void traverse(std::span<const WideNode> nodes, const PreparedRay& ray, Order ord
 }
 
 struct Hit {
-  std::uint32_t item = kAbsent; // index into the triangles in leaf order; kAbsent = miss
+  std::uint32_t item = kAbsent; // index into the triangles in leaf order, of any copy; kAbsent = miss
   TriangleHit triangle{};       // meaningless on a miss
 };
 
 // `leaf` of traverse() for the closest of `triangles` (in leaf order: triangle k is primitive order[k]).
-inline void test_leaf(const PreparedRay& ray, std::span<const Triangle> triangles, std::uint32_t first,
-                      std::uint32_t count, float& t_best, Hit& hit) {
+inline void test_leaf(const PreparedRay& ray, std::span<const Triangle> triangles, std::span<const std::uint32_t> order,
+                      std::uint32_t first, std::uint32_t count, float& t_best, Hit& hit) {
   for (std::uint32_t item = first; item < first + count; ++item) {
     TriangleHit candidate;
     if (!intersect(ray, triangles[item], candidate)) continue;
-    if (candidate.t < t_best || (candidate.t == t_best && hit.item != kAbsent && item < hit.item)) {
+    if (candidate.t < t_best || (candidate.t == t_best && hit.item != kAbsent && order[item] < order[hit.item])) {
       t_best = candidate.t;
       hit = {item, candidate};
     }
   }
 }
 
-// Closest hit, front or back; ties go to the lowest item.
+// Closest hit, front or back; ties go to the lowest primitive.
 Hit closest_hit(const WideTree& tree, std::span<const Triangle> triangles, const Ray& ray,
                 Counters* counters = nullptr);
 

@@ -292,9 +292,9 @@ void visit(TraversalRay ray, float t_best, inout uint current) {
 }
 
 // ---- the walk ----------------------------------------------------------------------------------------------------------------
-// The nearest hit with 0 < t < t_max, or with ANY_HIT the first one found that is not `target`, the triangle at whose surface a
-// shadow ray ends: rounding must not let a light hide itself. Of hits at equal t the lowest (instance, triangle)
-// wins, so that the result does not depend on the order of visits.
+// The nearest hit with 0 < t < t_max, or with ANY_HIT the first one found that is not `target`, the id of the triangle at whose
+// surface a shadow ray ends: rounding must not let a light hide itself. Of hits at equal t the lowest (instance, triangle) by id
+// wins, so that the result depends neither on the order of visits nor on the tree.
 #ifdef ANY_HIT
 Hit trace(vec3 origin, vec3 direction, float t_max, uint target, uint target_instance) {
 #else
@@ -307,13 +307,15 @@ Hit trace(vec3 origin, vec3 direction, float t_max) {
                all(lessThanEqual(abs(direction), vec3(kMaxCoordinate))); // false for NaN
   uint current = valid ? frame.root : kNone;
   bool in_top_level = has(kFeatureInstances) && frame.root_is_top != 0u;
-  uint instance = 0u;
+  uint instance = 0u, instance_id = 0u;
+  uvec2 hit_ids = uvec2(kNone); // of its instance and triangle
   TraversalRay ray = make_traversal_ray(origin, direction);
   bool done = !valid;
 
   // A candidate whose alpha has to be looked up. Drivers that run both sides of every branch (Mesa 22.3) would do that for
   // each triangle tested; so a lane stops at such a candidate until no lane of its subgroup can go on without a look-up.
   Hit pending = Hit(kNone, 0u, 0.0, 0.0);
+  uvec2 pending_ids = uvec2(kNone);
   float t_pending = 0.0;
 
   do {
@@ -327,13 +329,14 @@ Hit trace(vec3 origin, vec3 direction, float t_max) {
         vec4 v0 = texelFetch(triangles, texel);
         vec4 v1 = texelFetch(triangles, texel + 1);
         vec4 v2 = texelFetch(triangles, texel + 2);
-        uint flags = floatBitsToUint(v0.w);
+        uint flags = floatBitsToUint(v0.w), id = floatBitsToUint(v1.w);
         Candidate candidate = intersect_triangle(ray, v0.xyz, v1.xyz, v2.xyz);
-        bool first = instance < hit.instance || (instance == hit.instance && item < hit.triangle);
-        bool accepted = candidate.hit && candidate.t < t_max &&
-                        (candidate.t < t_best || (candidate.t == t_best && first));
+        bool accepted = candidate.hit && candidate.t < t_max;
 #ifdef ANY_HIT
-        accepted = accepted && (item != target || instance != target_instance);
+        accepted = accepted && (id != target || instance != target_instance);
+#else
+        bool first = instance_id < hit_ids.x || (instance_id == hit_ids.x && id < hit_ids.y);
+        accepted = accepted && (candidate.t < t_best || (candidate.t == t_best && first));
 #endif
         if (has(kFeatureCull)) accepted = accepted && (candidate.front || (flags & kTriangleSingleSided) == 0u);
         Hit found = Hit(item, instance, candidate.b1, candidate.b2);
@@ -342,6 +345,7 @@ Hit trace(vec3 origin, vec3 direction, float t_max) {
         if (has(kFeatureAlpha)) {
           if (needs_alpha) {
             pending = found;
+            pending_ids = uvec2(instance_id, id);
             t_pending = candidate.t;
           }
           leaves.x = needs_alpha ? leaf_word(item, end - item) : leaves.x; // the rest of the leaf goes on waiting
@@ -349,6 +353,7 @@ Hit trace(vec3 origin, vec3 direction, float t_max) {
         if (accepted && !needs_alpha) {
           t_best = candidate.t;
           hit = found;
+          hit_ids = uvec2(instance_id, id);
         }
         if (item == end) {
           take_leaf();
@@ -382,7 +387,9 @@ Hit trace(vec3 origin, vec3 direction, float t_max) {
           push(true, kPopInstance);
           uint texel = instance * kInstanceTexels;
           ray = make_traversal_ray(transform_point(texel, origin), transform_vector(texel, direction));
-          current = floatBitsToUint(texelFetch(instances, int(texel + 6u)).x);
+          uvec4 entry = floatBitsToUint(texelFetch(instances, int(texel + 6u)));
+          current = entry.x;
+          instance_id = entry.z;
           in_top_level = false;
         } else if (current == kPopInstance && leaves.x == kNone) {
           in_top_level = true;
@@ -399,6 +406,7 @@ Hit trace(vec3 origin, vec3 direction, float t_max) {
       if (pending.triangle != kNone && !ALPHA_TEST(pending)) {
         t_best = t_pending;
         hit = pending;
+        hit_ids = pending_ids;
 #ifdef ANY_HIT
         done = true;
 #endif

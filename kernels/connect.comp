@@ -29,7 +29,7 @@ void main() {
   uint target = kNone, target_instance = 0u;
   if (has(kFeatureTriangleLights)) {
     Light light = fetch_light(ray.light);
-    target = light.kind == kLightTriangle ? light.triangle : kNone;
+    target = light.kind == kLightTriangle ? light.triangle_id : kNone;
     target_instance = light.instance;
   }
   if (trace(ray.origin, ray.direction, ray.t_max, target, target_instance).triangle != kNone) return;

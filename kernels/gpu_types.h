@@ -114,16 +114,19 @@ GPU_CONSTANT uint kLeafBit = 0x80000000u;
 GPU_CONSTANT uint kLeafCountShift = 28u;
 GPU_CONSTANT uint kLeafFirstMask = 0x0fffffffu;
 
-GPU_CONSTANT uint kTriangleSingleSided = 1u << 0; // invisible from behind
-GPU_CONSTANT uint kTriangleAlpha = 1u << 1;       // its material is MASK or BLEND
-GPU_CONSTANT uint kTriangleSmooth = 1u << 2;      // has vertex normals
+// Bits of Triangle::surface; the rest is the index of its material.
+GPU_CONSTANT uint kTriangleSingleSided = 1u << 31; // invisible from behind
+GPU_CONSTANT uint kTriangleAlpha = 1u << 30;       // its material is MASK or BLEND
+GPU_CONSTANT uint kTriangleSmooth = 1u << 29;      // has vertex normals
+GPU_CONSTANT uint kTriangleMaterialMask = kTriangleSmooth - 1u;
 
-// Object space for instanced meshes, device world space for everything else.
+// Object space for instanced meshes, device world space for everything else. A tree with spatial splits holds copies of a
+// triangle; all that chooses between triangles goes by `id`, so that no picture depends on how the tree was built.
 struct Triangle {
   vec3 v0;
-  uint flags;
+  uint surface;
   vec3 v1;
-  uint material;
+  uint id; // among the triangles of its object, in the order of the source
   vec3 v2;
   float light_pdf; // pdf per unit world area with which next-event estimation picks a point on it; 0 = not a light
 };
@@ -135,8 +138,8 @@ struct Instance {
   vec4 world_from_object[3];
   uint root;    // node at which traversal of the object starts
   uint flipped; // 0 or 1
+  uint id;      // in the order of the source
   uint pad0;
-  uint pad1;
 };
 GPU_CHECK(sizeof(Instance) == 16 * kInstanceTexels);
 
@@ -212,9 +215,9 @@ struct Light {
   vec3 intensity; // candela (point, spot) or lux (directional)
   float threshold;
   uint alias;
-  uint triangle; // kLightTriangle
-  uint instance; // kLightTriangle; 0 where the scene is not instanced
-  uint pad0;
+  uint triangle;    // kLightTriangle: one of its copies
+  uint instance;    // kLightTriangle; 0 where the scene is not instanced
+  uint triangle_id; // kLightTriangle
   float spot_scale; // cosine falloff: clamp(cos*scale + offset, 0, 1)^2, as KHR_lights_punctual gives it
   float spot_offset;
   float pad1;

@@ -64,7 +64,7 @@ Light fetch_light(uint index) {
   light.alias = links.x;
   light.triangle = links.y;
   light.instance = links.z;
-  light.pad0 = 0u;
+  light.triangle_id = links.w;
   light.spot_scale = spot.x;
   light.spot_offset = spot.y;
   light.pad1 = light.pad2 = 0.0;

@@ -82,7 +82,7 @@ Surface fetch_surface(Hit hit) {
       gamma_bound(7) * (abs(weights.x * v0.xyz) + abs(weights.y * v1.xyz) + abs(weights.z * v2.xyz));
   surface.geometric_normal = safe_normalize(cross(v1.xyz - v0.xyz, v2.xyz - v0.xyz), vec3(0.0, 0.0, 1.0));
   surface.vertex_normal = surface.geometric_normal;
-  surface.material = floatBitsToUint(v1.w);
+  surface.material = floatBitsToUint(v0.w) & kTriangleMaterialMask;
   surface.light_pdf = v2.w;
   surface.tangent = vec4(0.0);
   surface.uv = vec4(0.0);
@@ -124,8 +124,8 @@ float opacity(Material material, float alpha) {
 float hit_opacity(Hit hit) {
   uint triangle = hit.triangle;
   vec3 weights = vec3(1.0 - hit.b1 - hit.b2, hit.b1, hit.b2);
-  Material material =
-      fetch_material(floatBitsToUint(texelFetch(triangles, int(triangle * kTriangleTexels + 1u)).w));
+  uint packed = floatBitsToUint(texelFetch(triangles, int(triangle * kTriangleTexels)).w);
+  Material material = fetch_material(packed & kTriangleMaterialMask);
   vec4 uv = uses(kFeatureTextures) ? surface_uv(triangle, weights) : vec4(0.0);
   vec4 color = uses(kFeatureVertexColors) ? surface_color(triangle, weights) : vec4(1.0);
   return opacity(material, base_color(material, uv, color).a);
@@ -133,7 +133,9 @@ float hit_opacity(Hit hit) {
 
 // Whether this path passes through the hit: decided by a number of its own for every placed triangle and kind of ray.
 bool is_hole(Hit hit, Sampler path_sampler, uint kind) {
-  uint placed = hit.triangle + hit.instance * 0x9e3779b9u; // golden ratio: spreads instances over the words
+  uint placed = floatBitsToUint(texelFetch(triangles, int(hit.triangle * kTriangleTexels + 1u)).w);
+  if (is_instanced()) // golden ratio: spreads instances over the words
+    placed += floatBitsToUint(texelFetch(instances, int(hit.instance * kInstanceTexels + 6u)).z) * 0x9e3779b9u;
   return hash_unit(path_sampler, alpha_key(wave.bounce, kind), placed) >= hit_opacity(hit);
 }
 

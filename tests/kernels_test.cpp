@@ -119,6 +119,12 @@ std::vector<bvh::Triangle> triangles_of(const PackedScene& packed) {
   return triangles;
 }
 
+bvh::WideTree tree_of(const PackedScene& packed) {
+  bvh::WideTree tree{packed.nodes, {}, packed.stack_size};
+  for (const gpu::Triangle& t : packed.triangles) tree.order.push_back(t.id);
+  return tree;
+}
+
 class Kernels : public VulkanTest {};
 
 TEST_F(Kernels, ExtendEqualsReference) {
@@ -126,7 +132,7 @@ TEST_F(Kernels, ExtendEqualsReference) {
   const PackedScene packed = pack(scene);
   const auto rays = random_rays(kSlots, 2);
   const auto triangles = triangles_of(packed);
-  const bvh::WideTree tree{packed.nodes, {}, packed.stack_size};
+  const bvh::WideTree tree = tree_of(packed);
   const std::uint32_t all = gpu::kFeaturesAll & ~gpu::kFeatureAovs;
   for (const auto& [features, stack] : {std::pair{packed.features, gpu::kStackRegisters}, {packed.features, gpu::kStackArray},
                                         {all, gpu::kStackRegisters}, {all, gpu::kStackArray}}) {
@@ -230,7 +236,7 @@ TEST_F(Kernels, ConnectAddsLightWhereNothingIsInBetween) {
   PackedScene packed = pack(scene);
   packed.lights = {gpu::Light{.kind = gpu::kLightPoint}};
   const auto triangles = triangles_of(packed);
-  const bvh::WideTree tree{packed.nodes, {}, packed.stack_size};
+  const bvh::WideTree tree = tree_of(packed);
   auto rays = random_rays(kSlots, 7);
   std::vector<gpu::ShadowRay> shadow_rays;
   for (gpu::Ray& ray : rays)
@@ -258,8 +264,10 @@ TEST_F(Kernels, ConnectIsNotBlockedByTheTriangleThatItAimsAt) {
   Scene scene = soup(1, 1, true);
   PackedScene packed = pack(scene);
   packed.features |= gpu::kFeatureTriangleLights;
-  packed.lights = {gpu::Light{.kind = gpu::kLightTriangle, .triangle = 0}, gpu::Light{.kind = gpu::kLightTriangle, .triangle = 1},
-                   gpu::Light{.kind = gpu::kLightPoint, .triangle = 0}};
+  packed.triangles[0].id = 5;
+  packed.lights = {gpu::Light{.kind = gpu::kLightTriangle, .triangle_id = 5},
+                   gpu::Light{.kind = gpu::kLightTriangle, .triangle_id = 1},
+                   gpu::Light{.kind = gpu::kLightPoint, .triangle_id = 5}};
   const gpu::Triangle& triangle = packed.triangles[0];
   const glm::vec3 centre = (triangle.v0 + triangle.v1 + triangle.v2) / 3.0f;
   const glm::vec3 normal = glm::normalize(glm::cross(triangle.v1 - triangle.v0, triangle.v2 - triangle.v0));
@@ -284,6 +292,7 @@ TEST_F(Kernels, HolesAreInvisibleToExtendAndConnect) {
   packed.lights = {gpu::Light{.kind = gpu::kLightPoint}};
   ASSERT_TRUE(packed.features & gpu::kFeatureAlpha);
   const auto triangles = triangles_of(packed);
+  const bvh::WideTree tree = tree_of(packed);
   const auto is_hole = [&](std::uint32_t item) {
     return packed.vertex_colors[packed.triangle_vertices[item].x].a < packed.materials[0].alpha_cutoff;
   };
@@ -292,7 +301,7 @@ TEST_F(Kernels, HolesAreInvisibleToExtendAndConnect) {
     bvh::Hit best;
     bvh::traverse(packed.nodes, prepared, bvh::Order::nearest_first, [&](std::uint32_t first, std::uint32_t count, float& t_best) {
       for (std::uint32_t item = first; item < first + count; ++item)
-        if (!is_hole(item)) bvh::test_leaf(prepared, triangles, item, 1, t_best, best);
+        if (!is_hole(item)) bvh::test_leaf(prepared, triangles, tree.order, item, 1, t_best, best);
       return false;
     });
     return best.item;

@@ -165,7 +165,8 @@ TEST(Lights, EveryBakedTriangleIsFoundWithTheDensityItCarries) {
   for (const gpu::Triangle& t : packed.triangles) {
     const float power[] = {1.0f * 6.0f, 4.0f * 2.0f, 0.0f}; // radiance times area, both sides of the second
     const float area[] = {3.0f, 0.5f, 1.0f};
-    EXPECT_NEAR(t.light_pdf, power[t.material] / 2.0f / 7.0f / area[t.material], 1e-6f);
+    const std::uint32_t material = t.surface & gpu::kTriangleMaterialMask;
+    EXPECT_NEAR(t.light_pdf, power[material] / 2.0f / 7.0f / area[material], 1e-6f);
   }
 }
 
@@ -186,7 +187,7 @@ TEST(Lights, InstancesShareOneDensityHoweverTheyAreScaled) {
     if (light.kind != gpu::kLightTriangle) continue;
     const gpu::Triangle& triangle = packed.triangles[light.triangle];
     EXPECT_NEAR(light.probability / world_area(packed, light) / triangle.light_pdf, 1.0, 1e-6);
-    total_area[triangle.material] += world_area(packed, light);
+    total_area[triangle.surface & gpu::kTriangleMaterialMask] += world_area(packed, light);
   }
   const double power = kPi * (total_area[0] + 10.0 * total_area[1]) + 4 * kPi * 0.5;
   EXPECT_NEAR(packed.lights.back().probability, 4 * kPi * 0.5 / power, 1e-6);

@@ -32,7 +32,7 @@ std::uint32_t flags_of(const Material& material, const std::vector<std::uint8_t>
   scene.materials[0].base_color_texture.image = 0;
   scene.meshes[0].colors.assign(3, glm::vec4(1.0f));
   scene.meshes[0].colors[1].a = color_alpha;
-  return pack(scene).triangles[0].flags;
+  return pack(scene).triangles[0].surface & ~gpu::kTriangleMaterialMask;
 }
 
 TEST(Materials, KeepOnlyThoseInUse) {

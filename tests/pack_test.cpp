@@ -135,7 +135,7 @@ TEST(Pack, TurnsNormalsByTheInverseTranspose) {
   const PackedScene packed = pack(scene);
   const glm::vec3 expected = glm::normalize(glm::vec3(0.5f, 1.0f, 0.0f));
   for (int c = 0; c < 3; ++c) EXPECT_NEAR(packed.vertex_normals[0][c], expected[c], 1e-6f);
-  EXPECT_NE(packed.triangles[0].flags & gpu::kTriangleSmooth, 0u);
+  EXPECT_NE(packed.triangles[0].surface & gpu::kTriangleSmooth, 0u);
 }
 
 TEST(Pack, LeavesOutStreamsThatNothingReads) {

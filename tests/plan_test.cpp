@@ -27,7 +27,7 @@ std::uint64_t packed_bytes(const PackedScene& p) {
 // The kernels index with what they find here; every index must have something to point at.
 void expect_indices_in_range(const PackedScene& p) {
   const std::size_t vertex_count = std::max({p.vertex_normals.size(), p.vertex_uvs.size(), p.vertex_colors.size()});
-  for (const gpu::Triangle& t : p.triangles) ASSERT_LT(t.material, p.materials.size());
+  for (const gpu::Triangle& t : p.triangles) ASSERT_LT(t.surface & gpu::kTriangleMaterialMask, p.materials.size());
   for (const glm::uvec4& v : p.triangle_vertices) ASSERT_LT(std::max({v.x, v.y, v.z}), vertex_count);
   for (const gpu::Material& m : p.materials)
     for (const std::uint32_t texture :
@@ -43,6 +43,7 @@ void expect_indices_in_range(const PackedScene& p) {
     if (light.kind == gpu::kLightTriangle) {
       ASSERT_LT(light.triangle, p.triangles.size());
       ASSERT_GT(p.triangles[light.triangle].light_pdf, 0.0f);
+      ASSERT_EQ(p.triangles[light.triangle].id, light.triangle_id);
       ASSERT_TRUE(p.root_is_top ? light.instance < p.instances.size() : light.instance == 0);
     }
   }

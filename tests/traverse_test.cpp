@@ -9,11 +9,11 @@
 namespace wavepath::bvh {
 namespace {
 
-Hit brute_force(const Triangles& triangles, const Ray& ray) {
+Hit brute_force(const Mesh& mesh, const Ray& ray) {
   const PreparedRay prepared = prepare(ray);
   Hit hit;
   float t_best = ray.t_max;
-  if (prepared.valid) test_leaf(prepared, triangles, 0, static_cast<std::uint32_t>(triangles.size()), t_best, hit);
+  if (prepared.valid) test_leaf(prepared, mesh.triangles, mesh.tree.order, 0, static_cast<std::uint32_t>(mesh.triangles.size()), t_best, hit);
   return hit;
 }
 
@@ -41,7 +41,7 @@ TEST(Trace, ClosestHitEqualsBruteForceOverScales) {
       Ray ray{random.point(-0.5f, 1.5f) * scale, random.direction()};
       if (i % 3 == 0) ray.t_max = random.uniform(0, 1) * scale;
       if (i % 5 == 0) ray.direction = ray.direction * random.uniform(1e-3f, 1e3f);
-      const Hit expected = brute_force(mesh.triangles, ray);
+      const Hit expected = brute_force(mesh, ray);
       expect_same(closest_hit(mesh.tree, mesh.triangles, ray), expected);
       ASSERT_EQ(any_hit(mesh.tree, mesh.triangles, ray), expected.item != kAbsent);
       hits += expected.item != kAbsent;
@@ -66,7 +66,7 @@ TEST(Trace, ClosestHitEqualsBruteForceInMixedScales) {
     const Vec3 target = aim.v0 + (aim.v1 - aim.v0) * b1 + (aim.v2 - aim.v0) * b2;
     const Vec3 origin = random.direction() * std::pow(10.0f, random.uniform(-6, 6));
     const Ray ray{origin, target - origin};
-    expect_same(closest_hit(mesh.tree, mesh.triangles, ray), brute_force(mesh.triangles, ray));
+    expect_same(closest_hit(mesh.tree, mesh.triangles, ray), brute_force(mesh, ray));
   }
 }
 
@@ -79,7 +79,7 @@ TEST(Trace, TiesGoToTheLowestItem) {
   Random random(23);
   for (int i = 0; i < 3000; ++i) {
     const Ray ray{random.point(-1, 2), random.direction()};
-    expect_same(closest_hit(mesh.tree, mesh.triangles, ray), brute_force(mesh.triangles, ray));
+    expect_same(closest_hit(mesh.tree, mesh.triangles, ray), brute_force(mesh, ray));
   }
 }
 
@@ -96,7 +96,7 @@ TEST(Trace, TiesGoToTheLowestItemInAnyOrderOfVisits) {
     const Ray ray{{random.uniform(-1, 1), random.uniform(-1, 1), 1}, {random.uniform(-0.5f, 0.5f), 0, -1}};
     const Hit hit = closest_hit(mesh.tree, mesh.triangles, ray);
     ASSERT_EQ(hit.triangle.t, 1.0f);
-    expect_same(hit, brute_force(mesh.triangles, ray));
+    expect_same(hit, brute_force(mesh, ray));
   }
 }
 
@@ -222,7 +222,7 @@ TEST(Trace, AxisAlignedRaysOnBoxFaces) {
           const Ray ray{{x, y, 3 * side}, {zero, zero, -side}};
           const Hit hit = closest_hit(mesh.tree, mesh.triangles, ray);
           EXPECT_EQ(hit.item != kAbsent, inside);
-          expect_same(hit, brute_force(mesh.triangles, ray));
+          expect_same(hit, brute_force(mesh, ray));
         }
         const Ray along{{-5, y, 0}, {1, zero, zero}}; // within the plane: edge-on triangles are never hit
         EXPECT_EQ(closest_hit(mesh.tree, mesh.triangles, along).item, kAbsent);

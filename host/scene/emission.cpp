@@ -140,7 +140,7 @@ std::vector<double> emission_densities(const PackedScene& packed) {
 
   std::vector<double> densities(packed.triangles.size(), 0.0);
   tbb::parallel_for(std::size_t{0}, packed.triangles.size(), [&](std::size_t t) {
-    const std::uint32_t m = packed.triangles[t].material;
+    const std::uint32_t m = packed.triangles[t].surface & gpu::kTriangleMaterialMask;
     double mean = constant[m];
     if (maps[m]) {
       const glm::uvec4 vertices = packed.triangle_vertices[t];

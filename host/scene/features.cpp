@@ -63,7 +63,7 @@ std::uint32_t light_features(const PackedScene& packed) {
 
 std::uint32_t find_features(const Scene& scene, const Usage& usage, const PackedScene& packed) {
   std::uint32_t flags = 0;
-  for (const gpu::Triangle& triangle : packed.triangles) flags |= triangle.flags;
+  for (const gpu::Triangle& triangle : packed.triangles) flags |= triangle.surface;
   std::uint32_t texture_flags = 0;
   for (const gpu::Texture& texture : packed.textures) texture_flags |= texture.flags;
   return material_features(scene, usage) | light_features(packed) | bit_if(packed.root_is_top, gpu::kFeatureInstances) |

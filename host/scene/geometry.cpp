@@ -101,7 +101,7 @@ Object append_object(const Scene& scene, std::span<const Part> parts, bool with_
     throw Error(scene.path, fmt::format("has more than {} triangles", bvh::kMaxItems), "simplify or split the scene");
 
   Object object;
-  object.first_triangle = static_cast<std::uint32_t>(first);
+  object.first_item = static_cast<std::uint32_t>(first);
   object.triangle_count = static_cast<std::uint32_t>(sources.size());
   if (!boxes.empty()) {
     bvh::Box whole;
@@ -114,15 +114,16 @@ Object append_object(const Scene& scene, std::span<const Part> parts, bool with_
   if (packed.nodes.size() + tree.nodes.size() > bvh::kMaxNodes)
     throw Error(scene.path, fmt::format("needs more than {} BVH nodes", bvh::kMaxNodes), "simplify or split the scene");
   object.depth = tree.depth;
-  object.root = append_tree(tree, object.first_triangle, packed.nodes);
+  object.root = append_tree(tree, object.first_item, packed.nodes);
+  object.item_count = static_cast<std::uint32_t>(tree.order.size());
 
-  packed.triangles.resize(first + sources.size());
-  if (with_vertices) packed.triangle_vertices.resize(first + sources.size());
+  packed.triangles.resize(first + tree.order.size());
+  if (with_vertices) packed.triangle_vertices.resize(first + tree.order.size());
   tbb::parallel_for(std::size_t{0}, tree.order.size(), [&](std::size_t i) {
     const TriangleSource& source = sources[tree.order[i]];
     const Part& part = parts[source.part];
     const Corners c = find_corners(scene, part, source.first_index);
-    packed.triangles[first + i] = {c.position[0], part.flags, c.position[1], part.material, c.position[2], 0.0f};
+    packed.triangles[first + i] = {c.position[0], part.surface, c.position[1], tree.order[i], c.position[2], 0.0f};
     if (with_vertices)
       packed.triangle_vertices[first + i] = {part.first_vertex + c.vertex[0], part.first_vertex + c.vertex[1],
                                              part.first_vertex + c.vertex[2], 0u};

@@ -17,8 +17,7 @@ namespace wavepath {
 struct Part {
   std::uint32_t mesh = 0;
   std::uint32_t primitive = 0;
-  std::uint32_t material = 0;     // index into PackedScene::materials
-  std::uint32_t flags = 0;        // kTriangle bits
+  std::uint32_t surface = 0;      // kTriangle bits and an index into PackedScene::materials, see gpu::Triangle
   std::uint32_t first_vertex = 0; // of the mesh, in the vertex streams
   glm::dmat4 device_from_object{1.0};
   bool mirrored = false; // the transform mirrors: v1 and v2 change places, so that counter-clockwise stays the front
@@ -26,7 +25,8 @@ struct Part {
 
 // A tree of triangles inside PackedScene::nodes and ::triangles.
 struct Object {
-  std::uint32_t first_triangle = 0, triangle_count = 0;
+  std::uint32_t first_item = 0, item_count = 0; // in PackedScene::triangles, copies included
+  std::uint32_t triangle_count = 0;
   std::uint32_t root = 0;  // node of PackedScene::nodes
   std::uint32_t depth = 0; // nodes on the longest path from there
   glm::vec3 lo{0.0f}, hi{0.0f}; // around its boxes in the tree, in its own space; 0 if it is empty

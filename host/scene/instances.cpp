@@ -67,6 +67,7 @@ std::vector<std::uint32_t> pack_instances(std::span<const Object> objects, std::
     }
     instance.root = object.root;
     instance.flipped = glm::determinant(glm::dmat3(placement.device_from_object)) < 0.0 ? 1u : 0u;
+    instance.id = static_cast<std::uint32_t>(instances.size());
     instances.push_back(instance);
     object_of.push_back(placement.object);
     boxes.push_back(box);

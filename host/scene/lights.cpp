@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include <tbb/parallel_sort.h>
+
 #include "host/base/error.h"
 #include "host/scene/alias.h"
 #include "host/scene/emission.h"
@@ -39,21 +41,55 @@ double world_area(const gpu::Triangle& triangle, const gpu::Instance* instance) 
   return 0.5 * glm::length(glm::cross(edges[0], edges[1]));
 }
 
+// Place of the triangle's centre on a Z-curve through the object's box, 2^21 cells an axis.
+std::uint64_t place_on_curve(const gpu::Triangle& triangle, const Object& object) {
+  const glm::dvec3 lo = object.lo, size = glm::max(glm::dvec3(object.hi) - lo, glm::dvec3(1e-300));
+  const glm::dvec3 centre = (glm::dvec3(triangle.v0) + glm::dvec3(triangle.v1) + glm::dvec3(triangle.v2)) / 3.0;
+  const glm::dvec3 cell = glm::clamp((centre - lo) / size, 0.0, 1.0) * 0x1.fffffp20;
+  std::uint64_t place = 0;
+  for (int bit = 20; bit >= 0; --bit)
+    for (int axis = 0; axis < 3; ++axis) place = place << 1 | (static_cast<std::uint64_t>(cell[axis]) >> bit & 1u);
+  return place;
+}
+
+// Items of the object that shine, one copy of each triangle. Neighbours come together, so that well-spread numbers pick
+// well-spread lights (in the order of the source, a sphere of 3,968 triangles has 1.9 times the noise); and the order does
+// not depend on the tree, so neither does the picture.
+std::vector<std::uint32_t> list_shining(const Object& object, const std::vector<double>& densities,
+                                        const PackedScene& packed) {
+  struct Shining {
+    std::uint64_t place;
+    std::uint32_t id, item;
+    auto operator<=>(const Shining&) const = default;
+  };
+  std::vector<Shining> all;
+  for (std::uint32_t item = object.first_item; item < object.first_item + object.item_count; ++item) {
+    const gpu::Triangle& triangle = packed.triangles[item];
+    if (densities[item] > 0.0) all.push_back({place_on_curve(triangle, object), triangle.id, item});
+  }
+  tbb::parallel_sort(all.begin(), all.end());
+  std::vector<std::uint32_t> items;
+  for (std::size_t i = 0; i < all.size(); ++i)
+    if (i == 0 || all[i].id != all[i - 1].id) items.push_back(all[i].item);
+  return items;
+}
+
 void add_triangles(const Scene& scene, std::span<const Object> objects, std::span<const std::uint32_t> object_of,
                    const std::vector<double>& densities, const PackedScene& packed, LightList& list) {
-  const std::size_t placements = std::max<std::size_t>(object_of.size(), packed.root_is_top ? 0 : 1);
-  for (std::size_t i = 0; i < placements; ++i) {
-    const Object& object = objects[packed.root_is_top ? object_of[i] : 0];
-    for (std::uint32_t t = object.first_triangle; t < object.first_triangle + object.triangle_count; ++t) {
-      if (!(densities[t] > 0.0)) continue;
+  std::vector<std::vector<std::uint32_t>> shining;
+  for (const Object& object : objects) shining.push_back(list_shining(object, densities, packed));
+  std::vector<std::uint32_t> placed(packed.root_is_top ? object_of.size() : 1); // by the order of the source
+  for (std::uint32_t i = 0; i < packed.instances.size(); ++i) placed[packed.instances[i].id] = i;
+  for (const std::uint32_t i : placed)
+    for (const std::uint32_t item : shining[packed.root_is_top ? object_of[i] : 0]) {
       gpu::Light light{};
       light.kind = gpu::kLightTriangle;
-      light.triangle = t;
-      light.instance = static_cast<std::uint32_t>(i);
-      add_light(scene, list, light,
-                densities[t] * world_area(packed.triangles[t], packed.root_is_top ? &packed.instances[i] : nullptr));
+      light.triangle = item;
+      light.instance = i;
+      light.triangle_id = packed.triangles[item].id;
+      const gpu::Instance* instance = packed.root_is_top ? &packed.instances[i] : nullptr;
+      add_light(scene, list, light, densities[item] * world_area(packed.triangles[item], instance));
     }
-  }
 }
 
 // KHR_lights_punctual's cosine falloff, clamp(cos * scale + offset, 0, 1)^2; returns its integral over the sphere.

@@ -33,7 +33,7 @@ void list_parts(const Scene& scene, const Layout& layout, std::uint32_t mesh_ind
   const bool mirrored = glm::determinant(glm::dmat3(device_from_object)) < 0.0;
   for (std::uint32_t p = 0; p < mesh.primitives.size(); ++p) {
     if (mesh.primitives[p].index_count < 3) continue;
-    parts.push_back({mesh_index, p, layout.material_index[mesh.primitives[p].material], flags[p],
+    parts.push_back({mesh_index, p, flags[p] | layout.material_index[mesh.primitives[p].material],
                      layout.usage.first_vertex[mesh_index], device_from_object, mirrored});
   }
 }
@@ -89,6 +89,8 @@ PackedScene pack(Scene& scene, std::uint32_t direct) {
   MaterialTable materials = pack_materials(scene, layout.usage);
   layout.material_index = std::move(materials.packed_index);
   packed.materials = std::move(materials.materials);
+  if (packed.materials.size() > gpu::kTriangleMaterialMask)
+    throw Error(scene.path, "has more than 536870911 materials", "merge materials that are equal");
   packed.textures = materials.textures.textures;
   packed.texels = pack_texels(materials.textures, scene);
 
@@ -106,7 +108,7 @@ PackedScene pack(Scene& scene, std::uint32_t direct) {
   } else {
     packed.root = objects[0].root;
     packed.stack_size = objects[0].depth;
-    packed.triangle_count = packed.triangles.size();
+    packed.triangle_count = objects[0].triangle_count;
   }
   packed.bvh_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   if (packed.dropped_triangles > 0)
