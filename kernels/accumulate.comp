@@ -39,26 +39,35 @@ void accumulate_aovs(uint film_index, PathAovs path) {
   film_aovs[film_index] = mean;
 }
 
-void main() {
-  uint local = gl_GlobalInvocationID.x;
-  if (local >= wave.pixel_count) return;
-  uint film_index = wave.first_pixel - wave.first_film_pixel + local;
-  for (uint s = 0u; s < wave.sample_count; ++s) {
+// Adds the wave's samples of one replicate to one pixel: read once, written once.
+void accumulate_replicate(uint local, uint film_index, uint replicate) {
+  uint first = (replicate + kReplicates - wave.first_sample % kReplicates) % kReplicates;
+  if (first >= wave.sample_count) return;
+  FilmPixel pixel = fetch_film_pixel(film_index * kReplicates + replicate);
+  for (uint s = first; s < wave.sample_count; s += kReplicates) {
     uint slot = s * wave.pixel_count + local;
-    uint sample_index = wave.first_sample + s;
-    uint film_slot = film_index * kReplicates + sample_index % kReplicates;
-    FilmPixel pixel = film[film_slot];
     vec3 radiance = fetch_path(slot).radiance;
     if (is_finite(radiance)) {
       pixel.block += radiance;
       pixel.count += 1u;
-      if (has(kFeatureAovs)) accumulate_aovs(film_index, path_aovs[slot]);
     } else {
       uvec2 at = slot_pixel(slot);
       atomicAdd(queues.nonfinite_samples, 1u);
       atomicMin(queues.first_nonfinite_pixel, at.y * frame.width + at.x);
     }
-    if ((sample_index / kReplicates) % kFilmBlock == kFilmBlock - 1u) add_block(pixel);
-    film[film_slot] = pixel;
+    if ((wave.first_sample + s) / kReplicates % kFilmBlock == kFilmBlock - 1u) add_block(pixel);
+  }
+  store_film_pixel(film_index * kReplicates + replicate, pixel);
+}
+
+void main() {
+  uint local = gl_GlobalInvocationID.x;
+  if (local >= wave.pixel_count) return;
+  uint film_index = wave.first_pixel - wave.first_film_pixel + local;
+  for (uint replicate = 0u; replicate < kReplicates; ++replicate) accumulate_replicate(local, film_index, replicate);
+  if (!has(kFeatureAovs)) return;
+  for (uint s = 0u; s < wave.sample_count; ++s) {
+    uint slot = s * wave.pixel_count + local;
+    if (is_finite(fetch_path(slot).radiance)) accumulate_aovs(film_index, path_aovs[slot]);
   }
 }

@@ -34,21 +34,21 @@ layout(set = 0, binding = kBindEnvironmentAlias) uniform usamplerBuffer environm
 #endif
 
 #ifdef BIND_PATHS
-layout(set = 0, binding = kBindPaths, std430) writeonly buffer PathBlock { PathState paths[]; };
+layout(set = 0, binding = kBindPaths, std430) writeonly buffer PathBlock { uvec4 path_words[]; };
 layout(set = 0, binding = kBindPathTexels) uniform samplerBuffer path_texels;
 layout(set = 0, binding = kBindPathMedia, std430) buffer PathMediaBlock { uint path_media[]; };
 layout(set = 0, binding = kBindPathAovs, std430) buffer PathAovBlock { PathAovs path_aovs[]; };
 #endif
 
 #ifdef BIND_RAYS
-layout(set = 0, binding = kBindRays, std430) writeonly buffer RayBlock { Ray rays[]; };
+layout(set = 0, binding = kBindRays, std430) writeonly buffer RayBlock { uvec4 ray_words[]; };
 layout(set = 0, binding = kBindRayTexels) uniform samplerBuffer ray_texels;
-layout(set = 0, binding = kBindHits, std430) writeonly buffer HitBlock { Hit hits[]; };
+layout(set = 0, binding = kBindHits, std430) writeonly buffer HitBlock { uvec4 hit_words[]; };
 layout(set = 0, binding = kBindHitTexels) uniform usamplerBuffer hit_texels;
 #endif
 
 #ifdef BIND_SHADOW_RAYS
-layout(set = 0, binding = kBindShadowRays, std430) writeonly buffer ShadowRayBlock { ShadowRay shadow_rays[]; };
+layout(set = 0, binding = kBindShadowRays, std430) writeonly buffer ShadowRayBlock { uvec4 shadow_ray_words[]; };
 layout(set = 0, binding = kBindShadowRayTexels) uniform usamplerBuffer shadow_ray_texels;
 #endif
 
@@ -57,7 +57,8 @@ layout(set = 0, binding = kBindQueues, std430) buffer QueueBlock { Queues queues
 #endif
 
 #ifdef BIND_FILM
-layout(set = 0, binding = kBindFilm, std430) buffer FilmBlock { FilmPixel film[]; };
+layout(set = 0, binding = kBindFilm, std430) writeonly buffer FilmBlock { uvec4 film_words[]; };
+layout(set = 0, binding = kBindFilmTexels) uniform usamplerBuffer film_texels;
 layout(set = 0, binding = kBindFilmAovs, std430) buffer FilmAovBlock { FilmAovs film_aovs[]; };
 #endif
 

@@ -34,6 +34,8 @@ void main() {
   }
   if (trace(ray.origin, ray.direction, ray.t_max, target, target_instance).triangle != kNone) return;
   // One shadow ray a path and bounce: no other lane writes this slot.
-  paths[ray.slot].radiance = fetch_path(ray.slot).radiance + ray.contribution;
+  PathState path = fetch_path(ray.slot);
+  path.radiance += ray.contribution;
+  store_radiance(ray.slot, path);
   if (has(kFeatureAovs) && wave.bounce == 0u) path_aovs[ray.slot].direct += ray.contribution;
 }

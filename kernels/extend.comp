@@ -21,9 +21,7 @@ void main() {
   uint index = gl_GlobalInvocationID.x;
   uint queue = wave.bounce & 1u;
   if (index >= queues.ray_count[queue]) return;
-  int texel = int((queue * frame.slot_count + index) * 2u);
-  vec4 origin = texelFetch(ray_texels, texel);
-  vec4 direction = texelFetch(ray_texels, texel + 1);
-  if (has(kFeatureAlpha)) path_sampler = slot_sampler(floatBitsToUint(origin.w));
-  hits[index] = trace(origin.xyz, direction.xyz, direction.w);
+  Ray ray = fetch_ray(queue * frame.slot_count + index);
+  if (has(kFeatureAlpha)) path_sampler = slot_sampler(ray.slot);
+  store_hit(index, trace(ray.origin, ray.direction, ray.t_max));
 }

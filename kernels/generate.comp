@@ -10,6 +10,7 @@
 #include "kernels/dimensions.glsl"
 #include "kernels/filter.glsl"
 #include "kernels/pixel.glsl"
+#include "kernels/records.glsl"
 
 layout(local_size_x = kWorkgroupSize) in;
 
@@ -31,8 +32,8 @@ void main() {
     direction = frame.camera_forward;
   }
 
-  rays[slot] = Ray(origin, slot, normalize(direction), kFar);
-  paths[slot] = PathState(vec3(1.0), -1.0, vec3(0.0), 1.0);
+  store_ray(slot, Ray(origin, slot, normalize(direction), kFar));
+  store_path(slot, PathState(vec3(1.0), -1.0, vec3(0.0), 1.0));
   if (has(kFeatureVolume)) path_media[slot] = kNone;
   if (has(kFeatureAovs)) {
     path_aovs[slot].albedo = vec3(0.0);

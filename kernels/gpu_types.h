@@ -101,6 +101,7 @@ GPU_CONSTANT uint kBindFilmAovs = 24u;         // storage FilmAovs[], one a pixe
 GPU_CONSTANT uint kBindPathTexels = 25u;      // texels RGBA32F
 GPU_CONSTANT uint kBindHitTexels = 26u;       // texels RGBA32UI
 GPU_CONSTANT uint kBindShadowRayTexels = 27u; // texels RGBA32UI
+GPU_CONSTANT uint kBindFilmTexels = 28u;      // texels RGBA32UI
 
 // ---- geometry -------------------------------------------------------------------------------------------------------------
 GPU_CONSTANT uint kNodeTexels = 3u;     // 48 bytes, see bvh/wide.h

@@ -1,5 +1,5 @@
-// Records of the scene, fetched 16 bytes at a time through texel buffers: Mesa 22.3 reads storage buffers word by word and
-// lane by lane. What a kernel does not use of a record is not fetched.
+// Records of scene and paths, read and written 16 bytes at a time. Reads go through texel buffers: Mesa 22.3 reads storage buffers word
+// by word and lane by lane, and writes members of structs so. What a kernel does not use of a record is not fetched.
 #ifndef WAVEPATH_RECORDS_GLSL
 #define WAVEPATH_RECORDS_GLSL
 
@@ -79,7 +79,30 @@ PathState fetch_path(uint slot) {
 }
 #endif
 
+#ifdef BIND_PATHS
+void store_path(uint slot, PathState path) {
+  path_words[2u * slot] = uvec4(floatBitsToUint(path.throughput), floatBitsToUint(path.bsdf_pdf));
+  path_words[2u * slot + 1u] = uvec4(floatBitsToUint(path.radiance), floatBitsToUint(path.eta_scale));
+}
+// Of one that has not scattered meanwhile.
+void store_radiance(uint slot, PathState path) {
+  path_words[2u * slot + 1u] = uvec4(floatBitsToUint(path.radiance), floatBitsToUint(path.eta_scale));
+}
+#endif
+
 #ifdef BIND_RAYS
+// `place`: of both queues, one after the other.
+Ray fetch_ray(uint place) {
+  vec4 origin_slot = texelFetch(ray_texels, int(2u * place)), direction_t = texelFetch(ray_texels, int(2u * place + 1u));
+  return Ray(origin_slot.xyz, floatBitsToUint(origin_slot.w), direction_t.xyz, direction_t.w);
+}
+void store_ray(uint place, Ray ray) {
+  ray_words[2u * place] = uvec4(floatBitsToUint(ray.origin), ray.slot);
+  ray_words[2u * place + 1u] = uvec4(floatBitsToUint(ray.direction), floatBitsToUint(ray.t_max));
+}
+void store_hit(uint index, Hit hit) {
+  hit_words[index] = uvec4(hit.triangle, hit.instance, floatBitsToUint(hit.b1), floatBitsToUint(hit.b2));
+}
 Hit fetch_hit(uint index) {
   uvec4 hit = texelFetch(hit_texels, int(index));
   return Hit(hit.x, hit.y, uintBitsToFloat(hit.z), uintBitsToFloat(hit.w));
@@ -87,12 +110,31 @@ Hit fetch_hit(uint index) {
 #endif
 
 #ifdef BIND_SHADOW_RAYS
+void store_shadow_ray(uint index, ShadowRay ray) {
+  shadow_ray_words[3u * index] = uvec4(floatBitsToUint(ray.origin), ray.slot);
+  shadow_ray_words[3u * index + 1u] = uvec4(floatBitsToUint(ray.direction), floatBitsToUint(ray.t_max));
+  shadow_ray_words[3u * index + 2u] = uvec4(floatBitsToUint(ray.contribution), ray.light);
+}
 ShadowRay fetch_shadow_ray(uint index) {
   uvec4 origin_slot = texelFetch(shadow_ray_texels, int(3u * index));
   vec4 direction_t = uintBitsToFloat(texelFetch(shadow_ray_texels, int(3u * index + 1u)));
   uvec4 contribution_light = texelFetch(shadow_ray_texels, int(3u * index + 2u));
   return ShadowRay(uintBitsToFloat(origin_slot.xyz), origin_slot.w, direction_t.xyz, direction_t.w,
                    uintBitsToFloat(contribution_light.xyz), contribution_light.w);
+}
+#endif
+
+#ifdef BIND_FILM
+FilmPixel fetch_film_pixel(uint index) {
+  uvec4 block_count = texelFetch(film_texels, int(3u * index));
+  vec4 total = uintBitsToFloat(texelFetch(film_texels, int(3u * index + 1u)));
+  vec4 compensation = uintBitsToFloat(texelFetch(film_texels, int(3u * index + 2u)));
+  return FilmPixel(uintBitsToFloat(block_count.xyz), block_count.w, total.xyz, 0.0, compensation.xyz, 0.0);
+}
+void store_film_pixel(uint index, FilmPixel pixel) {
+  film_words[3u * index] = uvec4(floatBitsToUint(pixel.block), pixel.count);
+  film_words[3u * index + 1u] = uvec4(floatBitsToUint(pixel.total), 0u);
+  film_words[3u * index + 2u] = uvec4(floatBitsToUint(pixel.compensation), 0u);
 }
 #endif
 

@@ -157,33 +157,31 @@ void add_radiance(inout PathState path, uint slot, vec3 radiance) {
 // Follows the path of one ray to its next vertex. Returns which of the two rays it wants traced.
 void shade(uint index, out bool wants_ray, out Ray next, out bool wants_shadow, out ShadowRay shadow) {
   wants_ray = wants_shadow = false;
-  int texel = int(((wave.bounce & 1u) * frame.slot_count + index) * 2u);
-  vec4 origin_slot = texelFetch(ray_texels, texel);
-  vec3 direction = texelFetch(ray_texels, texel + 1).xyz;
-  uint slot = floatBitsToUint(origin_slot.w);
+  Ray ray = fetch_ray((wave.bounce & 1u) * frame.slot_count + index);
+  uint slot = ray.slot;
   Hit hit = fetch_hit(index);
   PathState path = fetch_path(slot);
 
   if (hit.triangle == kNone) {
     if (has(kFeatureVolume)) path.throughput *= medium_transmittance(path_media[slot], kFarAway);
     float light_pdf;
-    vec3 radiance = environment_emission(direction, light_pdf);
+    vec3 radiance = environment_emission(ray.direction, light_pdf);
     add_radiance(path, slot, path.throughput * radiance * emission_weight(path.bsdf_pdf, light_pdf));
-    paths[slot] = path;
+    store_radiance(slot, path);
     return;
   }
 
   Surface surface = fetch_surface(hit);
   Material material = fetch_material(surface.material);
-  vec3 offset = surface.position - origin_slot.xyz;
+  vec3 offset = surface.position - ray.origin;
   if (has(kFeatureVolume)) path.throughput *= medium_transmittance(path_media[slot], length(offset));
-  Vertex v = make_vertex(surface, material, direction);
-  if (has(kFeatureAovs) && wave.bounce == 0u) record_first_hit(slot, v, origin_slot.xyz);
+  Vertex v = make_vertex(surface, material, ray.direction);
+  if (has(kFeatureAovs) && wave.bounce == 0u) record_first_hit(slot, v, ray.origin);
 
   if (has(kFeatureEmission) && (material.flags & kMaterialUnlit) != 0u) {
     // KHR_materials_unlit: the base colour is what one sees; such a surface is never sampled as a light.
     add_radiance(path, slot, path.throughput * v.bsdf.base_color);
-    paths[slot] = path;
+    store_radiance(slot, path);
     return;
   }
   vec3 emitted = surface_emission(surface, material, v.front);
@@ -199,7 +197,7 @@ void shade(uint index, out bool wants_ray, out Ray next, out bool wants_shadow, 
       wants_shadow = connect_to_light(v, path_sampler, dimension, slot, path.throughput, shadow);
     wants_ray = scatter(v, path_sampler, dimension, slot, path, next);
   }
-  paths[slot] = path;
+  store_path(slot, path);
 }
 
 void main() {
@@ -212,7 +210,7 @@ void main() {
   uint next_queue = (wave.bounce + 1u) & 1u;
   uint place;
   APPEND(queues.ray_count[next_queue], wants_ray, place);
-  if (wants_ray) rays[next_queue * frame.slot_count + place] = next;
+  if (wants_ray) store_ray(next_queue * frame.slot_count + place, next);
   APPEND(queues.shadow_count, wants_shadow, place);
-  if (wants_shadow) shadow_rays[place] = shadow;
+  if (wants_shadow) store_shadow_ray(place, shadow);
 }

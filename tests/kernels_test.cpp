@@ -37,7 +37,7 @@ struct Bench {
     all.insert(all.end(), {{gpu::kBindFrame, uniform, &frame}, {gpu::kBindPaths, storage, &paths}, {gpu::kBindPathTexels, texels_rgba32f, &paths},
                            {gpu::kBindRays, storage, &rays}, {gpu::kBindRayTexels, texels_rgba32f, &rays},
                            {gpu::kBindHits, storage, &hits}, {gpu::kBindHitTexels, texels_rgba32ui, &hits}, {gpu::kBindShadowRays, storage, &shadow_rays}, {gpu::kBindShadowRayTexels, texels_rgba32ui, &shadow_rays},
-                           {gpu::kBindQueues, storage, &queues}, {gpu::kBindFilm, storage, &film},
+                           {gpu::kBindQueues, storage, &queues}, {gpu::kBindFilm, storage, &film}, {gpu::kBindFilmTexels, texels_rgba32ui, &film},
                            {gpu::kBindPathMedia, storage, &media}, {gpu::kBindPathAovs, storage, &path_aovs},
                            {gpu::kBindFilmAovs, storage, &film_aovs}});
     bindings = std::make_unique<BindingSet>(device, all, static_cast<std::uint32_t>(sizeof(gpu::Wave)));

@@ -112,10 +112,11 @@ void PathTracer::allocate(Device& device, const RenderSettings& settings) {
                                    {gpu::kBindQueues, storage, &queues_},
                                    {gpu::kBindPathMedia, storage, &path_media_},
                                    {gpu::kBindPathAovs, storage, &path_aovs_}});
-  // Film bands: what one storage buffer may hold.
+  // Film bands: what one buffer may hold, written as storage and read as texels.
   const std::uint64_t pixels = std::uint64_t{settings.width} * settings.height;
   const std::uint64_t pixel_bytes = std::max<std::uint64_t>(gpu::kReplicates * sizeof(gpu::FilmPixel), sizeof(gpu::FilmAovs));
-  const std::uint64_t band_pixels = std::max<std::uint64_t>(1, device.info().max_storage_range / pixel_bytes);
+  const std::uint64_t range = std::min(device.info().max_storage_range, 16 * device.info().max_texel_elements);
+  const std::uint64_t band_pixels = std::max<std::uint64_t>(1, range / pixel_bytes);
   for (std::uint64_t first = 0; first < pixels; first += band_pixels) {
     FilmBand& band = bands_.emplace_back();
     band.first_pixel = static_cast<std::uint32_t>(first);
@@ -126,6 +127,7 @@ void PathTracer::allocate(Device& device, const RenderSettings& settings) {
   for (FilmBand& band : bands_) { // in their final places: bindings point at the buffers
     std::vector<Binding> all = bindings;
     all.push_back({gpu::kBindFilm, storage, &band.film});
+    all.push_back({gpu::kBindFilmTexels, texels_rgba32ui, &band.film});
     all.push_back({gpu::kBindFilmAovs, storage, &band.aovs});
     band.bindings = std::make_unique<BindingSet>(device, all, static_cast<std::uint32_t>(sizeof(gpu::Wave)));
   }
