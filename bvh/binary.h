@@ -18,13 +18,15 @@ struct BinaryNode {
 struct BinaryTree {
   std::unique_ptr<BinaryNode[]> nodes; // the root is the first; none if there are no items
   std::size_t capacity = 0;            // nodes allocated; where they lie depends on timing, what they say does not
-  std::vector<std::uint32_t> order;
+  std::unique_ptr<std::uint32_t[]> order; // of items; those that belong to no leaf say nothing
 };
 
 // No path is longer, whatever the input: where cuts by area would exceed it, halves by count finish the job.
 inline constexpr std::uint32_t kMaxBinaryDepth = 64;
 
-BinaryTree build_binary(std::span<const Box> boxes, const BuildConfig& config, BuildReport& report);
+// With `triangles`, as many as boxes, spatial splits are made as well.
+BinaryTree build_binary(std::span<const Box> boxes, std::span<const Triangle> triangles, const BuildConfig& config,
+                        BuildReport& report);
 
 // Joins up to three levels of two into nodes of four, opening the child of the largest area first.
 WideTree collapse(BinaryTree binary);

@@ -3,21 +3,39 @@
 
 #include <algorithm>
 #include <cassert>
+#include <vector>
+
+#include <tbb/parallel_for.h>
 
 #include "bvh/binary.h"
 #include "bvh/split.h"
 
 namespace wavepath::bvh {
 
-WideTree build(std::span<const Box> boxes, const BuildConfig& config, BuildReport* report) {
+namespace {
+
+WideTree build(std::span<const Box> boxes, std::span<const Triangle> triangles, const BuildConfig& config,
+               BuildReport* report) {
   assert(boxes.size() <= kMaxItems);
   BuildConfig usable = config;
   usable.max_leaf_size = std::clamp(config.max_leaf_size, 1u, kMaxLeafSize);
   usable.bin_count = std::clamp(config.bin_count, 2u, static_cast<std::uint32_t>(Bins::kMaxCount));
   BuildReport result;
-  WideTree tree = collapse(build_binary(boxes, usable, result));
+  WideTree tree = collapse(build_binary(boxes, triangles, usable, result));
   if (report) *report = result;
   return tree;
+}
+
+} // namespace
+
+WideTree build(std::span<const Box> boxes, const BuildConfig& config, BuildReport* report) {
+  return build(boxes, {}, config, report);
+}
+
+WideTree build(std::span<const Triangle> triangles, const BuildConfig& config, BuildReport* report) {
+  std::vector<Box> boxes(triangles.size());
+  tbb::parallel_for(std::size_t{0}, triangles.size(), [&](std::size_t i) { boxes[i] = bounds(triangles[i]); });
+  return build(boxes, triangles, config, report);
 }
 
 } // namespace wavepath::bvh

@@ -13,7 +13,11 @@ namespace wavepath::bvh {
 // all-ones stands for none.
 inline constexpr std::size_t kMaxItems = kMaxLeafItems - kMaxLeafSize;
 
+enum class Quality { fast, balanced, best };
+
 struct BuildConfig {
+  Quality quality = Quality::fast; // of trees over triangles
+  double max_copies = 0.3;         // that spatial splits may make, per triangle
   std::uint32_t max_leaf_size = 3; // 1 .. kMaxLeafSize
   std::uint32_t bin_count = 32;    // 2 .. 32 candidate slabs an axis
   float node_cost = 1.0f;          // of visiting a binary node, relative to testing an item
@@ -28,5 +32,9 @@ struct BuildReport {
 // never on the number of threads. Any input gives a tree no deeper than kMaxDepth. Peak memory is about 140 bytes a
 // box, result included.
 WideTree build(std::span<const Box> boxes, const BuildConfig& config = {}, BuildReport* report = nullptr);
+
+
+// The same over triangles, with their bounds() as boxes.
+WideTree build(std::span<const Triangle> triangles, const BuildConfig& config = {}, BuildReport* report = nullptr);
 
 } // namespace wavepath::bvh

@@ -10,7 +10,7 @@ Hit closest_hit(const WideTree& tree, std::span<const Triangle> triangles, const
     test_leaf(prepared, triangles, tree.order, first, count, t_best, hit);
     return false;
   };
-  traverse(tree.nodes, prepared, Order::nearest_first, leaf, counters);
+  traverse(tree.nodes, 0, prepared, Order::nearest_first, leaf, counters);
   return hit;
 }
 
@@ -21,7 +21,7 @@ bool any_hit(const WideTree& tree, std::span<const Triangle> triangles, const Ra
     test_leaf(prepared, triangles, tree.order, first, count, t_best, hit);
     return hit.item != kAbsent;
   };
-  traverse(tree.nodes, prepared, Order::largest_first, leaf, counters);
+  traverse(tree.nodes, 0, prepared, Order::largest_first, leaf, counters);
   return hit.item != kAbsent;
 }
 

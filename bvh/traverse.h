@@ -48,10 +48,10 @@ inline SiblingGroup order_children(const WideNode& node, const Entered& entered,
   return group;
 }
 
-// Visits the leaves that `ray` enters below the root. `leaf(first_item, item_count, t_best)` may lower t_best, which
+// Visits the leaves that `ray` enters below node `root`. `leaf(first_item, item_count, t_best)` may lower t_best, which
 // starts at ray.t_max, and returns true to end the traversal.
 template <class Leaf>
-void traverse(std::span<const WideNode> nodes, const PreparedRay& ray, Order order, Leaf&& leaf,
+void traverse(std::span<const WideNode> nodes, std::uint32_t root, const PreparedRay& ray, Order order, Leaf&& leaf,
               Counters* counters = nullptr) {
   if (!ray.valid) return;
   struct WaitingLeaf {
@@ -60,7 +60,7 @@ void traverse(std::span<const WideNode> nodes, const PreparedRay& ray, Order ord
   SiblingGroup stack[kMaxDepth];
   WaitingLeaf leaves[5];
   std::uint32_t stack_size = 0, leaf_count = 0;
-  std::uint32_t current = 0;
+  std::uint32_t current = root;
   float t_best = ray.t_max;
   for (;;) {
     while (current != kAbsent && leaf_count < 2) {

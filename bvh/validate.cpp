@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "bvh/coverage.h"
 #include "bvh/words.h"
 
 namespace wavepath::bvh {
@@ -12,21 +13,12 @@ namespace {
 
 constexpr std::uint32_t kMaxWalk = 1000; // keeps the recursion safe on a chain that no builder makes
 
-// The larger of what two boxes reach.
-void grow(GridBox& box, const GridBox& other) {
-  for (int axis = 0; axis < 3; ++axis) {
-    box.lo[axis] = std::min(box.lo[axis], other.lo[axis]);
-    box.hi[axis] = std::max(box.hi[axis], other.hi[axis]);
-  }
-}
-
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr GridBox kNothing{{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
 
 struct Walk {
   const WideTree& tree;
-  std::span<const Box> boxes;
   std::vector<std::string> reasons;
+  std::vector<GridBox> regions = std::vector<GridBox>(tree.order.size()); // by item: in which it is met
   std::vector<bool> node_seen = std::vector<bool>(tree.nodes.size());
   std::vector<bool> item_seen = std::vector<bool>(tree.order.size());
   std::uint32_t depth_seen = 0;
@@ -35,79 +27,61 @@ struct Walk {
     if (reasons.size() < kMaxReasons) reasons.push_back(std::move(reason));
   }
 
-  // What a leaf's items reach.
-  GridBox leaf(std::size_t first, std::size_t count) {
-    GridBox below = kNothing;
+  void leaf(std::size_t first, std::size_t count, const GridBox& region) {
     if (first + count > tree.order.size()) {
       fail("leaf of items " + std::to_string(first) + " to " + std::to_string(first + count - 1) + " exceeds the " +
            std::to_string(tree.order.size()) + " items");
-      return below;
+      return;
     }
     for (std::size_t item = first; item < first + count; ++item) {
       if (item_seen[item]) fail("item " + std::to_string(item) + " is in more than one leaf");
       item_seen[item] = true;
-      if (tree.order[item] >= boxes.size()) continue;
-      const Box& box = boxes[tree.order[item]];
-      grow(below, {{box.lo.x, box.lo.y, box.lo.z}, {box.hi.x, box.hi.y, box.hi.z}});
+      regions[item] = region;
     }
-    return below;
   }
 
-  // What all items below a node reach.
-  GridBox inner(std::uint32_t index, std::uint32_t depth) {
-    GridBox all = kNothing;
+  void inner(std::uint32_t index, std::uint32_t depth, const GridBox& region) {
     const std::string name = "node " + std::to_string(index);
     if (index >= tree.nodes.size()) {
       fail(name + " is out of range");
-      return all;
+      return;
     }
     if (node_seen[index] || depth > kMaxWalk) {
       fail(name + (node_seen[index] ? " is reached twice" : " lies too deep"));
-      return all;
+      return;
     }
     node_seen[index] = true;
     depth_seen = std::max(depth_seen, depth);
     const WideNode& node = tree.nodes[index];
     std::uint32_t child_count = 0;
     for (std::uint32_t slot = 0; slot < 4; ++slot) {
-      const std::string child = "child " + std::to_string(slot) + " of " + name;
-      if (is_inner(node, slot) && is_leaf(node, slot)) fail(child + " is both a node and a leaf");
+      if (is_inner(node, slot) && is_leaf(node, slot))
+        fail("child " + std::to_string(slot) + " of " + name + " is both a node and a leaf");
       if (!is_inner(node, slot) && !is_leaf(node, slot)) continue;
-      if (slot != child_count++) fail(child + " comes after an absent one");
-      const GridBox below = is_leaf(node, slot) ? leaf(first_item(node, slot), item_count(node, slot))
-                                                : inner(node.first_child + slot, depth + 1);
-      if (!contains_with_margin(node, slot, below)) fail(child + " sticks out of its box");
-      grow(all, below);
+      if (slot != child_count++) fail("child " + std::to_string(slot) + " of " + name + " comes after an absent one");
+      const GridBox below = within(region, node, slot);
+      if (is_leaf(node, slot))
+        leaf(first_item(node, slot), item_count(node, slot), below);
+      else
+        inner(node.first_child + slot, depth + 1, below);
     }
     if (child_count < 2 && tree.order.size() > kMaxLeafSize) fail(name + " has fewer than two children");
-    return all;
   }
 
-  static bool contains_with_margin(const WideNode& node, std::uint32_t slot, const GridBox& below) {
+  // What of `region` is in the child's box, and not in the margin that the slab test needs.
+  static GridBox within(GridBox region, const WideNode& node, std::uint32_t slot) {
     const GridBox box = child_box(node, slot);
     for (int axis = 0; axis < 3; ++axis) {
       const double margin = kGridMargin * double{cell(node, axis)};
-      if (!(box.lo[axis] <= below.lo[axis] - margin && box.hi[axis] >= below.hi[axis] + margin)) return false;
+      const double lo = box.lo[axis] + margin, hi = box.hi[axis] - margin;
+      if (region.lo[axis] < lo || std::isnan(lo)) region.lo[axis] = lo; // once NaN, always NaN
+      if (region.hi[axis] > hi || std::isnan(hi)) region.hi[axis] = hi;
     }
-    return true;
+    return region;
   }
 
-  void check_order() {
-    std::vector<bool> kept(boxes.size());
-    for (std::size_t i = 0; i < boxes.size(); ++i) kept[i] = is_valid(boxes[i]);
-    for (const std::uint32_t primitive : tree.order) {
-      if (primitive < boxes.size() && kept[primitive])
-        kept[primitive] = false;
-      else
-        fail("order names primitive " + std::to_string(primitive) + ", which is out of range, invalid or named before");
-    }
-    const auto missing = std::count(kept.begin(), kept.end(), true);
-    if (missing != 0) fail(std::to_string(missing) + " valid primitives are missing from order");
-  }
-
-  void check() {
-    check_order();
-    inner(0, 1);
+  void check_nodes() {
+    inner(0, 1, {{-kInfinity, -kInfinity, -kInfinity}, {kInfinity, kInfinity, kInfinity}});
     const auto nodes_missed = std::count(node_seen.begin(), node_seen.end(), false);
     const auto items_missed = std::count(item_seen.begin(), item_seen.end(), false);
     if (nodes_missed != 0) fail(std::to_string(nodes_missed) + " nodes are never reached");
@@ -118,11 +92,68 @@ struct Walk {
   }
 };
 
+// Regions by primitive, of those that are valid and no others.
+std::vector<std::vector<GridBox>> regions_of(Walk& walk, const std::vector<bool>& valid) {
+  std::vector<std::vector<GridBox>> regions(valid.size());
+  for (std::size_t item = 0; item < walk.tree.order.size(); ++item) {
+    const std::uint32_t primitive = walk.tree.order[item];
+    if (primitive >= valid.size() || !valid[primitive])
+      walk.fail("order names primitive " + std::to_string(primitive) + ", which is out of range or invalid");
+    else if (walk.item_seen[item])
+      regions[primitive].push_back(walk.regions[item]);
+  }
+  return regions;
+}
+
+bool contains(const GridBox& region, const Box& box) {
+  for (int axis = 0; axis < 3; ++axis)
+    if (!(region.lo[axis] <= box.lo[axis] && region.hi[axis] >= box.hi[axis])) return false;
+  return true;
+}
+
+// Regions without the part of bounds() that covers rounding in the triangle test; without those that are empty or no
+// numbers.
+void shrink(std::vector<GridBox>& regions, const Triangle& triangle) {
+  const Vec3 lo = min(triangle.v0, min(triangle.v1, triangle.v2)), hi = max(triangle.v0, max(triangle.v1, triangle.v2));
+  const double pad = max_component(hi - lo) * 0x1p-20;
+  for (GridBox& region : regions)
+    for (int axis = 0; axis < 3; ++axis) {
+      region.lo[axis] += pad;
+      region.hi[axis] -= pad;
+    }
+  std::erase_if(regions, [](const GridBox& region) {
+    return !(region.lo[0] <= region.hi[0] && region.lo[1] <= region.hi[1] && region.lo[2] <= region.hi[2]);
+  });
+}
+
 } // namespace
 
 std::vector<std::string> validate(const WideTree& tree, std::span<const Box> boxes) {
-  Walk walk{tree, boxes, {}};
-  walk.check();
+  Walk walk{tree, {}};
+  walk.check_nodes();
+  std::vector<bool> valid(boxes.size());
+  for (std::size_t i = 0; i < boxes.size(); ++i) valid[i] = is_valid(boxes[i]);
+  const auto regions = regions_of(walk, valid);
+  for (std::size_t i = 0; i < boxes.size(); ++i) {
+    if (!valid[i]) continue;
+    const std::string name = "primitive " + std::to_string(i);
+    if (regions[i].size() != 1) walk.fail(name + " is in " + std::to_string(regions[i].size()) + " leaves");
+    if (regions[i].size() == 1 && !contains(regions[i][0], boxes[i])) walk.fail(name + " sticks out of a box above it");
+  }
+  return walk.reasons;
+}
+
+std::vector<std::string> validate(const WideTree& tree, std::span<const Triangle> triangles) {
+  Walk walk{tree, {}};
+  walk.check_nodes();
+  std::vector<bool> valid(triangles.size());
+  for (std::size_t i = 0; i < triangles.size(); ++i) valid[i] = is_valid(bounds(triangles[i]));
+  auto regions = regions_of(walk, valid);
+  for (std::size_t i = 0; i < triangles.size(); ++i) {
+    if (!valid[i]) continue;
+    shrink(regions[i], triangles[i]);
+    if (!covered(triangles[i], regions[i])) walk.fail("triangle " + std::to_string(i) + " sticks out of its regions");
+  }
   return walk.reasons;
 }
 

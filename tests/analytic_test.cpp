@@ -60,6 +60,7 @@ RenderResult render_scene(Device& device, const fs::path& path, std::vector<std:
   SceneRequest scene_request;
   RenderRequest request;
   add_scene_flags(app, scene_request, true);
+  add_stop_flags(app, request);
   add_render_flags(app, request);
   add_picture_flags(app, request);
   flags.insert(flags.begin(), path.string());
@@ -71,7 +72,8 @@ RenderResult render_scene(Device& device, const fs::path& path, std::vector<std:
 
   Scene scene = load_scene(scene_request);
   const View view = resolve_view(scene, {}, request.settings.width, request.settings.height);
-  const RenderResult result = render(device, pack(scene, request.settings.direct), view, request.settings);
+  const PackedScene packed = pack(scene, request.settings.direct, request.bvh.value_or(bvh::Quality::fast));
+  const RenderResult result = render(device, packed, view, request.settings);
   EXPECT_EQ(result.nonfinite_samples, 0u);
   return result;
 }
@@ -173,6 +175,18 @@ TEST_F(AnyScene, HowTheWorkIsCutUpDoesNotMatter) {
     const RenderResult whole = render_scene(device(), path, small_);
     for (const std::uint32_t slots : {64u, 1000u, 24u * 16u * 3u})
       expect_same_bits(whole, render_scene(device(), path, small_, slots));
+  }
+}
+
+TEST_F(AnyScene, TheTreeDoesNotMatter) {
+  Scene showcase = load_gltf((kScenes / "showcase.glb").string(), {});
+  const PackedScene best = pack(showcase, gpu::kDirectMis, bvh::Quality::best);
+  EXPECT_GT(best.triangles.size(), best.triangles_stored) << "no triangle was split, so this would prove little";
+  for (const fs::path& path : scenes_) {
+    SCOPED_TRACE(path.stem());
+    const RenderResult plain = render_scene(device(), path, small_ + std::vector<std::string>{"--bvh", "fast"});
+    for (const char* quality : {"balanced", "best"})
+      expect_same_bits(plain, render_scene(device(), path, small_ + std::vector<std::string>{"--bvh", quality}));
   }
 }
 

@@ -1,8 +1,10 @@
 // The BVH builder gives sound trees on any input, and the validator sees what is not sound.
+#include <array>
 #include <cstring>
 
 #include <tbb/global_control.h>
 
+#include "bvh/coverage.h"
 #include "bvh/measure.h"
 #include "bvh/traverse.h"
 #include "tests/meshes.h"
@@ -13,20 +15,23 @@ namespace {
 // ---- building
 // -------------------------------------------------------------------------------------------------------------
 
-TEST(Build, RandomSoupIsValidForEveryLeafSize) {
+using Build = PerQuality;
+INSTANTIATE_TEST_SUITE_P(Qualities, Build, ::testing::ValuesIn(kQualities), name_of);
+
+TEST_P(Build, RandomSoupIsValidForEveryLeafSize) {
   const Triangles triangles = soup(20'000, 1);
   for (std::uint32_t size = 1; size <= kMaxLeafSize; ++size) {
-    const Mesh mesh = build_checked(triangles, {.max_leaf_size = size});
+    const Mesh mesh = build_checked(triangles, config(size));
     const Measure measured = measure(mesh.tree);
-    EXPECT_EQ(measured.item_count, triangles.size());
+    EXPECT_GE(measured.item_count, triangles.size());
     for (std::uint32_t larger = size + 1; larger <= kMaxLeafSize; ++larger) EXPECT_EQ(measured.leaf_sizes[larger], 0u);
     EXPECT_LE(mesh.tree.depth, 20u);
   }
 }
 
-TEST(Build, TreeIsMuchCheaperThanTestingEverything) {
+TEST_P(Build, TreeIsMuchCheaperThanTestingEverything) {
   const Triangles triangles = soup(100'000, 2, 0.01f);
-  const Mesh mesh = build_checked(triangles);
+  const Mesh mesh = build_checked(triangles, config());
   const Measure measured = measure(mesh.tree);
   EXPECT_LT(measured.sah_cost, 100.0);
   EXPECT_GT(measured.children_per_node, 2.5);
@@ -38,14 +43,14 @@ TEST(Build, TreeIsMuchCheaperThanTestingEverything) {
   EXPECT_LT(counters.tests, 40u * 1000u);
 }
 
-TEST(Build, NoneOneAndTwo) {
-  const Mesh none = build_checked({});
+TEST_P(Build, NoneOneAndTwo) {
+  const Mesh none = build_checked({}, config());
   EXPECT_EQ(none.tree.nodes.size(), 1u);
   EXPECT_EQ(closest_hit(none.tree, none.triangles, {{0, 0, -1}, {0, 0, 1}}).item, kAbsent);
   const Triangle triangle{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
   const Triangle behind{{0, 0, 1}, {1, 0, 1}, {0, 1, 1}};
   for (const Triangles& triangles : {Triangles{triangle}, Triangles{triangle, behind}, Triangles{behind, triangle}}) {
-    const Mesh mesh = build_checked(triangles);
+    const Mesh mesh = build_checked(triangles, config());
     const Hit hit = closest_hit(mesh.tree, mesh.triangles, {{0.25f, 0.25f, -1}, {0, 0, 1}});
     ASSERT_NE(hit.item, kAbsent);
     EXPECT_EQ(hit.triangle.t, 1.0f);
@@ -53,13 +58,12 @@ TEST(Build, NoneOneAndTwo) {
   }
 }
 
-TEST(Build, SameBytesForAnyThreadCount) {
+TEST_P(Build, SameBytesForAnyThreadCount) {
   const Triangles triangles = soup(300'000, 4);
-  const std::vector<Box> boxes = boxes_of(triangles);
   std::vector<WideTree> trees;
   for (const std::size_t threads : {1u, 2u, 7u}) {
     const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
-    trees.push_back(build(boxes));
+    trees.push_back(build(std::span(triangles), config()));
   }
   for (const WideTree& tree : trees) {
     EXPECT_EQ(tree.order, trees[0].order);
@@ -69,15 +73,15 @@ TEST(Build, SameBytesForAnyThreadCount) {
   }
 }
 
-TEST(Build, Duplicates) {
+TEST_P(Build, Duplicates) {
   const Triangle triangle{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
-  const Mesh mesh = build_checked(Triangles(10'000, triangle));
+  const Mesh mesh = build_checked(Triangles(10'000, triangle), config());
   EXPECT_LE(mesh.tree.depth, 8u);
   const Hit hit = closest_hit(mesh.tree, mesh.triangles, {{0.25f, 0.25f, 1}, {0, 0, -1}});
-  EXPECT_EQ(hit.item, 0u);
+  EXPECT_EQ(mesh.tree.order[hit.item], 0u);
 }
 
-TEST(Build, DegenerateTriangles) {
+TEST_P(Build, DegenerateTriangles) {
   Triangles triangles = soup(1000, 5);
   for (std::size_t i = 0; i < triangles.size(); i += 2) {
     Triangle& t = triangles[i];
@@ -85,7 +89,7 @@ TEST(Build, DegenerateTriangles) {
     if (i % 3 == 1) t.v2 = t.v1;
     if (i % 3 == 2) t = {t.v0, t.v0 + Vec3{0.25f, 0, 0}, t.v0 + Vec3{0.5f, 0, 0}}; // on a line
   }
-  const Mesh mesh = build_checked(triangles);
+  const Mesh mesh = build_checked(triangles, config());
   EXPECT_EQ(mesh.report.dropped, 500u);
   for (const std::uint32_t index : mesh.tree.order) EXPECT_EQ(index % 2, 1u);
   Random random(6);
@@ -99,17 +103,17 @@ TEST(Build, DegenerateTriangles) {
   }
 }
 
-TEST(Build, EqualCentroids) {
+TEST_P(Build, EqualCentroids) {
   Triangles triangles; // nested, all around the origin
   for (int i = 1; i <= 100'000; ++i) {
     const float r = static_cast<float>(i) * 0x1p-16f;
     triangles.push_back({{-r, -r, -r}, {r, r, -r}, {r, r, r}});
   }
-  const Mesh mesh = build_checked(triangles);
+  const Mesh mesh = build_checked(triangles, config());
   EXPECT_LE(mesh.tree.depth, 20u);
 }
 
-TEST(Build, GeometricProgression) {
+TEST_P(Build, GeometricProgression) {
   for (const int copies : {1, 50}) {
     Triangles triangles;
     for (int copy = 0; copy < copies; ++copy)
@@ -117,14 +121,40 @@ TEST(Build, GeometricProgression) {
         const float r = std::ldexp(1.0f, -k);
         triangles.push_back({{r, 0, 0}, {r * 1.25f, r * 0.25f, 0}, {r * 1.25f, 0, r * 0.25f}});
       }
-    const Mesh mesh = build_checked(triangles, {.max_leaf_size = 1});
+    const Mesh mesh = build_checked(triangles, config(1));
     EXPECT_LE(mesh.report.binary_depth, 64u);
     EXPECT_LE(mesh.tree.depth, kMaxDepth);
   }
 }
 
 // Nested cubes over 159 octaves: cuts by area peel off an octave or two each, and only the depth budget ends that.
-TEST(Build, DepthIsBoundedWhereAreaCutsPeel) {
+TEST(BuildSpatial, HalvesTheWorkAmongLongTriangles) {
+  const Triangles triangles = straws(2000, 12);
+  const Mesh fast = build_checked(triangles), best = build_checked(triangles, {.quality = Quality::best});
+  EXPECT_GT(best.tree.order.size(), triangles.size());
+  Random random(13);
+  Counters with, without;
+  for (int i = 0; i < 1000; ++i) {
+    const Ray ray{random.point(), random.direction()};
+    const Hit a = closest_hit(best.tree, best.triangles, ray, &with);
+    const Hit b = closest_hit(fast.tree, fast.triangles, ray, &without);
+    ASSERT_EQ(a.triangle.t, b.triangle.t);
+  }
+  EXPECT_LT(static_cast<double>(with.visits + with.tests), 0.5 * static_cast<double>(without.visits + without.tests));
+}
+
+TEST(BuildSpatial, MakesNoMoreCopiesThanAllowed) {
+  const Triangles triangles = straws(1000, 14);
+  std::size_t fewer = 0;
+  for (const double most : {0.0, 0.01, 0.1, 0.5, 2.0}) {
+    const Mesh mesh = build_checked(triangles, {.quality = Quality::best, .max_copies = most});
+    EXPECT_GE(mesh.tree.order.size(), fewer);
+    fewer = mesh.tree.order.size();
+  }
+  EXPECT_EQ(build(std::span(triangles), {.quality = Quality::best, .max_copies = 0}).order, build(std::span(triangles)).order);
+}
+
+TEST(BuildBoxes, DepthIsBoundedWhereAreaCutsPeel) {
   std::vector<Box> boxes;
   for (int octave = -99; octave < 60; ++octave)
     for (int copy = 0; copy < 100; ++copy) {
@@ -138,7 +168,7 @@ TEST(Build, DepthIsBoundedWhereAreaCutsPeel) {
   EXPECT_LE(tree.depth, kMaxDepth);
 }
 
-TEST(Build, MillionInALine) {
+TEST(BuildBoxes, MillionInALine) {
   std::vector<Box> boxes;
   for (int i = 0; i < 1'000'000; ++i) {
     const float x = static_cast<float>(i);
@@ -149,7 +179,7 @@ TEST(Build, MillionInALine) {
   EXPECT_LE(tree.depth, 12u);
 }
 
-TEST(Build, DropsWhatIsNotANumber) {
+TEST_P(Build, DropsWhatIsNotANumber) {
   const Triangles clean = soup(5000, 8);
   Triangles dirty, survivors;
   Random random(9);
@@ -162,23 +192,26 @@ TEST(Build, DropsWhatIsNotANumber) {
       survivors.push_back(triangle);
     }
   }
-  const Mesh cleaned = build_checked(survivors), mesh = build_checked(dirty);
+  const Mesh cleaned = build_checked(survivors, config()), mesh = build_checked(dirty, config());
   EXPECT_EQ(mesh.report.dropped, dirty.size() - survivors.size());
   EXPECT_GT(mesh.report.dropped, 10u);
   ASSERT_EQ(mesh.tree.nodes.size(), cleaned.tree.nodes.size());
   EXPECT_EQ(std::memcmp(mesh.tree.nodes.data(), cleaned.tree.nodes.data(), mesh.tree.nodes.size() * sizeof(WideNode)),
             0);
+}
+
+TEST(BuildBoxes, DropsInvertedOnes) {
   const std::vector<Box> inverted{{{1, 0, 0}, {0, 1, 1}}, {{0, 0, 0}, {1, 1, 1}}};
   BuildReport report;
   EXPECT_TRUE(validate(build(inverted, {}, &report), inverted).empty());
   EXPECT_EQ(report.dropped, 1u);
 }
 
-TEST(Build, SlabsOfAnyScaleGiveTheSameTree) {
+TEST_P(Build, SlabsOfAnyScaleGiveTheSameTree) {
   const Triangles triangles = soup(3000, 10);
-  const WideTree unit = build(boxes_of(triangles));
+  const WideTree unit = build(std::span(triangles), config());
   for (const float factor : {0x1p-40f, 0x1p-10f, 0x1p10f, 0x1p40f})
-    EXPECT_EQ(build(boxes_of(scaled(triangles, factor))).order, unit.order) << factor;
+    EXPECT_EQ(build_checked(scaled(triangles, factor), config()).tree.order, unit.order) << factor;
 }
 
 // ---- validate
@@ -214,6 +247,30 @@ TEST(Validate, ReportsEveryKindOfDamage) {
   EXPECT_TRUE(damaged([&](WideTree& t) { t.order.pop_back(); }));
   EXPECT_TRUE(damaged([&](WideTree& t) { ++t.depth; }));
   EXPECT_TRUE(damaged([&](WideTree& t) { --t.depth; }));
+}
+
+// Two boxes of one triangle may each leave out some of it, but not both the same.
+TEST(Validate, SeesWhatCopiesLeaveOut) {
+  const Triangle triangle{{0, 0, 0}, {4, 0, 0}, {0, 4, 0}};
+  const GridBox left{{0, 0, 0}, {1, 4, 0}}, right{{1, 0, 0}, {4, 3, 0}}, low{{1.001, 0, 0}, {4, 3, 0}};
+  EXPECT_TRUE(covered(triangle, std::array{left, right}));
+  EXPECT_TRUE(covered(triangle, std::array{right, left}));
+  EXPECT_FALSE(covered(triangle, std::array{left, low}));
+  EXPECT_FALSE(covered(triangle, std::array{left}));
+  EXPECT_FALSE(covered(triangle, std::span<const GridBox>{}));
+
+  const Triangles triangles = straws(200, 15);
+  const WideTree good = build(std::span(triangles), {.quality = Quality::best});
+  ASSERT_GT(good.order.size(), triangles.size());
+  ASSERT_TRUE(validate(good, triangles).empty());
+  ASSERT_GT(item_count(good.nodes.back(), 0), 0u);
+  for (const int plane : {0, 1, 2, 3, 4, 5}) {
+    WideTree damaged = good;
+    WideNode& node = damaged.nodes.back();
+    std::uint8_t* planes[] = {node.lo_x, node.lo_y, node.lo_z, node.hi_x, node.hi_y, node.hi_z};
+    planes[plane][0] = static_cast<std::uint8_t>(planes[plane][0] + (plane < 3 ? 3 : -3));
+    EXPECT_FALSE(validate(damaged, triangles).empty()) << plane;
+  }
 }
 
 // ---- the grid

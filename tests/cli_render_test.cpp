@@ -86,6 +86,9 @@ TEST_F(CliRenderTest, StatsHaveTheKeysOfTheContract) {
   EXPECT_GT(stats["seconds"]["render"].get<double>(), 0.0);
   EXPECT_GT(stats["seconds"]["first_pixel"].get<double>(), 0.0);
   EXPECT_LE(stats["seconds"]["first_pixel"].get<double>(), stats["seconds"]["total"].get<double>());
+  EXPECT_EQ(stats["bvh"]["quality"], "best"); // the tree is small, the render not so
+  for (const char* key : {"build_seconds", "sah", "nodes", "copies", "bytes", "bytes_per_triangle"})
+    EXPECT_TRUE(stats["bvh"][key].is_number()) << key;
   EXPECT_EQ(stats["rays"]["camera"], 48 * 32 * 4);
   EXPECT_GT(stats["rays"]["bounce"].get<int>(), 0);
   EXPECT_GT(stats["rays"]["shadow"].get<int>(), 0);

@@ -299,7 +299,7 @@ TEST_F(Kernels, HolesAreInvisibleToExtendAndConnect) {
   const auto expected_hit = [&](const bvh::Ray& ray) {
     const bvh::PreparedRay prepared = bvh::prepare(ray);
     bvh::Hit best;
-    bvh::traverse(packed.nodes, prepared, bvh::Order::nearest_first, [&](std::uint32_t first, std::uint32_t count, float& t_best) {
+    bvh::traverse(packed.nodes, packed.root, prepared, bvh::Order::nearest_first, [&](std::uint32_t first, std::uint32_t count, float& t_best) {
       for (std::uint32_t item = first; item < first + count; ++item)
         if (!is_hole(item)) bvh::test_leaf(prepared, triangles, tree.order, item, 1, t_best, best);
       return false;

@@ -18,6 +18,7 @@
 #include "host/cli/report.h"
 #include "host/cli/scene_flags.h"
 #include "host/gpu/pipeline_cache.h"
+#include "host/render/bvh_choice.h"
 
 namespace wavepath {
 namespace {
@@ -151,8 +152,10 @@ int run_render(Request& request) {
   const Stopwatch loading;
   Scene scene = load_scene(request.scene);
   const View view = resolve_view(scene, request.scene.view, settings.width, settings.height);
-  require_memory_for(request, plan(scene), device.info());
-  const PackedScene packed = pack(scene, settings.direct);
+  const bvh::Quality quality =
+      request.render.bvh.value_or(choose_quality(settings, plan(scene).triangles_stored, device.info()));
+  require_memory_for(request, plan(scene, quality), device.info());
+  const PackedScene packed = pack(scene, settings.direct, quality);
   const double load_seconds = loading.seconds() - packed.bvh_seconds;
   Warnings warnings = scene.warnings;
   scene = Scene{}; // the device's copy is all that rendering needs
@@ -192,6 +195,7 @@ Command add_render(CLI::App& app, const std::string& command_line) {
   add_picture_flags(*command, request->render);
   add_scene_flags(*command, request->scene, true);
   add_view_flags(*command, request->scene.view);
+  add_stop_flags(*command, request->render);
   add_render_flags(*command, request->render);
   return [request] { return run_render(*request); };
 }

@@ -22,6 +22,7 @@ constexpr std::uint32_t kOpenEndedSamples = 65536; // when time or error is to e
 constexpr std::uint32_t kDeepest = 4096;
 constexpr std::string_view kIntegrators[] = {"path"};
 constexpr std::string_view kOnOff[] = {"off", "on"};
+constexpr std::string_view kBvhNames[] = {"auto", "fast", "balanced", "best"};
 constexpr std::string_view kTonemaps[] = {"none", "aces", "agx", "neutral"}; // in the order of Tonemap
 constexpr std::string_view kAovs[] = {"albedo",  "normal", "depth",    "position", "variance",
                                       "samples", "direct", "indirect", "emission"};
@@ -31,12 +32,6 @@ std::pair<FlagValue, FlagValue> split(const FlagValue& value, char separator, co
   const std::size_t middle = value.text.find(separator);
   if (middle == std::string::npos) value.refuse("has the wrong form", remedy);
   return {{value.flag, value.text.substr(0, middle)}, {value.flag, value.text.substr(middle + 1)}};
-}
-
-void read_size(const FlagValue& value, RenderSettings& settings) {
-  const auto [width, height] = split(value, 'x', "write it as WIDTHxHEIGHT, such as 1280x720");
-  settings.width = width.whole_number(1, kLargestSide);
-  settings.height = height.whole_number(1, kLargestSide);
 }
 
 void read_samples(const FlagValue& value, RenderRequest& request) {
@@ -56,6 +51,14 @@ void read_aovs(const FlagValue& value, std::vector<std::string>& aovs) {
   }
 }
 
+} // namespace
+
+void read_size(const FlagValue& value, RenderSettings& settings) {
+  const auto [width, height] = split(value, 'x', "write it as WIDTHxHEIGHT, such as 1280x720");
+  settings.width = width.whole_number(1, kLargestSide);
+  settings.height = height.whole_number(1, kLargestSide);
+}
+
 void add_stop_flags(CLI::App& app, RenderRequest& request) {
   RenderSettings& settings = request.settings;
   const char* group = "When to stop (the first one reached)";
@@ -72,17 +75,17 @@ void add_stop_flags(CLI::App& app, RenderRequest& request) {
       {"--samples", "A:B",
        "render only sample indices A <= s < B, for splitting and merging; give every part the whole's --spp", "0:spp"},
       [&](const FlagValue& value) { read_samples(value, request); });
+  add_switch(app, group,
+             {"--strict", "",
+              "refuse anything biased but the depth asked for; exit code 1 if any sample was not finite", "off"},
+             request.strict);
 }
-
-} // namespace
 
 void add_render_flags(CLI::App& app, RenderRequest& request) {
   RenderSettings& settings = request.settings;
   const auto choose = [](std::uint32_t& target, std::span<const std::string_view> names) {
     return [&target, names](const FlagValue& value) { target = value.choice(names); };
   };
-  add_stop_flags(app, request);
-
   const char* group = "Light transport";
   add_flag(app, group, {"--integrator", "path", "how light is found: path tracing", "path"},
            [](const FlagValue& value) { value.choice(kIntegrators); });
@@ -99,10 +102,14 @@ void add_render_flags(CLI::App& app, RenderRequest& request) {
       choose(settings.direct, kDirectNames));
   add_flag(app, group, {"--seed", "N", "another seed gives another noise, the same seed the same bits", "0"},
            [&](const FlagValue& value) { settings.seed = value.whole_number(0, kMostSamples); });
-  add_switch(app, group,
-             {"--strict", "",
-              "refuse anything biased but the depth asked for; exit code 1 if any sample was not finite", "off"},
-             request.strict);
+  add_flag(app, group,
+           {"--bvh", "auto|fast|balanced|best",
+            "tree over the triangles; a better one takes longer to build and gives the same image sooner",
+            "auto: what pays for the number of rays"},
+           [&](const FlagValue& value) {
+             const std::uint32_t chosen = value.choice(kBvhNames);
+             request.bvh = chosen ? std::optional(static_cast<bvh::Quality>(chosen - 1)) : std::nullopt;
+           });
   add_flag(app, group,
            {"--device", "NAME|INDEX", "Vulkan device; 'wavepath info' lists them", "a discrete GPU if there is one"},
            [&](const FlagValue& value) { request.device = value.text; });

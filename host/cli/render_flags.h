@@ -9,6 +9,8 @@
 
 #include <CLI/CLI.hpp>
 
+#include "bvh/build.h"
+#include "host/cli/flags.h"
 #include "host/render/picture_io.h"
 #include "host/render/render.h"
 
@@ -26,14 +28,19 @@ struct RenderRequest {
   std::optional<std::uint32_t> spp;
   std::optional<std::pair<std::uint32_t, std::uint32_t>> samples; // first, one past the last
   std::optional<std::uint32_t> filter;
+  std::optional<bvh::Quality> bvh; // empty = chosen from the number of rays
   std::string device;
   bool strict = false;
 };
 
-// The requests must outlive the parsing of `app`.
+// The requests must outlive the parsing of `app`. What a render needs to know, and whoever measures one as well:
 void add_render_flags(CLI::App& app, RenderRequest& request);
+// When it ends and which picture it makes:
+void add_stop_flags(CLI::App& app, RenderRequest& request);
 void add_picture_flags(CLI::App& app, RenderRequest& request);
 void add_output_flags(CLI::App& app, OutputRequest& request);
+
+void read_size(const FlagValue& value, RenderSettings& settings); // WIDTHxHEIGHT
 
 // Works out the sample range once all flags are known. Throws UsageError where --spp and --samples disagree.
 void settle_samples(RenderRequest& request);

@@ -78,7 +78,8 @@ int run(int argument_count, const char* const* arguments) {
       "WAVEPATH_CACHE=off leaves it out.");
   const std::map<std::string, Command> commands = {{"render", add_render(app, quote(argument_count, arguments))},
                                                    {"info", add_info(app)},
-                                                   {"compare", add_compare(app)}};
+                                                   {"compare", add_compare(app)},
+                                                   {"bench", add_bench(app)}};
 
   try {
     app.parse(argument_count, arguments);

@@ -16,8 +16,6 @@
 namespace wavepath {
 namespace {
 
-enum Stage : std::size_t { generate, advance, extend, shade, connect, accumulate, stage_count };
-
 struct StageCode {
   const char* name;
   std::span<const std::uint32_t> spirv;
@@ -59,14 +57,35 @@ gpu::Frame make_frame(const PackedScene& scene, const View& view, const RenderSe
   return frame;
 }
 
-std::uint32_t needed_features(const PackedScene& scene, const View& view, const RenderSettings& settings) {
+std::uint32_t compiled_features(const PackedScene& scene, const View& view, const RenderSettings& settings) {
   std::uint32_t features = scene.features;
-  if (!settings.aovs.empty()) features |= gpu::kFeatureAovs;
   if (view.orthographic) features |= gpu::kFeatureOrthographic;
-  return features;
+  // Generic kernels leave this out as well: it would need buffers for outputs that nobody asked for.
+  if (!settings.specialize) features = gpu::kFeaturesAll & ~gpu::kFeatureAovs;
+  if (!settings.aovs.empty()) features |= gpu::kFeatureAovs;
+  return (features | settings.added_features) & ~settings.removed_features;
 }
 
+std::uint64_t join(const std::uint32_t words[2]) { return std::uint64_t{words[1]} << 32 | words[0]; }
+
 } // namespace
+
+std::uint32_t choose_slots(const DeviceInfo& info, const PackedScene& scene, const RenderSettings& settings) {
+  const std::uint64_t pixels = std::uint64_t{settings.width} * settings.height;
+  const std::uint64_t samples = settings.last_sample - settings.first_sample;
+  std::uint64_t slots = info.type == "cpu" ? 1u << 17 : 1u << 21;
+  if (settings.wave_slots) slots = settings.wave_slots;
+  slots = std::min(slots, pixels * samples);
+  slots = std::min(slots, info.max_storage_range / std::max(2 * sizeof(gpu::Ray), sizeof(gpu::PathAovs)));
+  slots = std::min(slots, info.max_texel_elements / 4);
+  slots = std::min<std::uint64_t>(slots, std::uint64_t{info.max_groups} * gpu::kWorkgroupSize);
+  slots = std::min(slots, std::max<std::uint64_t>(info.memory_bytes / 8 / bytes_per_slot(scene.features), 1024));
+  return static_cast<std::uint32_t>(std::max<std::uint64_t>(slots, 1));
+}
+
+RayCounts ray_counts(const gpu::Queues& queues) {
+  return {join(queues.camera_rays), join(queues.bounce_rays), join(queues.shadow_rays)};
+}
 
 std::uint64_t bytes_per_slot(std::uint32_t features) {
   std::uint64_t bytes = sizeof(gpu::PathState) + 2 * sizeof(gpu::Ray) + sizeof(gpu::Hit) + sizeof(gpu::ShadowRay);
@@ -79,9 +98,7 @@ PathTracer::PathTracer(Device& device, const PackedScene& scene, const View& vie
                        std::uint32_t slots)
     : device_(device),
       frame_(make_frame(scene, view, settings, slots)),
-      features_(settings.specialize ? needed_features(scene, view, settings) : gpu::kFeaturesAll) {
-  // Generic kernels would write outputs that nobody asked for; the buffers for those stay absent all the same.
-  if (settings.aovs.empty()) features_ &= ~gpu::kFeatureAovs;
+      features_(compiled_features(scene, view, settings)) {
   const auto start = std::chrono::steady_clock::now();
   scene_ = upload_scene(device, scene);
   upload_seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -98,7 +115,7 @@ void PathTracer::allocate(Device& device, const RenderSettings& settings) {
   path_aovs_ = Buffer(device, features_ & gpu::kFeatureAovs ? slots * sizeof(gpu::PathAovs) : 0);
   rays_ = Buffer(device, 2 * slots * sizeof(gpu::Ray));
   hits_ = Buffer(device, slots * sizeof(gpu::Hit));
-  shadow_rays_ = Buffer(device, frame_.light_count ? slots * sizeof(gpu::ShadowRay) : 0);
+  shadow_rays_ = Buffer(device, frame_.light_count || settings.room_for_shadow_rays ? slots * sizeof(gpu::ShadowRay) : 0);
   queues_ = Buffer(device, sizeof(gpu::Queues));
 
   std::vector<Binding> bindings = scene_.bindings();
@@ -185,14 +202,14 @@ double PathTracer::render_wave(const FilmBand& band, std::uint32_t first_pixel, 
 }
 
 void PathTracer::warm_up() {
-  clear();
+  reset();
   const FilmBand& band = bands_.front();
   render_wave(band, 0, std::min({gpu::kWorkgroupSize, band.pixel_count, frame_.slot_count}), 0, 1);
-  for (StageTime& stage : stages_) stage = {stage.name, 0.0, 0};
-  clear();
+  reset();
 }
 
-void PathTracer::clear() {
+void PathTracer::reset() {
+  for (StageTime& stage : stages_) stage = {stage.name, 0.0, 0};
   for (FilmBand& band : bands_) {
     band.film.fill_zero();
     if (band.aovs.bytes()) band.aovs.fill_zero();

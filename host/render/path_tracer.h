@@ -21,6 +21,9 @@ struct FilmBand {
   std::unique_ptr<BindingSet> bindings;
 };
 
+// The kernels, in the order of PathTracer::stages().
+enum Stage : std::size_t { generate, advance, extend, shade, connect, accumulate, stage_count };
+
 class PathTracer {
 public:
   // Uploads the scene, compiles the kernels and allocates queues for `slots` paths in flight. Throws Error if the device
@@ -33,21 +36,25 @@ public:
   double render_wave(const FilmBand& band, std::uint32_t first_pixel, std::uint32_t pixel_count,
                      std::uint32_t first_sample, std::uint32_t sample_count);
 
-  // Runs every kernel once, so that drivers that compile at the first dispatch have done so, and clears what it left.
+  // Runs every kernel once, so that drivers that compile at the first dispatch have done so, and resets.
   void warm_up();
+
+  // Empties the film and sets all counts and times to zero.
+  void reset();
 
   const std::vector<FilmBand>& bands() const { return bands_; }
   std::uint32_t slots() const { return frame_.slot_count; }
   std::uint32_t features() const { return features_; }
   const std::vector<StageTime>& stages() const { return stages_; }
   double upload_seconds() const { return upload_seconds_; }
-  gpu::Queues counters() const; // totals since warm_up()
+  gpu::Queues counters() const; // totals since reset()
   MemoryUse memory() const;
 
 private:
+  friend class RayReplay; // host/bench
+
   void allocate(Device& device, const RenderSettings& settings);
   void create_kernels(Device& device, const RenderSettings& settings, std::uint32_t stack_size);
-  void clear();
 
   Device& device_;
   gpu::Frame frame_{};
@@ -59,6 +66,12 @@ private:
   std::vector<StageTime> stages_;
   double upload_seconds_ = 0.0;
 };
+
+// Paths in flight: as many as the render has, within an eighth of the device's memory, one storage buffer, and what a
+// dispatch may hold. A CPU gains nothing from more than fill its caches; a GPU needs millions to hide latency.
+std::uint32_t choose_slots(const DeviceInfo& info, const PackedScene& scene, const RenderSettings& settings);
+
+RayCounts ray_counts(const gpu::Queues& queues);
 
 // Bytes of path state and queues that one path in flight takes, for the features given.
 std::uint64_t bytes_per_slot(std::uint32_t features);

@@ -23,27 +23,6 @@ constexpr std::uint32_t kFirstWave = 8192; // paths, before anything is known of
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
-std::uint64_t join(const std::uint32_t words[2]) { return std::uint64_t{words[1]} << 32 | words[0]; }
-
-RayCounts ray_counts(const gpu::Queues& queues) {
-  return {join(queues.camera_rays), join(queues.bounce_rays), join(queues.shadow_rays)};
-}
-
-// Paths in flight: as many as the render has, within an eighth of the device's memory, one storage buffer, and what a dispatch
-// may hold. A CPU gains nothing from more than fill its caches; a GPU needs millions to hide latency.
-std::uint32_t choose_slots(const DeviceInfo& info, const PackedScene& scene, const RenderSettings& settings) {
-  const std::uint64_t pixels = std::uint64_t{settings.width} * settings.height;
-  const std::uint64_t samples = settings.last_sample - settings.first_sample;
-  std::uint64_t slots = info.type == "cpu" ? 1u << 17 : 1u << 21;
-  if (settings.wave_slots) slots = settings.wave_slots;
-  slots = std::min(slots, pixels * samples);
-  slots = std::min(slots, info.max_storage_range / std::max(2 * sizeof(gpu::Ray), sizeof(gpu::PathAovs)));
-  slots = std::min(slots, info.max_texel_elements / 4);
-  slots = std::min<std::uint64_t>(slots, std::uint64_t{info.max_groups} * gpu::kWorkgroupSize);
-  slots = std::min(slots, std::max<std::uint64_t>(info.memory_bytes / 8 / bytes_per_slot(scene.features), 1024));
-  return static_cast<std::uint32_t>(std::max<std::uint64_t>(slots, 1));
-}
-
 // Keeps dispatches short: halves the wave when one took too long, doubles it while there is room.
 class Governor {
 public:

@@ -32,6 +32,10 @@ struct RenderSettings {
   std::uint32_t seed = 0;
   bool specialize = true;
   std::vector<std::string> aovs; // names of the contract's --aov
+
+  // For measurements. kFeature bits compiled in though the scene leaves them out, and left out though it needs them.
+  std::uint32_t added_features = 0, removed_features = 0;
+  bool room_for_shadow_rays = false; // even where no light is sampled
   std::uint32_t wave_slots = 0;  // paths in flight; 0 = chosen from memory and measured dispatch time
 };
 

@@ -1,9 +1,12 @@
 // Builds the stats document.
 #include "host/render/stats.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
+
+#include "host/render/bvh_choice.h"
 
 namespace wavepath {
 namespace {
@@ -73,6 +76,18 @@ Json nonfinite_json(const RenderResult& result) {
 
 } // namespace
 
+Json bvh_json(const PackedScene& packed) {
+  const std::uint64_t bytes = packed.nodes.size() * sizeof(bvh::WideNode) + packed.triangles.size() * sizeof(gpu::Triangle);
+  return {{"quality", kQualityNames[static_cast<std::size_t>(packed.bvh_quality)]},
+          {"build_seconds", packed.bvh_seconds},
+          {"sah", packed.sah_cost},
+          {"nodes", packed.nodes.size()},
+          {"copies", packed.triangles.size() - packed.triangles_stored},
+          {"bytes", bytes},
+          {"bytes_per_triangle",
+           static_cast<double>(bytes) / static_cast<double>(std::max<std::uint64_t>(packed.triangles_stored, 1))}};
+}
+
 Json stats_document(const Run& run) {
   const RenderResult& result = run.result;
   const RenderSettings& settings = run.settings;
@@ -101,6 +116,7 @@ Json stats_document(const Run& run) {
       {"triangles", run.packed.triangle_count},
       {"lights", run.packed.lights.size()},
       {"seconds", seconds_json(run)},
+      {"bvh", bvh_json(run.packed)},
       {"rays", to_json(result.rays)},
       {"mrays_per_second",
        result.seconds > 0.0 ? 1e-6 * static_cast<double>(result.rays.total()) / result.seconds : 0.0},

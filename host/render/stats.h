@@ -42,6 +42,9 @@ struct Run {
   std::vector<std::string> bias{};
 };
 
+// What was built: quality, seconds, expected cost, size, and the copies of triangles that spatial splits made.
+nlohmann::ordered_json bvh_json(const PackedScene& packed);
+
 nlohmann::ordered_json stats_document(const Run& run);
 
 // Text of a document, indented; bytes that are no UTF-8 (file names) are replaced rather than refused.

@@ -81,41 +81,34 @@ std::vector<LeftOut> list_left_out(const Usage& usage, const PackedScene& packed
   const std::uint64_t stream = usage.vertex_count * sizeof(glm::vec4);
   const std::uint64_t corners = packed.triangle_vertices.empty() ? packed.triangles.size() * sizeof(glm::uvec4) : 0;
   const std::string not_sampled = "--direct bsdf samples no light";
-  const struct {
-    std::uint32_t bit;
-    LeftOut entry;
-  } all[] = {
-      {gpu::kFeatureInstances,
-       {"two-level BVH", "no mesh is shown more than once", sizeof(gpu::Instance) + sizeof(bvh::WideNode)}},
-      {gpu::kFeatureAlpha, {"alpha test", "no surface lets rays through by its alpha", 0}},
-      {gpu::kFeatureCull, {"culling of back faces", "every surface is double-sided or transmissive", 0}},
-      {gpu::kFeatureTextures, {"textures", "no material in use has a texture", packed.vertex_uvs.empty() ? stream : 0}},
-      {gpu::kFeatureBaseColorTextures, {"base colour textures", "no material in use has one", 0}},
-      {gpu::kFeatureMetallicRoughnessTextures, {"metallic-roughness textures", "no material in use has one", 0}},
-      {gpu::kFeatureSpecularTextures, {"specular textures", "no material in use has one", 0}},
-      {gpu::kFeatureTransmissionTextures, {"transmission textures", "no material in use has one", 0}},
-      {gpu::kFeatureEmissionTextures, {"emission textures", "no material in use has one", 0}},
-      {gpu::kFeatureFloatTextures, {"textures of floats", "all texels in use are bytes", 0}},
-      {gpu::kFeatureNearestTextures, {"unfiltered textures", "every texture in use is filtered", 0}},
-      {gpu::kFeatureTextureTransform, {"texture transforms", "no texture in use is moved, turned or scaled", 0}},
-      {gpu::kFeatureNormalMaps, {"normal maps", "no material in use has a normal texture", 0}},
-      {gpu::kFeatureSmoothNormals,
-       {"smooth normals", "no primitive has vertex normals", packed.vertex_normals.empty() ? stream : 0}},
-      {gpu::kFeatureVertexColors, {"vertex colours", "no mesh has vertex colours", stream}},
-      {gpu::kFeatureSpecular, {"specular reflection", "every material is pure Lambert or unlit", 0}},
-      {gpu::kFeatureTransmission, {"transmission", "no material in use transmits light", 0}},
-      {gpu::kFeatureVolume,
-       {"volume medium per path", "no body in use absorbs light (this would take 4 bytes a path)", 0}},
-      {gpu::kFeatureEmission, {"surface emission", "no material in use shines", 0}},
-      {gpu::kFeatureTriangleLights, {"triangle lights", no_sampling ? not_sampled : "no triangle shines", 0}},
-      {gpu::kFeaturePunctualLights,
-       {"punctual lights", no_sampling ? not_sampled : "the scene has none that shines", 0}},
-      {gpu::kFeatureEnvironment, {"environment", "it is black", 0}},
-      {gpu::kFeatureEnvironmentMap, {"environment map", "the environment is constant or black", 0}},
+  const LeftOut all[] = {
+      {"two-level BVH", "no mesh is shown more than once", sizeof(gpu::Instance) + sizeof(bvh::WideNode), gpu::kFeatureInstances},
+      {"alpha test", "no surface lets rays through by its alpha", 0, gpu::kFeatureAlpha},
+      {"culling of back faces", "every surface is double-sided or transmissive", 0, gpu::kFeatureCull},
+      {"textures", "no material in use has a texture", packed.vertex_uvs.empty() ? stream : 0, gpu::kFeatureTextures},
+      {"base colour textures", "no material in use has one", 0, gpu::kFeatureBaseColorTextures},
+      {"metallic-roughness textures", "no material in use has one", 0, gpu::kFeatureMetallicRoughnessTextures},
+      {"specular textures", "no material in use has one", 0, gpu::kFeatureSpecularTextures},
+      {"transmission textures", "no material in use has one", 0, gpu::kFeatureTransmissionTextures},
+      {"emission textures", "no material in use has one", 0, gpu::kFeatureEmissionTextures},
+      {"textures of floats", "all texels in use are bytes", 0, gpu::kFeatureFloatTextures},
+      {"unfiltered textures", "every texture in use is filtered", 0, gpu::kFeatureNearestTextures},
+      {"texture transforms", "no texture in use is moved, turned or scaled", 0, gpu::kFeatureTextureTransform},
+      {"normal maps", "no material in use has a normal texture", 0, gpu::kFeatureNormalMaps},
+      {"smooth normals", "no primitive has vertex normals", packed.vertex_normals.empty() ? stream : 0, gpu::kFeatureSmoothNormals},
+      {"vertex colours", "no mesh has vertex colours", stream, gpu::kFeatureVertexColors},
+      {"specular reflection", "every material is pure Lambert or unlit", 0, gpu::kFeatureSpecular},
+      {"transmission", "no material in use transmits light", 0, gpu::kFeatureTransmission},
+      {"volume medium per path", "no body in use absorbs light (this would take 4 bytes a path)", 0, gpu::kFeatureVolume},
+      {"surface emission", "no material in use shines", 0, gpu::kFeatureEmission},
+      {"triangle lights", no_sampling ? not_sampled : "no triangle shines", 0, gpu::kFeatureTriangleLights},
+      {"punctual lights", no_sampling ? not_sampled : "the scene has none that shines", 0, gpu::kFeaturePunctualLights},
+      {"environment", "it is black", 0, gpu::kFeatureEnvironment},
+      {"environment map", "the environment is constant or black", 0, gpu::kFeatureEnvironmentMap},
   };
   std::vector<LeftOut> left_out;
-  for (const auto& [bit, entry] : all)
-    if (!(packed.features & bit)) left_out.push_back(entry);
+  for (const LeftOut& entry : all)
+    if (!(packed.features & entry.feature)) left_out.push_back(entry);
   if (corners > 0)
     left_out.push_back(
         {"vertex indices", "no surface has vertex normals, texture coordinates or colours to look up", corners});

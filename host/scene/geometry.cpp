@@ -5,6 +5,7 @@
 #include <tbb/parallel_for.h>
 
 #include "bvh/build.h"
+#include "bvh/measure.h"
 #include "host/base/error.h"
 #include "host/scene/bounds.h"
 
@@ -57,24 +58,32 @@ std::vector<TriangleSource> list_sources(const Scene& scene, std::span<const Par
   return sources;
 }
 
-// Boxes of the valid triangles; the others are removed from `sources` as well.
-std::vector<bvh::Box> box_valid(const Scene& scene, std::span<const Part> parts, std::vector<TriangleSource>& sources) {
-  std::vector<bvh::Box> boxes(sources.size());
+// The valid triangles; the others are removed from `sources` as well.
+std::vector<bvh::Triangle> list_valid(const Scene& scene, std::span<const Part> parts,
+                                      std::vector<TriangleSource>& sources) {
+  std::vector<bvh::Triangle> triangles(sources.size());
   std::vector<std::uint8_t> valid(sources.size());
   tbb::parallel_for(std::size_t{0}, sources.size(), [&](std::size_t i) {
     const Corners c = find_corners(scene, parts[sources[i].part], sources[i].first_index);
     valid[i] = c.valid;
-    boxes[i] = bvh::bounds({to_bvh(c.position[0]), to_bvh(c.position[1]), to_bvh(c.position[2])});
+    triangles[i] = {to_bvh(c.position[0]), to_bvh(c.position[1]), to_bvh(c.position[2])};
   });
   std::size_t kept = 0;
   for (std::size_t i = 0; i < sources.size(); ++i) {
     if (!valid[i]) continue;
     sources[kept] = sources[i];
-    boxes[kept++] = boxes[i];
+    triangles[kept++] = triangles[i];
   }
   sources.resize(kept);
-  boxes.resize(kept);
-  return boxes;
+  triangles.resize(kept);
+  return triangles;
+}
+
+// What a leaf's item can be numbered by.
+void require_items(const Scene& scene, std::size_t count) {
+  if (count > bvh::kMaxItems)
+    throw Error(scene.path, fmt::format("has more than {} triangles", bvh::kMaxItems),
+                "simplify or split the scene, or try --bvh fast");
 }
 
 } // namespace
@@ -90,30 +99,30 @@ std::uint32_t append_tree(const bvh::WideTree& tree, std::uint32_t first_item, s
 }
 
 Object append_object(const Scene& scene, std::span<const Part> parts, bool with_vertices, std::uint64_t times,
-                     PackedScene& packed) {
+                     bvh::Quality quality, PackedScene& packed) {
   std::vector<TriangleSource> sources = list_sources(scene, parts);
   const std::size_t listed = sources.size();
-  std::vector<bvh::Box> boxes = box_valid(scene, parts, sources);
+  std::vector<bvh::Triangle> triangles = list_valid(scene, parts, sources);
   packed.dropped_triangles += (listed - sources.size()) * times;
 
   const std::size_t first = packed.triangles.size();
-  if (first + sources.size() > bvh::kMaxItems)
-    throw Error(scene.path, fmt::format("has more than {} triangles", bvh::kMaxItems), "simplify or split the scene");
-
+  require_items(scene, first + sources.size());
   Object object;
   object.first_item = static_cast<std::uint32_t>(first);
   object.triangle_count = static_cast<std::uint32_t>(sources.size());
-  if (!boxes.empty()) {
+  if (!triangles.empty()) {
     bvh::Box whole;
-    for (const bvh::Box& box : boxes) whole = bvh::merge(whole, box);
+    for (const bvh::Triangle& triangle : triangles) whole = bvh::merge(whole, bvh::bounds(triangle));
     object.lo = {whole.lo.x, whole.lo.y, whole.lo.z};
     object.hi = {whole.hi.x, whole.hi.y, whole.hi.z};
   }
-  const bvh::WideTree tree = bvh::build(boxes);
-  boxes = {};
+  const bvh::WideTree tree = bvh::build(std::span<const bvh::Triangle>(triangles), {.quality = quality});
+  triangles = {};
+  require_items(scene, first + tree.order.size());
   if (packed.nodes.size() + tree.nodes.size() > bvh::kMaxNodes)
     throw Error(scene.path, fmt::format("needs more than {} BVH nodes", bvh::kMaxNodes), "simplify or split the scene");
   object.depth = tree.depth;
+  object.sah_cost = bvh::measure(tree).sah_cost;
   object.root = append_tree(tree, object.first_item, packed.nodes);
   object.item_count = static_cast<std::uint32_t>(tree.order.size());
 

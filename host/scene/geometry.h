@@ -29,6 +29,7 @@ struct Object {
   std::uint32_t triangle_count = 0;
   std::uint32_t root = 0;  // node of PackedScene::nodes
   std::uint32_t depth = 0; // nodes on the longest path from there
+  double sah_cost = 0.0;   // see bvh::Measure
   glm::vec3 lo{0.0f}, hi{0.0f}; // around its boxes in the tree, in its own space; 0 if it is empty
 };
 
@@ -37,7 +38,7 @@ struct Object {
 // packed.dropped_triangles, `times` each (the instances that would have shown them). light_pdf is left 0. Throws Error
 // if there are more items or nodes than traversal can number.
 Object append_object(const Scene& scene, std::span<const Part> parts, bool with_vertices, std::uint64_t times,
-                     PackedScene& packed);
+                     bvh::Quality quality, PackedScene& packed);
 
 // Appends `tree` to `nodes`, its items renumbered from `first_item`; returns its root.
 std::uint32_t append_tree(const bvh::WideTree& tree, std::uint32_t first_item, std::vector<bvh::WideNode>& nodes);

@@ -1,6 +1,7 @@
 // The walk from Scene to PackedScene, stage by stage; see pack.h.
 #include "host/scene/pack.h"
 
+#include <algorithm>
 #include <chrono>
 
 #include <glm/gtc/matrix_transform.hpp>
@@ -24,6 +25,7 @@ struct Layout {
   std::vector<std::uint32_t> material_index; // by scene material
   std::vector<float> image_alpha;            // by image, see smallest_image_alpha()
   bool with_vertices = false;                // triangles refer to vertex streams
+  bvh::Quality quality = bvh::Quality::fast;
 };
 
 void list_parts(const Scene& scene, const Layout& layout, std::uint32_t mesh_index,
@@ -45,7 +47,7 @@ Object pack_static(const Scene& scene, const Layout& layout, const glm::dmat4& d
     if (layout.usage.mesh_instances[instance.mesh] == 1)
       list_parts(scene, layout, instance.mesh, device_from_world * instance.world_from_object, parts);
   if (parts.empty() && layout.usage.two_level()) return {};
-  return append_object(scene, parts, layout.with_vertices, 1, packed);
+  return append_object(scene, parts, layout.with_vertices, 1, layout.quality, packed);
 }
 
 // An object for the static part and one for every shared mesh, then the top level. Returns by instance its object.
@@ -58,7 +60,7 @@ std::vector<std::uint32_t> pack_two_level(Scene& scene, const Layout& layout, co
     std::vector<Part> parts;
     list_parts(scene, layout, m, glm::dmat4(1.0), parts);
     object_of_mesh[m] = static_cast<std::uint32_t>(objects.size());
-    objects.push_back(append_object(scene, parts, layout.with_vertices, layout.usage.mesh_instances[m], packed));
+    objects.push_back(append_object(scene, parts, layout.with_vertices, layout.usage.mesh_instances[m], layout.quality, packed));
   }
   for (const Instance& instance : scene.instances)
     if (object_of_mesh[instance.mesh] != kNoIndex)
@@ -79,10 +81,12 @@ void place_origin(const Scene& scene, PackedScene& packed) {
 
 } // namespace
 
-PackedScene pack(Scene& scene, std::uint32_t direct) {
+PackedScene pack(Scene& scene, std::uint32_t direct, bvh::Quality quality) {
   PackedScene packed;
+  packed.bvh_quality = quality;
   place_origin(scene, packed);
   Layout layout;
+  layout.quality = quality;
   layout.usage = find_usage(scene);
   layout.image_alpha = smallest_image_alpha(scene, layout.usage);
 
@@ -110,6 +114,8 @@ PackedScene pack(Scene& scene, std::uint32_t direct) {
     packed.stack_size = objects[0].depth;
     packed.triangle_count = objects[0].triangle_count;
   }
+  for (const Object& object : objects) packed.triangles_stored += object.triangle_count;
+  packed.sah_cost = std::ranges::max_element(objects, {}, &Object::triangle_count)->sah_cost;
   packed.bvh_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   if (packed.dropped_triangles > 0)
     scene.warnings.add("triangles without area or with coordinates that are not finite were dropped",

@@ -8,7 +8,7 @@
 
 #include <glm/glm.hpp>
 
-#include "bvh/wide.h"
+#include "bvh/build.h"
 #include "host/scene/scene.h"
 #include "kernels/gpu_types.h"
 
@@ -17,7 +17,8 @@ namespace wavepath {
 // Something that this scene does not need and therefore does not get.
 struct LeftOut {
   std::string what, why;
-  std::uint64_t bytes = 0; // that it would have cost on the device
+  std::uint64_t bytes = 0;   // that it would have cost on the device
+  std::uint32_t feature = 0; // kFeature bit of the code that goes with it; 0 = data alone
 };
 
 struct PackedScene {
@@ -52,10 +53,14 @@ struct PackedScene {
   std::uint64_t triangle_count = 0;    // as seen: instances counted
   std::uint64_t dropped_triangles = 0; // non-finite or degenerate
   double bvh_seconds = 0.0;
+  bvh::Quality bvh_quality = bvh::Quality::fast;
+  std::uint64_t triangles_stored = 0; // without the copies of spatial splits
+  double sah_cost = 0.0; // of the tree over the most triangles, see bvh::Measure
 };
 
 // What a scene will take on the device, computed before anything is laid out. Exact but for tree nodes (an average of
-// real scenes) and lights (every triangle of a textured emitter counts, though most may prove black).
+// real scenes), lights (every triangle of a textured emitter counts, though most may prove black) and spatial splits (as
+// many copies as they may make).
 struct Plan {
   std::uint64_t triangle_bytes = 0, node_bytes = 0, vertex_bytes = 0, texel_bytes = 0, environment_bytes = 0,
                 light_bytes = 0;
@@ -65,11 +70,11 @@ struct Plan {
     return triangle_bytes + node_bytes + vertex_bytes + texel_bytes + environment_bytes + light_bytes;
   }
 };
-Plan plan(const Scene& scene);
+Plan plan(const Scene& scene, bvh::Quality quality = bvh::Quality::fast);
 
 // `direct` (kDirect*): with kDirectBsdf no light is packed for sampling. Adds warnings about what it dropped to
 // scene.warnings.
-PackedScene pack(Scene& scene, std::uint32_t direct = gpu::kDirectMis);
+PackedScene pack(Scene& scene, std::uint32_t direct = gpu::kDirectMis, bvh::Quality quality = bvh::Quality::fast);
 
 // Packed tangent in the w of vertex_normals, as float bits: 31..16 and 15..1 hold the octahedral x and y of the
 // direction (Meyer et al. 2010; lower hemisphere where z < 0), each mapped from [-1,1] to [0, 65535] and [0, 32767];

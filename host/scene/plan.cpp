@@ -27,7 +27,7 @@ std::uint64_t count_emitters(const Scene& scene, const Usage& usage) {
 
 } // namespace
 
-Plan plan(const Scene& scene) {
+Plan plan(const Scene& scene, bvh::Quality quality) {
   const Usage usage = find_usage(scene);
   const Streams streams = needed_streams(scene, usage);
   const MaterialTable materials = pack_materials(scene, usage);
@@ -36,14 +36,17 @@ Plan plan(const Scene& scene) {
   plan.triangles_stored = usage.triangles_stored;
   plan.triangles_seen = usage.triangles_seen;
   plan.instances = usage.two_level() ? usage.shared_instances + 1 : 0;
-  const std::uint64_t triangles = usage.triangles_stored * sizeof(gpu::Triangle);
-  const std::uint64_t corners = streams.any() ? usage.triangles_stored * sizeof(glm::uvec4) : 0;
+  const double copies = quality == bvh::Quality::fast ? 0.0 : bvh::BuildConfig{}.max_copies;
+  const std::uint64_t items =
+      usage.triangles_stored + static_cast<std::uint64_t>(copies * static_cast<double>(usage.triangles_stored));
+  const std::uint64_t triangles = items * sizeof(gpu::Triangle);
+  const std::uint64_t corners = streams.any() ? items * sizeof(glm::uvec4) : 0;
   const std::uint64_t stream = usage.vertex_count * sizeof(glm::vec4);
   const std::uint64_t placed = plan.instances * sizeof(gpu::Instance);
   const std::uint64_t environment = scene.environment.present() ? scene.environment.map.size() * sizeof(glm::vec4) : 0;
   plan.triangle_bytes = triangles + corners;
   const std::uint64_t nodes =
-      triangle_node_bytes(usage.triangles_stored) + (placed > 0 ? instance_node_bytes(plan.instances) : 0);
+      triangle_node_bytes(items) + (placed > 0 ? instance_node_bytes(plan.instances) : 0);
   plan.node_bytes = nodes + placed;
   plan.vertex_bytes = streams.count() * stream;
   plan.texel_bytes = materials.textures.word_count * sizeof(std::uint32_t);

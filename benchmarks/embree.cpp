@@ -1,0 +1,140 @@
+#include "benchmarks/embree.h"
+
+#include <algorithm>
+#include <chrono>
+#include <limits>
+
+#include <embree3/rtcore.h>
+#include <tbb/parallel_for.h>
+
+#include "bvh/words.h"
+#include "host/base/error.h"
+
+namespace wavepath {
+namespace {
+
+constexpr std::size_t kGrain = 256; // rays a task
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+// Leaves of one tree, each triangle once: spatial splits hold copies.
+std::vector<std::uint32_t> list_triangles(const PackedScene& scene, std::uint32_t root) {
+  std::vector<std::uint32_t> items, nodes{root};
+  while (!nodes.empty()) {
+    const bvh::WideNode& node = scene.nodes[nodes.back()];
+    nodes.pop_back();
+    for (std::uint32_t slot = 0; slot < 4; ++slot) {
+      const std::uint32_t first = bvh::first_item(node, slot);
+      for (std::uint32_t i = 0; i < bvh::item_count(node, slot); ++i) items.push_back(first + i);
+      if (bvh::is_inner(node, slot)) nodes.push_back(node.first_child + slot);
+    }
+  }
+  const auto id = [&](std::uint32_t item) { return scene.triangles[item].id; };
+  std::sort(items.begin(), items.end(), [&](std::uint32_t a, std::uint32_t b) { return id(a) < id(b); });
+  items.erase(std::unique(items.begin(), items.end(), [&](std::uint32_t a, std::uint32_t b) { return id(a) == id(b); }),
+              items.end());
+  return items;
+}
+
+// Corners of the triangles of every instance, in device world space.
+std::vector<glm::vec3> flatten(const PackedScene& scene) {
+  std::vector<glm::vec3> corners;
+  if (!scene.root_is_top) {
+    for (const std::uint32_t item : list_triangles(scene, scene.root)) {
+      const gpu::Triangle& triangle = scene.triangles[item];
+      corners.insert(corners.end(), {triangle.v0, triangle.v1, triangle.v2});
+    }
+    return corners;
+  }
+  for (const gpu::Instance& instance : scene.instances) {
+    const auto& rows = instance.world_from_object;
+    for (const std::uint32_t item : list_triangles(scene, instance.root)) {
+      const gpu::Triangle& triangle = scene.triangles[item];
+      for (const glm::vec3& v : {triangle.v0, triangle.v1, triangle.v2}) {
+        const glm::vec4 p(v, 1.0f);
+        corners.emplace_back(glm::dot(rows[0], p), glm::dot(rows[1], p), glm::dot(rows[2], p));
+      }
+    }
+  }
+  return corners;
+}
+
+template <class Ray>
+RTCRay to_embree(const Ray& ray) {
+  RTCRay r{};
+  r.org_x = ray.origin.x, r.org_y = ray.origin.y, r.org_z = ray.origin.z;
+  r.dir_x = ray.direction.x, r.dir_y = ray.direction.y, r.dir_z = ray.direction.z;
+  r.tfar = ray.t_max;
+  r.mask = ~0u;
+  return r;
+}
+
+} // namespace
+
+struct EmbreeScene::Handles {
+  RTCDevice device = nullptr;
+  RTCScene scene = nullptr;
+};
+
+EmbreeScene::EmbreeScene(const PackedScene& scene, bool robust) : handles_(std::make_unique<Handles>()) {
+  const std::vector<glm::vec3> corners = flatten(scene);
+  handles_->device = rtcNewDevice(nullptr);
+  handles_->scene = rtcNewScene(handles_->device);
+  rtcSetSceneFlags(handles_->scene, robust ? RTC_SCENE_FLAG_ROBUST : RTC_SCENE_FLAG_NONE);
+  rtcSetSceneBuildQuality(handles_->scene, RTC_BUILD_QUALITY_MEDIUM);
+  RTCGeometry mesh = rtcNewGeometry(handles_->device, RTC_GEOMETRY_TYPE_TRIANGLE);
+  void* vertices = rtcSetNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(glm::vec3), corners.size());
+  void* indices = rtcSetNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12, corners.size() / 3);
+  if (!corners.empty() && (!vertices || !indices))
+    throw Error("embree", "has no memory for the scene", "bench a smaller scene");
+  std::copy(corners.begin(), corners.end(), static_cast<glm::vec3*>(vertices));
+  for (std::uint32_t i = 0; i < corners.size(); ++i) static_cast<std::uint32_t*>(indices)[i] = i;
+  rtcCommitGeometry(mesh);
+  rtcAttachGeometry(handles_->scene, mesh);
+  rtcReleaseGeometry(mesh);
+  const auto start = std::chrono::steady_clock::now();
+  rtcCommitScene(handles_->scene);
+  build_seconds_ = seconds_since(start);
+}
+
+EmbreeScene::~EmbreeScene() {
+  rtcReleaseScene(handles_->scene);
+  rtcReleaseDevice(handles_->device);
+}
+
+double EmbreeScene::intersect(std::span<const gpu::Ray> rays, std::vector<float>* t) const {
+  if (t) t->assign(rays.size(), std::numeric_limits<float>::infinity());
+  const auto start = std::chrono::steady_clock::now();
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, rays.size(), kGrain), [&](const auto& range) {
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    for (std::size_t i = range.begin(); i < range.end(); ++i) {
+      RTCRayHit hit{to_embree(rays[i]), {}};
+      hit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+      rtcIntersect1(handles_->scene, &context, &hit);
+      if (t && hit.hit.geomID != RTC_INVALID_GEOMETRY_ID) (*t)[i] = hit.ray.tfar;
+    }
+  });
+  return seconds_since(start);
+}
+
+double EmbreeScene::occluded(std::span<const gpu::ShadowRay> rays, std::vector<bool>* blocked) const {
+  std::vector<std::uint8_t> found(rays.size(), 0);
+  const auto start = std::chrono::steady_clock::now();
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, rays.size(), kGrain), [&](const auto& range) {
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    for (std::size_t i = range.begin(); i < range.end(); ++i) {
+      RTCRay ray = to_embree(rays[i]);
+      rtcOccluded1(handles_->scene, &context, &ray);
+      found[i] = ray.tfar < 0.0f;
+    }
+  });
+  const double seconds = seconds_since(start);
+  if (blocked) blocked->assign(found.begin(), found.end());
+  return seconds;
+}
+
+} // namespace wavepath

@@ -1,0 +1,13 @@
+// Whether boxes cover a triangle, exactly: by cutting away what lies in them until nothing is left.
+#pragma once
+
+#include <span>
+
+#include "bvh/words.h"
+
+namespace wavepath::bvh {
+
+// Parts thinner than 2^-26 of the triangle's size do not count.
+bool covered(const Triangle& triangle, std::span<const GridBox> boxes);
+
+} // namespace wavepath::bvh

@@ -1,0 +1,152 @@
+// Clips triangles at planes, and finds the plane to cut at.
+#include "bvh/spatial.h"
+
+namespace wavepath::bvh {
+
+namespace {
+
+bool is_empty(const Bound& bound) { return !(bound.extent(0) >= 0 && bound.extent(1) >= 0 && bound.extent(2) >= 0); }
+
+Bound bound_of(Vec3 p) { return {{-p.x, -p.y, -p.z, 0, p.x, p.y, p.z, 0}}; }
+
+// What a box that must hold a triangle, however the triangle test rounds, is wider than the triangle on every side: as
+// bounds() has it, twice, since the points below err by 5 eps size + eps |coordinate| more.
+Bound padding_of(const Triangle& triangle) {
+  const Vec3 lo = min(triangle.v0, min(triangle.v1, triangle.v2)), hi = max(triangle.v0, max(triangle.v1, triangle.v2));
+  const float size = max_component(hi - lo) * 0x1p-19f;
+  const Vec3 pad = max(abs(lo), abs(hi)) * 0x1p-22f + Vec3{size, size, size};
+  return {{pad.x, pad.y, pad.z, 0, pad.x, pad.y, pad.z, 0}};
+}
+
+struct Halves {
+  Bound below, above; // empty where nothing lies there
+};
+
+// `box` holds, with `padding`, the part of the triangle that lies in some region; the halves do so for the two parts of
+// that region. Points on the plane, a + (b - a) * t, have their t in [0, 1] because division is monotone.
+Halves clip(const Triangle& triangle, const Bound& box, const Bound& padding, int axis, float plane) {
+  Halves halves;
+  const Vec3 vertices[3] = {triangle.v0, triangle.v1, triangle.v2};
+  for (int i = 0; i < 3; ++i) {
+    const Vec3 a = vertices[i], b = vertices[i == 2 ? 0 : i + 1];
+    const float from = a[axis], to = b[axis];
+    const Bound point = bound_of(a);
+    if (from <= plane) halves.below.merge(point);
+    if (from >= plane) halves.above.merge(point);
+    if ((from < plane) != (to < plane) && from != plane && to != plane) {
+      Bound crossing = bound_of(a + (b - a) * ((plane - from) / (to - from)));
+      crossing.lane[axis] = -plane;
+      crossing.lane[4 + axis] = plane;
+      halves.below.merge(crossing);
+      halves.above.merge(crossing);
+    }
+  }
+  for (Bound* half : {&halves.below, &halves.above})
+    for (int i = 0; i < 8; ++i) half->lane[i] = std::min(half->lane[i] + padding.lane[i], box.lane[i]);
+  return halves;
+}
+
+} // namespace
+
+SpatialSlabs::SpatialSlabs(const Bound& bound) {
+  for (int axis = 0; axis < 3; ++axis) {
+    lo[axis] = -bound.lane[axis];
+    size[axis] = bound.extent(axis) * (1.0f / kCount);
+    scale[axis] = size[axis] > 0x1p-100f ? 1 / size[axis] : 0.0f;
+  }
+}
+
+void SpatialBins::add(const SpatialSlabs& slabs, std::span<const Primitive> primitives,
+                      std::span<const Triangle> triangles) {
+  for (const Primitive& primitive : primitives) {
+    for (int axis = 0; axis < 3; ++axis) {
+      const int first = slabs.first(primitive, axis), last = slabs.last(primitive, axis);
+      ++first_count[axis][first];
+      ++last_count[axis][last];
+      if (first == last) {
+        bound[axis][first].merge(primitive.bound);
+        continue;
+      }
+      const Triangle& triangle = triangles[primitive.index()];
+      const Bound padding = padding_of(triangle);
+      Bound rest = primitive.bound;
+      for (int slab = first; slab < last && !is_empty(rest); ++slab) {
+        const Halves halves = clip(triangle, rest, padding, axis, slabs.plane(axis, slab + 1));
+        if (!is_empty(halves.below)) bound[axis][slab].merge(halves.below);
+        rest = halves.above;
+      }
+      if (!is_empty(rest)) bound[axis][last].merge(rest);
+    }
+  }
+}
+
+void SpatialBins::merge(const SpatialBins& other) {
+  for (int axis = 0; axis < 3; ++axis)
+    for (int slab = 0; slab < SpatialSlabs::kCount; ++slab) {
+      bound[axis][slab].merge(other.bound[axis][slab]);
+      first_count[axis][slab] += other.first_count[axis][slab];
+      last_count[axis][slab] += other.last_count[axis][slab];
+    }
+}
+
+SpatialCut SpatialBins::best_cut(const SpatialSlabs& slabs, float inverse_size, std::uint32_t most) const {
+  constexpr int kCount = SpatialSlabs::kCount;
+  SpatialCut best;
+  for (int axis = 0; axis < 3; ++axis) {
+    if (slabs.scale[axis] == 0.0f) continue;
+    Bound right[kCount];
+    std::uint32_t right_count[kCount];
+    for (int slab = kCount - 1; slab > 0; --slab) {
+      right[slab] = bound[axis][slab];
+      right_count[slab] = last_count[axis][slab];
+      if (slab + 1 == kCount) continue;
+      right[slab].merge(right[slab + 1]);
+      right_count[slab] += right_count[slab + 1];
+    }
+    Bound left;
+    std::uint32_t left_count = 0;
+    for (int slab = 1; slab < kCount; ++slab) {
+      left.merge(bound[axis][slab - 1]);
+      left_count += first_count[axis][slab - 1];
+      if (is_empty(left) || is_empty(right[slab]) || left_count + right_count[slab] > most) continue;
+      const float cost = static_cast<float>(left_count) * half_area(left, inverse_size) +
+                         static_cast<float>(right_count[slab]) * half_area(right[slab], inverse_size);
+      if (cost < best.cost) best = {cost, axis, slab, left_count, right_count[slab], left, right[slab]};
+    }
+  }
+  return best;
+}
+
+Pieces divide(const Primitive& primitive, const Triangle& triangle, const SpatialSlabs& slabs, const SpatialCut& cut,
+              float inverse_size) {
+  const bool in_left = slabs.first(primitive, cut.axis) < cut.slab, in_right = slabs.last(primitive, cut.axis) >= cut.slab;
+  Pieces pieces{primitive, primitive, in_left, in_right};
+  if (!in_left || !in_right) return pieces;
+  const Halves halves =
+      clip(triangle, primitive.bound, padding_of(triangle), cut.axis, slabs.plane(cut.axis, cut.slab));
+  pieces.in_left = !is_empty(halves.below);
+  pieces.in_right = !is_empty(halves.above) || !pieces.in_left;
+  const auto set_piece = [](Primitive& piece, const Bound& half) {
+    for (const int i : {0, 1, 2, 4, 5, 6}) piece.bound.lane[i] = half.lane[i];
+  };
+  if (!pieces.in_left || !pieces.in_right) return pieces; // rounding: all of it lies on one side
+  // Held on one side only, it takes its whole box there, and spares the other side a primitive.
+  const auto area_with = [&](Bound side) {
+    side.merge(primitive.bound);
+    return half_area(side, inverse_size);
+  };
+  const float left_area = half_area(cut.left, inverse_size), right_area = half_area(cut.right, inverse_size);
+  const auto left_count = static_cast<float>(cut.left_count), right_count = static_cast<float>(cut.right_count);
+  const float split = left_area * left_count + right_area * right_count;
+  const float only_left = area_with(cut.left) * left_count + right_area * (right_count - 1);
+  const float only_right = left_area * (left_count - 1) + area_with(cut.right) * right_count;
+  if (std::min(only_left, only_right) < split) {
+    (only_left < only_right ? pieces.in_right : pieces.in_left) = false;
+    return pieces;
+  }
+  set_piece(pieces.left, halves.below);
+  set_piece(pieces.right, halves.above);
+  return pieces;
+}
+
+} // namespace wavepath::bvh

@@ -1,0 +1,55 @@
+// Spatial splits (Stich, Friedrich, Dietrich 2009): a plane cuts the space of a node in two, and triangles that straddle it
+// are held on both sides, each with a box around what lies there. Worth it where boxes overlap much: long triangles at odd
+// angles among small ones.
+#pragma once
+
+#include <span>
+
+#include "bvh/split.h"
+
+namespace wavepath::bvh {
+
+// Primitives wholly in slabs below `slab` go left; those that reach across go to both sides, or to one if that is cheaper.
+// No cut: infinite cost.
+struct SpatialCut {
+  float cost = std::numeric_limits<float>::infinity(); // as Cut::cost
+  int axis = 0, slab = 0;
+  std::uint32_t left_count = 0, right_count = 0; // at most
+  Bound left, right;
+};
+
+// A division of a node's own box into equal slabs on each axis.
+struct SpatialSlabs {
+  static constexpr int kCount = 16;
+  float lo[3], size[3], scale[3]; // of a slab, and its inverse: 0 = too thin to divide
+
+  explicit SpatialSlabs(const Bound& bound);
+  float plane(int axis, int slab) const { return lo[axis] + static_cast<float>(slab) * size[axis]; }
+  int of(float position, int axis) const {
+    return std::clamp(static_cast<int>((position - lo[axis]) * scale[axis]), 0, kCount - 1);
+  }
+  int first(const Primitive& primitive, int axis) const { return of(-primitive.bound.lane[axis], axis); }
+  int last(const Primitive& primitive, int axis) const { return of(primitive.bound.lane[4 + axis], axis); }
+};
+
+// What lies in each slab. Merging is exact, so that its order does not matter.
+struct SpatialBins {
+  Bound bound[3][SpatialSlabs::kCount];
+  std::uint32_t first_count[3][SpatialSlabs::kCount] = {}; // primitives of which it is the first slab
+  std::uint32_t last_count[3][SpatialSlabs::kCount] = {};
+
+  void add(const SpatialSlabs& slabs, std::span<const Primitive> primitives, std::span<const Triangle> triangles);
+  void merge(const SpatialBins& other);
+  // The cheapest cut that holds no more than `most` primitives on both sides together.
+  SpatialCut best_cut(const SpatialSlabs& slabs, float inverse_size, std::uint32_t most) const;
+};
+
+// What a primitive leaves on either side of a cut.
+struct Pieces {
+  Primitive left, right;
+  bool in_left, in_right;
+};
+Pieces divide(const Primitive& primitive, const Triangle& triangle, const SpatialSlabs& slabs, const SpatialCut& cut,
+              float inverse_size);
+
+} // namespace wavepath::bvh

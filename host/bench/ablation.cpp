@@ -1,0 +1,53 @@
+#include "host/bench/ablation.h"
+
+#include <chrono>
+
+#include "host/bench/frames.h"
+#include "host/bench/summary.h"
+#include "host/scene/features.h"
+
+namespace wavepath {
+
+WarmTracer make_tracer(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings) {
+  const auto start = std::chrono::steady_clock::now();
+  WarmTracer result;
+  result.tracer = std::make_unique<PathTracer>(device, scene, view, settings, choose_slots(device.info(), scene, settings));
+  result.tracer->warm_up();
+  result.compile_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() -
+                           result.tracer->upload_seconds();
+  return result;
+}
+
+std::vector<AblationRow> ablate(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings,
+                                PathTracer& base, double base_compile_seconds, std::uint32_t spp, std::uint32_t repetitions,
+                                const std::function<void(const std::string&)>& progress) {
+  std::vector<AblationRow> rows;
+  const auto measure = [&](const std::string& what, std::uint64_t data_bytes, const RenderSettings& variant) {
+    progress("with " + what);
+    const WarmTracer rival = make_tracer(device, scene, view, variant);
+    std::vector<double> without, with;
+    for (std::uint32_t i = 0; i < repetitions; ++i) {
+      without.push_back(render_frame(base, spp).seconds);
+      with.push_back(render_frame(*rival.tracer, spp).seconds);
+    }
+    const double base_ms = 1e3 * summarize(without).median;
+    rows.push_back({what, base_ms * (ratio_of_medians(with, without) - 1.0), base_ms,
+                    static_cast<std::int64_t>(rival.tracer->memory().total() + data_bytes) -
+                        static_cast<std::int64_t>(base.memory().total()),
+                    1e3 * (rival.compile_seconds - base_compile_seconds)});
+  };
+  std::uint64_t all_bytes = 0;
+  for (const LeftOut& entry : scene.left_out) {
+    all_bytes += entry.bytes;
+    if (!entry.feature) continue; // no code, only data
+    RenderSettings variant = settings;
+    variant.added_features = entry.feature;
+    measure(entry.what, entry.bytes, variant);
+  }
+  RenderSettings generic = settings;
+  generic.specialize = false;
+  measure("everything (generic kernels)", all_bytes, generic);
+  return rows;
+}
+
+} // namespace wavepath

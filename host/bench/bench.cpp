@@ -1,0 +1,198 @@
+#include "host/bench/bench.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "host/bench/frames.h"
+#include "host/bench/ray_replay.h"
+#include "host/bench/work.h"
+#ifdef WAVEPATH_EMBREE
+#include "benchmarks/embree.h"
+#endif
+
+namespace wavepath {
+namespace {
+
+enum Kind : std::size_t { camera, bounce, shadow, kind_count };
+constexpr const char* kKindNames[kind_count] = {"camera", "bounce", "shadow"};
+
+// Float operations of kernels/bvh.glsl. A visit: 4 children x 6 planes, each scaled and moved (2) and compared (1), and the
+// last comparison, padded (2). A test: 3 vertices moved (3) and sheared (5), 3 edge functions (3), their sum and signs (8),
+// and the place of the hit (about 80).
+constexpr double kVisitFlops = 4 * (6 * 3 + 2), kTestFlops = 3 * 8 + 3 * 3 + 8 + 80;
+
+// One measurement of every kind by every contestant, in turns, so that what disturbs one disturbs all.
+struct Contestant {
+  std::function<double(Kind)> seconds;
+  std::array<std::vector<double>, kind_count> measured{};
+};
+
+void take_turns(std::vector<Contestant>& contestants, std::uint32_t repetitions) {
+  constexpr double kLongEnough = 0.03; // seconds: short runs are repeated until the clock can tell
+  for (std::size_t kind = 0; kind < kind_count; ++kind) {
+    std::uint32_t runs = 1;
+    for (Contestant& each : contestants) { // warm-up
+      const double once = each.seconds(static_cast<Kind>(kind));
+      if (once > 0.0) runs = std::max(runs, static_cast<std::uint32_t>(std::ceil(kLongEnough / std::max(once, 1e-4))));
+    }
+    for (std::uint32_t turn = 0; turn < repetitions; ++turn)
+      for (Contestant& each : contestants) {
+        double sum = 0.0;
+        for (std::uint32_t i = 0; i < runs; ++i) sum += each.seconds(static_cast<Kind>(kind));
+        each.measured[kind].push_back(sum / runs);
+      }
+  }
+}
+
+std::array<std::size_t, kind_count> counts(const RaySets& rays) {
+  return {rays.camera.size(), rays.bounce.size(), rays.shadow.size()};
+}
+
+Contestant replaying(RayReplay& replay, const RaySets& rays) {
+  return {[&](Kind kind) {
+    return kind == shadow ? replay.connect(rays.shadow) : replay.extend(kind == camera ? rays.camera : rays.bounce);
+  }};
+}
+
+RayRate describe(Kind kind, std::size_t count, const std::vector<double>& seconds, const bvh::Counters& work,
+                 const Ceilings& ceilings) {
+  RayRate rate;
+  rate.kind = kKindNames[kind];
+  rate.count = count;
+  if (count == 0) return rate;
+  const Summary summary = summarize(seconds);
+  const auto n = static_cast<double>(count), rays_per_second = n / summary.median;
+  rate.mrays_per_second = 1e-6 * rays_per_second;
+  rate.spread = summary.spread;
+  rate.visits = static_cast<double>(work.visits) / n;
+  rate.tests = static_cast<double>(work.tests) / n;
+  rate.bytes = rate.visits * 16 * gpu::kNodeTexels + rate.tests * 16 * gpu::kTriangleTexels +
+               (kind == shadow ? sizeof(gpu::ShadowRay) : sizeof(gpu::Ray) + sizeof(gpu::Hit));
+  rate.roofline_fraction = roofline_fraction(ceilings, rays_per_second * (rate.visits + rate.tests),
+                                             rays_per_second * (rate.visits * kVisitFlops + rate.tests * kTestFlops));
+  return rate;
+}
+
+std::array<RayRate, kind_count> measure_rays(const PackedScene& scene, RayReplay& replay, const RaySets& rays,
+                                             const Ceilings& ceilings, std::uint32_t repetitions) {
+  std::vector<Contestant> alone{replaying(replay, rays)};
+  take_turns(alone, repetitions);
+  const bvh::Counters work[] = {count_closest(scene, rays.camera), count_closest(scene, rays.bounce),
+                                count_any(scene, rays.shadow)};
+  std::array<RayRate, kind_count> rates;
+  for (std::size_t kind = 0; kind < kind_count; ++kind)
+    rates[kind] = describe(static_cast<Kind>(kind), counts(rays)[kind], alone[0].measured[kind], work[kind], ceilings);
+  return rates;
+}
+
+#ifdef WAVEPATH_EMBREE
+// Hits of both within rounding of each other, or both misses.
+double agreement(const std::vector<float>& ours, const std::vector<float>& theirs) {
+  std::size_t same = 0;
+  for (std::size_t i = 0; i < ours.size(); ++i)
+    same += ours[i] == theirs[i] || std::fabs(ours[i] - theirs[i]) <= 1e-3f * theirs[i];
+  return static_cast<double>(same) / static_cast<double>(ours.size());
+}
+
+double agreement(const std::vector<bool>& ours, const std::vector<bool>& theirs) {
+  std::size_t same = 0;
+  for (std::size_t i = 0; i < ours.size(); ++i) same += ours[i] == theirs[i];
+  return static_cast<double>(same) / static_cast<double>(ours.size());
+}
+
+double agreement(Kind kind, const PackedScene& scene, RayReplay& replay, const RaySets& rays, const EmbreeScene& embree) {
+  if (kind == shadow) {
+    std::vector<bool> theirs;
+    replay.connect(rays.shadow);
+    embree.occluded(rays.shadow, &theirs);
+    return agreement(replay.blocked(rays.shadow), theirs);
+  }
+  const std::vector<gpu::Ray>& set = kind == camera ? rays.camera : rays.bounce;
+  std::vector<float> theirs;
+  replay.extend(set);
+  embree.intersect(set, &theirs);
+  return agreement(replay.distances(scene, set), theirs);
+}
+
+// Embree tests neither alpha nor facing, so the kernels that it is held against leave that out too.
+void compare_with_embree(Device& device, const PackedScene& scene, const View& view, const BenchSettings& settings,
+                         const RaySets& rays, BenchResult& result) {
+  RenderSettings opaque = settings.render;
+  opaque.removed_features = gpu::kFeatureAlpha | gpu::kFeatureCull;
+  const WarmTracer warm = make_tracer(device, scene, view, opaque);
+  RayReplay replay(*warm.tracer);
+  const EmbreeScene fast(scene, false), robust(scene, true);
+  result.embree_build_seconds = fast.build_seconds();
+  const auto embree = [&rays](const EmbreeScene& rival) {
+    return Contestant{[&](Kind kind) {
+      return kind == shadow ? rival.occluded(rays.shadow) : rival.intersect(kind == camera ? rays.camera : rays.bounce);
+    }};
+  };
+  std::vector<Contestant> contestants{replaying(replay, rays), embree(fast), embree(robust)};
+  take_turns(contestants, settings.repetitions);
+  for (std::size_t kind = 0; kind < kind_count; ++kind) {
+    if (counts(rays)[kind] == 0) continue;
+    const auto over = [&](std::size_t rival) {
+      return ratio_of_medians(contestants[rival].measured[kind], contestants[0].measured[kind]);
+    };
+    result.rays[kind].embree = {over(1), over(2), agreement(static_cast<Kind>(kind), scene, replay, rays, robust)};
+  }
+}
+#endif
+
+void measure_frames(PathTracer& tracer, std::uint32_t repetitions, BenchResult& result) {
+  PathTracing& tracing = result.path_tracing;
+  tracing.spp = choose_frame_spp(tracer);
+  std::vector<double> seconds;
+  std::vector<std::vector<double>> stage_ms;
+  FrameTime frame;
+  for (std::uint32_t i = 0; i < repetitions; ++i) {
+    frame = render_frame(tracer, tracing.spp);
+    seconds.push_back(frame.seconds);
+    stage_ms.resize(frame.stages.size());
+    for (std::size_t s = 0; s < frame.stages.size(); ++s) stage_ms[s].push_back(1e3 * frame.stages[s].seconds);
+  }
+  double all = 0.0, traversal = 0.0;
+  for (std::size_t s = 0; s < stage_ms.size(); ++s) {
+    const double ms = summarize(stage_ms[s]).median;
+    result.stages.push_back({frame.stages[s].name, ms, frame.stages[s].dispatches});
+    all += ms;
+    if (s == Stage::extend || s == Stage::connect) traversal += ms;
+  }
+  tracing.seconds = summarize(seconds);
+  tracing.mrays_per_second = 1e-6 * static_cast<double>(frame.rays.total()) / tracing.seconds.median;
+  tracing.traversal_share = all > 0.0 ? traversal / all : 0.0;
+  tracing.bytes_per_path = bytes_per_slot(tracer.features());
+}
+
+} // namespace
+
+BenchResult bench(Device& device, const PackedScene& scene, const View& view, const BenchSettings& settings,
+                  const std::function<void(const std::string&)>& progress) {
+  BenchSettings all = settings;
+  all.render.room_for_shadow_rays = true;
+  BenchResult result;
+  progress("what the device can do at most");
+  result.ceilings = measure_ceilings(
+      device, scene.nodes.size() * sizeof(bvh::WideNode) + scene.triangles.size() * sizeof(gpu::Triangle));
+  progress("compiling kernels");
+  const WarmTracer warm = make_tracer(device, scene, view, all.render);
+  result.compile_seconds = warm.compile_seconds;
+  progress("whole frames");
+  measure_frames(*warm.tracer, all.repetitions, result);
+  progress("rays by kind");
+  RayReplay replay(*warm.tracer);
+  const RaySets rays = replay.capture();
+  result.rays = measure_rays(scene, replay, rays, result.ceilings, all.repetitions);
+#ifdef WAVEPATH_EMBREE
+  progress("the same rays in Embree");
+  compare_with_embree(device, scene, view, all, rays, result);
+#endif
+  if (all.ablate)
+    result.ablation = ablate(device, scene, view, all.render, *warm.tracer, warm.compile_seconds, result.path_tracing.spp,
+                             all.repetitions, progress);
+  return result;
+}
+
+} // namespace wavepath

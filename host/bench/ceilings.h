@@ -1,0 +1,23 @@
+// What the device itself can do at most: the roofline that kernels are held against.
+#pragma once
+
+#include <cstdint>
+
+#include "host/gpu/device.h"
+
+namespace wavepath {
+
+struct Ceilings {
+  double load16_per_second = 0.0; // random loads of 16 bytes, as traversal does them
+  double load64_per_second = 0.0; // of four times 16 bytes side by side
+  double gflops = 0.0;            // multiply-adds count as two
+};
+
+// The share of what the device could do at most, of work that takes so many blocks of up to 64 bytes loaded at random and
+// so many float operations each second: that of the scarcer of the two.
+double roofline_fraction(const Ceilings& ceilings, double loads_per_second, double flops_per_second);
+
+// Random loads go over `working_set` bytes (at least a page); the best of a few runs counts.
+Ceilings measure_ceilings(Device& device, std::uint64_t working_set);
+
+} // namespace wavepath

@@ -1,0 +1,110 @@
+#include "host/bench/ray_replay.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cstddef>
+#include <limits>
+
+namespace wavepath {
+namespace {
+
+std::uint32_t groups_for(std::size_t count) {
+  return static_cast<std::uint32_t>((count + gpu::kWorkgroupSize - 1) / gpu::kWorkgroupSize);
+}
+
+gpu::ShadowRay as_shadow_ray(const gpu::Ray& ray) {
+  return {ray.origin, ray.slot, ray.direction, gpu::kFar, glm::vec3(1.0f), 0};
+}
+
+// From the space of an instance's triangles to the device's world.
+glm::vec3 place(const PackedScene& scene, std::uint32_t instance, const glm::vec3& p) {
+  if (!scene.root_is_top) return p;
+  const auto& rows = scene.instances[instance].world_from_object;
+  const glm::vec4 q(p, 1.0f);
+  return {glm::dot(rows[0], q), glm::dot(rows[1], q), glm::dot(rows[2], q)};
+}
+
+} // namespace
+
+RaySets RayReplay::capture() {
+  const FilmBand& band = tracer_.bands_.front();
+  const std::uint32_t pixels = std::min(band.pixel_count, tracer_.slots());
+  tracer_.reset();
+  gpu::Wave wave{band.first_pixel, pixels, 0, 1, 0, band.first_pixel};
+  Commands commands(tracer_.device_);
+  commands.bind(*band.bindings);
+  for (const Stage stage : {Stage::generate, Stage::advance, Stage::extend, Stage::shade}) {
+    if (stage == Stage::advance)
+      commands.dispatch(tracer_.kernels_[Stage::advance], 1, &wave);
+    else
+      commands.dispatch(tracer_.kernels_[stage], groups_for(pixels), &wave);
+    commands.barrier();
+  }
+  commands.submit_and_wait();
+
+  const gpu::Queues queues = tracer_.counters();
+  const std::uint64_t second_queue = std::uint64_t{tracer_.slots()} * sizeof(gpu::Ray);
+  RaySets rays;
+  rays.camera = download<gpu::Ray>(tracer_.rays_, pixels);
+  rays.bounce = download<gpu::Ray>(tracer_.rays_, queues.ray_count[1], second_queue);
+  rays.shadow = download<gpu::ShadowRay>(tracer_.shadow_rays_, queues.shadow_count);
+  constexpr std::size_t kFewest = 4096; // that say anything about speed
+  if (rays.shadow.size() < kFewest && rays.shadow.size() < rays.bounce.size()) {
+    rays.shadow.clear();
+    for (const gpu::Ray& ray : rays.bounce) rays.shadow.push_back(as_shadow_ray(ray));
+  }
+  return rays;
+}
+
+// Timed by the device where its queue has timestamps.
+double RayReplay::time(Stage stage, std::size_t count) {
+  const FilmBand& band = tracer_.bands_.front();
+  const gpu::Wave wave{band.first_pixel, band.pixel_count, 0, 1, 0, band.first_pixel};
+  Commands commands(tracer_.device_, 1);
+  commands.bind(*band.bindings);
+  commands.dispatch(tracer_.kernels_[stage], groups_for(count), &wave);
+  const auto start = std::chrono::steady_clock::now();
+  commands.submit_and_wait();
+  const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const double device = commands.times().empty() ? 0.0 : commands.times().front().seconds;
+  return device > 0.0 ? device : wall;
+}
+
+double RayReplay::extend(std::span<const gpu::Ray> rays) {
+  gpu::Queues queues{};
+  queues.ray_count[0] = static_cast<std::uint32_t>(rays.size());
+  tracer_.queues_.write(&queues, sizeof(queues));
+  tracer_.rays_.write(rays.data(), rays.size_bytes());
+  return time(Stage::extend, rays.size());
+}
+
+std::vector<float> RayReplay::distances(const PackedScene& scene, std::span<const gpu::Ray> rays) const {
+  const auto hits = download<gpu::Hit>(tracer_.hits_, rays.size());
+  std::vector<float> result(rays.size(), std::numeric_limits<float>::infinity());
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    const gpu::Hit& hit = hits[i];
+    if (hit.triangle == gpu::kNone) continue;
+    const gpu::Triangle& triangle = scene.triangles[hit.triangle];
+    const glm::vec3 in_object = (1.0f - hit.b1 - hit.b2) * triangle.v0 + hit.b1 * triangle.v1 + hit.b2 * triangle.v2;
+    result[i] = glm::distance(rays[i].origin, place(scene, hit.instance, in_object));
+  }
+  return result;
+}
+
+double RayReplay::connect(std::span<const gpu::ShadowRay> rays) {
+  gpu::Queues queues{};
+  queues.shadow_count = static_cast<std::uint32_t>(rays.size());
+  tracer_.queues_.write(&queues, sizeof(queues));
+  tracer_.shadow_rays_.write(rays.data(), rays.size_bytes());
+  tracer_.paths_.fill_zero();
+  return time(Stage::connect, rays.size());
+}
+
+std::vector<bool> RayReplay::blocked(std::span<const gpu::ShadowRay> rays) const {
+  const auto paths = download<gpu::PathState>(tracer_.paths_, tracer_.slots());
+  std::vector<bool> result;
+  for (const gpu::ShadowRay& ray : rays) result.push_back(paths[ray.slot].radiance == glm::vec3(0.0f));
+  return result;
+}
+
+} // namespace wavepath

@@ -1,0 +1,41 @@
+// The rays of one wave as the renderer makes them, and the kernels that trace them, as often as one likes.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "host/render/path_tracer.h"
+#include "kernels/gpu_types.h"
+
+namespace wavepath {
+
+struct RaySets {
+  std::vector<gpu::Ray> camera, bounce;
+  // Those that next-event estimation sends; where it sends hardly any, the bounce rays, unbounded.
+  std::vector<gpu::ShadowRay> shadow;
+};
+
+class RayReplay {
+public:
+  // The tracer must have been made with room_for_shadow_rays. Its film and counters are of no use afterwards.
+  explicit RayReplay(PathTracer& tracer) : tracer_(tracer) {}
+
+  // Of the first sample of as many pixels, in tile order, as there are slots.
+  RaySets capture();
+
+  // Seconds on the device that finding the closest hits takes; at most slots() rays.
+  double extend(std::span<const gpu::Ray> rays);
+  // Distances to the hits of the last extend, infinite for a miss. `scene` is what the tracer was made of.
+  std::vector<float> distances(const PackedScene& scene, std::span<const gpu::Ray> rays) const;
+
+  // The same for whether something lies between shadow rays and their lights.
+  double connect(std::span<const gpu::ShadowRay> rays);
+  std::vector<bool> blocked(std::span<const gpu::ShadowRay> rays) const; // of the last connect
+
+private:
+  double time(Stage stage, std::size_t count);
+
+  PathTracer& tracer_;
+};
+
+} // namespace wavepath

@@ -1,0 +1,19 @@
+// Repeated measurements in two numbers that noise from other programs moves little.
+#pragma once
+
+#include <vector>
+
+namespace wavepath {
+
+struct Summary {
+  double median = 0.0;
+  double spread = 0.0; // interquartile range over the median
+};
+
+// Of at least one value.
+Summary summarize(std::vector<double> values);
+
+// Medians of a and b, measured in turns: a over b.
+double ratio_of_medians(const std::vector<double>& a, const std::vector<double>& b);
+
+} // namespace wavepath

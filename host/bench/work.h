@@ -1,0 +1,15 @@
+// How much work rays are, by the CPU reference traversal: the same visits and tests as the kernels'.
+#pragma once
+
+#include <span>
+
+#include "bvh/traverse.h"
+#include "host/scene/pack.h"
+
+namespace wavepath {
+
+// Totals over the rays; nodes of both levels count. Alpha is not looked up: holes stop rays here.
+bvh::Counters count_closest(const PackedScene& scene, std::span<const gpu::Ray> rays);
+bvh::Counters count_any(const PackedScene& scene, std::span<const gpu::ShadowRay> rays);
+
+} // namespace wavepath

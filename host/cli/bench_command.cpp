@@ -1,0 +1,126 @@
+// wavepath bench: loads, packs, measures, tells, and judges against an earlier run.
+#include <cstdio>
+#include <cstdlib>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "host/base/atomic_file.h"
+#include "host/base/error.h"
+#include "host/base/read_file.h"
+#include "host/bench/bench_report.h"
+#include "host/bench/builtin_scene.h"
+#include "host/cli/commands.h"
+#include "host/cli/flags.h"
+#include "host/cli/render_flags.h"
+#include "host/cli/scene_flags.h"
+#include "host/gpu/device.h"
+#include "host/render/stats.h"
+
+namespace wavepath {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct Request {
+  SceneRequest scene;
+  RenderRequest render;
+  bool size_given = false, quiet = false;
+  std::uint32_t repetitions = 7;
+  bool ablate = false;
+  std::string json, baseline;
+  double threshold = 10.0; // percent
+};
+
+// Kernels are to be compiled, not fetched: whoever asks what compiling costs wants to know that.
+void turn_kernel_caches_off() {
+  setenv("WAVEPATH_CACHE", "off", 1);
+  setenv("MESA_SHADER_CACHE_DISABLE", "true", 1); // Mesa
+  setenv("__GL_SHADER_DISK_CACHE", "0", 1);       // NVIDIA
+}
+
+// Read before the measurement, so that a wrong file is refused early.
+std::optional<Json> read_baseline(const std::string& path) {
+  if (path.empty()) return std::nullopt;
+  const std::optional<std::uint64_t> size = regular_file_size(path);
+  std::vector<std::uint8_t> bytes(size.value_or(0));
+  if (!size || !read_file(path, 0, bytes)) throw Error(path, "cannot be read", "name a file that bench --json wrote");
+  Json json = Json::parse(bytes, nullptr, false);
+  if (json.is_discarded()) throw Error(path, "is no JSON", "name a file that bench --json wrote");
+  return json;
+}
+
+// Large enough to keep the device busy, small enough to take no more than about a minute.
+void choose_size(Request& request, const DeviceInfo& device) {
+  if (request.size_given) return;
+  const bool cpu = device.type == "cpu";
+  request.render.settings.width = cpu ? 480 : 1920;
+  request.render.settings.height = cpu ? 270 : 1080;
+}
+
+int run_bench(Request& request) {
+  turn_kernel_caches_off();
+  const std::optional<Json> before = read_baseline(request.baseline);
+  if (!request.json.empty()) require_writable(request.json);
+  Device device(request.render.device);
+  choose_size(request, device.info());
+
+  BenchSettings settings{request.render.settings, request.repetitions, request.ablate};
+  const bool built_in = request.scene.path.empty();
+  Scene scene = built_in ? builtin_scene() : load_scene(request.scene);
+  const View view = resolve_view(scene, request.scene.view, settings.render.width, settings.render.height);
+  const PackedScene packed = pack(scene, settings.render.direct, request.render.bvh.value_or(bvh::Quality::best));
+  const std::string path = scene.path;
+  print_warnings(scene.warnings);
+  scene = Scene{};
+
+  const BenchResult result = bench(device, packed, view, settings, [&](const std::string& what) {
+    if (!request.quiet) fmt::print(stderr, "wavepath: measuring: {}\n", what);
+  });
+  const BenchRun run{path, device.info(), packed, settings, result};
+  const Json document = bench_document(run);
+  if (!request.json.empty()) write_file(request.json, to_text(document));
+  fmt::print("{}", bench_table(run));
+  if (!before) return kExitDone;
+
+  const Change change = compare_with_baseline(document, *before, request.baseline);
+  fmt::print("\nsince {}\n{}", request.baseline, change.text);
+  if (change.worst_percent <= request.threshold) return kExitDone;
+  fmt::print("slower by more than {} %\n", request.threshold);
+  return kExitFailed;
+}
+
+} // namespace
+
+Command add_bench(CLI::App& app) {
+  CLI::App* command = app.add_subcommand("bench", "measure the kernels one by one, on a scene or on one that is built in");
+  command->set_help_flag("-h,--help", "show this and exit")->group(kHelpGroup);
+  const auto request = std::make_shared<Request>();
+  const char* group = "Measurement";
+  add_flag(*command, group, {"--repetitions", "N", "of every measurement; rivals take turns, medians count", "7"},
+           [=](const FlagValue& value) { request->repetitions = value.whole_number(1, 1000); });
+  add_switch(*command, group,
+             {"--ablate", "", "measure what each feature that this scene leaves out would cost it", "off"},
+             request->ablate);
+  add_flag(*command, group, {"--baseline", "FILE.json", "tell the change since an earlier run, saved with --json", "none"},
+           [=](const FlagValue& value) { request->baseline = value.text; });
+  add_flag(*command, group,
+           {"--threshold", "PERCENT", "with --baseline: exit code 1 if any rate has dropped by more than this", "10"},
+           [=](const FlagValue& value) { request->threshold = value.number(0.0, 1e6); });
+  add_flag(*command, "Output", {"--json", "FILE", "also write every number as a JSON document", "not written"},
+           [=](const FlagValue& value) { request->json = value.text; });
+  add_switch(*command, "Output", {"-q,--quiet", "", "no progress", "off"}, request->quiet);
+  add_flag(*command, "Picture", {"--size", "WxH", "pixels", "480x270 on a CPU device, else 1920x1080"},
+           [=](const FlagValue& value) {
+             read_size(value, request->render.settings);
+             request->size_given = true;
+           });
+  add_scene_flags(*command, request->scene, false);
+  add_view_flags(*command, request->scene.view);
+  add_render_flags(*command, request->render);
+  return [request] { return run_bench(*request); };
+}
+
+} // namespace wavepath

@@ -1,0 +1,269 @@
+// wavepath bench: that what it replays is what the renderer traces, that its counts are right, and the command as a user runs it.
+// Nothing here judges a time.
+#include <cmath>
+#include <fstream>
+#include <limits>
+
+#include <glm/gtc/matrix_transform.hpp>
+#include <nlohmann/json.hpp>
+
+#include "host/base/error.h"
+#include "host/bench/bench_report.h"
+#include "host/bench/builtin_scene.h"
+#include "host/bench/frames.h"
+#include "host/bench/ray_replay.h"
+#include "host/bench/work.h"
+#include "host/scene/gltf.h"
+#include "host/scene/view.h"
+#include "tests/probe.h"
+#include "tests/run_wavepath.h"
+#include "tests/scene_builder.h"
+#include "tests/temporary_folder.h"
+
+namespace wavepath::test {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+const std::string kCornell = WAVEPATH_SOURCE_DIR "/scenes/cornell_box.gltf";
+
+RenderSettings small_settings() {
+  RenderSettings settings;
+  settings.width = 48, settings.height = 32;
+  settings.last_sample = 2;
+  settings.max_depth = 3;
+  settings.room_for_shadow_rays = true;
+  return settings;
+}
+
+struct Loaded {
+  PackedScene packed;
+  View view;
+};
+
+Loaded load(Scene scene, const RenderSettings& settings) {
+  const View view = resolve_view(scene, {}, settings.width, settings.height);
+  return {pack(scene), view};
+}
+
+bvh::Vec3 to_bvh(const glm::vec3& v) { return {v.x, v.y, v.z}; }
+
+// Of all triangles, one by one.
+float nearest(const PackedScene& scene, const glm::vec3& origin, const glm::vec3& direction, float t_max) {
+  const bvh::PreparedRay ray = bvh::prepare({to_bvh(origin), to_bvh(direction), t_max});
+  float t = std::numeric_limits<float>::infinity();
+  for (const gpu::Triangle& triangle : scene.triangles) {
+    bvh::TriangleHit hit;
+    if (bvh::intersect(ray, {to_bvh(triangle.v0), to_bvh(triangle.v1), to_bvh(triangle.v2)}, hit) && hit.t < t_max)
+      t = std::min(t, hit.t);
+  }
+  return t;
+}
+
+TEST(Summary, KnowsMedianAndQuartiles) {
+  EXPECT_DOUBLE_EQ(summarize({3, 1, 2}).median, 2.0);
+  EXPECT_DOUBLE_EQ(summarize({4, 1, 3, 2}).median, 2.5);
+  EXPECT_DOUBLE_EQ(summarize({5, 1, 2, 3, 4}).spread, 2.0 / 3.0); // quartiles 2 and 4
+  EXPECT_DOUBLE_EQ(summarize({7}).spread, 0.0);
+  EXPECT_DOUBLE_EQ(ratio_of_medians({1, 2, 100}, {4, 4, 4}), 0.5);
+}
+
+TEST(Roofline, IsThatOfTheScarcerOfTheTwo) {
+  const Ceilings ceilings{1e9, 2e8, 10.0};
+  EXPECT_DOUBLE_EQ(roofline_fraction(ceilings, 1e8, 1e9), 0.5);
+  EXPECT_DOUBLE_EQ(roofline_fraction(ceilings, 1e7, 8e9), 0.8);
+}
+
+TEST(Work, CountsVisitsAndTests) {
+  Scene scene = triangle_scene();
+  const PackedScene packed = pack(scene);
+  gpu::Ray meets{glm::vec3(-packed.origin) + glm::vec3(0.2f, 0.2f, 1.0f), 0, {0, 0, -1}, gpu::kFar};
+  gpu::Ray passes = meets;
+  passes.origin.x += 10.0f;
+  const std::vector<gpu::Ray> rays{meets, passes, meets};
+  const bvh::Counters counters = count_closest(packed, rays);
+  EXPECT_EQ(counters.visits, 3u);
+  EXPECT_EQ(counters.tests, 2u);
+  const std::vector<gpu::ShadowRay> shadow{{meets.origin, 0, meets.direction, gpu::kFar, {}, 0}};
+  EXPECT_EQ(count_any(packed, shadow).tests, 1u);
+}
+
+TEST(Work, CountsBothLevels) {
+  Scene scene = triangle_scene();
+  add_instance(scene, 0, glm::translate(glm::dmat4(1.0), glm::dvec3(0.0, 0.0, 5.0)));
+  const PackedScene packed = pack(scene);
+  ASSERT_TRUE(packed.root_is_top);
+  const std::vector<gpu::Ray> rays{{glm::vec3(-packed.origin) + glm::vec3(0.2f, 0.2f, 9.0f), 0, {0, 0, -1}, gpu::kFar}};
+  const bvh::Counters counters = count_closest(packed, rays);
+  EXPECT_EQ(counters.visits, 3u); // the top, and each of the instances: leaves of one visit wait together
+  EXPECT_GE(counters.tests, 1u);
+}
+
+class Bench : public VulkanTest {
+protected:
+  RenderSettings settings_ = small_settings();
+};
+
+TEST_F(Bench, ReplaysTheRaysOfTheRenderer) {
+  const Loaded scene = load(load_gltf(kCornell, {}), settings_);
+  PathTracer tracer(device(), scene.packed, scene.view, settings_, 48 * 32);
+  RayReplay replay(tracer);
+  const RaySets rays = replay.capture();
+  ASSERT_EQ(rays.camera.size(), 48u * 32u);
+  ASSERT_GT(rays.bounce.size(), 100u);
+  ASSERT_GT(rays.shadow.size(), 100u);
+  for (const auto* set : {&rays.camera, &rays.bounce}) {
+    EXPECT_GT(replay.extend(*set), 0.0);
+    const std::vector<float> t = replay.distances(scene.packed, *set);
+    for (std::size_t i = 0; i < set->size(); i += 7) {
+      const float expected = nearest(scene.packed, (*set)[i].origin, (*set)[i].direction, (*set)[i].t_max);
+      if (std::isinf(expected))
+        EXPECT_TRUE(std::isinf(t[i]));
+      else
+        EXPECT_NEAR(t[i], expected, 1e-5f * (1.0f + expected));
+    }
+  }
+}
+
+TEST_F(Bench, ReplaysShadowRays) {
+  const Loaded scene = load(builtin_scene(), settings_);
+  PathTracer tracer(device(), scene.packed, scene.view, settings_, 48 * 32);
+  RayReplay replay(tracer);
+  const RaySets rays = replay.capture();
+  EXPECT_GT(replay.connect(rays.shadow), 0.0);
+  const std::vector<bool> blocked = replay.blocked(rays.shadow);
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < rays.shadow.size(); i += 17) {
+    const gpu::ShadowRay& ray = rays.shadow[i];
+    EXPECT_EQ(blocked[i], std::isfinite(nearest(scene.packed, ray.origin, ray.direction, ray.t_max))) << i;
+    count += blocked[i];
+  }
+  EXPECT_GT(count, 0u);
+}
+
+TEST_F(Bench, CeilingsAreFiniteAndOrdered) {
+  const Ceilings ceilings = measure_ceilings(device(), 1 << 20);
+  for (const double value : {ceilings.load16_per_second, ceilings.load64_per_second, ceilings.gflops}) {
+    EXPECT_TRUE(std::isfinite(value));
+    EXPECT_GT(value, 0.0);
+  }
+  EXPECT_GT(4.0 * ceilings.load64_per_second, ceilings.load16_per_second);
+}
+
+TEST_F(Bench, FramesCountWhatTheyTrace) {
+  const Loaded scene = load(load_gltf(kCornell, {}), settings_);
+  PathTracer tracer(device(), scene.packed, scene.view, settings_, 500); // several waves a sample
+  tracer.warm_up();
+  const FrameTime one = render_frame(tracer, 1), two = render_frame(tracer, 2);
+  EXPECT_EQ(one.rays.camera, 48u * 32u);
+  EXPECT_EQ(two.rays.camera, 2u * 48u * 32u);
+  EXPECT_EQ(render_frame(tracer, 1).rays.total(), one.rays.total());
+}
+
+// What bench --ablate compiles in, one at a time.
+TEST_F(Bench, LeavingOutChangesNoBit) {
+  settings_.max_depth = 2;
+  const Loaded scene = load(load_gltf(kCornell, {}), settings_);
+  const RenderResult without = render(device(), scene.packed, scene.view, settings_);
+  std::size_t compared = 0;
+  for (const LeftOut& entry : scene.packed.left_out) {
+    if (!entry.feature) continue;
+    SCOPED_TRACE(entry.what);
+    RenderSettings variant = settings_;
+    variant.added_features = entry.feature;
+    const RenderResult with = render(device(), scene.packed, scene.view, variant);
+    for (std::size_t c = 0; c < without.picture.channels.size(); ++c)
+      EXPECT_EQ(with.picture.channels[c].values, without.picture.channels[c].values);
+    ++compared;
+  }
+  EXPECT_GT(compared, 10u);
+}
+
+TEST(Baseline, TellsTheChange) {
+  Json before{{"scene", "a"}, {"size", {4, 4}}, {"max_depth", 8}, {"device", {{"name", "d"}}}};
+  for (const char* kind : {"camera", "bounce", "shadow"}) before["rays"][kind] = {{"mrays_per_second", 10.0}};
+  before["path_tracing"] = {{"mrays_per_second", 4.0}};
+  Json now = before;
+  EXPECT_EQ(compare_with_baseline(now, before, "f").worst_percent, 0.0);
+  now["rays"]["bounce"]["mrays_per_second"] = 5.0;
+  now["rays"]["camera"]["mrays_per_second"] = 20.0;
+  EXPECT_DOUBLE_EQ(compare_with_baseline(now, before, "f").worst_percent, 50.0);
+  now["scene"] = "b";
+  EXPECT_THROW(compare_with_baseline(now, before, "f"), Error);
+  EXPECT_THROW(compare_with_baseline(before, Json::array(), "f"), Error);
+}
+
+class BenchCommand : public ::testing::Test {
+protected:
+  void SetUp() override {
+    if (list_devices().empty()) GTEST_SKIP() << "no Vulkan device";
+  }
+  Outcome bench(std::vector<std::string> extra) {
+    std::vector<std::string> arguments{WAVEPATH_BINARY, "bench", "--size", "32x24", "--repetitions", "1", "--max-depth", "2"};
+    arguments.insert(arguments.end(), extra.begin(), extra.end());
+    return run_program(arguments);
+  }
+  TemporaryFolder folder_;
+  const std::string json_ = folder_.file("bench.json");
+};
+
+TEST_F(BenchCommand, WritesTheDocumentOfTheContract) {
+  const Outcome outcome = bench({kCornell, "--json", json_});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const Json json = Json::parse(std::ifstream(json_));
+  EXPECT_EQ(json.at("scene"), kCornell);
+  for (const char* key : {"build_seconds", "sah", "nodes", "bytes", "bytes_per_triangle"})
+    EXPECT_TRUE(json.at("bvh").at(key).is_number()) << key;
+  for (const char* kind : {"camera", "bounce", "shadow"})
+    for (const char* key : {"mrays_per_second", "spread", "visits", "tests", "bytes", "roofline_fraction"})
+      EXPECT_TRUE(json.at("rays").at(kind).at(key).is_number()) << kind << " " << key;
+  EXPECT_EQ(json.at("stages").size(), 6u);
+  for (const char* key : {"mrays_per_second", "bytes_per_path"}) EXPECT_GT(json.at("path_tracing").at(key), 0.0) << key;
+  for (const char* key : {"load16_per_second", "load64_per_second", "gflops"}) EXPECT_GT(json.at("ceilings").at(key), 0.0) << key;
+  EXPECT_GT(json.at("compile_ms"), 0.0);
+  EXPECT_TRUE(json.at("ablation").empty());
+  if (json.contains("embree")) {
+    for (const char* kind : {"camera", "bounce", "shadow"}) EXPECT_GT(json.at("embree").at(kind).at("agreement"), 0.999) << kind;
+  }
+  EXPECT_NE(outcome.out.find("Mrays/s"), std::string::npos);
+}
+
+TEST_F(BenchCommand, HasASceneOfItsOwn) {
+  const Outcome outcome = bench({"-q"});
+  EXPECT_EQ(outcome.exit_code, 0);
+  EXPECT_EQ(outcome.err, "");
+  EXPECT_NE(outcome.out.find("built-in"), std::string::npos);
+}
+
+TEST_F(BenchCommand, JudgesAgainstABaseline) {
+  ASSERT_EQ(bench({kCornell, "--json", json_}).exit_code, 0);
+  EXPECT_EQ(bench({kCornell, "--baseline", json_, "--threshold", "100"}).exit_code, 0);
+  Json fast = Json::parse(std::ifstream(json_));
+  fast["path_tracing"]["mrays_per_second"] = 1e6;
+  std::ofstream(json_) << fast;
+  const Outcome slower = bench({kCornell, "--baseline", json_});
+  EXPECT_EQ(slower.exit_code, 1);
+  EXPECT_NE(slower.out.find("slower by more than 10 %"), std::string::npos) << slower.out;
+}
+
+TEST_F(BenchCommand, RefusesWhatIsNoBaseline) {
+  const Outcome missing = bench({kCornell, "--baseline", folder_.file("none.json")});
+  EXPECT_EQ(missing.exit_code, 1);
+  EXPECT_NE(missing.err.find("none.json: cannot be read"), std::string::npos) << missing.err;
+  std::ofstream(json_) << "{";
+  EXPECT_NE(bench({kCornell, "--baseline", json_}).err.find("is no JSON"), std::string::npos);
+  EXPECT_NE(bench({kCornell, "--json", folder_.file("no/where.json")}).exit_code, 0);
+}
+
+TEST_F(BenchCommand, AblatesWhatTheSceneLeavesOut) {
+  const Outcome outcome = bench({WAVEPATH_SOURCE_DIR "/scenes/showcase.glb", "--ablate", "--json", json_});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const Json json = Json::parse(std::ifstream(json_));
+  ASSERT_FALSE(json.at("ablation").empty());
+  for (const Json& row : json.at("ablation"))
+    for (const char* key : {"cost_ms", "cost_bytes", "cost_compile_ms"}) EXPECT_TRUE(row.at(key).is_number()) << row;
+  EXPECT_EQ(json.at("ablation").back().at("left_out"), "everything (generic kernels)");
+}
+
+} // namespace
+} // namespace wavepath::test
