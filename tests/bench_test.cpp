@@ -106,7 +106,8 @@ protected:
 
 TEST_F(Bench, ReplaysTheRaysOfTheRenderer) {
   const Loaded scene = load(load_gltf(kCornell, {}), settings_);
-  PathTracer tracer(device(), scene.packed, scene.view, settings_, 48 * 32);
+  KernelCompiler kernels(device());
+  PathTracer tracer(device(), scene.packed, scene.view, settings_, 48 * 32, kernels);
   RayReplay replay(tracer);
   const RaySets rays = replay.capture();
   ASSERT_EQ(rays.camera.size(), 48u * 32u);
@@ -127,7 +128,8 @@ TEST_F(Bench, ReplaysTheRaysOfTheRenderer) {
 
 TEST_F(Bench, ReplaysShadowRays) {
   const Loaded scene = load(builtin_scene(), settings_);
-  PathTracer tracer(device(), scene.packed, scene.view, settings_, 48 * 32);
+  KernelCompiler kernels(device());
+  PathTracer tracer(device(), scene.packed, scene.view, settings_, 48 * 32, kernels);
   RayReplay replay(tracer);
   const RaySets rays = replay.capture();
   EXPECT_GT(replay.connect(rays.shadow), 0.0);
@@ -152,8 +154,8 @@ TEST_F(Bench, CeilingsAreFiniteAndOrdered) {
 
 TEST_F(Bench, FramesCountWhatTheyTrace) {
   const Loaded scene = load(load_gltf(kCornell, {}), settings_);
-  PathTracer tracer(device(), scene.packed, scene.view, settings_, 500); // several waves a sample
-  tracer.warm_up();
+  KernelCompiler kernels(device());
+  PathTracer tracer(device(), scene.packed, scene.view, settings_, 500, kernels); // several waves a sample
   const FrameTime one = render_frame(tracer, 1), two = render_frame(tracer, 2);
   EXPECT_EQ(one.rays.camera, 48u * 32u);
   EXPECT_EQ(two.rays.camera, 2u * 48u * 32u);

@@ -281,6 +281,21 @@ TEST(GltfImage, SixteenBitsBecomeFloats) {
   EXPECT_EQ(image.floats[3], 1.0f);
 }
 
+TEST(GltfImage, OfSeveralBadOnesTheFirstIsNamed) {
+  GltfBuilder b = with_material({{"pbrMetallicRoughness",
+                                  {{"baseColorTexture", {{"index", 0}}}, {"metallicRoughnessTexture", {{"index", 1}}}}}});
+  for (const char* name : {"first", "second"}) {
+    b.add("images", {{"name", name}, {"bufferView", b.view("no picture " + std::string(name))}, {"mimeType", "image/png"}});
+    b.add("textures", {{"source", b.root["images"].size() - 1}});
+  }
+  for (int i = 0; i < 20; ++i) try {
+      load(b);
+      ADD_FAILURE() << "loaded";
+    } catch (const Error& error) {
+      EXPECT_NE(std::string(error.what()).find("image 'first'"), std::string::npos) << error.what();
+    }
+}
+
 TEST(GltfImage, Jpeg) {
   const Image jpeg = through_file("grey.jpg", 3, OIIO::TypeDesc::UINT8, std::vector<float>(3 * 16, 0.4f));
   ASSERT_EQ(jpeg.bytes.size(), 64u);

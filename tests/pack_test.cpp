@@ -4,12 +4,15 @@
 
 #include <algorithm>
 #include <bit>
+#include <filesystem>
 #include <limits>
 #include <random>
 
 #include <gtest/gtest.h>
 #include <glm/gtc/matrix_transform.hpp>
 
+#include "host/scene/features.h"
+#include "host/scene/gltf.h"
 #include "tests/scene_builder.h"
 
 namespace wavepath {
@@ -339,6 +342,28 @@ TEST(PackInstances, ThatFloatsCannotHoldAreDroppedWithAWarning) {
   const PackedScene packed = pack(scene);
   EXPECT_EQ(packed.instances.size(), 2u);
   EXPECT_TRUE(warned(scene, "instances", 1));
+}
+
+// Not required of every scene, but of each that has no surprise: a picture that is opaque where the material might not be, say.
+TEST(PackFeatures, AreForeseenBeforeImagesAreDecoded) {
+  int foreseen = 0, scenes = 0;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(WAVEPATH_SOURCE_DIR "/scenes")) {
+    if (entry.path().extension() != ".gltf" && entry.path().extension() != ".glb") continue;
+    SCOPED_TRACE(entry.path());
+    for (const std::uint32_t direct : {gpu::kDirectMis, gpu::kDirectNee, gpu::kDirectBsdf}) {
+      std::uint32_t expected = 0;
+      Scene scene = load_gltf(entry.path(), {}, [&](Scene& described) {
+        described.environment.radiance = glm::vec3(1.0f);
+        EXPECT_TRUE(described.images.empty());
+        expected = expected_features(described, direct);
+      });
+      const std::uint32_t found = pack(scene, direct).features;
+      EXPECT_EQ(found & ~expected, 0u) << "bits that kernels would have to be compiled again for";
+      foreseen += expected == found;
+      ++scenes;
+    }
+  }
+  EXPECT_GE(foreseen, scenes * 9 / 10);
 }
 
 TEST(PackTangent, RoundTripsToAFewHundredthsOfADegree) {

@@ -1,7 +1,5 @@
 #include "host/bench/ablation.h"
 
-#include <chrono>
-
 #include "host/bench/frames.h"
 #include "host/bench/summary.h"
 #include "host/scene/features.h"
@@ -9,12 +7,11 @@
 namespace wavepath {
 
 WarmTracer make_tracer(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings) {
-  const auto start = std::chrono::steady_clock::now();
   WarmTracer result;
-  result.tracer = std::make_unique<PathTracer>(device, scene, view, settings, choose_slots(device.info(), scene, settings));
-  result.tracer->warm_up();
-  result.compile_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() -
-                           result.tracer->upload_seconds();
+  result.kernels = std::make_unique<KernelCompiler>(device);
+  result.tracer = std::make_unique<PathTracer>(device, scene, view, settings, choose_slots(device.info(), scene, settings),
+                                               *result.kernels);
+  result.compile_seconds = result.tracer->get_ready();
   return result;
 }
 

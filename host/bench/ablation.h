@@ -2,9 +2,11 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
+#include "host/render/kernel_compiler.h"
 #include "host/render/path_tracer.h"
 
 namespace wavepath {
@@ -22,8 +24,9 @@ std::vector<AblationRow> ablate(Device& device, const PackedScene& scene, const 
                                 PathTracer& base, double base_compile_seconds, std::uint32_t spp, std::uint32_t repetitions,
                                 const std::function<void(const std::string&)>& progress);
 
-// A path tracer that has run once, and the seconds that its kernels took to compile.
+// A path tracer whose kernels are compiled, and the seconds that this took.
 struct WarmTracer {
+  std::unique_ptr<KernelCompiler> kernels;
   std::unique_ptr<PathTracer> tracer;
   double compile_seconds = 0.0;
 };

@@ -158,7 +158,7 @@ void measure_frames(PathTracer& tracer, std::uint32_t repetitions, BenchResult& 
     const double ms = summarize(stage_ms[s]).median;
     result.stages.push_back({frame.stages[s].name, ms, frame.stages[s].dispatches});
     all += ms;
-    if (s == Stage::extend || s == Stage::connect) traversal += ms;
+    if (s == kExtend || s == kConnect) traversal += ms;
   }
   tracing.seconds = summarize(seconds);
   tracing.mrays_per_second = 1e-6 * static_cast<double>(frame.rays.total()) / tracing.seconds.median;

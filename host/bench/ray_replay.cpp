@@ -31,13 +31,14 @@ RaySets RayReplay::capture() {
   const std::uint32_t pixels = std::min(band.pixel_count, tracer_.slots());
   tracer_.reset();
   gpu::Wave wave{band.first_pixel, pixels, 0, 1, 0, band.first_pixel};
+  const KernelSet& kernels = tracer_.kernels_.best(tracer_.config_);
   Commands commands(tracer_.device_);
   commands.bind(*band.bindings);
-  for (const Stage stage : {Stage::generate, Stage::advance, Stage::extend, Stage::shade}) {
-    if (stage == Stage::advance)
-      commands.dispatch(tracer_.kernels_[Stage::advance], 1, &wave);
+  for (const Stage stage : {kGenerate, kAdvance, kExtend, kShade}) {
+    if (stage == kAdvance)
+      commands.dispatch(kernels[kAdvance], 1, &wave);
     else
-      commands.dispatch(tracer_.kernels_[stage], groups_for(pixels), &wave);
+      commands.dispatch(kernels[stage], groups_for(pixels), &wave);
     commands.barrier();
   }
   commands.submit_and_wait();
@@ -45,9 +46,9 @@ RaySets RayReplay::capture() {
   const gpu::Queues queues = tracer_.counters();
   const std::uint64_t second_queue = std::uint64_t{tracer_.slots()} * sizeof(gpu::Ray);
   RaySets rays;
-  rays.camera = download<gpu::Ray>(tracer_.rays_, pixels);
-  rays.bounce = download<gpu::Ray>(tracer_.rays_, queues.ray_count[1], second_queue);
-  rays.shadow = download<gpu::ShadowRay>(tracer_.shadow_rays_, queues.shadow_count);
+  rays.camera = download<gpu::Ray>(tracer_.paths_.rays, pixels);
+  rays.bounce = download<gpu::Ray>(tracer_.paths_.rays, queues.ray_count[1], second_queue);
+  rays.shadow = download<gpu::ShadowRay>(tracer_.paths_.shadow_rays, queues.shadow_count);
   constexpr std::size_t kFewest = 4096; // that say anything about speed
   if (rays.shadow.size() < kFewest && rays.shadow.size() < rays.bounce.size()) {
     rays.shadow.clear();
@@ -60,9 +61,10 @@ RaySets RayReplay::capture() {
 double RayReplay::time(Stage stage, std::size_t count) {
   const FilmBand& band = tracer_.bands_.front();
   const gpu::Wave wave{band.first_pixel, band.pixel_count, 0, 1, 0, band.first_pixel};
+  const KernelSet& kernels = tracer_.kernels_.best(tracer_.config_);
   Commands commands(tracer_.device_, 1);
   commands.bind(*band.bindings);
-  commands.dispatch(tracer_.kernels_[stage], groups_for(count), &wave);
+  commands.dispatch(kernels[stage], groups_for(count), &wave);
   const auto start = std::chrono::steady_clock::now();
   commands.submit_and_wait();
   const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -73,13 +75,13 @@ double RayReplay::time(Stage stage, std::size_t count) {
 double RayReplay::extend(std::span<const gpu::Ray> rays) {
   gpu::Queues queues{};
   queues.ray_count[0] = static_cast<std::uint32_t>(rays.size());
-  tracer_.queues_.write(&queues, sizeof(queues));
-  tracer_.rays_.write(rays.data(), rays.size_bytes());
-  return time(Stage::extend, rays.size());
+  tracer_.paths_.queues.write(&queues, sizeof(queues));
+  tracer_.paths_.rays.write(rays.data(), rays.size_bytes());
+  return time(kExtend, rays.size());
 }
 
 std::vector<float> RayReplay::distances(const PackedScene& scene, std::span<const gpu::Ray> rays) const {
-  const auto hits = download<gpu::Hit>(tracer_.hits_, rays.size());
+  const auto hits = download<gpu::Hit>(tracer_.paths_.hits, rays.size());
   std::vector<float> result(rays.size(), std::numeric_limits<float>::infinity());
   for (std::size_t i = 0; i < rays.size(); ++i) {
     const gpu::Hit& hit = hits[i];
@@ -94,14 +96,14 @@ std::vector<float> RayReplay::distances(const PackedScene& scene, std::span<cons
 double RayReplay::connect(std::span<const gpu::ShadowRay> rays) {
   gpu::Queues queues{};
   queues.shadow_count = static_cast<std::uint32_t>(rays.size());
-  tracer_.queues_.write(&queues, sizeof(queues));
-  tracer_.shadow_rays_.write(rays.data(), rays.size_bytes());
-  tracer_.paths_.fill_zero();
-  return time(Stage::connect, rays.size());
+  tracer_.paths_.queues.write(&queues, sizeof(queues));
+  tracer_.paths_.shadow_rays.write(rays.data(), rays.size_bytes());
+  tracer_.paths_.states.fill_zero();
+  return time(kConnect, rays.size());
 }
 
 std::vector<bool> RayReplay::blocked(std::span<const gpu::ShadowRay> rays) const {
-  const auto paths = download<gpu::PathState>(tracer_.paths_, tracer_.slots());
+  const auto paths = download<gpu::PathState>(tracer_.paths_.states, tracer_.slots());
   std::vector<bool> result;
   for (const gpu::ShadowRay& ray : rays) result.push_back(paths[ray.slot].radiance == glm::vec3(0.0f));
   return result;

@@ -2,6 +2,7 @@
 #include <chrono>
 #include <exception>
 #include <filesystem>
+#include <future>
 #include <memory>
 
 #include <fmt/format.h>
@@ -19,6 +20,8 @@
 #include "host/cli/scene_flags.h"
 #include "host/gpu/pipeline_cache.h"
 #include "host/render/bvh_choice.h"
+#include "host/render/kernel_compiler.h"
+#include "host/scene/features.h"
 
 namespace wavepath {
 namespace {
@@ -112,14 +115,16 @@ PictureInfo picture_info(const Request& request, const View& view, const RenderR
   return info;
 }
 
-RenderResult render_shown(const Request& request, Device& device, const PackedScene& packed, const View& view) {
+RenderResult render_shown(const Request& request, Device& device, const PackedScene& packed, const View& view,
+                          KernelCompiler& kernels) {
   const RenderSettings& settings = request.render.settings;
   ProgressDisplay display(request.output.quiet, settings.time_limit, settings.target_error);
   catch_interrupts();
-  return render(device, packed, view, settings, [&](const Progress& progress) {
+  const auto on_progress = [&](const Progress& progress) {
     display.show(progress);
     return !interrupted();
-  });
+  };
+  return render(device, packed, view, settings, on_progress, kernels);
 }
 
 // Tries every output even if one fails, because rendering was the expensive part; returns the first failure.
@@ -142,15 +147,32 @@ int exit_code(const Request& request, const RenderResult& result) {
   return target > 0.0 && !(error && *error <= target) ? kExitTargetMissed : kExitDone;
 }
 
+// Compiles what the scene will most likely need. A wrong guess costs time alone.
+void begin_kernels(KernelCompiler& kernels, const DeviceInfo& device, const Scene& scene, const RenderSettings& settings) {
+  std::uint32_t features = expected_features(scene, settings.direct);
+  if (!settings.aovs.empty()) features |= gpu::kFeatureAovs;
+  for (const Camera& camera : scene.cameras)
+    if (camera.orthographic) features |= gpu::kFeatureOrthographic;
+  kernels.start(kernel_config(features, kExpectedStack, settings));
+  if (generic_first(device)) kernels.start(kernel_config(gpu::kFeaturesAll, kExpectedStack, settings));
+}
+
 int run_render(Request& request) {
   RenderSettings& settings = request.render.settings;
   settle_samples(request.render);
   check_files(request);
   const std::optional<Picture> reference = read_reference(request);
-  Device device(request.render.device);
 
+  // The device opens while the scene is read; kernels compile from the moment the scene's needs can be foreseen.
   const Stopwatch loading;
-  Scene scene = load_scene(request.scene);
+  auto opening = std::async(std::launch::async, [&] { return std::make_unique<Device>(request.render.device); });
+  std::unique_ptr<Device> opened;
+  std::optional<KernelCompiler> kernels;
+  Scene scene = load_scene(request.scene, [&](const Scene& described) {
+    opened = opening.get();
+    begin_kernels(kernels.emplace(*opened), opened->info(), described, settings);
+  });
+  Device& device = *opened;
   const View view = resolve_view(scene, request.scene.view, settings.width, settings.height);
   const bvh::Quality quality =
       request.render.bvh.value_or(choose_quality(settings, plan(scene).triangles_stored, device.info()));
@@ -160,7 +182,7 @@ int run_render(Request& request) {
   Warnings warnings = scene.warnings;
   scene = Scene{}; // the device's copy is all that rendering needs
 
-  const RenderResult result = render_shown(request, device, packed, view);
+  const RenderResult result = render_shown(request, device, packed, view, *kernels);
   Run run{request.scene.path, request.command_line, device.info(), settings, packed, result};
   run.bias = list_bias(settings);
 

@@ -77,15 +77,16 @@ void add_view_flags(CLI::App& app, ViewRequest& request) {
            });
 }
 
-Scene load_scene(const SceneRequest& request) {
+Scene load_scene(const SceneRequest& request, const SceneDescribed& described) {
   // A map that cannot be read should not cost the time of reading the scene.
   std::optional<Environment> environment;
   if (!request.environment.empty())
     environment = load_environment(request.environment, request.environment_intensity, request.environment_rotation);
-  Scene scene = load_gltf(request.path, request.load);
-  scene.environment = environment ? *std::move(environment) : default_environment(scene);
-  if (!environment) scene.environment.radiance *= static_cast<float>(request.environment_intensity);
-  return scene;
+  return load_gltf(request.path, request.load, [&](Scene& scene) {
+    scene.environment = environment ? *std::move(environment) : default_environment(scene);
+    if (!environment) scene.environment.radiance *= static_cast<float>(request.environment_intensity);
+    if (described) described(scene);
+  });
 }
 
 Environment default_environment(const Scene& scene) {

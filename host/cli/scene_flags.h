@@ -24,8 +24,8 @@ struct SceneRequest {
 void add_scene_flags(CLI::App& app, SceneRequest& request, bool required);
 void add_view_flags(CLI::App& app, ViewRequest& request);
 
-// Reads the scene and puts its environment in. Throws Error.
-Scene load_scene(const SceneRequest& request);
+// Reads the scene and puts its environment in; `described` as in load_gltf(), the environment included. Throws Error.
+Scene load_scene(const SceneRequest& request, const SceneDescribed& described = {});
 
 // Black if the scene has a light of its own (punctual, or an emissive surface in use), else white of radiance 1.
 Environment default_environment(const Scene& scene);

@@ -1,6 +1,7 @@
 #include "host/gpu/buffer.h"
 
 #include <algorithm>
+#include <bit>
 #include <cassert>
 #include <cstring>
 #include <utility>
@@ -18,6 +19,15 @@ constexpr std::uint64_t kSmallest = 256; // bytes: the largest element that any 
 constexpr std::uint64_t kStagingBytes = 64ull << 20;
 constexpr VkMemoryPropertyFlags kHostFlags = VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
 
+// The size to create. llvmpipe compiles a kernel anew for every combination of texel buffers whose size is a power of two, or
+// has bits 8 to 15 clear (it reads them as properties of a texture); so that kernels can be compiled before buffers
+// have their size, none is such.
+std::uint64_t created_bytes(std::uint64_t bytes) {
+  bytes = std::max(bytes, kSmallest);
+  while (std::has_single_bit(bytes) || (bytes & 0xff00) == 0) bytes += 0x110;
+  return bytes;
+}
+
 // Memory properties to try, best first.
 std::vector<VkMemoryPropertyFlags> wishes(const Device& device, BufferHome home) {
   if (home == BufferHome::readback) return {kHostFlags | VK_MEMORY_PROPERTY_HOST_CACHED_BIT, kHostFlags};
@@ -29,7 +39,8 @@ std::vector<VkMemoryPropertyFlags> wishes(const Device& device, BufferHome home)
 
 Buffer::Buffer(Device& device, std::uint64_t bytes, BufferHome home) : device_(&device), bytes_(bytes) {
   VkBufferCreateInfo info{VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO};
-  info.size = std::max(bytes, kSmallest);
+  created_ = created_bytes(bytes);
+  info.size = created_;
   info.usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT |
                VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT |
                VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
@@ -73,6 +84,7 @@ void Buffer::swap(Buffer& other) noexcept {
   std::swap(buffer_, other.buffer_);
   std::swap(memory_, other.memory_);
   std::swap(bytes_, other.bytes_);
+  std::swap(created_, other.created_);
   std::swap(allocated_, other.allocated_);
   std::swap(mapped_, other.mapped_);
 }

@@ -115,7 +115,10 @@ void Commands::submit_and_wait() {
   VkSubmitInfo2 submit{VK_STRUCTURE_TYPE_SUBMIT_INFO_2};
   submit.commandBufferInfoCount = 1;
   submit.pCommandBufferInfos = &buffer;
-  check(vkQueueSubmit2(device_->queue(), 1, &submit, fence_), "submitting work");
+  {
+    const std::lock_guard lock(device_->queue_mutex());
+    check(vkQueueSubmit2(device_->queue(), 1, &submit, fence_), "submitting work");
+  }
   check(vkWaitForFences(device_->handle(), 1, &fence_, VK_TRUE, UINT64_MAX), "waiting for the device");
 }
 

@@ -299,6 +299,7 @@ std::uint32_t Device::memory_type(std::uint32_t type_bits, VkMemoryPropertyFlags
 }
 
 void Device::count_memory(std::int64_t bytes) {
+  const std::lock_guard lock(memory_mutex_);
   memory_now_ += static_cast<std::uint64_t>(bytes);
   memory_peak_ = std::max(memory_peak_, memory_now_);
 }

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <mutex>
 #include <string>
 #include <vector>
 
@@ -50,6 +51,9 @@ public:
   // Index of a memory type among `type_bits` that has `flags`, kNone (all ones) if there is none.
   std::uint32_t memory_type(std::uint32_t type_bits, VkMemoryPropertyFlags flags) const;
 
+  // To be held while work is submitted: Vulkan allows one thread at a time.
+  std::mutex& queue_mutex() { return queue_mutex_; }
+
   // Bytes of device memory held by Buffers, now and at most.
   void count_memory(std::int64_t bytes);
   std::uint64_t memory_peak() const { return memory_peak_; }
@@ -70,6 +74,7 @@ private:
   bool unified_memory_ = false;
   std::unique_ptr<PipelineCache> pipeline_cache_;
   VkPhysicalDeviceMemoryProperties memory_{};
+  std::mutex queue_mutex_, memory_mutex_;
   std::uint64_t memory_now_ = 0, memory_peak_ = 0;
 };
 

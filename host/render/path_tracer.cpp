@@ -6,26 +6,8 @@
 #include <cmath>
 #include <cstddef>
 
-#include "kernels/accumulate.spv.h"
-#include "kernels/advance.spv.h"
-#include "kernels/connect.spv.h"
-#include "kernels/extend.spv.h"
-#include "kernels/generate.spv.h"
-#include "kernels/shade.spv.h"
-
 namespace wavepath {
 namespace {
-
-struct StageCode {
-  const char* name;
-  std::span<const std::uint32_t> spirv;
-};
-const std::array<StageCode, stage_count> kStages = {{{"generate", wavepath_generate_spv},
-                                                     {"advance", wavepath_advance_spv},
-                                                     {"extend", wavepath_extend_spv},
-                                                     {"shade", wavepath_shade_spv},
-                                                     {"connect", wavepath_connect_spv},
-                                                     {"accumulate", wavepath_accumulate_spv}}};
 
 std::uint32_t groups_for(std::uint64_t count) {
   return static_cast<std::uint32_t>((count + gpu::kWorkgroupSize - 1) / gpu::kWorkgroupSize);
@@ -57,13 +39,32 @@ gpu::Frame make_frame(const PackedScene& scene, const View& view, const RenderSe
   return frame;
 }
 
-std::uint32_t compiled_features(const PackedScene& scene, const View& view, const RenderSettings& settings) {
+std::vector<Binding> all_bindings(const GpuScene& scene, const PathBuffers& paths, const FilmBand& band) {
+  std::vector<Binding> bindings = scene.bindings();
+  using enum BindingKind;
+  bindings.insert(bindings.end(), {{gpu::kBindFrame, uniform, &paths.frame},
+                                   {gpu::kBindPaths, storage, &paths.states},
+                                   {gpu::kBindPathTexels, texels_rgba32f, &paths.states},
+                                   {gpu::kBindRays, storage, &paths.rays},
+                                   {gpu::kBindRayTexels, texels_rgba32f, &paths.rays},
+                                   {gpu::kBindHits, storage, &paths.hits},
+                                   {gpu::kBindHitTexels, texels_rgba32ui, &paths.hits},
+                                   {gpu::kBindShadowRays, storage, &paths.shadow_rays},
+                                   {gpu::kBindShadowRayTexels, texels_rgba32ui, &paths.shadow_rays},
+                                   {gpu::kBindQueues, storage, &paths.queues},
+                                   {gpu::kBindPathMedia, storage, &paths.media},
+                                   {gpu::kBindPathAovs, storage, &paths.aovs},
+                                   {gpu::kBindFilm, storage, &band.film},
+                                   {gpu::kBindFilmTexels, texels_rgba32ui, &band.film},
+                                   {gpu::kBindFilmAovs, storage, &band.aovs}});
+  return bindings;
+}
+
+std::uint32_t needed_features(const PackedScene& scene, const View& view, const RenderSettings& settings) {
   std::uint32_t features = scene.features;
-  if (view.orthographic) features |= gpu::kFeatureOrthographic;
-  // Generic kernels leave this out as well: it would need buffers for outputs that nobody asked for.
-  if (!settings.specialize) features = gpu::kFeaturesAll & ~gpu::kFeatureAovs;
   if (!settings.aovs.empty()) features |= gpu::kFeatureAovs;
-  return (features | settings.added_features) & ~settings.removed_features;
+  if (view.orthographic) features |= gpu::kFeatureOrthographic;
+  return features;
 }
 
 std::uint64_t join(const std::uint32_t words[2]) { return std::uint64_t{words[1]} << 32 | words[0]; }
@@ -94,41 +95,41 @@ std::uint64_t bytes_per_slot(std::uint32_t features) {
   return bytes;
 }
 
+std::vector<Binding> path_tracer_bindings() { return all_bindings({}, {}, {}); }
+
 PathTracer::PathTracer(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings,
-                       std::uint32_t slots)
+                       std::uint32_t slots, KernelCompiler& kernels)
     : device_(device),
       frame_(make_frame(scene, view, settings, slots)),
-      features_(compiled_features(scene, view, settings)) {
+      kernels_(kernels),
+      config_(kernel_config(needed_features(scene, view, settings), scene.stack_size, settings)) {
+  kernels_.start(config_);
+  features_ = kernels_.features();
+  for (std::size_t stage = 0; stage < kStageCount; ++stage)
+    stages_.push_back({stage_name(static_cast<Stage>(stage)), 0.0, 0});
   const auto start = std::chrono::steady_clock::now();
   scene_ = upload_scene(device, scene);
   upload_seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   allocate(device, settings);
-  create_kernels(device, settings, scene.stack_size);
+}
+
+std::uint64_t PathBuffers::bytes() const {
+  return frame.bytes() + states.bytes() + media.bytes() + aovs.bytes() + rays.bytes() + hits.bytes() +
+         shadow_rays.bytes() + queues.bytes();
 }
 
 void PathTracer::allocate(Device& device, const RenderSettings& settings) {
   const std::uint64_t slots = frame_.slot_count;
-  frame_buffer_ = Buffer(device, sizeof(gpu::Frame));
-  frame_buffer_.write(&frame_, sizeof(gpu::Frame));
-  paths_ = Buffer(device, slots * sizeof(gpu::PathState));
-  path_media_ = Buffer(device, features_ & gpu::kFeatureVolume ? slots * sizeof(std::uint32_t) : 0);
-  path_aovs_ = Buffer(device, features_ & gpu::kFeatureAovs ? slots * sizeof(gpu::PathAovs) : 0);
-  rays_ = Buffer(device, 2 * slots * sizeof(gpu::Ray));
-  hits_ = Buffer(device, slots * sizeof(gpu::Hit));
-  shadow_rays_ = Buffer(device, frame_.light_count || settings.room_for_shadow_rays ? slots * sizeof(gpu::ShadowRay) : 0);
-  queues_ = Buffer(device, sizeof(gpu::Queues));
+  paths_.frame = Buffer(device, sizeof(gpu::Frame));
+  paths_.frame.write(&frame_, sizeof(gpu::Frame));
+  paths_.states = Buffer(device, slots * sizeof(gpu::PathState));
+  paths_.media = Buffer(device, features_ & gpu::kFeatureVolume ? slots * sizeof(std::uint32_t) : 0);
+  paths_.aovs = Buffer(device, features_ & gpu::kFeatureAovs ? slots * sizeof(gpu::PathAovs) : 0);
+  paths_.rays = Buffer(device, 2 * slots * sizeof(gpu::Ray));
+  paths_.hits = Buffer(device, slots * sizeof(gpu::Hit));
+  paths_.shadow_rays = Buffer(device, frame_.light_count || settings.room_for_shadow_rays ? slots * sizeof(gpu::ShadowRay) : 0);
+  paths_.queues = Buffer(device, sizeof(gpu::Queues));
 
-  std::vector<Binding> bindings = scene_.bindings();
-  using enum BindingKind;
-  bindings.insert(bindings.end(), {{gpu::kBindFrame, uniform, &frame_buffer_},
-                                   {gpu::kBindPaths, storage, &paths_}, {gpu::kBindPathTexels, texels_rgba32f, &paths_},
-                                   {gpu::kBindRays, storage, &rays_},
-                                   {gpu::kBindRayTexels, texels_rgba32f, &rays_},
-                                   {gpu::kBindHits, storage, &hits_}, {gpu::kBindHitTexels, texels_rgba32ui, &hits_},
-                                   {gpu::kBindShadowRays, storage, &shadow_rays_}, {gpu::kBindShadowRayTexels, texels_rgba32ui, &shadow_rays_},
-                                   {gpu::kBindQueues, storage, &queues_},
-                                   {gpu::kBindPathMedia, storage, &path_media_},
-                                   {gpu::kBindPathAovs, storage, &path_aovs_}});
   // Film bands: what one buffer may hold, written as storage and read as texels.
   const std::uint64_t pixels = std::uint64_t{settings.width} * settings.height;
   const std::uint64_t pixel_bytes = std::max<std::uint64_t>(gpu::kReplicates * sizeof(gpu::FilmPixel), sizeof(gpu::FilmAovs));
@@ -142,58 +143,44 @@ void PathTracer::allocate(Device& device, const RenderSettings& settings) {
     band.aovs = Buffer(device, features_ & gpu::kFeatureAovs ? std::uint64_t{band.pixel_count} * sizeof(gpu::FilmAovs) : 0);
   }
   for (FilmBand& band : bands_) { // in their final places: bindings point at the buffers
-    std::vector<Binding> all = bindings;
-    all.push_back({gpu::kBindFilm, storage, &band.film});
-    all.push_back({gpu::kBindFilmTexels, texels_rgba32ui, &band.film});
-    all.push_back({gpu::kBindFilmAovs, storage, &band.aovs});
-    band.bindings = std::make_unique<BindingSet>(device, all, static_cast<std::uint32_t>(sizeof(gpu::Wave)));
-  }
-}
-
-void PathTracer::create_kernels(Device& device, const RenderSettings& settings, std::uint32_t stack_size) {
-  // Traversal marks the bottom of its stack, and stores one entry beyond what it keeps.
-  const std::uint32_t stack = device.info().type == "cpu" ? gpu::kStackRegisters : gpu::kStackArray;
-  const std::array<std::uint32_t, gpu::kSpecCount> constants = {
-      features_, stack_size + 2, settings.sampler, settings.direct, settings.hemisphere, settings.filter, stack};
-  kernels_.reserve(stage_count);
-  for (const StageCode& stage : kStages) {
-    kernels_.emplace_back(device, stage.name, stage.spirv, *bands_.front().bindings, constants);
-    stages_.push_back({stage.name, 0.0, 0});
+    const std::vector<Binding> bindings = all_bindings(scene_, paths_, band);
+    band.bindings = std::make_unique<BindingSet>(device, bindings, static_cast<std::uint32_t>(sizeof(gpu::Wave)));
   }
 }
 
 double PathTracer::render_wave(const FilmBand& band, std::uint32_t first_pixel, std::uint32_t pixel_count,
                                std::uint32_t first_sample, std::uint32_t sample_count) {
+  const KernelSet& kernels = kernels_.best(config_); // may be a better one than in the last wave
   gpu::Wave wave{first_pixel, pixel_count, first_sample, sample_count, 0, band.first_pixel};
   const std::uint32_t bounces = frame_.max_depth + 1;
   const bool connects = frame_.light_count > 0;
   Commands commands(device_, std::min(2 + bounces * 5, 1024u));
   commands.bind(*band.bindings);
-  commands.dispatch(kernels_[generate], groups_for(std::uint64_t{pixel_count} * sample_count), &wave);
+  commands.dispatch(kernels[kGenerate], groups_for(std::uint64_t{pixel_count} * sample_count), &wave);
   for (std::uint32_t bounce = 0; bounce < bounces; ++bounce) {
     commands.barrier();
     wave.bounce = 2 * bounce;
-    commands.dispatch(kernels_[advance], 1, &wave);
+    commands.dispatch(kernels[kAdvance], 1, &wave);
     commands.barrier();
     wave.bounce = bounce;
-    commands.dispatch_indirect(kernels_[extend], queues_, offsetof(gpu::Queues, extend_groups), &wave);
+    commands.dispatch_indirect(kernels[kExtend], paths_.queues, offsetof(gpu::Queues, extend_groups), &wave);
     commands.barrier();
-    commands.dispatch_indirect(kernels_[shade], queues_, offsetof(gpu::Queues, extend_groups), &wave);
+    commands.dispatch_indirect(kernels[kShade], paths_.queues, offsetof(gpu::Queues, extend_groups), &wave);
     if (!connects || bounce + 1 == bounces) continue; // the last bounce only collects emission
     commands.barrier();
     wave.bounce = 2 * bounce + 1;
-    commands.dispatch(kernels_[advance], 1, &wave);
+    commands.dispatch(kernels[kAdvance], 1, &wave);
     commands.barrier();
     wave.bounce = bounce;
-    commands.dispatch_indirect(kernels_[connect], queues_, offsetof(gpu::Queues, connect_groups), &wave);
+    commands.dispatch_indirect(kernels[kConnect], paths_.queues, offsetof(gpu::Queues, connect_groups), &wave);
   }
   commands.barrier();
-  commands.dispatch(kernels_[accumulate], groups_for(pixel_count), &wave);
+  commands.dispatch(kernels[kAccumulate], groups_for(pixel_count), &wave);
   commands.submit_and_wait();
 
   double longest = 0.0;
   for (const KernelTime& time : commands.times()) {
-    StageTime& stage = stages_[static_cast<std::size_t>(time.kernel - kernels_.data())];
+    StageTime& stage = stages_[static_cast<std::size_t>(time.kernel - &kernels[kGenerate])];
     stage.seconds += time.seconds;
     ++stage.dispatches;
     longest = std::max(longest, time.seconds);
@@ -201,11 +188,9 @@ double PathTracer::render_wave(const FilmBand& band, std::uint32_t first_pixel, 
   return longest;
 }
 
-void PathTracer::warm_up() {
+double PathTracer::get_ready() {
   reset();
-  const FilmBand& band = bands_.front();
-  render_wave(band, 0, std::min({gpu::kWorkgroupSize, band.pixel_count, frame_.slot_count}), 0, 1);
-  reset();
+  return kernels_.best(config_).seconds();
 }
 
 void PathTracer::reset() {
@@ -216,12 +201,12 @@ void PathTracer::reset() {
   }
   gpu::Queues queues{};
   queues.first_nonfinite_pixel = gpu::kNone;
-  queues_.write(&queues, sizeof(queues));
+  paths_.queues.write(&queues, sizeof(queues));
 }
 
 gpu::Queues PathTracer::counters() const {
   gpu::Queues queues{};
-  queues_.read(&queues, sizeof(queues));
+  paths_.queues.read(&queues, sizeof(queues));
   return queues;
 }
 
@@ -229,8 +214,7 @@ MemoryUse PathTracer::memory() const {
   MemoryUse use;
   use.bvh = scene_.bvh_bytes();
   use.scene = scene_.other_bytes();
-  use.paths = paths_.bytes() + path_media_.bytes() + path_aovs_.bytes() + rays_.bytes() + hits_.bytes() +
-              shadow_rays_.bytes() + queues_.bytes() + frame_buffer_.bytes();
+  use.paths = paths_.bytes();
   for (const FilmBand& band : bands_) use.film += band.film.bytes() + band.aovs.bytes();
   return use;
 }

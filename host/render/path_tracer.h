@@ -9,6 +9,7 @@
 
 #include "host/gpu/commands.h"
 #include "host/render/gpu_scene.h"
+#include "host/render/kernel_compiler.h"
 #include "host/render/render.h"
 #include "host/scene/view.h"
 
@@ -21,30 +22,36 @@ struct FilmBand {
   std::unique_ptr<BindingSet> bindings;
 };
 
-// The kernels, in the order of PathTracer::stages().
-enum Stage : std::size_t { generate, advance, extend, shade, connect, accumulate, stage_count };
+// What the paths in flight live in, and the queues between kernels.
+struct PathBuffers {
+  Buffer frame, states, media, aovs, rays, hits, shadow_rays, queues;
+  std::uint64_t bytes() const;
+};
+
+// Slots and kinds of everything that the kernels are bound to.
+std::vector<Binding> path_tracer_bindings();
 
 class PathTracer {
 public:
-  // Uploads the scene, compiles the kernels and allocates queues for `slots` paths in flight. Throws Error if the device
-  // cannot hold them.
+  // Has `kernels` compile what this scene needs, uploads the scene and allocates queues for `slots` paths in flight. Throws
+  // Error if the device cannot hold them. `kernels` outlives the tracer.
   PathTracer(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings,
-             std::uint32_t slots);
+             std::uint32_t slots, KernelCompiler& kernels);
 
   // Traces samples [first_sample, first_sample + sample_count) of pixels [first_pixel, first_pixel + pixel_count) of a band
   // and adds them to its film. At most `slots` (pixel, sample) pairs. Returns the longest dispatch in seconds.
   double render_wave(const FilmBand& band, std::uint32_t first_pixel, std::uint32_t pixel_count,
                      std::uint32_t first_sample, std::uint32_t sample_count);
 
-  // Runs every kernel once, so that drivers that compile at the first dispatch have done so, and resets.
-  void warm_up();
+  // Resets, and waits until there are kernels to begin with. Returns the seconds that compiling those took.
+  double get_ready();
 
   // Empties the film and sets all counts and times to zero.
   void reset();
 
   const std::vector<FilmBand>& bands() const { return bands_; }
   std::uint32_t slots() const { return frame_.slot_count; }
-  std::uint32_t features() const { return features_; }
+  std::uint32_t features() const { return config_.features; }
   const std::vector<StageTime>& stages() const { return stages_; }
   double upload_seconds() const { return upload_seconds_; }
   gpu::Queues counters() const; // totals since reset()
@@ -54,15 +61,15 @@ private:
   friend class RayReplay; // host/bench
 
   void allocate(Device& device, const RenderSettings& settings);
-  void create_kernels(Device& device, const RenderSettings& settings, std::uint32_t stack_size);
 
   Device& device_;
   gpu::Frame frame_{};
-  std::uint32_t features_ = 0;
+  KernelCompiler& kernels_;
+  KernelConfig config_;        // what this scene needs
+  std::uint32_t features_ = 0; // and what kernels that may run before those are ready need besides
   GpuScene scene_;
-  Buffer frame_buffer_, paths_, path_media_, path_aovs_, rays_, hits_, shadow_rays_, queues_;
+  PathBuffers paths_;
   std::vector<FilmBand> bands_;
-  std::vector<Kernel> kernels_; // in the order of Stage
   std::vector<StageTime> stages_;
   double upload_seconds_ = 0.0;
 };

@@ -57,18 +57,16 @@ double fit_slope(const std::vector<Checkpoint>& checkpoints) {
 class Session {
 public:
   Session(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings,
-          const ProgressCallback& progress)
+          const ProgressCallback& progress, KernelCompiler& kernels)
       : settings_(settings),
         progress_(progress),
-        compile_start_(Clock::now()),
-        tracer_(device, scene, view, settings, choose_slots(device.info(), scene, settings)),
+        tracer_(device, scene, view, settings, choose_slots(device.info(), scene, settings), kernels),
         governor_(tracer_.slots()),
         origin_(scene.origin) {}
 
   RenderResult run() {
-    tracer_.warm_up();
+    result_.compile_seconds = tracer_.get_ready();
     result_.upload_seconds = tracer_.upload_seconds();
-    result_.compile_seconds = seconds_since(compile_start_) - result_.upload_seconds;
     resume_clock();
     sample_ = settings_.first_sample;
     while (sample_ < settings_.last_sample && !stopped_) {
@@ -188,7 +186,6 @@ private:
 
   RenderSettings settings_;
   const ProgressCallback& progress_;
-  Clock::time_point compile_start_;
   PathTracer tracer_;
   Governor governor_;
   glm::dvec3 origin_;
@@ -203,7 +200,13 @@ private:
 
 RenderResult render(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings,
                     const ProgressCallback& progress) {
-  return Session(device, scene, view, settings, progress).run();
+  KernelCompiler kernels(device);
+  return render(device, scene, view, settings, progress, kernels);
+}
+
+RenderResult render(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings,
+                    const ProgressCallback& progress, KernelCompiler& kernels) {
+  return Session(device, scene, view, settings, progress, kernels).run();
 }
 
 } // namespace wavepath

@@ -14,6 +14,7 @@
 namespace wavepath {
 
 class Device;
+class KernelCompiler; // host/render/kernel_compiler.h
 struct PackedScene;
 struct View; // host/scene/view.h: the resolved camera
 
@@ -87,7 +88,8 @@ struct RenderResult {
   Picture picture;
   std::uint32_t spp = 0; // samples a pixel that the picture holds
   StopReason stop = StopReason::samples;
-  double compile_seconds = 0.0, upload_seconds = 0.0;
+  double compile_seconds = 0.0; // of the kernels it began with; loading may have gone on meanwhile
+  double upload_seconds = 0.0;
   double seconds = 0.0, gpu_seconds = 0.0; // rendering alone
   double first_pixel_seconds = 0.0;        // from the start of the process until every pixel had its first sample
   RayCounts rays;
@@ -115,5 +117,9 @@ using ProgressCallback = std::function<bool(const Progress&)>;
 // the scene, the view and the settings alone, not on wave_slots or timing (save where time_limit or target_error ends it).
 RenderResult render(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings,
                     const ProgressCallback& progress = {});
+
+// The same with kernels that may have been begun before the scene was known.
+RenderResult render(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings,
+                    const ProgressCallback& progress, KernelCompiler& kernels);
 
 } // namespace wavepath

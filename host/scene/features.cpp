@@ -29,6 +29,24 @@ bool attenuates(const Material& m) {
 
 bool shines(const Material& m) { return m.unlit || glm::any(glm::greaterThan(m.emission, glm::vec3(0.0f))); }
 
+// Of textures that are present.
+template <typename Predicate>
+bool any_texture(const Material& m, Predicate predicate) {
+  for (const TextureSlot* slot :
+       {&m.base_color_texture, &m.metallic_roughness_texture, &m.normal_texture, &m.emission_texture,
+        &m.specular_texture, &m.specular_color_texture, &m.transmission_texture})
+    if (slot->present() && predicate(*slot)) return true;
+  return false;
+}
+
+bool moves_texture(const Material& m) {
+  return any_texture(m, [](const TextureSlot& slot) { return slot.moved; });
+}
+
+bool has_unfiltered_texture(const Material& m) {
+  return any_texture(m, [](const TextureSlot& slot) { return slot.nearest; });
+}
+
 std::uint32_t material_features(const Scene& scene, const Usage& usage) {
   const auto any = [&](auto predicate) { return any_used_material(scene, usage, predicate); };
   return bit_if(any(textured), gpu::kFeatureTextures) |
@@ -74,6 +92,25 @@ std::uint32_t find_features(const Scene& scene, const Usage& usage, const Packed
          bit_if(texture_flags & gpu::kTextureMoved, gpu::kFeatureTextureTransform) |
          bit_if(texture_flags & gpu::kTextureFloat, gpu::kFeatureFloatTextures) |
          bit_if(texture_flags & gpu::kTextureNearest, gpu::kFeatureNearestTextures);
+}
+
+std::uint32_t expected_features(const Scene& scene, std::uint32_t direct) {
+  const Usage usage = find_usage(scene);
+  const auto any = [&](auto predicate) { return any_used_material(scene, usage, predicate); };
+  const bool lights = std::any_of(scene.lights.begin(), scene.lights.end(), [](const PunctualLight& light) {
+    return glm::any(glm::greaterThan(light.intensity, glm::vec3(0.0f)));
+  });
+  const bool sampled = direct != gpu::kDirectBsdf;
+  const bool lit = scene.environment.present();
+  return material_features(scene, usage) | bit_if(usage.two_level(), gpu::kFeatureInstances) |
+         bit_if(any([](const Material& m) { return m.alpha_mode != AlphaMode::opaque; }), gpu::kFeatureAlpha) |
+         bit_if(any([](const Material& m) { return !m.double_sided && !(m.transmission > 0.0f); }), gpu::kFeatureCull) |
+         bit_if(usage.smooth, gpu::kFeatureSmoothNormals) | bit_if(usage.colored, gpu::kFeatureVertexColors) |
+         bit_if(any(moves_texture), gpu::kFeatureTextureTransform) |
+         bit_if(any(has_unfiltered_texture), gpu::kFeatureNearestTextures) |
+         bit_if(sampled && any([](const Material& m) { return !m.unlit && shines(m); }), gpu::kFeatureTriangleLights) |
+         bit_if(sampled && lights, gpu::kFeaturePunctualLights) | bit_if(lit, gpu::kFeatureEnvironment) |
+         bit_if(lit && !scene.environment.map.empty(), gpu::kFeatureEnvironmentMap);
 }
 
 std::vector<LeftOut> list_left_out(const Usage& usage, const PackedScene& packed, std::uint32_t direct) {

@@ -13,6 +13,10 @@ namespace wavepath {
 // (kFeatureAovs, kFeatureOrthographic) are left clear.
 std::uint32_t find_features(const Scene& scene, const Usage& usage, const PackedScene& packed);
 
+// What find_features() will most likely say, from all of the scene but the contents of its images and the sizes of its
+// triangles: for those who cannot wait. A bit too many costs speed, a bit too few the time of doing it again.
+std::uint32_t expected_features(const Scene& scene, std::uint32_t direct);
+
 // One entry for every clear bit of packed.features: why this scene does without, and the bytes its data would have
 // taken.
 std::vector<LeftOut> list_left_out(const Usage& usage, const PackedScene& packed, std::uint32_t direct);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <future>
 #include <map>
 #include <string_view>
 
@@ -42,6 +43,13 @@ bool is_usable(const glm::dmat4& matrix) {
   if (glm::row(matrix, 3) != glm::dvec4(0.0, 0.0, 0.0, 1.0)) return false;
   const double determinant = glm::determinant(glm::dmat3(matrix));
   return std::isfinite(determinant) && std::isfinite(1.0 / determinant);
+}
+
+// The materials of a node's mesh, before its geometry, so that their images can be decoded while that is read.
+void convert_materials(Import& import, const tinygltf::Node& node) {
+  if (node.mesh < 0) return;
+  for (const tinygltf::Primitive& primitive : import.document.model.meshes[static_cast<std::size_t>(node.mesh)].primitives)
+    if (gltf::has_triangles(primitive)) gltf::use_material(import.document, import.scene, import.materials, primitive.material);
 }
 
 void place_mesh(Import& import, int node_index) {
@@ -166,7 +174,7 @@ void warn_of_extensions(Scene& scene) {
 
 } // namespace
 
-Scene load_gltf(const std::filesystem::path& path, const LoadOptions& options) {
+Scene load_gltf(const std::filesystem::path& path, const LoadOptions& options, const SceneDescribed& described) {
   Document document = gltf::open_document(path);
   Scene scene;
   scene.path = path.string();
@@ -174,14 +182,18 @@ Scene load_gltf(const std::filesystem::path& path, const LoadOptions& options) {
   warn_of_extensions(scene);
   if (!options.animation.empty()) gltf::pose(document, scene.warnings, options.animation, options.at);
   Import import{document, scene, gltf::world_matrices(document), {}, {}};
-  for (const int node_index : gltf::scene_nodes(document, options.scene)) {
+  const std::vector<int> nodes = gltf::scene_nodes(document, options.scene);
+  for (const int node_index : nodes) convert_materials(import, document.model.nodes[static_cast<std::size_t>(node_index)]);
+  auto images = std::async(std::launch::async, gltf::decode_images, gltf::image_files(document, import.materials));
+  for (const int node_index : nodes) {
     const tinygltf::Node& node = document.model.nodes[static_cast<std::size_t>(node_index)];
     const glm::dmat4& world = import.world[static_cast<std::size_t>(node_index)];
     if (node.mesh >= 0) place_mesh(import, node_index);
     if (node.camera >= 0) place_camera(import, node, world);
     place_light(import, node, world);
   }
-  gltf::decode_images(document, scene, import.materials);
+  if (described) described(scene);
+  scene.images = images.get();
   return scene;
 }
 

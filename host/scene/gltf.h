@@ -2,11 +2,15 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <string>
 
 #include "host/scene/scene.h"
 
 namespace wavepath {
+
+// Told of a scene as soon as all of it but the contents of its images is there; those are being decoded meanwhile.
+using SceneDescribed = std::function<void(Scene& scene)>;
 
 struct LoadOptions {
   std::string scene;     // name or index; empty = the file's default scene, else its first one
@@ -16,6 +20,7 @@ struct LoadOptions {
 
 // Throws Error that names the file, what is wrong with it and what to do. What is ignored or repaired is counted in
 // Scene::warnings. Meshes, materials and images that the chosen scene does not use are neither read nor decoded.
-Scene load_gltf(const std::filesystem::path& path, const LoadOptions& options = {});
+Scene load_gltf(const std::filesystem::path& path, const LoadOptions& options = {},
+                const SceneDescribed& described = {});
 
 } // namespace wavepath

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <exception>
 
 #include <tbb/parallel_for.h>
 
@@ -238,16 +239,30 @@ std::uint32_t use_material(const Document& document, Scene& scene, MaterialMap& 
   return found->second;
 }
 
-void decode_images(Document& document, Scene& scene, const MaterialMap& map) {
-  std::vector<std::vector<std::uint8_t>> files;
-  for (const std::size_t image : map.image_sources) files.push_back(image_bytes(document, image));
-  scene.images.resize(files.size());
-  tbb::parallel_for(std::size_t{0}, files.size(), [&](std::size_t i) {
-    const Source& source = document.images[map.image_sources[i]];
+std::vector<ImageFile> image_files(Document& document, const MaterialMap& map) {
+  std::vector<ImageFile> files;
+  for (const std::size_t image : map.image_sources) {
+    const Source& source = document.images[image];
     std::string name = !source.name.empty() ? source.name : source.uri;
-    if (name.empty() || is_data_uri(name)) name = std::to_string(map.image_sources[i]);
-    scene.images[i] = decode_image(document.file, shown(name), files[i]);
+    if (name.empty() || is_data_uri(name)) name = std::to_string(image);
+    files.push_back({document.file, shown(name), image_bytes(document, image)});
+  }
+  return files;
+}
+
+std::vector<Image> decode_images(const std::vector<ImageFile>& files) {
+  std::vector<Image> images(files.size());
+  std::vector<std::exception_ptr> failures(files.size());
+  tbb::parallel_for(std::size_t{0}, files.size(), [&](std::size_t i) {
+    try {
+      images[i] = decode_image(files[i].document, files[i].name, files[i].bytes);
+    } catch (...) {
+      failures[i] = std::current_exception();
+    }
   });
+  for (const std::exception_ptr& failure : failures)
+    if (failure) std::rethrow_exception(failure);
+  return images;
 }
 
 } // namespace wavepath::gltf

@@ -21,7 +21,16 @@ struct MaterialMap {
 // The index in scene.materials of a glTF material, or of the default material for -1. Throws Error.
 std::uint32_t use_material(const Document& document, Scene& scene, MaterialMap& map, int material);
 
-// Decodes the images that the materials in use refer to into scene.images, in parallel. Throws Error.
-void decode_images(Document& document, Scene& scene, const MaterialMap& map);
+// An image as stored in a file.
+struct ImageFile {
+  std::string document, name; // for messages
+  std::vector<std::uint8_t> bytes;
+};
+
+// The images that the materials so far refer to, in the order of Scene::images. Throws Error.
+std::vector<ImageFile> image_files(Document& document, const MaterialMap& map);
+
+// Decodes them, in parallel. Throws the Error of the first that is not sound.
+std::vector<Image> decode_images(const std::vector<ImageFile>& files);
 
 } // namespace wavepath::gltf

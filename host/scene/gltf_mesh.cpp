@@ -256,6 +256,11 @@ void append(const Document& document, Mesh& mesh, const Mesh& part) {
 
 } // namespace
 
+bool has_triangles(const tinygltf::Primitive& primitive) {
+  return primitive.mode >= TINYGLTF_MODE_TRIANGLES && primitive.mode <= TINYGLTF_MODE_TRIANGLE_FAN &&
+         primitive.attributes.contains("POSITION");
+}
+
 Mesh read_mesh(Document& document, Scene& scene, MaterialMap& map, const MeshUse& use,
                const std::vector<glm::dmat4>& world) {
   const tinygltf::Mesh& source = document.model.meshes[static_cast<std::size_t>(use.mesh)];

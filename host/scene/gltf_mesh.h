@@ -18,6 +18,9 @@ struct MeshUse {
   auto operator<=>(const MeshUse&) const = default;
 };
 
+// Whether read_mesh takes anything from it, and so needs its material.
+bool has_triangles(const tinygltf::Primitive& primitive);
+
 // `world`: matrices of all nodes. Converts the materials that it needs. Throws Error.
 Mesh read_mesh(Document& document, Scene& scene, MaterialMap& map, const MeshUse& use,
                const std::vector<glm::dmat4>& world);

@@ -1,0 +1,73 @@
+#include "host/render/kernel_compiler.h"
+
+#include "host/render/path_tracer.h"
+
+namespace wavepath {
+namespace {
+
+// Stack sizes come in steps, so that one set of kernels fits most scenes: unused entries cost nothing that could be measured
+// (33 to 128 entries, llvmpipe).
+constexpr std::uint32_t kStackStep = 64;
+
+} // namespace
+
+KernelConfig kernel_config(std::uint32_t features, std::uint32_t stack_size, const RenderSettings& settings) {
+  // Traversal marks the bottom of its stack, and stores one entry beyond what it keeps.
+  const std::uint32_t stack = (stack_size + 2 + kStackStep - 1) / kStackStep * kStackStep;
+  if (!settings.specialize) features = gpu::kFeaturesAll;
+  // Generic kernels would write outputs that nobody asked for; the buffers for those stay absent all the same.
+  if (settings.aovs.empty()) features &= ~gpu::kFeatureAovs;
+  features = (features | settings.added_features) & ~settings.removed_features;
+  return {features, stack, settings.sampler, settings.direct, settings.hemisphere, settings.filter};
+}
+
+bool generic_first(const DeviceInfo& device) { return device.type != "cpu"; }
+
+void KernelCompiler::start(const KernelConfig& config) {
+  const std::lock_guard lock(mutex_);
+  for (const Entry& entry : entries_)
+    if (entry.config == config) return;
+  Entry& entry = entries_.emplace_back();
+  entry.config = config;
+  entry.compiling = std::async(std::launch::async, [this, &entry] {
+    std::unique_ptr<KernelSet> set;
+    std::exception_ptr failure;
+    try {
+      set = std::make_unique<KernelSet>(device_, entry.config, path_tracer_bindings());
+    } catch (...) {
+      failure = std::current_exception();
+    }
+    const std::lock_guard done(mutex_);
+    entry.set = std::move(set);
+    entry.failure = failure;
+    changed_.notify_all();
+  });
+}
+
+const KernelCompiler::Entry* KernelCompiler::choose(const KernelConfig& need) const {
+  const Entry* chosen = nullptr;
+  for (const Entry& entry : entries_) {
+    if (!entry.config.covers(need) || (!entry.set && !entry.failure)) continue;
+    if (entry.config == need) return &entry;
+    if (entry.set) chosen = &entry;
+  }
+  return chosen;
+}
+
+const KernelSet& KernelCompiler::best(const KernelConfig& need) {
+  start(need);
+  std::unique_lock lock(mutex_);
+  const Entry* chosen = nullptr;
+  changed_.wait(lock, [&] { return (chosen = choose(need)) != nullptr; });
+  if (chosen->failure) std::rethrow_exception(chosen->failure);
+  return *chosen->set;
+}
+
+std::uint32_t KernelCompiler::features() const {
+  const std::lock_guard lock(mutex_);
+  std::uint32_t features = 0;
+  for (const Entry& entry : entries_) features |= entry.config.features;
+  return features;
+}
+
+} // namespace wavepath

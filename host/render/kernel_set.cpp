@@ -1,0 +1,70 @@
+#include "host/render/kernel_set.h"
+
+#include <chrono>
+#include <future>
+
+#include "host/gpu/commands.h"
+#include "kernels/accumulate.spv.h"
+#include "kernels/advance.spv.h"
+#include "kernels/connect.spv.h"
+#include "kernels/extend.spv.h"
+#include "kernels/generate.spv.h"
+#include "kernels/gpu_types.h"
+#include "kernels/shade.spv.h"
+
+namespace wavepath {
+namespace {
+
+struct StageCode {
+  const char* name;
+  std::span<const std::uint32_t> spirv;
+};
+const std::array<StageCode, kStageCount> kStages = {{{"generate", wavepath_generate_spv},
+                                                     {"advance", wavepath_advance_spv},
+                                                     {"extend", wavepath_extend_spv},
+                                                     {"shade", wavepath_shade_spv},
+                                                     {"connect", wavepath_connect_spv},
+                                                     {"accumulate", wavepath_accumulate_spv}}};
+
+constexpr std::uint64_t kStandInBytes = 1024; // of the buffer that stands for all while nothing is read
+
+void run_without_work(Device& device, const Kernel& kernel, const BindingSet& bindings) {
+  const gpu::Wave wave{};
+  Commands commands(device);
+  commands.bind(bindings);
+  commands.dispatch(kernel, 0, &wave);
+  commands.submit_and_wait();
+}
+
+} // namespace
+
+const char* stage_name(Stage stage) { return kStages[stage].name; }
+
+bool KernelConfig::covers(const KernelConfig& need) const {
+  KernelConfig reduced = *this;
+  reduced.features = need.features;
+  reduced.stack_size = need.stack_size;
+  return reduced == need && (features & need.features) == need.features && stack_size >= need.stack_size;
+}
+
+KernelSet::KernelSet(Device& device, const KernelConfig& config, std::vector<Binding> bindings) : config_(config) {
+  const auto start = std::chrono::steady_clock::now();
+  const Buffer stand_in(device, kStandInBytes);
+  for (Binding& binding : bindings) binding.buffer = &stand_in;
+  const BindingSet set(device, bindings, static_cast<std::uint32_t>(sizeof(gpu::Wave)));
+  const std::uint32_t stack = device.info().type == "cpu" ? gpu::kStackRegisters : gpu::kStackArray;
+  const std::array<std::uint32_t, gpu::kSpecCount> constants = {
+      config.features, config.stack_size, config.sampler, config.direct, config.hemisphere, config.filter, stack};
+  std::vector<std::future<Kernel>> compiling;
+  for (const StageCode& stage : kStages)
+    compiling.push_back(std::async(std::launch::async, [&device, &set, &constants, &stage] {
+      Kernel kernel(device, stage.name, stage.spirv, set, constants);
+      run_without_work(device, kernel, set);
+      return kernel;
+    }));
+  kernels_.reserve(kStageCount);
+  for (std::future<Kernel>& kernel : compiling) kernels_.push_back(kernel.get());
+  seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+} // namespace wavepath

@@ -1,0 +1,112 @@
+// Kernels that were compiled ahead, for more than a scene needs, give way to the scene's own between waves; no bit changes.
+#include <chrono>
+#include <filesystem>
+#include <thread>
+
+#include "host/render/kernel_compiler.h"
+#include "host/render/render.h"
+#include "host/scene/gltf.h"
+#include "host/scene/pack.h"
+#include "host/scene/view.h"
+#include "tests/probe.h"
+
+namespace wavepath::test {
+namespace {
+
+const std::filesystem::path kScenes = std::filesystem::path(WAVEPATH_SOURCE_DIR) / "scenes";
+
+TEST(KernelConfig, CoversWhatNeedsNoMore) {
+  const KernelConfig generic{gpu::kFeaturesAll, 64, 1, 1, 1, 1};
+  EXPECT_TRUE(generic.covers(generic));
+  KernelConfig need = generic;
+  need.features = gpu::kFeatureAlpha;
+  need.stack_size = 10;
+  EXPECT_TRUE(generic.covers(need));
+  EXPECT_FALSE(need.covers(generic));
+  need.stack_size = 65;
+  EXPECT_FALSE(generic.covers(need));
+  for (std::uint32_t KernelConfig::*setting :
+       {&KernelConfig::sampler, &KernelConfig::direct, &KernelConfig::hemisphere, &KernelConfig::filter}) {
+    KernelConfig other = generic;
+    other.*setting = 0;
+    EXPECT_FALSE(generic.covers(other));
+  }
+}
+
+TEST(KernelConfig, FollowsSceneAndSettings) {
+  RenderSettings settings;
+  EXPECT_EQ(kernel_config(gpu::kFeatureAlpha, 5, settings), kernel_config(gpu::kFeatureAlpha, kExpectedStack, settings));
+  EXPECT_GE(kernel_config(0, 1000, settings).stack_size, 1002u) << "a deep tree gets what it needs";
+  settings.specialize = false;
+  EXPECT_EQ(kernel_config(0, 5, settings).features, gpu::kFeaturesAll & ~gpu::kFeatureAovs);
+  settings.aovs = {"albedo"};
+  EXPECT_EQ(kernel_config(0, 5, settings).features, gpu::kFeaturesAll);
+}
+
+class KernelCompilerTest : public VulkanTest {
+protected:
+  void open(const std::string& name) {
+    Scene scene = load_gltf(kScenes / name);
+    if (scene.lights.empty()) scene.environment.radiance = glm::vec3(1.0f);
+    settings_.width = settings_.height = 24;
+    settings_.last_sample = 8;
+    settings_.wave_slots = 512; // many waves
+    view_ = resolve_view(scene, {}, settings_.width, settings_.height);
+    packed_ = pack(scene, settings_.direct);
+  }
+  // Renders with whatever `kernels` has, and with the scene's own from the second wave on.
+  Picture render_and_swap(KernelCompiler& kernels) {
+    const KernelConfig own = kernel_config(packed_.features, packed_.stack_size, settings_);
+    bool swapped = false;
+    const auto wait_for_own = [&](const Progress&) {
+      while (!swapped) {
+        swapped = kernels.best(own).config() == own;
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      }
+      return true;
+    };
+    const Picture picture = render(device(), packed_, view_, settings_, wait_for_own, kernels).picture;
+    EXPECT_TRUE(swapped);
+    return picture;
+  }
+  static void expect_same_bits(const Picture& a, const Picture& b) {
+    ASSERT_EQ(a.channels.size(), b.channels.size());
+    for (std::size_t c = 0; c < a.channels.size(); ++c) EXPECT_EQ(a.channels[c].values, b.channels[c].values);
+  }
+
+  RenderSettings settings_;
+  PackedScene packed_;
+  View view_;
+};
+
+TEST_F(KernelCompilerTest, BeginningWithGenericKernelsChangesNoBit) {
+  for (const char* name : {"cornell_box.gltf", "furnace_glass.gltf", "showcase.glb"}) {
+    SCOPED_TRACE(name);
+    open(name);
+    const Picture own = render(device(), packed_, view_, settings_).picture;
+    KernelCompiler kernels(device());
+    const KernelConfig generic = kernel_config(gpu::kFeaturesAll, packed_.stack_size, settings_);
+    kernels.start(generic);
+    EXPECT_EQ(kernels.best(generic).config(), generic);
+    expect_same_bits(render_and_swap(kernels), own);
+  }
+}
+
+TEST_F(KernelCompilerTest, AWrongGuessChangesNoBit) {
+  open("cornell_box.gltf");
+  const Picture own = render(device(), packed_, view_, settings_).picture;
+  KernelCompiler kernels(device());
+  kernels.start(kernel_config(gpu::kFeatureTextures, packed_.stack_size, settings_)); // lacks emission, for one
+  expect_same_bits(render_and_swap(kernels), own);
+}
+
+TEST_F(KernelCompilerTest, IsDestroyedWhileCompiling) {
+  open("cornell_box.gltf");
+  for (int i = 0; i < 3; ++i) {
+    KernelCompiler kernels(device());
+    kernels.start(kernel_config(packed_.features, packed_.stack_size, settings_));
+  }
+}
+
+} // namespace
+} // namespace wavepath::test
