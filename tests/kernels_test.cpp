@@ -1,4 +1,5 @@
 // Each kernel of the wavefront alone: what it writes for a known input, against the CPU reference or by hand.
+#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <limits>
@@ -401,6 +402,20 @@ TEST_F(Kernels, AccumulateKeepsSmallSamplesBesideLargeSums) {
   EXPECT_EQ(queues.nonfinite_samples, static_cast<std::uint32_t>(waves));
   const glm::uvec2 pixel = gpu::pixel_in_tile_order(9, 8, 8);
   EXPECT_EQ(queues.first_nonfinite_pixel, pixel.y * 8 + pixel.x);
+}
+
+// Buffers are a little larger than asked for; the power of two that most devices have as their limit is still theirs alone.
+TEST_F(Kernels, BindBuffersUpToTheDevicesLimit) {
+  const std::uint64_t limit = device().info().max_storage_range;
+  if (limit > std::uint64_t{1} << 28) GTEST_SKIP() << "would take much memory";
+  for (const std::uint64_t bytes : {limit, std::bit_floor(limit)}) {
+    const Buffer buffer(device(), bytes);
+    const Binding bindings[] = {{0, BindingKind::storage, &buffer}, {1, BindingKind::texels_rgba32f, &buffer}};
+    EXPECT_NO_THROW(BindingSet(device(), bindings, 4));
+  }
+  const Buffer larger(device(), limit + 1);
+  const Binding bindings[] = {{0, BindingKind::storage, &larger}};
+  EXPECT_THROW(BindingSet(device(), bindings, 4), Error);
 }
 
 TEST(TileOrder, VisitsEveryPixelOnce) {

@@ -24,8 +24,7 @@ constexpr VkMemoryPropertyFlags kHostFlags = VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT
 // have their size, none is such.
 std::uint64_t created_bytes(std::uint64_t bytes) {
   bytes = std::max(bytes, kSmallest);
-  while (std::has_single_bit(bytes) || (bytes & 0xff00) == 0) bytes += 0x110;
-  return bytes;
+  return std::has_single_bit(bytes) || (bytes & 0xff00) == 0 ? bytes + kBufferPadding : bytes;
 }
 
 // Memory properties to try, best first.
@@ -39,8 +38,7 @@ std::vector<VkMemoryPropertyFlags> wishes(const Device& device, BufferHome home)
 
 Buffer::Buffer(Device& device, std::uint64_t bytes, BufferHome home) : device_(&device), bytes_(bytes) {
   VkBufferCreateInfo info{VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO};
-  created_ = created_bytes(bytes);
-  info.size = created_;
+  info.size = created_bytes(bytes);
   info.usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT |
                VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT |
                VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
@@ -84,7 +82,6 @@ void Buffer::swap(Buffer& other) noexcept {
   std::swap(buffer_, other.buffer_);
   std::swap(memory_, other.memory_);
   std::swap(bytes_, other.bytes_);
-  std::swap(created_, other.created_);
   std::swap(allocated_, other.allocated_);
   std::swap(mapped_, other.mapped_);
 }

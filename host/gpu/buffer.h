@@ -30,7 +30,6 @@ public:
 
   VkBuffer handle() const { return buffer_; }
   std::uint64_t bytes() const { return bytes_; }
-  std::uint64_t bound_bytes() const { return created_; } // what kernels see: a little more
 
   // Copies between host and device and waits. Ranges must lie inside the buffer.
   void write(const void* data, std::uint64_t bytes, std::uint64_t offset = 0);
@@ -44,7 +43,7 @@ private:
   Device* device_ = nullptr;
   VkBuffer buffer_ = VK_NULL_HANDLE;
   VkDeviceMemory memory_ = VK_NULL_HANDLE;
-  std::uint64_t bytes_ = 0, created_ = 0, allocated_ = 0;
+  std::uint64_t bytes_ = 0, allocated_ = 0;
   void* mapped_ = nullptr; // null: reached by staging
 };
 

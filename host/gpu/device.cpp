@@ -152,8 +152,8 @@ DeviceInfo describe(VkPhysicalDevice physical) {
   info.driver = fmt::format("{} {}", core12.driverName, core12.driverInfo);
   info.subgroup_size = core11.subgroupSize;
   info.max_allocation = core11.maxMemoryAllocationSize;
-  info.max_storage_range = limits.maxStorageBufferRange;
-  info.max_texel_elements = limits.maxTexelBufferElements;
+  info.max_storage_range = limits.maxStorageBufferRange - kBufferPadding;
+  info.max_texel_elements = limits.maxTexelBufferElements - kBufferPadding / sizeof(std::uint32_t);
   info.max_groups = limits.maxComputeWorkGroupCount[0];
 
   VkPhysicalDeviceMemoryProperties memory{};

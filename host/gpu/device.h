@@ -13,6 +13,9 @@ namespace wavepath {
 
 class PipelineCache; // host/gpu/pipeline_cache.h
 
+// Bytes that a Buffer may be larger than asked for (see buffer.cpp). DeviceInfo's limits on bindings are what is left.
+inline constexpr std::uint64_t kBufferPadding = 0x110;
+
 // What `wavepath info` tells of a device. `missing`: what keeps us from using it, in words; empty = usable.
 struct DeviceInfo {
   std::string name, driver, type; // type: cpu, integrated, discrete, virtual, other

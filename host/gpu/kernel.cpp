@@ -34,7 +34,7 @@ Format texel_format(BindingKind kind) {
 
 // A binding beyond the device's limits would be cut off in silence, so it is refused.
 void check_limits(const DeviceInfo& info, const Binding& binding) {
-  const std::uint64_t bytes = binding.buffer->bound_bytes();
+  const std::uint64_t bytes = binding.buffer->bytes();
   const bool texels = descriptor_type(binding.kind) == VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER;
   const std::uint64_t limit =
       texels ? info.max_texel_elements * texel_format(binding.kind).bytes : info.max_storage_range;
