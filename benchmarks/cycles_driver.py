@@ -1,0 +1,135 @@
+"""Renders one glTF scene with Cycles, again and again, as the lines on stdin ask: runs inside Blender, see peer_cycles.py.
+
+The first line on stdin is the view as JSON; every further one is {"spp", "seed", "output"}. After each picture a line
+begins with DONE. Blender itself tells how long the rendering took (--debug-cycles).
+"""
+
+import json
+import math
+import sys
+
+import bpy
+import mathutils
+import numpy
+
+# Debian 12's glTF importer asks numpy for names that numpy has dropped since.
+for dropped, builtin in (("bool", bool), ("int", int), ("float", float), ("object", object)):
+    if dropped not in vars(numpy):
+        setattr(numpy, dropped, builtin)
+
+
+def z_up(v):
+    """glTF has +Y up, Blender +Z; this is how Blender's importer turns a scene."""
+    return mathutils.Vector((v[0], -v[2], v[1]))
+
+
+def add_camera(view):
+    data = bpy.data.cameras.new("view")
+    data.sensor_fit = "VERTICAL"
+    data.angle = math.radians(view["yfov"])
+    data.clip_start, data.clip_end = 1e-3, 1e5
+    camera = bpy.data.objects.new("view", data)
+    eye = z_up(view["eye"])
+    camera.location = eye
+    camera.rotation_mode = "QUATERNION"
+    camera.rotation_quaternion = (z_up(view["look_at"]) - eye).to_track_quat("-Z", "Y")
+    bpy.context.scene.collection.objects.link(camera)
+    bpy.context.scene.camera = camera
+
+
+def add_environment(path, intensity):
+    world = bpy.data.worlds.new("environment")
+    bpy.context.scene.world = world
+    world.use_nodes = True
+    background = world.node_tree.nodes["Background"]
+    background.inputs["Color"].default_value = (0, 0, 0, 1)
+    background.inputs["Strength"].default_value = intensity
+    if path:
+        image = world.node_tree.nodes.new("ShaderNodeTexEnvironment")
+        image.image = bpy.data.images.load(path)
+        world.node_tree.links.new(image.outputs["Color"], background.inputs["Color"])
+
+
+def principled(material):
+    return next((n for n in material.node_tree.nodes if n.type == "BSDF_PRINCIPLED"), None) if material.use_nodes else None
+
+
+def shines(material):
+    node = principled(material)
+    return node is None or max(node.inputs["Emission"].default_value[:3]) > 0
+
+
+def make_lambert(material):
+    """For a scene whose materials have no specular part, which this importer does not know: Principled is no Lambert
+    surface even then."""
+    tree, node = material.node_tree, principled(material)
+    diffuse = tree.nodes.new("ShaderNodeBsdfDiffuse")
+    diffuse.inputs["Color"].default_value = node.inputs["Base Color"].default_value
+    output = next(n for n in tree.nodes if n.type == "OUTPUT_MATERIAL")
+    tree.links.new(diffuse.outputs["BSDF"], output.inputs["Surface"])
+
+
+def shield(lamp):
+    """A black back. Cycles shines to both sides, glTF to one only: behind the Cornell box's lamp the ceiling would catch
+    so much light that its fireflies, not the picture, would be measured."""
+    black = bpy.data.materials.new("black")
+    black.use_nodes = True
+    principled(black).inputs["Base Color"].default_value = (0, 0, 0, 1)
+    make_lambert(black)
+    back = lamp.copy()
+    back.data = lamp.data.copy()
+    back.data.materials.clear()
+    back.data.materials.append(black)
+    for vertex in back.data.vertices:
+        vertex.co -= 1e-4 * vertex.normal
+    bpy.context.scene.collection.objects.link(back)
+
+
+def set_up(view):
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.import_scene.gltf(filepath=view["scene"])
+    scene = bpy.context.scene
+    for thing in [o for o in scene.objects if o.type in ("CAMERA", "LIGHT")]:
+        bpy.data.objects.remove(thing)
+    if view["lambert"]:
+        for lamp in [o for o in scene.objects if o.type == "MESH" and shines(o.data.materials[0])]:
+            shield(lamp)
+        for material in bpy.data.materials:
+            if not shines(material):
+                make_lambert(material)
+    add_camera(view)
+    add_environment(view["environment"], view["intensity"])
+
+    render, cycles = scene.render, scene.cycles
+    render.engine = "CYCLES"
+    render.resolution_x, render.resolution_y = view["size"]
+    render.resolution_percentage = 100
+    render.use_persistent_data = True  # prepared once; what is timed leaves preparation out anyway
+    render.image_settings.file_format = "OPEN_EXR"
+    render.image_settings.color_depth = "32"
+    cycles.device = "CPU"
+    cycles.use_denoising = False
+    cycles.use_adaptive_sampling = False
+    # Cycles counts bounces after the first surface, wavepath counts that one too.
+    bounces = view["max_depth"] - 1
+    cycles.max_bounces = cycles.diffuse_bounces = cycles.glossy_bounces = cycles.transmission_bounces = bounces
+    cycles.sample_clamp_direct = cycles.sample_clamp_indirect = 0
+    cycles.caustics_reflective = cycles.caustics_refractive = True
+    cycles.blur_glossy = 0
+    cycles.pixel_filter_type = "BOX"  # one pixel wide
+
+
+def main():
+    set_up(json.loads(sys.stdin.readline()))
+    scene = bpy.context.scene
+    print("DONE Blender", bpy.app.version_string, scene.cycles.sampling_pattern, flush=True)
+    for line in sys.stdin:
+        job = json.loads(line)
+        scene.cycles.samples = job["spp"]
+        scene.cycles.seed = job["seed"]
+        scene.render.filepath = job["output"]
+        bpy.ops.render.render(write_still=True)
+        print("DONE", flush=True)
+
+
+main()

@@ -1,0 +1,89 @@
+"""The renderers that peer_cycles.py compares: each renders one view and tells the seconds of rendering alone."""
+
+import json
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+
+
+class PeerError(Exception):
+    pass
+
+
+def run(command):
+    result = subprocess.run([str(c) for c in command], capture_output=True, text=True)
+    if result.returncode != 0:
+        raise PeerError(result.stderr.strip() or f"{command[0]} ended with exit code {result.returncode}")
+    return result.stdout
+
+
+def compare(wavepath, picture, reference):
+    """The metrics of `wavepath compare`: one judge for all."""
+    return json.loads(run([wavepath, "compare", picture, reference, "--json"]))
+
+
+class Wavepath:
+    name = "wavepath"
+
+    def __init__(self, binary, view):
+        self.binary = binary
+        self.version = run([binary, "--version"]).strip()
+        self.device = None
+
+        def triple(v):
+            return ",".join(str(x) for x in v)
+
+        self.command = [binary, "render", view["scene"], "--size", "{}x{}".format(*view["size"]), "--eye", triple(view["eye"]),
+                        "--look-at", triple(view["look_at"]), "--yfov", view["yfov"], "--max-depth", view["max_depth"],
+                        "--filter", "box", "--json", "-q"]
+        if view["environment"]:
+            self.command += ["--env", view["environment"], "--env-intensity", view["intensity"]]
+
+    def render(self, spp, seed, output):
+        stats = json.loads(run(self.command + ["--spp", spp, "--seed", seed, "-o", output]))
+        self.device = stats["device"]
+        return {"seconds": stats["seconds"]["render"], "mrays_per_second": stats["mrays_per_second"]}
+
+
+class Cycles:
+    """One Blender that keeps the scene and renders on demand, so that it starts once."""
+
+    name = "cycles"
+
+    def __init__(self, blender, view, log):
+        self.log = open(log, "w")
+        driver = pathlib.Path(__file__).with_name("cycles_driver.py")
+        # Blender takes its Python packages from beside the first python3 in PATH: let that be its own distribution's.
+        own = pathlib.Path(shutil.which(blender)).parent
+        environment = dict(os.environ, PATH=f"{own}{os.pathsep}{os.environ['PATH']}")
+        self.process = subprocess.Popen([blender, "-b", "--factory-startup", "--debug-cycles", "--python-exit-code", "1",
+                                         "-P", str(driver)],
+                                        stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+                                        env=environment)
+        self.version = self.ask(view)[-1].removeprefix("DONE ").strip()
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.process.stdin.close()
+        self.process.stdout.close()
+        self.process.wait()
+        self.log.close()
+
+    def ask(self, job):
+        self.process.stdin.write(json.dumps(job) + "\n")
+        self.process.stdin.flush()
+        lines = []
+        for line in self.process.stdout:
+            self.log.write(line)
+            lines.append(line)
+            if line.startswith("DONE"):
+                return lines
+        raise PeerError("Blender ended: " + "".join(lines[-4:]).strip())
+
+    def render(self, spp, seed, output):
+        told = "".join(self.ask({"spp": spp, "seed": seed, "output": str(output.resolve())}))
+        return {"seconds": float(re.search(r"Render time \(without synchronization\): ([\d.]+)", told).group(1))}
