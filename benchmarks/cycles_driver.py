@@ -1,4 +1,4 @@
-"""Renders one glTF scene with Cycles, again and again, as the lines on stdin ask: runs inside Blender, see peer_cycles.py.
+"""Renders one glTF scene with Cycles, again and again, as lines on stdin ask: runs inside Blender, see peer_cycles.py.
 
 The first line on stdin is the view as JSON; every further one is {"spp", "seed", "output"}. After each picture a line
 begins with DONE. Blender itself tells how long the rendering took (--debug-cycles).
@@ -51,7 +51,8 @@ def add_environment(path, intensity):
 
 
 def principled(material):
-    return next((n for n in material.node_tree.nodes if n.type == "BSDF_PRINCIPLED"), None) if material.use_nodes else None
+    nodes = material.node_tree.nodes if material.use_nodes else ()
+    return next((n for n in nodes if n.type == "BSDF_PRINCIPLED"), None)
 
 
 def shines(material):
@@ -70,8 +71,8 @@ def make_lambert(material):
 
 
 def shield(lamp):
-    """A black back. Cycles shines to both sides, glTF to one only: behind the Cornell box's lamp the ceiling would catch
-    so much light that its fireflies, not the picture, would be measured."""
+    """A black back. Cycles shines to both sides, glTF to one only: behind the Cornell box's lamp the ceiling would
+    catch so much light that its fireflies, not the picture, would be measured."""
     black = bpy.data.materials.new("black")
     black.use_nodes = True
     principled(black).inputs["Base Color"].default_value = (0, 0, 0, 1)

@@ -1,25 +1,25 @@
 #!/usr/bin/env python3
 """Time to a given error, wavepath against Cycles: the same glTF, camera, light and depth on the same cores.
 
-Each renderer is judged against its own converged picture, so what the two model differently costs neither. Needs Debian's
-blender and python3-numpy. See --help; results in benchmarks/results.
+Each renderer is judged against its own converged picture, so what the two model differently costs neither. Needs
+Debian's blender and python3-numpy. See --help; results in benchmarks/results.
 """
 
 import argparse
 import hashlib
+import importlib.util
 import json
-import math
 import os
 import pathlib
 import shutil
 import statistics
 import sys
 
-ROOT = pathlib.Path(__file__).resolve().parent.parent
-sys.path.insert(0, str(ROOT / "benchmarks"))
-from peers import Cycles, PeerError, Wavepath, compare  # noqa: E402
+from error_time import TARGETS, plot, summarize, table
+from peers import Cycles, PeerError, Wavepath, compare
 
-TARGETS = [1e-2, 1e-3]  # relMSE
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+
 SIZE = [256, 192]
 MAX_DEPTH = 5
 REFERENCE_SEED = 1000
@@ -27,12 +27,12 @@ REFERENCE_SEED = 1000
 # `reference`: samples a pixel; they leave a relMSE of a few percent of the smaller target, on Sponza of the larger one.
 # Sponza is lit through its roof alone: twice the sky makes it as bright as a photograph would be.
 SCENES = {
-    "cornell": {"scene": ROOT / "scenes/cornell_box.gltf", "environment": None, "lambert": True, "reference": 4096,
+    "cornell": {"scene": ROOT / "scenes/cornell_box.gltf", "environment": None, "lambert": True, "reference": 2048,
                 "eye": [0.278, 0.273, -0.8], "look_at": [0.278, 0.273, 0], "yfov": 39.3076},
     "helmet": {"scene": "DamagedHelmet/glTF-Binary/DamagedHelmet.glb", "environment": "env/studio_small_03_1k.hdr",
                "lambert": False, "reference": 4096, "eye": [2, 0.7, 3.2], "look_at": [0, -0.05, 0], "yfov": 40},
     "sponza": {"scene": "Sponza/Sponza.gltf", "environment": "env/venice_sunset_1k.hdr", "lambert": False,
-               "intensity": 2, "reference": 2048, "eye": [4, 1.8, 0.2], "look_at": [-10, 2.2, -0.3], "yfov": 65},
+               "intensity": 2, "reference": 1024, "eye": [4, 1.8, 0.2], "look_at": [-10, 2.2, -0.3], "yfov": 65},
 }
 
 
@@ -65,7 +65,7 @@ def reference(renderer, view, spp, folder, fresh):
 
 
 def measure(renderers, references, folder, reps, seconds):
-    """One series a renderer, one sample a pixel and up in powers of two, taking turns, till the last target or the limit."""
+    """One series a renderer: 1, 2, 4 ... samples a pixel, taking turns, till the last target or the limit."""
     series = {r.name: [] for r in renderers}
     running = set(series)
     spp = 1
@@ -89,92 +89,23 @@ def measure(renderers, references, folder, reps, seconds):
     return series
 
 
-def slope(points):
-    """Least squares of log relMSE against log seconds over the last four points: -1 is what independent samples give."""
-    x = [math.log(p["seconds"]) for p in points[-4:]]
-    y = [math.log(p["relmse"]) for p in points[-4:]]
-    mx, my = statistics.fmean(x), statistics.fmean(y)
-    return sum((a - mx) * (b - my) for a, b in zip(x, y)) / sum((a - mx) ** 2 for a in x)
-
-
-def time_to(points, target):
-    """Seconds to that error, between the two nearest points on logarithmic axes; past the last one by the slope.
-    Returns (seconds, measured)."""
-    if points[0]["relmse"] <= target:
-        return points[0]["seconds"], True
-    for a, b in zip(points, points[1:]):
-        if b["relmse"] <= target:
-            t = math.log(a["relmse"] / target) / math.log(a["relmse"] / b["relmse"])
-            return a["seconds"] * (b["seconds"] / a["seconds"]) ** t, True
-    last = points[-1]
-    return last["seconds"] * (target / last["relmse"]) ** (1 / slope(points)), False
-
-
-def summarize(view, series):
-    result = {"view": view, "renderers": {}}
-    for name, points in series.items():
-        last = points[-1]
-        to = {f"{t:g}": dict(zip(("seconds", "measured"), time_to(points, t))) for t in TARGETS}
-        result["renderers"][name] = {
-            "points": points, "slope": slope(points), "seconds_to": to,
-            "mpaths_per_second": SIZE[0] * SIZE[1] * last["spp"] / last["seconds"] / 1e6,
-            "mrays_per_second": last["runs"][0].get("mrays_per_second")}
-    ours, cycles = result["renderers"]["wavepath"], result["renderers"]["cycles"]
-    result["ratio"] = {t: ours["seconds_to"][t]["seconds"] / cycles["seconds_to"][t]["seconds"] for t in ours["seconds_to"]}
-    shared = min(len(ours["points"]), len(cycles["points"])) - 1
-    a, b = ours["points"][shared], cycles["points"][shared]
-    result["equal_spp"] = {"spp": a["spp"], "seconds_ratio": a["seconds"] / b["seconds"],
-                           "relmse_ratio": a["relmse"] / b["relmse"]}
-    return result
-
-
-def table(results):
-    head = ["scene", "renderer", "s to 1e-2", "s to 1e-3", "slope", "Mpaths/s", "Mrays/s"]
-    lines = ["| " + " | ".join(head) + " |", "| " + " | ".join(["---"] * len(head)) + " |"]
-    for name, result in results.items():
-        for renderer, r in result["renderers"].items():
-            times = [("" if t["measured"] else "~") + f"{t['seconds']:.2f}" for t in r["seconds_to"].values()]
-            rays = f"{r['mrays_per_second']:.2f}" if r["mrays_per_second"] else "not told"
-            lines.append("| " + " | ".join([name, renderer, *times, f"{r['slope']:.2f}", f"{r['mpaths_per_second']:.2f}",
-                                            rays]) + " |")
-        equal = result["equal_spp"]
-        ratios = [f"{r:.2f}" for r in result["ratio"].values()]
-        lines.append("| " + " | ".join([name, "**wavepath / Cycles**", *ratios, "",
-                                        f"{equal['spp']} spp: {equal['seconds_ratio']:.2f} of the seconds,",
-                                        f"{equal['relmse_ratio']:.2f} of the relMSE"]) + " |")
-    return "\n".join(lines)
-
-
-def plot(results, path):
-    import matplotlib
-    matplotlib.use("Agg")
-    from matplotlib import pyplot
-    figure, axes = pyplot.subplots(1, len(results), figsize=(4.5 * len(results), 4), squeeze=False)
-    for axis, (name, result) in zip(axes[0], results.items()):
-        for renderer, r in result["renderers"].items():
-            axis.loglog([p["seconds"] for p in r["points"]], [p["relmse"] for p in r["points"]], "o-", label=renderer)
-        for target in TARGETS:
-            axis.axhline(target, color="grey", linewidth=0.5)
-        axis.set(title=name, xlabel="seconds", ylabel="relMSE")
-        axis.legend()
-    figure.tight_layout()
-    figure.savefig(path)
-
-
 def arguments():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("names", nargs="*", metavar="SCENE", help=f"of {', '.join(SCENES)} [default: all that are there]")
+    parser.add_argument("names", nargs="*", metavar="SCENE", help=f"{', '.join(SCENES)} [default: all that are there]")
     parser.add_argument("--assets", type=pathlib.Path, help="folder that has Sponza, DamagedHelmet and env")
-    parser.add_argument("--wavepath", type=pathlib.Path, default=ROOT / "build/host/wavepath", help="[default: build/host]")
+    parser.add_argument("--wavepath", type=pathlib.Path, default=ROOT / "build/host/wavepath",
+                        help="the program [default: build/host/wavepath]")
     parser.add_argument("--blender", default="blender", help="[default: blender]")
     parser.add_argument("--reps", type=int, default=3, help="runs of each, by turns; the median counts [default: 3]")
-    parser.add_argument("--max-seconds", type=float, default=30, help="a series ends after a run this long [default: 30]")
+    parser.add_argument("--max-seconds", type=float, default=30,
+                        help="a series ends after a run this long [default: 30]")
     parser.add_argument("--quick", action="store_true", help="one run of each, short series, rough references")
     parser.add_argument("--work", type=pathlib.Path, default=ROOT / "build/peer_cycles",
                         help="pictures; references are kept there [default: build/peer_cycles]")
     parser.add_argument("--fresh", action="store_true", help="render the references again")
     parser.add_argument("--json", type=pathlib.Path, metavar="FILE", help="write everything measured")
-    parser.add_argument("--plot", type=pathlib.Path, metavar="FILE.png", help="relMSE against seconds (needs matplotlib)")
+    parser.add_argument("--plot", type=pathlib.Path, metavar="FILE.png",
+                        help="draw relMSE against seconds; needs matplotlib")
     args = parser.parse_args()
     if unknown := [n for n in args.names if n not in SCENES]:
         parser.error(f"no scene {unknown[0]}; there are {', '.join(SCENES)}")
@@ -184,7 +115,10 @@ def arguments():
 def main():
     args = arguments()
     if not shutil.which(args.blender):
-        print(f"{args.blender} is not there, nothing to compare with; apt install blender python3-numpy", file=sys.stderr)
+        print(f"there is no {args.blender} to compare with; apt install blender python3-numpy", file=sys.stderr)
+        return 2
+    if args.plot and not importlib.util.find_spec("matplotlib"):
+        print("matplotlib is not there, so there can be no --plot; apt install python3-matplotlib", file=sys.stderr)
         return 2
     reps, seconds, share = (1, 3, 16) if args.quick else (args.reps, args.max_seconds, 1)
     args.work.mkdir(parents=True, exist_ok=True)
@@ -202,8 +136,9 @@ def main():
             results[name] = summarize(view, measure([ours, cycles], references, args.work, reps, seconds))
             results[name]["reference_spp"] = spp
             results[name]["cycles_version"], results[name]["device"] = cycles.version, ours.device
-            # How far the two pictures themselves are apart: view, light and depth agree if these are near 1.
-            results[name]["mean_ratio"] = compare(args.wavepath, references["wavepath"], references["cycles"])["mean_ratio"]
+            # Of the two pictures themselves: view, light and depth agree if these are near 1.
+            between = compare(args.wavepath, references["wavepath"], references["cycles"])
+            results[name]["mean_ratio"] = between["mean_ratio"]
     print(table(results))
     if args.json:
         args.json.write_text(json.dumps({"size": SIZE, "max_depth": MAX_DEPTH, "scenes": results}, indent=1) + "\n")

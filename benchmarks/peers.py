@@ -35,9 +35,9 @@ class Wavepath:
         def triple(v):
             return ",".join(str(x) for x in v)
 
-        self.command = [binary, "render", view["scene"], "--size", "{}x{}".format(*view["size"]), "--eye", triple(view["eye"]),
-                        "--look-at", triple(view["look_at"]), "--yfov", view["yfov"], "--max-depth", view["max_depth"],
-                        "--filter", "box", "--json", "-q"]
+        self.command = [binary, "render", view["scene"], "--size", "{}x{}".format(*view["size"]),
+                        "--eye", triple(view["eye"]), "--look-at", triple(view["look_at"]), "--yfov", view["yfov"],
+                        "--max-depth", view["max_depth"], "--filter", "box", "--json", "-q"]
         if view["environment"]:
             self.command += ["--env", view["environment"], "--env-intensity", view["intensity"]]
 
@@ -58,10 +58,9 @@ class Cycles:
         # Blender takes its Python packages from beside the first python3 in PATH: let that be its own distribution's.
         own = pathlib.Path(shutil.which(blender)).parent
         environment = dict(os.environ, PATH=f"{own}{os.pathsep}{os.environ['PATH']}")
-        self.process = subprocess.Popen([blender, "-b", "--factory-startup", "--debug-cycles", "--python-exit-code", "1",
-                                         "-P", str(driver)],
-                                        stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
-                                        env=environment)
+        command = [blender, "-b", "--factory-startup", "--debug-cycles", "--python-exit-code", "1", "-P", str(driver)]
+        self.process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE,
+                                        stderr=subprocess.STDOUT, text=True, env=environment)
         self.version = self.ask(view)[-1].removeprefix("DONE ").strip()
 
     def __enter__(self):

@@ -1,0 +1,66 @@
+#!/usr/bin/env python3
+"""The benchmark scripts' own arithmetic, on numbers with known answers, and that they start at all. No renderer is run.
+Usage: benchmarks_test.py SOURCE_DIR"""
+
+import pathlib
+import subprocess
+import sys
+import unittest
+
+BENCHMARKS = pathlib.Path(sys.argv[1]) / "benchmarks"
+sys.path.insert(0, str(BENCHMARKS))
+
+import error_time  # noqa: E402
+import scaling  # noqa: E402
+
+# relMSE = 0.2 / seconds: what independent samples give.
+HALVING = [{"seconds": 2.0**i, "relmse": 0.2 / 2.0**i, "spp": 2**i} for i in range(6)]
+
+
+class Benchmarks(unittest.TestCase):
+    def test_slope_of_independent_samples_is_minus_one(self):
+        self.assertAlmostEqual(error_time.slope(HALVING), -1)
+
+    def test_time_to_an_error_lies_between_the_points_around_it(self):
+        seconds, measured = error_time.time_to(HALVING, 1e-2)
+        self.assertAlmostEqual(seconds, 20)
+        self.assertTrue(measured)
+
+    def test_time_past_the_last_point_follows_the_slope_and_says_so(self):
+        seconds, measured = error_time.time_to(HALVING, 1e-3)
+        self.assertAlmostEqual(seconds, 200)
+        self.assertFalse(measured)
+
+    def test_an_error_reached_at_once_takes_the_first_run(self):
+        self.assertEqual(error_time.time_to(HALVING, 0.5), (1.0, True))
+
+    def test_summary_is_ours_by_theirs(self):
+        slow = [dict(p, seconds=3 * p["seconds"]) for p in HALVING]
+        for points in (HALVING, slow):
+            for p in points:
+                p["runs"] = [{"seconds": p["seconds"]}]
+        result = error_time.summarize({"size": [1, 1]}, {"wavepath": HALVING, "cycles": slow})
+        self.assertAlmostEqual(result["ratio"]["0.01"], 1 / 3)
+        self.assertAlmostEqual(result["equal_spp"]["seconds_ratio"], 1 / 3)
+        self.assertAlmostEqual(result["equal_spp"]["relmse_ratio"], 1)
+
+    def test_exponent_of_a_linear_cost_is_one(self):
+        self.assertAlmostEqual(scaling.exponent([{"n": n, "seconds": 0.25 * n} for n in (16, 32, 64)]), 1)
+
+    def test_scripts_explain_themselves(self):
+        for script in ("peer_cycles.py", "scaling.py"):
+            with self.subTest(script=script):
+                result = subprocess.run([sys.executable, BENCHMARKS / script, "--help"], capture_output=True, text=True)
+                self.assertEqual(result.returncode, 0, result.stderr)
+                self.assertIn("--json", result.stdout)
+
+    def test_without_blender_it_says_how_to_get_it(self):
+        result = subprocess.run([sys.executable, BENCHMARKS / "peer_cycles.py", "--blender", "no-such-blender"],
+                                capture_output=True, text=True)
+        self.assertEqual(result.returncode, 2)
+        self.assertEqual(len(result.stderr.splitlines()), 1)
+        self.assertIn("apt install", result.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1])
