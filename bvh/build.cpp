@@ -8,6 +8,7 @@
 #include <tbb/parallel_for.h>
 
 #include "bvh/binary.h"
+#include "bvh/reinsert.h"
 #include "bvh/split.h"
 
 namespace wavepath::bvh {
@@ -21,7 +22,12 @@ WideTree build(std::span<const Box> boxes, std::span<const Triangle> triangles, 
   usable.max_leaf_size = std::clamp(config.max_leaf_size, 1u, kMaxLeafSize);
   usable.bin_count = std::clamp(config.bin_count, 2u, static_cast<std::uint32_t>(Bins::kMaxCount));
   BuildReport result;
-  WideTree tree = collapse(build_binary(boxes, triangles, usable, result));
+  BinaryTree binary = build_binary(boxes, triangles, usable, result);
+  if (usable.quality == Quality::best && binary.nodes) {
+    binary = reinsert(std::move(binary));
+    result.binary_depth = binary.nodes[0].height;
+  }
+  WideTree tree = collapse(std::move(binary));
   if (report) *report = result;
   return tree;
 }

@@ -1,4 +1,5 @@
-// Builds the tree: parallel binned SAH (Wald 2007) to a binary tree, then a collapse to four children a node.
+// Builds the tree: parallel binned SAH (Wald 2007), with spatial splits and reinsertion on demand, to a binary tree; then a
+// collapse to four children a node.
 #pragma once
 
 #include <cstddef>
@@ -13,6 +14,7 @@ namespace wavepath::bvh {
 // all-ones stands for none.
 inline constexpr std::size_t kMaxItems = kMaxLeafItems - kMaxLeafSize;
 
+// fast: binned SAH. balanced: with the spatial splits that gain most. best: with all that gain, and reinsertion.
 enum class Quality { fast, balanced, best };
 
 struct BuildConfig {
@@ -32,7 +34,6 @@ struct BuildReport {
 // never on the number of threads. Any input gives a tree no deeper than kMaxDepth. Peak memory is about 140 bytes a
 // box, result included.
 WideTree build(std::span<const Box> boxes, const BuildConfig& config = {}, BuildReport* report = nullptr);
-
 
 // The same over triangles, with their bounds() as boxes.
 WideTree build(std::span<const Triangle> triangles, const BuildConfig& config = {}, BuildReport* report = nullptr);
