@@ -1,9 +1,13 @@
 // How fast trees are built and traversed on the CPU, in primitives and rays per second.
 #include <cmath>
+#include <numeric>
 #include <random>
 #include <vector>
 
 #include <benchmark/benchmark.h>
+#ifdef WAVEPATH_EMBREE
+#include <embree3/rtcore.h>
+#endif
 #include <tbb/global_control.h>
 
 #include "bvh/build.h"
@@ -52,22 +56,60 @@ std::vector<Box> boxes_of(const std::vector<Triangle>& triangles) {
   return boxes;
 }
 
-// Arguments: kind (0 soup, 1 terrain), triangles, threads.
+// Arguments: kind (0 soup, 1 terrain), triangles, threads, quality (0 fast, 1 balanced, 2 best).
 void build_tree(benchmark::State& state) {
-  const std::vector<Box> boxes = boxes_of(make(static_cast<int>(state.range(0)), static_cast<int>(state.range(1))));
+  const std::vector<Triangle> triangles = make(static_cast<int>(state.range(0)), static_cast<int>(state.range(1)));
   const tbb::global_control threads(tbb::global_control::max_allowed_parallelism,
                                     static_cast<std::size_t>(state.range(2)));
+  BuildConfig config;
+  config.quality = static_cast<Quality>(state.range(3));
   WideTree tree;
-  for (auto _ : state) tree = build(boxes);
+  for (auto _ : state) tree = build(std::span<const Triangle>(triangles), config);
   const Measure measured = measure(tree);
-  state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(boxes.size()));
+  const auto count = static_cast<double>(triangles.size());
+  state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(triangles.size()));
   state.counters["sah"] = measured.sah_cost;
   state.counters["depth"] = tree.depth;
-  state.counters["bytes/item"] = static_cast<double>(measured.node_bytes) / static_cast<double>(boxes.size());
-  state.counters["items/leaf"] = static_cast<double>(boxes.size()) / static_cast<double>(measured.leaf_count);
+  state.counters["bytes/item"] = static_cast<double>(measured.node_bytes) / count;
+  state.counters["copies"] = static_cast<double>(tree.order.size()) / count - 1.0;
   state.counters["children"] = measured.children_per_node;
 }
-BENCHMARK(build_tree)->ArgsProduct({{0, 1}, {1'000'000}, {1, 2}})->Unit(benchmark::kMillisecond)->UseRealTime();
+BENCHMARK(build_tree)
+    ->ArgNames({"kind", "triangles", "threads", "quality"})
+    ->ArgsProduct({{0, 1}, {1'000'000}, {1, 2}, {0, 1, 2}})
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
+
+#ifdef WAVEPATH_EMBREE
+// The same triangles in Embree. Arguments: kind, triangles, threads, quality (0 low: Morton codes, 1 medium: binned SAH,
+// 2 high: spatial splits).
+void build_embree(benchmark::State& state) {
+  const std::vector<Triangle> triangles = make(static_cast<int>(state.range(0)), static_cast<int>(state.range(1)));
+  RTCDevice device = rtcNewDevice(state.range(2) == 1 ? "threads=1" : "threads=2");
+  RTCGeometry mesh = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+  std::vector<std::uint32_t> indices(3 * triangles.size());
+  std::iota(indices.begin(), indices.end(), 0u);
+  rtcSetSharedGeometryBuffer(mesh, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, triangles.data(), 0, sizeof(Vec3),
+                             indices.size());
+  rtcSetSharedGeometryBuffer(mesh, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, indices.data(), 0, 12, triangles.size());
+  rtcCommitGeometry(mesh);
+  for (auto _ : state) {
+    RTCScene scene = rtcNewScene(device);
+    rtcSetSceneBuildQuality(scene, static_cast<RTCBuildQuality>(state.range(3)));
+    rtcAttachGeometry(scene, mesh);
+    rtcCommitScene(scene);
+    rtcReleaseScene(scene);
+  }
+  rtcReleaseGeometry(mesh);
+  rtcReleaseDevice(device);
+  state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(triangles.size()));
+}
+BENCHMARK(build_embree)
+    ->ArgNames({"kind", "triangles", "threads", "quality"})
+    ->ArgsProduct({{0, 1}, {1'000'000}, {1, 2}, {1, 2}})
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
+#endif
 
 std::vector<Ray> random_rays(int count) {
   std::mt19937 random(2);
