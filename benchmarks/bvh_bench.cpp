@@ -122,7 +122,7 @@ std::vector<Ray> random_rays(int count) {
   return rays;
 }
 
-// Arguments: kind, triangles. One thread, incoherent closest-hit rays from above.
+// Arguments: kind, triangles, any (0 closest hit, 1 any hit). One thread, incoherent rays from above.
 void trace(benchmark::State& state) {
   const std::vector<Triangle> input = make(static_cast<int>(state.range(0)), static_cast<int>(state.range(1)));
   const WideTree tree = build(boxes_of(input));
@@ -131,13 +131,17 @@ void trace(benchmark::State& state) {
   const std::vector<Ray> rays = random_rays(1 << 14);
   Counters counters;
   for (auto _ : state)
-    for (const Ray& ray : rays) benchmark::DoNotOptimize(closest_hit(tree, triangles, ray, &counters));
+    for (const Ray& ray : rays)
+      if (state.range(2))
+        benchmark::DoNotOptimize(any_hit(tree, triangles, ray, &counters));
+      else
+        benchmark::DoNotOptimize(closest_hit(tree, triangles, ray, &counters));
   const double total = static_cast<double>(state.iterations()) * static_cast<double>(rays.size());
   state.SetItemsProcessed(static_cast<std::int64_t>(total));
   state.counters["visits"] = static_cast<double>(counters.visits) / total;
   state.counters["tests"] = static_cast<double>(counters.tests) / total;
 }
-BENCHMARK(trace)->ArgsProduct({{0, 1}, {100'000, 1'000'000}})->Unit(benchmark::kMillisecond);
+BENCHMARK(trace)->ArgsProduct({{0, 1}, {100'000, 1'000'000}, {0, 1}})->Unit(benchmark::kMillisecond);
 
 } // namespace
 } // namespace wavepath::bvh

@@ -1,7 +1,11 @@
 #include "host/render/kernel_set.h"
 
+#include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <future>
+#include <optional>
+#include <thread>
 
 #include "host/gpu/commands.h"
 #include "kernels/accumulate.spv.h"
@@ -25,6 +29,9 @@ const std::array<StageCode, kStageCount> kStages = {{{"generate", wavepath_gener
                                                      {"shade", wavepath_shade_spv},
                                                      {"connect", wavepath_connect_spv},
                                                      {"accumulate", wavepath_accumulate_spv}}};
+
+// The slowest to compile goes first: shade takes as long as all others together.
+constexpr std::array<Stage, kStageCount> kCompileOrder = {kShade, kExtend, kConnect, kGenerate, kAccumulate, kAdvance};
 
 constexpr std::uint64_t kStandInBytes = 1024; // of the buffer that stands for all while nothing is read
 
@@ -55,15 +62,21 @@ KernelSet::KernelSet(Device& device, const KernelConfig& config, std::vector<Bin
   const std::uint32_t stack = device.info().type == "cpu" ? gpu::kStackRegisters : gpu::kStackArray;
   const std::array<std::uint32_t, gpu::kSpecCount> constants = {
       config.features, config.stack_size, config.sampler, config.direct, config.hemisphere, config.filter, stack};
-  std::vector<std::future<Kernel>> compiling;
-  for (const StageCode& stage : kStages)
-    compiling.push_back(std::async(std::launch::async, [&device, &set, &constants, &stage] {
-      Kernel kernel(device, stage.name, stage.spirv, set, constants);
+  std::array<std::optional<Kernel>, kStageCount> compiled;
+  std::atomic<std::size_t> next = 0;
+  const auto compile = [&] {
+    for (std::size_t i; (i = next++) < kStageCount;) {
+      const Stage stage = kCompileOrder[i];
+      const Kernel& kernel = compiled[stage].emplace(device, kStages[stage].name, kStages[stage].spirv, set, constants);
       run_without_work(device, kernel, set);
-      return kernel;
-    }));
-  kernels_.reserve(kStageCount);
-  for (std::future<Kernel>& kernel : compiling) kernels_.push_back(kernel.get());
+    }
+  };
+  // No more threads than cores: the first kernel would have to share its own, and it decides when all are ready.
+  std::vector<std::future<void>> threads;
+  for (std::size_t t = 0; t < std::clamp<std::size_t>(std::thread::hardware_concurrency(), 1, kStageCount); ++t)
+    threads.push_back(std::async(std::launch::async, compile));
+  for (std::future<void>& thread : threads) thread.get();
+  for (std::optional<Kernel>& kernel : compiled) kernels_.push_back(*std::move(kernel));
   seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
