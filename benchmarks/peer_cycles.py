@@ -30,7 +30,7 @@ SCENES = {
     "cornell": {"scene": ROOT / "scenes/cornell_box.gltf", "environment": None, "lambert": True, "reference": 2048,
                 "eye": [0.278, 0.273, -0.8], "look_at": [0.278, 0.273, 0], "yfov": 39.3076},
     "helmet": {"scene": "DamagedHelmet/glTF-Binary/DamagedHelmet.glb", "environment": "env/studio_small_03_1k.hdr",
-               "lambert": False, "reference": 4096, "eye": [2, 0.7, 3.2], "look_at": [0, -0.05, 0], "yfov": 40},
+               "lambert": False, "reference": 2048, "eye": [2, 0.7, 3.2], "look_at": [0, -0.05, 0], "yfov": 40},
     "sponza": {"scene": "Sponza/Sponza.gltf", "environment": "env/venice_sunset_1k.hdr", "lambert": False,
                "intensity": 2, "reference": 1024, "eye": [4, 1.8, 0.2], "look_at": [-10, 2.2, -0.3], "yfov": 65},
 }
