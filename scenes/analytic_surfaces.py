@@ -74,12 +74,16 @@ def mirror():
     return g
 
 
-def slab(name, about, expected, **glass):
+# Rays begin off the surface by its rounding, 6e-7 m on triangles of 10 m; 16.1/m of absorption makes 1e-5 of that.
+ABSORBING_SLACK = 1e-5
+
+
+def slab(name, about, expected, slack=0.0, **glass):
     g = Gltf(name)
     backdrop(g)
     g.mesh("slab", box((-5.0, 0.0, -5.0), (5.0, 0.2, 5.0)), g.glass("glass", **glass))
     look_down(g, WIDE, 1.0)
-    g.expect(about, product(COLOR, expected), flags(1024, 64))
+    g.expect(about, product(COLOR, expected), flags(1024, 64), slack=slack)
     return g
 
 
@@ -90,13 +94,13 @@ def glass_slab():
 def absorbing_slab():
     tint = (0.9, 0.5, 0.2)
     return slab("absorbing slab without reflection", "Beer and Lambert: T = tint^(0.2 m/0.1 m)", [t * t for t in tint],
-                ior=1.0, attenuation=tint, distance=0.1)
+                slack=ABSORBING_SLACK, ior=1.0, attenuation=tint, distance=0.1)
 
 
 def absorbing_glass_slab():
     tint = (0.9, 0.5, 0.2)
     return slab("absorbing glass slab", "T = (1-F)^2 a/(1 - F^2 a^2), a = tint^(0.2 m/0.1 m)",
-                [oracles.slab(0.04, t * t) for t in tint], ior=1.5, attenuation=tint, distance=0.1)
+                [oracles.slab(0.04, t * t) for t in tint], slack=ABSORBING_SLACK, ior=1.5, attenuation=tint, distance=0.1)
 
 
 def rough_metal(alpha, cosine):
