@@ -81,8 +81,8 @@ BENCHMARK(build_tree)
     ->UseRealTime();
 
 #ifdef WAVEPATH_EMBREE
-// The same triangles in Embree. Arguments: kind, triangles, threads, quality (0 low: Morton codes, 1 medium: binned SAH,
-// 2 high: spatial splits).
+// The same triangles in Embree. Arguments: kind, triangles, threads, quality (0 low: Morton codes, 1 medium: binned
+// SAH, 2 high: spatial splits).
 void build_embree(benchmark::State& state) {
   const std::vector<Triangle> triangles = make(static_cast<int>(state.range(0)), static_cast<int>(state.range(1)));
   RTCDevice device = rtcNewDevice(state.range(2) == 1 ? "threads=1" : "threads=2");

@@ -20,7 +20,8 @@ public:
 
   double build_seconds() const { return build_seconds_; }
 
-  // Seconds that rtcIntersect1 (rtcOccluded1) takes for all rays on all cores. `t`: of the closest hits, infinite for a miss.
+  // Seconds that rtcIntersect1 (rtcOccluded1) takes for all rays on all cores. `t`: of the closest hits, infinite for a
+  // miss.
   double intersect(std::span<const gpu::Ray> rays, std::vector<float>* t = nullptr) const;
   double occluded(std::span<const gpu::ShadowRay> rays, std::vector<bool>* blocked = nullptr) const;
 

@@ -54,9 +54,11 @@ void add(const std::string& name, const std::filesystem::path& path) {
 } // namespace wavepath
 
 int main(int argc, char** argv) {
-  for (const char* name : {"cornell_box.gltf", "showcase.glb"}) wavepath::add(name, wavepath::kSource / "scenes" / name);
-  for (const char* name : {"DamagedHelmet/glTF-Binary/DamagedHelmet.glb", "Sponza/Sponza.gltf", "FlightHelmet/FlightHelmet.gltf",
-                           "StanfordDragon/dragon-plain.glb", "StanfordDragon/dragon-draco.gltf", "HotelRoom/HotelRoom-meshopt.glb"})
+  for (const char* name : {"cornell_box.gltf", "showcase.glb"})
+    wavepath::add(name, wavepath::kSource / "scenes" / name);
+  for (const char* name :
+       {"DamagedHelmet/glTF-Binary/DamagedHelmet.glb", "Sponza/Sponza.gltf", "FlightHelmet/FlightHelmet.gltf",
+        "StanfordDragon/dragon-plain.glb", "StanfordDragon/dragon-draco.gltf", "HotelRoom/HotelRoom-meshopt.glb"})
     wavepath::add(name, wavepath::kSource / "../shared/scenes" / name);
   benchmark::Initialize(&argc, argv);
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 1;

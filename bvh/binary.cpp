@@ -1,7 +1,7 @@
 // Top-down build of the binary tree: tasks for large nodes, plain recursion for small ones. Primitives move between two
-// buffers at each cut (a stable partition), so that the outcome is the same for any number of threads. For spatial splits
-// the buffers have room to spare, which each cut divides between its sides in proportion to their counts: the bound on
-// copies then holds without any counter that threads would share.
+// buffers at each cut (a stable partition), so that the outcome is the same for any number of threads. For spatial
+// splits the buffers have room to spare, which each cut divides between its sides in proportion to their counts: the
+// bound on copies then holds without any counter that threads would share.
 #include "bvh/binary.h"
 
 #include <atomic>
@@ -24,10 +24,10 @@ constexpr std::uint32_t kTaskSize = 4096;      // smaller nodes are not worth a 
 constexpr std::uint32_t kParallelSize = 65536; // larger ones are binned and partitioned by several threads,
 constexpr std::uint32_t kBlockSize = 16384;    // in blocks of this many
 
-// Spatial splits are weighed against cuts whose sides share more than this part of the root's area, by quality, and this
-// part of the node on every axis: boxes that merely touch share a whole face. Sponza takes 28.5 % less work a ray with the
-// first and 29 % with the second, in 1.7 and 3.2 times the build time; with 1e-5 and no limit on thinness, 29 % and 5, and
-// terrain, where splits gain nothing, 4.
+// Spatial splits are weighed against cuts whose sides share more than this part of the root's area, by quality, and
+// this part of the node on every axis: boxes that merely touch share a whole face. Sponza takes 28.5 % less work a ray
+// with the first and 29 % with the second, in 1.7 and 3.2 times the build time; with 1e-5 and no limit on thinness, 29
+// % and 5, and terrain, where splits gain nothing, 4.
 constexpr double kMinSharedArea[] = {std::numeric_limits<double>::infinity(), 3e-3, 1e-4};
 constexpr float kMinSharedPart = 0.01f;
 
@@ -188,8 +188,8 @@ std::pair<Work, Work> divide(const Work& work, const Slabs& slabs, const Cut& cu
     scatter(work.items(), slabs, cut, sides);
   else
     scatter_parallel(work, slabs, cut, sides);
-  return {{0, work.begin, work.begin + cut.left_count, middle, work.depth + 1, cut.left, sides.centroids[0], work.scratch,
-           work.primitives},
+  return {{0, work.begin, work.begin + cut.left_count, middle, work.depth + 1, cut.left, sides.centroids[0],
+           work.scratch, work.primitives},
           {0, middle, middle + right_count, work.room, work.depth + 1, cut.right, sides.centroids[1], work.scratch,
            work.primitives}};
 }
@@ -314,7 +314,14 @@ BinaryTree build_binary(std::span<const Box> boxes, std::span<const Triangle> tr
   tree.order = std::make_unique_for_overwrite<std::uint32_t[]>(room);
   tree.capacity = 2 * room - 1;
   tree.nodes = std::make_unique_for_overwrite<BinaryNode[]>(tree.capacity);
-  Work root{0, 0, static_cast<std::uint32_t>(kept), static_cast<std::uint32_t>(room), 0, {}, {}, primitives.get(),
+  Work root{0,
+            0,
+            static_cast<std::uint32_t>(kept),
+            static_cast<std::uint32_t>(room),
+            0,
+            {},
+            {},
+            primitives.get(),
             scratch.get()};
   grow(root.items(), root.bound, root.centroids);
   const double least_shared_area = kMinSharedArea[static_cast<int>(config.quality)] * half_area(root.bound.box());

@@ -16,8 +16,8 @@ struct BinaryNode {
 };
 
 struct BinaryTree {
-  std::unique_ptr<BinaryNode[]> nodes; // the root is the first; none if there are no items
-  std::size_t capacity = 0;            // nodes allocated; where they lie depends on timing, what they say does not
+  std::unique_ptr<BinaryNode[]> nodes;    // the root is the first; none if there are no items
+  std::size_t capacity = 0;               // nodes allocated; where they lie depends on timing, what they say does not
   std::unique_ptr<std::uint32_t[]> order; // of items; those that belong to no leaf say nothing
 };
 

@@ -1,5 +1,5 @@
-// Builds the tree: parallel binned SAH (Wald 2007), with spatial splits and reinsertion on demand, to a binary tree; then a
-// collapse to four children a node.
+// Builds the tree: parallel binned SAH (Wald 2007), with spatial splits and reinsertion on demand, to a binary tree;
+// then a collapse to four children a node.
 #pragma once
 
 #include <cstddef>

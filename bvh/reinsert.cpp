@@ -11,8 +11,8 @@ namespace wavepath::bvh {
 
 namespace {
 
-// Sponza's tree becomes 4.4 % cheaper with these in a fifteenth of the build time; 5.5 % with every node in twice as many
-// rounds, which take four times as long as all the rest.
+// Sponza's tree becomes 4.4 % cheaper with these in a fifteenth of the build time; 5.5 % with every node in twice as
+// many rounds, which take four times as long as all the rest.
 constexpr int kRounds = 4;
 constexpr std::uint32_t kShare = 16; // one node in so many, those of the largest area, is tried in a round
 constexpr std::uint32_t kNone = ~0u;
@@ -72,10 +72,11 @@ Move Rebuilder::find_move(std::uint32_t node) const {
   };
   Move best{node, kNone, 0.0};
   const double node_area = area(node);
-  double gain = area(parent_[node]); // taken out, its parent goes
+  double gain = area(parent_[node]);    // taken out, its parent goes
   Box rest = nodes_[sibling(node)].box; // of the ancestor looked at, without the node
   std::vector<Open> open;
-  for (std::uint32_t below = node, ancestor = parent_[node]; ancestor != kNone; below = ancestor, ancestor = parent_[ancestor]) {
+  for (std::uint32_t below = node, ancestor = parent_[node]; ancestor != kNone;
+       below = ancestor, ancestor = parent_[ancestor]) {
     const std::uint32_t other = sibling(below);
     if (below != node) rest = merge(rest, nodes_[other].box);
     open.push_back({other, gain});
@@ -95,7 +96,8 @@ Move Rebuilder::find_move(std::uint32_t node) const {
   return best;
 }
 
-// Of the same move after others; `target_path` leads from the target to the root. Nodes above both ends stay as they are.
+// Of the same move after others; `target_path` leads from the target to the root. Nodes above both ends stay as they
+// are.
 double Rebuilder::gain_of(std::uint32_t node, const std::vector<std::uint32_t>& target_path) const {
   const auto leads_to_target = [&](std::uint32_t each) {
     return std::find(target_path.begin(), target_path.end(), each) != target_path.end();
@@ -158,7 +160,8 @@ void Rebuilder::improve() {
   std::vector<Move> moves;
   for (int round = 0; round < kRounds; ++round) {
     std::iota(candidates.begin(), candidates.end(), 1u);
-    const std::size_t count = std::max<std::size_t>(candidates.size() / kShare, std::min<std::size_t>(candidates.size(), 64));
+    const std::size_t count =
+        std::max<std::size_t>(candidates.size() / kShare, std::min<std::size_t>(candidates.size(), 64));
     std::nth_element(candidates.begin(), candidates.begin() + static_cast<std::ptrdiff_t>(count - 1), candidates.end(),
                      [&](std::uint32_t a, std::uint32_t b) { return std::pair(-area(a), a) < std::pair(-area(b), b); });
     moves.assign(count, {});

@@ -119,7 +119,8 @@ SpatialCut SpatialBins::best_cut(const SpatialSlabs& slabs, float inverse_size, 
 
 Pieces divide(const Primitive& primitive, const Triangle& triangle, const SpatialSlabs& slabs, const SpatialCut& cut,
               float inverse_size) {
-  const bool in_left = slabs.first(primitive, cut.axis) < cut.slab, in_right = slabs.last(primitive, cut.axis) >= cut.slab;
+  const bool in_left = slabs.first(primitive, cut.axis) < cut.slab,
+             in_right = slabs.last(primitive, cut.axis) >= cut.slab;
   Pieces pieces{primitive, primitive, in_left, in_right};
   if (!in_left || !in_right) return pieces;
   const Halves halves =

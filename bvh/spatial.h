@@ -1,6 +1,6 @@
-// Spatial splits (Stich, Friedrich, Dietrich 2009): a plane cuts the space of a node in two, and triangles that straddle it
-// are held on both sides, each with a box around what lies there. Worth it where boxes overlap much: long triangles at odd
-// angles among small ones.
+// Spatial splits (Stich, Friedrich, Dietrich 2009): a plane cuts the space of a node in two, and triangles that
+// straddle it are held on both sides, each with a box around what lies there. Worth it where boxes overlap much: long
+// triangles at odd angles among small ones.
 #pragma once
 
 #include <span>
@@ -9,8 +9,8 @@
 
 namespace wavepath::bvh {
 
-// Primitives wholly in slabs below `slab` go left; those that reach across go to both sides, or to one if that is cheaper.
-// No cut: infinite cost.
+// Primitives wholly in slabs below `slab` go left; those that reach across go to both sides, or to one if that is
+// cheaper. No cut: infinite cost.
 struct SpatialCut {
   float cost = std::numeric_limits<float>::infinity(); // as Cut::cost
   int axis = 0, slab = 0;

@@ -17,9 +17,9 @@ namespace wavepath::bvh {
 inline constexpr std::size_t kMaxReasons = 16;
 std::vector<std::string> validate(const WideTree& tree, std::span<const Box> boxes);
 
-// The same for a tree over triangles, which may hold each several times: every valid triangle lies, with what rounding in
-// the triangle test can add, in the union of the regions in which it is met. The region of an item is what all boxes above
-// it have in common.
+// The same for a tree over triangles, which may hold each several times: every valid triangle lies, with what rounding
+// in the triangle test can add, in the union of the regions in which it is met. The region of an item is what all boxes
+// above it have in common.
 std::vector<std::string> validate(const WideTree& tree, std::span<const Triangle> triangles);
 
 } // namespace wavepath::bvh

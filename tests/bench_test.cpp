@@ -1,5 +1,5 @@
-// wavepath bench: that what it replays is what the renderer traces, that its counts are right, and the command as a user runs it.
-// Nothing here judges a time.
+// wavepath bench: that what it replays is what the renderer traces, that its counts are right, and the command as a
+// user runs it. Nothing here judges a time.
 #include <cmath>
 #include <fstream>
 #include <limits>
@@ -201,7 +201,8 @@ protected:
     if (list_devices().empty()) GTEST_SKIP() << "no Vulkan device";
   }
   Outcome bench(std::vector<std::string> extra) {
-    std::vector<std::string> arguments{WAVEPATH_BINARY, "bench", "--size", "32x24", "--repetitions", "1", "--max-depth", "2"};
+    std::vector<std::string> arguments{WAVEPATH_BINARY, "bench", "--size",      "32x24",
+                                       "--repetitions", "1",     "--max-depth", "2"};
     arguments.insert(arguments.end(), extra.begin(), extra.end());
     return run_program(arguments);
   }
@@ -221,11 +222,13 @@ TEST_F(BenchCommand, WritesTheDocumentOfTheContract) {
       EXPECT_TRUE(json.at("rays").at(kind).at(key).is_number()) << kind << " " << key;
   EXPECT_EQ(json.at("stages").size(), 6u);
   for (const char* key : {"mrays_per_second", "bytes_per_path"}) EXPECT_GT(json.at("path_tracing").at(key), 0.0) << key;
-  for (const char* key : {"load16_per_second", "load64_per_second", "gflops"}) EXPECT_GT(json.at("ceilings").at(key), 0.0) << key;
+  for (const char* key : {"load16_per_second", "load64_per_second", "gflops"})
+    EXPECT_GT(json.at("ceilings").at(key), 0.0) << key;
   EXPECT_GT(json.at("compile_ms"), 0.0);
   EXPECT_TRUE(json.at("ablation").empty());
   if (json.contains("embree")) {
-    for (const char* kind : {"camera", "bounce", "shadow"}) EXPECT_GT(json.at("embree").at(kind).at("agreement"), 0.999) << kind;
+    for (const char* kind : {"camera", "bounce", "shadow"})
+      EXPECT_GT(json.at("embree").at(kind).at("agreement"), 0.999) << kind;
   }
   EXPECT_NE(outcome.out.find("Mrays/s"), std::string::npos);
 }

@@ -153,7 +153,8 @@ TEST(BuildSpatial, MakesNoMoreCopiesThanAllowed) {
     fewer = mesh.tree.order.size();
   }
   EXPECT_EQ(build(std::span(triangles), {.quality = Quality::best, .max_copies = 0}).order.size(), triangles.size());
-  EXPECT_EQ(build(std::span(triangles), {.quality = Quality::balanced, .max_copies = 0}).order, build(std::span(triangles)).order);
+  EXPECT_EQ(build(std::span(triangles), {.quality = Quality::balanced, .max_copies = 0}).order,
+            build(std::span(triangles)).order);
 }
 
 // Of the inner nodes, and the first items of the leaves.

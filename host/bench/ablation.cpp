@@ -9,14 +9,15 @@ namespace wavepath {
 WarmTracer make_tracer(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings) {
   WarmTracer result;
   result.kernels = std::make_unique<KernelCompiler>(device);
-  result.tracer = std::make_unique<PathTracer>(device, scene, view, settings, choose_slots(device.info(), scene, settings),
-                                               *result.kernels);
+  result.tracer = std::make_unique<PathTracer>(device, scene, view, settings,
+                                               choose_slots(device.info(), scene, settings), *result.kernels);
   result.compile_seconds = result.tracer->get_ready();
   return result;
 }
 
-std::vector<AblationRow> ablate(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings,
-                                PathTracer& base, double base_compile_seconds, std::uint32_t spp, std::uint32_t repetitions,
+std::vector<AblationRow> ablate(Device& device, const PackedScene& scene, const View& view,
+                                const RenderSettings& settings, PathTracer& base, double base_compile_seconds,
+                                std::uint32_t spp, std::uint32_t repetitions,
                                 const std::function<void(const std::string&)>& progress) {
   std::vector<AblationRow> rows;
   const auto measure = [&](const std::string& what, std::uint64_t data_bytes, const RenderSettings& variant) {

@@ -13,15 +13,16 @@ namespace wavepath {
 
 struct AblationRow {
   std::string left_out;
-  double cost_ms = 0.0;         // of a frame of `base_ms`, median over turns
+  double cost_ms = 0.0; // of a frame of `base_ms`, median over turns
   double base_ms = 0.0;
-  std::int64_t cost_bytes = 0;  // device memory, buffers of the path state and data of the scene
+  std::int64_t cost_bytes = 0; // device memory, buffers of the path state and data of the scene
   double cost_compile_ms = 0.0;
 };
 
 // Frames of `base` against kernels with one more feature, in turns; last, against generic kernels with all of them.
-std::vector<AblationRow> ablate(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings,
-                                PathTracer& base, double base_compile_seconds, std::uint32_t spp, std::uint32_t repetitions,
+std::vector<AblationRow> ablate(Device& device, const PackedScene& scene, const View& view,
+                                const RenderSettings& settings, PathTracer& base, double base_compile_seconds,
+                                std::uint32_t spp, std::uint32_t repetitions,
                                 const std::function<void(const std::string&)>& progress);
 
 // A path tracer whose kernels are compiled, and the seconds that this took.

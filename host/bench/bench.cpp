@@ -17,9 +17,9 @@ namespace {
 enum Kind : std::size_t { camera, bounce, shadow, kind_count };
 constexpr const char* kKindNames[kind_count] = {"camera", "bounce", "shadow"};
 
-// Float operations of kernels/bvh.glsl. A visit: 4 children x 6 planes, each scaled and moved (2) and compared (1), and the
-// last comparison, padded (2). A test: 3 vertices moved (3) and sheared (5), 3 edge functions (3), their sum and signs (8),
-// and the place of the hit (about 80).
+// Float operations of kernels/bvh.glsl. A visit: 4 children x 6 planes, each scaled and moved (2) and compared (1), and
+// the last comparison, padded (2). A test: 3 vertices moved (3) and sheared (5), 3 edge functions (3), their sum and
+// signs (8), and the place of the hit (about 80).
 constexpr double kVisitFlops = 4 * (6 * 3 + 2), kTestFlops = 3 * 8 + 3 * 3 + 8 + 80;
 
 // One measurement of every kind by every contestant, in turns, so that what disturbs one disturbs all.
@@ -101,7 +101,8 @@ double agreement(const std::vector<bool>& ours, const std::vector<bool>& theirs)
   return static_cast<double>(same) / static_cast<double>(ours.size());
 }
 
-double agreement(Kind kind, const PackedScene& scene, RayReplay& replay, const RaySets& rays, const EmbreeScene& embree) {
+double agreement(Kind kind, const PackedScene& scene, RayReplay& replay, const RaySets& rays,
+                 const EmbreeScene& embree) {
   if (kind == shadow) {
     std::vector<bool> theirs;
     replay.connect(rays.shadow);
@@ -190,8 +191,8 @@ BenchResult bench(Device& device, const PackedScene& scene, const View& view, co
   compare_with_embree(device, scene, view, all, rays, result);
 #endif
   if (all.ablate)
-    result.ablation = ablate(device, scene, view, all.render, *warm.tracer, warm.compile_seconds, result.path_tracing.spp,
-                             all.repetitions, progress);
+    result.ablation = ablate(device, scene, view, all.render, *warm.tracer, warm.compile_seconds,
+                             result.path_tracing.spp, all.repetitions, progress);
   return result;
 }
 

@@ -59,8 +59,8 @@ struct BenchResult {
   std::vector<AblationRow> ablation; // empty unless asked for
 };
 
-// The rays are those of the first sample of every pixel, as many as are in flight at once. Throws Error as render() does.
-// `progress` is told what comes next.
+// The rays are those of the first sample of every pixel, as many as are in flight at once. Throws Error as render()
+// does. `progress` is told what comes next.
 BenchResult bench(Device& device, const PackedScene& scene, const View& view, const BenchSettings& settings,
                   const std::function<void(const std::string&)>& progress);
 

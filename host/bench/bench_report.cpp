@@ -18,8 +18,13 @@ Json device_json(const DeviceInfo& device) {
 }
 
 Json rays_json(const RayRate& rate) {
-  return {{"count", rate.count},   {"mrays_per_second", rate.mrays_per_second}, {"spread", rate.spread}, {"visits", rate.visits},
-          {"tests", rate.tests},   {"bytes", rate.bytes},                       {"roofline_fraction", rate.roofline_fraction}};
+  return {{"count", rate.count},
+          {"mrays_per_second", rate.mrays_per_second},
+          {"spread", rate.spread},
+          {"visits", rate.visits},
+          {"tests", rate.tests},
+          {"bytes", rate.bytes},
+          {"roofline_fraction", rate.roofline_fraction}};
 }
 
 Json embree_json(const BenchResult& result) {
@@ -33,8 +38,9 @@ Json embree_json(const BenchResult& result) {
 }
 
 std::string rays_table(const BenchResult& result) {
-  std::string text = fmt::format("{:<10}{:>9}{:>9}{:>9}{:>9}{:>9}{:>10}{}\n", "rays", "Mrays/s", "spread", "visits", "tests",
-                                 "bytes", "roofline", result.embree_build_seconds ? "   Embree   robust   agree" : "");
+  std::string text =
+      fmt::format("{:<10}{:>9}{:>9}{:>9}{:>9}{:>9}{:>10}{}\n", "rays", "Mrays/s", "spread", "visits", "tests", "bytes",
+                  "roofline", result.embree_build_seconds ? "   Embree   robust   agree" : "");
   for (const RayRate& rate : result.rays) {
     if (rate.count == 0) {
       text += fmt::format("{:<10}{:>9}\n", rate.kind, "none");
@@ -43,7 +49,8 @@ std::string rays_table(const BenchResult& result) {
     text += fmt::format("{:<10}{:>9.3f}{:>7.1f} %{:>9.1f}{:>9.1f}{:>9.0f}{:>8.1f} %", rate.kind, rate.mrays_per_second,
                         100 * rate.spread, rate.visits, rate.tests, rate.bytes, 100 * rate.roofline_fraction);
     if (rate.embree)
-      text += fmt::format("{:>9.2f}{:>9.2f}{:>8.3f}", rate.embree->ratio, rate.embree->ratio_robust, rate.embree->agreement);
+      text += fmt::format("{:>9.2f}{:>9.2f}{:>8.3f}", rate.embree->ratio, rate.embree->ratio_robust,
+                          rate.embree->agreement);
     text += "\n";
   }
   return text;
@@ -60,12 +67,12 @@ std::string stages_table(const BenchResult& result) {
 }
 
 std::string ablation_table(const std::vector<AblationRow>& rows) {
-  std::string text = fmt::format("{:<30}{:>10}{:>9}{:>12}{:>12}\n", "left out; would cost", "ms", "of frame", "memory", "compile ms");
+  std::string text =
+      fmt::format("{:<30}{:>10}{:>9}{:>12}{:>12}\n", "left out; would cost", "ms", "of frame", "memory", "compile ms");
   for (const AblationRow& row : rows)
-    text += fmt::format("{:<30}{:>+10.1f}{:>+7.1f} %{:>12}{:>+12.0f}\n", row.left_out, row.cost_ms,
-                        100 * row.cost_ms / row.base_ms,
-                        row.cost_bytes > 0 ? to_size_text(static_cast<std::uint64_t>(row.cost_bytes)) : "0 bytes",
-                        row.cost_compile_ms);
+    text += fmt::format(
+        "{:<30}{:>+10.1f}{:>+7.1f} %{:>12}{:>+12.0f}\n", row.left_out, row.cost_ms, 100 * row.cost_ms / row.base_ms,
+        row.cost_bytes > 0 ? to_size_text(static_cast<std::uint64_t>(row.cost_bytes)) : "0 bytes", row.cost_compile_ms);
   return text;
 }
 
@@ -115,17 +122,22 @@ std::string bench_table(const BenchRun& run) {
   std::string text = fmt::format("{}, {} triangles, {}x{}, at most {} bounces, medians of {}\n{} ({})\n\n", run.scene,
                                  run.packed.triangle_count, settings.width, settings.height, settings.max_depth,
                                  run.settings.repetitions, run.device.name, run.device.driver);
-  text += fmt::format("BVH       {}, built in {:.3f} s; SAH {:.1f}, {} nodes, {} copies, {} with the triangles, {:.1f} bytes a triangle\n",
-                      bvh["quality"].get<std::string>(), run.packed.bvh_seconds, run.packed.sah_cost, run.packed.nodes.size(),
-                      bvh["copies"].get<std::uint64_t>(), to_size_text(bvh["bytes"].get<std::uint64_t>()),
-                      bvh["bytes_per_triangle"].get<double>());
+  text += fmt::format(
+      "BVH       {}, built in {:.3f} s; SAH {:.1f}, {} nodes, {} copies, {} with the triangles, {:.1f} bytes a "
+      "triangle\n",
+      bvh["quality"].get<std::string>(), run.packed.bvh_seconds, run.packed.sah_cost, run.packed.nodes.size(),
+      bvh["copies"].get<std::uint64_t>(), to_size_text(bvh["bytes"].get<std::uint64_t>()),
+      bvh["bytes_per_triangle"].get<double>());
   text += fmt::format("kernels   compiled in {:.0f} ms, no cache\n", 1e3 * result.compile_seconds);
   text += fmt::format("ceilings  {:.0f} M random loads of 16 bytes a second, {:.0f} M of 64, {:.1f} GFLOPS\n\n",
-                      1e-6 * result.ceilings.load16_per_second, 1e-6 * result.ceilings.load64_per_second, result.ceilings.gflops);
+                      1e-6 * result.ceilings.load16_per_second, 1e-6 * result.ceilings.load64_per_second,
+                      result.ceilings.gflops);
   text += rays_table(result) + "\n" + stages_table(result);
-  text += fmt::format("\npath tracing at {} samples a pixel: {:.3f} Mrays/s (spread {:.1f} %), {:.0f} % of it in traversal, {} bytes a path\n",
-                      result.path_tracing.spp, result.path_tracing.mrays_per_second, 100 * result.path_tracing.seconds.spread,
-                      100 * result.path_tracing.traversal_share, result.path_tracing.bytes_per_path);
+  text += fmt::format(
+      "\npath tracing at {} samples a pixel: {:.3f} Mrays/s (spread {:.1f} %), {:.0f} % of it in traversal, {} bytes a "
+      "path\n",
+      result.path_tracing.spp, result.path_tracing.mrays_per_second, 100 * result.path_tracing.seconds.spread,
+      100 * result.path_tracing.traversal_share, result.path_tracing.bytes_per_path);
   if (!result.ablation.empty()) text += "\n" + ablation_table(result.ablation);
   return text;
 }
@@ -146,7 +158,8 @@ Change compare_with_baseline(const Json& now, const Json& before, const std::str
     change.text += fmt::format("{:<14}{:>9.3f} Mrays/s, was {:>9.3f}: {:+.1f} %\n", name, rate, rate_before, percent);
     change.worst_percent = std::max(change.worst_percent, -percent);
   };
-  for (const char* kind : {"camera", "bounce", "shadow"}) compare(kind, now.at("rays").at(kind), before.at("rays").at(kind));
+  for (const char* kind : {"camera", "bounce", "shadow"})
+    compare(kind, now.at("rays").at(kind), before.at("rays").at(kind));
   compare("path tracing", now.at("path_tracing"), before.at("path_tracing"));
   return change;
 } catch (const Json::exception&) {

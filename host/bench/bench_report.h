@@ -28,7 +28,8 @@ struct Change {
   double worst_percent = 0.0; // the largest loss, as a positive number
 };
 
-// `before` is a document that bench_document() made. Throws Error, naming `path`, if it is none, or of another scene or device.
+// `before` is a document that bench_document() made. Throws Error, naming `path`, if it is none, or of another scene or
+// device.
 Change compare_with_baseline(const nlohmann::ordered_json& now, const nlohmann::ordered_json& before,
                              const std::string& path);
 

@@ -36,7 +36,8 @@ void add_wall(Scene& scene, glm::vec3 corner, glm::vec3 a, glm::vec3 b, std::uin
   add_mesh(scene, std::move(mesh), material);
 }
 
-// A ball of rows x 2 rows quadrilaterals whose radius swings by `ripple` of itself. Without ripple it gets vertex normals.
+// A ball of rows x 2 rows quadrilaterals whose radius swings by `ripple` of itself. Without ripple it gets vertex
+// normals.
 void add_ball(Scene& scene, glm::vec3 centre, float radius, float ripple, std::uint32_t rows, std::uint32_t material) {
   Mesh mesh;
   const std::uint32_t columns = 2 * rows;
@@ -45,7 +46,8 @@ void add_ball(Scene& scene, glm::vec3 centre, float radius, float ripple, std::u
       const float polar = glm::pi<float>() * static_cast<float>(row) / static_cast<float>(rows);
       const float around = glm::two_pi<float>() * static_cast<float>(column % columns) / static_cast<float>(columns);
       const glm::vec3 out(std::sin(polar) * std::cos(around), std::cos(polar), std::sin(polar) * std::sin(around));
-      mesh.positions.push_back(centre + radius * (1.0f + ripple * std::sin(20.0f * polar) * std::sin(20.0f * around)) * out);
+      mesh.positions.push_back(centre +
+                               radius * (1.0f + ripple * std::sin(20.0f * polar) * std::sin(20.0f * around)) * out);
       if (ripple == 0.0f) mesh.normals.push_back(out);
     }
   for (std::uint32_t row = 0; row < rows; ++row)

@@ -19,7 +19,8 @@ struct Parameters {
   std::uint32_t block_count, step_count;
 };
 
-double run(Device& device, const Kernel& kernel, const BindingSet& bindings, std::uint32_t groups, Parameters parameters) {
+double run(Device& device, const Kernel& kernel, const BindingSet& bindings, std::uint32_t groups,
+           Parameters parameters) {
   Commands commands(device, 1);
   commands.bind(bindings);
   commands.dispatch(kernel, groups, &parameters);
@@ -30,7 +31,8 @@ double run(Device& device, const Kernel& kernel, const BindingSet& bindings, std
   return timed > 0.0 ? timed : wall;
 }
 
-// Steps a second over all lanes: the length of a run is doubled until it can be timed well, then the fastest of a few counts.
+// Steps a second over all lanes: the length of a run is doubled until it can be timed well, then the fastest of a few
+// counts.
 double steps_per_second(Device& device, const Kernel& kernel, const BindingSet& bindings, std::uint32_t groups,
                         std::uint32_t block_count) {
   constexpr std::uint32_t kMostSteps = 32768; // Mesa 22.3 ends loops at 65,535 trips
@@ -53,7 +55,8 @@ double roofline_fraction(const Ceilings& ceilings, double loads_per_second, doub
 
 Ceilings measure_ceilings(Device& device, std::uint64_t working_set) {
   const std::uint64_t bytes = std::clamp<std::uint64_t>(
-      working_set / 64 * 64, 4096, std::min(device.info().max_texel_elements * 16, device.info().max_allocation) / 64 * 64);
+      working_set / 64 * 64, 4096,
+      std::min(device.info().max_texel_elements * 16, device.info().max_allocation) / 64 * 64);
   const std::uint32_t groups = device.info().type == "cpu" ? 256 : 16384;
   Buffer memory(device, bytes), sums(device, std::uint64_t{groups} * kGroupSize * sizeof(std::uint32_t));
   memory.fill_zero();

@@ -47,7 +47,8 @@ bvh::Counters walk(const PackedScene& scene, glm::vec3 origin, glm::vec3 directi
         const auto& rows = instance.object_from_world;
         const glm::vec4 o(origin, 1.0f), d(direction, 0.0f);
         const bvh::Ray inside{{glm::dot(rows[0], o), glm::dot(rows[1], o), glm::dot(rows[2], o)},
-                              {glm::dot(rows[0], d), glm::dot(rows[1], d), glm::dot(rows[2], d)}, t_best};
+                              {glm::dot(rows[0], d), glm::dot(rows[1], d), glm::dot(rows[2], d)},
+                              t_best};
         const bool stop = walk_object(scene, instance.root, inside, any, t_best, counters);
         t = t_best;
         return stop;

@@ -95,7 +95,8 @@ int run_bench(Request& request) {
 } // namespace
 
 Command add_bench(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("bench", "measure the kernels one by one, on a scene or on one that is built in");
+  CLI::App* command =
+      app.add_subcommand("bench", "measure the kernels one by one, on a scene or on one that is built in");
   command->set_help_flag("-h,--help", "show this and exit")->group(kHelpGroup);
   const auto request = std::make_shared<Request>();
   const char* group = "Measurement";
@@ -104,7 +105,8 @@ Command add_bench(CLI::App& app) {
   add_switch(*command, group,
              {"--ablate", "", "measure what each feature that this scene leaves out would cost it", "off"},
              request->ablate);
-  add_flag(*command, group, {"--baseline", "FILE.json", "tell the change since an earlier run, saved with --json", "none"},
+  add_flag(*command, group,
+           {"--baseline", "FILE.json", "tell the change since an earlier run, saved with --json", "none"},
            [=](const FlagValue& value) { request->baseline = value.text; });
   add_flag(*command, group,
            {"--threshold", "PERCENT", "with --baseline: exit code 1 if any rate has dropped by more than this", "10"},

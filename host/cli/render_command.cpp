@@ -148,7 +148,8 @@ int exit_code(const Request& request, const RenderResult& result) {
 }
 
 // Compiles what the scene will most likely need. A wrong guess costs time alone.
-void begin_kernels(KernelCompiler& kernels, const DeviceInfo& device, const Scene& scene, const RenderSettings& settings) {
+void begin_kernels(KernelCompiler& kernels, const DeviceInfo& device, const Scene& scene,
+                   const RenderSettings& settings) {
   std::uint32_t features = expected_features(scene, settings.direct);
   if (!settings.aovs.empty()) features |= gpu::kFeatureAovs;
   for (const Camera& camera : scene.cameras)

@@ -12,8 +12,8 @@ namespace wavepath {
 
 inline constexpr std::array<std::string_view, 3> kQualityNames = {"fast", "balanced", "best"}; // by bvh::Quality
 
-// The best quality whose additional build time is less than what it saves a render by `settings` in traversal, as measured on
-// real scenes.
+// The best quality whose additional build time is less than what it saves a render by `settings` in traversal, as
+// measured on real scenes.
 bvh::Quality choose_quality(const RenderSettings& settings, std::uint64_t triangles, const DeviceInfo& device);
 
 } // namespace wavepath

@@ -5,8 +5,8 @@
 namespace wavepath {
 namespace {
 
-// Stack sizes come in steps, so that one set of kernels fits most scenes: unused entries cost nothing that could be measured
-// (33 to 128 entries, llvmpipe).
+// Stack sizes come in steps, so that one set of kernels fits most scenes: unused entries cost nothing that could be
+// measured (33 to 128 entries, llvmpipe).
 constexpr std::uint32_t kStackStep = 64;
 
 } // namespace

@@ -19,9 +19,9 @@ inline constexpr std::uint32_t kExpectedStack = 62;
 // The configuration for a scene of these features whose tree needs `stack_size` entries, under these settings.
 KernelConfig kernel_config(std::uint32_t features, std::uint32_t stack_size, const RenderSettings& settings);
 
-// Where a set for many scenes may be at hand sooner than the one for this scene (as on GPUs, whose drivers take seconds for new
-// kernels but none for those in the pipeline cache), rendering begins with that. CPU drivers compile at the first
-// dispatch, one kernel at a time, and would only be kept busy.
+// Where a set for many scenes may be at hand sooner than the one for this scene (as on GPUs, whose drivers take seconds
+// for new kernels but none for those in the pipeline cache), rendering begins with that. CPU drivers compile at the
+// first dispatch, one kernel at a time, and would only be kept busy.
 bool generic_first(const DeviceInfo& device);
 
 class KernelCompiler {
@@ -32,8 +32,8 @@ public:
   // Returns at once; what was begun before is not begun again.
   void start(const KernelConfig& config);
 
-  // A set that renders what `need` asks for: the one made for just that once it is ready; until then any other that is, and
-  // while there is none, the first to come. Throws what compiling threw.
+  // A set that renders what `need` asks for: the one made for just that once it is ready; until then any other that is,
+  // and while there is none, the first to come. Throws what compiling threw.
   const KernelSet& best(const KernelConfig& need);
 
   // kFeature bits of all sets begun: what buffers have to be there for.

@@ -14,7 +14,8 @@ enum Stage : std::size_t { kGenerate, kAdvance, kExtend, kShade, kConnect, kAccu
 
 const char* stage_name(Stage stage);
 
-// What kernels are specialized for. Whatever they are compiled for beyond what a scene needs, the image has the same bits.
+// What kernels are specialized for. Whatever they are compiled for beyond what a scene needs, the image has the same
+// bits.
 struct KernelConfig {
   std::uint32_t features = 0;   // kFeature bits
   std::uint32_t stack_size = 0; // entries of the traversal stack
@@ -28,8 +29,8 @@ struct KernelConfig {
 class KernelSet {
 public:
   // Compiles the kernels, side by side, and has each run once without work, for the drivers that compile only then.
-  // `bindings`: slots and kinds of what the kernels will be bound to; their buffers are not used. Safe to call from several
-  // threads at once.
+  // `bindings`: slots and kinds of what the kernels will be bound to; their buffers are not used. Safe to call from
+  // several threads at once.
   KernelSet(Device& device, const KernelConfig& config, std::vector<Binding> bindings);
 
   const Kernel& operator[](Stage stage) const { return kernels_[stage]; }

@@ -127,12 +127,14 @@ void PathTracer::allocate(Device& device, const RenderSettings& settings) {
   paths_.aovs = Buffer(device, features_ & gpu::kFeatureAovs ? slots * sizeof(gpu::PathAovs) : 0);
   paths_.rays = Buffer(device, 2 * slots * sizeof(gpu::Ray));
   paths_.hits = Buffer(device, slots * sizeof(gpu::Hit));
-  paths_.shadow_rays = Buffer(device, frame_.light_count || settings.room_for_shadow_rays ? slots * sizeof(gpu::ShadowRay) : 0);
+  paths_.shadow_rays =
+      Buffer(device, frame_.light_count || settings.room_for_shadow_rays ? slots * sizeof(gpu::ShadowRay) : 0);
   paths_.queues = Buffer(device, sizeof(gpu::Queues));
 
   // Film bands: what one buffer may hold, written as storage and read as texels.
   const std::uint64_t pixels = std::uint64_t{settings.width} * settings.height;
-  const std::uint64_t pixel_bytes = std::max<std::uint64_t>(gpu::kReplicates * sizeof(gpu::FilmPixel), sizeof(gpu::FilmAovs));
+  const std::uint64_t pixel_bytes =
+      std::max<std::uint64_t>(gpu::kReplicates * sizeof(gpu::FilmPixel), sizeof(gpu::FilmAovs));
   const std::uint64_t range = std::min(device.info().max_storage_range, 16 * device.info().max_texel_elements);
   const std::uint64_t band_pixels = std::max<std::uint64_t>(1, range / pixel_bytes);
   for (std::uint64_t first = 0; first < pixels; first += band_pixels) {
@@ -140,7 +142,8 @@ void PathTracer::allocate(Device& device, const RenderSettings& settings) {
     band.first_pixel = static_cast<std::uint32_t>(first);
     band.pixel_count = static_cast<std::uint32_t>(std::min(band_pixels, pixels - first));
     band.film = Buffer(device, std::uint64_t{band.pixel_count} * gpu::kReplicates * sizeof(gpu::FilmPixel));
-    band.aovs = Buffer(device, features_ & gpu::kFeatureAovs ? std::uint64_t{band.pixel_count} * sizeof(gpu::FilmAovs) : 0);
+    band.aovs =
+        Buffer(device, features_ & gpu::kFeatureAovs ? std::uint64_t{band.pixel_count} * sizeof(gpu::FilmAovs) : 0);
   }
   for (FilmBand& band : bands_) { // in their final places: bindings point at the buffers
     const std::vector<Binding> bindings = all_bindings(scene_, paths_, band);

@@ -33,13 +33,13 @@ std::vector<Binding> path_tracer_bindings();
 
 class PathTracer {
 public:
-  // Has `kernels` compile what this scene needs, uploads the scene and allocates queues for `slots` paths in flight. Throws
-  // Error if the device cannot hold them. `kernels` outlives the tracer.
+  // Has `kernels` compile what this scene needs, uploads the scene and allocates queues for `slots` paths in flight.
+  // Throws Error if the device cannot hold them. `kernels` outlives the tracer.
   PathTracer(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings,
              std::uint32_t slots, KernelCompiler& kernels);
 
-  // Traces samples [first_sample, first_sample + sample_count) of pixels [first_pixel, first_pixel + pixel_count) of a band
-  // and adds them to its film. At most `slots` (pixel, sample) pairs. Returns the longest dispatch in seconds.
+  // Traces samples [first_sample, first_sample + sample_count) of pixels [first_pixel, first_pixel + pixel_count) of a
+  // band and adds them to its film. At most `slots` (pixel, sample) pairs. Returns the longest dispatch in seconds.
   double render_wave(const FilmBand& band, std::uint32_t first_pixel, std::uint32_t pixel_count,
                      std::uint32_t first_sample, std::uint32_t sample_count);
 

@@ -77,7 +77,8 @@ Json nonfinite_json(const RenderResult& result) {
 } // namespace
 
 Json bvh_json(const PackedScene& packed) {
-  const std::uint64_t bytes = packed.nodes.size() * sizeof(bvh::WideNode) + packed.triangles.size() * sizeof(gpu::Triangle);
+  const std::uint64_t bytes =
+      packed.nodes.size() * sizeof(bvh::WideNode) + packed.triangles.size() * sizeof(gpu::Triangle);
   return {{"quality", kQualityNames[static_cast<std::size_t>(packed.bvh_quality)]},
           {"build_seconds", packed.bvh_seconds},
           {"sah", packed.sah_cost},

@@ -119,7 +119,8 @@ std::vector<LeftOut> list_left_out(const Usage& usage, const PackedScene& packed
   const std::uint64_t corners = packed.triangle_vertices.empty() ? packed.triangles.size() * sizeof(glm::uvec4) : 0;
   const std::string not_sampled = "--direct bsdf samples no light";
   const LeftOut all[] = {
-      {"two-level BVH", "no mesh is shown more than once", sizeof(gpu::Instance) + sizeof(bvh::WideNode), gpu::kFeatureInstances},
+      {"two-level BVH", "no mesh is shown more than once", sizeof(gpu::Instance) + sizeof(bvh::WideNode),
+       gpu::kFeatureInstances},
       {"alpha test", "no surface lets rays through by its alpha", 0, gpu::kFeatureAlpha},
       {"culling of back faces", "every surface is double-sided or transmissive", 0, gpu::kFeatureCull},
       {"textures", "no material in use has a texture", packed.vertex_uvs.empty() ? stream : 0, gpu::kFeatureTextures},
@@ -132,11 +133,13 @@ std::vector<LeftOut> list_left_out(const Usage& usage, const PackedScene& packed
       {"unfiltered textures", "every texture in use is filtered", 0, gpu::kFeatureNearestTextures},
       {"texture transforms", "no texture in use is moved, turned or scaled", 0, gpu::kFeatureTextureTransform},
       {"normal maps", "no material in use has a normal texture", 0, gpu::kFeatureNormalMaps},
-      {"smooth normals", "no primitive has vertex normals", packed.vertex_normals.empty() ? stream : 0, gpu::kFeatureSmoothNormals},
+      {"smooth normals", "no primitive has vertex normals", packed.vertex_normals.empty() ? stream : 0,
+       gpu::kFeatureSmoothNormals},
       {"vertex colours", "no mesh has vertex colours", stream, gpu::kFeatureVertexColors},
       {"specular reflection", "every material is pure Lambert or unlit", 0, gpu::kFeatureSpecular},
       {"transmission", "no material in use transmits light", 0, gpu::kFeatureTransmission},
-      {"volume medium per path", "no body in use absorbs light (this would take 4 bytes a path)", 0, gpu::kFeatureVolume},
+      {"volume medium per path", "no body in use absorbs light (this would take 4 bytes a path)", 0,
+       gpu::kFeatureVolume},
       {"surface emission", "no material in use shines", 0, gpu::kFeatureEmission},
       {"triangle lights", no_sampling ? not_sampled : "no triangle shines", 0, gpu::kFeatureTriangleLights},
       {"punctual lights", no_sampling ? not_sampled : "the scene has none that shines", 0, gpu::kFeaturePunctualLights},
