@@ -52,9 +52,15 @@ def view_of(name, assets):
     return view
 
 
+def without_folders(view):
+    """The same, wherever the files are."""
+    return view | {key: pathlib.Path(view[key]).name for key in ("scene", "environment") if view[key]}
+
+
 def reference(renderer, view, spp, folder, fresh):
     """Rendered once: a converged picture stays what it is while the renderer gets faster."""
-    key = hashlib.sha256(json.dumps([renderer.name, renderer.version, view, spp]).encode()).hexdigest()[:16]
+    told = json.dumps([renderer.name, renderer.version, without_folders(view), spp], sort_keys=True)
+    key = hashlib.sha256(told.encode()).hexdigest()[:16]
     path = folder / f"{renderer.name}-{pathlib.Path(view['scene']).stem}-{spp}-{key}.exr"
     if fresh or not path.exists():
         print(f"  reference of {renderer.name}: {spp} samples a pixel ...", file=sys.stderr, flush=True)
@@ -83,7 +89,7 @@ def measure(renderers, references, folder, reps, seconds):
                      "relmse": statistics.fmean(r["relmse"] for r in done), "runs": done}
             series[name].append(point)
             print(f"  {name:9} {spp:5} spp {point['seconds']:8.3f} s  relMSE {point['relmse']:.3e}", file=sys.stderr)
-            if point["relmse"] < TARGETS[-1] or point["seconds"] > seconds:
+            if spp > 1 and (point["relmse"] < TARGETS[-1] or point["seconds"] > seconds):  # a slope needs two
                 running.discard(name)
         spp *= 2
     return series
@@ -133,7 +139,8 @@ def main():
         with Cycles(args.blender, view, args.work / "blender.log") as cycles:
             spp = SCENES[name]["reference"] // share
             references = {r.name: reference(r, view, spp, args.work, args.fresh) for r in (ours, cycles)}
-            results[name] = summarize(view, measure([ours, cycles], references, args.work, reps, seconds))
+            series = measure([ours, cycles], references, args.work, reps, seconds)
+            results[name] = summarize(without_folders(view), series)
             results[name]["reference_spp"] = spp
             results[name]["cycles_version"], results[name]["device"] = cycles.version, ours.device
             # Of the two pictures themselves: view, light and depth agree if these are near 1.

@@ -57,8 +57,8 @@ def exponent(points, key="seconds"):
 
 
 def linear(title, unit, counts, reps, run, idle):
-    """All counts in turn, `reps` times over, so that what else the machine does hits them alike. Processor seconds hardly
-    notice that; `idle`, a run that renders next to nothing, is taken off them. They tell only where the device is a CPU."""
+    """All counts in turn, `reps` times over, so that what else the machine does hits them alike. Processor seconds
+    notice that less, where the device is a CPU; `idle`, a run that renders next to nothing, is taken off them."""
     seconds, processor, started = {n: [] for n in counts}, {n: [] for n in counts}, []
     for _ in range(reps):
         started.append(processor_seconds(idle)[1])
@@ -69,8 +69,8 @@ def linear(title, unit, counts, reps, run, idle):
     points = [{"n": n, "seconds": statistics.median(seconds[n]), "runs": seconds[n],
                "processor_seconds": statistics.median(processor[n]) - statistics.median(started)} for n in counts]
     result = {"points": points}
-    print(f"{title}\n| {unit} | seconds | each, relative to the last | processor seconds | each, relative to the last |\n"
-          "| --- | --- | --- | --- | --- |")
+    print(f"{title}\n| {unit} | seconds | each, of the last | processor seconds | each, of the last |")
+    print("| --- | --- | --- | --- | --- |")
     for p in points:
         cells = [f"{p[key]:.3f} | {p[key] / p['n'] / (points[-1][key] / points[-1]['n']):.3f}"
                  for key in ("seconds", "processor_seconds")]
@@ -134,7 +134,8 @@ def main():
         return box_seconds(1, 16)
 
     def samples():
-        return linear("Cornell box, 256x256", "samples a pixel", SAMPLES[:cut], reps, lambda n: box_seconds(n, 256), idle)
+        return linear("Cornell box, 256x256", "samples a pixel", SAMPLES[:cut], reps,
+                      lambda n: box_seconds(n, 256), idle)
 
     def pixels():
         return linear("Cornell box, 16 samples a pixel", "pixels", [s * s for s in SIDES[:cut]], reps,
