@@ -80,11 +80,13 @@ double RayReplay::extend(std::span<const gpu::Ray> rays) {
   return time(kExtend, rays.size());
 }
 
+std::vector<gpu::Hit> RayReplay::hits(std::size_t count) const { return download<gpu::Hit>(tracer_.paths_.hits, count); }
+
 std::vector<float> RayReplay::distances(const PackedScene& scene, std::span<const gpu::Ray> rays) const {
-  const auto hits = download<gpu::Hit>(tracer_.paths_.hits, rays.size());
+  const std::vector<gpu::Hit> found = hits(rays.size());
   std::vector<float> result(rays.size(), std::numeric_limits<float>::infinity());
   for (std::size_t i = 0; i < rays.size(); ++i) {
-    const gpu::Hit& hit = hits[i];
+    const gpu::Hit& hit = found[i];
     if (hit.triangle == gpu::kNone) continue;
     const gpu::Triangle& triangle = scene.triangles[hit.triangle];
     const glm::vec3 in_object = (1.0f - hit.b1 - hit.b2) * triangle.v0 + hit.b1 * triangle.v1 + hit.b2 * triangle.v2;

@@ -25,6 +25,7 @@ public:
 
   // Seconds on the device that finding the closest hits takes; at most slots() rays.
   double extend(std::span<const gpu::Ray> rays);
+  std::vector<gpu::Hit> hits(std::size_t count) const; // of the last extend
   // Distances to the hits of the last extend, infinite for a miss. `scene` is what the tracer was made of.
   std::vector<float> distances(const PackedScene& scene, std::span<const gpu::Ray> rays) const;
 

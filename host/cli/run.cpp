@@ -79,7 +79,8 @@ int run(int argument_count, const char* const* arguments) {
   const std::map<std::string, Command> commands = {{"render", add_render(app, quote(argument_count, arguments))},
                                                    {"info", add_info(app)},
                                                    {"compare", add_compare(app)},
-                                                   {"bench", add_bench(app)}};
+                                                   {"bench", add_bench(app)},
+                                                   {"selftest", add_selftest(app)}};
 
   try {
     app.parse(argument_count, arguments);

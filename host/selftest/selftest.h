@@ -1,0 +1,61 @@
+// The numerical suite: cases with a known answer, run on the user's own device and driver.
+//
+// A case is a row in one of the tables below: what it is called, what a failure means for the user's images, and the
+// function that measures. To add one, write the function in the file of its subject and a line in that file's table.
+#pragma once
+
+#include <functional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "host/gpu/device.h"
+
+namespace wavepath {
+
+enum class Verdict { pass, fail, skip };
+
+// Numbers as text, for each case has its own units.
+struct Measurement {
+  std::string expected, measured, tolerance;
+  Verdict verdict = Verdict::fail;
+  std::string note{}; // why it was skipped, or what else there is to know
+};
+
+struct SelftestContext {
+  Device& device;
+  bool full = false; // --full: the sample counts of the literature rather than what fits into two minutes
+};
+
+struct SelftestCase {
+  int row = 0; // in the team's table of numerical cases; 0 for one beyond it
+  const char* name = "";
+  const char* meaning = ""; // of a failure, for the user's images
+  Measurement (*run)(const SelftestContext&) = nullptr;
+};
+
+// The tables, by subject.
+std::span<const SelftestCase> traversal_cases();
+std::span<const SelftestCase> transport_cases();
+
+// All of them, in the order of the tables.
+std::vector<SelftestCase> selftest_cases();
+
+struct SelftestResult {
+  const SelftestCase* of = nullptr;
+  Measurement measurement;
+  double seconds = 0.0;
+};
+
+// Runs one; an Error that it throws is a failure with that text.
+SelftestResult run_case(const SelftestCase& test, const SelftestContext& context);
+
+std::string_view verdict_name(Verdict verdict); // PASS, FAIL, SKIP
+
+// A measurement that passes if |measured - expected| <= tolerance (in the same unit); NaN fails.
+Measurement judge_near(double measured, double expected, double tolerance, std::string note = {});
+// One that passes if nothing was counted.
+Measurement judge_none(std::uint64_t failures, std::uint64_t trials, const std::string& what);
+
+} // namespace wavepath
