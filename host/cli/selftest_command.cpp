@@ -9,6 +9,7 @@
 #include "host/cli/flags.h"
 #include "host/render/stats.h"
 #include "host/selftest/selftest.h"
+#include "host/selftest/traced_scene.h"
 
 namespace wavepath {
 namespace {
@@ -55,12 +56,13 @@ Json to_json(const SelftestResult& result) {
 int run_selftest(const Request& request) {
   const std::vector<SelftestCase> cases = selftest_cases();
   Device device(request.device);
+  KernelCache kernels(device);
   if (!request.json) fmt::print("{} ({})\n", device.info().name, device.info().driver);
   Json document = Json::array();
   std::size_t failed = 0, skipped = 0, run = 0;
   for (const SelftestCase& test : cases) {
     if (!wanted(request, test)) continue;
-    const SelftestResult result = run_case(test, {device, request.full});
+    const SelftestResult result = run_case(test, {device, kernels, request.full});
     ++run;
     failed += result.measurement.verdict == Verdict::fail;
     skipped += result.measurement.verdict == Verdict::skip;

@@ -4,9 +4,6 @@
 
 #include <glm/gtc/matrix_transform.hpp>
 
-#include "host/bench/ray_replay.h"
-#include "host/render/kernel_compiler.h"
-#include "host/render/path_tracer.h"
 #include "host/scene/view.h"
 
 namespace wavepath {
@@ -44,23 +41,10 @@ void look_at(Scene& scene, glm::dvec3 eye, glm::dvec3 target, double yfov, glm::
   scene.cameras.push_back(camera);
 }
 
-std::vector<gpu::Hit> trace_on_device(Device& device, const PackedScene& scene, std::span<const gpu::Ray> rays) {
-  RenderSettings settings;
-  settings.width = 64, settings.height = 64, settings.last_sample = 1;
-  constexpr std::uint32_t kSlots = 1u << 16; // rays at a time: far below 100 ms even where each is slow
-  KernelCompiler kernels(device);
-  PathTracer tracer(device, scene, View{}, settings, kSlots, kernels);
-  tracer.get_ready();
-  RayReplay replay(tracer);
-  std::vector<gpu::Hit> hits;
-  hits.reserve(rays.size());
-  for (std::size_t first = 0; first < rays.size(); first += kSlots) {
-    const auto chunk = rays.subspan(first, std::min<std::size_t>(kSlots, rays.size() - first));
-    replay.extend(chunk);
-    const std::vector<gpu::Hit> found = replay.hits(chunk.size());
-    hits.insert(hits.end(), found.begin(), found.end());
-  }
-  return hits;
+PackedScene pack_positions(const std::vector<glm::vec3>& positions, bvh::Quality quality) {
+  Scene scene;
+  add_triangles(scene, positions, add_lambert(scene, glm::vec3(0.5f)));
+  return pack(scene, gpu::kDirectMis, quality);
 }
 
 RenderResult render_scene(Device& device, Scene scene, const RenderSettings& settings) {

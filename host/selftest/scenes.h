@@ -1,7 +1,6 @@
-// Small scenes built in code, and the renders and rays that cases put through them.
+// Small scenes built in code, and the renders that cases make of them.
 #pragma once
 
-#include <span>
 #include <vector>
 
 #include <glm/glm.hpp>
@@ -26,8 +25,8 @@ void add_quad(Scene& scene, glm::vec3 corner, glm::vec3 a, glm::vec3 b, std::uin
 // A perspective camera at `eye`, looking at `target`; `yfov` in radians.
 void look_at(Scene& scene, glm::dvec3 eye, glm::dvec3 target, double yfov, glm::dvec3 up = {0.0, 1.0, 0.0});
 
-// Closest hits of rays that the shipped kernels find, in device space (the world moved by -PackedScene::origin).
-std::vector<gpu::Hit> trace_on_device(Device& device, const PackedScene& scene, std::span<const gpu::Ray> rays);
+// One double-sided mesh of these triangles, packed.
+PackedScene pack_positions(const std::vector<glm::vec3>& positions, bvh::Quality quality = bvh::Quality::fast);
 
 // Packs and renders with the scene's first camera.
 RenderResult render_scene(Device& device, Scene scene, const RenderSettings& settings);

@@ -23,8 +23,11 @@ struct Measurement {
   std::string note{}; // why it was skipped, or what else there is to know
 };
 
+class KernelCache; // host/selftest/traced_scene.h
+
 struct SelftestContext {
   Device& device;
+  KernelCache& kernels;
   bool full = false; // --full: the sample counts of the literature rather than what fits into two minutes
 };
 
@@ -36,7 +39,11 @@ struct SelftestCase {
 };
 
 // The tables, by subject.
-std::span<const SelftestCase> traversal_cases();
+std::span<const SelftestCase> watertight_cases();
+std::span<const SelftestCase> ray_cases();
+std::span<const SelftestCase> mesh_cases();
+std::span<const SelftestCase> offset_cases();
+std::span<const SelftestCase> tree_cases();
 std::span<const SelftestCase> transport_cases();
 
 // All of them, in the order of the tables.

@@ -1,0 +1,106 @@
+#include "host/selftest/traced_scene.h"
+
+#include <algorithm>
+
+#include "host/gpu/commands.h"
+#include "host/render/kernel_compiler.h"
+#include "host/render/path_tracer.h"
+#include "kernels/connect.spv.h"
+#include "kernels/extend.spv.h"
+
+namespace wavepath {
+
+const Kernel& KernelCache::get(std::span<const std::uint32_t> spirv, std::uint32_t features, std::uint32_t stack_size,
+                               const BindingSet& bindings) {
+  const KernelConfig config = kernel_config(features, stack_size, RenderSettings{});
+  const auto key = std::tuple(spirv.data(), config.features, config.stack_size);
+  if (const auto found = kernels_.find(key); found != kernels_.end()) return found->second;
+  const std::uint32_t stack = device_.info().type == "cpu" ? gpu::kStackRegisters : gpu::kStackArray;
+  const std::array<std::uint32_t, gpu::kSpecCount> constants = {
+      config.features, config.stack_size, config.sampler, config.direct, config.hemisphere, config.filter, stack};
+  return kernels_.try_emplace(key, device_, "selftest", spirv, bindings, constants).first->second;
+}
+
+TracedScene::TracedScene(Device& device, KernelCache& kernels, PackedScene packed)
+    : device_(device),
+      kernels_(kernels),
+      packed_(std::move(packed)),
+      scene_(upload_scene(device, packed_)),
+      frame_(device, sizeof(gpu::Frame)),
+      states_(device, kSlots * sizeof(gpu::PathState)),
+      rays_(device, 2 * kSlots * sizeof(gpu::Ray)),
+      hits_(device, kSlots * sizeof(gpu::Hit)),
+      shadow_rays_(device, kSlots * sizeof(gpu::ShadowRay)),
+      queues_(device, sizeof(gpu::Queues)),
+      unused_(device, 0) {
+  gpu::Frame frame{};
+  frame.width = frame.height = 256;
+  frame.root = packed_.root;
+  frame.root_is_top = packed_.root_is_top ? 1u : 0u;
+  frame.scene_features = packed_.features;
+  frame.slot_count = kSlots;
+  frame_.write(&frame, sizeof(frame));
+
+  std::vector<Binding> bindings = path_tracer_bindings();
+  for (Binding& binding : bindings) binding.buffer = &unused_;
+  const auto bind = [&](std::uint32_t slot, const Buffer& buffer) {
+    std::ranges::find(bindings, slot, &Binding::slot)->buffer = &buffer;
+  };
+  for (const Binding& binding : scene_.bindings()) bind(binding.slot, *binding.buffer);
+  bind(gpu::kBindFrame, frame_);
+  for (const std::uint32_t slot : {gpu::kBindPaths, gpu::kBindPathTexels}) bind(slot, states_);
+  for (const std::uint32_t slot : {gpu::kBindRays, gpu::kBindRayTexels}) bind(slot, rays_);
+  for (const std::uint32_t slot : {gpu::kBindHits, gpu::kBindHitTexels}) bind(slot, hits_);
+  for (const std::uint32_t slot : {gpu::kBindShadowRays, gpu::kBindShadowRayTexels}) bind(slot, shadow_rays_);
+  bind(gpu::kBindQueues, queues_);
+  bindings_ = std::make_unique<BindingSet>(device, bindings, static_cast<std::uint32_t>(sizeof(gpu::Wave)));
+}
+
+void TracedScene::dispatch(std::span<const std::uint32_t> spirv, std::size_t count, std::uint32_t parameter) {
+  gpu::Queues queues{};
+  queues.ray_count[0] = queues.shadow_count = static_cast<std::uint32_t>(count);
+  queues_.write(&queues, sizeof(queues));
+  const gpu::Wave wave{0, kSlots, 0, parameter, 0, 0};
+  Commands commands(device_);
+  commands.bind(*bindings_);
+  commands.dispatch(kernels_.get(spirv, packed_.features, packed_.stack_size, *bindings_),
+                    static_cast<std::uint32_t>((count + gpu::kWorkgroupSize - 1) / gpu::kWorkgroupSize), &wave);
+  commands.submit_and_wait();
+}
+
+std::vector<gpu::Hit> TracedScene::run(std::span<const std::uint32_t> spirv, std::span<const gpu::Ray> rays,
+                                       std::uint32_t parameter, std::uint32_t at_once) {
+  std::vector<gpu::Hit> hits;
+  hits.reserve(rays.size());
+  for (std::size_t first = 0; first < rays.size(); first += at_once) {
+    const auto chunk = rays.subspan(first, std::min<std::size_t>(at_once, rays.size() - first));
+    rays_.write(chunk.data(), chunk.size_bytes());
+    dispatch(spirv, chunk.size(), parameter);
+    const std::vector<gpu::Hit> found = download<gpu::Hit>(hits_, chunk.size());
+    hits.insert(hits.end(), found.begin(), found.end());
+  }
+  return hits;
+}
+
+std::vector<gpu::Hit> TracedScene::closest(std::span<const gpu::Ray> rays) { return run(wavepath_extend_spv, rays, 1); }
+
+std::vector<bool> TracedScene::blocked(std::span<const gpu::Ray> rays) {
+  std::vector<bool> blocked;
+  blocked.reserve(rays.size());
+  for (std::size_t first = 0; first < rays.size(); first += kSlots) {
+    std::vector<gpu::ShadowRay> chunk;
+    for (const gpu::Ray& ray : rays.subspan(first, std::min<std::size_t>(kSlots, rays.size() - first)))
+      chunk.push_back(
+          {ray.origin, static_cast<std::uint32_t>(chunk.size()), ray.direction, ray.t_max, glm::vec3(1.0f), 0});
+    shadow_rays_.write(chunk.data(), chunk.size() * sizeof(gpu::ShadowRay));
+    states_.fill_zero();
+    dispatch(wavepath_connect_spv, chunk.size(), 1);
+    for (const gpu::PathState& path : download<gpu::PathState>(states_, chunk.size()))
+      blocked.push_back(path.radiance.x == 0.0f);
+  }
+  return blocked;
+}
+
+std::vector<gpu::Ray> TracedScene::rays_left(std::size_t count) const { return download<gpu::Ray>(rays_, count); }
+
+} // namespace wavepath

@@ -1,0 +1,61 @@
+// A packed scene on the device with the shipped ray kernels over it, alone: rays in, hits out.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <span>
+#include <tuple>
+#include <vector>
+
+#include "host/gpu/kernel.h"
+#include "host/render/gpu_scene.h"
+#include "host/scene/pack.h"
+
+namespace wavepath {
+
+// Kernels bound as the path tracer binds them, each compiled once for all cases.
+class KernelCache {
+public:
+  explicit KernelCache(Device& device) : device_(device) {}
+
+  const Kernel& get(std::span<const std::uint32_t> spirv, std::uint32_t features, std::uint32_t stack_size,
+                    const BindingSet& bindings);
+
+private:
+  Device& device_;
+  std::map<std::tuple<const std::uint32_t*, std::uint32_t, std::uint32_t>, Kernel> kernels_;
+};
+
+class TracedScene {
+public:
+  static constexpr std::uint32_t kSlots = 1u << 15; // rays at a time: a few hundredths of a second on a slow CPU
+
+  TracedScene(Device& device, KernelCache& kernels, PackedScene packed);
+  TracedScene(TracedScene&&) = delete; // the bindings point at its buffers
+
+  const PackedScene& packed() const { return packed_; }
+
+  // In device space (the world moved by -packed().origin), slots ignored. `closest` leaves what extend.comp finds,
+  // `blocked` whether connect.comp finds anything, by ray.
+  std::vector<gpu::Hit> closest(std::span<const gpu::Ray> rays);
+  std::vector<bool> blocked(std::span<const gpu::Ray> rays);
+
+  // Runs a kernel with these rays in the first queue, `at_once` lanes a dispatch; returns what it left as hits. The
+  // kernel finds `parameter` in wave.sample_count.
+  std::vector<gpu::Hit> run(std::span<const std::uint32_t> spirv, std::span<const gpu::Ray> rays,
+                            std::uint32_t parameter, std::uint32_t at_once = kSlots);
+  // The rays as the last dispatch left them.
+  std::vector<gpu::Ray> rays_left(std::size_t count) const;
+
+private:
+  void dispatch(std::span<const std::uint32_t> spirv, std::size_t count, std::uint32_t parameter);
+
+  Device& device_;
+  KernelCache& kernels_;
+  PackedScene packed_;
+  GpuScene scene_;
+  Buffer frame_, states_, rays_, hits_, shadow_rays_, queues_, unused_;
+  std::unique_ptr<BindingSet> bindings_;
+};
+
+} // namespace wavepath
