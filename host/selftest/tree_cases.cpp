@@ -90,7 +90,7 @@ Measurement deep_trees(const SelftestContext& context) {
 // 100,000 triangles around one centre, each before the next larger as seen from zero.
 Measurement equal_centroids(const SelftestContext& context) {
   constexpr int kCount = 100'000;
-  const auto radius = [](int i) { return static_cast<float>(i + 1) * 0x1p-16f; };
+  const auto radius = [](int i) { return static_cast<float>(std::pow(1.0002, i)); }; // 1 to 5e8
   Positions positions;
   for (int i = 0; i < kCount; ++i) {
     const float r = radius(i); // its plane: x + y + z = -r; its box: [-r, r]^3
