@@ -4,6 +4,7 @@
 #define WAVEPATH_TEXTURE_GLSL
 
 #include "kernels/config.glsl"
+#include "kernels/math.glsl"
 #include "kernels/records.glsl"
 #include "kernels/tile_order.h"
 
@@ -24,8 +25,10 @@ vec4 fetch_texel(Texture image, int x, int y) {
   return linear;
 }
 
-// Position in the image, 0..1, after wrapping.
+// Position in the image, 0..1, after wrapping. A texture transform may carry finite coordinates beyond the range of floats;
+// those become 0, as pack() makes the ones that were broken in the file, for a weight that is no number would be the pixel's.
 float wrap_coordinate(float u, uint mode) {
+  u = is_finite(u) ? u : 0.0;
   if (mode == kWrapClamp) return clamp(u, 0.0, 1.0);
   if (mode == kWrapMirror) return 1.0 - abs(1.0 - 2.0 * fract(0.5 * u));
   return fract(u);

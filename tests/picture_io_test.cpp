@@ -146,7 +146,9 @@ TEST_F(PictureIoTest, ExrKeepsEveryBit) {
 }
 
 TEST_F(PictureIoTest, HalfClampsAndCounts) {
-  Picture picture = random_picture(4, 4, {"R", "G", "B", "A", "samples"});
+  Picture picture = random_picture(4, 4, {"R", "G", "B", "A", "samples", "Z", "P.X"});
+  picture.channels[5].values[2] = 1e10f; // the depth of what no ray hit
+  picture.channels[6].values[2] = 123456.7f;
   picture.channels[0].values[5] = 1e6f;
   picture.channels[1].values[6] = -std::numeric_limits<float>::infinity();
   picture.channels[4].values[0] = 4097.0f;
@@ -156,6 +158,8 @@ TEST_F(PictureIoTest, HalfClampsAndCounts) {
   EXPECT_EQ(back.channels[0].values[5], 65504.0f);
   EXPECT_EQ(back.channels[1].values[6], -65504.0f);
   EXPECT_EQ(find_channel(back, "samples")->values[0], 4097.0f); // counts are not rounded
+  EXPECT_EQ(find_channel(back, "Z")->values, picture.channels[5].values); // nor are depths and places
+  EXPECT_EQ(find_channel(back, "P.X")->values, picture.channels[6].values);
   EXPECT_NEAR(back.channels[2].values[3], picture.channels[2].values[3], 1e-3f * picture.channels[2].values[3]);
 }
 

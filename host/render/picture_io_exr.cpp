@@ -81,12 +81,15 @@ Imath::M44f world_to_ndc(const View& view) {
   return world_to_camera(view) * (view.orthographic ? orthographic : perspective);
 }
 
+// Channels that --half leaves at 32 bits: half counts only to 2048 without gaps, and ends at 65504 where distances and
+// places do not, least of all the depth of what no ray hit.
+bool needs_float(const std::string& name) { return name == "samples" || name == "Z" || name.starts_with("P."); }
+
 Imf::Header make_header(const Picture& picture, const PictureInfo& info, bool half) {
   Imf::Header header(static_cast<int>(picture.width), static_cast<int>(picture.height));
   header.compression() = Imf::ZIP_COMPRESSION;
   for (const Channel& channel : picture.channels)
-    // Half counts only to 2048 without gaps.
-    header.channels().insert(channel.name, Imf::Channel(half && channel.name != "samples" ? Imf::HALF : Imf::FLOAT));
+    header.channels().insert(channel.name, Imf::Channel(half && !needs_float(channel.name) ? Imf::HALF : Imf::FLOAT));
 
   const auto add_text = [&](const char* name, const std::string& text) {
     header.insert(name, Imf::StringAttribute(text));
@@ -110,12 +113,13 @@ Imf::Header make_header(const Picture& picture, const PictureInfo& info, bool ha
   return header;
 }
 
-// Half copies of the channels; `clamped` counts what did not fit.
+// Half copies of the channels that become half; `clamped` counts what did not fit.
 std::vector<std::vector<Imath::half>> to_half(const Picture& picture, std::uint64_t& clamped) {
   std::vector<std::vector<Imath::half>> halves;
   for (const Channel& channel : picture.channels) {
     std::vector<Imath::half>& values = halves.emplace_back();
     values.reserve(channel.values.size());
+    if (needs_float(channel.name)) continue;
     for (const float value : channel.values) {
       clamped += std::abs(value) > kHalfMax;
       values.emplace_back(std::abs(value) > kHalfMax ? std::copysign(kHalfMax, value) : value);

@@ -1,0 +1,206 @@
+// Cases of numbers at the ends of their range: random numbers, texture coordinates, denormals, 16-bit pictures.
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+
+#include <fmt/format.h>
+
+#include "host/gpu/commands.h"
+#include "host/render/picture_io.h"
+#include "host/selftest/scenes.h"
+#include "host/selftest/selftest.h"
+#include "host/selftest/shapes.h"
+#include "host/selftest/traced_scene.h"
+#include "kernels/selftest_texture.spv.h"
+#include "kernels/selftest_unit_float.spv.h"
+
+namespace wavepath {
+namespace {
+
+// All 2^32 words: 0 <= u < 1, both ends as they should be.
+Measurement unit_interval(const SelftestContext& context) {
+  struct Parameters {
+    std::uint32_t first_word, words_per_lane;
+  };
+  constexpr std::uint32_t kLanes = 1u << 14, kWordsPerLane = 1u << 11; // a few hundredths of a second on a slow CPU
+  const Buffer results(context.device, kLanes * sizeof(glm::uvec2));
+  const Binding all[] = {{0, BindingKind::storage, &results}};
+  const BindingSet bindings(context.device, all, sizeof(Parameters));
+  const Kernel kernel(context.device, "unit_float", wavepath_selftest_unit_float_spv, bindings, {});
+  std::uint32_t lowest = 0xffffffffu, highest = 0;
+  constexpr std::uint64_t kWords = std::uint64_t{1} << 32, kAtOnce = std::uint64_t{kLanes} * kWordsPerLane;
+  for (std::uint64_t first = 0; first < kWords; first += kAtOnce) {
+    const Parameters parameters{static_cast<std::uint32_t>(first), kWordsPerLane};
+    Commands commands(context.device);
+    commands.bind(bindings);
+    commands.dispatch(kernel, kLanes / gpu::kWorkgroupSize, &parameters);
+    commands.submit_and_wait();
+    for (const glm::uvec2& found : download<glm::uvec2>(results, kLanes))
+      lowest = std::min(lowest, found.x), highest = std::max(highest, found.y);
+  }
+  const float low = std::bit_cast<float>(lowest), high = std::bit_cast<float>(highest);
+  return {fmt::format("{:.9g} to {:.9g}", 0.0, 1.0 - 0x1p-24), fmt::format("{:.9g} to {:.9g}", low, high), "exact",
+          low == 0.0f && high == 1.0f - 0x1p-24f ? Verdict::pass : Verdict::fail, "all 2^32 words"};
+}
+
+// A picture whose texel (x, y) is (x, y) in bytes, behind every wrap mode and filter; material k shows texture k.
+Scene textured_scene() {
+  constexpr std::uint32_t kSize = 64;
+  Scene scene;
+  Image& image = scene.images.emplace_back();
+  image.width = image.height = kSize;
+  for (std::uint32_t i = 0; i < kSize * kSize; ++i)
+    for (const std::uint32_t byte : {4 * (i % kSize), 4 * (i / kSize), 0u, 255u})
+      image.bytes.push_back(static_cast<std::uint8_t>(byte));
+  for (const Wrap wrap : {Wrap::repeat, Wrap::clamp, Wrap::mirror})
+    for (const bool nearest : {false, true}) {
+      const std::uint32_t material = add_lambert(scene, glm::vec3(1.0f));
+      scene.materials[material].base_color_texture = {.image = 0, .wrap_u = wrap, .wrap_v = wrap, .nearest = nearest};
+      add_quad(scene, {0, 0, -float(material)}, {1, 0, 0}, {0, 1, 0}, material);
+      constexpr float kNan = std::numeric_limits<float>::quiet_NaN(), kInf = std::numeric_limits<float>::infinity();
+      scene.meshes.back().uvs[0] = {{0, 0}, {kNan, 0}, {1, 1}, {0, 0}, {1, kInf}, {0, -kInf}};
+    }
+  return scene;
+}
+
+Measurement texture_coordinates(const SelftestContext& context) {
+  Scene source = textured_scene();
+  TracedScene scene(context.device, context.kernels, pack(source, gpu::kDirectMis, bvh::Quality::fast));
+  const auto texture_of = [&](const gpu::Triangle& triangle) {
+    return scene.packed().materials[triangle.surface & gpu::kTriangleMaterialMask].base_color_texture;
+  };
+  // Extreme coordinates: any colour of the picture will do. Then pairs that lie whole periods apart.
+  constexpr float kInf = std::numeric_limits<float>::infinity(), kNan = std::numeric_limits<float>::quiet_NaN();
+  constexpr float kExtreme[] = {1e7f + 0.25f, -1e7f,   16777217.0f, 3e9f,  -3e9f, 1e20f, -3.4e38f,
+                                1e-45f,       -1e-45f, 1.0f,        -0.0f, kNan,  kInf,  -kInf};
+  std::vector<gpu::Ray> requests;
+  for (const gpu::Triangle& triangle : scene.packed().triangles)
+    for (const float u : kExtreme)
+      for (const float v : {0.25f, u}) requests.push_back({{u, v, 0}, texture_of(triangle), {}, 0.0f});
+  const std::size_t extremes = requests.size();
+  Random random(41);
+  for (const gpu::Triangle& triangle : scene.packed().triangles) {
+    const std::uint32_t flags = scene.packed().textures[texture_of(triangle)].flags;
+    if ((flags >> gpu::kTextureWrapUShift & 3u) == gpu::kWrapClamp || (flags & gpu::kTextureNearest)) continue;
+    for (int i = 0; i < 1000; ++i) {
+      const glm::vec2 uv(random.uniform(0.1f, 0.9f), random.uniform(0.1f, 0.9f)); // clear of the seam
+      const float periods = 2.0f * std::floor(random.uniform(-5000, 5000));       // mirrored pictures repeat every two
+      for (const float shift : {0.0f, periods})
+        requests.push_back({{uv.x + shift, uv.y - shift, 0}, texture_of(triangle), {}, 0.0f});
+    }
+  }
+  const std::vector<gpu::Hit> words = scene.run(wavepath_selftest_texture_spv, requests, 1);
+  std::uint64_t outside = 0;
+  double worst = 0.0; // texels
+  const auto texel = [&](std::size_t i, int c) {
+    return 63.75 * double{std::bit_cast<float>(c == 0 ? words[i].triangle : words[i].instance)};
+  };
+  for (std::size_t i = 0; i < words.size(); ++i)
+    for (int c = 0; c < 2; ++c) {
+      outside += !(texel(i, c) >= 0.0 && texel(i, c) <= 63.001);
+      if (i >= extremes && (i - extremes) % 2 == 1) worst = std::max(worst, std::abs(texel(i, c) - texel(i - 1, c)));
+    }
+  std::uint64_t broken = 0; // left in the streams of vertices
+  for (const glm::vec4& uv : scene.packed().vertex_uvs)
+    for (int c = 0; c < 4; ++c) broken += !std::isfinite(uv[c]);
+  return {"colours of the picture, periods that agree",
+          fmt::format("{} colours outside it, {} broken vertices kept, {:.3f} texels apart", outside, broken, worst),
+          "0, 0, 1 texel (of 64) at 10^4 periods",
+          outside + broken == 0 && worst <= 1.0 ? Verdict::pass : Verdict::fail,
+          "coordinates to 3.4e38, infinite and not a number; repeated, mirrored, clamped; filtered and nearest"};
+}
+
+// Lights of 10^-39 to 10^-45 over a floor, some of it so dark that paths carry as little: what comes out is 0 or what
+// it should be, and the paths are as many as with a light of 1.
+Measurement denormals(const SelftestContext& context) {
+  struct Outcome {
+    std::uint64_t broken = 0, rays = 0;
+    double seconds = 0.0;
+  };
+  const auto trial = [&](const std::array<float, 3>& emission, float dark) {
+    Scene scene;
+    for (int i = 0; i < 3; ++i) {
+      const float x = static_cast<float>(2 * i - 3);
+      add_quad(scene, {x, -1, 0}, {2, 0, 0}, {0, 2, 0},
+               add_lambert(scene, glm::vec3(0.5f), glm::vec3(emission[std::size_t(i)])));
+      add_quad(scene, {x, -1, 2}, {2, 0, 0}, {0, 0, -2}, add_lambert(scene, glm::vec3(i == 1 ? dark : 0.5f)));
+    }
+    look_at(scene, {0, 1, 6}, {0, -0.2, 0}, 0.7);
+    RenderSettings settings;
+    settings.width = settings.height = 32;
+    settings.last_sample = 16;
+    const RenderResult result = render_scene(context.device, std::move(scene), settings);
+    Outcome outcome{result.nonfinite_samples, result.rays.total(), result.seconds};
+    const double brightest = *std::ranges::max_element(emission);
+    for (int c = 0; c < 3; ++c)
+      for (const float value : result.picture.channels[static_cast<std::size_t>(c)].values)
+        outcome.broken += !(value >= 0.0f && value <= 2.02 * brightest); // nothing outshines emission / (1 - albedo)
+    return outcome;
+  };
+  const Outcome plain = trial({1.0f, 1.0f, 1.0f}, 0.5f), tiny = trial({1e-39f, 1e-42f, 1e-45f}, 1e-40f);
+  const double ratio = static_cast<double>(tiny.rays) / static_cast<double>(plain.rays);
+  return {"0 broken values, no more rays",
+          fmt::format("{} broken, {:.2f} times the rays", tiny.broken + plain.broken, ratio), "0, 2 times",
+          tiny.broken + plain.broken == 0 && ratio <= 2.0 ? Verdict::pass : Verdict::fail,
+          fmt::format("radiance of 10^-39 to 10^-45, albedo of 10^-40; took {:.2f} times as long as radiance of 1",
+                      tiny.seconds / plain.seconds)};
+}
+
+// A 16-bit EXR with normals, depths to 10^6 and colours to 10^6, read back.
+Measurement half_pictures(const SelftestContext&) {
+  constexpr std::uint32_t kSize = 64;
+  Picture picture{kSize, kSize, {}};
+  for (const char* name : {"R", "G", "B", "A", "N.X", "N.Y", "N.Z", "Z"}) picture.channels.push_back({name, {}});
+  Random random(37);
+  std::uint64_t too_bright = 0;
+  for (std::uint32_t i = 0; i < kSize * kSize; ++i) {
+    const glm::vec3 normal = random.direction();
+    const float radiance = random.log_uniform(-6, 6);
+    too_bright += 3 * (radiance > 65504.0f);
+    const float values[] = {radiance, radiance, radiance, 1.0f,
+                            normal.x, normal.y, normal.z, random.log_uniform(-6, 6)};
+    for (std::size_t c = 0; c < std::size(values); ++c) picture.channels[c].values.push_back(values[c]);
+  }
+  std::string folder = (std::filesystem::temp_directory_path() / "wavepath-selftest-XXXXXX").string();
+  if (!mkdtemp(folder.data()))
+    return {"a picture", "none", "", Verdict::skip,
+            "no temporary folder can be made; set TMPDIR to one that can be written"};
+  const std::string path = folder + "/half.exr";
+  const std::uint64_t clamped = write_picture(path, picture, {}, {.half = true});
+  const Picture back = read_picture(path);
+  std::filesystem::remove_all(folder);
+
+  double worst_normal = 0.0, worst_depth = 0.0;
+  std::uint64_t infinite = 0;
+  for (const Channel& channel : picture.channels) {
+    const Channel& read = *find_channel(back, channel.name);
+    for (std::size_t i = 0; i < read.values.size(); ++i) {
+      infinite += !std::isfinite(read.values[i]);
+      const double error = std::abs(double{read.values[i]} - double{channel.values[i]});
+      if (channel.name[0] == 'N') worst_normal = std::max(worst_normal, error);
+      if (channel.name == "Z") worst_depth = std::max(worst_depth, error);
+    }
+  }
+  const bool good = infinite == 0 && clamped == too_bright && worst_normal < 1e-3 && worst_depth == 0.0;
+  return {"no infinity, clamped values counted",
+          fmt::format("{} infinite, {} of {} counted, normals off by {:.2g}, depths by {:.2g}", infinite, clamped,
+                      too_bright, worst_normal, worst_depth),
+          "0, exact, 1e-3, 0", good ? Verdict::pass : Verdict::fail,
+          "on the device all values are 32-bit; only --half makes 16-bit ones, and keeps depth and position at 32"};
+}
+
+constexpr SelftestCase kCases[] = {
+    {37, "16-bit pictures", "bright pixels and far depths turn infinite in 16-bit files", half_pictures},
+    {38, "denormal radiance and throughput", "very dark scenes render slowly or turn black in patches", denormals},
+    {40, "random numbers lie in [0, 1)", "rare samples fall outside of lights and pixels, as fireflies", unit_interval},
+    {41, "texture coordinates far out", "textures that repeat often smear, broken ones turn pixels black",
+     texture_coordinates},
+};
+
+} // namespace
+
+std::span<const SelftestCase> number_cases() { return kCases; }
+
+} // namespace wavepath
