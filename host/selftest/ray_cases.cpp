@@ -74,7 +74,7 @@ Measurement against_brute_force(const SelftestContext& context) {
   TracedScene scene(context.device, context.kernels, pack_positions(positions));
   const std::vector<gpu::Triangle>& triangles = scene.packed().triangles;
   std::vector<gpu::Ray> rays;
-  for (std::size_t i = 0; i < (context.full ? 1'000'000 : 20'000); ++i) {
+  for (std::size_t i = 0; i < (context.full ? 1'000'000 : 100'000); ++i) {
     const gpu::Triangle& aim = triangles[random.below(triangles.size())];
     const float b1 = random.uniform(0.0f, 0.5f), b2 = random.uniform(0.0f, 0.5f);
     const glm::vec3 target = aim.v0 + (aim.v1 - aim.v0) * b1 + (aim.v2 - aim.v0) * b2;

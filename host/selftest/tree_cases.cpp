@@ -144,10 +144,10 @@ Measurement boxes_hold_their_items(const SelftestContext& context) {
     triangles += scene.packed().triangles.size();
   }
   Measurement result = judge_none(failures, nodes + triangles, "nodes too small or triangles missed");
-  result.note = fmt::format(
-      "{} nodes at extents from 10^-6 to 10^8, checked by the host; {} triangles, found on the "
-      "device; {}",
-      nodes, triangles, first);
+  result.note =
+      fmt::format("{} nodes at extents from 10^-6 to 10^8, checked by the host; {} triangles, found on the device",
+                  nodes, triangles);
+  if (!first.empty()) result.note += "; " + first;
   return result;
 }
 

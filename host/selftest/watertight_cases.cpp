@@ -37,7 +37,7 @@ std::uint64_t count_leaks(TracedScene& scene, std::span<const gpu::Ray> rays) {
 
 Measurement closed_mesh(const SelftestContext& context) {
   TracedScene scene(context.device, context.kernels, pack_positions(uv_sphere(200, 200, 0.02f)));
-  const std::size_t count = context.full ? 10'000'000 : 200'000, chunk = 1'000'000;
+  const std::size_t count = context.full ? 10'000'000 : 1'000'000, chunk = 1'000'000;
   std::uint64_t leaks = 0;
   for (std::size_t first = 0; first < count; first += chunk)
     leaks += count_leaks(scene, rays_from_inside(scene.packed(), {}, 0.9f, Aim::anywhere,
@@ -47,7 +47,7 @@ Measurement closed_mesh(const SelftestContext& context) {
 
 Measurement vertices_and_edges(const SelftestContext& context) {
   TracedScene scene(context.device, context.kernels, pack_positions(uv_sphere(200, 200, 0.02f)));
-  const std::size_t count = context.full ? 1'000'000 : 100'000;
+  const std::size_t count = context.full ? 1'000'000 : 300'000;
   std::uint64_t leaks = 0;
   for (const Aim aim : {Aim::vertex, Aim::edge})
     leaks += count_leaks(scene, rays_from_inside(scene.packed(), {}, 0.9f, aim, count, 2));
@@ -57,7 +57,7 @@ Measurement vertices_and_edges(const SelftestContext& context) {
 // Once where the renderer moves it, around zero, and once kept far out by triangles on the opposite side.
 Measurement far_sphere(const SelftestContext& context) {
   const glm::vec3 center(148376, 1234, -223423);
-  const std::size_t count = context.full ? 1'000'000 : 50'000;
+  const std::size_t count = context.full ? 1'000'000 : 100'000;
   std::uint64_t leaks = 0, trials = 0;
   for (const bool kept_far : {false, true}) {
     Positions positions = uv_sphere(50, 100, 0.0f, center, 2.0f);
