@@ -14,7 +14,7 @@ ROOT = pathlib.Path(sys.argv[1])
 WAVEPATH, COMPILER = sys.argv[2], sys.argv[3]
 
 # A file includes only files of its own folder and of those before it.
-DOWNHILL = ["bvh", "kernels", "host/base", "host/scene", "host/gpu", "host/render", "benchmarks", "host/bench", "host/selftest", "host/view", "host/cli", "host"]
+DOWNHILL = ["bvh", "kernels", "host/base", "host/scene", "host/gpu", "host/render", "benchmarks", "host/bench", "host/selftest", "host/study", "host/view", "host/cli", "host"]
 VULKAN_DOORS = {"host/gpu", "host/view"}
 DOCUMENTS = ["README.md", "CONTRIBUTING.md", "scenes/README.md"]
 

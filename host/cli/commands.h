@@ -22,6 +22,7 @@ Command add_info(CLI::App& app);
 Command add_compare(CLI::App& app);
 Command add_bench(CLI::App& app);
 Command add_selftest(CLI::App& app);
+Command add_study(CLI::App& app, const std::string& command_line);
 
 // Parses, runs and returns the exit code. Throws Error, and UsageError for a command line that makes no sense.
 int run(int argument_count, const char* const* arguments);

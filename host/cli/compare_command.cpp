@@ -10,6 +10,7 @@
 #include "host/base/error.h"
 #include "host/cli/commands.h"
 #include "host/cli/flags.h"
+#include "host/render/error_map.h"
 #include "host/render/metrics.h"
 #include "host/render/picture_io.h"
 #include "host/render/stats.h"
@@ -36,23 +37,6 @@ const std::string_view kBoundable[] = {"mse", "relmse", "mrse", "relative_rms", 
 bool is_display(const std::string& path) {
   const auto format = picture_format(path);
   return format == PictureFormat::png || format == PictureFormat::jpg;
-}
-
-// Black, purple, orange, pale yellow: brightness rises evenly, so that the map also reads in grey.
-glm::vec3 map_color(float error) {
-  const glm::vec3 stops[] = {
-      {0.0f, 0.0f, 0.015f}, {0.32f, 0.07f, 0.48f}, {0.72f, 0.21f, 0.47f}, {0.99f, 0.53f, 0.38f}, {0.99f, 0.99f, 0.75f}};
-  const float position = std::clamp(error, 0.0f, 1.0f) * 4.0f;
-  const int first = std::min(static_cast<int>(position), 3);
-  return glm::mix(stops[first], stops[first + 1], position - static_cast<float>(first));
-}
-
-void write_map(const std::string& path, const Picture& like, const std::vector<float>& flip) {
-  Picture map{like.width, like.height, {{"R", {}}, {"G", {}}, {"B", {}}}};
-  for (const float error : flip)
-    for (int c = 0; c < 3; ++c)
-      map.channels[static_cast<std::size_t>(c)].values.push_back(from_srgb(map_color(error)[c]));
-  write_picture(path, map, {}, {false, 0.0, Tonemap::none});
 }
 
 Json to_json(const Request& request, const PictureMetrics& metrics, double flip) {
@@ -97,7 +81,8 @@ int run_compare(const Request& request) {
   if (metrics.finite()) {
     const std::vector<float> map = display ? ldr_flip(image, reference) : hdr_flip(image, reference);
     flip = std::accumulate(map.begin(), map.end(), 0.0) / static_cast<double>(map.size());
-    if (!request.map.empty()) write_map(request.map, image, map);
+    if (!request.map.empty())
+      write_picture(request.map, error_map(image.width, image.height, map), {}, {false, 0.0, Tonemap::none});
   }
 
   const Json json = to_json(request, metrics, flip);

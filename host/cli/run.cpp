@@ -15,15 +15,7 @@ namespace {
 // The command line as a shell would take it again.
 std::string quote(int count, const char* const* arguments) {
   std::string line;
-  for (int i = 0; i < count; ++i) {
-    const std::string word = arguments[i];
-    const bool plain = !word.empty() && word.find_first_not_of(
-                                            "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789"
-                                            "_-+=.,:/@%") == std::string::npos;
-    std::string quoted = "'";
-    for (const char c : word) quoted += c == '\'' ? "'\\''" : std::string(1, c);
-    line += (i == 0 ? "" : " ") + (plain ? word : quoted + "'");
-  }
+  for (int i = 0; i < count; ++i) line += (i == 0 ? "" : " ") + shell_quoted(arguments[i]);
   return line;
 }
 
@@ -76,11 +68,13 @@ int run(int argument_count, const char* const* arguments) {
       "wrong usage, 3 the asked-for error was not reached, 130 interrupted (the result so far was saved). "
       "Compiled kernels are kept in $XDG_CACHE_HOME/wavepath or ~/.cache/wavepath; WAVEPATH_CACHE=FOLDER moves that, "
       "WAVEPATH_CACHE=off leaves it out.");
-  const std::map<std::string, Command> commands = {{"render", add_render(app, quote(argument_count, arguments))},
+  const std::string line = quote(argument_count, arguments);
+  const std::map<std::string, Command> commands = {{"render", add_render(app, line)},
                                                    {"info", add_info(app)},
                                                    {"compare", add_compare(app)},
                                                    {"bench", add_bench(app)},
-                                                   {"selftest", add_selftest(app)}};
+                                                   {"selftest", add_selftest(app)},
+                                                   {"study", add_study(app, line)}};
 
   try {
     app.parse(argument_count, arguments);

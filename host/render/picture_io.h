@@ -43,7 +43,7 @@ std::uint64_t write_picture(const std::string& path, const Picture& picture, con
 // Error.
 Picture read_picture(const std::string& path);
 
-// A text attribute of an EXR header; empty if the file is no EXR or has none of that name.
+// A text or float attribute of an EXR header, as text; empty if the file is no EXR or has none of that name.
 std::string read_attribute(const std::string& path, const std::string& name);
 
 // The channel of that name, or null.

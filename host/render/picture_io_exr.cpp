@@ -207,8 +207,10 @@ std::string read_attribute(const std::string& path, const std::string& name) {
   if (picture_format(path) != PictureFormat::exr) return {};
   try {
     const Imf::InputFile input(path.c_str());
-    const auto* attribute = input.header().findTypedAttribute<Imf::StringAttribute>(name);
-    return attribute ? attribute->value() : std::string();
+    const auto* number = input.header().findTypedAttribute<Imf::FloatAttribute>(name);
+    if (number) return fmt::format("{}", number->value());
+    const auto* text = input.header().findTypedAttribute<Imf::StringAttribute>(name);
+    return text ? text->value() : std::string();
   } catch (const std::exception&) {
     return {}; // reading the picture itself says what is wrong
   }

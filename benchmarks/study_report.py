@@ -1,0 +1,477 @@
+#!/usr/bin/env python3
+"""Makes report.html, one self-contained page, of a folder that `wavepath study` wrote: study_report.py DIR
+
+The build puts this file into the program, which runs it without a source tree. Exit code 3: matplotlib is missing."""
+
+import base64
+import html
+import io
+import json
+import math
+import os
+import pathlib
+import re
+import sys
+
+try:
+    import matplotlib.ticker
+    matplotlib.use("svg")
+    from matplotlib import pyplot
+    from PIL import Image  # which matplotlib needs as well
+except ImportError:
+    sys.exit(3)
+
+HUES = ["#b3372f", "#2b6ca3", "#3a8a4d", "#8a5aa8", "#c07a1c", "#4a4f57"]
+STYLES = [("o", ":"), ("s", "--"), ("D", "-"), ("^", "-."), ("v", ":")]
+MAP_STOPS = [(0.0, 0.0, 0.015), (0.32, 0.07, 0.48), (0.72, 0.21, 0.47), (0.99, 0.53, 0.38), (0.99, 0.99, 0.75)]
+LABEL_GAP = 0.034  # of the height of a plot, between labels
+PICTURE_SIDE = 256  # pixels; larger pictures are shown smaller
+
+CSS = """
+:root { --ink: #1d2228; --soft: #626b76; --line: #e2e5e9; --tint: #f6f7f8; --accent: #2b6ca3; }
+* { box-sizing: border-box; }
+body { margin: 0; background: #fff; color: var(--ink); font: 15px/1.55 "Helvetica Neue", Helvetica, Arial, "Liberation Sans", "DejaVu Sans", sans-serif; }
+main { max-width: 1080px; margin: 0 auto; padding: 44px 28px 80px; }
+h1 { font-size: 29px; font-weight: 600; letter-spacing: -0.01em; margin: 0 0 6px; }
+h2 { font-size: 19px; font-weight: 600; margin: 48px 0 8px; padding-top: 18px; border-top: 1px solid var(--line); }
+p { margin: 8px 0; max-width: 50em; }
+.soft, figcaption, .note { color: var(--soft); font-size: 13.5px; }
+dl.facts { display: grid; grid-template-columns: repeat(4, auto); gap: 2px 28px; margin: 18px 0 0; justify-content: start; }
+dl.facts dt { color: var(--soft); font-size: 12.5px; grid-row: 1; } dl.facts dd { margin: 0; grid-row: 2; }
+dl.facts.second { margin-top: 10px; }
+.summary { background: var(--tint); border-left: 3px solid var(--accent); padding: 14px 22px; margin: 24px 0; }
+.summary ul { margin: 0; padding-left: 18px; } .summary li { margin: 6px 0; max-width: 62em; }
+figure { margin: 16px 0; } figure svg { width: 100%; height: auto; display: block; }
+table { border-collapse: collapse; margin: 12px 0; font-size: 13.5px; font-variant-numeric: tabular-nums; }
+th { text-align: right; font-weight: 600; color: var(--soft); border-bottom: 1px solid var(--ink); padding: 5px 12px; vertical-align: bottom; }
+td { text-align: right; border-bottom: 1px solid var(--line); padding: 5px 12px; white-space: nowrap; }
+th:first-child, td:first-child, .left { text-align: left; padding-left: 2px; }
+tr.best td { background: #eef4f9; font-weight: 600; }
+.bar { display: inline-block; height: 9px; background: var(--accent); opacity: 0.55; border-radius: 1px; }
+td.barcell { text-align: left; width: 180px; }
+.dot { display: inline-block; width: 9px; height: 9px; border-radius: 50%; margin-right: 8px; }
+.gallery { display: grid; grid-template-columns: repeat(auto-fill, minmax(326px, 1fr)); gap: 22px 20px; margin-top: 14px; }
+.card b { font-weight: 600; } .card .pair { display: flex; gap: 4px; margin-top: 4px; } .card img { width: calc(50% - 2px); display: block; }
+.scale { height: 11px; width: 240px; display: inline-block; vertical-align: middle; margin: 0 8px; }
+details { border-bottom: 1px solid var(--line); padding: 6px 0; } summary { cursor: pointer; }
+code { font: 12px/1.5 "DejaVu Sans Mono", Menlo, Consolas, monospace; word-break: break-word; }
+td code { white-space: normal; } td.command { white-space: normal; text-align: left; }
+dl.glossary dt { font-weight: 600; margin-top: 10px; } dl.glossary dd { margin: 0; color: #3c434b; max-width: 60em; }
+"""
+
+GLOSSARY = [
+    ("Relative RMS error", "The square root of relMSE: how far a pixel is off, as a share of its own brightness, over the "
+     "picture. 1 % is hardly visible, 10 % is clearly noisy."),
+    ("MSE, relMSE, MRSE", "Means over pixels and RGB of linear radiance x against the reference r: (x - r)&sup2;; "
+     "(x - r)&sup2; / (r&sup2; + 0.01); (x - r)&sup2; / (r + 0.01)&sup2;."),
+    ("FLIP", "Mean HDR-FLIP (Andersson et al. 2021), 0 to 1: the difference that a viewer sees when two pictures are flipped "
+     "at 67 pixels a degree."),
+    ("Efficiency", "1 / (MSE &times; seconds). It stays the same over time for plain Monte Carlo, and grows where a sampler "
+     "gains from order among its samples."),
+    ("Slope", "The exponent of the power law that fits the last four octaves: &minus;0.5 means that four times the time halves "
+     "the error. Its interval holds the true exponent 95 times in 100 (Student's t)."),
+    ("Scatter", "How far single measurements stray from the fitted line, 95 % of them: times as well as errors. Differences "
+     "smaller than the scatter of both are called &ldquo;within noise&rdquo;."),
+    ("Floor of the reference", "The reference has an error of its own. Below three times that error, more than a tenth of the MSE "
+     "measured is the reference's; such points are flagged and no slope is fitted to them."),
+    ("Seconds", "Of rendering alone: no loading, compiling, reading or writing of pictures."),
+]
+
+
+def number(value, digits=3):
+    """Significant digits without an exponent where that is readable."""
+    if value is None:
+        return "&ndash;"
+    if value == 0.0:
+        return "0"
+    places = digits - 1 - math.floor(math.log10(abs(value)))
+    if -4 <= places <= 6:
+        return f"{value:.{max(places, 0)}f}".replace("-", "&minus;")
+    mantissa, exponent = f"{value:.{digits - 1}e}".split("e")
+    return f"{mantissa}&times;10<sup>{int(exponent)}</sup>".replace("-", "&minus;")
+
+
+def percent(value, digits=3):
+    return "&ndash;" if value is None else number(100.0 * value, digits) + " %"
+
+
+def interval(fit):
+    return "&ndash;" if fit is None else (f"{number(fit['slope'])} <span class='soft'>({number(fit['ci95'][0])} to "
+                                          f"{number(fit['ci95'][1])})</span>")
+
+
+def table(head, rows, left=()):
+    cells = "".join(f"<th{' class=left' if i in left else ''}>{cell}</th>" for i, cell in enumerate(head))
+    return f"<table><thead><tr>{cells}</tr></thead><tbody>{''.join(rows)}</tbody></table>"
+
+
+def row(cells, attributes=""):
+    return f"<tr{attributes}>" + "".join(c if c.startswith("<td") else f"<td>{c}</td>" for c in cells) + "</tr>"
+
+
+def listed(names):
+    names = [f"<b>{html.escape(name)}</b>" for name in names]
+    return names[0] if len(names) == 1 else ", ".join(names[:-1]) + " and " + names[-1]
+
+
+class Look:
+    """Colour, marker and dash of a configuration: one for each dimension, so that a curve can be read without a key."""
+
+    def __init__(self, study):
+        self.values = {}
+        for configuration in study["configurations"]:
+            for dimension, value in configuration["flags"].items():
+                self.values.setdefault(dimension, [])
+                if value not in self.values[dimension]:
+                    self.values[dimension].append(value)
+        names = list(self.values)
+        self.hue = names[1] if len(names) > 1 else names[0]
+        self.style = names[0]
+        self.fill = names[2] if len(names) > 2 else None
+
+    def place(self, configuration, dimension):
+        return self.values[dimension].index(configuration["flags"][dimension])
+
+    def color(self, configuration):
+        return HUES[self.place(configuration, self.hue) % len(HUES)]
+
+    def line(self, configuration):
+        marker, dash = STYLES[self.place(configuration, self.style) % len(STYLES)]
+        full = self.fill is None or self.place(configuration, self.fill) == len(self.values[self.fill]) - 1
+        return {"color": self.color(configuration), "marker": marker, "linestyle": dash, "markersize": 4.2, "linewidth": 1.3,
+                "markerfacecolor": self.color(configuration) if full else "white", "markeredgewidth": 1.0}
+
+
+def spread(wanted, gap):
+    """Heights of labels: near what is wanted, in its order, at least `gap` apart."""
+    order = sorted(range(len(wanted)), key=lambda i: wanted[i])
+    placed = []  # groups of labels that touch: [first height, members]
+    for i in order:
+        placed.append([wanted[i], [i]])
+        while len(placed) > 1 and placed[-1][0] < placed[-2][0] + gap * len(placed[-2][1]):
+            _, members = placed.pop()
+            members = placed[-1][1] + members
+            centre = sum(wanted[m] for m in members) / len(members)
+            placed[-1] = [centre - gap * (len(members) - 1) / 2, members]
+    result = [0.0] * len(wanted)
+    for first, members in placed:
+        for k, member in enumerate(members):
+            result[member] = first + k * gap
+    return result
+
+
+def svg(figure):
+    text = io.StringIO()
+    figure.savefig(text, format="svg")
+    pyplot.close(figure)
+    text = text.getvalue()
+    text = text[text.index("<svg"):]
+    text = re.sub(r"<metadata>.*?</metadata>", "", text, flags=re.S)
+    return re.sub(r'\s(?:xmlns(?::\w+)?)="[^"]*"', "", text)  # HTML needs no name spaces
+
+
+def plot(study, look, x, slope, label, height):
+    """Error against `x`; the label of each curve stands at its right with the slope fitted."""
+    figure, axes = pyplot.subplots(figsize=(10.6, height))
+    curves = []
+    for configuration in study["configurations"]:
+        points = [p for p in configuration["points"] if p["relative_rms"] > 0.0]
+        if not points:
+            continue
+        axes.loglog([p[x] for p in points], [100.0 * p["relative_rms"] for p in points], **look.line(configuration))
+        curves.append((configuration, points[-1]))
+    axes.set_xlabel(label)
+    axes.set_ylabel("relative RMS error, %")
+    axes.grid(True, which="major", color="#e7e9ec", linewidth=0.8)
+    for side in ("top", "right"):
+        axes.spines[side].set_visible(False)
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.set_major_formatter(matplotlib.ticker.FuncFormatter(lambda v, _: f"{v:g}"))
+    floor = study["reference"]["floor"]
+    if floor:
+        low, high = axes.get_ylim()
+        low = min(low, 80.0 * floor)
+        axes.axhspan(low / 100.0, 100.0 * floor, color="#f3f1ea", zorder=0, linewidth=0)
+        axes.text(0.008, 100.0 * floor, " floor of the reference (3 × its own error)", va="bottom", fontsize=8.5, color="#7a7360",
+                  transform=axes.get_yaxis_transform())
+        axes.set_ylim(low, high)
+    if x == "seconds" and study["equal_time"]["seconds"]:
+        axes.axvline(study["equal_time"]["seconds"], color="#9aa2ab", linewidth=0.9, linestyle=(0, (4, 3)))
+        axes.text(study["equal_time"]["seconds"], 1.01, "equal time", transform=axes.get_xaxis_transform(), ha="center",
+                  fontsize=8.5, color="#626b76")
+    low, high = (math.log(v) for v in axes.get_ylim())
+    heights = [(math.log(100.0 * last["relative_rms"]) - low) / (high - low) for _, last in curves]
+    to_axes = axes.transAxes.inverted()
+    for (configuration, last), y in zip(curves, spread(heights, LABEL_GAP * 5.6 / height)):
+        end = to_axes.transform(axes.transData.transform((last[x], 100.0 * last["relative_rms"])))
+        fit = configuration["slope"][slope]
+        text = configuration["name"] + (f"   {fit['slope']:.2f}".replace("-", "−") if fit else "")
+        color = look.color(configuration)
+        axes.plot([end[0] + 0.008, 1.02, 1.03], [end[1], y, y], transform=axes.transAxes, color=color, linewidth=0.5,
+                  alpha=0.45, clip_on=False)
+        axes.text(1.035, y, text, transform=axes.transAxes, color=color, fontsize=8.8, va="center")
+    figure.subplots_adjust(left=0.065, right=0.79, top=0.95, bottom=0.55 / height)
+    return svg(figure)
+
+
+def embedded(path):
+    picture = Image.open(path).convert("RGB")
+    picture.thumbnail((PICTURE_SIDE, PICTURE_SIDE), Image.NEAREST)  # noise is to stay noise
+    data = io.BytesIO()
+    picture.save(data, "JPEG", quality=86)
+    return "data:image/jpeg;base64," + base64.b64encode(data.getvalue()).decode()
+
+
+def effects(study):
+    """For each value of each dimension: error over that of the dimension's first value, all else being equal, at equal time;
+    geometric mean, least and most."""
+    errors = {}
+    for configuration, line in zip(study["configurations"], study["equal_time"]["rows"]):
+        if "relative_rms" in line and line["relative_rms"] > 0.0:
+            errors[tuple(sorted(configuration["flags"].items()))] = line["relative_rms"]
+    found = []
+    for dimension, values in Look(study).values.items():
+        for value in values[1:]:
+            ratios = []
+            for flags, error in errors.items():
+                other = dict(flags) | {dimension: values[0]}
+                base = errors.get(tuple(sorted(other.items())))
+                if dict(flags)[dimension] == value and base:
+                    ratios.append(error / base)
+            if ratios:
+                mean = math.exp(sum(map(math.log, ratios)) / len(ratios))
+                found.append({"dimension": dimension, "value": value, "base": values[0], "mean": mean,
+                              "least": min(ratios), "most": max(ratios)})
+    return found
+
+
+def ranked(study):
+    rows = [(c, r) for c, r in zip(study["configurations"], study["equal_time"]["rows"]) if "relative_rms" in r]
+    return sorted(rows, key=lambda pair: pair[1]["relative_rms"])
+
+
+def conclude_equal_time(study, ranking):
+    best, naive = ranking[0], study["configurations"][0]["name"]
+    text = (f"After {number(study['equal_time']['seconds'])} s of rendering, {listed([best[0]['name']])} has the lowest error: "
+            f"{percent(best[1]['relative_rms'])}")
+    if best[1]["ratio"] and best[0]["name"] != naive:
+        text += (f", {number(1.0 / best[1]['ratio'])} times lower than the plainest, {listed([naive])} "
+                 f"({percent(best[1]['relative_rms'] / best[1]['ratio'])})")
+    alike = [c["name"] for c, r in ranking[1:] if r["as_good_as_best"]]
+    if len(alike) == len(ranking) - 1 and alike:
+        text += "; the differences are within noise"
+    elif alike:
+        text += f". {listed(alike)} cannot be told from it: the difference is within the noise of this measurement"
+    return text + "."
+
+
+def conclude_effects(found):
+    for e in found:
+        if e["mean"] < 0.97:
+            change = f"divides the error by {number(1.0 / e['mean'])}"
+        elif e["mean"] > 1.03:
+            change = f"multiplies the error by {number(e['mean'])}"
+        else:
+            change = "changes the error by less than 3 %"
+        yield (f"--{e['dimension']}: <b>{e['value']}</b> instead of {e['base']} {change} on average, all else equal "
+               f"({number(e['least'], 2)} to {number(e['most'], 2)} times the error).")
+
+
+def conclude_slopes(study):
+    fits = [(c["name"], c["slope"]["spp"]) for c in study["configurations"] if c["slope"]["spp"]]
+    if not fits:
+        return "Too few points were measured to fit slopes; a larger --budget gives more."
+    slopes = [f["slope"] for _, f in fits]
+    text = (f"Error falls with samples a pixel with slopes from {number(max(slopes), 2)} to {number(min(slopes), 2)}; plain Monte "
+            "Carlo gives &minus;0.5.")
+    steeper = [n for n, f in fits if f["ci95"][1] < -0.5]
+    flatter = [n for n, f in fits if f["ci95"][0] > -0.5]
+    if steeper:
+        text += f" Beyond doubt steeper: {listed(steeper)}."
+    if flatter:
+        text += f" Flatter: {listed(flatter)}; rare bright paths that most renders have not met yet look like this."
+    return text
+
+
+def conclude_equal_error(study):
+    for level in reversed(study["equal_error"][-1:]):
+        known = [r for r in level["rows"] if r["how"] in ("interpolated", "extrapolated")]
+        if not known:
+            continue
+        best, naive = min(known, key=lambda r: r["seconds"]), level["rows"][0]
+        text = f"To reach {percent(level['relative_rms'])}, {listed([best['configuration']])} takes {number(best['seconds'])} s"
+        if best["speedup"] and best is not naive:
+            text += f", {listed([naive['configuration']])} {number(best['speedup'])} times as long"
+        elif naive["how"] == "not_reached":
+            text += f"; {listed([naive['configuration']])} did not come near it"
+        yield text + "."
+
+
+def conclude_reference(study, ranking):
+    reference = study["reference"]
+    made = f"{reference['file']}, as given" if reference["given"] else (
+        f"{reference['spp']} samples a pixel of sobol, mis, cosine with a seed of its own, {number(reference['seconds'])} s")
+    if reference["relative_rms"] is None:
+        return f"The reference ({html.escape(made)}) does not tell its own error, so that its floor is unknown."
+    low = [c["name"] for c, r in ranking if r["at_floor"]]
+    text = f"The reference ({html.escape(made)}) has an estimated error of {percent(reference['relative_rms'])} itself."
+    return text + (f" At equal time, {listed(low)} came so near to it that part of the error is the reference's." if low else
+                   " Every error in the tables is more than three times that.")
+
+
+def summary(study, ranking, found):
+    lines = [conclude_equal_time(study, ranking), *conclude_effects(found), *conclude_equal_error(study), conclude_slopes(study),
+             conclude_reference(study, ranking)]
+    if study["interrupted"]:
+        lines.append("The study was interrupted: later configurations have fewer points.")
+    return "<div class=summary><ul>" + "".join(f"<li>{line}</li>" for line in lines) + "</ul></div>"
+
+
+def facts(study):
+    device = study["device"]
+    reference = study["reference"]
+    first = [("scene", html.escape(os.path.basename(study["scene"]))), ("size", "&times;".join(map(str, study["size"]))),
+             ("device", html.escape(device["name"])), ("driver", html.escape(device["driver"]))]
+    second = [("date", study["date"]), ("wavepath", study["wavepath"]),
+              ("rendering budget", f"{number(study['budget_seconds'])} s, of which the reference {number(reference['seconds'])} s"),
+              ("in common", f"{study['filter']} filter, depth {study['max_depth']}")]
+    return "".join(f"<dl class='facts{extra}'>" + "".join(f"<dt>{k}</dt><dd>{v}</dd>" for k, v in items) + "</dl>"
+                   for items, extra in ((first, ""), (second, " second")))
+
+
+def name_cell(look, configuration):
+    return f"<span class=dot style='background:{look.color(configuration)}'></span>{html.escape(configuration['name'])}"
+
+
+def equal_time_table(look, ranking):
+    worst = max(r["relative_rms"] for _, r in ranking)
+    rows = []
+    for place, (configuration, r) in enumerate(ranking):
+        notes = [n for n, on in (("within noise of the best", r["as_good_as_best"] and place > 0),
+                                 ("at the reference's floor", r["at_floor"])) if on]
+        bar = f"<td class=barcell><span class=bar style='width:{max(1, round(150 * r['relative_rms'] / worst))}px'></span></td>"
+        rows.append(row([name_cell(look, configuration), percent(r["relative_rms"]), bar,
+                         "&ndash;" if r["scatter95"] is None else f"&plusmn;{number(100 * r['scatter95'], 2)} %",
+                         number(r["ratio"]), number(r["mse"]), number(r["mrse"]), number(r["flip"]), number(r["efficiency"]),
+                         f"<td class='left soft'>{', '.join(notes)}</td>"], " class=best" if place == 0 else ""))
+    return table(["configuration", "error", "", "scatter", "ratio to<br>plainest", "MSE", "MRSE", "FLIP", "efficiency", ""], rows)
+
+
+def equal_error_table(study, look):
+    rows = []
+    for i, configuration in enumerate(study["configurations"]):
+        cells = [name_cell(look, configuration)]
+        for level in study["equal_error"]:
+            r = level["rows"][i]
+            mark = {"interpolated": "", "extrapolated": "~", "at_most": "&le;&thinsp;", "not_reached": ""}[r["how"]]
+            cells.append("<span class=soft>not reached</span>" if r["seconds"] is None else f"{mark}{number(r['seconds'])} s")
+            cells.append(f"&times;{number(r['speedup'])}" if r["speedup"] else "&ndash;")
+        rows.append(row(cells))
+    head = ["configuration"]
+    for level in study["equal_error"]:
+        head += [f"time to {percent(level['relative_rms'])}", "faster"]
+    return table(head, rows)
+
+
+def slope_table(study, look):
+    rows = []
+    for configuration in study["configurations"]:
+        last = configuration["points"][-1] if configuration["points"] else None
+        flag = "at the reference's floor" if last and last["at_floor"] else ""
+        rows.append(row([name_cell(look, configuration), interval(configuration["slope"]["seconds"]),
+                         interval(configuration["slope"]["spp"]), str(last["spp"]) if last else "&ndash;",
+                         number(last["seconds"]) + " s" if last else "&ndash;",
+                         percent(last["relative_rms"]) if last else "&ndash;", f"<td class='left soft'>{flag}</td>"]))
+    return table(["configuration", "slope against seconds", "slope against samples", "most samples<br>a pixel", "in", "error then", ""], rows)
+
+
+def effect_table(found):
+    rows = [row([f"--{e['dimension']}", f"<td class=left>{e['value']} instead of {e['base']}</td>", number(e["mean"]),
+                 f"{number(e['least'])} to {number(e['most'])}"]) for e in found]
+    return table(["flag", "choice", "error, times", "least to most"], rows, left=(1,))
+
+
+def gallery(study, folder):
+    cards = []
+    reference = folder / study["reference"]["picture"]
+    if reference.exists():
+        cards.append(f"<div class=card><b>reference</b><div class=pair><img alt='reference' src='{embedded(reference)}'></div></div>")
+    for configuration in study["configurations"]:
+        shown = configuration["picture"]
+        if not shown or not all((folder / shown[key]).exists() for key in ("file", "error_map")):
+            continue
+        error = next(p["relative_rms"] for p in configuration["points"] if p["spp"] == shown["spp"])
+        images = "".join(f"<img alt='{html.escape(configuration['name'])}' src='{embedded(folder / shown[key])}'>"
+                         for key in ("file", "error_map"))
+        cards.append(f"<div class=card><b>{html.escape(configuration['name'])}</b> <span class=soft>{shown['spp']} samples, "
+                     f"{number(shown['seconds'])} s, {percent(error)}</span><div class=pair>{images}</div></div>")
+    if not cards:
+        return "<p>The folder holds no pictures.</p>"
+    stops = ", ".join("#" + "".join(f"{round(255 * c):02x}" for c in stop) for stop in MAP_STOPS)
+    scale = (f"<p class=soft>FLIP 0 <span class=scale style='background:linear-gradient(to right, {stops})'></span> "
+             f"{number(study['error_map']['brightest'], 2)} and more</p>")
+    return scale + f"<div class=gallery>{''.join(cards)}</div>"
+
+
+def commands(study):
+    reference = study["reference"]
+    parts = [f"<p>The whole study:<br><code>{html.escape(study['command'])}</code></p>"]
+    if reference["command"]:
+        parts.append(f"<p>The reference, which the rows need:<br><code>{html.escape(reference['command'])}</code></p>")
+    for configuration in study["configurations"]:
+        rows = [row([str(p["spp"]), number(p["seconds"]) + " s", percent(p["relative_rms"]), number(p["efficiency"]),
+                     "at floor" if p["at_floor"] else "",
+                     f"<td class=command><code>{html.escape(p['command'])}</code></td>"]) for p in configuration["points"]]
+        head = ["samples", "rendering", "error", "efficiency", "", "command"]
+        parts.append(f"<details><summary>{html.escape(configuration['name'])}, {len(rows)} rows</summary>{table(head, rows, (5,))}</details>")
+    return "".join(parts)
+
+
+def page(study, folder):
+    look, ranking, found = Look(study), ranked(study), effects(study)
+    title = f"Error against time: {html.escape(pathlib.PurePath(study['scene']).stem)}"
+    count = len(study["configurations"])
+    sections = [
+        ("", f"<p class=soft>{count} ways to render one picture, each measured against one converged reference at 1, 2, 4, ... "
+         f"samples a pixel. Varied: {', '.join(study['vary'])}.</p>" + facts(study) + summary(study, ranking, found)),
+        ("Error against time", "<figure>" + plot(study, look, "seconds", "seconds", "seconds of rendering", 5.8) +
+         "<figcaption>Both axes logarithmic; down and to the left is better. The number behind each name is the slope fitted to the "
+         f"last four octaves. Colour: {look.hue}; marker and dash: {look.style}" +
+         (f"; hollow markers: {look.values[look.fill][0]} {look.fill}" if look.fill else "") + ".</figcaption></figure>"),
+        ("Error against samples", "<figure>" + plot(study, look, "spp", "spp", "samples a pixel", 5.0) +
+         "<figcaption>The same without the cost of a sample: what differs here is the quality of samples alone.</figcaption></figure>"),
+        ("At equal time", f"<p class=note>Every configuration after {number(study['equal_time']['seconds'])} s of rendering, between "
+         "the nearest two measurements on logarithmic axes; best first.</p>" + equal_time_table(look, ranking)),
+        ("What each choice does", "<p class=note>Error over the error with the plainest value, everything else being equal, at "
+         "that time: geometric mean over the grid.</p>" + effect_table(found)),
+        ("At equal error", "<p class=note>Seconds until the error has come down to a level, and how many times faster than the "
+         "plainest configuration that is. &le;: the first sample is better already; ~: past the last measurement, by its slope, "
+         "at most one octave.</p>" + equal_error_table(study, look)),
+        ("Slopes", "<p class=note>With 95 % intervals.</p>" + slope_table(study, look)),
+        ("Pictures and error maps", "<p class=note>Of each configuration the render that is nearest to the equal time, tonemapped, "
+         "and where it differs from the reference.</p>" + gallery(study, folder)),
+        ("To repeat", "<p class=note>Each row is a render of its own, with its own seed; the command gives the same bits on the same "
+         "device and driver.</p>" + commands(study)),
+        ("What the words mean", "<dl class=glossary>" + "".join(f"<dt>{k}</dt><dd>{v}</dd>" for k, v in GLOSSARY) + "</dl>"),
+    ]
+    body = "".join((f"<h2>{heading}</h2>" if heading else "") + text for heading, text in sections)
+    return (f"<!DOCTYPE html><html lang=en><head><meta charset=utf-8><meta name=viewport content='width=device-width'>"
+            f"<title>{title}</title><style>{CSS}</style></head><body><main><h1>{title}</h1>{body}</main></body></html>\n")
+
+
+def main(folder):
+    folder = pathlib.Path(folder)
+    study = json.loads((folder / "study.json").read_text(encoding="utf-8"))
+    pyplot.rcParams.update({"font.family": "DejaVu Sans", "font.size": 9.5, "axes.edgecolor": "#8d959e", "xtick.color": "#4a515a",
+                            "ytick.color": "#4a515a", "axes.labelcolor": "#4a515a", "svg.hashsalt": "wavepath"})
+    text = page(study, folder)
+    temporary = folder / f".report.html.{os.getpid()}"
+    try:
+        temporary.write_text(text, encoding="utf-8")
+        os.replace(temporary, folder / "report.html")
+    finally:
+        temporary.unlink(missing_ok=True)
+
+
+if __name__ == "__main__":
+    main(sys.argv[1])

@@ -1,0 +1,231 @@
+// wavepath study: checks, loads, renders the grid, writes the folder and its page.
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <ctime>
+#include <filesystem>
+#include <memory>
+
+#include <unistd.h>
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+
+#include "host/base/atomic_file.h"
+#include "host/base/error.h"
+#include "host/cli/commands.h"
+#include "host/cli/flags.h"
+#include "host/cli/interrupt.h"
+#include "host/cli/render_flags.h"
+#include "host/cli/scene_flags.h"
+#include "host/render/bvh_choice.h"
+#include "host/render/stats.h"
+#include "host/study/page.h"
+#include "host/study/study_report.h"
+
+namespace wavepath {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Request {
+  SceneRequest scene;
+  std::string device;
+  StudySettings study;
+  std::string folder, reference, command_line;
+  std::optional<std::uint32_t> filter;
+  bool quiet = false;
+};
+
+constexpr std::uint32_t kSide = 256; // small enough for a whole grid to be done in minutes without a GPU
+
+void read_dimensions(const FlagValue& value, std::vector<std::string>& vary) {
+  std::vector<std::string_view> names;
+  for (const Dimension& dimension : dimensions()) names.push_back(dimension.name);
+  vary.clear();
+  for (std::size_t first = 0; first <= value.text.size();) {
+    const std::size_t end = std::min(value.text.find(',', first), value.text.size());
+    const FlagValue name{value.flag, value.text.substr(first, end - first)};
+    name.choice(names);
+    if (std::find(vary.begin(), vary.end(), name.text) == vary.end()) vary.push_back(name.text);
+    first = end + 1;
+  }
+}
+
+// Everything that can be known to fail is refused before the time of rendering is spent; nothing is made yet.
+void check_files(const Request& request) {
+  std::error_code error;
+  if (!fs::is_regular_file(request.scene.path, error))
+    throw Error(request.scene.path, "is not there as a file", "check the name");
+  const bool there = fs::is_directory(request.folder, error);
+  if (!there && fs::exists(request.folder, error))
+    throw Error(request.folder, "is no folder", "name a folder, or one that is yet to be made");
+  require_writable(there ? (fs::path(request.folder) / "study.json").string() : request.folder);
+}
+
+std::optional<StudyReference> read_reference(Request& request) {
+  RenderSettings& settings = request.study.render;
+  settings.filter = request.filter.value_or(gpu::kFilterBox);
+  const std::string& path = request.reference;
+  if (path.empty()) return std::nullopt;
+  StudyReference reference;
+  reference.picture = read_picture(path);
+  reference.file = path;
+  const Picture& picture = reference.picture;
+  if (picture.width != settings.width || picture.height != settings.height)
+    throw UsageError(
+        path, fmt::format("is {}x{}, the study {}x{}", picture.width, picture.height, settings.width, settings.height),
+        fmt::format("add --size {}x{}", picture.width, picture.height));
+  if (!compare_pictures(picture, picture).finite())
+    throw Error(path, "holds values that are not finite", "name a picture without such");
+  if (const std::string error = read_attribute(path, "wavepath.error"); !error.empty())
+    reference.error = std::stod(error);
+  if (!request.filter)
+    for (std::uint32_t filter = 0; filter < std::size(kFilterNames); ++filter)
+      if (read_attribute(path, "wavepath.filter") == kFilterNames[filter]) settings.filter = filter;
+  return reference;
+}
+
+// The part that the commands repeating each row share: the scene and camera flags as they were given, then ours.
+std::string repeat_command(const CLI::App& app, const Request& request, bvh::Quality quality) {
+  const RenderSettings& settings = request.study.render;
+  std::string line = "wavepath render " + shell_quoted(request.scene.path);
+  for (const CLI::Option* option : app.get_options([](const CLI::Option* o) {
+         return o->count() > 0 && (o->get_group() == "Scene" || o->get_group() == "Camera");
+       }))
+    if (option->get_positional() == false)
+      line += fmt::format(" --{} {}", option->get_lnames().front(), shell_quoted(option->results().back()));
+  return line + fmt::format(" --size {}x{} --filter {} --max-depth {} --bvh {}", settings.width, settings.height,
+                            kFilterNames[settings.filter], settings.max_depth,
+                            kQualityNames[static_cast<std::size_t>(quality)]);
+}
+
+// One line that is drawn over on a terminal; elsewhere one at most every 5 s.
+class StudyDisplay {
+public:
+  StudyDisplay(bool quiet, double budget) : quiet_(quiet), terminal_(isatty(STDERR_FILENO) != 0), budget_(budget) {}
+  ~StudyDisplay() {
+    if (drawn_ && terminal_) std::fputs("\r\x1b[K", stderr);
+  }
+  StudyDisplay(StudyDisplay&&) = delete;
+
+  void show(const StudyProgress& progress) {
+    const auto now = std::chrono::steady_clock::now();
+    if (quiet_ || now - last_ < std::chrono::milliseconds(terminal_ ? 100 : 5000)) return;
+    last_ = now;
+    drawn_ = true;
+    const std::string text = fmt::format("{:.0f} of {:.0f} s: {}", progress.seconds, budget_, progress.what);
+    fmt::print(stderr, "{}", terminal_ ? "\r\x1b[K" + text : "wavepath: " + text + "\n");
+    std::fflush(stderr);
+  }
+
+private:
+  bool quiet_, terminal_, drawn_ = false;
+  double budget_;
+  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+};
+
+// Packs the scene for every light strategy of the grid, and tells each warning once.
+StudyScene pack_scene(Scene& scene, const Request& request, bvh::Quality quality) {
+  StudyScene study;
+  study.view = resolve_view(scene, request.scene.view, request.study.render.width, request.study.render.height);
+  Warnings all = scene.warnings;
+  const auto pack_for = [&](std::uint32_t direct) {
+    if (study.packed.contains(direct)) return;
+    scene.warnings = {};
+    study.packed.emplace(direct, pack(scene, direct, quality));
+    for (const auto& [text, count] : scene.warnings.counts())
+      if (!all.counts().contains(text)) all.add(text, count);
+  };
+  pack_for(gpu::kDirectMis);
+  for (const Configuration& one : make_grid(request.study.vary, request.study.render)) pack_for(one.settings.direct);
+  print_warnings(all);
+  return study;
+}
+
+int run_study_command(const CLI::App& app, Request& request) {
+  StudySettings& settings = request.study;
+  check_files(request);
+  std::optional<StudyReference> reference = read_reference(request);
+
+  Device device(request.device);
+  Scene scene = load_scene(request.scene);
+  RenderSettings whole = settings.render;
+  whole.last_sample = 1 << 16;
+  whole.time_limit = settings.budget;
+  const bvh::Quality quality = choose_quality(whole, plan(scene).triangles_stored, device.info());
+  const StudyScene packed = pack_scene(scene, request, quality);
+  scene = Scene{};
+
+  catch_interrupts();
+  const Study study = [&] {
+    StudyDisplay display(request.quiet, settings.budget);
+    return run_study(device, packed, settings, std::move(reference), [&](const StudyProgress& progress) {
+      display.show(progress);
+      return !interrupted();
+    });
+  }();
+  if (study.series.front().points.empty()) return kExitInterrupted;
+  const auto now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
+  const StudyRecord record{request.scene.path,
+                           request.command_line,
+                           fmt::format("{:%Y-%m-%d %H:%M} UTC", fmt::gmtime(now)),
+                           repeat_command(app, request, quality),
+                           request.folder,
+                           device.info(),
+                           settings,
+                           study};
+  write_study(record);
+  write_page(request.folder);
+  if (!request.quiet) fmt::print(stderr, "wavepath: {}/report.html\n", request.folder);
+  return study.interrupted ? kExitInterrupted : kExitDone;
+}
+
+} // namespace
+
+Command add_study(CLI::App& app, const std::string& command_line) {
+  CLI::App* command = app.add_subcommand("study", "measure error against time for a grid of configurations");
+  command->set_help_flag("-h,--help", "show this and exit")->group(kHelpGroup);
+  const auto request = std::make_shared<Request>();
+  request->command_line = command_line;
+  StudySettings& study = request->study;
+  study.vary = {"sampler", "direct"};
+  study.render.width = study.render.height = kSide;
+  const char* group = "Study";
+  add_flag(
+      *command, group,
+      {"-o,--output", "DIR", "folder for study.json, study.csv, report.html and pictures; made if its parent exists"},
+      [request](const FlagValue& value) { request->folder = value.text; })
+      ->required();
+  add_flag(*command, group,
+           {"--vary", "LIST", "what to vary, separated by commas: sampler, direct, hemisphere", "sampler,direct"},
+           [&study](const FlagValue& value) { read_dimensions(value, study.vary); });
+  add_flag(*command, group,
+           {"--budget", "SECONDS", "of rendering in all: half for the reference, the rest in even shares", "60"},
+           [&study](const FlagValue& value) { study.budget = value.positive_number(); });
+  add_flag(*command, group,
+           {"--reference", "FILE.exr", "a converged picture of the same view to use instead of rendering one", "none"},
+           [request](const FlagValue& value) { request->reference = value.text; });
+  add_flag(*command, group,
+           {"--reference-spp", "N", "samples per pixel of the reference", "what fits into its share of the budget"},
+           [&study](const FlagValue& value) { study.reference_spp = value.whole_number(2, 1 << 24); });
+  add_flag(*command, group, {"--size", "WxH", "pixels", "256x256"},
+           [&study](const FlagValue& value) { read_size(value, study.render); });
+  add_flag(*command, group,
+           {"--filter", "box|gaussian|blackman-harris", "pixel filter", "box, or what the reference has"},
+           [request](const FlagValue& value) { request->filter = value.choice(kFilterNames); });
+  add_flag(*command, group, {"--max-depth", "N", "longest path in bounces, of the reference as well", "8"},
+           [&study](const FlagValue& value) { study.render.max_depth = value.whole_number(0, 4096); });
+  add_flag(*command, group,
+           {"--seed", "N", "of the first sample count; the others and the reference have their own", "0"},
+           [&study](const FlagValue& value) { study.render.seed = value.whole_number(0, 1u << 29); });
+  add_flag(*command, group,
+           {"--device", "NAME|INDEX", "Vulkan device; 'wavepath info' lists them", "a discrete GPU if there is one"},
+           [request](const FlagValue& value) { request->device = value.text; });
+  add_switch(*command, group, {"-q,--quiet", "", "no progress and no summary", "off"}, request->quiet);
+  add_scene_flags(*command, request->scene, true);
+  add_view_flags(*command, request->scene.view);
+  return [request, command] { return run_study_command(*command, *request); };
+}
+
+} // namespace wavepath

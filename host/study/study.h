@@ -1,0 +1,89 @@
+// `wavepath study`: renders a grid of configurations and measures each against one converged reference.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host/gpu/device.h"
+#include "host/render/metrics.h"
+#include "host/render/render.h"
+#include "host/scene/pack.h"
+#include "host/scene/view.h"
+#include "host/study/grid.h"
+
+namespace wavepath {
+
+// Of the rendering time, so that the best of nine configurations still ends at several times the reference's error.
+inline constexpr double kReferenceShare = 0.5;
+// Below this multiple of the reference's own error, that error is more than a tenth of the MSE measured.
+inline constexpr double kFloor = 3.0;
+
+struct StudySettings {
+  RenderSettings render; // what all configurations have in common
+  std::vector<std::string> vary;
+  double budget = 60.0;            // seconds of rendering in all
+  std::uint32_t reference_spp = 0; // 0 = what fits into its share of the budget
+};
+
+// The scene as each light strategy wants it packed, by kDirect... constant.
+struct StudyScene {
+  std::map<std::uint32_t, PackedScene> packed;
+  View view;
+};
+
+struct StudyReference {
+  Picture picture;
+  std::string file;            // empty if rendered here
+  std::optional<double> error; // its own relative RMS error
+  std::uint32_t seed = 0, spp = 0;
+  double seconds = 0.0;
+};
+
+struct StudyPoint {
+  std::uint32_t spp = 0, seed = 0;
+  double seconds = 0.0, gpu_seconds = 0.0;
+  std::uint64_t rays = 0;
+  PictureMetrics metrics; // against the reference
+  double flip = 0.0;      // mean
+  std::optional<double> estimated_error;
+
+  double relative_rms() const;
+  double efficiency() const { return 1.0 / (metrics.mse * seconds); }
+};
+
+// Of the last points only, because pictures are large.
+struct StudyPicture {
+  std::size_t point = 0;
+  Picture picture;
+  std::vector<float> flip;
+};
+
+struct Series {
+  Configuration configuration;
+  std::vector<StudyPoint> points; // 1, 2, 4, ... samples a pixel, each a render of its own
+  std::vector<StudyPicture> pictures;
+};
+
+struct Study {
+  StudyReference reference;
+  std::vector<Series> series; // the naive configuration first
+  bool interrupted = false;
+
+  bool at_floor(double relative_rms) const { return reference.error && relative_rms < kFloor * *reference.error; }
+};
+
+struct StudyProgress {
+  std::string what;
+  double seconds = 0.0; // rendering so far
+};
+using StudyCallback = std::function<bool(const StudyProgress&)>; // false = stop with what there is
+
+// `scene` holds every light strategy of the grid and MIS. `reference`: one that is there already. Throws as render()
+// does.
+Study run_study(Device& device, const StudyScene& scene, const StudySettings& settings,
+                std::optional<StudyReference> reference, const StudyCallback& progress);
+
+} // namespace wavepath

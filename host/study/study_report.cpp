@@ -1,0 +1,231 @@
+#include "host/study/study_report.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include <fmt/format.h>
+
+#include "host/base/atomic_file.h"
+#include "host/base/error.h"
+#include "host/render/error_map.h"
+#include "host/render/picture_io.h"
+#include "host/render/stats.h"
+#include "host/study/tables.h"
+
+namespace wavepath {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::string_view kReachNames[] = {"interpolated", "extrapolated", "at_most", "not_reached"}; // as Reach
+
+Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+Json number(const std::optional<double>& value) { return value ? number(*value) : Json(nullptr); }
+
+std::string in_folder(const StudyRecord& record, const std::string& name) {
+  return (std::filesystem::path(record.folder) / name).string();
+}
+
+std::string reference_file(const StudyRecord& record) {
+  const std::string& own = record.study.reference.file;
+  return own.empty() ? in_folder(record, "reference.exr") : own;
+}
+
+std::string point_command(const StudyRecord& record, const Series& series, const StudyPoint& point) {
+  return fmt::format("{} {} --seed {} --spp {} --reference {} -o {}-{}.exr", record.repeat,
+                     series.configuration.flags(), point.seed, point.spp, reference_file(record),
+                     series.configuration.name("-"), point.spp);
+}
+
+std::string reference_command(const StudyRecord& record) {
+  const StudyReference& reference = record.study.reference;
+  if (!reference.file.empty()) return "";
+  return fmt::format("{} --sampler sobol --direct mis --hemisphere cosine --seed {} --spp {} -o {}", record.repeat,
+                     reference.seed, reference.spp, reference_file(record));
+}
+
+Json slope_json(const std::optional<PowerFit>& fit) {
+  if (!fit) return nullptr;
+  return {{"slope", fit->slope}, {"ci95", fit->ci95}, {"intercept", fit->intercept}, {"points", fit->points}};
+}
+
+Json point_json(const StudyRecord& record, const Series& series, const StudyPoint& point) {
+  return {{"spp", point.spp},
+          {"seconds", point.seconds},
+          {"gpu_seconds", point.gpu_seconds},
+          {"rays", point.rays},
+          {"relative_rms", point.relative_rms()},
+          {"estimated_relative_rms", number(point.estimated_error)},
+          {"mse", point.metrics.mse},
+          {"relmse", point.metrics.relmse},
+          {"mrse", point.metrics.mrse},
+          {"flip", point.flip},
+          {"efficiency", number(point.efficiency())},
+          {"at_floor", record.study.at_floor(point.relative_rms())},
+          {"command", point_command(record, series, point)}};
+}
+
+std::string picture_name(const Series& series) { return "pictures/" + series.configuration.name("-") + ".png"; }
+std::string map_name(const Series& series) { return "pictures/" + series.configuration.name("-") + "-error.png"; }
+
+Json series_json(const StudyRecord& record, const Series& series, double common_seconds) {
+  Json flags = Json::object(), points = Json::array(), picture = nullptr;
+  for (const Choice& choice : series.configuration.choices) flags[std::string(choice.dimension)] = choice.value;
+  for (const StudyPoint& point : series.points) points.push_back(point_json(record, series, point));
+  if (const StudyPicture* shown = picture_near(series, common_seconds))
+    picture = {{"file", picture_name(series)},
+               {"error_map", map_name(series)},
+               {"spp", series.points[shown->point].spp},
+               {"seconds", series.points[shown->point].seconds}};
+  const auto fit = [&](const std::vector<Measured>& curve) {
+    return slope_json(fit_power(above_floor(record.study, curve)));
+  };
+  return {{"name", series.configuration.name()},
+          {"flags", flags},
+          {"slope", {{"seconds", fit(error_by_seconds(series))}, {"spp", fit(error_by_spp(series))}}},
+          {"picture", picture},
+          {"points", points}};
+}
+
+Json equal_time_json(const Study& study, const EqualTime& table) {
+  Json rows = Json::array();
+  for (std::size_t i = 0; i < table.rows.size(); ++i) {
+    Json row{{"configuration", study.series[i].configuration.name()}};
+    if (const auto& values = table.rows[i])
+      row.update({{"relative_rms", values->relative_rms},
+                  {"ratio", number(values->ratio)},
+                  {"scatter95", number(values->scatter)},
+                  {"as_good_as_best", values->as_good_as_best},
+                  {"at_floor", values->at_floor},
+                  {"mse", values->mse},
+                  {"relmse", values->relmse},
+                  {"mrse", values->mrse},
+                  {"flip", values->flip},
+                  {"efficiency", number(values->efficiency)}});
+    rows.push_back(row);
+  }
+  return {{"seconds", number(table.seconds)}, {"rows", rows}};
+}
+
+Json equal_error_json(const Study& study) {
+  Json tables = Json::array();
+  for (const EqualError& table : equal_error(study)) {
+    Json rows = Json::array();
+    for (std::size_t i = 0; i < table.rows.size(); ++i) {
+      const TimeTo& time = table.rows[i].time;
+      rows.push_back({{"configuration", study.series[i].configuration.name()},
+                      {"seconds", time.how == Reach::not_reached ? Json(nullptr) : Json(time.x)},
+                      {"how", kReachNames[static_cast<std::size_t>(time.how)]},
+                      {"speedup", number(table.rows[i].speedup)}});
+    }
+    tables.push_back({{"relative_rms", table.relative_rms}, {"rows", rows}});
+  }
+  return tables;
+}
+
+// FLIP that the maps show as their brightest: what all but a hundredth of the pixels of all maps stay below.
+double map_scale(const Study& study, double common_seconds) {
+  std::vector<float> all;
+  for (const Series& series : study.series)
+    if (const StudyPicture* shown = picture_near(series, common_seconds))
+      all.insert(all.end(), shown->flip.begin(), shown->flip.end());
+  if (all.empty()) return 1.0;
+  const auto place = all.begin() + static_cast<std::ptrdiff_t>(all.size() - 1 - all.size() / 100);
+  std::nth_element(all.begin(), place, all.end());
+  return *place > 0.0f ? *place : 1.0;
+}
+
+void write_pictures(const StudyRecord& record, double common_seconds) {
+  const double scale = map_scale(record.study, common_seconds);
+  for (const Series& series : record.study.series) {
+    const StudyPicture* shown = picture_near(series, common_seconds);
+    if (!shown) continue;
+    write_picture(in_folder(record, picture_name(series)), shown->picture, {}, {});
+    write_picture(in_folder(record, map_name(series)),
+                  error_map(shown->picture.width, shown->picture.height, shown->flip, scale), {},
+                  {false, 0.0, Tonemap::none});
+  }
+  const StudyReference& reference = record.study.reference;
+  write_picture(in_folder(record, "pictures/reference.png"), reference.picture, {}, {});
+  if (!reference.file.empty()) return;
+  PictureInfo info;
+  info.spp = reference.spp;
+  info.seconds = reference.seconds;
+  info.error = reference.error;
+  info.seed = reference.seed;
+  info.samples = fmt::format("0:{}", reference.spp);
+  info.scene = record.scene;
+  info.command = reference_command(record);
+  info.filter = kFilterNames[record.settings.render.filter];
+  write_picture(reference_file(record), reference.picture, info, {});
+}
+
+} // namespace
+
+Json study_document(const StudyRecord& record) {
+  const Study& study = record.study;
+  const RenderSettings& settings = record.settings.render;
+  const EqualTime table = equal_time(study);
+  Json series = Json::array();
+  for (const Series& one : study.series) series.push_back(series_json(record, one, table.seconds));
+  return {{"wavepath", WAVEPATH_VERSION},
+          {"scene", record.scene},
+          {"command", record.command},
+          {"date", record.date},
+          {"device",
+           {{"name", record.device.name},
+            {"driver", record.device.driver},
+            {"type", record.device.type},
+            {"api", record.device.api}}},
+          {"size", {settings.width, settings.height}},
+          {"max_depth", settings.max_depth},
+          {"filter", kFilterNames[settings.filter]},
+          {"budget_seconds", record.settings.budget},
+          {"interrupted", study.interrupted},
+          {"vary", record.settings.vary},
+          {"reference",
+           {{"file", reference_file(record)},
+            {"given", !study.reference.file.empty()},
+            {"spp", study.reference.spp},
+            {"seconds", study.reference.seconds},
+            {"relative_rms", number(study.reference.error)},
+            {"floor", study.reference.error ? Json(kFloor * *study.reference.error) : Json(nullptr)},
+            {"picture", "pictures/reference.png"},
+            {"command", reference_command(record)}}},
+          {"error_map", {{"metric", "FLIP"}, {"brightest", map_scale(study, table.seconds)}}},
+          {"equal_time", equal_time_json(study, table)},
+          {"equal_error", equal_error_json(study)},
+          {"configurations", series}};
+}
+
+std::string study_csv(const StudyRecord& record) {
+  std::string text = fmt::format(
+      "configuration,{},spp,seconds,gpu_seconds,rays,relative_rms,estimated_relative_rms,mse,relmse,mrse,flip,"
+      "efficiency,"
+      "at_floor,command\n",
+      fmt::join(record.settings.vary, ","));
+  for (const Series& series : record.study.series)
+    for (const StudyPoint& point : series.points) {
+      const std::string estimate = point.estimated_error ? fmt::format("{:.8g}", *point.estimated_error) : "";
+      std::string command = point_command(record, series, point);
+      for (std::size_t at = 0; (at = command.find('"', at)) != std::string::npos; at += 2) command.insert(at, 1, '"');
+      text += fmt::format("{},{},{},{:.6g},{:.6g},{},{:.8g},{},{:.8g},{:.8g},{:.8g},{:.8g},{:.6g},{},\"{}\"\n",
+                          series.configuration.name(), series.configuration.name(","), point.spp, point.seconds,
+                          point.gpu_seconds, point.rays, point.relative_rms(), estimate, point.metrics.mse,
+                          point.metrics.relmse, point.metrics.mrse, point.flip, point.efficiency(),
+                          record.study.at_floor(point.relative_rms()) ? "yes" : "no", command);
+    }
+  return text;
+}
+
+void write_study(const StudyRecord& record) {
+  std::error_code error;
+  std::filesystem::create_directories(in_folder(record, "pictures"), error);
+  if (error) throw Error(record.folder, "cannot be made (" + error.message() + ")", "name another folder");
+  write_pictures(record, equal_time(record.study).seconds);
+  write_file(in_folder(record, "study.csv"), study_csv(record));
+  write_file(in_folder(record, "study.json"), to_text(study_document(record)));
+}
+
+} // namespace wavepath
