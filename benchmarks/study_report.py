@@ -34,7 +34,7 @@ body { margin: 0; background: #fff; color: var(--ink); font: 15px/1.55 "Helvetic
 main { max-width: 1080px; margin: 0 auto; padding: 44px 28px 80px; }
 h1 { font-size: 29px; font-weight: 600; letter-spacing: -0.01em; margin: 0 0 6px; }
 h2 { font-size: 19px; font-weight: 600; margin: 48px 0 8px; padding-top: 18px; border-top: 1px solid var(--line); }
-p { margin: 8px 0; max-width: 50em; }
+p { margin: 8px 0; max-width: 62em; }
 .soft, figcaption, .note { color: var(--soft); font-size: 13.5px; }
 dl.facts { display: grid; grid-template-columns: repeat(4, auto); gap: 2px 28px; margin: 18px 0 0; justify-content: start; }
 dl.facts dt { color: var(--soft); font-size: 12.5px; grid-row: 1; } dl.facts dd { margin: 0; grid-row: 2; }
@@ -48,7 +48,7 @@ td { text-align: right; border-bottom: 1px solid var(--line); padding: 5px 12px;
 th:first-child, td:first-child, .left { text-align: left; padding-left: 2px; }
 tr.best td { background: #eef4f9; font-weight: 600; }
 .bar { display: inline-block; height: 9px; background: var(--accent); opacity: 0.55; border-radius: 1px; }
-td.barcell { text-align: left; width: 180px; }
+td.barcell { text-align: left; width: 136px; padding-right: 0; }
 .dot { display: inline-block; width: 9px; height: 9px; border-radius: 50%; margin-right: 8px; }
 .gallery { display: grid; grid-template-columns: repeat(auto-fill, minmax(326px, 1fr)); gap: 22px 20px; margin-top: 14px; }
 .card b { font-weight: 600; } .card .pair { display: flex; gap: 4px; margin-top: 4px; } .card img { width: calc(50% - 2px); display: block; }
@@ -93,6 +93,10 @@ def number(value, digits=3):
 
 def percent(value, digits=3):
     return "&ndash;" if value is None else number(100.0 * value, digits) + " %"
+
+
+def level_name(level):
+    return f"{100.0 * level:g} %" if len(f"{100.0 * level:g}") < 5 else percent(level)
 
 
 def interval(fit):
@@ -170,6 +174,24 @@ def svg(figure):
     return re.sub(r'\s(?:xmlns(?::\w+)?)="[^"]*"', "", text)  # HTML needs no name spaces
 
 
+def subdivide(axis, limits, base, digits):
+    """Ticks at digits times powers of the base; at powers alone where that would be too many."""
+    many = math.log(limits[1] / limits[0], 10) > 3.2
+    axis.set_major_locator(matplotlib.ticker.LogLocator(base, (1.0,) if many else digits, numticks=24))
+    axis.set_major_formatter(matplotlib.ticker.FuncFormatter(lambda v, _: f"{v:g}"))
+    axis.set_minor_locator(matplotlib.ticker.NullLocator())
+
+
+def guide(axes):
+    """How plain Monte Carlo falls, through the upper right corner."""
+    (x0, x1), (y0, y1) = axes.get_xlim(), axes.get_ylim()
+    right, top = x1 * (x0 / x1) ** 0.02, y1 * (y0 / y1) ** 0.03
+    left, height = right * (x0 / x1) ** 0.25, top * (x1 / x0) ** -0.125
+    if height > y0:
+        axes.plot([left, right], [top, height], color="#9aa2ab", linewidth=1.0)
+        axes.text(math.sqrt(left * right), math.sqrt(top * height), "  slope −0.5", color="#7a828b", fontsize=8.5, va="bottom")
+
+
 def plot(study, look, x, slope, label, height):
     """Error against `x`; the label of each curve stands at its right with the slope fitted."""
     figure, axes = pyplot.subplots(figsize=(10.6, height))
@@ -180,13 +202,16 @@ def plot(study, look, x, slope, label, height):
             continue
         axes.loglog([p[x] for p in points], [100.0 * p["relative_rms"] for p in points], **look.line(configuration))
         curves.append((configuration, points[-1]))
+    if not curves:
+        pyplot.close(figure)
+        return "<p class=note>No error above zero was measured.</p>"
     axes.set_xlabel(label)
     axes.set_ylabel("relative RMS error, %")
     axes.grid(True, which="major", color="#e7e9ec", linewidth=0.8)
     for side in ("top", "right"):
         axes.spines[side].set_visible(False)
-    for axis in (axes.xaxis, axes.yaxis):
-        axis.set_major_formatter(matplotlib.ticker.FuncFormatter(lambda v, _: f"{v:g}"))
+    subdivide(axes.yaxis, axes.get_ylim(), 10, (1.0, 2.0, 5.0))
+    subdivide(axes.xaxis, axes.get_xlim(), 2 if x == "spp" else 10, (1.0,) if x == "spp" else (1.0, 2.0, 5.0))
     floor = study["reference"]["floor"]
     if floor:
         low, high = axes.get_ylim()
@@ -199,6 +224,7 @@ def plot(study, look, x, slope, label, height):
         axes.axvline(study["equal_time"]["seconds"], color="#9aa2ab", linewidth=0.9, linestyle=(0, (4, 3)))
         axes.text(study["equal_time"]["seconds"], 1.01, "equal time", transform=axes.get_xaxis_transform(), ha="center",
                   fontsize=8.5, color="#626b76")
+    guide(axes)
     low, high = (math.log(v) for v in axes.get_ylim())
     heights = [(math.log(100.0 * last["relative_rms"]) - low) / (high - low) for _, last in curves]
     to_axes = axes.transAxes.inverted()
@@ -273,7 +299,7 @@ def conclude_effects(found):
             change = f"multiplies the error by {number(e['mean'])}"
         else:
             change = "changes the error by less than 3 %"
-        yield (f"--{e['dimension']}: <b>{e['value']}</b> instead of {e['base']} {change} on average, all else equal "
+        yield (f"{e['dimension'].capitalize()}: <b>{e['value']}</b> instead of {e['base']} {change} on average, all else equal "
                f"({number(e['least'], 2)} to {number(e['most'], 2)} times the error).")
 
 
@@ -299,7 +325,7 @@ def conclude_equal_error(study):
         if not known:
             continue
         best, naive = min(known, key=lambda r: r["seconds"]), level["rows"][0]
-        text = f"To reach {percent(level['relative_rms'])}, {listed([best['configuration']])} takes {number(best['seconds'])} s"
+        text = f"To reach {level_name(level['relative_rms'])}, {listed([best['configuration']])} takes {number(best['seconds'])} s"
         if best["speedup"] and best is not naive:
             text += f", {listed([naive['configuration']])} {number(best['speedup'])} times as long"
         elif naive["how"] == "not_reached":
@@ -320,6 +346,9 @@ def conclude_reference(study, ranking):
 
 
 def summary(study, ranking, found):
+    if not ranking:
+        return ("<div class=summary>There is nothing to compare: every picture equals the reference to the last bit, or one "
+                "configuration was slower at its first sample than another at its last.</div>")
     lines = [conclude_equal_time(study, ranking), *conclude_effects(found), *conclude_equal_error(study), conclude_slopes(study),
              conclude_reference(study, ranking)]
     if study["interrupted"]:
@@ -344,12 +373,12 @@ def name_cell(look, configuration):
 
 
 def equal_time_table(look, ranking):
-    worst = max(r["relative_rms"] for _, r in ranking)
+    worst = max((r["relative_rms"] for _, r in ranking), default=1.0)
     rows = []
     for place, (configuration, r) in enumerate(ranking):
         notes = [n for n, on in (("within noise of the best", r["as_good_as_best"] and place > 0),
                                  ("at the reference's floor", r["at_floor"])) if on]
-        bar = f"<td class=barcell><span class=bar style='width:{max(1, round(150 * r['relative_rms'] / worst))}px'></span></td>"
+        bar = f"<td class=barcell><span class=bar style='width:{max(1, round(120 * r['relative_rms'] / worst))}px'></span></td>"
         rows.append(row([name_cell(look, configuration), percent(r["relative_rms"]), bar,
                          "&ndash;" if r["scatter95"] is None else f"&plusmn;{number(100 * r['scatter95'], 2)} %",
                          number(r["ratio"]), number(r["mse"]), number(r["mrse"]), number(r["flip"]), number(r["efficiency"]),
@@ -369,7 +398,7 @@ def equal_error_table(study, look):
         rows.append(row(cells))
     head = ["configuration"]
     for level in study["equal_error"]:
-        head += [f"time to {percent(level['relative_rms'])}", "faster"]
+        head += [f"time to {level_name(level['relative_rms'])}", "faster"]
     return table(head, rows)
 
 

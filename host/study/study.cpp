@@ -67,7 +67,8 @@ private:
       seconds = render_one(settings, kernels, "trial for the reference").seconds;
       if (study_.interrupted || seconds > kTrial * share) break;
     }
-    const double samples = std::numbers::sqrt2 * (share - seconds_) * settings.last_sample / seconds; // to the nearest power
+    const double samples =
+        std::numbers::sqrt2 * (share - seconds_) * settings.last_sample / seconds; // to the nearest power
     return std::bit_floor(static_cast<std::uint32_t>(std::clamp(samples, 2.0, kMostSamples)));
   }
 
@@ -82,12 +83,20 @@ private:
          ++octave)
       for (std::size_t i = 0; i < active.size(); ++i) {
         if (!active[i]) continue;
+        if (octave == 0) warm_up(study_.series[i], *active[i]);
         measure(study_.series[i], octave, *active[i]);
         if (study_.interrupted) return;
         const double seconds = study_.series[i].points.back().seconds;
         used[i] += seconds;
         if (used[i] + 2.0 * seconds > share || (1u << octave) >= kMostSamples) active[i] = nullptr;
       }
+  }
+
+  // Whatever comes first also pays for what drivers put off until then.
+  void warm_up(const Series& series, KernelCompiler& kernels) {
+    RenderSettings settings = series.configuration.settings;
+    settings.last_sample = 1;
+    render_one(settings, kernels, series.configuration.name());
   }
 
   // Every point has a seed of its own: their errors are then independent, as the interval of a slope supposes.
