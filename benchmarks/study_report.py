@@ -99,9 +99,13 @@ def level_name(level):
     return f"{100.0 * level:g} %" if len(f"{100.0 * level:g}") < 5 else percent(level)
 
 
+def hundredths(value):
+    return f"{value:.2f}".replace("-", "&minus;")
+
+
 def interval(fit):
-    return "&ndash;" if fit is None else (f"{number(fit['slope'])} <span class='soft'>({number(fit['ci95'][0])} to "
-                                          f"{number(fit['ci95'][1])})</span>")
+    return "&ndash;" if fit is None else (f"{hundredths(fit['slope'])} <span class='soft'>({hundredths(fit['ci95'][0])} to "
+                                          f"{hundredths(fit['ci95'][1])})</span>")
 
 
 def table(head, rows, left=()):
@@ -115,6 +119,8 @@ def row(cells, attributes=""):
 
 def listed(names):
     names = [f"<b>{html.escape(name)}</b>" for name in names]
+    if len(names) > 5:
+        names = [*names[:3], f"{len(names) - 3} others"]
     return names[0] if len(names) == 1 else ", ".join(names[:-1]) + " and " + names[-1]
 
 
@@ -236,7 +242,8 @@ def plot(study, look, x, slope, label, height):
         axes.plot([end[0] + 0.008, 1.02, 1.03], [end[1], y, y], transform=axes.transAxes, color=color, linewidth=0.5,
                   alpha=0.45, clip_on=False)
         axes.text(1.035, y, text, transform=axes.transAxes, color=color, fontsize=8.8, va="center")
-    figure.subplots_adjust(left=0.065, right=0.79, top=0.95, bottom=0.55 / height)
+    longest = max(len(configuration["name"]) for configuration, _ in curves)
+    figure.subplots_adjust(left=0.065, right=0.9 - 0.0066 * longest, top=0.95, bottom=0.55 / height)
     return svg(figure)
 
 
@@ -313,7 +320,7 @@ def conclude_slopes(study):
     steeper = [n for n, f in fits if f["ci95"][1] < -0.5]
     flatter = [n for n, f in fits if f["ci95"][0] > -0.5]
     if steeper:
-        text += f" Beyond doubt steeper: {listed(steeper)}."
+        text += f" Steeper, the 95 % interval says: {listed(steeper)}."
     if flatter:
         text += f" Flatter: {listed(flatter)}; rare bright paths that most renders have not met yet look like this."
     return text
@@ -424,7 +431,7 @@ def gallery(study, folder):
     cards = []
     reference = folder / study["reference"]["picture"]
     if reference.exists():
-        cards.append(f"<div class=card><b>reference</b><div class=pair><img alt='reference' src='{embedded(reference)}'></div></div>")
+        cards.append(f"<div class=card><b>reference</b><br><span class=soft>{study['reference']['spp'] or '?'} samples</span><div class=pair><img alt='reference' src='{embedded(reference)}'></div></div>")
     for configuration in study["configurations"]:
         shown = configuration["picture"]
         if not shown or not all((folder / shown[key]).exists() for key in ("file", "error_map")):
@@ -432,7 +439,7 @@ def gallery(study, folder):
         error = next(p["relative_rms"] for p in configuration["points"] if p["spp"] == shown["spp"])
         images = "".join(f"<img alt='{html.escape(configuration['name'])}' src='{embedded(folder / shown[key])}'>"
                          for key in ("file", "error_map"))
-        cards.append(f"<div class=card><b>{html.escape(configuration['name'])}</b> <span class=soft>{shown['spp']} samples, "
+        cards.append(f"<div class=card><b>{html.escape(configuration['name'])}</b><br><span class=soft>{shown['spp']} samples, "
                      f"{number(shown['seconds'])} s, {percent(error)}</span><div class=pair>{images}</div></div>")
     if not cards:
         return "<p>The folder holds no pictures.</p>"
@@ -477,8 +484,8 @@ def page(study, folder):
          "plainest configuration that is. &le;: the first sample is better already; ~: past the last measurement, by its slope, "
          "at most one octave.</p>" + equal_error_table(study, look)),
         ("Slopes", "<p class=note>With 95 % intervals.</p>" + slope_table(study, look)),
-        ("Pictures and error maps", "<p class=note>Of each configuration the render that is nearest to the equal time, tonemapped, "
-         "and where it differs from the reference.</p>" + gallery(study, folder)),
+        ("Pictures and error maps", "<p class=note>Of each configuration the render that is nearest to the equal time, tonemapped "
+         f"at {study['exposure']:+.1f} EV, and where it differs from the reference.</p>" + gallery(study, folder)),
         ("To repeat", "<p class=note>Each row is a render of its own, with its own seed; the command gives the same bits on the same "
          "device and driver.</p>" + commands(study)),
         ("What the words mean", "<dl class=glossary>" + "".join(f"<dt>{k}</dt><dd>{v}</dd>" for k, v in GLOSSARY) + "</dl>"),

@@ -136,18 +136,30 @@ double map_scale(const Study& study, double common_seconds) {
   return *place > 0.0f ? *place : 1.0;
 }
 
+// Stops that bring the reference's mean to a middle grey, whatever light the scene has.
+double exposure(const Picture& reference) {
+  constexpr double kGrey = 0.25, kMostStops = 20.0;
+  double sum = 0.0;
+  for (std::size_t c = 0; c < 3; ++c)
+    for (const float value : reference.channels[c].values) sum += std::clamp(value, 0.0f, 1e30f);
+  const double mean = sum / (3.0 * static_cast<double>(reference.channels[0].values.size()));
+  return mean > 0.0 ? std::clamp(std::log2(kGrey / mean), -kMostStops, kMostStops) : 0.0;
+}
+
 void write_pictures(const StudyRecord& record, double common_seconds) {
+  WriteOptions options;
+  options.exposure = exposure(record.study.reference.picture);
   const double scale = map_scale(record.study, common_seconds);
   for (const Series& series : record.study.series) {
     const StudyPicture* shown = picture_near(series, common_seconds);
     if (!shown) continue;
-    write_picture(in_folder(record, picture_name(series)), shown->picture, {}, {});
+    write_picture(in_folder(record, picture_name(series)), shown->picture, {}, options);
     write_picture(in_folder(record, map_name(series)),
                   error_map(shown->picture.width, shown->picture.height, shown->flip, scale), {},
                   {false, 0.0, Tonemap::none});
   }
   const StudyReference& reference = record.study.reference;
-  write_picture(in_folder(record, "pictures/reference.png"), reference.picture, {}, {});
+  write_picture(in_folder(record, "pictures/reference.png"), reference.picture, {}, options);
   if (!reference.file.empty()) return;
   PictureInfo info;
   info.spp = reference.spp;
@@ -193,6 +205,7 @@ Json study_document(const StudyRecord& record) {
             {"floor", study.reference.error ? Json(kFloor * *study.reference.error) : Json(nullptr)},
             {"picture", "pictures/reference.png"},
             {"command", reference_command(record)}}},
+          {"exposure", exposure(study.reference.picture)},
           {"error_map", {{"metric", "FLIP"}, {"brightest", map_scale(study, table.seconds)}}},
           {"equal_time", equal_time_json(study, table)},
           {"equal_error", equal_error_json(study)},
