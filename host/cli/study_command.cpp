@@ -95,6 +95,7 @@ std::string repeat_command(const CLI::App& app, const Request& request, bvh::Qua
        }))
     if (option->get_positional() == false)
       line += fmt::format(" --{} {}", option->get_lnames().front(), shell_quoted(option->results().back()));
+  if (!request.device.empty()) line += " --device " + shell_quoted(request.device);
   return line + fmt::format(" --size {}x{} --filter {} --max-depth {} --bvh {}", settings.width, settings.height,
                             kFilterNames[settings.filter], settings.max_depth,
                             kQualityNames[static_cast<std::size_t>(quality)]);

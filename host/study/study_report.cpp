@@ -1,16 +1,14 @@
 #include "host/study/study_report.h"
 
-#include <algorithm>
 #include <cmath>
 #include <filesystem>
 
 #include <fmt/format.h>
 
 #include "host/base/atomic_file.h"
-#include "host/base/error.h"
-#include "host/render/error_map.h"
 #include "host/render/picture_io.h"
 #include "host/render/stats.h"
+#include "host/study/study_pictures.h"
 #include "host/study/tables.h"
 
 namespace wavepath {
@@ -65,9 +63,6 @@ Json point_json(const StudyRecord& record, const Series& series, const StudyPoin
           {"at_floor", record.study.at_floor(point.relative_rms())},
           {"command", point_command(record, series, point)}};
 }
-
-std::string picture_name(const Series& series) { return "pictures/" + series.configuration.name("-") + ".png"; }
-std::string map_name(const Series& series) { return "pictures/" + series.configuration.name("-") + "-error.png"; }
 
 Json series_json(const StudyRecord& record, const Series& series, double common_seconds) {
   Json flags = Json::object(), points = Json::array(), picture = nullptr;
@@ -124,42 +119,9 @@ Json equal_error_json(const Study& study) {
   return tables;
 }
 
-// FLIP that the maps show as their brightest: what all but a hundredth of the pixels of all maps stay below.
-double map_scale(const Study& study, double common_seconds) {
-  std::vector<float> all;
-  for (const Series& series : study.series)
-    if (const StudyPicture* shown = picture_near(series, common_seconds))
-      all.insert(all.end(), shown->flip.begin(), shown->flip.end());
-  if (all.empty()) return 1.0;
-  const auto place = all.begin() + static_cast<std::ptrdiff_t>(all.size() - 1 - all.size() / 100);
-  std::nth_element(all.begin(), place, all.end());
-  return *place > 0.0f ? *place : 1.0;
-}
-
-// Stops that bring the reference's mean to a middle grey, whatever light the scene has.
-double exposure(const Picture& reference) {
-  constexpr double kGrey = 0.25, kMostStops = 20.0;
-  double sum = 0.0;
-  for (std::size_t c = 0; c < 3; ++c)
-    for (const float value : reference.channels[c].values) sum += std::clamp(value, 0.0f, 1e30f);
-  const double mean = sum / (3.0 * static_cast<double>(reference.channels[0].values.size()));
-  return mean > 0.0 ? std::clamp(std::log2(kGrey / mean), -kMostStops, kMostStops) : 0.0;
-}
-
-void write_pictures(const StudyRecord& record, double common_seconds) {
-  WriteOptions options;
-  options.exposure = exposure(record.study.reference.picture);
-  const double scale = map_scale(record.study, common_seconds);
-  for (const Series& series : record.study.series) {
-    const StudyPicture* shown = picture_near(series, common_seconds);
-    if (!shown) continue;
-    write_picture(in_folder(record, picture_name(series)), shown->picture, {}, options);
-    write_picture(in_folder(record, map_name(series)),
-                  error_map(shown->picture.width, shown->picture.height, shown->flip, scale), {},
-                  {false, 0.0, Tonemap::none});
-  }
+// So that `compare` and later studies can take it.
+void write_reference(const StudyRecord& record) {
   const StudyReference& reference = record.study.reference;
-  write_picture(in_folder(record, "pictures/reference.png"), reference.picture, {}, options);
   if (!reference.file.empty()) return;
   PictureInfo info;
   info.spp = reference.spp;
@@ -179,6 +141,7 @@ Json study_document(const StudyRecord& record) {
   const Study& study = record.study;
   const RenderSettings& settings = record.settings.render;
   const EqualTime table = equal_time(study);
+  const StudyPictures pictures = plan_pictures(study);
   Json series = Json::array();
   for (const Series& one : study.series) series.push_back(series_json(record, one, table.seconds));
   return {{"wavepath", WAVEPATH_VERSION},
@@ -203,10 +166,10 @@ Json study_document(const StudyRecord& record) {
             {"seconds", study.reference.seconds},
             {"relative_rms", number(study.reference.error)},
             {"floor", study.reference.error ? Json(kFloor * *study.reference.error) : Json(nullptr)},
-            {"picture", "pictures/reference.png"},
+            {"picture", kReferencePicture},
             {"command", reference_command(record)}}},
-          {"exposure", exposure(study.reference.picture)},
-          {"error_map", {{"metric", "FLIP"}, {"brightest", map_scale(study, table.seconds)}}},
+          {"exposure", pictures.exposure},
+          {"error_map", {{"metric", "FLIP"}, {"brightest", pictures.brightest}}},
           {"equal_time", equal_time_json(study, table)},
           {"equal_error", equal_error_json(study)},
           {"configurations", series}};
@@ -233,10 +196,8 @@ std::string study_csv(const StudyRecord& record) {
 }
 
 void write_study(const StudyRecord& record) {
-  std::error_code error;
-  std::filesystem::create_directories(in_folder(record, "pictures"), error);
-  if (error) throw Error(record.folder, "cannot be made (" + error.message() + ")", "name another folder");
-  write_pictures(record, equal_time(record.study).seconds);
+  write_pictures(record.folder, record.study, plan_pictures(record.study));
+  write_reference(record);
   write_file(in_folder(record, "study.csv"), study_csv(record));
   write_file(in_folder(record, "study.json"), to_text(study_document(record)));
 }
