@@ -60,9 +60,9 @@ Measurement no_self_hits(const SelftestContext& context) {
                     pack_positions(triangles_of_all_sizes(random, context.full ? 64'000 : 12'000)));
   const std::vector<gpu::Ray> requests = leaving(scene.packed(), random, 8, 1e-6f);
   std::uint64_t again = 0, through_tree = 0;
-  for (std::size_t first = 0; first < requests.size(); first += TracedScene::kSlots) {
+  for (std::size_t first = 0; first < requests.size(); first += TracedScene::kSlowSlots) {
     const auto chunk =
-        std::span(requests).subspan(first, std::min<std::size_t>(TracedScene::kSlots, requests.size() - first));
+        std::span(requests).subspan(first, std::min<std::size_t>(TracedScene::kSlowSlots, requests.size() - first));
     for (const gpu::Hit& hit : scene.run(wavepath_selftest_offset_spv, chunk, 0)) again += hit.triangle != gpu::kNone;
     const std::vector<gpu::Hit> hits = scene.closest(scene.rays_left(chunk.size()));
     for (std::size_t i = 0; i < chunk.size(); ++i) through_tree += hits[i].triangle == chunk[i].slot;
@@ -93,7 +93,7 @@ Measurement smallest_gap(const SelftestContext& context) {
   for (gpu::Ray& request : requests) // well inside, for the ray moves aside while it crosses the gap
     request.origin = glm::vec3(0.2f) + 0.4f * request.origin;
   std::vector<std::uint32_t> missed; // the largest gap at which the ray misses
-  for (const gpu::Hit& hit : scene.run(wavepath_selftest_offset_spv, requests, kLargestGap, 8192))
+  for (const gpu::Hit& hit : scene.run(wavepath_selftest_offset_spv, requests, kLargestGap, TracedScene::kSlowSlots))
     missed.push_back(hit.instance);
   std::ranges::sort(missed);
   return {

@@ -82,7 +82,9 @@ std::vector<gpu::Hit> TracedScene::run(std::span<const std::uint32_t> spirv, std
   return hits;
 }
 
-std::vector<gpu::Hit> TracedScene::closest(std::span<const gpu::Ray> rays) { return run(wavepath_extend_spv, rays, 1); }
+std::vector<gpu::Hit> TracedScene::closest(std::span<const gpu::Ray> rays, std::uint32_t at_once) {
+  return run(wavepath_extend_spv, rays, 1, at_once);
+}
 
 std::vector<bool> TracedScene::blocked(std::span<const gpu::Ray> rays) {
   std::vector<bool> blocked;

@@ -28,7 +28,9 @@ private:
 
 class TracedScene {
 public:
-  static constexpr std::uint32_t kSlots = 1u << 15; // rays at a time: a few hundredths of a second on a slow CPU
+  // Rays at a time: a few hundredths of a second on a slow CPU, and the same where each ray meets thousands of
+  // triangles.
+  static constexpr std::uint32_t kSlots = 1u << 15, kSlowSlots = 1u << 11;
 
   TracedScene(Device& device, KernelCache& kernels, PackedScene packed);
   TracedScene(TracedScene&&) = delete; // the bindings point at its buffers
@@ -37,7 +39,7 @@ public:
 
   // In device space (the world moved by -packed().origin), slots ignored. `closest` leaves what extend.comp finds,
   // `blocked` whether connect.comp finds anything, by ray.
-  std::vector<gpu::Hit> closest(std::span<const gpu::Ray> rays);
+  std::vector<gpu::Hit> closest(std::span<const gpu::Ray> rays, std::uint32_t at_once = kSlots);
   std::vector<bool> blocked(std::span<const gpu::Ray> rays);
 
   // Runs a kernel with these rays in the first queue, `at_once` lanes a dispatch; returns what it left as hits. The

@@ -110,7 +110,7 @@ Measurement equal_centroids(const SelftestContext& context) {
       expected.push_back(static_cast<std::uint32_t>(between + step));
     }
   }
-  const std::vector<gpu::Hit> hits = scene.closest(rays);
+  const std::vector<gpu::Hit> hits = scene.closest(rays, 128);
   std::uint64_t failures = 0;
   for (std::size_t i = 0; i < rays.size(); ++i)
     failures += hits[i].triangle == gpu::kNone || scene.packed().triangles[hits[i].triangle].id != expected[i];
