@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Makes report.html, one self-contained page, of a folder that `wavepath study` wrote: study_report.py DIR
+"""Makes report.html, one self-contained page, of a folder that `wavepath study` wrote: study_report.py DIR [FIGURE]
+FIGURE.png or .svg: also the plot of error against time, on its own.
 
 The build puts this file into the program, which runs it without a source tree. Exit code 3: matplotlib is missing."""
 
@@ -171,6 +172,8 @@ def spread(wanted, gap):
 
 
 def svg(figure):
+    if figure is None:
+        return "<p class=note>No error above zero was measured.</p>"
     text = io.StringIO()
     figure.savefig(text, format="svg")
     pyplot.close(figure)
@@ -210,7 +213,7 @@ def plot(study, look, x, slope, label, height):
         curves.append((configuration, points[-1]))
     if not curves:
         pyplot.close(figure)
-        return "<p class=note>No error above zero was measured.</p>"
+        return None
     axes.set_xlabel(label)
     axes.set_ylabel("relative RMS error, %")
     axes.grid(True, which="major", color="#e7e9ec", linewidth=0.8)
@@ -244,7 +247,11 @@ def plot(study, look, x, slope, label, height):
         axes.text(1.035, y, text, transform=axes.transAxes, color=color, fontsize=8.8, va="center")
     longest = max(len(configuration["name"]) for configuration, _ in curves)
     figure.subplots_adjust(left=0.065, right=0.9 - 0.0066 * longest, top=0.95, bottom=0.55 / height)
-    return svg(figure)
+    return figure
+
+
+def plot_time(study, look):
+    return plot(study, look, "seconds", "seconds", "seconds of rendering", 5.8)
 
 
 def embedded(path):
@@ -470,11 +477,11 @@ def page(study, folder):
     sections = [
         ("", f"<p class=soft>{count} ways to render one picture, each measured against one converged reference at 1, 2, 4, ... "
          f"samples a pixel. Varied: {', '.join(study['vary'])}.</p>" + facts(study) + summary(study, ranking, found)),
-        ("Error against time", "<figure>" + plot(study, look, "seconds", "seconds", "seconds of rendering", 5.8) +
+        ("Error against time", "<figure>" + svg(plot_time(study, look)) +
          "<figcaption>Both axes logarithmic; down and to the left is better. The number behind each name is the slope fitted to the "
          f"last four octaves. Colour: {look.hue}; marker and dash: {look.style}" +
          (f"; hollow markers: {look.values[look.fill][0]} {look.fill}" if look.fill else "") + ".</figcaption></figure>"),
-        ("Error against samples", "<figure>" + plot(study, look, "spp", "spp", "samples a pixel", 5.0) +
+        ("Error against samples", "<figure>" + svg(plot(study, look, "spp", "spp", "samples a pixel", 5.0)) +
          "<figcaption>The same without the cost of a sample: what differs here is the quality of samples alone.</figcaption></figure>"),
         ("At equal time", f"<p class=note>Every configuration after {number(study['equal_time']['seconds'])} s of rendering, between "
          "the nearest two measurements on logarithmic axes; best first.</p>" + equal_time_table(look, ranking)),
@@ -495,7 +502,7 @@ def page(study, folder):
             f"<title>{title}</title><style>{CSS}</style></head><body><main><h1>{title}</h1>{body}</main></body></html>\n")
 
 
-def main(folder):
+def main(folder, figure=None):
     folder = pathlib.Path(folder)
     study = json.loads((folder / "study.json").read_text(encoding="utf-8"))
     pyplot.rcParams.update({"font.family": "DejaVu Sans", "font.size": 9.5, "axes.edgecolor": "#8d959e", "xtick.color": "#4a515a",
@@ -507,7 +514,9 @@ def main(folder):
         os.replace(temporary, folder / "report.html")
     finally:
         temporary.unlink(missing_ok=True)
+    if figure:
+        plot_time(study, Look(study)).savefig(figure, dpi=110)
 
 
 if __name__ == "__main__":
-    main(sys.argv[1])
+    main(*sys.argv[1:])

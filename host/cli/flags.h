@@ -43,9 +43,6 @@ std::string nearest_name(const std::string& text, std::span<const std::string> n
 // A remedy for a name that is not there: "did you mean X?", or the list of what there is.
 std::string suggestion(const std::string& text, std::span<const std::string> names);
 
-// The word as a shell would take it again.
-std::string shell_quoted(const std::string& word);
-
 inline constexpr const char* kHelpGroup = "Help"; // of --help and --version
 
 // Lays out --help: usage, then the flags by group, each with its meaning and default.

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "host/base/error.h"
+#include "host/base/shell_quote.h"
 #include "host/cli/commands.h"
 #include "host/cli/flags.h"
 #include "host/cli/interrupt.h"

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "host/base/atomic_file.h"
+#include "host/base/shell_quote.h"
 #include "host/render/picture_io.h"
 #include "host/render/stats.h"
 #include "host/study/study_pictures.h"
@@ -32,7 +33,7 @@ std::string reference_file(const StudyRecord& record) {
 
 std::string point_command(const StudyRecord& record, const Series& series, const StudyPoint& point) {
   return fmt::format("{} {} --seed {} --spp {} --reference {} -o {}-{}.exr", record.repeat,
-                     series.configuration.flags(), point.seed, point.spp, reference_file(record),
+                     series.configuration.flags(), point.seed, point.spp, shell_quoted(reference_file(record)),
                      series.configuration.name("-"), point.spp);
 }
 
@@ -40,7 +41,7 @@ std::string reference_command(const StudyRecord& record) {
   const StudyReference& reference = record.study.reference;
   if (!reference.file.empty()) return "";
   return fmt::format("{} --sampler sobol --direct mis --hemisphere cosine --seed {} --spp {} -o {}", record.repeat,
-                     reference.seed, reference.spp, reference_file(record));
+                     reference.seed, reference.spp, shell_quoted(reference_file(record)));
 }
 
 Json slope_json(const std::optional<PowerFit>& fit) {
