@@ -1,6 +1,6 @@
 // Adds a wave's finished samples to the film, one lane a pixel, in the order of the samples.
-// Sums run over fixed blocks of samples and from there into a compensated total (Neumaier 1974), so that neither the size of a
-// wave nor 10^7 samples change or wear out the mean. A sample that is not finite is counted, not added.
+// Sums are exact, so that no order, size of a wave or number of samples changes or wears out the mean. A sample that is not finite
+// is counted, not added.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
@@ -8,19 +8,21 @@
 #define BIND_QUEUES
 #define BIND_FILM
 #include "kernels/bindings.glsl"
+#include "kernels/exact_sum.glsl"
 #include "kernels/math.glsl"
 #include "kernels/pixel.glsl"
 #include "kernels/records.glsl"
 
 layout(local_size_x = kWorkgroupSize) in;
 
-void add_block(inout FilmPixel pixel) {
-  precise vec3 sum = pixel.total + pixel.block;
-  precise vec3 lost_block = (pixel.total - sum) + pixel.block;
-  precise vec3 lost_total = (pixel.block - sum) + pixel.total;
-  pixel.compensation += mix(lost_total, lost_block, greaterThanEqual(abs(pixel.total), abs(pixel.block)));
-  pixel.total = sum;
-  pixel.block = vec3(0.0);
+void add_sample(inout FilmPixel pixel, vec3 radiance) {
+  uvec3 tops = (uvec3(pixel.tops) >> uvec3(0u, 8u, 16u)) & 0xffu;
+  add_exactly(pixel.red, tops.r, radiance.r);
+  add_exactly(pixel.green, tops.g, radiance.g);
+  add_exactly(pixel.blue, tops.b, radiance.b);
+  pixel.tops = tops.r | tops.g << 8u | tops.b << 16u;
+  pixel.largest = max(pixel.largest, radiance.r + radiance.g + radiance.b);
+  pixel.count += 1u;
 }
 
 // Running means: fields are averages over the samples so far, position, normal and depth over those that hit.
@@ -48,14 +50,12 @@ void accumulate_replicate(uint local, uint film_index, uint replicate) {
     uint slot = s * wave.pixel_count + local;
     vec3 radiance = fetch_path(slot).radiance;
     if (is_finite(radiance)) {
-      pixel.block += radiance;
-      pixel.count += 1u;
+      add_sample(pixel, radiance);
     } else {
       uvec2 at = slot_pixel(slot);
       atomicAdd(queues.nonfinite_samples, 1u);
       atomicMin(queues.first_nonfinite_pixel, at.y * frame.width + at.x);
     }
-    if ((wave.first_sample + s) / kReplicates % kFilmBlock == kFilmBlock - 1u) add_block(pixel);
   }
   store_film_pixel(film_index * kReplicates + replicate, pixel);
 }
@@ -63,7 +63,7 @@ void accumulate_replicate(uint local, uint film_index, uint replicate) {
 void main() {
   uint local = gl_GlobalInvocationID.x;
   if (local >= wave.pixel_count) return;
-  uint film_index = wave.first_pixel - wave.first_film_pixel + local;
+  uint film_index = wave_pixel(local) - wave.first_film_pixel;
   for (uint replicate = 0u; replicate < kReplicates; ++replicate) accumulate_replicate(local, film_index, replicate);
   if (!has(kFeatureAovs)) return;
   for (uint s = 0u; s < wave.sample_count; ++s) {

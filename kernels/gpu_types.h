@@ -52,7 +52,8 @@ GPU_CONSTANT uint kFeatureTransmissionTextures = 1u << 21;
 GPU_CONSTANT uint kFeatureEmissionTextures = 1u << 22;
 GPU_CONSTANT uint kFeatureFloatTextures = 1u << 23;   // texels of four floats
 GPU_CONSTANT uint kFeatureNearestTextures = 1u << 24; // unfiltered look-ups
-GPU_CONSTANT uint kFeaturesAll = (1u << 25) - 1u;
+GPU_CONSTANT uint kFeatureAdaptive = 1u << 25; // waves follow a list of runs of pixels
+GPU_CONSTANT uint kFeaturesAll = (1u << 26) - 1u;
 
 // ---- specialization constants ---------------------------------------------------------------------------------------------
 GPU_CONSTANT uint kSpecFeatures = 0u;
@@ -102,6 +103,7 @@ GPU_CONSTANT uint kBindPathTexels = 25u;      // texels RGBA32F
 GPU_CONSTANT uint kBindHitTexels = 26u;       // texels RGBA32UI
 GPU_CONSTANT uint kBindShadowRayTexels = 27u; // texels RGBA32UI
 GPU_CONSTANT uint kBindFilmTexels = 28u;      // texels RGBA32UI
+GPU_CONSTANT uint kBindRuns = 29u;            // texels R32UI: runs of kRunPixels pixels in tile order (kFeatureAdaptive)
 
 // ---- geometry -------------------------------------------------------------------------------------------------------------
 GPU_CONSTANT uint kNodeTexels = 3u;     // 48 bytes, see bvh/wide.h
@@ -255,9 +257,11 @@ struct Frame {
 };
 GPU_CHECK(sizeof(Frame) == 128);
 
+GPU_CONSTANT uint kRunPixels = 64u; // that an adaptive render gives samples to together: a tile of 8x8, away from the borders
+
 // Push constants: the wave of (pixel, sample) pairs that a dispatch works on. Slot = local sample * pixel_count + local pixel.
 struct Wave {
-  uint first_pixel; // in tile order, see pixel_of()
+  uint first_pixel; // in tile order; where runs are listed, in the order of their list
   uint pixel_count;
   uint first_sample;
   uint sample_count;
@@ -319,19 +323,27 @@ GPU_CHECK(sizeof(Queues) == 80);
 
 // ---- film -----------------------------------------------------------------------------------------------------------------
 // Sample s belongs to replicate s % kReplicates; replicates are scrambled independently, so that their spread measures the
-// error of any sampler. Sums run over fixed blocks of kFilmBlock samples and then into a compensated total.
+// error of any sampler.
 GPU_CONSTANT uint kReplicates = 2u;
-GPU_CONSTANT uint kFilmBlock = 16u;
+
+// The exact sum of many floats, in any order (after the reproducible sums of Demmel and Nguyen 2013, with integers). Bit k of digit d weighs
+// 2^(32 d + k - 149), so that every float is two whole digits. The two highest digits that any sample reached are kept, each with
+// the sum of its own carries in 64 bits: what is kept depends on the set of samples alone. So parts of a render join to the bits
+// of the whole, and 10^9 samples wear nothing out; what is lost of a sample is below 2^-32 of the largest one.
+struct ExactSum {
+  uint high[2]; // of digit `top`: low word, high word, two's complement
+  uint low[2];  // of digit `top` - 1
+};
+GPU_CHECK(sizeof(ExactSum) == 16);
 
 struct FilmPixel {
-  vec3 block;
-  uint count; // finite samples so far
-  vec3 total;
-  float pad1;
-  vec3 compensation;
-  float pad0;
+  ExactSum red, green, blue;
+  uint count;    // finite samples so far
+  uint tops;     // digit `top` of each sum, a byte each
+  float largest; // R + G + B of the largest sample
+  uint pad0;
 };
-GPU_CHECK(sizeof(FilmPixel) == 48);
+GPU_CHECK(sizeof(FilmPixel) == 64);
 
 // First-hit values and light components of one path.
 struct PathAovs {

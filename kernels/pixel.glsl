@@ -5,8 +5,15 @@
 #include "kernels/sampler.glsl"
 #include "kernels/tile_order.h"
 
+// The pixel, in tile order, that has place `local` in the wave.
+uint wave_pixel(uint local) {
+  uint place = wave.first_pixel + local;
+  if (!has(kFeatureAdaptive)) return place;
+  return texelFetch(run_texels, int(place / kRunPixels)).x * kRunPixels + place % kRunPixels;
+}
+
 uvec2 slot_pixel(uint slot) {
-  return pixel_in_tile_order(wave.first_pixel + slot % wave.pixel_count, frame.width, frame.height);
+  return pixel_in_tile_order(wave_pixel(slot % wave.pixel_count), frame.width, frame.height);
 }
 uint slot_sample(uint slot) { return wave.first_sample + slot / wave.pixel_count; }
 

@@ -125,16 +125,20 @@ ShadowRay fetch_shadow_ray(uint index) {
 #endif
 
 #ifdef BIND_FILM
+ExactSum exact_sum(uvec4 words) { return ExactSum(uint[2](words.x, words.y), uint[2](words.z, words.w)); }
+uvec4 words_of(ExactSum sum) { return uvec4(sum.high[0], sum.high[1], sum.low[0], sum.low[1]); }
+
 FilmPixel fetch_film_pixel(uint index) {
-  uvec4 block_count = texelFetch(film_texels, int(3u * index));
-  vec4 total = uintBitsToFloat(texelFetch(film_texels, int(3u * index + 1u)));
-  vec4 compensation = uintBitsToFloat(texelFetch(film_texels, int(3u * index + 2u)));
-  return FilmPixel(uintBitsToFloat(block_count.xyz), block_count.w, total.xyz, 0.0, compensation.xyz, 0.0);
+  int texel = int(4u * index);
+  uvec4 counts = texelFetch(film_texels, texel + 3);
+  return FilmPixel(exact_sum(texelFetch(film_texels, texel)), exact_sum(texelFetch(film_texels, texel + 1)),
+                   exact_sum(texelFetch(film_texels, texel + 2)), counts.x, counts.y, uintBitsToFloat(counts.z), 0u);
 }
 void store_film_pixel(uint index, FilmPixel pixel) {
-  film_words[3u * index] = uvec4(floatBitsToUint(pixel.block), pixel.count);
-  film_words[3u * index + 1u] = uvec4(floatBitsToUint(pixel.total), 0u);
-  film_words[3u * index + 2u] = uvec4(floatBitsToUint(pixel.compensation), 0u);
+  film_words[4u * index] = words_of(pixel.red);
+  film_words[4u * index + 1u] = words_of(pixel.green);
+  film_words[4u * index + 2u] = words_of(pixel.blue);
+  film_words[4u * index + 3u] = uvec4(pixel.count, pixel.tops, floatBitsToUint(pixel.largest), 0u);
 }
 #endif
 

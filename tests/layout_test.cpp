@@ -126,7 +126,7 @@ TEST(Layout, PathsAndQueues) {
 
 TEST(Layout, Film) {
   compare("FilmPixel", sizeof(FilmPixel),
-          {AT(FilmPixel, block), AT(FilmPixel, count), AT(FilmPixel, total), AT(FilmPixel, compensation)});
+          {AT(FilmPixel, red), AT(FilmPixel, green), AT(FilmPixel, blue), AT(FilmPixel, count), AT(FilmPixel, tops), AT(FilmPixel, largest)});
   compare("PathAovs", sizeof(PathAovs),
           {AT(PathAovs, albedo), AT(PathAovs, depth), AT(PathAovs, normal), AT(PathAovs, hit), AT(PathAovs, position),
            AT(PathAovs, emission), AT(PathAovs, direct)});

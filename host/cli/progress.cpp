@@ -13,6 +13,8 @@
 
 #include <fmt/format.h>
 
+#include "host/render/error.h"
+
 namespace wavepath {
 namespace {
 
@@ -25,14 +27,14 @@ std::string duration(double seconds) {
   return fmt::format("{}:{:02}:{:02}", whole / 3600, whole / 60 % 60, whole % 60);
 }
 
-// Seconds to go: whichever limit ends the render first. Monte Carlo error falls with the square root of time.
+// Seconds to go: whichever limit ends the render first. The error is taken to go on falling as it did.
 double seconds_left(const Progress& progress, double time_limit, double target_error) {
   double left = std::numeric_limits<double>::infinity();
   if (progress.fraction > 0.0) left = progress.seconds * (1.0 - progress.fraction) / progress.fraction;
   if (time_limit > 0.0) left = std::min(left, time_limit - progress.seconds);
   if (target_error > 0.0 && progress.error.relative_rms > 0.0) {
     const double ratio = progress.error.relative_rms / target_error;
-    left = std::min(left, progress.seconds * (ratio * ratio - 1.0));
+    left = std::min(left, progress.seconds * (growth_for(ratio, progress.slope) - 1.0));
   }
   return std::max(left, 0.0);
 }

@@ -120,11 +120,12 @@ RenderResult render_shown(const Request& request, Device& device, const PackedSc
   const RenderSettings& settings = request.render.settings;
   ProgressDisplay display(request.output.quiet, settings.time_limit, settings.target_error);
   catch_interrupts();
-  const auto on_progress = [&](const Progress& progress) {
+  RenderHooks hooks;
+  hooks.progress = [&](const Progress& progress) {
     display.show(progress);
     return !interrupted();
   };
-  return render(device, packed, view, settings, on_progress, kernels);
+  return render(device, packed, view, settings, hooks, kernels);
 }
 
 // Tries every output even if one fails, because rendering was the expensive part; returns the first failure.

@@ -1,34 +1,59 @@
 #include "host/render/film.h"
 
 #include <algorithm>
-#include <cmath>
+#include <cstring>
 #include <limits>
 
+#include "host/render/exact_sum.h"
 #include "kernels/tile_order.h"
 
 namespace wavepath {
 namespace {
 
-using Pixel = FilmImage::Pixel;
+std::uint32_t top_of(const gpu::FilmPixel& pixel, int channel) { return pixel.tops >> 8 * channel & 0xff; }
 
-glm::dvec3 mean_of(const Pixel& pixel) {
-  glm::dvec3 sum(0.0);
-  double count = 0.0;
-  for (std::uint32_t r = 0; r < gpu::kReplicates; ++r) {
-    sum += pixel.mean[r] * static_cast<double>(pixel.count[r]);
-    count += pixel.count[r];
-  }
-  return count > 0.0 ? sum / count : sum;
+const gpu::ExactSum& sum_of(const gpu::FilmPixel& pixel, int channel) {
+  return channel == 0 ? pixel.red : channel == 1 ? pixel.green : pixel.blue;
+}
+gpu::ExactSum& sum_of(gpu::FilmPixel& pixel, int channel) {
+  return channel == 0 ? pixel.red : channel == 1 ? pixel.green : pixel.blue;
 }
 
-// Variance of the pixel's mean from two replicates a, b of n and m samples: (a - b)^2 nm / (n + m)^2, which is (a - b)^2 / 4
-// where n = m.
-glm::dvec3 variance_of(const Pixel& pixel) {
-  static_assert(gpu::kReplicates == 2);
-  const double n = pixel.count[0], m = pixel.count[1];
-  if (n == 0.0 || m == 0.0) return glm::dvec3(std::numeric_limits<double>::quiet_NaN());
-  const glm::dvec3 difference = pixel.mean[0] - pixel.mean[1];
-  return difference * difference * (n * m / ((n + m) * (n + m)));
+glm::dvec3 total_of(const gpu::FilmPixel& pixel) {
+  glm::dvec3 total;
+  for (int c = 0; c < 3; ++c) total[c] = value_of(sum_of(pixel, c), top_of(pixel, c));
+  return total;
+}
+
+void join(gpu::FilmPixel& pixel, const gpu::FilmPixel& other) {
+  std::uint32_t tops = 0;
+  for (int c = 0; c < 3; ++c) {
+    std::uint32_t top = top_of(pixel, c);
+    add(sum_of(pixel, c), top, sum_of(other, c), top_of(other, c));
+    tops |= top << 8 * c;
+  }
+  pixel.tops = tops;
+  pixel.count += other.count;
+  pixel.largest = std::max(pixel.largest, other.largest);
+}
+
+void join(gpu::FilmAovs& mean, const gpu::FilmAovs& other) {
+  const auto mix = [](auto& a, const auto& b, float n, float m) {
+    if (n + m > 0.0f) a += (b - a) * (m / (n + m));
+  };
+  mix(mean.albedo, other.albedo, mean.count, other.count);
+  mix(mean.emission, other.emission, mean.count, other.count);
+  mix(mean.direct, other.direct, mean.count, other.count);
+  mix(mean.normal, other.normal, mean.hits, other.hits);
+  mix(mean.position, other.position, mean.hits, other.hits);
+  mix(mean.depth, other.depth, mean.hits, other.hits);
+  mean.count += other.count;
+  mean.hits += other.hits;
+}
+
+template <class T>
+bool same_bytes(const std::vector<T>& a, const std::vector<T>& b) {
+  return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
 }
 
 // Appends channels NAME + suffix for every letter, filled by value(pixel index, component).
@@ -42,7 +67,7 @@ void add_channels(Picture& picture, const std::string& prefix, const std::string
   }
 }
 
-void add_aov(Picture& picture, const FilmImage& film, const std::string& name, const glm::dvec3& origin) {
+void add_aov(Picture& picture, const Film& film, const std::string& name, const glm::dvec3& origin) {
   constexpr float kNothing = 1e10f; // depth where nothing was hit, as other renderers write it
   const auto& aovs = film.aovs;
   if (name == "albedo") {
@@ -56,10 +81,11 @@ void add_aov(Picture& picture, const FilmImage& film, const std::string& name, c
       return aovs[i].hits > 0.0f ? aovs[i].position[c] + origin[c] : 0.0;
     });
   } else if (name == "variance") {
-    add_channels(picture, "variance.", "RGB", [&](std::size_t i, int c) { return variance_of(film.pixels[i])[c]; });
+    add_channels(picture, "variance.", "RGB", [&](std::size_t i, int c) { return mean_variance(film, i)[c]; });
   } else if (name == "samples") {
     Channel channel{"samples", {}};
-    for (const Pixel& pixel : film.pixels) channel.values.push_back(static_cast<float>(pixel.count[0] + pixel.count[1]));
+    for (std::size_t i = 0; i < std::size_t{film.width} * film.height; ++i)
+      channel.values.push_back(static_cast<float>(sample_count(film, i)));
     picture.channels.push_back(std::move(channel));
   } else if (name == "direct") {
     add_channels(picture, "direct.", "RGB", [&](std::size_t i, int c) { return aovs[i].direct[c]; });
@@ -68,65 +94,105 @@ void add_aov(Picture& picture, const FilmImage& film, const std::string& name, c
   } else if (name == "indirect") {
     // What is left of the picture, so that emission + direct + indirect adds up to it.
     add_channels(picture, "indirect.", "RGB", [&](std::size_t i, int c) {
-      return mean_of(film.pixels[i])[c] - aovs[i].direct[c] - aovs[i].emission[c];
+      return mean_radiance(film, i)[c] - aovs[i].direct[c] - aovs[i].emission[c];
     });
   }
 }
 
 } // namespace
 
-FilmImage read_film(const PathTracer& tracer, std::uint32_t width, std::uint32_t height) {
-  FilmImage film{width, height, std::vector<Pixel>(std::size_t{width} * height), {}};
-  if (tracer.features() & gpu::kFeatureAovs) film.aovs.resize(film.pixels.size());
-  constexpr std::uint32_t kChunk = 1u << 18; // pixels read at a time
-  for (const FilmBand& band : tracer.bands())
+bool Film::operator==(const Film& other) const {
+  return width == other.width && height == other.height && same_bytes(pixels, other.pixels) && same_bytes(aovs, other.aovs);
+}
+
+namespace {
+
+// Calls visit(band, first pixel in the band, count, rows) for runs of pixels that fit into a moderate buffer; rows[i] is the
+// row-major index of the run's pixel i.
+template <class Bands, class Visit>
+void visit_runs(Bands& bands, std::uint32_t width, std::uint32_t height, Visit visit) {
+  constexpr std::uint32_t kChunk = 1u << 18; // pixels
+  std::vector<std::size_t> rows;
+  for (auto& band : bands)
     for (std::uint32_t first = 0; first < band.pixel_count; first += kChunk) {
       const std::uint32_t count = std::min(kChunk, band.pixel_count - first);
-      const auto values = download<gpu::FilmPixel>(band.film, std::size_t{count} * gpu::kReplicates,
-                                                   std::uint64_t{first} * gpu::kReplicates * sizeof(gpu::FilmPixel));
-      std::vector<gpu::FilmAovs> aovs;
-      if (!film.aovs.empty())
-        aovs = download<gpu::FilmAovs>(band.aovs, count, std::uint64_t{first} * sizeof(gpu::FilmAovs));
+      rows.resize(count);
       for (std::uint32_t i = 0; i < count; ++i) {
         const glm::uvec2 at = gpu::pixel_in_tile_order(band.first_pixel + first + i, width, height);
-        const std::size_t index = std::size_t{at.y} * width + at.x;
-        for (std::uint32_t r = 0; r < gpu::kReplicates; ++r) {
-          const gpu::FilmPixel& from = values[std::size_t{i} * gpu::kReplicates + r];
-          const glm::dvec3 sum = glm::dvec3(from.total) + glm::dvec3(from.compensation) + glm::dvec3(from.block);
-          film.pixels[index].count[r] = from.count;
-          if (from.count > 0) film.pixels[index].mean[r] = sum / static_cast<double>(from.count);
-        }
-        if (!film.aovs.empty()) film.aovs[index] = aovs[i];
+        rows[i] = std::size_t{at.y} * width + at.x;
       }
+      visit(band, first, count, rows);
     }
+}
+
+constexpr std::size_t kPixelBytes = gpu::kReplicates * sizeof(gpu::FilmPixel);
+
+} // namespace
+
+Film download_film(const PathTracer& tracer, std::uint32_t width, std::uint32_t height) {
+  const std::size_t pixels = std::size_t{width} * height;
+  Film film{width, height, std::vector<gpu::FilmPixel>(pixels * gpu::kReplicates), {}};
+  if (tracer.features() & gpu::kFeatureAovs) film.aovs.resize(pixels);
+  visit_runs(tracer.bands(), width, height, [&](const FilmBand& band, std::uint32_t first, std::uint32_t count, const auto& rows) {
+    const auto values = download<gpu::FilmPixel>(band.film, std::size_t{count} * gpu::kReplicates, first * kPixelBytes);
+    for (std::uint32_t i = 0; i < count; ++i)
+      std::copy_n(&values[i * gpu::kReplicates], gpu::kReplicates, &film.pixels[rows[i] * gpu::kReplicates]);
+    if (film.aovs.empty()) return;
+    const auto aovs = download<gpu::FilmAovs>(band.aovs, count, std::uint64_t{first} * sizeof(gpu::FilmAovs));
+    for (std::uint32_t i = 0; i < count; ++i) film.aovs[rows[i]] = aovs[i];
+  });
   return film;
 }
 
-Picture develop(const FilmImage& film, const std::vector<std::string>& aovs, const glm::dvec3& origin) {
+void upload_film(PathTracer& tracer, const Film& film) {
+  visit_runs(tracer.bands(), film.width, film.height, [&](FilmBand& band, std::uint32_t first, std::uint32_t count, const auto& rows) {
+    std::vector<gpu::FilmPixel> values(std::size_t{count} * gpu::kReplicates);
+    for (std::uint32_t i = 0; i < count; ++i)
+      std::copy_n(&film.pixels[rows[i] * gpu::kReplicates], gpu::kReplicates, &values[i * gpu::kReplicates]);
+    band.film.write(values.data(), values.size() * sizeof(gpu::FilmPixel), first * kPixelBytes);
+    if (film.aovs.empty()) return;
+    std::vector<gpu::FilmAovs> aovs(count);
+    for (std::uint32_t i = 0; i < count; ++i) aovs[i] = film.aovs[rows[i]];
+    band.aovs.write(aovs.data(), aovs.size() * sizeof(gpu::FilmAovs), std::uint64_t{first} * sizeof(gpu::FilmAovs));
+  });
+}
+
+void join(Film& film, const Film& other) {
+  for (std::size_t i = 0; i < film.pixels.size(); ++i) join(film.pixels[i], other.pixels[i]);
+  for (std::size_t i = 0; i < film.aovs.size(); ++i) join(film.aovs[i], other.aovs[i]);
+}
+
+std::uint32_t sample_count(const Film& film, std::size_t pixel) {
+  std::uint32_t count = 0;
+  for (std::uint32_t r = 0; r < gpu::kReplicates; ++r) count += film.pixels[pixel * gpu::kReplicates + r].count;
+  return count;
+}
+
+glm::dvec3 mean_radiance(const Film& film, std::size_t pixel) {
+  gpu::FilmPixel all = film.pixels[pixel * gpu::kReplicates];
+  for (std::uint32_t r = 1; r < gpu::kReplicates; ++r) join(all, film.pixels[pixel * gpu::kReplicates + r]);
+  return all.count > 0 ? total_of(all) / static_cast<double>(all.count) : glm::dvec3(0.0);
+}
+
+// From two replicates a, b of n and m samples: (a - b)^2 nm / (n + m)^2, which is (a - b)^2 / 4 where n = m.
+glm::dvec3 mean_variance(const Film& film, std::size_t pixel) {
+  static_assert(gpu::kReplicates == 2);
+  const gpu::FilmPixel &a = film.pixels[pixel * 2], &b = film.pixels[pixel * 2 + 1];
+  const double n = a.count, m = b.count;
+  if (n == 0.0 || m == 0.0) return glm::dvec3(std::numeric_limits<double>::quiet_NaN());
+  const glm::dvec3 difference = total_of(a) / n - total_of(b) / m;
+  return difference * difference * (n * m / ((n + m) * (n + m)));
+}
+
+Picture develop(const Film& film, const std::vector<std::string>& aovs, const glm::dvec3& origin) {
   Picture picture{film.width, film.height, {}};
   std::vector<glm::vec3> means;
-  means.reserve(film.pixels.size());
-  for (const Pixel& pixel : film.pixels) means.emplace_back(mean_of(pixel));
+  means.reserve(std::size_t{film.width} * film.height);
+  for (std::size_t i = 0; i < std::size_t{film.width} * film.height; ++i) means.emplace_back(mean_radiance(film, i));
   add_channels(picture, "", "RGB", [&](std::size_t i, int c) { return means[i][c]; });
   add_channels(picture, "", "A", [](std::size_t, int) { return 1.0f; });
   for (const std::string& name : aovs) add_aov(picture, film, name, origin);
   return picture;
-}
-
-ErrorEstimate estimate_error(const FilmImage& film) {
-  double sum = 0.0, sum_of_squares = 0.0;
-  for (const Pixel& pixel : film.pixels) {
-    const glm::dvec3 mean = mean_of(pixel), variance = variance_of(pixel);
-    double relative = 0.0;
-    for (int c = 0; c < 3; ++c) relative += variance[c] / (mean[c] * mean[c] + 0.01) / 3.0;
-    sum += relative;
-    sum_of_squares += relative * relative;
-  }
-  const double n = static_cast<double>(film.pixels.size());
-  const double mean = sum / n;
-  const double spread = std::sqrt(std::max(0.0, sum_of_squares / n - mean * mean) / n); // standard error of the mean
-  constexpr double kNormal95 = 1.959964;
-  return {std::sqrt(mean), {std::sqrt(std::max(0.0, mean - kNormal95 * spread)), std::sqrt(mean + kNormal95 * spread)}};
 }
 
 } // namespace wavepath

@@ -1,4 +1,4 @@
-// What the device has accumulated, as the picture and the error that the user sees. All sums here are double.
+// What the device has accumulated, as the picture and the error that the user sees.
 #pragma once
 
 #include <cstdint>
@@ -12,25 +12,30 @@
 
 namespace wavepath {
 
-// Per pixel, row-major from the top left.
-struct FilmImage {
+// The exact sums of a render, row-major from the top left. Two films of different samples of one picture join without loss.
+struct Film {
   std::uint32_t width = 0, height = 0;
-  struct Pixel {
-    glm::dvec3 mean[gpu::kReplicates]{}; // of each replicate
-    std::uint32_t count[gpu::kReplicates]{};
-  };
-  std::vector<Pixel> pixels;
-  std::vector<gpu::FilmAovs> aovs; // empty unless the render has AOVs
+  std::vector<gpu::FilmPixel> pixels; // kReplicates each
+  std::vector<gpu::FilmAovs> aovs;    // empty unless the render has AOVs
+
+  bool operator==(const Film& other) const; // bit by bit
 };
 
-FilmImage read_film(const PathTracer& tracer, std::uint32_t width, std::uint32_t height);
+Film download_film(const PathTracer& tracer, std::uint32_t width, std::uint32_t height);
+void upload_film(PathTracer& tracer, const Film& film);
+
+// The sums over both sets of samples, bit for bit those of one render of them all. AOVs of first hits are running means in
+// floats, and join to within their rounding. Both have one size.
+void join(Film& film, const Film& other);
+
+// Samples of a pixel that count, and their mean; zero without any.
+std::uint32_t sample_count(const Film& film, std::size_t pixel);
+glm::dvec3 mean_radiance(const Film& film, std::size_t pixel);
 
 // Channels R G B A, then those of `aovs` (names of the contract's --aov). `origin` is added back to positions.
-Picture develop(const FilmImage& film, const std::vector<std::string>& aovs, const glm::dvec3& origin);
+Picture develop(const Film& film, const std::vector<std::string>& aovs, const glm::dvec3& origin);
 
-// sqrt of the expected relMSE of the mean image: each pixel's variance is taken from the spread of its two replicates, which
-// is unbiased for any sampler because they are scrambled independently. The interval treats pixels as independent.
-// Not a number while a pixel lacks samples in either replicate.
-ErrorEstimate estimate_error(const FilmImage& film);
+// Estimate of the variance of the mean of a pixel; not a number while it lacks samples in any replicate.
+glm::dvec3 mean_variance(const Film& film, std::size_t pixel);
 
 } // namespace wavepath

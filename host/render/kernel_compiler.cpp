@@ -17,6 +17,7 @@ KernelConfig kernel_config(std::uint32_t features, std::uint32_t stack_size, con
   if (!settings.specialize) features = gpu::kFeaturesAll;
   // Generic kernels would write outputs that nobody asked for; the buffers for those stay absent all the same.
   if (settings.aovs.empty()) features &= ~gpu::kFeatureAovs;
+  if (!settings.adaptive) features &= ~gpu::kFeatureAdaptive; // they would follow a list that is not there
   features = (features | settings.added_features) & ~settings.removed_features;
   return {features, stack, settings.sampler, settings.direct, settings.hemisphere, settings.filter};
 }

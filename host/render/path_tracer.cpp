@@ -5,6 +5,10 @@
 #include <chrono>
 #include <cmath>
 #include <cstddef>
+#include <numeric>
+#include <utility>
+
+#include "host/render/adaptive.h"
 
 namespace wavepath {
 namespace {
@@ -56,6 +60,7 @@ std::vector<Binding> all_bindings(const GpuScene& scene, const PathBuffers& path
                                    {gpu::kBindPathAovs, storage, &paths.aovs},
                                    {gpu::kBindFilm, storage, &band.film},
                                    {gpu::kBindFilmTexels, texels_rgba32ui, &band.film},
+                                   {gpu::kBindRuns, texels_r32ui, &paths.runs},
                                    {gpu::kBindFilmAovs, storage, &band.aovs}});
   return bindings;
 }
@@ -63,6 +68,7 @@ std::vector<Binding> all_bindings(const GpuScene& scene, const PathBuffers& path
 std::uint32_t needed_features(const PackedScene& scene, const View& view, const RenderSettings& settings) {
   std::uint32_t features = scene.features;
   if (!settings.aovs.empty()) features |= gpu::kFeatureAovs;
+  if (settings.adaptive) features |= gpu::kFeatureAdaptive;
   if (view.orthographic) features |= gpu::kFeatureOrthographic;
   return features;
 }
@@ -77,6 +83,7 @@ std::uint32_t choose_slots(const DeviceInfo& info, const PackedScene& scene, con
   std::uint64_t slots = info.type == "cpu" ? 1u << 17 : 1u << 21;
   if (settings.wave_slots) slots = settings.wave_slots;
   slots = std::min(slots, pixels * samples);
+  if (settings.adaptive) slots = std::max<std::uint64_t>(slots, kLargestRun);
   slots = std::min(slots, info.max_storage_range / std::max(2 * sizeof(gpu::Ray), sizeof(gpu::PathAovs)));
   slots = std::min(slots, info.max_texel_elements / 4);
   slots = std::min<std::uint64_t>(slots, std::uint64_t{info.max_groups} * gpu::kWorkgroupSize);
@@ -115,7 +122,7 @@ PathTracer::PathTracer(Device& device, const PackedScene& scene, const View& vie
 
 std::uint64_t PathBuffers::bytes() const {
   return frame.bytes() + states.bytes() + media.bytes() + aovs.bytes() + rays.bytes() + hits.bytes() +
-         shadow_rays.bytes() + queues.bytes();
+         shadow_rays.bytes() + queues.bytes() + runs.bytes();
 }
 
 void PathTracer::allocate(Device& device, const RenderSettings& settings) {
@@ -131,12 +138,18 @@ void PathTracer::allocate(Device& device, const RenderSettings& settings) {
       Buffer(device, frame_.light_count || settings.room_for_shadow_rays ? slots * sizeof(gpu::ShadowRay) : 0);
   paths_.queues = Buffer(device, sizeof(gpu::Queues));
 
-  // Film bands: what one buffer may hold, written as storage and read as texels.
   const std::uint64_t pixels = std::uint64_t{settings.width} * settings.height;
+  const std::uint64_t run_count = features_ & gpu::kFeatureAdaptive ? (pixels + gpu::kRunPixels - 1) / gpu::kRunPixels : 0;
+  paths_.runs = Buffer(device, run_count * sizeof(std::uint32_t));
+  std::vector<std::uint32_t> runs(run_count);
+  std::iota(runs.begin(), runs.end(), 0u);
+  if (run_count > 0) set_runs(runs);
+
+  // Film bands: what one buffer may hold, written as storage and read as texels.
   const std::uint64_t pixel_bytes =
       std::max<std::uint64_t>(gpu::kReplicates * sizeof(gpu::FilmPixel), sizeof(gpu::FilmAovs));
   const std::uint64_t range = std::min(device.info().max_storage_range, 16 * device.info().max_texel_elements);
-  const std::uint64_t band_pixels = std::max<std::uint64_t>(1, range / pixel_bytes);
+  const std::uint64_t band_pixels = range / pixel_bytes / gpu::kRunPixels * gpu::kRunPixels; // no run lies in two
   for (std::uint64_t first = 0; first < pixels; first += band_pixels) {
     FilmBand& band = bands_.emplace_back();
     band.first_pixel = static_cast<std::uint32_t>(first);
@@ -198,13 +211,31 @@ double PathTracer::get_ready() {
 
 void PathTracer::reset() {
   for (StageTime& stage : stages_) stage = {stage.name, 0.0, 0};
+  empty_film();
+  gpu::Queues queues{};
+  queues.first_nonfinite_pixel = gpu::kNone;
+  paths_.queues.write(&queues, sizeof(queues));
+}
+
+void PathTracer::set_runs(const std::vector<std::uint32_t>& runs) {
+  paths_.runs.write(runs.data(), runs.size() * sizeof(std::uint32_t));
+}
+
+void PathTracer::set_seed(std::uint32_t seed) {
+  frame_.seed = seed;
+  paths_.frame.write(&frame_, sizeof(gpu::Frame));
+}
+
+void PathTracer::set_counters(gpu::Queues counters, std::vector<StageTime> stages) {
+  paths_.queues.write(&counters, sizeof(counters));
+  stages_ = std::move(stages);
+}
+
+void PathTracer::empty_film() {
   for (FilmBand& band : bands_) {
     band.film.fill_zero();
     if (band.aovs.bytes()) band.aovs.fill_zero();
   }
-  gpu::Queues queues{};
-  queues.first_nonfinite_pixel = gpu::kNone;
-  paths_.queues.write(&queues, sizeof(queues));
 }
 
 gpu::Queues PathTracer::counters() const {

@@ -10,8 +10,11 @@
 
 #include "host/base/error.h"
 #include "host/base/process_clock.h"
+#include "host/render/adaptive.h"
+#include "host/render/error.h"
 #include "host/render/film.h"
 #include "host/render/path_tracer.h"
+#include "host/render/render_state.h"
 
 namespace wavepath {
 namespace {
@@ -39,42 +42,68 @@ private:
   std::uint32_t slots_, wave_;
 };
 
-// Slope of log error against log seconds over the last checkpoints whose error is known.
-double fit_slope(const std::vector<Checkpoint>& checkpoints) {
-  double n = 0.0, sx = 0.0, sy = 0.0, sxx = 0.0, sxy = 0.0;
-  for (std::size_t i = checkpoints.size() > 5 ? checkpoints.size() - 5 : 0; i < checkpoints.size(); ++i) {
-    const Checkpoint& c = checkpoints[i];
-    if (!(c.error.relative_rms > 0.0) || !(c.seconds > 0.0)) continue;
-    const double x = std::log(c.seconds), y = std::log(c.error.relative_rms);
-    n += 1.0, sx += x, sy += y, sxx += x * x, sxy += x * y;
-  }
-  const double determinant = n * sxx - sx * sx;
-  constexpr double kMonteCarlo = -0.5; // what any unbiased method does in the limit
-  return n >= 3.0 && determinant > 1e-9 ? (n * sxy - sx * sy) / determinant : kMonteCarlo;
+// Pixels that get the same number of samples: a band of the film, or of an adaptive render a level within a band.
+struct Segment {
+  const FilmBand* band = nullptr;
+  std::uint32_t first_place = 0, pixel_count = 0; // in tile order, or in the order of the list of runs
+  int level = 0;
+};
+
+std::vector<Segment> even_segments(const std::vector<FilmBand>& bands) {
+  std::vector<Segment> segments;
+  for (const FilmBand& band : bands) segments.push_back({&band, band.first_pixel, band.pixel_count, 0});
+  return segments;
+}
+
+// Sorts the runs of each band by level; `runs` becomes the list that places refer to.
+std::vector<Segment> level_segments(const std::vector<FilmBand>& bands, const std::vector<std::int8_t>& levels,
+                                    std::vector<std::uint32_t>& runs) {
+  std::vector<Segment> segments;
+  for (const FilmBand& band : bands)
+    for (int level = kLowestLevel; level <= kHighestLevel; ++level) {
+      Segment segment{&band, static_cast<std::uint32_t>(runs.size()) * gpu::kRunPixels, 0, level};
+      const std::uint32_t end = band.first_pixel + band.pixel_count;
+      for (std::uint32_t first = band.first_pixel; first < end; first += gpu::kRunPixels) {
+        if (levels[first / gpu::kRunPixels] != level) continue;
+        runs.push_back(first / gpu::kRunPixels);
+        segment.pixel_count += std::min(gpu::kRunPixels, end - first); // only the picture's last run is shorter
+      }
+      if (segment.pixel_count > 0) segments.push_back(segment);
+    }
+  return segments;
 }
 
 // One render in progress.
 class Session {
 public:
   Session(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings,
-          const ProgressCallback& progress, KernelCompiler& kernels)
+          const RenderHooks& hooks, KernelCompiler& kernels)
       : settings_(settings),
-        progress_(progress),
+        hooks_(hooks),
         tracer_(device, scene, view, settings, choose_slots(device.info(), scene, settings), kernels),
         governor_(tracer_.slots()),
-        origin_(scene.origin) {}
+        origin_(scene.origin),
+        segments_(even_segments(tracer_.bands())) {
+    if (!settings_.adaptive) return;
+    const auto whole_steps = [](std::uint32_t n) { return (n + kAdaptiveStep - 1) / kAdaptiveStep * kAdaptiveStep; };
+    settings_.first_sample = whole_steps(settings_.first_sample);
+    settings_.last_sample = whole_steps(settings_.last_sample);
+  }
 
   RenderResult run() {
     result_.compile_seconds = tracer_.get_ready();
     result_.upload_seconds = tracer_.upload_seconds();
+    cursor_.sample = settings_.first_sample;
+    if (hooks_.resume) restore(*hooks_.resume);
     resume_clock();
-    sample_ = settings_.first_sample;
-    while (sample_ < settings_.last_sample && !stopped_) {
-      const std::uint32_t next = pass_end();
-      if (!render_pass(next - sample_)) break;
+    last_save_ = Clock::now();
+    if (settings_.adaptive && levels_.empty()) explore();
+    while (cursor_.sample < settings_.last_sample && !stopped_) {
+      if (cursor_.pass_samples == 0) cursor_.pass_samples = pass_end() - cursor_.sample;
+      if (!render_pass()) break;
       if (spp_done() == 0) result_.first_pixel_seconds = seconds_since_process_start();
-      sample_ = next;
-      if (is_checkpoint()) checkpoint();
+      cursor_ = {cursor_.sample + cursor_.pass_samples, 0, 0, 0};
+      if (is_checkpoint() || is_check()) checkpoint();
     }
     finish();
     return std::move(result_);
@@ -82,7 +111,7 @@ public:
 
 private:
   std::uint64_t pixels() const { return std::uint64_t{settings_.width} * settings_.height; }
-  std::uint32_t spp_done() const { return sample_ - settings_.first_sample; }
+  std::uint32_t spp_done() const { return cursor_.sample - settings_.first_sample; }
   double seconds() const { return seconds_before_ + (running_ ? seconds_since(clock_start_) : 0.0); }
   void resume_clock() {
     clock_start_ = Clock::now();
@@ -93,46 +122,109 @@ private:
     running_ = false;
   }
 
-  // A pass covers every pixel with the same samples: one, or as many as fill a wave, but never across a checkpoint.
-  std::uint32_t pass_end() const {
-    constexpr std::uint64_t kMostSamples = 32768; // accumulate loops over them; Mesa 22.3 ends loops at 65,535 trips
-    const auto fit = static_cast<std::uint32_t>(std::clamp<std::uint64_t>(governor_.wave() / pixels(), 1, kMostSamples));
-    const std::uint32_t next_checkpoint = settings_.first_sample + std::bit_ceil(spp_done() + 1);
-    return std::min({sample_ + fit, next_checkpoint, settings_.last_sample});
+  void restore(const RenderState& state) {
+    cursor_ = state.cursor;
+    seconds_before_ = state.seconds;
+    result_.estimate_seconds = state.estimate_seconds;
+    result_.checkpoints = state.checkpoints;
+    if (!state.checkpoints.empty()) result_.error = state.checkpoints.back().error;
+    tracer_.set_counters(state.counters, state.stages);
+    upload_film(tracer_, state.film);
+    if (settings_.adaptive && !state.levels.empty()) use_levels(state.levels);
+  }
+  std::uint32_t planned() const { return settings_.last_sample - settings_.first_sample; }
+
+  RenderState state() const {
+    return {cursor_, seconds(), result_.estimate_seconds, tracer_.stages(), tracer_.counters(), result_.checkpoints, levels_,
+            download_film(tracer_, settings_.width, settings_.height)};
   }
 
-  // False if it was cut short.
-  bool render_pass(std::uint32_t sample_count) {
-    for (const FilmBand& band : tracer_.bands())
-      for (std::uint32_t done = 0; done < band.pixel_count;) {
-        const std::uint32_t room = std::max(governor_.wave() / sample_count, 1u);
-        const std::uint32_t count = std::min(room, band.pixel_count - done);
-        const auto start = Clock::now();
-        double longest = tracer_.render_wave(band, band.first_pixel + done, count, sample_, sample_count);
-        if (longest == 0.0) longest = seconds_since(start); // no timestamps: the whole wave bounds each dispatch
-        governor_.report(longest, count * sample_count);
-        done += count;
-        report_progress(band.first_pixel + done, sample_count);
-        if (stopped_) return band.first_pixel + done == pixels();
+  // Renders the pilot, learns from it where the noise is, and throws it away.
+  void explore() {
+    tracer_.set_seed(settings_.seed ^ kPilotSeed);
+    for (const Segment& segment : segments_)
+      for (std::uint32_t done = 0; done < segment.pixel_count && !stopped_;) {
+        done += render_wave(segment, done, 0, kPilotSamples);
+        if (hooks_.progress && !hooks_.progress(progress(0.0))) stop(StopReason::interrupted);
       }
+    use_levels(choose_levels(download_film(tracer_, settings_.width, settings_.height)));
+    tracer_.set_seed(settings_.seed);
+    tracer_.empty_film();
+  }
+
+  void use_levels(const std::vector<std::int8_t>& levels) {
+    levels_ = levels;
+    std::vector<std::uint32_t> runs;
+    segments_ = level_segments(tracer_.bands(), levels, runs);
+    tracer_.set_runs(runs);
+    mean_factor_ = mean_factor(levels, pixels());
+  }
+
+  // A pass covers every pixel with the same samples: one, or as many as fill a wave, but never across a checkpoint or a check of
+  // the error.
+  std::uint32_t pass_end() const {
+    constexpr std::uint64_t kMostSamples = 4096; // accumulate loops over them; Mesa 22.3 ends loops at 65,535 trips
+    const std::uint64_t most = settings_.adaptive ? tracer_.slots() / kLargestRun * kAdaptiveStep : kMostSamples;
+    const auto fit = static_cast<std::uint32_t>(std::clamp<std::uint64_t>(governor_.wave() / pixels(), 1, most));
+    const std::uint32_t step = settings_.adaptive ? kAdaptiveStep : 1;
+    const std::uint32_t next_checkpoint = settings_.first_sample + std::max(std::bit_ceil(spp_done() + 1), step);
+    std::uint32_t end = std::min({cursor_.sample + (fit + step - 1) / step * step, next_checkpoint, settings_.last_sample});
+    if (next_check_ > cursor_.sample) end = std::min(end, next_check_);
+    return end;
+  }
+
+  // Renders samples [first, first + count) of as many pixels of a segment as a wave holds; returns how many.
+  std::uint32_t render_wave(const Segment& segment, std::uint32_t done, std::uint32_t first, std::uint32_t count) {
+    const std::uint32_t room = std::max(governor_.wave() / count, 1u);
+    const std::uint32_t whole_runs = std::max(room / gpu::kRunPixels, 1u) * gpu::kRunPixels;
+    const std::uint32_t taken = std::min(settings_.adaptive ? whole_runs : room, segment.pixel_count - done);
+    const auto start = Clock::now();
+    double longest = tracer_.render_wave(*segment.band, segment.first_place + done, taken, first, count);
+    if (longest == 0.0) longest = seconds_since(start); // no timestamps: the whole wave bounds each dispatch
+    governor_.report(longest, taken * count);
+    return taken;
+  }
+
+  // Goes on with the pass that the cursor is in. False if it was cut short.
+  bool render_pass() {
+    for (; cursor_.segment < segments_.size(); ++cursor_.segment, cursor_.pixels_done = 0) {
+      const Segment& segment = segments_[cursor_.segment];
+      const std::uint32_t first = at_level(cursor_.sample, segment.level), count = at_level(cursor_.pass_samples, segment.level);
+      while (cursor_.pixels_done < segment.pixel_count) {
+        cursor_.pixels_done += render_wave(segment, cursor_.pixels_done, first, count);
+        report_progress();
+        if (hooks_.save && seconds_since(last_save_) >= hooks_.save_interval) save();
+        if (stopped_) return is_pass_done();
+      }
+    }
     return true;
   }
 
-  void report_progress(std::uint64_t pixels_done, std::uint32_t sample_count) {
-    const double now = seconds();
-    const double samples = spp_done() + sample_count * static_cast<double>(pixels_done) / static_cast<double>(pixels());
+  bool is_pass_done() const {
+    return cursor_.segment + 1 == segments_.size() && cursor_.pixels_done == segments_.back().pixel_count;
+  }
+
+  Progress progress(double pass_fraction) const {
     Progress progress;
     progress.spp_done = spp_done();
-    progress.spp_planned = settings_.last_sample - settings_.first_sample;
-    progress.fraction = samples / progress.spp_planned;
-    progress.seconds = now;
-    const gpu::Queues queues = tracer_.counters();
-    progress.mrays_per_second = now > 0.0 ? static_cast<double>(ray_counts(queues).total()) * 1e-6 / now : 0.0;
+    progress.spp_planned = planned();
+    progress.fraction = (spp_done() + cursor_.pass_samples * pass_fraction) / progress.spp_planned;
+    progress.seconds = seconds();
+    const double rays = static_cast<double>(ray_counts(tracer_.counters()).total());
+    progress.mrays_per_second = progress.seconds > 0.0 ? rays * 1e-6 / progress.seconds : 0.0;
     progress.error = result_.error;
-    if (progress_ && !progress_(progress)) stop(StopReason::interrupted);
+    progress.slope = fit_slope(result_.checkpoints, Against::seconds);
+    return progress;
+  }
+
+  void report_progress() {
+    double done = cursor_.pixels_done;
+    for (std::uint32_t i = 0; i < cursor_.segment; ++i) done += segments_[i].pixel_count;
+    const Progress now = progress(done / static_cast<double>(pixels()));
+    if (hooks_.progress && !hooks_.progress(now)) stop(StopReason::interrupted);
     // The first pass is always completed, so that every pixel has a value.
-    const bool complete = spp_done() > 0 || pixels_done == pixels();
-    if (settings_.time_limit > 0.0 && now >= settings_.time_limit && complete) stop(StopReason::time);
+    const bool complete = spp_done() > 0 || is_pass_done();
+    if (settings_.time_limit > 0.0 && now.seconds >= settings_.time_limit && complete) stop(StopReason::time);
   }
 
   void stop(StopReason reason) {
@@ -140,11 +232,19 @@ private:
     stopped_ = true;
   }
 
-  bool is_checkpoint() const { return std::has_single_bit(spp_done()) || sample_ == settings_.last_sample; }
+  void save() {
+    pause_clock();
+    hooks_.save(state());
+    last_save_ = Clock::now();
+    resume_clock();
+  }
 
-  Checkpoint measure(const FilmImage& film) {
+  bool is_checkpoint() const { return std::has_single_bit(spp_done()) || cursor_.sample == settings_.last_sample; }
+  bool is_check() const { return next_check_ > 0 && cursor_.sample == next_check_; }
+
+  Checkpoint measure(const Film& film) {
     Checkpoint point;
-    point.spp = spp_done();
+    point.spp = samples_per_pixel();
     point.seconds = seconds();
     for (const StageTime& stage : tracer_.stages()) point.gpu_seconds += stage.seconds;
     point.rays = ray_counts(tracer_.counters());
@@ -152,20 +252,47 @@ private:
     return point;
   }
 
+  // On average over the picture.
+  std::uint32_t samples_per_pixel() const { return static_cast<std::uint32_t>(std::lround(spp_done() * mean_factor_)); }
+
+  // Reading the film and measuring is not rendering.
   void checkpoint() {
-    pause_clock(); // reading the film and measuring is not rendering
-    const Checkpoint point = measure(read_film(tracer_, settings_.width, settings_.height));
-    result_.checkpoints.push_back(point);
+    pause_clock();
+    const auto start = Clock::now();
+    const Film film = download_film(tracer_, settings_.width, settings_.height);
+    const Checkpoint point = measure(film);
+    result_.estimate_seconds += seconds_since(start);
     result_.error = point.error;
-    if (settings_.target_error > 0.0 && point.error.relative_rms <= settings_.target_error) stop(StopReason::target_error);
+    if (is_checkpoint()) {
+      result_.checkpoints.push_back(point);
+      if (hooks_.checkpoint) hooks_.checkpoint(point, develop(film, settings_.aovs, origin_));
+    }
+    if (settings_.target_error > 0.0) aim(point);
     resume_clock();
+  }
+
+  // Ends the render where its target is reached, and otherwise foresees when that may be, to look again there. Few samples a pixel say
+  // little about what they have not yet found, so none is trusted before kFewestSamples. The rule looks at the whole picture, in which one
+  // pixel weighs next to nothing: a pixel is not stopped for being lucky.
+  void aim(const Checkpoint& point) {
+    constexpr std::uint32_t kFewestSamples = 16;
+    if (point.spp >= kFewestSamples && point.error.relative_rms <= settings_.target_error) return stop(StopReason::target_error);
+    next_check_ = 0;
+    if (!has_estimate(point.spp, point.error) || point.spp < kFewestSamples) return;
+    const double growth = growth_for(point.error.relative_rms / settings_.target_error, fit_slope(result_.checkpoints, Against::spp));
+    constexpr double kShortestStep = 1.0 / 16; // of what there is: looking costs a little
+    const double step = spp_done() * std::clamp(growth - 1.0, kShortestStep, 1.0);
+    const std::uint32_t multiple = settings_.adaptive ? kAdaptiveStep : gpu::kReplicates; // all replicates alike
+    next_check_ = cursor_.sample + (static_cast<std::uint32_t>(step) / multiple + 1) * multiple;
   }
 
   void finish() {
     pause_clock();
-    const FilmImage film = read_film(tracer_, settings_.width, settings_.height);
+    result_.even = cursor_.pass_samples == 0 && !settings_.adaptive;
+    if (hooks_.save) hooks_.save(state());
+    const Film film = download_film(tracer_, settings_.width, settings_.height);
     result_.picture = develop(film, settings_.aovs, origin_);
-    result_.spp = spp_done(); // complete passes; a pass cut short has given some pixels one more
+    result_.spp = samples_per_pixel(); // of complete passes; one cut short has given some pixels more
     const gpu::Queues queues = tracer_.counters();
     result_.nonfinite_samples = queues.nonfinite_samples;
     if (queues.nonfinite_samples > 0) {
@@ -178,22 +305,30 @@ private:
     result_.rays = last.rays;
     result_.error = last.error;
     const std::uint32_t known = result_.checkpoints.empty() ? 0 : result_.checkpoints.back().spp;
-    if (last.spp != known) result_.checkpoints.push_back(last); // ended by time or interrupt
-    result_.slope = fit_slope(result_.checkpoints);
+    if (last.spp != known) { // ended by time, target or interrupt
+      result_.checkpoints.push_back(last);
+      if (hooks_.checkpoint) hooks_.checkpoint(last, result_.picture);
+    }
+    result_.slope = fit_slope(result_.checkpoints, Against::seconds);
     result_.stages = tracer_.stages();
     result_.memory = tracer_.memory();
+    result_.film = std::make_shared<const Film>(film);
   }
 
   RenderSettings settings_;
-  const ProgressCallback& progress_;
+  const RenderHooks& hooks_;
   PathTracer tracer_;
   Governor governor_;
   glm::dvec3 origin_;
+  std::vector<Segment> segments_;
+  std::vector<std::int8_t> levels_;
+  double mean_factor_ = 1.0;
   RenderResult result_;
-  Clock::time_point clock_start_{};
+  RenderCursor cursor_;
+  std::uint32_t next_check_ = 0; // sample at which to look whether the target is reached; 0 = at checkpoints only
+  Clock::time_point clock_start_{}, last_save_{};
   double seconds_before_ = 0.0;
   bool running_ = false, stopped_ = false;
-  std::uint32_t sample_ = 0; // the next one
 };
 
 } // namespace
@@ -201,12 +336,12 @@ private:
 RenderResult render(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings,
                     const ProgressCallback& progress) {
   KernelCompiler kernels(device);
-  return render(device, scene, view, settings, progress, kernels);
+  return render(device, scene, view, settings, RenderHooks{progress}, kernels);
 }
 
 RenderResult render(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings,
-                    const ProgressCallback& progress, KernelCompiler& kernels) {
-  return Session(device, scene, view, settings, progress, kernels).run();
+                    const RenderHooks& hooks, KernelCompiler& kernels) {
+  return Session(device, scene, view, settings, hooks, kernels).run();
 }
 
 } // namespace wavepath

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -15,7 +16,9 @@ namespace wavepath {
 
 class Device;
 class KernelCompiler; // host/render/kernel_compiler.h
+struct Film;        // host/render/film.h
 struct PackedScene;
+struct RenderState; // host/render/render_state.h
 struct View; // host/scene/view.h: the resolved camera
 
 struct RenderSettings {
@@ -31,6 +34,7 @@ struct RenderSettings {
   std::uint32_t direct = gpu::kDirectMis;
   std::uint32_t filter = gpu::kFilterBlackmanHarris;
   std::uint32_t seed = 0;
+  bool adaptive = false; // more samples where a pilot, which is thrown away, found more noise
   bool specialize = true;
   std::vector<std::string> aovs; // names of the contract's --aov
 
@@ -63,10 +67,13 @@ struct RayCounts {
   std::uint64_t total() const { return camera + bounce + shadow; }
 };
 
-// Error of the mean image, without a reference: sqrt(relMSE) estimated from the spread of the replicates.
+// Error of the mean image, without a reference: sqrt(relMSE) estimated from the spread of the replicates (see error.h).
 struct ErrorEstimate {
   double relative_rms = 0.0;
   std::array<double, 2> ci95{};
+  // Of the estimated squared error, the share that the largest single sample alone would explain. Where it is large, the estimate
+  // hangs on few samples, and so does the picture: fireflies.
+  double largest_sample_share = 0.0;
 };
 
 struct Checkpoint { // at powers of two of spp, and at the end
@@ -86,6 +93,7 @@ enum class StopReason { samples, time, target_error, interrupted };
 
 struct RenderResult {
   Picture picture;
+  std::shared_ptr<const Film> film; // the exact sums that it was developed from
   std::uint32_t spp = 0; // samples a pixel that the picture holds
   StopReason stop = StopReason::samples;
   double compile_seconds = 0.0; // of the kernels it began with; loading may have gone on meanwhile
@@ -95,6 +103,8 @@ struct RenderResult {
   RayCounts rays;
   ErrorEstimate error;
   double slope = -0.5; // of log error against log time, fitted over the last checkpoints
+  double estimate_seconds = 0.0; // that reading the film back and estimating its error took, besides `seconds`
+  bool even = true; // every pixel holds exactly its samples up to spp; false where the render was stopped within a pass
   std::vector<Checkpoint> checkpoints;
   std::vector<StageTime> stages;
   MemoryUse memory;
@@ -108,18 +118,31 @@ struct Progress {
   double seconds = 0.0;  // rendering so far
   double mrays_per_second = 0.0;
   ErrorEstimate error; // zero until known
+  double slope = -0.5; // of log error against log time so far
 };
 
 // Called after every wave (at most about every 100 ms); return false to stop with what there is.
 using ProgressCallback = std::function<bool(const Progress&)>;
 
+// What a render does besides rendering. None of it counts as rendering time.
+struct RenderHooks {
+  ProgressCallback progress{};
+  // At every checkpoint, with the picture so far.
+  std::function<void(const Checkpoint&, const Picture&)> checkpoint{};
+  // About every save_interval seconds and at the end, with all that a later render needs to go on from there.
+  std::function<void(const RenderState&)> save{};
+  double save_interval = 30.0;
+  const RenderState* resume = nullptr; // goes on from there; of the same scene, view and settings
+};
+
 // Renders `scene` as seen by `view`. Throws Error if the device cannot hold it or fails. The result depends on the device,
-// the scene, the view and the settings alone, not on wave_slots or timing (save where time_limit or target_error ends it).
+// the scene, the view and the settings alone, not on wave_slots or timing (save where time_limit or target_error ends it), nor on
+// how often it was stopped and resumed.
 RenderResult render(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings,
                     const ProgressCallback& progress = {});
 
 // The same with kernels that may have been begun before the scene was known.
 RenderResult render(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings,
-                    const ProgressCallback& progress, KernelCompiler& kernels);
+                    const RenderHooks& hooks, KernelCompiler& kernels);
 
 } // namespace wavepath

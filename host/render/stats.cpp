@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "host/render/bvh_choice.h"
+#include "host/render/error.h"
 
 namespace wavepath {
 namespace {
@@ -15,11 +16,6 @@ using Json = nlohmann::ordered_json;
 
 Json to_json(const RayCounts& rays) {
   return {{"camera", rays.camera}, {"bounce", rays.bounce}, {"shadow", rays.shadow}};
-}
-
-// One sample belongs to one replicate; a spread needs all of them, in every pixel.
-bool has_estimate(std::uint32_t spp, const ErrorEstimate& error) {
-  return spp >= gpu::kReplicates && std::isfinite(error.relative_rms);
 }
 
 Json to_json(const Checkpoint& checkpoint, const TrueError* error) {
