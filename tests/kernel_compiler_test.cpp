@@ -65,7 +65,7 @@ protected:
       }
       return true;
     };
-    const Picture picture = render(device(), packed_, view_, settings_, wait_for_own, kernels).picture;
+    const Picture picture = render(device(), packed_, view_, settings_, {.progress = wait_for_own}, kernels).picture;
     EXPECT_TRUE(swapped);
     return picture;
   }

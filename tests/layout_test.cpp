@@ -125,6 +125,7 @@ TEST(Layout, PathsAndQueues) {
 }
 
 TEST(Layout, Film) {
+  compare("ExactSum", sizeof(ExactSum), {AT(ExactSum, high), AT(ExactSum, low)});
   compare("FilmPixel", sizeof(FilmPixel),
           {AT(FilmPixel, red), AT(FilmPixel, green), AT(FilmPixel, blue), AT(FilmPixel, count), AT(FilmPixel, tops), AT(FilmPixel, largest)});
   compare("PathAovs", sizeof(PathAovs),

@@ -1,4 +1,5 @@
 // wavepath render: checks, loads, packs, renders, writes, reports.
+#include <algorithm>
 #include <chrono>
 #include <exception>
 #include <filesystem>
@@ -17,11 +18,16 @@
 #include "host/cli/progress.h"
 #include "host/cli/render_flags.h"
 #include "host/cli/report.h"
+#include "host/cli/resume.h"
 #include "host/cli/scene_flags.h"
 #include "host/gpu/pipeline_cache.h"
 #include "host/render/bvh_choice.h"
+#include "host/render/depth_cut.h"
+#include "host/render/diagnosis.h"
+#include "host/render/identity.h"
 #include "host/render/kernel_compiler.h"
 #include "host/scene/features.h"
+#include "host/scene/scene_hash.h"
 
 namespace wavepath {
 namespace {
@@ -58,8 +64,12 @@ void check_files(Request& request) {
 
   std::vector<std::string> targets = output.pictures;
   if (!output.stats.empty()) targets.push_back(output.stats);
+  if (!request.render.state.file.empty()) targets.push_back(request.render.state.file);
+  check_state_file(request.render.state);
   for (const std::string& target : targets) {
     require_writable(target);
+    if (std::count(targets.begin(), targets.end(), target) > 1)
+      throw UsageError(target, "is written twice", "give every output a name of its own");
     for (const std::string& input : {request.scene.path, output.reference, request.scene.environment}) {
       std::error_code error;
       if (std::filesystem::equivalent(target, input, error))
@@ -98,8 +108,9 @@ void require_memory_for(const Request& request, const Plan& plan, const DeviceIn
                  copies * (plan.total() + film) + picture, "use a smaller --size, fewer --aov or a simpler scene");
 }
 
-PictureInfo picture_info(const Request& request, const View& view, const RenderResult& result,
-                         const std::vector<std::string>& bias) {
+// `mergeable`: the identity that parts share, or empty.
+PictureInfo picture_info(const Request& request, const View& view, const RenderResult& result, const DeviceInfo& device,
+                         const std::string& mergeable, const std::vector<std::string>& bias) {
   const RenderSettings& settings = request.render.settings;
   PictureInfo info;
   info.spp = result.spp;
@@ -112,15 +123,19 @@ PictureInfo picture_info(const Request& request, const View& view, const RenderR
   info.filter = kFilterNames[settings.filter];
   info.bias = fmt::format("{}", fmt::join(bias, "; "));
   info.view = view;
+  if (!mergeable.empty() && result.even) {
+    info.identity = mergeable;
+    info.device = device_text(device);
+    info.film = result.film;
+  }
   return info;
 }
 
 RenderResult render_shown(const Request& request, Device& device, const PackedScene& packed, const View& view,
-                          KernelCompiler& kernels) {
+                          KernelCompiler& kernels, RenderHooks hooks) {
   const RenderSettings& settings = request.render.settings;
   ProgressDisplay display(request.output.quiet, settings.time_limit, settings.target_error);
   catch_interrupts();
-  RenderHooks hooks;
   hooks.progress = [&](const Progress& progress) {
     display.show(progress);
     return !interrupted();
@@ -146,6 +161,15 @@ int exit_code(const Request& request, const RenderResult& result) {
   const double target = request.render.settings.target_error;
   const std::optional<double> error = estimated_error(result);
   return target > 0.0 && !(error && *error <= target) ? kExitTargetMissed : kExitDone;
+}
+
+// A resumed render measures only the checkpoints that it passes itself; those before have no true error.
+std::vector<TrueError> align(std::vector<TrueError> errors, std::size_t checkpoints) {
+  if (errors.empty()) return errors;
+  TrueError unknown;
+  unknown.metrics.nonfinite_image = 1; // as of a picture that has no score
+  errors.insert(errors.begin(), checkpoints - std::min(errors.size(), checkpoints), unknown);
+  return errors;
 }
 
 // Compiles what the scene will most likely need. A wrong guess costs time alone.
@@ -179,20 +203,39 @@ int run_render(Request& request) {
   const bvh::Quality quality =
       request.render.bvh.value_or(choose_quality(settings, plan(scene).triangles_stored, device.info()));
   require_memory_for(request, plan(scene, quality), device.info());
+  const bool identified = request.render.mergeable || !request.render.state.file.empty();
+  const std::string identity = identified ? identity_of(hash_scene(scene), view, settings) : std::string();
   const PackedScene packed = pack(scene, settings.direct, quality);
   const double load_seconds = loading.seconds() - packed.bvh_seconds;
   Warnings warnings = scene.warnings;
   scene = Scene{}; // the device's copy is all that rendering needs
 
-  const RenderResult result = render_shown(request, device, packed, view, *kernels);
+  const StateRequest& state = request.render.state;
+  const std::optional<RenderState> resumed = read_resumed(state, settings, identity, device.info(), warnings);
+  std::vector<TrueError> true_errors;
+  RenderHooks hooks{.save = state_saver(state, identity, device.info(), warnings), .save_interval = state.interval};
+  if (resumed) hooks.resume = &*resumed;
+  if (reference)
+    hooks.checkpoint = [&](const Checkpoint&, const Picture& picture) {
+      true_errors.push_back(measure_true_error(picture, *reference));
+    };
+  const RenderResult result = render_shown(request, device, packed, view, *kernels, hooks);
+  std::optional<DepthCut> cut;
+  if ((!request.output.stats.empty() || request.output.json || request.output.verbose) &&
+      result.stop != StopReason::interrupted)
+    cut = measure_depth_cut(device, packed, view, settings, *kernels);
   Run run{request.scene.path, request.command_line, device.info(), settings, packed, result};
-  run.bias = list_bias(settings);
+  run.bias = list_bias(settings, result, cut);
+  run.true_errors = align(std::move(true_errors), result.checkpoints.size());
+  run.diagnosis = diagnose(result, run.true_errors, run.bias);
+  if (request.render.mergeable && !result.even)
+    warnings.add("stopped before all pixels had the same samples, so the picture cannot be merged");
 
   const Stopwatch writing;
-  const std::exception_ptr failure =
-      write_pictures(request, picture_info(request, view, result, run.bias), result.picture, warnings);
+  const std::exception_ptr failure = write_pictures(
+      request, picture_info(request, view, result, device.info(), request.render.mergeable ? identity : "", run.bias),
+      result.picture, warnings);
   run.write_seconds = writing.seconds();
-  if (reference) run.true_error = measure_true_error(result.picture, *reference);
   run.load_seconds = load_seconds;
   run.peak_bytes = device.memory_peak();
   run.total_seconds = seconds_since_process_start();

@@ -75,6 +75,26 @@ void add_stop_flags(CLI::App& app, RenderRequest& request) {
       {"--samples", "A:B",
        "render only sample indices A <= s < B, for splitting and merging; give every part the whole's --spp", "0:spp"},
       [&](const FlagValue& value) { read_samples(value, request); });
+  add_switch(
+      app, group,
+      {"--adaptive", "",
+       "more samples where a pilot finds more noise; --spp is then the average. Unbiased: the pilot is thrown away",
+       "off"},
+      settings.adaptive);
+  add_switch(app, group,
+             {"--mergeable", "", "keep exact sums in .exr outputs for 'wavepath merge'; --samples implies it", "off"},
+             request.mergeable);
+  add_flag(app, group, {"--checkpoint", "FILE", "save the exact state every 30 s, on interrupt and at the end", "none"},
+           [&](const FlagValue& value) { request.state.file = value.text; });
+  add_flag(app, group, {"--checkpoint-interval", "SECONDS", "between saves", "30"},
+           [&](const FlagValue& value) { request.state.interval = value.number(0.0, 1e9); });
+  add_switch(app, group,
+             {"--resume", "",
+              "go on from --checkpoint to the same bits as without the stop, or begin if the file is not there; a "
+              "larger --spp "
+              "goes on beyond the end. --time counts all rendering, before and after",
+              "off"},
+             request.state.resume);
   add_switch(app, group,
              {"--strict", "",
               "refuse anything biased but the depth asked for; exit code 1 if any sample was not finite", "off"},
@@ -135,9 +155,8 @@ void add_picture_flags(CLI::App& app, RenderRequest& request) {
       [&](const FlagValue& value) { read_aovs(value, request.settings.aovs); });
 }
 
-void add_output_flags(CLI::App& app, OutputRequest& request) {
+void add_picture_output_flags(CLI::App& app, OutputRequest& request) {
   const char* group = "Output";
-  const auto keep = [](std::string& text) { return [&text](const FlagValue& value) { text = value.text; }; };
   add_flag(
       app, group,
       {"-o,--output", "FILE", "repeatable; .exr and .hdr linear, .png and .jpg tonemapped", "SCENE-stem.exr"},
@@ -147,11 +166,17 @@ void add_output_flags(CLI::App& app, OutputRequest& request) {
            [&](const FlagValue& value) { request.write.exposure = value.number(-64.0, 64.0); });
   add_flag(app, group, {"--tonemap", "none|aces|agx|neutral", "tone curve of .png and .jpg outputs", "neutral"},
            [&](const FlagValue& value) { request.write.tonemap = static_cast<Tonemap>(value.choice(kTonemaps)); });
-  add_flag(
-      app, group,
-      {"--stats", "FILE.json", "write everything that the run measured, time to the first pixel included", "not written"},
-      keep(request.stats));
-  add_flag(app, group, {"--reference", "FILE.exr", "also measure the true error of the final picture", "none"},
+}
+
+void add_output_flags(CLI::App& app, OutputRequest& request) {
+  const char* group = "Output";
+  const auto keep = [](std::string& text) { return [&text](const FlagValue& value) { text = value.text; }; };
+  add_picture_output_flags(app, request);
+  add_flag(app, group,
+           {"--stats", "FILE.json", "write everything that the run measured, time to the first pixel included",
+            "not written"},
+           keep(request.stats));
+  add_flag(app, group, {"--reference", "FILE.exr", "also measure the true error at every checkpoint", "none"},
            keep(request.reference));
   add_switch(app, group, {"--json", "", "print the stats document on stdout", "off"}, request.json);
   add_switch(app, group, {"-q,--quiet", "", "no progress and no summary", "off"}, request.quiet);
@@ -162,6 +187,12 @@ void add_output_flags(CLI::App& app, OutputRequest& request) {
 
 void settle_samples(RenderRequest& request) {
   RenderSettings& settings = request.settings;
+  if (request.state.resume && request.state.file.empty())
+    throw UsageError("--resume", "there is nothing to resume from", "name the state with --checkpoint FILE");
+  if (settings.adaptive && (request.samples || request.mergeable))
+    throw UsageError("--adaptive", "does not share its samples out evenly, so parts of it cannot be merged",
+                     "leave out --adaptive, or --samples and --mergeable");
+  request.mergeable |= request.samples.has_value();
   const bool open_ended = settings.time_limit > 0.0 || settings.target_error > 0.0;
   settings.first_sample = 0;
   settings.last_sample = request.spp.value_or(open_ended ? kOpenEndedSamples : settings.last_sample);

@@ -23,6 +23,13 @@ struct OutputRequest {
   bool quiet = false, verbose = false, json = false;
 };
 
+// The state of a render on disk, to go on from.
+struct StateRequest {
+  std::string file;       // empty = none
+  double interval = 30.0; // seconds between saves
+  bool resume = false;
+};
+
 struct RenderRequest {
   RenderSettings settings; // its sample range is set by settle_samples()
   std::optional<std::uint32_t> spp;
@@ -31,6 +38,8 @@ struct RenderRequest {
   std::optional<bvh::Quality> bvh; // empty = chosen from the number of rays
   std::string device;
   bool strict = false;
+  bool mergeable = false; // .exr outputs hold the exact sums
+  StateRequest state;
 };
 
 // The requests must outlive the parsing of `app`. What a render needs to know, and whoever measures one as well:
@@ -39,6 +48,7 @@ void add_render_flags(CLI::App& app, RenderRequest& request);
 void add_stop_flags(CLI::App& app, RenderRequest& request);
 void add_picture_flags(CLI::App& app, RenderRequest& request);
 void add_output_flags(CLI::App& app, OutputRequest& request);
+void add_picture_output_flags(CLI::App& app, OutputRequest& request); // which files, and how they are written
 
 void read_size(const FlagValue& value, RenderSettings& settings); // WIDTHxHEIGHT
 

@@ -1,6 +1,7 @@
 // The end of a render, told to the user.
 #include "host/cli/report.h"
 
+#include <cmath>
 #include <cstdio>
 #include <numeric>
 
@@ -9,16 +10,30 @@
 #include "host/base/atomic_file.h"
 #include "host/base/memory.h"
 #include "host/cli/commands.h"
+#include "host/render/error.h"
 
 namespace wavepath {
 namespace {
+
+std::string duration_text(double seconds) {
+  if (seconds < 120.0) return fmt::format("{:.1f} s", seconds);
+  return seconds < 7200.0 ? fmt::format("{:.0f} min", seconds / 60.0) : fmt::format("{:.1f} h", seconds / 3600.0);
+}
+
+std::string halving_text(const RenderResult& result) {
+  const double growth = growth_for(2.0, result.slope);
+  if (!(result.error.relative_rms > 0.0) || !std::isfinite(growth)) return {};
+  return fmt::format("; half of it takes about {} more", duration_text(result.seconds * (growth - 1.0)));
+}
 
 void print_summary(const Run& run, const OutputRequest& output) {
   const RenderResult& result = run.result;
   const double speed = result.seconds > 0.0 ? 1e-6 * static_cast<double>(result.rays.total()) / result.seconds : 0.0;
   std::string error;
   if (const auto estimate = estimated_error(result))
-    error = fmt::format(", estimated error {:.3g} %", 100.0 * *estimate);
+    error = fmt::format(", estimated error {:.3g} % ({:.3g} to {:.3g})", 100.0 * *estimate,
+                        100.0 * result.error.ci95[0], 100.0 * result.error.ci95[1]) +
+            halving_text(result);
   fmt::print(stderr, "wavepath: {}: {} spp in {:.2f} s, {:.2f} Mrays/s{}\n", fmt::join(output.pictures, ", "),
              result.spp, result.seconds, speed, error);
 }
@@ -31,7 +46,8 @@ void print_details(const Run& run) {
              to_size_text(run.peak_bytes), to_size_text(result.memory.scene), to_size_text(result.memory.bvh),
              to_size_text(result.memory.paths), to_size_text(result.memory.film));
   fmt::print(stderr,
-             "  seconds     load {:.2f}, BVH {:.2f}, upload {:.2f}, compile {:.2f}, render {:.2f}, write {:.2f}; first pixel after {:.2f}\n",
+             "  seconds     load {:.2f}, BVH {:.2f}, upload {:.2f}, compile {:.2f}, render {:.2f}, write {:.2f}; first "
+             "pixel after {:.2f}\n",
              run.load_seconds, run.packed.bvh_seconds, result.upload_seconds, result.compile_seconds, result.seconds,
              run.write_seconds, result.first_pixel_seconds);
   fmt::print(stderr, "  kernels     cache {}\n", run.kernel_cache);
@@ -45,8 +61,15 @@ void print_details(const Run& run) {
 
 } // namespace
 
-std::vector<std::string> list_bias(const RenderSettings& settings) {
-  return {fmt::format("light paths end after {} bounces (--max-depth)", settings.max_depth)};
+std::vector<std::string> list_bias(const RenderSettings& settings, const RenderResult& result,
+                                   const std::optional<DepthCut>& cut) {
+  std::vector<std::string> bias = {fmt::format("light paths end after {} bounces (--max-depth)", settings.max_depth)};
+  if (cut)
+    bias.back() += fmt::format(": {:.2g} % +- {:.1g} % of the light is missing, measured to {} bounces",
+                               100.0 * cut->share, 100.0 * cut->standard_error, cut->deeper);
+  if (result.nonfinite_samples > 0)
+    bias.push_back(fmt::format("{} samples that were not finite are left out", result.nonfinite_samples));
+  return bias;
 }
 
 TrueError measure_true_error(const Picture& picture, const Picture& reference) {
@@ -64,8 +87,8 @@ void report(const Run& run, const OutputRequest& output, Warnings warnings) {
                              result.first_nonfinite[1]),
                  result.nonfinite_samples);
   if (result.spp == 0) warnings.add("stopped within the first sample; pixels that it had not reached are black");
-  if (run.true_error && !run.true_error->metrics.finite())
-    warnings.add(output.reference + ": not compared, a value is not finite");
+  const TrueError* last = run.true_errors.empty() ? nullptr : &run.true_errors.back();
+  if (last && !last->metrics.finite()) warnings.add(output.reference + ": not compared, a value is not finite");
   print_warnings(warnings);
 
   const std::string document = to_text(stats_document(run));
@@ -73,10 +96,10 @@ void report(const Run& run, const OutputRequest& output, Warnings warnings) {
   if (output.json) fmt::print("{}", document);
   if (output.quiet) return;
   print_summary(run, output);
-  if (run.true_error && run.true_error->metrics.finite())
+  if (last && last->metrics.finite())
     fmt::print(stderr, "wavepath: against {}: relMSE {:.6g}, MSE {:.6g}, MRSE {:.6g}, FLIP {:.4f}\n", output.reference,
-               run.true_error->metrics.relmse, run.true_error->metrics.mse, run.true_error->metrics.mrse,
-               run.true_error->flip);
+               last->metrics.relmse, last->metrics.mse, last->metrics.mrse, last->flip);
+  for (const std::string& sentence : run.diagnosis) fmt::print(stderr, "wavepath: note: {}\n", sentence);
   if (output.verbose) print_details(run);
 }
 

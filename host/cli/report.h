@@ -1,17 +1,21 @@
 // What a render tells when it is done: stats document, warnings, summary.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "host/base/warnings.h"
 #include "host/cli/render_flags.h"
+#include "host/render/depth_cut.h"
 #include "host/render/stats.h"
 
 namespace wavepath {
 
 // What of these settings keeps the expected picture from being the full light transport.
-std::vector<std::string> list_bias(const RenderSettings& settings);
+// `cut`: what the depth costs, if that was measured.
+std::vector<std::string> list_bias(const RenderSettings& settings, const RenderResult& result,
+                                   const std::optional<DepthCut>& cut);
 
 TrueError measure_true_error(const Picture& picture, const Picture& reference);
 

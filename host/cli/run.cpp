@@ -74,6 +74,7 @@ int run(int argument_count, const char* const* arguments) {
                                                    {"info", add_info(app)},
                                                    {"compare", add_compare(app)},
                                                    {"bench", add_bench(app)},
+                                                   {"merge", add_merge(app)},
                                                    {"selftest", add_selftest(app)},
                                                    {"study", add_study(app, line)}};
 

@@ -55,7 +55,7 @@ std::vector<std::int8_t> choose_levels(const Film& pilot) {
   const std::vector<double> deviations = run_deviations(pilot);
   const double largest = *std::max_element(deviations.begin(), deviations.end());
   if (!(largest > 0.0)) return std::vector<std::int8_t>(deviations.size(), 0); // no noise anywhere
-  double low = std::exp2(kLowestLevel - 1) / largest, high = 1e6 / largest; // scales: too few samples, too many
+  double low = std::exp2(kLowestLevel - 1) / largest, high = 1e6 / largest;    // scales: too few samples, too many
   for (int i = 0; i < 60; ++i) {
     const double middle = std::sqrt(low * high);
     (mean_factor(levels_at(deviations, middle), pixels) <= 1.0 ? low : high) = middle;

@@ -1,8 +1,8 @@
 // How many samples each run of pixels gets in an adaptive render.
 //
-// The error of the mean falls with the samples n_t of run t as sigma_t / sqrt(n_t), so a given number of samples serves best where
-// n_t is in proportion to sigma_t (Neyman 1934). sigma_t comes from a pilot whose samples are thrown away: what a pixel gets
-// does not depend on the samples that it is made of, so its mean stays unbiased (Kirk and Arvo 1991).
+// The error of the mean falls with the samples n_t of run t as sigma_t / sqrt(n_t), so a given number of samples serves
+// best where n_t is in proportion to sigma_t (Neyman 1934). sigma_t comes from a pilot whose samples are thrown away:
+// what a pixel gets does not depend on the samples that it is made of, so its mean stays unbiased (Kirk and Arvo 1991).
 #pragma once
 
 #include <cstdint>
@@ -12,17 +12,18 @@
 
 namespace wavepath {
 
-inline constexpr int kLowestLevel = -2, kHighestLevel = 3;  // a run of level k gets 2^k times the samples
-inline constexpr std::uint32_t kAdaptiveStep = 4;           // samples per pixel: what every level can share out
+inline constexpr int kLowestLevel = -2, kHighestLevel = 3; // a run of level k gets 2^k times the samples
+inline constexpr std::uint32_t kAdaptiveStep = 4;          // samples per pixel: what every level can share out
 inline constexpr std::uint32_t kPilotSamples = 16;
-inline constexpr std::uint32_t kPilotSeed = 0x9e3779b9u;    // by exclusive or with the render's own
+inline constexpr std::uint32_t kPilotSeed = 0x9e3779b9u; // by exclusive or with the render's own
 
 inline constexpr std::uint32_t kLargestRun = gpu::kRunPixels * (kAdaptiveStep << kHighestLevel); // paths of one step
 
 // Samples of the range [0, n) in a run of that level; n is a multiple of kAdaptiveStep.
 inline std::uint32_t at_level(std::uint32_t n, int level) { return level >= 0 ? n << level : n >> -level; }
 
-// Levels of all runs of kRunPixels pixels in tile order, such that pixels get as many samples as without them, or a little fewer.
+// Levels of all runs of kRunPixels pixels in tile order, such that pixels get as many samples as without them, or a
+// little fewer.
 std::vector<std::int8_t> choose_levels(const Film& pilot);
 
 // Samples that a pixel gets on average, for each that it would get without levels.

@@ -29,8 +29,9 @@ ErrorEstimate estimate_error(const Film& film) {
     largest = std::max(largest, alone * alone / (level * level + 0.01));
   }
   const double n = static_cast<double>(pixels), mean = sum / n;
-  // The interval is of this picture's error, not of its expectation: both the estimate and what it estimates scatter, alike and
-  // independently (the sum and the difference of two replicates are independent where they are normal), hence the 2.
+  // The interval is of this picture's error, not of its expectation: both the estimate and what it estimates scatter,
+  // alike and independently (the sum and the difference of two replicates are independent where they are normal), hence
+  // the 2.
   const double spread = std::sqrt(2.0 * std::max(0.0, sum_of_squares / n - mean * mean) / n);
   constexpr double kNormal95 = 1.959964;
   return {std::sqrt(mean),

@@ -9,20 +9,22 @@
 
 namespace wavepath {
 
-// sqrt of the relMSE of the mean image, with a 95 % interval that covers the true one. Each pixel's squared error is estimated by
-// the spread of its two replicates, which is right for any sampler because they are scrambled independently; per-sample variance
-// would overstate Owen-scrambled Sobol's error up to 12 times. Not a number while a pixel lacks samples in either replicate.
+// sqrt of the relMSE of the mean image, with a 95 % interval that covers the true one. Each pixel's squared error is
+// estimated by the spread of its two replicates, which is right for any sampler because they are scrambled
+// independently; per-sample variance would overstate Owen-scrambled Sobol's error up to 12 times. Not a number while a
+// pixel lacks samples in either replicate.
 ErrorEstimate estimate_error(const Film& film);
 
 // Once it exists: one sample belongs to one replicate; a spread needs all of them, in every pixel.
 bool has_estimate(std::uint32_t spp, const ErrorEstimate& error);
 
-// Of log error against log seconds, or against log spp, by least squares over the last octaves; -1/2, Monte Carlo's, while too
-// little is known.
+// Of log error against log seconds, or against log spp, by least squares over the last octaves; -1/2, Monte Carlo's,
+// while too little is known.
 enum class Against { seconds, spp };
 double fit_slope(const std::vector<Checkpoint>& checkpoints, Against against);
 
-// Factor by which x (seconds or spp) has to grow for the error to fall to 1 / ratio of itself. Infinite if it does not fall.
+// Factor by which x (seconds or spp) has to grow for the error to fall to 1 / ratio of itself. Infinite if it does not
+// fall.
 double growth_for(double ratio, double slope);
 
 } // namespace wavepath

@@ -77,9 +77,8 @@ void add_aov(Picture& picture, const Film& film, const std::string& name, const 
   } else if (name == "depth") {
     add_channels(picture, "", "Z", [&](std::size_t i, int) { return aovs[i].hits > 0.0f ? aovs[i].depth : kNothing; });
   } else if (name == "position") {
-    add_channels(picture, "P.", "XYZ", [&](std::size_t i, int c) {
-      return aovs[i].hits > 0.0f ? aovs[i].position[c] + origin[c] : 0.0;
-    });
+    add_channels(picture, "P.", "XYZ",
+                 [&](std::size_t i, int c) { return aovs[i].hits > 0.0f ? aovs[i].position[c] + origin[c] : 0.0; });
   } else if (name == "variance") {
     add_channels(picture, "variance.", "RGB", [&](std::size_t i, int c) { return mean_variance(film, i)[c]; });
   } else if (name == "samples") {
@@ -102,13 +101,14 @@ void add_aov(Picture& picture, const Film& film, const std::string& name, const 
 } // namespace
 
 bool Film::operator==(const Film& other) const {
-  return width == other.width && height == other.height && same_bytes(pixels, other.pixels) && same_bytes(aovs, other.aovs);
+  return width == other.width && height == other.height && same_bytes(pixels, other.pixels) &&
+         same_bytes(aovs, other.aovs);
 }
 
 namespace {
 
-// Calls visit(band, first pixel in the band, count, rows) for runs of pixels that fit into a moderate buffer; rows[i] is the
-// row-major index of the run's pixel i.
+// Calls visit(band, first pixel in the band, count, rows) for runs of pixels that fit into a moderate buffer; rows[i]
+// is the row-major index of the run's pixel i.
 template <class Bands, class Visit>
 void visit_runs(Bands& bands, std::uint32_t width, std::uint32_t height, Visit visit) {
   constexpr std::uint32_t kChunk = 1u << 18; // pixels
@@ -133,28 +133,33 @@ Film download_film(const PathTracer& tracer, std::uint32_t width, std::uint32_t 
   const std::size_t pixels = std::size_t{width} * height;
   Film film{width, height, std::vector<gpu::FilmPixel>(pixels * gpu::kReplicates), {}};
   if (tracer.features() & gpu::kFeatureAovs) film.aovs.resize(pixels);
-  visit_runs(tracer.bands(), width, height, [&](const FilmBand& band, std::uint32_t first, std::uint32_t count, const auto& rows) {
-    const auto values = download<gpu::FilmPixel>(band.film, std::size_t{count} * gpu::kReplicates, first * kPixelBytes);
-    for (std::uint32_t i = 0; i < count; ++i)
-      std::copy_n(&values[i * gpu::kReplicates], gpu::kReplicates, &film.pixels[rows[i] * gpu::kReplicates]);
-    if (film.aovs.empty()) return;
-    const auto aovs = download<gpu::FilmAovs>(band.aovs, count, std::uint64_t{first} * sizeof(gpu::FilmAovs));
-    for (std::uint32_t i = 0; i < count; ++i) film.aovs[rows[i]] = aovs[i];
-  });
+  visit_runs(tracer.bands(), width, height,
+             [&](const FilmBand& band, std::uint32_t first, std::uint32_t count, const auto& rows) {
+               const auto values =
+                   download<gpu::FilmPixel>(band.film, std::size_t{count} * gpu::kReplicates, first * kPixelBytes);
+               for (std::uint32_t i = 0; i < count; ++i)
+                 std::copy_n(&values[i * gpu::kReplicates], gpu::kReplicates, &film.pixels[rows[i] * gpu::kReplicates]);
+               if (film.aovs.empty()) return;
+               const auto aovs =
+                   download<gpu::FilmAovs>(band.aovs, count, std::uint64_t{first} * sizeof(gpu::FilmAovs));
+               for (std::uint32_t i = 0; i < count; ++i) film.aovs[rows[i]] = aovs[i];
+             });
   return film;
 }
 
 void upload_film(PathTracer& tracer, const Film& film) {
-  visit_runs(tracer.bands(), film.width, film.height, [&](FilmBand& band, std::uint32_t first, std::uint32_t count, const auto& rows) {
-    std::vector<gpu::FilmPixel> values(std::size_t{count} * gpu::kReplicates);
-    for (std::uint32_t i = 0; i < count; ++i)
-      std::copy_n(&film.pixels[rows[i] * gpu::kReplicates], gpu::kReplicates, &values[i * gpu::kReplicates]);
-    band.film.write(values.data(), values.size() * sizeof(gpu::FilmPixel), first * kPixelBytes);
-    if (film.aovs.empty()) return;
-    std::vector<gpu::FilmAovs> aovs(count);
-    for (std::uint32_t i = 0; i < count; ++i) aovs[i] = film.aovs[rows[i]];
-    band.aovs.write(aovs.data(), aovs.size() * sizeof(gpu::FilmAovs), std::uint64_t{first} * sizeof(gpu::FilmAovs));
-  });
+  visit_runs(tracer.bands(), film.width, film.height,
+             [&](FilmBand& band, std::uint32_t first, std::uint32_t count, const auto& rows) {
+               std::vector<gpu::FilmPixel> values(std::size_t{count} * gpu::kReplicates);
+               for (std::uint32_t i = 0; i < count; ++i)
+                 std::copy_n(&film.pixels[rows[i] * gpu::kReplicates], gpu::kReplicates, &values[i * gpu::kReplicates]);
+               band.film.write(values.data(), values.size() * sizeof(gpu::FilmPixel), first * kPixelBytes);
+               if (film.aovs.empty()) return;
+               std::vector<gpu::FilmAovs> aovs(count);
+               for (std::uint32_t i = 0; i < count; ++i) aovs[i] = film.aovs[rows[i]];
+               band.aovs.write(aovs.data(), aovs.size() * sizeof(gpu::FilmAovs),
+                               std::uint64_t{first} * sizeof(gpu::FilmAovs));
+             });
 }
 
 void join(Film& film, const Film& other) {

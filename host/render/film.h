@@ -12,7 +12,8 @@
 
 namespace wavepath {
 
-// The exact sums of a render, row-major from the top left. Two films of different samples of one picture join without loss.
+// The exact sums of a render, row-major from the top left. Two films of different samples of one picture join without
+// loss.
 struct Film {
   std::uint32_t width = 0, height = 0;
   std::vector<gpu::FilmPixel> pixels; // kReplicates each
@@ -24,8 +25,8 @@ struct Film {
 Film download_film(const PathTracer& tracer, std::uint32_t width, std::uint32_t height);
 void upload_film(PathTracer& tracer, const Film& film);
 
-// The sums over both sets of samples, bit for bit those of one render of them all. AOVs of first hits are running means in
-// floats, and join to within their rounding. Both have one size.
+// The sums over both sets of samples, bit for bit those of one render of them all. AOVs of first hits are running means
+// in floats, and join to within their rounding. Both have one size.
 void join(Film& film, const Film& other);
 
 // Samples of a pixel that count, and their mean; zero without any.

@@ -139,7 +139,8 @@ void PathTracer::allocate(Device& device, const RenderSettings& settings) {
   paths_.queues = Buffer(device, sizeof(gpu::Queues));
 
   const std::uint64_t pixels = std::uint64_t{settings.width} * settings.height;
-  const std::uint64_t run_count = features_ & gpu::kFeatureAdaptive ? (pixels + gpu::kRunPixels - 1) / gpu::kRunPixels : 0;
+  const std::uint64_t run_count =
+      features_ & gpu::kFeatureAdaptive ? (pixels + gpu::kRunPixels - 1) / gpu::kRunPixels : 0;
   paths_.runs = Buffer(device, run_count * sizeof(std::uint32_t));
   std::vector<std::uint32_t> runs(run_count);
   std::iota(runs.begin(), runs.end(), 0u);

@@ -39,8 +39,9 @@ public:
              std::uint32_t slots, KernelCompiler& kernels);
 
   // Traces samples [first_sample, first_sample + sample_count) of pixels [first_pixel, first_pixel + pixel_count) of a
-  // band and adds them to its film. At most `slots` (pixel, sample) pairs. Returns the longest dispatch in seconds. In an
-  // adaptive render the pixels are those that have these places in the list of runs, and lie in the band all the same.
+  // band and adds them to its film. At most `slots` (pixel, sample) pairs. Returns the longest dispatch in seconds. In
+  // an adaptive render the pixels are those that have these places in the list of runs, and lie in the band all the
+  // same.
   double render_wave(const FilmBand& band, std::uint32_t first_pixel, std::uint32_t pixel_count,
                      std::uint32_t first_sample, std::uint32_t sample_count);
 
@@ -51,8 +52,8 @@ public:
   // Empties the film and sets all counts and times to zero.
   void reset();
 
-  // The runs of kRunPixels pixels that places in a wave stand for, of an adaptive render. At first each stands for itself. A run
-  // cut short by the end of the picture comes last in its wave.
+  // The runs of kRunPixels pixels that places in a wave stand for, of an adaptive render. At first each stands for
+  // itself. A run cut short by the end of the picture comes last in its wave.
   void set_runs(const std::vector<std::uint32_t>& runs);
   void set_seed(std::uint32_t seed);
   // Goes on from what counters() and stages() said earlier.

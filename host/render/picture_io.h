@@ -1,7 +1,9 @@
 // Pictures to and from files: EXR and HDR linear, PNG and JPG tonemapped; written whole or not at all.
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 
@@ -26,6 +28,12 @@ struct PictureInfo {
   std::string scene, command, filter;
   std::string bias; // entries separated by "; "
   std::optional<View> view;
+  std::optional<std::array<float, 16>> world_to_camera,
+      world_to_ndc; // where there is no view, as read_matrix gives them
+  // Of a picture that can be merged: what decides its bits (identity.h), who rendered it, and its exact sums, in
+  // channels film.NN.
+  std::string identity, device;
+  std::shared_ptr<const Film> film;
 };
 
 struct WriteOptions {
@@ -45,6 +53,14 @@ Picture read_picture(const std::string& path);
 
 // A text or float attribute of an EXR header, as text; empty if the file is no EXR or has none of that name.
 std::string read_attribute(const std::string& path, const std::string& name);
+
+// A number from an EXR header; nothing if the file is no EXR or has none of that name.
+std::optional<double> read_number(const std::string& path, const std::string& name);
+
+std::optional<std::array<float, 16>> read_matrix(const std::string& path, const std::string& name);
+
+// The exact sums that an EXR holds; null if it has none. Throws Error.
+std::shared_ptr<const Film> read_film(const std::string& path);
 
 // The channel of that name, or null.
 const Channel* find_channel(const Picture& picture, const std::string& name);

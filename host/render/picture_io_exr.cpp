@@ -23,6 +23,8 @@
 #include "host/base/atomic_file.h"
 #include "host/base/error.h"
 #include "host/base/memory.h"
+#include "host/base/read_file.h"
+#include "host/render/film.h"
 
 namespace wavepath {
 namespace {
@@ -85,6 +87,33 @@ Imath::M44f world_to_ndc(const View& view) {
 // places do not, least of all the depth of what no ray hit.
 bool needs_float(const std::string& name) { return name == "samples" || name == "Z" || name.starts_with("P."); }
 
+Imath::M44f to_matrix(const std::array<float, 16>& values) {
+  Imath::M44f m;
+  std::copy(values.begin(), values.end(), m.getValue());
+  return m;
+}
+
+// The words of a film, one channel each: kReplicates times FilmPixel, then FilmAovs if there are any.
+constexpr std::size_t kPixelWords = gpu::kReplicates * sizeof(gpu::FilmPixel) / 4,
+                      kAovWords = sizeof(gpu::FilmAovs) / 4;
+constexpr const char* kFilmPrefix = "film.";
+
+std::size_t film_words(const Film& film) { return kPixelWords + (film.aovs.empty() ? 0 : kAovWords); }
+std::string film_channel(std::size_t word) { return fmt::format("{}{:02}", kFilmPrefix, word); }
+bool is_film_channel(const std::string& name) { return name.starts_with(kFilmPrefix); }
+
+// Points OpenEXR at the words where they lie, for reading and writing alike.
+void insert_film(Imf::FrameBuffer& pixels, Film& film) {
+  const auto insert = [&](std::size_t channel, void* first, std::size_t words) {
+    const std::size_t stride = 4 * words;
+    pixels.insert(film_channel(channel), Imf::Slice(Imf::UINT, static_cast<char*>(first), stride, stride * film.width));
+  };
+  auto* words = reinterpret_cast<std::uint32_t*>(film.pixels.data());
+  for (std::size_t i = 0; i < kPixelWords; ++i) insert(i, words + i, kPixelWords);
+  auto* aovs = reinterpret_cast<std::uint32_t*>(film.aovs.data());
+  for (std::size_t i = 0; i < (film.aovs.empty() ? 0 : kAovWords); ++i) insert(kPixelWords + i, aovs + i, kAovWords);
+}
+
 Imf::Header make_header(const Picture& picture, const PictureInfo& info, bool half) {
   Imf::Header header(static_cast<int>(picture.width), static_cast<int>(picture.height));
   header.compression() = Imf::ZIP_COMPRESSION;
@@ -104,12 +133,20 @@ Imf::Header make_header(const Picture& picture, const PictureInfo& info, bool ha
   add_text("wavepath.filter", info.filter);
   add_text("wavepath.bias", info.bias);
   add_text("wavepath.version", WAVEPATH_VERSION);
+  if (info.film) {
+    add_text("wavepath.identity", info.identity);
+    add_text("wavepath.device", info.device);
+    for (std::size_t i = 0; i < film_words(*info.film); ++i)
+      header.channels().insert(film_channel(i), Imf::Channel(Imf::UINT));
+  }
   header.insert("samplesPerPixel", Imf::IntAttribute(static_cast<int>(info.spp)));
   header.insert("renderTimeSeconds", Imf::FloatAttribute(static_cast<float>(info.seconds)));
   if (info.view) {
     header.insert("worldToCamera", Imf::M44fAttribute(world_to_camera(*info.view)));
     header.insert("worldToNDC", Imf::M44fAttribute(world_to_ndc(*info.view)));
   }
+  if (info.world_to_camera) header.insert("worldToCamera", Imf::M44fAttribute(to_matrix(*info.world_to_camera)));
+  if (info.world_to_ndc) header.insert("worldToNDC", Imf::M44fAttribute(to_matrix(*info.world_to_ndc)));
   return header;
 }
 
@@ -153,6 +190,7 @@ std::uint64_t write_exr(const std::string& path, const Picture& picture, const P
     pixels.insert(channel.name, Imf::Slice(as_half ? Imf::HALF : Imf::FLOAT,
                                            static_cast<char*>(const_cast<void*>(values)), size, size * picture.width));
   }
+  if (info.film) insert_film(pixels, const_cast<Film&>(*info.film));
 
   AtomicFile file(path);
   Stream stream(file, path);
@@ -182,7 +220,7 @@ Picture read_exr(const std::string& path) try {
   for (auto channel = channels.begin(); channel != channels.end(); ++channel) {
     if (channel.channel().xSampling != 1 || channel.channel().ySampling != 1)
       throw Error(path, fmt::format("channel {} is subsampled", channel.name()), "save it at full resolution");
-    names.emplace_back(channel.name());
+    if (!is_film_channel(channel.name())) names.emplace_back(channel.name());
   }
   std::sort(names.begin(), names.end(), [](const auto& a, const auto& b) { return rank(a) < rank(b); });
   if (pixel_count > kMostPixels) throw Error(path, "claims more pixels than can be read", "check that it is intact");
@@ -195,6 +233,66 @@ Picture read_exr(const std::string& path) try {
   input.setFrameBuffer(pixels);
   input.readPixels(window.min.y, window.max.y);
   return picture;
+} catch (const Error&) {
+  throw;
+} catch (const std::bad_alloc&) {
+  throw;
+} catch (const std::exception& error) {
+  throw Error(path, fmt::format("OpenEXR cannot read it ({})", error.what()), "check that it is a complete EXR file");
+}
+
+std::optional<double> read_number(const std::string& path, const std::string& name) {
+  if (picture_format(path) != PictureFormat::exr) return std::nullopt;
+  try {
+    const Imf::InputFile input(path.c_str());
+    if (const auto* real = input.header().findTypedAttribute<Imf::FloatAttribute>(name)) return real->value();
+    if (const auto* whole = input.header().findTypedAttribute<Imf::IntAttribute>(name)) return whole->value();
+    return std::nullopt;
+  } catch (const std::exception&) {
+    return std::nullopt; // reading the picture itself says what is wrong
+  }
+}
+
+std::optional<std::array<float, 16>> read_matrix(const std::string& path, const std::string& name) {
+  try {
+    const Imf::InputFile input(path.c_str());
+    const auto* matrix = input.header().findTypedAttribute<Imf::M44fAttribute>(name);
+    if (!matrix) return std::nullopt;
+    std::array<float, 16> values;
+    std::copy_n(matrix->value().getValue(), 16, values.begin());
+    return values;
+  } catch (const std::exception&) {
+    return std::nullopt; // reading the picture itself says what is wrong
+  }
+}
+
+std::shared_ptr<const Film> read_film(const std::string& path) try {
+  if (!regular_file_size(path)) throw Error(path, "cannot be read", "check the name");
+  Imf::InputFile input(path.c_str());
+  const Imf::ChannelList& channels = input.header().channels();
+  if (!channels.findChannel(film_channel(0))) return nullptr;
+  const Imath::Box2i window = input.header().dataWindow();
+  const auto film = std::make_shared<Film>();
+  film->width = static_cast<std::uint32_t>(window.max.x + 1);
+  film->height = static_cast<std::uint32_t>(window.max.y + 1);
+  const std::uint64_t pixel_count = std::uint64_t{film->width} * film->height;
+  if (window.min.x != 0 || window.min.y != 0 || pixel_count > kMostPixels)
+    throw Error(path, "is no film of ours", "render it again");
+  const bool aovs = channels.findChannel(film_channel(kPixelWords)) != nullptr;
+  require_memory(path, "reading its sums", pixel_count * 4 * (kPixelWords + (aovs ? kAovWords : 0)),
+                 "use a smaller picture");
+  film->pixels.resize(pixel_count * gpu::kReplicates);
+  film->aovs.resize(aovs ? pixel_count : 0);
+  for (std::size_t i = 0; i < film_words(*film); ++i) {
+    const Imf::Channel* channel = channels.findChannel(film_channel(i));
+    if (!channel || channel->type != Imf::UINT)
+      throw Error(path, fmt::format("lacks channel {}", film_channel(i)), "render it again");
+  }
+  Imf::FrameBuffer pixels;
+  insert_film(pixels, *film);
+  input.setFrameBuffer(pixels);
+  input.readPixels(window.min.y, window.max.y);
+  return film;
 } catch (const Error&) {
   throw;
 } catch (const std::bad_alloc&) {

@@ -135,7 +135,13 @@ private:
   std::uint32_t planned() const { return settings_.last_sample - settings_.first_sample; }
 
   RenderState state() const {
-    return {cursor_, seconds(), result_.estimate_seconds, tracer_.stages(), tracer_.counters(), result_.checkpoints, levels_,
+    return {cursor_,
+            seconds(),
+            result_.estimate_seconds,
+            tracer_.stages(),
+            tracer_.counters(),
+            result_.checkpoints,
+            levels_,
             download_film(tracer_, settings_.width, settings_.height)};
   }
 
@@ -160,15 +166,16 @@ private:
     mean_factor_ = mean_factor(levels, pixels());
   }
 
-  // A pass covers every pixel with the same samples: one, or as many as fill a wave, but never across a checkpoint or a check of
-  // the error.
+  // A pass covers every pixel with the same samples: one, or as many as fill a wave, but never across a checkpoint or a
+  // check of the error.
   std::uint32_t pass_end() const {
     constexpr std::uint64_t kMostSamples = 4096; // accumulate loops over them; Mesa 22.3 ends loops at 65,535 trips
     const std::uint64_t most = settings_.adaptive ? tracer_.slots() / kLargestRun * kAdaptiveStep : kMostSamples;
     const auto fit = static_cast<std::uint32_t>(std::clamp<std::uint64_t>(governor_.wave() / pixels(), 1, most));
     const std::uint32_t step = settings_.adaptive ? kAdaptiveStep : 1;
     const std::uint32_t next_checkpoint = settings_.first_sample + std::max(std::bit_ceil(spp_done() + 1), step);
-    std::uint32_t end = std::min({cursor_.sample + (fit + step - 1) / step * step, next_checkpoint, settings_.last_sample});
+    std::uint32_t end =
+        std::min({cursor_.sample + (fit + step - 1) / step * step, next_checkpoint, settings_.last_sample});
     if (next_check_ > cursor_.sample) end = std::min(end, next_check_);
     return end;
   }
@@ -189,7 +196,8 @@ private:
   bool render_pass() {
     for (; cursor_.segment < segments_.size(); ++cursor_.segment, cursor_.pixels_done = 0) {
       const Segment& segment = segments_[cursor_.segment];
-      const std::uint32_t first = at_level(cursor_.sample, segment.level), count = at_level(cursor_.pass_samples, segment.level);
+      const std::uint32_t first = at_level(cursor_.sample, segment.level),
+                          count = at_level(cursor_.pass_samples, segment.level);
       while (cursor_.pixels_done < segment.pixel_count) {
         cursor_.pixels_done += render_wave(segment, cursor_.pixels_done, first, count);
         report_progress();
@@ -271,15 +279,17 @@ private:
     resume_clock();
   }
 
-  // Ends the render where its target is reached, and otherwise foresees when that may be, to look again there. Few samples a pixel say
-  // little about what they have not yet found, so none is trusted before kFewestSamples. The rule looks at the whole picture, in which one
-  // pixel weighs next to nothing: a pixel is not stopped for being lucky.
+  // Ends the render where its target is reached, and otherwise foresees when that may be, to look again there. Few
+  // samples a pixel say little about what they have not yet found, so none is trusted before kFewestSamples. The rule
+  // looks at the whole picture, in which one pixel weighs next to nothing: a pixel is not stopped for being lucky.
   void aim(const Checkpoint& point) {
     constexpr std::uint32_t kFewestSamples = 16;
-    if (point.spp >= kFewestSamples && point.error.relative_rms <= settings_.target_error) return stop(StopReason::target_error);
+    if (point.spp >= kFewestSamples && point.error.relative_rms <= settings_.target_error)
+      return stop(StopReason::target_error);
     next_check_ = 0;
     if (!has_estimate(point.spp, point.error) || point.spp < kFewestSamples) return;
-    const double growth = growth_for(point.error.relative_rms / settings_.target_error, fit_slope(result_.checkpoints, Against::spp));
+    const double growth =
+        growth_for(point.error.relative_rms / settings_.target_error, fit_slope(result_.checkpoints, Against::spp));
     constexpr double kShortestStep = 1.0 / 16; // of what there is: looking costs a little
     const double step = spp_done() * std::clamp(growth - 1.0, kShortestStep, 1.0);
     const std::uint32_t multiple = settings_.adaptive ? kAdaptiveStep : gpu::kReplicates; // all replicates alike

@@ -16,18 +16,18 @@ namespace wavepath {
 
 class Device;
 class KernelCompiler; // host/render/kernel_compiler.h
-struct Film;        // host/render/film.h
+struct Film;          // host/render/film.h
 struct PackedScene;
 struct RenderState; // host/render/render_state.h
-struct View; // host/scene/view.h: the resolved camera
+struct View;        // host/scene/view.h: the resolved camera
 
 struct RenderSettings {
   std::uint32_t width = 1280, height = 720;
-  std::uint32_t first_sample = 0;  // render samples first_sample <= s < last_sample of every pixel
+  std::uint32_t first_sample = 0; // render samples first_sample <= s < last_sample of every pixel
   std::uint32_t last_sample = 64;
-  std::uint32_t sample_total = 0;  // of the render that this range is a part of, for stratification; 0 = last_sample
-  double time_limit = 0.0;         // rendering seconds; 0 = none
-  double target_error = 0.0;       // estimated relative RMS error at which to stop; 0 = none
+  std::uint32_t sample_total = 0; // of the render that this range is a part of, for stratification; 0 = last_sample
+  double time_limit = 0.0;        // rendering seconds; 0 = none
+  double target_error = 0.0;      // estimated relative RMS error at which to stop; 0 = none
   std::uint32_t max_depth = 8;
   std::uint32_t sampler = gpu::kSamplerSobol;
   std::uint32_t hemisphere = gpu::kHemisphereCosine;
@@ -41,7 +41,7 @@ struct RenderSettings {
   // For measurements. kFeature bits compiled in though the scene leaves them out, and left out though it needs them.
   std::uint32_t added_features = 0, removed_features = 0;
   bool room_for_shadow_rays = false; // even where no light is sampled
-  std::uint32_t wave_slots = 0;  // paths in flight; 0 = chosen from memory and measured dispatch time
+  std::uint32_t wave_slots = 0;      // paths in flight; 0 = chosen from memory and measured dispatch time
 };
 
 // One EXR channel: row-major from the top left, width * height values.
@@ -71,8 +71,8 @@ struct RayCounts {
 struct ErrorEstimate {
   double relative_rms = 0.0;
   std::array<double, 2> ci95{};
-  // Of the estimated squared error, the share that the largest single sample alone would explain. Where it is large, the estimate
-  // hangs on few samples, and so does the picture: fireflies.
+  // Of the estimated squared error, the share that the largest single sample alone would explain. Where it is large,
+  // the estimate hangs on few samples, and so does the picture: fireflies.
   double largest_sample_share = 0.0;
 };
 
@@ -94,7 +94,7 @@ enum class StopReason { samples, time, target_error, interrupted };
 struct RenderResult {
   Picture picture;
   std::shared_ptr<const Film> film; // the exact sums that it was developed from
-  std::uint32_t spp = 0; // samples a pixel that the picture holds
+  std::uint32_t spp = 0;            // samples a pixel that the picture holds
   StopReason stop = StopReason::samples;
   double compile_seconds = 0.0; // of the kernels it began with; loading may have gone on meanwhile
   double upload_seconds = 0.0;
@@ -102,7 +102,7 @@ struct RenderResult {
   double first_pixel_seconds = 0.0;        // from the start of the process until every pixel had its first sample
   RayCounts rays;
   ErrorEstimate error;
-  double slope = -0.5; // of log error against log time, fitted over the last checkpoints
+  double slope = -0.5;           // of log error against log time, fitted over the last checkpoints
   double estimate_seconds = 0.0; // that reading the film back and estimating its error took, besides `seconds`
   bool even = true; // every pixel holds exactly its samples up to spp; false where the render was stopped within a pass
   std::vector<Checkpoint> checkpoints;
@@ -135,9 +135,9 @@ struct RenderHooks {
   const RenderState* resume = nullptr; // goes on from there; of the same scene, view and settings
 };
 
-// Renders `scene` as seen by `view`. Throws Error if the device cannot hold it or fails. The result depends on the device,
-// the scene, the view and the settings alone, not on wave_slots or timing (save where time_limit or target_error ends it), nor on
-// how often it was stopped and resumed.
+// Renders `scene` as seen by `view`. Throws Error if the device cannot hold it or fails. The result depends on the
+// device, the scene, the view and the settings alone, not on wave_slots or timing (save where time_limit or
+// target_error ends it), nor on how often it was stopped and resumed.
 RenderResult render(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings,
                     const ProgressCallback& progress = {});
 

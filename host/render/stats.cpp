@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "host/render/bvh_choice.h"
+#include "host/render/diagnosis.h"
 #include "host/render/error.h"
 
 namespace wavepath {
@@ -24,11 +25,13 @@ Json to_json(const Checkpoint& checkpoint, const TrueError* error) {
             {"gpu_seconds", checkpoint.gpu_seconds},
             {"rays", checkpoint.rays.total()},
             {"estimated_relative_rms", nullptr},
+            {"estimated_ci95", nullptr},
             {"mse", nullptr},
             {"relmse", nullptr},
             {"mrse", nullptr},
             {"flip", nullptr}};
   if (has_estimate(checkpoint.spp, checkpoint.error)) json["estimated_relative_rms"] = checkpoint.error.relative_rms;
+  if (!json["estimated_relative_rms"].is_null()) json["estimated_ci95"] = checkpoint.error.ci95;
   if (error && error->metrics.finite()) {
     json["mse"] = error->metrics.mse;
     json["relmse"] = error->metrics.relmse;
@@ -51,15 +54,32 @@ Json seconds_json(const Run& run) {
           {"total", run.total_seconds}};
 }
 
-Json error_json(const RenderResult& result) {
+// What halving the error once more would take on top, if it goes on falling as it did.
+Json next_halving_json(const RenderResult& result) {
+  const double growth = growth_for(2.0, result.slope),
+               more = growth_for(2.0, fit_slope(result.checkpoints, Against::spp));
+  if (!std::isfinite(growth) || !std::isfinite(more)) return nullptr;
+  return {{"seconds", result.seconds * (growth - 1.0)}, {"spp", std::ceil(result.spp * (more - 1.0))}};
+}
+
+Json error_json(const Run& run) {
+  const RenderResult& result = run.result;
   Json json{
       {"relative_rms", nullptr},
       {"ci95", nullptr},
       {"method", fmt::format("spread of the means of {} independently scrambled replicates a pixel", gpu::kReplicates)},
-      {"slope", result.slope}};
+      {"slope", result.slope},
+      {"slope_spp", fit_slope(result.checkpoints, Against::spp)},
+      {"next_halving", nullptr},
+      {"largest_sample_share", nullptr},
+      {"trusted", is_trusted(result)},
+      {"diagnosis", run.diagnosis},
+      {"estimate_seconds", result.estimate_seconds}};
   if (has_estimate(result.spp, result.error)) {
     json["relative_rms"] = result.error.relative_rms;
     json["ci95"] = {result.error.ci95[0], result.error.ci95[1]};
+    json["next_halving"] = next_halving_json(result);
+    json["largest_sample_share"] = result.error.largest_sample_share;
   }
   return json;
 }
@@ -91,10 +111,8 @@ Json stats_document(const Run& run) {
   Json left_out = Json::array(), checkpoints = Json::array(), stages = Json::array();
   for (const LeftOut& entry : run.packed.left_out)
     left_out.push_back({{"what", entry.what}, {"why", entry.why}, {"bytes", entry.bytes}});
-  // Only the last picture is at hand, so only its true error is known.
-  for (const Checkpoint& checkpoint : result.checkpoints)
-    checkpoints.push_back(
-        to_json(checkpoint, run.true_error && &checkpoint == &result.checkpoints.back() ? &*run.true_error : nullptr));
+  for (std::size_t i = 0; i < result.checkpoints.size(); ++i)
+    checkpoints.push_back(to_json(result.checkpoints[i], i < run.true_errors.size() ? &run.true_errors[i] : nullptr));
   for (const StageTime& stage : result.stages)
     stages.push_back({{"name", stage.name}, {"seconds", stage.seconds}, {"dispatches", stage.dispatches}});
 
@@ -117,7 +135,7 @@ Json stats_document(const Run& run) {
       {"rays", to_json(result.rays)},
       {"mrays_per_second",
        result.seconds > 0.0 ? 1e-6 * static_cast<double>(result.rays.total()) / result.seconds : 0.0},
-      {"error", error_json(result)},
+      {"error", error_json(run)},
       {"nonfinite", nonfinite_json(result)},
       {"bias", run.bias},
       {"left_out", left_out},

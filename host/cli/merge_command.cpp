@@ -1,0 +1,196 @@
+// wavepath merge: joins renders of disjoint sample ranges into the picture that one render of all of them gives.
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "host/base/atomic_file.h"
+#include "host/base/error.h"
+#include "host/cli/commands.h"
+#include "host/cli/flags.h"
+#include "host/cli/render_flags.h"
+#include "host/render/error.h"
+#include "host/render/film.h"
+#include "host/render/identity.h"
+#include "host/render/picture_io.h"
+
+namespace wavepath {
+namespace {
+
+struct Request {
+  std::vector<std::string> parts;
+  OutputRequest output;
+};
+
+struct Range {
+  std::uint32_t first = 0, end = 0; // samples first <= s < end
+  std::string part;
+};
+
+// Of the attribute wavepath.samples: "A:B", or several of them separated by commas.
+std::vector<Range> read_ranges(const std::string& path) {
+  std::vector<Range> ranges;
+  const std::string text = read_attribute(path, "wavepath.samples");
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t end = std::min(text.find(',', at), text.size());
+    Range range{0, 0, path};
+    if (std::sscanf(text.substr(at, end - at).c_str(), "%u:%u", &range.first, &range.end) != 2 ||
+        range.first > range.end)
+      throw Error(path, "has no readable range of samples", "render it again");
+    ranges.push_back(range);
+    at = end + 1;
+  }
+  return ranges;
+}
+
+void refuse_overlaps(std::vector<Range>& ranges) {
+  std::sort(ranges.begin(), ranges.end(), [](const Range& a, const Range& b) { return a.first < b.first; });
+  for (std::size_t i = 1; i < ranges.size(); ++i)
+    if (ranges[i].first < ranges[i - 1].end)
+      throw Error(ranges[i].part,
+                  fmt::format("holds samples {}:{}, of which {} has some as well ({}:{})", ranges[i].first,
+                              ranges[i].end, ranges[i - 1].part, ranges[i - 1].first, ranges[i - 1].end),
+                  "give parts whose --samples do not overlap");
+}
+
+std::string join_ranges(const std::vector<Range>& ranges) {
+  std::vector<Range> joined;
+  for (const Range& range : ranges)
+    if (!joined.empty() && joined.back().end == range.first)
+      joined.back().end = range.end;
+    else
+      joined.push_back(range);
+  std::string text;
+  for (const Range& range : joined) text += fmt::format("{}{}:{}", text.empty() ? "" : ",", range.first, range.end);
+  return text;
+}
+
+// What the header of a part says about it besides its sums.
+std::string read_identity(const std::string& path) {
+  std::error_code error;
+  if (!std::filesystem::exists(path, error)) throw Error(path, "does not exist", "check the name");
+  if (picture_format(path) != PictureFormat::exr)
+    throw UsageError(path, "is no .exr", "merge the .exr files of renders");
+  const std::string identity = read_attribute(path, "wavepath.identity");
+  if (identity.empty()) {
+    read_picture(path); // says what is wrong if it is no picture at all
+    throw Error(path, "holds no exact sums", "render it with --samples or --mergeable, to its end");
+  }
+  return identity;
+}
+
+// Channels that the parts have besides R G B A, as names of --aov.
+std::vector<std::string> aovs_of(const Picture& picture) {
+  const std::pair<const char*, const char*> names[] = {
+      {"albedo", "albedo.R"}, {"normal", "N.X"},          {"depth", "Z"},
+      {"position", "P.X"},    {"variance", "variance.R"}, {"samples", "samples"},
+      {"direct", "direct.R"}, {"indirect", "indirect.R"}, {"emission", "emission.R"}};
+  std::vector<std::string> aovs;
+  for (const auto& [name, channel] : names)
+    if (find_channel(picture, channel)) aovs.emplace_back(name);
+  return aovs;
+}
+
+// Positions are stored relative to where the device had its origin, and come back as they were written.
+glm::dvec3 origin_of(const Picture& picture, const Film& film) {
+  const Channel* channels[3] = {find_channel(picture, "P.X"), find_channel(picture, "P.Y"),
+                                find_channel(picture, "P.Z")};
+  for (std::size_t i = 0; channels[0] && i < film.aovs.size(); ++i)
+    if (film.aovs[i].hits > 0.0f)
+      return {channels[0]->values[i] - film.aovs[i].position.x, channels[1]->values[i] - film.aovs[i].position.y,
+              channels[2]->values[i] - film.aovs[i].position.z};
+  return glm::dvec3(0.0);
+}
+
+int run_merge(const Request& request) {
+  if (request.parts.size() < 2) throw UsageError("merge", "takes two parts or more", "name the .exr files to join");
+  for (const std::string& path : request.output.pictures) {
+    if (!picture_format(path))
+      throw UsageError(path, "has no extension that names a picture format", "end it in .exr, .hdr, .png or .jpg");
+    require_writable(path);
+  }
+  const std::string identity = read_identity(request.parts.front());
+  std::vector<Range> ranges;
+  for (const std::string& path : request.parts) {
+    if (const auto difference = first_difference(read_identity(path), identity))
+      throw Error(path, fmt::format("does not belong to {}: {}", request.parts.front(), *difference),
+                  "render all parts alike");
+    for (const Range& range : read_ranges(path)) ranges.push_back(range);
+  }
+  refuse_overlaps(ranges);
+
+  PictureInfo info;
+  std::shared_ptr<Film> film;
+  Warnings warnings;
+  for (const std::string& path : request.parts) {
+    const std::shared_ptr<const Film> part = read_film(path);
+    if (!part) throw Error(path, "holds no exact sums", "render it with --samples or --mergeable, to its end");
+    if (film)
+      join(*film, *part);
+    else
+      film = std::make_shared<Film>(*part);
+    info.seconds += read_number(path, "wavepath.seconds").value_or(0.0);
+    const std::string device = read_attribute(path, "wavepath.device");
+    if (info.device.empty()) info.device = device;
+    if (info.device != device)
+      warnings.add(fmt::format(
+          "{}: rendered on {}, others on {}; the result is as good, but not bit by bit what one device gives", path,
+          device, info.device));
+  }
+  const std::string& first = request.parts.front();
+  const Picture of_first = read_picture(first);
+  const Picture picture = develop(*film, aovs_of(of_first), origin_of(of_first, *film));
+  const ErrorEstimate error = estimate_error(*film);
+  for (const Range& range : ranges) info.spp += range.end - range.first;
+  if (has_estimate(info.spp, error)) info.error = error.relative_rms;
+  info.seed = static_cast<std::uint32_t>(read_number(first, "wavepath.seed").value_or(0.0));
+  info.samples = join_ranges(ranges);
+  info.scene = read_attribute(first, "wavepath.scene");
+  info.command = read_attribute(first, "wavepath.command");
+  info.filter = read_attribute(first, "wavepath.filter");
+  info.bias = read_attribute(first, "wavepath.bias");
+  info.world_to_camera = read_matrix(first, "worldToCamera");
+  info.world_to_ndc = read_matrix(first, "worldToNDC");
+  info.identity = identity;
+  info.film = film;
+
+  for (const std::string& path : request.output.pictures) {
+    const std::uint64_t clamped = write_picture(path, picture, info, request.output.write);
+    if (clamped > 0) warnings.add(path + ": value clamped to what the format holds", clamped);
+  }
+  print_warnings(warnings);
+  if (!request.output.quiet)
+    fmt::print(stderr, "wavepath: {}: samples {} of {} parts{}\n", fmt::join(request.output.pictures, ", "),
+               info.samples, request.parts.size(),
+               info.error ? fmt::format(", estimated error {:.3g} % ({:.3g} to {:.3g})", 100.0 * *info.error,
+                                        100.0 * error.ci95[0], 100.0 * error.ci95[1])
+                          : "");
+  return kExitDone;
+}
+
+} // namespace
+
+Command add_merge(CLI::App& app) {
+  CLI::App* command = app.add_subcommand("merge", "join renders of disjoint sample ranges into one picture");
+  command->set_help_flag("-h,--help", "show this and exit")->group(kHelpGroup);
+  command->footer(
+      "Parts come from 'wavepath render --samples A:B'; give each the whole's --spp. Parts of one device join to the "
+      "bits of the "
+      "uninterrupted render, in any order; AOVs of first hits (albedo, normal, depth, position, emission, direct) to "
+      "within rounding.");
+  const auto request = std::make_shared<Request>();
+  add_flag(
+      *command, "Pictures", {"PARTS", "FILE.exr", "two or more"},
+      [=](const FlagValue& value) { request->parts.push_back(value.text); }, true)
+      ->required()
+      ->allow_extra_args(); // as many as there are
+  add_picture_output_flags(*command, request->output);
+  add_switch(*command, "Output", {"-q,--quiet", "", "no summary", "off"}, request->output.quiet);
+  return [request] {
+    if (request->output.pictures.empty()) throw UsageError("-o", "is missing", "say where the result goes: -o OUT.exr");
+    return run_merge(*request);
+  };
+}
+
+} // namespace wavepath

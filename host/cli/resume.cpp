@@ -1,0 +1,57 @@
+#include "host/cli/resume.h"
+
+#include <filesystem>
+
+#include <fmt/format.h>
+
+#include "host/base/atomic_file.h"
+#include "host/base/error.h"
+#include "host/render/identity.h"
+
+namespace wavepath {
+
+void check_state_file(const StateRequest& request) {
+  if (request.file.empty()) return;
+  require_writable(request.file);
+  std::error_code error;
+  if (!request.resume && std::filesystem::exists(request.file, error))
+    throw UsageError(request.file, "exists and would be overwritten",
+                     "add --resume to go on from it, or delete it first");
+}
+
+std::optional<RenderState> read_resumed(const StateRequest& request, const RenderSettings& settings,
+                                        const std::string& identity, const DeviceInfo& device, Warnings& warnings) {
+  std::error_code error;
+  if (!request.resume) return std::nullopt;
+  if (!std::filesystem::exists(request.file, error)) {
+    warnings.add(request.file + ": no state there yet; the render begins");
+    return std::nullopt;
+  }
+  StateRecord record = read_state(request.file);
+  if (const auto difference = first_difference(identity, record.identity))
+    throw Error(request.file, fmt::format("is of another render: {}", *difference),
+                "use the flags and the scene that it was begun with");
+  if (record.state.cursor.sample < settings.first_sample)
+    throw Error(request.file, fmt::format("begins before sample {}", settings.first_sample),
+                "use the --samples that it was begun with");
+  if (record.device != device_text(device))
+    warnings.add(fmt::format("{}: begun on {}; the result is as good, but not bit by bit what one device gives",
+                             request.file, record.device));
+  return std::move(record.state);
+}
+
+std::function<void(const RenderState&)> state_saver(const StateRequest& request, const std::string& identity,
+                                                    const DeviceInfo& device, Warnings& warnings) {
+  if (request.file.empty()) return {};
+  return [&request, identity, text = device_text(device), &warnings](const RenderState& state) {
+    try {
+      write_state(request.file, identity, text, state);
+    } catch (const Error& error) {
+      warnings.add(fmt::format("{} (the render goes on; the file is as it was)", error.what()));
+    }
+  };
+}
+
+std::string device_text(const DeviceInfo& device) { return fmt::format("{} ({})", device.name, device.driver); }
+
+} // namespace wavepath

@@ -1,0 +1,30 @@
+// The state of a render on disk: what it goes on from, and how it is kept.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "host/base/warnings.h"
+#include "host/cli/render_flags.h"
+#include "host/gpu/device.h"
+#include "host/render/state_file.h"
+
+namespace wavepath {
+
+// Refuses, before anything is loaded, a state that would be overwritten unasked or could not be written. Throws Error.
+void check_state_file(const StateRequest& request);
+
+// What --resume asks for; nothing where no render has been begun yet. Throws Error if the state is of another render.
+std::optional<RenderState> read_resumed(const StateRequest& request, const RenderSettings& settings,
+                                        const std::string& identity, const DeviceInfo& device, Warnings& warnings);
+
+// Writes the state to the file; a failure (a full disk) becomes a warning, because the render can go on and the file
+// still holds what it held.
+std::function<void(const RenderState&)> state_saver(const StateRequest& request, const std::string& identity,
+                                                    const DeviceInfo& device, Warnings& warnings);
+
+// Name and driver.
+std::string device_text(const DeviceInfo& device);
+
+} // namespace wavepath

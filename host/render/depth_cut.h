@@ -1,0 +1,20 @@
+// What --max-depth costs: the share of the light that longer paths would have brought.
+#pragma once
+
+#include "host/render/render.h"
+
+namespace wavepath {
+
+struct DepthCut {
+  double share = 0.0;          // of all light, missing
+  double standard_error = 0.0; // of that
+  std::uint32_t deeper = 0;    // bounces up to which it was measured
+};
+
+// Renders a small picture twice, with the depth of `settings` and with a larger one, by the same random numbers: the
+// paths are the same up to the cut, so that the difference is all that lies behind it and nearly free of noise. Uses
+// the kernels that are there.
+DepthCut measure_depth_cut(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings,
+                           KernelCompiler& kernels);
+
+} // namespace wavepath
