@@ -39,7 +39,7 @@ private:
       return progress_({fmt::format("{}, {} spp", what, settings.last_sample), seconds_ + progress.seconds});
     };
     RenderResult result =
-        render(device_, scene_.packed.at(settings.direct), scene_.view, settings, on_progress, kernels);
+        render(device_, scene_.packed.at(settings.direct), scene_.view, settings, {.progress = on_progress}, kernels);
     seconds_ += result.seconds;
     study_.interrupted |= result.stop == StopReason::interrupted;
     return result;

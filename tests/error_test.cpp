@@ -1,0 +1,239 @@
+// The error that a render reports for itself: against exact answers and converged references, over many seeds. And that
+// neither stopping at a target nor adaptive sampling moves the mean.
+#include <cmath>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "host/render/adaptive.h"
+#include "host/render/error.h"
+#include "host/render/film.h"
+#include "host/render/kernel_compiler.h"
+#include "host/render/metrics.h"
+#include "host/scene/gltf.h"
+#include "host/scene/pack.h"
+#include "host/scene/view.h"
+#include "tests/probe.h"
+
+namespace wavepath::test {
+namespace {
+
+const std::string kScenes = std::string(WAVEPATH_SOURCE_DIR) + "/scenes/";
+
+// A scene that stays packed, and the kernels for it, for many renders.
+class Subject {
+public:
+  Subject(Device& device, const std::string& name, RenderSettings settings, float environment = 0.0f)
+      : settings_(settings), device_(device), kernels_(device) {
+    Scene scene = load_gltf(kScenes + name, {});
+    if (environment > 0.0f) scene.environment.radiance = glm::vec3(environment);
+    view_ = resolve_view(scene, {}, settings.width, settings.height);
+    packed_ = pack(scene, settings.direct);
+  }
+  RenderResult render(std::uint32_t seed, std::uint32_t spp = 0) {
+    RenderSettings settings = settings_;
+    settings.seed = seed;
+    if (spp > 0) settings.last_sample = spp;
+    return wavepath::render(device_, packed_, view_, settings, RenderHooks{}, kernels_);
+  }
+  RenderSettings settings_;
+
+private:
+  Device& device_;
+  PackedScene packed_;
+  View view_;
+  KernelCompiler kernels_;
+};
+
+RenderSettings small(std::uint32_t side, std::uint32_t spp) {
+  RenderSettings settings;
+  settings.width = settings.height = side;
+  settings.last_sample = spp;
+  settings.max_depth = 4;
+  settings.filter = gpu::kFilterBox;
+  return settings;
+}
+
+// The corner of three planes under a white sky: every pixel is exactly 1/4, and a sample drawn by cosine is 0 or 1.
+RenderSettings corner(std::uint32_t side, std::uint32_t spp) {
+  RenderSettings settings = small(side, spp);
+  settings.max_depth = 1;
+  settings.direct = gpu::kDirectBsdf;
+  settings.sampler = gpu::kSamplerIndependent;
+  return settings;
+}
+constexpr double kCorner = 0.25, kBernoulli = kCorner * (1.0 - kCorner);
+
+double mean_of(const std::vector<float>& values) {
+  double sum = 0.0;
+  for (const float value : values) sum += value;
+  return sum / static_cast<double>(values.size());
+}
+
+class ErrorTest : public VulkanTest {};
+
+TEST_F(ErrorTest, OfAKnownVarianceIsReportedAsItIs) {
+  constexpr std::uint32_t kSide = 16, kSamples = 64, kRuns = 32;
+  Subject subject(device(), "analytic/occlusion_in_corner.gltf", corner(kSide, kSamples), 1.0f);
+  double mse = 0.0, estimate = 0.0;
+  for (std::uint32_t seed = 0; seed < kRuns; ++seed) {
+    const RenderResult result = subject.render(seed);
+    for (std::size_t i = 0; i < kSide * kSide; ++i) {
+      const double off = result.picture.channels[0].values[i] - kCorner;
+      mse += off * off;
+      estimate += mean_variance(*result.film, i).x;
+    }
+  }
+  const double n = double{kSide} * kSide * kRuns, exact = kBernoulli / kSamples;
+  // Both are means of n squares of nearly normal numbers, whose standard deviation is sqrt(2) times their mean.
+  EXPECT_NEAR(mse / n, exact, 3.0 * exact * std::sqrt(2.0 / n));
+  EXPECT_NEAR(estimate / n, exact, 3.0 * exact * std::sqrt(2.0 / n));
+}
+
+struct Case {
+  const char* scene;
+  std::uint32_t sampler;
+  float environment;
+};
+
+class Coverage : public VulkanTest, public ::testing::WithParamInterface<Case> {};
+
+TEST_P(Coverage, TheIntervalHoldsTheTrueError) {
+  const Case& c = GetParam();
+  constexpr std::uint32_t kSide = 24, kSamples = 16, kRuns = 100,
+                          kReference = 256; // times as many samples: 1/16 of the error
+  RenderSettings settings = small(kSide, kSamples);
+  settings.sampler = c.sampler;
+  Subject subject(device(), c.scene, settings, c.environment);
+  const Picture reference = subject.render(1000000, kSamples * kReference).picture;
+  std::uint32_t covered = 0;
+  double ratio = 0.0;
+  for (std::uint32_t seed = 0; seed < kRuns; ++seed) {
+    const RenderResult result = subject.render(seed);
+    const double truth = std::sqrt(compare_pictures(result.picture, reference).relmse);
+    covered += truth >= result.error.ci95[0] && truth <= result.error.ci95[1];
+    ratio += result.error.relative_rms / truth / kRuns;
+  }
+  EXPECT_GE(covered, 90u) << "estimate over truth, on average: " << ratio;
+  RecordProperty("covered", static_cast<int>(covered));
+  RecordProperty("estimate_over_truth", std::to_string(ratio));
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenes, Coverage,
+                         ::testing::Values(Case{"cornell_box.gltf", gpu::kSamplerSobol, 0.0f},
+                                           Case{"cornell_box.gltf", gpu::kSamplerIndependent, 0.0f},
+                                           Case{"cornell_box.gltf", gpu::kSamplerStratified, 0.0f},
+                                           Case{"showcase.glb", gpu::kSamplerSobol, 1.0f},
+                                           Case{"furnace_metal.gltf", gpu::kSamplerSobol, 1.0f},
+                                           Case{"analytic/lights_of_all_sizes.gltf", gpu::kSamplerSobol, 0.0f},
+                                           Case{"analytic/occlusion_by_wall.gltf", gpu::kSamplerSobol, 1.0f}),
+                         [](const auto& info) {
+                           std::string name = std::to_string(info.index) + "_" + info.param.scene;
+                           std::replace_if(
+                               name.begin(), name.end(), [](char x) { return !std::isalnum(x); }, '_');
+                           return name;
+                         });
+
+TEST_F(ErrorTest, StoppingAtATargetDoesNotMoveTheMean) {
+  constexpr std::uint32_t kSide = 8, kRuns = 256;
+  RenderSettings settings = corner(kSide, 4096);
+  settings.target_error = 0.15; // relative to sqrt(0.25^2 + 0.01): near 100 samples a pixel
+  Subject subject(device(), "analytic/occlusion_in_corner.gltf", settings, 1.0f);
+  double sum = 0.0, variance = 0.0;
+  std::uint32_t fewest = 4096, most = 0;
+  for (std::uint32_t seed = 0; seed < kRuns; ++seed) {
+    const RenderResult result = subject.render(seed);
+    ASSERT_EQ(result.stop, StopReason::target_error);
+    ASSERT_LE(result.error.relative_rms, settings.target_error);
+    sum += mean_of(result.picture.channels[0].values);
+    variance += kBernoulli / (double{result.spp} * kSide * kSide);
+    fewest = std::min(fewest, result.spp), most = std::max(most, result.spp);
+  }
+  EXPECT_LT(fewest, most) << "all runs stopped at once, so this would prove nothing";
+  EXPECT_NEAR(sum / kRuns, kCorner, 3.0 * std::sqrt(variance) / kRuns);
+}
+
+TEST_F(ErrorTest, StopsBetweenPowersOfTwo) {
+  RenderSettings settings = small(32, 4096);
+  settings.target_error = 0.08;
+  Subject subject(device(), "cornell_box.gltf", settings);
+  const RenderResult result = subject.render(0);
+  ASSERT_EQ(result.stop, StopReason::target_error);
+  EXPECT_LE(result.error.relative_rms, 0.08);
+  EXPECT_GT(result.error.relative_rms, 0.08 * 0.9) << "rendered on although the target was reached";
+  for (const Checkpoint& c : result.checkpoints)
+    if (c.spp != result.spp) EXPECT_TRUE((c.spp & (c.spp - 1)) == 0) << c.spp;
+}
+
+TEST_F(ErrorTest, AdaptiveSamplingKeepsTheMeanAndLowersTheError) {
+  constexpr std::uint32_t kSide = 48, kSamples = 64, kRuns = 8;
+  Subject even(device(), "cornell_box.gltf", small(kSide, kSamples));
+  Subject adaptive(device(), "cornell_box.gltf", small(kSide, kSamples));
+  adaptive.settings_.adaptive = true;
+  const Picture reference = even.render(1000000, kSamples * 128).picture;
+  double even_error = 0.0, adaptive_error = 0.0;
+  std::vector<double> differences;
+  for (std::uint32_t seed = 0; seed < kRuns; ++seed) {
+    const RenderResult a = adaptive.render(seed), e = even.render(seed + 100);
+    EXPECT_LE(a.spp, kSamples);
+    EXPECT_GT(a.spp, kSamples * 3 / 4);
+    even_error += compare_pictures(e.picture, reference).relmse / kRuns;
+    adaptive_error += compare_pictures(a.picture, reference).relmse / kRuns;
+    EXPECT_NEAR(a.error.relative_rms, std::sqrt(compare_pictures(a.picture, reference).relmse),
+                0.25 * a.error.relative_rms);
+    differences.push_back(mean_of(a.picture.channels[1].values) - mean_of(reference.channels[1].values));
+  }
+  EXPECT_LT(adaptive_error, even_error);
+  double mean = 0.0, squares = 0.0;
+  for (const double d : differences) mean += d / kRuns;
+  for (const double d : differences) squares += (d - mean) * (d - mean);
+  constexpr double kStudent = 3.5; // 99 % of eight runs, two-sided
+  EXPECT_LT(std::abs(mean), kStudent * std::sqrt(squares / (kRuns * (kRuns - 1))));
+}
+
+TEST_F(ErrorTest, AdaptiveRendersAreReproducible) {
+  Subject subject(device(), "cornell_box.gltf", small(30, 16)); // borders cut the last runs short
+  subject.settings_.adaptive = true;
+  const Picture first = subject.render(5).picture;
+  subject.settings_.wave_slots = 4096;
+  EXPECT_EQ(first.channels[0].values, subject.render(5).picture.channels[0].values);
+  EXPECT_NE(first.channels[0].values, subject.render(6).picture.channels[0].values);
+}
+
+TEST(Levels, GiveNoisyRunsMoreAndKeepTheTotal) {
+  Film pilot{64, 64, std::vector<gpu::FilmPixel>(64 * 64 * gpu::kReplicates), {}};
+  for (std::uint32_t y = 0; y < 64; ++y)
+    for (std::uint32_t x = 0; x < 64; ++x)
+      for (std::uint32_t r = 0; r < gpu::kReplicates; ++r) {
+        gpu::FilmPixel& pixel = pilot.pixels[(y * 64 + x) * gpu::kReplicates + r];
+        pixel.count = 1;
+        pixel.red.low[0] = x < 8 && y < 8 ? 1000 + 900 * r : 1000 + r; // one tile of 8x8 is noisy
+        pixel.tops = 5;
+      }
+  const std::vector<std::int8_t> levels = choose_levels(pilot);
+  ASSERT_EQ(levels.size(), 64u);
+  for (std::size_t i = 1; i < levels.size(); ++i) EXPECT_LT(levels[i], levels[0]);
+  EXPECT_LE(mean_factor(levels, 64 * 64), 1.0);
+  EXPECT_GT(mean_factor(levels, 64 * 64), 0.5);
+}
+
+TEST(Slope, FollowsAPowerLaw) {
+  std::vector<Checkpoint> points;
+  for (std::uint32_t spp = 1; spp <= 64; spp *= 2) {
+    Checkpoint c;
+    c.spp = spp;
+    c.seconds = 0.1 * spp;
+    c.error.relative_rms = 0.3 * std::pow(spp, -0.7);
+    points.push_back(c);
+  }
+  EXPECT_NEAR(fit_slope(points, Against::seconds), -0.7, 1e-9);
+  EXPECT_NEAR(fit_slope(points, Against::spp), -0.7, 1e-9);
+  EXPECT_NEAR(growth_for(2.0, -0.5), 4.0, 1e-9);
+  EXPECT_TRUE(std::isinf(growth_for(2.0, 0.1)));
+  EXPECT_EQ(fit_slope({}, Against::spp), -0.5);
+}
+
+} // namespace
+} // namespace wavepath::test

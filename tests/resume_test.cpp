@@ -1,0 +1,250 @@
+// Stopping, splitting and joining renders as a user does: whatever happens in between, the bits are those of one
+// render.
+#include <filesystem>
+#include <fstream>
+#include <random>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+
+#include "host/render/film.h"
+#include "host/render/picture_io.h"
+#include "tests/run_wavepath.h"
+#include "tests/temporary_folder.h"
+
+namespace wavepath::test {
+namespace {
+
+const std::string kCornell = std::string(WAVEPATH_SOURCE_DIR) + "/scenes/cornell_box.gltf";
+
+class Resume : public ::testing::Test {
+protected:
+  Outcome wavepath(std::vector<std::string> arguments, RunOptions options = {}) {
+    arguments.insert(arguments.begin(), WAVEPATH_BINARY);
+    options.folder = folder_.path().string();
+    return run_program(arguments, options);
+  }
+  // Renders the Cornell box; the flags at the end count.
+  Outcome render(const std::string& output, std::vector<std::string> flags, const RunOptions& options = {}) {
+    std::vector<std::string> all{"render", kCornell, "--size", "64x48", "--spp", "48", "-q", "-o", output};
+    all.insert(all.end(), flags.begin(), flags.end());
+    return wavepath(all, options);
+  }
+  std::string path(const std::string& name) const { return folder_.file(name); }
+  void expect_same_bits(const std::string& a, const std::string& b) {
+    const Picture first = read_picture(path(a)), second = read_picture(path(b));
+    ASSERT_EQ(first.channels.size(), second.channels.size());
+    for (std::size_t c = 0; c < first.channels.size(); ++c)
+      EXPECT_EQ(first.channels[c].values, second.channels[c].values) << first.channels[c].name;
+  }
+  std::string bytes(const std::string& name) const {
+    std::ifstream file(path(name), std::ios::binary);
+    return {std::istreambuf_iterator<char>(file), {}};
+  }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(Resume, SurvivesBeingKilledAtAnyMoment) {
+  const std::vector<std::string> flags{"--aov", "albedo,depth,variance,samples"};
+  ASSERT_EQ(render("whole.exr", flags).exit_code, 0);
+  const std::vector<std::string> resumed{
+      "--aov", "albedo,depth,variance,samples", "--checkpoint", "state", "--checkpoint-interval", "0", "--resume"};
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> moment(0.0, 1.5); // seconds; a whole run takes about one
+  int killed = 0, with_state = 0;
+  for (int i = 0; i < 25; ++i) {
+    std::vector<std::string> arguments{"/usr/bin/timeout",
+                                       "-s",
+                                       "KILL",
+                                       fmt::format("{:.3f}", moment(random)),
+                                       WAVEPATH_BINARY,
+                                       "render",
+                                       kCornell,
+                                       "--size",
+                                       "64x48",
+                                       "--spp",
+                                       "48",
+                                       "-q",
+                                       "-o",
+                                       "part.exr"};
+    arguments.insert(arguments.end(), resumed.begin(), resumed.end());
+    RunOptions options;
+    options.folder = folder_.path().string();
+    const Outcome outcome = run_program(arguments, options);
+    const bool was_killed = outcome.exit_code == 128 + SIGKILL;
+    killed += was_killed;
+    with_state += std::filesystem::exists(path("state"));
+    if (was_killed) continue;
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    expect_same_bits("part.exr", "whole.exr");
+    std::filesystem::remove(path("state")); // and again from the beginning
+  }
+  EXPECT_GT(killed, 5);
+  EXPECT_GT(with_state, 5);
+  ASSERT_EQ(render("part.exr", resumed).exit_code, 0);
+  expect_same_bits("part.exr", "whole.exr");
+}
+
+TEST_F(Resume, GoesOnAfterAnInterruptAndBeyondTheEnd) {
+  ASSERT_EQ(render("whole.exr", {}).exit_code, 0);
+  ASSERT_EQ(render("part.exr", {"--checkpoint", "state", "--time", "0.05"}).exit_code, 0);
+  ASSERT_EQ(render("part.exr", {"--checkpoint", "state", "--resume", "--spp", "20"}).exit_code, 0);
+  ASSERT_EQ(render("part.exr", {"--checkpoint", "state", "--resume"}).exit_code, 0);
+  expect_same_bits("part.exr", "whole.exr");
+  // The same again from the finished state renders nothing more.
+  const Outcome again = render("again.exr", {"--checkpoint", "state", "--resume"});
+  ASSERT_EQ(again.exit_code, 0) << again.err;
+  expect_same_bits("again.exr", "whole.exr");
+}
+
+TEST_F(Resume, KeepsAdaptiveLevels) {
+  ASSERT_EQ(render("whole.exr", {"--adaptive"}).exit_code, 0);
+  ASSERT_EQ(render("part.exr", {"--adaptive", "--checkpoint", "state", "--time", "0.1"}).exit_code, 0);
+  ASSERT_EQ(render("part.exr", {"--adaptive", "--checkpoint", "state", "--resume"}).exit_code, 0);
+  expect_same_bits("part.exr", "whole.exr");
+}
+
+// A disk that takes the picture but no state: the render goes on, says so, and the old state stays whole.
+TEST_F(Resume, FullDiskLosesNothing) {
+  ASSERT_EQ(render("whole.exr", {}).exit_code, 0);
+  ASSERT_EQ(render("part.exr", {"--checkpoint", "state", "--time", "0.05"}).exit_code, 0);
+  const std::string before = bytes("state");
+  RunOptions options;
+  options.in_child = [] {
+    const rlimit limit{100000, 100000}; // bytes a file; the state has 393,000 and more
+    setrlimit(RLIMIT_FSIZE, &limit);
+  };
+  const Outcome outcome =
+      render("part.exr", {"--checkpoint", "state", "--resume", "--checkpoint-interval", "0"}, options);
+  EXPECT_EQ(outcome.exit_code, 0);
+  EXPECT_NE(outcome.err.find("state"), std::string::npos) << outcome.err;
+  EXPECT_NE(outcome.err.find("the render goes on"), std::string::npos) << outcome.err;
+  expect_same_bits("part.exr", "whole.exr");
+  EXPECT_EQ(bytes("state"), before);
+}
+
+TEST_F(Resume, RefusesWhatIsNotItsOwn) {
+  ASSERT_EQ(render("part.exr", {"--checkpoint", "state", "--spp", "8"}).exit_code, 0);
+  const std::string good = bytes("state");
+  const auto refused = [&](std::vector<std::string> flags, const std::string& words, int code = 1) {
+    flags.insert(flags.begin(), {"--checkpoint", "state", "--resume"});
+    const Outcome outcome = render("x.exr", flags);
+    EXPECT_EQ(outcome.exit_code, code) << words;
+    EXPECT_NE(outcome.err.find(words), std::string::npos) << outcome.err;
+    EXPECT_FALSE(std::filesystem::exists(path("x.exr")));
+    EXPECT_EQ(bytes("state"), good) << "the state was touched";
+  };
+  refused({"--seed", "3"}, "seed is 3, not 0");
+  refused({"--max-depth", "3"}, "max-depth is 3, not 8");
+  refused({"--size", "32x32"}, "size is 32x32, not 64x48");
+  refused({"--yfov", "30"}, "the camera is another");
+  refused({"--env", "1,1,1"}, "the scene is another");
+  refused({"--adaptive"}, "adaptive is on, not off");
+  const Outcome unasked = render("x.exr", {"--checkpoint", "state"});
+  EXPECT_EQ(unasked.exit_code, 2);
+  EXPECT_NE(unasked.err.find("add --resume"), std::string::npos) << unasked.err;
+
+  for (const std::size_t size : {std::size_t{0}, std::size_t{10}, std::size_t{100}, good.size() / 2, good.size() - 1}) {
+    std::ofstream(path("state"), std::ios::binary) << good.substr(0, size);
+    const Outcome outcome = render("x.exr", {"--checkpoint", "state", "--resume"});
+    EXPECT_EQ(outcome.exit_code, 1) << size;
+    EXPECT_NE(outcome.err.find("wavepath: error: state: "), std::string::npos) << outcome.err;
+  }
+  std::string damaged = good;
+  damaged[damaged.size() - 1000] ^= 1;
+  std::ofstream(path("state"), std::ios::binary) << damaged;
+  const Outcome outcome = render("x.exr", {"--checkpoint", "state", "--resume"});
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_NE(outcome.err.find("checksum"), std::string::npos) << outcome.err;
+}
+
+TEST_F(Resume, PartsJoinToTheWhole) {
+  for (const std::string sampler : {"sobol", "stratified", "independent"}) {
+    SCOPED_TRACE(sampler);
+    const std::vector<std::string> all{"--sampler", sampler, "--aov", "variance,samples"};
+    ASSERT_EQ(render("whole.exr", all).exit_code, 0);
+    std::string parts[3] = {"0:5", "5:32", "32:48"}; // neither aligned nor even
+    for (int i = 0; i < 3; ++i) {
+      std::vector<std::string> flags = all;
+      flags.insert(flags.end(), {"--samples", parts[i]});
+      ASSERT_EQ(render(fmt::format("part{}.exr", i), flags).exit_code, 0);
+    }
+    ASSERT_EQ(wavepath({"merge", "part2.exr", "part0.exr", "-o", "two.exr"}).exit_code, 0);
+    const Outcome merged = wavepath({"merge", "two.exr", "part1.exr", "-o", "merged.exr", "-o", "merged.png"});
+    ASSERT_EQ(merged.exit_code, 0) << merged.err;
+    expect_same_bits("merged.exr", "whole.exr");
+    EXPECT_EQ(read_attribute(path("two.exr"), "wavepath.samples"), "0:5,32:48");
+    EXPECT_EQ(read_attribute(path("merged.exr"), "wavepath.samples"), "0:48");
+    EXPECT_EQ(read_number(path("merged.exr"), "wavepath.error"), read_number(path("whole.exr"), "wavepath.error"));
+    EXPECT_EQ(read_matrix(path("merged.exr"), "worldToNDC"), read_matrix(path("whole.exr"), "worldToNDC"));
+  }
+}
+
+TEST_F(Resume, MergeRefusesWhatDoesNotBelongTogether) {
+  ASSERT_EQ(render("a.exr", {"--samples", "0:4"}).exit_code, 0);
+  ASSERT_EQ(render("b.exr", {"--samples", "3:8"}).exit_code, 0);
+  ASSERT_EQ(render("seed.exr", {"--samples", "4:8", "--seed", "1"}).exit_code, 0);
+  ASSERT_EQ(render("size.exr", {"--samples", "4:8", "--size", "32x32"}).exit_code, 0);
+  ASSERT_EQ(render("scene.exr", {"--samples", "4:8", "--env", "1,1,1"}).exit_code, 0);
+  ASSERT_EQ(render("plain.exr", {"--spp", "2"}).exit_code, 0);
+  const auto refused = [&](const std::string& other, const std::string& words, int code = 1) {
+    const Outcome outcome = wavepath({"merge", "a.exr", other, "-o", "x.exr"});
+    EXPECT_EQ(outcome.exit_code, code) << outcome.err;
+    EXPECT_NE(outcome.err.find(words), std::string::npos) << outcome.err;
+    EXPECT_FALSE(std::filesystem::exists(path("x.exr")));
+  };
+  refused("b.exr", "holds samples 3:8");
+  refused("a.exr", "some as well");
+  refused("seed.exr", "seed is 1, not 0");
+  refused("size.exr", "size is 32x32, not 64x48");
+  refused("scene.exr", "the scene is another");
+  refused("plain.exr", "holds no exact sums");
+  refused("missing.exr", "does not exist");
+  refused("picture.png", "does not exist");
+  EXPECT_EQ(wavepath({"merge", "a.exr", "-o", "x.exr"}).exit_code, 2);
+  EXPECT_EQ(wavepath({"merge", "a.exr", "b.exr"}).exit_code, 2);
+}
+
+// The steps of the array job in benchmarks/, one after the other on this machine; one task is killed and started again.
+TEST_F(Resume, ArrayJobMakesTheWholePicture) {
+  ASSERT_EQ(render("whole.exr", {}).exit_code, 0);
+  const std::string script = std::string(WAVEPATH_SOURCE_DIR) + "/benchmarks/slurm_array.sh";
+  const auto run_task = [&](int task, double kill_after) {
+    RunOptions options;
+    options.folder = folder_.path().string();
+    options.in_child = [task] {
+      setenv("WAVEPATH", WAVEPATH_BINARY, 1);
+      setenv("SLURM_ARRAY_TASK_ID", std::to_string(task + 3).c_str(), 1);
+      setenv("SLURM_ARRAY_TASK_MIN", "3", 1);
+      setenv("SLURM_ARRAY_TASK_COUNT", "5", 1);
+    };
+    return run_program({"/usr/bin/timeout", "-s", "KILL", fmt::format("{}", kill_after), script, kCornell, "farm", "48",
+                        "--size", "64x48", "-q"},
+                       options);
+  };
+  run_task(2, 0.5);
+  for (int task = 0; task < 5; ++task) {
+    const Outcome outcome = run_task(task, 600.0);
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  }
+  RunOptions options;
+  options.folder = folder_.path().string();
+  options.in_child = [] { setenv("WAVEPATH", WAVEPATH_BINARY, 1); };
+  const Outcome merged = run_program({script, "--merge", "farm"}, options);
+  ASSERT_EQ(merged.exit_code, 0) << merged.err;
+  expect_same_bits("farm/picture.exr", "whole.exr");
+}
+
+TEST_F(Resume, UsageIsChecked) {
+  EXPECT_EQ(render("x.exr", {"--resume"}).exit_code, 2);
+  EXPECT_EQ(render("x.exr", {"--adaptive", "--samples", "0:4"}).exit_code, 2);
+  EXPECT_EQ(render("x.exr", {"-o", "x.exr"}).exit_code, 2) << "the same output twice";
+  EXPECT_EQ(render("x.exr", {"--checkpoint", "nowhere/state"}).exit_code, 1);
+}
+
+} // namespace
+} // namespace wavepath::test
