@@ -1,11 +1,10 @@
 // Adds a wave's finished samples to the film, one lane a pixel, in the order of the samples.
 // Sums are exact, so that no order, size of a wave or number of samples changes or wears out the mean. A sample that is not finite
-// is counted, not added.
+// is left out; the kernel that made it so has counted it.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
 #define BIND_PATHS
-#define BIND_QUEUES
 #define BIND_FILM
 #include "kernels/bindings.glsl"
 #include "kernels/exact_sum.glsl"
@@ -21,7 +20,7 @@ void add_sample(inout FilmPixel pixel, vec3 radiance) {
   add_exactly(pixel.green, tops.g, radiance.g);
   add_exactly(pixel.blue, tops.b, radiance.b);
   pixel.tops = tops.r | tops.g << 8u | tops.b << 16u;
-  pixel.largest = max(pixel.largest, radiance.r + radiance.g + radiance.b);
+  pixel.largest = max(pixel.largest, min(radiance.r + radiance.g + radiance.b, kFar)); // finite, though the sum may not be
   pixel.count += 1u;
 }
 
@@ -49,13 +48,7 @@ void accumulate_replicate(uint local, uint film_index, uint replicate) {
   for (uint s = first; s < wave.sample_count; s += kReplicates) {
     uint slot = s * wave.pixel_count + local;
     vec3 radiance = fetch_path(slot).radiance;
-    if (is_finite(radiance)) {
-      add_sample(pixel, radiance);
-    } else {
-      uvec2 at = slot_pixel(slot);
-      atomicAdd(queues.nonfinite_samples, 1u);
-      atomicMin(queues.first_nonfinite_pixel, at.y * frame.width + at.x);
-    }
+    if (is_finite(radiance)) add_sample(pixel, radiance);
   }
   store_film_pixel(film_index * kReplicates + replicate, pixel);
 }

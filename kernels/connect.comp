@@ -10,6 +10,7 @@
 #define BIND_QUEUES
 #include "kernels/bindings.glsl"
 #include "kernels/dimensions.glsl"
+#include "kernels/nonfinite.glsl"
 #include "kernels/pixel.glsl"
 #include "kernels/records.glsl"
 #include "kernels/surface.glsl"
@@ -36,6 +37,7 @@ void main() {
   // One shadow ray a path and bounce: no other lane writes this slot.
   PathState path = fetch_path(ray.slot);
   path.radiance += ray.contribution;
+  if (!is_finite(path.radiance)) count_nonfinite(kMakerConnect, ray.slot); // it was finite, or shade had sent no ray
   store_radiance(ray.slot, path);
   if (has(kFeatureAovs) && wave.bounce == 0u) path_aovs[ray.slot].direct += ray.contribution;
 }

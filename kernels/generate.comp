@@ -9,6 +9,7 @@
 #include "kernels/config.glsl"
 #include "kernels/dimensions.glsl"
 #include "kernels/filter.glsl"
+#include "kernels/nonfinite.glsl"
 #include "kernels/pixel.glsl"
 #include "kernels/records.glsl"
 
@@ -32,8 +33,14 @@ void main() {
     direction = frame.camera_forward;
   }
 
-  store_ray(slot, Ray(origin, slot, normalize(direction), kFar));
-  store_path(slot, PathState(vec3(1.0), -1.0, vec3(0.0), 1.0));
+  Ray ray = Ray(origin, slot, normalize(direction), kFar);
+  PathState path = PathState(vec3(1.0), -1.0, vec3(0.0), 1.0);
+  if (!is_finite(ray.origin) || !is_finite(ray.direction)) {
+    path.radiance = spoilt(path.radiance);
+    count_nonfinite(kMakerGenerate, slot);
+  }
+  store_ray(slot, ray);
+  store_path(slot, path);
   if (has(kFeatureVolume)) path_media[slot] = kNone;
   if (has(kFeatureAovs)) {
     path_aovs[slot].albedo = vec3(0.0);

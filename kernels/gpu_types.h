@@ -305,6 +305,10 @@ struct ShadowRay {
 };
 GPU_CHECK(sizeof(ShadowRay) == 48);
 
+// The kernels that can make a sample not finite.
+GPU_CONSTANT uint kMakerGenerate = 0u, kMakerShade = 1u, kMakerConnect = 2u;
+GPU_CONSTANT uint kMakerCount = 3u;
+
 struct Queues {
   uint ray_count[2];
   uint shadow_count;
@@ -316,10 +320,10 @@ struct Queues {
   uint camera_rays[2]; // 64-bit totals: low, high
   uint bounce_rays[2];
   uint shadow_rays[2];
-  uint nonfinite_samples;
-  uint first_nonfinite_pixel; // lowest index, kNone if none
+  uint nonfinite_count[kMakerCount]; // of this wave, by the kernel that made them
+  uint nonfinite_first[kMakerCount]; // their lowest slots, kNone if there are none
 };
-GPU_CHECK(sizeof(Queues) == 80);
+GPU_CHECK(sizeof(Queues) == 96);
 
 // ---- film -----------------------------------------------------------------------------------------------------------------
 // Sample s belongs to replicate s % kReplicates; replicates are scrambled independently, so that their spread measures the

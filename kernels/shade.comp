@@ -15,6 +15,7 @@
 #include "kernels/bsdf.glsl"
 #include "kernels/dimensions.glsl"
 #include "kernels/emission.glsl"
+#include "kernels/nonfinite.glsl"
 #include "kernels/pixel.glsl"
 #include "kernels/queue.glsl"
 #include "kernels/records.glsl"
@@ -103,7 +104,7 @@ bool connect_to_light(Vertex v, Sampler path_sampler, uint dimension, uint slot,
     uint medium = crossing ? medium_behind(v) : path_media[slot];
     ray.contribution *= medium_transmittance(medium, light.distant ? kFarAway : length(light.target - v.surface.position));
   }
-  if (max_component(ray.contribution) <= 0.0) return false;
+  if (is_finite(ray.contribution) && max_component(ray.contribution) <= 0.0) return false;
 
   ray.slot = slot;
   ray.light = light.light;
@@ -157,19 +158,16 @@ void add_radiance(inout PathState path, uint slot, vec3 radiance) {
 }
 
 // Follows the path of one ray to its next vertex. Returns which of the two rays it wants traced.
-void shade(uint index, out bool wants_ray, out Ray next, out bool wants_shadow, out ShadowRay shadow) {
+void follow(Ray ray, Hit hit, inout PathState path, out bool wants_ray, out Ray next, out bool wants_shadow,
+            out ShadowRay shadow) {
   wants_ray = wants_shadow = false;
-  Ray ray = fetch_ray((wave.bounce & 1u) * frame.slot_count + index);
   uint slot = ray.slot;
-  Hit hit = fetch_hit(index);
-  PathState path = fetch_path(slot);
 
   if (hit.triangle == kNone) {
     if (has(kFeatureVolume)) path.throughput *= medium_transmittance(path_media[slot], kFarAway);
     float light_pdf;
     vec3 radiance = environment_emission(ray.direction, light_pdf);
     add_radiance(path, slot, path.throughput * radiance * emission_weight(path.bsdf_pdf, light_pdf));
-    store_radiance(slot, path);
     return;
   }
 
@@ -183,7 +181,6 @@ void shade(uint index, out bool wants_ray, out Ray next, out bool wants_shadow, 
   if (has(kFeatureEmission) && (material.flags & kMaterialUnlit) != 0u) {
     // KHR_materials_unlit: the base colour is what one sees; such a surface is never sampled as a light.
     add_radiance(path, slot, path.throughput * v.bsdf.base_color);
-    store_radiance(slot, path);
     return;
   }
   vec3 emitted = surface_emission(surface, material, v.front);
@@ -199,7 +196,24 @@ void shade(uint index, out bool wants_ray, out Ray next, out bool wants_shadow, 
       wants_shadow = connect_to_light(v, path_sampler, dimension, slot, path.throughput, shadow);
     wants_ray = scatter(v, path_sampler, dimension, slot, path, next);
   }
-  store_path(slot, path);
+}
+
+bool is_sound(PathState path) { return is_finite(path.radiance) && is_finite(path.throughput); }
+bool is_sound(Ray ray) { return is_finite(ray.origin) && is_finite(ray.direction); }
+
+// The same for the ray at this place in the queue, whose path ends if it is no longer finite.
+void shade(uint index, out bool wants_ray, out Ray next, out bool wants_shadow, out ShadowRay shadow) {
+  wants_ray = wants_shadow = false;
+  Ray ray = fetch_ray((wave.bounce & 1u) * frame.slot_count + index);
+  PathState path = fetch_path(ray.slot);
+  if (!is_finite(path.radiance)) return; // another kernel has counted it
+  follow(ray, fetch_hit(index), path, wants_ray, next, wants_shadow, shadow);
+  if (!is_sound(path) || (wants_ray && !is_sound(next))) {
+    path.radiance = spoilt(path.radiance);
+    count_nonfinite(kMakerShade, ray.slot);
+    wants_ray = wants_shadow = false;
+  }
+  store_path(ray.slot, path);
 }
 
 void main() {

@@ -31,6 +31,18 @@ GPU_FUNCTION uvec2 pixel_in_tile_order(uint index, uint width, uint height) {
   return uvec2(8u * tile_column + x, 8u * tile_row + y);
 }
 
+// The inverse of pixel_in_tile_order().
+GPU_FUNCTION uint tile_order_of(uvec2 pixel, uint width, uint height) {
+  uint tile_row = pixel.y / 8u, tile_column = pixel.x / 8u;
+  uint rows = height - 8u * tile_row < 8u ? height - 8u * tile_row : 8u;
+  uint columns = width - 8u * tile_column < 8u ? width - 8u * tile_column : 8u;
+  uint x = pixel.x % 8u, y = pixel.y % 8u;
+  uint in_tile = y * columns + x;
+  if (rows == 8u && columns == 8u)
+    in_tile = (x & 1u) | ((y & 1u) << 1u) | ((x & 2u) << 1u) | ((y & 2u) << 2u) | ((x & 4u) << 2u) | ((y & 4u) << 3u);
+  return tile_row * 8u * width + tile_column * 8u * rows + in_tile;
+}
+
 // Texels lie in tiles of 4x4, which a cache line holds: a filtered look-up touches 1.6 lines on average instead of 2.1.
 // Index of texel (x, y), and how many an image takes: its right and lower border are filled up to whole tiles.
 GPU_FUNCTION uint texel_index(uint x, uint y, uint width) {

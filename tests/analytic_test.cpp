@@ -74,7 +74,7 @@ RenderResult render_scene(Device& device, const fs::path& path, std::vector<std:
   const View view = resolve_view(scene, {}, request.settings.width, request.settings.height);
   const PackedScene packed = pack(scene, request.settings.direct, request.bvh.value_or(bvh::Quality::fast));
   const RenderResult result = render(device, packed, view, request.settings);
-  EXPECT_EQ(result.nonfinite_samples, 0u);
+  EXPECT_EQ(result.nonfinite.samples(), 0u);
   return result;
 }
 

@@ -120,8 +120,8 @@ TEST(Layout, PathsAndQueues) {
            AT(ShadowRay, contribution), AT(ShadowRay, light)});
   compare("Queues", sizeof(Queues),
           {AT(Queues, ray_count), AT(Queues, shadow_count), AT(Queues, extend_groups), AT(Queues, connect_groups),
-           AT(Queues, camera_rays), AT(Queues, bounce_rays), AT(Queues, shadow_rays), AT(Queues, nonfinite_samples),
-           AT(Queues, first_nonfinite_pixel)});
+           AT(Queues, camera_rays), AT(Queues, bounce_rays), AT(Queues, shadow_rays), AT(Queues, nonfinite_count),
+           AT(Queues, nonfinite_first)});
 }
 
 TEST(Layout, Film) {

@@ -243,10 +243,10 @@ int run_render(Request& request) {
   run.kernel_cache = device.pipeline_cache().describe();
   report(run, request.output, warnings);
   if (failure) std::rethrow_exception(failure);
-  if (request.render.strict && result.nonfinite_samples > 0)
+  if (request.render.strict && result.nonfinite.first)
     throw Error(request.scene.path,
-                fmt::format("{} samples were not finite, one in pixel {},{}", result.nonfinite_samples,
-                            result.first_nonfinite[0], result.first_nonfinite[1]),
+                fmt::format("samples that were not finite: {}, {}", result.nonfinite.samples(),
+                            describe_first(result.nonfinite, settings)),
                 "report this with the scene, or render without --strict");
   return exit_code(request, result);
 }

@@ -11,6 +11,7 @@
 #include "host/base/memory.h"
 #include "host/cli/commands.h"
 #include "host/render/error.h"
+#include "kernels/tile_order.h"
 
 namespace wavepath {
 namespace {
@@ -67,9 +68,17 @@ std::vector<std::string> list_bias(const RenderSettings& settings, const RenderR
   if (cut)
     bias.back() += fmt::format(": {:.2g} % +- {:.1g} % of the light is missing, measured to {} bounces",
                                100.0 * cut->share, 100.0 * cut->standard_error, cut->deeper);
-  if (result.nonfinite_samples > 0)
-    bias.push_back(fmt::format("{} samples that were not finite are left out", result.nonfinite_samples));
+  if (result.nonfinite.first)
+    bias.push_back(fmt::format("{} samples that were not finite are left out", result.nonfinite.samples()));
   return bias;
+}
+
+std::string describe_first(const Nonfinite& nonfinite, const RenderSettings& settings) {
+  const NonfiniteSample& first = nonfinite.first.value();
+  const glm::uvec2 at = gpu::pixel_in_tile_order(first.pixel, settings.width, settings.height);
+  return fmt::format(
+      "the first in pixel {},{}, sample {}, seed {}, made by {}; these flags and --pixel {},{} --sample {} --seed {} replay it",
+      at.x, at.y, first.sample, settings.seed, kMakerNames[first.maker], at.x, at.y, first.sample, settings.seed);
 }
 
 TrueError measure_true_error(const Picture& picture, const Picture& reference) {
@@ -82,10 +91,9 @@ TrueError measure_true_error(const Picture& picture, const Picture& reference) {
 
 void report(const Run& run, const OutputRequest& output, Warnings warnings) {
   const RenderResult& result = run.result;
-  if (result.nonfinite_samples > 0)
-    warnings.add(fmt::format("non-finite sample left out, one in pixel {},{}", result.first_nonfinite[0],
-                             result.first_nonfinite[1]),
-                 result.nonfinite_samples);
+  if (result.nonfinite.first)
+    warnings.add("non-finite sample left out, " + describe_first(result.nonfinite, run.settings),
+                 result.nonfinite.samples());
   if (result.spp == 0) warnings.add("stopped within the first sample; pixels that it had not reached are black");
   const TrueError* last = run.true_errors.empty() ? nullptr : &run.true_errors.back();
   if (last && !last->metrics.finite()) warnings.add(output.reference + ": not compared, a value is not finite");

@@ -17,6 +17,9 @@ namespace wavepath {
 std::vector<std::string> list_bias(const RenderSettings& settings, const RenderResult& result,
                                    const std::optional<DepthCut>& cut);
 
+// The first sample that was not finite and how to replay it. There must be one.
+std::string describe_first(const Nonfinite& nonfinite, const RenderSettings& settings);
+
 TrueError measure_true_error(const Picture& picture, const Picture& reference);
 
 // Writes the stats file and, as asked for, the document to stdout, and warnings and a summary to stderr.

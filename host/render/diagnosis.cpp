@@ -23,7 +23,7 @@ bool fell_as_it_should(const std::vector<Checkpoint>& checkpoints) {
 } // namespace
 
 bool is_trusted(const RenderResult& result) {
-  return has_estimate(result.spp, result.error) && result.spp >= kFewestSamples && result.nonfinite_samples == 0 &&
+  return has_estimate(result.spp, result.error) && result.spp >= kFewestSamples && !result.nonfinite.first &&
          result.error.largest_sample_share <= kLargestShare;
 }
 
@@ -42,8 +42,8 @@ std::vector<std::string> diagnose(const RenderResult& result, const std::vector<
         fmt::format("fireflies: the largest sample alone explains {} of the squared error, so the estimate hangs on "
                     "few samples; look for small bright lights that are only found by chance, or try --direct mis",
                     percent(std::min(error.largest_sample_share, 1.0))));
-  if (result.nonfinite_samples > 0)
-    words.push_back(fmt::format("{} samples were not finite and are missing from the mean", result.nonfinite_samples));
+  if (result.nonfinite.first)
+    words.push_back(fmt::format("{} samples were not finite and are missing from the mean", result.nonfinite.samples()));
   if (!fell_as_it_should(result.checkpoints))
     words.push_back(fmt::format(
         "the estimated error falls too slowly (slope {:.2f} against samples, where noise alone gives -0.5): "

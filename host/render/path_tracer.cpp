@@ -73,6 +73,12 @@ std::uint32_t needed_features(const PackedScene& scene, const View& view, const 
   return features;
 }
 
+gpu::Queues empty_queues() {
+  gpu::Queues queues{};
+  std::ranges::fill(queues.nonfinite_first, gpu::kNone);
+  return queues;
+}
+
 std::uint64_t join(const std::uint32_t words[2]) { return std::uint64_t{words[1]} << 32 | words[0]; }
 
 } // namespace
@@ -194,6 +200,7 @@ double PathTracer::render_wave(const FilmBand& band, std::uint32_t first_pixel, 
   commands.barrier();
   commands.dispatch(kernels[kAccumulate], groups_for(pixel_count), &wave);
   commands.submit_and_wait();
+  collect_nonfinite(wave);
 
   double longest = 0.0;
   for (const KernelTime& time : commands.times()) {
@@ -205,6 +212,17 @@ double PathTracer::render_wave(const FilmBand& band, std::uint32_t first_pixel, 
   return longest;
 }
 
+// The counts of one wave become part of the totals here, because only the host knows which samples its slots were.
+void PathTracer::collect_nonfinite(const gpu::Wave& wave) {
+  const auto pixel_at = [&](std::uint32_t place) {
+    return runs_.empty() ? place : runs_[place / gpu::kRunPixels] * gpu::kRunPixels + place % gpu::kRunPixels;
+  };
+  if (!nonfinite_.add(counters(), wave, pixel_at)) return;
+  const gpu::Queues none = empty_queues();
+  const std::uint64_t begin = offsetof(gpu::Queues, nonfinite_count);
+  paths_.queues.write(&none.nonfinite_count, sizeof(none) - begin, begin);
+}
+
 double PathTracer::get_ready() {
   reset();
   return kernels_.best(config_).seconds();
@@ -213,12 +231,12 @@ double PathTracer::get_ready() {
 void PathTracer::reset() {
   for (StageTime& stage : stages_) stage = {stage.name, 0.0, 0};
   empty_film();
-  gpu::Queues queues{};
-  queues.first_nonfinite_pixel = gpu::kNone;
+  const gpu::Queues queues = empty_queues();
   paths_.queues.write(&queues, sizeof(queues));
 }
 
 void PathTracer::set_runs(const std::vector<std::uint32_t>& runs) {
+  runs_ = runs;
   paths_.runs.write(runs.data(), runs.size() * sizeof(std::uint32_t));
 }
 
@@ -227,9 +245,10 @@ void PathTracer::set_seed(std::uint32_t seed) {
   paths_.frame.write(&frame_, sizeof(gpu::Frame));
 }
 
-void PathTracer::set_counters(gpu::Queues counters, std::vector<StageTime> stages) {
+void PathTracer::set_counters(gpu::Queues counters, std::vector<StageTime> stages, const Nonfinite& nonfinite) {
   paths_.queues.write(&counters, sizeof(counters));
   stages_ = std::move(stages);
+  nonfinite_ = nonfinite;
 }
 
 void PathTracer::empty_film() {
@@ -237,6 +256,7 @@ void PathTracer::empty_film() {
     band.film.fill_zero();
     if (band.aovs.bytes()) band.aovs.fill_zero();
   }
+  nonfinite_ = {}; // of samples that are no longer in it
 }
 
 gpu::Queues PathTracer::counters() const {

@@ -56,8 +56,8 @@ public:
   // itself. A run cut short by the end of the picture comes last in its wave.
   void set_runs(const std::vector<std::uint32_t>& runs);
   void set_seed(std::uint32_t seed);
-  // Goes on from what counters() and stages() said earlier.
-  void set_counters(gpu::Queues counters, std::vector<StageTime> stages);
+  // Goes on from what counters(), stages() and nonfinite() said earlier.
+  void set_counters(gpu::Queues counters, std::vector<StageTime> stages, const Nonfinite& nonfinite);
 
   std::vector<FilmBand>& bands() { return bands_; }
   const std::vector<FilmBand>& bands() const { return bands_; }
@@ -65,13 +65,16 @@ public:
   std::uint32_t features() const { return config_.features; }
   const std::vector<StageTime>& stages() const { return stages_; }
   double upload_seconds() const { return upload_seconds_; }
-  gpu::Queues counters() const; // totals since reset()
+  gpu::Queues counters() const; // totals since reset(), but for those of non-finite samples
+  const Nonfinite& nonfinite() const { return nonfinite_; } // since reset()
   MemoryUse memory() const;
 
 private:
   friend class RayReplay; // host/bench
+  friend class PathReplay; // host/render/path_replay.h
 
   void allocate(Device& device, const RenderSettings& settings);
+  void collect_nonfinite(const gpu::Wave& wave);
 
   Device& device_;
   gpu::Frame frame_{};
@@ -82,6 +85,8 @@ private:
   PathBuffers paths_;
   std::vector<FilmBand> bands_;
   std::vector<StageTime> stages_;
+  Nonfinite nonfinite_;
+  std::vector<std::uint32_t> runs_; // of an adaptive render
   double upload_seconds_ = 0.0;
 };
 

@@ -128,7 +128,7 @@ private:
     result_.estimate_seconds = state.estimate_seconds;
     result_.checkpoints = state.checkpoints;
     if (!state.checkpoints.empty()) result_.error = state.checkpoints.back().error;
-    tracer_.set_counters(state.counters, state.stages);
+    tracer_.set_counters(state.counters, state.stages, state.nonfinite);
     upload_film(tracer_, state.film);
     if (settings_.adaptive && !state.levels.empty()) use_levels(state.levels);
   }
@@ -140,6 +140,7 @@ private:
             result_.estimate_seconds,
             tracer_.stages(),
             tracer_.counters(),
+            tracer_.nonfinite(),
             result_.checkpoints,
             levels_,
             download_film(tracer_, settings_.width, settings_.height)};
@@ -303,12 +304,7 @@ private:
     const Film film = download_film(tracer_, settings_.width, settings_.height);
     result_.picture = develop(film, settings_.aovs, origin_);
     result_.spp = samples_per_pixel(); // of complete passes; one cut short has given some pixels more
-    const gpu::Queues queues = tracer_.counters();
-    result_.nonfinite_samples = queues.nonfinite_samples;
-    if (queues.nonfinite_samples > 0) {
-      result_.first_nonfinite[0] = queues.first_nonfinite_pixel % settings_.width;
-      result_.first_nonfinite[1] = queues.first_nonfinite_pixel / settings_.width;
-    }
+    result_.nonfinite = tracer_.nonfinite();
     const Checkpoint last = measure(film);
     result_.seconds = last.seconds;
     result_.gpu_seconds = last.gpu_seconds;

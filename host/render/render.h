@@ -10,6 +10,7 @@
 
 #include <glm/glm.hpp>
 
+#include "host/render/nonfinite.h"
 #include "kernels/gpu_types.h"
 
 namespace wavepath {
@@ -108,8 +109,7 @@ struct RenderResult {
   std::vector<Checkpoint> checkpoints;
   std::vector<StageTime> stages;
   MemoryUse memory;
-  std::uint64_t nonfinite_samples = 0;
-  std::uint32_t first_nonfinite[2] = {0, 0}; // pixel x, y of one; valid if nonfinite_samples > 0
+  Nonfinite nonfinite;
 };
 
 struct Progress {

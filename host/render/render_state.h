@@ -20,7 +20,8 @@ struct RenderState {
   RenderCursor cursor;
   double seconds = 0.0, estimate_seconds = 0.0;
   std::vector<StageTime> stages;
-  gpu::Queues counters{}; // totals of rays and of samples that were not finite
+  gpu::Queues counters{}; // totals of rays
+  Nonfinite nonfinite;
   std::vector<Checkpoint> checkpoints;
   std::vector<std::int8_t> levels; // of an adaptive render, see adaptive.h
   Film film;

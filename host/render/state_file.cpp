@@ -64,6 +64,20 @@ Checkpoint checkpoint_from(const Json& j) {
   return c;
 }
 
+Json to_json(const Nonfinite& nonfinite) {
+  Json first = nullptr;
+  if (nonfinite.first) first = {nonfinite.first->sample, nonfinite.first->pixel, nonfinite.first->maker};
+  return {{"by_maker", nonfinite.by_maker}, {"first", first}};
+}
+
+Nonfinite nonfinite_from(const Json& json) {
+  Nonfinite nonfinite;
+  nonfinite.by_maker = json.at("by_maker").get<decltype(nonfinite.by_maker)>();
+  const Json& first = json.at("first");
+  if (!first.is_null()) nonfinite.first = {first.at(0), first.at(1), first.at(2)};
+  return nonfinite;
+}
+
 std::vector<std::uint32_t> words_of(const gpu::Queues& queues) {
   std::vector<std::uint32_t> words(sizeof(queues) / 4);
   std::memcpy(words.data(), &queues, sizeof(queues));
@@ -81,6 +95,7 @@ Json describe(const std::string& identity, const std::string& device, const Rend
           {"seconds", state.seconds},
           {"estimate_seconds", state.estimate_seconds},
           {"counters", words_of(state.counters)},
+          {"nonfinite", to_json(state.nonfinite)},
           {"stages", stages},
           {"checkpoints", checkpoints},
           {"levels", state.levels},
@@ -97,6 +112,7 @@ RenderState state_from(const Json& json) {
   const auto counters = json.at("counters").get<std::vector<std::uint32_t>>();
   if (counters.size() * 4 != sizeof(gpu::Queues)) throw std::invalid_argument("counters");
   std::memcpy(&state.counters, counters.data(), sizeof(gpu::Queues));
+  state.nonfinite = nonfinite_from(json.at("nonfinite"));
   for (const Json& s : json.at("stages")) state.stages.push_back({s.at(0), s.at(1), s.at(2)});
   for (const Json& c : json.at("checkpoints")) state.checkpoints.push_back(checkpoint_from(c));
   state.levels = json.at("levels").get<std::vector<std::int8_t>>();

@@ -9,6 +9,7 @@
 #include "host/render/bvh_choice.h"
 #include "host/render/diagnosis.h"
 #include "host/render/error.h"
+#include "kernels/tile_order.h"
 
 namespace wavepath {
 namespace {
@@ -84,10 +85,18 @@ Json error_json(const Run& run) {
   return json;
 }
 
-Json nonfinite_json(const RenderResult& result) {
-  Json first = nullptr;
-  if (result.nonfinite_samples > 0) first = {result.first_nonfinite[0], result.first_nonfinite[1]};
-  return {{"samples", result.nonfinite_samples}, {"first", first}};
+Json nonfinite_json(const Nonfinite& nonfinite, const RenderSettings& settings) {
+  Json first = nullptr, by_kernel = Json::object();
+  if (nonfinite.first) {
+    const glm::uvec2 at = gpu::pixel_in_tile_order(nonfinite.first->pixel, settings.width, settings.height);
+    first = {{"pixel", {at.x, at.y}},
+             {"sample", nonfinite.first->sample},
+             {"seed", settings.seed},
+             {"kernel", kMakerNames[nonfinite.first->maker]}};
+  }
+  for (std::size_t maker = 0; maker < kMakerNames.size(); ++maker)
+    by_kernel[std::string(kMakerNames[maker])] = nonfinite.by_maker[maker];
+  return {{"samples", nonfinite.samples()}, {"first", first}, {"by_kernel", by_kernel}};
 }
 
 } // namespace
@@ -136,7 +145,7 @@ Json stats_document(const Run& run) {
       {"mrays_per_second",
        result.seconds > 0.0 ? 1e-6 * static_cast<double>(result.rays.total()) / result.seconds : 0.0},
       {"error", error_json(run)},
-      {"nonfinite", nonfinite_json(result)},
+      {"nonfinite", nonfinite_json(result.nonfinite, settings)},
       {"bias", run.bias},
       {"left_out", left_out},
       {"memory",

@@ -1,0 +1,50 @@
+// Samples that were not finite: how many each kernel made, and which was the first.
+#pragma once
+
+#include <array>
+#include <compare>
+#include <cstdint>
+#include <numeric>
+#include <optional>
+#include <string_view>
+
+#include "kernels/gpu_types.h"
+
+namespace wavepath {
+
+// By the values of the kMaker... constants.
+inline constexpr std::array<std::string_view, gpu::kMakerCount> kMakerNames = {"generate", "shade", "connect"};
+
+// First by sample, then by place in tile order: an order that no size of waves and no number of lanes can change.
+struct NonfiniteSample {
+  std::uint32_t sample = 0;
+  std::uint32_t pixel = 0; // in tile order
+  std::uint32_t maker = 0; // kMaker...
+  auto operator<=>(const NonfiniteSample&) const = default;
+};
+
+struct Nonfinite {
+  std::array<std::uint64_t, gpu::kMakerCount> by_maker{};
+  std::optional<NonfiniteSample> first;
+
+  std::uint64_t samples() const { return std::accumulate(by_maker.begin(), by_maker.end(), std::uint64_t{0}); }
+
+  // What the kernels counted in one wave; pixel_at(place) is the pixel in tile order that has a place in the wave. Returns whether
+  // there was anything.
+  template <class PixelAt>
+  bool add(const gpu::Queues& queues, const gpu::Wave& wave, PixelAt pixel_at) {
+    bool any = false;
+    for (std::uint32_t maker = 0; maker < gpu::kMakerCount; ++maker) {
+      if (queues.nonfinite_count[maker] == 0) continue;
+      any = true;
+      by_maker[maker] += queues.nonfinite_count[maker];
+      const std::uint32_t slot = queues.nonfinite_first[maker];
+      const NonfiniteSample lowest{wave.first_sample + slot / wave.pixel_count,
+                                   pixel_at(wave.first_pixel + slot % wave.pixel_count), maker};
+      if (!first || lowest < *first) first = lowest;
+    }
+    return any;
+  }
+};
+
+} // namespace wavepath

@@ -1,0 +1,19 @@
+// Samples that are not finite, counted by the kernel that made them. Include bindings.glsl with BIND_QUEUES first.
+//
+// Radiance that is not finite marks a path as spoilt: no sum turns it finite again. Whoever spoils a path counts it, ends it
+// and thereby keeps others from counting it once more.
+#ifndef WAVEPATH_NONFINITE_GLSL
+#define WAVEPATH_NONFINITE_GLSL
+
+#include "kernels/math.glsl"
+
+// Slots of a wave go by sample, then by pixel, so that the lowest is the first whatever the order of the lanes.
+void count_nonfinite(uint maker, uint slot) {
+  atomicAdd(queues.nonfinite_count[maker], 1u);
+  atomicMin(queues.nonfinite_first[maker], slot);
+}
+
+// The mark of a path that something else than its radiance has spoilt.
+vec3 spoilt(vec3 radiance) { return is_finite(radiance) ? uintBitsToFloat(uvec3(0x7fc00000u)) : radiance; }
+
+#endif
