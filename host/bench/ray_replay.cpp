@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <limits>
 
+#include "host/render/path_replay.h"
+
 namespace wavepath {
 namespace {
 
@@ -14,14 +16,6 @@ std::uint32_t groups_for(std::size_t count) {
 
 gpu::ShadowRay as_shadow_ray(const gpu::Ray& ray) {
   return {ray.origin, ray.slot, ray.direction, gpu::kFar, glm::vec3(1.0f), 0};
-}
-
-// From the space of an instance's triangles to the device's world.
-glm::vec3 place(const PackedScene& scene, std::uint32_t instance, const glm::vec3& p) {
-  if (!scene.root_is_top) return p;
-  const auto& rows = scene.instances[instance].world_from_object;
-  const glm::vec4 q(p, 1.0f);
-  return {glm::dot(rows[0], q), glm::dot(rows[1], q), glm::dot(rows[2], q)};
 }
 
 } // namespace
@@ -88,9 +82,7 @@ std::vector<float> RayReplay::distances(const PackedScene& scene, std::span<cons
   for (std::size_t i = 0; i < rays.size(); ++i) {
     const gpu::Hit& hit = found[i];
     if (hit.triangle == gpu::kNone) continue;
-    const gpu::Triangle& triangle = scene.triangles[hit.triangle];
-    const glm::vec3 in_object = (1.0f - hit.b1 - hit.b2) * triangle.v0 + hit.b1 * triangle.v1 + hit.b2 * triangle.v2;
-    result[i] = glm::distance(rays[i].origin, place(scene, hit.instance, in_object));
+    result[i] = static_cast<float>(glm::distance(glm::dvec3(rays[i].origin), hit_position(scene, hit)));
   }
   return result;
 }

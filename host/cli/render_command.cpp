@@ -20,6 +20,7 @@
 #include "host/cli/report.h"
 #include "host/cli/resume.h"
 #include "host/cli/scene_flags.h"
+#include "host/cli/trace_report.h"
 #include "host/gpu/pipeline_cache.h"
 #include "host/render/bvh_choice.h"
 #include "host/render/depth_cut.h"
@@ -172,6 +173,19 @@ std::vector<TrueError> align(std::vector<TrueError> errors, std::size_t checkpoi
   return errors;
 }
 
+// Prints the trace of one path. Writes no file.
+int replay(const Request& request, Device& device, const PackedScene& packed, const View& view,
+           KernelCompiler& kernels, const Warnings& warnings) {
+  const RenderSettings& settings = request.render.settings;
+  const PathTrace trace =
+      PathReplay(device, packed, view, settings, kernels).trace(*request.render.pixel, *request.render.sample);
+  device.pipeline_cache().save();
+  print_warnings(warnings);
+  const nlohmann::ordered_json document = trace_document(trace, packed, settings);
+  fmt::print("{}", request.output.json ? to_text(document) : trace_text(document));
+  return kExitDone;
+}
+
 // Compiles what the scene will most likely need. A wrong guess costs time alone.
 void begin_kernels(KernelCompiler& kernels, const DeviceInfo& device, const Scene& scene,
                    const RenderSettings& settings) {
@@ -186,7 +200,11 @@ void begin_kernels(KernelCompiler& kernels, const DeviceInfo& device, const Scen
 int run_render(Request& request) {
   RenderSettings& settings = request.render.settings;
   settle_samples(request.render);
-  check_files(request);
+  check_replay(request.render);
+  if (request.render.pixel)
+    require_file(request.scene.path);
+  else
+    check_files(request);
   const std::optional<Picture> reference = read_reference(request);
 
   // The device opens while the scene is read; kernels compile from the moment the scene's needs can be foreseen.
@@ -210,6 +228,7 @@ int run_render(Request& request) {
   Warnings warnings = scene.warnings;
   scene = Scene{}; // the device's copy is all that rendering needs
 
+  if (request.render.pixel) return replay(request, device, packed, view, *kernels, warnings);
   const StateRequest& state = request.render.state;
   const std::optional<RenderState> resumed = read_resumed(state, settings, identity, device.info(), warnings);
   std::vector<TrueError> true_errors;
@@ -264,6 +283,7 @@ Command add_render(CLI::App& app, const std::string& command_line) {
   add_view_flags(*command, request->scene.view);
   add_stop_flags(*command, request->render);
   add_render_flags(*command, request->render);
+  add_replay_flags(*command, request->render);
   return [request] { return run_render(*request); };
 }
 

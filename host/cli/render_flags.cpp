@@ -155,6 +155,18 @@ void add_picture_flags(CLI::App& app, RenderRequest& request) {
       [&](const FlagValue& value) { read_aovs(value, request.settings.aovs); });
 }
 
+void add_replay_flags(CLI::App& app, RenderRequest& request) {
+  const char* group = "One path instead of a picture";
+  add_flag(app, group,
+           {"--pixel", "X,Y", "trace one path of this pixel, counted from the top left, and print it; needs --sample"},
+           [&](const FlagValue& value) {
+             const auto [x, y] = split(value, ',', "write it as X,Y, such as 640,360");
+             request.pixel = glm::uvec2(x.whole_number(0, kLargestSide), y.whole_number(0, kLargestSide));
+           });
+  add_flag(app, group, {"--sample", "N", "which path of the pixel; all other flags as in the render it belongs to"},
+           [&](const FlagValue& value) { request.sample = value.whole_number(0, kMostSamples); });
+}
+
 void add_picture_output_flags(CLI::App& app, OutputRequest& request) {
   const char* group = "Output";
   add_flag(
@@ -202,6 +214,23 @@ void settle_samples(RenderRequest& request) {
   if (request.spp && settings.last_sample > *request.spp)
     throw UsageError("--samples", fmt::format("{} ends beyond --spp {}", settings.last_sample, *request.spp),
                      "give a range within 0:spp");
+}
+
+void check_replay(const RenderRequest& request) {
+  const RenderSettings& settings = request.settings;
+  if (request.pixel.has_value() != request.sample.has_value())
+    throw UsageError(request.pixel ? "--pixel" : "--sample", "names no path alone", "give --pixel X,Y and --sample N");
+  if (!request.pixel) return;
+  if (request.pixel->x >= settings.width || request.pixel->y >= settings.height)
+    throw UsageError(
+        "--pixel",
+        fmt::format("{},{} is outside the picture of {}x{}", request.pixel->x, request.pixel->y, settings.width,
+                    settings.height),
+        fmt::format("stay within {},{}, or give the --size of the render", settings.width - 1, settings.height - 1));
+  if (*request.sample < settings.first_sample || *request.sample >= settings.last_sample)
+    throw UsageError("--sample",
+                     fmt::format("{} is not in {}:{}", *request.sample, settings.first_sample, settings.last_sample),
+                     "give the --spp or --samples of the render");
 }
 
 } // namespace wavepath

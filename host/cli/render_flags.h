@@ -40,6 +40,8 @@ struct RenderRequest {
   bool strict = false;
   bool mergeable = false; // .exr outputs hold the exact sums
   StateRequest state;
+  std::optional<glm::uvec2> pixel;     // replay this one's
+  std::optional<std::uint32_t> sample; // instead of rendering
 };
 
 // The requests must outlive the parsing of `app`. What a render needs to know, and whoever measures one as well:
@@ -47,6 +49,8 @@ void add_render_flags(CLI::App& app, RenderRequest& request);
 // When it ends and which picture it makes:
 void add_stop_flags(CLI::App& app, RenderRequest& request);
 void add_picture_flags(CLI::App& app, RenderRequest& request);
+// Which path to replay:
+void add_replay_flags(CLI::App& app, RenderRequest& request);
 void add_output_flags(CLI::App& app, OutputRequest& request);
 void add_picture_output_flags(CLI::App& app, OutputRequest& request); // which files, and how they are written
 
@@ -54,5 +58,8 @@ void read_size(const FlagValue& value, RenderSettings& settings); // WIDTHxHEIGH
 
 // Works out the sample range once all flags are known. Throws UsageError where --spp and --samples disagree.
 void settle_samples(RenderRequest& request);
+
+// To be called after it. Throws UsageError where a path is to be replayed that the render does not have.
+void check_replay(const RenderRequest& request);
 
 } // namespace wavepath

@@ -93,6 +93,8 @@ PackedScene pack(Scene& scene, std::uint32_t direct, bvh::Quality quality) {
   MaterialTable materials = pack_materials(scene, layout.usage);
   layout.material_index = std::move(materials.packed_index);
   packed.materials = std::move(materials.materials);
+  for (std::size_t m = 0; m < scene.materials.size(); ++m)
+    if (layout.material_index[m] != kNoIndex) packed.material_names.push_back(scene.materials[m].name);
   if (packed.materials.size() > gpu::kTriangleMaterialMask)
     throw Error(scene.path, "has more than 536870911 materials", "merge materials that are equal");
   packed.textures = materials.textures.textures;

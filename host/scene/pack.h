@@ -37,6 +37,7 @@ struct PackedScene {
   std::vector<glm::vec4> vertex_normals, vertex_uvs, vertex_colors;
 
   std::vector<gpu::Material> materials;
+  std::vector<std::string> material_names; // for messages
   std::vector<gpu::Texture> textures;
   std::vector<std::uint32_t> texels;
 

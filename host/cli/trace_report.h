@@ -1,0 +1,18 @@
+// The trace of one path, told to the user.
+#pragma once
+
+#include <cstdint>
+
+#include <nlohmann/json.hpp>
+
+#include "host/render/path_replay.h"
+
+namespace wavepath {
+
+// Positions are in the scene's world. Numbers that are not finite are the texts "inf", "-inf" and "nan".
+nlohmann::ordered_json trace_document(const PathTrace& trace, const PackedScene& scene, const RenderSettings& settings);
+
+// The same for people, from that document.
+std::string trace_text(const nlohmann::ordered_json& document);
+
+} // namespace wavepath
