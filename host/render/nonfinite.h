@@ -26,6 +26,7 @@ struct NonfiniteSample {
 struct Nonfinite {
   std::array<std::uint64_t, gpu::kMakerCount> by_maker{};
   std::optional<NonfiniteSample> first;
+  bool operator==(const Nonfinite&) const = default;
 
   std::uint64_t samples() const { return std::accumulate(by_maker.begin(), by_maker.end(), std::uint64_t{0}); }
 

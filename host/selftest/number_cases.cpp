@@ -132,7 +132,7 @@ Measurement denormals(const SelftestContext& context) {
     settings.width = settings.height = 32;
     settings.last_sample = 16;
     const RenderResult result = render_scene(context.device, std::move(scene), settings);
-    Outcome outcome{result.nonfinite_samples, result.rays.total(), result.seconds};
+    Outcome outcome{result.nonfinite.samples(), result.rays.total(), result.seconds};
     const double brightest = *std::ranges::max_element(emission);
     for (int c = 0; c < 3; ++c)
       for (const float value : result.picture.channels[static_cast<std::size_t>(c)].values)
