@@ -44,6 +44,7 @@ std::span<const SelftestCase> ray_cases();
 std::span<const SelftestCase> mesh_cases();
 std::span<const SelftestCase> offset_cases();
 std::span<const SelftestCase> tree_cases();
+std::span<const SelftestCase> accumulation_cases();
 std::span<const SelftestCase> number_cases();
 std::span<const SelftestCase> transport_cases();
 

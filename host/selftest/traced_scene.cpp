@@ -10,6 +10,15 @@
 
 namespace wavepath {
 
+std::unique_ptr<BindingSet> bind_path_tracer(Device& device, std::span<const Binding> given, const Buffer& unused) {
+  std::vector<Binding> bindings = path_tracer_bindings();
+  for (Binding& binding : bindings) {
+    const auto found = std::ranges::find(given, binding.slot, &Binding::slot);
+    binding.buffer = found == given.end() ? &unused : found->buffer;
+  }
+  return std::make_unique<BindingSet>(device, bindings, static_cast<std::uint32_t>(sizeof(gpu::Wave)));
+}
+
 const Kernel& KernelCache::get(std::span<const std::uint32_t> spirv, std::uint32_t features, std::uint32_t stack_size,
                                const BindingSet& bindings) {
   const KernelConfig config = kernel_config(features, stack_size, RenderSettings{});
@@ -41,19 +50,19 @@ TracedScene::TracedScene(Device& device, KernelCache& kernels, PackedScene packe
   frame.slot_count = kSlots;
   frame_.write(&frame, sizeof(frame));
 
-  std::vector<Binding> bindings = path_tracer_bindings();
-  for (Binding& binding : bindings) binding.buffer = &unused_;
-  const auto bind = [&](std::uint32_t slot, const Buffer& buffer) {
-    std::ranges::find(bindings, slot, &Binding::slot)->buffer = &buffer;
-  };
-  for (const Binding& binding : scene_.bindings()) bind(binding.slot, *binding.buffer);
-  bind(gpu::kBindFrame, frame_);
-  for (const std::uint32_t slot : {gpu::kBindPaths, gpu::kBindPathTexels}) bind(slot, states_);
-  for (const std::uint32_t slot : {gpu::kBindRays, gpu::kBindRayTexels}) bind(slot, rays_);
-  for (const std::uint32_t slot : {gpu::kBindHits, gpu::kBindHitTexels}) bind(slot, hits_);
-  for (const std::uint32_t slot : {gpu::kBindShadowRays, gpu::kBindShadowRayTexels}) bind(slot, shadow_rays_);
-  bind(gpu::kBindQueues, queues_);
-  bindings_ = std::make_unique<BindingSet>(device, bindings, static_cast<std::uint32_t>(sizeof(gpu::Wave)));
+  std::vector<Binding> given = scene_.bindings();
+  using enum BindingKind;
+  given.insert(given.end(), {{gpu::kBindFrame, uniform, &frame_},
+                             {gpu::kBindPaths, storage, &states_},
+                             {gpu::kBindPathTexels, texels_rgba32f, &states_},
+                             {gpu::kBindRays, storage, &rays_},
+                             {gpu::kBindRayTexels, texels_rgba32f, &rays_},
+                             {gpu::kBindHits, storage, &hits_},
+                             {gpu::kBindHitTexels, texels_rgba32ui, &hits_},
+                             {gpu::kBindShadowRays, storage, &shadow_rays_},
+                             {gpu::kBindShadowRayTexels, texels_rgba32ui, &shadow_rays_},
+                             {gpu::kBindQueues, storage, &queues_}});
+  bindings_ = bind_path_tracer(device, given, unused_);
 }
 
 void TracedScene::dispatch(std::span<const std::uint32_t> spirv, std::size_t count, std::uint32_t parameter) {

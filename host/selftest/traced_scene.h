@@ -13,6 +13,9 @@
 
 namespace wavepath {
 
+// The path tracer's bindings: those `given`, and `unused` for all others.
+std::unique_ptr<BindingSet> bind_path_tracer(Device& device, std::span<const Binding> given, const Buffer& unused);
+
 // Kernels bound as the path tracer binds them, each compiled once for all cases.
 class KernelCache {
 public:
