@@ -223,7 +223,7 @@ int run_render(Request& request) {
   require_memory_for(request, plan(scene, quality), device.info());
   const bool identified = request.render.mergeable || !request.render.state.file.empty();
   const std::string identity = identified ? identity_of(hash_scene(scene), view, settings) : std::string();
-  const PackedScene packed = pack(scene, settings.direct, quality);
+  const PackedScene packed = pack(scene, settings.direct, quality, view.position);
   const double load_seconds = loading.seconds() - packed.bvh_seconds;
   Warnings warnings = scene.warnings;
   scene = Scene{}; // the device's copy is all that rendering needs
