@@ -183,7 +183,7 @@ Measurement last_samples(const SelftestContext& context) {
   for (const std::uint32_t first : {0u, 0x7fffffc0u, 0xffffff7fu}) { // the last sample there is: 2^32 - 2
     settings.first_sample = first, settings.last_sample = first + 128;
     const RenderResult result = render_scene(context.device, scene, settings);
-    broken += result.spp != 128 || result.nonfinite_samples > 0;
+    broken += result.spp != 128 || result.nonfinite.first.has_value();
     pictures.push_back(result.picture.channels[0].values);
   }
   for (std::size_t k = 1; k < pictures.size(); ++k) {

@@ -36,7 +36,7 @@ Estimate Studio::measure(const Scene& scene, RenderSettings settings, std::uint3
   for (std::uint32_t seed = 1; seed <= seeds; ++seed) {
     settings.seed = seed;
     const RenderResult result = wavepath::render(context_.device, packed, view, settings, {}, kernels_);
-    estimate.nonfinite += result.nonfinite_samples;
+    estimate.nonfinite += result.nonfinite.samples();
     for (std::size_t i = 0; i < pixels; ++i) {
       const double value = static_cast<double>(result.picture.channels[0].values[i]);
       sum[i] += value, squares[i] += value * value;
