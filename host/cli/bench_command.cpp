@@ -71,7 +71,8 @@ int run_bench(Request& request) {
   const bool built_in = request.scene.path.empty();
   Scene scene = built_in ? builtin_scene() : load_scene(request.scene);
   const View view = resolve_view(scene, request.scene.view, settings.render.width, settings.render.height);
-  const PackedScene packed = pack(scene, settings.render.direct, request.render.bvh.value_or(bvh::Quality::best));
+  const bvh::Quality quality = request.render.bvh.value_or(bvh::Quality::best);
+  const PackedScene packed = pack(scene, settings.render.direct, quality, view.position);
   const std::string path = scene.path;
   print_warnings(scene.warnings);
   scene = Scene{};

@@ -178,7 +178,7 @@ int run_render(Request& request) {
   const bvh::Quality quality =
       request.render.bvh.value_or(choose_quality(settings, plan(scene).triangles_stored, device.info()));
   require_memory_for(request, plan(scene, quality), device.info());
-  const PackedScene packed = pack(scene, settings.direct, quality);
+  const PackedScene packed = pack(scene, settings.direct, quality, view.position);
   const double load_seconds = loading.seconds() - packed.bvh_seconds;
   Warnings warnings = scene.warnings;
   scene = Scene{}; // the device's copy is all that rendering needs

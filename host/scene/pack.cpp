@@ -73,18 +73,20 @@ std::vector<std::uint32_t> pack_two_level(Scene& scene, const Layout& layout, co
   return object_of;
 }
 
-void place_origin(const Scene& scene, PackedScene& packed) {
+// Numbers near zero are the finest. Inside the box the eye is the place that counts; from far outside it all is seen
+// with the coarseness of the distance anyway, and the box should not be far from zero.
+void place_origin(const Scene& scene, const std::optional<glm::dvec3>& eye, PackedScene& packed) {
   const Bounds bounds = world_bounds(scene);
-  packed.origin = bounds.centre();
+  packed.origin = eye && !bounds.empty() ? glm::clamp(*eye, bounds.lo, bounds.hi) : bounds.centre();
   packed.radius = bounds.radius();
 }
 
 } // namespace
 
-PackedScene pack(Scene& scene, std::uint32_t direct, bvh::Quality quality) {
+PackedScene pack(Scene& scene, std::uint32_t direct, bvh::Quality quality, const std::optional<glm::dvec3>& eye) {
   PackedScene packed;
   packed.bvh_quality = quality;
-  place_origin(scene, packed);
+  place_origin(scene, eye, packed);
   Layout layout;
   layout.quality = quality;
   layout.usage = find_usage(scene);

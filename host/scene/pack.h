@@ -1,8 +1,9 @@
-// From Scene to the arrays that the kernels read: geometry in BVH leaf order around a scene-centred origin, lights with
+// From Scene to the arrays that the kernels read: geometry in BVH leaf order around an origin near the eye, lights with
 // their alias table, texels, and the features that this scene needs. No Vulkan; every array can be tested on its own.
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -23,7 +24,7 @@ struct LeftOut {
 
 struct PackedScene {
   glm::dvec3 origin{0.0}; // world position of the device's zero
-  double radius = 0.0;    // of the bounding sphere around `origin`, metres
+  double radius = 0.0;    // of the geometry's bounding sphere, metres
 
   std::vector<bvh::WideNode> nodes;
   std::uint32_t root = 0; // node
@@ -72,9 +73,11 @@ struct Plan {
 };
 Plan plan(const Scene& scene, bvh::Quality quality = bvh::Quality::fast);
 
-// `direct` (kDirect*): with kDirectBsdf no light is packed for sampling. Adds warnings about what it dropped to
-// scene.warnings.
-PackedScene pack(Scene& scene, std::uint32_t direct = gpu::kDirectMis, bvh::Quality quality = bvh::Quality::fast);
+// `direct` (kDirect*): with kDirectBsdf no light is packed for sampling. `eye`: where single precision should be finest,
+// as from a bolt on a planet one sees the bolt; the origin is the point of the geometry's box nearest to it, or its
+// centre. Adds warnings about what it dropped to scene.warnings.
+PackedScene pack(Scene& scene, std::uint32_t direct = gpu::kDirectMis, bvh::Quality quality = bvh::Quality::fast,
+                 const std::optional<glm::dvec3>& eye = {});
 
 // Packed tangent in the w of vertex_normals, as float bits: 31..16 and 15..1 hold the octahedral x and y of the
 // direction (Meyer et al. 2010; lower hemisphere where z < 0), each mapped from [-1,1] to [0, 65535] and [0, 32767];

@@ -45,7 +45,11 @@ std::span<const SelftestCase> mesh_cases();
 std::span<const SelftestCase> offset_cases();
 std::span<const SelftestCase> tree_cases();
 std::span<const SelftestCase> number_cases();
-std::span<const SelftestCase> transport_cases();
+std::span<const SelftestCase> furnace_cases();
+std::span<const SelftestCase> glass_cases();
+std::span<const SelftestCase> light_cases();
+std::span<const SelftestCase> environment_cases();
+std::span<const SelftestCase> scale_cases();
 
 // All of them, in the order of the tables.
 std::vector<SelftestCase> selftest_cases();

@@ -1,0 +1,133 @@
+// Cases of energy: surfaces under a white sky, which must return what arrives, and closed rooms that glow.
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "host/selftest/oracles.h"
+#include "host/selftest/scenes.h"
+#include "host/selftest/selftest.h"
+#include "host/selftest/studio.h"
+
+namespace wavepath {
+namespace {
+
+// A floor under a sky of radiance 1, seen along a direction with this cosine from 1 m away; `extent` of the picture.
+Scene floor_under_sky(double cosine, double extent = 0.01) {
+  Scene scene;
+  add_triangles(scene, floor_quad(), 0);
+  scene.environment.radiance = glm::vec3(1.0f);
+  look_down(scene, extent, 1.0, cosine);
+  return scene;
+}
+
+// Every sample is exactly 1.
+Measurement lambert_furnace(const SelftestContext& context) {
+  Scene scene = floor_under_sky(0.5);
+  add_lambert(scene, glm::vec3(1.0f));
+  const Estimate estimate = Studio(context).measure(scene, square(16, 16, 4), 1);
+  const bool dark = 1.0 - estimate.smallest > estimate.largest - 1.0;
+  return judge_near(dark ? estimate.smallest : estimate.largest, 1.0, 1e-6, "the pixel farthest from 1");
+}
+
+// Single scattering loses what meets a second facet; the rest must come back, and no sample may gain.
+Measurement ggx_furnace(const SelftestContext& context) {
+  constexpr double kQuadrature = 2e-5, kRounding = 1e-5;
+  Studio studio(context);
+  Worst worst;
+  for (const double alpha : {0.1, 0.25, 0.5, 0.75, 1.0}) {
+    for (const double cosine : {1.0, 0.7, 0.5, 0.2, 0.05}) {
+      Scene scene = floor_under_sky(cosine);
+      add_metal(scene, static_cast<float>(std::sqrt(alpha)));
+      const Estimate estimate = studio.measure(scene, square(16, context.full ? 1024 : 64, 1), 2);
+      const std::string label = fmt::format("alpha {}, cosine {}", alpha, cosine);
+      worst.add(estimate, ggx_albedo(alpha, cosine), kQuadrature + kRounding, label);
+      worst.add(std::max(estimate.largest, 1.0), 1.0, 1e-5, label + ", a pixel above 1");
+    }
+  }
+  return worst.judge();
+}
+
+// Pictures of one sample a pixel show what every single sample weighs.
+Measurement grazing(const SelftestContext& context) {
+  Material plastic;
+  plastic.metallic = 0.0f;
+  Studio studio(context);
+  Worst worst;
+  for (const double cosine : {1e-3, 1e-4, 1e-5, 1e-6, 1e-7}) {
+    // The picture stays as narrow as the camera is low, or part of it would look at the floor from below.
+    const Scene floor = floor_under_sky(cosine, 0.01 * cosine);
+    const auto try_material = [&](const Material& material, const char* name) {
+      Scene scene = floor;
+      add_material(scene, material);
+      const Estimate estimate = studio.measure(scene, square(32, 1, 1), 1);
+      const double gain = estimate.nonfinite > 0 ? std::nan("") : std::max(estimate.largest, 1.0);
+      worst.add(gain, 1.0, 1e-5, fmt::format("largest sample, {}, cosine {:g}", name, cosine));
+    };
+    Scene palette;
+    add_lambert(palette, glm::vec3(1.0f));
+    add_metal(palette, 0.0f);
+    add_metal(palette, 0.5f);
+    add_metal(palette, 1.0f);
+    const char* names[] = {"diffuse", "mirror", "GGX of roughness 0.5", "GGX of roughness 1"};
+    for (std::size_t i = 0; i < std::size(names); ++i) try_material(palette.materials[i], names[i]);
+  }
+  return worst.judge();
+}
+
+// A glowing closed box whose walls return `albedo` of what they receive: L = Le / (1 - albedo) everywhere, after D
+// bounces the fraction 1 - albedo^(D+1) of it. Le = 1 - albedo makes that fraction the answer.
+Scene glowing_box(double albedo) {
+  Scene scene;
+  const std::uint32_t wall =
+      add_lambert(scene, glm::vec3(static_cast<float>(albedo)), glm::vec3(static_cast<float>(1.0 - albedo)));
+  add_triangles(scene, box(glm::vec3(-1.0f), glm::vec3(1.0f)), wall);
+  look_at(scene, {0, 0, 0}, {1, 0.3, 0.2}, 1.0);
+  return scene;
+}
+
+double after_bounces(double albedo, std::uint32_t depth) { return 1.0 - std::pow(albedo, depth + 1.0); }
+
+// Nearly all of the light has bounced a hundred or a thousand times, through as many rounds of Russian roulette: the
+// number of bounces varies as much as its mean, so this is the noisiest of the cases. A short cut, where nearly all
+// paths are still alive, tells the rest more precisely.
+Measurement white_room(const SelftestContext& context) {
+  constexpr double kRounding = 2e-6; // of albedo and Le as floats, magnified a thousandfold below
+  Studio studio(context);
+  Worst worst;
+  const struct {
+    double albedo;
+    std::uint32_t depth, samples;
+  } trials[] = {{0.99, 1023, 16}, {0.999, 4095, 2}, {0.999, 127, 64}};
+  for (const auto& trial : trials) {
+    RenderSettings settings = square(16, trial.samples * (context.full ? 32 : 1), trial.depth);
+    settings.direct = gpu::kDirectBsdf;
+    const double albedo = static_cast<float>(trial.albedo), glow = static_cast<float>(1.0 - trial.albedo);
+    const double expected = glow / (1.0 - albedo) * after_bounces(albedo, trial.depth);
+    worst.add(studio.measure(glowing_box(trial.albedo), settings, 2), expected, kRounding * expected,
+              fmt::format("albedo {}, {} bounces", trial.albedo, trial.depth));
+  }
+  return worst.judge();
+}
+
+Measurement depth_cap(const SelftestContext& context) {
+  RenderSettings settings = square(16, context.full ? 4096 : 256, 8);
+  settings.direct = gpu::kDirectBsdf;
+  Worst worst;
+  worst.add(Studio(context).measure(glowing_box(0.9), settings), after_bounces(0.9, 8), 2e-6, "1 - 0.9^9");
+  return worst.judge();
+}
+
+constexpr SelftestCase kCases[] = {
+    {22, "white furnace, Lambert", "diffuse surfaces gain or lose light at every bounce", lambert_furnace},
+    {23, "white furnace, GGX", "rough metals come out too bright or too dark", ggx_furnace},
+    {25, "grazing view", "edges of objects glow, or show black or bright specks", grazing},
+    {29, "closed white room, albedo 0.99 and 0.999", "rooms with bright walls come out too dark or too bright",
+     white_room},
+    {30, "bias of the depth cap", "light of late bounces is lost or counted twice", depth_cap},
+};
+
+} // namespace
+
+std::span<const SelftestCase> furnace_cases() { return kCases; }
+
+} // namespace wavepath

@@ -1,0 +1,120 @@
+// Cases of lights: tiny, touching, a sun's strength or ten decades apart, and three estimators that must agree.
+#include <cmath>
+#include <numbers>
+
+#include <fmt/format.h>
+
+#include "host/selftest/oracles.h"
+#include "host/selftest/scenes.h"
+#include "host/selftest/selftest.h"
+#include "host/selftest/studio.h"
+
+namespace wavepath {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+constexpr double kRounding = 1e-5; // relative
+constexpr double kExtent = 1e-6;   // of the picture: one point of the receiver, to 1e-6 of the distance to its lights
+
+// A small white receiver at zero that faces up: what it shows is irradiance / pi.
+Scene receiver(double camera_height = 0.05) {
+  Scene scene;
+  add_triangles(scene, floor_quad(1.0f), add_lambert(scene, glm::vec3(1.0f)));
+  look_down(scene, kExtent, camera_height);
+  return scene;
+}
+
+Scene under_light(const Triangles& light, float radiance) {
+  Scene scene = receiver();
+  add_triangles(scene, light, add_emitter(scene, radiance));
+  return scene;
+}
+
+// The same power from a ball of a metre and from one of ten microns.
+Measurement tiny_light(const SelftestContext& context) {
+  Studio studio(context);
+  Worst worst;
+  for (const double radius : {1.0, 1e-5}) {
+    const Triangles light = ball({0, 3, 0}, radius, 16);
+    const double radiance = static_cast<double>(static_cast<float>(1.0 / (radius * radius)));
+    const Scene scene = under_light(light, static_cast<float>(radiance));
+    const double expected = radiance * irradiance(light) / kPi;
+    const std::string label = fmt::format("radius {:g} m", radius);
+    worst.add(studio.measure(scene, square(16, context.full ? 2048 : 256, 1)), expected, 1e-4 * expected, label);
+    // One sample a pixel: the brightest pixel is the largest sample.
+    const Estimate samples = studio.measure(scene, square(64, 1, 1), 1);
+    worst.add(samples.largest / (samples.mean * 64 * 64), 0.0, 0.01, label + ", largest sample's share");
+  }
+  return worst.judge();
+}
+
+// A bright light behind a screen, picked for all but one of 1e10 shadow rays, must not hide the dim one in view, which
+// fills a part of the receiver's sky.
+Measurement dynamic_range(const SelftestContext& context) {
+  const Triangles dim = disc({0, 1, 0}, 2.0f, 64);
+  Scene scene = under_light(dim, 1.0f);
+  add_triangles(scene, disc({20, 1, 0}, 2.0f, 64), add_emitter(scene, 1e10f));
+  add_triangles(scene, quad({10, -50, -50}, {0, 100, 0}, {0, 0, 100}), add_lambert(scene, glm::vec3(0.0f)));
+  const double expected = irradiance(dim) / kPi;
+  Worst worst;
+  worst.add(Studio(context).measure(scene, square(16, context.full ? 4096 : 512, 1)), expected, kRounding * expected,
+            "radiance 1 in view, 1e10 behind a screen");
+  return worst.judge();
+}
+
+// Nearly the whole sky is the light. Next-event estimation alone has no finite variance here.
+Measurement touching_light(const SelftestContext& context) {
+  Scene scene = receiver(5e-7);
+  const Triangles light = quad({-0.05f, 1e-6f, -0.05f}, {0.1f, 0, 0}, {0, 0, 0.1f});
+  add_triangles(scene, light, add_emitter(scene, 1.0f));
+  Worst worst;
+  worst.add(Studio(context).measure(scene, square(16, context.full ? 1024 : 64, 1)), irradiance(light) / kPi, 1e-5,
+            "1 um above the receiver");
+  return worst.judge();
+}
+
+// Every scene here that all three techniques can render, and a room of several bounces, whose answer is the others'.
+Measurement estimators_agree(const SelftestContext& context) {
+  Scene room;
+  const std::uint32_t wall = add_lambert(room, glm::vec3(0.7f));
+  add_triangles(room, flipped(box(glm::vec3(-1.0f), glm::vec3(1.0f))), wall);
+  add_triangles(room, box({-0.5f, -1, -0.5f}, {0.2f, -0.2f, 0.3f}), wall);
+  add_triangles(room, disc({0, 0.99f, 0}, 0.4f, 16), add_emitter(room, 10.0f));
+  look_at(room, {0, 0, 0.9}, {0, -0.3, -1}, 1.0);
+  const struct {
+    const char* name;
+    Scene scene;
+    std::uint32_t depth;
+  } trials[] = {{"disc", under_light(disc({0, 2, 0}, 1.0f, 64), 1.0f), 1},
+                {"ball", under_light(ball({0, 3, 0}, 1.0, 16), 1.0f), 1},
+                {"square", under_light(quad({0, 1, 0}, {1, 0, 0}, {0, 0, 1}), 1.0f), 1},
+                {"room", room, 3}};
+  Studio studio(context);
+  Worst worst;
+  for (const auto& trial : trials) {
+    RenderSettings settings = square(16, context.full ? 1024 : 64, trial.depth);
+    const Estimate mis = studio.measure(trial.scene, settings);
+    for (const std::uint32_t direct : {gpu::kDirectNee, gpu::kDirectBsdf}) {
+      settings.direct = direct;
+      Estimate other = studio.measure(trial.scene, settings);
+      other.standard_error = std::hypot(other.standard_error, mis.standard_error);
+      worst.add(other, mis.mean, kRounding * mis.mean,
+                fmt::format("{}, {} against mis", trial.name, direct == gpu::kDirectNee ? "nee" : "bsdf"));
+    }
+  }
+  return worst.judge();
+}
+
+constexpr SelftestCase kCases[] = {
+    {31, "tiny bright light", "small lamps come out too bright or too dark, or sprinkle the picture with fireflies",
+     tiny_light},
+    {32, "light of 1 beside a light of 1e10", "dim lights vanish in scenes that hold a bright one", dynamic_range},
+    {43, "light 1 um above a surface", "lights that touch a surface leak, flicker or leave it black", touching_light},
+    {44, "three estimators agree", "the picture depends on --direct by more than noise", estimators_agree},
+};
+
+} // namespace
+
+std::span<const SelftestCase> light_cases() { return kCases; }
+
+} // namespace wavepath

@@ -1,0 +1,79 @@
+// Renders, estimates and verdicts; see studio.h.
+#include "host/selftest/studio.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "host/scene/pack.h"
+#include "host/scene/view.h"
+
+namespace wavepath {
+
+RenderSettings square(std::uint32_t size, std::uint32_t samples, std::uint32_t max_depth) {
+  RenderSettings settings;
+  settings.width = settings.height = size;
+  settings.last_sample = samples;
+  settings.max_depth = max_depth;
+  settings.filter = gpu::kFilterBox;
+  return settings;
+}
+
+RenderResult Studio::render(Scene scene, const RenderSettings& settings) {
+  const View view = resolve_view(scene, {}, settings.width, settings.height);
+  const PackedScene packed = pack(scene, settings.direct, bvh::Quality::fast, view.position);
+  return wavepath::render(context_.device, packed, view, settings, {}, kernels_);
+}
+
+Estimate Studio::measure(const Scene& scene, RenderSettings settings, std::uint32_t seeds) {
+  Scene copy = scene;
+  const View view = resolve_view(copy, {}, settings.width, settings.height);
+  const PackedScene packed = pack(copy, settings.direct, bvh::Quality::fast, view.position);
+  const std::size_t pixels = std::size_t{settings.width} * settings.height;
+  std::vector<double> sum(pixels), squares(pixels);
+  Estimate estimate;
+  for (std::uint32_t seed = 1; seed <= seeds; ++seed) {
+    settings.seed = seed;
+    const RenderResult result = wavepath::render(context_.device, packed, view, settings, {}, kernels_);
+    estimate.nonfinite += result.nonfinite_samples;
+    for (std::size_t i = 0; i < pixels; ++i) {
+      const double value = static_cast<double>(result.picture.channels[0].values[i]);
+      sum[i] += value, squares[i] += value * value;
+      estimate.smallest = std::min(estimate.smallest, value), estimate.largest = std::max(estimate.largest, value);
+    }
+  }
+  const double n = static_cast<double>(pixels), s = static_cast<double>(seeds);
+  double variance = 0.0; // of the sum over pixels of their means
+  for (std::size_t i = 0; i < pixels; ++i) {
+    estimate.mean += sum[i] / (n * s);
+    if (seeds > 1) variance += std::max(squares[i] - sum[i] * sum[i] / s, 0.0) / ((s - 1.0) * s);
+  }
+  estimate.standard_error = std::sqrt(variance) / n;
+  return estimate;
+}
+
+void Worst::add(double measured, double expected, double tolerance, const std::string& label) {
+  const double error = std::abs(measured - expected);
+  double excess = error == 0.0 ? 0.0 : error / tolerance;
+  if (!std::isfinite(measured)) excess = std::numeric_limits<double>::infinity();
+  failed_ = failed_ || !(error <= tolerance);
+  ++trials_;
+  if (excess <= excess_) return;
+  excess_ = excess;
+  worst_ = judge_near(measured, expected, tolerance, label);
+}
+
+void Worst::add(const Estimate& estimate, double expected, double slack, const std::string& label) {
+  const double measured = estimate.nonfinite == 0 ? estimate.mean : std::numeric_limits<double>::quiet_NaN();
+  add(measured, expected, estimate.three_sigma() + slack, label);
+}
+
+Measurement Worst::judge() const {
+  Measurement result = worst_;
+  if (failed_) result.verdict = Verdict::fail;
+  if (trials_ > 1) result.note = fmt::format("of {} trials the worst for its tolerance: {}", trials_, result.note);
+  return result;
+}
+
+} // namespace wavepath

@@ -1,0 +1,58 @@
+// Renders the scenes of one case with kernels compiled once, and says what came out and how sure that is.
+#pragma once
+
+#include <limits>
+#include <string>
+
+#include "host/render/kernel_compiler.h"
+#include "host/render/render.h"
+#include "host/scene/scene.h"
+#include "host/selftest/selftest.h"
+
+namespace wavepath {
+
+// Square pictures without a filter's overlap between pixels, so that pixels are independent.
+RenderSettings square(std::uint32_t size, std::uint32_t samples, std::uint32_t max_depth);
+
+// What several renders that differ in nothing but the seed say about the red channel.
+struct Estimate {
+  double mean = 0.0;
+  double standard_error = 0.0; // of the mean, from the spread of every pixel between the seeds
+  double smallest = std::numeric_limits<double>::infinity(), largest = 0.0; // pixels
+  std::uint64_t nonfinite = 0;                                              // samples
+
+  double three_sigma() const { return 3.0 * standard_error; }
+};
+
+class Studio {
+public:
+  explicit Studio(const SelftestContext& context) : context_(context), kernels_(context.device) {}
+
+  // With the scene's first camera.
+  RenderResult render(Scene scene, const RenderSettings& settings);
+
+  // Seeds 1 to `seeds`; from two on there is a standard error.
+  Estimate measure(const Scene& scene, RenderSettings settings, std::uint32_t seeds = 4);
+
+private:
+  const SelftestContext& context_;
+  KernelCompiler kernels_;
+};
+
+// Keeps the trial of several that is worst for its tolerance; a value that is not finite is worse than any other.
+class Worst {
+public:
+  void add(double measured, double expected, double tolerance, const std::string& label);
+  // Within three standard errors and `slack` (absolute: rounding, tessellation, what the case's comment says).
+  void add(const Estimate& estimate, double expected, double slack, const std::string& label);
+  // Fails if any trial was off by more than its tolerance; the note names the worst.
+  Measurement judge() const;
+
+private:
+  Measurement worst_;
+  double excess_ = -1.0;
+  bool failed_ = false;
+  int trials_ = 0;
+};
+
+} // namespace wavepath
