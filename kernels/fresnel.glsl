@@ -58,9 +58,9 @@ vec3 fresnel_dielectric(Interface i, float c) {
 // Fraction of light along a direction with cosine mu that gets past the interface, rough with the given alpha. The
 // albedo of a rough interface is close to that of a smooth one met at a cosine blurred upwards; the blur was fitted to
 // quadrature of the GGX lobe so as to err on the side of reflection. A white base under it returns between 0.93 (ior
-// 1.1: 0.88) and 1.001 of the light, for any roughness, direction and ior <= 3. Beyond that, where the curve dips, it
-// is up to 1.12 within 3 degrees of grazing at ior 10; the mean over directions stays below 1. Seen from inside there
-// is no blur.
+// 1.1: 0.88) and 1.001 of the light, for any roughness, direction and ior <= 3. From ior 2 + sqrt(3) on the curve dips
+// below f0 near Brewster's angle; a rough interface mixes directions from all around the dip, so it is filled (left in,
+// a white base returned up to 1.12 within 3 degrees of grazing at ior 10). Seen from inside there is no blur.
 float interface_transmittance(Interface i, float mu, float alpha) {
   float r = sqrt(max(i.f0_exact, 0.0));
   float low = 1.0 - min(r / 0.15, 1.0);
@@ -68,7 +68,8 @@ float interface_transmittance(Interface i, float mu, float alpha) {
   height *= (1.0 - low * low * low) * min(1.0, 1.45 - 1.15 * r);
   float blur = height * pow(max(1.0 - mu, 1e-10), 0.3 / max(alpha, 1e-4) + 1.2 - 1.1 * alpha);
   bool blurred = i.eta >= 1.0 && alpha >= 1e-4;
-  return 1.0 - max_component(fresnel_dielectric(i, blurred ? min(mu + blur, 1.0) : mu));
+  vec3 reflectance = fresnel_dielectric(i, blurred ? min(mu + blur, 1.0) : mu);
+  return 1.0 - max_component(blurred ? max(reflectance, i.f0) : reflectance);
 }
 
 // Cosine-weighted mean over the hemisphere of what interface_transmittance holds back, seen from outside. For a smooth
