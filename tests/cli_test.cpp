@@ -112,7 +112,6 @@ TEST(Usage, UnknownNamesSuggestTheNearest) {
 TEST(Usage, WhatIsNotThereYetIsNotFaked) {
   expect_error({"render", kBox, "--integrator", "hybrid"}, 2, "'hybrid' is unknown; choose from path");
   expect_error({"view", kBox}, 2, "view: no such command; choose from render, info, compare");
-  expect_error({"render", kBox, "--checkpoint", "c"}, 2, "--checkpoint: no such flag");
 }
 
 TEST(Usage, BadValues) {

@@ -45,7 +45,7 @@ TEST(Cases, HaveNamesMeaningsAndRows) {
     EXPECT_STRNE(test.meaning, "") << test.name;
     rows.insert(test.row);
   }
-  for (const int row : {1, 2, 3, 4, 5, 6, 7, 12, 13, 14, 15, 16, 17, 18, 19, 20, 21, 35, 36, 37, 38, 39, 40, 41, 42})
+  for (int row = 1; row <= 44; ++row) // of the table of numerical cases
     EXPECT_TRUE(rows.contains(row)) << row;
 }
 
