@@ -102,8 +102,10 @@ class Coverage : public VulkanTest, public ::testing::WithParamInterface<Case> {
 
 TEST_P(Coverage, TheIntervalHoldsTheTrueError) {
   const Case& c = GetParam();
-  constexpr std::uint32_t kSide = 24, kSamples = 16, kRuns = 100,
-                          kReference = 256; // times as many samples: 1/16 of the error
+  // A twelfth of the error is left in the reference. Pictures of fewer pixels hang on single ones: at 24x24 a pixel
+  // that the lamp's border crosses makes a third of the Cornell box's whole error, and is reported as such
+  // (largest_sample_share).
+  constexpr std::uint32_t kSide = 48, kSamples = 16, kRuns = 100, kReference = 128;
   RenderSettings settings = small(kSide, kSamples);
   settings.sampler = c.sampler;
   Subject subject(device(), c.scene, settings, c.environment);
@@ -163,7 +165,8 @@ TEST_F(ErrorTest, StopsBetweenPowersOfTwo) {
   ASSERT_EQ(result.stop, StopReason::target_error);
   EXPECT_LE(result.error.relative_rms, 0.08);
   EXPECT_GT(result.error.relative_rms, 0.08 * 0.9) << "rendered on although the target was reached";
-  for (const Checkpoint& c : result.checkpoints) EXPECT_TRUE(c.spp == result.spp || (c.spp & (c.spp - 1)) == 0) << c.spp;
+  for (const Checkpoint& c : result.checkpoints)
+    EXPECT_TRUE(c.spp == result.spp || (c.spp & (c.spp - 1)) == 0) << c.spp;
 }
 
 TEST_F(ErrorTest, AdaptiveSamplingKeepsTheMeanAndLowersTheError) {

@@ -14,10 +14,11 @@ struct PixelStatistics {
   glm::dvec3 mean, variance; // of the mean
 };
 
-// relMSE weighs a pixel by 1 / (r^2 + 0.01). The pixel's own mean would not do for r: a sample that is bright by chance
-// raises it along with the spread, and so hides its own error (up to a third of it, where noise is strong). So r comes
-// from the eight neighbours, and from the pixel itself only as far as it stands out from them by more than noise
-// explains: at an edge.
+// relMSE weighs a pixel by 1 / (r^2 + 0.01). The pixel's own mean alone would not do for r: a sample that is bright by
+// chance raises it along with the spread, and so hides its own error (up to a third of it, where noise is strong). So r
+// comes from the eight neighbours, and from the pixel itself only as far as it stands out from them by more than noise
+// explains, at an edge; of that and the pixel's own mean, the one that weighs more counts, because neighbours across an
+// edge may be far brighter.
 glm::dvec3 weight(const Film& film, const std::vector<PixelStatistics>& pixels, std::size_t index) {
   const int width = static_cast<int>(film.width), height = static_cast<int>(film.height);
   const int x = static_cast<int>(index % film.width), y = static_cast<int>(index / film.width);
@@ -39,7 +40,7 @@ glm::dvec3 weight(const Film& film, const std::vector<PixelStatistics>& pixels, 
   glm::dvec3 r = own.mean;
   for (int c = 0; c < 3; ++c)
     if (edge[c] + noise[c] > 0.0) r[c] = around[c] + apart[c] * edge[c] / (edge[c] + noise[c]);
-  return 1.0 / (r * r + 0.01);
+  return 1.0 / (glm::min(r * r, own.mean * own.mean) + 0.01);
 }
 
 // What a pixel's largest sample, as a mean over R G B, contributes to its mean: squared, and weighed as relMSE does.
