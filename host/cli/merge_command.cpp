@@ -185,7 +185,7 @@ Command add_merge(CLI::App& app) {
       [=](const FlagValue& value) { request->parts.push_back(value.text); }, true)
       ->required()
       ->allow_extra_args(); // as many as there are
-  add_picture_output_flags(*command, request->output);
+  add_picture_output_flags(*command, request->output, "none: name at least one");
   add_switch(*command, "Output", {"-q,--quiet", "", "no summary", "off"}, request->output.quiet);
   return [request] {
     if (request->output.pictures.empty()) throw UsageError("-o", "is missing", "say where the result goes: -o OUT.exr");

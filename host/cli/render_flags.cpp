@@ -167,11 +167,11 @@ void add_replay_flags(CLI::App& app, RenderRequest& request) {
            [&](const FlagValue& value) { request.sample = value.whole_number(0, kMostSamples); });
 }
 
-void add_picture_output_flags(CLI::App& app, OutputRequest& request) {
+void add_picture_output_flags(CLI::App& app, OutputRequest& request, const char* initial) {
   const char* group = "Output";
   add_flag(
       app, group,
-      {"-o,--output", "FILE", "repeatable; .exr and .hdr linear, .png and .jpg tonemapped", "SCENE-stem.exr"},
+      {"-o,--output", "FILE", "repeatable; .exr and .hdr linear, .png and .jpg tonemapped", initial},
       [&](const FlagValue& value) { request.pictures.push_back(value.text); }, true);
   add_switch(app, group, {"--half", "", "EXR with 16-bit floats", "off: 32-bit"}, request.write.half);
   add_flag(app, group, {"--exposure", "EV", "brighten tonemapped outputs by this many stops", "0"},
@@ -183,7 +183,7 @@ void add_picture_output_flags(CLI::App& app, OutputRequest& request) {
 void add_output_flags(CLI::App& app, OutputRequest& request) {
   const char* group = "Output";
   const auto keep = [](std::string& text) { return [&text](const FlagValue& value) { text = value.text; }; };
-  add_picture_output_flags(app, request);
+  add_picture_output_flags(app, request, "SCENE-stem.exr");
   add_flag(app, group,
            {"--stats", "FILE.json", "write everything that the run measured, time to the first pixel included",
             "not written"},

@@ -52,7 +52,8 @@ void add_picture_flags(CLI::App& app, RenderRequest& request);
 // Which path to replay:
 void add_replay_flags(CLI::App& app, RenderRequest& request);
 void add_output_flags(CLI::App& app, OutputRequest& request);
-void add_picture_output_flags(CLI::App& app, OutputRequest& request); // which files, and how they are written
+// Which files, and how they are written. `initial`: what is written if none is named, for the help.
+void add_picture_output_flags(CLI::App& app, OutputRequest& request, const char* initial);
 
 void read_size(const FlagValue& value, RenderSettings& settings); // WIDTHxHEIGHT
 

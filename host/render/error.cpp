@@ -5,6 +5,9 @@
 #include <limits>
 #include <vector>
 
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
 namespace wavepath {
 namespace {
 
@@ -55,15 +58,25 @@ double largest_alone(const Film& film, std::size_t index, const glm::dvec3& pixe
 } // namespace
 
 ErrorEstimate estimate_error(const Film& film) {
-  std::vector<PixelStatistics> pixels(std::size_t{film.width} * film.height);
-  for (std::size_t i = 0; i < pixels.size(); ++i) pixels[i] = {mean_radiance(film, i), mean_variance(film, i)};
-  double sum = 0.0, sum_of_squares = 0.0, largest = 0.0;
-  for (std::size_t i = 0; i < pixels.size(); ++i) {
+  const std::size_t count = std::size_t{film.width} * film.height;
+  std::vector<PixelStatistics> pixels(count);
+  std::vector<double> squared(count), alone(count); // by pixel, and summed in order: the same for any number of threads
+  const auto for_all = [count](const auto& body) {
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 4096), [&](const auto& range) {
+      for (std::size_t i = range.begin(); i < range.end(); ++i) body(i);
+    });
+  };
+  for_all([&](std::size_t i) { pixels[i] = {mean_radiance(film, i), mean_variance(film, i)}; });
+  for_all([&](std::size_t i) {
     const glm::dvec3 w = weight(film, pixels, i);
-    const double squared = mean_of(pixels[i].variance * w);
-    sum += squared;
-    sum_of_squares += squared * squared;
-    largest = std::max(largest, largest_alone(film, i, w));
+    squared[i] = mean_of(pixels[i].variance * w);
+    alone[i] = largest_alone(film, i, w);
+  });
+  double sum = 0.0, sum_of_squares = 0.0, largest = 0.0;
+  for (std::size_t i = 0; i < count; ++i) {
+    sum += squared[i];
+    sum_of_squares += squared[i] * squared[i];
+    largest = std::max(largest, alone[i]);
   }
   const double n = static_cast<double>(pixels.size()), mean = sum / n;
   // The interval is of this picture's error, not of its expectation: both the estimate and what it estimates scatter,

@@ -1,7 +1,7 @@
 // The host's side of gpu::ExactSum: its value, and joining two of them.
 #pragma once
 
-#include <cmath>
+#include <bit>
 #include <cstdint>
 
 #include "kernels/gpu_types.h"
@@ -21,7 +21,8 @@ inline void set_digit_sum(std::uint32_t words[2], std::int64_t value) {
 inline double value_of(const gpu::ExactSum& sum, std::uint32_t top) {
   __extension__ using Wide = __int128;
   const Wide both = Wide{digit_sum(sum.high)} * (Wide{1} << 32) + digit_sum(sum.low);
-  return std::ldexp(static_cast<double>(both), static_cast<int>(32 * top) - 32 - 149);
+  const std::uint64_t exponent = 1023 + 32 * std::uint64_t{top} - 32 - 149; // of a power of two that doubles hold exactly
+  return static_cast<double>(both) * std::bit_cast<double>(exponent << 52);
 }
 
 // As if all of `other`'s samples had been added to `sum`.

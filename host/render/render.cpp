@@ -195,6 +195,7 @@ private:
 
   // Goes on with the pass that the cursor is in. False if it was cut short.
   bool render_pass() {
+    film_.reset(); // no longer what the device holds
     for (; cursor_.segment < segments_.size(); ++cursor_.segment, cursor_.pixels_done = 0) {
       const Segment& segment = segments_[cursor_.segment];
       const std::uint32_t first = at_level(cursor_.sample, segment.level),
@@ -268,8 +269,9 @@ private:
   void checkpoint() {
     pause_clock();
     const auto start = Clock::now();
-    const Film film = download_film(tracer_, settings_.width, settings_.height);
-    const Checkpoint point = measure(film);
+    film_ = std::make_shared<const Film>(download_film(tracer_, settings_.width, settings_.height));
+    const Film& film = *film_;
+    const Checkpoint point = last_ = measure(film);
     result_.estimate_seconds += seconds_since(start);
     result_.error = point.error;
     if (is_checkpoint()) {
@@ -301,11 +303,14 @@ private:
     pause_clock();
     result_.even = cursor_.pass_samples == 0 && !settings_.adaptive;
     if (hooks_.save) hooks_.save(state());
-    const Film film = download_film(tracer_, settings_.width, settings_.height);
-    result_.picture = develop(film, settings_.aovs, origin_);
+    if (!film_) { // the last pass was no checkpoint, or was cut short
+      film_ = std::make_shared<const Film>(download_film(tracer_, settings_.width, settings_.height));
+      last_ = measure(*film_);
+    }
+    const Checkpoint& last = last_;
+    result_.picture = develop(*film_, settings_.aovs, origin_);
     result_.spp = samples_per_pixel(); // of complete passes; one cut short has given some pixels more
     result_.nonfinite = tracer_.nonfinite();
-    const Checkpoint last = measure(film);
     result_.seconds = last.seconds;
     result_.gpu_seconds = last.gpu_seconds;
     result_.rays = last.rays;
@@ -318,7 +323,7 @@ private:
     result_.slope = fit_slope(result_.checkpoints, Against::seconds);
     result_.stages = tracer_.stages();
     result_.memory = tracer_.memory();
-    result_.film = std::make_shared<const Film>(film);
+    result_.film = std::move(film_);
   }
 
   RenderSettings settings_;
@@ -329,6 +334,8 @@ private:
   std::vector<Segment> segments_;
   std::vector<std::int8_t> levels_;
   double mean_factor_ = 1.0;
+  std::shared_ptr<const Film> film_; // as it is on the device, where it was just read
+  Checkpoint last_;                  // of that film
   RenderResult result_;
   RenderCursor cursor_;
   std::uint32_t next_check_ = 0; // sample at which to look whether the target is reached; 0 = at checkpoints only
