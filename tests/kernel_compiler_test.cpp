@@ -38,8 +38,10 @@ TEST(KernelConfig, FollowsSceneAndSettings) {
   EXPECT_EQ(kernel_config(gpu::kFeatureAlpha, 5, settings), kernel_config(gpu::kFeatureAlpha, kExpectedStack, settings));
   EXPECT_GE(kernel_config(0, 1000, settings).stack_size, 1002u) << "a deep tree gets what it needs";
   settings.specialize = false;
-  EXPECT_EQ(kernel_config(0, 5, settings).features, gpu::kFeaturesAll & ~gpu::kFeatureAovs);
+  EXPECT_EQ(kernel_config(0, 5, settings).features, gpu::kFeaturesAll & ~gpu::kFeatureAovs & ~gpu::kFeatureAdaptive);
   settings.aovs = {"albedo"};
+  EXPECT_EQ(kernel_config(0, 5, settings).features, gpu::kFeaturesAll & ~gpu::kFeatureAdaptive);
+  settings.adaptive = true;
   EXPECT_EQ(kernel_config(0, 5, settings).features, gpu::kFeaturesAll);
 }
 

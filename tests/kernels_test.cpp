@@ -29,7 +29,7 @@ struct Bench {
         paths(device_, kSlots * sizeof(gpu::PathState)), media(device_, kSlots * 4), path_aovs(device_, kSlots * sizeof(gpu::PathAovs)),
         rays(device_, 2 * kSlots * sizeof(gpu::Ray)), hits(device_, kSlots * sizeof(gpu::Hit)),
         shadow_rays(device_, kSlots * sizeof(gpu::ShadowRay)), queues(device_, sizeof(gpu::Queues)),
-        film(device_, kSlots * gpu::kReplicates * sizeof(gpu::FilmPixel)), film_aovs(device_, kSlots * sizeof(gpu::FilmAovs)),
+        film(device_, kSlots * gpu::kReplicates * sizeof(gpu::FilmPixel)), film_aovs(device_, kSlots * sizeof(gpu::FilmAovs)), runs(device_, kSlots * 4),
         constants{features, packed.stack_size + 2, gpu::kSamplerSobol, gpu::kDirectMis, gpu::kHemisphereCosine, gpu::kFilterBox, stack} {
     frame.write(&frame_, sizeof(frame_));
     for (Buffer* buffer : {&paths, &media, &path_aovs, &film, &film_aovs}) buffer->fill_zero();
@@ -41,7 +41,7 @@ struct Bench {
                            {gpu::kBindHits, storage, &hits}, {gpu::kBindHitTexels, texels_rgba32ui, &hits}, {gpu::kBindShadowRays, storage, &shadow_rays}, {gpu::kBindShadowRayTexels, texels_rgba32ui, &shadow_rays},
                            {gpu::kBindQueues, storage, &queues}, {gpu::kBindFilm, storage, &film}, {gpu::kBindFilmTexels, texels_rgba32ui, &film},
                            {gpu::kBindPathMedia, storage, &media}, {gpu::kBindPathAovs, storage, &path_aovs},
-                           {gpu::kBindFilmAovs, storage, &film_aovs}});
+                           {gpu::kBindFilmAovs, storage, &film_aovs}, {gpu::kBindRuns, texels_r32ui, &runs}});
     bindings = std::make_unique<BindingSet>(device, all, static_cast<std::uint32_t>(sizeof(gpu::Wave)));
   }
 
@@ -58,7 +58,7 @@ struct Bench {
 
   Device& device;
   GpuScene scene;
-  Buffer frame, paths, media, path_aovs, rays, hits, shadow_rays, queues, film, film_aovs;
+  Buffer frame, paths, media, path_aovs, rays, hits, shadow_rays, queues, film, film_aovs, runs;
   std::array<std::uint32_t, gpu::kSpecCount> constants;
   std::unique_ptr<BindingSet> bindings;
 };
@@ -135,7 +135,7 @@ TEST_F(Kernels, ExtendEqualsReference) {
   const auto rays = random_rays(kSlots, 2);
   const auto triangles = triangles_of(packed);
   const bvh::WideTree tree = tree_of(packed);
-  const std::uint32_t all = gpu::kFeaturesAll & ~gpu::kFeatureAovs;
+  const std::uint32_t all = gpu::kFeaturesAll & ~gpu::kFeatureAovs & ~gpu::kFeatureAdaptive;
   for (const auto& [features, stack] : {std::pair{packed.features, gpu::kStackRegisters}, {packed.features, gpu::kStackArray},
                                         {all, gpu::kStackRegisters}, {all, gpu::kStackArray}}) {
     Bench bench(device(), packed, features, frame_of(packed), stack);

@@ -135,7 +135,7 @@ StudyScene pack_scene(Scene& scene, const Request& request, bvh::Quality quality
   const auto pack_for = [&](std::uint32_t direct) {
     if (study.packed.contains(direct)) return;
     scene.warnings = {};
-    study.packed.emplace(direct, pack(scene, direct, quality));
+    study.packed.emplace(direct, pack(scene, direct, quality, study.view.position));
     for (const auto& [text, count] : scene.warnings.counts())
       if (!all.counts().contains(text)) all.add(text, count);
   };
