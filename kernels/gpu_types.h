@@ -105,6 +105,13 @@ GPU_CONSTANT uint kBindShadowRayTexels = 27u; // texels RGBA32UI
 GPU_CONSTANT uint kBindFilmTexels = 28u;      // texels RGBA32UI
 GPU_CONSTANT uint kBindRuns = 29u;            // texels R32UI: runs of kRunPixels pixels in tile order (kFeatureAdaptive)
 
+// Of the hybrid integrators, see kernels/hybrid.glsl. Everything a pixel has is row-major from the top left there.
+GPU_CONSTANT uint kBindHybrid = 30u;     // uniform HybridFrame
+GPU_CONSTANT uint kBindVisibility = 31u; // texels RG32UI: place in the triangle buffer, instance; kNone where nothing is seen
+GPU_CONSTANT uint kBindGbuffer = 32u;    // storage GbufferPixel[]
+GPU_CONSTANT uint kBindSignals = 33u;    // storage vec4[]: reflected direct light over demodulation(albedo), unoccluded share
+GPU_CONSTANT uint kBindSeen = 34u;       // storage vec4[]: light that reaches the eye without a bounce
+
 // ---- geometry -------------------------------------------------------------------------------------------------------------
 GPU_CONSTANT uint kNodeTexels = 3u;     // 48 bytes, see bvh/wide.h
 GPU_CONSTANT uint kCellBias = 66u;      // of the exponents of a node's grid
@@ -324,6 +331,32 @@ struct Queues {
   uint nonfinite_first[kMakerCount]; // their lowest slots, kNone if there are none
 };
 GPU_CHECK(sizeof(Queues) == 96);
+
+// ---- hybrid rendering -----------------------------------------------------------------------------------------------------
+// One frame of a hybrid render: every pixel is seen through the same place of its filter, so that the frame can be rasterized.
+struct HybridFrame {
+  vec2 jitter; // of that place from the pixel's centre, in pixels, x to the right and y downwards
+  float near;  // distance of the near plane along the view axis
+  float far;   // of the far plane, orthographic cameras only
+  vec3 ambient; // radiance that stands for all light of more than one bounce
+  float ao_radius; // metres from which on nothing occludes; kFar = unlimited
+  uint sample_index; // this frame's, as the film counts
+  uint shadow_samples; // light samples a pixel and frame
+  uint ao_samples;
+  uint flags; // kHybrid bits
+};
+GPU_CHECK(sizeof(HybridFrame) == 48);
+GPU_CONSTANT uint kHybridLights = 1u << 0;  // direct light is wanted
+GPU_CONSTANT uint kHybridAmbient = 1u << 1; // the ambient term is wanted
+
+// What rasterization found, as filters need it.
+struct GbufferPixel {
+  vec3 normal; // shading normal, world, on the side of the eye
+  float depth; // distance along the view axis, metres; 0 = nothing was seen
+  vec3 albedo; // base colour
+  uint surface; // same value = same placed mesh and material: what a filter may mix
+};
+GPU_CHECK(sizeof(GbufferPixel) == 32);
 
 // ---- film -----------------------------------------------------------------------------------------------------------------
 // Sample s belongs to replicate s % kReplicates; replicates are scrambled independently, so that their spread measures the

@@ -54,7 +54,7 @@ void Commands::start(const Kernel& kernel, const void* push) {
   assert(bindings_ && "bind() comes first");
   vkCmdBindPipeline(commands_, VK_PIPELINE_BIND_POINT_COMPUTE, kernel.handle());
   if (push)
-    vkCmdPushConstants(commands_, bindings_->layout(), VK_SHADER_STAGE_COMPUTE_BIT, 0, bindings_->push_constant_bytes(),
+    vkCmdPushConstants(commands_, bindings_->layout(), bindings_->stages(), 0, bindings_->push_constant_bytes(),
                        push);
   timing_ = timed_.size() * 2 < query_capacity_;
   if (!timing_) return;

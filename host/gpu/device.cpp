@@ -64,7 +64,7 @@ VkDebugUtilsMessengerCreateInfoEXT messenger_info() {
   return info;
 }
 
-VkInstance create_instance(bool validation) {
+VkInstance create_instance(bool validation, std::span<const char* const> window_extensions = {}) {
   std::uint32_t version = VK_API_VERSION_1_0;
   check(vkEnumerateInstanceVersion(&version), "asking for the loader's version");
   if (version < VK_API_VERSION_1_3)
@@ -76,7 +76,7 @@ VkInstance create_instance(bool validation) {
   VkApplicationInfo application{VK_STRUCTURE_TYPE_APPLICATION_INFO};
   application.pApplicationName = "wavepath";
   application.apiVersion = VK_API_VERSION_1_3;
-  const char* extension = VK_EXT_DEBUG_UTILS_EXTENSION_NAME;
+  std::vector<const char*> extensions(window_extensions.begin(), window_extensions.end());
   VkDebugUtilsMessengerCreateInfoEXT messenger = messenger_info();
   const VkValidationFeatureEnableEXT enable = VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT;
   VkValidationFeaturesEXT features{VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT};
@@ -89,9 +89,10 @@ VkInstance create_instance(bool validation) {
     info.pNext = &features;
     info.enabledLayerCount = 1;
     info.ppEnabledLayerNames = &kValidationLayer;
-    info.enabledExtensionCount = 1;
-    info.ppEnabledExtensionNames = &extension;
+    extensions.push_back(VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
   }
+  info.enabledExtensionCount = static_cast<std::uint32_t>(extensions.size());
+  info.ppEnabledExtensionNames = extensions.data();
   VkInstance instance = VK_NULL_HANDLE;
   check(vkCreateInstance(&info, nullptr, &instance), "creating a Vulkan instance");
   return instance;
@@ -115,18 +116,26 @@ const char* type_name(VkPhysicalDeviceType type) {
   }
 }
 
-// Family of the first queue that can compute, all ones if none.
-std::uint32_t compute_family(VkPhysicalDevice physical, std::uint32_t* timestamp_bits = nullptr) {
+struct QueueFamily {
+  std::uint32_t index = gpu::kNone; // none that computes
+  std::uint32_t timestamp_bits = 0;
+  bool rasterizes = false;
+};
+
+// The first that computes, or better the first that also rasterizes.
+QueueFamily choose_family(VkPhysicalDevice physical) {
   std::uint32_t count = 0;
   vkGetPhysicalDeviceQueueFamilyProperties(physical, &count, nullptr);
   std::vector<VkQueueFamilyProperties> families(count);
   vkGetPhysicalDeviceQueueFamilyProperties(physical, &count, families.data());
-  for (std::uint32_t i = 0; i < count; ++i)
-    if (families[i].queueFlags & VK_QUEUE_COMPUTE_BIT) {
-      if (timestamp_bits) *timestamp_bits = families[i].timestampValidBits;
-      return i;
-    }
-  return gpu::kNone;
+  QueueFamily chosen;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    if (!(families[i].queueFlags & VK_QUEUE_COMPUTE_BIT)) continue;
+    const bool rasterizes = families[i].queueFlags & VK_QUEUE_GRAPHICS_BIT;
+    if (chosen.index == gpu::kNone || (rasterizes && !chosen.rasterizes))
+      chosen = {i, families[i].timestampValidBits, rasterizes};
+  }
+  return chosen;
 }
 
 DeviceInfo describe(VkPhysicalDevice physical) {
@@ -162,9 +171,10 @@ DeviceInfo describe(VkPhysicalDevice physical) {
     if (memory.memoryHeaps[i].flags & VK_MEMORY_HEAP_DEVICE_LOCAL_BIT)
       info.memory_bytes = std::max<std::uint64_t>(info.memory_bytes, memory.memoryHeaps[i].size);
 
-  std::uint32_t timestamp_bits = 0;
-  if (compute_family(physical, &timestamp_bits) == gpu::kNone) info.missing.push_back("a queue for compute");
-  if (timestamp_bits >= 36) info.timestamp_period_ns = limits.timestampPeriod;
+  const QueueFamily family = choose_family(physical);
+  info.rasterizes = family.rasterizes;
+  if (family.index == gpu::kNone) info.missing.push_back("a queue for compute");
+  if (family.timestamp_bits >= 36) info.timestamp_period_ns = limits.timestampPeriod;
   if (!(core11.subgroupSupportedStages & VK_SHADER_STAGE_COMPUTE_BIT) ||
       !(core11.subgroupSupportedOperations & VK_SUBGROUP_FEATURE_BALLOT_BIT))
     info.missing.push_back("subgroup ballot in compute shaders");
@@ -238,9 +248,9 @@ std::vector<DeviceInfo> list_devices() {
 
 std::uint32_t Device::validation_messages() { return validation_message_count; }
 
-Device::Device(const std::string& wanted) {
+Device::Device(const std::string& wanted, std::span<const char* const> window_extensions) {
   const bool validation = validation_wanted();
-  instance_ = create_instance(validation);
+  instance_ = create_instance(validation, window_extensions);
   try {
     if (validation) {
       const auto create = reinterpret_cast<PFN_vkCreateDebugUtilsMessengerEXT>(
@@ -254,7 +264,7 @@ Device::Device(const std::string& wanted) {
     const std::size_t chosen = choose(described, wanted);
     info_ = described[chosen];
     physical_ = physical[chosen];
-    queue_family_ = compute_family(physical_);
+    queue_family_ = choose_family(physical_).index;
     vkGetPhysicalDeviceMemoryProperties(physical_, &memory_);
     unified_memory_ = info_.type == "cpu" || info_.type == "integrated";
 
@@ -264,12 +274,16 @@ Device::Device(const std::string& wanted) {
     queue_info.queueCount = 1;
     queue_info.pQueuePriorities = &priority;
     VkPhysicalDeviceVulkan13Features core13{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES};
-    core13.synchronization2 = VK_TRUE; // both mandatory in 1.3
+    core13.synchronization2 = VK_TRUE; // all mandatory in 1.3
     core13.maintenance4 = VK_TRUE;     // glslang writes workgroup sizes as LocalSizeId
+    core13.dynamicRendering = VK_TRUE;
     VkDeviceCreateInfo info{VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO};
     info.pNext = &core13;
     info.queueCreateInfoCount = 1;
     info.pQueueCreateInfos = &queue_info;
+    const char* swapchain = VK_KHR_SWAPCHAIN_EXTENSION_NAME;
+    info.enabledExtensionCount = window_extensions.empty() ? 0 : 1;
+    info.ppEnabledExtensionNames = &swapchain;
     check(vkCreateDevice(physical_, &info, nullptr, &device_), "opening the device");
     vkGetDeviceQueue(device_, queue_family_, 0, &queue_);
     pipeline_cache_ = std::make_unique<PipelineCache>(physical_, device_);

@@ -1,9 +1,10 @@
-// A Vulkan 1.3 device with one compute queue: chosen, checked, and released at the end of its scope.
+// A Vulkan 1.3 device with one queue for compute, and graphics where there is such a one: chosen, checked, and released at the end of its scope.
 #pragma once
 
 #include <cstdint>
 #include <memory>
 #include <mutex>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -25,6 +26,7 @@ struct DeviceInfo {
   std::uint64_t max_storage_range = 0, max_texel_elements = 0, max_allocation = 0;
   std::uint32_t max_groups = 0;
   double timestamp_period_ns = 0.0; // 0 = the queue has no timestamps
+  bool rasterizes = false;         // its queue takes graphics work as well
   std::vector<std::string> missing;
 };
 
@@ -39,15 +41,20 @@ public:
   // `wanted`: an index, or part of a name (case-insensitive); empty = a discrete GPU if there is one, then integrated, virtual,
   // CPU. Throws Error if none fits, naming those that exist. The environment variable WAVEPATH_VALIDATION=1 turns the
   // validation layer on, synchronization checks included.
-  explicit Device(const std::string& wanted = "");
+  // `window_extensions`: of the instance, that a window needs; with any, the device can also fill swapchains.
+  explicit Device(const std::string& wanted = "", std::span<const char* const> window_extensions = {});
   ~Device();
   Device(Device&&) = delete;
 
   const DeviceInfo& info() const { return info_; }
+  VkInstance instance() const { return instance_; }
+  VkPhysicalDevice physical() const { return physical_; }
   VkDevice handle() const { return device_; }
   VkQueue queue() const { return queue_; }
   std::uint32_t queue_family() const { return queue_family_; }
   PipelineCache& pipeline_cache() const { return *pipeline_cache_; }
+  // Whether the queue can rasterize. Path tracing needs no such queue.
+  bool rasterizes() const { return info_.rasterizes; }
   // True where host and device share memory, so that uploads need no staging.
   bool unified_memory() const { return unified_memory_; }
 

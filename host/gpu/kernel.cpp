@@ -46,8 +46,9 @@ void check_limits(const DeviceInfo& info, const Binding& binding) {
 
 } // namespace
 
-BindingSet::BindingSet(Device& device, std::span<const Binding> bindings, std::uint32_t push_constant_bytes)
-    : device_(&device), push_constant_bytes_(push_constant_bytes) {
+BindingSet::BindingSet(Device& device, std::span<const Binding> bindings, std::uint32_t push_constant_bytes,
+                       VkShaderStageFlags stages)
+    : device_(&device), push_constant_bytes_(push_constant_bytes), stages_(stages | VK_SHADER_STAGE_COMPUTE_BIT) {
   for (const Binding& binding : bindings) check_limits(device.info(), binding);
   try {
     create_layout(bindings);
@@ -71,7 +72,7 @@ void BindingSet::create_layout(std::span<const Binding> bindings) {
   std::vector<VkDescriptorSetLayoutBinding> slots;
   std::vector<VkDescriptorPoolSize> sizes;
   for (const Binding& binding : bindings) {
-    slots.push_back({binding.slot, descriptor_type(binding.kind), 1, VK_SHADER_STAGE_COMPUTE_BIT, nullptr});
+    slots.push_back({binding.slot, descriptor_type(binding.kind), 1, stages_, nullptr});
     sizes.push_back({descriptor_type(binding.kind), 1});
   }
   VkDescriptorSetLayoutCreateInfo set_info{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO};
@@ -79,7 +80,7 @@ void BindingSet::create_layout(std::span<const Binding> bindings) {
   set_info.pBindings = slots.data();
   check(vkCreateDescriptorSetLayout(device_->handle(), &set_info, nullptr, &set_layout_), "creating a layout");
 
-  const VkPushConstantRange range{VK_SHADER_STAGE_COMPUTE_BIT, 0, push_constant_bytes_};
+  const VkPushConstantRange range{stages_, 0, push_constant_bytes_};
   VkPipelineLayoutCreateInfo layout_info{VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO};
   layout_info.setLayoutCount = 1;
   layout_info.pSetLayouts = &set_layout_;

@@ -26,12 +26,15 @@ struct Binding {
 // Descriptors for a list of buffers, with the layout that fits them.
 class BindingSet {
 public:
-  BindingSet(Device& device, std::span<const Binding> bindings, std::uint32_t push_constant_bytes);
+  // `stages`: the shaders that see them, besides compute.
+  BindingSet(Device& device, std::span<const Binding> bindings, std::uint32_t push_constant_bytes,
+             VkShaderStageFlags stages = 0);
   ~BindingSet();
   BindingSet(BindingSet&&) = delete;
 
   VkDescriptorSet handle() const { return set_; }
   VkPipelineLayout layout() const { return pipeline_layout_; }
+  VkShaderStageFlags stages() const { return stages_; }
   std::uint32_t push_constant_bytes() const { return push_constant_bytes_; }
 
 private:
@@ -41,6 +44,7 @@ private:
 
   Device* device_;
   std::uint32_t push_constant_bytes_;
+  VkShaderStageFlags stages_;
   VkDescriptorSetLayout set_layout_ = VK_NULL_HANDLE;
   VkPipelineLayout pipeline_layout_ = VK_NULL_HANDLE;
   VkDescriptorPool pool_ = VK_NULL_HANDLE;

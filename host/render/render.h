@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,7 +23,12 @@ struct PackedScene;
 struct RenderState; // host/render/render_state.h
 struct View;        // host/scene/view.h: the resolved camera
 
+// How light is found. hybrid: a rasterized first hit, traced direct light, and an ambient term, dimmed by traced ambient
+// occlusion, for all further bounces. ao: that occlusion alone, as a picture of the unoccluded share.
+enum class Integrator : std::uint32_t { path, hybrid, ao };
+
 struct RenderSettings {
+  Integrator integrator = Integrator::path;
   std::uint32_t width = 1280, height = 720;
   std::uint32_t first_sample = 0; // render samples first_sample <= s < last_sample of every pixel
   std::uint32_t last_sample = 64;
@@ -35,6 +41,12 @@ struct RenderSettings {
   std::uint32_t direct = gpu::kDirectMis;
   std::uint32_t filter = gpu::kFilterBlackmanHarris;
   std::uint32_t seed = 0;
+  // Of the hybrid integrators alone. A frame is one sample of the film.
+  std::uint32_t shadow_samples = 1;    // light samples a pixel and frame
+  std::uint32_t ao_samples = 1;        // occlusion rays a pixel and frame
+  std::optional<double> ao_radius;     // metres, 0 = unlimited; empty: unlimited for ao, a tenth of the scene's radius for hybrid
+  std::optional<glm::vec3> ambient;    // radiance; empty = estimated from the direct light in the picture
+  bool denoise = false;                // filter shadows and occlusion over space and time; biased
   bool adaptive = false; // more samples where a pilot, which is thrown away, found more noise
   bool specialize = true;
   std::vector<std::string> aovs; // names of the contract's --aov
