@@ -13,6 +13,7 @@
 #include "host/render/adaptive.h"
 #include "host/render/error.h"
 #include "host/render/film.h"
+#include "host/render/governor.h"
 #include "host/render/path_tracer.h"
 #include "host/render/render_state.h"
 
@@ -21,26 +22,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr double kLongestDispatch = 0.1;   // seconds, far below any driver's watchdog
-constexpr std::uint32_t kFirstWave = 8192; // paths, before anything is known of the device's speed
-
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
-
-// Keeps dispatches short: halves the wave when one took too long, doubles it while there is room.
-class Governor {
-public:
-  explicit Governor(std::uint32_t slots) : slots_(slots), wave_(std::min(slots, kFirstWave)) {}
-  std::uint32_t wave() const { return wave_; }
-  void report(double longest_dispatch, std::uint32_t paths) {
-    if (longest_dispatch > kLongestDispatch)
-      wave_ = std::max(std::min(paths, wave_) / 2, gpu::kWorkgroupSize);
-    else if (longest_dispatch < kLongestDispatch / 4 && paths > wave_ / 2)
-      wave_ = std::min(wave_ * 2, slots_);
-  }
-
-private:
-  std::uint32_t slots_, wave_;
-};
 
 // Pixels that get the same number of samples: a band of the film, or of an adaptive render a level within a band.
 struct Segment {
