@@ -358,6 +358,37 @@ struct GbufferPixel {
 };
 GPU_CHECK(sizeof(GbufferPixel) == 32);
 
+// How a frame was seen: the camera as Frame has it (forward of unit length), and the place within each pixel.
+struct CameraView {
+  vec3 position;
+  uint orthographic;
+  vec3 right;
+  float jitter_x; // from the pixel's centre, in pixels, to the right
+  vec3 up;
+  float jitter_y; // and downwards
+  vec3 forward;
+  float pad0;
+};
+GPU_CHECK(sizeof(CameraView) == 64);
+
+// Two frames of a camera that moves through a standing scene, for filters over time.
+struct Reprojection {
+  CameraView now;
+  CameraView before;
+  uint width;
+  uint height;
+  uint remembers; // 1: there is a frame before
+  uint still;     // 1: the camera stands as it did then, but for the jitter
+};
+GPU_CHECK(sizeof(Reprojection) == 144);
+
+// Push constants of the filters. They work on tiles of 8x8 pixels, one a workgroup, row-major.
+struct FilterBand {
+  uint first_tile;
+  uint step; // a-trous: from one tap to the next, in pixels
+  uint feed; // a-trous, 1: what comes in goes into the history as well
+};
+
 // ---- film -----------------------------------------------------------------------------------------------------------------
 // Sample s belongs to replicate s % kReplicates; replicates are scrambled independently, so that their spread measures the
 // error of any sampler.

@@ -136,6 +136,16 @@ TEST(Layout, Film) {
            AT(FilmAovs, count), AT(FilmAovs, emission), AT(FilmAovs, direct)});
 }
 
+TEST(Layout, Filters) {
+  compare("CameraView", sizeof(CameraView),
+          {AT(CameraView, position), AT(CameraView, orthographic), AT(CameraView, right), AT(CameraView, jitter_x),
+           AT(CameraView, up), AT(CameraView, jitter_y), AT(CameraView, forward)});
+  compare("Reprojection", sizeof(Reprojection),
+          {AT(Reprojection, now), AT(Reprojection, before), AT(Reprojection, width), AT(Reprojection, height),
+           AT(Reprojection, remembers), AT(Reprojection, still)});
+  compare("FilterBand", sizeof(FilterBand), {AT(FilterBand, first_tile), AT(FilterBand, step), AT(FilterBand, feed)});
+}
+
 TEST(Layout, EveryStructIsInTheProbe) {
   std::ifstream file(WAVEPATH_SOURCE_DIR "/kernels/gpu_types.h");
   const std::string text{std::istreambuf_iterator<char>(file), {}};

@@ -32,6 +32,9 @@ public:
   // Group counts are read from `arguments` at `offset`.
   void dispatch_indirect(const Kernel& kernel, const Buffer& arguments, std::uint64_t offset,
                          const void* push = nullptr);
+  // Copies `bytes` (a multiple of 4, at most 65536) into `buffer` when the device gets there: after all that was recorded
+  // before, visible to all that follows.
+  void write(const Buffer& buffer, const void* data, std::uint64_t bytes);
   // Everything written so far is visible to every dispatch, indirect read and copy that follows.
   void barrier();
 
