@@ -63,4 +63,21 @@ layout(set = 0, binding = kBindFilmTexels) uniform usamplerBuffer film_texels;
 layout(set = 0, binding = kBindFilmAovs, std430) buffer FilmAovBlock { FilmAovs film_aovs[]; };
 #endif
 
+#ifdef BIND_HYBRID
+layout(set = 0, binding = kBindHybrid, std140) uniform HybridBlock { HybridFrame hybrid; };
+#endif
+
+#ifdef BIND_VISIBILITY
+layout(set = 0, binding = kBindVisibility) uniform usamplerBuffer visibility;
+#endif
+
+#ifdef BIND_GBUFFER
+layout(set = 0, binding = kBindGbuffer, std430) buffer GbufferBlock { GbufferPixel gbuffer[]; };
+#endif
+
+#ifdef BIND_SIGNALS
+layout(set = 0, binding = kBindSignals, std430) buffer SignalBlock { vec4 signals[]; };
+layout(set = 0, binding = kBindSeen, std430) buffer SeenBlock { vec4 seen[]; };
+#endif
+
 #endif

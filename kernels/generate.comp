@@ -6,6 +6,7 @@
 #define BIND_RAYS
 #define BIND_QUEUES
 #include "kernels/bindings.glsl"
+#include "kernels/camera.glsl"
 #include "kernels/config.glsl"
 #include "kernels/dimensions.glsl"
 #include "kernels/filter.glsl"
@@ -22,18 +23,9 @@ void main() {
 
   uvec2 pixel = slot_pixel(slot);
   vec2 u = sample_2d(slot_sampler(slot), kDimensionFilter);
-  vec2 position = vec2(pixel) + 0.5 + sample_filter(u);
-  float x = 2.0 * position.x / float(frame.width) - 1.0;
-  float y = 1.0 - 2.0 * position.y / float(frame.height);
-  vec3 across = x * frame.camera_right + y * frame.camera_up;
-  vec3 origin = frame.camera_position;
-  vec3 direction = frame.camera_forward + across;
-  if (has(kFeatureOrthographic) && frame.orthographic != 0u) {
-    origin = frame.camera_position + across;
-    direction = frame.camera_forward;
-  }
-
-  Ray ray = Ray(origin, slot, normalize(direction), kFar);
+  vec3 origin, direction;
+  camera_ray(vec2(pixel) + 0.5 + sample_filter(u), origin, direction);
+  Ray ray = Ray(origin, slot, direction, kFar);
   PathState path = PathState(vec3(1.0), -1.0, vec3(0.0), 1.0);
   if (!is_finite(ray.origin) || !is_finite(ray.direction)) {
     path.radiance = spoilt(path.radiance);

@@ -73,6 +73,22 @@ std::vector<std::uint32_t> pack_two_level(Scene& scene, const Layout& layout, co
   return object_of;
 }
 
+// Instances of one object that follow each other become one draw. `object_of`: by instance; empty where there are none.
+std::vector<Draw> list_draws(const std::vector<Object>& objects, const std::vector<std::uint32_t>& object_of) {
+  if (object_of.empty())
+    return objects[0].item_count ? std::vector<Draw>{{objects[0].first_item, objects[0].item_count, 0, 1}}
+                                 : std::vector<Draw>{};
+  std::vector<Draw> draws;
+  for (std::uint32_t i = 0; i < object_of.size(); ++i) {
+    const Object& object = objects[object_of[i]];
+    if (i > 0 && object_of[i] == object_of[i - 1])
+      ++draws.back().instance_count;
+    else
+      draws.push_back({object.first_item, object.item_count, i, 1});
+  }
+  return draws;
+}
+
 // Numbers near zero are the finest. Inside the box the eye is the place that counts; from far outside it all is seen
 // with the coarseness of the distance anyway, and the box should not be far from zero.
 void place_origin(const Scene& scene, const std::optional<glm::dvec3>& eye, PackedScene& packed) {
@@ -118,6 +134,7 @@ PackedScene pack(Scene& scene, std::uint32_t direct, bvh::Quality quality, const
     packed.stack_size = objects[0].depth;
     packed.triangle_count = objects[0].triangle_count;
   }
+  packed.draws = list_draws(objects, object_of);
   for (const Object& object : objects) packed.triangles_stored += object.triangle_count;
   packed.sah_cost = std::ranges::max_element(objects, {}, &Object::triangle_count)->sah_cost;
   packed.bvh_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

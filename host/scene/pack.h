@@ -22,6 +22,12 @@ struct LeftOut {
   std::uint32_t feature = 0; // kFeature bit of the code that goes with it; 0 = data alone
 };
 
+// Triangles that lie side by side in PackedScene::triangles, as instances that lie side by side place them.
+struct Draw {
+  std::uint32_t first_triangle = 0, triangle_count = 0; // copies of spatial splits included
+  std::uint32_t first_instance = 0, instance_count = 1; // 0 and 1 where the scene has no instances
+};
+
 struct PackedScene {
   glm::dvec3 origin{0.0}; // world position of the device's zero
   double radius = 0.0;    // of the geometry's bounding sphere, metres
@@ -32,6 +38,7 @@ struct PackedScene {
   std::uint32_t stack_size = 0; // traversal stack entries that suffice for certain
   std::vector<gpu::Triangle> triangles;
   std::vector<gpu::Instance> instances; // empty unless root_is_top
+  std::vector<Draw> draws;              // together, every triangle that can be seen
 
   // Empty where no surface of the scene needs them (see the kFeature bits).
   std::vector<glm::uvec4> triangle_vertices;

@@ -1,0 +1,50 @@
+// What the eye sees first, by rasterization: for every pixel the place of its triangle and its instance, as a camera ray
+// through the same place in the pixel would find them.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "host/gpu/raster.h"
+#include "host/render/gpu_scene.h"
+#include "host/scene/pack.h"
+#include "host/scene/view.h"
+
+namespace wavepath {
+
+// HybridFrame::near and ::far of a view.
+struct ClipPlanes {
+  float near = 0.0f, far = 0.0f;
+};
+ClipPlanes clip_planes(const PackedScene& scene, const View& view);
+
+class Visibility {
+public:
+  // `frame` and `hybrid` hold a gpu::Frame and a gpu::HybridFrame, which every render reads anew; with `gpu_scene` they
+  // outlive this. `features`: kFeature bits that the path tracer's kernels have. Throws Error if the device cannot
+  // rasterize, or not a picture of this size.
+  Visibility(Device& device, const PackedScene& scene, const GpuScene& gpu_scene, const Buffer& frame,
+             const Buffer& hybrid, std::uint32_t features, std::uint32_t width, std::uint32_t height);
+
+  // Draws the frame and waits for it. Returns the longest submission in seconds.
+  double render();
+
+  // For kBindVisibility: two words a pixel, row by row from the top left.
+  const Buffer& ids() const { return ids_; }
+  double seconds() const { return seconds_; } // that the device took for all renders so far
+  std::uint64_t bytes() const { return ids_.bytes() + target_.bytes(); }
+
+private:
+  void slice(const PackedScene& scene, std::uint32_t width, std::uint32_t height);
+
+  Device& device_;
+  Buffer ids_, unused_;
+  BindingSet bindings_;
+  RasterPipeline pipeline_;
+  RasterTarget target_;
+  std::vector<VertexRange> draws_;
+  std::uint64_t triangles_a_submit_ = 0; // so that none takes long
+  double seconds_ = 0.0;
+};
+
+} // namespace wavepath
