@@ -40,7 +40,7 @@ def includes(path):
 
 def text_files():
     """What people read: sources and documents, but nothing that a build or a user has put beside them."""
-    kinds = (".h", ".cpp", ".glsl", ".comp", ".py", ".md", ".txt", "")
+    kinds = (".h", ".cpp", ".glsl", ".comp", ".vert", ".frag", ".py", ".md", ".txt", "")
     for folder in ("bvh", "kernels", "host", "scenes", "tests", "benchmarks", ".ci"):
         yield from (p for p in sorted((ROOT / folder).rglob("*")) if p.is_file() and p.suffix in kinds)
     yield from (ROOT / n for n in ("run", "CMakeLists.txt", "CMakePresets.json", "README.md", "CONTRIBUTING.md", "CHANGELOG.md"))
@@ -48,7 +48,7 @@ def text_files():
 
 class Structure(unittest.TestCase):
     def test_includes_go_downhill(self):
-        for path in sources(".h", ".cpp", ".glsl", ".comp"):
+        for path in sources(".h", ".cpp", ".glsl", ".comp", ".vert", ".frag"):
             if folder(path) not in DOWNHILL:
                 continue
             for include in includes(path):
@@ -68,7 +68,7 @@ class Structure(unittest.TestCase):
 
     def test_every_file_begins_with_its_job(self):
         """x.cpp may leave that to x.h."""
-        for path in sources(".h", ".cpp", ".glsl", ".comp"):
+        for path in sources(".h", ".cpp", ".glsl", ".comp", ".vert", ".frag"):
             twin = f'#include "{name(path.with_suffix(".h"))}"'
             with self.subTest(file=name(path)):
                 self.assertTrue(path.read_text().startswith(("// ", twin)))

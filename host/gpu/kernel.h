@@ -26,6 +26,8 @@ struct Binding {
 // Descriptors for a list of buffers, with the layout that fits them.
 class BindingSet {
 public:
+  static constexpr VkShaderStageFlags kRasterStages = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT;
+
   // `stages`: the shaders that see them, besides compute.
   BindingSet(Device& device, std::span<const Binding> bindings, std::uint32_t push_constant_bytes,
              VkShaderStageFlags stages = 0);

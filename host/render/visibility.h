@@ -1,8 +1,9 @@
-// What the eye sees first, by rasterization: for every pixel the place of its triangle and its instance, as a camera ray
-// through the same place in the pixel would find them.
+// What the eye sees first, by rasterization: for every pixel the place of its triangle and its instance, as a camera
+// ray through the same place in the pixel would find them.
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "host/gpu/raster.h"
@@ -22,7 +23,7 @@ class Visibility {
 public:
   // `frame` and `hybrid` hold a gpu::Frame and a gpu::HybridFrame, which every render reads anew; with `gpu_scene` they
   // outlive this. `features`: kFeature bits that the path tracer's kernels have. Throws Error if the device cannot
-  // rasterize, or not a picture of this size.
+  // rasterize, or no picture of this size.
   Visibility(Device& device, const PackedScene& scene, const GpuScene& gpu_scene, const Buffer& frame,
              const Buffer& hybrid, std::uint32_t features, std::uint32_t width, std::uint32_t height);
 
@@ -31,19 +32,20 @@ public:
 
   // For kBindVisibility: two words a pixel, row by row from the top left.
   const Buffer& ids() const { return ids_; }
-  double seconds() const { return seconds_; } // that the device took for all renders so far
+  double seconds() const { return seconds_; } // that all renders took so far
   std::uint64_t bytes() const { return ids_.bytes() + target_.bytes(); }
 
 private:
-  void slice(const PackedScene& scene, std::uint32_t width, std::uint32_t height);
+  double submit(std::span<const VertexRange> ranges, bool first, bool last);
 
   Device& device_;
+  RasterTarget target_;
   Buffer ids_, unused_;
   BindingSet bindings_;
   RasterPipeline pipeline_;
-  RasterTarget target_;
-  std::vector<VertexRange> draws_;
-  std::uint64_t triangles_a_submit_ = 0; // so that none takes long
+  std::vector<Draw> draws_;
+  std::uint64_t triangles_a_slice_;
+  std::vector<std::vector<VertexRange>> slices_; // submitted one by one; empty until they are known
   double seconds_ = 0.0;
 };
 

@@ -73,9 +73,10 @@ std::vector<std::uint32_t> pack_two_level(Scene& scene, const Layout& layout, co
   return object_of;
 }
 
-// Instances of one object that follow each other become one draw. `object_of`: by instance; empty where there are none.
-std::vector<Draw> list_draws(const std::vector<Object>& objects, const std::vector<std::uint32_t>& object_of) {
-  if (object_of.empty())
+// Instances of one object that follow each other become one draw. `object_of`: by instance, of a two-level scene.
+std::vector<Draw> list_draws(const PackedScene& packed, const std::vector<Object>& objects,
+                             const std::vector<std::uint32_t>& object_of) {
+  if (!packed.root_is_top)
     return objects[0].item_count ? std::vector<Draw>{{objects[0].first_item, objects[0].item_count, 0, 1}}
                                  : std::vector<Draw>{};
   std::vector<Draw> draws;
@@ -134,7 +135,7 @@ PackedScene pack(Scene& scene, std::uint32_t direct, bvh::Quality quality, const
     packed.stack_size = objects[0].depth;
     packed.triangle_count = objects[0].triangle_count;
   }
-  packed.draws = list_draws(objects, object_of);
+  packed.draws = list_draws(packed, objects, object_of);
   for (const Object& object : objects) packed.triangles_stored += object.triangle_count;
   packed.sah_cost = std::ranges::max_element(objects, {}, &Object::triangle_count)->sah_cost;
   packed.bvh_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

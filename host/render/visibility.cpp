@@ -1,0 +1,132 @@
+#include "host/render/visibility.h"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+
+#include <fmt/format.h>
+
+#include "host/base/error.h"
+#include "kernels/visibility_frag.spv.h"
+#include "kernels/visibility_vert.spv.h"
+
+namespace wavepath {
+namespace {
+
+// No submission should keep the device for longer than a tenth of a second; half of that leaves room for what changes
+// when the camera moves. The first size, in triangles, is a guess; one of few triangles may be as slow as it likes.
+constexpr double kLongestSlice = 0.05;
+constexpr std::uint64_t kFirstSlice = 1 << 16, kSmallestSlice = 1 << 10;
+
+// The draws in pieces of at most `most` triangles; at least one piece.
+std::vector<std::vector<VertexRange>> cut(std::span<const Draw> draws, std::uint64_t most) {
+  std::vector<std::vector<VertexRange>> slices(1);
+  std::uint64_t room = most;
+  for (const Draw& draw : draws) {
+    const std::uint64_t total = std::uint64_t{draw.triangle_count} * draw.instance_count;
+    for (std::uint64_t done = 0; done < total;) {
+      if (room == 0) {
+        slices.emplace_back();
+        room = most;
+      }
+      // As many whole instances as there is room for, or a part of one.
+      const auto instance = static_cast<std::uint32_t>(done / draw.triangle_count);
+      const auto first = static_cast<std::uint32_t>(done % draw.triangle_count);
+      const std::uint32_t left = draw.triangle_count - first;
+      const bool whole = first == 0 && room >= left;
+      const std::uint32_t times =
+          whole ? static_cast<std::uint32_t>(std::min<std::uint64_t>(draw.instance_count - instance, room / left)) : 1;
+      const std::uint32_t count = whole ? left : static_cast<std::uint32_t>(std::min<std::uint64_t>(left, room));
+      slices.back().push_back({3 * (draw.first_triangle + first), 3 * count, draw.first_instance + instance, times});
+      done += std::uint64_t{count} * times;
+      room -= std::uint64_t{count} * times;
+    }
+  }
+  return slices;
+}
+
+std::vector<Binding> visibility_bindings(const GpuScene& scene, const Buffer& frame, const Buffer& hybrid,
+                                         const Buffer& unused) {
+  std::vector<Binding> bindings = scene.bindings();
+  using enum BindingKind;
+  bindings.insert(bindings.end(), {{gpu::kBindFrame, uniform, &frame},
+                                   {gpu::kBindHybrid, uniform, &hybrid},
+                                   {gpu::kBindRuns, texels_r32ui, &unused}});
+  return bindings;
+}
+
+std::uint64_t ids_bytes(const Device& device, std::uint32_t width, std::uint32_t height) {
+  const std::uint64_t pixels = std::uint64_t{width} * height;
+  if (pixels > device.info().max_texel_elements)
+    throw Error(device.info().name,
+                fmt::format("reads at most {} pixels of a rasterized picture", device.info().max_texel_elements),
+                "use a smaller --size or --integrator path");
+  return pixels * 2 * sizeof(std::uint32_t);
+}
+
+std::array<std::uint32_t, gpu::kSpecCount> constants_of(std::uint32_t features) {
+  std::array<std::uint32_t, gpu::kSpecCount> constants{}; // nothing is sampled or traversed here
+  constants[gpu::kSpecFeatures] = features;
+  constants[gpu::kSpecStackSize] = 1;
+  return constants;
+}
+
+} // namespace
+
+// Perspective: depth is near / distance, so that a small `near` costs no precision: from 1 down to the smallest normal
+// float there are 38 decades. What bounds it from below is clipping: a corner on the near plane is found with an error
+// of 2^-24 of the edge that crosses it, and should not come out behind the eye; 1e-6 of the scene's radius is 8 such
+// errors of an edge as long as the scene. In scenes of kilometres that would hide what is in front of the lens, so
+// there it ends at a hundredth of a millimetre, and edges that cross that plane are as short as things near the eye
+// are. Orthographic: `origin` lies in the geometry's box, so nothing is farther from it than two radii.
+ClipPlanes clip_planes(const PackedScene& scene, const View& view) {
+  const double to_origin = glm::dot(scene.origin - view.position, view.forward);
+  const double near = std::clamp(1e-6 * scene.radius, 1e-30, 1e-5);
+  const double far = std::max(to_origin, 0.0) + 2.0 * scene.radius;
+  return {static_cast<float>(near), static_cast<float>(std::max(1.001 * far, 1e-30))};
+}
+
+Visibility::Visibility(Device& device, const PackedScene& scene, const GpuScene& gpu_scene, const Buffer& frame,
+                       const Buffer& hybrid, std::uint32_t features, std::uint32_t width, std::uint32_t height)
+    : device_(device),
+      target_(device, width, height),
+      ids_(device, ids_bytes(device, width, height)),
+      unused_(device, 0),
+      bindings_(device, visibility_bindings(gpu_scene, frame, hybrid, unused_), sizeof(gpu::Wave),
+                BindingSet::kRasterStages),
+      pipeline_(device, "visibility", wavepath_visibility_vert_spv, wavepath_visibility_frag_spv, bindings_,
+                constants_of(features)),
+      draws_(scene.draws),
+      triangles_a_slice_(kFirstSlice) {}
+
+double Visibility::submit(std::span<const VertexRange> ranges, bool first, bool last) {
+  const gpu::Wave wave{}; // camera rays
+  Commands commands(device_);
+  target_.draw(commands, pipeline_, bindings_, &wave, ranges, first);
+  if (last) target_.copy(commands, ids_);
+  const auto start = std::chrono::steady_clock::now();
+  commands.submit_and_wait();
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+// Copies that spatial splits made of a triangle are drawn as well: they lie in the same plane to the last bit, and the
+// first one drawn stays. A depth prepass could only cost: what it would save is a fragment shader that writes two
+// words.
+double Visibility::render() {
+  if (slices_.empty()) slices_ = cut(draws_, triangles_a_slice_);
+  double longest = 0.0;
+  for (std::size_t i = 0; i < slices_.size(); ++i) {
+    const double seconds = submit(slices_[i], i == 0, i + 1 == slices_.size());
+    seconds_ += seconds;
+    longest = std::max(longest, seconds);
+  }
+  const std::uint64_t before = triangles_a_slice_;
+  if (longest > kLongestSlice)
+    triangles_a_slice_ = std::max(kSmallestSlice, before / 2);
+  else if (longest < 0.25 * kLongestSlice && slices_.size() > 1)
+    triangles_a_slice_ = 2 * before;
+  if (triangles_a_slice_ != before) slices_.clear();
+  return longest;
+}
+
+} // namespace wavepath
