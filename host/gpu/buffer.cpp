@@ -102,13 +102,15 @@ void Buffer::read(void* data, std::uint64_t bytes, std::uint64_t offset) const {
     copy_staged(data, nullptr, bytes, offset);
 }
 
-void Buffer::fill_zero() {
+void Buffer::fill_zero(std::uint64_t bytes) {
+  assert(bytes <= bytes_ && bytes % 4 == 0);
+  if (bytes == 0) return;
   if (mapped_) {
-    std::memset(mapped_, 0, bytes_);
+    std::memset(mapped_, 0, bytes);
     return;
   }
   Commands commands(*device_);
-  vkCmdFillBuffer(commands.handle(), buffer_, 0, VK_WHOLE_SIZE, 0);
+  vkCmdFillBuffer(commands.handle(), buffer_, 0, bytes, 0);
   commands.submit_and_wait();
 }
 

@@ -34,7 +34,8 @@ public:
   // Copies between host and device and waits. Ranges must lie inside the buffer.
   void write(const void* data, std::uint64_t bytes, std::uint64_t offset = 0);
   void read(void* data, std::uint64_t bytes, std::uint64_t offset = 0) const;
-  void fill_zero();
+  void fill_zero() { fill_zero(bytes_); }
+  void fill_zero(std::uint64_t bytes); // of its beginning, a multiple of 4
 
 private:
   void swap(Buffer& other) noexcept;

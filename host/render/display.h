@@ -4,7 +4,7 @@
 
 #include <array>
 #include <cstdint>
-#include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -12,6 +12,7 @@
 #include "host/gpu/kernel.h"
 #include "host/render/progressive.h"
 #include "host/render/tonemap.h"
+#include "kernels/display_types.h"
 
 namespace wavepath {
 
@@ -61,9 +62,11 @@ public:
   std::uint32_t height() const { return height_; }
 
 private:
+  void draw_band(const FilmBand& band, gpu::DisplayJob job);
   void resize(std::uint32_t width, std::uint32_t height);
 
   Device& device_;
+  std::optional<Kernel> kernel_;
   Buffer pixels_;
   std::uint32_t width_ = 0, height_ = 0;
 };

@@ -64,6 +64,12 @@ const KernelSet& KernelCompiler::best(const KernelConfig& need) {
   return *chosen->set;
 }
 
+bool KernelCompiler::ready(const KernelConfig& need) {
+  start(need);
+  const std::lock_guard lock(mutex_);
+  return choose(need) != nullptr;
+}
+
 std::uint32_t KernelCompiler::features() const {
   const std::lock_guard lock(mutex_);
   std::uint32_t features = 0;

@@ -36,6 +36,9 @@ public:
   // and while there is none, the first to come. Throws what compiling threw.
   const KernelSet& best(const KernelConfig& need);
 
+  // Whether best() would return at once, or throw what compiling threw. Begins compiling otherwise.
+  bool ready(const KernelConfig& need);
+
   // kFeature bits of all sets begun: what buffers have to be there for.
   std::uint32_t features() const;
 

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstddef>
+#include <initializer_list>
 #include <numeric>
 #include <utility>
 
@@ -12,6 +13,8 @@
 
 namespace wavepath {
 namespace {
+
+constexpr std::uint64_t kFilmPixelBytes = gpu::kReplicates * sizeof(gpu::FilmPixel);
 
 std::uint32_t groups_for(std::uint64_t count) {
   return static_cast<std::uint32_t>((count + gpu::kWorkgroupSize - 1) / gpu::kWorkgroupSize);
@@ -123,7 +126,7 @@ PathTracer::PathTracer(Device& device, const PackedScene& scene, const View& vie
   const auto start = std::chrono::steady_clock::now();
   scene_ = upload_scene(device, scene);
   upload_seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  allocate(device, settings);
+  allocate(settings);
 }
 
 std::uint64_t PathBuffers::bytes() const {
@@ -131,44 +134,78 @@ std::uint64_t PathBuffers::bytes() const {
          shadow_rays.bytes() + queues.bytes() + runs.bytes();
 }
 
-void PathTracer::allocate(Device& device, const RenderSettings& settings) {
-  const std::uint64_t slots = frame_.slot_count;
-  paths_.frame = Buffer(device, sizeof(gpu::Frame));
+void PathTracer::change(const PackedScene& scene, const View& view, const RenderSettings& settings) {
+  frame_ = make_frame(scene, view, settings, frame_.slot_count);
+  config_ = kernel_config(needed_features(scene, view, settings), scene.stack_size, settings);
+  kernels_.start(config_);
+  features_ = kernels_.features();
+  allocate(settings);
+  reset();
+}
+
+void PathTracer::allocate(const RenderSettings& settings) {
+  const bool moved_paths = make_room_for_paths(settings), moved_film = make_room_for_film(settings);
   paths_.frame.write(&frame_, sizeof(gpu::Frame));
-  paths_.states = Buffer(device, slots * sizeof(gpu::PathState));
-  paths_.media = Buffer(device, features_ & gpu::kFeatureVolume ? slots * sizeof(std::uint32_t) : 0);
-  paths_.aovs = Buffer(device, features_ & gpu::kFeatureAovs ? slots * sizeof(gpu::PathAovs) : 0);
-  paths_.rays = Buffer(device, 2 * slots * sizeof(gpu::Ray));
-  paths_.hits = Buffer(device, slots * sizeof(gpu::Hit));
-  paths_.shadow_rays =
-      Buffer(device, frame_.light_count || settings.room_for_shadow_rays ? slots * sizeof(gpu::ShadowRay) : 0);
-  paths_.queues = Buffer(device, sizeof(gpu::Queues));
-
-  const std::uint64_t pixels = std::uint64_t{settings.width} * settings.height;
-  const std::uint64_t run_count =
-      features_ & gpu::kFeatureAdaptive ? (pixels + gpu::kRunPixels - 1) / gpu::kRunPixels : 0;
-  paths_.runs = Buffer(device, run_count * sizeof(std::uint32_t));
-  std::vector<std::uint32_t> runs(run_count);
-  std::iota(runs.begin(), runs.end(), 0u);
-  if (run_count > 0) set_runs(runs);
-
-  // Film bands: what one buffer may hold, written as storage and read as texels.
-  const std::uint64_t pixel_bytes =
-      std::max<std::uint64_t>(gpu::kReplicates * sizeof(gpu::FilmPixel), sizeof(gpu::FilmAovs));
-  const std::uint64_t range = std::min(device.info().max_storage_range, 16 * device.info().max_texel_elements);
-  const std::uint64_t band_pixels = range / pixel_bytes / gpu::kRunPixels * gpu::kRunPixels; // no run lies in two
-  for (std::uint64_t first = 0; first < pixels; first += band_pixels) {
-    FilmBand& band = bands_.emplace_back();
-    band.first_pixel = static_cast<std::uint32_t>(first);
-    band.pixel_count = static_cast<std::uint32_t>(std::min(band_pixels, pixels - first));
-    band.film = Buffer(device, std::uint64_t{band.pixel_count} * gpu::kReplicates * sizeof(gpu::FilmPixel));
-    band.aovs =
-        Buffer(device, features_ & gpu::kFeatureAovs ? std::uint64_t{band.pixel_count} * sizeof(gpu::FilmAovs) : 0);
+  if (settings.adaptive) {
+    const std::uint64_t pixels = std::uint64_t{settings.width} * settings.height;
+    std::vector<std::uint32_t> runs((pixels + gpu::kRunPixels - 1) / gpu::kRunPixels);
+    std::iota(runs.begin(), runs.end(), 0u);
+    set_runs(runs);
   }
+  if (!moved_paths && !moved_film) return;
   for (FilmBand& band : bands_) { // in their final places: bindings point at the buffers
     const std::vector<Binding> bindings = all_bindings(scene_, paths_, band);
-    band.bindings = std::make_unique<BindingSet>(device, bindings, static_cast<std::uint32_t>(sizeof(gpu::Wave)));
+    band.bindings = std::make_unique<BindingSet>(device_, bindings, static_cast<std::uint32_t>(sizeof(gpu::Wave)));
   }
+}
+
+// Whether another buffer had to take its place; what the old one held is lost then.
+bool PathTracer::make_room(Buffer& buffer, std::uint64_t bytes) {
+  if (buffer.handle() && buffer.bytes() >= bytes) return false;
+  buffer = Buffer(); // both at once may be too much
+  buffer = Buffer(device_, bytes);
+  return true;
+}
+
+bool PathTracer::make_room_for_paths(const RenderSettings& settings) {
+  const std::uint64_t slots = frame_.slot_count;
+  const std::uint64_t pixels = std::uint64_t{settings.width} * settings.height;
+  const bool shadows = frame_.light_count || settings.room_for_shadow_rays;
+  const std::uint64_t runs = features_ & gpu::kFeatureAdaptive ? (pixels + gpu::kRunPixels - 1) / gpu::kRunPixels : 0;
+  bool moved = false;
+  for (const auto& [buffer, bytes] : std::initializer_list<std::pair<Buffer*, std::uint64_t>>{
+           {&paths_.frame, sizeof(gpu::Frame)},
+           {&paths_.states, slots * sizeof(gpu::PathState)},
+           {&paths_.media, features_ & gpu::kFeatureVolume ? slots * sizeof(std::uint32_t) : 0},
+           {&paths_.aovs, features_ & gpu::kFeatureAovs ? slots * sizeof(gpu::PathAovs) : 0},
+           {&paths_.rays, 2 * slots * sizeof(gpu::Ray)},
+           {&paths_.hits, slots * sizeof(gpu::Hit)},
+           {&paths_.shadow_rays, shadows ? slots * sizeof(gpu::ShadowRay) : 0},
+           {&paths_.queues, sizeof(gpu::Queues)},
+           {&paths_.runs, runs * sizeof(std::uint32_t)}})
+    moved |= make_room(*buffer, bytes);
+  return moved;
+}
+
+// Film bands: what one buffer may hold, written as storage and read as texels. Bands of a larger picture stay, empty.
+bool PathTracer::make_room_for_film(const RenderSettings& settings) {
+  const std::uint64_t pixels = std::uint64_t{settings.width} * settings.height;
+  const DeviceInfo& info = device_.info();
+  const std::uint64_t range = std::min(info.max_storage_range, 16 * info.max_texel_elements);
+  const std::uint64_t most = range / std::max(kFilmPixelBytes, sizeof(gpu::FilmAovs)) / gpu::kRunPixels *
+                             gpu::kRunPixels; // no run lies in two
+  bands_.resize(std::max<std::size_t>(bands_.size(), (pixels + most - 1) / most));
+  bool moved = false;
+  std::uint64_t first = 0;
+  for (FilmBand& band : bands_) {
+    band.first_pixel = static_cast<std::uint32_t>(first);
+    band.pixel_count = static_cast<std::uint32_t>(std::min(most, pixels - first));
+    first += band.pixel_count;
+    moved |= make_room(band.film, band.pixel_count * kFilmPixelBytes);
+    moved |= make_room(band.aovs,
+                       features_ & gpu::kFeatureAovs ? std::uint64_t{band.pixel_count} * sizeof(gpu::FilmAovs) : 0);
+  }
+  return moved;
 }
 
 double PathTracer::render_wave(const FilmBand& band, std::uint32_t first_pixel, std::uint32_t pixel_count,
@@ -253,8 +290,8 @@ void PathTracer::set_counters(gpu::Queues counters, std::vector<StageTime> stage
 
 void PathTracer::empty_film() {
   for (FilmBand& band : bands_) {
-    band.film.fill_zero();
-    if (band.aovs.bytes()) band.aovs.fill_zero();
+    band.film.fill_zero(band.pixel_count * kFilmPixelBytes);
+    if (band.aovs.bytes()) band.aovs.fill_zero(band.pixel_count * sizeof(gpu::FilmAovs));
   }
   nonfinite_ = {}; // of samples that are no longer in it
 }

@@ -18,7 +18,7 @@ namespace wavepath {
 // A run of pixels (in tile order) whose film fits into one buffer of the device.
 struct FilmBand {
   std::uint32_t first_pixel = 0, pixel_count = 0;
-  Buffer film, aovs;
+  Buffer film, aovs; // may have room for more
   std::unique_ptr<BindingSet> bindings;
 };
 
@@ -44,6 +44,13 @@ public:
   // same.
   double render_wave(const FilmBand& band, std::uint32_t first_pixel, std::uint32_t pixel_count,
                      std::uint32_t first_sample, std::uint32_t sample_count);
+
+  // Goes on with another view and other settings of the scene that is on the device, which `scene` is: begins compiling what they
+  // need, makes room where there is too little, and resets. What was allocated for a larger picture is kept.
+  void change(const PackedScene& scene, const View& view, const RenderSettings& settings);
+
+  // Whether there are kernels to begin with, so that render_wave() will not wait.
+  bool is_ready() { return kernels_.ready(config_); }
 
   // Resets, and waits until there are kernels to begin with. Returns the seconds that compiling those took.
   double get_ready();
@@ -73,7 +80,10 @@ private:
   friend class RayReplay; // host/bench
   friend class PathReplay; // host/render/path_replay.h
 
-  void allocate(Device& device, const RenderSettings& settings);
+  void allocate(const RenderSettings& settings);
+  bool make_room(Buffer& buffer, std::uint64_t bytes);
+  bool make_room_for_paths(const RenderSettings& settings);
+  bool make_room_for_film(const RenderSettings& settings);
   void collect_nonfinite(const gpu::Wave& wave);
 
   Device& device_;

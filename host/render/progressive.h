@@ -1,7 +1,6 @@
 // A render that a window steps: a wave at a time, coarse while the camera moves, begun anew when anything changes.
 #pragma once
 
-#include <chrono>
 #include <cstdint>
 #include <future>
 #include <memory>
@@ -69,13 +68,20 @@ public:
   Picture picture() const;
 
   const PathTracer& tracer() const { return *tracer_; } // for Display
+  const PackedScene& scene() const { return *scene_; }
   std::uint32_t film_width() const { return rendered_.width; }
   std::uint32_t film_height() const { return rendered_.height; }
 
 private:
-  using Clock = std::chrono::steady_clock;
+  struct Estimate {
+    Checkpoint point;
+    double seconds = 0.0; // that it took
+  };
 
+  std::uint32_t spp() const { return sample_ - settings_.first_sample; }
+  bool is_done() const { return sample_ >= settings_.last_sample; }
   void begin_anew(std::uint32_t coarse);
+  void reset_pass();
   std::uint32_t choose_coarse() const;
   void begin_pass();
   void end_pass();
@@ -96,10 +102,12 @@ private:
   std::uint32_t sample_ = 0, pass_samples_ = 0; // the pass in progress adds [sample_, sample_ + pass_samples_)
   std::size_t band_ = 0;                        // where in the film it is
   std::uint32_t pixels_done_ = 0;
-  double seconds_ = 0.0, pass_seconds_ = 0.0;
+  double seconds_ = 0.0, pass_seconds_ = 0.0; // of whole passes, and of this one
+  RayCounts rays_;
   double pixel_sample_seconds_ = 0.0; // of the last pass; 0 = unknown
   std::vector<Checkpoint> checkpoints_;
-  std::future<Checkpoint> estimating_;
+  std::future<Estimate> estimating_;
+  bool estimate_is_stale_ = false;                               // was begun for what is no longer on the film
   double estimate_seconds_ = 0.0, estimate_pixel_seconds_ = 0.0; // in all since begun anew, and a pixel of the last one
 };
 
