@@ -111,7 +111,24 @@ TEST(Usage, UnknownNamesSuggestTheNearest) {
 
 TEST(Usage, WhatIsNotThereYetIsNotFaked) {
   expect_error({"render", kBox, "--integrator", "hybrid"}, 2, "'hybrid' is unknown; choose from path");
-  expect_error({"view", kBox}, 2, "view: no such command; choose from render, info, compare");
+}
+
+// Whether or not it was built with a window, and on a screen or not: no scene is read for nothing.
+TEST(Usage, ViewNeedsAScreen) {
+  const std::string broken = scene_file("README.md"); // no glTF
+  const RunOptions no_screen{.in_child = [] {
+    for (const char* name : {"DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"}) unsetenv(name);
+  }};
+  const Outcome outcome = run_wavepath({"view", broken}, no_screen);
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_EQ(outcome.err.rfind("wavepath: error: view: ", 0), 0u) << outcome.err;
+  EXPECT_NE(outcome.err.find("'wavepath render'"), std::string::npos) << outcome.err;
+  expect_error({"view", scene_file("missing.gltf")}, 1, "does not exist");
+  expect_error({"view", kBox, "--screenshot", "a.png"}, 2, "--screenshot: does not say when; add --frames N");
+  expect_error({"view", kBox, "--frames", "9", "--spp", "4"}, 2, "--frames: 9 is more than --spp 4");
+  expect_error({"view", kBox, "--frames", "9", "--screenshot", "a.txt"}, 2, "no extension that names a picture format");
+  expect_error({"view", kBox, "--frames", "9", "--screenshot", "nowhere/a.png"}, 1, "nowhere");
+  expect_error({"view", kBox, "--show", "albdo"}, 2, "did you mean albedo?");
 }
 
 TEST(Usage, BadValues) {

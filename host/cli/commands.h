@@ -18,6 +18,7 @@ inline constexpr int kExitDone = 0, kExitFailed = 1, kExitUsage = 2, kExitTarget
 
 // `command_line`: as the user typed it, for the record.
 Command add_render(CLI::App& app, const std::string& command_line);
+Command add_view(CLI::App& app, const std::string& command_line);
 Command add_info(CLI::App& app);
 Command add_compare(CLI::App& app);
 Command add_bench(CLI::App& app);

@@ -3,18 +3,17 @@
 #include <chrono>
 #include <exception>
 #include <filesystem>
-#include <future>
 #include <memory>
 
 #include <fmt/format.h>
 
 #include "host/base/atomic_file.h"
 #include "host/base/error.h"
-#include "host/base/memory.h"
 #include "host/base/process_clock.h"
 #include "host/cli/commands.h"
 #include "host/cli/flags.h"
 #include "host/cli/interrupt.h"
+#include "host/cli/open_scene.h"
 #include "host/cli/progress.h"
 #include "host/cli/render_flags.h"
 #include "host/cli/report.h"
@@ -26,8 +25,6 @@
 #include "host/render/depth_cut.h"
 #include "host/render/diagnosis.h"
 #include "host/render/identity.h"
-#include "host/render/kernel_compiler.h"
-#include "host/scene/features.h"
 #include "host/scene/scene_hash.h"
 
 namespace wavepath {
@@ -47,12 +44,6 @@ struct Request {
   OutputRequest output;
   std::string command_line;
 };
-
-void require_file(const std::string& path) {
-  std::error_code error;
-  if (!std::filesystem::exists(path, error)) throw Error(path, "does not exist", "check the name");
-  if (std::filesystem::is_directory(path, error)) throw Error(path, "is a folder", "name a file");
-}
 
 // Everything that can be known to fail is refused before the time of loading and rendering is spent.
 void check_files(Request& request) {
@@ -95,18 +86,6 @@ std::optional<Picture> read_reference(Request& request) {
   const bool box = reference && read_attribute(path, "wavepath.filter") == kFilterNames[gpu::kFilterBox];
   settings.filter = request.render.filter.value_or(box ? gpu::kFilterBox : gpu::kFilterBlackmanHarris);
   return reference;
-}
-
-// Host memory: the packed scene, the film as read back and the picture; with a CPU device, its buffers as well.
-void require_memory_for(const Request& request, const Plan& plan, const DeviceInfo& device) {
-  const RenderSettings& settings = request.render.settings;
-  const std::uint64_t pixels = std::uint64_t{settings.width} * settings.height;
-  const std::uint64_t film =
-      pixels * (gpu::kReplicates * sizeof(gpu::FilmPixel) + (settings.aovs.empty() ? 0 : sizeof(gpu::FilmAovs)));
-  const std::uint64_t picture = pixels * sizeof(float) * (4 + 3 * settings.aovs.size());
-  const std::uint64_t copies = device.type == "cpu" ? 2 : 1;
-  require_memory(request.scene.path, fmt::format("rendering it at {}x{}", settings.width, settings.height),
-                 copies * (plan.total() + film) + picture, "use a smaller --size, fewer --aov or a simpler scene");
 }
 
 // `mergeable`: the identity that parts share, or empty.
@@ -186,17 +165,6 @@ int replay(const Request& request, Device& device, const PackedScene& packed, co
   return kExitDone;
 }
 
-// Compiles what the scene will most likely need. A wrong guess costs time alone.
-void begin_kernels(KernelCompiler& kernels, const DeviceInfo& device, const Scene& scene,
-                   const RenderSettings& settings) {
-  std::uint32_t features = expected_features(scene, settings.direct);
-  if (!settings.aovs.empty()) features |= gpu::kFeatureAovs;
-  for (const Camera& camera : scene.cameras)
-    if (camera.orthographic) features |= gpu::kFeatureOrthographic;
-  kernels.start(kernel_config(features, kExpectedStack, settings));
-  if (generic_first(device)) kernels.start(kernel_config(gpu::kFeaturesAll, kExpectedStack, settings));
-}
-
 int run_render(Request& request) {
   RenderSettings& settings = request.render.settings;
   settle_samples(request.render);
@@ -207,28 +175,25 @@ int run_render(Request& request) {
     check_files(request);
   const std::optional<Picture> reference = read_reference(request);
 
-  // The device opens while the scene is read; kernels compile from the moment the scene's needs can be foreseen.
   const Stopwatch loading;
-  auto opening = std::async(std::launch::async, [&] { return std::make_unique<Device>(request.render.device); });
-  std::unique_ptr<Device> opened;
-  std::optional<KernelCompiler> kernels;
-  Scene scene = load_scene(request.scene, [&](const Scene& described) {
-    opened = opening.get();
-    begin_kernels(kernels.emplace(*opened), opened->info(), described, settings);
-  });
-  Device& device = *opened;
+  OpenScene open = open_scene(request.scene, request.render);
+  Device& device = *open.device;
+  KernelCompiler& kernels = *open.kernels;
+  Scene& scene = open.scene;
   const View view = resolve_view(scene, request.scene.view, settings.width, settings.height);
   const bvh::Quality quality =
       request.render.bvh.value_or(choose_quality(settings, plan(scene).triangles_stored, device.info()));
-  require_memory_for(request, plan(scene, quality), device.info());
+  require_memory_for(request.scene.path, settings, plan(scene, quality), device.info());
   const bool identified = request.render.mergeable || !request.render.state.file.empty();
-  const std::string identity = identified ? identity_of(hash_scene(scene), view, settings) : std::string();
-  const PackedScene packed = pack(scene, settings.direct, quality, view.position);
+  std::string identity = identified ? identity_of(hash_scene(scene), view, settings) : std::string();
+  if (const auto& origin = request.render.origin; identified && origin)
+    identity += fmt::format(";origin={:a},{:a},{:a}", origin->x, origin->y, origin->z);
+  const PackedScene packed = pack(scene, settings.direct, quality, request.render.origin.value_or(view.position));
   const double load_seconds = loading.seconds() - packed.bvh_seconds;
   Warnings warnings = scene.warnings;
   scene = Scene{}; // the device's copy is all that rendering needs
 
-  if (request.render.pixel) return replay(request, device, packed, view, *kernels, warnings);
+  if (request.render.pixel) return replay(request, device, packed, view, kernels, warnings);
   const StateRequest& state = request.render.state;
   const std::optional<RenderState> resumed = read_resumed(state, settings, identity, device.info(), warnings);
   std::vector<TrueError> true_errors;
@@ -238,11 +203,11 @@ int run_render(Request& request) {
     hooks.checkpoint = [&](const Checkpoint&, const Picture& picture) {
       true_errors.push_back(measure_true_error(picture, *reference));
     };
-  const RenderResult result = render_shown(request, device, packed, view, *kernels, hooks);
+  const RenderResult result = render_shown(request, device, packed, view, kernels, hooks);
   std::optional<DepthCut> cut;
   if ((!request.output.stats.empty() || request.output.json || request.output.verbose) &&
       result.stop != StopReason::interrupted)
-    cut = measure_depth_cut(device, packed, view, settings, *kernels);
+    cut = measure_depth_cut(device, packed, view, settings, kernels);
   Run run{request.scene.path, request.command_line, device.info(), settings, packed, result};
   run.bias = list_bias(settings, result, cut);
   run.true_errors = align(std::move(true_errors), result.checkpoints.size());

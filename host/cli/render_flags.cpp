@@ -146,6 +146,10 @@ void add_picture_flags(CLI::App& app, RenderRequest& request) {
            {"--filter", "box|gaussian|blackman-harris", "pixel filter, importance-sampled",
             "blackman-harris; box if --reference is box-filtered"},
            [&](const FlagValue& value) { request.filter = value.choice(kFilterNames); });
+  add_flag(app, group,
+           {"--origin", "X,Y,Z", "where in the scene single precision is finest, world units; decides last bits alone",
+            "the eye"},
+           [&](const FlagValue& value) { request.origin = value.triple(); });
   add_flag(
       app, group,
       {"--aov", "LIST",
@@ -167,6 +171,14 @@ void add_replay_flags(CLI::App& app, RenderRequest& request) {
            [&](const FlagValue& value) { request.sample = value.whole_number(0, kMostSamples); });
 }
 
+void add_tone_flags(CLI::App& app, WriteOptions& options) {
+  const char* group = "Output";
+  add_flag(app, group, {"--exposure", "EV", "brighten tonemapped outputs by this many stops", "0"},
+           [&](const FlagValue& value) { options.exposure = value.number(-64.0, 64.0); });
+  add_flag(app, group, {"--tonemap", "none|aces|agx|neutral", "tone curve of .png and .jpg outputs", "neutral"},
+           [&](const FlagValue& value) { options.tonemap = static_cast<Tonemap>(value.choice(kTonemaps)); });
+}
+
 void add_picture_output_flags(CLI::App& app, OutputRequest& request, const char* initial) {
   const char* group = "Output";
   add_flag(
@@ -174,10 +186,7 @@ void add_picture_output_flags(CLI::App& app, OutputRequest& request, const char*
       {"-o,--output", "FILE", "repeatable; .exr and .hdr linear, .png and .jpg tonemapped", initial},
       [&](const FlagValue& value) { request.pictures.push_back(value.text); }, true);
   add_switch(app, group, {"--half", "", "EXR with 16-bit floats", "off: 32-bit"}, request.write.half);
-  add_flag(app, group, {"--exposure", "EV", "brighten tonemapped outputs by this many stops", "0"},
-           [&](const FlagValue& value) { request.write.exposure = value.number(-64.0, 64.0); });
-  add_flag(app, group, {"--tonemap", "none|aces|agx|neutral", "tone curve of .png and .jpg outputs", "neutral"},
-           [&](const FlagValue& value) { request.write.tonemap = static_cast<Tonemap>(value.choice(kTonemaps)); });
+  add_tone_flags(app, request.write);
 }
 
 void add_output_flags(CLI::App& app, OutputRequest& request) {

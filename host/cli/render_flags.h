@@ -37,6 +37,7 @@ struct RenderRequest {
   std::optional<std::uint32_t> filter;
   std::optional<bvh::Quality> bvh; // empty = chosen from the number of rays
   std::string device;
+  std::optional<glm::dvec3> origin; // empty = the eye
   bool strict = false;
   bool mergeable = false; // .exr outputs hold the exact sums
   StateRequest state;
@@ -54,6 +55,7 @@ void add_replay_flags(CLI::App& app, RenderRequest& request);
 void add_output_flags(CLI::App& app, OutputRequest& request);
 // Which files, and how they are written. `initial`: what is written if none is named, for the help.
 void add_picture_output_flags(CLI::App& app, OutputRequest& request, const char* initial);
+void add_tone_flags(CLI::App& app, WriteOptions& options);
 
 void read_size(const FlagValue& value, RenderSettings& settings); // WIDTHxHEIGHT
 

@@ -71,6 +71,7 @@ int run(int argument_count, const char* const* arguments) {
       "WAVEPATH_CACHE=off leaves it out.");
   const std::string line = quote(argument_count, arguments);
   const std::map<std::string, Command> commands = {{"render", add_render(app, line)},
+                                                   {"view", add_view(app, line)},
                                                    {"info", add_info(app)},
                                                    {"compare", add_compare(app)},
                                                    {"bench", add_bench(app)},

@@ -50,7 +50,7 @@ void add_scene_flags(CLI::App& app, SceneRequest& request, bool required) {
            [&](const FlagValue& value) { request.environment_intensity = value.number(0.0, kLargest); });
   add_flag(app, group,
            {"--env-rotation", "DEG", "turn the environment about +Y, degrees counter-clockwise from above", "0"},
-           [&](const FlagValue& value) { request.environment_rotation = glm::radians(value.number(-1e6, 1e6)); });
+           [&](const FlagValue& value) { request.environment_degrees = value.number(-1e6, 1e6); });
 }
 
 void add_view_flags(CLI::App& app, ViewRequest& request) {
@@ -80,13 +80,20 @@ void add_view_flags(CLI::App& app, ViewRequest& request) {
 Scene load_scene(const SceneRequest& request, const SceneDescribed& described) {
   // A map that cannot be read should not cost the time of reading the scene.
   std::optional<Environment> environment;
-  if (!request.environment.empty())
-    environment = load_environment(request.environment, request.environment_intensity, request.environment_rotation);
+  if (!request.environment.empty()) environment = find_environment(request, {});
   return load_gltf(request.path, request.load, [&](Scene& scene) {
-    scene.environment = environment ? *std::move(environment) : default_environment(scene);
-    if (!environment) scene.environment.radiance *= static_cast<float>(request.environment_intensity);
+    scene.environment = environment ? *std::move(environment) : find_environment(request, scene);
     if (described) described(scene);
   });
+}
+
+Environment find_environment(const SceneRequest& request, const Scene& scene) {
+  if (!request.environment.empty())
+    return load_environment(request.environment, request.environment_intensity,
+                            glm::radians(request.environment_degrees));
+  Environment environment = default_environment(scene);
+  environment.radiance *= static_cast<float>(request.environment_intensity);
+  return environment;
 }
 
 Environment default_environment(const Scene& scene) {

@@ -17,7 +17,7 @@ struct SceneRequest {
   ViewRequest view;
   std::string environment; // as load_environment takes it; empty = by the rule of default_environment
   double environment_intensity = 1.0;
-  double environment_rotation = 0.0; // radians
+  double environment_degrees = 0.0; // of rotation
 };
 
 // `request` must outlive the parsing of `app`. SCENE itself may be left out where `required` is false.
@@ -26,6 +26,9 @@ void add_view_flags(CLI::App& app, ViewRequest& request);
 
 // Reads the scene and puts its environment in; `described` as in load_gltf(), the environment included. Throws Error.
 Scene load_scene(const SceneRequest& request, const SceneDescribed& described = {});
+
+// The environment of the request: what load_scene() puts in. Throws Error.
+Environment find_environment(const SceneRequest& request, const Scene& scene);
 
 // Black if the scene has a light of its own (punctual, or an emissive surface in use), else white of radiance 1.
 Environment default_environment(const Scene& scene);

@@ -1,0 +1,58 @@
+#include "host/cli/open_scene.h"
+
+#include <filesystem>
+#include <future>
+
+#include <fmt/format.h>
+
+#include "host/base/error.h"
+#include "host/base/memory.h"
+#include "host/scene/features.h"
+
+namespace wavepath {
+namespace {
+
+// Compiles what the scene will most likely need. A wrong guess costs time alone.
+void begin_kernels(KernelCompiler& kernels, const DeviceInfo& device, const Scene& scene,
+                   const RenderSettings& settings) {
+  std::uint32_t features = expected_features(scene, settings.direct);
+  if (!settings.aovs.empty()) features |= gpu::kFeatureAovs;
+  for (const Camera& camera : scene.cameras)
+    if (camera.orthographic) features |= gpu::kFeatureOrthographic;
+  kernels.start(kernel_config(features, kExpectedStack, settings));
+  if (generic_first(device)) kernels.start(kernel_config(gpu::kFeaturesAll, kExpectedStack, settings));
+}
+
+} // namespace
+
+OpenScene open_scene(const SceneRequest& scene, const RenderRequest& render,
+                     std::span<const char* const> window_extensions) {
+  OpenScene open;
+  auto opening =
+      std::async(std::launch::async, [&] { return std::make_unique<Device>(render.device, window_extensions); });
+  open.scene = load_scene(scene, [&](const Scene& described) {
+    open.device = opening.get();
+    open.kernels = std::make_unique<KernelCompiler>(*open.device);
+    begin_kernels(*open.kernels, open.device->info(), described, render.settings);
+  });
+  return open;
+}
+
+void require_file(const std::string& path) {
+  std::error_code error;
+  if (!std::filesystem::exists(path, error)) throw Error(path, "does not exist", "check the name");
+  if (std::filesystem::is_directory(path, error)) throw Error(path, "is a folder", "name a file");
+}
+
+void require_memory_for(const std::string& path, const RenderSettings& settings, const Plan& plan,
+                        const DeviceInfo& device) {
+  const std::uint64_t pixels = std::uint64_t{settings.width} * settings.height;
+  const std::uint64_t film =
+      pixels * (gpu::kReplicates * sizeof(gpu::FilmPixel) + (settings.aovs.empty() ? 0 : sizeof(gpu::FilmAovs)));
+  const std::uint64_t picture = pixels * sizeof(float) * (4 + 3 * settings.aovs.size());
+  const std::uint64_t copies = device.type == "cpu" ? 2 : 1;
+  require_memory(path, fmt::format("rendering it at {}x{}", settings.width, settings.height),
+                 copies * (plan.total() + film) + picture, "use a smaller --size, fewer --aov or a simpler scene");
+}
+
+} // namespace wavepath

@@ -1,0 +1,35 @@
+// From a scene file to what is ready to be packed, with the device and the kernels for it under way meanwhile.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+
+#include "host/cli/render_flags.h"
+#include "host/cli/scene_flags.h"
+#include "host/gpu/device.h"
+#include "host/render/kernel_compiler.h"
+#include "host/scene/pack.h"
+
+namespace wavepath {
+
+struct OpenScene {
+  std::unique_ptr<Device> device;
+  std::unique_ptr<KernelCompiler> kernels; // compiling what the scene will most likely need
+  Scene scene;
+};
+
+// The device opens while the scene is read; kernels compile from the moment the scene's needs can be foreseen.
+// `window_extensions`: as Device takes them. Throws Error.
+OpenScene open_scene(const SceneRequest& scene, const RenderRequest& render,
+                     std::span<const char* const> window_extensions = {});
+
+// Throws Error unless there is such a file.
+void require_file(const std::string& path);
+
+// Throws Error unless host memory holds the packed scene, the film as read back and the picture; with a CPU device, its
+// buffers as well.
+void require_memory_for(const std::string& path, const RenderSettings& settings, const Plan& plan,
+                        const DeviceInfo& device);
+
+} // namespace wavepath

@@ -1,0 +1,225 @@
+// wavepath view: a window in which a render becomes finer while one looks at it.
+#include <filesystem>
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "host/base/atomic_file.h"
+#include "host/base/error.h"
+#include "host/base/shell_quote.h"
+#include "host/cli/commands.h"
+#include "host/cli/flags.h"
+#include "host/cli/open_scene.h"
+#include "host/cli/report.h"
+#include "host/gpu/pipeline_cache.h"
+#include "host/render/bvh_choice.h"
+#include "host/render/display.h"
+#include "host/render/progressive.h"
+#include "host/scene/bounds.h"
+#include "host/scene/environment.h"
+#ifdef WAVEPATH_VIEWER
+#include "host/view/window.h"
+#endif
+
+namespace wavepath {
+namespace {
+
+constexpr std::uint32_t kOpenEndedSamples = 65536, kMostFrames = 1u << 30;
+// Samples a pixel that the tree is to pay for: who looks wants to see something soon.
+constexpr std::uint32_t kExpectedSamples = 16;
+
+struct Request {
+  SceneRequest scene;
+  RenderRequest render;
+  WriteOptions tone;
+  Shown shown = Shown::color;
+  std::uint32_t frames = 0; // 0 = until the window is closed
+  std::string screenshot;
+  std::string command_line;
+};
+
+void check(Request& request) {
+  RenderSettings& settings = request.render.settings;
+  settings.filter = request.render.filter.value_or(gpu::kFilterBlackmanHarris);
+  settings.last_sample = request.render.spp.value_or(request.frames ? request.frames : kOpenEndedSamples);
+  settings.sample_total = settings.last_sample;
+  if (request.frames > settings.last_sample)
+    throw UsageError("--frames", fmt::format("{} is more than --spp {}", request.frames, settings.last_sample),
+                     "give a number up to --spp");
+  if (request.frames) settings.last_sample = request.frames;
+  for (const std::string& aov : aovs_for(request.shown))
+    if (std::ranges::count(settings.aovs, aov) == 0) settings.aovs.push_back(aov);
+  require_file(request.scene.path);
+  const std::string& screenshot = request.screenshot;
+  if (screenshot.empty()) return;
+  if (request.frames == 0)
+    throw UsageError("--screenshot", "does not say when", "add --frames N, the samples per pixel to wait for");
+  if (!picture_format(screenshot))
+    throw UsageError(screenshot, "has no extension that names a picture format", "end it in .exr, .hdr, .png or .jpg");
+  require_writable(screenshot);
+  std::error_code error;
+  if (std::filesystem::equivalent(screenshot, request.scene.path, error))
+    throw UsageError(screenshot, "would overwrite an input", "write somewhere else");
+}
+
+#ifdef WAVEPATH_VIEWER
+
+// The scene in the window, and what keeps it there.
+class Viewing {
+public:
+  explicit Viewing(const Request& request)
+      : request_(request), open_(open_scene(request.scene, request.render, window_extensions())) {
+    const RenderSettings& settings = request.render.settings;
+    const View view = resolve_view(open_.scene, request.scene.view, settings.width, settings.height);
+    RenderSettings expected = settings;
+    expected.last_sample = std::min(settings.last_sample, kExpectedSamples);
+    const DeviceInfo& device = open_.device->info();
+    quality_ = request.render.bvh.value_or(choose_quality(expected, plan(open_.scene).triangles_stored, device));
+    require_memory_for(request.scene.path, settings, plan(open_.scene, quality_), device);
+    // Lights are packed whatever --direct says, so that it can be changed.
+    packed_ = pack(open_.scene, gpu::kDirectMis, quality_, request.render.origin.value_or(view.position));
+    print_warnings(open_.scene.warnings);
+    environment_ = {request.scene.environment, request.scene.environment_intensity, request.scene.environment_degrees};
+    progressive_ = std::make_unique<Progressive>(*open_.device, packed_, view, settings, *open_.kernels);
+  }
+
+  int run() {
+    WindowRequest window;
+    window.title = std::filesystem::path(request_.scene.path).filename().string() + " - wavepath";
+    window.scene = &open_.scene;
+    window.packed = &packed_;
+    window.bounds = world_bounds(open_.scene);
+    window.view = request_.scene.view;
+    window.more_flags = [this] { return flags(); };
+    window.display = {.shown = request_.shown, .exposure = request_.tone.exposure, .tonemap = request_.tone.tonemap};
+    window.environment = environment_;
+    window.target_error = request_.render.settings.target_error;
+    window.frames = request_.frames;
+    window.screenshot = request_.screenshot;
+    window.notes = list_bias(request_.render.settings, {}, {});
+    window.save = [this](const std::string& path, const DisplayOptions& display) { save(path, display); };
+    window.set_environment = [this](const EnvironmentChoice& choice) { set_environment(choice); };
+    const int code = run_window(*open_.device, *progressive_, window);
+    open_.device->pipeline_cache().save();
+    return code;
+  }
+
+private:
+  // What `wavepath render` needs besides camera and settings.
+  std::string flags() const {
+    const LoadOptions& load = request_.scene.load;
+    std::string flags;
+    const auto add = [&flags](const char* flag, const std::string& value) {
+      if (!value.empty()) flags += fmt::format(" {} {}", flag, shell_quoted(value));
+    };
+    add("--scene", load.scene);
+    add("--animation", load.animation);
+    if (load.at != 0.0) add("--at", fmt::format("{}", load.at));
+    add("--env", environment_.source);
+    if (environment_.intensity != 1.0) add("--env-intensity", fmt::format("{}", environment_.intensity));
+    if (environment_.rotation_degrees != 0.0) add("--env-rotation", fmt::format("{}", environment_.rotation_degrees));
+    add("--origin", fmt::format("{},{},{}", packed_.origin.x, packed_.origin.y, packed_.origin.z));
+    add("--device", request_.render.device);
+    return flags;
+  }
+
+  void save(const std::string& path, const DisplayOptions& display) const {
+    const RenderSettings& settings = progressive_->settings();
+    const ProgressiveStatus status = progressive_->status();
+    RenderResult result;
+    result.nonfinite = progressive_->tracer().nonfinite();
+    PictureInfo info;
+    info.spp = status.spp;
+    info.seconds = status.seconds;
+    if (status.error_spp > 0) info.error = status.error.relative_rms;
+    info.seed = settings.seed;
+    info.samples = fmt::format("{}:{}", settings.first_sample, settings.first_sample + status.spp);
+    info.scene = request_.scene.path;
+    info.command = request_.command_line;
+    info.filter = kFilterNames[settings.filter];
+    info.bias = fmt::format("{}", fmt::join(list_bias(settings, result, {}), "; "));
+    info.view = progressive_->view();
+    write_picture(path, progressive_->picture(), info, {.exposure = display.exposure, .tonemap = display.tonemap});
+  }
+
+  void set_environment(const EnvironmentChoice& choice) {
+    SceneRequest wanted = request_.scene;
+    wanted.environment = choice.source;
+    wanted.environment_intensity = choice.intensity;
+    wanted.environment_degrees = choice.rotation_degrees;
+    const Environment before = open_.scene.environment;
+    try {
+      open_.scene.environment = find_environment(wanted, open_.scene);
+      PackedScene packed = pack(open_.scene, gpu::kDirectMis, quality_, packed_.origin);
+      packed_ = std::move(packed);
+    } catch (...) {
+      open_.scene.environment = before;
+      throw;
+    }
+    environment_ = choice;
+    progressive_->set_scene(packed_, progressive_->view());
+  }
+
+  const Request& request_;
+  OpenScene open_;
+  bvh::Quality quality_{};
+  PackedScene packed_;
+  EnvironmentChoice environment_;
+  std::unique_ptr<Progressive> progressive_;
+};
+
+int run_view(Request& request) {
+  check(request);
+  return Viewing(request).run();
+}
+
+#else
+
+int run_view(Request& request) {
+  check(request);
+  throw Error("view", "this build has no window", "build with -DWAVEPATH_VIEWER=ON, or use 'wavepath render'");
+}
+
+#endif
+
+void add_window_flags(CLI::App& app, Request& request) {
+  const char* group = "Window";
+  add_flag(app, group, {"--spp", "N", "samples per pixel at which rendering ends", "65536"},
+           [&](const FlagValue& value) { request.render.spp = value.whole_number(1, kMostFrames); });
+  add_flag(app, group,
+           {"--target-error", "E", "estimated relative RMS error to tell the time until, and to stop at; 0.01 = 1 %",
+            "none"},
+           [&](const FlagValue& value) { request.render.settings.target_error = value.positive_number(); });
+  add_flag(
+      app, group,
+      {"--show", "WHAT",
+       "what is shown first: color, albedo, normal, depth, position, direct, indirect, emission, samples, variance "
+       "or error",
+       "color"},
+      [&](const FlagValue& value) { request.shown = static_cast<Shown>(value.choice(kShownNames)); });
+  add_flag(app, group,
+           {"--frames", "N", "close the window once this many samples per pixel are on screen", "stays open"},
+           [&](const FlagValue& value) { request.frames = value.whole_number(1, kMostFrames); });
+  add_flag(app, group,
+           {"--screenshot", "FILE",
+            "write the picture at the end of --frames; .exr and .hdr linear, .png and .jpg tonemapped", "none"},
+           [&](const FlagValue& value) { request.screenshot = value.text; });
+}
+
+} // namespace
+
+Command add_view(CLI::App& app, const std::string& command_line) {
+  CLI::App* command = app.add_subcommand("view", "look at a scene in a window while it is path-traced");
+  command->set_help_flag("-h,--help", "show this and exit")->group(kHelpGroup);
+  const auto request = std::make_shared<Request>();
+  request->command_line = command_line;
+  add_window_flags(*command, *request);
+  add_tone_flags(*command, request->tone);
+  add_picture_flags(*command, request->render);
+  add_scene_flags(*command, request->scene, true);
+  add_view_flags(*command, request->scene.view);
+  add_render_flags(*command, request->render);
+  return [request] { return run_view(*request); };
+}
+
+} // namespace wavepath
