@@ -1,4 +1,5 @@
 // wavepath view: a window in which a render becomes finer while one looks at it.
+#include <algorithm>
 #include <filesystem>
 #include <memory>
 
