@@ -146,6 +146,20 @@ TEST_F(ProgressiveTest, AnotherSceneIsRendered) {
   expect_as_rendered(progressive);
 }
 
+// What the copied command line says: the camera as it is now, and the origin as it was packed.
+TEST_F(ProgressiveTest, TheOriginRepeatsAMovedView) {
+  open("showcase.glb");
+  packed_ = pack(scene_, settings_.direct, bvh::Quality::fast, view_.position);
+  const PackedScene in_window = packed_;
+  Progressive progressive(device(), in_window, view_, settings_, kernels());
+  progressive.set_view(moved_view());
+  packed_ = pack(scene_, settings_.direct, bvh::Quality::fast, in_window.origin);
+  EXPECT_EQ(packed_.origin, in_window.origin);
+  expect_as_rendered(progressive);
+  packed_ = pack(scene_, settings_.direct, bvh::Quality::fast, moved_view().position);
+  EXPECT_FALSE(progressive.film() == *rendered(moved_view(), settings_).film) << "there was no need of an origin";
+}
+
 TEST_F(ProgressiveTest, ShowsACoarsePictureWhileMoving) {
   open("cornell_box.gltf");
   Progressive progressive = begin(); // knows nothing of the device's speed, and so begins as coarse as can be
