@@ -6,7 +6,6 @@
 #include <numbers>
 
 #include "host/base/error.h"
-#include "host/scene/bounds.h"
 
 namespace wavepath {
 namespace {
@@ -103,12 +102,17 @@ void apply_request(const ViewRequest& request, const std::optional<glm::dvec3>& 
 } // namespace
 
 View resolve_view(const Scene& scene, const ViewRequest& request, std::uint32_t width, std::uint32_t height) {
+  const bool framed = scene.cameras.empty() && request.camera.empty();
+  return resolve_view(scene, framed ? world_bounds(scene) : Bounds{}, request, width, height);
+}
+
+View resolve_view(const Scene& scene, const Bounds& bounds, const ViewRequest& request, std::uint32_t width,
+                  std::uint32_t height) {
   const double aspect = static_cast<double>(width) / static_cast<double>(height);
   Pose pose;
   std::optional<glm::dvec3>
       default_target; // without a camera, an eye of the user's own looks at the middle of the scene
   if (scene.cameras.empty() && request.camera.empty()) {
-    const Bounds bounds = world_bounds(scene);
     pose = frame_scene(bounds, aspect);
     default_target = bounds.centre();
   } else {

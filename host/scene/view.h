@@ -7,6 +7,7 @@
 
 #include <glm/glm.hpp>
 
+#include "host/scene/bounds.h"
 #include "host/scene/scene.h"
 
 namespace wavepath {
@@ -34,5 +35,9 @@ struct ViewRequest {
 // user's own, its middle is looked at. A level camera stays level when only its eye or target is moved. `yfov` makes
 // any camera perspective.
 View resolve_view(const Scene& scene, const ViewRequest& request, std::uint32_t width, std::uint32_t height);
+
+// The same where the world box of the geometry is known already; only the cameras of `scene` are looked at.
+View resolve_view(const Scene& scene, const Bounds& bounds, const ViewRequest& request, std::uint32_t width,
+                  std::uint32_t height);
 
 } // namespace wavepath

@@ -1,0 +1,148 @@
+#include "host/view/camera_control.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <glm/gtc/matrix_transform.hpp>
+
+#include "host/base/shell_quote.h"
+
+namespace wavepath {
+namespace {
+
+constexpr double kNearestPole = 0.02; // radians that the view keeps from straight up or down, where it has no right
+
+glm::dvec3 turned(const glm::dvec3& v, double angle, const glm::dvec3& axis) {
+  return glm::dvec3(glm::rotate(glm::dmat4(1.0), angle, axis) * glm::dvec4(v, 0.0));
+}
+
+// `direction` turned about `up`, then towards it, but never as far as the poles.
+glm::dvec3 swing(const glm::dvec3& direction, const glm::dvec3& up, double about, double towards) {
+  const glm::dvec3 axis = glm::normalize(up), level = turned(direction, about, axis);
+  const double polar = std::acos(std::clamp(glm::dot(glm::normalize(level), axis), -1.0, 1.0));
+  const double wanted = std::clamp(polar - towards, kNearestPole, glm::pi<double>() - kNearestPole);
+  return turned(level, polar - wanted, glm::normalize(glm::cross(level, axis)));
+}
+
+// The angle in degrees that --yfov turns into exactly these radians; rounding may need a neighbour of the quotient.
+double exact_degrees(double radians) {
+  const double first = glm::degrees(radians);
+  double lower = first, upper = first;
+  for (int i = 0; i < 4; ++i) {
+    if (glm::radians(lower) == radians) return lower;
+    if (glm::radians(upper) == radians) return upper;
+    lower = std::nextafter(lower, 0.0), upper = std::nextafter(upper, 360.0);
+  }
+  return first;
+}
+
+std::string triple(const glm::dvec3& v) { return fmt::format("{},{},{}", v.x, v.y, v.z); }
+
+} // namespace
+
+CameraControl::CameraControl(const Scene& scene, const Bounds& bounds, const ViewRequest& initial)
+    : bounds_(bounds), initial_(initial), request_(initial) {
+  cameras_.path = scene.path;
+  cameras_.cameras = scene.cameras;
+}
+
+double CameraControl::radius() const { return bounds_.radius() > 0.0 ? bounds_.radius() : 1.0; }
+
+// What is left open in the request comes from the view that it gives: the target as far away as the middle of the
+// scene, a level camera's up from the world.
+CameraControl::Pose CameraControl::pose() const {
+  const View now = view();
+  Pose pose{now.position, now.position, glm::normalize(now.up)};
+  const double along = glm::dot(bounds_.centre() - now.position, now.forward);
+  pose.target = request_.look_at.value_or(now.position + now.forward * std::max(along, 0.1 * radius()));
+  const bool level =
+      std::abs(now.right.y) <= 1e-6 * glm::length(now.right) && now.up.y > kNearestPole * glm::length(now.up);
+  pose.up = request_.up.value_or(level ? glm::dvec3(0.0, 1.0, 0.0) : pose.up);
+  return pose;
+}
+
+// Coordinates are kept where the picture can be computed: within the numbers that geometry may have.
+void CameraControl::set(const Pose& pose) {
+  if (!finite_point(pose.eye) || !finite_point(pose.target) || pose.eye == pose.target) return;
+  request_.eye = pose.eye, request_.look_at = pose.target, request_.up = pose.up;
+}
+
+void CameraControl::orbit(double right, double down) {
+  Pose p = pose();
+  p.eye = p.target - swing(p.target - p.eye, p.up, -right, -down);
+  set(p);
+}
+
+void CameraControl::look(double right, double down) {
+  Pose p = pose();
+  p.target = p.eye + swing(p.target - p.eye, p.up, -right, -down);
+  set(p);
+}
+
+void CameraControl::pan(double right, double down) {
+  Pose p = pose();
+  const View now = view();
+  const double distance = now.orthographic ? 1.0 : glm::length(p.target - p.eye);
+  const glm::dvec3 move = 2.0 * distance * (down * now.up - right * glm::length(now.up) * glm::normalize(now.right));
+  p.eye += move, p.target += move;
+  set(p);
+}
+
+void CameraControl::dolly(double amount) {
+  Pose p = pose();
+  p.eye = p.target + (p.eye - p.target) * std::exp(-amount);
+  set(p);
+}
+
+void CameraControl::fly(const glm::dvec3& right_up_forward) {
+  Pose p = pose();
+  const View now = view();
+  const glm::dvec3 move = radius() * (right_up_forward.x * glm::normalize(now.right) +
+                                      right_up_forward.y * glm::normalize(p.up) + right_up_forward.z * now.forward);
+  p.eye += move, p.target += move;
+  set(p);
+}
+
+bool CameraControl::focus(const glm::dvec3& point) {
+  Pose p = pose();
+  const glm::dvec3 towards = point - p.eye;
+  if (!(glm::length(towards) > 1e-6 * radius())) return false;
+  if (glm::length(glm::cross(glm::normalize(towards), glm::normalize(p.up))) < kNearestPole)
+    p.up = glm::normalize(view().up);
+  p.target = point;
+  set(p);
+  return true;
+}
+
+bool CameraControl::choose(std::size_t camera) {
+  if (camera >= cameras_.cameras.size()) return false;
+  request_ = {.camera = std::to_string(camera)};
+  // A name goes before an index; where one camera is called by another's number, only its own name will do.
+  for (const Camera& other : cameras_.cameras)
+    if (other.name == request_.camera) request_.camera = cameras_.cameras[camera].name;
+  return true;
+}
+
+void CameraControl::frame_scene() {
+  const View now = view();
+  const double half_angle = std::atan(std::min(glm::length(now.up), glm::length(now.right)));
+  Pose p = pose();
+  const glm::dvec3 forward = glm::normalize(p.target - p.eye);
+  p.target = bounds_.centre();
+  p.eye = p.target - forward * (radius() / std::sin(half_angle));
+  set(p);
+}
+
+std::string camera_flags(const ViewRequest& request) {
+  std::string flags;
+  const auto add = [&](const char* flag, const std::string& value) { flags += fmt::format(" {} {}", flag, value); };
+  if (!request.camera.empty()) add("--camera", shell_quoted(request.camera));
+  if (request.eye) add("--eye", triple(*request.eye));
+  if (request.look_at) add("--look-at", triple(*request.look_at));
+  if (request.up) add("--up", triple(*request.up));
+  if (request.yfov) add("--yfov", fmt::format("{}", exact_degrees(*request.yfov)));
+  return flags;
+}
+
+} // namespace wavepath

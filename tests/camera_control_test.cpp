@@ -1,0 +1,170 @@
+// The camera in the hand: where it goes, and that its flags say exactly where it is.
+#include "host/view/camera_control.h"
+
+#include <cmath>
+#include <numbers>
+#include <sstream>
+
+#include <gtest/gtest.h>
+#include <glm/gtc/matrix_transform.hpp>
+
+#include "tests/scene_builder.h"
+
+namespace wavepath {
+namespace {
+
+constexpr double kQuarter = std::numbers::pi / 2;
+
+void expect_near(const glm::dvec3& a, const glm::dvec3& b, double tolerance = 1e-12) {
+  EXPECT_LE(glm::length(a - b), tolerance)
+      << a.x << " " << a.y << " " << a.z << " instead of " << b.x << " " << b.y << " " << b.z;
+}
+
+Bounds unit_bounds() {
+  Bounds bounds;
+  bounds.add(glm::dvec3(-1.0));
+  bounds.add(glm::dvec3(1.0));
+  return bounds;
+}
+
+// From (0, 0, 4) along -Z, at the middle of a box of half extent 1.
+CameraControl front_camera() {
+  Scene scene = triangle_scene();
+  Camera camera, second;
+  camera.yfov = kQuarter;
+  camera.world_from_camera = glm::translate(glm::dmat4(1.0), glm::dvec3(0, 0, 4));
+  second.name = "0";
+  second.orthographic = true;
+  scene.cameras = {camera, second};
+  return CameraControl(scene, unit_bounds(), {});
+}
+
+TEST(CameraControl, OrbitsAboutTheTarget) {
+  CameraControl control = front_camera();
+  control.orbit(kQuarter, 0.0); // the scene follows the hand to the right: the eye goes to the left
+  expect_near(control.view().position, {-4, 0, 0});
+  expect_near(control.view().forward, {1, 0, 0});
+  control.orbit(0.0, 0.5);
+  expect_near(control.view().position, {-4 * std::cos(0.5), 4 * std::sin(0.5), 0});
+  EXPECT_NEAR(control.view().right.y, 0.0, 1e-12);
+}
+
+TEST(CameraControl, NeverTurnsOverThePoles) {
+  for (const double down : {10.0, -10.0}) {
+    CameraControl control = front_camera();
+    control.orbit(0.3, down);
+    EXPECT_GT(control.view().up.y, 0.0);
+    EXPECT_GT(std::abs(control.view().forward.y), 0.99);
+    control.look(0.3, -down);
+    EXPECT_GT(control.view().up.y, 0.0);
+  }
+}
+
+TEST(CameraControl, LooksAroundFromWhereItIs) {
+  CameraControl control = front_camera();
+  control.look(kQuarter, 0.0);
+  expect_near(control.view().position, {0, 0, 4});
+  expect_near(control.view().forward, {1, 0, 0});
+  control.look(0.0, 0.5);
+  EXPECT_LT(control.view().forward.y, 0.0);
+}
+
+// A point at the target's distance stays under the pointer.
+TEST(CameraControl, PansWithThePicture) {
+  CameraControl control = front_camera();
+  const double height = 2.0 * 4.0 * std::tan(kQuarter / 2); // of the picture at the target
+  control.pan(0.25, 0.5);
+  expect_near(control.view().position, {-0.25 * height, 0.5 * height, 4});
+  expect_near(control.view().forward, {0, 0, -1});
+}
+
+TEST(CameraControl, DolliesAndFlies) {
+  CameraControl control = front_camera();
+  control.dolly(std::log(2.0));
+  expect_near(control.view().position, {0, 0, 2});
+  control.dolly(1e6); // neither through the target nor onto it
+  EXPECT_GT(control.view().position.z, 0.0);
+  control.reset();
+  const double radius = std::sqrt(3.0);
+  control.fly({1.0, 2.0, 3.0});
+  expect_near(control.view().position, {radius, 2 * radius, 4 - 3 * radius});
+  expect_near(control.view().forward, {0, 0, -1});
+}
+
+TEST(CameraControl, FocusesOnAPoint) {
+  CameraControl control = front_camera();
+  EXPECT_TRUE(control.focus({1, 1, 0}));
+  expect_near(control.view().forward, glm::normalize(glm::dvec3(1, 1, -4)));
+  EXPECT_FALSE(control.focus({0, 0, 4})); // where the eye is
+  EXPECT_TRUE(control.focus({0, 10, 4})); // straight above
+  expect_near(control.view().forward, {0, 1, 0});
+}
+
+TEST(CameraControl, ChoosesFramesAndResets) {
+  CameraControl control = front_camera();
+  EXPECT_FALSE(control.choose(2));
+  EXPECT_TRUE(control.choose(1)); // called "0"
+  EXPECT_TRUE(control.view().orthographic);
+  control.reset();
+  control.fly({5.0, 0.0, 0.0});
+  control.frame_scene();
+  expect_near(control.view().forward, {0, 0, -1});
+  expect_near(control.view().position, {0, 0, std::sqrt(3.0) / std::sin(kQuarter / 2)});
+  control.reset();
+  expect_near(control.view().position, {0, 0, 4});
+}
+
+TEST(CameraControl, StaysAmongNumbers) {
+  CameraControl control = front_camera();
+  for (int i = 0; i < 100; ++i) control.dolly(-10.0), control.fly({1e300, 0, 0}), control.pan(1e10, -1e10);
+  EXPECT_TRUE(finite_point(control.view().position));
+  EXPECT_NEAR(glm::length(control.view().forward), 1.0, 1e-9);
+}
+
+// Reads the flags as a shell and the command line would.
+ViewRequest read(const std::string& flags) {
+  std::istringstream words(flags);
+  ViewRequest request;
+  const auto number = [](const std::string& text) { return std::strtod(text.c_str(), nullptr); };
+  for (std::string flag, value; words >> flag >> value;) {
+    const auto second = value.find(','), third = value.find(',', second + 1);
+    const auto triple = [&] {
+      return glm::dvec3(number(value.substr(0, second)), number(value.substr(second + 1)),
+                        number(value.substr(third + 1)));
+    };
+    if (flag == "--camera") request.camera = value;
+    if (flag == "--eye") request.eye = triple();
+    if (flag == "--look-at") request.look_at = triple();
+    if (flag == "--up") request.up = triple();
+    if (flag == "--yfov") request.yfov = glm::radians(number(value));
+  }
+  return request;
+}
+
+TEST(CameraControl, WritesFlagsThatMakeTheSameView) {
+  CameraControl control = front_camera();
+  EXPECT_EQ(camera_flags(control.request()), "");
+  for (int i = 0; i < 200; ++i) {
+    control.orbit(0.1 * i, 0.013);
+    control.fly({1e-3, 1.0 / 3.0, -1e-7});
+    const ViewRequest again = read(camera_flags(control.request()));
+    ASSERT_EQ(again.eye, control.request().eye);
+    ASSERT_EQ(again.look_at, control.request().look_at);
+    ASSERT_EQ(again.up, control.request().up);
+  }
+  control.choose(1);
+  EXPECT_EQ(camera_flags(control.request()), " --camera 1");
+  control.choose(0); // not the one that is called "0"
+  EXPECT_FALSE(control.view().orthographic);
+}
+
+TEST(CameraControl, WritesAnglesThatMakeTheSameBits) {
+  for (int i = 1; i < 1800; ++i) {
+    const double radians = glm::radians(0.1 * i);
+    const ViewRequest request{.yfov = radians};
+    ASSERT_EQ(read(camera_flags(request)).yfov, radians) << i;
+  }
+}
+
+} // namespace
+} // namespace wavepath
