@@ -1,0 +1,179 @@
+#include "host/view/panel.h"
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+
+#include <fmt/format.h>
+#include <imgui.h>
+#include <imgui_stdlib.h>
+
+#include "host/render/stats.h"
+#include "host/view/render_line.h"
+
+namespace wavepath {
+namespace {
+
+// A label to the left of its widget, in two columns.
+void label(const char* text) {
+  ImGui::AlignTextToFramePadding();
+  ImGui::TextUnformatted(text);
+  ImGui::SameLine(ImGui::GetFontSize() * 8.5f);
+  ImGui::SetNextItemWidth(-1.0f);
+}
+
+void text(const std::string& line) { ImGui::TextUnformatted(line.c_str()); }
+
+// A list of names to choose from. True if another one was chosen.
+template <class Value>
+bool choice(const char* name, std::span<const std::string_view> names, Value& value) {
+  label(name);
+  bool changed = false;
+  const auto now = static_cast<std::size_t>(value);
+  if (!ImGui::BeginCombo(fmt::format("##{}", name).c_str(), std::string(names[now]).c_str())) return false;
+  for (std::size_t i = 0; i < names.size(); ++i)
+    if (ImGui::Selectable(std::string(names[i]).c_str(), i == now) && i != now) {
+      value = static_cast<Value>(i);
+      changed = true;
+    }
+  ImGui::EndCombo();
+  return changed;
+}
+
+// A whole number that counts only when it is entered whole.
+bool whole(const char* name, std::uint32_t& value, std::uint32_t least, std::uint32_t most) {
+  label(name);
+  const std::uint32_t step = 1;
+  std::uint32_t entered = value;
+  ImGui::InputScalar(fmt::format("##{}", name).c_str(), ImGuiDataType_U32, &entered, &step, nullptr, "%u",
+                     ImGuiInputTextFlags_EnterReturnsTrue);
+  if (entered == value) return false;
+  value = std::clamp(entered, least, most);
+  return true;
+}
+
+bool section(const char* name, bool open = true) {
+  return ImGui::CollapsingHeader(name, open ? ImGuiTreeNodeFlags_DefaultOpen : 0);
+}
+
+std::string duration(double seconds) {
+  if (!std::isfinite(seconds)) return "unknown";
+  if (seconds < 60.0) return fmt::format("{:.0f} s", seconds);
+  if (seconds < 3600.0) return fmt::format("{:.0f} min", seconds / 60.0);
+  return fmt::format("{:.1f} h", seconds / 3600.0);
+}
+
+std::string error_text(const ProgressiveStatus& status) {
+  if (status.error_spp == 0) return "not yet known";
+  return fmt::format("{:.2f} % ({:.2f}..{:.2f} %)\nrelative RMS at {} spp, 95 % interval",
+                     100.0 * status.error.relative_rms, 100.0 * status.error.ci95[0], 100.0 * status.error.ci95[1],
+                     status.error_spp);
+}
+
+void show_statistics(const PanelState& state, const PanelFacts& facts) {
+  const ProgressiveStatus& s = facts.status;
+  const char* now = s.compiling ? "compiling kernels" : s.done ? "done" : s.coarse > 1 ? "moving" : "rendering";
+  text(fmt::format("{}, {} of {} spp", now, s.spp, s.planned));
+  if (s.coarse > 1) text(fmt::format("at 1/{} of the resolution", s.coarse));
+  ImGui::ProgressBar(static_cast<float>(s.fraction), ImVec2(-1.0f, ImGui::GetFontSize() * 0.4f), "");
+  text(fmt::format("{:.1f} ms a sample of all pixels", 1e3 * s.frame_seconds));
+  text(fmt::format("{:.2f} Mrays/s, {:.1f} s rendered", s.mrays_per_second, s.seconds));
+  text("estimated error: " + error_text(s));
+  if (state.target_error > 0.0)
+    text(fmt::format("to {:.2g} %: {}", 100.0 * state.target_error,
+                     facts.seconds_to_target <= 0.0 ? "reached" : duration(facts.seconds_to_target)));
+  text(fmt::format("{:.0f} MiB on the device", static_cast<double>(s.memory.total()) / (1u << 20)));
+}
+
+void show_view(PanelState& state) {
+  DisplayOptions& display = state.display;
+  choice("show", kShownNames, display.shown);
+  label("exposure, stops");
+  auto exposure = static_cast<float>(display.exposure);
+  if (ImGui::SliderFloat("##exposure", &exposure, -10.0f, 10.0f, "%.2f")) display.exposure = exposure;
+  choice("tone curve", kTonemapLabels, display.tonemap);
+}
+
+void show_transport(PanelState& state, PanelWishes& wishes) {
+  RenderSettings& settings = state.settings;
+  bool changed = choice("integrator", kIntegratorLabels, settings.integrator);
+  changed |= choice("sampler", kSamplerNames, settings.sampler);
+  changed |= choice("direct light", kDirectNames, settings.direct);
+  changed |= whole("bounces, most", settings.max_depth, 0, 1000);
+  changed |= whole("seed", settings.seed, 0, 0x7fffffff);
+  changed |= whole("samples, spp", settings.last_sample, 1, 1u << 24);
+  if (settings.integrator != Integrator::path) {
+    changed |= whole("shadow rays", settings.shadow_samples, 1, 256);
+    changed |= whole("occlusion rays", settings.ao_samples, 1, 256);
+    label("denoise");
+    changed |= ImGui::Checkbox("##denoise", &settings.denoise);
+  }
+  wishes.settings = changed;
+  label("target error, %");
+  auto percent = static_cast<float>(100.0 * state.target_error);
+  if (ImGui::InputFloat("##target", &percent, 0.0f, 0.0f, "%.3g")) state.target_error = std::max(0.0f, percent) / 100.0;
+}
+
+void show_environment(PanelState& state, PanelWishes& wishes) {
+  EnvironmentChoice& choice = state.environment;
+  label("file or R,G,B");
+  ImGui::InputText("##environment", &choice.source);
+  wishes.environment |= ImGui::IsItemDeactivatedAfterEdit();
+  label("intensity");
+  auto intensity = static_cast<float>(choice.intensity);
+  if (ImGui::DragFloat("##intensity", &intensity, 0.01f, 0.0f, 1e6f, "%.3g", ImGuiSliderFlags_AlwaysClamp))
+    choice.intensity = intensity;
+  wishes.environment |= ImGui::IsItemDeactivatedAfterEdit();
+  label("rotation, deg");
+  auto rotation = static_cast<float>(choice.rotation_degrees);
+  if (ImGui::DragFloat("##rotation", &rotation, 1.0f, -360.0f, 360.0f, "%.1f", ImGuiSliderFlags_AlwaysClamp))
+    choice.rotation_degrees = rotation;
+  wishes.environment |= ImGui::IsItemDeactivatedAfterEdit();
+}
+
+void show_cameras(const PanelFacts& facts, PanelWishes& wishes) {
+  if (ImGui::Button("reset (R)")) wishes.reset = true;
+  ImGui::SameLine();
+  if (ImGui::Button("frame (Home)")) wishes.frame = true;
+  ImGui::SameLine();
+  if (ImGui::Button("copy (C)")) wishes.copy = true;
+  for (std::size_t i = 0; i < facts.cameras.size(); ++i) {
+    const std::string key = i < 9 ? fmt::format(" ({})", i + 1) : "";
+    if (ImGui::Selectable(fmt::format("{} {}{}##camera{}", i, facts.cameras[i], key, i).c_str())) wishes.camera = i;
+  }
+  ImGui::TextDisabled(
+      "left drag: orbit   middle: pan\nright drag: look   wheel: nearer\nWASD QE: fly       shift: fast\n"
+      "double click, F: focus there\nH: hide this");
+}
+
+} // namespace
+
+PanelWishes show_panel(PanelState& state, const PanelFacts& facts) {
+  PanelWishes wishes;
+  if (!state.visible) return wishes;
+  const float unit = ImGui::GetFontSize();
+  const ImVec2 screen = ImGui::GetIO().DisplaySize;
+  ImGui::SetNextWindowPos(ImVec2(0.6f * unit, 0.6f * unit), ImGuiCond_FirstUseEver);
+  ImGui::SetNextWindowSizeConstraints(ImVec2(22.0f * unit, 0.0f),
+                                      ImVec2(22.0f * unit, std::max(unit, screen.y - 1.2f * unit)));
+  if (ImGui::Begin("wavepath", nullptr, ImGuiWindowFlags_AlwaysAutoResize)) {
+    text(facts.scene);
+    ImGui::TextDisabled("%s", facts.device.c_str());
+    show_statistics(state, facts);
+    if (section("picture")) show_view(state);
+    if (section("light transport")) show_transport(state, wishes);
+    if (facts.sets_environment && section("environment", false)) show_environment(state, wishes);
+    if (section("camera")) show_cameras(facts, wishes);
+    if (!facts.notes.empty() && section("approximated", false))
+      for (const std::string& note : facts.notes) ImGui::TextWrapped("%s", note.c_str());
+    ImGui::Separator();
+    if (ImGui::Button("save EXR")) wishes.save_exr = true;
+    ImGui::SameLine();
+    if (ImGui::Button("save PNG")) wishes.save_png = true;
+    if (!state.message.empty()) ImGui::TextWrapped("%s", state.message.c_str());
+  }
+  ImGui::End();
+  return wishes;
+}
+
+} // namespace wavepath

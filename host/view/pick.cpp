@@ -1,0 +1,68 @@
+#include "host/view/pick.h"
+
+#include "bvh/traverse.h"
+
+namespace wavepath {
+namespace {
+
+bvh::Vec3 vec3(const glm::dvec3& v) {
+  return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
+}
+
+bvh::Vec3 vec3(const glm::vec3& v) { return {v.x, v.y, v.z}; }
+
+// Distance to the closest of the triangles below node `root`, or t_max.
+float nearest_triangle(const PackedScene& scene, std::uint32_t root, const bvh::Ray& ray) {
+  const bvh::PreparedRay prepared = bvh::prepare(ray);
+  float nearest = ray.t_max;
+  bvh::traverse(scene.nodes, root, prepared, bvh::Order::nearest_first,
+                [&](std::uint32_t first, std::uint32_t count, float& t_best) {
+                  for (std::uint32_t i = first; i < first + count; ++i) {
+                    const gpu::Triangle& t = scene.triangles[i];
+                    bvh::TriangleHit hit;
+                    if (bvh::intersect(prepared, {vec3(t.v0), vec3(t.v1), vec3(t.v2)}, hit) && hit.t < t_best)
+                      nearest = t_best = hit.t;
+                  }
+                  return false;
+                });
+  return nearest;
+}
+
+glm::dvec3 transformed(const glm::vec4 (&rows)[3], const glm::dvec4& v) {
+  return {glm::dot(glm::dvec4(rows[0]), v), glm::dot(glm::dvec4(rows[1]), v), glm::dot(glm::dvec4(rows[2]), v)};
+}
+
+// The direction is transformed as it is, so that distances mean the same in every object.
+float nearest_instance(const PackedScene& scene, const glm::dvec3& origin, const glm::dvec3& direction) {
+  const bvh::Ray ray{vec3(origin), vec3(direction)};
+  float nearest = ray.t_max;
+  bvh::traverse(scene.nodes, scene.root, bvh::prepare(ray), bvh::Order::nearest_first,
+                [&](std::uint32_t first, std::uint32_t count, float& t_best) {
+                  for (std::uint32_t i = first; i < first + count; ++i) {
+                    const gpu::Instance& instance = scene.instances[i];
+                    const bvh::Ray inside{vec3(transformed(instance.object_from_world, glm::dvec4(origin, 1.0))),
+                                          vec3(transformed(instance.object_from_world, glm::dvec4(direction, 0.0))),
+                                          t_best};
+                    nearest = t_best = nearest_triangle(scene, instance.root, inside);
+                  }
+                  return false;
+                });
+  return nearest;
+}
+
+} // namespace
+
+std::optional<glm::dvec3> pick(const PackedScene& scene, const View& view, const glm::dvec2& place,
+                               const glm::dvec2& size) {
+  const glm::dvec2 at = glm::dvec2(2.0, -2.0) * place / size + glm::dvec2(-1.0, 1.0);
+  const glm::dvec3 aside = at.x * view.right + at.y * view.up;
+  const glm::dvec3 eye = view.orthographic ? view.position + aside : view.position;
+  const glm::dvec3 direction = view.orthographic ? view.forward : view.forward + aside, origin = eye - scene.origin;
+  if (scene.triangles.empty()) return std::nullopt;
+  const float t = scene.root_is_top ? nearest_instance(scene, origin, direction)
+                                    : nearest_triangle(scene, scene.root, {vec3(origin), vec3(direction)});
+  if (t == std::numeric_limits<float>::infinity()) return std::nullopt;
+  return eye + static_cast<double>(t) * direction;
+}
+
+} // namespace wavepath

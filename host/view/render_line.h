@@ -1,0 +1,20 @@
+// The picture in the window as a command line that makes it again, bit for bit.
+#pragma once
+
+#include <string>
+
+#include "host/render/display.h"
+#include "host/render/render.h"
+#include "host/scene/view.h"
+
+namespace wavepath {
+
+inline constexpr std::string_view kIntegratorLabels[] = {"path", "hybrid", "ao"};
+inline constexpr std::string_view kTonemapLabels[] = {"none", "aces", "agx", "neutral"};
+
+// `wavepath render` with the camera, all settings that decide the picture, and `more` flags. All samples planned are
+// asked for.
+std::string render_line(const std::string& scene, const ViewRequest& camera, const RenderSettings& settings,
+                        const DisplayOptions& display, const std::string& more);
+
+} // namespace wavepath

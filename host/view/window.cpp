@@ -1,0 +1,338 @@
+#include "host/view/window.h"
+
+#include <algorithm>
+#include <filesystem>
+
+#include <fmt/format.h>
+
+#include "host/base/error.h"
+#include "host/view/camera_control.h"
+#include "host/view/glfw.h"
+#include "host/view/overlay.h"
+#include "host/view/panel.h"
+#include "host/view/pick.h"
+#include "host/view/presenter.h"
+#include "host/view/render_line.h"
+#include "host/view/steering.h"
+
+namespace wavepath {
+namespace {
+
+// Seconds.
+constexpr double kFramePause = 1.0 / 60.0;  // between pictures while a hand is at work,
+constexpr double kRenderPause = 1.0 / 15.0; // and while only the render goes on
+constexpr double kIdlePause = 0.25;         // until the estimate of the error is looked for again
+constexpr double kRest = 0.15;              // without a move, after which the picture is rendered in full
+constexpr int kSettling = 3;                // pictures after an event until widgets show what came of it
+
+bool same(const ProgressiveStatus& a, const ProgressiveStatus& b) {
+  return a.compiling == b.compiling && a.done == b.done && a.coarse == b.coarse && a.fraction == b.fraction &&
+         a.error_spp == b.error_spp;
+}
+
+// STEM-0001.EXTENSION, or the first number that is not taken.
+std::string free_name(const std::string& scene, const char* extension) {
+  const std::string stem = std::filesystem::path(scene).stem().string();
+  for (int i = 1;; ++i) {
+    const std::string name = fmt::format("{}-{:04}.{}", stem, i, extension);
+    std::error_code error;
+    if (!std::filesystem::exists(name, error)) return name;
+  }
+}
+
+class Viewer {
+public:
+  Viewer(Device& device, Progressive& progressive, const WindowRequest& request);
+  int run();
+
+private:
+  void wait_for_events();
+  bool must_draw(double now);
+  void draw(double now);
+  void take_input(double seconds);
+  void press(const KeyPress& key);
+  Flight flight() const;
+  void focus();
+  void fit_size();
+  void move_camera();
+  void take_settings();
+  void act(const PanelWishes& wishes);
+  void save(const char* extension);
+  void copy();
+  void show_title();
+  PanelFacts facts() const;
+  bool target_reached() const;
+  bool has_work() const { return !status_.done && !target_reached() && window_.size().x > 0; }
+
+  const WindowRequest& request_;
+  Progressive& progressive_;
+  CameraControl camera_;
+  GlfwWindow window_;
+  Presenter presenter_;
+  Overlay overlay_;
+  Display display_;
+  std::string device_;
+  PanelState panel_;
+  ProgressiveStatus status_, shown_;
+  EnvironmentChoice environment_; // in use
+  std::string title_;
+  int redraws_ = kSettling;
+  bool worked_ = false, drawn_done_ = false;
+  double last_draw_ = 0.0, last_move_ = 0.0;
+  glm::uvec2 resizing_to_{0};
+  double resized_ = -1.0; // when the window's size changed; below zero: it has not
+};
+
+Viewer::Viewer(Device& device, Progressive& progressive, const WindowRequest& request)
+    : request_(request),
+      progressive_(progressive),
+      camera_(*request.scene, request.bounds, request.view),
+      window_(request.title, progressive.settings().width, progressive.settings().height),
+      presenter_(device, window_),
+      overlay_(device, window_, presenter_.swapchain(), Presenter::kFramesInFlight),
+      display_(device),
+      device_(device.info().name),
+      environment_(request.environment) {
+  panel_.settings = progressive.settings();
+  panel_.display = request.display;
+  panel_.display.bgra = presenter_.swapchain().bgra();
+  panel_.environment = request.environment;
+  panel_.target_error = request.target_error;
+  camera_.resize(panel_.settings.width, panel_.settings.height);
+}
+
+int Viewer::run() {
+  while (!window_.should_close()) {
+    wait_for_events();
+    status_ = progressive_.status();
+    if (const double now = glfwGetTime(); must_draw(now)) draw(now);
+    worked_ = has_work() && progressive_.step();
+    status_ = progressive_.status();
+    if (request_.frames > 0 && drawn_done_) {
+      if (!request_.screenshot.empty()) request_.save(request_.screenshot, panel_.display);
+      break;
+    }
+  }
+  presenter_.wait();
+  return 0;
+}
+
+// Sleeps unless there is something to render or to draw.
+void Viewer::wait_for_events() {
+  const double since = glfwGetTime() - last_draw_;
+  const bool active = progressive_.moving() || resized_ >= 0.0 || redraws_ > 0;
+  if (worked_ || (active && since >= kFramePause))
+    glfwPollEvents();
+  else if (active || (has_work() && status_.compiling))
+    glfwWaitEventsTimeout(kFramePause);
+  else if (has_work())
+    glfwPollEvents();
+  else
+    glfwWaitEventsTimeout(kIdlePause);
+}
+
+bool Viewer::must_draw(double now) {
+  if (window_.take_events()) redraws_ = kSettling;
+  if (window_.size().x == 0) return false;
+  if (now - last_draw_ < kFramePause) return false;
+  return redraws_ > 0 || progressive_.moving() || resized_ >= 0.0 ||
+         (!same(status_, shown_) && (status_.done || now - last_draw_ >= kRenderPause));
+}
+
+void Viewer::draw(double now) {
+  overlay_.begin();
+  take_input(now - last_draw_);
+  fit_size();
+  if (progressive_.moving() && !window_.dragging() && now - last_move_ >= kRest) progressive_.rest();
+  status_ = progressive_.status();
+  const PanelWishes wishes = show_panel(panel_, facts());
+  overlay_.end();
+  act(wishes);
+
+  presenter_.wait(); // the display may make its buffer anew
+  display_.draw(progressive_, panel_.display);
+  const bool presented = presenter_.present(display_.pixels(), display_.width(), display_.height(), overlay_);
+  if (presented) {
+    redraws_ = std::max(0, redraws_ - 1);
+    shown_ = status_;
+    drawn_done_ = status_.done;
+  }
+  last_draw_ = now;
+  show_title();
+}
+
+void Viewer::take_input(double seconds) {
+  Input input = window_.take_input();
+  if (overlay_.wants_pointer()) {
+    input = Input{.keys = std::move(input.keys), .pointer = input.pointer};
+    window_.drop_pointer();
+  }
+  if (input.double_click || input.control_click) focus();
+  Flight flight;
+  if (!overlay_.wants_keys()) {
+    flight = this->flight();
+    for (const KeyPress& key : input.keys) press(key);
+  }
+  if (steer(camera_, input, flight, seconds, window_.size())) move_camera();
+}
+
+Flight Viewer::flight() const {
+  const auto axis = [this](int forwards, int backwards) {
+    return (window_.held(forwards) ? 1.0 : 0.0) - (window_.held(backwards) ? 1.0 : 0.0);
+  };
+  return {{axis(GLFW_KEY_D, GLFW_KEY_A), axis(GLFW_KEY_E, GLFW_KEY_Q), axis(GLFW_KEY_W, GLFW_KEY_S)},
+          window_.held(GLFW_KEY_LEFT_SHIFT) || window_.held(GLFW_KEY_RIGHT_SHIFT)};
+}
+
+void Viewer::press(const KeyPress& key) {
+  PanelWishes wishes;
+  switch (key.key) {
+    case GLFW_KEY_H:
+    case GLFW_KEY_TAB:
+      panel_.visible = !panel_.visible;
+      break;
+    case GLFW_KEY_C:
+      wishes.copy = true;
+      break;
+    case GLFW_KEY_R:
+      wishes.reset = true;
+      break;
+    case GLFW_KEY_HOME:
+      wishes.frame = true;
+      break;
+    case GLFW_KEY_F:
+      focus();
+      break;
+    default:
+      if (key.key >= GLFW_KEY_1 && key.key <= GLFW_KEY_9) wishes.camera = key.key - GLFW_KEY_1;
+  }
+  act(wishes);
+}
+
+void Viewer::focus() {
+  const auto place = window_.pointer();
+  if (!request_.packed) return;
+  const auto point = pick(*request_.packed, camera_.view(), place, glm::dvec2(window_.size()));
+  if (point && camera_.focus(*point)) move_camera();
+}
+
+// The picture follows the window once its edges have come to rest.
+void Viewer::fit_size() {
+  const glm::uvec2 size = window_.size();
+  const RenderSettings& settings = progressive_.settings();
+  if (size.x == 0 || (size.x == settings.width && size.y == settings.height)) {
+    resized_ = -1.0;
+    return;
+  }
+  if (resized_ < 0.0 || size != resizing_to_) resized_ = glfwGetTime(), resizing_to_ = size;
+  if (glfwGetTime() - resized_ < kRest) return;
+  panel_.settings.width = size.x, panel_.settings.height = size.y;
+  camera_.resize(size.x, size.y);
+  presenter_.wait();
+  take_settings();
+}
+
+void Viewer::move_camera() {
+  last_move_ = glfwGetTime();
+  progressive_.move(camera_.view());
+}
+
+void Viewer::take_settings() {
+  const RenderSettings before = progressive_.settings();
+  try {
+    progressive_.set_settings(panel_.settings, camera_.view());
+    panel_.message.clear();
+  } catch (const Error& error) {
+    panel_.message = error.what();
+    panel_.settings = before;
+    camera_.resize(before.width, before.height);
+    progressive_.set_settings(before, camera_.view());
+  }
+}
+
+void Viewer::act(const PanelWishes& wishes) {
+  // Channels once rendered stay, so that looking at them by turns does not begin anew each time.
+  bool more_channels = false;
+  for (const std::string& aov : aovs_for(panel_.display.shown)) {
+    auto& aovs = panel_.settings.aovs;
+    if (std::find(aovs.begin(), aovs.end(), aov) == aovs.end()) aovs.push_back(aov), more_channels = true;
+  }
+  if (wishes.settings || more_channels) take_settings();
+  if (wishes.environment && request_.set_environment && panel_.environment != environment_) try {
+      request_.set_environment(panel_.environment);
+      environment_ = panel_.environment;
+      panel_.message.clear();
+    } catch (const Error& error) {
+      panel_.message = error.what();
+      panel_.environment = environment_;
+    }
+  if (wishes.reset) camera_.reset();
+  if (wishes.frame) camera_.frame_scene();
+  const bool chosen = wishes.camera && camera_.choose(*wishes.camera);
+  if (wishes.reset || wishes.frame || chosen) move_camera();
+  if (wishes.copy) copy();
+  if (wishes.save_exr) save("exr");
+  if (wishes.save_png) save("png");
+}
+
+void Viewer::save(const char* extension) {
+  try {
+    const std::string name = free_name(request_.scene->path, extension);
+    request_.save(name, panel_.display);
+    panel_.message = "saved " + name;
+  } catch (const Error& error) {
+    panel_.message = error.what();
+  }
+}
+
+void Viewer::copy() {
+  const std::string line = render_line(request_.scene->path, camera_.request(), progressive_.settings(), panel_.display,
+                                       request_.more_flags ? request_.more_flags() : std::string());
+  glfwSetClipboardString(window_.handle(), line.c_str());
+  fmt::print("{}\n", line);
+  std::fflush(stdout);
+  panel_.message = "copied: " + line;
+}
+
+// Of the window: how far the render is, which task bars show of minimised windows too.
+void Viewer::show_title() {
+  const char* state = status_.done ? ", done" : target_reached() ? ", target reached" : "";
+  const std::string title = fmt::format("{} - {} spp{}", request_.title, status_.coarse > 1 ? 0 : status_.spp, state);
+  if (title != title_) glfwSetWindowTitle(window_.handle(), title.c_str());
+  title_ = title;
+}
+
+bool Viewer::target_reached() const {
+  return panel_.target_error > 0.0 && status_.error_spp > 0 && status_.error.relative_rms <= panel_.target_error;
+}
+
+PanelFacts Viewer::facts() const {
+  PanelFacts facts;
+  facts.scene = std::filesystem::path(request_.scene->path).filename().string();
+  facts.device = device_;
+  facts.status = status_;
+  if (panel_.target_error > 0.0) facts.seconds_to_target = progressive_.seconds_to(panel_.target_error);
+  for (const Camera& camera : request_.scene->cameras)
+    facts.cameras.push_back(camera.name.empty() ? "camera" : camera.name);
+  facts.notes = request_.notes;
+  facts.sets_environment = static_cast<bool>(request_.set_environment);
+  return facts;
+}
+
+} // namespace
+
+std::vector<const char*> window_extensions() {
+  open_glfw();
+  std::uint32_t count = 0;
+  const char** names = glfwGetRequiredInstanceExtensions(&count);
+  if (!names)
+    throw Error("view", "the driver cannot show pictures on this display",
+                "use 'wavepath render', or a virtual display: xvfb-run -a wavepath view ...");
+  return {names, names + count};
+}
+
+int run_window(Device& device, Progressive& progressive, const WindowRequest& request) {
+  return Viewer(device, progressive, request).run();
+}
+
+} // namespace wavepath

@@ -1,0 +1,53 @@
+// The window of `wavepath view`: shows a render while it becomes finer, takes a hand's wishes, and hands them on.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "host/render/display.h"
+#include "host/render/progressive.h"
+#include "host/scene/bounds.h"
+#include "host/scene/pack.h"
+#include "host/scene/scene.h"
+#include "host/scene/view.h"
+
+namespace wavepath {
+
+// What light comes from far away, as --env, --env-intensity and --env-rotation say it.
+struct EnvironmentChoice {
+  std::string source; // file, R,G,B, or empty for the default
+  double intensity = 1.0;
+  double rotation_degrees = 0.0;
+  bool operator==(const EnvironmentChoice&) const = default;
+};
+
+struct WindowRequest {
+  std::string title;
+  const Scene* scene = nullptr;        // its path, cameras and warnings; geometry may be gone by now
+  const PackedScene* packed = nullptr; // for the point that was clicked
+  Bounds bounds;                       // of the geometry
+  ViewRequest view;                    // what the command line said
+  // What the copied command needs besides the scene's path, camera and settings, so that render makes the same bits.
+  std::function<std::string()> more_flags;
+  DisplayOptions display;         // to begin with
+  EnvironmentChoice environment;  // to begin with
+  double target_error = 0.0;      // to tell the time until; 0 = none
+  std::uint32_t frames = 0;       // samples a pixel after which a scripted run ends; 0 = stays open until it is closed
+  std::string screenshot;         // file that a scripted run writes at its end; empty = none
+  std::vector<std::string> notes; // what in the picture is approximated
+  // Writes the picture as it is now. Throws Error.
+  std::function<void(const std::string& path, const DisplayOptions&)> save;
+  // Hands `progressive` another environment. Throws Error; then everything is as it was. Empty: it stays as it is.
+  std::function<void(const EnvironmentChoice&)> set_environment;
+};
+
+// Instance extensions that a window needs. Throws Error where there is no display, or none that can be opened.
+std::vector<const char*> window_extensions();
+
+// Opens the window and stays until it is closed or the scripted run is over. `device` was opened with
+// window_extensions(). Returns the exit code.
+int run_window(Device& device, Progressive& progressive, const WindowRequest& request);
+
+} // namespace wavepath
