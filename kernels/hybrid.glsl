@@ -1,14 +1,20 @@
-// What all kernels of a hybrid frame agree on: the camera ray of a pixel, and where a ray meets the triangle that was rasterized
+// What all kernels of a hybrid frame agree on: the camera ray of a pixel, its random numbers, and where a ray meets the triangle that was rasterized
 // there. Include bindings.glsl with BIND_GEOMETRY and BIND_HYBRID first.
 #ifndef WAVEPATH_HYBRID_GLSL
 #define WAVEPATH_HYBRID_GLSL
 
 #include "kernels/camera.glsl"
+#include "kernels/sampler.glsl"
 #include "kernels/triangle.glsl"
 
 // Bit for bit the ray that generate.comp makes where the filter gives the same place in the pixel.
 void hybrid_camera_ray(uvec2 pixel, out vec3 origin, out vec3 direction) {
   camera_ray(vec2(pixel) + 0.5 + hybrid.jitter, origin, direction);
+}
+
+// That of the pixel's path in this frame.
+Sampler hybrid_sampler(uvec2 pixel) {
+  return make_sampler(frame.seed, pixel.y * frame.width + pixel.x, hybrid.sample_index, frame.sample_total);
 }
 
 // A ray in world space against a triangle, with the arithmetic of traversal.

@@ -25,9 +25,7 @@ bool is_passed_through() {
   Candidate candidate = candidate_of_triangle(triangle, instance, origin, direction);
   if (one_sided && !candidate.front) return true;
   if (!has_holes) return false;
-  Sampler path_sampler =
-      make_sampler(frame.seed, pixel.y * frame.width + pixel.x, hybrid.sample_index, frame.sample_total);
-  return is_hole(hit_of_candidate(triangle, instance, candidate), path_sampler, kHashExtend);
+  return is_hole(hit_of_candidate(triangle, instance, candidate), hybrid_sampler(pixel), kHashExtend);
 }
 
 void main() {

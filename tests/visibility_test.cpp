@@ -167,11 +167,16 @@ private:
   Buffer frame_, hybrid_, rays_, hits_, queues_, unused_;
 };
 
-Shot shoot(Device& device, const PackedScene& packed, const View& view, const FrameSettings& settings) {
+// By rasterization, or else by the traced twin of it.
+Shot shoot(Device& device, const PackedScene& packed, const View& view, const FrameSettings& settings,
+           bool rasterize = true) {
   Camera camera(device, packed, view, settings);
   Visibility visibility(device, packed, camera.scene(), camera.frame(), camera.hybrid(), camera.features(),
                         settings.width, settings.height);
-  visibility.render();
+  if (rasterize)
+    visibility.render();
+  else
+    visibility.trace();
   return camera.compare(visibility);
 }
 
@@ -314,18 +319,27 @@ TEST_F(VisibilityBuffer, NearPlane) {
   }
 }
 
-// Two micrometres of a floor of two kilometres: which of its triangles covers a pixel is beyond the numbers, but one of
-// them does.
+// Two micrometres of a floor of two kilometres: where its edges lie is beyond what clipping can tell.
 TEST_F(VisibilityBuffer, WindowBelowThePrecisionOfEdges) {
   Scene scene = load_gltf(kSource / "scenes/analytic/occlusion_in_corner.gltf");
   const FrameSettings settings{40, 30};
   const View view = resolve_view(scene, {}, settings.width, settings.height);
-  ASSERT_TRUE(view.orthographic);
   const PackedScene packed = pack(scene, gpu::kDirectMis, bvh::Quality::fast, view.position);
-  for (const gpu::Hit& hit : shoot(device(), packed, view, settings).rasterized) {
-    ASSERT_NE(hit.triangle, gpu::kNone);
-    const gpu::Triangle& triangle = packed.triangles[hit.triangle];
-    EXPECT_TRUE(triangle.v0.y == triangle.v1.y && triangle.v1.y == triangle.v2.y);
+  EXPECT_FALSE(edges_hold(packed, view, settings.width, settings.height));
+  const Shot shot = shoot(device(), packed, view, settings, false);
+  EXPECT_EQ(shot.raster_ids, shot.traced_ids);
+  for (const Seen& seen : shot.raster_ids) EXPECT_NE(seen.triangle, gpu::kNone);
+}
+
+TEST_F(VisibilityBuffer, TracedTwinEqualsThePathTracer) {
+  const FrameSettings settings{83, 61};
+  for (const char* name : {"showcase.glb", "analytic/alpha_blend.gltf"}) {
+    Scene scene = load_gltf(kSource / "scenes" / name);
+    const View view = resolve_view(scene, {}, settings.width, settings.height);
+    const PackedScene packed = pack(scene);
+    EXPECT_TRUE(edges_hold(packed, view, settings.width, settings.height));
+    const Shot shot = shoot(device(), packed, view, settings, false);
+    EXPECT_EQ(shot.raster_ids, shot.traced_ids);
   }
 }
 

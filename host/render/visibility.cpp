@@ -7,6 +7,9 @@
 #include <fmt/format.h>
 
 #include "host/base/error.h"
+#include "host/render/kernel_compiler.h"
+#include "host/render/render.h"
+#include "kernels/visibility.spv.h"
 #include "kernels/visibility_frag.spv.h"
 #include "kernels/visibility_vert.spv.h"
 
@@ -17,6 +20,13 @@ namespace {
 // when the camera moves. The first size, in triangles, is a guess; one of few triangles may be as slow as it likes.
 constexpr double kLongestSlice = 0.05;
 constexpr std::uint64_t kFirstSlice = 1 << 16, kSmallestSlice = 1 << 10;
+constexpr std::uint64_t kFirstPixels = 1 << 15; // the same for traced pixels
+
+// The size of slices after a frame whose slowest one took `longest` seconds.
+std::uint64_t adapt(std::uint64_t size, double longest) {
+  if (longest > kLongestSlice) return std::max(kSmallestSlice, size / 2);
+  return longest < 0.25 * kLongestSlice ? 2 * size : size;
+}
 
 // The draws in pieces of at most `most` triangles; at least one piece.
 std::vector<std::vector<VertexRange>> cut(std::span<const Draw> draws, std::uint64_t most) {
@@ -46,28 +56,33 @@ std::vector<std::vector<VertexRange>> cut(std::span<const Draw> draws, std::uint
 }
 
 std::vector<Binding> visibility_bindings(const GpuScene& scene, const Buffer& frame, const Buffer& hybrid,
-                                         const Buffer& unused) {
+                                         const Buffer& ids, const Buffer& unused) {
   std::vector<Binding> bindings = scene.bindings();
   using enum BindingKind;
   bindings.insert(bindings.end(), {{gpu::kBindFrame, uniform, &frame},
                                    {gpu::kBindHybrid, uniform, &hybrid},
+                                   {gpu::kBindVisibility, storage, &ids},
                                    {gpu::kBindRuns, texels_r32ui, &unused}});
   return bindings;
 }
 
+constexpr std::uint64_t kPixelBytes = 2 * sizeof(std::uint32_t);
+
 std::uint64_t ids_bytes(const Device& device, std::uint32_t width, std::uint32_t height) {
   const std::uint64_t pixels = std::uint64_t{width} * height;
-  if (pixels > device.info().max_texel_elements)
-    throw Error(device.info().name,
-                fmt::format("reads at most {} pixels of a rasterized picture", device.info().max_texel_elements),
+  const std::uint64_t most = std::min(device.info().max_texel_elements, device.info().max_storage_range / kPixelBytes);
+  if (pixels > most)
+    throw Error(device.info().name, fmt::format("holds at most {} pixels of a rasterized picture", most),
                 "use a smaller --size or --integrator path");
-  return pixels * 2 * sizeof(std::uint32_t);
+  return pixels * kPixelBytes;
 }
 
-std::array<std::uint32_t, gpu::kSpecCount> constants_of(std::uint32_t features) {
-  std::array<std::uint32_t, gpu::kSpecCount> constants{}; // nothing is sampled or traversed here
-  constants[gpu::kSpecFeatures] = features;
-  constants[gpu::kSpecStackSize] = 1;
+// Samplers and filters are not asked here.
+std::array<std::uint32_t, gpu::kSpecCount> constants_of(const KernelConfig& config, const Device& device) {
+  std::array<std::uint32_t, gpu::kSpecCount> constants{};
+  constants[gpu::kSpecFeatures] = config.features;
+  constants[gpu::kSpecStackSize] = config.stack_size;
+  constants[gpu::kSpecStack] = device.info().type == "cpu" ? gpu::kStackRegisters : gpu::kStackArray;
   return constants;
 }
 
@@ -86,27 +101,38 @@ ClipPlanes clip_planes(const PackedScene& scene, const View& view) {
   return {static_cast<float>(near), static_cast<float>(std::max(1.001 * far, 1e-30))};
 }
 
+// Clipping to the picture rounds the coordinates of a corner, in units of half the picture, to 2^-24 of what they are
+// at the far end of the edge. An orthographic camera can look through a window as small as it likes. In perspective,
+// edges go astray only where the eye is 10^4 times closer to a surface than that is large.
+bool edges_hold(const PackedScene& scene, const View& view, std::uint32_t width, std::uint32_t height) {
+  if (!view.orthographic) return true;
+  const double reach = glm::distance(scene.origin, view.position) + 2.0 * scene.radius;
+  const double pixels = std::max(0.5 * width / glm::length(view.right), 0.5 * height / glm::length(view.up)) * reach;
+  return pixels * 0x1p-24 <= 0.25;
+}
+
 Visibility::Visibility(Device& device, const PackedScene& scene, const GpuScene& gpu_scene, const Buffer& frame,
                        const Buffer& hybrid, std::uint32_t features, std::uint32_t width, std::uint32_t height)
     : device_(device),
+      config_(kernel_config(features, scene.stack_size, {})),
+      pixels_(width * height),
       target_(device, width, height),
       ids_(device, ids_bytes(device, width, height)),
       unused_(device, 0),
-      bindings_(device, visibility_bindings(gpu_scene, frame, hybrid, unused_), sizeof(gpu::Wave),
+      bindings_(device, visibility_bindings(gpu_scene, frame, hybrid, ids_, unused_), sizeof(gpu::Wave),
                 BindingSet::kRasterStages),
       pipeline_(device, "visibility", wavepath_visibility_vert_spv, wavepath_visibility_frag_spv, bindings_,
-                constants_of(features)),
+                constants_of(config_, device)),
       draws_(scene.draws),
-      triangles_a_slice_(kFirstSlice) {}
+      triangles_a_slice_(kFirstSlice),
+      pixels_a_slice_(kFirstPixels) {}
 
-double Visibility::submit(std::span<const VertexRange> ranges, bool first, bool last) {
+double Visibility::draw(std::span<const VertexRange> ranges, bool first, bool last) {
   const gpu::Wave wave{}; // camera rays
   Commands commands(device_);
   target_.draw(commands, pipeline_, bindings_, &wave, ranges, first);
   if (last) target_.copy(commands, ids_);
-  const auto start = std::chrono::steady_clock::now();
-  commands.submit_and_wait();
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return timed(commands);
 }
 
 // Copies that spatial splits made of a triangle are drawn as well: they lie in the same plane to the last bit, and the
@@ -115,18 +141,41 @@ double Visibility::submit(std::span<const VertexRange> ranges, bool first, bool 
 double Visibility::render() {
   if (slices_.empty()) slices_ = cut(draws_, triangles_a_slice_);
   double longest = 0.0;
-  for (std::size_t i = 0; i < slices_.size(); ++i) {
-    const double seconds = submit(slices_[i], i == 0, i + 1 == slices_.size());
-    seconds_ += seconds;
-    longest = std::max(longest, seconds);
+  for (std::size_t i = 0; i < slices_.size(); ++i)
+    longest = std::max(longest, draw(slices_[i], i == 0, i + 1 == slices_.size()));
+  const std::uint64_t next = adapt(triangles_a_slice_, longest);
+  if (next < triangles_a_slice_ || slices_.size() > 1) {
+    if (next != triangles_a_slice_) slices_.clear();
+    triangles_a_slice_ = next;
   }
-  const std::uint64_t before = triangles_a_slice_;
-  if (longest > kLongestSlice)
-    triangles_a_slice_ = std::max(kSmallestSlice, before / 2);
-  else if (longest < 0.25 * kLongestSlice && slices_.size() > 1)
-    triangles_a_slice_ = 2 * before;
-  if (triangles_a_slice_ != before) slices_.clear();
   return longest;
+}
+
+double Visibility::trace() {
+  if (!tracer_)
+    tracer_.emplace(device_, "visibility", wavepath_visibility_spv, bindings_, constants_of(config_, device_));
+  double longest = 0.0;
+  for (std::uint32_t first = 0; first < pixels_;) {
+    gpu::Wave wave{};
+    wave.first_pixel = first;
+    wave.pixel_count = static_cast<std::uint32_t>(std::min<std::uint64_t>(pixels_a_slice_, pixels_ - first));
+    Commands commands(device_);
+    commands.bind(bindings_);
+    commands.dispatch(*tracer_, (wave.pixel_count + gpu::kWorkgroupSize - 1) / gpu::kWorkgroupSize, &wave);
+    commands.barrier();
+    longest = std::max(longest, timed(commands));
+    first += wave.pixel_count;
+  }
+  if (pixels_a_slice_ < pixels_ || longest > kLongestSlice) pixels_a_slice_ = adapt(pixels_a_slice_, longest);
+  return longest;
+}
+
+double Visibility::timed(Commands& commands) {
+  const auto start = std::chrono::steady_clock::now();
+  commands.submit_and_wait();
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  seconds_ += seconds;
+  return seconds;
 }
 
 } // namespace wavepath

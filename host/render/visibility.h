@@ -3,11 +3,13 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "host/gpu/raster.h"
 #include "host/render/gpu_scene.h"
+#include "host/render/kernel_set.h"
 #include "host/scene/pack.h"
 #include "host/scene/view.h"
 
@@ -19,6 +21,9 @@ struct ClipPlanes {
 };
 ClipPlanes clip_planes(const PackedScene& scene, const View& view);
 
+// Whether rasterization puts the edges of such a scene where they belong, to a quarter of a pixel.
+bool edges_hold(const PackedScene& scene, const View& view, std::uint32_t width, std::uint32_t height);
+
 class Visibility {
 public:
   // `frame` and `hybrid` hold a gpu::Frame and a gpu::HybridFrame, which every render reads anew; with `gpu_scene` they
@@ -29,6 +34,8 @@ public:
 
   // Draws the frame and waits for it. Returns the longest submission in seconds.
   double render();
+  // The same by tracing the frame's camera rays; for views whose edges do not hold, and to compare.
+  double trace();
 
   // For kBindVisibility: two words a pixel, row by row from the top left.
   const Buffer& ids() const { return ids_; }
@@ -36,16 +43,20 @@ public:
   std::uint64_t bytes() const { return ids_.bytes() + target_.bytes(); }
 
 private:
-  double submit(std::span<const VertexRange> ranges, bool first, bool last);
+  double draw(std::span<const VertexRange> ranges, bool first, bool last);
+  double timed(Commands& commands);
 
   Device& device_;
+  KernelConfig config_;
+  std::uint32_t pixels_;
   RasterTarget target_;
   Buffer ids_, unused_;
   BindingSet bindings_;
   RasterPipeline pipeline_;
   std::vector<Draw> draws_;
-  std::uint64_t triangles_a_slice_;
-  std::vector<std::vector<VertexRange>> slices_; // submitted one by one; empty until they are known
+  std::optional<Kernel> tracer_;                     // compiled when it is needed
+  std::uint64_t triangles_a_slice_, pixels_a_slice_; // as the last frames took
+  std::vector<std::vector<VertexRange>> slices_;     // submitted one by one; empty until they are known
   double seconds_ = 0.0;
 };
 
