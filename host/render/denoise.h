@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "host/gpu/commands.h"
+#include "host/render/filter_bands.h"
 #include "kernels/gpu_types.h"
 
 namespace wavepath {
@@ -32,26 +33,26 @@ public:
   std::uint32_t dispatches() const; // that record() records
 
 private:
-  enum Stage { kTemporal, kVariance, kAtrous, kStageCount };
-  struct Buffers {
-    Buffer reprojection;
-    std::array<Buffer, 2> past, moments, history; // of this frame and the one before, in turns
-    std::array<Buffer, 2> guide;
-    Buffer slopes, filtered;
-  };
-  // What one kernel of a frame reads and writes besides the past.
+  enum Stage { kTemporal, kVariance, kAtrous };
+  // Who reads and writes what: temporal and variance; the first iteration; those after it, in turns.
+  enum FlowName { kJoin, kFirst, kForth, kBack, kFlowCount };
   struct Flow {
     const Buffer *color_in, *color_out, *guide_in, *guide_out;
   };
+  struct Buffers {
+    Buffer reprojection;
+    std::array<Buffer, 2> past, moments, history; // of this frame and of the one before, in turns
+    std::array<Buffer, 2> guide;
+    Buffer slopes, filtered;
+  };
   std::vector<Binding> bindings(std::uint32_t turn, const Flow& flow) const;
-  void run(Commands& commands, Stage stage, const BindingSet& set, std::uint32_t step, std::uint32_t flags) const;
 
   std::uint32_t width_, height_;
+  FilterBands bands_;
   const Buffer &gbuffer_, &signals_;
   Buffers buffers_;
-  // By turn: temporal and variance; the first iteration; the odd ones; the even ones after it.
-  std::array<std::array<std::unique_ptr<BindingSet>, 4>, 2> sets_;
-  std::vector<Kernel> kernels_; // by Stage
+  std::array<std::array<std::unique_ptr<BindingSet>, kFlowCount>, 2> sets_; // by turn
+  std::vector<Kernel> kernels_;                                             // by Stage
   gpu::CameraView before_{};
   bool remembers_ = false; // there is a frame before
   std::uint32_t turn_ = 0;

@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "host/gpu/commands.h"
+#include "host/render/filter_bands.h"
 #include "kernels/gpu_types.h"
 
 namespace wavepath {
@@ -30,6 +31,7 @@ public:
 
 private:
   std::uint32_t width_, height_;
+  FilterBands bands_;
   Buffer reprojection_, result_;
   std::array<Buffer, 2> history_;                   // of this frame and the one before, in turns
   std::array<std::unique_ptr<BindingSet>, 2> sets_; // by turn

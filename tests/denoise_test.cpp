@@ -1,0 +1,573 @@
+// The filters over time, on pictures whose truth is known: noise goes, edges and what is certain stay, the past moves
+// with the camera.
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <random>
+#include <vector>
+
+#include "host/render/denoise.h"
+#include "host/render/taa.h"
+#include "tests/probe.h"
+
+namespace wavepath::test {
+namespace {
+
+using glm::vec2;
+using glm::vec3;
+using glm::vec4;
+using gpu::CameraView;
+using gpu::GbufferPixel;
+using Signals = std::vector<vec4>;
+
+constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+constexpr std::uint32_t kBoth = gpu::kHybridLights | gpu::kHybridAmbient;
+
+CameraView camera(std::uint32_t width, std::uint32_t height) {
+  CameraView view{};
+  view.right = vec3(0.5f * static_cast<float>(width) / static_cast<float>(height), 0.0f, 0.0f);
+  view.up = vec3(0.0f, 0.5f, 0.0f);
+  view.forward = vec3(0.0f, 0.0f, -1.0f);
+  return view;
+}
+
+CameraView orthographic(std::uint32_t width, std::uint32_t height) {
+  CameraView view = camera(width, height);
+  view.orthographic = 1;
+  view.right *= 4.0f;
+  view.up *= 4.0f;
+  return view;
+}
+
+// About the vertical axis.
+CameraView turned(CameraView view, float radians) {
+  const auto turn = [&](vec3 v) {
+    const float c = std::cos(radians), s = std::sin(radians);
+    return vec3(c * v.x + s * v.z, v.y, c * v.z - s * v.x);
+  };
+  view.right = turn(view.right);
+  view.forward = turn(view.forward);
+  return view;
+}
+
+// A rectangle across the z axis, facing +z.
+struct Board {
+  float z = -4.0f;
+  float low_x = -1e6f, high_x = 1e6f;
+  std::uint32_t surface = 1;
+};
+
+// What a camera sees of boards, and where.
+struct Shot {
+  std::uint32_t width, height;
+  std::vector<GbufferPixel> gbuffer;
+  std::vector<vec3> points; // of the world
+  std::vector<int> boards;  // -1 = sky
+};
+
+Shot shoot(std::uint32_t width, std::uint32_t height, const CameraView& view, const std::vector<Board>& boards) {
+  Shot shot{width, height, std::vector<GbufferPixel>(width * height), std::vector<vec3>(width * height),
+            std::vector<int>(width * height, -1)};
+  for (std::uint32_t i = 0; i < width * height; ++i) {
+    const vec2 place = vec2(i % width, i / width) + 0.5f + vec2(view.jitter_x, view.jitter_y);
+    const vec3 aside = (2.0f * place.x / static_cast<float>(width) - 1.0f) * view.right +
+                       (1.0f - 2.0f * place.y / static_cast<float>(height)) * view.up;
+    const vec3 origin = view.position + (view.orthographic ? aside : vec3(0.0f));
+    const vec3 direction = view.forward + (view.orthographic ? vec3(0.0f) : aside);
+    for (std::size_t b = 0; b < boards.size(); ++b) {
+      const float t = (boards[b].z - origin.z) / direction.z; // = depth, because direction . forward = 1
+      const vec3 point = origin + t * direction;
+      if (t <= 0.0f || point.x < boards[b].low_x || point.x > boards[b].high_x) continue;
+      if (shot.boards[i] >= 0 && t >= shot.gbuffer[i].depth) continue;
+      shot.gbuffer[i] = {vec3(0.0f, 0.0f, 1.0f), t, vec3(0.5f), boards[b].surface};
+      shot.points[i] = point;
+      shot.boards[i] = static_cast<int>(b);
+    }
+  }
+  return shot;
+}
+
+Shot wall(std::uint32_t width, std::uint32_t height) { return shoot(width, height, camera(width, height), {Board{}}); }
+
+Signals fill(const Shot& shot, const std::function<vec4(std::size_t)>& signal) {
+  Signals signals(shot.gbuffer.size());
+  for (std::size_t i = 0; i < signals.size(); ++i) signals[i] = signal(i);
+  return signals;
+}
+
+// Direct light 1 with a standard deviation of 0.5, the unoccluded share 0 or 1.
+Signals noise(const Shot& shot, std::uint32_t seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<float> uniform;
+  return fill(shot, [&](std::size_t) {
+    const float light = 1.0f + (uniform(random) - 0.5f) * std::sqrt(3.0f);
+    return vec4(vec3(light), uniform(random) < 0.5f ? 0.0f : 1.0f);
+  });
+}
+
+// A pattern that no two pixels share; what is certain must stay as it is.
+Signals pattern(const Shot& shot) {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<float> uniform;
+  return fill(shot,
+              [&](std::size_t) { return vec4(uniform(random), uniform(random), uniform(random), uniform(random)); });
+}
+
+double rms(const Signals& a, const std::function<double(std::size_t)>& truth, int channel) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < a.size(); ++i) sum += std::pow(a[i][channel] - truth(i), 2);
+  return std::sqrt(sum / static_cast<double>(a.size()));
+}
+
+bool finite(const Signals& signals) {
+  for (const vec4& s : signals)
+    for (int c = 0; c < 4; ++c)
+      if (!std::isfinite(s[c])) return false;
+  return true;
+}
+
+bool same_bits(const Signals& a, const Signals& b) {
+  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(vec4)) == 0;
+}
+
+// Frames of one size through one filter.
+class DenoiseTest : public VulkanTest {
+protected:
+  void begin(std::uint32_t width, std::uint32_t height, std::uint32_t wanted = kBoth) {
+    denoiser_.reset();
+    gbuffer_ = Buffer(device(), std::uint64_t{width} * height * sizeof(GbufferPixel));
+    signals_ = Buffer(device(), std::uint64_t{width} * height * sizeof(vec4));
+    denoiser_ = std::make_unique<Denoiser>(device(), width, height, gbuffer_, signals_, wanted);
+  }
+  Signals filter(const Shot& shot, const CameraView& view, const Signals& signals) {
+    gbuffer_.write(shot.gbuffer.data(), shot.gbuffer.size() * sizeof(GbufferPixel));
+    signals_.write(signals.data(), signals.size() * sizeof(vec4));
+    Commands commands(device());
+    denoiser_->record(commands, view);
+    commands.submit_and_wait();
+    return download<vec4>(signals_, signals.size());
+  }
+  Signals filter(const Shot& shot, const Signals& signals) {
+    return filter(shot, camera(shot.width, shot.height), signals);
+  }
+
+  Buffer gbuffer_, signals_;
+  std::unique_ptr<Denoiser> denoiser_;
+};
+
+// Five iterations of the B3 spline with nothing in the way have a standard deviation of sqrt(1 + 4 + ... + 256) = 18.5
+// pixels: as wide as a Gaussian that leaves 1 / (2 sqrt(pi) 18.5) = 0.015 of white noise. Luminance weights and the
+// picture's border cost some of that; a factor of four is far from what four iterations would leave.
+TEST_F(DenoiseTest, FlatNoiseIsFilteredFromTheFirstFrame) {
+  const Shot shot = wall(128, 128);
+  begin(128, 128);
+  const Signals in = noise(shot, 1), out = filter(shot, in);
+  EXPECT_LT(rms(
+                out, [](std::size_t) { return 1.0; }, 0),
+            0.06 * 0.5);
+  EXPECT_LT(rms(
+                out, [](std::size_t) { return 0.5; }, 3),
+            0.06 * 0.5);
+}
+
+TEST_F(DenoiseTest, NoiseFallsWithTheFramesInStillPictures) {
+  const Shot shot = wall(64, 64);
+  const Signals truth = pattern(shot);
+  begin(64, 64);
+  std::vector<double> errors; // after 1, 2, 3, ... frames
+  for (std::uint32_t frame = 0; frame < 256; ++frame) {
+    Signals in = noise(shot, frame);
+    for (std::size_t i = 0; i < in.size(); ++i)
+      in[i] = vec4(vec3(in[i].x - 1.0f), in[i].w - 0.5f) + 10.0f * vec4(vec3(truth[i].x), truth[i].w);
+    const Signals out = filter(shot, in);
+    errors.push_back(std::hypot(rms(
+                                    out, [&](std::size_t i) { return 10.0f * truth[i].x; }, 0),
+                                rms(
+                                    out, [&](std::size_t i) { return 10.0f * truth[i].w; }, 3)));
+  }
+  const double single = std::hypot(0.5, 0.5);
+  EXPECT_LT(errors[63], 1.1 * single / 8.0);
+  EXPECT_LT(errors[255], 1.1 * single / 16.0);
+}
+
+TEST_F(DenoiseTest, EdgesOfSurfacesAreNotCrossed) {
+  const std::uint32_t size = 48;
+  for (const char* edge : {"surface", "normal", "depth"}) {
+    SCOPED_TRACE(edge);
+    Shot shot = wall(size, size);
+    for (std::size_t i = 0; i < shot.gbuffer.size(); ++i) {
+      if (i % size < size / 2) continue;
+      if (edge == std::string("surface")) shot.gbuffer[i].surface = 2;
+      if (edge == std::string("normal")) shot.gbuffer[i].normal = vec3(0.8f, 0.0f, 0.6f);
+      if (edge == std::string("depth")) shot.gbuffer[i].depth = 4.4f;
+    }
+    begin(size, size);
+    Signals in = noise(shot, 3);
+    for (std::size_t i = 0; i < in.size(); ++i)
+      if (i % size >= size / 2) in[i] = in[i] * 100.0f + 1000.0f;
+    for (int frame = 0; frame < 2; ++frame) { // of the past, and of a single frame
+      const Signals out = filter(shot, in);
+      double left = 0.0, right = 0.0;
+      for (std::size_t i = 0; i < out.size(); ++i) {
+        const bool is_left = i % size < size / 2;
+        EXPECT_TRUE(is_left ? out[i].x < 2.0f && out[i].w <= 1.0f : out[i].x > 1000.0f && out[i].w >= 1000.0f) << i;
+        if (i % size == size / 2 - 1) left += out[i].x / size;
+        if (i % size == size / 2) right += out[i].x / size;
+      }
+      EXPECT_NEAR(left, 1.0, 0.1); // the columns at the edge are filtered, too
+      EXPECT_NEAR(right, 1100.0, 10.0);
+    }
+  }
+}
+
+TEST_F(DenoiseTest, ShadowEdgesStaySharp) {
+  const std::uint32_t size = 64;
+  const Shot shot = wall(size, size);
+  begin(size, size);
+  Signals out;
+  for (std::uint32_t frame = 0; frame < 8; ++frame) {
+    Signals in = noise(shot, frame);
+    for (std::size_t i = 0; i < in.size(); ++i) {
+      const float lit = i % size < size / 2 ? 1.0f : 0.0f;
+      in[i] = vec4(vec3(lit + 0.1f * (in[i].x - 1.0f)), lit + 0.1f * (in[i].w - 0.5f)); // deviations of 0.05
+    }
+    out = filter(shot, in);
+  }
+  const auto truth = [&](std::size_t i) { return i % size < size / 2 ? 1.0 : 0.0; };
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    EXPECT_NEAR(out[i].x, truth(i), 0.05) << i;
+    EXPECT_NEAR(out[i].w, truth(i), 0.05) << i;
+  }
+  EXPECT_LT(rms(out, truth, 0), 0.25 * 0.05 / std::sqrt(8.0)); // and both sides are filtered
+}
+
+TEST_F(DenoiseTest, WhatIsCertainStaysToTheBit) {
+  const Shot shot = wall(40, 24);
+  begin(40, 24);
+  const Signals flat = fill(shot, [](std::size_t) { return vec4(0.3f, 7.1f, 1e-3f, 0.7f); });
+  EXPECT_TRUE(same_bits(filter(shot, flat), flat));
+  denoiser_->forget();
+  const Signals in = pattern(shot);
+  Signals out;
+  for (int frame = 0; frame < 4; ++frame) out = filter(shot, in);
+  EXPECT_TRUE(same_bits(out, in));
+}
+
+TEST_F(DenoiseTest, WhatIsNotWantedPassesThrough) {
+  const Shot shot = wall(40, 24);
+  const Signals in = noise(shot, 5);
+  begin(40, 24, gpu::kHybridLights);
+  for (int frame = 0; frame < 3; ++frame) {
+    const Signals out = filter(shot, in);
+    for (std::size_t i = 0; i < in.size(); ++i) EXPECT_EQ(out[i].w, in[i].w);
+    EXPECT_LT(rms(
+                  out, [](std::size_t) { return 1.0; }, 1),
+              0.1);
+  }
+  begin(40, 24, gpu::kHybridAmbient);
+  for (int frame = 0; frame < 3; ++frame) {
+    const Signals out = filter(shot, in);
+    for (std::size_t i = 0; i < in.size(); ++i) EXPECT_EQ(vec3(out[i]), vec3(in[i]));
+    EXPECT_LT(rms(
+                  out, [](std::size_t) { return 0.5; }, 3),
+              0.1);
+  }
+}
+
+TEST_F(DenoiseTest, TheSkyPassesThrough) {
+  const CameraView view = camera(40, 24);
+  const Shot shot = shoot(40, 24, view, {Board{.high_x = 0.0f}});
+  begin(40, 24);
+  const Signals in = noise(shot, 5), out = filter(shot, view, in);
+  std::size_t sky = 0;
+  for (std::size_t i = 0; i < in.size(); ++i)
+    if (shot.boards[i] < 0) {
+      ++sky;
+      EXPECT_EQ(out[i], in[i]);
+    }
+  EXPECT_EQ(sky, in.size() / 2);
+}
+
+// ---- cameras in motion
+// ------------------------------------------------------------------------------------------------
+
+// Light that lies on the wall like paint, in waves of about 40 pixels.
+float paint(vec3 point) { return 2.0f + std::sin(8.0f * point.x) * std::cos(7.0f * point.y); }
+
+struct Move {
+  const char* name;
+  CameraView first;
+  std::function<CameraView(CameraView)> step;
+};
+
+std::vector<Move> moves(std::uint32_t width, std::uint32_t height) {
+  const CameraView at = camera(width, height);
+  const auto slide = [](CameraView view) {
+    view.position += vec3(0.17f, 0.06f, 0.0f);
+    return view;
+  };
+  return {{"slide", at, slide},
+          {"turn", at, [](CameraView view) { return turned(view, 0.03f); }},
+          {"dolly", at,
+           [](CameraView view) {
+             view.position += vec3(0.0f, 0.0f, -0.2f);
+             return view;
+           }},
+          {"orthographic slide", orthographic(width, height), slide}};
+}
+
+// The last frame brings no values at all, so that what comes out is what the filter remembers.
+TEST_F(DenoiseTest, ThePastMovesWithTheCamera) {
+  const std::uint32_t width = 96, height = 64;
+  for (const Move& move : moves(width, height)) {
+    SCOPED_TRACE(move.name);
+    begin(width, height);
+    CameraView view = move.first;
+    for (int frame = 0; frame < 6; ++frame) {
+      const Shot shot = shoot(width, height, view, {Board{}});
+      filter(shot, view,
+             fill(shot, [&](std::size_t i) { return vec4(vec3(paint(shot.points[i])), paint(shot.points[i])); }));
+      view = move.step(view);
+    }
+    const Shot shot = shoot(width, height, view, {Board{}});
+    const Signals out = filter(shot, view, fill(shot, [](std::size_t) { return vec4(kNan); }));
+    for (std::uint32_t y = 8; y + 8 < height; ++y)
+      for (std::uint32_t x = 8; x + 8 < width; ++x) { // what was in the picture before
+        const std::size_t i = y * width + x;
+        EXPECT_NEAR(out[i].x, paint(shot.points[i]), 0.1) << x << ' ' << y;
+        EXPECT_NEAR(out[i].w, paint(shot.points[i]), 0.1) << x << ' ' << y;
+      }
+  }
+}
+
+TEST_F(DenoiseTest, WhatComesIntoViewHasNoPast) {
+  const std::uint32_t width = 96, height = 32;
+  for (std::uint32_t foreground : {1u, 2u}) { // a surface that stands before itself, and before another
+    SCOPED_TRACE(foreground);
+    const std::vector<Board> boards = {Board{}, {.z = -2.0f, .low_x = -0.4f, .high_x = 0.4f, .surface = foreground}};
+    begin(width, height);
+    CameraView view = camera(width, height);
+    for (int frame = 0; frame < 6; ++frame) {
+      const Shot shot = shoot(width, height, view, boards);
+      const auto light = [&](std::size_t i) { return shot.boards[i] == 1 ? 100.0f : paint(shot.points[i]); };
+      const Signals out = filter(shot, view, fill(shot, [&](std::size_t i) { return vec4(light(i)); }));
+      for (std::size_t i = 0; i < out.size(); ++i) {
+        EXPECT_NEAR(out[i].x, light(i), 1.0) << frame << ' ' << i;
+        EXPECT_NEAR(out[i].w, light(i), 1.0) << frame << ' ' << i;
+      }
+      view.position.x += 0.21f;
+    }
+  }
+}
+
+TEST_F(DenoiseTest, JitterDoesNotWearStillPicturesOut) {
+  const std::uint32_t size = 48;
+  begin(size, size);
+  CameraView view = camera(size, size);
+  Signals in, out;
+  for (int frame = 0; frame < 64; ++frame) {
+    view.jitter_x = static_cast<float>(frame * 5 % 8) / 8.0f - 0.4375f;
+    view.jitter_y = static_cast<float>(frame * 3 % 8) / 8.0f - 0.4375f;
+    const Shot shot = shoot(size, size, view, {Board{}});
+    in = pattern(shot);
+    out = filter(shot, view, in);
+  }
+  EXPECT_TRUE(same_bits(out, in));
+}
+
+TEST_F(DenoiseTest, ForgettingIsComplete) {
+  const Shot shot = wall(32, 32);
+  begin(32, 32);
+  const Signals in = noise(shot, 1);
+  const Signals first = filter(shot, in);
+  for (std::uint32_t frame = 2; frame < 6; ++frame) filter(shot, noise(shot, frame));
+  EXPECT_FALSE(same_bits(filter(shot, in), first));
+  denoiser_->forget();
+  EXPECT_TRUE(same_bits(filter(shot, in), first));
+}
+
+// ---- what must not happen
+// ---------------------------------------------------------------------------------------------
+
+TEST_F(DenoiseTest, ValuesThatAreNotFiniteDoNotSpread) {
+  const Shot shot = wall(40, 24);
+  const Signals flat = fill(shot, [](std::size_t) { return vec4(0.25f, 3.0f, 1.0f, 0.5f); });
+  begin(40, 24);
+  for (int frame = 0; frame < 6; ++frame) {
+    Signals in = flat;
+    in[500].y = kNan;
+    in[501] = vec4(-kInfinity, 1.0f, 1.0f, kInfinity);
+    in[777].w = kNan;
+    in[0] = vec4(3e38f);
+    const Signals out = filter(shot, in);
+    for (std::size_t i = 0; i < out.size(); ++i)
+      for (int c = 0; c < 4; ++c) EXPECT_NEAR(out[i][c], flat[i][c], 1e-6) << i;
+  }
+  denoiser_->forget();
+  EXPECT_TRUE(finite(filter(shot, fill(shot, [](std::size_t) { return vec4(kNan); }))));
+}
+
+TEST_F(DenoiseTest, AnySizeWill) {
+  for (const auto& [width, height] : {std::pair{1u, 1u}, {3u, 2u}, {1u, 50u}, {67u, 13u}}) {
+    SCOPED_TRACE(testing::Message() << width << 'x' << height);
+    const Shot shot = wall(width, height);
+    begin(width, height);
+    for (std::uint32_t frame = 0; frame < 3; ++frame) EXPECT_TRUE(finite(filter(shot, noise(shot, frame))));
+    denoiser_->forget();
+    const Signals flat = fill(shot, [](std::size_t) { return vec4(0.3f); });
+    EXPECT_TRUE(same_bits(filter(shot, flat), flat));
+  }
+}
+
+TEST_F(DenoiseTest, SameBitsTwice) {
+  const auto run = [&] {
+    begin(70, 50);
+    CameraView view = camera(70, 50);
+    Signals out;
+    for (std::uint32_t frame = 0; frame < 4; ++frame) {
+      const Shot shot = shoot(70, 50, view, {Board{}, {.z = -3.0f, .low_x = 0.2f, .high_x = 0.7f}});
+      out = filter(shot, view, noise(shot, frame));
+      if (frame % 2) view.position.x += 0.05f;
+    }
+    return out;
+  };
+  const Signals first = run();
+  EXPECT_TRUE(same_bits(run(), first));
+}
+
+// ---- temporal anti-aliasing
+// -------------------------------------------------------------------------------------------
+
+class TaaTest : public VulkanTest {
+protected:
+  void begin(std::uint32_t width, std::uint32_t height) {
+    taa_.reset();
+    gbuffer_ = Buffer(device(), std::uint64_t{width} * height * sizeof(GbufferPixel));
+    color_ = Buffer(device(), std::uint64_t{width} * height * sizeof(vec4));
+    taa_ = std::make_unique<Taa>(device(), width, height, gbuffer_, color_);
+  }
+  Signals join(const Shot& shot, const CameraView& view, const Signals& color) {
+    gbuffer_.write(shot.gbuffer.data(), shot.gbuffer.size() * sizeof(GbufferPixel));
+    color_.write(color.data(), color.size() * sizeof(vec4));
+    Commands commands(device());
+    taa_->record(commands, view);
+    commands.submit_and_wait();
+    return download<vec4>(taa_->result(), color.size());
+  }
+
+  Buffer gbuffer_, color_;
+  std::unique_ptr<Taa> taa_;
+};
+
+TEST_F(TaaTest, OutlinesOfStillPicturesBecomeSmooth) {
+  const std::uint32_t width = 40, height = 24;
+  begin(width, height);
+  CameraView view = camera(width, height);
+  // The outline covers 0.35 of its pixels: a pixel is 4 * 2 * 0.8333 / 40 = 1/6 wide.
+  const std::vector<Board> boards = {Board{}, {.high_x = 2.35f / 6.0f, .surface = 2}};
+  const auto color = [](int board) { return board == 0 ? 0.20f : 0.24f; };
+  std::vector<Board> in_front = boards;
+  in_front[1].z = -3.999f;
+  Signals out;
+  for (int frame = 0; frame < 40; ++frame) {
+    view.jitter_x = static_cast<float>(frame * 3 % 10) / 10.0f - 0.45f;
+    const Shot shot = shoot(width, height, view, in_front);
+    out = join(shot, view, fill(shot, [&](std::size_t i) { return vec4(color(shot.boards[i])); }));
+  }
+  for (std::uint32_t x = 0; x < width; ++x) {
+    const float covered = x < 22 ? 1.0f : x == 22 ? 0.35f : 0.0f;
+    EXPECT_NEAR(out[12 * width + x].x, 0.20f + 0.04f * covered, x == 22 ? 0.15f * 0.04f : 1e-6f) << x;
+    EXPECT_EQ(out[12 * width + x].w, 10.0f);
+  }
+}
+
+TEST_F(TaaTest, ThePastMovesWithTheCamera) {
+  const std::uint32_t width = 96, height = 64;
+  for (const Move& move : moves(width, height)) {
+    SCOPED_TRACE(move.name);
+    begin(width, height);
+    CameraView view = move.first;
+    for (int frame = 0; frame < 6; ++frame) {
+      const Shot shot = shoot(width, height, view, {Board{}});
+      join(shot, view, fill(shot, [&](std::size_t i) { return vec4(paint(shot.points[i])); }));
+      view = move.step(view);
+    }
+    const Shot shot = shoot(width, height, view, {Board{}});
+    const Signals out = join(shot, view, fill(shot, [](std::size_t) { return vec4(kNan); }));
+    for (std::uint32_t y = 8; y + 8 < height; ++y)
+      for (std::uint32_t x = 8; x + 8 < width; ++x) {
+        const std::size_t i = y * width + x;
+        EXPECT_NEAR(out[i].x, paint(shot.points[i]), 0.02) << x << ' ' << y;
+      }
+  }
+}
+
+// The sky, infinitely far, moves by rotation alone.
+TEST_F(TaaTest, TheSkyTurnsAndDoesNotSlide) {
+  const std::uint32_t width = 64, height = 32;
+  const auto sky = [&](const CameraView& view, std::size_t i) {
+    const vec3 direction = view.forward + (2.0f * (static_cast<float>(i % width) + 0.5f) / width - 1.0f) * view.right;
+    return vec4(1.0f + std::sin(10.0f * std::atan2(direction.x, -direction.z)));
+  };
+  begin(width, height);
+  CameraView view = camera(width, height);
+  const Shot nothing = shoot(width, height, view, {});
+  join(nothing, view, fill(nothing, [&](std::size_t i) { return sky(view, i); }));
+  view = turned(view, 0.05f);
+  view.position.x += 10.0f;
+  const Signals out = join(nothing, view, fill(nothing, [](std::size_t) { return vec4(kNan); }));
+  for (std::size_t i = 0; i < out.size(); ++i)
+    if (i % width > 8 && i % width < width - 8) {
+      EXPECT_NEAR(out[i].x, sky(view, i).x, 0.01) << i;
+    }
+}
+
+TEST_F(TaaTest, NoGhostStaysBehind) {
+  const std::uint32_t width = 96, height = 32;
+  const std::vector<Board> boards = {Board{}, {.z = -2.0f, .low_x = -0.4f, .high_x = 0.4f, .surface = 2}};
+  begin(width, height);
+  CameraView view = camera(width, height);
+  for (int frame = 0; frame < 6; ++frame) {
+    const Shot shot = shoot(width, height, view, boards);
+    const auto light = [&](std::size_t i) { return shot.boards[i] == 1 ? 50.0f : 0.1f; };
+    const Signals out = join(shot, view, fill(shot, [&](std::size_t i) { return vec4(light(i)); }));
+    for (std::uint32_t x = 1; x + 1 < width; ++x) { // but on outlines, where both colours are in the clip box
+      const std::size_t i = 16 * width + x;
+      if (light(i - 1) == light(i) && light(i) == light(i + 1)) {
+        EXPECT_NEAR(out[i].x, light(i), 0.01f * light(i)) << frame << ' ' << x;
+      }
+    }
+    view.position.x += 0.21f;
+  }
+}
+
+TEST_F(TaaTest, ValuesThatAreNotFiniteDoNotSpread) {
+  const Shot shot = wall(40, 24);
+  const CameraView view = camera(40, 24);
+  begin(40, 24);
+  for (int frame = 0; frame < 3; ++frame) {
+    Signals in = fill(shot, [](std::size_t) { return vec4(0.25f, 3.0f, 1.0f, 1.0f); });
+    in[500].y = kNan;
+    in[501].x = kInfinity;
+    const Signals out = join(shot, view, in);
+    for (std::size_t i = 0; i < out.size(); ++i) EXPECT_NEAR(out[i].y, 3.0f, 1e-5f) << i;
+  }
+  taa_->forget();
+  EXPECT_TRUE(finite(join(shot, view, fill(shot, [](std::size_t) { return vec4(kNan); }))));
+}
+
+TEST_F(TaaTest, AfterACutThereIsOnlyThisFrame) {
+  for (const auto& [width, height] : {std::pair{1u, 1u}, {3u, 2u}, {67u, 13u}}) {
+    const Shot shot = wall(width, height);
+    const CameraView view = camera(width, height);
+    begin(width, height);
+    for (std::uint32_t frame = 0; frame < 3; ++frame) join(shot, view, noise(shot, frame));
+    taa_->forget();
+    const Signals in = pattern(shot), out = join(shot, view, in);
+    for (std::size_t i = 0; i < in.size(); ++i) EXPECT_EQ(out[i], vec4(vec3(in[i]), 1.0f));
+  }
+}
+
+} // namespace
+} // namespace wavepath::test
