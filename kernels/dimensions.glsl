@@ -11,6 +11,9 @@ const uint kDimensionChoice = 1u;    // x: lobe, y: Russian roulette
 const uint kDimensionLight = 2u;     // point on the light
 const uint kDimensionLightPick = 3u; // which light
 
+// Of occlusion rays: hybrid paths end before they could need these for another bounce.
+const uint kDimensionOcclusion = 1u + kDimensionsPerBounce;
+
 uint bounce_dimension(uint bounce) { return 1u + bounce * kDimensionsPerBounce; }
 
 // Keys of the hashed numbers for stochastic alpha: shadow rays draw others than the path's own rays.

@@ -40,6 +40,7 @@ void main() {
     path_aovs[slot].normal = vec3(0.0);
     path_aovs[slot].hit = 0.0;
     path_aovs[slot].position = vec3(0.0);
+    path_aovs[slot].unoccluded = 0.0;
     path_aovs[slot].emission = vec3(0.0);
     path_aovs[slot].direct = vec3(0.0);
   }

@@ -53,7 +53,8 @@ GPU_CONSTANT uint kFeatureEmissionTextures = 1u << 22;
 GPU_CONSTANT uint kFeatureFloatTextures = 1u << 23;   // texels of four floats
 GPU_CONSTANT uint kFeatureNearestTextures = 1u << 24; // unfiltered look-ups
 GPU_CONSTANT uint kFeatureAdaptive = 1u << 25; // waves follow a list of runs of pixels
-GPU_CONSTANT uint kFeaturesAll = (1u << 26) - 1u;
+GPU_CONSTANT uint kFeatureHybrid = 1u << 26;   // paths begin in a rasterized frame
+GPU_CONSTANT uint kFeaturesAll = (1u << 27) - 1u;
 
 // ---- specialization constants ---------------------------------------------------------------------------------------------
 GPU_CONSTANT uint kSpecFeatures = 0u;
@@ -111,6 +112,7 @@ GPU_CONSTANT uint kBindVisibility = 31u; // texels RG32UI: place in the triangle
 GPU_CONSTANT uint kBindGbuffer = 32u;    // storage GbufferPixel[]
 GPU_CONSTANT uint kBindSignals = 33u;    // storage vec4[]: reflected direct light over demodulation(albedo), unoccluded share
 GPU_CONSTANT uint kBindSeen = 34u;       // storage vec4[]: light that reaches the eye without a bounce
+GPU_CONSTANT uint kBindJitters = 35u;    // storage vec2[kJitters]: HybridFrame::jitter of frames to come
 
 // ---- geometry -------------------------------------------------------------------------------------------------------------
 GPU_CONSTANT uint kNodeTexels = 3u;     // 48 bytes, see bvh/wide.h
@@ -327,10 +329,11 @@ struct Queues {
   uint camera_rays[2]; // 64-bit totals: low, high
   uint bounce_rays[2];
   uint shadow_rays[2];
+  uint occlusion_rays[2];
   uint nonfinite_count[kMakerCount]; // of this wave, by the kernel that made them
   uint nonfinite_first[kMakerCount]; // their lowest slots, kNone if there are none
 };
-GPU_CHECK(sizeof(Queues) == 96);
+GPU_CHECK(sizeof(Queues) == 104);
 
 // ---- hybrid rendering -----------------------------------------------------------------------------------------------------
 // One frame of a hybrid render: every pixel is seen through the same place of its filter, so that the frame can be rasterized.
@@ -346,6 +349,7 @@ struct HybridFrame {
   uint flags; // kHybrid bits
 };
 GPU_CHECK(sizeof(HybridFrame) == 48);
+GPU_CONSTANT uint kJitters = 1024u;
 GPU_CONSTANT uint kHybridLights = 1u << 0;  // direct light is wanted
 GPU_CONSTANT uint kHybridAmbient = 1u << 1; // the ambient term is wanted
 
@@ -441,7 +445,7 @@ struct PathAovs {
   vec3 normal; // shading normal, world
   float hit;   // 1 = the camera ray hit something
   vec3 position; // device world
-  float pad0;
+  float unoccluded; // share of the sky over the surface; hybrid integrators only
   vec3 emission; // radiance seen without a bounce
   float pad1;
   vec3 direct; // radiance after one bounce
@@ -458,9 +462,9 @@ struct FilmAovs {
   vec3 position;
   float count;
   vec3 emission;
-  float pad0;
+  float unoccluded;
   vec3 direct;
-  float pad1;
+  float pad0;
 };
 GPU_CHECK(sizeof(FilmAovs) == 80);
 

@@ -15,7 +15,10 @@ uint wave_pixel(uint local) {
 uvec2 slot_pixel(uint slot) {
   return pixel_in_tile_order(wave_pixel(slot % wave.pixel_count), frame.width, frame.height);
 }
-uint slot_sample(uint slot) { return wave.first_sample + slot / wave.pixel_count; }
+// The light samples of a hybrid frame share its replicate, as they share its entry in the film.
+uint slot_sample(uint slot) {
+  return wave.first_sample + slot / wave.pixel_count * (has(kFeatureHybrid) ? kReplicates : 1u);
+}
 
 Sampler slot_sampler(uint slot) {
   uvec2 pixel = slot_pixel(slot);

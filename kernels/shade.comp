@@ -11,6 +11,7 @@
 #define BIND_RAYS
 #define BIND_SHADOW_RAYS
 #define BIND_QUEUES
+#define BIND_SEEN
 #include "kernels/bindings.glsl"
 #include "kernels/bsdf.glsl"
 #include "kernels/dimensions.glsl"
@@ -150,6 +151,11 @@ void record_first_hit(uint slot, Vertex v, vec3 origin) {
 }
 
 void add_radiance(inout PathState path, uint slot, vec3 radiance) {
+  if (has(kFeatureHybrid) && wave.bounce == 0u) { // all light samples of the frame see the same
+    uvec2 pixel = slot_pixel(slot);
+    if (slot < wave.pixel_count) seen[pixel.y * frame.width + pixel.x] += vec4(radiance, 0.0);
+    return;
+  }
   path.radiance += radiance;
   if (has(kFeatureAovs)) {
     if (wave.bounce == 0u) path_aovs[slot].emission += radiance;

@@ -109,8 +109,21 @@ TEST(Usage, UnknownNamesSuggestTheNearest) {
   expect_error({"--spp", "4", "render", kBox}, 2, "stands before the command");
 }
 
-TEST(Usage, WhatIsNotThereYetIsNotFaked) {
-  expect_error({"render", kBox, "--integrator", "hybrid"}, 2, "'hybrid' is unknown; choose from path");
+TEST(Usage, WhatAnIntegratorCannotDoIsRefused) {
+  const auto refused = [](std::vector<std::string> flags, const std::string& why) {
+    flags.insert(flags.begin(), {"render", kBox});
+    expect_error(flags, 2, why);
+  };
+  refused({"--integrator", "hybird"}, "did you mean hybrid?");
+  refused({"--denoise"}, "--denoise: filters what hybrid rendering traces; add --integrator hybrid or ao");
+  refused({"--aov", "ao"}, "--aov ao: is not known to path tracing");
+  refused({"--integrator", "hybrid", "--adaptive"}, "--adaptive: shares out paths");
+  refused({"--integrator", "hybrid", "--strict"}, "--integrator hybrid: is biased, which --strict refuses");
+  refused({"--integrator", "ao", "--strict", "--denoise"}, "leave out --denoise");
+  refused({"--integrator", "ao", "--denoise", "--mergeable"}, "--denoise: makes every frame depend on those before");
+  refused({"--integrator", "ao", "--pixel", "1,1", "--sample", "0"}, "--pixel: replays paths, not frames");
+  refused({"--integrator", "hybrid", "--shadow-samples", "0"}, "--shadow-samples");
+  refused({"--integrator", "hybrid", "--ambient", "1,-1,1"}, "'1,-1,1' is negative");
 }
 
 // Whether or not it was built with a window, and on a screen or not: no scene is read for nothing.

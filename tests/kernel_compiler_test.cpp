@@ -38,11 +38,16 @@ TEST(KernelConfig, FollowsSceneAndSettings) {
   EXPECT_EQ(kernel_config(gpu::kFeatureAlpha, 5, settings), kernel_config(gpu::kFeatureAlpha, kExpectedStack, settings));
   EXPECT_GE(kernel_config(0, 1000, settings).stack_size, 1002u) << "a deep tree gets what it needs";
   settings.specialize = false;
-  EXPECT_EQ(kernel_config(0, 5, settings).features, gpu::kFeaturesAll & ~gpu::kFeatureAovs & ~gpu::kFeatureAdaptive);
+  const std::uint32_t settings_alone = gpu::kFeatureAovs | gpu::kFeatureAdaptive | gpu::kFeatureHybrid;
+  const std::uint32_t scenes = gpu::kFeaturesAll & ~settings_alone;
+  EXPECT_EQ(kernel_config(0, 5, settings).features, scenes);
   settings.aovs = {"albedo"};
-  EXPECT_EQ(kernel_config(0, 5, settings).features, gpu::kFeaturesAll & ~gpu::kFeatureAdaptive);
+  EXPECT_EQ(kernel_config(0, 5, settings).features, scenes | gpu::kFeatureAovs);
   settings.adaptive = true;
-  EXPECT_EQ(kernel_config(0, 5, settings).features, gpu::kFeaturesAll);
+  EXPECT_EQ(kernel_config(0, 5, settings).features, scenes | gpu::kFeatureAovs | gpu::kFeatureAdaptive);
+  settings.adaptive = false;
+  settings.integrator = Integrator::hybrid; // has its AOVs from the G-buffer
+  EXPECT_EQ(kernel_config(0, 5, settings).features, scenes | gpu::kFeatureHybrid);
 }
 
 class KernelCompilerTest : public VulkanTest {

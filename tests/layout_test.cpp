@@ -120,7 +120,7 @@ TEST(Layout, PathsAndQueues) {
            AT(ShadowRay, contribution), AT(ShadowRay, light)});
   compare("Queues", sizeof(Queues),
           {AT(Queues, ray_count), AT(Queues, shadow_count), AT(Queues, extend_groups), AT(Queues, connect_groups),
-           AT(Queues, camera_rays), AT(Queues, bounce_rays), AT(Queues, shadow_rays), AT(Queues, nonfinite_count),
+           AT(Queues, camera_rays), AT(Queues, bounce_rays), AT(Queues, shadow_rays), AT(Queues, occlusion_rays), AT(Queues, nonfinite_count),
            AT(Queues, nonfinite_first)});
 }
 
@@ -130,10 +130,20 @@ TEST(Layout, Film) {
           {AT(FilmPixel, red), AT(FilmPixel, green), AT(FilmPixel, blue), AT(FilmPixel, count), AT(FilmPixel, tops), AT(FilmPixel, largest)});
   compare("PathAovs", sizeof(PathAovs),
           {AT(PathAovs, albedo), AT(PathAovs, depth), AT(PathAovs, normal), AT(PathAovs, hit), AT(PathAovs, position),
+           AT(PathAovs, unoccluded),
            AT(PathAovs, emission), AT(PathAovs, direct)});
   compare("FilmAovs", sizeof(FilmAovs),
           {AT(FilmAovs, albedo), AT(FilmAovs, depth), AT(FilmAovs, normal), AT(FilmAovs, hits), AT(FilmAovs, position),
-           AT(FilmAovs, count), AT(FilmAovs, emission), AT(FilmAovs, direct)});
+           AT(FilmAovs, count), AT(FilmAovs, emission), AT(FilmAovs, unoccluded), AT(FilmAovs, direct)});
+}
+
+TEST(Layout, Hybrid) {
+  compare("HybridFrame", sizeof(HybridFrame),
+          {AT(HybridFrame, jitter), AT(HybridFrame, near), AT(HybridFrame, far), AT(HybridFrame, ambient),
+           AT(HybridFrame, ao_radius), AT(HybridFrame, sample_index), AT(HybridFrame, shadow_samples),
+           AT(HybridFrame, ao_samples), AT(HybridFrame, flags)});
+  compare("GbufferPixel", sizeof(GbufferPixel),
+          {AT(GbufferPixel, normal), AT(GbufferPixel, depth), AT(GbufferPixel, albedo), AT(GbufferPixel, surface)});
 }
 
 TEST(Layout, Filters) {

@@ -15,8 +15,8 @@ namespace {
 // Compiles what the scene will most likely need. A wrong guess costs time alone.
 void begin_kernels(KernelCompiler& kernels, const DeviceInfo& device, const Scene& scene,
                    const RenderSettings& settings) {
-  std::uint32_t features = expected_features(scene, settings.direct);
-  if (!settings.aovs.empty()) features |= gpu::kFeatureAovs;
+  if (settings.integrator == Integrator::ao) return; // it has no paths
+  std::uint32_t features = expected_features(scene, settings.direct) | features_of(settings);
   for (const Camera& camera : scene.cameras)
     if (camera.orthographic) features |= gpu::kFeatureOrthographic;
   kernels.start(kernel_config(features, kExpectedStack, settings));

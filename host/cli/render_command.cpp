@@ -168,6 +168,7 @@ int replay(const Request& request, Device& device, const PackedScene& packed, co
 int run_render(Request& request) {
   RenderSettings& settings = request.render.settings;
   settle_samples(request.render);
+  check_integrator(request.render);
   check_replay(request.render);
   if (request.render.pixel)
     require_file(request.scene.path);
@@ -248,6 +249,7 @@ Command add_render(CLI::App& app, const std::string& command_line) {
   add_view_flags(*command, request->scene.view);
   add_stop_flags(*command, request->render);
   add_render_flags(*command, request->render);
+  add_hybrid_flags(*command, request->render);
   add_replay_flags(*command, request->render);
   return [request] { return run_render(*request); };
 }

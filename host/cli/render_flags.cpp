@@ -20,12 +20,11 @@ constexpr std::uint32_t kLargestSide = 65536;
 constexpr std::uint32_t kMostSamples = std::numeric_limits<std::int32_t>::max(); // what EXR attributes hold
 constexpr std::uint32_t kOpenEndedSamples = 65536; // when time or error is to end the render
 constexpr std::uint32_t kDeepest = 4096;
-constexpr std::string_view kIntegrators[] = {"path"};
 constexpr std::string_view kOnOff[] = {"off", "on"};
 constexpr std::string_view kBvhNames[] = {"auto", "fast", "balanced", "best"};
 constexpr std::string_view kTonemaps[] = {"none", "aces", "agx", "neutral"}; // in the order of Tonemap
 constexpr std::string_view kAovs[] = {"albedo",  "normal", "depth",    "position", "variance",
-                                      "samples", "direct", "indirect", "emission"};
+                                      "samples", "direct", "indirect", "emission", "ao"};
 
 // Parts of "A<separator>B".
 std::pair<FlagValue, FlagValue> split(const FlagValue& value, char separator, const char* remedy) {
@@ -107,8 +106,6 @@ void add_render_flags(CLI::App& app, RenderRequest& request) {
     return [&target, names](const FlagValue& value) { target = value.choice(names); };
   };
   const char* group = "Light transport";
-  add_flag(app, group, {"--integrator", "path", "how light is found: path tracing", "path"},
-           [](const FlagValue& value) { value.choice(kIntegrators); });
   add_flag(app, group,
            {"--max-depth", "N", "longest path in bounces: 0 = emission seen directly, 1 = direct light, ...", "8"},
            [&](const FlagValue& value) { settings.max_depth = value.whole_number(0, kDeepest); });
@@ -138,6 +135,36 @@ void add_render_flags(CLI::App& app, RenderRequest& request) {
            [&](const FlagValue& value) { settings.specialize = value.choice(kOnOff) != 0; });
 }
 
+void add_hybrid_flags(CLI::App& app, RenderRequest& request) {
+  RenderSettings& settings = request.settings;
+  const char* group = "Hybrid rendering (--integrator hybrid or ao); a sample per pixel is a frame";
+  add_flag(app, "Light transport",
+           {"--integrator", "path|hybrid|ao",
+            "path tracing; hybrid: rasterized first hit, traced direct light and ambient occlusion; or that occlusion alone",
+            "path"},
+           [&](const FlagValue& value) { settings.integrator = static_cast<Integrator>(value.choice(kIntegratorNames)); });
+  constexpr std::uint32_t kMostRays = 256; // a pixel and frame; more come by more frames
+  add_flag(app, group, {"--shadow-samples", "N", "light samples a pixel and frame, stratified", "1"},
+           [=, &settings](const FlagValue& value) { settings.shadow_samples = value.whole_number(1, kMostRays); });
+  add_flag(app, group, {"--ao-samples", "N", "occlusion rays a pixel and frame, cosine-weighted and stratified", "1"},
+           [=, &settings](const FlagValue& value) { settings.ao_samples = value.whole_number(1, kMostRays); });
+  add_flag(app, group,
+           {"--ao-radius", "METRES", "distance from which on nothing occludes; 0 = unlimited",
+            "hybrid: a tenth of the scene's radius; ao: 0"},
+           [&](const FlagValue& value) { settings.ao_radius = value.number(0.0, 1e30); });
+  add_flag(app, group,
+           {"--ambient", "R,G,B", "radiance that stands for all light of more than one bounce; --max-depth 1 leaves it out",
+            "estimated from the direct light in the picture"},
+           [&](const FlagValue& value) {
+             const glm::dvec3 radiance = value.triple();
+             if (glm::any(glm::lessThan(radiance, glm::dvec3(0.0)))) value.refuse("is negative", "give radiance of zero or more");
+             settings.ambient = glm::vec3(radiance);
+           });
+  add_switch(app, group,
+             {"--denoise", "", "filter direct light and occlusion over space and time (SVGF); fast, and biased", "off"},
+             settings.denoise);
+}
+
 void add_picture_flags(CLI::App& app, RenderRequest& request) {
   const char* group = "Picture";
   add_flag(app, group, {"--size", "WxH", "pixels", "1280x720"},
@@ -154,7 +181,7 @@ void add_picture_flags(CLI::App& app, RenderRequest& request) {
       app, group,
       {"--aov", "LIST",
        "extra EXR channels, separated by commas: albedo, normal, depth, position, variance, samples, direct, indirect, "
-       "emission",
+       "emission; ao with --integrator hybrid or ao",
        "none"},
       [&](const FlagValue& value) { read_aovs(value, request.settings.aovs); });
 }
@@ -223,6 +250,28 @@ void settle_samples(RenderRequest& request) {
   if (request.spp && settings.last_sample > *request.spp)
     throw UsageError("--samples", fmt::format("{} ends beyond --spp {}", settings.last_sample, *request.spp),
                      "give a range within 0:spp");
+}
+
+void check_integrator(const RenderRequest& request) {
+  const RenderSettings& settings = request.settings;
+  const bool path = settings.integrator == Integrator::path;
+  const std::string flag = fmt::format("--integrator {}", kIntegratorNames[static_cast<std::size_t>(settings.integrator)]);
+  if (path && settings.denoise)
+    throw UsageError("--denoise", "filters what hybrid rendering traces", "add --integrator hybrid or ao");
+  if (path && std::ranges::count(settings.aovs, "ao"))
+    throw UsageError("--aov ao", "is not known to path tracing", "add --integrator hybrid or ao");
+  if (path) return;
+  if (settings.adaptive)
+    throw UsageError("--adaptive", "shares out paths, and frames have the same samples everywhere",
+                     "leave it out, or use --integrator path");
+  if (request.pixel) throw UsageError("--pixel", "replays paths, not frames", "use --integrator path");
+  const bool biased = settings.denoise || (settings.integrator == Integrator::hybrid && settings.max_depth > 1);
+  if (request.strict && biased)
+    throw UsageError(flag, "is biased, which --strict refuses",
+                     settings.denoise ? "leave out --denoise" : "use --integrator path, or --max-depth 1 for direct light");
+  if (settings.denoise && (request.mergeable || !request.state.file.empty()))
+    throw UsageError("--denoise", "makes every frame depend on those before, which no file keeps",
+                     "leave it out, or --checkpoint, --samples and --mergeable");
 }
 
 void check_replay(const RenderRequest& request) {

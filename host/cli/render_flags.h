@@ -47,6 +47,8 @@ struct RenderRequest {
 
 // The requests must outlive the parsing of `app`. What a render needs to know, and whoever measures one as well:
 void add_render_flags(CLI::App& app, RenderRequest& request);
+// Which integrator, and what the hybrid ones need to know:
+void add_hybrid_flags(CLI::App& app, RenderRequest& request);
 // When it ends and which picture it makes:
 void add_stop_flags(CLI::App& app, RenderRequest& request);
 void add_picture_flags(CLI::App& app, RenderRequest& request);
@@ -61,6 +63,9 @@ void read_size(const FlagValue& value, RenderSettings& settings); // WIDTHxHEIGH
 
 // Works out the sample range once all flags are known. Throws UsageError where --spp and --samples disagree.
 void settle_samples(RenderRequest& request);
+
+// To be called after it. Throws UsageError where the integrator cannot do what else is asked for.
+void check_integrator(const RenderRequest& request);
 
 // To be called after it. Throws UsageError where a path is to be replayed that the render does not have.
 void check_replay(const RenderRequest& request);

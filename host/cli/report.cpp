@@ -52,8 +52,8 @@ void print_details(const Run& run) {
              run.load_seconds, run.packed.bvh_seconds, result.upload_seconds, result.compile_seconds, result.seconds,
              run.write_seconds, result.first_pixel_seconds);
   fmt::print(stderr, "  kernels     cache {}\n", run.kernel_cache);
-  fmt::print(stderr, "  rays        camera {}, bounce {}, shadow {}\n", result.rays.camera, result.rays.bounce,
-             result.rays.shadow);
+  fmt::print(stderr, "  rays        camera {}, bounce {}, shadow {}, occlusion {}\n", result.rays.camera,
+             result.rays.bounce, result.rays.shadow, result.rays.occlusion);
   for (const StageTime& stage : result.stages)
     fmt::print(stderr, "  {:<12}{:.3f} s in {} dispatches\n", stage.name, stage.seconds, stage.dispatches);
   for (const LeftOut& entry : run.packed.left_out)
@@ -64,7 +64,16 @@ void print_details(const Run& run) {
 
 std::vector<std::string> list_bias(const RenderSettings& settings, const RenderResult& result,
                                    const std::optional<DepthCut>& cut) {
-  std::vector<std::string> bias = {fmt::format("light paths end after {} bounces (--max-depth)", settings.max_depth)};
+  std::vector<std::string> bias;
+  if (settings.integrator == Integrator::path)
+    bias.push_back(fmt::format("light paths end after {} bounces (--max-depth)", settings.max_depth));
+  if (settings.integrator == Integrator::hybrid && settings.max_depth <= 1)
+    bias.push_back("light paths end after direct light (--max-depth)");
+  if (settings.integrator == Integrator::hybrid && settings.max_depth > 1)
+    bias.push_back(fmt::format("light of more than one bounce, what mirrors and glass show of it included, is an ambient "
+                               "term of radiance {:.3g},{:.3g},{:.3g} (--integrator hybrid, --ambient)",
+                               result.ambient.r, result.ambient.g, result.ambient.b));
+  if (settings.denoise) bias.push_back("direct light and occlusion are filtered over space and time (--denoise)");
   if (cut)
     bias.back() += fmt::format(": {:.2g} % +- {:.1g} % of the light is missing, measured to {} bounces",
                                100.0 * cut->share, 100.0 * cut->standard_error, cut->deeper);

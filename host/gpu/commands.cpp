@@ -58,15 +58,19 @@ void Commands::start(const Kernel& kernel, const void* push) {
                        push);
   timing_ = timed_.size() * 2 < query_capacity_;
   if (!timing_) return;
-  vkCmdWriteTimestamp2(commands_, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, queries_,
-                       static_cast<std::uint32_t>(timed_.size() * 2));
+  write_time(static_cast<std::uint32_t>(timed_.size() * 2));
   timed_.push_back(&kernel);
 }
 
 void Commands::stop() {
-  if (timing_)
-    vkCmdWriteTimestamp2(commands_, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, queries_,
-                         static_cast<std::uint32_t>(timed_.size() * 2 - 1));
+  if (timing_) write_time(static_cast<std::uint32_t>(timed_.size() * 2 - 1));
+}
+
+// Once anything has been rasterized, llvmpipe (Mesa 22.3) takes the time not here but when it next flushes, which is what a
+// barrier has it do.
+void Commands::write_time(std::uint32_t query) {
+  vkCmdWriteTimestamp2(commands_, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, queries_, query);
+  if (device_->info().type == "cpu") barrier();
 }
 
 void Commands::dispatch(const Kernel& kernel, std::uint32_t groups, const void* push) {

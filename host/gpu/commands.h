@@ -45,6 +45,7 @@ public:
 private:
   void start(const Kernel& kernel, const void* push);
   void stop();
+  void write_time(std::uint32_t query);
   void release();
 
   Device* device_;

@@ -48,7 +48,7 @@ void Display::draw(const Progressive& progressive, const DisplayOptions& options
   const RenderSettings& settings = progressive.settings();
   if (settings.width != width_ || settings.height != height_) resize(settings.width, settings.height);
   const PathTracer& tracer = progressive.tracer();
-  const bool has_aovs = (tracer.features() & gpu::kFeatureAovs) != 0;
+  const bool has_aovs = tracer.has_aovs();
   const Shown shown = needs_aovs(options.shown) && !has_aovs ? Shown::color : options.shown;
   gpu::DisplayJob job{};
   job.width = width_;

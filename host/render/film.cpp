@@ -47,6 +47,7 @@ void join(gpu::FilmAovs& mean, const gpu::FilmAovs& other) {
   mix(mean.normal, other.normal, mean.hits, other.hits);
   mix(mean.position, other.position, mean.hits, other.hits);
   mix(mean.depth, other.depth, mean.hits, other.hits);
+  mix(mean.unoccluded, other.unoccluded, mean.hits, other.hits);
   mean.count += other.count;
   mean.hits += other.hits;
 }
@@ -79,6 +80,10 @@ void add_aov(Picture& picture, const Film& film, const std::string& name, const 
   } else if (name == "position") {
     add_channels(picture, "P.", "XYZ",
                  [&](std::size_t i, int c) { return aovs[i].hits > 0.0f ? aovs[i].position[c] + origin[c] : 0.0; });
+  } else if (name == "ao") {
+    Channel channel{"ao", {}};
+    for (const gpu::FilmAovs& pixel : aovs) channel.values.push_back(pixel.unoccluded);
+    picture.channels.push_back(std::move(channel));
   } else if (name == "variance") {
     add_channels(picture, "variance.", "RGB", [&](std::size_t i, int c) { return mean_variance(film, i)[c]; });
   } else if (name == "samples") {
@@ -132,7 +137,7 @@ constexpr std::size_t kPixelBytes = gpu::kReplicates * sizeof(gpu::FilmPixel);
 Film download_film(const PathTracer& tracer, std::uint32_t width, std::uint32_t height) {
   const std::size_t pixels = std::size_t{width} * height;
   Film film{width, height, std::vector<gpu::FilmPixel>(pixels * gpu::kReplicates), {}};
-  if (tracer.features() & gpu::kFeatureAovs) film.aovs.resize(pixels);
+  if (tracer.has_aovs()) film.aovs.resize(pixels);
   visit_runs(tracer.bands(), width, height,
              [&](const FilmBand& band, std::uint32_t first, std::uint32_t count, const auto& rows) {
                const auto values =

@@ -15,6 +15,14 @@ std::string camera_text(const View& view) {
                      text(view.forward), text(view.right), text(view.up));
 }
 
+std::string integrator_text(const RenderSettings& settings) {
+  const std::string name(kIntegratorNames[static_cast<std::size_t>(settings.integrator)]);
+  if (settings.integrator == Integrator::path) return name;
+  const glm::vec3 ambient = settings.ambient.value_or(glm::vec3(-1.0f)); // estimated
+  return fmt::format("{}/{}/{}/{:a}/{:a},{:a},{:a}", name, settings.shadow_samples, settings.ao_samples,
+                     settings.ao_radius.value_or(-1.0), ambient.r, ambient.g, ambient.b);
+}
+
 } // namespace
 
 std::string identity_of(std::uint64_t scene_hash, const View& view, const RenderSettings& settings) {
@@ -23,11 +31,11 @@ std::string identity_of(std::uint64_t scene_hash, const View& view, const Render
   const std::string strata = settings.sampler == gpu::kSamplerStratified ? fmt::format("{}", total) : "any";
   return fmt::format(
       "version={};scene={:016x};size={}x{};seed={};sampler={};max-depth={};direct={};hemisphere={};filter={};spp={};"
-      "adaptive={};aovs={};camera={}",
+      "adaptive={};aovs={};integrator={};camera={}",
       WAVEPATH_VERSION, scene_hash, settings.width, settings.height, settings.seed, kSamplerNames[settings.sampler],
       settings.max_depth, kDirectNames[settings.direct], kHemisphereNames[settings.hemisphere],
       kFilterNames[settings.filter], strata, settings.adaptive ? "on" : "off", settings.aovs.empty() ? "no" : "yes",
-      camera_text(view));
+      integrator_text(settings), camera_text(view));
 }
 
 std::optional<std::string> first_difference(const std::string& identity, const std::string& expected) {

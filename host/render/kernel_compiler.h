@@ -24,6 +24,9 @@ KernelConfig kernel_config(std::uint32_t features, std::uint32_t stack_size, con
 // first dispatch, one kernel at a time, and would only be kept busy.
 bool generic_first(const DeviceInfo& device);
 
+// kFeature bits that the settings ask of the path tracer's kernels, whatever the scene.
+std::uint32_t features_of(const RenderSettings& settings);
+
 class KernelCompiler {
 public:
   explicit KernelCompiler(Device& device) : device_(device) {}

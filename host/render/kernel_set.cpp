@@ -35,6 +35,11 @@ constexpr std::array<Stage, kStageCount> kCompileOrder = {kShade, kExtend, kConn
 
 constexpr std::uint64_t kStandInBytes = 1024; // of the buffer that stands for all while nothing is read
 
+// A hybrid frame begins and ends with kernels of its own.
+bool is_left_out(Stage stage, const KernelConfig& config) {
+  return config.features & gpu::kFeatureHybrid && (stage == kGenerate || stage == kAccumulate);
+}
+
 void run_without_work(Device& device, const Kernel& kernel, const BindingSet& bindings) {
   const gpu::Wave wave{};
   Commands commands(device);
@@ -54,20 +59,23 @@ bool KernelConfig::covers(const KernelConfig& need) const {
   return reduced == need && (features & need.features) == need.features && stack_size >= need.stack_size;
 }
 
+std::array<std::uint32_t, gpu::kSpecCount> specialization(const KernelConfig& config, const DeviceInfo& device) {
+  const std::uint32_t stack = device.type == "cpu" ? gpu::kStackRegisters : gpu::kStackArray;
+  return {config.features, config.stack_size, config.sampler, config.direct, config.hemisphere, config.filter, stack};
+}
+
 KernelSet::KernelSet(Device& device, const KernelConfig& config, std::vector<Binding> bindings) : config_(config) {
   const auto start = std::chrono::steady_clock::now();
   const Buffer stand_in(device, kStandInBytes);
   for (Binding& binding : bindings) binding.buffer = &stand_in;
   const BindingSet set(device, bindings, static_cast<std::uint32_t>(sizeof(gpu::Wave)));
-  const std::uint32_t stack = device.info().type == "cpu" ? gpu::kStackRegisters : gpu::kStackArray;
-  const std::array<std::uint32_t, gpu::kSpecCount> constants = {
-      config.features, config.stack_size, config.sampler, config.direct, config.hemisphere, config.filter, stack};
-  std::array<std::optional<Kernel>, kStageCount> compiled;
+  const auto constants = specialization(config, device.info());
   std::atomic<std::size_t> next = 0;
   const auto compile = [&] {
     for (std::size_t i; (i = next++) < kStageCount;) {
       const Stage stage = kCompileOrder[i];
-      const Kernel& kernel = compiled[stage].emplace(device, kStages[stage].name, kStages[stage].spirv, set, constants);
+      if (is_left_out(stage, config)) continue;
+      const Kernel& kernel = kernels_[stage].emplace(device, kStages[stage].name, kStages[stage].spirv, set, constants);
       run_without_work(device, kernel, set);
     }
   };
@@ -76,7 +84,6 @@ KernelSet::KernelSet(Device& device, const KernelConfig& config, std::vector<Bin
   for (std::size_t t = 0; t < std::clamp<std::size_t>(std::thread::hardware_concurrency(), 1, kStageCount); ++t)
     threads.push_back(std::async(std::launch::async, compile));
   for (std::future<void>& thread : threads) thread.get();
-  for (std::optional<Kernel>& kernel : compiled) kernels_.push_back(*std::move(kernel));
   seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 

@@ -3,10 +3,12 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "host/gpu/kernel.h"
+#include "kernels/gpu_types.h"
 
 namespace wavepath {
 
@@ -26,6 +28,9 @@ struct KernelConfig {
   bool covers(const KernelConfig& need) const;
 };
 
+// The specialization constants that make a kernel fit a configuration and a device, by kSpec...
+std::array<std::uint32_t, gpu::kSpecCount> specialization(const KernelConfig& config, const DeviceInfo& device);
+
 class KernelSet {
 public:
   // Compiles the kernels, side by side, and has each run once without work, for the drivers that compile only then.
@@ -33,13 +38,14 @@ public:
   // several threads at once.
   KernelSet(Device& device, const KernelConfig& config, std::vector<Binding> bindings);
 
-  const Kernel& operator[](Stage stage) const { return kernels_[stage]; }
+  // The kernel of a stage that the configuration needs.
+  const Kernel& operator[](Stage stage) const { return *kernels_[stage]; }
   const KernelConfig& config() const { return config_; }
   double seconds() const { return seconds_; } // that compiling took
 
 private:
   KernelConfig config_;
-  std::vector<Kernel> kernels_; // by Stage
+  std::array<std::optional<Kernel>, kStageCount> kernels_;
   double seconds_ = 0.0;
 };
 

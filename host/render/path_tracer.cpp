@@ -30,7 +30,8 @@ gpu::Frame make_frame(const PackedScene& scene, const View& view, const RenderSe
   frame.orthographic = view.orthographic ? 1u : 0u;
   frame.width = settings.width;
   frame.height = settings.height;
-  frame.max_depth = settings.max_depth;
+  const bool path = settings.integrator == Integrator::path;
+  frame.max_depth = path ? settings.max_depth : std::min(settings.max_depth, 1u); // the rest is the ambient term's
   frame.seed = settings.seed;
   frame.environment_radiance = scene.environment_radiance;
   frame.environment_probability = scene.environment_probability;
@@ -40,13 +41,15 @@ gpu::Frame make_frame(const PackedScene& scene, const View& view, const RenderSe
   frame.light_count = static_cast<std::uint32_t>(scene.lights.size());
   frame.root = scene.root;
   frame.root_is_top = scene.root_is_top ? 1u : 0u;
-  frame.sample_total = settings.sample_total > 0 ? settings.sample_total : settings.last_sample;
+  frame.sample_total = (settings.sample_total > 0 ? settings.sample_total : settings.last_sample) *
+                       (path ? 1 : settings.shadow_samples);
   frame.slot_count = slots;
   frame.scene_features = scene.features;
   return frame;
 }
 
-std::vector<Binding> all_bindings(const GpuScene& scene, const PathBuffers& paths, const FilmBand& band) {
+std::vector<Binding> all_bindings(const GpuScene& scene, const PathBuffers& paths, const Buffer& visibility,
+                                  const FilmBand& band) {
   std::vector<Binding> bindings = scene.bindings();
   using enum BindingKind;
   bindings.insert(bindings.end(), {{gpu::kBindFrame, uniform, &paths.frame},
@@ -64,16 +67,19 @@ std::vector<Binding> all_bindings(const GpuScene& scene, const PathBuffers& path
                                    {gpu::kBindFilm, storage, &band.film},
                                    {gpu::kBindFilmTexels, texels_rgba32ui, &band.film},
                                    {gpu::kBindRuns, texels_r32ui, &paths.runs},
-                                   {gpu::kBindFilmAovs, storage, &band.aovs}});
+                                   {gpu::kBindFilmAovs, storage, &band.aovs},
+                                   {gpu::kBindHybrid, uniform, &paths.hybrid},
+                                   {gpu::kBindVisibility, texels_rg32ui, &visibility},
+                                   {gpu::kBindGbuffer, storage, &paths.gbuffer},
+                                   {gpu::kBindSignals, storage, &paths.signals},
+                                   {gpu::kBindSeen, storage, &paths.seen},
+                                   {gpu::kBindJitters, storage, &paths.jitters}});
   return bindings;
 }
 
 std::uint32_t needed_features(const PackedScene& scene, const View& view, const RenderSettings& settings) {
-  std::uint32_t features = scene.features;
-  if (!settings.aovs.empty()) features |= gpu::kFeatureAovs;
-  if (settings.adaptive) features |= gpu::kFeatureAdaptive;
-  if (view.orthographic) features |= gpu::kFeatureOrthographic;
-  return features;
+  const std::uint32_t camera = view.orthographic ? gpu::kFeatureOrthographic : 0;
+  return scene.features | camera | features_of(settings);
 }
 
 gpu::Queues empty_queues() {
@@ -101,7 +107,7 @@ std::uint32_t choose_slots(const DeviceInfo& info, const PackedScene& scene, con
 }
 
 RayCounts ray_counts(const gpu::Queues& queues) {
-  return {join(queues.camera_rays), join(queues.bounce_rays), join(queues.shadow_rays)};
+  return {join(queues.camera_rays), join(queues.bounce_rays), join(queues.shadow_rays), join(queues.occlusion_rays)};
 }
 
 std::uint64_t bytes_per_slot(std::uint32_t features) {
@@ -111,40 +117,49 @@ std::uint64_t bytes_per_slot(std::uint32_t features) {
   return bytes;
 }
 
-std::vector<Binding> path_tracer_bindings() { return all_bindings({}, {}, {}); }
+std::vector<Binding> path_tracer_bindings() { return all_bindings({}, {}, {}, {}); }
 
 PathTracer::PathTracer(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings,
                        std::uint32_t slots, KernelCompiler& kernels)
     : device_(device),
       frame_(make_frame(scene, view, settings, slots)),
       kernels_(kernels),
-      config_(kernel_config(needed_features(scene, view, settings), scene.stack_size, settings)) {
-  kernels_.start(config_);
-  features_ = kernels_.features();
-  for (std::size_t stage = 0; stage < kStageCount; ++stage)
-    stages_.push_back({stage_name(static_cast<Stage>(stage)), 0.0, 0});
+      config_(kernel_config(needed_features(scene, view, settings), scene.stack_size, settings)),
+      traces_paths_(settings.integrator != Integrator::ao) {
+  begin_kernels(settings);
   const auto start = std::chrono::steady_clock::now();
   scene_ = upload_scene(device, scene);
   upload_seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  allocate(settings);
+  allocate(scene, settings);
 }
 
 std::uint64_t PathBuffers::bytes() const {
   return frame.bytes() + states.bytes() + media.bytes() + aovs.bytes() + rays.bytes() + hits.bytes() +
-         shadow_rays.bytes() + queues.bytes() + runs.bytes();
+         shadow_rays.bytes() + queues.bytes() + runs.bytes() + hybrid.bytes() + gbuffer.bytes() + signals.bytes() +
+         seen.bytes() + jitters.bytes();
 }
 
 void PathTracer::change(const PackedScene& scene, const View& view, const RenderSettings& settings) {
   frame_ = make_frame(scene, view, settings, frame_.slot_count);
   config_ = kernel_config(needed_features(scene, view, settings), scene.stack_size, settings);
-  kernels_.start(config_);
-  features_ = kernels_.features();
-  allocate(settings);
+  traces_paths_ = settings.integrator != Integrator::ao;
+  begin_kernels(settings);
+  allocate(scene, settings);
   reset();
 }
 
-void PathTracer::allocate(const RenderSettings& settings) {
+void PathTracer::begin_kernels(const RenderSettings& settings) {
+  if (traces_paths_) kernels_.start(config_);
+  features_ = config_.features | kernels_.features();
+  has_aovs_ = !settings.aovs.empty();
+  stages_.clear();
+  for (std::size_t stage = 0; stage < kStageCount && settings.integrator == Integrator::path; ++stage)
+    stages_.push_back({stage_name(static_cast<Stage>(stage)), 0.0, 0});
+}
+
+void PathTracer::allocate(const PackedScene& scene, const RenderSettings& settings) {
   const bool moved_paths = make_room_for_paths(settings), moved_film = make_room_for_film(settings);
+  const bool moved_frames = make_room_for_frames(scene, settings, moved_paths);
   paths_.frame.write(&frame_, sizeof(gpu::Frame));
   if (settings.adaptive) {
     const std::uint64_t pixels = std::uint64_t{settings.width} * settings.height;
@@ -152,9 +167,9 @@ void PathTracer::allocate(const RenderSettings& settings) {
     std::iota(runs.begin(), runs.end(), 0u);
     set_runs(runs);
   }
-  if (!moved_paths && !moved_film) return;
+  if (!moved_paths && !moved_film && !moved_frames) return;
   for (FilmBand& band : bands_) { // in their final places: bindings point at the buffers
-    const std::vector<Binding> bindings = all_bindings(scene_, paths_, band);
+    const std::vector<Binding> bindings = all_bindings(scene_, paths_, visibility_ ? visibility_->ids() : paths_.jitters, band);
     band.bindings = std::make_unique<BindingSet>(device_, bindings, static_cast<std::uint32_t>(sizeof(gpu::Wave)));
   }
 }
@@ -170,6 +185,7 @@ bool PathTracer::make_room(Buffer& buffer, std::uint64_t bytes) {
 bool PathTracer::make_room_for_paths(const RenderSettings& settings) {
   const std::uint64_t slots = frame_.slot_count;
   const std::uint64_t pixels = std::uint64_t{settings.width} * settings.height;
+  const bool hybrid = settings.integrator != Integrator::path, lights = settings.integrator == Integrator::hybrid;
   const bool shadows = frame_.light_count || settings.room_for_shadow_rays;
   const std::uint64_t runs = features_ & gpu::kFeatureAdaptive ? (pixels + gpu::kRunPixels - 1) / gpu::kRunPixels : 0;
   bool moved = false;
@@ -182,7 +198,12 @@ bool PathTracer::make_room_for_paths(const RenderSettings& settings) {
            {&paths_.hits, slots * sizeof(gpu::Hit)},
            {&paths_.shadow_rays, shadows ? slots * sizeof(gpu::ShadowRay) : 0},
            {&paths_.queues, sizeof(gpu::Queues)},
-           {&paths_.runs, runs * sizeof(std::uint32_t)}})
+           {&paths_.runs, runs * sizeof(std::uint32_t)},
+           {&paths_.hybrid, hybrid ? sizeof(gpu::HybridFrame) : 0},
+           {&paths_.gbuffer, hybrid ? pixels * sizeof(gpu::GbufferPixel) : 0},
+           {&paths_.signals, hybrid ? pixels * sizeof(glm::vec4) : 0},
+           {&paths_.seen, lights ? pixels * sizeof(glm::vec4) : 0},
+           {&paths_.jitters, hybrid ? gpu::kJitters * sizeof(glm::vec2) : 0}})
     moved |= make_room(*buffer, bytes);
   return moved;
 }
@@ -195,6 +216,7 @@ bool PathTracer::make_room_for_film(const RenderSettings& settings) {
   const std::uint64_t most = range / std::max(kFilmPixelBytes, sizeof(gpu::FilmAovs)) / gpu::kRunPixels *
                              gpu::kRunPixels; // no run lies in two
   bands_.resize(std::max<std::size_t>(bands_.size(), (pixels + most - 1) / most));
+  const bool aovs = has_aovs_ || features_ & gpu::kFeatureAovs;
   bool moved = false;
   std::uint64_t first = 0;
   for (FilmBand& band : bands_) {
@@ -203,9 +225,22 @@ bool PathTracer::make_room_for_film(const RenderSettings& settings) {
     first += band.pixel_count;
     moved |= make_room(band.film, band.pixel_count * kFilmPixelBytes);
     moved |= make_room(band.aovs,
-                       features_ & gpu::kFeatureAovs ? std::uint64_t{band.pixel_count} * sizeof(gpu::FilmAovs) : 0);
+                       aovs ? std::uint64_t{band.pixel_count} * sizeof(gpu::FilmAovs) : 0);
   }
   return moved;
+}
+
+// `moved_paths`: buffers that it was bound to are gone.
+bool PathTracer::make_room_for_frames(const PackedScene& scene, const RenderSettings& settings, bool moved_paths) {
+  const bool wanted = settings.integrator != Integrator::path;
+  const glm::uvec3 made_for = wanted ? glm::uvec3(settings.width, settings.height, config_.features) : glm::uvec3(0);
+  if (made_for == visibility_made_for_ && !moved_paths) return false;
+  visibility_made_for_ = made_for;
+  visibility_.reset(); // both at once may be too much
+  if (wanted)
+    visibility_ = std::make_unique<Visibility>(device_, scene, scene_, paths_.frame, paths_.hybrid, config_.features,
+                                               settings.width, settings.height);
+  return true;
 }
 
 double PathTracer::render_wave(const FilmBand& band, std::uint32_t first_pixel, std::uint32_t pixel_count,
@@ -238,12 +273,20 @@ double PathTracer::render_wave(const FilmBand& band, std::uint32_t first_pixel, 
   commands.dispatch(kernels[kAccumulate], groups_for(pixel_count), &wave);
   commands.submit_and_wait();
   collect_nonfinite(wave);
+  return count_times(commands);
+}
 
+void PathTracer::count_time(const std::string& name, double seconds) {
+  auto stage = std::ranges::find(stages_, name, &StageTime::name);
+  if (stage == stages_.end()) stage = stages_.insert(stage, {name, 0.0, 0});
+  stage->seconds += seconds;
+  ++stage->dispatches;
+}
+
+double PathTracer::count_times(const Commands& commands) {
   double longest = 0.0;
   for (const KernelTime& time : commands.times()) {
-    StageTime& stage = stages_[static_cast<std::size_t>(time.kernel - &kernels[kGenerate])];
-    stage.seconds += time.seconds;
-    ++stage.dispatches;
+    count_time(time.kernel->name(), time.seconds);
     longest = std::max(longest, time.seconds);
   }
   return longest;
@@ -262,7 +305,7 @@ void PathTracer::collect_nonfinite(const gpu::Wave& wave) {
 
 double PathTracer::get_ready() {
   reset();
-  return kernels_.best(config_).seconds();
+  return traces_paths_ ? kernels_.best(config_).seconds() : 0.0;
 }
 
 void PathTracer::reset() {
@@ -307,6 +350,7 @@ MemoryUse PathTracer::memory() const {
   use.bvh = scene_.bvh_bytes();
   use.scene = scene_.other_bytes();
   use.paths = paths_.bytes();
+  if (visibility_) use.paths += visibility_->bytes();
   for (const FilmBand& band : bands_) use.film += band.film.bytes() + band.aovs.bytes();
   return use;
 }

@@ -11,6 +11,7 @@
 #include "host/render/gpu_scene.h"
 #include "host/render/kernel_compiler.h"
 #include "host/render/render.h"
+#include "host/render/visibility.h"
 #include "host/scene/view.h"
 
 namespace wavepath {
@@ -25,6 +26,7 @@ struct FilmBand {
 // What the paths in flight live in, and the queues between kernels.
 struct PathBuffers {
   Buffer frame, states, media, aovs, rays, hits, shadow_rays, queues, runs;
+  Buffer hybrid, gbuffer, signals, seen, jitters; // of the hybrid integrators
   std::uint64_t bytes() const;
 };
 
@@ -50,7 +52,7 @@ public:
   void change(const PackedScene& scene, const View& view, const RenderSettings& settings);
 
   // Whether there are kernels to begin with, so that render_wave() will not wait.
-  bool is_ready() { return kernels_.ready(config_); }
+  bool is_ready() { return !traces_paths_ || kernels_.ready(config_); }
 
   // Resets, and waits until there are kernels to begin with. Returns the seconds that compiling those took.
   double get_ready();
@@ -70,6 +72,7 @@ public:
   const std::vector<FilmBand>& bands() const { return bands_; }
   std::uint32_t slots() const { return frame_.slot_count; }
   std::uint32_t features() const { return config_.features; }
+  bool has_aovs() const { return has_aovs_; }
   const std::vector<StageTime>& stages() const { return stages_; }
   double upload_seconds() const { return upload_seconds_; }
   gpu::Queues counters() const; // totals since reset(), but for those of non-finite samples
@@ -79,20 +82,29 @@ public:
 private:
   friend class RayReplay; // host/bench
   friend class PathReplay; // host/render/path_replay.h
+  friend class Hybrid;     // host/render/hybrid.h
 
-  void allocate(const RenderSettings& settings);
+  void begin_kernels(const RenderSettings& settings);
+  void allocate(const PackedScene& scene, const RenderSettings& settings);
   bool make_room(Buffer& buffer, std::uint64_t bytes);
   bool make_room_for_paths(const RenderSettings& settings);
   bool make_room_for_film(const RenderSettings& settings);
+  bool make_room_for_frames(const PackedScene& scene, const RenderSettings& settings, bool moved_paths);
   void collect_nonfinite(const gpu::Wave& wave);
+  void count_time(const std::string& name, double seconds);
+  double count_times(const Commands& commands); // by stage; returns the longest
 
   Device& device_;
   gpu::Frame frame_{};
   KernelCompiler& kernels_;
   KernelConfig config_;        // what this scene needs
+  bool traces_paths_ = true;   // otherwise it has no kernels of its own
   std::uint32_t features_ = 0; // and what kernels that may run before those are ready need besides
   GpuScene scene_;
   PathBuffers paths_;
+  std::unique_ptr<Visibility> visibility_; // of the hybrid integrators
+  glm::uvec3 visibility_made_for_{0};      // width, height, features
+  bool has_aovs_ = false;                  // the film has
   std::vector<FilmBand> bands_;
   std::vector<StageTime> stages_;
   Nonfinite nonfinite_;

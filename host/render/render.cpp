@@ -14,6 +14,7 @@
 #include "host/render/error.h"
 #include "host/render/film.h"
 #include "host/render/governor.h"
+#include "host/render/hybrid.h"
 #include "host/render/path_tracer.h"
 #include "host/render/render_state.h"
 
@@ -66,6 +67,7 @@ public:
         governor_(tracer_.slots()),
         origin_(scene.origin),
         segments_(even_segments(tracer_.bands())) {
+    if (settings_.integrator != Integrator::path) hybrid_.emplace(device, tracer_, scene, view, settings_);
     if (!settings_.adaptive) return;
     const auto whole_steps = [](std::uint32_t n) { return (n + kAdaptiveStep - 1) / kAdaptiveStep * kAdaptiveStep; };
     settings_.first_sample = whole_steps(settings_.first_sample);
@@ -73,19 +75,24 @@ public:
   }
 
   RenderResult run() {
-    result_.compile_seconds = tracer_.get_ready();
+    result_.compile_seconds = tracer_.get_ready() + (hybrid_ ? hybrid_->compile_seconds() : 0.0);
     result_.upload_seconds = tracer_.upload_seconds();
     cursor_.sample = settings_.first_sample;
     if (hooks_.resume) restore(*hooks_.resume);
     resume_clock();
     last_save_ = Clock::now();
     if (settings_.adaptive && levels_.empty()) explore();
+    if (hybrid_) hybrid_->estimate_ambient();
     while (cursor_.sample < settings_.last_sample && !stopped_) {
       if (cursor_.pass_samples == 0) cursor_.pass_samples = pass_end() - cursor_.sample;
-      if (!render_pass()) break;
+      if (hybrid_)
+        render_frame();
+      else if (!render_pass())
+        break;
       if (spp_done() == 0) result_.first_pixel_seconds = seconds_since_process_start();
       cursor_ = {cursor_.sample + cursor_.pass_samples, 0, 0, 0};
       if (is_checkpoint() || is_check()) checkpoint();
+      if (hybrid_ && is_save_due()) save();
     }
     finish();
     return std::move(result_);
@@ -152,6 +159,7 @@ private:
   // A pass covers every pixel with the same samples: one, or as many as fill a wave, but never across a checkpoint or a
   // check of the error.
   std::uint32_t pass_end() const {
+    if (hybrid_) return cursor_.sample + 1; // a frame
     constexpr std::uint64_t kMostSamples = 4096; // accumulate loops over them; Mesa 22.3 ends loops at 65,535 trips
     const std::uint64_t most = settings_.adaptive ? tracer_.slots() / kLargestRun * kAdaptiveStep : kMostSamples;
     const auto fit = static_cast<std::uint32_t>(std::clamp<std::uint64_t>(governor_.wave() / pixels(), 1, most));
@@ -175,6 +183,24 @@ private:
     return taken;
   }
 
+  // One frame of a hybrid render. It reaches the film as a whole, so that it is not cut short.
+  void render_frame() {
+    film_.reset();
+    hybrid_->begin_frame(cursor_.sample);
+    const std::uint32_t samples = hybrid_->samples_per_pixel();
+    for (const FilmBand& band : tracer_.bands())
+      for (std::uint32_t done = 0; done < band.pixel_count;) {
+        const std::uint32_t count = std::min(std::max(governor_.wave() / samples, 1u), band.pixel_count - done);
+        const auto start = Clock::now();
+        const double longest = hybrid_->render_wave(band, band.first_pixel + done, count);
+        governor_.report(longest > 0.0 ? longest : seconds_since(start), count * samples);
+        done += count;
+        cursor_.pixels_done += count;
+        report_progress();
+      }
+    hybrid_->end_frame();
+  }
+
   // Goes on with the pass that the cursor is in. False if it was cut short.
   bool render_pass() {
     film_.reset(); // no longer what the device holds
@@ -185,7 +211,7 @@ private:
       while (cursor_.pixels_done < segment.pixel_count) {
         cursor_.pixels_done += render_wave(segment, cursor_.pixels_done, first, count);
         report_progress();
-        if (hooks_.save && seconds_since(last_save_) >= hooks_.save_interval) save();
+        if (is_save_due()) save();
         if (stopped_) return is_pass_done();
       }
     }
@@ -215,7 +241,7 @@ private:
     const Progress now = progress(done / static_cast<double>(pixels()));
     if (hooks_.progress && !hooks_.progress(now)) stop(StopReason::interrupted);
     // The first pass is always completed, so that every pixel has a value.
-    const bool complete = spp_done() > 0 || is_pass_done();
+    const bool complete = hybrid_ || spp_done() > 0 || is_pass_done();
     if (settings_.time_limit > 0.0 && now.seconds >= settings_.time_limit && complete) stop(StopReason::time);
   }
 
@@ -223,6 +249,8 @@ private:
     if (!stopped_) result_.stop = reason;
     stopped_ = true;
   }
+
+  bool is_save_due() const { return hooks_.save && seconds_since(last_save_) >= hooks_.save_interval; }
 
   void save() {
     pause_clock();
@@ -305,12 +333,15 @@ private:
     result_.slope = fit_slope(result_.checkpoints, Against::seconds);
     result_.stages = tracer_.stages();
     result_.memory = tracer_.memory();
+    if (hybrid_) result_.memory.paths += hybrid_->bytes();
+    if (hybrid_) result_.ambient = hybrid_->ambient();
     result_.film = std::move(film_);
   }
 
   RenderSettings settings_;
   const RenderHooks& hooks_;
   PathTracer tracer_;
+  std::optional<Hybrid> hybrid_; // renders into the tracer's film
   Governor governor_;
   glm::dvec3 origin_;
   std::vector<Segment> segments_;

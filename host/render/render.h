@@ -76,8 +76,8 @@ struct StageTime {
 };
 
 struct RayCounts {
-  std::uint64_t camera = 0, bounce = 0, shadow = 0;
-  std::uint64_t total() const { return camera + bounce + shadow; }
+  std::uint64_t camera = 0, bounce = 0, shadow = 0, occlusion = 0;
+  std::uint64_t total() const { return camera + bounce + shadow + occlusion; }
 };
 
 // Error of the mean image, without a reference: sqrt(relMSE) estimated from the spread of the replicates (see error.h).
@@ -122,6 +122,7 @@ struct RenderResult {
   std::vector<StageTime> stages;
   MemoryUse memory;
   Nonfinite nonfinite;
+  glm::vec3 ambient{0.0f}; // radiance that a hybrid render used
 };
 
 struct Progress {

@@ -47,7 +47,8 @@ Json to_json(const Checkpoint& c) {
           c.error.relative_rms,
           c.error.ci95[0],
           c.error.ci95[1],
-          c.error.largest_sample_share};
+          c.error.largest_sample_share,
+          c.rays.occlusion};
 }
 
 // NaN has no place in JSON; it comes back as null.
@@ -59,7 +60,7 @@ Checkpoint checkpoint_from(const Json& j) {
   Checkpoint c;
   c.spp = j.at(0);
   c.seconds = j.at(1), c.gpu_seconds = j.at(2);
-  c.rays = {j.at(3), j.at(4), j.at(5)};
+  c.rays = {j.at(3), j.at(4), j.at(5), j.at(10)};
   c.error = {number(j.at(6)), {number(j.at(7)), number(j.at(8))}, number(j.at(9))};
   return c;
 }

@@ -9,6 +9,7 @@
 #include "host/render/bvh_choice.h"
 #include "host/render/diagnosis.h"
 #include "host/render/error.h"
+#include "host/render/hybrid.h"
 #include "kernels/tile_order.h"
 
 namespace wavepath {
@@ -17,7 +18,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 Json to_json(const RayCounts& rays) {
-  return {{"camera", rays.camera}, {"bounce", rays.bounce}, {"shadow", rays.shadow}};
+  return {{"camera", rays.camera}, {"bounce", rays.bounce}, {"shadow", rays.shadow}, {"occlusion", rays.occlusion}};
 }
 
 Json to_json(const Checkpoint& checkpoint, const TrueError* error) {
@@ -99,6 +100,18 @@ Json nonfinite_json(const Nonfinite& nonfinite, const RenderSettings& settings) 
   return {{"samples", nonfinite.samples()}, {"first", first}, {"by_kernel", by_kernel}};
 }
 
+// What the hybrid integrators were asked for, and the ambient radiance that came of it.
+Json hybrid_json(const Run& run) {
+  const RenderSettings& settings = run.settings;
+  if (settings.integrator == Integrator::path) return nullptr;
+  const glm::vec3& ambient = run.result.ambient;
+  return {{"shadow_samples", settings.shadow_samples},
+          {"ao_samples", settings.ao_samples},
+          {"ao_radius", occlusion_radius(run.packed, settings)},
+          {"ambient", {ambient.r, ambient.g, ambient.b}},
+          {"denoise", settings.denoise}};
+}
+
 } // namespace
 
 Json bvh_json(const PackedScene& packed) {
@@ -131,8 +144,9 @@ Json stats_document(const Run& run) {
       {"command", run.command},
       {"seed", settings.seed},
       {"sampler", kSamplerNames[settings.sampler]},
-      {"integrator", "path"},
+      {"integrator", kIntegratorNames[static_cast<std::size_t>(settings.integrator)]},
       {"max_depth", settings.max_depth},
+      {"hybrid", hybrid_json(run)},
       {"device",
        {{"name", run.device.name}, {"driver", run.device.driver}, {"type", run.device.type}, {"api", run.device.api}}},
       {"size", {settings.width, settings.height}},

@@ -20,6 +20,8 @@ layout(set = 0, binding = 11, std430) buffer Film { FilmPixel film[]; };
 layout(set = 0, binding = 21, std430) buffer Sums { ExactSum sums[]; };
 layout(set = 0, binding = 12, std430) buffer Aovs { PathAovs aovs[]; };
 layout(set = 0, binding = 13, std430) buffer FilmAovBlocks { FilmAovs film_aovs[]; };
+layout(set = 0, binding = 24, std140) uniform HybridBlock { HybridFrame hybrid; };
+layout(set = 0, binding = 25, std430) buffer Gbuffer { GbufferPixel gbuffer[]; };
 layout(set = 0, binding = 22, std430) buffer Reprojections { Reprojection reprojections[]; };
 layout(set = 0, binding = 23, std430) buffer Bands { FilterBand filter_bands[]; };
 

@@ -1,0 +1,252 @@
+#include "host/render/hybrid.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstddef>
+#include <future>
+#include <span>
+
+#include "host/render/denoise.h"
+#include "host/render/governor.h"
+#include "kernels/composite.spv.h"
+#include "kernels/gather.spv.h"
+#include "kernels/jitter.spv.h"
+#include "kernels/occlusion.spv.h"
+#include "kernels/resolve.spv.h"
+
+namespace wavepath {
+namespace {
+
+struct StageCode {
+  const char* name;
+  std::span<const std::uint32_t> spirv;
+};
+constexpr std::uint32_t kPilotSeed = 0x6a09e667u;
+
+std::uint32_t groups_for(std::uint64_t count) {
+  return static_cast<std::uint32_t>((count + gpu::kWorkgroupSize - 1) / gpu::kWorkgroupSize);
+}
+
+// Light beyond the direct one is wanted where paths would be longer than it.
+std::uint32_t frame_flags(const RenderSettings& settings) {
+  if (settings.integrator == Integrator::ao) return gpu::kHybridAmbient;
+  return gpu::kHybridLights | (settings.max_depth > 1 ? gpu::kHybridAmbient : 0);
+}
+
+float ray_length(double radius) {
+  return radius > 0.0 ? static_cast<float>(std::min<double>(radius, gpu::kFar)) : gpu::kFar;
+}
+
+gpu::CameraView camera_of(const PackedScene& scene, const View& view) {
+  gpu::CameraView camera{};
+  camera.position = glm::vec3(view.position - scene.origin);
+  camera.orthographic = view.orthographic ? 1u : 0u;
+  camera.right = glm::vec3(view.right);
+  camera.up = glm::vec3(view.up);
+  camera.forward = glm::vec3(view.forward);
+  return camera;
+}
+
+} // namespace
+
+double occlusion_radius(const PackedScene& scene, const RenderSettings& settings) {
+  return settings.ao_radius.value_or(settings.integrator == Integrator::ao ? 0.0 : 0.1 * scene.radius);
+}
+
+Hybrid::Hybrid(Device& device, PathTracer& tracer, const PackedScene& scene, const View& view,
+               const RenderSettings& settings)
+    : device_(device), tracer_(tracer), settings_(settings), camera_(camera_of(scene, view)) {
+  const bool lights = settings.integrator == Integrator::hybrid;
+  frame_.flags = frame_flags(settings);
+  frame_.shadow_samples = lights ? settings.shadow_samples : 1;
+  frame_.ao_samples = settings.ao_samples;
+  frame_.ao_radius = ray_length(occlusion_radius(scene, settings));
+  frame_.ambient = settings.ambient.value_or(glm::vec3(0.0f));
+  const ClipPlanes planes = clip_planes(scene, view);
+  frame_.near = planes.near;
+  frame_.far = planes.far;
+
+  const auto start = std::chrono::steady_clock::now();
+  compile();
+  compile_seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  if (settings.denoise)
+    denoiser_ = std::make_unique<Denoiser>(device, settings.width, settings.height, tracer.paths_.gbuffer,
+                                           tracer.paths_.signals, frame_.flags);
+}
+
+Hybrid::~Hybrid() = default;
+
+void Hybrid::compile() {
+  static const std::array<StageCode, kStageCount> codes = {{{"jitter", wavepath_jitter_spv},
+                                                            {"resolve", wavepath_resolve_spv},
+                                                            {"occlusion", wavepath_occlusion_spv},
+                                                            {"gather", wavepath_gather_spv},
+                                                            {"composite", wavepath_composite_spv}}};
+  KernelConfig config = tracer_.config_;
+  if (!settings_.aovs.empty()) config.features |= gpu::kFeatureAovs;
+  const auto constants = specialization(config, device_.info());
+  const BindingSet& bindings = *tracer_.bands_.front().bindings;
+  std::vector<std::future<void>> compiling;
+  for (std::size_t stage = 0; stage < kStageCount; ++stage) {
+    if (stage == kOcclusion && !(frame_.flags & gpu::kHybridAmbient)) continue;
+    if (stage == kGather && !(frame_.flags & gpu::kHybridLights)) continue;
+    compiling.push_back(std::async(std::launch::async, [&, stage] {
+      kernels_[stage].emplace(device_, codes[stage].name, codes[stage].spirv, bindings, constants);
+      const gpu::Wave nothing{};
+      Commands commands(device_); // some drivers compile at the first dispatch
+      commands.bind(bindings);
+      commands.dispatch(*kernels_[stage], 0, &nothing);
+      commands.submit_and_wait();
+    }));
+  }
+  for (std::future<void>& one : compiling) one.get();
+}
+
+std::uint64_t Hybrid::bytes() const { return denoiser_ ? denoiser_->bytes() : 0; }
+
+// kJitters frames at a time, because asking the device costs a round trip.
+glm::vec2 Hybrid::jitter(std::uint32_t sample) {
+  if (jitters_.empty() || sample < first_jitter_ || sample - first_jitter_ >= jitters_.size()) {
+    first_jitter_ = sample;
+    gpu::Wave wave{};
+    wave.first_sample = sample;
+    Commands commands(device_, 1);
+    commands.bind(*tracer_.bands_.front().bindings);
+    commands.dispatch(*kernels_[kJitter], groups_for(gpu::kJitters), &wave);
+    commands.submit_and_wait();
+    tracer_.count_times(commands);
+    jitters_ = download<glm::vec2>(tracer_.paths_.jitters, gpu::kJitters);
+  }
+  return jitters_[sample - first_jitter_];
+}
+
+double Hybrid::begin_frame(std::uint32_t sample) {
+  frame_.sample_index = sample;
+  tracer_.paths_.hybrid.write(&frame_, sizeof(frame_)); // the jitter kernel reads it
+  frame_.jitter = jitter(sample);
+  tracer_.paths_.hybrid.write(&frame_, sizeof(frame_));
+  const double before = tracer_.visibility_->seconds();
+  const double longest = tracer_.visibility_->render();
+  tracer_.count_time("raster", tracer_.visibility_->seconds() - before);
+  return longest;
+}
+
+double Hybrid::render_wave(const FilmBand& band, std::uint32_t first_pixel, std::uint32_t pixel_count) {
+  const bool lights = frame_.flags & gpu::kHybridLights;
+  const std::uint32_t samples = samples_per_pixel();
+  const std::uint64_t slots = std::uint64_t{pixel_count} * samples;
+  // As hybrid_sample() of kernels/frame_terms.glsl numbers them.
+  const std::uint32_t round = frame_.sample_index / gpu::kReplicates,
+                      replicate = frame_.sample_index % gpu::kReplicates;
+  gpu::Wave wave{first_pixel, pixel_count, round * samples * gpu::kReplicates + replicate, samples, 0,
+                 band.first_pixel};
+  Commands commands(device_, 16);
+  commands.bind(*band.bindings);
+  commands.dispatch(*kernels_[kResolve], groups_for(pixel_count), &wave);
+  commands.barrier();
+  if (kernels_[kOcclusion]) {
+    commands.dispatch(*kernels_[kOcclusion], groups_for(pixel_count), &wave);
+    commands.barrier(); // it reads the rays that shading replaces
+  }
+  if (lights) {
+    light(commands, wave, groups_for(slots));
+    commands.barrier();
+    commands.dispatch(*kernels_[kGather], groups_for(pixel_count), &wave);
+  }
+  commands.submit_and_wait();
+  tracer_.collect_nonfinite(wave);
+  return tracer_.count_times(commands);
+}
+
+// Direct light as in PathTracer::render_wave(), from the first hit on.
+void Hybrid::light(Commands& commands, gpu::Wave wave, std::uint32_t groups) {
+  const KernelSet& paths = tracer_.kernels_.best(tracer_.config_);
+  const Buffer& queues = tracer_.paths_.queues;
+  commands.dispatch(paths[kShade], groups, &wave);
+  if (tracer_.frame_.max_depth == 0) return;
+  if (tracer_.frame_.light_count > 0) {
+    commands.barrier();
+    wave.bounce = 1;
+    commands.dispatch(paths[kAdvance], 1, &wave);
+    commands.barrier();
+    wave.bounce = 0;
+    commands.dispatch_indirect(paths[kConnect], queues, offsetof(gpu::Queues, connect_groups), &wave);
+  }
+  // Light that a sampled direction runs into.
+  commands.barrier();
+  wave.bounce = 2;
+  commands.dispatch(paths[kAdvance], 1, &wave);
+  commands.barrier();
+  wave.bounce = 1;
+  commands.dispatch_indirect(paths[kExtend], queues, offsetof(gpu::Queues, extend_groups), &wave);
+  commands.barrier();
+  commands.dispatch_indirect(paths[kShade], queues, offsetof(gpu::Queues, extend_groups), &wave);
+}
+
+double Hybrid::end_frame() {
+  double longest = 0.0;
+  if (denoiser_) {
+    camera_.jitter_x = frame_.jitter.x;
+    camera_.jitter_y = frame_.jitter.y;
+    Commands commands(device_, denoiser_->dispatches());
+    denoiser_->record(commands, camera_);
+    commands.submit_and_wait();
+    longest = tracer_.count_times(commands);
+  }
+  for (const FilmBand& band : tracer_.bands_) {
+    gpu::Wave wave{band.first_pixel, band.pixel_count, 0, 1, 0, band.first_pixel};
+    Commands commands(device_, 1);
+    commands.bind(*band.bindings);
+    commands.dispatch(*kernels_[kComposite], groups_for(band.pixel_count), &wave);
+    commands.submit_and_wait();
+    longest = std::max(longest, tracer_.count_times(commands));
+  }
+  return longest;
+}
+
+// The light inside an integrating sphere: of what surfaces send out, the share that meets surfaces again is sent out once
+// more, L = direct + albedo * enclosure * L. What arrives where the picture looks is that L from the enclosed directions.
+void Hybrid::estimate_ambient() {
+  if (settings_.integrator != Integrator::hybrid || settings_.ambient || !(frame_.flags & gpu::kHybridAmbient)) return;
+  const gpu::HybridFrame asked = frame_;
+  frame_.ao_radius = gpu::kFar; // to tell how enclosed the place is
+  tracer_.set_seed(settings_.seed ^ kPilotSeed);
+  jitters_.clear();
+  begin_frame(0);
+  Governor governor(tracer_.slots());
+  for (const FilmBand& band : tracer_.bands_)
+    for (std::uint32_t done = 0; done < band.pixel_count;) {
+      const std::uint32_t count =
+          std::min(std::max(governor.wave() / samples_per_pixel(), 1u), band.pixel_count - done);
+      governor.report(render_wave(band, band.first_pixel + done, count), count * samples_per_pixel());
+      done += count;
+    }
+  frame_ = asked;
+  tracer_.set_seed(settings_.seed);
+  tracer_.nonfinite_ = {};
+  jitters_.clear();
+  frame_.ambient = enclosed_light();
+}
+
+glm::vec3 Hybrid::enclosed_light() const {
+  const std::size_t pixels = std::size_t{tracer_.frame_.width} * tracer_.frame_.height;
+  const auto gbuffer = download<gpu::GbufferPixel>(tracer_.paths_.gbuffer, pixels);
+  const auto signals = download<glm::vec4>(tracer_.paths_.signals, pixels);
+  glm::dvec3 direct(0.0), albedo(0.0);
+  double unoccluded = 0.0, count = 0.0;
+  for (std::size_t i = 0; i < pixels; ++i) {
+    const glm::dvec3 light = glm::dvec3(signals[i]) * glm::dvec3(gbuffer[i].albedo);
+    if (!(gbuffer[i].depth > 0.0f) || !std::isfinite(light.x + light.y + light.z)) continue;
+    direct += light;
+    albedo += gbuffer[i].albedo;
+    unoccluded += signals[i].w;
+    ++count;
+  }
+  if (count == 0.0) return glm::vec3(0.0f);
+  const double enclosure = 1.0 - unoccluded / count;
+  const glm::dvec3 sent_out = direct / (count - glm::min(albedo, count * 0.99) * enclosure);
+  return glm::vec3(sent_out * enclosure);
+}
+
+} // namespace wavepath

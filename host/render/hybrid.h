@@ -1,0 +1,68 @@
+// The hybrid integrators: a rasterized first hit, shaded by the path tracer's own kernels, and ambient occlusion.
+//
+// A frame is one sample of the film: all pixels are seen through the same place of the pixel filter. Direct light is what
+// the path tracer finds with --max-depth 1, by the same kernels. All light of more than one bounce is an ambient term:
+// albedo * ambient radiance * unoccluded share (after Zhukov et al. 1998; Landis 2002).
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "host/render/path_tracer.h"
+
+namespace wavepath {
+
+class Denoiser; // host/render/denoise.h
+
+// Metres from which on nothing occludes; 0 = unlimited. What settings.ao_radius says, or what is usual.
+double occlusion_radius(const PackedScene& scene, const RenderSettings& settings);
+
+class Hybrid {
+public:
+  // Renders into the film of `tracer`, which was made with the same settings and outlives it. Compiles its kernels. Throws
+  // Error if the device cannot rasterize.
+  Hybrid(Device& device, PathTracer& tracer, const PackedScene& scene, const View& view, const RenderSettings& settings);
+  ~Hybrid();
+
+  // Rasterizes the frame that is sample `sample` of the film. Returns the longest submission in seconds.
+  double begin_frame(std::uint32_t sample);
+  // Lights pixels [first_pixel, first_pixel + pixel_count) of a band, at most slots() / samples_per_pixel(). Returns the
+  // longest dispatch.
+  double render_wave(const FilmBand& band, std::uint32_t first_pixel, std::uint32_t pixel_count);
+  // Filters the frame if that is asked for, and adds it to the film. Returns the longest dispatch.
+  double end_frame();
+
+  // Light samples a pixel and frame: what takes slots.
+  std::uint32_t samples_per_pixel() const { return frame_.shadow_samples; }
+  double compile_seconds() const { return compile_seconds_; }
+  std::uint64_t bytes() const; // of what it has besides the tracer's memory
+  glm::vec3 ambient() const { return frame_.ambient; }
+
+  // Estimates the ambient radiance from a frame that is thrown away, unless the settings name it or there is no need. It
+  // depends on scene, view and settings alone.
+  void estimate_ambient();
+
+private:
+  enum Stage : std::size_t { kJitter, kResolve, kOcclusion, kGather, kComposite, kStageCount };
+
+  void compile();
+  glm::vec2 jitter(std::uint32_t sample);
+  void light(Commands& commands, gpu::Wave wave, std::uint32_t groups);
+  glm::vec3 enclosed_light() const;
+
+  Device& device_;
+  PathTracer& tracer_;
+  RenderSettings settings_;
+  gpu::CameraView camera_;
+  gpu::HybridFrame frame_{};
+  std::array<std::optional<Kernel>, kStageCount> kernels_;
+  std::unique_ptr<Denoiser> denoiser_;
+  std::vector<glm::vec2> jitters_; // of frames from first_jitter_ on
+  std::uint32_t first_jitter_ = 0;
+  double compile_seconds_ = 0.0;
+};
+
+} // namespace wavepath

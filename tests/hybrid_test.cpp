@@ -1,0 +1,286 @@
+// Hybrid rendering: it agrees with the path tracer on direct light, knows its own error, has exact occlusion, and gives the
+// same bits however the work is cut up. (Analytic scenes: analytic_test.cpp; the rasterizer alone: visibility_test.cpp.)
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "host/render/film.h"
+#include "host/render/hybrid.h"
+#include "host/render/kernel_compiler.h"
+#include "host/render/render_state.h"
+#include "host/scene/gltf.h"
+#include "host/scene/pack.h"
+#include "tests/probe.h"
+#include "tests/scene_builder.h"
+#include "tests/statistics.h"
+
+namespace wavepath::test {
+namespace {
+
+const std::string kScenes = std::string(WAVEPATH_SOURCE_DIR) + "/scenes/";
+
+// A scene that stays packed, for many renders.
+struct Subject {
+  Scene scene;
+  PackedScene packed;
+  View view;
+
+  Subject(Scene source, std::uint32_t width, std::uint32_t height, const ViewRequest& request = {})
+      : scene(std::move(source)) {
+    view = resolve_view(scene, request, width, height);
+    packed = pack(scene);
+  }
+};
+
+Scene load(const std::string& name, float environment = 0.0f) {
+  Scene scene = load_gltf(kScenes + name, {});
+  if (environment > 0.0f) scene.environment.radiance = glm::vec3(environment);
+  return scene;
+}
+
+// Two unlimited-looking parallel squares of side 200, `gap` apart, the eye between them and looking down.
+Scene parallel_planes(float gap) {
+  Scene scene;
+  scene.path = "test";
+  scene.materials.push_back(plain_material());
+  const auto plane = [&](float y) {
+    const glm::vec3 a{-100, y, -100}, b{100, y, -100}, c{100, y, 100}, d{-100, y, 100};
+    add_instance(scene, add_mesh(scene, {a, b, c, a, c, d}));
+  };
+  plane(0.0f);
+  plane(gap);
+  Camera camera;
+  camera.world_from_camera = {{1, 0, 0, 0}, {0, 0, -1, 0}, {0, 1, 0, 0}, {0, 0.5 * gap, 0, 1}}; // looks along -y
+  scene.cameras.push_back(camera);
+  return scene;
+}
+
+class HybridTest : public VulkanTest {
+protected:
+  static RenderSettings settings(Integrator integrator, std::uint32_t spp) {
+    RenderSettings settings;
+    settings.width = 24, settings.height = 16;
+    settings.last_sample = spp;
+    settings.max_depth = 1;
+    settings.integrator = integrator;
+    return settings;
+  }
+  RenderResult render(const Subject& subject, const RenderSettings& settings) {
+    return wavepath::render(device(), subject.packed, subject.view, settings);
+  }
+};
+
+// Pixel by pixel: the differences of two renders, each with the noise of its own, over that noise. Silhouettes are seen by
+// the hybrid through one place of the filter for all pixels and so are correlated; blocks would hide that, pixels do not.
+void expect_same_mean(const std::vector<RenderResult>& a, const std::vector<RenderResult>& b) {
+  const std::size_t pixels = a[0].picture.channels[0].values.size();
+  double squares = 0.0, largest = 0.0, total = 0.0;
+  std::size_t judged = 0;
+  for (std::size_t i = 0; i < pixels; ++i) {
+    Mean x, y;
+    for (const RenderResult& r : a) x.add(r.picture.channels[1].values[i]);
+    for (const RenderResult& r : b) y.add(r.picture.channels[1].values[i]);
+    total += x.mean();
+    const double noise = std::hypot(x.error(), y.error());
+    if (noise < 1e-6 * (1.0 + x.mean())) {
+      EXPECT_NEAR(x.mean(), y.mean(), 2e-5 * (1.0 + x.mean())) << "pixel " << i;
+      continue;
+    }
+    const double z = (x.mean() - y.mean()) / noise;
+    squares += z * z;
+    largest = std::max(largest, std::abs(z));
+    ++judged;
+  }
+  ASSERT_GT(judged, pixels / 3);
+  // With n renders each, z follows Student's t with about 2n - 2 degrees of freedom, whose variance is d / (d - 2).
+  const double d = static_cast<double>(a.size() + b.size() - 2), variance = d / (d - 2.0);
+  EXPECT_LT(squares / static_cast<double>(judged), variance * (1.0 + 6.0 / std::sqrt(static_cast<double>(judged))));
+  EXPECT_LT(largest, 8.0);
+  EXPECT_GT(total, 0.0);
+}
+
+TEST_F(HybridTest, AgreesWithThePathTracerOnDirectLight) {
+  for (const auto& [name, environment] :
+       std::vector<std::pair<std::string, float>>{{"cornell_box.gltf", 0.0f}, {"showcase.glb", 0.0f}, {"showcase.glb", 0.7f}}) {
+    SCOPED_TRACE(name);
+    const Subject subject(load(name, environment), 24, 16);
+    std::vector<RenderResult> paths, frames;
+    for (std::uint32_t seed = 0; seed < 12; ++seed) {
+      RenderSettings path = settings(Integrator::path, 16), hybrid = settings(Integrator::hybrid, 16);
+      path.seed = 2 * seed, hybrid.seed = 2 * seed + 1;
+      hybrid.shadow_samples = 2;
+      paths.push_back(render(subject, path));
+      frames.push_back(render(subject, hybrid));
+    }
+    expect_same_mean(paths, frames);
+  }
+}
+
+TEST_F(HybridTest, KnowsItsError) {
+  const Subject subject(load("analytic/half_hidden_disc_light.gltf"), 24, 16); // all pixels alike, no edges among them
+  for (const std::uint32_t shadow_samples : {1u, 2u, 3u}) {
+    SCOPED_TRACE(shadow_samples);
+    constexpr double kTruth = 0.0998715; // of the scene's own oracle, green
+    Mean estimated, actual;
+    for (std::uint32_t seed = 0; seed < 12; ++seed) {
+      RenderSettings coarse = settings(Integrator::hybrid, 8);
+      coarse.shadow_samples = shadow_samples;
+      coarse.seed = seed;
+      const RenderResult result = render(subject, coarse);
+      double squares = 0.0, variance = 0.0;
+      for (std::size_t i = 0; i < 24 * 16; ++i) {
+        squares += std::pow(result.picture.channels[1].values[i] - kTruth, 2);
+        variance += mean_variance(*result.film, i).g;
+      }
+      actual.add(squares);
+      estimated.add(variance);
+    }
+    const double noise = std::hypot(estimated.error() / estimated.mean(), actual.error() / actual.mean());
+    EXPECT_NEAR(estimated.mean() / actual.mean(), 1.0, 4.0 * noise);
+    EXPECT_LT(noise, 0.15);
+  }
+}
+
+TEST_F(HybridTest, MoreLightSamplesMeanLessNoise) {
+  const Subject subject(load("analytic/half_hidden_disc_light.gltf"), 24, 16); // a plane alone: no edges in the picture
+  const auto noise = [&](std::uint32_t samples) {
+    RenderSettings one = settings(Integrator::hybrid, 4);
+    one.sampler = gpu::kSamplerIndependent;
+    one.shadow_samples = samples;
+    const RenderResult result = render(subject, one);
+    double variance = 0.0;
+    for (std::size_t i = 0; i < 24 * 16; ++i) variance += mean_variance(*result.film, i).g;
+    return variance;
+  };
+  EXPECT_NEAR(noise(1) / noise(16), 16.0, 5.0); // from 384 pixels each variance is known to 7 %
+}
+
+// The scenes look at one point through a keyhole, which is nothing for a rasterizer; a wider one shows the same values.
+TEST_F(HybridTest, OcclusionIsExact) {
+  const std::vector<std::pair<std::string, double>> oracles{
+      {"by_wall", 0.8535534}, {"in_corner", 0.25}, {"in_open_box", 0.2394565}, {"in_wedge", 0.5}};
+  for (const auto& [name, expected] : oracles)
+    for (const std::uint32_t samples : {1u, 5u}) {
+      const Subject subject(load("analytic/occlusion_" + name + ".gltf"), 24, 16, {.yfov = 0.1});
+      RenderSettings ao = settings(Integrator::ao, 64);
+      ao.ao_samples = samples;
+      Mean mean;
+      const Picture picture = render(subject, ao).picture;
+      for (const float value : picture.channels[0].values) mean.add(value);
+      EXPECT_NEAR(mean.mean(), expected, 4.5 * mean.error() + 3e-4 * expected) << name;
+      EXPECT_LT(mean.error(), 0.01 * expected) << name;
+    }
+}
+
+TEST_F(HybridTest, OcclusionEndsAtItsRadius) {
+  constexpr float kGap = 1.0f;
+  const Subject subject(parallel_planes(kGap), 24, 16);
+  // Directions with cos > gap/radius meet the other plane: of the cosine-weighted hemisphere 1 - (gap/radius)^2.
+  for (const double radius : {0.9, 1.25, 2.0, 5.0}) {
+    RenderSettings ao = settings(Integrator::ao, 64);
+    ao.ao_samples = 4;
+    ao.ao_radius = radius;
+    const Picture picture = render(subject, ao).picture;
+    Mean mean;
+    for (const float value : picture.channels[0].values) mean.add(value);
+    const double expected = radius < kGap ? 1.0 : 1.0 / (radius * radius);
+    EXPECT_NEAR(mean.mean(), expected, 4.5 * mean.error() + 1e-6) << radius;
+  }
+}
+
+TEST_F(HybridTest, OcclusionAloneRunsNothingElse) {
+  const Subject subject(load("cornell_box.gltf"), 24, 16);
+  const RenderResult result = render(subject, settings(Integrator::ao, 2));
+  for (const StageTime& stage : result.stages)
+    EXPECT_TRUE(stage.name == "raster" || stage.name == "jitter" || stage.name == "resolve" || stage.name == "occlusion" ||
+                stage.name == "composite")
+        << stage.name;
+  EXPECT_EQ(result.rays.camera + result.rays.bounce + result.rays.shadow, 0u);
+  EXPECT_GT(result.rays.occlusion, 0u);
+}
+
+TEST_F(HybridTest, TheAmbientTermIsAlbedoTimesRadianceTimesOcclusion) {
+  const Subject subject(load("cornell_box.gltf"), 24, 16);
+  RenderSettings hybrid = settings(Integrator::hybrid, 1);
+  hybrid.max_depth = 8;
+  hybrid.ambient = glm::vec3(0.25f, 0.5f, 1.0f);
+  hybrid.aovs = {"albedo", "ao", "direct", "emission", "indirect"};
+  const Picture picture = render(subject, hybrid).picture;
+  const auto channel = [&](const std::string& name) -> const std::vector<float>& {
+    return std::ranges::find(picture.channels, name, &Channel::name)->values;
+  };
+  double sum = 0.0;
+  for (std::size_t i = 0; i < channel("ao").size(); ++i) {
+    EXPECT_NEAR(channel("indirect.G")[i], channel("albedo.G")[i] * 0.5f * channel("ao")[i], 1e-5f);
+    EXPECT_NEAR(channel("indirect.B")[i], channel("albedo.B")[i] * 1.0f * channel("ao")[i], 1e-5f);
+    sum += channel("ao")[i];
+  }
+  EXPECT_GT(sum, 0.0);
+}
+
+// In a closed white sphere of any shape the estimate is exact: L = direct / (1 - albedo).
+TEST_F(HybridTest, EstimatesTheAmbientLightOfAnEnclosure) {
+  const Subject subject(load("analytic/point_light_in_sphere.gltf"), 24, 16);
+  RenderSettings hybrid = settings(Integrator::hybrid, 4);
+  hybrid.max_depth = 8;
+  const RenderResult result = render(subject, hybrid);
+  EXPECT_NEAR(result.ambient.g, 1.0, 0.02); // as the scene's own oracle has it
+}
+
+TEST_F(HybridTest, GivesTheSameBitsHoweverTheWorkIsCutUp) {
+  for (const char* name : {"cornell_box.gltf", "showcase.glb"}) {
+    SCOPED_TRACE(name);
+    const Subject subject(load(name, 0.3f), 24, 16);
+    RenderSettings whole = settings(Integrator::hybrid, 6);
+    whole.max_depth = 4;
+    whole.shadow_samples = 3, whole.ao_samples = 2;
+    whole.aovs = {"albedo", "normal", "depth", "position", "ao"};
+    const RenderResult expected = render(subject, whole);
+    for (const std::uint32_t slots : {64u, 1000u}) {
+      RenderSettings cut = whole;
+      cut.wave_slots = slots;
+      EXPECT_TRUE(*render(subject, cut).film == *expected.film) << slots;
+    }
+    RenderSettings generic = whole;
+    generic.specialize = false;
+    EXPECT_TRUE(*render(subject, generic).film == *expected.film);
+    EXPECT_TRUE(*render(subject, whole).film == *expected.film);
+  }
+}
+
+TEST_F(HybridTest, PartsJoinToTheWhole) {
+  const Subject subject(load("cornell_box.gltf"), 24, 16);
+  RenderSettings whole = settings(Integrator::hybrid, 7);
+  whole.max_depth = 4;
+  whole.shadow_samples = 2;
+  RenderSettings first = whole, second = whole;
+  first.last_sample = second.first_sample = 3;
+  first.sample_total = second.sample_total = 7;
+  Film joined = *render(subject, first).film;
+  join(joined, *render(subject, second).film);
+  EXPECT_TRUE(joined == *render(subject, whole).film);
+}
+
+TEST_F(HybridTest, ResumedRendersGiveTheSameBits) {
+  const Subject subject(load("showcase.glb"), 24, 16);
+  RenderSettings whole = settings(Integrator::hybrid, 6);
+  whole.max_depth = 4;
+  KernelCompiler kernels(device());
+  const RenderResult expected = wavepath::render(device(), subject.packed, subject.view, whole, RenderHooks{}, kernels);
+  RenderSettings half = whole;
+  half.last_sample = 3, half.sample_total = 6;
+  std::optional<RenderState> state;
+  RenderHooks saving;
+  saving.save = [&](const RenderState& saved) { state = saved; };
+  wavepath::render(device(), subject.packed, subject.view, half, saving, kernels);
+  ASSERT_TRUE(state);
+  RenderHooks resuming;
+  resuming.resume = &*state;
+  EXPECT_TRUE(*wavepath::render(device(), subject.packed, subject.view, whole, resuming, kernels).film == *expected.film);
+}
+
+} // namespace
+} // namespace wavepath::test
