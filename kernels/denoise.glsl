@@ -16,7 +16,6 @@ const bool kWantDirect = (kWanted & kHybridLights) != 0u;
 const bool kWantOcclusion = (kWanted & kHybridAmbient) != 0u;
 
 layout(set = 0, binding = kFilterColorIn) uniform samplerBuffer color_in;
-layout(set = 0, binding = kFilterHistoryNow, std430) writeonly buffer HistoryBlock { vec4 history_now[]; };
 
 // ---- shape ----------------------------------------------------------------------------------------------------------------
 

@@ -32,7 +32,6 @@ vec2 smooth_errors(ivec2 pixel, uvec4 here) {
 
 void main() {
   int step = int(band.step);
-  uint feed = band.feed;
   ivec2 pixel = lane_pixel();
   if (!in_picture(pixel)) return;
   int index = pixel_index(pixel);
@@ -67,5 +66,4 @@ void main() {
   vec2 total = max(weights, 1e-30);
   color_out[index] = color + change / total.xxxy;
   guide_out[index] = uvec4(here.xyz, pack_errors(sqrt(variance) / total, found));
-  if (feed != 0u) history_now[index] = color;
 }

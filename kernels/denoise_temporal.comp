@@ -5,6 +5,7 @@
 #include "kernels/denoise.glsl"
 
 layout(set = 0, binding = kFilterHistoryBefore) uniform samplerBuffer history_before;
+layout(set = 0, binding = kFilterHistoryNow, std430) writeonly buffer HistoryBlock { vec4 history_now[]; };
 layout(set = 0, binding = kFilterPastBefore) uniform usamplerBuffer past_before;
 layout(set = 0, binding = kFilterPastNow, std430) writeonly buffer PastBlock { uvec4 past_now[]; };
 layout(set = 0, binding = kFilterMomentsBefore) uniform samplerBuffer moments_before;

@@ -390,7 +390,6 @@ GPU_CHECK(sizeof(Reprojection) == 144);
 struct FilterBand {
   uint first_tile;
   uint step; // a-trous: from one tap to the next, in pixels
-  uint feed; // a-trous, 1: what comes in goes into the history as well
 };
 GPU_CONSTANT uint kFilterTile = 8u;
 GPU_CHECK(kFilterTile * kFilterTile == kWorkgroupSize);

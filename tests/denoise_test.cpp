@@ -157,18 +157,19 @@ protected:
 };
 
 // Five iterations of the B3 spline with nothing in the way have a standard deviation of sqrt(1 + 4 + ... + 256) = 18.5
-// pixels: as wide as a Gaussian that leaves 1 / (2 sqrt(pi) 18.5) = 0.015 of white noise. Luminance weights and the
-// picture's border cost some of that; a factor of four is far from what four iterations would leave.
+// pixels: as wide as a Gaussian that leaves 1 / (2 sqrt(pi) 18.5) = 0.015 of white noise. Luminance weights cost most of
+// that, because noise that has been filtered is correlated and its variance, estimated as if it were not, too small. Two
+// iterations without luminance weights would leave 0.13.
 TEST_F(DenoiseTest, FlatNoiseIsFilteredFromTheFirstFrame) {
   const Shot shot = wall(128, 128);
   begin(128, 128);
   const Signals in = noise(shot, 1), out = filter(shot, in);
   EXPECT_LT(rms(
                 out, [](std::size_t) { return 1.0; }, 0),
-            0.06 * 0.5);
+            0.1 * 0.5);
   EXPECT_LT(rms(
                 out, [](std::size_t) { return 0.5; }, 3),
-            0.06 * 0.5);
+            0.1 * 0.5);
 }
 
 TEST_F(DenoiseTest, NoiseFallsWithTheFramesInStillPictures) {
@@ -187,8 +188,11 @@ TEST_F(DenoiseTest, NoiseFallsWithTheFramesInStillPictures) {
                                     out, [&](std::size_t i) { return 10.0f * truth[i].w; }, 3)));
   }
   const double single = std::hypot(0.5, 0.5);
-  EXPECT_LT(errors[63], 1.1 * single / 8.0);
-  EXPECT_LT(errors[255], 1.1 * single / 16.0);
+  // The mean over frames alone has single / sqrt(frames). Pixels that are alike by chance are mixed until their errors
+  // are small enough to tell them apart, which costs some of that.
+  EXPECT_LT(errors[63], 1.5 * single / 8.0);
+  EXPECT_LT(errors[255], 1.5 * single / 16.0);
+  EXPECT_LT(errors[255], 0.55 * errors[63]);
 }
 
 TEST_F(DenoiseTest, EdgesOfSurfacesAreNotCrossed) {
@@ -292,8 +296,8 @@ TEST_F(DenoiseTest, TheSkyPassesThrough) {
 // ---- cameras in motion
 // ------------------------------------------------------------------------------------------------
 
-// Light that lies on the wall like paint, in waves of about 40 pixels.
-float paint(vec3 point) { return 2.0f + std::sin(8.0f * point.x) * std::cos(7.0f * point.y); }
+// Light that lies on the wall like paint, in waves about as wide as the picture.
+float paint(vec3 point) { return 2.0f + std::sin(1.5f * point.x) * std::cos(1.2f * point.y); }
 
 struct Move {
   const char* name;
@@ -304,14 +308,14 @@ struct Move {
 std::vector<Move> moves(std::uint32_t width, std::uint32_t height) {
   const CameraView at = camera(width, height);
   const auto slide = [](CameraView view) {
-    view.position += vec3(0.17f, 0.06f, 0.0f);
+    view.position += vec3(0.37f, 0.06f, 0.0f);
     return view;
   };
   return {{"slide", at, slide},
-          {"turn", at, [](CameraView view) { return turned(view, 0.03f); }},
+          {"turn", at, [](CameraView view) { return turned(view, 0.04f); }},
           {"dolly", at,
            [](CameraView view) {
-             view.position += vec3(0.0f, 0.0f, -0.2f);
+             view.position += vec3(0.0f, 0.0f, -0.3f);
              return view;
            }},
           {"orthographic slide", orthographic(width, height), slide}};
@@ -332,8 +336,8 @@ TEST_F(DenoiseTest, ThePastMovesWithTheCamera) {
     }
     const Shot shot = shoot(width, height, view, {Board{}});
     const Signals out = filter(shot, view, fill(shot, [](std::size_t) { return vec4(kNan); }));
-    for (std::uint32_t y = 8; y + 8 < height; ++y)
-      for (std::uint32_t x = 8; x + 8 < width; ++x) { // what was in the picture before
+    for (std::uint32_t y = 12; y + 12 < height; ++y)
+      for (std::uint32_t x = 12; x + 12 < width; ++x) { // what was in the picture before
         const std::size_t i = y * width + x;
         EXPECT_NEAR(out[i].x, paint(shot.points[i]), 0.1) << x << ' ' << y;
         EXPECT_NEAR(out[i].w, paint(shot.points[i]), 0.1) << x << ' ' << y;
@@ -495,10 +499,10 @@ TEST_F(TaaTest, ThePastMovesWithTheCamera) {
     }
     const Shot shot = shoot(width, height, view, {Board{}});
     const Signals out = join(shot, view, fill(shot, [](std::size_t) { return vec4(kNan); }));
-    for (std::uint32_t y = 8; y + 8 < height; ++y)
-      for (std::uint32_t x = 8; x + 8 < width; ++x) {
+    for (std::uint32_t y = 12; y + 12 < height; ++y)
+      for (std::uint32_t x = 12; x + 12 < width; ++x) {
         const std::size_t i = y * width + x;
-        EXPECT_NEAR(out[i].x, paint(shot.points[i]), 0.02) << x << ' ' << y;
+        EXPECT_NEAR(out[i].x, paint(shot.points[i]), 0.04) << x << ' ' << y;
       }
   }
 }
@@ -518,7 +522,7 @@ TEST_F(TaaTest, TheSkyTurnsAndDoesNotSlide) {
   view.position.x += 10.0f;
   const Signals out = join(nothing, view, fill(nothing, [](std::size_t) { return vec4(kNan); }));
   for (std::size_t i = 0; i < out.size(); ++i)
-    if (i % width > 8 && i % width < width - 8) {
+    if (i % width > 8 && i / width > 0 && i / width < height - 1) { // what was in the picture before
       EXPECT_NEAR(out[i].x, sky(view, i).x, 0.01) << i;
     }
 }

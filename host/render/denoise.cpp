@@ -9,7 +9,6 @@
 namespace wavepath {
 namespace {
 
-constexpr std::uint32_t kIterations = 5; // SVGF's: 125 pixels across
 constexpr std::uint32_t kPushBytes = sizeof(gpu::FilterBand);
 
 } // namespace
@@ -26,20 +25,26 @@ Denoiser::Denoiser(Device& device, std::uint32_t width, std::uint32_t height, co
     buffers_.guide[i] = Buffer(device, pixels * texel);
   }
   buffers_.slopes = Buffer(device, pixels * sizeof(gpu::vec2));
+  buffers_.first = Buffer(device, pixels * texel);
   buffers_.filtered = Buffer(device, pixels * texel);
 
+  const Buffer *first = &buffers_.first, *filtered = &buffers_.filtered;
+  const Buffer *a = &buffers_.guide[0], *b = &buffers_.guide[1];
   for (std::uint32_t turn = 0; turn < 2; ++turn) {
-    const Buffer *history = &buffers_.history[turn], *filtered = &buffers_.filtered;
-    const Buffer *a = &buffers_.guide[0], *b = &buffers_.guide[1];
-    const std::array<Flow, kFlowCount> flows = {{{&signals, filtered, b, a},
-                                                 {history, &signals, a, b},
-                                                 {&signals, filtered, b, a},
-                                                 {filtered, &signals, a, b}}};
+    const Buffer *plain = &buffers_.history[turn], *plain_before = &buffers_.history[1 - turn];
+    // In motion the past is what the first iteration made of it, as in the paper; each frame counts for little then. Of
+    // a standing picture it is the plain mean over frames, so that the picture converges to what no filter has touched.
+    const std::array<Flow, kFlowCount> flows = {{{first, &signals, filtered, b, a},
+                                                 {plain_before, &signals, filtered, b, a},
+                                                 {plain_before, plain, first, a, b},
+                                                 {plain_before, first, filtered, b, a},
+                                                 {plain_before, filtered, &signals, a, b},
+                                                 {plain_before, &signals, filtered, b, a}}};
     for (std::size_t i = 0; i < kFlowCount; ++i)
       sets_[turn][i] = std::make_unique<BindingSet>(device, bindings(turn, flows[i]), kPushBytes);
   }
   const auto add = [&](const char* name, std::span<const std::uint32_t> spirv) {
-    kernels_.emplace_back(device, name, spirv, *sets_[0][kJoin], std::span(&wanted, 1));
+    kernels_.emplace_back(device, name, spirv, *sets_[0][kMoving], std::span(&wanted, 1));
   };
   add("denoise_temporal", wavepath_denoise_temporal_spv);
   add("denoise_variance", wavepath_denoise_variance_spv);
@@ -52,7 +57,7 @@ std::vector<Binding> Denoiser::bindings(std::uint32_t turn, const Flow& flow) co
           {gpu::kFilterGbuffer, BindingKind::texels_rgba32ui, &gbuffer_},
           {gpu::kFilterColorIn, BindingKind::texels_rgba32f, flow.color_in},
           {gpu::kFilterColorOut, BindingKind::storage, flow.color_out},
-          {gpu::kFilterHistoryBefore, BindingKind::texels_rgba32f, &buffers_.history[before]},
+          {gpu::kFilterHistoryBefore, BindingKind::texels_rgba32f, flow.history_before},
           {gpu::kFilterHistoryNow, BindingKind::storage, &buffers_.history[turn]},
           {gpu::kFilterPastBefore, BindingKind::texels_rgba32ui, &buffers_.past[before]},
           {gpu::kFilterPastNow, BindingKind::storage, &buffers_.past[turn]},
@@ -70,17 +75,14 @@ void Denoiser::record(Commands& commands, const gpu::CameraView& now) {
   const gpu::Reprojection frames = reproject(now, before_, remembers_, width_, height_);
   commands.write(buffers_.reprojection, &frames, sizeof(frames));
   turn_ = 1 - turn_;
-  const auto run = [&](const Kernel& kernel, FlowName flow, std::uint32_t step, bool feed) {
+  const auto run = [&](Stage stage, FlowName flow, std::uint32_t step) {
     commands.bind(*sets_[turn_][flow]);
-    bands_.run(commands, kernel, step, feed);
+    bands_.run(commands, kernels_[stage], step);
   };
-  run(kernels_[kTemporal], kJoin, 0, false);
-  run(kernels_[kVariance], kJoin, 0, false);
-  // In motion the past is what the first iteration made of it, as in the paper; it is worth little anyway. Of a
-  // standing picture it is the plain mean over frames, so that the picture converges to what no filter has touched.
-  const bool feed = frames.still == 0;
-  for (std::uint32_t i = 0; i < kIterations; ++i)
-    run(kernels_[kAtrous], i == 0 ? kFirst : i % 2 ? kForth : kBack, 1u << i, i == 1 && feed);
+  const FlowName join = frames.still ? kStanding : kMoving;
+  run(kTemporal, join, 0);
+  run(kVariance, join, 0);
+  for (std::uint32_t i = 0; i < kIterations.size(); ++i) run(kAtrous, kIterations[i], 1u << i);
   before_ = now;
   remembers_ = true;
 }
@@ -88,12 +90,15 @@ void Denoiser::record(Commands& commands, const gpu::CameraView& now) {
 void Denoiser::forget() { remembers_ = false; }
 
 std::uint64_t Denoiser::bytes() const {
-  std::uint64_t sum = buffers_.reprojection.bytes() + buffers_.slopes.bytes() + buffers_.filtered.bytes();
+  std::uint64_t sum =
+      buffers_.reprojection.bytes() + buffers_.slopes.bytes() + buffers_.first.bytes() + buffers_.filtered.bytes();
   for (const auto* pair : {&buffers_.past, &buffers_.moments, &buffers_.history, &buffers_.guide})
     for (const Buffer& buffer : *pair) sum += buffer.bytes();
   return sum;
 }
 
-std::uint32_t Denoiser::dispatches() const { return (2 + kIterations) * bands_.count(); }
+std::uint32_t Denoiser::dispatches() const {
+  return static_cast<std::uint32_t>(2 + kIterations.size()) * bands_.count();
+}
 
 } // namespace wavepath

@@ -34,16 +34,18 @@ public:
 
 private:
   enum Stage { kTemporal, kVariance, kAtrous };
-  // Who reads and writes what: temporal and variance; the first iteration; those after it, in turns.
-  enum FlowName { kJoin, kFirst, kForth, kBack, kFlowCount };
+  // Who reads and writes what: temporal and variance, after motion or without; the iterations of the a-trous filter.
+  enum FlowName { kMoving, kStanding, kFirst, kSecond, kBack, kForth, kFlowCount };
+  // Five iterations, as in the paper: 125 pixels across.
+  static constexpr std::array<FlowName, 5> kIterations = {kFirst, kSecond, kBack, kForth, kBack};
   struct Flow {
-    const Buffer *color_in, *color_out, *guide_in, *guide_out;
+    const Buffer *history_before, *color_in, *color_out, *guide_in, *guide_out;
   };
   struct Buffers {
     Buffer reprojection;
     std::array<Buffer, 2> past, moments, history; // of this frame and of the one before, in turns
     std::array<Buffer, 2> guide;
-    Buffer slopes, filtered;
+    Buffer slopes, first, filtered;
   };
   std::vector<Binding> bindings(std::uint32_t turn, const Flow& flow) const;
 

@@ -22,9 +22,9 @@ FilterBands::FilterBands(const Device& device, std::uint32_t width, std::uint32_
     : tiles_(tiles_along(width) * tiles_along(height)),
       tiles_per_band_(std::min(device.info().type == "cpu" ? kTilesOfCpu : kTilesOfGpu, device.info().max_groups)) {}
 
-void FilterBands::run(Commands& commands, const Kernel& kernel, std::uint32_t step, bool feed) const {
+void FilterBands::run(Commands& commands, const Kernel& kernel, std::uint32_t step) const {
   for (std::uint32_t first = 0; first < tiles_; first += tiles_per_band_) {
-    const gpu::FilterBand band{first, step, feed ? 1u : 0u};
+    const gpu::FilterBand band{first, step};
     commands.dispatch(kernel, std::min(tiles_per_band_, tiles_ - first), &band);
     commands.barrier();
   }

@@ -14,7 +14,7 @@ public:
 
   std::uint32_t count() const { return (tiles_ + tiles_per_band_ - 1) / tiles_per_band_; }
   // The bindings of `kernel` are bound. Ends with a barrier.
-  void run(Commands& commands, const Kernel& kernel, std::uint32_t step = 0, bool feed = false) const;
+  void run(Commands& commands, const Kernel& kernel, std::uint32_t step = 0) const;
 
 private:
   std::uint32_t tiles_, tiles_per_band_;
