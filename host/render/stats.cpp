@@ -100,6 +100,19 @@ Json nonfinite_json(const Nonfinite& nonfinite, const RenderSettings& settings) 
   return {{"samples", nonfinite.samples()}, {"first", first}, {"by_kernel", by_kernel}};
 }
 
+// What the integrator, rather than the scene, does without.
+void list_left_out(const RenderSettings& settings, Json& left_out) {
+  const auto add = [&](const char* what, const char* why) {
+    left_out.push_back({{"what", what}, {"why", why}, {"bytes", 0}});
+  };
+  if (settings.integrator == Integrator::path) return;
+  add("path kernels generate and accumulate", "hybrid frames begin with rasterization and end with composite");
+  if (settings.integrator == Integrator::ao) add("path kernels shade, connect and extend", "occlusion needs no light");
+  if (settings.integrator == Integrator::hybrid && settings.max_depth <= 1)
+    add("ambient occlusion", "--max-depth 1 asks for direct light alone");
+  if (!settings.denoise) add("filters over space and time", "--denoise is off");
+}
+
 // What the hybrid integrators were asked for, and the ambient radiance that came of it.
 Json hybrid_json(const Run& run) {
   const RenderSettings& settings = run.settings;
@@ -133,6 +146,7 @@ Json stats_document(const Run& run) {
   Json left_out = Json::array(), checkpoints = Json::array(), stages = Json::array();
   for (const LeftOut& entry : run.packed.left_out)
     left_out.push_back({{"what", entry.what}, {"why", entry.why}, {"bytes", entry.bytes}});
+  list_left_out(settings, left_out);
   for (std::size_t i = 0; i < result.checkpoints.size(); ++i)
     checkpoints.push_back(to_json(result.checkpoints[i], i < run.true_errors.size() ? &run.true_errors[i] : nullptr));
   for (const StageTime& stage : result.stages)
