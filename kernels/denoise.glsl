@@ -40,16 +40,21 @@ bool seen(uvec4 shape) { return shape.y != 0u; }
 // curved surface does, and slopes are estimates.
 const float kDisparitySlack = 2e-3;
 
-// How well a tap `offset` pixels away continues the surface at the centre, in [0,1]: SVGF's weights of depth (but from the
-// tangent plane rather than from the centre) and normal, with its powers. Surfaces and the sky never mix.
-float shape_weight(uvec4 here, vec3 normal, vec2 slope, uvec4 there, vec2 offset) {
+// How well a tap `offset` pixels away continues the surface at the centre: SVGF's weights of depth (but from the tangent
+// plane rather than from the centre) and normal, with its powers. It counts weight * exp(-distance). Surfaces and the sky
+// never mix.
+struct Likeness {
+  float weight;
+  float distance;
+};
+Likeness compare_shapes(uvec4 here, vec3 normal, vec2 slope, uvec4 there, vec2 offset) {
   float rise = dot(slope, offset);
   float off = abs(disparity(there) - disparity(here) - rise);
   float facing = max(dot(normal, unpack_normal(there.x)), 0.0);
   facing *= facing; facing *= facing; facing *= facing; facing *= facing; facing *= facing; facing *= facing;
   facing *= facing; // to the 128th
-  float weight = facing * exp(-off / (abs(rise) + kDisparitySlack * disparity(here)));
-  return here.z == there.z && seen(here) && seen(there) ? weight : 0.0;
+  bool same = here.z == there.z && seen(here) && seen(there);
+  return Likeness(same ? facing : 0.0, same ? off / (abs(rise) + kDisparitySlack * disparity(here)) : 0.0);
 }
 
 // ---- standard errors ------------------------------------------------------------------------------------------------------

@@ -12,20 +12,25 @@ layout(set = 0, binding = kFilterSlopeTexels) uniform usamplerBuffer slope_texel
 const float kTolerance = 4.0; // standard errors that values of one region may differ by
 const float kLeastError = 1e-30; // equal values mix even so, others do not
 
+// B3: 3/8, 1/4, 1/16.
+float spline(int x) { return x == 0 ? 0.375 : abs(x) == 1 ? 0.25 : 0.0625; }
+
 vec2 values(vec4 color) { return vec2(luminance(color.xyz), color.w); }
 
 // Standard errors, smoothed over 3x3 pixels, because they are estimates too.
 vec2 smooth_errors(ivec2 pixel, uvec4 here) {
   vec2 variance = vec2(0.0), weights = vec2(0.0);
-  for (int i = 0; i < 9; ++i) {
-    ivec2 offset = ivec2(i % 3, i / 3) - 1;
-    uvec4 there = texelFetch(guide_in, pixel_index(pixel + offset));
-    float weight = 1.0 / float(1 << (2 + abs(offset.x) + abs(offset.y)));
-    bool same = in_picture(pixel + offset) && there.z == here.z && seen(there);
-    vec2 both = mix(vec2(0.0), vec2(same ? weight : 0.0), errors_known(there.w));
-    vec2 errors = unpack_errors(there.w);
-    variance += both * errors * errors;
-    weights += both;
+  for (int y = -1; y <= 1; ++y) {
+    for (int x = -1; x <= 1; ++x) {
+      ivec2 tap = pixel + ivec2(x, y);
+      uvec4 there = texelFetch(guide_in, pixel_index(tap));
+      float weight = 1.0 / float(1 << (2 + abs(x) + abs(y)));
+      bool same = in_picture(tap) && there.z == here.z && seen(there);
+      vec2 both = mix(vec2(0.0), vec2(same ? weight : 0.0), errors_known(there.w));
+      vec2 errors = unpack_errors(there.w);
+      variance += both * errors * errors;
+      weights += both;
+    }
   }
   return sqrt(variance / max(weights, 1e-30));
 }
@@ -46,21 +51,21 @@ void main() {
   // Sums of differences from the centre, so that what is alike stays as it is, to the bit.
   vec4 change = vec4(0.0);
   vec2 weights = vec2(0.0), variance = vec2(0.0);
-  for (int i = 0; i < 25; ++i) {
-    ivec2 tap = ivec2(i % 5, i / 5) - 2;
-    ivec2 offset = tap * step;
-    int place = pixel_index(pixel + offset);
-    uvec4 there = texelFetch(guide_in, place);
-    vec4 other = texelFetch(color_in, place);
-    // B3 spline: 3/8, 1/4, 1/16.
-    vec2 spline = mix(vec2(0.375), mix(vec2(0.25), vec2(0.0625), greaterThan(abs(tap), ivec2(1))), notEqual(tap, ivec2(0)));
-    float shape = in_picture(pixel + offset) ? spline.x * spline.y * shape_weight(here, normal, slope, there, vec2(offset)) : 0.0;
-    vec2 unlike = mix(vec2(0.0), abs(values(other) - value) / tolerance, known); // a centre without a value takes any
-    vec2 both = mix(vec2(0.0), shape * exp(-unlike), errors_known(there.w));
-    vec2 errors = unpack_errors(there.w);
-    change += both.xxxy * (other - color);
-    variance += both * both * errors * errors;
-    weights += both;
+  for (int y = -2; y <= 2; ++y) {
+    for (int x = -2; x <= 2; ++x) {
+      ivec2 offset = ivec2(x, y) * step;
+      int place = pixel_index(pixel + offset);
+      uvec4 there = texelFetch(guide_in, place);
+      vec4 other = texelFetch(color_in, place);
+      Likeness likeness = compare_shapes(here, normal, slope, there, vec2(offset));
+      float share = in_picture(pixel + offset) ? spline(x) * spline(y) * likeness.weight : 0.0;
+      vec2 unlike = mix(vec2(0.0), abs(values(other) - value) / tolerance, known); // a centre without a value takes any
+      vec2 both = mix(vec2(0.0), share * exp(-likeness.distance - unlike), errors_known(there.w));
+      vec2 errors = unpack_errors(there.w);
+      change += both.xxxy * (other - color);
+      variance += both * both * errors * errors;
+      weights += both;
+    }
   }
   bvec2 found = greaterThan(weights, vec2(0.0));
   vec2 total = max(weights, 1e-30);

@@ -21,7 +21,8 @@ vec2 spatial_variance(ivec2 pixel, uvec4 here, vec4 moments, vec2 slope, bool yo
     int index = pixel_index(pixel + offset);
     uvec4 there = texelFetch(past_texels, index);
     vec4 other = texelFetch(moments_texels, index);
-    float weight = in_picture(pixel + offset) ? shape_weight(here, normal, slope, there, vec2(offset)) : 0.0;
+    Likeness likeness = compare_shapes(here, normal, slope, there, vec2(offset));
+    float weight = in_picture(pixel + offset) ? likeness.weight * exp(-likeness.distance) : 0.0;
     vec2 both = mix(vec2(0.0), vec2(weight), greaterThan(unpack_lengths(there.w), uvec2(0u)));
     vec2 change = other.xz - moments.xz;
     weights += both;
