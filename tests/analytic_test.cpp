@@ -144,8 +144,6 @@ TEST_P(Analytic, HybridFindsIt) {
   const Oracle oracle = read_oracle(GetParam());
   const auto depth = std::ranges::find(oracle.render, "--max-depth");
   if (std::stoi(*(depth + 1)) > 1) GTEST_SKIP() << "asks for more than one bounce";
-  // A view of 1e-9 of the triangle that fills it is beyond what rasterizers clip in single precision.
-  if (GetParam().stem().string().starts_with("occlusion")) GTEST_SKIP() << "hybrid_test has it, seen less closely";
   for (const char* samples : {"1", "3"}) {
     SCOPED_TRACE(samples);
     const std::vector<std::string> flags =

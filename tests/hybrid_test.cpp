@@ -158,7 +158,8 @@ TEST_F(HybridTest, MoreLightSamplesMeanLessNoise) {
   EXPECT_NEAR(noise(1) / noise(16), 16.0, 5.0); // from 384 pixels each variance is known to 7 %
 }
 
-// The scenes look at one point through a keyhole, which is nothing for a rasterizer; a wider one shows the same values.
+// The scenes look at one point through a keyhole, which is nothing for a rasterizer, so that such frames are traced
+// (analytic_test.cpp has them); a wider one shows the same values.
 TEST_F(HybridTest, OcclusionIsExact) {
   const std::vector<std::pair<std::string, double>> oracles{
       {"by_wall", 0.8535534}, {"in_corner", 0.25}, {"in_open_box", 0.2394565}, {"in_wedge", 0.5}};

@@ -112,8 +112,6 @@ public:
 
   Shot compare(const Visibility& visibility) {
     std::vector<Binding> bindings = path_tracer_bindings();
-    bindings.push_back({gpu::kBindHybrid, BindingKind::uniform, &hybrid_});
-    bindings.push_back({gpu::kBindVisibility, BindingKind::texels_rg32ui, &visibility.ids()});
     std::vector<Binding> given = scene_.bindings();
     using enum BindingKind;
     given.insert(given.end(), {{gpu::kBindFrame, uniform, &frame_},
@@ -121,9 +119,10 @@ public:
                                {gpu::kBindRayTexels, texels_rgba32f, &rays_},
                                {gpu::kBindHits, storage, &hits_},
                                {gpu::kBindHitTexels, texels_rgba32ui, &hits_},
-                               {gpu::kBindQueues, storage, &queues_}});
+                               {gpu::kBindQueues, storage, &queues_},
+                               {gpu::kBindHybrid, uniform, &hybrid_},
+                               {gpu::kBindVisibility, texels_rg32ui, &visibility.ids()}});
     for (Binding& binding : bindings) {
-      if (binding.slot == gpu::kBindHybrid || binding.slot == gpu::kBindVisibility) continue;
       const auto found = std::ranges::find(given, binding.slot, &Binding::slot);
       binding.buffer = found == given.end() ? &unused_ : found->buffer;
     }
@@ -174,7 +173,7 @@ Shot shoot(Device& device, const PackedScene& packed, const View& view, const Fr
   Visibility visibility(device, packed, camera.scene(), camera.frame(), camera.hybrid(), camera.features(),
                         settings.width, settings.height);
   if (rasterize)
-    visibility.render();
+    visibility.render(camera_of(packed, view));
   else
     visibility.trace();
   return camera.compare(visibility);
@@ -450,7 +449,7 @@ TEST_F(VisibilityBuffer, SameBitsEveryTime) {
   Visibility visibility(device(), packed, camera.scene(), camera.frame(), camera.hybrid(), camera.features(),
                         settings.width, settings.height);
   const auto words = [&] {
-    visibility.render();
+    visibility.render(camera_of(packed, view));
     return download<std::uint32_t>(visibility.ids(), std::size_t{2} * settings.width * settings.height);
   };
   const std::vector<std::uint32_t> first = words();
@@ -466,6 +465,47 @@ TEST_F(VisibilityBuffer, TooLargeASizeIsRefusedInWords) {
   } catch (const Error& error) {
     EXPECT_NE(std::string(error.what()).find("use a smaller --size or --integrator path"), std::string::npos)
         << error.what();
+  }
+}
+
+// Every triangle that a traced ray finds is among those drawn, and a view of a part of the scene draws a part of it.
+TEST_F(VisibilityBuffer, DrawsWhatIsSeenAndLeavesOutTheRest) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<float> unit(-1.0f, 1.0f);
+  Scene scene;
+  scene.path = "test";
+  scene.materials.push_back(plain_material());
+  std::vector<glm::vec3> soup;
+  for (int t = 0; t < 20000; ++t) {
+    const glm::vec3 at(20.0f * unit(random), 20.0f * unit(random), 20.0f * unit(random));
+    for (int corner = 0; corner < 3; ++corner)
+      soup.push_back(at + 0.2f * glm::vec3(unit(random), unit(random), unit(random)));
+  }
+  const std::uint32_t mesh = add_mesh(scene, soup), small = add_mesh(scene, kUnitTriangle);
+  add_instance(scene, mesh);
+  for (int i = 0; i < 50; ++i)
+    add_instance(scene, small,
+                 glm::translate(glm::dmat4(1.0), glm::dvec3(unit(random), unit(random), unit(random)) * 20.0));
+  const PackedScene packed = pack(scene);
+  const std::vector<Chunk> chunks = make_chunks(packed);
+  for (int i = 0; i < 6; ++i) {
+    View view = resolve_view(scene,
+                             {.eye = glm::dvec3(unit(random), unit(random), unit(random)) * 15.0,
+                              .look_at = glm::dvec3(unit(random)) * 10.0},
+                             160, 90);
+    view.orthographic = i % 2 == 1;
+    if (view.orthographic) view.right *= 8.0, view.up *= 8.0;
+    std::uint64_t drawn = 0, total = 0;
+    for (const Draw& draw : packed.draws) total += std::uint64_t{draw.triangle_count} * draw.instance_count;
+    for (const Draw& draw : visible_draws(chunks, camera_of(packed, view), 160, 90))
+      drawn += std::uint64_t{draw.triangle_count} * draw.instance_count;
+    EXPECT_LT(drawn, 3 * total / 4);
+    EXPECT_GT(drawn, 0u);
+    const Shot shot = shoot(device(), packed, view, {});
+    std::size_t missing = 0;
+    for (std::size_t p = 0; p < shot.raster_ids.size(); ++p)
+      missing += shot.raster_ids[p].triangle == gpu::kNone && shot.traced_ids[p].triangle != gpu::kNone;
+    EXPECT_LT(missing, shot.raster_ids.size() / 100); // pixels of edges
   }
 }
 

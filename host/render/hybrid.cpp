@@ -38,16 +38,6 @@ float ray_length(double radius) {
   return radius > 0.0 ? static_cast<float>(std::min<double>(radius, gpu::kFar)) : gpu::kFar;
 }
 
-gpu::CameraView camera_of(const PackedScene& scene, const View& view) {
-  gpu::CameraView camera{};
-  camera.position = glm::vec3(view.position - scene.origin);
-  camera.orthographic = view.orthographic ? 1u : 0u;
-  camera.right = glm::vec3(view.right);
-  camera.up = glm::vec3(view.up);
-  camera.forward = glm::vec3(view.forward);
-  return camera;
-}
-
 } // namespace
 
 double occlusion_radius(const PackedScene& scene, const RenderSettings& settings) {
@@ -66,6 +56,7 @@ Hybrid::Hybrid(Device& device, PathTracer& tracer, const PackedScene& scene, con
   const ClipPlanes planes = clip_planes(scene, view);
   frame_.near = planes.near;
   frame_.far = planes.far;
+  edges_hold_ = edges_hold(scene, view, settings.width, settings.height);
 
   const auto start = std::chrono::steady_clock::now();
   compile();
@@ -127,7 +118,7 @@ double Hybrid::begin_frame(std::uint32_t sample) {
   frame_.jitter = jitter(sample);
   tracer_.paths_.hybrid.write(&frame_, sizeof(frame_));
   const double before = tracer_.visibility_->seconds();
-  const double longest = tracer_.visibility_->render();
+  const double longest = edges_hold_ ? tracer_.visibility_->render(camera_) : tracer_.visibility_->trace();
   tracer_.count_time("raster", tracer_.visibility_->seconds() - before);
   return longest;
 }

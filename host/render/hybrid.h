@@ -58,6 +58,7 @@ private:
   RenderSettings settings_;
   gpu::CameraView camera_;
   gpu::HybridFrame frame_{};
+  bool edges_hold_ = true; // otherwise frames are traced
   std::array<std::optional<Kernel>, kStageCount> kernels_;
   std::unique_ptr<Denoiser> denoiser_;
   std::vector<glm::vec2> jitters_; // of frames from first_jitter_ on

@@ -117,7 +117,11 @@ std::uint64_t bytes_per_slot(std::uint32_t features) {
   return bytes;
 }
 
-std::vector<Binding> path_tracer_bindings() { return all_bindings({}, {}, {}, {}); }
+std::vector<Binding> path_tracer_bindings() {
+  std::vector<Binding> bindings = all_bindings({}, {}, {}, {});
+  for (Binding& binding : bindings) binding.buffer = nullptr;
+  return bindings;
+}
 
 PathTracer::PathTracer(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings,
                        std::uint32_t slots, KernelCompiler& kernels)

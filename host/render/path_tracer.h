@@ -30,7 +30,7 @@ struct PathBuffers {
   std::uint64_t bytes() const;
 };
 
-// Slots and kinds of everything that the kernels are bound to.
+// Slots and kinds of everything that the kernels are bound to, without buffers.
 std::vector<Binding> path_tracer_bindings();
 
 class PathTracer {

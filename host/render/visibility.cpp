@@ -88,6 +88,16 @@ std::array<std::uint32_t, gpu::kSpecCount> constants_of(const KernelConfig& conf
 
 } // namespace
 
+gpu::CameraView camera_of(const PackedScene& scene, const View& view) {
+  gpu::CameraView camera{};
+  camera.position = glm::vec3(view.position - scene.origin);
+  camera.orthographic = view.orthographic ? 1u : 0u;
+  camera.right = glm::vec3(view.right);
+  camera.up = glm::vec3(view.up);
+  camera.forward = glm::vec3(view.forward);
+  return camera;
+}
+
 // Perspective: depth is near / distance, so that a small `near` costs no precision: from 1 down to the smallest normal
 // float there are 38 decades. What bounds it from below is clipping: a corner on the near plane is found with an error
 // of 2^-24 of the edge that crosses it, and should not come out behind the eye; 1e-6 of the scene's radius is 8 such
@@ -115,7 +125,8 @@ Visibility::Visibility(Device& device, const PackedScene& scene, const GpuScene&
                        const Buffer& hybrid, std::uint32_t features, std::uint32_t width, std::uint32_t height)
     : device_(device),
       config_(kernel_config(features, scene.stack_size, {})),
-      pixels_(width * height),
+      width_(width),
+      height_(height),
       target_(device, width, height),
       ids_(device, ids_bytes(device, width, height)),
       unused_(device, 0),
@@ -123,7 +134,7 @@ Visibility::Visibility(Device& device, const PackedScene& scene, const GpuScene&
                 BindingSet::kRasterStages),
       pipeline_(device, "visibility", wavepath_visibility_vert_spv, wavepath_visibility_frag_spv, bindings_,
                 constants_of(config_, device)),
-      draws_(scene.draws),
+      chunks_(make_chunks(scene)),
       triangles_a_slice_(kFirstSlice),
       pixels_a_slice_(kFirstPixels) {}
 
@@ -138,27 +149,25 @@ double Visibility::draw(std::span<const VertexRange> ranges, bool first, bool la
 // Copies that spatial splits made of a triangle are drawn as well: they lie in the same plane to the last bit, and the
 // first one drawn stays. A depth prepass could only cost: what it would save is a fragment shader that writes two
 // words.
-double Visibility::render() {
-  if (slices_.empty()) slices_ = cut(draws_, triangles_a_slice_);
+double Visibility::render(const gpu::CameraView& camera) {
+  const std::vector<Draw> draws = visible_draws(chunks_, camera, width_, height_);
+  const std::vector<std::vector<VertexRange>> slices = cut(draws, triangles_a_slice_); // submitted one by one
   double longest = 0.0;
-  for (std::size_t i = 0; i < slices_.size(); ++i)
-    longest = std::max(longest, draw(slices_[i], i == 0, i + 1 == slices_.size()));
-  const std::uint64_t next = adapt(triangles_a_slice_, longest);
-  if (next < triangles_a_slice_ || slices_.size() > 1) {
-    if (next != triangles_a_slice_) slices_.clear();
-    triangles_a_slice_ = next;
-  }
+  for (std::size_t i = 0; i < slices.size(); ++i)
+    longest = std::max(longest, draw(slices[i], i == 0, i + 1 == slices.size()));
+  if (slices.size() > 1 || longest > kLongestSlice) triangles_a_slice_ = adapt(triangles_a_slice_, longest);
   return longest;
 }
 
 double Visibility::trace() {
   if (!tracer_)
     tracer_.emplace(device_, "visibility", wavepath_visibility_spv, bindings_, constants_of(config_, device_));
+  const std::uint32_t pixels = width_ * height_;
   double longest = 0.0;
-  for (std::uint32_t first = 0; first < pixels_;) {
+  for (std::uint32_t first = 0; first < pixels;) {
     gpu::Wave wave{};
     wave.first_pixel = first;
-    wave.pixel_count = static_cast<std::uint32_t>(std::min<std::uint64_t>(pixels_a_slice_, pixels_ - first));
+    wave.pixel_count = static_cast<std::uint32_t>(std::min<std::uint64_t>(pixels_a_slice_, pixels - first));
     Commands commands(device_);
     commands.bind(bindings_);
     commands.dispatch(*tracer_, (wave.pixel_count + gpu::kWorkgroupSize - 1) / gpu::kWorkgroupSize, &wave);
@@ -166,7 +175,7 @@ double Visibility::trace() {
     longest = std::max(longest, timed(commands));
     first += wave.pixel_count;
   }
-  if (pixels_a_slice_ < pixels_ || longest > kLongestSlice) pixels_a_slice_ = adapt(pixels_a_slice_, longest);
+  if (pixels_a_slice_ < pixels || longest > kLongestSlice) pixels_a_slice_ = adapt(pixels_a_slice_, longest);
   return longest;
 }
 

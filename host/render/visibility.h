@@ -8,12 +8,16 @@
 #include <vector>
 
 #include "host/gpu/raster.h"
+#include "host/render/culling.h"
 #include "host/render/gpu_scene.h"
 #include "host/render/kernel_set.h"
 #include "host/scene/pack.h"
 #include "host/scene/view.h"
 
 namespace wavepath {
+
+// A view as the device has it.
+gpu::CameraView camera_of(const PackedScene& scene, const View& view);
 
 // HybridFrame::near and ::far of a view.
 struct ClipPlanes {
@@ -32,8 +36,8 @@ public:
   Visibility(Device& device, const PackedScene& scene, const GpuScene& gpu_scene, const Buffer& frame,
              const Buffer& hybrid, std::uint32_t features, std::uint32_t width, std::uint32_t height);
 
-  // Draws the frame and waits for it. Returns the longest submission in seconds.
-  double render();
+  // Draws what `camera`, the frame's own, may see, and waits for it. Returns the longest submission in seconds.
+  double render(const gpu::CameraView& camera);
   // The same by tracing the frame's camera rays; for views whose edges do not hold, and to compare.
   double trace();
 
@@ -48,15 +52,14 @@ private:
 
   Device& device_;
   KernelConfig config_;
-  std::uint32_t pixels_;
+  std::uint32_t width_, height_;
   RasterTarget target_;
   Buffer ids_, unused_;
   BindingSet bindings_;
   RasterPipeline pipeline_;
-  std::vector<Draw> draws_;
+  std::vector<Chunk> chunks_;
   std::optional<Kernel> tracer_;                     // compiled when it is needed
   std::uint64_t triangles_a_slice_, pixels_a_slice_; // as the last frames took
-  std::vector<std::vector<VertexRange>> slices_;     // submitted one by one; empty until they are known
   double seconds_ = 0.0;
 };
 
