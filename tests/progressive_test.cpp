@@ -135,6 +135,35 @@ TEST_F(ProgressiveTest, OtherSettingsLeaveNoTrace) {
   EXPECT_EQ(progressive.film(), *render(device(), without_lights, view_, bsdf, RenderHooks{}, kernels()).film);
 }
 
+TEST_F(ProgressiveTest, FramesMakeTheBitsOfRender) {
+  if (!device().rasterizes()) GTEST_SKIP() << "the device cannot rasterize";
+  open("cornell_box.gltf");
+  Progressive progressive = begin();
+  render_some(progressive, 2);
+  RenderSettings frames = settings_;
+  for (const Integrator integrator : {Integrator::hybrid, Integrator::ao}) {
+    SCOPED_TRACE(static_cast<int>(integrator));
+    frames.integrator = integrator;
+    frames.denoise = false;
+    frames.shadow_samples = 2;
+    frames.aovs = {"albedo"};
+    progressive.set_settings(frames, view_);
+    render_some(progressive, 3);
+    progressive.move(moved_view());
+    render_some(progressive, 2);
+    progressive.rest();
+    expect_as_rendered(progressive);
+    frames.denoise = true;
+    frames.aovs = {};
+    progressive.set_settings(frames, view_);
+    render_some(progressive, 3);
+    progressive.set_view(moved_view()); // what the filter remembers is of another picture
+    expect_as_rendered(progressive);
+  }
+  progressive.set_settings(settings_, view_);
+  expect_as_rendered(progressive);
+}
+
 TEST_F(ProgressiveTest, AnotherSceneIsRendered) {
   open("cornell_box.gltf");
   const PackedScene first = packed_;
@@ -173,6 +202,28 @@ TEST_F(ProgressiveTest, ShowsACoarsePictureWhileMoving) {
   progressive.rest();
   EXPECT_EQ(progressive.status().coarse, 1u);
   expect_as_rendered(progressive);
+}
+
+TEST_F(ProgressiveTest, CompletesAPictureBeforeItFollowsTheNextMove) {
+  open("cornell_box.gltf");
+  settings_.wave_slots = 8; // three waves for a coarse picture of 5 x 4
+  Progressive progressive = begin();
+  progressive.move(view_);
+  render_some(progressive, 1);
+  progressive.move(moved_view());
+  EXPECT_EQ(progressive.view().position, view_.position);
+  render_some(progressive, 1);
+  EXPECT_EQ(progressive.view().position, view_.position);
+  render_some(progressive, 1);
+  EXPECT_EQ(progressive.view().position, moved_view().position);
+  progressive.move(view_);
+  progressive.rest();
+  EXPECT_FALSE(progressive.moving());
+  finish(progressive);
+  EXPECT_EQ(progressive.view().position, view_.position);
+  EXPECT_EQ(progressive.status().coarse, 1u);
+  settings_.wave_slots = 700;
+  EXPECT_EQ(progressive.film(), *rendered(view_, settings_).film);
 }
 
 TEST_F(ProgressiveTest, TheSceneIsUploadedOnce) {

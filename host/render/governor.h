@@ -18,7 +18,7 @@ public:
   std::uint32_t wave() const { return wave_; }
   void report(double longest_dispatch, std::uint32_t paths) {
     if (longest_dispatch > longest_)
-      wave_ = std::max(std::min(paths, wave_) / 2, gpu::kWorkgroupSize);
+      wave_ = std::min(std::max(std::min(paths, wave_) / 2, gpu::kWorkgroupSize), slots_);
     else if (longest_dispatch < longest_ / 4 && paths > wave_ / 2)
       wave_ = std::min(wave_ * 2, slots_);
   }

@@ -23,6 +23,7 @@ struct StageCode {
   std::span<const std::uint32_t> spirv;
 };
 constexpr std::uint32_t kPilotSeed = 0x6a09e667u;
+constexpr std::uint64_t kStandInBytes = 1024; // of the buffer that stands for all while nothing is read
 
 std::uint32_t groups_for(std::uint64_t count) {
   return static_cast<std::uint32_t>((count + gpu::kWorkgroupSize - 1) / gpu::kWorkgroupSize);
@@ -46,10 +47,18 @@ double occlusion_radius(const PackedScene& scene, const RenderSettings& settings
 
 Hybrid::Hybrid(Device& device, PathTracer& tracer, const PackedScene& scene, const View& view,
                const RenderSettings& settings)
-    : device_(device), tracer_(tracer), settings_(settings), camera_(camera_of(scene, view)) {
-  const bool lights = settings.integrator == Integrator::hybrid;
+    : device_(device), tracer_(tracer) {
+  change(scene, view, settings);
+}
+
+Hybrid::~Hybrid() = default;
+
+void Hybrid::change(const PackedScene& scene, const View& view, const RenderSettings& settings) {
+  settings_ = settings;
+  camera_ = camera_of(scene, view);
+  frame_ = {};
   frame_.flags = frame_flags(settings);
-  frame_.shadow_samples = lights ? settings.shadow_samples : 1;
+  frame_.shadow_samples = settings.integrator == Integrator::hybrid ? settings.shadow_samples : 1;
   frame_.ao_samples = settings.ao_samples;
   frame_.ao_radius = ray_length(occlusion_radius(scene, settings));
   frame_.ambient = settings.ambient.value_or(glm::vec3(0.0f));
@@ -57,41 +66,71 @@ Hybrid::Hybrid(Device& device, PathTracer& tracer, const PackedScene& scene, con
   frame_.near = planes.near;
   frame_.far = planes.far;
   edges_hold_ = edges_hold(scene, view, settings.width, settings.height);
+  jitters_.clear();
+  remake_denoiser();
 
-  const auto start = std::chrono::steady_clock::now();
-  compile();
-  compile_seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  if (settings.denoise)
-    denoiser_ = std::make_unique<Denoiser>(device, settings.width, settings.height, tracer.paths_.gbuffer,
-                                           tracer.paths_.signals, frame_.flags);
+  Needs needs{tracer_.config_, frame_.flags};
+  if (!settings.aovs.empty()) needs.config.features |= gpu::kFeatureAovs;
+  if (needs == needs_) return;
+  needs_ = needs;
+  compiling_ = std::async(std::launch::async, [&device = device_, needs] { return compile(device, needs); });
 }
 
-Hybrid::~Hybrid() = default;
+// Its past is worth nothing now; its memory and its kernels are, unless size or buffers are others.
+void Hybrid::remake_denoiser() {
+  const glm::uvec3 made_for =
+      settings_.denoise ? glm::uvec3(settings_.width, settings_.height, frame_.flags) : glm::uvec3(0);
+  const BindingSet* bound = tracer_.bands_.front().bindings.get(); // another one where buffers are others
+  if (made_for == denoiser_made_for_ && bound == denoiser_bound_) {
+    if (denoiser_) denoiser_->forget();
+    return;
+  }
+  denoiser_made_for_ = made_for;
+  denoiser_bound_ = bound;
+  denoiser_.reset(); // both at once may be too much
+  if (settings_.denoise)
+    denoiser_ = std::make_unique<Denoiser>(device_, settings_.width, settings_.height, tracer_.paths_.gbuffer,
+                                           tracer_.paths_.signals, frame_.flags);
+}
 
-void Hybrid::compile() {
+bool Hybrid::is_ready() const {
+  return !compiling_.valid() || compiling_.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
+}
+
+double Hybrid::get_ready() {
+  if (compiling_.valid()) kernels_ = std::make_unique<Kernels>(compiling_.get());
+  return kernels_->seconds;
+}
+
+Hybrid::Kernels Hybrid::compile(Device& device, const Needs& needs) {
   static const std::array<StageCode, kStageCount> codes = {{{"jitter", wavepath_jitter_spv},
                                                             {"resolve", wavepath_resolve_spv},
                                                             {"occlusion", wavepath_occlusion_spv},
                                                             {"gather", wavepath_gather_spv},
                                                             {"composite", wavepath_composite_spv}}};
-  KernelConfig config = tracer_.config_;
-  if (!settings_.aovs.empty()) config.features |= gpu::kFeatureAovs;
-  const auto constants = specialization(config, device_.info());
-  const BindingSet& bindings = *tracer_.bands_.front().bindings;
+  const auto start = std::chrono::steady_clock::now();
+  const auto constants = specialization(needs.config, device.info());
+  const Buffer stand_in(device, kStandInBytes);
+  std::vector<Binding> stand_ins = path_tracer_bindings();
+  for (Binding& binding : stand_ins) binding.buffer = &stand_in;
+  const BindingSet bindings(device, stand_ins, static_cast<std::uint32_t>(sizeof(gpu::Wave)));
+  Kernels kernels;
   std::vector<std::future<void>> compiling;
   for (std::size_t stage = 0; stage < kStageCount; ++stage) {
-    if (stage == kOcclusion && !(frame_.flags & gpu::kHybridAmbient)) continue;
-    if (stage == kGather && !(frame_.flags & gpu::kHybridLights)) continue;
+    if (stage == kOcclusion && !(needs.flags & gpu::kHybridAmbient)) continue;
+    if (stage == kGather && !(needs.flags & gpu::kHybridLights)) continue;
     compiling.push_back(std::async(std::launch::async, [&, stage] {
-      kernels_[stage].emplace(device_, codes[stage].name, codes[stage].spirv, bindings, constants);
+      kernels.by_stage[stage].emplace(device, codes[stage].name, codes[stage].spirv, bindings, constants);
       const gpu::Wave nothing{};
-      Commands commands(device_); // some drivers compile at the first dispatch
+      Commands commands(device); // some drivers compile at the first dispatch
       commands.bind(bindings);
-      commands.dispatch(*kernels_[stage], 0, &nothing);
+      commands.dispatch(*kernels.by_stage[stage], 0, &nothing);
       commands.submit_and_wait();
     }));
   }
   for (std::future<void>& one : compiling) one.get();
+  kernels.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return kernels;
 }
 
 std::uint64_t Hybrid::bytes() const { return denoiser_ ? denoiser_->bytes() : 0; }
@@ -104,7 +143,7 @@ glm::vec2 Hybrid::jitter(std::uint32_t sample) {
     wave.first_sample = sample;
     Commands commands(device_, 1);
     commands.bind(*tracer_.bands_.front().bindings);
-    commands.dispatch(*kernels_[kJitter], groups_for(gpu::kJitters), &wave);
+    commands.dispatch(kernel(kJitter), groups_for(gpu::kJitters), &wave);
     commands.submit_and_wait();
     tracer_.count_times(commands);
     jitters_ = download<glm::vec2>(tracer_.paths_.jitters, gpu::kJitters);
@@ -130,20 +169,20 @@ double Hybrid::render_wave(const FilmBand& band, std::uint32_t first_pixel, std:
   // As hybrid_sample() of kernels/frame_terms.glsl numbers them.
   const std::uint32_t round = frame_.sample_index / gpu::kReplicates,
                       replicate = frame_.sample_index % gpu::kReplicates;
-  gpu::Wave wave{first_pixel, pixel_count, round * samples * gpu::kReplicates + replicate, samples, 0,
-                 band.first_pixel};
+  gpu::Wave wave{first_pixel, pixel_count, round * samples * gpu::kReplicates + replicate,
+                 samples,     0,           band.first_pixel};
   Commands commands(device_, 16);
   commands.bind(*band.bindings);
-  commands.dispatch(*kernels_[kResolve], groups_for(pixel_count), &wave);
+  commands.dispatch(kernel(kResolve), groups_for(pixel_count), &wave);
   commands.barrier();
-  if (kernels_[kOcclusion]) {
-    commands.dispatch(*kernels_[kOcclusion], groups_for(pixel_count), &wave);
+  if (frame_.flags & gpu::kHybridAmbient) {
+    commands.dispatch(kernel(kOcclusion), groups_for(pixel_count), &wave);
     commands.barrier(); // it reads the rays that shading replaces
   }
   if (lights) {
     light(commands, wave, groups_for(slots));
     commands.barrier();
-    commands.dispatch(*kernels_[kGather], groups_for(pixel_count), &wave);
+    commands.dispatch(kernel(kGather), groups_for(pixel_count), &wave);
   }
   commands.submit_and_wait();
   tracer_.collect_nonfinite(wave);
@@ -189,15 +228,16 @@ double Hybrid::end_frame() {
     gpu::Wave wave{band.first_pixel, band.pixel_count, 0, 1, 0, band.first_pixel};
     Commands commands(device_, 1);
     commands.bind(*band.bindings);
-    commands.dispatch(*kernels_[kComposite], groups_for(band.pixel_count), &wave);
+    commands.dispatch(kernel(kComposite), groups_for(band.pixel_count), &wave);
     commands.submit_and_wait();
     longest = std::max(longest, tracer_.count_times(commands));
   }
   return longest;
 }
 
-// The light inside an integrating sphere: of what surfaces send out, the share that meets surfaces again is sent out once
-// more, L = direct + albedo * enclosure * L. What arrives where the picture looks is that L from the enclosed directions.
+// The light inside an integrating sphere: of what surfaces send out, the share that meets surfaces again is sent out
+// once more, L = direct + albedo * enclosure * L. What arrives where the picture looks is that L from the enclosed
+// directions.
 void Hybrid::estimate_ambient() {
   if (settings_.integrator != Integrator::hybrid || settings_.ambient || !(frame_.flags & gpu::kHybridAmbient)) return;
   const gpu::HybridFrame asked = frame_;

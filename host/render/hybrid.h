@@ -1,12 +1,13 @@
 // The hybrid integrators: a rasterized first hit, shaded by the path tracer's own kernels, and ambient occlusion.
 //
-// A frame is one sample of the film: all pixels are seen through the same place of the pixel filter. Direct light is what
-// the path tracer finds with --max-depth 1, by the same kernels. All light of more than one bounce is an ambient term:
-// albedo * ambient radiance * unoccluded share (after Zhukov et al. 1998; Landis 2002).
+// A frame is one sample of the film: all pixels are seen through the same place of the pixel filter. Direct light is
+// what the path tracer finds with --max-depth 1, by the same kernels. All light of more than one bounce is an ambient
+// term: albedo * ambient radiance * unoccluded share (after Zhukov et al. 1998; Landis 2002).
 #pragma once
 
 #include <array>
 #include <cstdint>
+#include <future>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -22,33 +23,54 @@ double occlusion_radius(const PackedScene& scene, const RenderSettings& settings
 
 class Hybrid {
 public:
-  // Renders into the film of `tracer`, which was made with the same settings and outlives it. Compiles its kernels. Throws
-  // Error if the device cannot rasterize.
-  Hybrid(Device& device, PathTracer& tracer, const PackedScene& scene, const View& view, const RenderSettings& settings);
+  // Renders into the film of `tracer`, which was made with the same settings and outlives it. Begins compiling its
+  // kernels. Throws Error if the device cannot rasterize.
+  Hybrid(Device& device, PathTracer& tracer, const PackedScene& scene, const View& view,
+         const RenderSettings& settings);
   ~Hybrid();
+
+  // Goes on with another view and other settings, to which the tracer has been changed. Remembers nothing of the frames
+  // before.
+  void change(const PackedScene& scene, const View& view, const RenderSettings& settings);
+
+  // Whether the kernels are compiled, so that get_ready() will not wait.
+  bool is_ready() const;
+  // Comes before the first frame and after every change. Returns the seconds that compiling took. Throws what compiling
+  // threw.
+  double get_ready();
 
   // Rasterizes the frame that is sample `sample` of the film. Returns the longest submission in seconds.
   double begin_frame(std::uint32_t sample);
-  // Lights pixels [first_pixel, first_pixel + pixel_count) of a band, at most slots() / samples_per_pixel(). Returns the
-  // longest dispatch.
+  // Lights pixels [first_pixel, first_pixel + pixel_count) of a band, at most slots() / samples_per_pixel(). Returns
+  // the longest dispatch.
   double render_wave(const FilmBand& band, std::uint32_t first_pixel, std::uint32_t pixel_count);
   // Filters the frame if that is asked for, and adds it to the film. Returns the longest dispatch.
   double end_frame();
 
   // Light samples a pixel and frame: what takes slots.
   std::uint32_t samples_per_pixel() const { return frame_.shadow_samples; }
-  double compile_seconds() const { return compile_seconds_; }
   std::uint64_t bytes() const; // of what it has besides the tracer's memory
   glm::vec3 ambient() const { return frame_.ambient; }
 
-  // Estimates the ambient radiance from a frame that is thrown away, unless the settings name it or there is no need. It
-  // depends on scene, view and settings alone.
+  // Estimates the ambient radiance from a frame that is thrown away, unless the settings name it or there is no need.
+  // It depends on scene, view and settings alone.
   void estimate_ambient();
 
 private:
   enum Stage : std::size_t { kJitter, kResolve, kOcclusion, kGather, kComposite, kStageCount };
 
-  void compile();
+  struct Kernels {
+    std::array<std::optional<Kernel>, kStageCount> by_stage;
+    double seconds = 0.0; // that compiling took
+  };
+  struct Needs { // of kernels
+    KernelConfig config;
+    std::uint32_t flags = 0;
+    bool operator==(const Needs&) const = default;
+  };
+  const Kernel& kernel(Stage stage) const { return *kernels_->by_stage[stage]; }
+  static Kernels compile(Device& device, const Needs& needs);
+  void remake_denoiser();
   glm::vec2 jitter(std::uint32_t sample);
   void light(Commands& commands, gpu::Wave wave, std::uint32_t groups);
   glm::vec3 enclosed_light() const;
@@ -59,11 +81,14 @@ private:
   gpu::CameraView camera_;
   gpu::HybridFrame frame_{};
   bool edges_hold_ = true; // otherwise frames are traced
-  std::array<std::optional<Kernel>, kStageCount> kernels_;
+  Needs needs_;
+  std::future<Kernels> compiling_; // valid until the kernels are in use
+  std::unique_ptr<Kernels> kernels_;
   std::unique_ptr<Denoiser> denoiser_;
+  glm::uvec3 denoiser_made_for_{0}; // size and flags
+  const BindingSet* denoiser_bound_ = nullptr;
   std::vector<glm::vec2> jitters_; // of frames from first_jitter_ on
   std::uint32_t first_jitter_ = 0;
-  double compile_seconds_ = 0.0;
 };
 
 } // namespace wavepath

@@ -16,7 +16,7 @@ constexpr double kLongestWave = 0.03;   // seconds: a window stays responsive
 constexpr double kCoarseFrame = 0.1;    // seconds that a picture may take while the camera moves
 constexpr std::uint32_t kCoarsest = 8;  // pixels a side
 constexpr double kEstimateShare = 0.02; // of the time, that estimating the error may take
-constexpr double kFirstEstimate = 1e-6; // seconds a pixel, before one was measured
+constexpr double kFirstEstimate = 1e-7; // seconds a pixel, before one was measured
 constexpr std::uint32_t kMostSamples =
     4096; // of a pass: accumulate loops over them, and Mesa 22.3 ends loops at 65,535
 
@@ -51,26 +51,41 @@ Progressive::~Progressive() = default;
 
 bool Progressive::step() {
   collect_estimate();
-  compiling_ = !tracer_->is_ready();
+  compiling_ = !tracer_->is_ready() || (hybrid_ && !hybrid_->is_ready());
   if (compiling_ || is_done()) return false;
-  if (pass_samples_ == 0) begin_pass();
-  const FilmBand& band = tracer_->bands()[band_];
-  const std::uint32_t room = std::max(governor_.wave() / pass_samples_, 1u);
-  const std::uint32_t count = std::min(room, band.pixel_count - pixels_done_);
   const Clock::time_point start = Clock::now();
-  tracer_->render_wave(band, band.first_pixel + pixels_done_, count, sample_, pass_samples_);
-  const double seconds = seconds_since(start);
-  governor_.report(seconds, count * pass_samples_);
-  pass_seconds_ += seconds;
-  pixels_done_ += count;
-  if (pixels_done_ < band.pixel_count) return true;
-  ++band_;
-  pixels_done_ = 0;
-  if (band_ == tracer_->bands().size() || tracer_->bands()[band_].pixel_count == 0) end_pass();
+  if (pass_samples_ == 0) begin_pass();
+  render_wave();
+  const bool whole = band_ == tracer_->bands().size() || tracer_->bands()[band_].pixel_count == 0;
+  if (whole && hybrid_) hybrid_->end_frame();
+  pass_seconds_ += seconds_since(start);
+  if (whole) end_pass();
   return true;
 }
 
+// The only place where the film gets samples.
+void Progressive::render_wave() {
+  const FilmBand& band = tracer_->bands()[band_];
+  const std::uint32_t paths = hybrid_ ? hybrid_->samples_per_pixel() : pass_samples_; // of a pixel
+  const std::uint32_t count = std::min(std::max(governor_.wave() / paths, 1u), band.pixel_count - pixels_done_);
+  const std::uint32_t first = band.first_pixel + pixels_done_;
+  const Clock::time_point start = Clock::now();
+  if (hybrid_)
+    hybrid_->render_wave(band, first, count);
+  else
+    tracer_->render_wave(band, first, count, sample_, pass_samples_);
+  governor_.report(seconds_since(start), count * paths);
+  pixels_done_ += count;
+  if (pixels_done_ < band.pixel_count) return;
+  ++band_;
+  pixels_done_ = 0;
+}
+
 void Progressive::move(const View& view) {
+  if (moving_ && spp() == 0 && pass_samples_ > 0) {
+    next_view_ = view;
+    return;
+  }
   moving_ = true;
   view_ = view;
   begin_anew(choose_coarse());
@@ -96,6 +111,7 @@ void Progressive::set_settings(const RenderSettings& settings, const View& view)
 void Progressive::set_scene(const PackedScene& scene, const View& view) {
   scene_ = &scene;
   view_ = view;
+  hybrid_.reset();
   tracer_.reset(); // both scenes at once may be too much
   tracer_ = std::make_unique<PathTracer>(device_, scene, view, settings_,
                                          choose_slots(device_.info(), scene, settings_), kernels_);
@@ -112,11 +128,18 @@ std::uint32_t Progressive::choose_coarse() const {
 }
 
 void Progressive::begin_anew(std::uint32_t coarse) {
+  next_view_.reset();
   coarse_ = coarse;
   rendered_ = settings_;
   rendered_.width = (settings_.width + coarse - 1) / coarse;
   rendered_.height = (settings_.height + coarse - 1) / coarse;
   tracer_->change(*scene_, view_, rendered_);
+  if (rendered_.integrator == Integrator::path)
+    hybrid_.reset();
+  else if (hybrid_)
+    hybrid_->change(*scene_, view_, rendered_);
+  else
+    hybrid_ = std::make_unique<Hybrid>(device_, *tracer_, *scene_, view_, rendered_);
   sample_ = settings_.first_sample;
   seconds_ = estimate_seconds_ = 0.0;
   rays_ = {};
@@ -132,8 +155,16 @@ void Progressive::reset_pass() {
   pixels_done_ = 0;
 }
 
-// A pass covers every pixel with the same samples: as many as fill a wave, but never across a power of two.
+// A pass covers every pixel with the same samples: a frame of a hybrid integrator, or as many as fill a wave, but never
+// across a power of two.
 void Progressive::begin_pass() {
+  if (hybrid_) {
+    hybrid_->get_ready();
+    if (spp() == 0) hybrid_->estimate_ambient();
+    hybrid_->begin_frame(sample_);
+    pass_samples_ = 1;
+    return;
+  }
   const std::uint64_t pixels = std::uint64_t{rendered_.width} * rendered_.height;
   const auto fit = static_cast<std::uint32_t>(std::clamp<std::uint64_t>(governor_.wave() / pixels, 1, kMostSamples));
   const std::uint32_t next_checkpoint = settings_.first_sample + std::bit_ceil(spp() + 1);
@@ -146,10 +177,14 @@ void Progressive::end_pass() {
   sample_ += pass_samples_;
   rays_ = ray_counts(tracer_->counters());
   reset_pass();
-  if (coarse_ > 1 && !moving_)
+  if (next_view_) {
+    view_ = *next_view_;
+    begin_anew(choose_coarse());
+  } else if (coarse_ > 1 && !moving_) {
     begin_anew(1);
-  else if (coarse_ == 1 && (std::has_single_bit(spp()) || is_done()))
+  } else if (coarse_ == 1 && (std::has_single_bit(spp()) || is_done())) {
     estimate();
+  }
 }
 
 // Reads the film and leaves the rest to a thread, unless that would take more than its share of the time; at the end it
@@ -198,6 +233,7 @@ ProgressiveStatus Progressive::status() const {
   }
   status.slope = fit_slope(checkpoints_, Against::seconds);
   status.memory = tracer_->memory();
+  if (hybrid_) status.memory.paths += hybrid_->bytes();
   return status;
 }
 

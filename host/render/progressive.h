@@ -4,11 +4,13 @@
 #include <cstdint>
 #include <future>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "host/render/film.h"
 #include "host/render/governor.h"
+#include "host/render/hybrid.h"
 #include "host/render/path_tracer.h"
 #include "host/render/render.h"
 
@@ -45,7 +47,7 @@ public:
   bool step();
 
   // Each begins anew. move(): coarse, so that there is a picture about every 100 ms, until rest(), which goes on in
-  // full.
+  // full. A picture that a move has begun is completed first, however fast others follow; view() tells whose it is.
   void move(const View& view);
   void rest();
   void set_view(const View& view); // in full at once
@@ -84,6 +86,7 @@ private:
   void reset_pass();
   std::uint32_t choose_coarse() const;
   void begin_pass();
+  void render_wave();
   void end_pass();
   void estimate();
   void collect_estimate();
@@ -94,7 +97,9 @@ private:
   RenderSettings settings_; // as asked for
   RenderSettings rendered_; // and as they are rendered: smaller while the camera moves
   View view_;
+  std::optional<View> next_view_; // moved to while a picture was not complete
   std::unique_ptr<PathTracer> tracer_;
+  std::unique_ptr<Hybrid> hybrid_; // of the hybrid integrators
   Governor governor_;
 
   bool moving_ = false, compiling_ = false;

@@ -75,7 +75,7 @@ public:
   }
 
   RenderResult run() {
-    result_.compile_seconds = tracer_.get_ready() + (hybrid_ ? hybrid_->compile_seconds() : 0.0);
+    result_.compile_seconds = tracer_.get_ready() + (hybrid_ ? hybrid_->get_ready() : 0.0);
     result_.upload_seconds = tracer_.upload_seconds();
     cursor_.sample = settings_.first_sample;
     if (hooks_.resume) restore(*hooks_.resume);
