@@ -50,6 +50,7 @@ void check(Request& request) {
   if (request.frames) settings.last_sample = request.frames;
   for (const std::string& aov : aovs_for(request.shown))
     if (std::ranges::count(settings.aovs, aov) == 0) settings.aovs.push_back(aov);
+  check_integrator(request.render);
   require_file(request.scene.path);
   const std::string& screenshot = request.screenshot;
   if (screenshot.empty()) return;
@@ -220,6 +221,7 @@ Command add_view(CLI::App& app, const std::string& command_line) {
   add_scene_flags(*command, request->scene, true);
   add_view_flags(*command, request->scene.view);
   add_render_flags(*command, request->render);
+  add_hybrid_flags(*command, request->render);
   return [request] { return run_view(*request); };
 }
 
