@@ -98,7 +98,7 @@ public:
     window.target_error = request_.render.settings.target_error;
     window.frames = request_.frames;
     window.screenshot = request_.screenshot;
-    window.notes = list_bias(request_.render.settings, {}, {});
+    window.notes = [](const RenderSettings& settings) { return list_bias(settings, {}, {}); };
     window.save = [this](const std::string& path, const DisplayOptions& display) { save(path, display); };
     window.set_environment = [this](const EnvironmentChoice& choice) { set_environment(choice); };
     const int code = run_window(*open_.device, *progressive_, window);

@@ -143,7 +143,7 @@ void show_cameras(const PanelFacts& facts, PanelWishes& wishes) {
   }
   ImGui::TextDisabled(
       "left drag: orbit   middle: pan\nright drag: look   wheel: nearer\nWASD QE: fly       shift: fast\n"
-      "double click, F: focus there\nH: hide this");
+      "double click, F: focus there\nH: hide this   Ctrl+Q: quit");
 }
 
 } // namespace
@@ -167,9 +167,9 @@ PanelWishes show_panel(PanelState& state, const PanelFacts& facts) {
     if (!facts.notes.empty() && section("approximated", false))
       for (const std::string& note : facts.notes) ImGui::TextWrapped("%s", note.c_str());
     ImGui::Separator();
-    if (ImGui::Button("save EXR")) wishes.save_exr = true;
+    if (ImGui::Button("save EXR (X)")) wishes.save_exr = true;
     ImGui::SameLine();
-    if (ImGui::Button("save PNG")) wishes.save_png = true;
+    if (ImGui::Button("save PNG (P)")) wishes.save_png = true;
     if (!state.message.empty()) ImGui::TextWrapped("%s", state.message.c_str());
   }
   ImGui::End();

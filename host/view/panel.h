@@ -27,7 +27,7 @@ struct PanelFacts {
   ProgressiveStatus status;
   double seconds_to_target = 0.0;
   std::vector<std::string> cameras; // names
-  std::vector<std::string> notes;
+  std::vector<std::string> notes;   // what in the picture is approximated
   bool sets_environment = false;
 };
 

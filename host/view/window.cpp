@@ -62,7 +62,9 @@ private:
   void show_title();
   PanelFacts facts() const;
   bool target_reached() const;
-  bool has_work() const { return !status_.done && !target_reached() && window_.size().x > 0; }
+  bool seen() const { return window_.size().x > 0; }
+  bool scripted() const { return request_.frames > 0; }
+  bool has_work() const { return !status_.done && !target_reached() && (seen() || scripted()); }
 
   const WindowRequest& request_;
   Progressive& progressive_;
@@ -108,7 +110,7 @@ int Viewer::run() {
     if (const double now = glfwGetTime(); must_draw(now)) draw(now);
     worked_ = has_work() && progressive_.step();
     status_ = progressive_.status();
-    if (request_.frames > 0 && drawn_done_) {
+    if (scripted() && status_.done && (drawn_done_ || !seen())) {
       if (!request_.screenshot.empty()) request_.save(request_.screenshot, panel_.display);
       break;
     }
@@ -119,21 +121,17 @@ int Viewer::run() {
 
 // Sleeps unless there is something to render or to draw.
 void Viewer::wait_for_events() {
-  const double since = glfwGetTime() - last_draw_;
   const bool active = progressive_.moving() || resized_ >= 0.0 || redraws_ > 0;
-  if (worked_ || (active && since >= kFramePause))
-    glfwPollEvents();
-  else if (active || (has_work() && status_.compiling))
-    glfwWaitEventsTimeout(kFramePause);
-  else if (has_work())
+  const bool due = glfwGetTime() - last_draw_ >= kFramePause;
+  if (worked_ || (active && due && seen()))
     glfwPollEvents();
   else
-    glfwWaitEventsTimeout(kIdlePause);
+    glfwWaitEventsTimeout(seen() && (active || has_work()) ? kFramePause : kIdlePause);
 }
 
 bool Viewer::must_draw(double now) {
   if (window_.take_events()) redraws_ = kSettling;
-  if (window_.size().x == 0) return false;
+  if (!seen()) return false;
   if (now - last_draw_ < kFramePause) return false;
   return redraws_ > 0 || progressive_.moving() || resized_ >= 0.0 ||
          (!same(status_, shown_) && (status_.done || now - last_draw_ >= kRenderPause));
@@ -155,8 +153,8 @@ void Viewer::draw(double now) {
   if (presented) {
     redraws_ = std::max(0, redraws_ - 1);
     shown_ = status_;
-    drawn_done_ = status_.done;
   }
+  drawn_done_ = status_.done;
   last_draw_ = now;
   show_title();
 }
@@ -186,6 +184,10 @@ Flight Viewer::flight() const {
 
 void Viewer::press(const KeyPress& key) {
   PanelWishes wishes;
+  if (key.modifiers & GLFW_MOD_CONTROL) {
+    if (key.key == GLFW_KEY_Q) glfwSetWindowShouldClose(window_.handle(), GLFW_TRUE);
+    return;
+  }
   switch (key.key) {
     case GLFW_KEY_H:
     case GLFW_KEY_TAB:
@@ -216,11 +218,11 @@ void Viewer::focus() {
   if (point && camera_.focus(*point)) move_camera();
 }
 
-// The picture follows the window once its edges have come to rest.
+// The picture follows the window once its edges have come to rest. That of a scripted run has the size asked for.
 void Viewer::fit_size() {
   const glm::uvec2 size = window_.size();
   const RenderSettings& settings = progressive_.settings();
-  if (size.x == 0 || (size.x == settings.width && size.y == settings.height)) {
+  if (scripted() || size.x == 0 || (size.x == settings.width && size.y == settings.height)) {
     resized_ = -1.0;
     return;
   }
@@ -314,7 +316,8 @@ PanelFacts Viewer::facts() const {
   if (panel_.target_error > 0.0) facts.seconds_to_target = progressive_.seconds_to(panel_.target_error);
   for (const Camera& camera : request_.scene->cameras)
     facts.cameras.push_back(camera.name.empty() ? "camera" : camera.name);
-  facts.notes = request_.notes;
+  if (request_.notes) facts.notes = request_.notes(progressive_.settings());
+  for (const auto& [text, count] : request_.scene->warnings.counts()) facts.notes.push_back(text);
   facts.sets_environment = static_cast<bool>(request_.set_environment);
   return facts;
 }

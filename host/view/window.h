@@ -31,12 +31,13 @@ struct WindowRequest {
   ViewRequest view;                    // what the command line said
   // What the copied command needs besides the scene's path, camera and settings, so that render makes the same bits.
   std::function<std::string()> more_flags;
-  DisplayOptions display;         // to begin with
-  EnvironmentChoice environment;  // to begin with
-  double target_error = 0.0;      // to tell the time until; 0 = none
-  std::uint32_t frames = 0;       // samples a pixel after which a scripted run ends; 0 = stays open until it is closed
-  std::string screenshot;         // file that a scripted run writes at its end; empty = none
-  std::vector<std::string> notes; // what in the picture is approximated
+  DisplayOptions display;        // to begin with
+  EnvironmentChoice environment; // to begin with
+  double target_error = 0.0;     // to tell the time until; 0 = none
+  std::uint32_t frames = 0;      // samples a pixel after which a scripted run ends; 0 = stays open until it is closed
+  std::string screenshot;        // file that a scripted run writes at its end; empty = none
+  // What in a picture of these settings is approximated.
+  std::function<std::vector<std::string>(const RenderSettings&)> notes;
   // Writes the picture as it is now. Throws Error.
   std::function<void(const std::string& path, const DisplayOptions&)> save;
   // Hands `progressive` another environment. Throws Error; then everything is as it was. Empty: it stays as it is.

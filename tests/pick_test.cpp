@@ -1,0 +1,58 @@
+// The point under the pointer: in a scene of one object, in one of instances, and where there is nothing.
+#include "host/view/pick.h"
+
+#include <gtest/gtest.h>
+#include <glm/gtc/matrix_transform.hpp>
+
+#include "kernels/gpu_types.h"
+#include "tests/scene_builder.h"
+
+namespace wavepath {
+namespace {
+
+// Looks along -Z from (0.25, 0.25, 5), half a metre to each side at a metre's distance.
+View front_view() {
+  View view;
+  view.position = {0.25, 0.25, 5.0};
+  view.right = {0.5, 0.0, 0.0};
+  view.up = {0.0, 0.5, 0.0};
+  return view;
+}
+
+void expect_picked(const Scene& scene, const View& view, const glm::dvec2& place, const glm::dvec3& expected) {
+  Scene copy = scene;
+  const PackedScene packed = pack(copy, gpu::kDirectMis, bvh::Quality::fast, view.position);
+  const auto point = pick(packed, view, place, {100, 100});
+  ASSERT_TRUE(point);
+  EXPECT_LE(glm::length(*point - expected), 1e-5) << point->x << " " << point->y << " " << point->z;
+}
+
+TEST(Pick, FindsThePointUnderThePointer) {
+  const Scene scene = triangle_scene();
+  expect_picked(scene, front_view(), {50, 50}, {0.25, 0.25, 0.0});
+  expect_picked(scene, front_view(), {52, 46}, {0.35, 0.45, 0.0}); // y downwards
+  View flat = front_view();
+  flat.orthographic = true;
+  expect_picked(scene, flat, {70, 50}, {0.45, 0.25, 0.0});
+}
+
+TEST(Pick, FindsTheNearestInstance) {
+  Scene scene = triangle_scene();
+  for (const double z : {-3.0, 2.0, 1.0}) {
+    Instance& instance = scene.instances.emplace_back(scene.instances.front());
+    instance.world_from_object =
+        glm::translate(glm::dmat4(1.0), glm::dvec3(-1.0, -1.0, z)) * glm::scale(glm::dmat4(1.0), glm::dvec3(4.0));
+  }
+  expect_picked(scene, front_view(), {50, 50}, {0.25, 0.25, 2.0});
+}
+
+TEST(Pick, FindsNothingWhereNothingIs) {
+  Scene scene = triangle_scene(), empty;
+  const PackedScene packed = pack(scene, gpu::kDirectMis, bvh::Quality::fast);
+  EXPECT_FALSE(pick(packed, front_view(), {1, 1}, {100, 100}));
+  const PackedScene nothing = pack(empty, gpu::kDirectMis, bvh::Quality::fast);
+  EXPECT_FALSE(pick(nothing, front_view(), {50, 50}, {100, 100}));
+}
+
+} // namespace
+} // namespace wavepath
