@@ -203,12 +203,12 @@ TEST_F(Window, FollowsTheHandAndCopiesWhereItIs) {
   EXPECT_EQ(window->copied().find("--eye"), std::string::npos);
   const std::string initial = window->copied();
   const std::vector<std::vector<std::string>> acts = {
+      {"mousemove", "60", "70", "keydown", "ctrl", "click", "1", "keyup", "ctrl"},          // focus
       {"mousemove", "60", "45", "mousedown", "1", "mousemove", "80", "50", "mouseup", "1"}, // orbit
       {"mousedown", "2", "mousemove", "70", "40", "mouseup", "2"},                          // pan
       {"mousedown", "3", "mousemove", "75", "42", "mouseup", "3"},                          // look
       {"click", "4"},                                                                       // nearer
       {"keydown", "w", "sleep", "0.2", "keyup", "w"},
-      {"mousemove", "60", "70", "keydown", "ctrl", "click", "1", "keyup", "ctrl"}, // focus
       {"key", "Home"},
   };
   int number = 0;
@@ -264,7 +264,7 @@ TEST_F(Window, SleepsWhenIdleAndWhenUnseen) {
   display_->xdotool({"windowunmap", "--sync", id});
   const double unseen = share();
   EXPECT_LT(unseen, 0.3);
-  display_->xdotool({"windowmap", "--sync", id});
+  display_->xdotool({"windowmap", "--sync", id, "windowfocus", "--sync", id});
   const std::string title = window->title();
   window->until([&] { return window->title() != title; }); // goes on
   EXPECT_EQ(window->close(), 0);

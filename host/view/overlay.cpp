@@ -22,6 +22,7 @@ void set_look(float scale, bool encodes) {
   style.WindowBorderSize = 0.0f;
   style.ItemSpacing = ImVec2(6.0f, 4.0f);
   style.Colors[ImGuiCol_WindowBg] = ImVec4(0.08f, 0.08f, 0.09f, 0.88f);
+  style.Colors[ImGuiCol_PlotHistogram] = style.Colors[ImGuiCol_SliderGrabActive];
   style.ScaleAllSizes(scale);
   if (encodes)
     for (ImVec4& color : style.Colors)

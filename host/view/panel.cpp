@@ -18,7 +18,7 @@ namespace {
 void label(const char* text) {
   ImGui::AlignTextToFramePadding();
   ImGui::TextUnformatted(text);
-  ImGui::SameLine(ImGui::GetFontSize() * 8.5f);
+  ImGui::SameLine(ImGui::GetFontSize() * 9.5f);
   ImGui::SetNextItemWidth(-1.0f);
 }
 

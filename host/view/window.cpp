@@ -108,7 +108,8 @@ int Viewer::run() {
     wait_for_events();
     status_ = progressive_.status();
     if (const double now = glfwGetTime(); must_draw(now)) draw(now);
-    worked_ = has_work() && progressive_.step();
+    worked_ =
+        (has_work() || status_.done) && progressive_.step(); // once done, it takes in the last estimate of the error
     status_ = progressive_.status();
     if (scripted() && status_.done && (drawn_done_ || !seen())) {
       if (!request_.screenshot.empty()) request_.save(request_.screenshot, panel_.display);
@@ -195,6 +196,12 @@ void Viewer::press(const KeyPress& key) {
       break;
     case GLFW_KEY_C:
       wishes.copy = true;
+      break;
+    case GLFW_KEY_X:
+      wishes.save_exr = true;
+      break;
+    case GLFW_KEY_P:
+      wishes.save_png = true;
       break;
     case GLFW_KEY_R:
       wishes.reset = true;
