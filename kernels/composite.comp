@@ -35,6 +35,11 @@ void main() {
   sample_.direct = wants_lights() && hit ? demodulation(g.albedo) * signal.rgb : vec3(0.0);
   vec3 ambient = hit && wants_ambient() ? g.albedo * hybrid.ambient * signal.w : vec3(0.0);
   vec3 radiance = wants_lights() ? sample_.emission + sample_.direct + ambient : vec3(hit ? signal.w : 0.0);
+  if ((hybrid.flags & kHybridToColor) != 0u) {
+    seen[place] = vec4(radiance, 0.0);
+    return;
+  }
+  if ((hybrid.flags & kHybridFromColor) != 0u) radiance = seen[place].rgb;
   if (!is_finite(radiance)) return;
 
   uint film_index = wave.first_pixel + local - wave.first_film_pixel;

@@ -164,6 +164,34 @@ TEST_F(ProgressiveTest, FramesMakeTheBitsOfRender) {
   expect_as_rendered(progressive);
 }
 
+// While the camera moves, hybrid frames are joined to those before: a picture of many moves has less noise than one frame,
+// and what comes to rest is free of them (FramesMakeTheBitsOfRender).
+TEST_F(ProgressiveTest, FramesInMotionAreAntialiasedOverTime) {
+  if (!device().rasterizes()) GTEST_SKIP() << "the device cannot rasterize";
+  open("cornell_box.gltf");
+  settings_.integrator = Integrator::hybrid;
+  settings_.max_depth = 1;
+  const auto noise_after = [&](int moves) {
+    Progressive progressive = begin();
+    while (progressive.step() || progressive.status().compiling) {} // how long frames take is known by now
+    for (int i = 0; i < moves; ++i) {
+      progressive.move(view_); // it only trembles
+      while (progressive.status().spp == 0) progressive.step();
+    }
+    EXPECT_TRUE(progressive.moving());
+    const Picture moving = progressive.picture();
+    RenderSettings fine = progressive.settings();
+    fine.last_sample = 64;
+    fine.width = progressive.film_width(), fine.height = progressive.film_height();
+    const Picture truth = render(device(), packed_, view_, fine).picture;
+    double squares = 0.0;
+    for (std::size_t i = 0; i < truth.channels[1].values.size(); ++i)
+      squares += std::pow(std::min(moving.channels[1].values[i], 1.0f) - std::min(truth.channels[1].values[i], 1.0f), 2);
+    return squares;
+  };
+  EXPECT_LT(noise_after(12), 0.5 * noise_after(1));
+}
+
 TEST_F(ProgressiveTest, AnotherSceneIsRendered) {
   open("cornell_box.gltf");
   const PackedScene first = packed_;

@@ -92,6 +92,11 @@ void Commands::write(const Buffer& buffer, const void* data, std::uint64_t bytes
   barrier();
 }
 
+void Commands::copy(const Buffer& from, const Buffer& to, std::uint64_t bytes) {
+  const VkBufferCopy region{0, 0, bytes};
+  vkCmdCopyBuffer(commands_, from.handle(), to.handle(), 1, &region);
+}
+
 void Commands::barrier() {
   VkMemoryBarrier2 memory{VK_STRUCTURE_TYPE_MEMORY_BARRIER_2};
   memory.srcStageMask = VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_2_TRANSFER_BIT;

@@ -35,6 +35,8 @@ public:
   // Copies `bytes` (a multiple of 4, at most 65536) into `buffer` when the device gets there: after all that was recorded
   // before, visible to all that follows.
   void write(const Buffer& buffer, const void* data, std::uint64_t bytes);
+  // The first `bytes` bytes of a buffer into another.
+  void copy(const Buffer& from, const Buffer& to, std::uint64_t bytes);
   // Everything written so far is visible to every dispatch, indirect read and copy that follows.
   void barrier();
 

@@ -9,11 +9,13 @@
 
 #include "host/render/denoise.h"
 #include "host/render/governor.h"
+#include "host/render/taa.h"
 #include "kernels/composite.spv.h"
 #include "kernels/gather.spv.h"
 #include "kernels/jitter.spv.h"
 #include "kernels/occlusion.spv.h"
 #include "kernels/resolve.spv.h"
+#include "kernels/tile_order.h"
 
 namespace wavepath {
 namespace {
@@ -23,6 +25,7 @@ struct StageCode {
   std::span<const std::uint32_t> spirv;
 };
 constexpr std::uint32_t kPilotSeed = 0x6a09e667u;
+constexpr std::uint32_t kPilotPixels = 1u << 14, kPilotBlock = 1u << 10; // enough for a mean, in a moment
 constexpr std::uint64_t kStandInBytes = 1024; // of the buffer that stands for all while nothing is read
 
 std::uint32_t groups_for(std::uint64_t count) {
@@ -53,7 +56,8 @@ Hybrid::Hybrid(Device& device, PathTracer& tracer, const PackedScene& scene, con
 
 Hybrid::~Hybrid() = default;
 
-void Hybrid::change(const PackedScene& scene, const View& view, const RenderSettings& settings) {
+void Hybrid::change(const PackedScene& scene, const View& view, const RenderSettings& settings, Past past) {
+  const glm::vec3 ambient = past == Past::keep ? frame_.ambient : glm::vec3(0.0f);
   settings_ = settings;
   camera_ = camera_of(scene, view);
   frame_ = {};
@@ -61,13 +65,13 @@ void Hybrid::change(const PackedScene& scene, const View& view, const RenderSett
   frame_.shadow_samples = settings.integrator == Integrator::hybrid ? settings.shadow_samples : 1;
   frame_.ao_samples = settings.ao_samples;
   frame_.ao_radius = ray_length(occlusion_radius(scene, settings));
-  frame_.ambient = settings.ambient.value_or(glm::vec3(0.0f));
+  frame_.ambient = settings.ambient.value_or(ambient);
   const ClipPlanes planes = clip_planes(scene, view);
   frame_.near = planes.near;
   frame_.far = planes.far;
   edges_hold_ = edges_hold(scene, view, settings.width, settings.height);
   jitters_.clear();
-  remake_denoiser();
+  remake_filters(past);
 
   Needs needs{tracer_.config_, frame_.flags};
   if (!settings.aovs.empty()) needs.config.features |= gpu::kFeatureAovs;
@@ -76,21 +80,27 @@ void Hybrid::change(const PackedScene& scene, const View& view, const RenderSett
   compiling_ = std::async(std::launch::async, [&device = device_, needs] { return compile(device, needs); });
 }
 
-// Its past is worth nothing now; its memory and its kernels are, unless size or buffers are others.
-void Hybrid::remake_denoiser() {
-  const glm::uvec3 made_for =
-      settings_.denoise ? glm::uvec3(settings_.width, settings_.height, frame_.flags) : glm::uvec3(0);
+// Memory and kernels stay, unless size or buffers are others.
+void Hybrid::remake_filters(Past past) {
+  const std::uint32_t which = (settings_.denoise ? 1u : 0u) | (settings_.antialias_over_time ? 2u : 0u);
+  const glm::uvec4 made_for = which ? glm::uvec4(settings_.width, settings_.height, frame_.flags, which) : glm::uvec4(0);
   const BindingSet* bound = tracer_.bands_.front().bindings.get(); // another one where buffers are others
-  if (made_for == denoiser_made_for_ && bound == denoiser_bound_) {
+  if (made_for == filters_made_for_ && bound == filters_bound_) {
+    if (past == Past::keep) return;
     if (denoiser_) denoiser_->forget();
+    if (taa_) taa_->forget();
     return;
   }
-  denoiser_made_for_ = made_for;
-  denoiser_bound_ = bound;
+  filters_made_for_ = made_for;
+  filters_bound_ = bound;
   denoiser_.reset(); // both at once may be too much
+  taa_.reset();
+  const PathBuffers& buffers = tracer_.paths_;
   if (settings_.denoise)
-    denoiser_ = std::make_unique<Denoiser>(device_, settings_.width, settings_.height, tracer_.paths_.gbuffer,
-                                           tracer_.paths_.signals, frame_.flags);
+    denoiser_ = std::make_unique<Denoiser>(device_, settings_.width, settings_.height, buffers.gbuffer, buffers.signals,
+                                           frame_.flags);
+  if (settings_.antialias_over_time)
+    taa_ = std::make_unique<Taa>(device_, settings_.width, settings_.height, buffers.gbuffer, buffers.seen);
 }
 
 bool Hybrid::is_ready() const {
@@ -133,7 +143,7 @@ Hybrid::Kernels Hybrid::compile(Device& device, const Needs& needs) {
   return kernels;
 }
 
-std::uint64_t Hybrid::bytes() const { return denoiser_ ? denoiser_->bytes() : 0; }
+std::uint64_t Hybrid::bytes() const { return (denoiser_ ? denoiser_->bytes() : 0) + (taa_ ? taa_->bytes() : 0); }
 
 // kJitters frames at a time, because asking the device costs a round trip.
 glm::vec2 Hybrid::jitter(std::uint32_t sample) {
@@ -215,16 +225,37 @@ void Hybrid::light(Commands& commands, gpu::Wave wave, std::uint32_t groups) {
 }
 
 double Hybrid::end_frame() {
+  camera_.jitter_x = frame_.jitter.x;
+  camera_.jitter_y = frame_.jitter.y;
   double longest = 0.0;
   if (denoiser_) {
-    camera_.jitter_x = frame_.jitter.x;
-    camera_.jitter_y = frame_.jitter.y;
     Commands commands(device_, denoiser_->dispatches());
     denoiser_->record(commands, camera_);
     commands.submit_and_wait();
     longest = tracer_.count_times(commands);
   }
+  if (!taa_) return std::max(longest, composite(frame_.flags));
+  longest = std::max(longest, composite(frame_.flags | gpu::kHybridToColor));
+  longest = std::max(longest, antialias());
+  return std::max(longest, composite(frame_.flags | gpu::kHybridFromColor));
+}
+
+double Hybrid::antialias() {
+  Commands commands(device_, taa_->dispatches());
+  taa_->record(commands, camera_);
+  commands.copy(taa_->result(), tracer_.paths_.seen,
+                std::uint64_t{settings_.width} * settings_.height * sizeof(glm::vec4));
+  commands.submit_and_wait();
+  return tracer_.count_times(commands);
+}
+
+double Hybrid::composite(std::uint32_t flags) {
+  gpu::HybridFrame frame = frame_;
+  frame.flags = flags;
+  tracer_.paths_.hybrid.write(&frame, sizeof(frame));
+  double longest = 0.0;
   for (const FilmBand& band : tracer_.bands_) {
+    if (band.pixel_count == 0) continue;
     gpu::Wave wave{band.first_pixel, band.pixel_count, 0, 1, 0, band.first_pixel};
     Commands commands(device_, 1);
     commands.bind(*band.bindings);
@@ -245,29 +276,47 @@ void Hybrid::estimate_ambient() {
   tracer_.set_seed(settings_.seed ^ kPilotSeed);
   jitters_.clear();
   begin_frame(0);
-  Governor governor(tracer_.slots());
-  for (const FilmBand& band : tracer_.bands_)
-    for (std::uint32_t done = 0; done < band.pixel_count;) {
-      const std::uint32_t count =
-          std::min(std::max(governor.wave() / samples_per_pixel(), 1u), band.pixel_count - done);
-      governor.report(render_wave(band, band.first_pixel + done, count), count * samples_per_pixel());
-      done += count;
-    }
+  const std::vector<std::uint32_t> places = light_pilot();
   frame_ = asked;
   tracer_.set_seed(settings_.seed);
   tracer_.nonfinite_ = {};
   jitters_.clear();
-  frame_.ambient = enclosed_light();
+  frame_.ambient = enclosed_light(places);
 }
 
-glm::vec3 Hybrid::enclosed_light() const {
+// Lights blocks of pixels spread evenly over the picture. Returns their places, row-major.
+std::vector<std::uint32_t> Hybrid::light_pilot() {
+  const std::uint32_t width = tracer_.frame_.width, height = tracer_.frame_.height, pixels = width * height;
+  const std::uint32_t blocks = std::min(kPilotPixels, pixels + kPilotBlock - 1) / kPilotBlock;
+  Governor governor(tracer_.slots());
+  std::vector<std::uint32_t> places;
+  for (std::uint32_t block = 0; block < std::max(blocks, 1u); ++block) {
+    const auto first = static_cast<std::uint32_t>(std::uint64_t{pixels} * block / std::max(blocks, 1u));
+    const FilmBand& band = *std::ranges::find_if(tracer_.bands_, [&](const FilmBand& b) {
+      return first >= b.first_pixel && first - b.first_pixel < b.pixel_count;
+    });
+    const std::uint32_t end = std::min(first + kPilotBlock, band.first_pixel + band.pixel_count);
+    for (std::uint32_t done = first; done < end;) {
+      const std::uint32_t count = std::min(std::max(governor.wave() / samples_per_pixel(), 1u), end - done);
+      governor.report(render_wave(band, done, count), count * samples_per_pixel());
+      done += count;
+    }
+    for (std::uint32_t pixel = first; pixel < end; ++pixel) {
+      const glm::uvec2 at = gpu::pixel_in_tile_order(pixel, width, height);
+      places.push_back(at.y * width + at.x);
+    }
+  }
+  return places;
+}
+
+glm::vec3 Hybrid::enclosed_light(std::span<const std::uint32_t> places) const {
   const std::size_t pixels = std::size_t{tracer_.frame_.width} * tracer_.frame_.height;
   const auto gbuffer = download<gpu::GbufferPixel>(tracer_.paths_.gbuffer, pixels);
   const auto signals = download<glm::vec4>(tracer_.paths_.signals, pixels);
   glm::dvec3 direct(0.0), albedo(0.0);
   double unoccluded = 0.0, count = 0.0;
-  for (std::size_t i = 0; i < pixels; ++i) {
-    const glm::dvec3 light = glm::dvec3(signals[i]) * glm::dvec3(gbuffer[i].albedo);
+  for (const std::uint32_t i : places) {
+    const glm::dvec3 light = glm::dvec3(signals[i]) * glm::dvec3(glm::max(gbuffer[i].albedo, gpu::kDemodulationFloor));
     if (!(gbuffer[i].depth > 0.0f) || !std::isfinite(light.x + light.y + light.z)) continue;
     direct += light;
     albedo += gbuffer[i].albedo;

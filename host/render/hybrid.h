@@ -10,6 +10,7 @@
 #include <future>
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "host/render/path_tracer.h"
@@ -17,6 +18,7 @@
 namespace wavepath {
 
 class Denoiser; // host/render/denoise.h
+class Taa;      // host/render/taa.h
 
 // Metres from which on nothing occludes; 0 = unlimited. What settings.ao_radius says, or what is usual.
 double occlusion_radius(const PackedScene& scene, const RenderSettings& settings);
@@ -29,9 +31,11 @@ public:
          const RenderSettings& settings);
   ~Hybrid();
 
-  // Goes on with another view and other settings, to which the tracer has been changed. Remembers nothing of the frames
-  // before.
-  void change(const PackedScene& scene, const View& view, const RenderSettings& settings);
+  // Goes on with another view and other settings, to which the tracer has been changed. With Past::keep the ambient
+  // radiance stays what it was, and filters over time still know the frames before if their size is the same; what
+  // comes out then depends on them.
+  enum class Past { forget, keep };
+  void change(const PackedScene& scene, const View& view, const RenderSettings& settings, Past past = Past::forget);
 
   // Whether the kernels are compiled, so that get_ready() will not wait.
   bool is_ready() const;
@@ -53,7 +57,7 @@ public:
   glm::vec3 ambient() const { return frame_.ambient; }
 
   // Estimates the ambient radiance from a frame that is thrown away, unless the settings name it or there is no need.
-  // It depends on scene, view and settings alone.
+  // It depends on scene, view and settings alone, and takes the light of some thousand pixels.
   void estimate_ambient();
 
 private:
@@ -70,10 +74,13 @@ private:
   };
   const Kernel& kernel(Stage stage) const { return *kernels_->by_stage[stage]; }
   static Kernels compile(Device& device, const Needs& needs);
-  void remake_denoiser();
+  void remake_filters(Past past);
+  double composite(std::uint32_t flags);
+  double antialias();
   glm::vec2 jitter(std::uint32_t sample);
   void light(Commands& commands, gpu::Wave wave, std::uint32_t groups);
-  glm::vec3 enclosed_light() const;
+  std::vector<std::uint32_t> light_pilot();
+  glm::vec3 enclosed_light(std::span<const std::uint32_t> places) const;
 
   Device& device_;
   PathTracer& tracer_;
@@ -85,8 +92,9 @@ private:
   std::future<Kernels> compiling_; // valid until the kernels are in use
   std::unique_ptr<Kernels> kernels_;
   std::unique_ptr<Denoiser> denoiser_;
-  glm::uvec3 denoiser_made_for_{0}; // size and flags
-  const BindingSet* denoiser_bound_ = nullptr;
+  std::unique_ptr<Taa> taa_;
+  glm::uvec4 filters_made_for_{0}; // size, flags, and which
+  const BindingSet* filters_bound_ = nullptr;
   std::vector<glm::vec2> jitters_; // of frames from first_jitter_ on
   std::uint32_t first_jitter_ = 0;
 };

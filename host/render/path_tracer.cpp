@@ -189,7 +189,7 @@ bool PathTracer::make_room(Buffer& buffer, std::uint64_t bytes) {
 bool PathTracer::make_room_for_paths(const RenderSettings& settings) {
   const std::uint64_t slots = frame_.slot_count;
   const std::uint64_t pixels = std::uint64_t{settings.width} * settings.height;
-  const bool hybrid = settings.integrator != Integrator::path, lights = settings.integrator == Integrator::hybrid;
+  const bool hybrid = settings.integrator != Integrator::path, seen = settings.integrator == Integrator::hybrid || (hybrid && settings.antialias_over_time);
   const bool shadows = frame_.light_count || settings.room_for_shadow_rays;
   const std::uint64_t runs = features_ & gpu::kFeatureAdaptive ? (pixels + gpu::kRunPixels - 1) / gpu::kRunPixels : 0;
   bool moved = false;
@@ -206,7 +206,7 @@ bool PathTracer::make_room_for_paths(const RenderSettings& settings) {
            {&paths_.hybrid, hybrid ? sizeof(gpu::HybridFrame) : 0},
            {&paths_.gbuffer, hybrid ? pixels * sizeof(gpu::GbufferPixel) : 0},
            {&paths_.signals, hybrid ? pixels * sizeof(glm::vec4) : 0},
-           {&paths_.seen, lights ? pixels * sizeof(glm::vec4) : 0},
+           {&paths_.seen, seen ? pixels * sizeof(glm::vec4) : 0},
            {&paths_.jitters, hybrid ? gpu::kJitters * sizeof(glm::vec2) : 0}})
     moved |= make_room(*buffer, bytes);
   return moved;

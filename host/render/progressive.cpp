@@ -93,7 +93,7 @@ void Progressive::move(const View& view) {
 
 void Progressive::rest() {
   moving_ = false;
-  if (coarse_ > 1 && spp() > 0) begin_anew(1); // else once the coarse picture is complete
+  if (is_for_motion() && spp() > 0) begin_anew(1); // else once that picture is complete
 }
 
 void Progressive::set_view(const View& view) {
@@ -133,11 +133,12 @@ void Progressive::begin_anew(std::uint32_t coarse) {
   rendered_ = settings_;
   rendered_.width = (settings_.width + coarse - 1) / coarse;
   rendered_.height = (settings_.height + coarse - 1) / coarse;
+  rendered_.antialias_over_time = moving_ && settings_.integrator != Integrator::path;
   tracer_->change(*scene_, view_, rendered_);
   if (rendered_.integrator == Integrator::path)
     hybrid_.reset();
   else if (hybrid_)
-    hybrid_->change(*scene_, view_, rendered_);
+    hybrid_->change(*scene_, view_, rendered_, moving_ ? Hybrid::Past::keep : Hybrid::Past::forget);
   else
     hybrid_ = std::make_unique<Hybrid>(device_, *tracer_, *scene_, view_, rendered_);
   sample_ = settings_.first_sample;
@@ -160,8 +161,8 @@ void Progressive::reset_pass() {
 void Progressive::begin_pass() {
   if (hybrid_) {
     hybrid_->get_ready();
-    if (spp() == 0) hybrid_->estimate_ambient();
-    hybrid_->begin_frame(sample_);
+    if (spp() == 0 && !(moving_ && hybrid_->ambient() != glm::vec3(0.0f))) hybrid_->estimate_ambient();
+    hybrid_->begin_frame(moving_ ? motion_frames_++ : sample_); // in motion, every frame is another
     pass_samples_ = 1;
     return;
   }
@@ -180,9 +181,9 @@ void Progressive::end_pass() {
   if (next_view_) {
     view_ = *next_view_;
     begin_anew(choose_coarse());
-  } else if (coarse_ > 1 && !moving_) {
+  } else if (is_for_motion() && !moving_) {
     begin_anew(1);
-  } else if (coarse_ == 1 && (std::has_single_bit(spp()) || is_done())) {
+  } else if (!is_for_motion() && (std::has_single_bit(spp()) || is_done())) {
     estimate();
   }
 }

@@ -83,6 +83,8 @@ private:
   std::uint32_t spp() const { return sample_ - settings_.first_sample; }
   bool is_done() const { return sample_ >= settings_.last_sample; }
   void begin_anew(std::uint32_t coarse);
+  // Whether what is rendered is for the time being: coarse, or joined to frames of other views.
+  bool is_for_motion() const { return coarse_ > 1 || rendered_.antialias_over_time; }
   void reset_pass();
   std::uint32_t choose_coarse() const;
   void begin_pass();
@@ -102,6 +104,7 @@ private:
   std::unique_ptr<Hybrid> hybrid_; // of the hybrid integrators
   Governor governor_;
 
+  std::uint32_t motion_frames_ = 0; // hybrid frames while the camera moved
   bool moving_ = false, compiling_ = false;
   std::uint32_t coarse_ = 1;
   std::uint32_t sample_ = 0, pass_samples_ = 0; // the pass in progress adds [sample_, sample_ + pass_samples_)

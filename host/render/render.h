@@ -47,6 +47,7 @@ struct RenderSettings {
   std::optional<double> ao_radius;     // metres, 0 = unlimited; empty: unlimited for ao, a tenth of the scene's radius for hybrid
   std::optional<glm::vec3> ambient;    // radiance; empty = estimated from the direct light in the picture
   bool denoise = false;                // filter shadows and occlusion over space and time; biased
+  bool antialias_over_time = false;    // joins every frame to those before it, for a camera in motion; biased
   bool adaptive = false; // more samples where a pilot, which is thrown away, found more noise
   bool specialize = true;
   std::vector<std::string> aovs; // names of the contract's --aov
