@@ -12,11 +12,20 @@
 // Not gl_PrimitiveID, which fragment shaders may read only with an optional feature.
 layout(location = 0) flat out uint triangle;
 layout(location = 1) flat out uint instance;
+layout(location = 2) flat out uint hidden_sides; // 1: the clockwise one, 2: the other
 
 void main() {
   uint corner = uint(gl_VertexIndex);
   triangle = corner / 3u;
   instance = uint(gl_InstanceIndex);
+  hidden_sides = 0u;
+  if (has(kFeatureCull)) {
+    // A transform that mirrors shows the back counter-clockwise.
+    bool mirrors = has(kFeatureInstances) && frame.root_is_top != 0u &&
+                   floatBitsToUint(texelFetch(instances, int(instance * kInstanceTexels + 6u)).y) != 0u;
+    uint flags = floatBitsToUint(texelFetch(triangles, int(triangle * kTriangleTexels)).w);
+    if ((flags & kTriangleSingleSided) != 0u) hidden_sides = mirrors ? 2u : 1u;
+  }
   vec3 p = texelFetch(triangles, int(triangle * kTriangleTexels + corner % 3u)).xyz;
   if (has(kFeatureInstances) && frame.root_is_top != 0u) p = transform_point(instance * kInstanceTexels + 3u, p);
 

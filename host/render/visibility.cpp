@@ -16,16 +16,18 @@
 namespace wavepath {
 namespace {
 
-// No submission should keep the device for longer than a tenth of a second; half of that leaves room for what changes
-// when the camera moves. The first size, in triangles, is a guess; one of few triangles may be as slow as it likes.
-constexpr double kLongestSlice = 0.05;
-constexpr std::uint64_t kFirstSlice = 1 << 16, kSmallestSlice = 1 << 10;
-constexpr std::uint64_t kFirstPixels = 1 << 15; // the same for traced pixels
+// No submission should keep the device for longer than a tenth of a second; less than half of that on average leaves
+// room for slices that are not alike. The average decides, because a busy machine delays one or another of any size,
+// and because every slice costs what loading and storing the picture does. The first sizes, in triangles and pixels,
+// are guesses.
+constexpr double kLongSlice = 0.04, kShortSlice = 0.01; // seconds
+constexpr std::uint64_t kFirstTriangles = 1 << 16, kFirstPixels = 1 << 15, kSmallestSlice = 1 << 12;
 
-// The size of slices after a frame whose slowest one took `longest` seconds.
-std::uint64_t adapt(std::uint64_t size, double longest) {
-  if (longest > kLongestSlice) return std::max(kSmallestSlice, size / 2);
-  return longest < 0.25 * kLongestSlice ? 2 * size : size;
+// The size of slices after a frame of `slices` of them that took `seconds`.
+std::uint64_t adapt(std::uint64_t size, double seconds, std::size_t slices) {
+  const double average = seconds / static_cast<double>(slices);
+  if (average > kLongSlice) return std::max(kSmallestSlice, size / 2);
+  return average < kShortSlice && slices > 1 ? 2 * size : size;
 }
 
 // The draws in pieces of at most `most` triangles; at least one piece.
@@ -135,7 +137,7 @@ Visibility::Visibility(Device& device, const PackedScene& scene, const GpuScene&
       pipeline_(device, "visibility", wavepath_visibility_vert_spv, wavepath_visibility_frag_spv, bindings_,
                 constants_of(config_, device)),
       chunks_(make_chunks(scene)),
-      triangles_a_slice_(kFirstSlice),
+      triangles_a_slice_(kFirstTriangles),
       pixels_a_slice_(kFirstPixels) {}
 
 double Visibility::draw(std::span<const VertexRange> ranges, bool first, bool last) {
@@ -152,10 +154,11 @@ double Visibility::draw(std::span<const VertexRange> ranges, bool first, bool la
 double Visibility::render(const gpu::CameraView& camera) {
   const std::vector<Draw> draws = visible_draws(chunks_, camera, width_, height_);
   const std::vector<std::vector<VertexRange>> slices = cut(draws, triangles_a_slice_); // submitted one by one
+  const double before = seconds_;
   double longest = 0.0;
   for (std::size_t i = 0; i < slices.size(); ++i)
     longest = std::max(longest, draw(slices[i], i == 0, i + 1 == slices.size()));
-  if (slices.size() > 1 || longest > kLongestSlice) triangles_a_slice_ = adapt(triangles_a_slice_, longest);
+  triangles_a_slice_ = adapt(triangles_a_slice_, seconds_ - before, slices.size());
   return longest;
 }
 
@@ -163,8 +166,10 @@ double Visibility::trace() {
   if (!tracer_)
     tracer_.emplace(device_, "visibility", wavepath_visibility_spv, bindings_, constants_of(config_, device_));
   const std::uint32_t pixels = width_ * height_;
+  const double before = seconds_;
   double longest = 0.0;
-  for (std::uint32_t first = 0; first < pixels;) {
+  std::size_t slices = 0;
+  for (std::uint32_t first = 0; first < pixels; ++slices) {
     gpu::Wave wave{};
     wave.first_pixel = first;
     wave.pixel_count = static_cast<std::uint32_t>(std::min<std::uint64_t>(pixels_a_slice_, pixels - first));
@@ -175,7 +180,7 @@ double Visibility::trace() {
     longest = std::max(longest, timed(commands));
     first += wave.pixel_count;
   }
-  if (pixels_a_slice_ < pixels || longest > kLongestSlice) pixels_a_slice_ = adapt(pixels_a_slice_, longest);
+  pixels_a_slice_ = adapt(pixels_a_slice_, seconds_ - before, slices);
   return longest;
 }
 
