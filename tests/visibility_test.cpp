@@ -115,8 +115,6 @@ public:
     std::vector<Binding> given = scene_.bindings();
     using enum BindingKind;
     given.insert(given.end(), {{gpu::kBindFrame, uniform, &frame_},
-                               {gpu::kBindHybrid, uniform, &hybrid_},
-                               {gpu::kBindVisibility, texels_rg32ui, &visibility.ids()},
                                {gpu::kBindRays, storage, &rays_},
                                {gpu::kBindRayTexels, texels_rgba32f, &rays_},
                                {gpu::kBindHits, storage, &hits_},
