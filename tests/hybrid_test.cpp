@@ -69,7 +69,8 @@ protected:
     return settings;
   }
   RenderResult render(const Subject& subject, const RenderSettings& settings) {
-    return wavepath::render(device(), subject.packed, subject.view, settings);
+    static KernelCompiler kernels(device()); // compiles each of them once
+    return wavepath::render(device(), subject.packed, subject.view, settings, RenderHooks{}, kernels);
   }
 };
 
