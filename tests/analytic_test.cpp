@@ -13,6 +13,7 @@
 #include "host/cli/render_flags.h"
 #include "host/cli/scene_flags.h"
 #include "host/render/film.h"
+#include "host/render/kernel_compiler.h"
 #include "host/render/render.h"
 #include "host/scene/pack.h"
 #include "tests/probe.h"
@@ -75,7 +76,8 @@ RenderResult render_scene(Device& device, const fs::path& path, std::vector<std:
   Scene scene = load_scene(scene_request);
   const View view = resolve_view(scene, {}, request.settings.width, request.settings.height);
   const PackedScene packed = pack(scene, request.settings.direct, request.bvh.value_or(bvh::Quality::fast));
-  const RenderResult result = render(device, packed, view, request.settings);
+  static KernelCompiler kernels(device); // compiles each of them once
+  const RenderResult result = render(device, packed, view, request.settings, RenderHooks{}, kernels);
   EXPECT_EQ(result.nonfinite.samples(), 0u);
   return result;
 }
