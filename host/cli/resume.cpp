@@ -6,6 +6,7 @@
 
 #include "host/base/atomic_file.h"
 #include "host/base/error.h"
+#include "host/render/adaptive.h"
 #include "host/render/identity.h"
 
 namespace wavepath {
@@ -31,9 +32,14 @@ std::optional<RenderState> read_resumed(const StateRequest& request, const Rende
   if (const auto difference = first_difference(identity, record.identity))
     throw Error(request.file, fmt::format("is of another render: {}", *difference),
                 "use the flags and the scene that it was begun with");
-  if (record.state.cursor.sample < settings.first_sample)
-    throw Error(request.file, fmt::format("begins before sample {}", settings.first_sample),
+  const RenderState& state = record.state;
+  if (state.first_sample != settings.first_sample)
+    throw Error(request.file, fmt::format("begins at sample {}, not {}", state.first_sample, settings.first_sample),
                 "use the --samples that it was begun with");
+  const std::uint32_t end = state.cursor.sample + state.cursor.pass_samples; // also of a pass that is in progress
+  if (end > (settings.adaptive ? whole_steps(settings.last_sample) : settings.last_sample))
+    throw Error(request.file, fmt::format("has come to sample {}, beyond {}", end, settings.last_sample),
+                fmt::format("ask for {} samples or more", end - state.first_sample));
   if (record.device != device_text(device))
     warnings.add(fmt::format("{}: begun on {}; the result is as good, but not bit by bit what one device gives",
                              request.file, record.device));

@@ -22,6 +22,9 @@ inline constexpr std::uint32_t kLargestRun = gpu::kRunPixels * (kAdaptiveStep <<
 // Samples of the range [0, n) in a run of that level; n is a multiple of kAdaptiveStep.
 inline std::uint32_t at_level(std::uint32_t n, int level) { return level >= 0 ? n << level : n >> -level; }
 
+// The samples of an adaptive render that is asked for n.
+inline std::uint32_t whole_steps(std::uint32_t n) { return (n + kAdaptiveStep - 1) / kAdaptiveStep * kAdaptiveStep; }
+
 // Levels of all runs of kRunPixels pixels in tile order, such that pixels get as many samples as without them, or a
 // little fewer.
 std::vector<std::int8_t> choose_levels(const Film& pilot);

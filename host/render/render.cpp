@@ -5,6 +5,7 @@
 #include <bit>
 #include <chrono>
 #include <cmath>
+#include <limits>
 
 #include <fmt/format.h>
 
@@ -69,7 +70,6 @@ public:
         segments_(even_segments(tracer_.bands())) {
     if (settings_.integrator != Integrator::path) hybrid_.emplace(device, tracer_, scene, view, settings_);
     if (!settings_.adaptive) return;
-    const auto whole_steps = [](std::uint32_t n) { return (n + kAdaptiveStep - 1) / kAdaptiveStep * kAdaptiveStep; };
     settings_.first_sample = whole_steps(settings_.first_sample);
     settings_.last_sample = whole_steps(settings_.last_sample);
   }
@@ -125,6 +125,7 @@ private:
 
   RenderState state() const {
     return {cursor_,
+            settings_.first_sample,
             seconds(),
             result_.estimate_seconds,
             tracer_.stages(),
@@ -262,13 +263,15 @@ private:
   bool is_checkpoint() const { return std::has_single_bit(spp_done()) || cursor_.sample == settings_.last_sample; }
   bool is_check() const { return next_check_ > 0 && cursor_.sample == next_check_; }
 
-  Checkpoint measure(const Film& film) {
+  // Without a film there is no estimate.
+  Checkpoint measure(const Film* film) {
     Checkpoint point;
     point.spp = samples_per_pixel();
     point.seconds = seconds();
     for (const StageTime& stage : tracer_.stages()) point.gpu_seconds += stage.seconds;
     point.rays = ray_counts(tracer_.counters());
-    point.error = estimate_error(film);
+    constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+    point.error = film ? estimate_error(*film) : ErrorEstimate{kUnknown, {kUnknown, kUnknown}, 0.0};
     return point;
   }
 
@@ -279,14 +282,14 @@ private:
   void checkpoint() {
     pause_clock();
     const auto start = Clock::now();
-    film_ = std::make_shared<const Film>(download_film(tracer_, settings_.width, settings_.height));
-    const Film& film = *film_;
-    const Checkpoint point = last_ = measure(film);
+    if (spp_done() >= gpu::kReplicates || hooks_.checkpoint) // of fewer samples there is no estimate
+      film_ = std::make_shared<const Film>(download_film(tracer_, settings_.width, settings_.height));
+    const Checkpoint point = last_ = measure(film_.get());
     result_.estimate_seconds += seconds_since(start);
     result_.error = point.error;
     if (is_checkpoint()) {
       result_.checkpoints.push_back(point);
-      if (hooks_.checkpoint) hooks_.checkpoint(point, develop(film, settings_.aovs, origin_));
+      if (hooks_.checkpoint) hooks_.checkpoint(point, develop(*film_, settings_.aovs, origin_));
     }
     if (settings_.target_error > 0.0) aim(point);
     resume_clock();
@@ -315,7 +318,7 @@ private:
     if (hooks_.save) hooks_.save(state());
     if (!film_) { // the last pass was no checkpoint, or was cut short
       film_ = std::make_shared<const Film>(download_film(tracer_, settings_.width, settings_.height));
-      last_ = measure(*film_);
+      last_ = measure(film_.get());
     }
     const Checkpoint& last = last_;
     result_.picture = develop(*film_, settings_.aovs, origin_);

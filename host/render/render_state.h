@@ -18,6 +18,7 @@ struct RenderCursor {
 
 struct RenderState {
   RenderCursor cursor;
+  std::uint32_t first_sample = 0; // the first that it holds
   double seconds = 0.0, estimate_seconds = 0.0;
   std::vector<StageTime> stages;
   gpu::Queues counters{}; // totals of rays

@@ -17,7 +17,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::string_view kMagic = "wavepath state 1\n";
+constexpr std::string_view kMagic = "wavepath state 2\n";
 constexpr const char* kRemedy = "start again without --resume, or name another --checkpoint";
 
 // FNV-1a (Fowler, Noll, Vo) over words of 32 bits.
@@ -93,6 +93,7 @@ Json describe(const std::string& identity, const std::string& device, const Rend
   return {{"identity", identity},
           {"device", device},
           {"cursor", {cursor.sample, cursor.pass_samples, cursor.segment, cursor.pixels_done}},
+          {"first_sample", state.first_sample},
           {"seconds", state.seconds},
           {"estimate_seconds", state.estimate_seconds},
           {"counters", words_of(state.counters)},
@@ -108,6 +109,7 @@ RenderState state_from(const Json& json) {
   RenderState state;
   const Json& cursor = json.at("cursor");
   state.cursor = {cursor.at(0), cursor.at(1), cursor.at(2), cursor.at(3)};
+  state.first_sample = json.at("first_sample");
   state.seconds = json.at("seconds");
   state.estimate_seconds = json.at("estimate_seconds");
   const auto counters = json.at("counters").get<std::vector<std::uint32_t>>();
