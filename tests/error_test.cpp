@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "host/render/adaptive.h"
+#include "host/render/depth_cut.h"
 #include "host/render/error.h"
 #include "host/render/film.h"
 #include "host/render/kernel_compiler.h"
@@ -202,6 +203,21 @@ TEST_F(ErrorTest, AdaptiveRendersAreReproducible) {
   subject.settings_.wave_slots = 4096;
   EXPECT_EQ(first.channels[0].values, subject.render(5).picture.channels[0].values);
   EXPECT_NE(first.channels[0].values, subject.render(6).picture.channels[0].values);
+}
+
+// The pilots of two depths would choose other levels, and then the two pictures differ by noise.
+TEST_F(ErrorTest, DepthCutIsMeasuredByTheSamePaths) {
+  Scene scene = load_gltf(kScenes + "cornell_box.gltf", {});
+  RenderSettings settings = small(48, 16);
+  const View view = resolve_view(scene, {}, settings.width, settings.height);
+  const PackedScene packed = pack(scene, settings.direct);
+  KernelCompiler kernels(device());
+  const DepthCut even = measure_depth_cut(device(), packed, view, settings, kernels);
+  settings.adaptive = true;
+  const DepthCut adaptive = measure_depth_cut(device(), packed, view, settings, kernels);
+  EXPECT_GT(even.share, 0.0);
+  EXPECT_EQ(adaptive.share, even.share);
+  EXPECT_EQ(adaptive.standard_error, even.standard_error);
 }
 
 TEST(Levels, GiveNoisyRunsMoreAndKeepTheTotal) {
