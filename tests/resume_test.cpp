@@ -1,5 +1,6 @@
 // Stopping, splitting and joining renders as a user does: whatever happens in between, the bits are those of one
 // render.
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <random>
@@ -8,10 +9,12 @@
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 #include <sys/resource.h>
 
 #include "host/render/film.h"
 #include "host/render/picture_io.h"
+#include "host/render/state_file.h"
 #include "tests/run_wavepath.h"
 #include "tests/temporary_folder.h"
 
@@ -91,7 +94,7 @@ TEST_F(Resume, SurvivesBeingKilledAtAnyMoment) {
 
 TEST_F(Resume, GoesOnAfterAnInterruptAndBeyondTheEnd) {
   ASSERT_EQ(render("whole.exr", {}).exit_code, 0);
-  ASSERT_EQ(render("part.exr", {"--checkpoint", "state", "--time", "0.05"}).exit_code, 0);
+  ASSERT_EQ(render("part.exr", {"--checkpoint", "state", "--spp", "20", "--time", "0.05"}).exit_code, 0);
   ASSERT_EQ(render("part.exr", {"--checkpoint", "state", "--resume", "--spp", "20"}).exit_code, 0);
   ASSERT_EQ(render("part.exr", {"--checkpoint", "state", "--resume"}).exit_code, 0);
   expect_same_bits("part.exr", "whole.exr");
@@ -144,6 +147,7 @@ TEST_F(Resume, RefusesWhatIsNotItsOwn) {
   refused({"--yfov", "30"}, "the camera is another");
   refused({"--env", "1,1,1"}, "the scene is another");
   refused({"--adaptive"}, "adaptive is on, not off");
+  refused({"--spp", "4"}, "has come to sample 8, beyond 4");
   const Outcome unasked = render("x.exr", {"--checkpoint", "state"});
   EXPECT_EQ(unasked.exit_code, 2);
   EXPECT_NE(unasked.err.find("add --resume"), std::string::npos) << unasked.err;
@@ -160,6 +164,32 @@ TEST_F(Resume, RefusesWhatIsNotItsOwn) {
   const Outcome outcome = render("x.exr", {"--checkpoint", "state", "--resume"});
   EXPECT_EQ(outcome.exit_code, 1);
   EXPECT_NE(outcome.err.find("checksum"), std::string::npos) << outcome.err;
+}
+
+// The samples before a range, or those of it that are left out, would count twice once the parts are merged.
+TEST_F(Resume, RefusesAnotherRangeThanItBeganWith) {
+  ASSERT_EQ(render("part.exr", {"--checkpoint", "state", "--samples", "4:8"}).exit_code, 0);
+  const auto refused = [&](const std::string& samples, const std::string& words) {
+    const Outcome outcome = render("x.exr", {"--checkpoint", "state", "--resume", "--samples", samples});
+    EXPECT_EQ(outcome.exit_code, 1) << samples;
+    EXPECT_NE(outcome.err.find(words), std::string::npos) << outcome.err;
+  };
+  refused("0:8", "begins at sample 4, not 0");
+  refused("6:12", "begins at sample 4, not 6");
+  refused("4:6", "has come to sample 8, beyond 6");
+  ASSERT_EQ(render("part.exr", {"--checkpoint", "state", "--resume", "--samples", "4:12"}).exit_code, 0);
+  EXPECT_EQ(read_attribute(path("part.exr"), "wavepath.samples"), "4:12");
+}
+
+// A pass gives all pixels the same samples; a state saved within one cannot end before the pass does.
+TEST_F(Resume, RefusesAnEndWithinThePassInProgress) {
+  ASSERT_EQ(render("part.exr", {"--checkpoint", "state", "--spp", "8"}).exit_code, 0);
+  StateRecord record = read_state(path("state"));
+  record.state.cursor = {4, 4, 0, 100};
+  write_state(path("state"), record.identity, record.device, record.state);
+  const Outcome outcome = render("x.exr", {"--checkpoint", "state", "--resume", "--spp", "6"});
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_NE(outcome.err.find("has come to sample 8, beyond 6; ask for 8"), std::string::npos) << outcome.err;
 }
 
 TEST_F(Resume, PartsJoinToTheWhole) {
@@ -182,6 +212,33 @@ TEST_F(Resume, PartsJoinToTheWhole) {
     EXPECT_EQ(read_number(path("merged.exr"), "wavepath.error"), read_number(path("whole.exr"), "wavepath.error"));
     EXPECT_EQ(read_matrix(path("merged.exr"), "worldToNDC"), read_matrix(path("whole.exr"), "worldToNDC"));
   }
+}
+
+// Far from the origin floats are coarse: a place that is found by subtracting them is millimetres off.
+TEST_F(Resume, MergedPositionsAreThoseOfTheWhole) {
+  std::ifstream file(kCornell);
+  nlohmann::json scene = nlohmann::json::parse(file);
+  scene["nodes"].push_back({{"translation", {100000.3, 0.0, 0.0}}, {"children", scene["scenes"][0]["nodes"]}});
+  scene["scenes"][0]["nodes"] = {scene["nodes"].size() - 1};
+  std::ofstream(path("far.gltf")) << scene;
+  const auto render_far = [&](const std::string& output, const std::string& samples) {
+    return wavepath({"render", "far.gltf", "--size", "16x16", "--spp", "8", "--samples", samples, "-q", "--aov",
+                     "position,depth", "-o", output})
+        .exit_code;
+  };
+  ASSERT_EQ(render_far("whole.exr", "0:8") + render_far("a.exr", "0:3") + render_far("b.exr", "3:8"), 0);
+  const Outcome merged = wavepath({"merge", "b.exr", "a.exr", "-o", "merged.exr"});
+  ASSERT_EQ(merged.exit_code, 0) << merged.err;
+  const std::optional<glm::dvec3> origin = read_place(path("whole.exr"), "wavepath.origin");
+  ASSERT_TRUE(origin);
+  EXPECT_GT(origin->x, 1e5);
+  EXPECT_EQ(read_place(path("merged.exr"), "wavepath.origin"), origin);
+  const Picture whole = read_picture(path("whole.exr")), joined = read_picture(path("merged.exr"));
+  for (const char* name : {"P.X", "P.Y", "P.Z"})
+    for (std::size_t i = 0; i < 256; ++i) {
+      const float a = find_channel(whole, name)->values[i], b = find_channel(joined, name)->values[i];
+      ASSERT_LE(std::abs(a - b), std::abs(std::nextafter(a, 2.0f * a) - a) + 1e-6f) << name << " of pixel " << i;
+    }
 }
 
 TEST_F(Resume, MergeRefusesWhatDoesNotBelongTogether) {

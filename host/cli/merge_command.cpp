@@ -92,15 +92,11 @@ std::vector<std::string> aovs_of(const Picture& picture) {
   return aovs;
 }
 
-// Positions are stored relative to where the device had its origin, and come back as they were written.
-glm::dvec3 origin_of(const Picture& picture, const Film& film) {
-  const Channel* channels[3] = {find_channel(picture, "P.X"), find_channel(picture, "P.Y"),
-                                find_channel(picture, "P.Z")};
-  for (std::size_t i = 0; channels[0] && i < film.aovs.size(); ++i)
-    if (film.aovs[i].hits > 0.0f)
-      return {channels[0]->values[i] - film.aovs[i].position.x, channels[1]->values[i] - film.aovs[i].position.y,
-              channels[2]->values[i] - film.aovs[i].position.z};
-  return glm::dvec3(0.0);
+// What the positions in a part are relative to.
+glm::dvec3 read_origin(const std::string& path) {
+  const std::optional<glm::dvec3> origin = read_place(path, "wavepath.origin");
+  if (!origin) throw Error(path, "does not tell its origin (wavepath.origin)", "render it again");
+  return *origin;
 }
 
 int run_merge(const Request& request) {
@@ -126,10 +122,13 @@ int run_merge(const Request& request) {
   for (const std::string& path : request.parts) {
     const std::shared_ptr<const Film> part = read_film(path);
     if (!part) throw Error(path, "holds no exact sums", "render it with --samples or --mergeable, to its end");
+    const glm::dvec3 origin = read_origin(path);
     if (film)
       join(*film, *part);
     else
-      film = std::make_shared<Film>(*part);
+      film = std::make_shared<Film>(*part), info.origin = origin;
+    if (origin != info.origin)
+      throw Error(path, fmt::format("has another origin than {}", request.parts.front()), "render all parts alike");
     info.seconds += read_number(path, "wavepath.seconds").value_or(0.0);
     const std::string device = read_attribute(path, "wavepath.device");
     if (info.device.empty()) info.device = device;
@@ -139,8 +138,7 @@ int run_merge(const Request& request) {
           device, info.device));
   }
   const std::string& first = request.parts.front();
-  const Picture of_first = read_picture(first);
-  const Picture picture = develop(*film, aovs_of(of_first), origin_of(of_first, *film));
+  const Picture picture = develop(*film, aovs_of(read_picture(first)), info.origin);
   const ErrorEstimate error = estimate_error(*film);
   for (const Range& range : ranges) info.spp += range.end - range.first;
   if (has_estimate(info.spp, error)) info.error = error.relative_rms;

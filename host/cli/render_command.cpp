@@ -89,8 +89,9 @@ std::optional<Picture> read_reference(Request& request) {
 }
 
 // `mergeable`: the identity that parts share, or empty.
-PictureInfo picture_info(const Request& request, const View& view, const RenderResult& result, const DeviceInfo& device,
-                         const std::string& mergeable, const std::vector<std::string>& bias) {
+PictureInfo picture_info(const Request& request, const View& view, const PackedScene& packed,
+                         const RenderResult& result, const DeviceInfo& device, const std::string& mergeable,
+                         const std::vector<std::string>& bias) {
   const RenderSettings& settings = request.render.settings;
   PictureInfo info;
   info.spp = result.spp;
@@ -106,6 +107,7 @@ PictureInfo picture_info(const Request& request, const View& view, const RenderR
   if (!mergeable.empty() && result.even) {
     info.identity = mergeable;
     info.device = device_text(device);
+    info.origin = packed.origin;
     info.film = result.film;
   }
   return info;
@@ -218,7 +220,8 @@ int run_render(Request& request) {
 
   const Stopwatch writing;
   const std::exception_ptr failure = write_pictures(
-      request, picture_info(request, view, result, device.info(), request.render.mergeable ? identity : "", run.bias),
+      request,
+      picture_info(request, view, packed, result, device.info(), request.render.mergeable ? identity : "", run.bias),
       result.picture, warnings);
   run.write_seconds = writing.seconds();
   run.load_seconds = load_seconds;

@@ -31,8 +31,9 @@ struct PictureInfo {
   std::optional<std::array<float, 16>> world_to_camera,
       world_to_ndc; // where there is no view, as read_matrix gives them
   // Of a picture that can be merged: what decides its bits (identity.h), who rendered it, and its exact sums, in
-  // channels film.NN.
+  // channels film.NN, with the place that their positions are relative to.
   std::string identity, device;
+  glm::dvec3 origin{0.0};
   std::shared_ptr<const Film> film;
 };
 
@@ -58,6 +59,7 @@ std::string read_attribute(const std::string& path, const std::string& name);
 std::optional<double> read_number(const std::string& path, const std::string& name);
 
 std::optional<std::array<float, 16>> read_matrix(const std::string& path, const std::string& name);
+std::optional<glm::dvec3> read_place(const std::string& path, const std::string& name);
 
 // The exact sums that an EXR holds; null if it has none. Throws Error.
 std::shared_ptr<const Film> read_film(const std::string& path);

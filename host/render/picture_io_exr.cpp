@@ -18,6 +18,7 @@
 #include <OpenEXR/ImfOutputFile.h>
 #include <OpenEXR/ImfStringAttribute.h>
 #include <OpenEXR/ImfThreading.h>
+#include <OpenEXR/ImfVecAttribute.h>
 #include <fmt/format.h>
 
 #include "host/base/atomic_file.h"
@@ -136,6 +137,7 @@ Imf::Header make_header(const Picture& picture, const PictureInfo& info, bool ha
   if (info.film) {
     add_text("wavepath.identity", info.identity);
     add_text("wavepath.device", info.device);
+    header.insert("wavepath.origin", Imf::V3dAttribute({info.origin.x, info.origin.y, info.origin.z}));
     for (std::size_t i = 0; i < film_words(*info.film); ++i)
       header.channels().insert(film_channel(i), Imf::Channel(Imf::UINT));
   }
@@ -169,6 +171,29 @@ std::vector<std::vector<Imath::half>> to_half(const Picture& picture, std::uint6
 std::pair<std::size_t, std::string> rank(const std::string& name) {
   const std::size_t place = name.size() == 1 ? std::string("RGBA").find(name) : std::string::npos;
   return {place, name};
+}
+
+// What `read` finds in the header of an EXR; nothing if the file is none, because reading the picture itself says what
+// is wrong.
+template <class Read>
+auto read_header(const std::string& path, Read read) -> decltype(read(std::declval<const Imf::Header&>())) {
+  if (picture_format(path) != PictureFormat::exr) return {};
+  try {
+    return read(Imf::InputFile(path.c_str()).header());
+  } catch (const std::exception&) {
+    return {};
+  }
+}
+
+// Of the exception in flight: OpenEXR's become ours.
+[[noreturn]] void explain_reading(const std::string& path) try {
+  throw;
+} catch (const Error&) {
+  throw;
+} catch (const std::bad_alloc&) {
+  throw;
+} catch (const std::exception& error) {
+  throw Error(path, fmt::format("OpenEXR cannot read it ({})", error.what()), "check that it is a complete EXR file");
 }
 
 } // namespace
@@ -233,37 +258,33 @@ Picture read_exr(const std::string& path) try {
   input.setFrameBuffer(pixels);
   input.readPixels(window.min.y, window.max.y);
   return picture;
-} catch (const Error&) {
-  throw;
-} catch (const std::bad_alloc&) {
-  throw;
-} catch (const std::exception& error) {
-  throw Error(path, fmt::format("OpenEXR cannot read it ({})", error.what()), "check that it is a complete EXR file");
+} catch (...) {
+  explain_reading(path);
 }
 
 std::optional<double> read_number(const std::string& path, const std::string& name) {
-  if (picture_format(path) != PictureFormat::exr) return std::nullopt;
-  try {
-    const Imf::InputFile input(path.c_str());
-    if (const auto* real = input.header().findTypedAttribute<Imf::FloatAttribute>(name)) return real->value();
-    if (const auto* whole = input.header().findTypedAttribute<Imf::IntAttribute>(name)) return whole->value();
+  return read_header(path, [&](const Imf::Header& header) -> std::optional<double> {
+    if (const auto* real = header.findTypedAttribute<Imf::FloatAttribute>(name)) return real->value();
+    if (const auto* whole = header.findTypedAttribute<Imf::IntAttribute>(name)) return whole->value();
     return std::nullopt;
-  } catch (const std::exception&) {
-    return std::nullopt; // reading the picture itself says what is wrong
-  }
+  });
 }
 
 std::optional<std::array<float, 16>> read_matrix(const std::string& path, const std::string& name) {
-  try {
-    const Imf::InputFile input(path.c_str());
-    const auto* matrix = input.header().findTypedAttribute<Imf::M44fAttribute>(name);
+  return read_header(path, [&](const Imf::Header& header) -> std::optional<std::array<float, 16>> {
+    const auto* matrix = header.findTypedAttribute<Imf::M44fAttribute>(name);
     if (!matrix) return std::nullopt;
     std::array<float, 16> values;
     std::copy_n(matrix->value().getValue(), 16, values.begin());
     return values;
-  } catch (const std::exception&) {
-    return std::nullopt; // reading the picture itself says what is wrong
-  }
+  });
+}
+
+std::optional<glm::dvec3> read_place(const std::string& path, const std::string& name) {
+  return read_header(path, [&](const Imf::Header& header) -> std::optional<glm::dvec3> {
+    const auto* place = header.findTypedAttribute<Imf::V3dAttribute>(name);
+    return place ? std::optional(glm::dvec3(place->value().x, place->value().y, place->value().z)) : std::nullopt;
+  });
 }
 
 std::shared_ptr<const Film> read_film(const std::string& path) try {
@@ -293,25 +314,17 @@ std::shared_ptr<const Film> read_film(const std::string& path) try {
   input.setFrameBuffer(pixels);
   input.readPixels(window.min.y, window.max.y);
   return film;
-} catch (const Error&) {
-  throw;
-} catch (const std::bad_alloc&) {
-  throw;
-} catch (const std::exception& error) {
-  throw Error(path, fmt::format("OpenEXR cannot read it ({})", error.what()), "check that it is a complete EXR file");
+} catch (...) {
+  explain_reading(path);
 }
 
 std::string read_attribute(const std::string& path, const std::string& name) {
-  if (picture_format(path) != PictureFormat::exr) return {};
-  try {
-    const Imf::InputFile input(path.c_str());
-    const auto* number = input.header().findTypedAttribute<Imf::FloatAttribute>(name);
+  return read_header(path, [&](const Imf::Header& header) {
+    const auto* number = header.findTypedAttribute<Imf::FloatAttribute>(name);
     if (number) return fmt::format("{}", number->value());
-    const auto* text = input.header().findTypedAttribute<Imf::StringAttribute>(name);
+    const auto* text = header.findTypedAttribute<Imf::StringAttribute>(name);
     return text ? text->value() : std::string();
-  } catch (const std::exception&) {
-    return {}; // reading the picture itself says what is wrong
-  }
+  });
 }
 
 } // namespace wavepath
