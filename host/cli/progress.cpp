@@ -20,13 +20,6 @@ namespace {
 
 constexpr std::chrono::milliseconds kRedraw{100}, kLineInterval{5000};
 
-std::string duration(double seconds) {
-  const auto whole = static_cast<long long>(std::min(seconds, 1e9));
-  if (seconds < 60.0) return fmt::format("{:.1f} s", seconds);
-  if (seconds < 3600.0) return fmt::format("{}:{:02}", whole / 60, whole % 60);
-  return fmt::format("{}:{:02}:{:02}", whole / 3600, whole / 60 % 60, whole % 60);
-}
-
 // Seconds to go: whichever limit ends the render first. The error is taken to go on falling as it did.
 double seconds_left(const Progress& progress, double time_limit, double target_error) {
   double left = std::numeric_limits<double>::infinity();
@@ -46,6 +39,13 @@ int terminal_width() {
 
 } // namespace
 
+std::string duration_text(double seconds) {
+  const auto whole = static_cast<long long>(std::min(seconds, 1e9));
+  if (seconds < 60.0) return fmt::format("{:.1f} s", seconds);
+  if (seconds < 3600.0) return fmt::format("{}:{:02} min", whole / 60, whole % 60);
+  return fmt::format("{}:{:02}:{:02} h", whole / 3600, whole / 60 % 60, whole % 60);
+}
+
 std::string progress_text(const Progress& progress, double time_limit, double target_error, int bar_width) {
   const double left = seconds_left(progress, time_limit, target_error);
   // With a time limit or a target the share of the samples would tell little; the share of the time is what counts.
@@ -59,8 +59,8 @@ std::string progress_text(const Progress& progress, double time_limit, double ta
             std::string(static_cast<std::size_t>(bar_width - filled), '.') + "] ";
   }
   text += fmt::format("{:3.0f} %  {}/{} spp  {} elapsed", 100.0 * done, progress.spp_done, progress.spp_planned,
-                      duration(progress.seconds));
-  if (std::isfinite(left)) text += fmt::format(", {} left", duration(left));
+                      duration_text(progress.seconds));
+  if (std::isfinite(left)) text += fmt::format(", {} left", duration_text(left));
   text += fmt::format("  {:.2f} Mrays/s", progress.mrays_per_second);
   if (progress.error.relative_rms > 0.0) text += fmt::format("  error {:.2g} %", 100.0 * progress.error.relative_rms);
   return text;

@@ -12,6 +12,9 @@ namespace wavepath {
 // What is left is the least of what samples, `time_limit` (seconds; 0 = none) and `target_error` (0 = none) say.
 std::string progress_text(const Progress& progress, double time_limit, double target_error, int bar_width);
 
+// "3.4 s", "12:05 min" or "2:00:10 h".
+std::string duration_text(double seconds);
+
 class ProgressDisplay {
 public:
   ProgressDisplay(bool quiet, double time_limit, double target_error);

@@ -10,16 +10,12 @@
 #include "host/base/atomic_file.h"
 #include "host/base/memory.h"
 #include "host/cli/commands.h"
+#include "host/cli/progress.h"
 #include "host/render/error.h"
 #include "kernels/tile_order.h"
 
 namespace wavepath {
 namespace {
-
-std::string duration_text(double seconds) {
-  if (seconds < 120.0) return fmt::format("{:.1f} s", seconds);
-  return seconds < 7200.0 ? fmt::format("{:.0f} min", seconds / 60.0) : fmt::format("{:.1f} h", seconds / 3600.0);
-}
 
 std::string halving_text(const RenderResult& result) {
   const double growth = growth_for(2.0, result.slope);

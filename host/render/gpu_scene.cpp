@@ -1,10 +1,9 @@
 #include "host/render/gpu_scene.h"
 
-#include <cmath>
-
 #include <fmt/format.h>
 
 #include "host/base/error.h"
+#include "host/scene/textures.h"
 
 namespace wavepath {
 namespace {
@@ -13,13 +12,10 @@ namespace {
 static_assert(sizeof(bvh::WideNode) == 16 * gpu::kNodeTexels);
 static_assert(bvh::kCellBias == gpu::kCellBias && bvh::kAbsent == gpu::kNone && bvh::kMaxLeafItems == gpu::kLeafFirstMask + 1);
 
-// Byte value to linear radiance, IEC 61966-2-1.
+// Byte value to linear radiance.
 std::vector<float> srgb_decoding() {
-  std::vector<float> table(256);
-  for (int i = 0; i < 256; ++i) {
-    const double v = i / 255.0;
-    table[static_cast<std::size_t>(i)] = static_cast<float>(v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4));
-  }
+  std::vector<float> table;
+  for (int byte = 0; byte < 256; ++byte) table.push_back(static_cast<float>(linear_from_srgb(byte / 255.0)));
   return table;
 }
 

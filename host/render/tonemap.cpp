@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/scene/textures.h"
+
 namespace wavepath {
 namespace {
 
@@ -76,8 +78,6 @@ float to_srgb(float linear) {
   return linear <= 0.0031308f ? 12.92f * linear : 1.055f * std::pow(linear, 1.0f / 2.4f) - 0.055f;
 }
 
-float from_srgb(float encoded) {
-  return encoded <= 0.04045f ? encoded / 12.92f : std::pow((encoded + 0.055f) / 1.055f, 2.4f);
-}
+float from_srgb(float encoded) { return static_cast<float>(linear_from_srgb(encoded)); }
 
 } // namespace wavepath
