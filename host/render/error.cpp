@@ -5,17 +5,12 @@
 #include <limits>
 #include <vector>
 
-#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
 namespace wavepath {
 namespace {
 
 double mean_of(const glm::dvec3& v) { return (v.x + v.y + v.z) / 3.0; }
-
-struct PixelStatistics {
-  glm::dvec3 mean, variance; // of the mean
-};
 
 // relMSE weighs a pixel by 1 / (r^2 + 0.01). The pixel's own mean alone would not do for r: a sample that is bright by
 // chance raises it along with the spread, and so hides its own error (up to a third of it, where noise is strong). So r
@@ -55,28 +50,35 @@ double largest_alone(const Film& film, std::size_t index, const glm::dvec3& pixe
   return alone * alone * mean_of(pixel_weight);
 }
 
+// Of squared errors of pixels, weighed.
+struct Sums {
+  double sum = 0.0, sum_of_squares = 0.0, largest_alone = 0.0;
+};
+
+Sums row_sums(const Film& film, const std::vector<PixelStatistics>& pixels, std::size_t row) {
+  Sums sums;
+  for (std::size_t i = row * film.width; i < (row + 1) * film.width; ++i) {
+    const glm::dvec3 w = weight(film, pixels, i);
+    const double squared = mean_of(pixels[i].variance * w);
+    sums.sum += squared;
+    sums.sum_of_squares += squared * squared;
+    sums.largest_alone = std::max(sums.largest_alone, largest_alone(film, i, w));
+  }
+  return sums;
+}
+
 } // namespace
 
 ErrorEstimate estimate_error(const Film& film) {
-  const std::size_t count = std::size_t{film.width} * film.height;
-  std::vector<PixelStatistics> pixels(count);
-  std::vector<double> squared(count), alone(count); // by pixel, and summed in order: the same for any number of threads
-  const auto for_all = [count](const auto& body) {
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 4096), [&](const auto& range) {
-      for (std::size_t i = range.begin(); i < range.end(); ++i) body(i);
-    });
-  };
-  for_all([&](std::size_t i) { pixels[i] = {mean_radiance(film, i), mean_variance(film, i)}; });
-  for_all([&](std::size_t i) {
-    const glm::dvec3 w = weight(film, pixels, i);
-    squared[i] = mean_of(pixels[i].variance * w);
-    alone[i] = largest_alone(film, i, w);
-  });
+  std::vector<PixelStatistics> pixels(std::size_t{film.width} * film.height);
+  std::vector<Sums> rows(film.height); // added up in order: the same for any number of threads
+  tbb::parallel_for(std::size_t{0}, pixels.size(), [&](std::size_t i) { pixels[i] = statistics(film, i); });
+  tbb::parallel_for(std::size_t{0}, rows.size(), [&](std::size_t y) { rows[y] = row_sums(film, pixels, y); });
   double sum = 0.0, sum_of_squares = 0.0, largest = 0.0;
-  for (std::size_t i = 0; i < count; ++i) {
-    sum += squared[i];
-    sum_of_squares += squared[i] * squared[i];
-    largest = std::max(largest, alone[i]);
+  for (const Sums& row : rows) {
+    sum += row.sum;
+    sum_of_squares += row.sum_of_squares;
+    largest = std::max(largest, row.largest_alone);
   }
   const double n = static_cast<double>(pixels.size()), mean = sum / n;
   // The interval is of this picture's error, not of its expectation: both the estimate and what it estimates scatter,

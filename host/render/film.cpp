@@ -4,6 +4,9 @@
 #include <cstring>
 #include <limits>
 
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
 #include "host/render/exact_sum.h"
 #include "kernels/tile_order.h"
 
@@ -112,25 +115,50 @@ bool Film::operator==(const Film& other) const {
 
 namespace {
 
-// Calls visit(band, first pixel in the band, count, rows) for runs of pixels that fit into a moderate buffer; rows[i]
-// is the row-major index of the run's pixel i.
-template <class Bands, class Visit>
-void visit_runs(Bands& bands, std::uint32_t width, std::uint32_t height, Visit visit) {
-  constexpr std::uint32_t kChunk = 1u << 18; // pixels
-  std::vector<std::size_t> rows;
-  for (auto& band : bands)
-    for (std::uint32_t first = 0; first < band.pixel_count; first += kChunk) {
-      const std::uint32_t count = std::min(kChunk, band.pixel_count - first);
-      rows.resize(count);
-      for (std::uint32_t i = 0; i < count; ++i) {
-        const glm::uvec2 at = gpu::pixel_in_tile_order(band.first_pixel + first + i, width, height);
-        rows[i] = std::size_t{at.y} * width + at.x;
-      }
-      visit(band, first, count, rows);
-    }
+std::size_t row_major(std::uint32_t in_tile_order, const Film& film) {
+  const glm::uvec2 at = gpu::pixel_in_tile_order(in_tile_order, film.width, film.height);
+  return std::size_t{at.y} * film.width + at.x;
 }
 
-constexpr std::size_t kPixelBytes = gpu::kReplicates * sizeof(gpu::FilmPixel);
+// Calls body(first pixel in the band, count) for pieces whose copies stay in a cache.
+template <class Body>
+void in_pieces(const FilmBand& band, Body body) {
+  constexpr std::uint32_t kPiece = 1u << 15;
+  for (std::uint32_t first = 0; first < band.pixel_count; first += kPiece)
+    body(first, std::min(kPiece, band.pixel_count - first));
+}
+
+template <class Body>
+void for_all(std::uint32_t count, Body body) {
+  tbb::parallel_for(tbb::blocked_range<std::uint32_t>(0, count, 4096), [&](const auto& range) {
+    for (std::uint32_t i = range.begin(); i < range.end(); ++i) body(i);
+  });
+}
+
+// Values of a band's pixels, `each` to a pixel, from tile order on the device to rows.
+template <class T>
+void read_rows(const FilmBand& band, const Buffer& buffer, std::size_t each, const Film& film, std::vector<T>& rows) {
+  std::vector<T> values;
+  in_pieces(band, [&](std::uint32_t first, std::uint32_t count) {
+    values.resize(count * each);
+    buffer.read(values.data(), values.size() * sizeof(T), first * each * sizeof(T));
+    for_all(count, [&](std::uint32_t i) {
+      std::copy_n(&values[i * each], each, &rows[row_major(band.first_pixel + first + i, film) * each]);
+    });
+  });
+}
+
+template <class T>
+void write_rows(const FilmBand& band, Buffer& buffer, std::size_t each, const Film& film, const std::vector<T>& rows) {
+  std::vector<T> values;
+  in_pieces(band, [&](std::uint32_t first, std::uint32_t count) {
+    values.resize(count * each);
+    for_all(count, [&](std::uint32_t i) {
+      std::copy_n(&rows[row_major(band.first_pixel + first + i, film) * each], each, &values[i * each]);
+    });
+    buffer.write(values.data(), values.size() * sizeof(T), first * each * sizeof(T));
+  });
+}
 
 } // namespace
 
@@ -138,33 +166,18 @@ Film download_film(const PathTracer& tracer, std::uint32_t width, std::uint32_t 
   const std::size_t pixels = std::size_t{width} * height;
   Film film{width, height, std::vector<gpu::FilmPixel>(pixels * gpu::kReplicates), {}};
   if (tracer.has_aovs()) film.aovs.resize(pixels);
-  visit_runs(tracer.bands(), width, height,
-             [&](const FilmBand& band, std::uint32_t first, std::uint32_t count, const auto& rows) {
-               const auto values =
-                   download<gpu::FilmPixel>(band.film, std::size_t{count} * gpu::kReplicates, first * kPixelBytes);
-               for (std::uint32_t i = 0; i < count; ++i)
-                 std::copy_n(&values[i * gpu::kReplicates], gpu::kReplicates, &film.pixels[rows[i] * gpu::kReplicates]);
-               if (film.aovs.empty()) return;
-               const auto aovs =
-                   download<gpu::FilmAovs>(band.aovs, count, std::uint64_t{first} * sizeof(gpu::FilmAovs));
-               for (std::uint32_t i = 0; i < count; ++i) film.aovs[rows[i]] = aovs[i];
-             });
+  for (const FilmBand& band : tracer.bands()) {
+    read_rows(band, band.film, gpu::kReplicates, film, film.pixels);
+    if (!film.aovs.empty()) read_rows(band, band.aovs, 1, film, film.aovs);
+  }
   return film;
 }
 
 void upload_film(PathTracer& tracer, const Film& film) {
-  visit_runs(tracer.bands(), film.width, film.height,
-             [&](FilmBand& band, std::uint32_t first, std::uint32_t count, const auto& rows) {
-               std::vector<gpu::FilmPixel> values(std::size_t{count} * gpu::kReplicates);
-               for (std::uint32_t i = 0; i < count; ++i)
-                 std::copy_n(&film.pixels[rows[i] * gpu::kReplicates], gpu::kReplicates, &values[i * gpu::kReplicates]);
-               band.film.write(values.data(), values.size() * sizeof(gpu::FilmPixel), first * kPixelBytes);
-               if (film.aovs.empty()) return;
-               std::vector<gpu::FilmAovs> aovs(count);
-               for (std::uint32_t i = 0; i < count; ++i) aovs[i] = film.aovs[rows[i]];
-               band.aovs.write(aovs.data(), aovs.size() * sizeof(gpu::FilmAovs),
-                               std::uint64_t{first} * sizeof(gpu::FilmAovs));
-             });
+  for (FilmBand& band : tracer.bands()) {
+    write_rows(band, band.film, gpu::kReplicates, film, film.pixels);
+    if (!film.aovs.empty()) write_rows(band, band.aovs, 1, film, film.aovs);
+  }
 }
 
 void join(Film& film, const Film& other) {
@@ -185,14 +198,16 @@ glm::dvec3 mean_radiance(const Film& film, std::size_t pixel) {
 }
 
 // From two replicates a, b of n and m samples: (a - b)^2 nm / (n + m)^2, which is (a - b)^2 / 4 where n = m.
-glm::dvec3 mean_variance(const Film& film, std::size_t pixel) {
+PixelStatistics statistics(const Film& film, std::size_t pixel) {
   static_assert(gpu::kReplicates == 2);
   const gpu::FilmPixel &a = film.pixels[pixel * 2], &b = film.pixels[pixel * 2 + 1];
   const double n = a.count, m = b.count;
-  if (n == 0.0 || m == 0.0) return glm::dvec3(std::numeric_limits<double>::quiet_NaN());
-  const glm::dvec3 difference = total_of(a) / n - total_of(b) / m;
-  return difference * difference * (n * m / ((n + m) * (n + m)));
+  if (n == 0.0 || m == 0.0) return {mean_radiance(film, pixel), glm::dvec3(std::numeric_limits<double>::quiet_NaN())};
+  const glm::dvec3 sum_a = total_of(a), sum_b = total_of(b), difference = sum_a / n - sum_b / m;
+  return {(sum_a + sum_b) / (n + m), difference * difference * (n * m / ((n + m) * (n + m)))};
 }
+
+glm::dvec3 mean_variance(const Film& film, std::size_t pixel) { return statistics(film, pixel).variance; }
 
 Picture develop(const Film& film, const std::vector<std::string>& aovs, const glm::dvec3& origin) {
   Picture picture{film.width, film.height, {}};

@@ -36,7 +36,12 @@ glm::dvec3 mean_radiance(const Film& film, std::size_t pixel);
 // Channels R G B A, then those of `aovs` (names of the contract's --aov). `origin` is added back to positions.
 Picture develop(const Film& film, const std::vector<std::string>& aovs, const glm::dvec3& origin);
 
-// Estimate of the variance of the mean of a pixel; not a number while it lacks samples in any replicate.
+// The mean of a pixel to within rounding, and an estimate of the variance of that mean; not a number while the pixel
+// lacks samples in any replicate.
+struct PixelStatistics {
+  glm::dvec3 mean, variance;
+};
+PixelStatistics statistics(const Film& film, std::size_t pixel);
 glm::dvec3 mean_variance(const Film& film, std::size_t pixel);
 
 } // namespace wavepath
