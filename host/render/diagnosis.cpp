@@ -43,7 +43,8 @@ std::vector<std::string> diagnose(const RenderResult& result, const std::vector<
                     "few samples; look for small bright lights that are only found by chance, or try --direct mis",
                     percent(std::min(error.largest_sample_share, 1.0))));
   if (result.nonfinite.first)
-    words.push_back(fmt::format("{} samples were not finite and are missing from the mean", result.nonfinite.samples()));
+    words.push_back(
+        fmt::format("{} samples were not finite and are missing from the mean", result.nonfinite.samples()));
   if (!fell_as_it_should(result.checkpoints))
     words.push_back(fmt::format(
         "the estimated error falls too slowly (slope {:.2f} against samples, where noise alone gives -0.5): "
