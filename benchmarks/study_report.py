@@ -73,6 +73,8 @@ GLOSSARY = [
      "the error. Its interval holds the true exponent 95 times in 100 (Student's t)."),
     ("Scatter", "How far single measurements stray from the fitted line, 95 % of them: times as well as errors. Differences "
      "smaller than the scatter of both are called &ldquo;within noise&rdquo;."),
+    ("Levels off", "A biased configuration comes near to something else than the reference. Where its error lost less than a fifth "
+     "over the last two octaves, no slope is fitted; the error it stands at is told instead."),
     ("Floor of the reference", "The reference has an error of its own. Below three times that error, more than a tenth of the MSE "
      "measured is the reference's; such points are flagged and no slope is fitted to them."),
     ("Seconds", "Of rendering alone: no loading, compiling, reading or writing of pictures."),
@@ -104,7 +106,9 @@ def hundredths(value):
     return f"{value:.2f}".replace("-", "&minus;")
 
 
-def interval(fit):
+def interval(fit, level=None):
+    if level is not None:
+        return f"levels off at {percent(level)}"
     return "&ndash;" if fit is None else (f"{hundredths(fit['slope'])} <span class='soft'>({hundredths(fit['ci95'][0])} to "
                                           f"{hundredths(fit['ci95'][1])})</span>")
 
@@ -131,7 +135,8 @@ class Look:
     def __init__(self, study):
         self.values = {}
         for configuration in study["configurations"]:
-            for dimension, value in configuration["flags"].items():
+            for dimension in study["vary"]:
+                value = configuration["flags"].get(dimension)  # None: of no consequence there
                 self.values.setdefault(dimension, [])
                 if value not in self.values[dimension]:
                     self.values[dimension].append(value)
@@ -141,7 +146,7 @@ class Look:
         self.fill = names[2] if len(names) > 2 else None
 
     def place(self, configuration, dimension):
-        return self.values[dimension].index(configuration["flags"][dimension])
+        return self.values[dimension].index(configuration["flags"].get(dimension))
 
     def color(self, configuration):
         return HUES[self.place(configuration, self.hue) % len(HUES)]
@@ -207,7 +212,7 @@ def plot(study, look, x, slope, label, height):
     curves = []
     for configuration in study["configurations"]:
         points = [p for p in configuration["points"] if p["relative_rms"] > 0.0]
-        if not points:
+        if not points or configuration["shows"] != study["configurations"][0]["shows"]:
             continue
         axes.loglog([p[x] for p in points], [100.0 * p["relative_rms"] for p in points], **look.line(configuration))
         curves.append((configuration, points[-1]))
@@ -240,12 +245,15 @@ def plot(study, look, x, slope, label, height):
     for (configuration, last), y in zip(curves, spread(heights, LABEL_GAP * 5.6 / height)):
         end = to_axes.transform(axes.transData.transform((last[x], 100.0 * last["relative_rms"])))
         fit = configuration["slope"][slope]
-        text = configuration["name"] + (f"   {fit['slope']:.2f}".replace("-", "−") if fit else "")
+        level = configuration["levels_off"]
+        text = configuration["name"] + (f"   levels off at {100.0 * level:.3g} %" if level is not None else
+                                        f"   {fit['slope']:.2f}".replace("-", "−") if fit else "")
         color = look.color(configuration)
         axes.plot([end[0] + 0.008, 1.02, 1.03], [end[1], y, y], transform=axes.transAxes, color=color, linewidth=0.5,
                   alpha=0.45, clip_on=False)
         axes.text(1.035, y, text, transform=axes.transAxes, color=color, fontsize=8.8, va="center")
-    longest = max(len(configuration["name"]) for configuration, _ in curves)
+    longest = max(len(configuration["name"]) + (15 if configuration["levels_off"] is not None else 0)
+                  for configuration, _ in curves)
     figure.subplots_adjust(left=0.065, right=0.9 - 0.0066 * longest, top=0.95, bottom=0.55 / height)
     return figure
 
@@ -271,12 +279,13 @@ def effects(study):
             errors[tuple(sorted(configuration["flags"].items()))] = line["relative_rms"]
     found = []
     for dimension, values in Look(study).values.items():
+        values = [value for value in values if value is not None]
         for value in values[1:]:
             ratios = []
             for flags, error in errors.items():
                 other = dict(flags) | {dimension: values[0]}
                 base = errors.get(tuple(sorted(other.items())))
-                if dict(flags)[dimension] == value and base:
+                if dict(flags).get(dimension) == value and base:
                     ratios.append(error / base)
             if ratios:
                 mean = math.exp(sum(map(math.log, ratios)) / len(ratios))
@@ -421,8 +430,8 @@ def slope_table(study, look):
     for configuration in study["configurations"]:
         last = configuration["points"][-1] if configuration["points"] else None
         flag = "at the reference's floor" if last and last["at_floor"] else ""
-        rows.append(row([name_cell(look, configuration), interval(configuration["slope"]["seconds"]),
-                         interval(configuration["slope"]["spp"]), str(last["spp"]) if last else "&ndash;",
+        rows.append(row([name_cell(look, configuration), interval(configuration["slope"]["seconds"], configuration["levels_off"]),
+                         interval(configuration["slope"]["spp"], configuration["levels_off"]), str(last["spp"]) if last else "&ndash;",
                          number(last["seconds"]) + " s" if last else "&ndash;",
                          percent(last["relative_rms"]) if last else "&ndash;", f"<td class='left soft'>{flag}</td>"]))
     return table(["configuration", "slope against seconds", "slope against samples", "most samples<br>a pixel", "in", "error then", ""], rows)
@@ -456,6 +465,70 @@ def gallery(study, folder):
     return scale + f"<div class=gallery>{''.join(cards)}</div>"
 
 
+def has_frames(study):
+    return "integrator" in study["vary"]
+
+
+def signal(point, name):
+    return percent(point[name]["relative_rms"]) if point[name] else "&ndash;"
+
+
+def approximation_table(study, look):
+    rows = []
+    for configuration in study["configurations"]:
+        if not configuration["points"]:
+            continue
+        last, first = configuration["points"][-1], configuration["points"][0]
+        level = configuration["levels_off"]
+        rows.append(row([name_cell(look, configuration), number(last["ms_per_frame"]), str(last["spp"]), signal(first, "direct"),
+                         signal(first, "ao"), signal(first, "full"), signal(last, "direct"), signal(last, "ao"), signal(last, "full"),
+                         "&ndash;" if level is None else percent(level)]))
+    return table(["configuration", "ms a frame", "most<br>frames", "one frame:<br>direct light", "<br>occlusion", "<br>full picture",
+                  "most frames:<br>direct light", "<br>occlusion", "<br>full picture", "levels off at"], rows)
+
+
+def conclude_approximation(study):
+    """One sentence for each way to tell what is lost and what it saves."""
+    measured = [c for c in study["configurations"] if c["points"] and c["points"][-1]["full"]]
+    frames = [c for c in measured if c["flags"]["integrator"] == "hybrid"]
+    paths = [c for c in measured if c["flags"]["integrator"] == "path"]
+    if frames and paths:
+        path = min(paths, key=lambda c: c["points"][-1]["ms_per_frame"])
+        quickest = min(frames, key=lambda c: c["points"][-1]["ms_per_frame"])
+        ratio = path["points"][-1]["ms_per_frame"] / quickest["points"][-1]["ms_per_frame"]
+        change = f"{number(ratio)} times as fast as" if ratio >= 1.0 else f"{number(1.0 / ratio)} times as long as"
+        nearest = min(frames, key=lambda c: c["points"][-1]["full"]["relative_rms"])
+        yield (f"A frame of {listed([quickest['name']])} takes {number(quickest['points'][-1]['ms_per_frame'])} ms, {change} a sample "
+               f"of every pixel of {listed([path['name']])} ({number(path['points'][-1]['ms_per_frame'])} ms).")
+        level = nearest["levels_off"]
+        yield (f"{listed([nearest['name']])} comes nearest to the path-traced picture: " +
+               (f"its error levels off at {percent(level)}, whatever the number of frames." if level is not None else
+                f"{percent(nearest['points'][-1]['full']['relative_rms'])} after {nearest['points'][-1]['spp']} frames, still falling."))
+    hits = study["first_hits"]
+    if hits and hits["rasterized_ms"] > 0.0 and hits["traced_ms"] > 0.0:
+        yield (f"The first surface of every pixel costs {number(hits['rasterized_ms'])} ms a frame when rasterized and resolved, "
+               f"{number(hits['traced_ms'])} ms when camera rays are traced on the same device (mean of {hits['frames']} frames).")
+
+
+def approximation(study, look, folder):
+    lines = "".join(f"<li>{line}</li>" for line in conclude_approximation(study))
+    best = {}  # by integrator, the configuration with the least error
+    for configuration in study["configurations"]:
+        name = configuration["flags"]["integrator"] + (" denoised" if configuration["flags"].get("denoise") == "on" else "")
+        if configuration["points"] and configuration["picture"] and (
+                name not in best or configuration["points"][-1]["relative_rms"] < best[name]["points"][-1]["relative_rms"]):
+            best[name] = configuration
+    shown = [("reference", study["reference"]["picture"]), *((c["name"], c["picture"]["file"]) for c in best.values())]
+    if study["ao_reference"]:
+        shown.append(("occlusion, reference", study["ao_reference"]["picture"]))
+    cards = "".join(f"<div class=card><b>{html.escape(name)}</b><br><img style='width:100%' alt='{html.escape(name)}' "
+                    f"src='{embedded(folder / file)}'></div>" for name, file in shown if (folder / file).exists())
+    return (f"<div class=summary><ul>{lines}</ul></div>" if lines else "") + approximation_table(study, look) + (
+        "<p class=note>Direct light and the full picture against the path-traced reference; occlusion against a reference of its own, "
+        "many rays with the same radius. A frame is one sample of every pixel; the seconds are of rendering alone.</p>"
+        f"<div class=gallery>{cards}</div>")
+
+
 def commands(study):
     reference = study["reference"]
     parts = [f"<p>The whole study:<br><code>{html.escape(study['command'])}</code></p>"]
@@ -477,10 +550,11 @@ def page(study, folder):
     sections = [
         ("", f"<p class=soft>{count} ways to render one picture, each measured against one converged reference at 1, 2, 4, ... "
          f"samples a pixel. Varied: {', '.join(study['vary'])}.</p>" + facts(study) + summary(study, ranking, found)),
+        *([("What the approximation costs", approximation(study, look, folder))] if has_frames(study) else []),
         ("Error against time", "<figure>" + svg(plot_time(study, look)) +
          "<figcaption>Both axes logarithmic; down and to the left is better. The number behind each name is the slope fitted to the "
          f"last four octaves. Colour: {look.hue}; marker and dash: {look.style}" +
-         (f"; hollow markers: {look.values[look.fill][0]} {look.fill}" if look.fill else "") + ".</figcaption></figure>"),
+         (f"; hollow markers: {next(filter(None, look.values[look.fill]))} {look.fill}" if look.fill else "") + ".</figcaption></figure>"),
         ("Error against samples", "<figure>" + svg(plot(study, look, "spp", "spp", "samples a pixel", 5.0)) +
          "<figcaption>The same without the cost of a sample: what differs here is the quality of samples alone.</figcaption></figure>"),
         ("At equal time", f"<p class=note>Every configuration after {number(study['equal_time']['seconds'])} s of rendering, between "
@@ -505,6 +579,11 @@ def page(study, folder):
 def main(folder, figure=None):
     folder = pathlib.Path(folder)
     study = json.loads((folder / "study.json").read_text(encoding="utf-8"))
+    for key in ("ao_reference", "first_hits"):  # not in documents of version 0.1.0
+        study.setdefault(key, None)
+    for configuration in study["configurations"]:
+        configuration.setdefault("levels_off", None)
+        configuration.setdefault("shows", "full")
     pyplot.rcParams.update({"font.family": "DejaVu Sans", "font.size": 9.5, "axes.edgecolor": "#8d959e", "xtick.color": "#4a515a",
                             "ytick.color": "#4a515a", "axes.labelcolor": "#4a515a", "svg.hashsalt": "wavepath"})
     text = page(study, folder)

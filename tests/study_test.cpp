@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <map>
 #include <set>
 
 #include <nlohmann/json.hpp>
@@ -131,8 +132,62 @@ TEST(Tables, WhatIsMostlyTheReferencesErrorIsFlaggedAndNotFitted) {
   Study study = make_study();
   study.reference.error = 0.1; // floor 0.3
   EXPECT_TRUE(equal_time(study).rows[1]->at_floor);
-  for (const Measured& point : above_floor(study, error_by_spp(study.series[0]))) EXPECT_GE(point.y, 0.3);
-  EXPECT_EQ(above_floor(study, error_by_spp(study.series[0])).size(), 4u); // 1, 2, 4 and 8 samples
+  const std::vector<Measured> left = above_floor(study, study.series[0], error_by_spp(study.series[0]));
+  for (const Measured& point : left) EXPECT_GE(point.y, 0.3);
+  EXPECT_EQ(left.size(), 4u); // 1, 2, 4 and 8 samples
+}
+
+// A hybrid configuration: noise of `factor` / sqrt(spp) above a bias.
+Series make_hybrid(double bias, double factor, int octaves) {
+  Series series = make_series("sobol", factor, 0.5, octaves);
+  series.configuration.settings.integrator = Integrator::hybrid;
+  for (StudyPoint& point : series.points) point.metrics.relmse += bias * bias;
+  return series;
+}
+
+TEST(Tables, ABiasIsALevelAndNoPowerLaw) {
+  Study study = make_study();
+  study.series.push_back(make_hybrid(0.2, 0.5, 8));
+  const Series& hybrid = study.series.back();
+  ASSERT_TRUE(levels_off(hybrid));
+  EXPECT_NEAR(*levels_off(hybrid), 0.2, 0.005);
+  EXPECT_FALSE(fit_of(study, hybrid, error_by_seconds(hybrid)));
+  EXPECT_FALSE(levels_off(make_hybrid(0.2, 0.5, 2))) << "two octaves that still fall";
+  EXPECT_FALSE(levels_off(make_hybrid(0.0, 0.5, 8)));
+  EXPECT_FALSE(levels_off(make_series("sobol", 0.0, 0.5, 1)));
+  Series path = make_hybrid(0.2, 0.5, 8);
+  path.configuration.settings.integrator = Integrator::path;
+  EXPECT_FALSE(levels_off(path)) << "what has no bias has no level; rare light looks like one";
+  // A power law through its last points would promise 0.2 within an octave; the bias says that this never comes.
+  EXPECT_EQ(time_to(error_by_seconds(hybrid), 0.2).how, Reach::extrapolated);
+  bool found = false;
+  for (const EqualError& table : equal_error(study)) {
+    if (std::abs(table.relative_rms - 0.2) > 1e-9) continue;
+    found = true;
+    EXPECT_EQ(table.rows[2].time.how, Reach::not_reached);
+  }
+  EXPECT_TRUE(found);
+}
+
+TEST(Tables, OcclusionIsNotRankedAmongPicturesOfLight) {
+  Study study = make_study();
+  study.series.push_back(make_series("sobol", 0.001, 0.001, 6));
+  study.series.back().configuration.settings.integrator = Integrator::ao;
+  study.occlusion.emplace().error = 0.5;
+  EXPECT_TRUE(study.at_floor(study.series[2], 0.2)) << "measured against a reference of its own";
+  EXPECT_FALSE(study.at_floor(study.series[0], 0.2));
+  const EqualTime table = equal_time(study);
+  EXPECT_DOUBLE_EQ(table.seconds, 32.0);
+  EXPECT_FALSE(table.rows[2]);
+  EXPECT_TRUE(table.rows[1]->as_good_as_best);
+  for (const EqualError& level : equal_error(study)) EXPECT_EQ(level.rows[2].time.how, Reach::not_reached);
+}
+
+TEST(Tables, AFrameIsASampleOfEveryPixel) {
+  StudyPoint point;
+  point.spp = 8;
+  point.seconds = 0.4;
+  EXPECT_DOUBLE_EQ(point.ms_per_frame(), 50.0);
 }
 
 TEST(Grid, HoldsEveryCombinationThePlainestFirst) {
@@ -144,6 +199,34 @@ TEST(Grid, HoldsEveryCombinationThePlainestFirst) {
   EXPECT_EQ(grid.front().settings.direct, gpu::kDirectBsdf);
   EXPECT_EQ(grid.back().flags(), "--sampler sobol --hemisphere cosine --direct mis");
   EXPECT_EQ(grid.back().settings.hemisphere, gpu::kHemisphereCosine);
+}
+
+// Paths know neither of occlusion rays nor of filters, and pictures of occlusion of no light: no configuration is there
+// twice under two names.
+TEST(Grid, LeavesOutWhatChangesNothing) {
+  const std::vector<Configuration> grid =
+      make_grid({"denoise", "integrator", "shadow-samples", "ao-samples", "direct"}, {});
+  std::set<std::string> names, flags;
+  std::size_t path = 0, hybrid = 0, ao = 0;
+  for (const Configuration& one : grid) {
+    names.insert(one.name());
+    flags.insert(one.flags());
+    path += one.settings.integrator == Integrator::path;
+    hybrid += one.settings.integrator == Integrator::hybrid;
+    ao += one.settings.integrator == Integrator::ao;
+    EXPECT_FALSE(one.settings.integrator == Integrator::path && one.settings.denoise);
+    EXPECT_TRUE(one.settings.integrator == Integrator::hybrid || one.settings.shadow_samples == 1);
+  }
+  EXPECT_EQ(path, 3u);                  // direct
+  EXPECT_EQ(hybrid, 3u * 3u * 3u * 2u); // of everything
+  EXPECT_EQ(ao, 3u * 2u);               // ao-samples, denoise
+  EXPECT_EQ(names.size(), grid.size());
+  EXPECT_EQ(flags.size(), grid.size());
+  EXPECT_EQ(grid.front().name(), "path bsdf");
+  EXPECT_EQ(grid.front().flags(), "--integrator path --direct bsdf");
+  EXPECT_EQ(grid.front().value_of("ao-samples"), "");
+  EXPECT_EQ(grid.back().name(), "denoise ao 16 ao");
+  EXPECT_EQ(grid.back().flags(), "--denoise --integrator ao --ao-samples 16");
 }
 
 class StudyCommand : public ::testing::Test {
@@ -209,6 +292,33 @@ TEST_F(StudyCommand, LeavesDocumentTableAndPage) {
     EXPECT_NE(entry.path().filename().string()[0], '.') << entry.path(); // no temporary file is left
 }
 
+// What can be known of the errors: the hybrid's direct light is the path tracer's, and its occlusion rays are those of
+// the picture of occlusion, by the same random numbers.
+TEST_F(StudyCommand, TellsWhatTheHybridLoses) {
+  const Outcome outcome = study({"-o", out_, "--size", "32x32", "--budget", "6", "--vary", "integrator,denoise"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const Json json = Json::parse(read("study.json"));
+  std::map<std::string, Json> first;
+  for (const Json& configuration : json["configurations"]) {
+    ASSERT_FALSE(configuration["points"].empty());
+    for (const Json& point : configuration["points"]) {
+      EXPECT_GT(point["ms_per_frame"].get<double>(), 0.0);
+      EXPECT_EQ(point["full"].is_null(), configuration["shows"] == "ao");
+      EXPECT_EQ(point["direct"].is_null(), configuration["shows"] == "ao");
+      EXPECT_EQ(point["ao"].is_null(), configuration["flags"]["integrator"] == "path");
+    }
+    first[configuration["name"]] = configuration["points"][0];
+  }
+  EXPECT_EQ(first.size(), 5u); // path; hybrid and ao, with and without filter
+  const auto mse = [&](const char* name, const char* signal) { return first[name][signal]["mse"].get<double>(); };
+  EXPECT_LT(mse("hybrid", "ao"), 2.0 * mse("ao", "ao")); // what sees nothing is no error in either
+  EXPECT_LT(mse("hybrid", "direct"), 2.0 * mse("path", "direct"));
+  EXPECT_GT(json["first_hits"]["rasterized_ms"].get<double>(), 0.0);
+  EXPECT_GT(json["first_hits"]["traced_ms"].get<double>(), 0.0);
+  EXPECT_NE(read("report.html").find("What the approximation costs"), std::string::npos);
+  EXPECT_TRUE(fs::exists(out_ + "/ao-reference.exr") && fs::exists(out_ + "/pictures/ao-reference.png"));
+}
+
 // The command that a row gives renders the picture that the row measured.
 TEST_F(StudyCommand, RowsCanBeRepeated) {
   ASSERT_EQ(study({"-o", out_, "--size", "32x32", "--budget", "1", "--vary", "sampler", "--yfov", "30"}).exit_code, 0);
@@ -261,6 +371,7 @@ TEST_F(StudyCommand, BearsAPictureWithoutError) {
 
 TEST_F(StudyCommand, RefusesWhatCannotBe) {
   refuses({"-o", out_, "--vary", "sampler,colour"}, 2, "'colour'");
+  refuses({"-o", out_, "--vary", "sampler,denoise"}, 2, "vary the integrator as well");
   refuses({"-o", out_, "--budget", "0"}, 2, "--budget");
   refuses({"-o", out_, "--size", "32"}, 2, "WIDTHxHEIGHT");
   refuses({"-o", out_, "--reference", folder_.file("none.exr")}, 1, "does not exist");

@@ -20,6 +20,7 @@
 #include "host/cli/render_flags.h"
 #include "host/cli/scene_flags.h"
 #include "host/render/bvh_choice.h"
+#include "host/render/hybrid.h"
 #include "host/render/stats.h"
 #include "host/study/page.h"
 #include "host/study/study_report.h"
@@ -51,6 +52,10 @@ void read_dimensions(const FlagValue& value, std::vector<std::string>& vary) {
     if (std::find(vary.begin(), vary.end(), name.text) == vary.end()) vary.push_back(name.text);
     first = end + 1;
   }
+  const auto varies = [&](const char* name) { return std::find(vary.begin(), vary.end(), name) != vary.end(); };
+  for (const char* name : {"shadow-samples", "ao-samples", "denoise"})
+    if (varies(name) && !varies("integrator"))
+      value.refuse(fmt::format("has {}, which path tracing does not know", name), "vary the integrator as well");
 }
 
 // Everything that can be known to fail is refused before the time of rendering is spent; nothing is made yet.
@@ -158,6 +163,10 @@ int run_study_command(const CLI::App& app, Request& request) {
   const bvh::Quality quality = choose_quality(whole, plan(scene).triangles_stored, device.info());
   const StudyScene packed = pack_scene(scene, request, quality);
   scene = Scene{};
+  // One radius for all, so that one reference of occlusion serves all: the hybrid's own.
+  RenderSettings hybrid = settings.render;
+  hybrid.integrator = Integrator::hybrid;
+  settings.render.ao_radius = occlusion_radius(packed.packed.at(gpu::kDirectMis), hybrid);
 
   catch_interrupts();
   const Study study = [&] {
@@ -200,7 +209,10 @@ Command add_study(CLI::App& app, const std::string& command_line) {
       [request](const FlagValue& value) { request->folder = value.text; })
       ->required();
   add_flag(*command, group,
-           {"--vary", "LIST", "what to vary, separated by commas: sampler, direct, hemisphere", "sampler,direct"},
+           {"--vary", "LIST",
+            "what to vary, separated by commas: sampler, direct, hemisphere, integrator, shadow-samples, ao-samples, "
+            "denoise",
+            "sampler,direct"},
            [&study](const FlagValue& value) { read_dimensions(value, study.vary); });
   add_flag(*command, group,
            {"--budget", "SECONDS", "of rendering in all: half for the reference, the rest in even shares", "60"},

@@ -1,6 +1,7 @@
 #include "host/study/study.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <list>
@@ -10,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "host/render/kernel_compiler.h"
+#include "host/render/picture_io.h"
 #include "host/render/stats.h"
 
 namespace wavepath {
@@ -25,10 +27,22 @@ public:
       : device_(device), scene_(scene), settings_(settings), progress_(progress) {}
 
   Study run(std::optional<StudyReference> reference) {
-    const double share = settings_.budget * (reference ? 1.0 : 1.0 - kReferenceShare);
-    study_.reference = reference ? *std::move(reference) : render_reference();
-    for (const Configuration& configuration : make_grid(settings_.vary, settings_.render))
+    double share = settings_.budget * (reference ? 1.0 : 1.0 - kReferenceShare);
+    const Configuration *hybrid = nullptr, *rasterized = nullptr;
+    const std::vector<Configuration> grid = make_grid(settings_.vary, settings_.render);
+    for (const Configuration& configuration : grid) {
       study_.series.push_back({configuration, {}, {}});
+      if (configuration.settings.integrator == Integrator::path) continue;
+      if (!rasterized) rasterized = &configuration;
+      if (!hybrid && configuration.settings.integrator == Integrator::hybrid) hybrid = &configuration;
+    }
+    by_signal_ = rasterized != nullptr;
+    study_.reference = reference ? *std::move(reference) : render_reference();
+    if (rasterized && !study_.interrupted) {
+      study_.occlusion = render_occlusion();
+      share -= kOcclusionShare * settings_.budget;
+    }
+    if (hybrid && !study_.interrupted) study_.first_hits = measure_first_hits(hybrid->settings);
     if (!study_.interrupted) measure_all(share / static_cast<double>(study_.series.size()));
     return std::move(study_);
   }
@@ -51,25 +65,71 @@ private:
     settings.sampler = gpu::kSamplerSobol;
     settings.direct = gpu::kDirectMis;
     settings.hemisphere = gpu::kHemisphereCosine;
-    settings.seed = settings_.render.seed ^ kReferenceSeed;
+    settings.integrator = Integrator::path;
+    if (by_signal_) settings.aovs = {"direct"};
     KernelCompiler kernels(device_);
-    settings.last_sample = settings_.reference_spp;
-    if (settings.last_sample == 0) settings.last_sample = affordable_samples(settings, kernels);
-    RenderResult result = render_one(settings, kernels, "reference");
+    return converge(settings, settings_.reference_spp, kReferenceShare, kernels, "reference");
+  }
+
+  StudyReference render_occlusion() {
+    RenderSettings settings = settings_.render;
+    settings.sampler = gpu::kSamplerSobol;
+    settings.integrator = Integrator::ao;
+    settings.ao_samples = 16;
+    settings.denoise = false;
+    settings.aovs = {"ao"}; // which is 1 where nothing is hit; the picture is black there
+    KernelCompiler kernels(device_);
+    return converge(settings, 0, kOcclusionShare, kernels, "reference of occlusion");
+  }
+
+  // `spp`: 0 = what a share of the budget allows.
+  StudyReference converge(RenderSettings settings, std::uint32_t spp, double share, KernelCompiler& kernels,
+                          const std::string& what) {
+    settings.seed = settings_.render.seed ^ kReferenceSeed;
+    settings.last_sample = spp > 0 ? spp : affordable_samples(settings, share * settings_.budget, kernels, what);
+    RenderResult result = render_one(settings, kernels, what);
     return {std::move(result.picture), "", estimated_error(result), settings.seed, result.spp, result.seconds};
   }
 
-  std::uint32_t affordable_samples(RenderSettings settings, KernelCompiler& kernels) {
-    const double share = kReferenceShare * settings_.budget;
+  std::uint32_t affordable_samples(RenderSettings settings, double share, KernelCompiler& kernels,
+                                   const std::string& what) {
     constexpr double kTrial = 1.0 / 32.0; // of the share
+    const double before = seconds_;
     double seconds = 0.0;
     for (settings.last_sample = 1;; settings.last_sample *= 4) {
-      seconds = render_one(settings, kernels, "trial for the reference").seconds;
+      seconds = render_one(settings, kernels, "trial for the " + what).seconds;
       if (study_.interrupted || seconds > kTrial * share) break;
     }
     const double samples =
-        std::numbers::sqrt2 * (share - seconds_) * settings.last_sample / seconds; // to the nearest power
+        std::numbers::sqrt2 * (share - (seconds_ - before)) * settings.last_sample / seconds; // to the nearest power
     return std::bit_floor(static_cast<std::uint32_t>(std::clamp(samples, 2.0, kMostSamples)));
+  }
+
+  // Milliseconds a frame of the kernels named, after a frame that warms up.
+  double frame_ms(RenderSettings settings, std::initializer_list<std::string_view> kernels_named) {
+    KernelCompiler kernels(device_);
+    RenderResult result;
+    const std::uint32_t frames = settings.last_sample;
+    for (settings.last_sample = 1; settings.last_sample <= frames; settings.last_sample += frames - 1) {
+      result = render_one(settings, kernels, "first hits");
+      if (study_.interrupted) return 0.0;
+    }
+    double seconds = 0.0;
+    for (const StageTime& stage : result.stages)
+      if (std::find(kernels_named.begin(), kernels_named.end(), stage.name) != kernels_named.end())
+        seconds += stage.seconds;
+    return 1000.0 * seconds / result.spp;
+  }
+
+  // Paths that end at the first surface trace its camera rays and nothing else.
+  FirstHits measure_first_hits(RenderSettings hybrid) {
+    constexpr std::uint32_t kFrames = 16;
+    hybrid.last_sample = kFrames;
+    RenderSettings traced = hybrid;
+    traced.integrator = Integrator::path;
+    traced.denoise = false;
+    traced.max_depth = 0;
+    return {frame_ms(hybrid, {"raster", "resolve"}), frame_ms(traced, {"generate", "extend"}), kFrames};
   }
 
   // By turns, so that what else happens on the machine meets all alike. A configuration ends where twice the time of
@@ -86,7 +146,7 @@ private:
         if (octave == 0) warm_up(study_.series[i], *active[i]);
         measure(study_.series[i], octave, *active[i]);
         if (study_.interrupted) return;
-        const double seconds = study_.series[i].points.back().seconds;
+        const double seconds = study_.series[i].points.back().seconds * (by_signal_ ? 2.0 : 1.0); // see measure()
         used[i] += seconds;
         if (used[i] + 2.0 * seconds > share || (1u << octave) >= kMostSamples) active[i] = nullptr;
       }
@@ -106,15 +166,45 @@ private:
     settings.seed = settings_.render.seed + octave;
     RenderResult result = render_one(settings, kernels, series.configuration.name());
     if (study_.interrupted) return;
-    const Picture& reference = study_.reference.picture;
-    StudyPoint point{result.spp, settings.seed, result.seconds, result.gpu_seconds, result.rays.total(), {}, 0.0, {}};
+    const Picture& reference = study_.reference_of(series).picture;
+    StudyPoint point{result.spp, settings.seed, result.seconds, result.gpu_seconds, result.rays.total()};
     point.metrics = compare_pictures(result.picture, reference);
     std::vector<float> flip = hdr_flip(result.picture, reference);
     point.flip = std::accumulate(flip.begin(), flip.end(), 0.0) / static_cast<double>(flip.size());
     point.estimated_error = estimated_error(result);
+    if (by_signal_) measure_signals(series, settings, point, kernels);
+    if (study_.interrupted) return;
     series.pictures.push_back({series.points.size(), std::move(result.picture), std::move(flip)});
     if (series.pictures.size() > kPicturesKept) series.pictures.erase(series.pictures.begin());
     series.points.push_back(point);
+  }
+
+  // Once more, for what is asked for besides the picture takes time of its own.
+  void measure_signals(const Series& series, RenderSettings settings, StudyPoint& point, KernelCompiler& kernels) {
+    if (series.shows_occlusion()) {
+      point.occlusion = point.metrics;
+      return;
+    }
+    settings.aovs = {"direct"};
+    if (settings.integrator == Integrator::hybrid) settings.aovs.emplace_back("ao");
+    const Picture picture = render_one(settings, kernels, series.configuration.name()).picture;
+    if (study_.interrupted) return;
+    const Picture& reference = study_.reference.picture;
+    point.direct = compare(picture, reference, {"direct.R", "direct.G", "direct.B"});
+    point.occlusion = compare(picture, study_.occlusion->picture, {"ao", "ao", "ao"});
+  }
+
+  // The channels of that name as a picture of their own; nothing where one of the two lacks them.
+  static std::optional<PictureMetrics> compare(const Picture& picture, const Picture& reference,
+                                               const std::array<std::string, 3>& channels) {
+    Picture ours{picture.width, picture.height, {}}, theirs{reference.width, reference.height, {}};
+    for (const std::string& name : channels) {
+      const Channel *a = find_channel(picture, name), *b = find_channel(reference, name);
+      if (!a || !b) return std::nullopt;
+      ours.channels.push_back(*a);
+      theirs.channels.push_back(*b);
+    }
+    return compare_pictures(ours, theirs);
   }
 
   Device& device_;
@@ -122,7 +212,8 @@ private:
   const StudySettings& settings_;
   const StudyCallback& progress_;
   Study study_;
-  double seconds_ = 0.0; // rendering so far
+  bool by_signal_ = false; // direct light and occlusion on their own as well
+  double seconds_ = 0.0;   // rendering so far
 };
 
 } // namespace

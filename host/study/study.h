@@ -18,6 +18,8 @@ namespace wavepath {
 
 // Of the rendering time, so that the best of nine configurations still ends at several times the reference's error.
 inline constexpr double kReferenceShare = 0.5;
+// Of the same, for the reference of ambient occlusion where the grid has any. It comes off what is left.
+inline constexpr double kOcclusionShare = 0.1;
 // Below this multiple of the reference's own error, that error is more than a tenth of the MSE measured.
 inline constexpr double kFloor = 3.0;
 
@@ -46,12 +48,14 @@ struct StudyPoint {
   std::uint32_t spp = 0, seed = 0;
   double seconds = 0.0, gpu_seconds = 0.0;
   std::uint64_t rays = 0;
-  PictureMetrics metrics; // against the reference
+  PictureMetrics metrics; // against the reference of what the picture shows
   double flip = 0.0;      // mean
   std::optional<double> estimated_error;
+  std::optional<PictureMetrics> direct, occlusion; // of these alone, where the grid varies the integrator
 
   double relative_rms() const;
   double efficiency() const { return 1.0 / (metrics.mse * seconds); }
+  double ms_per_frame() const { return 1000.0 * seconds / spp; } // a frame is a sample of every pixel
 };
 
 // Of the last points only, because pictures are large.
@@ -65,14 +69,33 @@ struct Series {
   Configuration configuration;
   std::vector<StudyPoint> points; // 1, 2, 4, ... samples a pixel, each a render of its own
   std::vector<StudyPicture> pictures;
+
+  bool shows_occlusion() const { return configuration.settings.integrator == Integrator::ao; } // and no light
+  // It comes near to something else than the reference, however long it goes on.
+  bool is_biased() const {
+    return configuration.settings.integrator == Integrator::hybrid || configuration.settings.denoise;
+  }
+};
+
+// What it costs to find the first surface of every pixel, in milliseconds a frame on the device: rasterized and
+// resolved, and traced.
+struct FirstHits {
+  double rasterized = 0.0, traced = 0.0;
+  std::uint32_t frames = 0;
 };
 
 struct Study {
   StudyReference reference;
-  std::vector<Series> series; // the naive configuration first
+  std::optional<StudyReference> occlusion; // of ambient occlusion alone, where the grid has any
+  std::optional<FirstHits> first_hits;     // where the grid has hybrid configurations
+  std::vector<Series> series;              // the naive configuration first
   bool interrupted = false;
 
-  bool at_floor(double relative_rms) const { return reference.error && relative_rms < kFloor * *reference.error; }
+  const StudyReference& reference_of(const Series& one) const { return one.shows_occlusion() ? *occlusion : reference; }
+  bool at_floor(const Series& one, double relative_rms) const {
+    const std::optional<double>& error = reference_of(one).error;
+    return error && relative_rms < kFloor * *error;
+  }
 };
 
 struct StudyProgress {

@@ -51,11 +51,12 @@ void write_pictures(const std::string& folder, const Study& study, const StudyPi
   shown_at.exposure = plan.exposure;
   const WriteOptions as_they_are{false, 0.0, Tonemap::none};
   write_picture(path / kReferencePicture, study.reference.picture, {}, shown_at);
+  if (study.occlusion) write_picture(path / kOcclusionPicture, study.occlusion->picture, {}, as_they_are);
   for (const Series& series : study.series) {
     const StudyPicture* shown = picture_near(series, plan.seconds);
     if (!shown) continue;
     const Picture map = error_map(shown->picture.width, shown->picture.height, shown->flip, plan.brightest);
-    write_picture(path / picture_name(series), shown->picture, {}, shown_at);
+    write_picture(path / picture_name(series), shown->picture, {}, series.shows_occlusion() ? as_they_are : shown_at);
     write_picture(path / map_name(series), map, {}, as_they_are);
   }
 }

@@ -16,6 +16,7 @@ StudyPictures plan_pictures(const Study& study);
 
 // Names within the folder of the study.
 inline constexpr const char* kReferencePicture = "pictures/reference.png";
+inline constexpr const char* kOcclusionPicture = "pictures/ao-reference.png";
 std::string picture_name(const Series& series);
 std::string map_name(const Series& series);
 

@@ -31,22 +31,67 @@ std::string reference_file(const StudyRecord& record) {
   return own.empty() ? in_folder(record, "reference.exr") : own;
 }
 
+std::string occlusion_file(const StudyRecord& record) { return in_folder(record, "ao-reference.exr"); }
+
+// What all frames of the grid have in common, and paths have not.
+std::string frame_flags(const StudyRecord& record) {
+  return fmt::format(" --ao-radius {}", record.settings.render.ao_radius.value_or(0.0));
+}
+
 std::string point_command(const StudyRecord& record, const Series& series, const StudyPoint& point) {
-  return fmt::format("{} {} --seed {} --spp {} --reference {} -o {}-{}.exr", record.repeat,
-                     series.configuration.flags(), point.seed, point.spp, shell_quoted(reference_file(record)),
+  const bool path = series.configuration.settings.integrator == Integrator::path;
+  return fmt::format("{} {}{} --seed {} --spp {} --reference {} -o {}-{}.exr", record.repeat,
+                     series.configuration.flags(), path ? "" : frame_flags(record), point.seed, point.spp,
+                     shell_quoted(series.shows_occlusion() ? occlusion_file(record) : reference_file(record)),
                      series.configuration.name("-"), point.spp);
 }
 
 std::string reference_command(const StudyRecord& record) {
   const StudyReference& reference = record.study.reference;
   if (!reference.file.empty()) return "";
-  return fmt::format("{} --sampler sobol --direct mis --hemisphere cosine --seed {} --spp {} -o {}", record.repeat,
-                     reference.seed, reference.spp, shell_quoted(reference_file(record)));
+  return fmt::format("{} --sampler sobol --direct mis --hemisphere cosine{} --seed {} --spp {} -o {}", record.repeat,
+                     record.study.occlusion ? " --aov direct" : "", reference.seed, reference.spp,
+                     shell_quoted(reference_file(record)));
+}
+
+std::string occlusion_command(const StudyRecord& record) {
+  const StudyReference& reference = *record.study.occlusion;
+  return fmt::format("{} --integrator ao --ao-samples 16 --aov ao{} --seed {} --spp {} -o {}", record.repeat,
+                     frame_flags(record), reference.seed, reference.spp, shell_quoted(occlusion_file(record)));
 }
 
 Json slope_json(const std::optional<PowerFit>& fit) {
   if (!fit) return nullptr;
   return {{"slope", fit->slope}, {"ci95", fit->ci95}, {"intercept", fit->intercept}, {"points", fit->points}};
+}
+
+Json metrics_json(const std::optional<PictureMetrics>& metrics) {
+  if (!metrics || !metrics->finite()) return nullptr;
+  return {{"relative_rms", std::sqrt(metrics->relmse)},
+          {"mse", metrics->mse},
+          {"relmse", metrics->relmse},
+          {"mrse", metrics->mrse}};
+}
+
+std::optional<PictureMetrics> whole_picture(const Series& series, const StudyPoint& point) {
+  return series.shows_occlusion() ? std::nullopt : std::optional(point.metrics);
+}
+
+Json occlusion_json(const StudyRecord& record) {
+  const std::optional<StudyReference>& reference = record.study.occlusion;
+  if (!reference) return nullptr;
+  return {{"file", occlusion_file(record)},
+          {"picture", kOcclusionPicture},
+          {"spp", reference->spp},
+          {"seconds", reference->seconds},
+          {"relative_rms", number(reference->error)},
+          {"radius", number(record.settings.render.ao_radius)},
+          {"command", occlusion_command(record)}};
+}
+
+Json first_hits_json(const std::optional<FirstHits>& cost) {
+  if (!cost) return nullptr;
+  return {{"rasterized_ms", cost->rasterized}, {"traced_ms", cost->traced}, {"frames", cost->frames}};
 }
 
 Json point_json(const StudyRecord& record, const Series& series, const StudyPoint& point) {
@@ -61,7 +106,11 @@ Json point_json(const StudyRecord& record, const Series& series, const StudyPoin
           {"mrse", point.metrics.mrse},
           {"flip", point.flip},
           {"efficiency", number(point.efficiency())},
-          {"at_floor", record.study.at_floor(point.relative_rms())},
+          {"at_floor", record.study.at_floor(series, point.relative_rms())},
+          {"ms_per_frame", point.ms_per_frame()},
+          {"direct", metrics_json(point.direct)},
+          {"ao", metrics_json(point.occlusion)},
+          {"full", metrics_json(whole_picture(series, point))},
           {"command", point_command(record, series, point)}};
 }
 
@@ -74,12 +123,12 @@ Json series_json(const StudyRecord& record, const Series& series, double common_
                {"error_map", map_name(series)},
                {"spp", series.points[shown->point].spp},
                {"seconds", series.points[shown->point].seconds}};
-  const auto fit = [&](const std::vector<Measured>& curve) {
-    return slope_json(fit_power(above_floor(record.study, curve)));
-  };
+  const auto fit = [&](const std::vector<Measured>& curve) { return slope_json(fit_of(record.study, series, curve)); };
   return {{"name", series.configuration.name()},
           {"flags", flags},
           {"slope", {{"seconds", fit(error_by_seconds(series))}, {"spp", fit(error_by_spp(series))}}},
+          {"levels_off", number(levels_off(series))},
+          {"shows", series.shows_occlusion() ? "ao" : "full"},
           {"picture", picture},
           {"points", points}};
 }
@@ -120,10 +169,14 @@ Json equal_error_json(const Study& study) {
   return tables;
 }
 
+// Relative RMS error and MSE, or two empty fields.
+std::string csv_pair(const std::optional<PictureMetrics>& metrics) {
+  return metrics ? fmt::format("{:.8g},{:.8g}", std::sqrt(metrics->relmse), metrics->mse) : ",";
+}
+
 // So that `compare` and later studies can take it.
-void write_reference(const StudyRecord& record) {
-  const StudyReference& reference = record.study.reference;
-  if (!reference.file.empty()) return;
+void write_reference(const StudyRecord& record, const StudyReference& reference, const std::string& file,
+                     const std::string& command) {
   PictureInfo info;
   info.spp = reference.spp;
   info.seconds = reference.seconds;
@@ -131,9 +184,9 @@ void write_reference(const StudyRecord& record) {
   info.seed = reference.seed;
   info.samples = fmt::format("0:{}", reference.spp);
   info.scene = record.scene;
-  info.command = reference_command(record);
+  info.command = command;
   info.filter = kFilterNames[record.settings.render.filter];
-  write_picture(reference_file(record), reference.picture, info, {});
+  write_picture(file, reference.picture, info, {});
 }
 
 } // namespace
@@ -169,6 +222,8 @@ Json study_document(const StudyRecord& record) {
             {"floor", study.reference.error ? Json(kFloor * *study.reference.error) : Json(nullptr)},
             {"picture", kReferencePicture},
             {"command", reference_command(record)}}},
+          {"ao_reference", occlusion_json(record)},
+          {"first_hits", first_hits_json(study.first_hits)},
           {"exposure", pictures.exposure},
           {"error_map", {{"metric", "FLIP"}, {"brightest", pictures.brightest}}},
           {"equal_time", equal_time_json(study, table)},
@@ -179,26 +234,31 @@ Json study_document(const StudyRecord& record) {
 std::string study_csv(const StudyRecord& record) {
   std::string text = fmt::format(
       "configuration,{},spp,seconds,gpu_seconds,rays,relative_rms,estimated_relative_rms,mse,relmse,mrse,flip,"
-      "efficiency,"
-      "at_floor,command\n",
+      "efficiency,at_floor,command,ms_per_frame,direct_relative_rms,direct_mse,ao_relative_rms,ao_mse\n",
       fmt::join(record.settings.vary, ","));
   for (const Series& series : record.study.series)
     for (const StudyPoint& point : series.points) {
       const std::string estimate = point.estimated_error ? fmt::format("{:.8g}", *point.estimated_error) : "";
       std::string command = point_command(record, series, point);
       for (std::size_t at = 0; (at = command.find('"', at)) != std::string::npos; at += 2) command.insert(at, 1, '"');
-      text += fmt::format("{},{},{},{:.6g},{:.6g},{},{:.8g},{},{:.8g},{:.8g},{:.8g},{:.8g},{:.6g},{},\"{}\"\n",
-                          series.configuration.name(), series.configuration.name(","), point.spp, point.seconds,
-                          point.gpu_seconds, point.rays, point.relative_rms(), estimate, point.metrics.mse,
-                          point.metrics.relmse, point.metrics.mrse, point.flip, point.efficiency(),
-                          record.study.at_floor(point.relative_rms()) ? "yes" : "no", command);
+      std::vector<std::string_view> values;
+      for (const std::string& name : record.settings.vary) values.push_back(series.configuration.value_of(name));
+      text += fmt::format(
+          "{},{},{},{:.6g},{:.6g},{},{:.8g},{},{:.8g},{:.8g},{:.8g},{:.8g},{:.6g},{},\"{}\",{:.6g},{},{}\n",
+          series.configuration.name(), fmt::join(values, ","), point.spp, point.seconds, point.gpu_seconds, point.rays,
+          point.relative_rms(), estimate, point.metrics.mse, point.metrics.relmse, point.metrics.mrse, point.flip,
+          point.efficiency(), record.study.at_floor(series, point.relative_rms()) ? "yes" : "no", command,
+          point.ms_per_frame(), csv_pair(point.direct), csv_pair(point.occlusion));
     }
   return text;
 }
 
 void write_study(const StudyRecord& record) {
   write_pictures(record.folder, record.study, plan_pictures(record.study));
-  write_reference(record);
+  const Study& study = record.study;
+  if (study.reference.file.empty())
+    write_reference(record, study.reference, reference_file(record), reference_command(record));
+  if (study.occlusion) write_reference(record, *study.occlusion, occlusion_file(record), occlusion_command(record));
   write_file(in_folder(record, "study.csv"), study_csv(record));
   write_file(in_folder(record, "study.json"), to_text(study_document(record)));
 }

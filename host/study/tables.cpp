@@ -15,6 +15,11 @@ std::vector<Measured> curve(const Series& series, X x, Y y) {
   return points;
 }
 
+// Errors of pictures of light and of pictures of occlusion have nothing in common; a table is of the first one's kind.
+bool comparable(const Study& study, const Series& series) {
+  return series.shows_occlusion() == study.series.front().shows_occlusion();
+}
+
 double seconds_of(const StudyPoint& point) { return point.seconds; }
 
 std::optional<EqualTimeRow> row_at(const Study& study, const Series& series, double seconds) {
@@ -28,8 +33,8 @@ std::optional<EqualTimeRow> row_at(const Study& study, const Series& series, dou
   row.mrse = at([](const StudyPoint& p) { return p.metrics.mrse; }).value_or(0.0);
   row.flip = at([](const StudyPoint& p) { return p.flip; }).value_or(0.0);
   row.efficiency = 1.0 / (row.mse * seconds);
-  if (const auto fit = fit_power(above_floor(study, error_by_seconds(series)))) row.scatter = fit->scatter;
-  row.at_floor = study.at_floor(row.relative_rms);
+  if (const auto fit = fit_of(study, series, error_by_seconds(series))) row.scatter = fit->scatter;
+  row.at_floor = study.at_floor(series, row.relative_rms);
   return row;
 }
 
@@ -41,13 +46,15 @@ bool within_scatter(const EqualTimeRow& a, const EqualTimeRow& b) {
 
 std::vector<double> levels(const std::vector<std::vector<Measured>>& curves) {
   std::vector<double> found;
+  const auto measured = static_cast<std::size_t>(
+      std::count_if(curves.begin(), curves.end(), [](const std::vector<Measured>& curve) { return !curve.empty(); }));
   for (int exponent = 2; exponent >= -8; --exponent)
     for (const double digit : {5.0, 2.0, 1.0}) {
       const double level = digit * std::pow(10.0, exponent);
       const auto passed = std::count_if(curves.begin(), curves.end(), [&](const std::vector<Measured>& curve) {
         return time_to(curve, level).how == Reach::interpolated;
       });
-      if (2 * static_cast<std::size_t>(passed) >= curves.size()) found.push_back(level);
+      if (passed > 0 && 2 * static_cast<std::size_t>(passed) >= measured) found.push_back(level);
     }
   constexpr std::size_t kMostLevels = 3;
   if (found.size() > kMostLevels) found.erase(found.begin(), found.end() - kMostLevels);
@@ -71,16 +78,31 @@ std::vector<Measured> error_by_spp(const Series& series) {
       series, [](const StudyPoint& p) { return p.spp; }, [](const StudyPoint& p) { return p.relative_rms(); });
 }
 
-std::vector<Measured> above_floor(const Study& study, std::vector<Measured> points) {
-  std::erase_if(points, [&](const Measured& point) { return study.at_floor(point.y); });
+std::vector<Measured> above_floor(const Study& study, const Series& series, std::vector<Measured> points) {
+  std::erase_if(points, [&](const Measured& point) { return study.at_floor(series, point.y); });
   return points;
+}
+
+std::optional<double> levels_off(const Series& series) {
+  constexpr std::size_t kOctaves = 2;
+  constexpr double kFall = 0.8;
+  const std::vector<Measured> points = error_by_spp(series);
+  if (!series.is_biased() || points.size() <= kOctaves) return std::nullopt;
+  const double last = points.back().y, before = points[points.size() - 1 - kOctaves].y;
+  return last > kFall * before ? std::optional(last) : std::nullopt;
+}
+
+std::optional<PowerFit> fit_of(const Study& study, const Series& series, std::vector<Measured> points) {
+  return levels_off(series) ? std::nullopt : fit_power(above_floor(study, series, std::move(points)));
 }
 
 EqualTime equal_time(const Study& study) {
   EqualTime table{std::numeric_limits<double>::infinity(), {}};
   for (const Series& series : study.series)
-    if (!series.points.empty()) table.seconds = std::min(table.seconds, series.points.back().seconds);
-  for (const Series& series : study.series) table.rows.push_back(row_at(study, series, table.seconds));
+    if (comparable(study, series) && !series.points.empty())
+      table.seconds = std::min(table.seconds, series.points.back().seconds);
+  for (const Series& series : study.series)
+    table.rows.push_back(comparable(study, series) ? row_at(study, series, table.seconds) : std::nullopt);
   const EqualTimeRow* best = nullptr;
   for (const auto& row : table.rows)
     if (row && (!best || row->relative_rms < best->relative_rms)) best = &*row;
@@ -94,11 +116,16 @@ EqualTime equal_time(const Study& study) {
 
 std::vector<EqualError> equal_error(const Study& study) {
   std::vector<std::vector<Measured>> curves;
-  for (const Series& series : study.series) curves.push_back(error_by_seconds(series));
+  for (const Series& series : study.series)
+    curves.push_back(comparable(study, series) ? error_by_seconds(series) : std::vector<Measured>{});
   std::vector<EqualError> tables;
   for (const double level : levels(curves)) {
     EqualError& table = tables.emplace_back(EqualError{level, {}});
-    for (const std::vector<Measured>& points : curves) table.rows.push_back({time_to(points, level), {}});
+    for (std::size_t i = 0; i < curves.size(); ++i) {
+      TimeTo time = time_to(curves[i], level);
+      if (time.how == Reach::extrapolated && levels_off(study.series[i])) time = {}; // it will not go on
+      table.rows.push_back({time, {}});
+    }
     const auto known = [](const TimeTo& t) { return t.how == Reach::interpolated || t.how == Reach::extrapolated; };
     const TimeTo naive = table.rows.front().time;
     for (EqualErrorRow& row : table.rows)

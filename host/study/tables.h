@@ -10,7 +10,14 @@ namespace wavepath {
 std::vector<Measured> error_by_seconds(const Series& series);
 std::vector<Measured> error_by_spp(const Series& series);
 // The same without points whose error is mostly the reference's: those that a slope may be fitted to.
-std::vector<Measured> above_floor(const Study& study, std::vector<Measured> points);
+std::vector<Measured> above_floor(const Study& study, const Series& series, std::vector<Measured> points);
+
+// The error at which a biased configuration has come to stand: over the last two octaves, which halve the error of
+// plain Monte Carlo, it lost less than a fifth. No power law goes through that.
+std::optional<double> levels_off(const Series& series);
+
+// The power law that a configuration follows; nothing where it follows none, or too little was measured.
+std::optional<PowerFit> fit_of(const Study& study, const Series& series, std::vector<Measured> points);
 
 // Interpolated to one time; ratios are to the first, naive configuration: below 1 is better.
 struct EqualTimeRow {
