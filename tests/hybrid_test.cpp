@@ -253,6 +253,15 @@ TEST_F(HybridTest, GivesTheSameBitsHoweverTheWorkIsCutUp) {
   }
 }
 
+// Paths in flight for one pixel alone, which takes a slot for every light sample.
+TEST_F(HybridTest, OnePixelHasRoomForItsLightSamples) {
+  const Subject subject(parallel_planes(1.0f), 1, 1);
+  RenderSettings one = settings(Integrator::hybrid, 1);
+  one.width = one.height = 1;
+  one.shadow_samples = kMostFrameRays;
+  EXPECT_EQ(render(subject, one).rays.bounce, kMostFrameRays);
+}
+
 TEST_F(HybridTest, PartsJoinToTheWhole) {
   const Subject subject(load("cornell_box.gltf"), 24, 16);
   RenderSettings whole = settings(Integrator::hybrid, 7);
@@ -281,7 +290,9 @@ TEST_F(HybridTest, ResumedRendersGiveTheSameBits) {
   ASSERT_TRUE(state);
   RenderHooks resuming;
   resuming.resume = &*state;
-  EXPECT_TRUE(*wavepath::render(device(), subject.packed, subject.view, whole, resuming, kernels).film == *expected.film);
+  const RenderResult resumed = wavepath::render(device(), subject.packed, subject.view, whole, resuming, kernels);
+  EXPECT_TRUE(*resumed.film == *expected.film);
+  EXPECT_EQ(resumed.rays.total(), expected.rays.total()) << "the estimate of the ambient light counts once";
 }
 
 } // namespace

@@ -7,6 +7,7 @@
 
 #include "host/base/error.h"
 #include "host/base/memory.h"
+#include "host/render/hybrid.h"
 #include "host/scene/features.h"
 
 namespace wavepath {
@@ -49,10 +50,13 @@ void require_memory_for(const std::string& path, const RenderSettings& settings,
   const std::uint64_t pixels = std::uint64_t{settings.width} * settings.height;
   const std::uint64_t film =
       pixels * (gpu::kReplicates * sizeof(gpu::FilmPixel) + (settings.aovs.empty() ? 0 : sizeof(gpu::FilmAovs)));
+  const bool hybrid = settings.integrator != Integrator::path;
+  const std::uint64_t frames = hybrid ? pixels * bytes_per_frame_pixel(settings) : 0;
   const std::uint64_t picture = pixels * sizeof(float) * (4 + 3 * settings.aovs.size());
   const std::uint64_t copies = device.type == "cpu" ? 2 : 1;
   require_memory(path, fmt::format("rendering it at {}x{}", settings.width, settings.height),
-                 copies * (plan.total() + film) + picture, "use a smaller --size, fewer --aov or a simpler scene");
+                 copies * (plan.total() + film) + frames + picture,
+                 "use a smaller --size, fewer --aov or a simpler scene");
 }
 
 } // namespace wavepath

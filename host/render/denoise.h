@@ -15,6 +15,8 @@ namespace wavepath {
 
 class Denoiser {
 public:
+  static constexpr std::uint64_t kBytesPerPixel = 10 * sizeof(gpu::vec4) + sizeof(gpu::vec2);
+
   // `gbuffer`: gpu::GbufferPixel, row-major, of the frame that record() will find. `signals`: vec4, likewise; the
   // direct light in xyz, the unoccluded share in w. `wanted`: kHybridLights, kHybridAmbient or both; the other passes
   // through. Both buffers outlive the denoiser.

@@ -26,6 +26,7 @@ struct StageCode {
 };
 constexpr std::uint32_t kPilotSeed = 0x6a09e667u;
 constexpr std::uint32_t kPilotPixels = 1u << 14, kPilotBlock = 1u << 10; // enough for a mean, in a moment
+constexpr std::uint32_t kCompositePixels = 1u << 16; // of a dispatch: some tens of milliseconds on two cores
 constexpr std::uint64_t kStandInBytes = 1024; // of the buffer that stands for all while nothing is read
 
 std::uint32_t groups_for(std::uint64_t count) {
@@ -43,6 +44,12 @@ float ray_length(double radius) {
 }
 
 } // namespace
+
+std::uint64_t bytes_per_frame_pixel(const RenderSettings& settings) {
+  constexpr std::uint64_t kIds = 2 * sizeof(std::uint32_t), kDepth = sizeof(float); // drawn, and copied once
+  return sizeof(gpu::GbufferPixel) + 2 * sizeof(gpu::vec4) + 2 * kIds + kDepth +
+         (settings.denoise ? Denoiser::kBytesPerPixel : 0);
+}
 
 double occlusion_radius(const PackedScene& scene, const RenderSettings& settings) {
   return settings.ao_radius.value_or(settings.integrator == Integrator::ao ? 0.0 : 0.1 * scene.radius);
@@ -172,9 +179,13 @@ double Hybrid::begin_frame(std::uint32_t sample) {
   return longest;
 }
 
+std::uint32_t Hybrid::samples_per_pixel() const {
+  return std::max(frame_.shadow_samples, frame_.flags & gpu::kHybridAmbient ? frame_.ao_samples : 0);
+}
+
 double Hybrid::render_wave(const FilmBand& band, std::uint32_t first_pixel, std::uint32_t pixel_count) {
   const bool lights = frame_.flags & gpu::kHybridLights;
-  const std::uint32_t samples = samples_per_pixel();
+  const std::uint32_t samples = frame_.shadow_samples;
   const std::uint64_t slots = std::uint64_t{pixel_count} * samples;
   // As hybrid_sample() of kernels/frame_terms.glsl numbers them.
   const std::uint32_t round = frame_.sample_index / gpu::kReplicates,
@@ -256,10 +267,13 @@ double Hybrid::composite(std::uint32_t flags) {
   double longest = 0.0;
   for (const FilmBand& band : tracer_.bands_) {
     if (band.pixel_count == 0) continue;
-    gpu::Wave wave{band.first_pixel, band.pixel_count, 0, 1, 0, band.first_pixel};
-    Commands commands(device_, 1);
+    Commands commands(device_, (band.pixel_count + kCompositePixels - 1) / kCompositePixels);
     commands.bind(*band.bindings);
-    commands.dispatch(kernel(kComposite), groups_for(band.pixel_count), &wave);
+    for (std::uint32_t done = 0; done < band.pixel_count; done += kCompositePixels) {
+      const std::uint32_t count = std::min(kCompositePixels, band.pixel_count - done);
+      const gpu::Wave wave{band.first_pixel + done, count, 0, 1, 0, band.first_pixel};
+      commands.dispatch(kernel(kComposite), groups_for(count), &wave);
+    }
     commands.submit_and_wait();
     longest = std::max(longest, tracer_.count_times(commands));
   }

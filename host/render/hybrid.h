@@ -20,6 +20,11 @@ namespace wavepath {
 class Denoiser; // host/render/denoise.h
 class Taa;      // host/render/taa.h
 
+inline constexpr std::uint32_t kMostFrameRays = 256; // of a kind, a pixel and frame; more come by more frames
+
+// Device memory that frames take besides what paths and film do.
+std::uint64_t bytes_per_frame_pixel(const RenderSettings& settings);
+
 // Metres from which on nothing occludes; 0 = unlimited. What settings.ao_radius says, or what is usual.
 double occlusion_radius(const PackedScene& scene, const RenderSettings& settings);
 
@@ -51,8 +56,8 @@ public:
   // Filters the frame if that is asked for, and adds it to the film. Returns the longest dispatch.
   double end_frame();
 
-  // Light samples a pixel and frame: what takes slots.
-  std::uint32_t samples_per_pixel() const { return frame_.shadow_samples; }
+  // What a pixel counts for in a wave: its light samples, which take slots, or its occlusion rays if those are more.
+  std::uint32_t samples_per_pixel() const;
   std::uint64_t bytes() const; // of what it has besides the tracer's memory
   glm::vec3 ambient() const { return frame_.ambient; }
 

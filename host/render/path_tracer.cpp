@@ -41,8 +41,10 @@ gpu::Frame make_frame(const PackedScene& scene, const View& view, const RenderSe
   frame.light_count = static_cast<std::uint32_t>(scene.lights.size());
   frame.root = scene.root;
   frame.root_is_top = scene.root_is_top ? 1u : 0u;
-  frame.sample_total = (settings.sample_total > 0 ? settings.sample_total : settings.last_sample) *
-                       (path ? 1 : settings.shadow_samples);
+  const std::uint64_t total = settings.sample_total > 0 ? settings.sample_total : settings.last_sample;
+  const bool hybrid = settings.integrator == Integrator::hybrid;
+  frame.sample_total =
+      static_cast<std::uint32_t>(std::min<std::uint64_t>(total * (hybrid ? settings.shadow_samples : 1), gpu::kNone));
   frame.slot_count = slots;
   frame.scene_features = scene.features;
   return frame;
@@ -97,13 +99,15 @@ std::uint32_t choose_slots(const DeviceInfo& info, const PackedScene& scene, con
   const std::uint64_t samples = settings.last_sample - settings.first_sample;
   std::uint64_t slots = info.type == "cpu" ? 1u << 17 : 1u << 21;
   if (settings.wave_slots) slots = settings.wave_slots;
-  slots = std::min(slots, pixels * samples);
+  // A hybrid pixel takes a slot for each of its light samples at once.
+  const std::uint64_t least = settings.integrator == Integrator::path ? 1 : settings.shadow_samples;
+  slots = std::max(std::min(slots, pixels * samples), least);
   if (settings.adaptive) slots = std::max<std::uint64_t>(slots, kLargestRun);
   slots = std::min(slots, info.max_storage_range / std::max(2 * sizeof(gpu::Ray), sizeof(gpu::PathAovs)));
   slots = std::min(slots, info.max_texel_elements / 4);
   slots = std::min<std::uint64_t>(slots, std::uint64_t{info.max_groups} * gpu::kWorkgroupSize);
   slots = std::min(slots, std::max<std::uint64_t>(info.memory_bytes / 8 / bytes_per_slot(scene.features), 1024));
-  return static_cast<std::uint32_t>(std::max<std::uint64_t>(slots, 1));
+  return static_cast<std::uint32_t>(std::max(slots, least));
 }
 
 RayCounts ray_counts(const gpu::Queues& queues) {

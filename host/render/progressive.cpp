@@ -31,6 +31,12 @@ RenderSettings open_ended(RenderSettings settings) {
   return settings;
 }
 
+// Any number of light samples that set_settings() may ask for has room.
+std::uint32_t lasting_slots(const Device& device, const PackedScene& scene, const RenderSettings& settings) {
+  const std::uint32_t slots = choose_slots(device.info(), scene, settings);
+  return settings.wave_slots ? slots : std::max(slots, kMostFrameRays);
+}
+
 } // namespace
 
 Progressive::Progressive(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings,
@@ -41,8 +47,8 @@ Progressive::Progressive(Device& device, const PackedScene& scene, const View& v
       settings_(open_ended(settings)),
       rendered_(settings_),
       view_(view),
-      tracer_(std::make_unique<PathTracer>(device, scene, view, settings_,
-                                           choose_slots(device.info(), scene, settings_), kernels)),
+      tracer_(std::make_unique<PathTracer>(device, scene, view, settings_, lasting_slots(device, scene, settings_),
+                                           kernels)),
       governor_(tracer_->slots(), kLongestWave) {
   begin_anew(choose_coarse());
 }
@@ -113,8 +119,8 @@ void Progressive::set_scene(const PackedScene& scene, const View& view) {
   view_ = view;
   hybrid_.reset();
   tracer_.reset(); // both scenes at once may be too much
-  tracer_ = std::make_unique<PathTracer>(device_, scene, view, settings_,
-                                         choose_slots(device_.info(), scene, settings_), kernels_);
+  tracer_ =
+      std::make_unique<PathTracer>(device_, scene, view, settings_, lasting_slots(device_, scene, settings_), kernels_);
   governor_ = Governor(tracer_->slots(), kLongestWave);
   begin_anew(choose_coarse());
 }
@@ -235,6 +241,7 @@ ProgressiveStatus Progressive::status() const {
   status.slope = fit_slope(checkpoints_, Against::seconds);
   status.memory = tracer_->memory();
   if (hybrid_) status.memory.paths += hybrid_->bytes();
+  if (hybrid_) status.ambient = hybrid_->ambient();
   return status;
 }
 

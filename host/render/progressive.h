@@ -31,6 +31,7 @@ struct ProgressiveStatus {
   std::uint32_t error_spp = 0; // samples a pixel that it was estimated at
   double slope = -0.5;         // of log error against log time
   MemoryUse memory;
+  glm::vec3 ambient{0.0f}; // radiance that hybrid frames use
 };
 
 class Progressive {
@@ -42,8 +43,8 @@ public:
               KernelCompiler& kernels);
   ~Progressive(); // waits for an estimate in progress
 
-  // Renders one wave, in about 30 ms. False if there was nothing to do: the kernels are not ready, or all samples are
-  // in.
+  // Renders one wave, in about 30 ms; of a hybrid frame the first one also draws it and the last one finishes it. False
+  // if there was nothing to do: the kernels are not ready, or all samples are in.
   bool step();
 
   // Each begins anew. move(): coarse, so that there is a picture about every 100 ms, until rest(), which goes on in

@@ -78,11 +78,11 @@ public:
     result_.compile_seconds = tracer_.get_ready() + (hybrid_ ? hybrid_->get_ready() : 0.0);
     result_.upload_seconds = tracer_.upload_seconds();
     cursor_.sample = settings_.first_sample;
-    if (hooks_.resume) restore(*hooks_.resume);
     resume_clock();
+    if (hybrid_) hybrid_->estimate_ambient(); // its rays are in the counts that a state restores
+    if (hooks_.resume) restore(*hooks_.resume);
     last_save_ = Clock::now();
     if (settings_.adaptive && levels_.empty()) explore();
-    if (hybrid_) hybrid_->estimate_ambient();
     while (cursor_.sample < settings_.last_sample && !stopped_) {
       if (cursor_.pass_samples == 0) cursor_.pass_samples = pass_end() - cursor_.sample;
       if (hybrid_)
