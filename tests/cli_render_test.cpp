@@ -69,6 +69,22 @@ TEST_F(CliRenderTest, QuietIsSilentAndJsonIsAllThatStdoutCarries) {
   EXPECT_EQ(Json::parse(outcome.out)["spp"], 2);
 }
 
+TEST_F(CliRenderTest, StatsNameTheBiasOfEveryIntegrator) {
+  const auto bias = [&](const std::vector<std::string>& flags) {
+    std::vector<std::string> all = {"-o", exr_, "--spp", "2", "-q", "--json"};
+    all.insert(all.end(), flags.begin(), flags.end());
+    const Outcome outcome = render(all);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    return Json::parse(outcome.out)["bias"].dump();
+  };
+  EXPECT_NE(bias({}).find("of the light is missing"), std::string::npos);
+  EXPECT_EQ(bias({"--integrator", "ao"}), "[]");
+  EXPECT_EQ(bias({"--integrator", "hybrid", "--max-depth", "0"}), R"(["light paths end after 0 bounces (--max-depth)"])");
+  const std::string hybrid = bias({"--integrator", "hybrid", "--ambient", "1,2,3"});
+  EXPECT_NE(hybrid.find("ambient term of radiance 1,2,3"), std::string::npos) << hybrid;
+  EXPECT_EQ(hybrid.find("missing"), std::string::npos) << hybrid;
+}
+
 TEST_F(CliRenderTest, StatsHaveTheKeysOfTheContract) {
   ASSERT_EQ(render({"-o", exr_, "--spp", "4", "--stats", stats_, "--seed", "3"}).exit_code, 0);
   const Json stats = Json::parse(std::ifstream(stats_));

@@ -207,9 +207,9 @@ int run_render(Request& request) {
       true_errors.push_back(measure_true_error(picture, *reference));
     };
   const RenderResult result = render_shown(request, device, packed, view, kernels, hooks);
-  std::optional<DepthCut> cut;
-  if ((!request.output.stats.empty() || request.output.json || request.output.verbose) &&
-      result.stop != StopReason::interrupted)
+  std::optional<DepthCut> cut; // of paths; frames of other integrators say nothing about it
+  const bool reported = !request.output.stats.empty() || request.output.json || request.output.verbose;
+  if (reported && settings.integrator == Integrator::path && result.stop != StopReason::interrupted)
     cut = measure_depth_cut(device, packed, view, settings, kernels);
   Run run{request.scene.path, request.command_line, device.info(), settings, packed, result};
   run.bias = list_bias(settings, result, cut);

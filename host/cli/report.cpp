@@ -61,15 +61,15 @@ void print_details(const Run& run) {
 std::vector<std::string> list_bias(const RenderSettings& settings, const RenderResult& result,
                                    const std::optional<DepthCut>& cut) {
   std::vector<std::string> bias;
-  if (settings.integrator == Integrator::path)
+  const bool path = settings.integrator == Integrator::path, hybrid = settings.integrator == Integrator::hybrid;
+  if (path || (hybrid && settings.max_depth <= 1))
     bias.push_back(fmt::format("light paths end after {} bounces (--max-depth)", settings.max_depth));
-  if (settings.integrator == Integrator::hybrid && settings.max_depth <= 1)
-    bias.push_back("light paths end after direct light (--max-depth)");
-  if (settings.integrator == Integrator::hybrid && settings.max_depth > 1)
+  if (hybrid && settings.max_depth > 1)
     bias.push_back(fmt::format("light of more than one bounce, what mirrors and glass show of it included, is an ambient "
                                "term of radiance {:.3g},{:.3g},{:.3g} (--integrator hybrid, --ambient)",
                                result.ambient.r, result.ambient.g, result.ambient.b));
-  if (settings.denoise) bias.push_back("direct light and occlusion are filtered over space and time (--denoise)");
+  if (!path && settings.denoise)
+    bias.push_back("direct light and occlusion are filtered over space and time (--denoise)");
   if (cut)
     bias.back() += fmt::format(": {:.2g} % +- {:.1g} % of the light is missing, measured to {} bounces",
                                100.0 * cut->share, 100.0 * cut->standard_error, cut->deeper);

@@ -98,7 +98,7 @@ public:
     window.target_error = request_.render.settings.target_error;
     window.frames = request_.frames;
     window.screenshot = request_.screenshot;
-    window.notes = [](const RenderSettings& settings) { return list_bias(settings, {}, {}); };
+    window.notes = [this](const RenderSettings& settings) { return list_bias(settings, so_far(), {}); };
     window.save = [this](const std::string& path, const DisplayOptions& display) { save(path, display); };
     window.set_environment = [this](const EnvironmentChoice& choice) { set_environment(choice); };
     const int code = run_window(*open_.device, *progressive_, window);
@@ -125,11 +125,17 @@ private:
     return flags;
   }
 
+  // What of the result decides how it is biased.
+  RenderResult so_far() const {
+    RenderResult result;
+    result.nonfinite = progressive_->tracer().nonfinite();
+    result.ambient = progressive_->status().ambient;
+    return result;
+  }
+
   void save(const std::string& path, const DisplayOptions& display) const {
     const RenderSettings& settings = progressive_->settings();
     const ProgressiveStatus status = progressive_->status();
-    RenderResult result;
-    result.nonfinite = progressive_->tracer().nonfinite();
     PictureInfo info;
     info.spp = status.spp;
     info.seconds = status.seconds;
@@ -139,7 +145,7 @@ private:
     info.scene = request_.scene.path;
     info.command = request_.command_line;
     info.filter = kFilterNames[settings.filter];
-    info.bias = fmt::format("{}", fmt::join(list_bias(settings, result, {}), "; "));
+    info.bias = fmt::format("{}", fmt::join(list_bias(settings, so_far(), {}), "; "));
     info.view = progressive_->view();
     write_picture(path, progressive_->picture(), info, {.exposure = display.exposure, .tonemap = display.tonemap});
   }
@@ -189,7 +195,8 @@ void add_window_flags(CLI::App& app, Request& request) {
   add_flag(app, group, {"--spp", "N", "samples per pixel at which rendering ends", "65536"},
            [&](const FlagValue& value) { request.render.spp = value.whole_number(1, kMostFrames); });
   add_flag(app, group,
-           {"--target-error", "E", "estimated relative RMS error to tell the time until, and to stop at; 0.01 = 1 %",
+           {"--target-error", "E",
+            "estimated relative RMS error to tell the time until, and to stop at unless --frames is given; 0.01 = 1 %",
             "none"},
            [&](const FlagValue& value) { request.render.settings.target_error = value.positive_number(); });
   add_flag(
