@@ -124,6 +124,7 @@ TEST(Usage, WhatAnIntegratorCannotDoIsRefused) {
   refused({"--integrator", "ao", "--pixel", "1,1", "--sample", "0"}, "--pixel: replays paths, not frames");
   refused({"--integrator", "hybrid", "--shadow-samples", "0"}, "--shadow-samples");
   refused({"--integrator", "hybrid", "--ambient", "1,-1,1"}, "'1,-1,1' is negative");
+  refused({"--integrator", "hybrid", "--ambient", "1,1,1e300"}, "'1,1,1e300' is too large");
 }
 
 // Whether or not it was built with a window, and on a screen or not: no scene is read for nothing.

@@ -11,6 +11,7 @@
 
 #include "host/base/error.h"
 #include "host/cli/flags.h"
+#include "host/render/hybrid.h"
 #include "host/render/stats.h"
 
 namespace wavepath {
@@ -22,7 +23,6 @@ constexpr std::uint32_t kOpenEndedSamples = 65536; // when time or error is to e
 constexpr std::uint32_t kDeepest = 4096;
 constexpr std::string_view kOnOff[] = {"off", "on"};
 constexpr std::string_view kBvhNames[] = {"auto", "fast", "balanced", "best"};
-constexpr std::string_view kTonemaps[] = {"none", "aces", "agx", "neutral"}; // in the order of Tonemap
 constexpr std::string_view kAovs[] = {"albedo",  "normal", "depth",    "position", "variance",
                                       "samples", "direct", "indirect", "emission", "ao"};
 
@@ -143,11 +143,11 @@ void add_hybrid_flags(CLI::App& app, RenderRequest& request) {
             "path tracing; hybrid: rasterized first hit, traced direct light and ambient occlusion; or that occlusion alone",
             "path"},
            [&](const FlagValue& value) { settings.integrator = static_cast<Integrator>(value.choice(kIntegratorNames)); });
-  constexpr std::uint32_t kMostRays = 256; // a pixel and frame; more come by more frames
+  constexpr double kMostRadiance = 1e30; // sums with direct light stay finite
   add_flag(app, group, {"--shadow-samples", "N", "light samples a pixel and frame, stratified", "1"},
-           [=, &settings](const FlagValue& value) { settings.shadow_samples = value.whole_number(1, kMostRays); });
+           [&](const FlagValue& value) { settings.shadow_samples = value.whole_number(1, kMostFrameRays); });
   add_flag(app, group, {"--ao-samples", "N", "occlusion rays a pixel and frame, cosine-weighted and stratified", "1"},
-           [=, &settings](const FlagValue& value) { settings.ao_samples = value.whole_number(1, kMostRays); });
+           [&](const FlagValue& value) { settings.ao_samples = value.whole_number(1, kMostFrameRays); });
   add_flag(app, group,
            {"--ao-radius", "METRES", "distance from which on nothing occludes; 0 = unlimited",
             "hybrid: a tenth of the scene's radius; ao: 0"},
@@ -158,6 +158,8 @@ void add_hybrid_flags(CLI::App& app, RenderRequest& request) {
            [&](const FlagValue& value) {
              const glm::dvec3 radiance = value.triple();
              if (glm::any(glm::lessThan(radiance, glm::dvec3(0.0)))) value.refuse("is negative", "give radiance of zero or more");
+             if (glm::any(glm::greaterThan(radiance, glm::dvec3(kMostRadiance))))
+               value.refuse("is too large", "give at most 1e30");
              settings.ambient = glm::vec3(radiance);
            });
   add_switch(app, group,
@@ -203,7 +205,7 @@ void add_tone_flags(CLI::App& app, WriteOptions& options) {
   add_flag(app, group, {"--exposure", "EV", "brighten tonemapped outputs by this many stops", "0"},
            [&](const FlagValue& value) { options.exposure = value.number(-64.0, 64.0); });
   add_flag(app, group, {"--tonemap", "none|aces|agx|neutral", "tone curve of .png and .jpg outputs", "neutral"},
-           [&](const FlagValue& value) { options.tonemap = static_cast<Tonemap>(value.choice(kTonemaps)); });
+           [&](const FlagValue& value) { options.tonemap = static_cast<Tonemap>(value.choice(kTonemapNames)); });
 }
 
 void add_picture_output_flags(CLI::App& app, OutputRequest& request, const char* initial) {

@@ -179,7 +179,7 @@ DeviceInfo describe(VkPhysicalDevice physical) {
       !(core11.subgroupSupportedOperations & VK_SUBGROUP_FEATURE_BALLOT_BIT))
     info.missing.push_back("subgroup ballot in compute shaders");
   if (limits.maxPerStageDescriptorStorageBuffers < 16) info.missing.push_back("16 storage buffers a stage");
-  if (limits.maxPerStageDescriptorSampledImages < 12) info.missing.push_back("12 texel buffers a stage");
+  if (limits.maxPerStageDescriptorSampledImages < 21) info.missing.push_back("21 texel buffers a stage");
   return info;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string_view>
 
 #include <glm/glm.hpp>
 
@@ -13,6 +14,8 @@ enum class Tonemap : std::uint8_t {
   agx,     // AgX (Troy Sobotka), base look, as fitted by Benjamin Wrensch (2023)
   neutral, // Khronos PBR Neutral (2024): base colours up to 0.8 come out as they are
 };
+
+inline constexpr std::string_view kTonemapNames[] = {"none", "aces", "agx", "neutral"};
 
 // Linear sRGB in [0,1] of any radiance: negative and NaN channels count as 0.
 glm::vec3 tonemap(Tonemap curve, glm::vec3 radiance);
