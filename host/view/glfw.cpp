@@ -48,7 +48,7 @@ GlfwWindow::~GlfwWindow() { glfwDestroyWindow(window_); }
 void GlfwWindow::install_callbacks() {
   glfwSetKeyCallback(window_, [](GLFWwindow* w, int key, int, int action, int modifiers) {
     of(w).events_ = true;
-    if (action != GLFW_RELEASE) of(w).input_.keys.push_back({key, modifiers});
+    if (action == GLFW_PRESS) of(w).input_.keys.push_back({key, modifiers});
   });
   glfwSetCharCallback(window_, [](GLFWwindow* w, unsigned) { of(w).events_ = true; });
   glfwSetMouseButtonCallback(window_, [](GLFWwindow* w, int button, int action, int modifiers) {

@@ -9,7 +9,6 @@
 #include <imgui_stdlib.h>
 
 #include "host/render/stats.h"
-#include "host/view/render_line.h"
 
 namespace wavepath {
 namespace {
@@ -91,20 +90,23 @@ void show_view(PanelState& state) {
   label("exposure, stops");
   auto exposure = static_cast<float>(display.exposure);
   if (ImGui::SliderFloat("##exposure", &exposure, -10.0f, 10.0f, "%.2f")) display.exposure = exposure;
-  choice("tone curve", kTonemapLabels, display.tonemap);
+  choice("tone curve", kTonemapNames, display.tonemap);
 }
 
 void show_transport(PanelState& state, PanelWishes& wishes) {
   RenderSettings& settings = state.settings;
-  bool changed = choice("integrator", kIntegratorLabels, settings.integrator);
+  bool changed = choice("integrator", kIntegratorNames, settings.integrator);
   changed |= choice("sampler", kSamplerNames, settings.sampler);
   changed |= choice("direct light", kDirectNames, settings.direct);
   changed |= whole("bounces, most", settings.max_depth, 0, 1000);
   changed |= whole("seed", settings.seed, 0, 0x7fffffff);
-  changed |= whole("samples, spp", settings.last_sample, 1, 1u << 24);
+  if (whole("samples, spp", settings.last_sample, 1, 1u << 24)) {
+    settings.sample_total = settings.last_sample;
+    changed = true;
+  }
   if (settings.integrator != Integrator::path) {
-    changed |= whole("shadow rays", settings.shadow_samples, 1, 256);
-    changed |= whole("occlusion rays", settings.ao_samples, 1, 256);
+    changed |= whole("shadow rays", settings.shadow_samples, 1, kMostFrameRays);
+    changed |= whole("occlusion rays", settings.ao_samples, 1, kMostFrameRays);
     label("denoise");
     changed |= ImGui::Checkbox("##denoise", &settings.denoise);
   }

@@ -12,13 +12,15 @@ namespace wavepath {
 std::string render_line(const std::string& scene, const ViewRequest& camera, const RenderSettings& settings,
                         const DisplayOptions& display, const std::string& more) {
   const RenderSettings usual;
+  const std::uint32_t whole = settings.sample_total > 0 ? settings.sample_total : settings.last_sample;
   std::string line = fmt::format("wavepath render {}{} --size {}x{} --spp {}", shell_quoted(scene),
-                                 camera_flags(camera), settings.width, settings.height, settings.last_sample);
+                                 camera_flags(camera), settings.width, settings.height, whole);
+  if (whole > settings.last_sample) line += fmt::format(" --samples 0:{}", settings.last_sample); // strata of the whole
   const auto add = [&line](const char* flag, const auto& value, const auto& otherwise) {
     if (value != otherwise) line += fmt::format(" {} {}", flag, value);
   };
   const auto name = [](const auto& names, auto value) { return std::string(names[static_cast<std::size_t>(value)]); };
-  add("--integrator", name(kIntegratorLabels, settings.integrator), name(kIntegratorLabels, usual.integrator));
+  add("--integrator", name(kIntegratorNames, settings.integrator), name(kIntegratorNames, usual.integrator));
   add("--max-depth", settings.max_depth, usual.max_depth);
   add("--sampler", name(kSamplerNames, settings.sampler), name(kSamplerNames, usual.sampler));
   add("--hemisphere", name(kHemisphereNames, settings.hemisphere), name(kHemisphereNames, usual.hemisphere));
@@ -34,7 +36,7 @@ std::string render_line(const std::string& scene, const ViewRequest& camera, con
     if (settings.denoise) line += " --denoise";
   }
   add("--exposure", display.exposure, 0.0);
-  add("--tonemap", name(kTonemapLabels, display.tonemap), name(kTonemapLabels, WriteOptions{}.tonemap));
+  add("--tonemap", name(kTonemapNames, display.tonemap), name(kTonemapNames, WriteOptions{}.tonemap));
   return line + more;
 }
 

@@ -9,9 +9,6 @@
 
 namespace wavepath {
 
-inline constexpr std::string_view kIntegratorLabels[] = {"path", "hybrid", "ao"};
-inline constexpr std::string_view kTonemapLabels[] = {"none", "aces", "agx", "neutral"};
-
 // `wavepath render` with the camera, all settings that decide the picture, and `more` flags. All samples planned are
 // asked for.
 std::string render_line(const std::string& scene, const ViewRequest& camera, const RenderSettings& settings,

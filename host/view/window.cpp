@@ -43,6 +43,7 @@ std::string free_name(const std::string& scene, const char* extension) {
 class Viewer {
 public:
   Viewer(Device& device, Progressive& progressive, const WindowRequest& request);
+  ~Viewer() { presenter_.wait(); } // before anything goes that the device may be showing
   int run();
 
 private:
@@ -64,7 +65,8 @@ private:
   bool target_reached() const;
   bool seen() const { return window_.size().x > 0; }
   bool scripted() const { return request_.frames > 0; }
-  bool has_work() const { return !status_.done && !target_reached() && (seen() || scripted()); }
+  // A scripted run ends at its number of samples alone, so that its picture is the same every time.
+  bool has_work() const { return !status_.done && (scripted() || (seen() && !target_reached())); }
 
   const WindowRequest& request_;
   Progressive& progressive_;
@@ -81,7 +83,7 @@ private:
   int redraws_ = kSettling;
   bool worked_ = false, drawn_done_ = false;
   double last_draw_ = 0.0, last_move_ = 0.0;
-  glm::uvec2 resizing_to_{0};
+  glm::uvec2 resizing_to_{0}, refused_{0};
   double resized_ = -1.0; // when the window's size changed; below zero: it has not
 };
 
@@ -116,7 +118,6 @@ int Viewer::run() {
       break;
     }
   }
-  presenter_.wait();
   return 0;
 }
 
@@ -229,7 +230,7 @@ void Viewer::focus() {
 void Viewer::fit_size() {
   const glm::uvec2 size = window_.size();
   const RenderSettings& settings = progressive_.settings();
-  if (scripted() || size.x == 0 || (size.x == settings.width && size.y == settings.height)) {
+  if (scripted() || size.x == 0 || size == refused_ || (size.x == settings.width && size.y == settings.height)) {
     resized_ = -1.0;
     return;
   }
@@ -239,6 +240,7 @@ void Viewer::fit_size() {
   camera_.resize(size.x, size.y);
   presenter_.wait();
   take_settings();
+  refused_ = settings.width == size.x && settings.height == size.y ? glm::uvec2(0) : size; // too large to try each time
 }
 
 void Viewer::move_camera() {
