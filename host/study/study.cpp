@@ -78,6 +78,7 @@ private:
     settings.ao_samples = 16;
     settings.denoise = false;
     settings.aovs = {"ao"}; // which is 1 where nothing is hit; the picture is black there
+    settings.time_limit = 2.0 * kOcclusionShare * settings_.budget; // frames are whole wherever it ends
     KernelCompiler kernels(device_);
     return converge(settings, 0, kOcclusionShare, kernels, "reference of occlusion");
   }
