@@ -33,7 +33,7 @@ void main() {
   PathAovs sample_;
   sample_.emission = wants_lights() ? seen[place].rgb : vec3(0.0);
   sample_.direct = wants_lights() && hit ? demodulation(g.albedo) * signal.rgb : vec3(0.0);
-  vec3 ambient = hit && wants_ambient() ? g.albedo * hybrid.ambient * signal.w : vec3(0.0);
+  vec3 ambient = hit && wants_ambient() ? g.albedo * seen[place].w * hybrid.ambient * signal.w : vec3(0.0);
   vec3 radiance = wants_lights() ? sample_.emission + sample_.direct + ambient : vec3(hit ? signal.w : 0.0);
   if ((hybrid.flags & kHybridToColor) != 0u) {
     seen[place] = vec4(radiance, 0.0);

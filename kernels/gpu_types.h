@@ -111,7 +111,7 @@ GPU_CONSTANT uint kBindHybrid = 30u;     // uniform HybridFrame
 GPU_CONSTANT uint kBindVisibility = 31u; // texels RG32UI: place in the triangle buffer, instance; kNone where nothing is seen
 GPU_CONSTANT uint kBindGbuffer = 32u;    // storage GbufferPixel[]
 GPU_CONSTANT uint kBindSignals = 33u;    // storage vec4[]: reflected direct light over demodulation(albedo), unoccluded share
-GPU_CONSTANT uint kBindSeen = 34u;       // storage vec4[]: light that reaches the eye without a bounce
+GPU_CONSTANT uint kBindSeen = 34u;       // storage vec4[]: light that reaches the eye without a bounce, share of the albedo that is no mirror
 GPU_CONSTANT uint kBindJitters = 35u;    // storage vec2[kJitters]: HybridFrame::jitter of frames to come
 
 // ---- geometry -------------------------------------------------------------------------------------------------------------

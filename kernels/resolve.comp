@@ -21,7 +21,12 @@
 
 layout(local_size_x = kWorkgroupSize) in;
 
-GbufferPixel gbuffer_of(Hit hit, vec3 origin, vec3 direction) {
+// What a surface reflects like a mirror has no place in the ambient term, and gains nothing from filters: its light is found by
+// following the reflection, with little noise, and changes from pixel to pixel. So smooth pixels are kept apart from all others.
+const float kSmooth = 0.3; // roughness
+
+GbufferPixel gbuffer_of(Hit hit, uint place, vec3 origin, vec3 direction, out float diffuse) {
+  diffuse = 0.0;
   if (hit.triangle == kNone) return GbufferPixel(vec3(0.0), 0.0, vec3(0.0), kNone);
   Surface surface = fetch_surface(hit);
   Material material = fetch_material(surface.material);
@@ -30,8 +35,17 @@ GbufferPixel gbuffer_of(Hit hit, vec3 origin, vec3 direction) {
   GbufferPixel pixel;
   pixel.normal = shading_normal(surface, material, front, -direction);
   pixel.depth = dot(surface.position - origin, frame.camera_forward);
+  float roughness = 1.0;
+  diffuse = 1.0;
+  if (has(kFeatureSpecular) && wants_lights()) {
+    vec2 roughness_metallic = sample_texture_or_1(kFeatureMetallicRoughnessTextures, material.metallic_roughness_texture,
+                                                  surface.uv).gb * vec2(material.roughness, material.metallic);
+    roughness = roughness_metallic.x;
+    diffuse = 1.0 - roughness_metallic.y;
+  }
   pixel.albedo = wants_lights() ? base_color(material, surface.uv, surface.color).rgb : vec3(1.0);
   pixel.surface = surface.material ^ placed * 0x9e3779b9u; // golden ratio: spreads instances over the words
+  if (roughness < kSmooth) pixel.surface = ~place;
   return pixel;
 }
 
@@ -51,8 +65,9 @@ void main() {
   uvec2 visible = texelFetch(visibility, int(place)).xy;
   Hit hit = Hit(kNone, 0u, 0.0, 0.0);
   if (visible.x != kNone) hit = hit_of_triangle(visible.x, visible.y, origin, direction);
-  gbuffer[place] = gbuffer_of(hit, origin, direction);
-  seen[place] = vec4(0.0);
+  float diffuse;
+  gbuffer[place] = gbuffer_of(hit, place, origin, direction, diffuse);
+  if (wants_lights()) seen[place] = vec4(vec3(0.0), diffuse);
   for (uint s = 0u; s < wave.sample_count; ++s) {
     uint slot = s * wave.pixel_count + local;
     store_ray(slot, Ray(origin, slot, direction, kFar));

@@ -79,7 +79,7 @@ TEST_F(CliRenderTest, StatsNameTheBiasOfEveryIntegrator) {
   };
   EXPECT_NE(bias({}).find("of the light is missing"), std::string::npos);
   EXPECT_EQ(bias({"--integrator", "ao"}), "[]");
-  EXPECT_EQ(bias({"--integrator", "hybrid", "--max-depth", "0"}), R"(["light paths end after 0 bounces (--max-depth)"])");
+  EXPECT_EQ(bias({"--integrator", "hybrid", "--max-depth", "0"}), R"x(["light paths end after 0 bounces (--max-depth)"])x");
   const std::string hybrid = bias({"--integrator", "hybrid", "--ambient", "1,2,3"});
   EXPECT_NE(hybrid.find("ambient term of radiance 1,2,3"), std::string::npos) << hybrid;
   EXPECT_EQ(hybrid.find("missing"), std::string::npos) << hybrid;
