@@ -156,16 +156,25 @@ private:
     wanted.environment_intensity = choice.intensity;
     wanted.environment_degrees = choice.rotation_degrees;
     const Environment before = open_.scene.environment;
+    const View view = progressive_->view();
+    PackedScene other;
     try {
       open_.scene.environment = find_environment(wanted, open_.scene);
-      PackedScene packed = pack(open_.scene, gpu::kDirectMis, quality_, packed_.origin);
-      packed_ = std::move(packed);
+      other = pack(open_.scene, gpu::kDirectMis, quality_, packed_.origin);
     } catch (...) {
       open_.scene.environment = before;
       throw;
     }
+    std::swap(packed_, other);
+    try {
+      progressive_->set_scene(packed_, view);
+    } catch (...) { // it does not fit on the device; what was there does
+      std::swap(packed_, other);
+      open_.scene.environment = before;
+      progressive_->set_scene(packed_, view);
+      throw;
+    }
     environment_ = choice;
-    progressive_->set_scene(packed_, progressive_->view());
   }
 
   const Request& request_;
