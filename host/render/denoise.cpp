@@ -15,7 +15,7 @@ constexpr std::uint32_t kPushBytes = sizeof(gpu::FilterBand);
 
 Denoiser::Denoiser(Device& device, std::uint32_t width, std::uint32_t height, const Buffer& gbuffer,
                    const Buffer& signals, std::uint32_t wanted)
-    : width_(width), height_(height), bands_(device, width, height), gbuffer_(gbuffer), signals_(signals) {
+    : width_(width), height_(height), bands_(device, width, height), gbuffer_(gbuffer) {
   const std::uint64_t pixels = std::uint64_t{width} * height, texel = sizeof(gpu::vec4);
   buffers_.reprojection = Buffer(device, sizeof(gpu::Reprojection));
   for (int i = 0; i < 2; ++i) {

@@ -53,7 +53,7 @@ private:
 
   std::uint32_t width_, height_;
   FilterBands bands_;
-  const Buffer &gbuffer_, &signals_;
+  const Buffer& gbuffer_;
   Buffers buffers_;
   std::array<std::array<std::unique_ptr<BindingSet>, kFlowCount>, 2> sets_; // by turn
   std::vector<Kernel> kernels_;                                             // by Stage

@@ -120,7 +120,7 @@ double Hybrid::get_ready() {
 }
 
 Hybrid::Kernels Hybrid::compile(Device& device, const Needs& needs) {
-  static const std::array<StageCode, kStageCount> codes = {{{"jitter", wavepath_jitter_spv},
+  static const std::array<StageCode, kFrameStageCount> codes = {{{"jitter", wavepath_jitter_spv},
                                                             {"resolve", wavepath_resolve_spv},
                                                             {"occlusion", wavepath_occlusion_spv},
                                                             {"gather", wavepath_gather_spv},
@@ -133,7 +133,7 @@ Hybrid::Kernels Hybrid::compile(Device& device, const Needs& needs) {
   const BindingSet bindings(device, stand_ins, static_cast<std::uint32_t>(sizeof(gpu::Wave)));
   Kernels kernels;
   std::vector<std::future<void>> compiling;
-  for (std::size_t stage = 0; stage < kStageCount; ++stage) {
+  for (std::size_t stage = 0; stage < kFrameStageCount; ++stage) {
     if (stage == kOcclusion && !(needs.flags & gpu::kHybridAmbient)) continue;
     if (stage == kGather && !(needs.flags & gpu::kHybridLights)) continue;
     compiling.push_back(std::async(std::launch::async, [&, stage] {

@@ -66,10 +66,10 @@ public:
   void estimate_ambient();
 
 private:
-  enum Stage : std::size_t { kJitter, kResolve, kOcclusion, kGather, kComposite, kStageCount };
+  enum Stage : std::size_t { kJitter, kResolve, kOcclusion, kGather, kComposite, kFrameStageCount };
 
   struct Kernels {
-    std::array<std::optional<Kernel>, kStageCount> by_stage;
+    std::array<std::optional<Kernel>, kFrameStageCount> by_stage;
     double seconds = 0.0; // that compiling took
   };
   struct Needs { // of kernels
