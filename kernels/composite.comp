@@ -31,10 +31,15 @@ void main() {
   bool hit = g.depth > 0.0;
 
   PathAovs sample_;
-  sample_.emission = wants_lights() ? seen[place].rgb : vec3(0.0);
-  sample_.direct = wants_lights() && hit ? demodulation(g.albedo) * signal.rgb : vec3(0.0);
-  vec3 ambient = hit && wants_ambient() ? g.albedo * seen[place].w * hybrid.ambient * signal.w : vec3(0.0);
-  vec3 radiance = wants_lights() ? sample_.emission + sample_.direct + ambient : vec3(hit ? signal.w : 0.0);
+  sample_.emission = sample_.direct = vec3(0.0);
+  vec3 radiance = vec3(hit ? signal.w : 0.0);
+  if (wants_lights()) { // otherwise nothing has a place in `seen`
+    vec4 emission_diffuse = seen[place];
+    sample_.emission = emission_diffuse.rgb;
+    if (hit) sample_.direct = demodulation(g.albedo) * signal.rgb;
+    vec3 ambient = hit && wants_ambient() ? g.albedo * emission_diffuse.w * hybrid.ambient * signal.w : vec3(0.0);
+    radiance = sample_.emission + sample_.direct + ambient;
+  }
   if ((hybrid.flags & kHybridToColor) != 0u) {
     seen[place] = vec4(radiance, 0.0);
     return;

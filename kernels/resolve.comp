@@ -22,8 +22,9 @@
 layout(local_size_x = kWorkgroupSize) in;
 
 // What a surface reflects like a mirror has no place in the ambient term, and gains nothing from filters: its light is found by
-// following the reflection, with little noise, and changes from pixel to pixel. So smooth metal is kept apart from all others. (Not what is merely glossy: its
-// diffuse light is as noisy as any; kept apart as well, Sponza's filtered relMSE is 6 times this. 2 frames, llvmpipe.)
+// following the reflection, with little noise, and changes from pixel to pixel. So smooth metal is kept apart from all others.
+// (Not what is merely glossy: its diffuse light is as noisy as any; kept apart as well, Sponza's filtered relMSE is 6 times this.
+// 2 frames, llvmpipe.)
 const float kSmooth = 0.3; // roughness
 
 GbufferPixel gbuffer_of(Hit hit, uint place, vec3 origin, vec3 direction, out float diffuse) {
