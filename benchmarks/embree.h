@@ -6,8 +6,9 @@
 #include <span>
 #include <vector>
 
-#include "host/scene/pack.h"
-#include "kernels/gpu_types.h"
+#include "host/scene/pack/pack.h"
+#include "kernels/frame_types.h"
+#include "kernels/path/path_types.h"
 
 namespace wavepath {
 

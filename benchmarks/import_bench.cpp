@@ -5,8 +5,8 @@
 
 #include <benchmark/benchmark.h>
 
-#include "host/scene/gltf.h"
-#include "host/scene/pack.h"
+#include "host/scene/gltf/gltf.h"
+#include "host/scene/pack/pack.h"
 
 namespace wavepath {
 namespace {

@@ -3,7 +3,7 @@
 #ifndef WAVEPATH_CONFIG_GLSL
 #define WAVEPATH_CONFIG_GLSL
 
-#include "kernels/gpu_types.h"
+#include "kernels/features.h"
 
 layout(constant_id = kSpecFeatures) const uint kFeatures = kFeaturesAll;
 layout(constant_id = kSpecStackSize) const uint kStackSize = 160u;

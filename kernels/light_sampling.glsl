@@ -5,7 +5,7 @@
 #ifndef WAVEPATH_LIGHT_SAMPLING_GLSL
 #define WAVEPATH_LIGHT_SAMPLING_GLSL
 
-#include "kernels/gpu_types.h"
+#include "kernels/scene_types.h"
 #include "kernels/math.glsl"
 #include "kernels/records.glsl"
 

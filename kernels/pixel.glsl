@@ -2,6 +2,7 @@
 #ifndef WAVEPATH_PIXEL_GLSL
 #define WAVEPATH_PIXEL_GLSL
 
+#include "kernels/frame_types.h"
 #include "kernels/sampler.glsl"
 #include "kernels/tile_order.h"
 

@@ -1,9 +1,9 @@
-// Records of scene and paths, read and written 16 bytes at a time. Reads go through texel buffers: Mesa 22.3 reads storage buffers word
-// by word and lane by lane, and writes members of structs so. What a kernel does not use of a record is not fetched.
+// Records of the scene, read 16 bytes at a time through texel buffers: Mesa 22.3 reads storage buffers word by word and lane by lane,
+// and members of structs so. What a kernel does not use of a record is not fetched.
 #ifndef WAVEPATH_RECORDS_GLSL
 #define WAVEPATH_RECORDS_GLSL
 
-#include "kernels/gpu_types.h"
+#include "kernels/scene_types.h"
 
 #ifdef BIND_SURFACES
 Material fetch_material(uint index) {
@@ -69,76 +69,6 @@ Light fetch_light(uint index) {
   light.spot_offset = spot.y;
   light.pad1 = light.pad2 = 0.0;
   return light;
-}
-#endif
-
-#ifdef BIND_PATHS
-PathState fetch_path(uint slot) {
-  vec4 throughput_pdf = texelFetch(path_texels, int(2u * slot)), radiance_eta = texelFetch(path_texels, int(2u * slot + 1u));
-  return PathState(throughput_pdf.xyz, throughput_pdf.w, radiance_eta.xyz, radiance_eta.w);
-}
-#endif
-
-#ifdef BIND_PATHS
-void store_path(uint slot, PathState path) {
-  path_words[2u * slot] = uvec4(floatBitsToUint(path.throughput), floatBitsToUint(path.bsdf_pdf));
-  path_words[2u * slot + 1u] = uvec4(floatBitsToUint(path.radiance), floatBitsToUint(path.eta_scale));
-}
-// Of one that has not scattered meanwhile.
-void store_radiance(uint slot, PathState path) {
-  path_words[2u * slot + 1u] = uvec4(floatBitsToUint(path.radiance), floatBitsToUint(path.eta_scale));
-}
-#endif
-
-#ifdef BIND_RAYS
-// `place`: of both queues, one after the other.
-Ray fetch_ray(uint place) {
-  vec4 origin_slot = texelFetch(ray_texels, int(2u * place)), direction_t = texelFetch(ray_texels, int(2u * place + 1u));
-  return Ray(origin_slot.xyz, floatBitsToUint(origin_slot.w), direction_t.xyz, direction_t.w);
-}
-void store_ray(uint place, Ray ray) {
-  ray_words[2u * place] = uvec4(floatBitsToUint(ray.origin), ray.slot);
-  ray_words[2u * place + 1u] = uvec4(floatBitsToUint(ray.direction), floatBitsToUint(ray.t_max));
-}
-void store_hit(uint index, Hit hit) {
-  hit_words[index] = uvec4(hit.triangle, hit.instance, floatBitsToUint(hit.b1), floatBitsToUint(hit.b2));
-}
-Hit fetch_hit(uint index) {
-  uvec4 hit = texelFetch(hit_texels, int(index));
-  return Hit(hit.x, hit.y, uintBitsToFloat(hit.z), uintBitsToFloat(hit.w));
-}
-#endif
-
-#ifdef BIND_SHADOW_RAYS
-void store_shadow_ray(uint index, ShadowRay ray) {
-  shadow_ray_words[3u * index] = uvec4(floatBitsToUint(ray.origin), ray.slot);
-  shadow_ray_words[3u * index + 1u] = uvec4(floatBitsToUint(ray.direction), floatBitsToUint(ray.t_max));
-  shadow_ray_words[3u * index + 2u] = uvec4(floatBitsToUint(ray.contribution), ray.light);
-}
-ShadowRay fetch_shadow_ray(uint index) {
-  uvec4 origin_slot = texelFetch(shadow_ray_texels, int(3u * index));
-  vec4 direction_t = uintBitsToFloat(texelFetch(shadow_ray_texels, int(3u * index + 1u)));
-  uvec4 contribution_light = texelFetch(shadow_ray_texels, int(3u * index + 2u));
-  return ShadowRay(uintBitsToFloat(origin_slot.xyz), origin_slot.w, direction_t.xyz, direction_t.w,
-                   uintBitsToFloat(contribution_light.xyz), contribution_light.w);
-}
-#endif
-
-#ifdef BIND_FILM
-ExactSum exact_sum(uvec4 words) { return ExactSum(uint[2](words.x, words.y), uint[2](words.z, words.w)); }
-uvec4 words_of(ExactSum sum) { return uvec4(sum.high[0], sum.high[1], sum.low[0], sum.low[1]); }
-
-FilmPixel fetch_film_pixel(uint index) {
-  int texel = int(4u * index);
-  uvec4 counts = texelFetch(film_texels, texel + 3);
-  return FilmPixel(exact_sum(texelFetch(film_texels, texel)), exact_sum(texelFetch(film_texels, texel + 1)),
-                   exact_sum(texelFetch(film_texels, texel + 2)), counts.x, counts.y, uintBitsToFloat(counts.z), 0u);
-}
-void store_film_pixel(uint index, FilmPixel pixel) {
-  film_words[4u * index] = words_of(pixel.red);
-  film_words[4u * index + 1u] = words_of(pixel.green);
-  film_words[4u * index + 2u] = words_of(pixel.blue);
-  film_words[4u * index + 3u] = uvec4(pixel.count, pixel.tops, floatBitsToUint(pixel.largest), 0u);
 }
 #endif
 

@@ -8,6 +8,7 @@
 #define WAVEPATH_SAMPLER_GLSL
 
 #include "kernels/config.glsl"
+#include "kernels/frame_types.h"
 
 struct Sampler {
   uint pixel;        // pixel index

@@ -12,10 +12,10 @@
 
 #include "host/cli/render_flags.h"
 #include "host/cli/scene_flags.h"
-#include "host/render/film.h"
+#include "host/film/film.h"
 #include "host/render/kernel_compiler.h"
 #include "host/render/render.h"
-#include "host/scene/pack.h"
+#include "host/scene/pack/pack.h"
 #include "tests/probe.h"
 
 namespace wavepath::test {

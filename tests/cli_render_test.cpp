@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/gpu/device.h"
-#include "host/render/picture_io.h"
+#include "host/film/picture_io.h"
 #include "tests/run_wavepath.h"
 #include "tests/temporary_folder.h"
 

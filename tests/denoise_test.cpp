@@ -6,8 +6,10 @@
 #include <random>
 #include <vector>
 
-#include "host/render/denoise.h"
-#include "host/render/taa.h"
+#include "host/integrators/hybrid/denoise.h"
+#include "host/integrators/hybrid/taa.h"
+#include "kernels/hybrid/filter_types.h"
+#include "kernels/hybrid/hybrid_types.h"
 #include "tests/probe.h"
 
 namespace wavepath::test {

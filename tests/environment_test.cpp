@@ -14,8 +14,8 @@
 #include <gtest/gtest.h>
 
 #include "host/base/error.h"
-#include "host/scene/alias.h"
-#include "host/scene/environment_light.h"
+#include "host/scene/pack/alias.h"
+#include "host/scene/pack/environment_light.h"
 
 namespace wavepath {
 namespace {

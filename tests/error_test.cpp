@@ -9,12 +9,12 @@
 
 #include "host/render/adaptive.h"
 #include "host/render/depth_cut.h"
-#include "host/render/error.h"
-#include "host/render/film.h"
+#include "host/film/error.h"
+#include "host/film/film.h"
 #include "host/render/kernel_compiler.h"
-#include "host/render/metrics.h"
-#include "host/scene/gltf.h"
-#include "host/scene/pack.h"
+#include "host/film/metrics.h"
+#include "host/scene/gltf/gltf.h"
+#include "host/scene/pack/pack.h"
 #include "host/scene/view.h"
 #include "tests/probe.h"
 

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "host/scene/gltf.h"
+#include "host/scene/gltf/gltf.h"
 #include "tests/gltf_builder.h"
 
 namespace wavepath::test {

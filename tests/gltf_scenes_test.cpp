@@ -6,8 +6,8 @@
 #include <gtest/gtest.h>
 
 #include "host/base/error.h"
-#include "host/scene/gltf.h"
-#include "host/scene/tangents.h"
+#include "host/scene/gltf/gltf.h"
+#include "host/scene/gltf/tangents.h"
 
 namespace wavepath {
 namespace {

@@ -7,12 +7,12 @@
 
 #include <gtest/gtest.h>
 
-#include "host/render/film.h"
-#include "host/render/hybrid.h"
+#include "host/film/film.h"
+#include "host/integrators/hybrid/hybrid.h"
 #include "host/render/kernel_compiler.h"
 #include "host/render/render_state.h"
-#include "host/scene/gltf.h"
-#include "host/scene/pack.h"
+#include "host/scene/gltf/gltf.h"
+#include "host/scene/pack/pack.h"
 #include "tests/probe.h"
 #include "tests/scene_builder.h"
 #include "tests/statistics.h"

@@ -5,8 +5,8 @@
 
 #include "host/render/kernel_compiler.h"
 #include "host/render/render.h"
-#include "host/scene/gltf.h"
-#include "host/scene/pack.h"
+#include "host/scene/gltf/gltf.h"
+#include "host/scene/pack/pack.h"
 #include "host/scene/view.h"
 #include "tests/probe.h"
 

@@ -1,6 +1,7 @@
-// The structs of kernels/gpu_types.h lie in memory as C++ has them: member by member, against what SPIR-V says.
+// The structs that host and kernels share lie in memory as C++ has them: member by member, against what SPIR-V says.
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <map>
@@ -11,8 +12,13 @@
 
 #include <gtest/gtest.h>
 
-#include "kernels/gpu_types.h"
-#include "kernels/layout_probe.spv.h"
+#include "kernels/film/film_types.h"
+#include "kernels/frame_types.h"
+#include "kernels/hybrid/filter_types.h"
+#include "kernels/hybrid/hybrid_types.h"
+#include "kernels/path/path_types.h"
+#include "kernels/scene_types.h"
+#include "tests/probes/layout_probe.spv.h"
 
 namespace wavepath::gpu {
 namespace {
@@ -157,12 +163,15 @@ TEST(Layout, Filters) {
 }
 
 TEST(Layout, EveryStructIsInTheProbe) {
-  std::ifstream file(WAVEPATH_SOURCE_DIR "/kernels/gpu_types.h");
-  const std::string text{std::istreambuf_iterator<char>(file), {}};
   const std::regex declaration("\nstruct (\\w+)");
   std::set<std::string> declared;
-  for (auto match = std::sregex_iterator(text.begin(), text.end(), declaration); match != std::sregex_iterator(); ++match)
-    declared.insert((*match)[1]);
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(WAVEPATH_SOURCE_DIR "/kernels")) {
+    if (!entry.path().filename().string().ends_with("_types.h") || entry.path().filename() == "display_types.h") continue;
+    std::ifstream file(entry.path());
+    const std::string text{std::istreambuf_iterator<char>(file), {}};
+    for (auto match = std::sregex_iterator(text.begin(), text.end(), declaration); match != std::sregex_iterator(); ++match)
+      declared.insert((*match)[1]);
+  }
   EXPECT_GE(declared.size(), 15u);
   for (const std::string& name : declared) EXPECT_TRUE(layouts().contains(name)) << name;
 }

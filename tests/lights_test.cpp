@@ -6,9 +6,9 @@
 #include <gtest/gtest.h>
 #include <glm/gtc/matrix_transform.hpp>
 
-#include "host/scene/alias.h"
-#include "host/scene/emission.h"
-#include "host/scene/pack.h"
+#include "host/scene/pack/alias.h"
+#include "host/scene/pack/emission.h"
+#include "host/scene/pack/pack.h"
 #include "tests/scene_builder.h"
 
 namespace wavepath {

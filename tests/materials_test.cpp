@@ -1,12 +1,14 @@
 // Materials, textures, texels and the feature bits that follow from them.
-#include "host/scene/materials.h"
+#include "host/scene/pack/materials.h"
 
 #include <bit>
 #include <cmath>
 
 #include <gtest/gtest.h>
 
-#include "host/scene/pack.h"
+#include "host/scene/pack/pack.h"
+#include "kernels/features.h"
+#include "kernels/scene_types.h"
 #include "kernels/tile_order.h"
 #include "tests/scene_builder.h"
 

@@ -7,7 +7,7 @@
 #include "tests/probe.h"
 #include "tests/statistics.h"
 
-#include "kernels/math_probe.spv.h"
+#include "tests/probes/math_probe.spv.h"
 
 namespace wavepath::test {
 namespace {

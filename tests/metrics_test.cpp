@@ -4,10 +4,11 @@
 #include <numeric>
 #include <random>
 
+#include <glm/glm.hpp>
 #include <gtest/gtest.h>
 
 #include "host/base/error.h"
-#include "host/render/metrics.h"
+#include "host/film/metrics.h"
 
 namespace wavepath {
 namespace {

@@ -6,8 +6,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "host/render/path_replay.h"
-#include "host/scene/gltf.h"
+#include "host/integrators/path/path_replay.h"
+#include "host/scene/gltf/gltf.h"
 #include "host/scene/view.h"
 #include "kernels/tile_order.h"
 #include "tests/gltf_builder.h"

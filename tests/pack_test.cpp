@@ -1,5 +1,5 @@
 // Geometry as packed: origin, baking, winding, instancing, streams, dropped triangles, trees and stack bounds.
-#include "host/scene/pack.h"
+#include "host/scene/pack/pack.h"
 #include "bvh/words.h"
 
 #include <algorithm>
@@ -11,8 +11,8 @@
 #include <gtest/gtest.h>
 #include <glm/gtc/matrix_transform.hpp>
 
-#include "host/scene/features.h"
-#include "host/scene/gltf.h"
+#include "host/scene/pack/features.h"
+#include "host/scene/gltf/gltf.h"
 #include "tests/scene_builder.h"
 
 namespace wavepath {

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 #include <glm/gtc/matrix_transform.hpp>
 
-#include "kernels/gpu_types.h"
+#include "kernels/features.h"
 #include "tests/scene_builder.h"
 
 namespace wavepath {

@@ -17,7 +17,7 @@
 #include <gtest/gtest.h>
 
 #include "host/base/error.h"
-#include "host/render/picture_io.h"
+#include "host/film/picture_io.h"
 #include "tests/temporary_folder.h"
 
 namespace wavepath::test {

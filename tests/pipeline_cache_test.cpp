@@ -5,7 +5,7 @@
 
 #include "host/base/cache_file.h"
 #include "host/gpu/pipeline_cache.h"
-#include "kernels/filter_probe.spv.h"
+#include "tests/probes/filter_probe.spv.h"
 #include "tests/probe.h"
 #include "tests/temporary_folder.h"
 

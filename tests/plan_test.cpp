@@ -6,8 +6,9 @@
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "host/base/error.h"
-#include "host/scene/gltf.h"
-#include "host/scene/pack.h"
+#include "host/scene/gltf/gltf.h"
+#include "host/scene/pack/pack.h"
+#include "kernels/scene_types.h"
 #include "tests/scene_builder.h"
 
 namespace wavepath {

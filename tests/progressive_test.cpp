@@ -7,11 +7,11 @@
 #include <thread>
 
 #include "host/render/display.h"
-#include "host/render/error.h"
-#include "host/render/error_map.h"
+#include "host/film/error.h"
+#include "host/film/error_map.h"
 #include "host/render/progressive.h"
-#include "host/scene/gltf.h"
-#include "host/scene/pack.h"
+#include "host/scene/gltf/gltf.h"
+#include "host/scene/pack/pack.h"
 #include "host/scene/view.h"
 #include "tests/probe.h"
 

@@ -12,8 +12,8 @@
 #include <nlohmann/json.hpp>
 #include <sys/resource.h>
 
-#include "host/render/film.h"
-#include "host/render/picture_io.h"
+#include "host/film/film.h"
+#include "host/film/picture_io.h"
 #include "host/render/state_file.h"
 #include "tests/run_wavepath.h"
 #include "tests/temporary_folder.h"

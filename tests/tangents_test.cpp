@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "host/scene/tangents.h"
+#include "host/scene/gltf/tangents.h"
 #include "tests/gltf_checks.h"
 
 namespace wavepath {

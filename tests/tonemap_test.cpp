@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "host/render/tonemap.h"
+#include "host/film/tonemap.h"
 
 namespace wavepath {
 namespace {

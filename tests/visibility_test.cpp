@@ -1,6 +1,6 @@
 // The rasterized visibility buffer against traced camera rays: the same triangles, instances and barycentric weights
 // wherever no edge passes, and almost everywhere else.
-#include "host/render/visibility.h"
+#include "host/integrators/hybrid/visibility.h"
 
 #include <array>
 #include <cmath>
@@ -9,12 +9,16 @@
 
 #include <glm/gtc/matrix_transform.hpp>
 
-#include "host/render/path_tracer.h"
-#include "host/scene/gltf.h"
-#include "kernels/extend.spv.h"
+#include "host/integrators/path/path_tracer.h"
+#include "host/scene/gltf/gltf.h"
+#include "kernels/features.h"
+#include "kernels/frame_types.h"
+#include "kernels/hybrid/hybrid_types.h"
+#include "kernels/path/extend.spv.h"
+#include "kernels/path/path_types.h"
 #include "kernels/tile_order.h"
-#include "kernels/visibility_probe.spv.h"
 #include "tests/probe.h"
+#include "tests/probes/visibility_probe.spv.h"
 #include "tests/scene_builder.h"
 
 namespace wavepath::test {

@@ -2,7 +2,7 @@
 
 #include "host/bench/frames.h"
 #include "host/bench/summary.h"
-#include "host/scene/features.h"
+#include "host/scene/pack/features.h"
 
 namespace wavepath {
 

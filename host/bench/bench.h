@@ -11,7 +11,7 @@
 #include "host/bench/ceilings.h"
 #include "host/bench/summary.h"
 #include "host/render/render.h"
-#include "host/scene/pack.h"
+#include "host/scene/pack/pack.h"
 
 namespace wavepath {
 

@@ -5,8 +5,8 @@
 #include <chrono>
 
 #include "host/gpu/commands.h"
-#include "kernels/ceiling_fma.spv.h"
-#include "kernels/ceiling_load.spv.h"
+#include "kernels/bench/ceiling_fma.spv.h"
+#include "kernels/bench/ceiling_load.spv.h"
 
 namespace wavepath {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "host/render/path_tracer.h"
+#include "host/integrators/path/path_tracer.h"
 
 namespace wavepath {
 

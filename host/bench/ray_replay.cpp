@@ -5,7 +5,9 @@
 #include <cstddef>
 #include <limits>
 
-#include "host/render/path_replay.h"
+#include "host/integrators/path/path_replay.h"
+#include "kernels/frame_types.h"
+#include "kernels/path/path_types.h"
 
 namespace wavepath {
 namespace {

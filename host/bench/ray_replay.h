@@ -4,8 +4,9 @@
 #include <span>
 #include <vector>
 
-#include "host/render/path_tracer.h"
-#include "kernels/gpu_types.h"
+#include "host/integrators/path/path_tracer.h"
+#include "kernels/frame_types.h"
+#include "kernels/path/path_types.h"
 
 namespace wavepath {
 

@@ -4,7 +4,9 @@
 #include <span>
 
 #include "bvh/traverse.h"
-#include "host/scene/pack.h"
+#include "host/scene/pack/pack.h"
+#include "kernels/frame_types.h"
+#include "kernels/path/path_types.h"
 
 namespace wavepath {
 

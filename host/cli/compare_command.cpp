@@ -10,9 +10,9 @@
 #include "host/base/error.h"
 #include "host/cli/commands.h"
 #include "host/cli/flags.h"
-#include "host/render/error_map.h"
-#include "host/render/metrics.h"
-#include "host/render/picture_io.h"
+#include "host/film/error_map.h"
+#include "host/film/metrics.h"
+#include "host/film/picture_io.h"
 #include "host/render/stats.h"
 
 namespace wavepath {

@@ -10,10 +10,10 @@
 #include "host/cli/commands.h"
 #include "host/cli/flags.h"
 #include "host/cli/render_flags.h"
-#include "host/render/error.h"
-#include "host/render/film.h"
+#include "host/film/error.h"
+#include "host/film/film.h"
 #include "host/render/identity.h"
-#include "host/render/picture_io.h"
+#include "host/film/picture_io.h"
 
 namespace wavepath {
 namespace {

@@ -7,8 +7,8 @@
 
 #include "host/base/error.h"
 #include "host/base/memory.h"
-#include "host/render/hybrid.h"
-#include "host/scene/features.h"
+#include "host/integrators/hybrid/hybrid.h"
+#include "host/scene/pack/features.h"
 
 namespace wavepath {
 namespace {

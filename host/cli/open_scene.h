@@ -9,7 +9,7 @@
 #include "host/cli/scene_flags.h"
 #include "host/gpu/device.h"
 #include "host/render/kernel_compiler.h"
-#include "host/scene/pack.h"
+#include "host/scene/pack/pack.h"
 
 namespace wavepath {
 

@@ -11,7 +11,7 @@
 
 #include "host/base/error.h"
 #include "host/cli/flags.h"
-#include "host/render/hybrid.h"
+#include "host/integrators/hybrid/hybrid.h"
 #include "host/render/stats.h"
 
 namespace wavepath {

@@ -11,7 +11,7 @@
 
 #include "bvh/build.h"
 #include "host/cli/flags.h"
-#include "host/render/picture_io.h"
+#include "host/film/picture_io.h"
 #include "host/render/render.h"
 
 namespace wavepath {

@@ -11,7 +11,7 @@
 #include "host/base/memory.h"
 #include "host/cli/commands.h"
 #include "host/cli/progress.h"
-#include "host/render/error.h"
+#include "host/film/error.h"
 #include "kernels/tile_order.h"
 
 namespace wavepath {

@@ -6,7 +6,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "host/scene/gltf.h"
+#include "host/scene/gltf/gltf.h"
 #include "host/scene/view.h"
 
 namespace wavepath {

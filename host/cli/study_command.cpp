@@ -20,7 +20,7 @@
 #include "host/cli/render_flags.h"
 #include "host/cli/scene_flags.h"
 #include "host/render/bvh_choice.h"
-#include "host/render/hybrid.h"
+#include "host/integrators/hybrid/hybrid.h"
 #include "host/render/stats.h"
 #include "host/study/page.h"
 #include "host/study/study_report.h"

@@ -5,7 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "host/render/path_replay.h"
+#include "host/integrators/path/path_replay.h"
 
 namespace wavepath {
 

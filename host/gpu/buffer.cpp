@@ -10,7 +10,7 @@
 
 #include "host/base/error.h"
 #include "host/gpu/commands.h"
-#include "kernels/gpu_types.h"
+#include "kernels/gpu.h"
 
 namespace wavepath {
 namespace {

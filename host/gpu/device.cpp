@@ -11,7 +11,7 @@
 
 #include "host/base/error.h"
 #include "host/gpu/pipeline_cache.h"
-#include "kernels/gpu_types.h"
+#include "kernels/gpu.h"
 
 namespace wavepath {
 namespace {

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "kernels/tile_order.h"
+#include "kernels/frame_types.h"
 
 namespace wavepath {
 namespace {

@@ -8,7 +8,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "host/render/film.h"
+#include "host/film/film.h"
+#include "kernels/frame_types.h"
 
 namespace wavepath {
 

@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "host/render/error.h"
+#include "host/film/error.h"
 
 namespace wavepath {
 namespace {

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "host/gpu/commands.h"
-#include "kernels/display.spv.h"
+#include "kernels/display/display.spv.h"
 
 namespace wavepath {
 namespace {

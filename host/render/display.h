@@ -11,8 +11,8 @@
 
 #include "host/gpu/kernel.h"
 #include "host/render/progressive.h"
-#include "host/render/tonemap.h"
-#include "kernels/display_types.h"
+#include "host/film/tonemap.h"
+#include "kernels/display/display_types.h"
 
 namespace wavepath {
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cstdint>
 
-#include "kernels/gpu_types.h"
+#include "kernels/gpu.h"
 
 namespace wavepath {
 

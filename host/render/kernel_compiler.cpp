@@ -1,6 +1,6 @@
 #include "host/render/kernel_compiler.h"
 
-#include "host/render/path_tracer.h"
+#include "host/integrators/path/path_tracer.h"
 
 namespace wavepath {
 namespace {

@@ -7,7 +7,7 @@
 #include <memory>
 #include <mutex>
 
-#include "host/render/kernel_set.h"
+#include "host/integrators/path/kernel_set.h"
 
 namespace wavepath {
 

@@ -8,7 +8,8 @@
 #include <optional>
 #include <string_view>
 
-#include "kernels/gpu_types.h"
+#include "kernels/frame_types.h"
+#include "kernels/path/path_types.h"
 
 namespace wavepath {
 

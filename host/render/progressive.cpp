@@ -1,3 +1,4 @@
+#include "host/integrators/path/film_transfer.h"
 #include "host/render/progressive.h"
 
 #include <algorithm>
@@ -5,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "host/render/error.h"
+#include "host/film/error.h"
 
 namespace wavepath {
 namespace {

@@ -8,10 +8,10 @@
 #include <string>
 #include <vector>
 
-#include "host/render/film.h"
+#include "host/film/film.h"
 #include "host/render/governor.h"
-#include "host/render/hybrid.h"
-#include "host/render/path_tracer.h"
+#include "host/integrators/hybrid/hybrid.h"
+#include "host/integrators/path/path_tracer.h"
 #include "host/render/render.h"
 
 namespace wavepath {

@@ -1,4 +1,5 @@
 // The render loop: waves until the samples, the time or the target error is reached; checkpoints on the way.
+#include "host/integrators/path/film_transfer.h"
 #include "host/render/render.h"
 
 #include <algorithm>
@@ -12,11 +13,11 @@
 #include "host/base/error.h"
 #include "host/base/process_clock.h"
 #include "host/render/adaptive.h"
-#include "host/render/error.h"
-#include "host/render/film.h"
+#include "host/film/error.h"
+#include "host/film/film.h"
 #include "host/render/governor.h"
-#include "host/render/hybrid.h"
-#include "host/render/path_tracer.h"
+#include "host/integrators/hybrid/hybrid.h"
+#include "host/integrators/path/path_tracer.h"
 #include "host/render/render_state.h"
 
 namespace wavepath {

@@ -11,14 +11,15 @@
 
 #include <glm/glm.hpp>
 
+#include "host/film/error.h"
+#include "host/film/picture.h"
 #include "host/render/nonfinite.h"
-#include "kernels/gpu_types.h"
+#include "kernels/features.h"
 
 namespace wavepath {
 
 class Device;
 class KernelCompiler; // host/render/kernel_compiler.h
-struct Film;          // host/render/film.h
 struct PackedScene;
 struct RenderState; // host/render/render_state.h
 struct View;        // host/scene/view.h: the resolved camera
@@ -58,44 +59,11 @@ struct RenderSettings {
   std::uint32_t wave_slots = 0;      // paths in flight; 0 = chosen from memory and measured dispatch time
 };
 
-// One EXR channel: row-major from the top left, width * height values.
-struct Channel {
-  std::string name; // "R", "albedo.R", "Z", ...
-  std::vector<float> values;
-};
-
-struct Picture {
-  std::uint32_t width = 0, height = 0;
-  std::vector<Channel> channels; // R G B A first
-};
-
 // Seconds on the device by kernel, and how often it was dispatched.
 struct StageTime {
   std::string name;
   double seconds = 0.0;
   std::uint64_t dispatches = 0;
-};
-
-struct RayCounts {
-  std::uint64_t camera = 0, bounce = 0, shadow = 0, occlusion = 0;
-  std::uint64_t total() const { return camera + bounce + shadow + occlusion; }
-};
-
-// Error of the mean image, without a reference: sqrt(relMSE) estimated from the spread of the replicates (see error.h).
-struct ErrorEstimate {
-  double relative_rms = 0.0;
-  std::array<double, 2> ci95{};
-  // Of the estimated squared error, the share that the largest single sample alone would explain. Where it is large,
-  // the estimate hangs on few samples, and so does the picture: fireflies.
-  double largest_sample_share = 0.0;
-};
-
-struct Checkpoint { // at powers of two of spp, and at the end
-  std::uint32_t spp = 0;
-  double seconds = 0.0; // wall, rendering alone
-  double gpu_seconds = 0.0;
-  RayCounts rays;
-  ErrorEstimate error;
 };
 
 struct MemoryUse { // bytes on the device

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "host/render/film.h"
+#include "host/film/film.h"
 #include "host/render/render.h"
 
 namespace wavepath {

@@ -8,8 +8,8 @@
 
 #include "host/render/bvh_choice.h"
 #include "host/render/diagnosis.h"
-#include "host/render/error.h"
-#include "host/render/hybrid.h"
+#include "host/film/error.h"
+#include "host/integrators/hybrid/hybrid.h"
 #include "kernels/tile_order.h"
 
 namespace wavepath {

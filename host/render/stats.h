@@ -9,9 +9,9 @@
 #include <nlohmann/json.hpp>
 
 #include "host/gpu/device.h"
-#include "host/render/metrics.h"
+#include "host/film/metrics.h"
 #include "host/render/render.h"
-#include "host/scene/pack.h"
+#include "host/scene/pack/pack.h"
 
 namespace wavepath {
 

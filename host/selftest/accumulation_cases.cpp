@@ -7,14 +7,14 @@
 #include <fmt/format.h>
 
 #include "host/gpu/commands.h"
-#include "host/render/film.h"
+#include "host/film/film.h"
 #include "host/selftest/scenes.h"
 #include "host/selftest/selftest.h"
 #include "host/selftest/shapes.h"
 #include "host/selftest/traced_scene.h"
-#include "kernels/accumulate.spv.h"
-#include "kernels/selftest_precise.spv.h"
-#include "kernels/selftest_sampler.spv.h"
+#include "kernels/path/accumulate.spv.h"
+#include "kernels/selftest/selftest_precise.spv.h"
+#include "kernels/selftest/selftest_sampler.spv.h"
 
 namespace wavepath {
 namespace {

@@ -7,7 +7,7 @@
 #include <unistd.h>
 
 #include "host/base/error.h"
-#include "host/render/picture_io.h"
+#include "host/film/picture_io.h"
 #include "host/scene/environment.h"
 #include "host/selftest/oracles.h"
 #include "host/selftest/scenes.h"

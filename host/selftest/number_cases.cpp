@@ -8,13 +8,13 @@
 #include <fmt/format.h>
 
 #include "host/gpu/commands.h"
-#include "host/render/picture_io.h"
+#include "host/film/picture_io.h"
 #include "host/selftest/scenes.h"
 #include "host/selftest/selftest.h"
 #include "host/selftest/shapes.h"
 #include "host/selftest/traced_scene.h"
-#include "kernels/selftest_texture.spv.h"
-#include "kernels/selftest_unit_float.spv.h"
+#include "kernels/selftest/selftest_texture.spv.h"
+#include "kernels/selftest/selftest_unit_float.spv.h"
 
 namespace wavepath {
 namespace {

@@ -8,7 +8,9 @@
 #include "host/selftest/selftest.h"
 #include "host/selftest/shapes.h"
 #include "host/selftest/traced_scene.h"
-#include "kernels/selftest_offset.spv.h"
+#include "kernels/frame_types.h"
+#include "kernels/scene_types.h"
+#include "kernels/selftest/selftest_offset.spv.h"
 
 namespace wavepath {
 namespace {

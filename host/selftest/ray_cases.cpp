@@ -6,7 +6,7 @@
 #include "host/selftest/selftest.h"
 #include "host/selftest/shapes.h"
 #include "host/selftest/traced_scene.h"
-#include "kernels/selftest_brute_force.spv.h"
+#include "kernels/selftest/selftest_brute_force.spv.h"
 
 namespace wavepath {
 namespace {

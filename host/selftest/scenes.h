@@ -7,7 +7,7 @@
 
 #include "host/gpu/device.h"
 #include "host/render/render.h"
-#include "host/scene/pack.h"
+#include "host/scene/pack/pack.h"
 #include "host/scene/scene.h"
 
 namespace wavepath {

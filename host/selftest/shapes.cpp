@@ -1,6 +1,8 @@
 #include "host/selftest/shapes.h"
+#include "kernels/frame_types.h"
 
 #include <numbers>
+
 
 namespace wavepath {
 

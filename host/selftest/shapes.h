@@ -7,7 +7,7 @@
 
 #include <glm/glm.hpp>
 
-#include "kernels/gpu_types.h"
+#include "kernels/frame_types.h"
 
 namespace wavepath {
 

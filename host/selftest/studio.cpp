@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "host/scene/pack.h"
+#include "host/scene/pack/pack.h"
 #include "host/scene/view.h"
 
 namespace wavepath {

@@ -4,9 +4,9 @@
 
 #include "host/gpu/commands.h"
 #include "host/render/kernel_compiler.h"
-#include "host/render/path_tracer.h"
-#include "kernels/connect.spv.h"
-#include "kernels/extend.spv.h"
+#include "host/integrators/path/path_tracer.h"
+#include "kernels/path/connect.spv.h"
+#include "kernels/path/extend.spv.h"
 
 namespace wavepath {
 

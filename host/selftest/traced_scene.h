@@ -8,8 +8,9 @@
 #include <vector>
 
 #include "host/gpu/kernel.h"
-#include "host/render/gpu_scene.h"
-#include "host/scene/pack.h"
+#include "host/render/device_scene.h"
+#include "host/scene/pack/pack.h"
+#include "kernels/frame_types.h"
 
 namespace wavepath {
 

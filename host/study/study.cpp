@@ -11,7 +11,7 @@
 #include <fmt/format.h>
 
 #include "host/render/kernel_compiler.h"
-#include "host/render/picture_io.h"
+#include "host/film/picture_io.h"
 #include "host/render/stats.h"
 
 namespace wavepath {

@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "host/gpu/device.h"
-#include "host/render/metrics.h"
+#include "host/film/metrics.h"
 #include "host/render/render.h"
-#include "host/scene/pack.h"
+#include "host/scene/pack/pack.h"
 #include "host/scene/view.h"
 #include "host/study/grid.h"
 

@@ -5,8 +5,8 @@
 #include <filesystem>
 
 #include "host/base/error.h"
-#include "host/render/error_map.h"
-#include "host/render/picture_io.h"
+#include "host/film/error_map.h"
+#include "host/film/picture_io.h"
 #include "host/study/tables.h"
 
 namespace wavepath {

@@ -7,7 +7,7 @@
 #include <imgui.h>
 
 #include "host/gpu/commands.h"
-#include "host/render/tonemap.h"
+#include "host/film/tonemap.h"
 
 namespace wavepath {
 namespace {

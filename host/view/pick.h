@@ -5,7 +5,7 @@
 
 #include <glm/glm.hpp>
 
-#include "host/scene/pack.h"
+#include "host/scene/pack/pack.h"
 #include "host/scene/view.h"
 
 namespace wavepath {

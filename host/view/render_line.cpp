@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "host/base/shell_quote.h"
-#include "host/render/picture_io.h"
+#include "host/film/picture_io.h"
 #include "host/render/stats.h"
 #include "host/view/camera_control.h"
 

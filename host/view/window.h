@@ -9,7 +9,7 @@
 #include "host/render/display.h"
 #include "host/render/progressive.h"
 #include "host/scene/bounds.h"
-#include "host/scene/pack.h"
+#include "host/scene/pack/pack.h"
 #include "host/scene/scene.h"
 #include "host/scene/view.h"
 

@@ -1,7 +1,12 @@
-// Declares every struct of kernels/gpu_types.h, so that its SPIR-V says where the shader compiler put each member.
+// Declares every struct that host and kernels share, so that its SPIR-V says where the shader compiler put each member.
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#include "kernels/gpu_types.h"
+#include "kernels/film/film_types.h"
+#include "kernels/frame_types.h"
+#include "kernels/hybrid/filter_types.h"
+#include "kernels/hybrid/hybrid_types.h"
+#include "kernels/path/path_types.h"
+#include "kernels/scene_types.h"
 
 layout(local_size_x = 1) in;
 layout(push_constant) uniform Push { Wave wave; };

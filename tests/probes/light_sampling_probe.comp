@@ -4,6 +4,7 @@
 #define BIND_LIGHTS
 #define BIND_ENVIRONMENT
 #include "kernels/bindings.glsl"
+#include "kernels/film/film_types.h"
 #include "kernels/light_sampling.glsl"
 
 layout(local_size_x = kWorkgroupSize) in;

@@ -7,10 +7,11 @@
 #define BIND_QUEUES
 #define BIND_HYBRID
 #define BIND_VISIBILITY
-#include "kernels/bindings.glsl"
-#include "kernels/hybrid.glsl"
+#include "kernels/hybrid/bindings.glsl"
+#include "kernels/path/bindings.glsl"
+#include "kernels/hybrid/hybrid.glsl"
+#include "kernels/path/records.glsl"
 #include "kernels/pixel.glsl"
-#include "kernels/records.glsl"
 
 layout(local_size_x = kWorkgroupSize) in;
 

@@ -1,0 +1,124 @@
+#include "host/film/error.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include <tbb/parallel_for.h>
+
+#include "host/film/film.h"
+#include "kernels/frame_types.h"
+
+namespace wavepath {
+namespace {
+
+double mean_of(const glm::dvec3& v) { return (v.x + v.y + v.z) / 3.0; }
+
+// relMSE weighs a pixel by 1 / (r^2 + 0.01). The pixel's own mean alone would not do for r: a sample that is bright by
+// chance raises it along with the spread, and so hides its own error (up to a third of it, where noise is strong). So r
+// comes from the eight neighbours, and from the pixel itself only as far as it stands out from them by more than noise
+// explains, at an edge; of that and the pixel's own mean, the one that weighs more counts, because neighbours across an
+// edge may be far brighter.
+glm::dvec3 weight(const Film& film, const std::vector<PixelStatistics>& pixels, std::size_t index) {
+  const int width = static_cast<int>(film.width), height = static_cast<int>(film.height);
+  const int x = static_cast<int>(index % film.width), y = static_cast<int>(index / film.width);
+  glm::dvec3 around(0.0), noise(0.0);
+  double count = 0.0;
+  for (int v = std::max(y - 1, 0); v <= std::min(y + 1, height - 1); ++v)
+    for (int u = std::max(x - 1, 0); u <= std::min(x + 1, width - 1); ++u) {
+      const PixelStatistics& pixel = pixels[static_cast<std::size_t>(v) * film.width + static_cast<std::size_t>(u)];
+      noise += pixel.variance;
+      if (u == x && v == y) continue;
+      around += pixel.mean;
+      count += 1.0;
+    }
+  const PixelStatistics& own = pixels[index];
+  if (count == 0.0) return 1.0 / (own.mean * own.mean + 0.01);
+  around /= count;
+  noise = glm::max(noise / (count + 1.0), own.variance);
+  const glm::dvec3 apart = own.mean - around, edge = glm::max(apart * apart - noise, 0.0);
+  glm::dvec3 r = own.mean;
+  for (int c = 0; c < 3; ++c)
+    if (edge[c] + noise[c] > 0.0) r[c] = around[c] + apart[c] * edge[c] / (edge[c] + noise[c]);
+  return 1.0 / (glm::min(r * r, own.mean * own.mean) + 0.01);
+}
+
+// What a pixel's largest sample, as a mean over R G B, contributes to its mean: squared, and weighed as relMSE does.
+double largest_alone(const Film& film, std::size_t index, const glm::dvec3& pixel_weight) {
+  double sample = 0.0;
+  for (std::uint32_t r = 0; r < gpu::kReplicates; ++r)
+    sample = std::max(sample, film.pixels[index * gpu::kReplicates + r].largest / 3.0);
+  const double alone = sample / std::max(sample_count(film, index), 1u);
+  return alone * alone * mean_of(pixel_weight);
+}
+
+// Of squared errors of pixels, weighed.
+struct Sums {
+  double sum = 0.0, sum_of_squares = 0.0, largest_alone = 0.0;
+};
+
+Sums row_sums(const Film& film, const std::vector<PixelStatistics>& pixels, std::size_t row) {
+  Sums sums;
+  for (std::size_t i = row * film.width; i < (row + 1) * film.width; ++i) {
+    const glm::dvec3 w = weight(film, pixels, i);
+    const double squared = mean_of(pixels[i].variance * w);
+    sums.sum += squared;
+    sums.sum_of_squares += squared * squared;
+    sums.largest_alone = std::max(sums.largest_alone, largest_alone(film, i, w));
+  }
+  return sums;
+}
+
+} // namespace
+
+ErrorEstimate estimate_error(const Film& film) {
+  std::vector<PixelStatistics> pixels(std::size_t{film.width} * film.height);
+  std::vector<Sums> rows(film.height); // added up in order: the same for any number of threads
+  tbb::parallel_for(std::size_t{0}, pixels.size(), [&](std::size_t i) { pixels[i] = statistics(film, i); });
+  tbb::parallel_for(std::size_t{0}, rows.size(), [&](std::size_t y) { rows[y] = row_sums(film, pixels, y); });
+  double sum = 0.0, sum_of_squares = 0.0, largest = 0.0;
+  for (const Sums& row : rows) {
+    sum += row.sum;
+    sum_of_squares += row.sum_of_squares;
+    largest = std::max(largest, row.largest_alone);
+  }
+  const double n = static_cast<double>(pixels.size()), mean = sum / n;
+  // The interval is of this picture's error, not of its expectation: both the estimate and what it estimates scatter,
+  // alike and independently (the sum and the difference of two replicates are independent where they are normal), hence
+  // the 2. The weights are known less well: over scenes and sample counts they left the squared error 0.91 to 1.0 of
+  // the true one.
+  constexpr double kWeights = 0.05; // standard deviation of that
+  const double scatter = 2.0 * std::max(0.0, sum_of_squares / n - mean * mean) / n;
+  const double spread = std::sqrt(scatter + kWeights * kWeights * mean * mean);
+  constexpr double kNormal95 = 1.959964;
+  return {std::sqrt(mean),
+          {std::sqrt(std::max(0.0, mean - kNormal95 * spread)), std::sqrt(mean + kNormal95 * spread)},
+          sum > 0.0 ? largest / sum : 0.0};
+}
+
+bool has_estimate(std::uint32_t spp, const ErrorEstimate& error) {
+  return spp >= gpu::kReplicates && std::isfinite(error.relative_rms);
+}
+
+double fit_slope(const std::vector<Checkpoint>& checkpoints, Against against) {
+  constexpr std::size_t kPoints = 5; // four octaves
+  double n = 0.0, sx = 0.0, sy = 0.0, sxx = 0.0, sxy = 0.0;
+  for (std::size_t i = checkpoints.size() > kPoints ? checkpoints.size() - kPoints : 0; i < checkpoints.size(); ++i) {
+    const Checkpoint& c = checkpoints[i];
+    const double cost = against == Against::seconds ? c.seconds : c.spp;
+    if (!(c.error.relative_rms > 0.0) || !(cost > 0.0)) continue;
+    const double x = std::log(cost), y = std::log(c.error.relative_rms);
+    n += 1.0, sx += x, sy += y, sxx += x * x, sxy += x * y;
+  }
+  const double determinant = n * sxx - sx * sx;
+  constexpr double kMonteCarlo = -0.5; // what any unbiased method does in the limit
+  return n >= 3.0 && determinant > 1e-9 ? (n * sxy - sx * sy) / determinant : kMonteCarlo;
+}
+
+double growth_for(double ratio, double slope) {
+  if (ratio <= 1.0) return 1.0;
+  return slope < 0.0 ? std::pow(ratio, -1.0 / slope) : std::numeric_limits<double>::infinity();
+}
+
+} // namespace wavepath

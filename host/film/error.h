@@ -1,0 +1,54 @@
+// How wrong a picture still is, told without a reference, and what less would cost.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+
+namespace wavepath {
+
+struct Film; // host/film/film.h
+
+struct RayCounts {
+  std::uint64_t camera = 0, bounce = 0, shadow = 0, occlusion = 0;
+  std::uint64_t total() const { return camera + bounce + shadow + occlusion; }
+};
+
+// Error of the mean image, without a reference: sqrt(relMSE) estimated from the spread of the replicates (see error.h).
+struct ErrorEstimate {
+  double relative_rms = 0.0;
+  std::array<double, 2> ci95{};
+  // Of the estimated squared error, the share that the largest single sample alone would explain. Where it is large,
+  // the estimate hangs on few samples, and so does the picture: fireflies.
+  double largest_sample_share = 0.0;
+};
+
+struct Checkpoint { // at powers of two of spp, and at the end
+  std::uint32_t spp = 0;
+  double seconds = 0.0; // wall, rendering alone
+  double gpu_seconds = 0.0;
+  RayCounts rays;
+  ErrorEstimate error;
+};
+
+
+// sqrt of the relMSE of the mean image, with a 95 % interval that covers the true one. Each pixel's squared error is
+// estimated by the spread of its two replicates, which is right for any sampler because they are scrambled
+// independently; per-sample variance would overstate Owen-scrambled Sobol's error up to 12 times. Not a number while a
+// pixel lacks samples in either replicate.
+ErrorEstimate estimate_error(const Film& film);
+
+// Once it exists: one sample belongs to one replicate; a spread needs all of them, in every pixel.
+bool has_estimate(std::uint32_t spp, const ErrorEstimate& error);
+
+// Of log error against log seconds, or against log spp, by least squares over the last octaves; -1/2, Monte Carlo's,
+// while too little is known.
+enum class Against { seconds, spp };
+double fit_slope(const std::vector<Checkpoint>& checkpoints, Against against);
+
+// Factor by which x (seconds or spp) has to grow for the error to fall to 1 / ratio of itself. Infinite if it does not
+// fall.
+double growth_for(double ratio, double slope);
+
+} // namespace wavepath

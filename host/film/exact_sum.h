@@ -1,0 +1,43 @@
+// The host's side of gpu::ExactSum: its value, and joining two of them.
+#pragma once
+
+#include <bit>
+#include <cstdint>
+
+#include "kernels/film/film_types.h"
+
+namespace wavepath {
+
+inline std::int64_t digit_sum(const std::uint32_t words[2]) {
+  return static_cast<std::int64_t>(std::uint64_t{words[1]} << 32 | words[0]);
+}
+
+inline void set_digit_sum(std::uint32_t words[2], std::int64_t value) {
+  words[0] = static_cast<std::uint32_t>(static_cast<std::uint64_t>(value));
+  words[1] = static_cast<std::uint32_t>(static_cast<std::uint64_t>(value) >> 32);
+}
+
+// Rounded to 53 bits, a pure function of what was added. `top` is the index of the highest digit.
+inline double value_of(const gpu::ExactSum& sum, std::uint32_t top) {
+  __extension__ using Wide = __int128;
+  const Wide both = Wide{digit_sum(sum.high)} * (Wide{1} << 32) + digit_sum(sum.low);
+  const std::uint64_t exponent = 1023 + 32 * std::uint64_t{top} - 32 - 149; // of a power of two that doubles hold exactly
+  return static_cast<double>(both) * std::bit_cast<double>(exponent << 52);
+}
+
+// As if all of `other`'s samples had been added to `sum`.
+inline void add(gpu::ExactSum& sum, std::uint32_t& top, const gpu::ExactSum& other, std::uint32_t other_top) {
+  const auto raise = [](gpu::ExactSum s, std::uint32_t by) {
+    if (by == 0) return s;
+    gpu::ExactSum raised{};
+    if (by == 1) set_digit_sum(raised.low, digit_sum(s.high));
+    return raised;
+  };
+  const std::uint32_t common = top > other_top ? top : other_top;
+  const gpu::ExactSum a = raise(sum, common - top), b = raise(other, common - other_top);
+  set_digit_sum(sum.high, digit_sum(a.high) + digit_sum(b.high));
+  set_digit_sum(sum.low, digit_sum(a.low) + digit_sum(b.low));
+  top = common;
+}
+
+} // namespace wavepath

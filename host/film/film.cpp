@@ -1,0 +1,154 @@
+#include "host/film/film.h"
+
+#include <algorithm>
+#include <cstring>
+#include <limits>
+
+#include "host/film/exact_sum.h"
+#include "kernels/film/film_types.h"
+#include "kernels/frame_types.h"
+
+namespace wavepath {
+namespace {
+
+std::uint32_t top_of(const gpu::FilmPixel& pixel, int channel) { return pixel.tops >> 8 * channel & 0xff; }
+
+const gpu::ExactSum& sum_of(const gpu::FilmPixel& pixel, int channel) {
+  return channel == 0 ? pixel.red : channel == 1 ? pixel.green : pixel.blue;
+}
+gpu::ExactSum& sum_of(gpu::FilmPixel& pixel, int channel) {
+  return channel == 0 ? pixel.red : channel == 1 ? pixel.green : pixel.blue;
+}
+
+glm::dvec3 total_of(const gpu::FilmPixel& pixel) {
+  glm::dvec3 total;
+  for (int c = 0; c < 3; ++c) total[c] = value_of(sum_of(pixel, c), top_of(pixel, c));
+  return total;
+}
+
+void join(gpu::FilmPixel& pixel, const gpu::FilmPixel& other) {
+  std::uint32_t tops = 0;
+  for (int c = 0; c < 3; ++c) {
+    std::uint32_t top = top_of(pixel, c);
+    add(sum_of(pixel, c), top, sum_of(other, c), top_of(other, c));
+    tops |= top << 8 * c;
+  }
+  pixel.tops = tops;
+  pixel.count += other.count;
+  pixel.largest = std::max(pixel.largest, other.largest);
+}
+
+void join(gpu::FilmAovs& mean, const gpu::FilmAovs& other) {
+  const auto mix = [](auto& a, const auto& b, float n, float m) {
+    if (n + m > 0.0f) a += (b - a) * (m / (n + m));
+  };
+  mix(mean.albedo, other.albedo, mean.count, other.count);
+  mix(mean.emission, other.emission, mean.count, other.count);
+  mix(mean.direct, other.direct, mean.count, other.count);
+  mix(mean.normal, other.normal, mean.hits, other.hits);
+  mix(mean.position, other.position, mean.hits, other.hits);
+  mix(mean.depth, other.depth, mean.hits, other.hits);
+  mix(mean.unoccluded, other.unoccluded, mean.hits, other.hits);
+  mean.count += other.count;
+  mean.hits += other.hits;
+}
+
+template <class T>
+bool same_bytes(const std::vector<T>& a, const std::vector<T>& b) {
+  return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
+}
+
+// Appends channels NAME + suffix for every letter, filled by value(pixel index, component).
+template <class Value>
+void add_channels(Picture& picture, const std::string& prefix, const std::string& letters, Value value) {
+  for (std::size_t c = 0; c < letters.size(); ++c) {
+    Channel channel{prefix + letters[c], std::vector<float>(std::size_t{picture.width} * picture.height)};
+    for (std::size_t i = 0; i < channel.values.size(); ++i)
+      channel.values[i] = static_cast<float>(value(i, static_cast<int>(c)));
+    picture.channels.push_back(std::move(channel));
+  }
+}
+
+void add_aov(Picture& picture, const Film& film, const std::string& name, const glm::dvec3& origin) {
+  constexpr float kNothing = 1e10f; // depth where nothing was hit, as other renderers write it
+  const auto& aovs = film.aovs;
+  if (name == "albedo") {
+    add_channels(picture, "albedo.", "RGB", [&](std::size_t i, int c) { return aovs[i].albedo[c]; });
+  } else if (name == "normal") {
+    add_channels(picture, "N.", "XYZ", [&](std::size_t i, int c) { return aovs[i].normal[c]; });
+  } else if (name == "depth") {
+    add_channels(picture, "", "Z", [&](std::size_t i, int) { return aovs[i].hits > 0.0f ? aovs[i].depth : kNothing; });
+  } else if (name == "position") {
+    add_channels(picture, "P.", "XYZ",
+                 [&](std::size_t i, int c) { return aovs[i].hits > 0.0f ? aovs[i].position[c] + origin[c] : 0.0; });
+  } else if (name == "ao") {
+    Channel channel{"ao", {}};
+    for (const gpu::FilmAovs& pixel : aovs) channel.values.push_back(pixel.unoccluded);
+    picture.channels.push_back(std::move(channel));
+  } else if (name == "variance") {
+    add_channels(picture, "variance.", "RGB", [&](std::size_t i, int c) { return mean_variance(film, i)[c]; });
+  } else if (name == "samples") {
+    Channel channel{"samples", {}};
+    for (std::size_t i = 0; i < std::size_t{film.width} * film.height; ++i)
+      channel.values.push_back(static_cast<float>(sample_count(film, i)));
+    picture.channels.push_back(std::move(channel));
+  } else if (name == "direct") {
+    add_channels(picture, "direct.", "RGB", [&](std::size_t i, int c) { return aovs[i].direct[c]; });
+  } else if (name == "emission") {
+    add_channels(picture, "emission.", "RGB", [&](std::size_t i, int c) { return aovs[i].emission[c]; });
+  } else if (name == "indirect") {
+    // What is left of the picture, so that emission + direct + indirect adds up to it.
+    add_channels(picture, "indirect.", "RGB", [&](std::size_t i, int c) {
+      return mean_radiance(film, i)[c] - aovs[i].direct[c] - aovs[i].emission[c];
+    });
+  }
+}
+
+} // namespace
+
+bool Film::operator==(const Film& other) const {
+  return width == other.width && height == other.height && same_bytes(pixels, other.pixels) &&
+         same_bytes(aovs, other.aovs);
+}
+
+void join(Film& film, const Film& other) {
+  for (std::size_t i = 0; i < film.pixels.size(); ++i) join(film.pixels[i], other.pixels[i]);
+  for (std::size_t i = 0; i < film.aovs.size(); ++i) join(film.aovs[i], other.aovs[i]);
+}
+
+std::uint32_t sample_count(const Film& film, std::size_t pixel) {
+  std::uint32_t count = 0;
+  for (std::uint32_t r = 0; r < gpu::kReplicates; ++r) count += film.pixels[pixel * gpu::kReplicates + r].count;
+  return count;
+}
+
+glm::dvec3 mean_radiance(const Film& film, std::size_t pixel) {
+  gpu::FilmPixel all = film.pixels[pixel * gpu::kReplicates];
+  for (std::uint32_t r = 1; r < gpu::kReplicates; ++r) join(all, film.pixels[pixel * gpu::kReplicates + r]);
+  return all.count > 0 ? total_of(all) / static_cast<double>(all.count) : glm::dvec3(0.0);
+}
+
+// From two replicates a, b of n and m samples: (a - b)^2 nm / (n + m)^2, which is (a - b)^2 / 4 where n = m.
+PixelStatistics statistics(const Film& film, std::size_t pixel) {
+  static_assert(gpu::kReplicates == 2);
+  const gpu::FilmPixel &a = film.pixels[pixel * 2], &b = film.pixels[pixel * 2 + 1];
+  const double n = a.count, m = b.count;
+  if (n == 0.0 || m == 0.0) return {mean_radiance(film, pixel), glm::dvec3(std::numeric_limits<double>::quiet_NaN())};
+  const glm::dvec3 sum_a = total_of(a), sum_b = total_of(b), difference = sum_a / n - sum_b / m;
+  return {(sum_a + sum_b) / (n + m), difference * difference * (n * m / ((n + m) * (n + m)))};
+}
+
+glm::dvec3 mean_variance(const Film& film, std::size_t pixel) { return statistics(film, pixel).variance; }
+
+Picture develop(const Film& film, const std::vector<std::string>& aovs, const glm::dvec3& origin) {
+  Picture picture{film.width, film.height, {}};
+  std::vector<glm::vec3> means;
+  means.reserve(std::size_t{film.width} * film.height);
+  for (std::size_t i = 0; i < std::size_t{film.width} * film.height; ++i) means.emplace_back(mean_radiance(film, i));
+  add_channels(picture, "", "RGB", [&](std::size_t i, int c) { return means[i][c]; });
+  add_channels(picture, "", "A", [](std::size_t, int) { return 1.0f; });
+  for (const std::string& name : aovs) add_aov(picture, film, name, origin);
+  return picture;
+}
+
+} // namespace wavepath

@@ -1,0 +1,44 @@
+// What the device has accumulated, as the picture and the error that the user sees.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <glm/glm.hpp>
+
+#include "host/film/picture.h"
+#include "kernels/film/film_types.h"
+
+namespace wavepath {
+
+// The exact sums of a render, row-major from the top left. Two films of different samples of one picture join without
+// loss.
+struct Film {
+  std::uint32_t width = 0, height = 0;
+  std::vector<gpu::FilmPixel> pixels; // kReplicates each
+  std::vector<gpu::FilmAovs> aovs;    // empty unless the render has AOVs
+
+  bool operator==(const Film& other) const; // bit by bit
+};
+
+// The sums over both sets of samples, bit for bit those of one render of them all. AOVs of first hits are running means
+// in floats, and join to within their rounding. Both have one size.
+void join(Film& film, const Film& other);
+
+// Samples of a pixel that count, and their mean; zero without any.
+std::uint32_t sample_count(const Film& film, std::size_t pixel);
+glm::dvec3 mean_radiance(const Film& film, std::size_t pixel);
+
+// Channels R G B A, then those of `aovs` (names of the contract's --aov). `origin` is added back to positions.
+Picture develop(const Film& film, const std::vector<std::string>& aovs, const glm::dvec3& origin);
+
+// The mean of a pixel to within rounding, and an estimate of the variance of that mean; not a number while the pixel
+// lacks samples in any replicate.
+struct PixelStatistics {
+  glm::dvec3 mean, variance;
+};
+PixelStatistics statistics(const Film& film, std::size_t pixel);
+glm::dvec3 mean_variance(const Film& film, std::size_t pixel);
+
+} // namespace wavepath

@@ -1,0 +1,27 @@
+// What a camera cannot see is not drawn: runs of triangles whose box lies outside of the picture.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <glm/glm.hpp>
+
+#include "host/scene/pack/pack.h"
+#include "kernels/hybrid/filter_types.h"
+
+namespace wavepath {
+
+// Triangles that lie together, because they lie together in the order of the tree; bounds in device world space.
+struct Chunk {
+  Draw draw; // of one instance
+  glm::dvec3 centre{0.0}, half{0.0};
+};
+std::vector<Chunk> make_chunks(const PackedScene& scene);
+
+// The draws of all chunks that may be seen in a picture of this size, in their order, neighbours joined. What it leaves
+// out covers no pixel, wherever in the pixel's filter it is looked through.
+std::vector<Draw> visible_draws(std::span<const Chunk> chunks, const gpu::CameraView& camera, std::uint32_t width,
+                                std::uint32_t height);
+
+} // namespace wavepath

@@ -1,0 +1,65 @@
+// The filter of the hybrid's noisy signals over space and time (SVGF: Schied et al. 2017): direct light and ambient
+// occlusion.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "host/gpu/commands.h"
+#include "host/integrators/hybrid/filter_bands.h"
+#include "kernels/hybrid/filter_types.h"
+
+namespace wavepath {
+
+class Denoiser {
+public:
+  static constexpr std::uint64_t kBytesPerPixel = 10 * sizeof(gpu::vec4) + sizeof(gpu::vec2);
+
+  // `gbuffer`: gpu::GbufferPixel, row-major, of the frame that record() will find. `signals`: vec4, likewise; the
+  // direct light in xyz, the unoccluded share in w. `wanted`: kHybridLights, kHybridAmbient or both; the other passes
+  // through. Both buffers outlive the denoiser.
+  Denoiser(Device& device, std::uint32_t width, std::uint32_t height, const Buffer& gbuffer, const Buffer& signals,
+           std::uint32_t wanted);
+  Denoiser(Denoiser&&) = delete;
+
+  // Filters `signals` in place and remembers the frame for the next. `now` is how its G-buffer was seen; the geometry
+  // stands still. What wrote the inputs needs no barrier, nor does what reads the result. Ends with its own bindings
+  // bound.
+  void record(Commands& commands, const gpu::CameraView& now);
+  // A cut, or a change of what is to be seen: the next frame has no past.
+  void forget();
+
+  std::uint64_t bytes() const;      // of device memory
+  std::uint32_t dispatches() const; // that record() records
+
+private:
+  enum Stage { kTemporal, kVariance, kAtrous };
+  // Who reads and writes what: temporal and variance, after motion or without; the iterations of the a-trous filter.
+  enum FlowName { kMoving, kStanding, kFirst, kSecond, kBack, kForth, kFlowCount };
+  // Five iterations, as in the paper: 125 pixels across.
+  static constexpr std::array<FlowName, 5> kIterations = {kFirst, kSecond, kBack, kForth, kBack};
+  struct Flow {
+    const Buffer *history_before, *color_in, *color_out, *guide_in, *guide_out;
+  };
+  struct Buffers {
+    Buffer reprojection;
+    std::array<Buffer, 2> past, moments, history; // of this frame and of the one before, in turns
+    std::array<Buffer, 2> guide;
+    Buffer slopes, first, filtered;
+  };
+  std::vector<Binding> bindings(std::uint32_t turn, const Flow& flow) const;
+
+  std::uint32_t width_, height_;
+  FilterBands bands_;
+  const Buffer& gbuffer_;
+  Buffers buffers_;
+  std::array<std::array<std::unique_ptr<BindingSet>, kFlowCount>, 2> sets_; // by turn
+  std::vector<Kernel> kernels_;                                             // by Stage
+  gpu::CameraView before_{};
+  bool remembers_ = false; // there is a frame before
+  std::uint32_t turn_ = 0;
+};
+
+} // namespace wavepath

@@ -1,0 +1,27 @@
+// Runs a filter over a picture in bands of tiles, each a dispatch short enough for any device.
+#pragma once
+
+#include <cstdint>
+
+#include "host/gpu/commands.h"
+#include "kernels/hybrid/filter_types.h"
+
+namespace wavepath {
+
+class FilterBands {
+public:
+  FilterBands(const Device& device, std::uint32_t width, std::uint32_t height);
+
+  std::uint32_t count() const { return (tiles_ + tiles_per_band_ - 1) / tiles_per_band_; }
+  // The bindings of `kernel` are bound. Ends with a barrier.
+  void run(Commands& commands, const Kernel& kernel, std::uint32_t step = 0) const;
+
+private:
+  std::uint32_t tiles_, tiles_per_band_;
+};
+
+// Two frames as filters over time need them; `before` is left out of account if there was no such frame.
+gpu::Reprojection reproject(const gpu::CameraView& now, const gpu::CameraView& before, bool remembers,
+                            std::uint32_t width, std::uint32_t height);
+
+} // namespace wavepath

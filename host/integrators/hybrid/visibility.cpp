@@ -1,0 +1,201 @@
+#include "host/integrators/hybrid/visibility.h"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+
+#include <fmt/format.h>
+
+#include "host/base/error.h"
+#include "host/render/kernel_compiler.h"
+#include "host/render/render.h"
+#include "kernels/features.h"
+#include "kernels/frame_types.h"
+#include "kernels/hybrid/filter_types.h"
+#include "kernels/hybrid/hybrid_types.h"
+#include "kernels/hybrid/visibility.spv.h"
+#include "kernels/hybrid/visibility_frag.spv.h"
+#include "kernels/hybrid/visibility_vert.spv.h"
+
+namespace wavepath {
+namespace {
+
+// No submission should keep the device for longer than a tenth of a second; less than half of that on average leaves
+// room for slices that are not alike. The average decides, because a busy machine delays one or another of any size,
+// and because every slice costs what loading and storing the picture does. The first sizes, in triangles and pixels,
+// are guesses.
+constexpr double kLongSlice = 0.04, kShortSlice = 0.01; // seconds
+constexpr std::uint64_t kFirstTriangles = 1 << 16, kFirstPixels = 1 << 15, kSmallestSlice = 1 << 12;
+
+// The size of slices after a frame of `slices` of them that took `seconds`.
+std::uint64_t adapt(std::uint64_t size, double seconds, std::size_t slices) {
+  const double average = seconds / static_cast<double>(slices);
+  if (average > kLongSlice) return std::max(kSmallestSlice, size / 2);
+  return average < kShortSlice && slices > 1 ? 2 * size : size;
+}
+
+// The draws in pieces of at most `most` triangles; at least one piece.
+std::vector<std::vector<VertexRange>> cut(std::span<const Draw> draws, std::uint64_t most) {
+  std::vector<std::vector<VertexRange>> slices(1);
+  std::uint64_t room = most;
+  for (const Draw& draw : draws) {
+    const std::uint64_t total = std::uint64_t{draw.triangle_count} * draw.instance_count;
+    for (std::uint64_t done = 0; done < total;) {
+      if (room == 0) {
+        slices.emplace_back();
+        room = most;
+      }
+      // As many whole instances as there is room for, or a part of one.
+      const auto instance = static_cast<std::uint32_t>(done / draw.triangle_count);
+      const auto first = static_cast<std::uint32_t>(done % draw.triangle_count);
+      const std::uint32_t left = draw.triangle_count - first;
+      const bool whole = first == 0 && room >= left;
+      const std::uint32_t times =
+          whole ? static_cast<std::uint32_t>(std::min<std::uint64_t>(draw.instance_count - instance, room / left)) : 1;
+      const std::uint32_t count = whole ? left : static_cast<std::uint32_t>(std::min<std::uint64_t>(left, room));
+      slices.back().push_back({3 * (draw.first_triangle + first), 3 * count, draw.first_instance + instance, times});
+      done += std::uint64_t{count} * times;
+      room -= std::uint64_t{count} * times;
+    }
+  }
+  return slices;
+}
+
+std::vector<Binding> visibility_bindings(const GpuScene& scene, const Buffer& frame, const Buffer& hybrid,
+                                         const Buffer& ids, const Buffer& unused) {
+  std::vector<Binding> bindings = scene.bindings();
+  using enum BindingKind;
+  bindings.insert(bindings.end(), {{gpu::kBindFrame, uniform, &frame},
+                                   {gpu::kBindHybrid, uniform, &hybrid},
+                                   {gpu::kBindVisibility, storage, &ids},
+                                   {gpu::kBindRuns, texels_r32ui, &unused}});
+  return bindings;
+}
+
+constexpr std::uint64_t kPixelBytes = 2 * sizeof(std::uint32_t);
+
+std::uint64_t ids_bytes(const Device& device, std::uint32_t width, std::uint32_t height) {
+  const std::uint64_t pixels = std::uint64_t{width} * height;
+  // The G-buffer, which a filter reads as two texels a pixel, is the largest buffer that a frame needs.
+  const std::uint64_t most =
+      std::min(device.info().max_texel_elements / 2, device.info().max_storage_range / sizeof(gpu::GbufferPixel));
+  if (pixels > most)
+    throw Error(device.info().name, fmt::format("holds at most {} pixels of a rasterized picture", most),
+                "use a smaller --size or --integrator path");
+  return pixels * kPixelBytes;
+}
+
+// Samplers and filters are not asked here.
+std::array<std::uint32_t, gpu::kSpecCount> constants_of(const KernelConfig& config, const Device& device) {
+  std::array<std::uint32_t, gpu::kSpecCount> constants{};
+  constants[gpu::kSpecFeatures] = config.features;
+  constants[gpu::kSpecStackSize] = config.stack_size;
+  constants[gpu::kSpecStack] = device.info().type == "cpu" ? gpu::kStackRegisters : gpu::kStackArray;
+  return constants;
+}
+
+} // namespace
+
+gpu::CameraView camera_of(const PackedScene& scene, const View& view) {
+  gpu::CameraView camera{};
+  camera.position = glm::vec3(view.position - scene.origin);
+  camera.orthographic = view.orthographic ? 1u : 0u;
+  camera.right = glm::vec3(view.right);
+  camera.up = glm::vec3(view.up);
+  camera.forward = glm::vec3(view.forward);
+  return camera;
+}
+
+// Perspective: depth is near / distance, so that a small `near` costs no precision: from 1 down to the smallest normal
+// float there are 38 decades. What bounds it from below is clipping: a corner on the near plane is found with an error
+// of 2^-24 of the edge that crosses it, and should not come out behind the eye; 1e-6 of the scene's radius is 8 such
+// errors of an edge as long as the scene. In scenes of kilometres that would hide what is in front of the lens, so
+// there it ends at a hundredth of a millimetre, and edges that cross that plane are as short as things near the eye
+// are. Orthographic: `origin` lies in the geometry's box, so nothing is farther from it than two radii.
+ClipPlanes clip_planes(const PackedScene& scene, const View& view) {
+  const double to_origin = glm::dot(scene.origin - view.position, view.forward);
+  const double near = std::clamp(1e-6 * scene.radius, 1e-30, 1e-5);
+  const double far = std::max(to_origin, 0.0) + 2.0 * scene.radius;
+  return {static_cast<float>(near), static_cast<float>(std::max(1.001 * far, 1e-30))};
+}
+
+// Clipping to the picture rounds the coordinates of a corner, in units of half the picture, to 2^-24 of what they are
+// at the far end of the edge. An orthographic camera can look through a window as small as it likes. In perspective,
+// edges go astray only where the eye is 10^4 times closer to a surface than that is large.
+bool edges_hold(const PackedScene& scene, const View& view, std::uint32_t width, std::uint32_t height) {
+  if (!view.orthographic) return true;
+  const double reach = glm::distance(scene.origin, view.position) + 2.0 * scene.radius;
+  const double pixels = std::max(0.5 * width / glm::length(view.right), 0.5 * height / glm::length(view.up)) * reach;
+  return pixels * 0x1p-24 <= 0.25;
+}
+
+Visibility::Visibility(Device& device, const PackedScene& scene, const GpuScene& gpu_scene, const Buffer& frame,
+                       const Buffer& hybrid, std::uint32_t features, std::uint32_t width, std::uint32_t height)
+    : device_(device),
+      config_(kernel_config(features, scene.stack_size, {})),
+      width_(width),
+      height_(height),
+      target_(device, width, height),
+      ids_(device, ids_bytes(device, width, height)),
+      unused_(device, 0),
+      bindings_(device, visibility_bindings(gpu_scene, frame, hybrid, ids_, unused_), sizeof(gpu::Wave),
+                BindingSet::kRasterStages),
+      pipeline_(device, "visibility", wavepath_visibility_vert_spv, wavepath_visibility_frag_spv, bindings_,
+                constants_of(config_, device)),
+      chunks_(make_chunks(scene)),
+      triangles_a_slice_(kFirstTriangles),
+      pixels_a_slice_(kFirstPixels) {}
+
+double Visibility::draw(std::span<const VertexRange> ranges, bool first, bool last) {
+  const gpu::Wave wave{}; // camera rays
+  Commands commands(device_);
+  target_.draw(commands, pipeline_, bindings_, &wave, ranges, first);
+  if (last) target_.copy(commands, ids_);
+  return timed(commands);
+}
+
+// Copies that spatial splits made of a triangle are drawn as well: they lie in the same plane to the last bit, and the
+// first one drawn stays. A depth prepass could only cost: what it would save is a fragment shader that writes two
+// words.
+double Visibility::render(const gpu::CameraView& camera) {
+  const std::vector<Draw> draws = visible_draws(chunks_, camera, width_, height_);
+  const std::vector<std::vector<VertexRange>> slices = cut(draws, triangles_a_slice_); // submitted one by one
+  const double before = seconds_;
+  double longest = 0.0;
+  for (std::size_t i = 0; i < slices.size(); ++i)
+    longest = std::max(longest, draw(slices[i], i == 0, i + 1 == slices.size()));
+  triangles_a_slice_ = adapt(triangles_a_slice_, seconds_ - before, slices.size());
+  return longest;
+}
+
+double Visibility::trace() {
+  if (!tracer_)
+    tracer_.emplace(device_, "visibility", wavepath_visibility_spv, bindings_, constants_of(config_, device_));
+  const std::uint32_t pixels = width_ * height_;
+  const double before = seconds_;
+  double longest = 0.0;
+  std::size_t slices = 0;
+  for (std::uint32_t first = 0; first < pixels; ++slices) {
+    gpu::Wave wave{};
+    wave.first_pixel = first;
+    wave.pixel_count = static_cast<std::uint32_t>(std::min<std::uint64_t>(pixels_a_slice_, pixels - first));
+    Commands commands(device_);
+    commands.bind(bindings_);
+    commands.dispatch(*tracer_, (wave.pixel_count + gpu::kWorkgroupSize - 1) / gpu::kWorkgroupSize, &wave);
+    commands.barrier();
+    longest = std::max(longest, timed(commands));
+    first += wave.pixel_count;
+  }
+  pixels_a_slice_ = adapt(pixels_a_slice_, seconds_ - before, slices);
+  return longest;
+}
+
+double Visibility::timed(Commands& commands) {
+  const auto start = std::chrono::steady_clock::now();
+  commands.submit_and_wait();
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  seconds_ += seconds;
+  return seconds;
+}
+
+} // namespace wavepath

@@ -1,0 +1,66 @@
+// What the eye sees first, by rasterization: for every pixel the place of its triangle and its instance, as a camera
+// ray through the same place in the pixel would find them.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "host/gpu/raster.h"
+#include "host/integrators/hybrid/culling.h"
+#include "host/render/device_scene.h"
+#include "host/integrators/path/kernel_set.h"
+#include "host/scene/pack/pack.h"
+#include "host/scene/view.h"
+
+namespace wavepath {
+
+// A view as the device has it.
+gpu::CameraView camera_of(const PackedScene& scene, const View& view);
+
+// HybridFrame::near and ::far of a view.
+struct ClipPlanes {
+  float near = 0.0f, far = 0.0f;
+};
+ClipPlanes clip_planes(const PackedScene& scene, const View& view);
+
+// Whether rasterization puts the edges of such a scene where they belong, to a quarter of a pixel.
+bool edges_hold(const PackedScene& scene, const View& view, std::uint32_t width, std::uint32_t height);
+
+class Visibility {
+public:
+  // `frame` and `hybrid` hold a gpu::Frame and a gpu::HybridFrame, which every render reads anew; with `gpu_scene` they
+  // outlive this. `features`: kFeature bits that the path tracer's kernels have. Throws Error if the device cannot
+  // rasterize, or no picture of this size.
+  Visibility(Device& device, const PackedScene& scene, const GpuScene& gpu_scene, const Buffer& frame,
+             const Buffer& hybrid, std::uint32_t features, std::uint32_t width, std::uint32_t height);
+
+  // Draws what `camera`, the frame's own, may see, and waits for it. Returns the longest submission in seconds.
+  double render(const gpu::CameraView& camera);
+  // The same by tracing the frame's camera rays; for views whose edges do not hold, and to compare.
+  double trace();
+
+  // For kBindVisibility: two words a pixel, row by row from the top left.
+  const Buffer& ids() const { return ids_; }
+  double seconds() const { return seconds_; } // that all renders took so far
+  std::uint64_t bytes() const { return ids_.bytes() + target_.bytes(); }
+
+private:
+  double draw(std::span<const VertexRange> ranges, bool first, bool last);
+  double timed(Commands& commands);
+
+  Device& device_;
+  KernelConfig config_;
+  std::uint32_t width_, height_;
+  RasterTarget target_;
+  Buffer ids_, unused_;
+  BindingSet bindings_;
+  RasterPipeline pipeline_;
+  std::vector<Chunk> chunks_;
+  std::optional<Kernel> tracer_;                     // compiled when it is needed
+  std::uint64_t triangles_a_slice_, pixels_a_slice_; // as the last frames took
+  double seconds_ = 0.0;
+};
+
+} // namespace wavepath

@@ -1,0 +1,63 @@
+// One path of a picture, traced by itself with the kernels that ship and written down stage by stage.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include <glm/glm.hpp>
+
+#include "host/integrators/path/path_tracer.h"
+#include "kernels/frame_types.h"
+#include "kernels/path/path_types.h"
+
+namespace wavepath {
+
+struct ShadowTrace {
+  gpu::ShadowRay ray;
+  bool blocked = false;
+};
+
+// One bounce: where a ray led, what the path gained there, and how it went on.
+struct PathVertex {
+  gpu::Ray ray;
+  gpu::Hit hit;             // its triangle is kNone if the ray left the scene
+  gpu::PathState scattered; // after shade: throughput and pdf of the next ray, emission gathered up to here
+  std::optional<ShadowTrace> shadow;
+  glm::vec3 radiance; // gathered up to here, the light at the end of the shadow ray included
+};
+
+enum class PathEnd { escaped, unlit, depth, absorbed, roulette, nonfinite };
+
+struct PathTrace {
+  glm::uvec2 pixel{};
+  std::uint32_t sample = 0;
+  std::vector<PathVertex> vertices;
+  PathEnd end = PathEnd::depth;
+  glm::vec3 radiance{};               // of the sample
+  std::optional<std::uint32_t> maker; // kMaker...: the kernel that made it not finite
+};
+
+class PathReplay {
+public:
+  PathReplay(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings,
+             KernelCompiler& kernels);
+
+  // The path has the bits that it has in a render with the same settings.
+  PathTrace trace(glm::uvec2 pixel, std::uint32_t sample);
+
+private:
+  void run(Stage stage, std::uint32_t bounce);
+  gpu::PathState state() const;
+  ShadowTrace connect(std::uint32_t bounce, const gpu::PathState& state);
+  PathEnd reason(std::uint32_t bounce, const PathVertex& vertex, gpu::PathState arrived);
+
+  const PackedScene& scene_;
+  PathTracer tracer_; // of one slot
+  gpu::Wave wave_{};
+};
+
+// Of a hit that is not a miss, in the device's world.
+glm::dvec3 hit_position(const PackedScene& scene, const gpu::Hit& hit);
+
+} // namespace wavepath

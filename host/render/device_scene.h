@@ -1,0 +1,24 @@
+// A packed scene on the device: the only place where host arrays become device buffers.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "host/gpu/kernel.h"
+#include "host/scene/pack/pack.h"
+
+namespace wavepath {
+
+struct GpuScene {
+  Buffer nodes, triangles, triangle_vertices, vertex_normals, vertex_uvs, vertex_colors, instances;
+  Buffer materials, textures, texels, srgb_table, lights, environment, environment_alias;
+
+  std::vector<Binding> bindings() const;
+  std::uint64_t bvh_bytes() const; // nodes, triangles and instances
+  std::uint64_t other_bytes() const;
+};
+
+// Throws Error before allocating anything if the device's limits or memory cannot hold it.
+GpuScene upload_scene(Device& device, const PackedScene& scene);
+
+} // namespace wavepath

@@ -1,0 +1,200 @@
+// Reads a glTF file into a Scene: open, pose, place; meshes, materials and images follow from what is placed.
+#include "host/scene/gltf/gltf.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <future>
+#include <map>
+#include <string_view>
+
+#include <glm/gtc/matrix_access.hpp>
+
+#include "host/base/error.h"
+#include "host/scene/gltf/accessor.h"
+#include "host/scene/gltf/instancing.h"
+#include "host/scene/gltf/material.h"
+#include "host/scene/gltf/mesh.h"
+#include "host/scene/gltf/nodes.h"
+#include "host/scene/gltf/pose.h"
+#include "host/scene/gltf/uri.h"
+
+namespace wavepath {
+namespace {
+
+using gltf::Document;
+
+// Everything that stays the same while the nodes are placed.
+struct Import {
+  Document& document;
+  Scene& scene;
+  std::vector<glm::dmat4> world;
+  gltf::MaterialMap materials;
+  std::map<gltf::MeshUse, std::uint32_t> meshes;
+};
+
+// Finite, affine and invertible, with a determinant that survives division.
+bool is_usable(const glm::dmat4& matrix) {
+  for (int i = 0; i < 4; ++i) {
+    for (int j = 0; j < 4; ++j) {
+      if (!std::isfinite(matrix[i][j])) return false;
+    }
+  }
+  if (glm::row(matrix, 3) != glm::dvec4(0.0, 0.0, 0.0, 1.0)) return false;
+  const double determinant = glm::determinant(glm::dmat3(matrix));
+  return std::isfinite(determinant) && std::isfinite(1.0 / determinant);
+}
+
+// The materials of a node's mesh, before its geometry, so that their images can be decoded while that is read.
+void convert_materials(Import& import, const tinygltf::Node& node) {
+  if (node.mesh < 0) return;
+  for (const tinygltf::Primitive& primitive : import.document.model.meshes[static_cast<std::size_t>(node.mesh)].primitives)
+    if (gltf::has_triangles(primitive)) gltf::use_material(import.document, import.scene, import.materials, primitive.material);
+}
+
+void place_mesh(Import& import, int node_index) {
+  const auto& node = import.document.model.nodes[static_cast<std::size_t>(node_index)];
+  const auto& source = import.document.model.meshes[static_cast<std::size_t>(node.mesh)];
+  gltf::MeshUse use{node.mesh, node.weights.empty() ? source.weights : node.weights, node.skin};
+  const auto [found, is_new] = import.meshes.emplace(use, static_cast<std::uint32_t>(import.scene.meshes.size()));
+  if (is_new)
+    import.scene.meshes.push_back(gltf::read_mesh(import.document, import.scene, import.materials, use, import.world));
+  if (import.scene.meshes[found->second].indices.empty()) return;
+
+  std::vector<glm::dmat4> places = {glm::dmat4(1.0)}; // of a skinned mesh, which is in world space already
+  if (node.skin < 0)
+    places = gltf::instance_matrices(import.document, node, import.world[static_cast<std::size_t>(node_index)]);
+  for (const glm::dmat4& place : places) {
+    if (is_usable(place)) {
+      import.scene.instances.push_back({found->second, place});
+    } else {
+      import.scene.warnings.add("instance with a transform that is not an invertible affine map left out");
+    }
+  }
+}
+
+void place_camera(Import& import, const tinygltf::Node& node, const glm::dmat4& world) {
+  const auto& source = import.document.model.cameras[static_cast<std::size_t>(node.camera)];
+  Camera camera;
+  camera.name = !source.name.empty() ? source.name : node.name;
+  camera.orthographic = source.type == "orthographic";
+  camera.world_from_camera = world;
+  if (camera.orthographic) {
+    camera.xmag = std::abs(source.orthographic.xmag);
+    camera.ymag = std::abs(source.orthographic.ymag);
+  } else {
+    camera.yfov = source.perspective.yfov;
+    camera.aspect = source.perspective.aspectRatio;
+  }
+  const bool sound = camera.orthographic ? camera.xmag > 0.0 && camera.ymag > 0.0
+                                         : camera.yfov > 0.0 && camera.yfov < 3.141592653589793 && camera.aspect >= 0.0;
+  if (!sound) {
+    import.document.fail("camera " + std::to_string(node.camera) +
+                         " has a field of view, aspect ratio or size that no camera can have");
+  }
+  if (is_usable(world)) {
+    import.scene.cameras.push_back(camera);
+  } else {
+    import.scene.warnings.add("camera with a transform that is not an invertible affine map left out");
+  }
+}
+
+LightKind to_light_kind(const Document& document, const std::string& type) {
+  if (type == "point") return LightKind::point;
+  if (type == "spot") return LightKind::spot;
+  if (type == "directional") return LightKind::directional;
+  document.fail("a light has unknown type '" + gltf::shown(type) + "'");
+}
+
+void set_cone(Import& import, const tinygltf::Light& source, PunctualLight& light) {
+  constexpr double kRightAngle = 1.5707963267948966;
+  light.outer_cone = std::clamp(source.spot.outerConeAngle, 0.0, kRightAngle);
+  light.inner_cone = std::clamp(source.spot.innerConeAngle, 0.0, light.outer_cone);
+  if (light.outer_cone != source.spot.outerConeAngle || light.inner_cone != source.spot.innerConeAngle) {
+    import.scene.warnings.add("spot light cone outside its range, clamped");
+  }
+}
+
+void place_light(Import& import, const tinygltf::Node& node, const glm::dmat4& world) {
+  const auto extension = node.extensions.find("KHR_lights_punctual");
+  if (extension == node.extensions.end()) return;
+  const auto index = static_cast<std::size_t>(extension->second.Get("light").GetNumberAsInt());
+  const tinygltf::Light& source = import.document.model.lights[index];
+  PunctualLight light;
+  light.name = !source.name.empty() ? source.name : node.name;
+  light.kind = to_light_kind(import.document, source.type);
+  glm::dvec3 color(1.0);
+  for (std::size_t i = 0; i < 3 && i < source.color.size(); ++i) color[static_cast<int>(i)] = source.color[i];
+  light.intensity = glm::vec3(glm::max(color, 0.0) * std::max(source.intensity, 0.0));
+  if (glm::any(glm::lessThan(color, glm::dvec3(0.0))) || source.intensity < 0.0) {
+    import.scene.warnings.add("negative light clamped to zero");
+  }
+  if (source.range > 0.0)
+    import.scene.warnings.add("light range ignored: light falls off with the square of the distance");
+  if (light.kind == LightKind::spot) set_cone(import, source, light);
+  if (!is_usable(world) || !glm::all(glm::lessThan(light.intensity, glm::vec3(1e30f)))) {
+    import.scene.warnings.add(
+        "light with an intensity that is not finite or a transform that is not invertible left out");
+    return;
+  }
+  light.position = glm::dvec3(world[3]);
+  light.direction = glm::normalize(-glm::dvec3(world[2]));
+  import.scene.lights.push_back(light);
+}
+
+bool is_known(std::string_view name) {
+  // What the importer acts on, and what says nothing about the picture.
+  constexpr std::array kKnown = {"EXT_mesh_gpu_instancing",
+                                 "EXT_meshopt_compression",
+                                 "EXT_texture_webp",
+                                 "KHR_draco_mesh_compression",
+                                 "KHR_lights_punctual",
+                                 "KHR_materials_emissive_strength",
+                                 "KHR_materials_ior",
+                                 "KHR_materials_specular",
+                                 "KHR_materials_transmission",
+                                 "KHR_materials_unlit",
+                                 "KHR_materials_variants",
+                                 "KHR_materials_volume",
+                                 "KHR_mesh_quantization",
+                                 "KHR_texture_basisu",
+                                 "KHR_texture_transform",
+                                 "KHR_xmp",
+                                 "KHR_xmp_json_ld"};
+  return std::find(kKnown.begin(), kKnown.end(), name) != kKnown.end();
+}
+
+void warn_of_extensions(Scene& scene) {
+  std::string names;
+  for (const std::string& name : scene.extensions_used) {
+    if (!is_known(name)) names += (names.empty() ? "" : ", ") + gltf::shown(name);
+  }
+  if (!names.empty()) scene.warnings.add("extensions that are not supported, ignored: " + names);
+}
+
+} // namespace
+
+Scene load_gltf(const std::filesystem::path& path, const LoadOptions& options, const SceneDescribed& described) {
+  Document document = gltf::open_document(path);
+  Scene scene;
+  scene.path = path.string();
+  scene.extensions_used = document.model.extensionsUsed;
+  warn_of_extensions(scene);
+  if (!options.animation.empty()) gltf::pose(document, scene.warnings, options.animation, options.at);
+  Import import{document, scene, gltf::world_matrices(document), {}, {}};
+  const std::vector<int> nodes = gltf::scene_nodes(document, options.scene);
+  for (const int node_index : nodes) convert_materials(import, document.model.nodes[static_cast<std::size_t>(node_index)]);
+  auto images = std::async(std::launch::async, gltf::decode_images, gltf::image_files(document, import.materials));
+  for (const int node_index : nodes) {
+    const tinygltf::Node& node = document.model.nodes[static_cast<std::size_t>(node_index)];
+    const glm::dmat4& world = import.world[static_cast<std::size_t>(node_index)];
+    if (node.mesh >= 0) place_mesh(import, node_index);
+    if (node.camera >= 0) place_camera(import, node, world);
+    place_light(import, node, world);
+  }
+  if (described) described(scene);
+  scene.images = images.get();
+  return scene;
+}
+
+} // namespace wavepath

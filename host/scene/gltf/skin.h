@@ -1,0 +1,27 @@
+// Skinning: joint matrices of a skin and their blend at a vertex.
+#pragma once
+
+#include <vector>
+
+#include <glm/glm.hpp>
+
+#include "host/scene/gltf/accessor.h"
+
+namespace wavepath::gltf {
+
+// What moves each vertex of a primitive; empty if there is no skin.
+struct Skin {
+  std::vector<glm::dmat4> joints;         // world from bind pose
+  std::vector<Elements> indices, weights; // JOINTS_0, JOINTS_1, ... and WEIGHTS_*, of equal number
+
+  bool present() const { return !joints.empty(); }
+};
+
+// The skin as `primitive` uses it, or none for -1. Throws Error if it is incomplete.
+Skin open_skin(Document& document, const tinygltf::Primitive& primitive, int skin, const std::vector<glm::dmat4>& world,
+               const Decoded& decoded);
+
+// World from object for one vertex. Throws Error if a joint index is out of range.
+glm::dmat4 blend(const Document& document, const Skin& skin, std::size_t vertex);
+
+} // namespace wavepath::gltf

@@ -1,0 +1,158 @@
+// Derives feature bits from what was packed; see features.h.
+#include "host/scene/pack/features.h"
+
+#include <algorithm>
+#include <string>
+
+namespace wavepath {
+namespace {
+
+std::uint32_t bit_if(bool condition, std::uint32_t bit) { return condition ? bit : 0u; }
+
+template <typename Predicate>
+bool any_used_material(const Scene& scene, const Usage& usage, Predicate predicate) {
+  for (std::size_t m = 0; m < scene.materials.size(); ++m)
+    if (usage.material_used[m] && predicate(scene.materials[m])) return true;
+  return false;
+}
+
+bool transmits(const Material& m) { return !m.unlit && m.transmission > 0.0f; }
+
+// KHR_materials_specular scales F0 and F90 alike, so that a factor of 0 leaves Lambert's base alone.
+bool reflects_specularly(const Material& m) {
+  return !m.unlit && (m.metallic > 0.0f || m.specular > 0.0f || transmits(m));
+}
+
+bool attenuates(const Material& m) {
+  return transmits(m) && m.volume && glm::any(glm::greaterThan(m.attenuation, glm::vec3(0.0f)));
+}
+
+bool shines(const Material& m) { return m.unlit || glm::any(glm::greaterThan(m.emission, glm::vec3(0.0f))); }
+
+// Of textures that are present.
+template <typename Predicate>
+bool any_texture(const Material& m, Predicate predicate) {
+  for (const TextureSlot* slot :
+       {&m.base_color_texture, &m.metallic_roughness_texture, &m.normal_texture, &m.emission_texture,
+        &m.specular_texture, &m.specular_color_texture, &m.transmission_texture})
+    if (slot->present() && predicate(*slot)) return true;
+  return false;
+}
+
+bool moves_texture(const Material& m) {
+  return any_texture(m, [](const TextureSlot& slot) { return slot.moved; });
+}
+
+bool has_unfiltered_texture(const Material& m) {
+  return any_texture(m, [](const TextureSlot& slot) { return slot.nearest; });
+}
+
+std::uint32_t material_features(const Scene& scene, const Usage& usage) {
+  const auto any = [&](auto predicate) { return any_used_material(scene, usage, predicate); };
+  return bit_if(any(textured), gpu::kFeatureTextures) |
+         bit_if(any([](const Material& m) { return m.normal_texture.present(); }), gpu::kFeatureNormalMaps) |
+         bit_if(any([](const Material& m) { return m.base_color_texture.present(); }), gpu::kFeatureBaseColorTextures) |
+         bit_if(any([](const Material& m) { return m.metallic_roughness_texture.present(); }),
+                gpu::kFeatureMetallicRoughnessTextures) |
+         bit_if(
+             any([](const Material& m) { return m.specular_texture.present() || m.specular_color_texture.present(); }),
+             gpu::kFeatureSpecularTextures) |
+         bit_if(any([](const Material& m) { return m.transmission_texture.present(); }),
+                gpu::kFeatureTransmissionTextures) |
+         bit_if(any([](const Material& m) { return m.emission_texture.present(); }), gpu::kFeatureEmissionTextures) |
+         bit_if(any(reflects_specularly), gpu::kFeatureSpecular) | bit_if(any(transmits), gpu::kFeatureTransmission) |
+         bit_if(any(attenuates), gpu::kFeatureVolume) | bit_if(any(shines), gpu::kFeatureEmission);
+}
+
+std::uint32_t light_features(const PackedScene& packed) {
+  std::uint32_t features = 0;
+  for (const gpu::Light& light : packed.lights) {
+    if (light.kind == gpu::kLightTriangle)
+      features |= gpu::kFeatureTriangleLights;
+    else if (light.kind != gpu::kLightEnvironment)
+      features |= gpu::kFeaturePunctualLights;
+  }
+  features |=
+      bit_if(glm::any(glm::greaterThan(packed.environment_radiance, glm::vec3(0.0f))), gpu::kFeatureEnvironment);
+  return features | bit_if(!packed.environment.empty(), gpu::kFeatureEnvironmentMap);
+}
+
+} // namespace
+
+std::uint32_t find_features(const Scene& scene, const Usage& usage, const PackedScene& packed) {
+  std::uint32_t flags = 0;
+  for (const gpu::Triangle& triangle : packed.triangles) flags |= triangle.surface;
+  std::uint32_t texture_flags = 0;
+  for (const gpu::Texture& texture : packed.textures) texture_flags |= texture.flags;
+  return material_features(scene, usage) | light_features(packed) | bit_if(packed.root_is_top, gpu::kFeatureInstances) |
+         bit_if(flags & gpu::kTriangleAlpha, gpu::kFeatureAlpha) |
+         bit_if(flags & gpu::kTriangleSingleSided, gpu::kFeatureCull) |
+         bit_if(flags & gpu::kTriangleSmooth, gpu::kFeatureSmoothNormals) |
+         bit_if(!packed.vertex_colors.empty(), gpu::kFeatureVertexColors) |
+         bit_if(texture_flags & gpu::kTextureMoved, gpu::kFeatureTextureTransform) |
+         bit_if(texture_flags & gpu::kTextureFloat, gpu::kFeatureFloatTextures) |
+         bit_if(texture_flags & gpu::kTextureNearest, gpu::kFeatureNearestTextures);
+}
+
+std::uint32_t expected_features(const Scene& scene, std::uint32_t direct) {
+  const Usage usage = find_usage(scene);
+  const auto any = [&](auto predicate) { return any_used_material(scene, usage, predicate); };
+  const bool lights = std::any_of(scene.lights.begin(), scene.lights.end(), [](const PunctualLight& light) {
+    return glm::any(glm::greaterThan(light.intensity, glm::vec3(0.0f)));
+  });
+  const bool sampled = direct != gpu::kDirectBsdf;
+  const bool lit = scene.environment.present();
+  return material_features(scene, usage) | bit_if(usage.two_level(), gpu::kFeatureInstances) |
+         bit_if(any([](const Material& m) { return m.alpha_mode != AlphaMode::opaque; }), gpu::kFeatureAlpha) |
+         bit_if(any([](const Material& m) { return !m.double_sided && !(m.transmission > 0.0f); }), gpu::kFeatureCull) |
+         bit_if(usage.smooth, gpu::kFeatureSmoothNormals) | bit_if(usage.colored, gpu::kFeatureVertexColors) |
+         bit_if(any(moves_texture), gpu::kFeatureTextureTransform) |
+         bit_if(any(has_unfiltered_texture), gpu::kFeatureNearestTextures) |
+         bit_if(sampled && any([](const Material& m) { return !m.unlit && shines(m); }), gpu::kFeatureTriangleLights) |
+         bit_if(sampled && lights, gpu::kFeaturePunctualLights) | bit_if(lit, gpu::kFeatureEnvironment) |
+         bit_if(lit && !scene.environment.map.empty(), gpu::kFeatureEnvironmentMap);
+}
+
+std::vector<LeftOut> list_left_out(const Usage& usage, const PackedScene& packed, std::uint32_t direct) {
+  const bool no_sampling = direct == gpu::kDirectBsdf;
+  const std::uint64_t stream = usage.vertex_count * sizeof(glm::vec4);
+  const std::uint64_t corners = packed.triangle_vertices.empty() ? packed.triangles.size() * sizeof(glm::uvec4) : 0;
+  const std::string not_sampled = "--direct bsdf samples no light";
+  const LeftOut all[] = {
+      {"two-level BVH", "no mesh is shown more than once", sizeof(gpu::Instance) + sizeof(bvh::WideNode),
+       gpu::kFeatureInstances},
+      {"alpha test", "no surface lets rays through by its alpha", 0, gpu::kFeatureAlpha},
+      {"culling of back faces", "every surface is double-sided or transmissive", 0, gpu::kFeatureCull},
+      {"textures", "no material in use has a texture", packed.vertex_uvs.empty() ? stream : 0, gpu::kFeatureTextures},
+      {"base colour textures", "no material in use has one", 0, gpu::kFeatureBaseColorTextures},
+      {"metallic-roughness textures", "no material in use has one", 0, gpu::kFeatureMetallicRoughnessTextures},
+      {"specular textures", "no material in use has one", 0, gpu::kFeatureSpecularTextures},
+      {"transmission textures", "no material in use has one", 0, gpu::kFeatureTransmissionTextures},
+      {"emission textures", "no material in use has one", 0, gpu::kFeatureEmissionTextures},
+      {"textures of floats", "all texels in use are bytes", 0, gpu::kFeatureFloatTextures},
+      {"unfiltered textures", "every texture in use is filtered", 0, gpu::kFeatureNearestTextures},
+      {"texture transforms", "no texture in use is moved, turned or scaled", 0, gpu::kFeatureTextureTransform},
+      {"normal maps", "no material in use has a normal texture", 0, gpu::kFeatureNormalMaps},
+      {"smooth normals", "no primitive has vertex normals", packed.vertex_normals.empty() ? stream : 0,
+       gpu::kFeatureSmoothNormals},
+      {"vertex colours", "no mesh has vertex colours", stream, gpu::kFeatureVertexColors},
+      {"specular reflection", "every material is pure Lambert or unlit", 0, gpu::kFeatureSpecular},
+      {"transmission", "no material in use transmits light", 0, gpu::kFeatureTransmission},
+      {"volume medium per path", "no body in use absorbs light (this would take 4 bytes a path)", 0,
+       gpu::kFeatureVolume},
+      {"surface emission", "no material in use shines", 0, gpu::kFeatureEmission},
+      {"triangle lights", no_sampling ? not_sampled : "no triangle shines", 0, gpu::kFeatureTriangleLights},
+      {"punctual lights", no_sampling ? not_sampled : "the scene has none that shines", 0, gpu::kFeaturePunctualLights},
+      {"environment", "it is black", 0, gpu::kFeatureEnvironment},
+      {"environment map", "the environment is constant or black", 0, gpu::kFeatureEnvironmentMap},
+  };
+  std::vector<LeftOut> left_out;
+  for (const LeftOut& entry : all)
+    if (!(packed.features & entry.feature)) left_out.push_back(entry);
+  if (corners > 0)
+    left_out.push_back(
+        {"vertex indices", "no surface has vertex normals, texture coordinates or colours to look up", corners});
+  return left_out;
+}
+
+} // namespace wavepath

@@ -1,0 +1,143 @@
+// Bakes, checks, orders and stores the triangles of one object; see geometry.h.
+#include "host/scene/pack/geometry.h"
+
+#include <fmt/format.h>
+#include <tbb/parallel_for.h>
+
+#include "bvh/build.h"
+#include "bvh/measure.h"
+#include "host/base/error.h"
+#include "host/scene/bounds.h"
+
+namespace wavepath {
+namespace {
+
+// Where a triangle comes from: its part, and its first index in the mesh's index list.
+struct TriangleSource {
+  std::uint32_t part, first_index;
+};
+
+struct Corners {
+  glm::vec3 position[3];
+  std::uint32_t vertex[3]; // of the mesh
+  bool valid;              // finite, with an area
+};
+
+bvh::Vec3 to_bvh(const glm::vec3& v) { return {v.x, v.y, v.z}; }
+
+// Edges of float vertices are exact in double save for extreme ratios, so the test finds exactly the degenerate ones.
+bool has_area(const glm::vec3 (&p)[3]) {
+  const glm::dvec3 normal = glm::cross(glm::dvec3(p[1]) - glm::dvec3(p[0]), glm::dvec3(p[2]) - glm::dvec3(p[0]));
+  return normal.x != 0.0 || normal.y != 0.0 || normal.z != 0.0;
+}
+
+Corners find_corners(const Scene& scene, const Part& part, std::uint32_t first_index) {
+  const Mesh& mesh = scene.meshes[part.mesh];
+  Corners corners;
+  corners.valid = true;
+  for (int k = 0; k < 3; ++k) {
+    const int slot = part.mirrored && k > 0 ? 3 - k : k;
+    corners.vertex[slot] = mesh.indices[first_index + k];
+    const glm::dvec3 p = transform_point(part.device_from_object, mesh.positions[corners.vertex[slot]]);
+    corners.position[slot] = p;
+    corners.valid = corners.valid && finite_point(p);
+  }
+  corners.valid = corners.valid && has_area(corners.position);
+  return corners;
+}
+
+std::vector<TriangleSource> list_sources(const Scene& scene, std::span<const Part> parts) {
+  std::size_t count = 0;
+  for (const Part& part : parts) count += scene.meshes[part.mesh].primitives[part.primitive].index_count / 3;
+  std::vector<TriangleSource> sources;
+  sources.reserve(count);
+  for (std::uint32_t p = 0; p < parts.size(); ++p) {
+    const Primitive& primitive = scene.meshes[parts[p].mesh].primitives[parts[p].primitive];
+    for (std::uint32_t i = 0; i + 2 < primitive.index_count; i += 3) sources.push_back({p, primitive.first_index + i});
+  }
+  return sources;
+}
+
+// The valid triangles; the others are removed from `sources` as well.
+std::vector<bvh::Triangle> list_valid(const Scene& scene, std::span<const Part> parts,
+                                      std::vector<TriangleSource>& sources) {
+  std::vector<bvh::Triangle> triangles(sources.size());
+  std::vector<std::uint8_t> valid(sources.size());
+  tbb::parallel_for(std::size_t{0}, sources.size(), [&](std::size_t i) {
+    const Corners c = find_corners(scene, parts[sources[i].part], sources[i].first_index);
+    valid[i] = c.valid;
+    triangles[i] = {to_bvh(c.position[0]), to_bvh(c.position[1]), to_bvh(c.position[2])};
+  });
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < sources.size(); ++i) {
+    if (!valid[i]) continue;
+    sources[kept] = sources[i];
+    triangles[kept++] = triangles[i];
+  }
+  sources.resize(kept);
+  triangles.resize(kept);
+  return triangles;
+}
+
+// What a leaf's item can be numbered by.
+void require_items(const Scene& scene, std::size_t count) {
+  if (count > bvh::kMaxItems)
+    throw Error(scene.path, fmt::format("has more than {} triangles", bvh::kMaxItems),
+                "simplify or split the scene, or try --bvh fast");
+}
+
+} // namespace
+
+std::uint32_t append_tree(const bvh::WideTree& tree, std::uint32_t first_item, std::vector<bvh::WideNode>& nodes) {
+  const std::uint32_t first_node = static_cast<std::uint32_t>(nodes.size());
+  nodes.insert(nodes.end(), tree.nodes.begin(), tree.nodes.end());
+  for (std::size_t n = first_node; n < nodes.size(); ++n) {
+    nodes[n].first_child += first_node;
+    nodes[n].first_item += first_item;
+  }
+  return first_node;
+}
+
+Object append_object(const Scene& scene, std::span<const Part> parts, bool with_vertices, std::uint64_t times,
+                     bvh::Quality quality, PackedScene& packed) {
+  std::vector<TriangleSource> sources = list_sources(scene, parts);
+  const std::size_t listed = sources.size();
+  std::vector<bvh::Triangle> triangles = list_valid(scene, parts, sources);
+  packed.dropped_triangles += (listed - sources.size()) * times;
+
+  const std::size_t first = packed.triangles.size();
+  require_items(scene, first + sources.size());
+  Object object;
+  object.first_item = static_cast<std::uint32_t>(first);
+  object.triangle_count = static_cast<std::uint32_t>(sources.size());
+  if (!triangles.empty()) {
+    bvh::Box whole;
+    for (const bvh::Triangle& triangle : triangles) whole = bvh::merge(whole, bvh::bounds(triangle));
+    object.lo = {whole.lo.x, whole.lo.y, whole.lo.z};
+    object.hi = {whole.hi.x, whole.hi.y, whole.hi.z};
+  }
+  const bvh::WideTree tree = bvh::build(std::span<const bvh::Triangle>(triangles), {.quality = quality});
+  triangles = {};
+  require_items(scene, first + tree.order.size());
+  if (packed.nodes.size() + tree.nodes.size() > bvh::kMaxNodes)
+    throw Error(scene.path, fmt::format("needs more than {} BVH nodes", bvh::kMaxNodes), "simplify or split the scene");
+  object.depth = tree.depth;
+  object.sah_cost = bvh::measure(tree).sah_cost;
+  object.root = append_tree(tree, object.first_item, packed.nodes);
+  object.item_count = static_cast<std::uint32_t>(tree.order.size());
+
+  packed.triangles.resize(first + tree.order.size());
+  if (with_vertices) packed.triangle_vertices.resize(first + tree.order.size());
+  tbb::parallel_for(std::size_t{0}, tree.order.size(), [&](std::size_t i) {
+    const TriangleSource& source = sources[tree.order[i]];
+    const Part& part = parts[source.part];
+    const Corners c = find_corners(scene, part, source.first_index);
+    packed.triangles[first + i] = {c.position[0], part.surface, c.position[1], tree.order[i], c.position[2], 0.0f};
+    if (with_vertices)
+      packed.triangle_vertices[first + i] = {part.first_vertex + c.vertex[0], part.first_vertex + c.vertex[1],
+                                             part.first_vertex + c.vertex[2], 0u};
+  });
+  return object;
+}
+
+} // namespace wavepath

@@ -1,0 +1,30 @@
+// Materials as the kernels read them, only those in use, and what their surfaces ask of traversal.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "host/scene/scene.h"
+#include "host/scene/pack/textures.h"
+#include "host/scene/usage.h"
+#include "kernels/scene_types.h"
+
+namespace wavepath {
+
+struct MaterialTable {
+  std::vector<gpu::Material> materials;
+  std::vector<std::uint32_t> packed_index; // by scene material; kNoIndex where unused
+  TextureTable textures;
+};
+
+// Texture indices point into the table's own textures; no texel is touched.
+MaterialTable pack_materials(const Scene& scene, const Usage& usage);
+
+// The kTriangle flags of each primitive of a mesh. A MASK or BLEND surface whose alpha can never let a ray through, by
+// factor, texture and vertex colours, counts as opaque. `image_alpha`: see smallest_image_alpha().
+std::vector<std::uint32_t> triangle_flags(const Scene& scene, const Mesh& mesh, const std::vector<float>& image_alpha);
+
+// By image: the smallest alpha in it, for those that are base colours of MASK or BLEND materials in use; 1 for others.
+std::vector<float> smallest_image_alpha(const Scene& scene, const Usage& usage);
+
+} // namespace wavepath

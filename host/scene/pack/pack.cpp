@@ -1,0 +1,153 @@
+// The walk from Scene to PackedScene, stage by stage; see pack.h.
+#include "host/scene/pack/pack.h"
+
+#include <algorithm>
+#include <chrono>
+
+#include <glm/gtc/matrix_transform.hpp>
+
+#include "host/base/error.h"
+#include "host/scene/bounds.h"
+#include "host/scene/pack/environment_light.h"
+#include "host/scene/pack/features.h"
+#include "host/scene/pack/geometry.h"
+#include "host/scene/pack/instances.h"
+#include "host/scene/pack/lights.h"
+#include "host/scene/pack/materials.h"
+#include "host/scene/pack/vertices.h"
+
+namespace wavepath {
+namespace {
+
+// What every stage of packing geometry looks up.
+struct Layout {
+  Usage usage;
+  std::vector<std::uint32_t> material_index; // by scene material
+  std::vector<float> image_alpha;            // by image, see smallest_image_alpha()
+  bool with_vertices = false;                // triangles refer to vertex streams
+  bvh::Quality quality = bvh::Quality::fast;
+};
+
+void list_parts(const Scene& scene, const Layout& layout, std::uint32_t mesh_index,
+                const glm::dmat4& device_from_object, std::vector<Part>& parts) {
+  const Mesh& mesh = scene.meshes[mesh_index];
+  const std::vector<std::uint32_t> flags = triangle_flags(scene, mesh, layout.image_alpha);
+  const bool mirrored = glm::determinant(glm::dmat3(device_from_object)) < 0.0;
+  for (std::uint32_t p = 0; p < mesh.primitives.size(); ++p) {
+    if (mesh.primitives[p].index_count < 3) continue;
+    parts.push_back({mesh_index, p, flags[p] | layout.material_index[mesh.primitives[p].material],
+                     layout.usage.first_vertex[mesh_index], device_from_object, mirrored});
+  }
+}
+
+// Meshes that are shown once, baked into one object around the origin; without triangles if all of them are shared.
+Object pack_static(const Scene& scene, const Layout& layout, const glm::dmat4& device_from_world, PackedScene& packed) {
+  std::vector<Part> parts;
+  for (const Instance& instance : scene.instances)
+    if (layout.usage.mesh_instances[instance.mesh] == 1)
+      list_parts(scene, layout, instance.mesh, device_from_world * instance.world_from_object, parts);
+  if (parts.empty() && layout.usage.two_level()) return {};
+  return append_object(scene, parts, layout.with_vertices, 1, layout.quality, packed);
+}
+
+// An object for the static part and one for every shared mesh, then the top level. Returns by instance its object.
+std::vector<std::uint32_t> pack_two_level(Scene& scene, const Layout& layout, const glm::dmat4& device_from_world,
+                                          PackedScene& packed, std::vector<Object>& objects) {
+  std::vector<Placement> placements{{0, glm::dmat4(1.0)}};
+  std::vector<std::uint32_t> object_of_mesh(scene.meshes.size(), kNoIndex);
+  for (std::uint32_t m = 0; m < scene.meshes.size(); ++m) {
+    if (layout.usage.mesh_instances[m] < 2) continue;
+    std::vector<Part> parts;
+    list_parts(scene, layout, m, glm::dmat4(1.0), parts);
+    object_of_mesh[m] = static_cast<std::uint32_t>(objects.size());
+    objects.push_back(append_object(scene, parts, layout.with_vertices, layout.usage.mesh_instances[m], layout.quality, packed));
+  }
+  for (const Instance& instance : scene.instances)
+    if (object_of_mesh[instance.mesh] != kNoIndex)
+      placements.push_back({object_of_mesh[instance.mesh], device_from_world * instance.world_from_object});
+
+  std::size_t skipped = 0;
+  std::vector<std::uint32_t> object_of = pack_instances(objects, placements, packed, skipped);
+  if (skipped > 0)
+    scene.warnings.add("instances too large, too far or too flat for single precision were dropped", skipped);
+  return object_of;
+}
+
+// Instances of one object that follow each other become one draw. `object_of`: by instance, of a two-level scene.
+std::vector<Draw> list_draws(const PackedScene& packed, const std::vector<Object>& objects,
+                             const std::vector<std::uint32_t>& object_of) {
+  if (!packed.root_is_top)
+    return objects[0].item_count ? std::vector<Draw>{{objects[0].first_item, objects[0].item_count, 0, 1}}
+                                 : std::vector<Draw>{};
+  std::vector<Draw> draws;
+  for (std::uint32_t i = 0; i < object_of.size(); ++i) {
+    const Object& object = objects[object_of[i]];
+    if (i > 0 && object_of[i] == object_of[i - 1])
+      ++draws.back().instance_count;
+    else
+      draws.push_back({object.first_item, object.item_count, i, 1});
+  }
+  return draws;
+}
+
+// Numbers near zero are the finest. Inside the box the eye is the place that counts; from far outside it all is seen
+// with the coarseness of the distance anyway, and the box should not be far from zero.
+void place_origin(const Scene& scene, const std::optional<glm::dvec3>& eye, PackedScene& packed) {
+  const Bounds bounds = world_bounds(scene);
+  packed.origin = eye && !bounds.empty() ? glm::clamp(*eye, bounds.lo, bounds.hi) : bounds.centre();
+  packed.radius = bounds.radius();
+}
+
+} // namespace
+
+PackedScene pack(Scene& scene, std::uint32_t direct, bvh::Quality quality, const std::optional<glm::dvec3>& eye) {
+  PackedScene packed;
+  packed.bvh_quality = quality;
+  place_origin(scene, eye, packed);
+  Layout layout;
+  layout.quality = quality;
+  layout.usage = find_usage(scene);
+  layout.image_alpha = smallest_image_alpha(scene, layout.usage);
+
+  MaterialTable materials = pack_materials(scene, layout.usage);
+  layout.material_index = std::move(materials.packed_index);
+  packed.materials = std::move(materials.materials);
+  for (std::size_t m = 0; m < scene.materials.size(); ++m)
+    if (layout.material_index[m] != kNoIndex) packed.material_names.push_back(scene.materials[m].name);
+  if (packed.materials.size() > gpu::kTriangleMaterialMask)
+    throw Error(scene.path, "has more than 536870911 materials", "merge materials that are equal");
+  packed.textures = materials.textures.textures;
+  packed.texels = pack_texels(materials.textures, scene);
+
+  const Streams streams = needed_streams(scene, layout.usage);
+  layout.with_vertices = streams.any();
+  const auto start = std::chrono::steady_clock::now();
+  const glm::dmat4 device_from_world = glm::translate(glm::dmat4(1.0), -packed.origin);
+  packed.triangles.reserve(layout.usage.triangles_stored);
+  if (layout.with_vertices) packed.triangle_vertices.reserve(layout.usage.triangles_stored);
+  std::vector<Object> objects{pack_static(scene, layout, device_from_world, packed)};
+  std::vector<std::uint32_t> object_of;
+  if (layout.usage.two_level()) {
+    object_of = pack_two_level(scene, layout, device_from_world, packed, objects);
+    for (const std::uint32_t object : object_of) packed.triangle_count += objects[object].triangle_count;
+  } else {
+    packed.root = objects[0].root;
+    packed.stack_size = objects[0].depth;
+    packed.triangle_count = objects[0].triangle_count;
+  }
+  packed.draws = list_draws(packed, objects, object_of);
+  for (const Object& object : objects) packed.triangles_stored += object.triangle_count;
+  packed.sah_cost = std::ranges::max_element(objects, {}, &Object::triangle_count)->sah_cost;
+  packed.bvh_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  if (packed.dropped_triangles > 0)
+    scene.warnings.add("triangles without area or with coordinates that are not finite were dropped",
+                       packed.dropped_triangles);
+
+  pack_vertices(scene, layout.usage, streams, packed);
+  pack_lights(scene, objects, object_of, pack_environment(scene.environment, packed), direct, packed);
+  packed.features = find_features(scene, layout.usage, packed);
+  packed.left_out = list_left_out(layout.usage, packed, direct);
+  return packed;
+}
+
+} // namespace wavepath

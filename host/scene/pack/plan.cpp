@@ -1,0 +1,60 @@
+// Foretells what pack() will lay out, from counts alone; see pack.h.
+#include <algorithm>
+
+#include "host/scene/pack/materials.h"
+#include "host/scene/pack/pack.h"
+#include "host/scene/pack/vertices.h"
+
+namespace wavepath {
+namespace {
+
+// Trees over triangles measured 3.4 (subdivided surfaces) to 4.5 triangles a node on real scenes. Instances have leaves
+// of their own, so that a node holds two of them, its other children being nodes.
+std::uint64_t triangle_node_bytes(std::uint64_t triangles) { return (2 * triangles / 7 + 1) * sizeof(bvh::WideNode); }
+std::uint64_t instance_node_bytes(std::uint64_t instances) { return (instances / 2 + 1) * sizeof(bvh::WideNode); }
+
+// Triangles that may become lights, instances counted.
+std::uint64_t count_emitters(const Scene& scene, const Usage& usage) {
+  std::uint64_t emitters = 0;
+  for (std::size_t m = 0; m < scene.meshes.size(); ++m)
+    for (const Primitive& primitive : scene.meshes[m].primitives) {
+      const Material& material = scene.materials[primitive.material];
+      const bool shines = !material.unlit && glm::any(glm::greaterThan(material.emission, glm::vec3(0.0f)));
+      if (shines) emitters += std::uint64_t{primitive.index_count / 3} * usage.mesh_instances[m];
+    }
+  return emitters;
+}
+
+} // namespace
+
+Plan plan(const Scene& scene, bvh::Quality quality) {
+  const Usage usage = find_usage(scene);
+  const Streams streams = needed_streams(scene, usage);
+  const MaterialTable materials = pack_materials(scene, usage);
+
+  Plan plan;
+  plan.triangles_stored = usage.triangles_stored;
+  plan.triangles_seen = usage.triangles_seen;
+  plan.instances = usage.two_level() ? usage.shared_instances + 1 : 0;
+  const double copies = quality == bvh::Quality::fast ? 0.0 : bvh::BuildConfig{}.max_copies;
+  const std::uint64_t items =
+      usage.triangles_stored + static_cast<std::uint64_t>(copies * static_cast<double>(usage.triangles_stored));
+  const std::uint64_t triangles = items * sizeof(gpu::Triangle);
+  const std::uint64_t corners = streams.any() ? items * sizeof(glm::uvec4) : 0;
+  const std::uint64_t stream = usage.vertex_count * sizeof(glm::vec4);
+  const std::uint64_t placed = plan.instances * sizeof(gpu::Instance);
+  const std::uint64_t environment = scene.environment.present() ? scene.environment.map.size() * sizeof(glm::vec4) : 0;
+  plan.triangle_bytes = triangles + corners;
+  const std::uint64_t nodes =
+      triangle_node_bytes(items) + (placed > 0 ? instance_node_bytes(plan.instances) : 0);
+  plan.node_bytes = nodes + placed;
+  plan.vertex_bytes = streams.count() * stream;
+  plan.texel_bytes = materials.textures.word_count * sizeof(std::uint32_t);
+  plan.environment_bytes = environment + environment / 2; // and its alias table
+  plan.light_bytes = (count_emitters(scene, usage) + scene.lights.size() + 1) * sizeof(gpu::Light);
+  plan.largest_buffer = std::max(
+      {triangles, corners, nodes, placed, streams.any() ? stream : 0, plan.texel_bytes, environment, plan.light_bytes});
+  return plan;
+}
+
+} // namespace wavepath

@@ -1,0 +1,128 @@
+// Numbers texture uses and lays out their images; see textures.h.
+#include "host/scene/pack/textures.h"
+
+#include <bit>
+#include <cmath>
+#include <cstring>
+
+#include <tbb/parallel_for.h>
+
+#include "host/base/error.h"
+#include "kernels/scene_types.h"
+#include "kernels/tile_order.h"
+
+namespace wavepath {
+namespace {
+
+std::uint32_t wrap_code(Wrap wrap) {
+  switch (wrap) {
+    case Wrap::clamp:
+      return gpu::kWrapClamp;
+    case Wrap::mirror:
+      return gpu::kWrapMirror;
+    default:
+      return gpu::kWrapRepeat;
+  }
+}
+
+std::uint32_t texture_flags(const TextureSlot& slot, bool is_float) {
+  std::uint32_t flags = wrap_code(slot.wrap_u) << gpu::kTextureWrapUShift | wrap_code(slot.wrap_v)
+                                                                                << gpu::kTextureWrapVShift;
+  if (slot.nearest) flags |= gpu::kTextureNearest;
+  if (is_float)
+    flags |= gpu::kTextureFloat;
+  else if (slot.srgb)
+    flags |= gpu::kTextureSrgb;
+  if (slot.uv_set == 1) flags |= gpu::kTextureUv1;
+  if (slot.moved) flags |= gpu::kTextureMoved;
+  return flags;
+}
+
+std::uint32_t add_image(TextureTable& table, const Scene& scene, std::uint32_t image, bool decode_srgb) {
+  const auto [entry, is_new] = table.known_images.try_emplace({image, decode_srgb ? 1u : 0u}, table.images.size());
+  if (is_new) {
+    const Image& source = scene.images[image];
+    table.images.push_back({image, decode_srgb, table.word_count});
+    table.word_count += std::uint64_t{gpu::texel_count(source.width, source.height)} * (source.floats.empty() ? 1 : 4);
+  }
+  return entry->second;
+}
+
+void store_image(const Image& image, const StoredImage& stored, std::uint32_t* words) {
+  tbb::parallel_for(0u, image.height, [&](std::uint32_t y) {
+    for (std::uint32_t x = 0; x < image.width; ++x) {
+      const std::size_t from = 4 * (std::size_t{y} * image.width + x), to = gpu::texel_index(x, y, image.width);
+      if (image.floats.empty()) {
+        std::memcpy(words + to, &image.bytes[from], 4);
+        continue;
+      }
+      for (std::size_t channel = 0; channel < 4; ++channel) {
+        const float value = image.floats[from + channel];
+        const bool decode = stored.decode_srgb && channel < 3;
+        words[4 * to + channel] =
+            std::bit_cast<std::uint32_t>(decode ? static_cast<float>(linear_from_srgb(value)) : value);
+      }
+    }
+  });
+}
+
+} // namespace
+
+double linear_from_srgb(double encoded) {
+  return encoded <= 0.04045 ? encoded / 12.92 : std::pow((encoded + 0.055) / 1.055, 2.4);
+}
+
+std::uint32_t add_texture(TextureTable& table, const Scene& scene, const TextureSlot& slot) {
+  if (!slot.present()) return gpu::kNone;
+  const bool is_float = !scene.images[slot.image].floats.empty();
+  const std::uint32_t stored = add_image(table, scene, slot.image, is_float && slot.srgb);
+
+  gpu::Texture texture{};
+  texture.width = scene.images[slot.image].width;
+  texture.height = scene.images[slot.image].height;
+  texture.flags = texture_flags(slot, is_float);
+  // glm's matrices are indexed [column][row].
+  texture.uv_matrix = {slot.uv_matrix[0][0], slot.uv_matrix[1][0], slot.uv_matrix[0][1], slot.uv_matrix[1][1]};
+  texture.uv_offset = slot.uv_offset;
+  texture.first_texel = static_cast<std::uint32_t>(table.images[stored].first_word);
+
+  std::array<std::uint32_t, 8> key{stored, texture.flags};
+  if (slot.moved) {
+    for (int i = 0; i < 4; ++i) key[2 + i] = std::bit_cast<std::uint32_t>(texture.uv_matrix[i]);
+    for (int i = 0; i < 2; ++i) key[6 + i] = std::bit_cast<std::uint32_t>(texture.uv_offset[i]);
+  }
+  const auto [entry, is_new] = table.known_textures.try_emplace(key, table.textures.size());
+  if (is_new) table.textures.push_back(texture);
+  return entry->second;
+}
+
+std::vector<std::uint32_t> pack_texels(const TextureTable& table, const Scene& scene) {
+  if (table.word_count > gpu::kNone) throw Error(scene.path, "has more than 16 GiB of texels", "use smaller textures");
+  std::vector<std::uint32_t> texels(table.word_count);
+  for (const StoredImage& stored : table.images)
+    store_image(scene.images[stored.image], stored, texels.data() + stored.first_word);
+  return texels;
+}
+
+glm::vec4 read_texel(const gpu::Texture& texture, const std::vector<std::uint32_t>& texels, std::uint32_t x,
+                     std::uint32_t y) {
+  const std::size_t index = gpu::texel_index(x, y, texture.width);
+  glm::vec4 value;
+  if (texture.flags & gpu::kTextureFloat) {
+    for (int c = 0; c < 4; ++c) value[c] = std::bit_cast<float>(texels[texture.first_texel + 4 * index + c]);
+    return value;
+  }
+  static const std::array<float, 256> kLinear = [] {
+    std::array<float, 256> table{};
+    for (int i = 0; i < 256; ++i) table[i] = static_cast<float>(linear_from_srgb(i / 255.0));
+    return table;
+  }();
+  const std::uint32_t word = texels[texture.first_texel + index];
+  for (int c = 0; c < 4; ++c) {
+    const std::uint32_t byte = word >> (8 * c) & 255u;
+    value[c] = (texture.flags & gpu::kTextureSrgb) && c < 3 ? kLinear[byte] : static_cast<float>(byte) / 255.0f;
+  }
+  return value;
+}
+
+} // namespace wavepath

@@ -1,0 +1,22 @@
+// The vertex streams: normals with packed tangents, texture coordinates and colours of every mesh in use.
+#pragma once
+
+#include "host/scene/pack/pack.h"
+#include "host/scene/usage.h"
+
+namespace wavepath {
+
+// Which streams a scene needs. A stream that exists covers all vertices.
+struct Streams {
+  bool normals = false, uvs = false, colors = false;
+  bool any() const { return normals || uvs || colors; }
+  unsigned count() const { return unsigned{normals} + unsigned{uvs} + unsigned{colors}; }
+};
+Streams needed_streams(const Scene& scene, const Usage& usage);
+
+// Fills packed.vertex_normals, vertex_uvs and vertex_colors. Normals and tangents of meshes that are shown once are
+// turned into world space (normals by the inverse transpose), those of shared meshes stay as they are. A normal that is
+// not finite becomes zero; a texture coordinate that is not finite becomes zero, with a warning.
+void pack_vertices(Scene& scene, const Usage& usage, const Streams& streams, PackedScene& packed);
+
+} // namespace wavepath

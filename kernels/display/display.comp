@@ -1,0 +1,88 @@
+// Develops the film for a window: mean of the exact sums or another quantity, exposure, tone curve, sRGB, packed bytes. One
+// lane a pixel of the screen; pixels without a sample stay as they are.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+
+#include "kernels/display/display_types.h"
+#include "kernels/display/tonemap.glsl"
+#include "kernels/film/film_types.h"
+#include "kernels/frame_types.h"
+#include "kernels/tile_order.h"
+
+layout(local_size_x = kWorkgroupSize) in;
+layout(push_constant) uniform JobBlock { DisplayJob job; };
+layout(set = 0, binding = kBindFilmTexels) uniform usamplerBuffer film_texels;
+layout(set = 0, binding = kBindFilmAovs) uniform samplerBuffer film_aov_texels;
+layout(set = 0, binding = kBindScreen, std430) writeonly buffer ScreenBlock { uint screen[]; };
+
+float power_of_two(int exponent) { return uintBitsToFloat(uint(exponent + 127) << 23u); }
+
+// Of an ExactSum whose highest digit is `top`, see film_types.h; in two steps, since 2^(32 top - 181) alone may be below any
+// float.
+float value_of(uvec4 sum, uint top) {
+  float high = float(int(sum.y)) * 4294967296.0 + float(sum.x), low = float(int(sum.w)) * 4294967296.0 + float(sum.z);
+  int exponent = int(32u * top) - 181, half_of_it = exponent / 2;
+  return (high * 4294967296.0 + low) * power_of_two(half_of_it) * power_of_two(exponent - half_of_it);
+}
+
+// The samples of one replicate of a pixel: their sum and, in w, how many they are.
+vec4 fetch_sum(uint pixel, uint replicate) {
+  int texel = int(4u * (pixel * kReplicates + replicate));
+  uvec2 count_tops = texelFetch(film_texels, texel + 3).xy;
+  return vec4(value_of(texelFetch(film_texels, texel), count_tops.y & 0xffu),
+              value_of(texelFetch(film_texels, texel + 1), (count_tops.y >> 8u) & 0xffu),
+              value_of(texelFetch(film_texels, texel + 2), (count_tops.y >> 16u) & 0xffu), float(count_tops.x));
+}
+
+// Black, purple, orange, pale yellow, as sRGB: the colours of host/render/error_map.cpp.
+vec3 map_color(float value) {
+  const vec3 kStops[5] = vec3[5](vec3(0.0, 0.0, 0.015), vec3(0.32, 0.07, 0.48), vec3(0.72, 0.21, 0.47),
+                                 vec3(0.99, 0.53, 0.38), vec3(0.99, 0.99, 0.75));
+  float position = clamp(value, 0.0, 1.0) * 4.0;
+  int first = min(int(position), 3);
+  return mix(kStops[first], kStops[first + 1], position - float(first));
+}
+
+// Encoded colour of a pixel whose replicates sum to a and b, of one of them at least.
+vec3 encoded(uint pixel, vec4 a, vec4 b) {
+  vec3 mean = (a.rgb + b.rgb) / (a.w + b.w);
+  int aov = int(5u * pixel); // first of its texels
+  if (job.shown == kShowSamples) return vec3((a.w + b.w) / job.range);
+  if (job.shown == kShowVariance || job.shown == kShowError) {
+    if (a.w == 0.0 || b.w == 0.0) return vec3(0.0);
+    vec3 difference = a.rgb / a.w - b.rgb / b.w;
+    vec3 variance = difference * difference * (a.w * b.w / ((a.w + b.w) * (a.w + b.w)));
+    if (job.shown == kShowVariance) return to_srgb(tonemap(job.tonemap, variance * job.gain));
+    vec3 relative = variance / (mean * mean + 0.01); // as relMSE weighs it
+    return map_color(sqrt((relative.r + relative.g + relative.b) / 3.0) / job.range);
+  }
+  if (job.shown == kShowAlbedo) return to_srgb(clamp(texelFetch(film_aov_texels, aov).xyz, 0.0, 1.0));
+  if (job.shown == kShowNormal || job.shown == kShowDepth || job.shown == kShowPosition) {
+    vec4 normal_hits = texelFetch(film_aov_texels, aov + 1);
+    if (normal_hits.w == 0.0) return vec3(0.0);
+    if (job.shown == kShowNormal) return 0.5 + 0.5 * normal_hits.xyz;
+    if (job.shown == kShowPosition) return 0.5 + 0.5 * texelFetch(film_aov_texels, aov + 2).xyz / job.range;
+    return vec3(1.0 - texelFetch(film_aov_texels, aov).w / job.range); // what is near is bright
+  }
+  vec3 radiance = mean;
+  if (job.shown == kShowEmission) radiance = texelFetch(film_aov_texels, aov + 3).xyz;
+  if (job.shown == kShowDirect) radiance = texelFetch(film_aov_texels, aov + 4).xyz;
+  if (job.shown == kShowIndirect)
+    radiance = mean - texelFetch(film_aov_texels, aov + 3).xyz - texelFetch(film_aov_texels, aov + 4).xyz;
+  return to_srgb(tonemap(job.tonemap, radiance * job.gain));
+}
+
+void main() {
+  uint place = job.first + gl_GlobalInvocationID.x;
+  if (place >= job.width * job.height) return;
+  vec2 at = vec2(place % job.width, place / job.width) + 0.5;
+  vec2 film_size = vec2(job.film_width, job.film_height);
+  uvec2 film_at = min(uvec2(at * film_size / vec2(job.width, job.height)), uvec2(film_size) - 1u);
+  uint pixel = tile_order_of(film_at, job.film_width, job.film_height) - job.first_film_pixel;
+  if (pixel >= job.film_pixel_count) return; // in another band
+  vec4 a = fetch_sum(pixel, 0u), b = fetch_sum(pixel, 1u);
+  if (a.w + b.w == 0.0) return;
+  uvec3 bytes = uvec3(clamp(encoded(pixel, a, b), 0.0, 1.0) * 255.0 + 0.5);
+  if (job.bgra != 0u) bytes = bytes.bgr;
+  screen[place] = bytes.r | bytes.g << 8u | bytes.b << 16u | 0xff000000u;
+}

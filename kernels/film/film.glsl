@@ -1,0 +1,38 @@
+// Adding one sample to the film: exact sums of its light, running means of its other channels.
+// Include bindings.glsl with BIND_FILM first.
+#ifndef WAVEPATH_FILM_GLSL
+#define WAVEPATH_FILM_GLSL
+
+#include "kernels/film/exact_sum.glsl"
+#include "kernels/film/records.glsl"
+#include "kernels/math.glsl"
+
+// `radiance` is finite.
+void add_sample(inout FilmPixel pixel, vec3 radiance) {
+  uvec3 tops = (uvec3(pixel.tops) >> uvec3(0u, 8u, 16u)) & 0xffu;
+  add_exactly(pixel.red, tops.r, radiance.r);
+  add_exactly(pixel.green, tops.g, radiance.g);
+  add_exactly(pixel.blue, tops.b, radiance.b);
+  pixel.tops = tops.r | tops.g << 8u | tops.b << 16u;
+  pixel.largest = max(pixel.largest, min(radiance.r + radiance.g + radiance.b, kFar)); // finite, though the sum may not be
+  pixel.count += 1u;
+}
+
+// Running means: fields are averages over the samples so far, position, normal and depth over those that hit.
+void accumulate_aovs(uint film_index, PathAovs path) {
+  FilmAovs mean = film_aovs[film_index];
+  mean.count += 1.0;
+  mean.albedo += (path.albedo - mean.albedo) / mean.count;
+  mean.emission += (path.emission - mean.emission) / mean.count;
+  mean.direct += (path.direct - mean.direct) / mean.count;
+  if (path.hit > 0.0) {
+    mean.hits += 1.0;
+    mean.normal += (path.normal - mean.normal) / mean.hits;
+    mean.position += (path.position - mean.position) / mean.hits;
+    mean.depth += (path.depth - mean.depth) / mean.hits;
+    mean.unoccluded += (path.unoccluded - mean.unoccluded) / mean.hits;
+  }
+  film_aovs[film_index] = mean;
+}
+
+#endif

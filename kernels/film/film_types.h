@@ -1,0 +1,68 @@
+// The film: exact sums of every pixel, and means of its other channels.
+#ifndef WAVEPATH_FILM_TYPES_H
+#define WAVEPATH_FILM_TYPES_H
+
+#include "kernels/gpu.h"
+
+#ifdef __cplusplus
+namespace wavepath::gpu {
+#endif
+
+GPU_CONSTANT uint kBindFilm = 16u;             // storage FilmPixel[], kReplicates a pixel
+GPU_CONSTANT uint kBindFilmAovs = 17u;         // storage FilmAovs[], one a pixel (kFeatureAovs)
+GPU_CONSTANT uint kBindFilmTexels = 18u;      // texels RGBA32UI
+
+// ---- film -----------------------------------------------------------------------------------------------------------------
+// The exact sum of many floats, in any order (after the reproducible sums of Demmel and Nguyen 2013, with integers). Bit k of digit d weighs
+// 2^(32 d + k - 149), so that every float is two whole digits. The two highest digits that any sample reached are kept, each with
+// the sum of its own carries in 64 bits: what is kept depends on the set of samples alone. So parts of a render join to the bits
+// of the whole, and 10^9 samples wear nothing out; what is lost of a sample is below 2^-32 of the largest one.
+struct ExactSum {
+  uint high[2]; // of digit `top`: low word, high word, two's complement
+  uint low[2];  // of digit `top` - 1
+};
+GPU_CHECK(sizeof(ExactSum) == 16);
+
+struct FilmPixel {
+  ExactSum red, green, blue;
+  uint count;    // finite samples so far
+  uint tops;     // digit `top` of each sum, a byte each
+  float largest; // R + G + B of the largest sample
+  uint pad0;
+};
+GPU_CHECK(sizeof(FilmPixel) == 64);
+
+// First-hit values and light components of one path.
+struct PathAovs {
+  vec3 albedo;
+  float depth; // along the view axis
+  vec3 normal; // shading normal, world
+  float hit;   // 1 = the camera ray hit something
+  vec3 position; // device world
+  float unoccluded; // share of the sky over the surface; hybrid integrators only
+  vec3 emission; // radiance seen without a bounce
+  float pad1;
+  vec3 direct; // radiance after one bounce
+  float pad2;
+};
+GPU_CHECK(sizeof(PathAovs) == 80);
+
+// Running means over samples of the fields of PathAovs.
+struct FilmAovs {
+  vec3 albedo;
+  float depth;
+  vec3 normal;
+  float hits;
+  vec3 position;
+  float count;
+  vec3 emission;
+  float unoccluded;
+  vec3 direct;
+  float pad0;
+};
+GPU_CHECK(sizeof(FilmAovs) == 80);
+
+#ifdef __cplusplus
+} // namespace wavepath::gpu
+#endif
+#endif

@@ -1,0 +1,77 @@
+// One render as all kernels see it: the camera and settings, a wave of samples, rays and hits.
+#ifndef WAVEPATH_FRAME_TYPES_H
+#define WAVEPATH_FRAME_TYPES_H
+
+#include "kernels/gpu.h"
+
+#ifdef __cplusplus
+namespace wavepath::gpu {
+#endif
+
+GPU_CONSTANT uint kBindFrame = 0u;             // uniform Frame
+GPU_CONSTANT uint kBindRuns = 19u;            // texels R32UI: runs of kRunPixels pixels in tile order (kFeatureAdaptive)
+
+// ---- one render -----------------------------------------------------------------------------------------------------------
+// Camera rays: origin = camera_position (+ x*camera_right + y*camera_up, orthographic), direction = camera_forward
+// (+ x*camera_right + y*camera_up, perspective), with x, y in [-1,1], y upwards; right and up carry the image's half extent.
+struct Frame {
+  vec3 camera_position;
+  uint width;
+  vec3 camera_right;
+  uint height;
+  vec3 camera_up;
+  uint max_depth;
+  vec3 camera_forward;
+  uint seed;
+  vec3 environment_radiance; // constant environment, or the scale of the map
+  float environment_probability; // of next-event estimation picking the environment
+  vec2 environment_rotation; // cos, sin: direction in the map = rotation about +Y of the world direction
+  uint environment_width;
+  uint environment_height;
+  uint light_count;
+  uint root;        // node where traversal starts
+  uint root_is_top; // 1: the root is the top level of a two-level tree, leaves hold instances
+  uint orthographic;
+  uint sample_total; // samples a pixel that the stratified sampler spreads over
+  uint slot_count;   // capacity of one ray queue
+  uint scene_features; // kFeature bits that the scene has data for, whatever the kernels were compiled with
+  uint pad0;
+};
+GPU_CHECK(sizeof(Frame) == 128);
+
+// Sample s belongs to replicate s % kReplicates; replicates are scrambled independently, so that their spread measures the
+// error of any sampler.
+GPU_CONSTANT uint kReplicates = 2u;
+
+GPU_CONSTANT uint kRunPixels = 64u; // that an adaptive render gives samples to together: a tile of 8x8, away from the borders
+
+// Push constants: the wave of (pixel, sample) pairs that a dispatch works on. Slot = local sample * pixel_count + local pixel.
+struct Wave {
+  uint first_pixel; // in tile order; where runs are listed, in the order of their list
+  uint pixel_count;
+  uint first_sample;
+  uint sample_count;
+  uint bounce; // 0 = camera rays
+  uint first_film_pixel; // pixel, in tile order, of the film's first entry
+};
+
+struct Ray {
+  vec3 origin;
+  uint slot;
+  vec3 direction; // unit length
+  float t_max;
+};
+GPU_CHECK(sizeof(Ray) == 32);
+
+struct Hit {
+  uint triangle; // kNone = miss
+  uint instance;
+  float b1; // barycentric weight of v1
+  float b2;
+};
+GPU_CHECK(sizeof(Hit) == 16);
+
+#ifdef __cplusplus
+} // namespace wavepath::gpu
+#endif
+#endif

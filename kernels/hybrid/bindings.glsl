@@ -1,0 +1,32 @@
+// A hybrid frame, each group for kernels that define its macro before the include.
+#ifndef WAVEPATH_HYBRID_BINDINGS_GLSL
+#define WAVEPATH_HYBRID_BINDINGS_GLSL
+
+#include "kernels/bindings.glsl"
+#include "kernels/hybrid/hybrid_types.h"
+
+#ifdef BIND_HYBRID
+layout(set = 0, binding = kBindHybrid, std140) uniform HybridBlock { HybridFrame hybrid; };
+#endif
+
+#ifdef BIND_VISIBILITY
+layout(set = 0, binding = kBindVisibility) uniform usamplerBuffer visibility;
+#endif
+
+#ifdef BIND_GBUFFER
+layout(set = 0, binding = kBindGbuffer, std430) buffer GbufferBlock { GbufferPixel gbuffer[]; };
+#endif
+
+#ifdef BIND_SIGNALS
+layout(set = 0, binding = kBindSignals, std430) buffer SignalBlock { vec4 signals[]; };
+#endif
+
+#ifdef BIND_SEEN
+layout(set = 0, binding = kBindSeen, std430) buffer SeenBlock { vec4 seen[]; };
+#endif
+
+#ifdef BIND_JITTERS
+layout(set = 0, binding = kBindJitters, std430) writeonly buffer JitterBlock { vec2 jitters[]; };
+#endif
+
+#endif

@@ -1,0 +1,65 @@
+// A hybrid frame becomes one sample of the film: light seen directly, direct light, and the ambient term.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+
+#define BIND_FILM
+#define BIND_HYBRID
+#define BIND_GBUFFER
+#define BIND_SIGNALS
+#define BIND_SEEN
+#include "kernels/frame_types.h"
+#include "kernels/film/bindings.glsl"
+#include "kernels/hybrid/bindings.glsl"
+#include "kernels/camera.glsl"
+#include "kernels/film/film.glsl"
+#include "kernels/hybrid/frame_terms.glsl"
+#include "kernels/pixel.glsl"
+
+layout(local_size_x = kWorkgroupSize) in;
+
+vec3 position_at(uvec2 pixel, float depth) {
+  vec3 origin, direction;
+  camera_ray(vec2(pixel) + 0.5 + hybrid.jitter, origin, direction);
+  return origin + direction * (depth / dot(direction, frame.camera_forward));
+}
+
+void main() {
+  uint local = gl_GlobalInvocationID.x;
+  if (local >= wave.pixel_count) return;
+  uvec2 pixel = slot_pixel(local);
+  uint place = pixel.y * frame.width + pixel.x;
+  GbufferPixel g = gbuffer[place];
+  vec4 signal = signals[place];
+  bool hit = g.depth > 0.0;
+
+  PathAovs sample_;
+  sample_.emission = sample_.direct = vec3(0.0);
+  vec3 radiance = vec3(hit ? signal.w : 0.0);
+  if (wants_lights()) { // otherwise nothing has a place in `seen`
+    vec4 emission_diffuse = seen[place];
+    sample_.emission = emission_diffuse.rgb;
+    if (hit) sample_.direct = demodulation(g.albedo) * signal.rgb;
+    vec3 ambient = hit && wants_ambient() ? g.albedo * emission_diffuse.w * hybrid.ambient * signal.w : vec3(0.0);
+    radiance = sample_.emission + sample_.direct + ambient;
+  }
+  if ((hybrid.flags & kHybridToColor) != 0u) {
+    seen[place] = vec4(radiance, 0.0);
+    return;
+  }
+  if ((hybrid.flags & kHybridFromColor) != 0u) radiance = seen[place].rgb;
+  if (!is_finite(radiance)) return;
+
+  uint film_index = wave.first_pixel + local - wave.first_film_pixel;
+  uint entry = film_index * kReplicates + hybrid.sample_index % kReplicates;
+  FilmPixel sums = fetch_film_pixel(entry);
+  add_sample(sums, radiance);
+  store_film_pixel(entry, sums);
+  if (!has(kFeatureAovs)) return;
+  sample_.albedo = g.albedo;
+  sample_.normal = g.normal;
+  sample_.depth = g.depth;
+  sample_.hit = hit ? 1.0 : 0.0;
+  sample_.position = hit ? position_at(pixel, g.depth) : vec3(0.0);
+  sample_.unoccluded = signal.w;
+  accumulate_aovs(film_index, sample_);
+}

@@ -1,0 +1,128 @@
+// SVGF, over time: joins a frame's signals to what the same places showed before, with mean and variance over frames.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+
+#include "kernels/hybrid/denoise.glsl"
+
+layout(set = 0, binding = kFilterHistoryBefore) uniform samplerBuffer history_before;
+layout(set = 0, binding = kFilterHistoryNow, std430) writeonly buffer HistoryBlock { vec4 history_now[]; };
+layout(set = 0, binding = kFilterPastBefore) uniform usamplerBuffer past_before;
+layout(set = 0, binding = kFilterPastNow, std430) writeonly buffer PastBlock { uvec4 past_now[]; };
+layout(set = 0, binding = kFilterMomentsBefore) uniform samplerBuffer moments_before;
+layout(set = 0, binding = kFilterMomentsNow, std430) writeonly buffer MomentsBlock { vec4 moments_now[]; };
+layout(set = 0, binding = kFilterSlopes, std430) writeonly buffer SlopeBlock { vec2 slopes[]; };
+
+// Frames that a history counts for at most. In motion it is the paper's 0.2 that each new frame gets; in a standing picture
+// all frames count the same, as far as 16 bits go.
+const uint kMovingLength = 5u;
+const uint kStillLength = 65535u;
+
+// Signals beyond this are as good as infinite: their squares have to be floats.
+const float kLargestSignal = 1e18;
+bool usable(float x) { return is_finite(x) && abs(x) <= kLargestSignal; }
+
+uvec4 shape_of(int index) {
+  uvec4 seen_here = texelFetch(gbuffer_texels, 2 * index);
+  float depth = uintBitsToFloat(seen_here.w);
+  if (!(depth > 0.0)) return uvec4(0u);
+  return uvec4(pack_normal(uintBitsToFloat(seen_here.xyz)), floatBitsToUint(to_disparity(depth)),
+               texelFetch(gbuffer_texels, 2 * index + 1).w, 0u);
+}
+
+// Change of disparity over one pixel along `axis`: the smaller one of both sides, because one may be across an edge.
+float slope_along(ivec2 pixel, ivec2 axis, uvec4 here) {
+  float slope = kFar;
+  for (int side = -1; side <= 1; side += 2) {
+    ivec2 there = pixel + side * axis;
+    int index = pixel_index(there);
+    float depth = seen_depth(index);
+    bool same = in_picture(there) && depth > 0.0 && texelFetch(gbuffer_texels, 2 * index + 1).w == here.z;
+    float rise = float(side) * (to_disparity(depth) - disparity(here));
+    if (same && abs(rise) < abs(slope)) slope = rise;
+  }
+  return slope == kFar ? 0.0 : slope;
+}
+
+// What is found of a pixel's past, as weighted sums; direct light and unoccluded share may have pasts of their own.
+struct Past {
+  vec4 color;
+  vec4 moments;
+  vec2 lengths;
+  vec2 weights;
+};
+
+// Adds a pixel of the frame before if it shows the same place: its surface, its normal within 25 degrees, and in the plane.
+// `expected`: disparity that the place had then, `tolerance`: what a pixel next to it may differ by.
+void add_tap(inout Past past, ivec2 tap, float weight, uvec4 here, vec3 normal, float expected, float tolerance) {
+  int index = pixel_index(tap);
+  uvec4 there = texelFetch(past_before, index);
+  bool same = in_picture(tap) && seen(there) && there.z == here.z &&
+              abs(disparity(there) - expected) <= tolerance && dot(normal, unpack_normal(there.x)) > 0.9;
+  uvec2 lengths = unpack_lengths(there.w);
+  vec2 weights = mix(vec2(0.0), vec2(same ? weight : 0.0), greaterThan(lengths, uvec2(0u)));
+  past.color += weights.xxxy * texelFetch(history_before, index);
+  past.moments += weights.xxyy * texelFetch(moments_before, index);
+  past.lengths += weights * vec2(lengths);
+  past.weights += weights;
+}
+
+Past find_past(ivec2 pixel, uvec4 here, vec2 slope) {
+  Past past = Past(vec4(0.0), vec4(0.0), vec2(0.0), vec2(0.0));
+  vec3 place = place_before(pixel, seen(here) ? seen_depth(pixel_index(pixel)) : 0.0);
+  bool visible = seen(here) && frames.remembers != 0u && place.z > 0.0 &&
+                 all(greaterThan(place.xy, vec2(-1.0))) && all(lessThan(place.xy, vec2(picture_size())));
+  if (!visible) return past;
+  vec3 normal = unpack_normal(here.x);
+  float expected = to_disparity(place.z);
+  // Taps lie within one pixel of the place, and jitter moves what they sampled by up to one more.
+  float tolerance = 2.0 * (abs(slope.x) + abs(slope.y)) + kDisparitySlack * expected;
+
+  ivec2 corner = ivec2(floor(place.xy));
+  vec2 part = place.xy - vec2(corner);
+  for (int i = 0; i < 4; ++i) {
+    ivec2 side = ivec2(i & 1, i >> 1);
+    vec2 shares = mix(1.0 - part, part, bvec2(side));
+    add_tap(past, corner + side, shares.x * shares.y, here, normal, expected, tolerance);
+  }
+  // At edges, which jitter moves to and fro, the nearest pixels may all show something else: then look around.
+  const float kLeastWeight = 0.01;
+  bool around = any(lessThan(past.weights, vec2(kLeastWeight)));
+  if (around) past = Past(vec4(0.0), vec4(0.0), vec2(0.0), vec2(0.0));
+  ivec2 nearest = ivec2(floor(place.xy + 0.5));
+  for (int i = 0; i < (around ? 9 : 0); ++i)
+    add_tap(past, nearest + ivec2(i % 3, i / 3) - 1, 1.0, here, normal, expected, tolerance);
+  return past;
+}
+
+void main() {
+  ivec2 pixel = lane_pixel();
+  if (!in_picture(pixel)) return;
+  int index = pixel_index(pixel);
+  uvec4 here = shape_of(index);
+  vec2 slope = seen(here) ? vec2(slope_along(pixel, ivec2(1, 0), here), slope_along(pixel, ivec2(0, 1), here)) : vec2(0.0);
+  Past past = find_past(pixel, here, slope);
+
+  vec4 signal = texelFetch(color_in, index);
+  bvec2 present = bvec2(usable(signal.x) && usable(signal.y) && usable(signal.z), usable(signal.w));
+  if (!present.x) signal.xyz = vec3(0.0);
+  if (!present.y) signal.w = 0.0;
+  vec2 known = max(past.weights, 1e-30);
+  uint longest = frames.still != 0u ? kStillLength : kMovingLength;
+  uvec2 lengths = min(uvec2(past.lengths / known + 0.5) + uvec2(present), uvec2(longest));
+  vec2 share = mix(vec2(0.0), 1.0 / vec2(max(lengths, 1u)), present); // of this frame
+
+  vec4 color = past.color / known.xxxy;
+  color += share.xxxy * (signal - color);
+  // Mean and variance instead of the first two moments, whose difference would cancel.
+  vec4 moments = past.moments / known.xxyy;
+  vec2 change = vec2(luminance(signal.xyz), signal.w) - moments.xz;
+  moments.xz += share * change;
+  moments.yw = (1.0 - share) * (moments.yw + share * change * change);
+
+  bvec2 filtered = bvec2(kWantDirect && seen(here), kWantOcclusion && seen(here));
+  history_now[index] = vec4(filtered.x ? color.xyz : signal.xyz, filtered.y ? color.w : signal.w);
+  moments_now[index] = moments;
+  lengths = mix(uvec2(0u), lengths, filtered);
+  past_now[index] = uvec4(here.xyz, lengths.x | lengths.y << 16);
+  slopes[index] = slope;
+}

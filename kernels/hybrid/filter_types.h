@@ -1,0 +1,65 @@
+// What filters over space and time work on.
+#ifndef WAVEPATH_FILTER_TYPES_H
+#define WAVEPATH_FILTER_TYPES_H
+
+#include "kernels/gpu.h"
+
+#ifdef __cplusplus
+namespace wavepath::gpu {
+#endif
+
+// How a frame was seen: the camera as Frame has it (forward of unit length), and the place within each pixel.
+struct CameraView {
+  vec3 position;
+  uint orthographic;
+  vec3 right;
+  float jitter_x; // from the pixel's centre, in pixels, to the right
+  vec3 up;
+  float jitter_y; // and downwards
+  vec3 forward;
+  float pad0;
+};
+GPU_CHECK(sizeof(CameraView) == 64);
+
+// Two frames of a camera that moves through a standing scene, for filters over time.
+struct Reprojection {
+  CameraView now;
+  CameraView before;
+  uint width;
+  uint height;
+  uint remembers; // 1: there is a frame before
+  uint still;     // 1: the camera stands as it did then, but for the jitter
+};
+GPU_CHECK(sizeof(Reprojection) == 144);
+
+// Push constants of the filters. They work on tiles of kFilterTile x kFilterTile pixels, one a workgroup, row-major.
+struct FilterBand {
+  uint first_tile;
+  uint step; // a-trous: from one tap to the next, in pixels
+};
+GPU_CONSTANT uint kFilterTile = 8u;
+GPU_CHECK(kFilterTile * kFilterTile == kWorkgroupSize);
+
+// Bindings of the filters, in a set of their own.
+GPU_CONSTANT uint kFilterReprojection = 0u;  // uniform Reprojection
+GPU_CONSTANT uint kFilterGbuffer = 1u;       // texels RGBA32UI, two a pixel: GbufferPixel
+GPU_CONSTANT uint kFilterColorIn = 2u;       // texels RGBA32F
+GPU_CONSTANT uint kFilterColorOut = 3u;      // storage vec4[]
+GPU_CONSTANT uint kFilterHistoryBefore = 4u; // texels RGBA32F
+GPU_CONSTANT uint kFilterHistoryNow = 5u;    // storage vec4[]
+// Of the denoiser alone, see kernels/denoise.glsl.
+GPU_CONSTANT uint kFilterPastBefore = 6u;     // texels RGBA32UI: packed shape, frames in the history
+GPU_CONSTANT uint kFilterPastNow = 7u;        // storage uvec4[]
+GPU_CONSTANT uint kFilterPastTexels = 8u;     // texels RGBA32UI: the same memory, for reading
+GPU_CONSTANT uint kFilterMomentsBefore = 9u;  // texels RGBA32F: mean and variance of the direct light, of the unoccluded share
+GPU_CONSTANT uint kFilterMomentsNow = 10u;    // storage vec4[]
+GPU_CONSTANT uint kFilterMomentsTexels = 11u; // texels RGBA32F: the same memory, for reading
+GPU_CONSTANT uint kFilterGuideIn = 12u;       // texels RGBA32UI: packed shape, standard errors
+GPU_CONSTANT uint kFilterGuideOut = 13u;      // storage uvec4[]
+GPU_CONSTANT uint kFilterSlopes = 14u;        // storage vec2[]: change of disparity from pixel to pixel
+GPU_CONSTANT uint kFilterSlopeTexels = 15u;   // texels RG32UI: the same memory, for reading
+
+#ifdef __cplusplus
+} // namespace wavepath::gpu
+#endif
+#endif

@@ -1,0 +1,82 @@
+// From rasterized visibility to the G-buffer, and to the queue that shading takes: the rays of the wave with their hits.
+// What a pixel shows is known; where on it the camera ray arrives is found as a traced ray finds it, so that both go on alike.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+
+#define BIND_GEOMETRY
+#define BIND_SURFACES
+#define BIND_PATHS
+#define BIND_RAYS
+#define BIND_QUEUES
+#define BIND_HYBRID
+#define BIND_VISIBILITY
+#define BIND_GBUFFER
+#define BIND_SEEN
+#include "kernels/hybrid/bindings.glsl"
+#include "kernels/path/bindings.glsl"
+#include "kernels/hybrid/frame_terms.glsl"
+#include "kernels/hybrid/hybrid.glsl"
+#include "kernels/path/records.glsl"
+#include "kernels/pixel.glsl"
+#include "kernels/records.glsl"
+#include "kernels/surface.glsl"
+
+layout(local_size_x = kWorkgroupSize) in;
+
+// What a surface reflects like a mirror has no place in the ambient term, and gains nothing from filters: its light is found by
+// following the reflection, with little noise, and changes from pixel to pixel. So smooth metal is kept apart from all others.
+// (Not what is merely glossy: its diffuse light is as noisy as any; kept apart as well, Sponza's filtered relMSE is 6 times this.
+// 2 frames, llvmpipe.)
+const float kSmooth = 0.3; // roughness
+
+GbufferPixel gbuffer_of(Hit hit, uint place, vec3 origin, vec3 direction, out float diffuse) {
+  diffuse = 0.0;
+  if (hit.triangle == kNone) return GbufferPixel(vec3(0.0), 0.0, vec3(0.0), kNone);
+  Surface surface = fetch_surface(hit);
+  Material material = fetch_material(surface.material);
+  bool front = dot(surface.geometric_normal, direction) <= 0.0;
+  uint placed = is_instanced() ? floatBitsToUint(texelFetch(instances, int(hit.instance * kInstanceTexels + 6u)).z) : 0u;
+  GbufferPixel pixel;
+  pixel.normal = shading_normal(surface, material, front, -direction);
+  pixel.depth = dot(surface.position - origin, frame.camera_forward);
+  float roughness = 1.0;
+  diffuse = 1.0;
+  if (has(kFeatureSpecular) && wants_lights()) {
+    vec2 roughness_metallic = sample_texture_or_1(kFeatureMetallicRoughnessTextures, material.metallic_roughness_texture,
+                                                  surface.uv).gb * vec2(material.roughness, material.metallic);
+    roughness = roughness_metallic.x;
+    diffuse = 1.0 - roughness_metallic.y;
+  }
+  pixel.albedo = wants_lights() ? base_color(material, surface.uv, surface.color).rgb : vec3(1.0);
+  pixel.surface = surface.material ^ placed * 0x9e3779b9u; // golden ratio: spreads instances over the words
+  if (roughness < kSmooth && diffuse < 0.5) pixel.surface = ~place;
+  return pixel;
+}
+
+void main() {
+  uint local = gl_GlobalInvocationID.x;
+  if (local == 0u) {
+    queues.ray_count[0] = wave.pixel_count * wave.sample_count;
+    queues.ray_count[1] = 0u;
+    queues.shadow_count = 0u;
+  }
+  if (local >= wave.pixel_count) return;
+
+  uvec2 pixel = slot_pixel(local);
+  uint place = pixel.y * frame.width + pixel.x;
+  vec3 origin, direction;
+  hybrid_camera_ray(pixel, origin, direction);
+  uvec2 visible = texelFetch(visibility, int(place)).xy;
+  Hit hit = Hit(kNone, 0u, 0.0, 0.0);
+  if (visible.x != kNone) hit = hit_of_triangle(visible.x, visible.y, origin, direction);
+  float diffuse;
+  gbuffer[place] = gbuffer_of(hit, place, origin, direction, diffuse);
+  if (wants_lights()) seen[place] = vec4(vec3(0.0), diffuse);
+  for (uint s = 0u; s < wave.sample_count; ++s) {
+    uint slot = s * wave.pixel_count + local;
+    store_ray(slot, Ray(origin, slot, direction, kFar));
+    store_hit(slot, hit);
+    store_path(slot, PathState(vec3(1.0), -1.0, vec3(0.0), 1.0));
+    if (has(kFeatureVolume)) path_media[slot] = kNone;
+  }
+}

@@ -1,0 +1,43 @@
+// Adds a wave's finished samples to the film, one lane a pixel, in the order of the samples.
+// Sums are exact, so that no order, size of a wave or number of samples changes or wears out the mean. A sample that is not finite
+// is left out; the kernel that made it so has counted it.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+
+#define BIND_PATHS
+#define BIND_FILM
+#include "kernels/frame_types.h"
+#include "kernels/film/bindings.glsl"
+#include "kernels/path/bindings.glsl"
+#include "kernels/film/film.glsl"
+#include "kernels/film/records.glsl"
+#include "kernels/math.glsl"
+#include "kernels/path/records.glsl"
+#include "kernels/pixel.glsl"
+
+layout(local_size_x = kWorkgroupSize) in;
+
+// Adds the wave's samples of one replicate to one pixel: read once, written once.
+void accumulate_replicate(uint local, uint film_index, uint replicate) {
+  uint first = (replicate + kReplicates - wave.first_sample % kReplicates) % kReplicates;
+  if (first >= wave.sample_count) return;
+  FilmPixel pixel = fetch_film_pixel(film_index * kReplicates + replicate);
+  for (uint s = first; s < wave.sample_count; s += kReplicates) {
+    uint slot = s * wave.pixel_count + local;
+    vec3 radiance = fetch_path(slot).radiance;
+    if (is_finite(radiance)) add_sample(pixel, radiance);
+  }
+  store_film_pixel(film_index * kReplicates + replicate, pixel);
+}
+
+void main() {
+  uint local = gl_GlobalInvocationID.x;
+  if (local >= wave.pixel_count) return;
+  uint film_index = wave_pixel(local) - wave.first_film_pixel;
+  for (uint replicate = 0u; replicate < kReplicates; ++replicate) accumulate_replicate(local, film_index, replicate);
+  if (!has(kFeatureAovs)) return;
+  for (uint s = 0u; s < wave.sample_count; ++s) {
+    uint slot = s * wave.pixel_count + local;
+    if (is_finite(fetch_path(slot).radiance)) accumulate_aovs(film_index, path_aovs[slot]);
+  }
+}

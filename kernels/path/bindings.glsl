@@ -1,0 +1,32 @@
+// Paths in flight and their queues, each group for kernels that define its macro before the include.
+#ifndef WAVEPATH_PATH_BINDINGS_GLSL
+#define WAVEPATH_PATH_BINDINGS_GLSL
+
+#include "kernels/bindings.glsl"
+#include "kernels/film/film_types.h"
+#include "kernels/path/path_types.h"
+
+#ifdef BIND_PATHS
+layout(set = 0, binding = kBindPaths, std430) writeonly buffer PathBlock { uvec4 path_words[]; };
+layout(set = 0, binding = kBindPathTexels) uniform samplerBuffer path_texels;
+layout(set = 0, binding = kBindPathMedia, std430) buffer PathMediaBlock { uint path_media[]; };
+layout(set = 0, binding = kBindPathAovs, std430) buffer PathAovBlock { PathAovs path_aovs[]; };
+#endif
+
+#ifdef BIND_RAYS
+layout(set = 0, binding = kBindRays, std430) writeonly buffer RayBlock { uvec4 ray_words[]; };
+layout(set = 0, binding = kBindRayTexels) uniform samplerBuffer ray_texels;
+layout(set = 0, binding = kBindHits, std430) writeonly buffer HitBlock { uvec4 hit_words[]; };
+layout(set = 0, binding = kBindHitTexels) uniform usamplerBuffer hit_texels;
+#endif
+
+#ifdef BIND_SHADOW_RAYS
+layout(set = 0, binding = kBindShadowRays, std430) writeonly buffer ShadowRayBlock { uvec4 shadow_ray_words[]; };
+layout(set = 0, binding = kBindShadowRayTexels) uniform usamplerBuffer shadow_ray_texels;
+#endif
+
+#ifdef BIND_QUEUES
+layout(set = 0, binding = kBindQueues, std430) buffer QueueBlock { Queues queues; };
+#endif
+
+#endif

@@ -1,0 +1,28 @@
+// Finds the closest hit of every ray in the queue.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+
+#define BIND_GEOMETRY
+#define BIND_SURFACES
+#define BIND_RAYS
+#define BIND_QUEUES
+#include "kernels/path/bindings.glsl"
+#include "kernels/dimensions.glsl"
+#include "kernels/path/records.glsl"
+#include "kernels/pixel.glsl"
+#include "kernels/surface.glsl"
+
+Sampler path_sampler;
+#define ALPHA_TEST(hit) is_hole(hit, path_sampler, kHashExtend)
+#include "kernels/bvh.glsl"
+
+layout(local_size_x = kWorkgroupSize) in;
+
+void main() {
+  uint index = gl_GlobalInvocationID.x;
+  uint queue = wave.bounce & 1u;
+  if (index >= queues.ray_count[queue]) return;
+  Ray ray = fetch_ray(queue * frame.slot_count + index);
+  if (has(kFeatureAlpha)) path_sampler = slot_sampler(ray.slot);
+  store_hit(index, trace(ray.origin, ray.direction, ray.t_max));
+}

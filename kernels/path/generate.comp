@@ -1,0 +1,47 @@
+// Starts the paths of a wave: a camera ray for every (pixel, sample), its place in the pixel drawn from the filter.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+
+#define BIND_PATHS
+#define BIND_RAYS
+#define BIND_QUEUES
+#include "kernels/path/bindings.glsl"
+#include "kernels/camera.glsl"
+#include "kernels/config.glsl"
+#include "kernels/dimensions.glsl"
+#include "kernels/filter.glsl"
+#include "kernels/path/nonfinite.glsl"
+#include "kernels/path/records.glsl"
+#include "kernels/pixel.glsl"
+
+layout(local_size_x = kWorkgroupSize) in;
+
+void main() {
+  uint slot = gl_GlobalInvocationID.x;
+  if (slot == 0u) queues.ray_count[0] = wave.pixel_count * wave.sample_count;
+  if (slot >= wave.pixel_count * wave.sample_count) return;
+
+  uvec2 pixel = slot_pixel(slot);
+  vec2 u = sample_2d(slot_sampler(slot), kDimensionFilter);
+  vec3 origin, direction;
+  camera_ray(vec2(pixel) + 0.5 + sample_filter(u), origin, direction);
+  Ray ray = Ray(origin, slot, direction, kFar);
+  PathState path = PathState(vec3(1.0), -1.0, vec3(0.0), 1.0);
+  if (!is_finite(ray.origin) || !is_finite(ray.direction)) {
+    path.radiance = spoilt(path.radiance);
+    count_nonfinite(kMakerGenerate, slot);
+  }
+  store_ray(slot, ray);
+  store_path(slot, path);
+  if (has(kFeatureVolume)) path_media[slot] = kNone;
+  if (has(kFeatureAovs)) {
+    path_aovs[slot].albedo = vec3(0.0);
+    path_aovs[slot].depth = 0.0;
+    path_aovs[slot].normal = vec3(0.0);
+    path_aovs[slot].hit = 0.0;
+    path_aovs[slot].position = vec3(0.0);
+    path_aovs[slot].unoccluded = 0.0;
+    path_aovs[slot].emission = vec3(0.0);
+    path_aovs[slot].direct = vec3(0.0);
+  }
+}

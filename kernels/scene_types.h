@@ -1,0 +1,157 @@
+// The scene on the device: geometry, materials, textures, lights.
+#ifndef WAVEPATH_SCENE_TYPES_H
+#define WAVEPATH_SCENE_TYPES_H
+
+#include "kernels/gpu.h"
+
+#ifdef __cplusplus
+namespace wavepath::gpu {
+#endif
+
+// ---- descriptor bindings --------------------------------------------------------------------------------------------------
+// One set serves all kernels of an integrator: slots 0 to 15 are the frame's and the scene's, 16 to 19 the film's, those from 20 on
+// the integrator's own.
+// Read-only data goes through uniform texel buffers: on lavapipe (Mesa 22.3) they traverse twice as fast as storage buffers.
+GPU_CONSTANT uint kBindNodes = 1u;             // texels RGBA32UI, kNodeTexels each: bvh::WideNode
+GPU_CONSTANT uint kBindTriangles = 2u;         // texels RGBA32F, kTriangleTexels each: Triangle, in BVH leaf order
+GPU_CONSTANT uint kBindTriangleVertices = 3u;  // texels RGBA32UI, one a triangle: three vertex indices, unused
+GPU_CONSTANT uint kBindVertexNormals = 4u;     // texels RGBA32F, one a vertex: normal, packed tangent (see pack_tangent)
+GPU_CONSTANT uint kBindVertexUvs = 5u;         // texels RGBA32F, one a vertex: TEXCOORD_0, TEXCOORD_1
+GPU_CONSTANT uint kBindVertexColors = 6u;      // texels RGBA32F, one a vertex: COLOR_0, linear
+GPU_CONSTANT uint kBindInstances = 7u;         // texels RGBA32F, kInstanceTexels each: Instance
+GPU_CONSTANT uint kBindMaterials = 8u;         // texels RGBA32UI, kMaterialTexels each: Material
+GPU_CONSTANT uint kBindTextures = 9u;          // texels RGBA32UI, kTextureTexels each: Texture
+GPU_CONSTANT uint kBindTexels = 10u;           // texels R32UI: one word a texel (RGBA8) or four (RGBA32F)
+GPU_CONSTANT uint kBindSrgbTable = 11u;        // texels R32F, 256: byte -> linear
+GPU_CONSTANT uint kBindLights = 12u;           // texels RGBA32UI, kLightTexels each: Light
+GPU_CONSTANT uint kBindEnvironment = 13u;      // texels RGBA32F: radiance, probability of the texel
+GPU_CONSTANT uint kBindEnvironmentAlias = 14u; // texels RG32UI: float bits of the threshold, alias
+
+// ---- geometry -------------------------------------------------------------------------------------------------------------
+GPU_CONSTANT uint kNodeTexels = 3u;     // 48 bytes, see bvh/wide.h
+GPU_CONSTANT uint kCellBias = 66u;      // of the exponents of a node's grid
+GPU_CONSTANT uint kTriangleTexels = 3u; // 48 bytes
+GPU_CONSTANT uint kInstanceTexels = 7u;
+
+// A leaf that waits to be tested: kLeafBit | item count << kLeafCountShift | first item. Items are triangles, or instances in
+// the top level of a two-level tree.
+GPU_CONSTANT uint kLeafBit = 0x80000000u;
+GPU_CONSTANT uint kLeafCountShift = 28u;
+GPU_CONSTANT uint kLeafFirstMask = 0x0fffffffu;
+
+// Bits of Triangle::surface; the rest is the index of its material.
+GPU_CONSTANT uint kTriangleSingleSided = 1u << 31; // invisible from behind
+GPU_CONSTANT uint kTriangleAlpha = 1u << 30;       // its material is MASK or BLEND
+GPU_CONSTANT uint kTriangleSmooth = 1u << 29;      // has vertex normals
+GPU_CONSTANT uint kTriangleMaterialMask = kTriangleSmooth - 1u;
+
+// Object space for instanced meshes, device world space for everything else. A tree with spatial splits holds copies of a
+// triangle; all that chooses between triangles goes by `id`, so that no picture depends on how the tree was built.
+struct Triangle {
+  vec3 v0;
+  uint surface;
+  vec3 v1;
+  uint id; // among the triangles of its object, in the order of the source
+  vec3 v2;
+  float light_pdf; // pdf per unit world area with which next-event estimation picks a point on it; 0 = not a light
+};
+GPU_CHECK(sizeof(Triangle) == 16 * kTriangleTexels);
+
+// A placed object. Rows of 3x4 matrices. `flipped`: the transform mirrors, so front and back change places.
+struct Instance {
+  vec4 object_from_world[3];
+  vec4 world_from_object[3];
+  uint root;    // node at which traversal of the object starts
+  uint flipped; // 0 or 1
+  uint id;      // in the order of the source
+  uint pad0;
+};
+GPU_CHECK(sizeof(Instance) == 16 * kInstanceTexels);
+
+// ---- materials and textures -----------------------------------------------------------------------------------------------
+GPU_CONSTANT uint kMaterialDoubleSided = 1u << 0;
+GPU_CONSTANT uint kMaterialMask = 1u << 1;
+GPU_CONSTANT uint kMaterialBlend = 1u << 2;
+GPU_CONSTANT uint kMaterialUnlit = 1u << 3;
+GPU_CONSTANT uint kMaterialVolume = 1u << 4; // a closed volume: refracts; otherwise transmission is thin-walled
+
+// Factors of glTF 2.0 and its extensions; texture fields index Texture[] or are kNone.
+struct Material {
+  vec4 base_color;
+  vec3 emission; // radiance: emissiveFactor * emissiveStrength
+  uint flags;
+  vec3 specular_color;
+  float specular;
+  vec3 attenuation; // 1/metre: -ln(attenuationColor) / attenuationDistance
+  float transmission;
+  float metallic;
+  float roughness;
+  float ior; // 0 stands for infinite, as KHR_materials_ior has it
+  float alpha_cutoff;
+  float normal_scale;
+  uint base_color_texture;
+  uint metallic_roughness_texture;
+  uint normal_texture;
+  uint emission_texture;
+  uint specular_texture;
+  uint specular_color_texture;
+  uint transmission_texture;
+};
+GPU_CONSTANT uint kMaterialTexels = 7u;
+GPU_CHECK(sizeof(Material) == 16 * kMaterialTexels);
+
+GPU_CONSTANT uint kWrapRepeat = 0u, kWrapClamp = 1u, kWrapMirror = 2u;
+GPU_CONSTANT uint kTextureWrapUShift = 0u; // two bits each
+GPU_CONSTANT uint kTextureWrapVShift = 2u;
+GPU_CONSTANT uint kTextureNearest = 1u << 4;
+GPU_CONSTANT uint kTextureSrgb = 1u << 5;   // RGB are sRGB bytes; alpha is linear
+GPU_CONSTANT uint kTextureFloat = 1u << 6;  // four float words a texel, already linear
+GPU_CONSTANT uint kTextureUv1 = 1u << 7;    // TEXCOORD_1
+GPU_CONSTANT uint kTextureMoved = 1u << 8;  // uv_matrix and uv_offset apply
+
+// An image as one material slot sees it. uv' = (dot(uv_matrix.xy, uv), dot(uv_matrix.zw, uv)) + uv_offset.
+struct Texture {
+  uint first_texel; // word index into the texel buffer
+  uint width;
+  uint height;
+  uint flags;
+  vec4 uv_matrix;
+  vec2 uv_offset;
+  uint pad0;
+  uint pad1;
+};
+GPU_CONSTANT uint kTextureTexels = 3u;
+GPU_CHECK(sizeof(Texture) == 16 * kTextureTexels);
+
+// ---- lights ---------------------------------------------------------------------------------------------------------------
+GPU_CONSTANT uint kLightTriangle = 0u;
+GPU_CONSTANT uint kLightPoint = 1u;
+GPU_CONSTANT uint kLightSpot = 2u;
+GPU_CONSTANT uint kLightDirectional = 3u;
+GPU_CONSTANT uint kLightEnvironment = 4u;
+
+// A light, and its column of the power-weighted alias table (Walker 1977, Vose 1991): pick i = floor(u.x*n), keep it if
+// u.y < threshold, else take `alias`.
+struct Light {
+  vec3 position; // punctual, device world space
+  uint kind;
+  vec3 direction; // directional: towards the light. Spot: the axis, away from the light
+  float probability; // of being picked
+  vec3 intensity; // candela (point, spot) or lux (directional)
+  float threshold;
+  uint alias;
+  uint triangle;    // kLightTriangle: one of its copies
+  uint instance;    // kLightTriangle; 0 where the scene is not instanced
+  uint triangle_id; // kLightTriangle
+  float spot_scale; // cosine falloff: clamp(cos*scale + offset, 0, 1)^2, as KHR_lights_punctual gives it
+  float spot_offset;
+  float pad1;
+  float pad2;
+};
+GPU_CONSTANT uint kLightTexels = 5u;
+GPU_CHECK(sizeof(Light) == 16 * kLightTexels);
+
+#ifdef __cplusplus
+} // namespace wavepath::gpu
+#endif
+#endif

@@ -1,0 +1,20 @@
+// Colours of a texture: in the queue, slot = texture and origin.xy = coordinates; left behind as the words of a hit.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+
+#define BIND_SURFACES
+#define BIND_RAYS
+#define BIND_QUEUES
+#include "kernels/path/bindings.glsl"
+#include "kernels/path/records.glsl"
+#include "kernels/texture.glsl"
+
+layout(local_size_x = kWorkgroupSize) in;
+
+void main() {
+  uint index = gl_GlobalInvocationID.x;
+  if (index >= queues.ray_count[0]) return;
+  Ray request = fetch_ray(index);
+  vec4 color = sample_texture(request.slot, vec4(request.origin.xy, 0.0, 0.0));
+  store_hit(index, Hit(floatBitsToUint(color.r), floatBitsToUint(color.g), color.b, color.a));
+}
