@@ -1,6 +1,7 @@
 #include "host/render/kernel_compiler.h"
 
 #include "host/integrators/path/path_tracer.h"
+#include "host/render/integrator.h"
 
 namespace wavepath {
 namespace {
@@ -16,15 +17,14 @@ KernelConfig kernel_config(std::uint32_t features, std::uint32_t stack_size, con
   const std::uint32_t stack = (stack_size + 2 + kStackStep - 1) / kStackStep * kStackStep;
   if (!settings.specialize) features = gpu::kFeaturesAll;
   // Generic kernels as well leave out outputs that nobody asked for, lists of runs and frames that are not there.
-  features &= ~(gpu::kFeatureAovs | gpu::kFeatureAdaptive | gpu::kFeatureHybrid) | features_of(settings);
+  features &= ~(gpu::kFeatureAovs | gpu::kFeatureAdaptive | gpu::kFeatureSharedFirstHit) | features_of(settings);
   features = (features | settings.added_features) & ~settings.removed_features;
   return {features, stack, settings.sampler, settings.direct, settings.hemisphere, settings.filter};
 }
 
 std::uint32_t features_of(const RenderSettings& settings) {
   std::uint32_t features = settings.adaptive ? gpu::kFeatureAdaptive : 0;
-  if (settings.integrator != Integrator::path) return features | gpu::kFeatureHybrid; // which has its AOVs from the G-buffer
-  return settings.aovs.empty() ? features : features | gpu::kFeatureAovs;
+  return features | settings.integrator->features(settings);
 }
 
 bool generic_first(const DeviceInfo& device) { return device.type != "cpu"; }

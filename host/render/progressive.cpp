@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "host/film/error.h"
+#include "host/render/integrator.h"
 
 namespace wavepath {
 namespace {
@@ -140,9 +141,9 @@ void Progressive::begin_anew(std::uint32_t coarse) {
   rendered_ = settings_;
   rendered_.width = (settings_.width + coarse - 1) / coarse;
   rendered_.height = (settings_.height + coarse - 1) / coarse;
-  rendered_.antialias_over_time = moving_ && settings_.integrator != Integrator::path;
+  rendered_.antialias_over_time = moving_ && !settings_.integrator->traces_paths;
   tracer_->change(*scene_, view_, rendered_);
-  if (rendered_.integrator == Integrator::path)
+  if (rendered_.integrator->traces_paths)
     hybrid_.reset();
   else if (hybrid_)
     hybrid_->change(*scene_, view_, rendered_, moving_ ? Hybrid::Past::keep : Hybrid::Past::forget);

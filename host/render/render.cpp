@@ -16,6 +16,7 @@
 #include "host/film/error.h"
 #include "host/film/film.h"
 #include "host/render/governor.h"
+#include "host/render/integrator.h"
 #include "host/integrators/hybrid/hybrid.h"
 #include "host/integrators/path/path_tracer.h"
 #include "host/render/render_state.h"
@@ -69,7 +70,7 @@ public:
         governor_(tracer_.slots()),
         origin_(scene.origin),
         segments_(even_segments(tracer_.bands())) {
-    if (settings_.integrator != Integrator::path) hybrid_.emplace(device, tracer_, scene, view, settings_);
+    if (!settings_.integrator->traces_paths) hybrid_.emplace(device, tracer_, scene, view, settings_);
     if (!settings_.adaptive) return;
     settings_.first_sample = whole_steps(settings_.first_sample);
     settings_.last_sample = whole_steps(settings_.last_sample);

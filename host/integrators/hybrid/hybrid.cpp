@@ -9,6 +9,7 @@
 
 #include "host/integrators/hybrid/denoise.h"
 #include "host/render/governor.h"
+#include "host/integrators/hybrid/kind.h"
 #include "host/integrators/hybrid/taa.h"
 #include "kernels/hybrid/composite.spv.h"
 #include "kernels/hybrid/gather.spv.h"
@@ -35,7 +36,7 @@ std::uint32_t groups_for(std::uint64_t count) {
 
 // Light beyond the direct one is wanted where paths would be longer than it.
 std::uint32_t frame_flags(const RenderSettings& settings) {
-  if (settings.integrator == Integrator::ao) return gpu::kHybridAmbient;
+  if (!settings.integrator->finds_light) return gpu::kHybridAmbient;
   return gpu::kHybridLights | (settings.max_depth > 1 ? gpu::kHybridAmbient : 0);
 }
 
@@ -44,16 +45,6 @@ float ray_length(double radius) {
 }
 
 } // namespace
-
-std::uint64_t bytes_per_frame_pixel(const RenderSettings& settings) {
-  constexpr std::uint64_t kIds = 2 * sizeof(std::uint32_t), kDepth = sizeof(float); // drawn, and copied once
-  return sizeof(gpu::GbufferPixel) + 2 * sizeof(gpu::vec4) + 2 * kIds + kDepth +
-         (settings.denoise ? Denoiser::kBytesPerPixel : 0);
-}
-
-double occlusion_radius(const PackedScene& scene, const RenderSettings& settings) {
-  return settings.ao_radius.value_or(settings.integrator == Integrator::ao ? 0.0 : 0.1 * scene.radius);
-}
 
 Hybrid::Hybrid(Device& device, PathTracer& tracer, const PackedScene& scene, const View& view,
                const RenderSettings& settings)
@@ -69,7 +60,7 @@ void Hybrid::change(const PackedScene& scene, const View& view, const RenderSett
   camera_ = camera_of(scene, view);
   frame_ = {};
   frame_.flags = frame_flags(settings);
-  frame_.shadow_samples = settings.integrator == Integrator::hybrid ? settings.shadow_samples : 1;
+  frame_.shadow_samples = settings.integrator->finds_light ? settings.shadow_samples : 1;
   frame_.ao_samples = settings.ao_samples;
   frame_.ao_radius = ray_length(occlusion_radius(scene, settings));
   frame_.ambient = settings.ambient.value_or(ambient);
@@ -284,7 +275,7 @@ double Hybrid::composite(std::uint32_t flags) {
 // once more, L = direct + albedo * enclosure * L. What arrives where the picture looks is that L from the enclosed
 // directions.
 void Hybrid::estimate_ambient() {
-  if (settings_.integrator != Integrator::hybrid || settings_.ambient || !(frame_.flags & gpu::kHybridAmbient)) return;
+  if (!settings_.integrator->finds_light || settings_.ambient || !(frame_.flags & gpu::kHybridAmbient)) return;
   const gpu::HybridFrame asked = frame_;
   frame_.ao_radius = gpu::kFar; // to tell how enclosed the place is
   tracer_.set_seed(settings_.seed ^ kPilotSeed);

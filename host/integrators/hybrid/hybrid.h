@@ -25,12 +25,6 @@ class Taa;      // host/render/taa.h
 
 inline constexpr std::uint32_t kMostFrameRays = 256; // of a kind, a pixel and frame; more come by more frames
 
-// Device memory that frames take besides what paths and film do.
-std::uint64_t bytes_per_frame_pixel(const RenderSettings& settings);
-
-// Metres from which on nothing occludes; 0 = unlimited. What settings.ao_radius says, or what is usual.
-double occlusion_radius(const PackedScene& scene, const RenderSettings& settings);
-
 class Hybrid {
 public:
   // Renders into the film of `tracer`, which was made with the same settings and outlives it. Begins compiling its

@@ -38,7 +38,7 @@ constexpr std::uint64_t kStandInBytes = 1024; // of the buffer that stands for a
 
 // A hybrid frame begins and ends with kernels of its own.
 bool is_left_out(Stage stage, const KernelConfig& config) {
-  return config.features & gpu::kFeatureHybrid && (stage == kGenerate || stage == kAccumulate);
+  return config.features & gpu::kFeatureSharedFirstHit && (stage == kGenerate || stage == kAccumulate);
 }
 
 void run_without_work(Device& device, const Kernel& kernel, const BindingSet& bindings) {

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "host/render/adaptive.h"
+#include "host/render/integrator.h"
 #include "kernels/features.h"
 #include "kernels/film/film_types.h"
 #include "kernels/frame_types.h"
@@ -35,7 +36,7 @@ gpu::Frame make_frame(const PackedScene& scene, const View& view, const RenderSe
   frame.orthographic = view.orthographic ? 1u : 0u;
   frame.width = settings.width;
   frame.height = settings.height;
-  const bool path = settings.integrator == Integrator::path;
+  const bool path = settings.integrator->traces_paths;
   frame.max_depth = path ? settings.max_depth : std::min(settings.max_depth, 1u); // the rest is the ambient term's
   frame.seed = settings.seed;
   frame.environment_radiance = scene.environment_radiance;
@@ -47,7 +48,7 @@ gpu::Frame make_frame(const PackedScene& scene, const View& view, const RenderSe
   frame.root = scene.root;
   frame.root_is_top = scene.root_is_top ? 1u : 0u;
   const std::uint64_t total = settings.sample_total > 0 ? settings.sample_total : settings.last_sample;
-  const bool hybrid = settings.integrator == Integrator::hybrid;
+  const bool hybrid = !path && settings.integrator->finds_light;
   frame.sample_total =
       static_cast<std::uint32_t>(std::min<std::uint64_t>(total * (hybrid ? settings.shadow_samples : 1), gpu::kNone));
   frame.slot_count = slots;
@@ -105,7 +106,7 @@ std::uint32_t choose_slots(const DeviceInfo& info, const PackedScene& scene, con
   std::uint64_t slots = info.type == "cpu" ? 1u << 17 : 1u << 21;
   if (settings.wave_slots) slots = settings.wave_slots;
   // A hybrid pixel takes a slot for each of its light samples at once.
-  const std::uint64_t least = settings.integrator == Integrator::path ? 1 : settings.shadow_samples;
+  const std::uint64_t least = settings.integrator->traces_paths ? 1 : settings.shadow_samples;
   slots = std::max(std::min(slots, pixels * samples), least);
   if (settings.adaptive) slots = std::max<std::uint64_t>(slots, kLargestRun);
   slots = std::min(slots, info.max_storage_range / std::max(2 * sizeof(gpu::Ray), sizeof(gpu::PathAovs)));
@@ -138,7 +139,7 @@ PathTracer::PathTracer(Device& device, const PackedScene& scene, const View& vie
       frame_(make_frame(scene, view, settings, slots)),
       kernels_(kernels),
       config_(kernel_config(needed_features(scene, view, settings), scene.stack_size, settings)),
-      traces_paths_(settings.integrator != Integrator::ao) {
+      traces_paths_(settings.integrator->finds_light) {
   begin_kernels(settings);
   const auto start = std::chrono::steady_clock::now();
   scene_ = upload_scene(device, scene);
@@ -155,7 +156,7 @@ std::uint64_t PathBuffers::bytes() const {
 void PathTracer::change(const PackedScene& scene, const View& view, const RenderSettings& settings) {
   frame_ = make_frame(scene, view, settings, frame_.slot_count);
   config_ = kernel_config(needed_features(scene, view, settings), scene.stack_size, settings);
-  traces_paths_ = settings.integrator != Integrator::ao;
+  traces_paths_ = settings.integrator->finds_light;
   begin_kernels(settings);
   allocate(scene, settings);
   reset();
@@ -166,7 +167,7 @@ void PathTracer::begin_kernels(const RenderSettings& settings) {
   features_ = config_.features | kernels_.features();
   has_aovs_ = !settings.aovs.empty();
   stages_.clear();
-  for (std::size_t stage = 0; stage < kStageCount && settings.integrator == Integrator::path; ++stage)
+  for (std::size_t stage = 0; stage < kStageCount && settings.integrator->traces_paths; ++stage)
     stages_.push_back({stage_name(static_cast<Stage>(stage)), 0.0, 0});
 }
 
@@ -198,7 +199,7 @@ bool PathTracer::make_room(Buffer& buffer, std::uint64_t bytes) {
 bool PathTracer::make_room_for_paths(const RenderSettings& settings) {
   const std::uint64_t slots = frame_.slot_count;
   const std::uint64_t pixels = std::uint64_t{settings.width} * settings.height;
-  const bool hybrid = settings.integrator != Integrator::path, seen = settings.integrator == Integrator::hybrid || (hybrid && settings.antialias_over_time);
+  const bool hybrid = !settings.integrator->traces_paths, seen = hybrid && (settings.integrator->finds_light || settings.antialias_over_time);
   const bool shadows = frame_.light_count || settings.room_for_shadow_rays;
   const std::uint64_t runs = features_ & gpu::kFeatureAdaptive ? (pixels + gpu::kRunPixels - 1) / gpu::kRunPixels : 0;
   bool moved = false;
@@ -245,7 +246,7 @@ bool PathTracer::make_room_for_film(const RenderSettings& settings) {
 
 // `moved_paths`: buffers that it was bound to are gone.
 bool PathTracer::make_room_for_frames(const PackedScene& scene, const RenderSettings& settings, bool moved_paths) {
-  const bool wanted = settings.integrator != Integrator::path;
+  const bool wanted = !settings.integrator->traces_paths;
   const glm::uvec3 made_for = wanted ? glm::uvec3(settings.width, settings.height, config_.features) : glm::uvec3(0);
   if (made_for == visibility_made_for_ && !moved_paths) return false;
   visibility_made_for_ = made_for;
