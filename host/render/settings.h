@@ -15,6 +15,9 @@ namespace wavepath {
 struct IntegratorKind; // host/render/integrator.h
 const IntegratorKind& default_integrator();
 
+// Light samples, or occlusion rays, of a pixel and frame at most; more come by more frames.
+inline constexpr std::uint32_t kMostFrameRays = 256;
+
 struct RenderSettings {
   const IntegratorKind* integrator = &default_integrator(); // how light is found; never null
   std::uint32_t width = 1280, height = 720;

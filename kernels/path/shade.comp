@@ -11,8 +11,8 @@
 #define BIND_RAYS
 #define BIND_SHADOW_RAYS
 #define BIND_QUEUES
+#define BIND_COUNTERS
 #define BIND_SEEN
-#include "kernels/hybrid/bindings.glsl"
 #include "kernels/path/bindings.glsl"
 #include "kernels/bsdf.glsl"
 #include "kernels/dimensions.glsl"

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/integrators/hybrid/denoise.h"
-#include "host/render/kernel_compiler.h"
+#include "host/integrators/hybrid/hybrid.h"
 #include "host/render/render.h"
 #include "host/scene/pack/pack.h"
 #include "kernels/hybrid/hybrid_types.h"
@@ -27,10 +27,13 @@ constexpr const char* kFiltered = "direct light and occlusion are filtered over 
 // AOVs come from the G-buffer, not from the path tracer's kernels.
 std::uint32_t features(const RenderSettings&) { return gpu::kFeatureSharedFirstHit; }
 
-void start_kernels(KernelCompiler& kernels, const DeviceInfo& device, std::uint32_t features,
-                   const RenderSettings& settings) {
-  kernels.start(kernel_config(features, kExpectedStack, settings));
-  if (generic_first(device)) kernels.start(kernel_config(gpu::kFeaturesAll, kExpectedStack, settings));
+void start_path_kernels(KernelCompiler& kernels, const DeviceInfo& device, std::uint32_t features,
+                        const RenderSettings& settings) {
+  const auto start = [&](std::uint32_t bits) {
+    kernels.start({&kPathProgram, kLightingStages, kernel_config(bits, kExpectedStack, settings)});
+  };
+  start(features);
+  if (generic_first(device)) start(gpu::kFeaturesAll);
 }
 
 std::uint64_t bytes_per_pixel(const RenderSettings& settings) {
@@ -82,6 +85,10 @@ Json stats(const RenderSettings& settings, const PackedScene& scene, const Rende
           {"denoise", settings.denoise}};
 }
 
+std::unique_ptr<Integrator> make(Workspace& workspace, KernelCompiler& kernels) {
+  return std::make_unique<Hybrid>(workspace, kernels);
+}
+
 } // namespace
 
 double occlusion_radius(const PackedScene& scene, const RenderSettings& settings) {
@@ -96,12 +103,16 @@ constinit const IntegratorKind kHybrid = {
     .traces_paths = false,
     .first_hit_stages = kFirstHitStages,
     .features = features,
-    .start_kernels = start_kernels,
+    .start_kernels = start_path_kernels,
+    .bytes_per_slot = bytes_per_path,
+    .largest_record = 2 * sizeof(gpu::Ray),
+    .slots_per_pixel = [](const RenderSettings& settings) { return settings.shadow_samples; },
     .bytes_per_pixel = bytes_per_pixel,
     .is_biased = [](const RenderSettings& settings) { return settings.denoise || settings.max_depth > 1; },
     .bias = hybrid_bias,
     .omitted = hybrid_omitted,
     .stats = stats,
+    .make = make,
 };
 
 constinit const IntegratorKind kAo = {
@@ -114,11 +125,15 @@ constinit const IntegratorKind kAo = {
     .first_hit_stages = kFirstHitStages,
     .features = features,
     .start_kernels = [](KernelCompiler&, const DeviceInfo&, std::uint32_t, const RenderSettings&) {}, // it has no paths
+    .bytes_per_slot = bytes_per_path,
+    .largest_record = 2 * sizeof(gpu::Ray),
+    .slots_per_pixel = [](const RenderSettings&) { return 1u; },
     .bytes_per_pixel = bytes_per_pixel,
     .is_biased = [](const RenderSettings& settings) { return settings.denoise; },
     .bias = ao_bias,
     .omitted = ao_omitted,
     .stats = stats,
+    .make = make,
 };
 
 } // namespace wavepath
