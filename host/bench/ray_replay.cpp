@@ -12,10 +12,6 @@
 namespace wavepath {
 namespace {
 
-std::uint32_t groups_for(std::size_t count) {
-  return static_cast<std::uint32_t>((count + gpu::kWorkgroupSize - 1) / gpu::kWorkgroupSize);
-}
-
 gpu::ShadowRay as_shadow_ray(const gpu::Ray& ray) {
   return {ray.origin, ray.slot, ray.direction, gpu::kFar, glm::vec3(1.0f), 0};
 }

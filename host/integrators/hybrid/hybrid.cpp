@@ -29,10 +29,6 @@ constexpr std::uint32_t kPilotPixels = 1u << 14, kPilotBlock = 1u << 10; // enou
 constexpr std::uint32_t kCompositePixels = 1u << 16; // of a dispatch: some tens of milliseconds on two cores
 constexpr std::uint64_t kStandInBytes = 1024; // of the buffer that stands for all while nothing is read
 
-std::uint32_t groups_for(std::uint64_t count) {
-  return static_cast<std::uint32_t>((count + gpu::kWorkgroupSize - 1) / gpu::kWorkgroupSize);
-}
-
 // Light beyond the direct one is wanted where paths would be longer than it.
 std::uint32_t frame_flags(const RenderSettings& settings) {
   if (settings.integrator == Integrator::ao) return gpu::kHybridAmbient;

@@ -21,10 +21,6 @@ namespace {
 
 constexpr std::uint64_t kFilmPixelBytes = gpu::kReplicates * sizeof(gpu::FilmPixel);
 
-std::uint32_t groups_for(std::uint64_t count) {
-  return static_cast<std::uint32_t>((count + gpu::kWorkgroupSize - 1) / gpu::kWorkgroupSize);
-}
-
 // The device's world has `origin` at zero: subtract in double, then round once.
 gpu::Frame make_frame(const PackedScene& scene, const View& view, const RenderSettings& settings, std::uint32_t slots) {
   gpu::Frame frame{};
