@@ -1,9 +1,6 @@
 // Opens glTF documents and brings in their bytes on demand.
 #include "host/scene/gltf/document.h"
 
-#include <algorithm>
-#include <array>
-#include <string_view>
 
 #include <nlohmann/json.hpp>
 
@@ -11,6 +8,7 @@
 #include "host/base/memory.h"
 #include "host/base/read_file.h"
 #include "host/scene/gltf/decompress.h"
+#include "host/scene/gltf/extensions.h"
 #include "host/scene/gltf/schema.h"
 #include "host/scene/gltf/uri.h"
 
@@ -18,27 +16,6 @@ namespace wavepath::gltf {
 namespace {
 
 using nlohmann::json;
-
-// Extensions that a file may require. KHR_texture_basisu is judged where a texture uses it: it may have a fallback.
-constexpr std::array<std::string_view, 19> kSupported = {"EXT_mesh_gpu_instancing",
-                                                         "EXT_meshopt_compression",
-                                                         "EXT_texture_webp",
-                                                         "KHR_draco_mesh_compression",
-                                                         "KHR_lights_punctual",
-                                                         "KHR_materials_emissive_strength",
-                                                         "KHR_materials_ior",
-                                                         "KHR_materials_specular",
-                                                         "KHR_materials_transmission",
-                                                         "KHR_materials_unlit",
-                                                         "KHR_materials_variants",
-                                                         "KHR_materials_volume",
-                                                         "KHR_mesh_quantization",
-                                                         "KHR_texture_basisu",
-                                                         "KHR_texture_transform",
-                                                         "KHR_xmp",
-                                                         "KHR_xmp_json_ld",
-                                                         "MSFT_packing_occlusionRoughnessMetallic",
-                                                         "MSFT_packing_normalRoughnessMetallic"};
 
 json parse_json(const std::string& file, const std::string& text) {
   try {
@@ -54,18 +31,6 @@ void check_version(const std::string& file, const json& document) {
   const std::string version = document["asset"]["version"];
   if (!version.starts_with("2.")) {
     throw Error(file, "is glTF version " + shown(version), "convert it to glTF 2.0");
-  }
-}
-
-void check_extensions(const std::string& file, const json& document) {
-  std::string missing;
-  for (const std::string name : document.value("extensionsRequired", json::array())) {
-    if (std::find(kSupported.begin(), kSupported.end(), name) == kSupported.end()) {
-      missing += (missing.empty() ? "" : ", ") + shown(name);
-    }
-  }
-  if (!missing.empty()) {
-    throw Error(file, "requires " + missing + ", which wavepath does not support", "export it without that extension");
   }
 }
 
@@ -87,8 +52,8 @@ void take_sources(Document& document, json& root) {
     document.images.push_back({image.value("name", ""), image.value("uri", ""), 0, image.value("bufferView", -1)});
     check_uri(document, "image " + std::to_string(document.images.size() - 1), document.images.back());
   }
-  root.erase("buffers");
-  root.erase("images");
+  document.materials = std::make_shared<const json>(root.value("materials", json::array()));
+  for (const char* list : {"buffers", "images", "materials"}) root.erase(list);
   if (!root.contains("meshes")) return;
   for (json& mesh : root["meshes"]) {
     for (json& primitive : mesh["primitives"]) {
@@ -178,7 +143,7 @@ Document open_document(const std::filesystem::path& path) {
   container.json = {};
   check_schema(document.file, root);
   check_version(document.file, root);
-  check_extensions(document.file, root);
+  check_required_extensions(document.file, root.value("extensionsRequired", std::vector<std::string>()));
   take_sources(document, root);
   parse_model(document, root);
   check_views(document);
