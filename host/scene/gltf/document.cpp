@@ -1,6 +1,8 @@
 // Opens glTF documents and brings in their bytes on demand.
 #include "host/scene/gltf/document.h"
 
+#include <charconv>
+#include <compare>
 
 #include <nlohmann/json.hpp>
 
@@ -27,11 +29,36 @@ json parse_json(const std::string& file, const std::string& text) {
   throw Error(file, "its JSON is not an object", kRepair);
 }
 
-void check_version(const std::string& file, const json& document) {
-  const std::string version = document["asset"]["version"];
-  if (!version.starts_with("2.")) {
-    throw Error(file, "is glTF version " + shown(version), "convert it to glTF 2.0");
+struct Version {
+  std::uint64_t major = 0, minor = 0;
+  auto operator<=>(const Version&) const = default;
+};
+constexpr Version kReadVersion{2, 0};
+
+// "MAJOR.MINOR" (glTF 2.0 specification, section 5.9).
+Version parse_version(const std::string& file, const json& asset, const char* name) {
+  const std::string text = asset[name];
+  const char* const end = text.data() + text.size();
+  Version version;
+  const auto major = std::from_chars(text.data(), end, version.major);
+  if (major.ec == std::errc() && major.ptr != end && *major.ptr == '.') {
+    const auto minor = std::from_chars(major.ptr + 1, end, version.minor);
+    if (minor.ec == std::errc() && minor.ptr == end) return version;
   }
+  throw Error(file, std::string("asset.") + name + " is '" + shown(text) + "' instead of MAJOR.MINOR", kRepair);
+}
+
+// A reader of 2.0 can read every 2.x, and later versions too, unless asset.minVersion asks for more (section 3.2).
+void check_version(const std::string& file, const json& asset) {
+  const Version version = parse_version(file, asset, "version");
+  const bool has_least = asset.contains("minVersion");
+  const Version least = has_least ? parse_version(file, asset, "minVersion") : Version{version.major, 0};
+  if (least > version) throw Error(file, "asset.minVersion is above asset.version", kRepair);
+  if (least > kReadVersion && has_least)
+    throw Error(file, "needs a reader of glTF " + shown(asset["minVersion"]) + " (asset.minVersion)",
+                "export it as glTF 2.0");
+  if (least.major != kReadVersion.major && version.major != kReadVersion.major)
+    throw Error(file, "is glTF version " + shown(asset["version"]), "convert it to glTF 2.0");
 }
 
 void check_uri(const Document& document, const std::string& what, const Source& source) {
@@ -142,7 +169,7 @@ Document open_document(const std::filesystem::path& path) {
   json root = parse_json(document.file, container.json);
   container.json = {};
   check_schema(document.file, root);
-  check_version(document.file, root);
+  check_version(document.file, root["asset"]);
   check_required_extensions(document.file, root.value("extensionsRequired", std::vector<std::string>()));
   take_sources(document, root);
   parse_model(document, root);

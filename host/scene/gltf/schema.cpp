@@ -37,6 +37,7 @@ std::vector<Rule> core_rules() {
   return {
       {"asset", Kind::object, kRequired},
       {"asset.version", Kind::string, kRequired},
+      {"asset.minVersion", Kind::string},
       {"scene", Kind::index, false, "scenes"},
       {"extensionsUsed[]", Kind::string},
       {"extensionsRequired[]", Kind::string},
