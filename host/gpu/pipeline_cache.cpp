@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "host/base/cache_file.h"
+#include "host/base/hash.h"
 #include "kernels/fingerprint.spv.h"
 
 namespace wavepath {
