@@ -198,11 +198,8 @@ TEST(Baseline, TellsTheChange) {
   EXPECT_THROW(compare_with_baseline(before, Json::array(), "f"), Error);
 }
 
-class BenchCommand : public ::testing::Test {
+class BenchCommand : public ProgramTest {
 protected:
-  void SetUp() override {
-    if (list_devices().empty()) GTEST_SKIP() << "no Vulkan device";
-  }
   Outcome bench(std::vector<std::string> extra) {
     std::vector<std::string> arguments{WAVEPATH_BINARY, "bench", "--size",      "32x24",
                                        "--repetitions", "1",     "--max-depth", "2"};
