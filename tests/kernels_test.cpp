@@ -363,22 +363,23 @@ TEST_F(Kernels, AdvanceCountsRaysBeyond32Bits) {
   Scene scene = soup(1, 1, true);
   const PackedScene packed = pack(scene);
   Bench bench(device(), packed, packed.features, frame_of(packed));
-  bench.set_queues({.ray_count = {1000, 77}, .shadow_count = 65, .camera_rays = {0xfffffff0u, 3}});
+  bench.set_queues({.ray_count = {1000, 77}, .shadow_count = 65});
+  bench.set_counters({.camera_rays = {0xfffffff0u, 3}});
   bench.run(wavepath_advance_spv, 1, {0, 0, 0, 0, 0, 0}); // before extend of bounce 0
   gpu::Queues queues = bench.get_queues();
   EXPECT_EQ(queues.extend_groups[0], 16u);
   EXPECT_EQ(queues.ray_count[0], 1000u);
   EXPECT_EQ(queues.ray_count[1], 0u);
   EXPECT_EQ(queues.shadow_count, 0u);
-  EXPECT_EQ(queues.camera_rays[0], 1000u - 16u);
-  EXPECT_EQ(queues.camera_rays[1], 4u);
+  EXPECT_EQ(bench.get_counters().camera_rays[0], 1000u - 16u);
+  EXPECT_EQ(bench.get_counters().camera_rays[1], 4u);
   queues.shadow_count = 65;
   bench.set_queues(queues);
   bench.run(wavepath_advance_spv, 1, {0, 0, 0, 0, 1, 0}); // before connect of bounce 0
   queues = bench.get_queues();
   EXPECT_EQ(queues.connect_groups[0], 2u);
-  EXPECT_EQ(queues.shadow_rays[0], 65u);
-  EXPECT_EQ(queues.camera_rays[1], 4u);
+  EXPECT_EQ(bench.get_counters().shadow_rays[0], 65u);
+  EXPECT_EQ(bench.get_counters().camera_rays[1], 4u);
 }
 
 TEST_F(Kernels, AccumulateAddsExactly) {

@@ -129,9 +129,10 @@ TEST(Layout, PathsAndQueues) {
           {AT(ShadowRay, origin), AT(ShadowRay, slot), AT(ShadowRay, direction), AT(ShadowRay, t_max),
            AT(ShadowRay, contribution), AT(ShadowRay, light)});
   compare("Queues", sizeof(Queues),
-          {AT(Queues, ray_count), AT(Queues, shadow_count), AT(Queues, extend_groups), AT(Queues, connect_groups),
-           AT(Queues, camera_rays), AT(Queues, bounce_rays), AT(Queues, shadow_rays), AT(Queues, occlusion_rays), AT(Queues, nonfinite_count),
-           AT(Queues, nonfinite_first)});
+          {AT(Queues, ray_count), AT(Queues, shadow_count), AT(Queues, extend_groups), AT(Queues, connect_groups)});
+  compare("Counters", sizeof(Counters),
+          {AT(Counters, camera_rays), AT(Counters, bounce_rays), AT(Counters, shadow_rays), AT(Counters, occlusion_rays),
+           AT(Counters, nonfinite_count), AT(Counters, nonfinite_first)});
 }
 
 TEST(Layout, Film) {
