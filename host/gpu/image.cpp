@@ -74,7 +74,7 @@ void require_support(const Device& device, const ImageInfo& info) {
 }
 
 // Accesses of a use. Writes stand in both scopes of a barrier: draws and copies follow one another into the same image.
-MemoryUse memory_use(const Device& device, ImageFormat format, ImageUse use) {
+MemoryAccess memory_access(const Device& device, ImageFormat format, ImageUse use) {
   switch (use) {
     case ImageUse::nothing:
       return {};
@@ -97,10 +97,10 @@ MemoryUse memory_use(const Device& device, ImageFormat format, ImageUse use) {
   }
 }
 
-constexpr MemoryUse kWrittenByKernelOrCopy{VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_2_TRANSFER_BIT,
-                                           VK_ACCESS_2_SHADER_WRITE_BIT | VK_ACCESS_2_TRANSFER_WRITE_BIT};
-constexpr MemoryUse kCopied{VK_PIPELINE_STAGE_2_TRANSFER_BIT,
-                            VK_ACCESS_2_TRANSFER_READ_BIT | VK_ACCESS_2_TRANSFER_WRITE_BIT};
+constexpr MemoryAccess kWrittenByKernelOrCopy{VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_2_TRANSFER_BIT,
+                                              VK_ACCESS_2_SHADER_WRITE_BIT | VK_ACCESS_2_TRANSFER_WRITE_BIT};
+constexpr MemoryAccess kCopied{VK_PIPELINE_STAGE_2_TRANSFER_BIT,
+                               VK_ACCESS_2_TRANSFER_READ_BIT | VK_ACCESS_2_TRANSFER_WRITE_BIT};
 
 } // namespace
 
@@ -115,8 +115,8 @@ std::uint32_t texel_bytes(ImageFormat format, Aspect aspect) {
   return aspect == Aspect::stencil ? 1 : entry(format).bytes;
 }
 
-void record_barriers(VkCommandBuffer commands, std::span<const VkImageMemoryBarrier2> images, const MemoryUse& from,
-                     const MemoryUse& to) {
+void record_barriers(VkCommandBuffer commands, std::span<const VkImageMemoryBarrier2> images, const MemoryAccess& from,
+                     const MemoryAccess& to) {
   VkMemoryBarrier2 memory{VK_STRUCTURE_TYPE_MEMORY_BARRIER_2};
   memory.srcStageMask = from.stages;
   memory.srcAccessMask = from.access;
@@ -162,7 +162,7 @@ VkSampler create_sampler(const Device& device, ImageFormat format, const Samplin
   return sampler;
 }
 
-Image::Image(Device& device, const ImageInfo& info) : device_(device), info_(info) {
+DeviceImage::DeviceImage(Device& device, const ImageInfo& info) : device_(device), info_(info) {
   require_support(device, info);
   try {
     create();
@@ -173,9 +173,9 @@ Image::Image(Device& device, const ImageInfo& info) : device_(device), info_(inf
   }
 }
 
-Image::~Image() { release(); }
+DeviceImage::~DeviceImage() { release(); }
 
-void Image::release() {
+void DeviceImage::release() {
   for (VkImageView view : layer_views_) vkDestroyImageView(device_.handle(), view, nullptr);
   for (VkImageView view : sampled_views_) vkDestroyImageView(device_.handle(), view, nullptr);
   vkDestroyImage(device_.handle(), image_, nullptr);
@@ -183,7 +183,7 @@ void Image::release() {
   device_.count_memory(-static_cast<std::int64_t>(bytes_));
 }
 
-void Image::create() {
+void DeviceImage::create() {
   VkImageCreateInfo info{VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO};
   info.imageType = VK_IMAGE_TYPE_2D;
   info.format = vulkan_format(info_.format);
@@ -210,7 +210,7 @@ void Image::create() {
   check(vkBindImageMemory(device_.handle(), image_, memory_, 0), "binding memory");
 }
 
-void Image::create_views() {
+void DeviceImage::create_views() {
   const auto view = [&](VkImageAspectFlags aspects, VkImageViewType type, std::uint32_t layer, std::uint32_t layers) {
     VkImageViewCreateInfo info{VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO};
     info.image = image_;
@@ -231,16 +231,15 @@ void Image::create_views() {
           view(aspect_flags(info_.format, aspect), type, 0, info_.layers);
 }
 
-VkImageLayout Image::layout(ImageUse use) const {
-  const bool depth = has_depth(info_.format);
+VkImageLayout DeviceImage::layout(ImageUse use) const {
   switch (use) {
     case ImageUse::nothing:
       return VK_IMAGE_LAYOUT_UNDEFINED;
     // Layouts of depth alone or stencil alone are an optional feature.
     case ImageUse::attachment:
-      return depth ? VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL : VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL;
-    case ImageUse::sampled:
-      return depth ? VK_IMAGE_LAYOUT_DEPTH_STENCIL_READ_ONLY_OPTIMAL : VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL;
+      return has_depth(info_.format) ? VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL
+                                     : VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL;
+    case ImageUse::sampled: return VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL; // depth that nothing draws into, too
     case ImageUse::copied_from:
       return VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL;
     default:
@@ -248,9 +247,9 @@ VkImageLayout Image::layout(ImageUse use) const {
   }
 }
 
-VkImageMemoryBarrier2 Image::barrier(ImageUse use) {
+VkImageMemoryBarrier2 DeviceImage::barrier(ImageUse use) {
   assert(use != ImageUse::nothing);
-  const MemoryUse from = memory_use(device_, info_.format, use_), to = memory_use(device_, info_.format, use);
+  const MemoryAccess from = memory_access(device_, info_.format, use_), to = memory_access(device_, info_.format, use);
   VkImageMemoryBarrier2 barrier{VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2};
   barrier.srcStageMask = from.stages;
   barrier.srcAccessMask = from.access;
@@ -265,18 +264,18 @@ VkImageMemoryBarrier2 Image::barrier(ImageUse use) {
   return barrier;
 }
 
-void Image::transition(Commands& commands, ImageUse use) {
+void DeviceImage::transition(Commands& commands, ImageUse use) {
   record_barriers(commands.handle(), std::array{barrier(use)}, {}, {});
 }
 
-VkBufferImageCopy Image::whole(Aspect aspect) const {
+VkBufferImageCopy DeviceImage::whole(Aspect aspect) const {
   VkBufferImageCopy region{};
   region.imageSubresource = {aspect_flags(info_.format, aspect), 0, 0, info_.layers};
   region.imageExtent = {info_.width, info_.height, 1};
   return region;
 }
 
-void Image::copy_to(Commands& commands, const Buffer& to, Aspect aspect) {
+void DeviceImage::copy_to(Commands& commands, const Buffer& to, Aspect aspect) {
   assert(to.bytes() >= std::uint64_t{info_.width} * info_.height * info_.layers * texel_bytes(info_.format, aspect));
   record_barriers(commands.handle(), std::array{barrier(ImageUse::copied_from)}, kWrittenByKernelOrCopy, kCopied);
   const VkBufferImageCopy region = whole(aspect);
@@ -284,7 +283,7 @@ void Image::copy_to(Commands& commands, const Buffer& to, Aspect aspect) {
   commands.barrier();
 }
 
-void Image::copy_from(Commands& commands, const Buffer& from, Aspect aspect) {
+void DeviceImage::copy_from(Commands& commands, const Buffer& from, Aspect aspect) {
   assert(from.bytes() >= std::uint64_t{info_.width} * info_.height * info_.layers * texel_bytes(info_.format, aspect));
   record_barriers(commands.handle(), std::array{barrier(ImageUse::copied_to)}, kWrittenByKernelOrCopy, kCopied);
   const VkBufferImageCopy region = whole(aspect);

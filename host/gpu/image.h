@@ -71,12 +71,12 @@ struct ImageInfo {
 
 // A two-dimensional image without mip levels, or an array of them. It remembers what it was used for last, in the order
 // in which commands were recorded; commands have to be submitted in that order.
-class Image {
+class DeviceImage {
 public:
   // Throws Error, naming the format, if the device lacks the format, the size or the memory.
-  Image(Device& device, const ImageInfo& info);
-  ~Image();
-  Image(Image&&) = delete;
+  DeviceImage(Device& device, const ImageInfo& info);
+  ~DeviceImage();
+  DeviceImage(DeviceImage&&) = delete;
 
   const ImageInfo& info() const { return info_; }
   VkImage handle() const { return image_; }
@@ -115,11 +115,11 @@ private:
 };
 
 // Records barriers: of `images`, and, unless `from` is empty, of all memory from the accesses `from` to those of `to`.
-struct MemoryUse {
+struct MemoryAccess {
   VkPipelineStageFlags2 stages = VK_PIPELINE_STAGE_2_NONE;
   VkAccessFlags2 access = VK_ACCESS_2_NONE;
 };
-void record_barriers(VkCommandBuffer commands, std::span<const VkImageMemoryBarrier2> images, const MemoryUse& from,
-                     const MemoryUse& to);
+void record_barriers(VkCommandBuffer commands, std::span<const VkImageMemoryBarrier2> images, const MemoryAccess& from,
+                     const MemoryAccess& to);
 
 } // namespace wavepath

@@ -31,9 +31,9 @@ enum class BindingKind {
 struct Binding {
   std::uint32_t slot = 0;
   BindingKind kind = BindingKind::storage;
-  const Buffer* buffer = nullptr; // of all kinds but sampled_image
-  const Image* image = nullptr;   // of sampled_image
-  Aspect aspect = Aspect::main;   // of the image
+  const Buffer* buffer = nullptr;     // of all kinds but sampled_image
+  const DeviceImage* image = nullptr; // of sampled_image
+  Aspect aspect = Aspect::main;       // of the image
   Sampling sampling{};
 };
 

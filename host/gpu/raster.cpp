@@ -109,13 +109,13 @@ void require_raster(const Device& device, VkExtent2D size, std::size_t colour_co
                 "use a smaller --size or --integrator path");
 }
 
-constexpr MemoryUse kWrittenByKernelOrCopy{VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_2_TRANSFER_BIT,
-                                           VK_ACCESS_2_SHADER_WRITE_BIT | VK_ACCESS_2_TRANSFER_WRITE_BIT};
-constexpr MemoryUse kReadByShaders{VK_PIPELINE_STAGE_2_VERTEX_SHADER_BIT | VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT,
-                                   VK_ACCESS_2_SHADER_READ_BIT | VK_ACCESS_2_UNIFORM_READ_BIT};
+constexpr MemoryAccess kWrittenByKernelOrCopy{VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_2_TRANSFER_BIT,
+                                              VK_ACCESS_2_SHADER_WRITE_BIT | VK_ACCESS_2_TRANSFER_WRITE_BIT};
+constexpr MemoryAccess kReadByShaders{VK_PIPELINE_STAGE_2_VERTEX_SHADER_BIT | VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT,
+                                      VK_ACCESS_2_SHADER_READ_BIT | VK_ACCESS_2_UNIFORM_READ_BIT};
 // Writes that follow reads need an order, but no access made visible.
-constexpr MemoryUse kShadersDone{kReadByShaders.stages, VK_ACCESS_2_NONE};
-constexpr MemoryUse kKernelOrCopy{kWrittenByKernelOrCopy.stages, VK_ACCESS_2_NONE};
+constexpr MemoryAccess kShadersDone{kReadByShaders.stages, VK_ACCESS_2_NONE};
+constexpr MemoryAccess kKernelOrCopy{kWrittenByKernelOrCopy.stages, VK_ACCESS_2_NONE};
 
 } // namespace
 
@@ -183,13 +183,13 @@ RasterTarget::RasterTarget(Device& device, std::uint32_t width, std::uint32_t he
   require_raster(device, size_, formats_of(attachments).colour.size());
   for (const AttachmentInfo& attachment : attachments_) {
     if (!attachment.shared)
-      owned_.push_back(std::make_unique<Image>(device, ImageInfo{.name = attachment.name,
-                                                                 .format = attachment.format,
-                                                                 .width = width,
-                                                                 .height = height,
-                                                                 .layers = layers,
-                                                                 .attachment = true,
-                                                                 .sampled = attachment.sampled}));
+      owned_.push_back(std::make_unique<DeviceImage>(device, ImageInfo{.name = attachment.name,
+                                                                       .format = attachment.format,
+                                                                       .width = width,
+                                                                       .height = height,
+                                                                       .layers = layers,
+                                                                       .attachment = true,
+                                                                       .sampled = attachment.sampled}));
     images_.push_back(attachment.shared ? attachment.shared : owned_.back().get());
     [[maybe_unused]] const ImageInfo& info = images_.back()->info();
     assert(info.attachment && info.format == attachment.format && info.width == width && info.height == height &&
@@ -199,7 +199,7 @@ RasterTarget::RasterTarget(Device& device, std::uint32_t width, std::uint32_t he
 
 std::uint64_t RasterTarget::bytes() const {
   std::uint64_t bytes = 0;
-  for (const std::unique_ptr<Image>& image : owned_) bytes += image->bytes();
+  for (const std::unique_ptr<DeviceImage>& image : owned_) bytes += image->bytes();
   return bytes;
 }
 
@@ -245,7 +245,7 @@ void RasterTarget::begin_rendering(VkCommandBuffer commands, const RasterPass& p
 void RasterTarget::draw(Commands& commands, const RasterPass& pass) {
   const VkCommandBuffer to = commands.handle();
   std::vector<VkImageMemoryBarrier2> barriers;
-  for (Image* image : images_) barriers.push_back(image->barrier(ImageUse::attachment));
+  for (DeviceImage* image : images_) barriers.push_back(image->barrier(ImageUse::attachment));
   record_barriers(to, barriers, kWrittenByKernelOrCopy, kReadByShaders);
   begin_rendering(to, pass);
   const VkViewport viewport{0, 0, static_cast<float>(size_.width), static_cast<float>(size_.height), 0, 1};
@@ -268,7 +268,7 @@ void RasterTarget::draw(Commands& commands, const RasterPass& pass) {
 
 void RasterTarget::finish(Commands& commands) {
   std::vector<VkImageMemoryBarrier2> barriers;
-  for (Image* image : images_)
+  for (DeviceImage* image : images_)
     if (image->info().sampled) barriers.push_back(image->barrier(ImageUse::sampled));
   record_barriers(commands.handle(), barriers, {}, {});
 }

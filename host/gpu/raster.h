@@ -33,7 +33,7 @@ struct AttachmentInfo {
   ImageFormat format = ImageFormat::rgba32f;
   bool sampled = false; // kernels sample it
   ClearValue clear{};
-  Image* shared =
+  DeviceImage* shared =
       nullptr; // an image of the target's size and this format, drawn into instead of one of the target's own
 };
 
@@ -121,9 +121,9 @@ public:
   // Records that drawing is over: kernels may sample the attachments declared so, until the next pass.
   void finish(Commands& commands);
 
-  // By place in the list of attachments. Image::copy_to() records a read-back.
-  Image& image(std::size_t attachment) { return *images_[attachment]; }
-  const Image& image(std::size_t attachment) const { return *images_[attachment]; }
+  // By place in the list of attachments. DeviceImage::copy_to() records a read-back.
+  DeviceImage& image(std::size_t attachment) { return *images_[attachment]; }
+  const DeviceImage& image(std::size_t attachment) const { return *images_[attachment]; }
   std::uint64_t bytes() const; // of the images that the target owns
 
 private:
@@ -133,8 +133,8 @@ private:
   Device& device_;
   VkExtent2D size_;
   std::vector<AttachmentInfo> attachments_;
-  std::vector<std::unique_ptr<Image>> owned_;
-  std::vector<Image*> images_; // by attachment
+  std::vector<std::unique_ptr<DeviceImage>> owned_;
+  std::vector<DeviceImage*> images_; // by attachment
 };
 
 } // namespace wavepath
