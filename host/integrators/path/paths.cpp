@@ -34,9 +34,9 @@ const std::vector<BufferRule> kRules = {
      {{gpu::kBindPathMedia, storage}}},
     {"path AOVs", [](const Extent& e) { return e.features & gpu::kFeatureAovs ? e.slots * sizeof(gpu::PathAovs) : 0; },
      {{gpu::kBindPathAovs, storage}}},
-    {"rays", [](const Extent& e) { return 2 * e.slots * sizeof(gpu::Ray); }, // two queues, by turns
+    {"rays", [](const Extent& e) { return e.options & kStatesAlone ? 0 : 2 * e.slots * sizeof(gpu::Ray); }, // two queues, by turns
      {{gpu::kBindRays, storage}, {gpu::kBindRayTexels, texels_rgba32f}}},
-    {"hits", [](const Extent& e) { return e.slots * sizeof(gpu::Hit); },
+    {"hits", [](const Extent& e) { return e.options & kStatesAlone ? 0 : e.slots * sizeof(gpu::Hit); },
      {{gpu::kBindHits, storage}, {gpu::kBindHitTexels, texels_rgba32ui}}},
     {"shadow rays",
      [](const Extent& e) { return e.options & kRoomForShadowRays ? e.slots * sizeof(gpu::ShadowRay) : 0; },
@@ -60,10 +60,10 @@ std::uint32_t needed_features(const PackedScene& scene, const View& view, const 
   return scene.features | (view.orthographic ? gpu::kFeatureOrthographic : 0) | features_of(settings);
 }
 
-std::uint64_t bytes_per_path(std::uint32_t features) {
+std::uint64_t bytes_per_path(std::uint32_t features, std::uint32_t options) {
   std::uint64_t bytes = 0;
   for (const BufferRule& rule : kRules)
-    bytes += rule.bytes({.pixels = 0, .slots = 1, .features = features, .options = kRoomForShadowRays});
+    bytes += rule.bytes({.pixels = 0, .slots = 1, .features = features, .options = options});
   return bytes - sizeof(gpu::Queues);
 }
 
@@ -79,7 +79,7 @@ bool Paths::change(const RenderSettings& settings, std::uint32_t stages, std::ui
   if (stages) kernels_.start(need_);
   // Kernels that were begun for other settings may run until these are ready.
   const std::uint32_t features = need_.config.features | kernels_.features(kPathProgram);
-  if (workspace_.frame.light_count > 0 || settings.room_for_shadow_rays) options |= kRoomForShadowRays;
+  if (!(options & kStatesAlone) && (workspace_.frame.light_count > 0 || settings.room_for_shadow_rays)) options |= kRoomForShadowRays;
   bool moved = workspace_.fit(settings, features | film_features);
   moved |= buffers.fit({workspace_.film.pixels(), workspace_.slots, features, options});
   if (!moved && !sets_.empty()) return false;

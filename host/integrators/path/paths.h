@@ -30,7 +30,8 @@ extern const KernelProgram kPathProgram;
 enum PathBuffer : std::size_t { kStates, kMedia, kPathAovs, kRays, kHits, kShadowRays, kQueues, kSeen };
 
 // Bits of Extent::options.
-inline constexpr std::uint32_t kRoomForShadowRays = 1u << 0, kRoomForSeen = 1u << 1;
+inline constexpr std::uint32_t kRoomForShadowRays = 1u << 0, kRoomForSeen = 1u << 1,
+                               kStatesAlone = 1u << 2; // another kernel traces the rays: no queues between stages
 
 class Paths {
 public:
@@ -67,6 +68,6 @@ std::vector<Binding> path_layout();
 std::uint32_t needed_features(const PackedScene& scene, const View& view, const RenderSettings& settings);
 
 // Bytes of path state and queues that one path in flight takes, for the features given.
-std::uint64_t bytes_per_path(std::uint32_t features);
+std::uint64_t bytes_per_path(std::uint32_t features, std::uint32_t options);
 
 } // namespace wavepath
