@@ -23,8 +23,6 @@ namespace wavepath {
 class Denoiser; // host/render/denoise.h
 class Taa;      // host/render/taa.h
 
-inline constexpr std::uint32_t kMostFrameRays = 256; // of a kind, a pixel and frame; more come by more frames
-
 class Hybrid {
 public:
   // Renders into the film of `tracer`, which was made with the same settings and outlives it. Begins compiling its
