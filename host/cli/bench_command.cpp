@@ -27,7 +27,7 @@ using Json = nlohmann::ordered_json;
 struct Request {
   SceneRequest scene;
   RenderRequest render;
-  bool size_given = false, quiet = false;
+  bool quiet = false;
   std::uint32_t repetitions = 7;
   bool ablate = false;
   std::string json, baseline;
@@ -54,7 +54,7 @@ std::optional<Json> read_baseline(const std::string& path) {
 
 // Large enough to keep the device busy, small enough to take no more than about a minute.
 void choose_size(Request& request, const DeviceInfo& device) {
-  if (request.size_given) return;
+  if (is_given(request.render, "size")) return;
   const bool cpu = device.type == "cpu";
   request.render.settings.width = cpu ? 480 : 1920;
   request.render.settings.height = cpu ? 270 : 1080;
@@ -115,14 +115,11 @@ Command add_bench(CLI::App& app) {
   add_flag(*command, "Output", {"--json", "FILE", "also write every number as a JSON document", "not written"},
            [=](const FlagValue& value) { request->json = value.text; });
   add_switch(*command, "Output", {"-q,--quiet", "", "no progress", "off"}, request->quiet);
-  add_flag(*command, "Picture", {"--size", "WxH", "pixels", "480x270 on a CPU device, else 1920x1080"},
-           [=](const FlagValue& value) {
-             read_size(value, request->render.settings);
-             request->size_given = true;
-           });
+  static constexpr Wording kWordings[] = {{"size", nullptr, "480x270 on a CPU device, else 1920x1080"}};
+  add_settings(*command, kByBench, SettingGroup::picture, request->render, kWordings);
   add_scene_flags(*command, request->scene, false);
   add_view_flags(*command, request->scene.view);
-  add_render_flags(*command, request->render);
+  add_transport_flags(*command, kByBench, request->render);
   return [request] { return run_bench(*request); };
 }
 

@@ -99,27 +99,31 @@ glm::dvec3 read_origin(const std::string& path) {
   return *origin;
 }
 
-int run_merge(const Request& request) {
-  if (request.parts.size() < 2) throw UsageError("merge", "takes two parts or more", "name the .exr files to join");
-  for (const std::string& path : request.output.pictures) {
+void check_outputs(const OutputRequest& output) {
+  for (const std::string& path : output.pictures) {
     if (!picture_format(path))
       throw UsageError(path, "has no extension that names a picture format", "end it in .exr, .hdr, .png or .jpg");
     require_writable(path);
   }
-  const std::string identity = read_identity(request.parts.front());
+}
+
+// Of all parts, which must have the given identity and no sample in common.
+std::vector<Range> check_parts(const std::vector<std::string>& parts, const std::string& identity) {
   std::vector<Range> ranges;
-  for (const std::string& path : request.parts) {
+  for (const std::string& path : parts) {
     if (const auto difference = first_difference(read_identity(path), identity))
-      throw Error(path, fmt::format("does not belong to {}: {}", request.parts.front(), *difference),
+      throw Error(path, fmt::format("does not belong to {}: {}", parts.front(), *difference),
                   "render all parts alike");
     for (const Range& range : read_ranges(path)) ranges.push_back(range);
   }
   refuse_overlaps(ranges);
+  return ranges;
+}
 
-  PictureInfo info;
+// The sums of all parts. Sets the origin, seconds and device of `info`.
+std::shared_ptr<Film> join_films(const std::vector<std::string>& parts, PictureInfo& info, Warnings& warnings) {
   std::shared_ptr<Film> film;
-  Warnings warnings;
-  for (const std::string& path : request.parts) {
+  for (const std::string& path : parts) {
     const std::shared_ptr<const Film> part = read_film(path);
     if (!part) throw Error(path, "holds no exact sums", "render it with --samples or --mergeable, to its end");
     const glm::dvec3 origin = read_origin(path);
@@ -128,7 +132,7 @@ int run_merge(const Request& request) {
     else
       film = std::make_shared<Film>(*part), info.origin = origin;
     if (origin != info.origin)
-      throw Error(path, fmt::format("has another origin than {}", request.parts.front()), "render all parts alike");
+      throw Error(path, fmt::format("has another origin than {}", parts.front()), "render all parts alike");
     info.seconds += read_number(path, "wavepath.seconds").value_or(0.0);
     const std::string device = read_attribute(path, "wavepath.device");
     if (info.device.empty()) info.device = device;
@@ -137,33 +141,52 @@ int run_merge(const Request& request) {
           "{}: rendered on {}, others on {}; the result is as good, but not bit by bit what one device gives", path,
           device, info.device));
   }
+  return film;
+}
+
+// What all parts have in common is read from one.
+void read_common(const std::string& part, PictureInfo& info) {
+  info.seed = static_cast<std::uint32_t>(read_number(part, "wavepath.seed").value_or(0.0));
+  info.scene = read_attribute(part, "wavepath.scene");
+  info.command = read_attribute(part, "wavepath.command");
+  info.filter = read_attribute(part, "wavepath.filter");
+  info.bias = read_attribute(part, "wavepath.bias");
+  info.world_to_camera = read_matrix(part, "worldToCamera");
+  info.world_to_ndc = read_matrix(part, "worldToNDC");
+}
+
+void print_merged(const Request& request, const PictureInfo& info, const ErrorEstimate& error) {
+  fmt::print(stderr, "wavepath: {}: samples {} of {} parts{}\n", fmt::join(request.output.pictures, ", "), info.samples,
+             request.parts.size(),
+             info.error ? fmt::format(", estimated error {:.3g} % ({:.3g} to {:.3g})", 100.0 * *info.error,
+                                      100.0 * error.ci95[0], 100.0 * error.ci95[1])
+                        : "");
+}
+
+int run_merge(const Request& request) {
+  if (request.parts.size() < 2) throw UsageError("merge", "takes two parts or more", "name the .exr files to join");
+  check_outputs(request.output);
   const std::string& first = request.parts.front();
+  PictureInfo info;
+  info.identity = read_identity(first);
+  const std::vector<Range> ranges = check_parts(request.parts, info.identity);
+
+  Warnings warnings;
+  const std::shared_ptr<Film> film = join_films(request.parts, info, warnings);
   const Picture picture = develop(*film, aovs_of(read_picture(first)), info.origin);
   const ErrorEstimate error = estimate_error(*film);
   for (const Range& range : ranges) info.spp += range.end - range.first;
   if (has_estimate(info.spp, error)) info.error = error.relative_rms;
-  info.seed = static_cast<std::uint32_t>(read_number(first, "wavepath.seed").value_or(0.0));
   info.samples = join_ranges(ranges);
-  info.scene = read_attribute(first, "wavepath.scene");
-  info.command = read_attribute(first, "wavepath.command");
-  info.filter = read_attribute(first, "wavepath.filter");
-  info.bias = read_attribute(first, "wavepath.bias");
-  info.world_to_camera = read_matrix(first, "worldToCamera");
-  info.world_to_ndc = read_matrix(first, "worldToNDC");
-  info.identity = identity;
   info.film = film;
+  read_common(first, info);
 
   for (const std::string& path : request.output.pictures) {
     const std::uint64_t clamped = write_picture(path, picture, info, request.output.write);
     if (clamped > 0) warnings.add(path + ": value clamped to what the format holds", clamped);
   }
   print_warnings(warnings);
-  if (!request.output.quiet)
-    fmt::print(stderr, "wavepath: {}: samples {} of {} parts{}\n", fmt::join(request.output.pictures, ", "),
-               info.samples, request.parts.size(),
-               info.error ? fmt::format(", estimated error {:.3g} % ({:.3g} to {:.3g})", 100.0 * *info.error,
-                                        100.0 * error.ci95[0], 100.0 * error.ci95[1])
-                          : "");
+  if (!request.output.quiet) print_merged(request, info, error);
   return kExitDone;
 }
 

@@ -26,6 +26,7 @@
 #include "host/render/diagnosis.h"
 #include "host/render/identity.h"
 #include "host/render/integrator.h"
+#include "host/render/settings_table.h"
 #include "host/scene/scene_hash.h"
 
 namespace wavepath {
@@ -85,7 +86,7 @@ std::optional<Picture> read_reference(Request& request) {
                        fmt::format("render with --size {}x{}", reference->width, reference->height));
   }
   const bool box = reference && read_attribute(path, "wavepath.filter") == kFilterNames[gpu::kFilterBox];
-  settings.filter = request.render.filter.value_or(box ? gpu::kFilterBox : gpu::kFilterBlackmanHarris);
+  if (box && !is_given(request.render, "filter")) settings.filter = gpu::kFilterBox;
   return reference;
 }
 
@@ -155,21 +156,8 @@ std::vector<TrueError> align(std::vector<TrueError> errors, std::size_t checkpoi
   return errors;
 }
 
-// Prints the trace of one path. Writes no file.
-int replay(const Request& request, Device& device, const PackedScene& packed, const View& view,
-           KernelCompiler& kernels, const Warnings& warnings) {
-  const RenderSettings& settings = request.render.settings;
-  const PathTrace trace =
-      PathReplay(device, packed, view, settings, kernels).trace(*request.render.pixel, *request.render.sample);
-  device.pipeline_cache().save();
-  print_warnings(warnings);
-  const nlohmann::ordered_json document = trace_document(trace, packed, settings);
-  fmt::print("{}", request.output.json ? to_text(document) : trace_text(document));
-  return kExitDone;
-}
-
-int run_render(Request& request) {
-  RenderSettings& settings = request.render.settings;
+// Refuses what cannot work before the time of loading and rendering is spent. Returns the reference, if there is one.
+std::optional<Picture> check(Request& request) {
   settle_samples(request.render);
   check_integrator(request.render);
   check_replay(request.render);
@@ -177,60 +165,100 @@ int run_render(Request& request) {
     require_file(request.scene.path);
   else
     check_files(request);
-  const std::optional<Picture> reference = read_reference(request);
+  return read_reference(request);
+}
 
+// A scene that is ready to be rendered.
+struct Prepared {
+  std::unique_ptr<Device> device;
+  std::unique_ptr<KernelCompiler> kernels;
+  View view;
+  PackedScene packed;
+  std::string identity; // empty where nothing needs it
+  Warnings warnings;
+  double load_seconds = 0.0; // without building the BVH
+};
+
+Prepared prepare(const Request& request) {
+  const RenderSettings& settings = request.render.settings;
   const Stopwatch loading;
-  OpenScene open = open_scene(request.scene, request.render);
-  Device& device = *open.device;
-  KernelCompiler& kernels = *open.kernels;
-  Scene& scene = open.scene;
-  const View view = resolve_view(scene, request.scene.view, settings.width, settings.height);
+  OpenScene open = open_scene(request.scene, request.render); // its scene is freed here: rendering needs the packed one
+  Prepared prepared;
+  prepared.device = std::move(open.device);
+  prepared.kernels = std::move(open.kernels);
+  const DeviceInfo& device = prepared.device->info();
+  const View view = resolve_view(open.scene, request.scene.view, settings.width, settings.height);
   const bvh::Quality quality =
-      request.render.bvh.value_or(choose_quality(settings, plan(scene).triangles_stored, device.info()));
-  require_memory_for(request.scene.path, settings, plan(scene, quality), device.info());
-  const bool identified = request.render.mergeable || !request.render.state.file.empty();
-  std::string identity = identified ? identity_of(hash_scene(scene), view, settings) : std::string();
-  if (const auto& origin = request.render.origin; identified && origin)
-    identity += fmt::format(";origin={:a},{:a},{:a}", origin->x, origin->y, origin->z);
-  const PackedScene packed = pack(scene, settings.direct, quality, request.render.origin.value_or(view.position));
-  const double load_seconds = loading.seconds() - packed.bvh_seconds;
-  Warnings warnings = scene.warnings;
-  scene = Scene{}; // the device's copy is all that rendering needs
+      request.render.bvh.value_or(choose_quality(settings, plan(open.scene).triangles_stored, device));
+  require_memory_for(request.scene.path, settings, plan(open.scene, quality), device);
+  const std::optional<glm::dvec3>& origin = request.render.origin;
+  if (request.render.mergeable || !request.render.state.file.empty()) {
+    prepared.identity = identity_of(hash_scene(open.scene), view, settings);
+    if (origin) prepared.identity += fmt::format(";origin={:a},{:a},{:a}", origin->x, origin->y, origin->z);
+  }
+  prepared.view = view;
+  prepared.packed = pack(open.scene, settings.direct, quality, origin.value_or(view.position));
+  prepared.warnings = open.scene.warnings;
+  prepared.load_seconds = loading.seconds() - prepared.packed.bvh_seconds;
+  return prepared;
+}
 
-  if (request.render.pixel) return replay(request, device, packed, view, kernels, warnings);
+// Prints the trace of one path. Writes no file.
+int replay(const Request& request, Prepared& prepared) {
+  const RenderSettings& settings = request.render.settings;
+  Device& device = *prepared.device;
+  PathReplay replay(device, prepared.packed, prepared.view, settings, *prepared.kernels);
+  const PathTrace trace = replay.trace(*request.render.pixel, *request.render.sample);
+  device.pipeline_cache().save();
+  print_warnings(prepared.warnings);
+  const nlohmann::ordered_json document = trace_document(trace, prepared.packed, settings);
+  fmt::print("{}", request.output.json ? to_text(document) : trace_text(document));
+  return kExitDone;
+}
+
+// Renders, from the state of --checkpoint on where --resume asks for it. `true_errors`: one for each checkpoint that
+// this run passes, if there is a reference.
+RenderResult render_prepared(const Request& request, Prepared& prepared, const std::optional<Picture>& reference,
+                             std::vector<TrueError>& true_errors) {
   const StateRequest& state = request.render.state;
-  const std::optional<RenderState> resumed = read_resumed(state, settings, identity, device.info(), warnings);
-  std::vector<TrueError> true_errors;
-  RenderHooks hooks{.save = state_saver(state, identity, device.info(), warnings), .save_interval = state.interval};
+  const DeviceInfo& device = prepared.device->info();
+  const std::optional<RenderState> resumed =
+      read_resumed(state, request.render.settings, prepared.identity, device, prepared.warnings);
+  RenderHooks hooks{.save = state_saver(state, prepared.identity, device, prepared.warnings),
+                    .save_interval = state.interval};
   if (resumed) hooks.resume = &*resumed;
   if (reference)
     hooks.checkpoint = [&](const Checkpoint&, const Picture& picture) {
       true_errors.push_back(measure_true_error(picture, *reference));
     };
-  const RenderResult result = render_shown(request, device, packed, view, kernels, hooks);
-  std::optional<DepthCut> cut; // of paths; frames of other integrators say nothing about it
-  const bool reported = !request.output.stats.empty() || request.output.json || request.output.verbose;
-  if (reported && settings.integrator->measures_depth_cut && result.stop != StopReason::interrupted)
-    cut = measure_depth_cut(device, packed, view, settings, kernels);
-  Run run{request.scene.path, request.command_line, device.info(), settings, packed, result};
-  run.bias = list_bias(settings, result, cut);
-  run.true_errors = align(std::move(true_errors), result.checkpoints.size());
-  run.diagnosis = diagnose(result, run.true_errors, run.bias);
-  if (request.render.mergeable && !result.even)
-    warnings.add("stopped before all pixels had the same samples, so the picture cannot be merged");
+  return render_shown(request, *prepared.device, prepared.packed, prepared.view, *prepared.kernels, hooks);
+}
 
+// What the depth costs, where it is told to anyone. Of integrators whose paths it cuts.
+std::optional<DepthCut> depth_cut(const Request& request, Prepared& prepared, const RenderResult& result) {
+  const RenderSettings& settings = request.render.settings;
+  const bool reported = !request.output.stats.empty() || request.output.json || request.output.verbose;
+  if (!reported || !settings.integrator->measures_depth_cut || result.stop == StopReason::interrupted) return std::nullopt;
+  return measure_depth_cut(*prepared.device, prepared.packed, prepared.view, settings, *prepared.kernels);
+}
+
+// Writes the pictures, tells what the run measured, and returns the exit code. Throws Error.
+int finish(const Request& request, Prepared& prepared, Run& run) {
+  const RenderSettings& settings = request.render.settings;
+  const RenderResult& result = run.result;
+  Device& device = *prepared.device;
   const Stopwatch writing;
-  const std::exception_ptr failure = write_pictures(
-      request,
-      picture_info(request, view, packed, result, device.info(), request.render.mergeable ? identity : "", run.bias),
-      result.picture, warnings);
+  const std::string mergeable = request.render.mergeable ? prepared.identity : "";
+  const PictureInfo info =
+      picture_info(request, prepared.view, prepared.packed, result, device.info(), mergeable, run.bias);
+  const std::exception_ptr failure = write_pictures(request, info, result.picture, prepared.warnings);
   run.write_seconds = writing.seconds();
-  run.load_seconds = load_seconds;
+  run.load_seconds = prepared.load_seconds;
   run.peak_bytes = device.memory_peak();
   run.total_seconds = seconds_since_process_start();
   device.pipeline_cache().save();
   run.kernel_cache = device.pipeline_cache().describe();
-  report(run, request.output, warnings);
+  report(run, request.output, prepared.warnings);
   if (failure) std::rethrow_exception(failure);
   if (request.render.strict && result.nonfinite.first)
     throw Error(request.scene.path,
@@ -238,6 +266,23 @@ int run_render(Request& request) {
                             describe_first(result.nonfinite, settings)),
                 "report this with the scene, or render without --strict");
   return exit_code(request, result);
+}
+
+int run_render(Request& request) {
+  const std::optional<Picture> reference = check(request);
+  Prepared prepared = prepare(request);
+  if (request.render.pixel) return replay(request, prepared);
+
+  const RenderSettings& settings = request.render.settings;
+  std::vector<TrueError> true_errors;
+  const RenderResult result = render_prepared(request, prepared, reference, true_errors);
+  Run run{request.scene.path, request.command_line, prepared.device->info(), settings, prepared.packed, result};
+  run.bias = list_bias(settings, result, depth_cut(request, prepared, result));
+  run.true_errors = align(std::move(true_errors), result.checkpoints.size());
+  run.diagnosis = diagnose(result, run.true_errors, run.bias);
+  if (request.render.mergeable && !result.even)
+    prepared.warnings.add("stopped before all pixels had the same samples, so the picture cannot be merged");
+  return finish(request, prepared, run);
 }
 
 } // namespace
@@ -248,12 +293,11 @@ Command add_render(CLI::App& app, const std::string& command_line) {
   const auto request = std::make_shared<Request>();
   request->command_line = command_line;
   add_output_flags(*command, request->output);
-  add_picture_flags(*command, request->render);
+  add_picture_flags(*command, kByRender, request->render);
   add_scene_flags(*command, request->scene, true);
   add_view_flags(*command, request->scene.view);
   add_stop_flags(*command, request->render);
-  add_render_flags(*command, request->render);
-  add_hybrid_flags(*command, request->render);
+  add_transport_flags(*command, kByRender, request->render);
   add_replay_flags(*command, request->render);
   return [request] { return run_render(*request); };
 }

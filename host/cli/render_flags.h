@@ -3,8 +3,9 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
-#include <utility>
+#include <string_view>
 #include <vector>
 
 #include <CLI/CLI.hpp>
@@ -13,6 +14,7 @@
 #include "host/cli/flags.h"
 #include "host/film/picture_io.h"
 #include "host/render/render.h"
+#include "host/render/setting.h"
 
 namespace wavepath {
 
@@ -31,10 +33,8 @@ struct StateRequest {
 };
 
 struct RenderRequest {
-  RenderSettings settings; // its sample range is set by settle_samples()
-  std::optional<std::uint32_t> spp;
-  std::optional<std::pair<std::uint32_t, std::uint32_t>> samples; // first, one past the last
-  std::optional<std::uint32_t> filter;
+  RenderSettings settings;             // its sample range is complete after settle_samples()
+  std::vector<std::string_view> given; // names of the settings that the command line has
   std::optional<bvh::Quality> bvh; // empty = chosen from the number of rays
   std::string device;
   std::optional<glm::dvec3> origin; // empty = the eye
@@ -45,26 +45,38 @@ struct RenderRequest {
   std::optional<std::uint32_t> sample; // instead of rendering
 };
 
-// The requests must outlive the parsing of `app`. What a render needs to know, and whoever measures one as well:
-void add_render_flags(CLI::App& app, RenderRequest& request);
-// Which integrator, and what the hybrid ones need to know:
-void add_hybrid_flags(CLI::App& app, RenderRequest& request);
-// When it ends and which picture it makes:
-void add_stop_flags(CLI::App& app, RenderRequest& request);
-void add_picture_flags(CLI::App& app, RenderRequest& request);
-// Which path to replay:
+bool is_given(const RenderRequest& request, std::string_view setting);
+
+// What a command says otherwise about a setting than the table does.
+struct Wording {
+  std::string_view name;         // of the setting
+  const char* meaning = nullptr; // null = as in the table
+  const char* initial = nullptr;
+  std::uint32_t highest = 0; // of a whole number, where less than in the table; 0 = as there
+};
+
+// The requests must outlive the parsing of `app`. The flags of all settings of a group that the command offers; with
+// `heading`, under that one instead of the group's own.
+void add_settings(CLI::App& app, Offer command, SettingGroup group, RenderRequest& request,
+                  std::span<const Wording> wordings = {}, const char* heading = nullptr);
+
+// Groups of settings, each with the flags of its subject that are no settings of a render:
+void add_picture_flags(CLI::App& app, Offer command, RenderRequest& request);
+void add_transport_flags(CLI::App& app, Offer command, RenderRequest& request);
+void add_stop_flags(CLI::App& app, RenderRequest& request); // of `render`
+
+void add_bvh_flag(CLI::App& app, RenderRequest& request);
+void add_device_flag(CLI::App& app, RenderRequest& request, const char* heading = nullptr);
 void add_replay_flags(CLI::App& app, RenderRequest& request);
 void add_output_flags(CLI::App& app, OutputRequest& request);
 // Which files, and how they are written. `initial`: what is written if none is named, for the help.
 void add_picture_output_flags(CLI::App& app, OutputRequest& request, const char* initial);
 void add_tone_flags(CLI::App& app, WriteOptions& options);
 
-void read_size(const FlagValue& value, RenderSettings& settings); // WIDTHxHEIGHT
-
 // Works out the sample range once all flags are known. Throws UsageError where --spp and --samples disagree.
 void settle_samples(RenderRequest& request);
 
-// To be called after it. Throws UsageError where the integrator cannot do what else is asked for.
+// To be called after it. Throws UsageError for settings and flags that the chosen integrator does not take.
 void check_integrator(const RenderRequest& request);
 
 // To be called after it. Throws UsageError where a path is to be replayed that the render does not have.

@@ -1,4 +1,5 @@
 // wavepath study: checks, loads, renders the grid, writes the folder and its page.
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -21,8 +22,7 @@
 #include "host/cli/scene_flags.h"
 #include "host/integrators/hybrid/kind.h"
 #include "host/render/bvh_choice.h"
-#include "host/integrators/hybrid/hybrid.h"
-#include "host/render/stats.h"
+#include "host/render/settings_table.h"
 #include "host/study/page.h"
 #include "host/study/study_report.h"
 
@@ -33,30 +33,23 @@ namespace fs = std::filesystem;
 
 struct Request {
   SceneRequest scene;
-  std::string device;
+  RenderRequest render; // what all configurations have in common
   StudySettings study;
   std::string folder, reference, command_line;
-  std::optional<std::uint32_t> filter;
   bool quiet = false;
 };
 
 constexpr std::uint32_t kSide = 256; // small enough for a whole grid to be done in minutes without a GPU
+constexpr std::uint32_t kHighestSeed = 1u << 29; // those of the points and of the reference are above it
 
 void read_dimensions(const FlagValue& value, std::vector<std::string>& vary) {
-  std::vector<std::string_view> names;
-  for (const Dimension& dimension : dimensions()) names.push_back(dimension.name);
-  vary.clear();
-  for (std::size_t first = 0; first <= value.text.size();) {
-    const std::size_t end = std::min(value.text.find(',', first), value.text.size());
-    const FlagValue name{value.flag, value.text.substr(first, end - first)};
-    name.choice(names);
-    if (std::find(vary.begin(), vary.end(), name.text) == vary.end()) vary.push_back(name.text);
-    first = end + 1;
-  }
-  const auto varies = [&](const char* name) { return std::find(vary.begin(), vary.end(), name) != vary.end(); };
-  for (const char* name : {"shadow-samples", "ao-samples", "denoise"})
-    if (varies(name) && !varies("integrator"))
-      value.refuse(fmt::format("has {}, which path tracing does not know", name), "vary the integrator as well");
+  vary = value.list(dimensions());
+  if (std::ranges::count(vary, "integrator") > 0) return;
+  const IntegratorKind& kind = default_integrator();
+  for (const std::string& name : vary)
+    if (!is_taken(setting_named(name), kind))
+      value.refuse(fmt::format("has {}, which --integrator {} does not take", name, kind.name),
+                   "vary the integrator as well");
 }
 
 // Everything that can be known to fail is refused before the time of rendering is spent; nothing is made yet.
@@ -72,7 +65,8 @@ void check_files(const Request& request) {
 
 std::optional<StudyReference> read_reference(Request& request) {
   RenderSettings& settings = request.study.render;
-  settings.filter = request.filter.value_or(gpu::kFilterBox);
+  const bool filter_given = is_given(request.render, "filter");
+  if (!filter_given) settings.filter = gpu::kFilterBox;
   const std::string& path = request.reference;
   if (path.empty()) return std::nullopt;
   StudyReference reference;
@@ -87,13 +81,14 @@ std::optional<StudyReference> read_reference(Request& request) {
     throw Error(path, "holds values that are not finite", "name a picture without such");
   if (const std::string error = read_attribute(path, "wavepath.error"); !error.empty())
     reference.error = std::stod(error);
-  if (!request.filter)
-    for (std::uint32_t filter = 0; filter < std::size(kFilterNames); ++filter)
-      if (read_attribute(path, "wavepath.filter") == kFilterNames[filter]) settings.filter = filter;
+  const auto filter = std::ranges::find(kFilterNames, read_attribute(path, "wavepath.filter"));
+  if (!filter_given && filter != std::end(kFilterNames))
+    settings.filter = static_cast<std::uint32_t>(filter - std::begin(kFilterNames));
   return reference;
 }
 
-// The part that the commands repeating each row share: the scene and camera flags as they were given, then ours.
+// The part that the commands repeating each row share: the scene and camera flags as they were given, then the settings
+// that all have in common. Each command has a seed of its own.
 std::string repeat_command(const CLI::App& app, const Request& request, bvh::Quality quality) {
   const RenderSettings& settings = request.study.render;
   std::string line = "wavepath render " + shell_quoted(request.scene.path);
@@ -102,10 +97,10 @@ std::string repeat_command(const CLI::App& app, const Request& request, bvh::Qua
        }))
     if (option->get_positional() == false)
       line += fmt::format(" --{} {}", option->get_lnames().front(), shell_quoted(option->results().back()));
-  if (!request.device.empty()) line += " --device " + shell_quoted(request.device);
-  return line + fmt::format(" --size {}x{} --filter {} --max-depth {} --bvh {}", settings.width, settings.height,
-                            kFilterNames[settings.filter], settings.max_depth,
-                            kQualityNames[static_cast<std::size_t>(quality)]);
+  if (!request.render.device.empty()) line += " --device " + shell_quoted(request.render.device);
+  for (const Setting& row : settings_table())
+    if ((row.offered & kByStudy) && row.name != "seed") line += " " + flag_text(row, settings);
+  return line + fmt::format(" --bvh {}", kQualityNames[static_cast<std::size_t>(quality)]);
 }
 
 // One line that is drawn over on a terminal; elsewhere one at most every 5 s.
@@ -153,10 +148,11 @@ StudyScene pack_scene(Scene& scene, const Request& request, bvh::Quality quality
 
 int run_study_command(const CLI::App& app, Request& request) {
   StudySettings& settings = request.study;
+  settings.render = request.render.settings;
   check_files(request);
   std::optional<StudyReference> reference = read_reference(request);
 
-  Device device(request.device);
+  Device device(request.render.device);
   Scene scene = load_scene(request.scene);
   RenderSettings whole = settings.render;
   whole.last_sample = 1 << 16;
@@ -202,7 +198,7 @@ Command add_study(CLI::App& app, const std::string& command_line) {
   request->command_line = command_line;
   StudySettings& study = request->study;
   study.vary = {"sampler", "direct"};
-  study.render.width = study.render.height = kSide;
+  request->render.settings.width = request->render.settings.height = kSide;
   const char* group = "Study";
   add_flag(
       *command, group,
@@ -211,9 +207,7 @@ Command add_study(CLI::App& app, const std::string& command_line) {
       ->required();
   add_flag(*command, group,
            {"--vary", "LIST",
-            "what to vary, separated by commas: sampler, direct, hemisphere, integrator, shadow-samples, ao-samples, "
-            "denoise",
-            "sampler,direct"},
+            fmt::format("what to vary, separated by commas: {}", fmt::join(dimensions(), ", ")), "sampler,direct"},
            [&study](const FlagValue& value) { read_dimensions(value, study.vary); });
   add_flag(*command, group,
            {"--budget", "SECONDS", "of rendering in all: half for the reference, the rest in even shares", "60"},
@@ -224,19 +218,14 @@ Command add_study(CLI::App& app, const std::string& command_line) {
   add_flag(*command, group,
            {"--reference-spp", "N", "samples per pixel of the reference", "what fits into its share of the budget"},
            [&study](const FlagValue& value) { study.reference_spp = value.whole_number(2, 1 << 24); });
-  add_flag(*command, group, {"--size", "WxH", "pixels", "256x256"},
-           [&study](const FlagValue& value) { read_size(value, study.render); });
-  add_flag(*command, group,
-           {"--filter", "box|gaussian|blackman-harris", "pixel filter", "box, or what the reference has"},
-           [request](const FlagValue& value) { request->filter = value.choice(kFilterNames); });
-  add_flag(*command, group, {"--max-depth", "N", "longest path in bounces, of the reference as well", "8"},
-           [&study](const FlagValue& value) { study.render.max_depth = value.whole_number(0, 4096); });
-  add_flag(*command, group,
-           {"--seed", "N", "of the first sample count; the others and the reference have their own", "0"},
-           [&study](const FlagValue& value) { study.render.seed = value.whole_number(0, 1u << 29); });
-  add_flag(*command, group,
-           {"--device", "NAME|INDEX", "Vulkan device; 'wavepath info' lists them", "a discrete GPU if there is one"},
-           [request](const FlagValue& value) { request->device = value.text; });
+  static constexpr Wording kWordings[] = {
+      {"size", nullptr, "256x256"},
+      {"filter", nullptr, "box, or what the reference has"},
+      {"max-depth", "longest path in bounces, of the reference as well"},
+      {"seed", "of the first sample count; the others and the reference have their own", nullptr, kHighestSeed}};
+  for (const SettingGroup settings : {SettingGroup::picture, SettingGroup::transport})
+    add_settings(*command, kByStudy, settings, request->render, kWordings, group);
+  add_device_flag(*command, request->render, group);
   add_switch(*command, group, {"-q,--quiet", "", "no progress and no summary", "off"}, request->quiet);
   add_scene_flags(*command, request->scene, true);
   add_view_flags(*command, request->scene.view);

@@ -1,4 +1,4 @@
-// wavepath view: a window in which a render becomes finer while one looks at it.
+// wavepath view: a window that shows a render while it converges.
 #include <algorithm>
 #include <filesystem>
 #include <memory>
@@ -16,6 +16,7 @@
 #include "host/render/bvh_choice.h"
 #include "host/render/display.h"
 #include "host/render/progressive.h"
+#include "host/render/settings_table.h"
 #include "host/scene/bounds.h"
 #include "host/scene/environment.h"
 #ifdef WAVEPATH_VIEWER
@@ -26,7 +27,7 @@ namespace wavepath {
 namespace {
 
 constexpr std::uint32_t kOpenEndedSamples = 65536, kMostFrames = 1u << 30;
-// Samples a pixel that the tree is to pay for: who looks wants to see something soon.
+// Samples per pixel that the tree is to pay for: few, because the first picture should appear soon.
 constexpr std::uint32_t kExpectedSamples = 16;
 
 struct Request {
@@ -41,9 +42,9 @@ struct Request {
 
 void check(Request& request) {
   RenderSettings& settings = request.render.settings;
-  settings.filter = request.render.filter.value_or(gpu::kFilterBlackmanHarris);
-  settings.last_sample = request.render.spp.value_or(request.frames ? request.frames : kOpenEndedSamples);
-  settings.sample_total = settings.last_sample;
+  if (!is_given(request.render, "spp"))
+    settings.sample_total = request.frames ? request.frames : kOpenEndedSamples;
+  settings.last_sample = settings.sample_total;
   if (request.frames > settings.last_sample)
     throw UsageError("--frames", fmt::format("{} is more than --spp {}", request.frames, settings.last_sample),
                      "give a number up to --spp");
@@ -201,13 +202,11 @@ int run_view(Request& request) {
 
 void add_window_flags(CLI::App& app, Request& request) {
   const char* group = "Window";
-  add_flag(app, group, {"--spp", "N", "samples per pixel at which rendering ends", "65536"},
-           [&](const FlagValue& value) { request.render.spp = value.whole_number(1, kMostFrames); });
-  add_flag(app, group,
-           {"--target-error", "E",
-            "estimated relative RMS error to tell the time until, and to stop at unless --frames is given; 0.01 = 1 %",
-            "none"},
-           [&](const FlagValue& value) { request.render.settings.target_error = value.positive_number(); });
+  static constexpr Wording kWordings[] = {
+      {"spp", "samples per pixel at which rendering ends", "65536", kMostFrames},
+      {"target-error",
+       "estimated relative RMS error to tell the time until, and to stop at unless --frames is given; 0.01 = 1 %"}};
+  add_settings(app, kByView, SettingGroup::stop, request.render, kWordings, group);
   add_flag(
       app, group,
       {"--show", "WHAT",
@@ -233,11 +232,10 @@ Command add_view(CLI::App& app, const std::string& command_line) {
   request->command_line = command_line;
   add_window_flags(*command, *request);
   add_tone_flags(*command, request->tone);
-  add_picture_flags(*command, request->render);
+  add_picture_flags(*command, kByView, request->render);
   add_scene_flags(*command, request->scene, true);
   add_view_flags(*command, request->scene.view);
-  add_render_flags(*command, request->render);
-  add_hybrid_flags(*command, request->render);
+  add_transport_flags(*command, kByView, request->render);
   return [request] { return run_view(*request); };
 }
 

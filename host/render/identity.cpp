@@ -4,8 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "host/render/integrator.h"
-#include "host/render/stats.h"
+#include "host/render/settings_table.h"
 
 namespace wavepath {
 namespace {
@@ -16,27 +15,21 @@ std::string camera_text(const View& view) {
                      text(view.forward), text(view.right), text(view.up));
 }
 
-std::string integrator_text(const RenderSettings& settings) {
-  const std::string_view name = settings.integrator->name;
-  if (settings.integrator->traces_paths) return std::string(name);
-  const glm::vec3 ambient = settings.ambient.value_or(glm::vec3(-1.0f)); // estimated
-  return fmt::format("{}/{}/{}/{:a}/{:a},{:a},{:a}", name, settings.shadow_samples, settings.ao_samples,
-                     settings.ao_radius.value_or(-1.0), ambient.r, ambient.g, ambient.b);
-}
-
 } // namespace
 
 std::string identity_of(std::uint64_t scene_hash, const View& view, const RenderSettings& settings) {
-  // Only the stratified sampler lays its points out for a known number of them.
-  const std::uint32_t total = settings.sample_total > 0 ? settings.sample_total : settings.last_sample;
-  const std::string strata = settings.sampler == gpu::kSamplerStratified ? fmt::format("{}", total) : "any";
-  return fmt::format(
-      "version={};scene={:016x};size={}x{};seed={};sampler={};max-depth={};direct={};hemisphere={};filter={};spp={};"
-      "adaptive={};aovs={};integrator={};camera={}",
-      WAVEPATH_VERSION, scene_hash, settings.width, settings.height, settings.seed, kSamplerNames[settings.sampler],
-      settings.max_depth, kDirectNames[settings.direct], kHemisphereNames[settings.hemisphere],
-      kFilterNames[settings.filter], strata, settings.adaptive ? "on" : "off", settings.aovs.empty() ? "no" : "yes",
-      integrator_text(settings), camera_text(view));
+  std::string identity = fmt::format("version={};scene={:016x}", WAVEPATH_VERSION, scene_hash);
+  for (const Setting& row : settings_table()) {
+    if (row.decides == Decides::nothing || !is_taken(row, *settings.integrator)) continue;
+    if (row.identity) {
+      if (const std::string text = row.identity(settings); !text.empty())
+        identity += fmt::format(";{}={}", row.name, text);
+      continue;
+    }
+    const std::string text = text_of(row, settings);
+    identity += fmt::format(";{}={}", row.name, text.empty() ? "default" : text);
+  }
+  return identity + ";camera=" + camera_text(view);
 }
 
 std::optional<std::string> first_difference(const std::string& identity, const std::string& expected) {

@@ -1,5 +1,5 @@
-// What decides the bits of a render, in words: two that agree in all of it can be joined, or one go on where the other
-// stopped.
+// Text that holds everything that decides the bits of a render. Renders with the same text can be merged, and one can
+// be resumed where the other stopped.
 #pragma once
 
 #include <cstdint>
@@ -11,8 +11,8 @@
 
 namespace wavepath {
 
-// "scene=5f..;camera=a3..;size=640x360;seed=0;...": keys in a fixed order, values without ';'. The range of samples is
-// not in it.
+// "version=0.1.0;scene=5f..;size=640x360;...;camera=...": the settings that decide the film, in the order of their
+// table. Values are without ';'. The range of samples is not among them, because parts of one render differ in it.
 std::string identity_of(std::uint64_t scene_hash, const View& view, const RenderSettings& settings);
 
 // The first key in which they differ, with both values, as "seed is 1, not 0"; nothing if they are equal.

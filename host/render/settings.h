@@ -1,4 +1,5 @@
-// What a picture is asked to be: everything that the user can set about a render.
+// The settings of a render. A new one also gets a row in settings_table.cpp, from which its flag, identity, copied
+// command, stats and widget follow; tests/settings_test.cpp fails without that row.
 #pragma once
 
 #include <cstdint>
@@ -15,8 +16,7 @@ namespace wavepath {
 struct IntegratorKind; // host/render/integrator.h
 const IntegratorKind& default_integrator();
 
-// Light samples, or occlusion rays, of a pixel and frame at most; more come by more frames.
-inline constexpr std::uint32_t kMostFrameRays = 256;
+inline constexpr std::uint32_t kMostFrameRays = 256; // of a kind, for a sample of a pixel; more come by more samples
 
 struct RenderSettings {
   const IntegratorKind* integrator = &default_integrator(); // how light is found; never null
@@ -32,16 +32,17 @@ struct RenderSettings {
   std::uint32_t direct = gpu::kDirectMis;
   std::uint32_t filter = gpu::kFilterBlackmanHarris;
   std::uint32_t seed = 0;
-  // Of the hybrid integrators alone. A frame is one sample of the film.
-  std::uint32_t shadow_samples = 1;    // light samples a pixel and frame
-  std::uint32_t ao_samples = 1;        // occlusion rays a pixel and frame
-  std::optional<double> ao_radius;     // metres, 0 = unlimited; empty: unlimited for ao, a tenth of the scene's radius for hybrid
-  std::optional<glm::vec3> ambient;    // radiance; empty = estimated from the direct light in the picture
+  // Taken by some integrators only.
+  std::uint32_t shadow_samples = 1;    // light samples for every sample of a pixel
+  std::uint32_t ao_samples = 1;        // occlusion rays for every sample of a pixel
+  // Metres, 0 = unlimited; empty: unlimited for ao, a tenth of the scene's radius for hybrid.
+  std::optional<double> ao_radius;
+  std::optional<glm::vec3> ambient; // radiance; empty = estimated from the direct light in the picture
   bool denoise = false;                // filter shadows and occlusion over space and time; biased
-  bool antialias_over_time = false;    // joins every frame to those before it, for a camera in motion; biased
+  bool antialias_over_time = false;    // joins every picture to those before it, for a camera in motion; biased
   bool adaptive = false; // more samples where a pilot, which is thrown away, found more noise
   bool specialize = true;
-  std::vector<std::string> aovs; // names of the contract's --aov
+  std::vector<std::string> aovs; // values of --aov
 
   // For measurements. kFeature bits compiled in though the scene leaves them out, and left out though it needs them.
   std::uint32_t added_features = 0, removed_features = 0;

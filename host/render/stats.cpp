@@ -9,6 +9,7 @@
 #include "host/render/bvh_choice.h"
 #include "host/render/diagnosis.h"
 #include "host/render/integrator.h"
+#include "host/render/settings_table.h"
 #include "host/film/error.h"
 #include "kernels/tile_order.h"
 
@@ -86,6 +87,29 @@ Json error_json(const Run& run) {
   return json;
 }
 
+Json json(const Setting& row, const RenderSettings& settings) {
+  const std::string text = text_of(row, settings);
+  if (text.empty() || !is_taken(row, *settings.integrator)) return nullptr;
+  if (std::holds_alternative<OnOffValue>(row.value) || std::holds_alternative<SwitchValue>(row.value))
+    return text == "on";
+  if (std::holds_alternative<RadianceValue>(row.value)) return Json::parse("[" + text + "]");
+  const bool is_number =
+      std::holds_alternative<WholeValue>(row.value) || std::holds_alternative<NumberValue>(row.value) ||
+      std::holds_alternative<PositiveValue>(row.value) || std::holds_alternative<OptionalNumberValue>(row.value);
+  return is_number ? Json::parse(text) : Json(text);
+}
+
+// Every row of the table by its name with '_' for '-'; null where it is not set, or not taken by the integrator.
+Json settings_json(const RenderSettings& settings) {
+  Json object = Json::object();
+  for (const Setting& row : settings_table()) {
+    std::string key(row.name);
+    std::ranges::replace(key, '-', '_');
+    object[key] = json(row, settings);
+  }
+  return object;
+}
+
 Json nonfinite_json(const Nonfinite& nonfinite, const RenderSettings& settings) {
   Json first = nullptr, by_kernel = Json::object();
   if (nonfinite.first) {
@@ -136,6 +160,7 @@ Json stats_document(const Run& run) {
       {"sampler", kSamplerNames[settings.sampler]},
       {"integrator", settings.integrator->name},
       {"max_depth", settings.max_depth},
+      {"settings", settings_json(settings)},
       {"hybrid", settings.integrator->stats(settings, run.packed, result)},
       {"device",
        {{"name", run.device.name}, {"driver", run.device.driver}, {"type", run.device.type}, {"api", run.device.api}}},

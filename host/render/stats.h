@@ -3,7 +3,6 @@
 
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include <nlohmann/json.hpp>
@@ -14,12 +13,6 @@
 #include "host/scene/pack/pack.h"
 
 namespace wavepath {
-
-// The names of settings, by the values of the kSampler..., kDirect..., kHemisphere... and kFilter... constants.
-inline constexpr std::string_view kSamplerNames[] = {"independent", "stratified", "sobol"};
-inline constexpr std::string_view kDirectNames[] = {"mis", "nee", "bsdf"};
-inline constexpr std::string_view kHemisphereNames[] = {"cosine", "uniform"};
-inline constexpr std::string_view kFilterNames[] = {"box", "gaussian", "blackman-harris"};
 
 // Of the final picture, against --reference.
 struct TrueError {

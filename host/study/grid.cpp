@@ -5,66 +5,28 @@
 
 #include <fmt/format.h>
 
-#include "host/render/integrator.h"
+#include "host/render/settings_table.h"
 
 namespace wavepath {
 
-const std::vector<Dimension>& dimensions() {
-  using S = RenderSettings;
-  const auto shades = [](const S& s) { return s.integrator->finds_light; };
-  const auto rasterizes = [](const S& s) { return !s.integrator->traces_paths; };
-  static const std::vector<Dimension> kDimensions = {
-      {"sampler",
-       {{"independent", [](S& s) { s.sampler = gpu::kSamplerIndependent; }},
-        {"stratified", [](S& s) { s.sampler = gpu::kSamplerStratified; }},
-        {"sobol", [](S& s) { s.sampler = gpu::kSamplerSobol; }}}},
-      {"direct",
-       {{"bsdf", [](S& s) { s.direct = gpu::kDirectBsdf; }},
-        {"nee", [](S& s) { s.direct = gpu::kDirectNee; }},
-        {"mis", [](S& s) { s.direct = gpu::kDirectMis; }}},
-       shades},
-      {"hemisphere",
-       {{"uniform", [](S& s) { s.hemisphere = gpu::kHemisphereUniform; }},
-        {"cosine", [](S& s) { s.hemisphere = gpu::kHemisphereCosine; }}},
-       shades},
-      {"integrator",
-       {{"path", [](S& s) { s.integrator = find_integrator("path"); }},
-        {"hybrid", [](S& s) { s.integrator = find_integrator("hybrid"); }},
-        {"ao", [](S& s) { s.integrator = find_integrator("ao"); }}}},
-      {"shadow-samples",
-       {{"1", [](S& s) { s.shadow_samples = 1; }},
-        {"4", [](S& s) { s.shadow_samples = 4; }},
-        {"16", [](S& s) { s.shadow_samples = 16; }}},
-       [](const S& s) { return takes(*s.integrator, "shadow-samples"); }},
-      {"ao-samples",
-       {{"1", [](S& s) { s.ao_samples = 1; }},
-        {"4", [](S& s) { s.ao_samples = 4; }},
-        {"16", [](S& s) { s.ao_samples = 16; }}},
-       rasterizes},
-      {"denoise", {{"off", [](S& s) { s.denoise = false; }}, {"on", [](S& s) { s.denoise = true; }}}, rasterizes},
-  };
-  return kDimensions;
+std::vector<std::string_view> dimensions() {
+  std::vector<std::string_view> names;
+  for (const Setting& row : settings_table())
+    if (!row.study.empty()) names.push_back(row.name);
+  return names;
 }
 
 namespace {
 
-const Dimension& dimension_of(std::string_view name) {
-  return *std::find_if(dimensions().begin(), dimensions().end(), [&](const Dimension& d) { return d.name == name; });
-}
-
 void apply(const Choice& choice, RenderSettings& settings) {
-  const std::vector<DimensionValue>& values = dimension_of(choice.dimension).values;
-  std::find_if(values.begin(), values.end(), [&](const DimensionValue& v) {
-    return v.name == choice.value;
-  })->apply(settings);
+  read_setting(setting_named(choice.dimension), std::string(choice.value), settings);
 }
 
-// Without the choices that change nothing.
+// Without the choices that the integrator does not take.
 Configuration reduced(const Configuration& full, const RenderSettings& base) {
   Configuration result{{}, base};
   for (const Choice& choice : full.choices) {
-    const auto matters = dimension_of(choice.dimension).matters;
-    if (matters && !matters(full.settings)) continue;
+    if (!is_taken(setting_named(choice.dimension), *full.settings.integrator)) continue;
     result.choices.push_back(choice);
     apply(choice, result.settings);
   }
@@ -110,10 +72,10 @@ std::vector<Configuration> make_grid(const std::vector<std::string>& vary, const
   for (const std::string& name : vary) {
     std::vector<Configuration> finer;
     for (const Configuration& configuration : product)
-      for (const DimensionValue& value : dimension_of(name).values) {
+      for (const std::string_view value : setting_named(name).study) {
         Configuration& next = finer.emplace_back(configuration);
-        next.choices.push_back({dimension_of(name).name, value.name});
-        value.apply(next.settings);
+        next.choices.push_back({setting_named(name).name, value});
+        apply(next.choices.back(), next.settings);
       }
     product = std::move(finer);
   }

@@ -5,22 +5,12 @@
 #include <string_view>
 #include <vector>
 
-#include "host/render/render.h"
+#include "host/render/settings.h"
 
 namespace wavepath {
 
-struct DimensionValue {
-  std::string_view name;
-  void (*apply)(RenderSettings&);
-};
-
-// A flag of `wavepath render`: --NAME VALUE, or --NAME alone for a value of "on". A new one is a row in grid.cpp.
-struct Dimension {
-  std::string_view name;
-  std::vector<DimensionValue> values;               // the naive one first
-  bool (*matters)(const RenderSettings&) = nullptr; // whether the others let it change anything; null = always
-};
-const std::vector<Dimension>& dimensions();
+// The settings that can be varied: rows of the table of settings with values for an axis.
+std::vector<std::string_view> dimensions();
 
 struct Choice {
   std::string_view dimension, value;
@@ -36,11 +26,11 @@ struct Configuration {
   std::string_view value_of(std::string_view dimension) const; // empty where it changes nothing
 };
 
-// The flag that gives a choice; empty where it is what is given without.
+// The flag that gives a choice; empty for a switch that is off.
 std::string flag_of(const Choice& choice);
 
-// Every combination of the values of the dimensions named, which exist; naive ones first. Values that change nothing
-// are left out of a configuration, so that none is there twice.
+// Every combination of the values of the dimensions named, which exist; naive ones first. Values that the integrator
+// does not take are left out of a configuration, so that none is there twice.
 std::vector<Configuration> make_grid(const std::vector<std::string>& vary, const RenderSettings& base);
 
 } // namespace wavepath

@@ -8,8 +8,7 @@
 #include <imgui.h>
 #include <imgui_stdlib.h>
 
-#include "host/render/integrator.h"
-#include "host/render/stats.h"
+#include "host/render/settings_table.h"
 
 namespace wavepath {
 namespace {
@@ -94,28 +93,30 @@ void show_view(PanelState& state) {
   choice("tone curve", kTonemapNames, display.tonemap);
 }
 
+// The widget of a setting, by the kind of its value. True if it was changed.
+bool widget(const Setting& row, RenderSettings& settings) {
+  if (const std::vector<std::string_view> names = choices_of(row); !names.empty()) {
+    auto index = std::ranges::find(names, text_of(row, settings)) - names.begin();
+    if (!choice(row.label, names, index)) return false;
+    read_setting(row, std::string(names[static_cast<std::size_t>(index)]), settings);
+    return true;
+  }
+  if (const auto* number = std::get_if<WholeValue>(&row.value)) {
+    std::uint32_t value = number_of(*number, settings);
+    if (!whole(row.label, value, number->lowest, number->highest)) return false;
+    settings.*number->member = value;
+    return true;
+  }
+  label(row.label);
+  return ImGui::Checkbox(fmt::format("##{}", row.label).c_str(), &(settings.*std::get<SwitchValue>(row.value).member));
+}
+
 void show_transport(PanelState& state, PanelWishes& wishes) {
   RenderSettings& settings = state.settings;
-  std::vector<std::string_view> names;
-  for (const IntegratorKind* kind : integrators()) names.push_back(kind->name);
-  auto integrator = static_cast<std::size_t>(std::ranges::find(integrators(), settings.integrator) - integrators().begin());
-  bool changed = choice("integrator", names, integrator);
-  settings.integrator = integrators()[integrator];
-  changed |= choice("sampler", kSamplerNames, settings.sampler);
-  changed |= choice("direct light", kDirectNames, settings.direct);
-  changed |= whole("bounces, most", settings.max_depth, 0, 1000);
-  changed |= whole("seed", settings.seed, 0, 0x7fffffff);
-  if (whole("samples, spp", settings.last_sample, 1, 1u << 24)) {
-    settings.sample_total = settings.last_sample;
-    changed = true;
-  }
-  if (!settings.integrator->traces_paths) {
-    changed |= whole("shadow rays", settings.shadow_samples, 1, kMostFrameRays);
-    changed |= whole("occlusion rays", settings.ao_samples, 1, kMostFrameRays);
-    label("denoise");
-    changed |= ImGui::Checkbox("##denoise", &settings.denoise);
-  }
-  wishes.settings = changed;
+  const std::uint32_t planned = settings.sample_total;
+  for (const Setting& row : settings_table())
+    if (row.label && is_taken(row, *settings.integrator)) wishes.settings |= widget(row, settings);
+  if (settings.sample_total != planned) settings.last_sample = settings.sample_total;
   label("target error, %");
   auto percent = static_cast<float>(100.0 * state.target_error);
   if (ImGui::InputFloat("##target", &percent, 0.0f, 0.0f, "%.3g")) state.target_error = std::max(0.0f, percent) / 100.0;

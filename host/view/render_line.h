@@ -1,4 +1,4 @@
-// The picture in the window as a command line that makes it again, bit for bit.
+// The picture in the window as a command line that renders the same bits.
 #pragma once
 
 #include <string>

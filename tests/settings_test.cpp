@@ -1,0 +1,252 @@
+// The table of settings against RenderSettings: no member is forgotten, and every row that decides the picture reaches
+// the identity and the copied command, which reads back to the same settings.
+#include "host/render/settings_table.h"
+
+#include <map>
+#include <set>
+#include <sstream>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "host/base/error.h"
+#include "host/cli/render_flags.h"
+#include "host/cli/scene_flags.h"
+#include "host/render/identity.h"
+#ifdef WAVEPATH_VIEWER
+#include "host/view/render_line.h"
+#endif
+
+namespace wavepath::test {
+namespace {
+
+// Every member of RenderSettings as text. A member that is added or removed does not compile here: list it below as
+// well, in a row of the table or among the exemptions.
+std::map<std::string, std::string> members(const RenderSettings& settings) {
+  const auto& [integrator, width, height, first_sample, last_sample, sample_total, time_limit, target_error, max_depth,
+               sampler, hemisphere, direct, filter, seed, shadow_samples, ao_samples, ao_radius, ambient, denoise,
+               antialias_over_time, adaptive, specialize, aovs, added_features, removed_features, room_for_shadow_rays,
+               wave_slots] = settings;
+  const auto text = [](const auto& value) { return fmt::format("{}", value); };
+  return {{"integrator", std::string(integrator->name)},
+          {"width", text(width)},
+          {"height", text(height)},
+          {"first_sample", text(first_sample)},
+          {"last_sample", text(last_sample)},
+          {"sample_total", text(sample_total)},
+          {"time_limit", text(time_limit)},
+          {"target_error", text(target_error)},
+          {"max_depth", text(max_depth)},
+          {"sampler", text(sampler)},
+          {"hemisphere", text(hemisphere)},
+          {"direct", text(direct)},
+          {"filter", text(filter)},
+          {"seed", text(seed)},
+          {"shadow_samples", text(shadow_samples)},
+          {"ao_samples", text(ao_samples)},
+          {"ao_radius", ao_radius ? text(*ao_radius) : "none"},
+          {"ambient", ambient ? fmt::format("{},{},{}", ambient->r, ambient->g, ambient->b) : "none"},
+          {"denoise", text(denoise)},
+          {"antialias_over_time", text(antialias_over_time)},
+          {"adaptive", text(adaptive)},
+          {"specialize", text(specialize)},
+          {"aovs", fmt::format("{}", fmt::join(aovs, ","))},
+          {"added_features", text(added_features)},
+          {"removed_features", text(removed_features)},
+          {"room_for_shadow_rays", text(room_for_shadow_rays)},
+          {"wave_slots", text(wave_slots)}};
+}
+
+// Members that no row sets, and why.
+const std::map<std::string, std::string> kExempt = {
+    {"antialias_over_time", "the window sets it while the camera moves; such pictures are never kept"},
+    {"added_features", "for measurements of kernels; the picture is the same"},
+    {"removed_features", "for measurements of kernels"},
+    {"room_for_shadow_rays", "for measurements of memory; the picture is the same"},
+    {"wave_slots", "for tests of short waves; the picture is the same"},
+};
+
+// An allowed value that differs from the one in `settings`.
+std::string other_value(const Setting& row, const RenderSettings& settings) {
+  const std::string now = text_of(row, settings);
+  const auto differing = [&](std::initializer_list<std::string> values) {
+    for (const std::string& value : values)
+      if (value != now) return value;
+    return std::string();
+  };
+  if (const std::vector<std::string_view> names = choices_of(row); !names.empty())
+    return std::string(names[0] == now ? names[1] : names[0]);
+  if (std::holds_alternative<SwitchValue>(row.value)) return differing({"on", "off"});
+  if (std::holds_alternative<WholeValue>(row.value)) return differing({"7", "8"});
+  if (std::holds_alternative<RadianceValue>(row.value)) return differing({"0.1,0.2,0.3", "1,2,3"});
+  if (row.name == "size") return differing({"33x17", "640x480"});
+  if (row.name == "samples") return differing({"3:5", "4:6"});
+  if (row.name == "aov") return differing({"albedo,depth", "normal"});
+  return differing({"0.1", "0.2"}); // numbers
+}
+
+RenderSettings changed(const Setting& row, const RenderSettings& before) {
+  RenderSettings settings = before;
+  read_setting(row, other_value(row, before), settings);
+  return settings;
+}
+
+// Settings in which a row counts: an integrator that takes it, and the sampler for which the number of samples counts.
+RenderSettings base_for(const Setting& row) {
+  RenderSettings settings;
+  settings.sampler = gpu::kSamplerStratified;
+  for (const IntegratorKind* kind : integrators())
+    if (is_taken(row, *kind)) {
+      settings.integrator = kind;
+      break;
+    }
+  return settings;
+}
+
+std::string identity(const RenderSettings& settings) { return identity_of(1, View{}, settings); }
+
+std::string line_of(const RenderSettings& settings) {
+#ifdef WAVEPATH_VIEWER
+  return render_line("scene.gltf", {}, settings, {}, "");
+#else
+  return "wavepath render scene.gltf" + flags_of(settings);
+#endif
+}
+
+// The settings that `wavepath render` makes of a command line.
+RenderSettings parsed(const std::string& line) {
+  CLI::App app("", "wavepath");
+  CLI::App* command = app.add_subcommand("render", "");
+  SceneRequest scene;
+  RenderRequest request;
+  add_picture_flags(*command, kByRender, request);
+  add_scene_flags(*command, scene, true);
+  add_stop_flags(*command, request);
+  add_transport_flags(*command, kByRender, request);
+  std::istringstream words(line);
+  std::vector<std::string> arguments;
+  for (std::string word; words >> word;) arguments.insert(arguments.begin(), word); // the parser wants them reversed
+  arguments.pop_back();                                                             // the program
+  app.parse(arguments);
+  settle_samples(request);
+  check_integrator(request);
+  return request.settings;
+}
+
+TEST(Settings, EveryMemberIsInARowOrExempt) {
+  std::set<std::string> set_by_rows;
+  for (const Setting& row : settings_table()) {
+    const RenderSettings before = base_for(row), after = changed(row, before);
+    const auto old = members(before);
+    std::size_t count = 0;
+    for (const auto& [name, value] : members(after))
+      if (value != old.at(name)) set_by_rows.insert(name), ++count;
+    EXPECT_GE(count, 1u) << row.name << " sets nothing";
+  }
+  for (const auto& [name, value] : members({}))
+    EXPECT_NE(set_by_rows.contains(name), kExempt.contains(name))
+        << name << (kExempt.contains(name) ? " is exempt but set by a row" : " is in no row of settings_table.cpp");
+}
+
+TEST(Settings, WhatDecidesThePictureIsInTheIdentity) {
+  for (const Setting& row : settings_table()) {
+    const RenderSettings before = base_for(row), after = changed(row, before);
+    if (row.decides == Decides::nothing || row.name == "samples") // parts of one render share an identity
+      EXPECT_EQ(identity(before), identity(after)) << row.name;
+    else
+      EXPECT_NE(identity(before), identity(after)) << row.name;
+  }
+}
+
+TEST(Settings, WhatDecidesThePictureIsCopiedAndReadBack) {
+  for (const Setting& row : settings_table()) {
+    if (row.decides != Decides::picture) continue;
+    const RenderSettings before = base_for(row), after = changed(row, before);
+    const std::string line = line_of(after);
+    EXPECT_NE(line.find(" " + flag_text(row, after)), std::string::npos) << row.name << ": " << line;
+    EXPECT_NE(line, line_of(before)) << row.name;
+    const RenderSettings again = parsed(line);
+    EXPECT_EQ(identity(again), identity(after)) << line;
+    for (const Setting& other : settings_table())
+      EXPECT_EQ(text_of(other, again), text_of(other, after)) << other.name << " of " << line;
+  }
+}
+
+TEST(Settings, EveryValueReadsBackAsWritten) {
+  for (const Setting& row : settings_table()) {
+    const RenderSettings settings = changed(row, base_for(row));
+    RenderSettings again = base_for(row);
+    read_setting(row, text_of(row, settings), again);
+    EXPECT_EQ(members(again), members(settings)) << row.name;
+  }
+}
+
+// Neighbouring numbers differ in the identity: it tells all bits.
+TEST(Settings, NumbersAreExact) {
+  RenderSettings one;
+  one.integrator = find_integrator("hybrid");
+  one.ao_radius = 0.1;
+  one.ambient = glm::vec3(0.1f);
+  RenderSettings other = one;
+  other.ao_radius = std::nextafter(0.1, 1.0);
+  EXPECT_NE(identity(one), identity(other));
+  EXPECT_EQ(parsed(line_of(other)).ao_radius, other.ao_radius);
+  other = one;
+  other.ambient->b = std::nextafter(0.1f, 1.0f);
+  EXPECT_NE(identity(one), identity(other));
+  EXPECT_EQ(parsed(line_of(other)).ambient, other.ambient);
+}
+
+TEST(Settings, ARowIsNamedOnceAndListedByWhoTakesIt) {
+  std::set<std::string_view> names, listed;
+  for (const Setting& row : settings_table()) EXPECT_TRUE(names.insert(row.name).second) << row.name;
+  for (const IntegratorKind* kind : integrators())
+    for (const std::string_view name : kind->settings) {
+      listed.insert(name);
+      if (name != "pixel") EXPECT_TRUE(names.contains(name)) << kind->name << " lists " << name; // of the replay
+    }
+  for (const Setting& row : settings_table()) {
+    EXPECT_EQ(row.takers != Takers::all, listed.contains(row.name)) << row.name;
+    EXPECT_NE(row.offered, 0u) << row.name;
+  }
+}
+
+// Values on the axis of a study are values of the flag. The panel has no widget for other kinds of values yet.
+TEST(Settings, AxesAndWidgetsFit) {
+  for (const Setting& row : settings_table()) {
+    for (const std::string_view value : row.study) {
+      RenderSettings settings = base_for(row);
+      read_setting(row, std::string(value), settings);
+      EXPECT_EQ(text_of(row, settings), value) << row.name;
+    }
+    if (row.label)
+      EXPECT_TRUE(!choices_of(row).empty() || std::holds_alternative<WholeValue>(row.value) ||
+                  std::holds_alternative<SwitchValue>(row.value))
+          << row.name;
+  }
+}
+
+void expect_refused(const std::string& flags, const std::string& message) {
+  try {
+    parsed("wavepath render scene.gltf " + flags);
+    ADD_FAILURE() << flags << " was taken";
+  } catch (const UsageError& error) {
+    EXPECT_NE(std::string(error.what()).find(message), std::string::npos) << error.what();
+  }
+}
+
+TEST(Settings, WhatWouldChangeThePictureIsRefusedWhereItIsNotTaken) {
+  expect_refused("--denoise",
+                 "--denoise: is not taken by --integrator path; use --integrator hybrid or ao, or leave it out");
+  expect_refused("--ambient 1,1,1", "--ambient: is not taken by --integrator path; use --integrator hybrid");
+  expect_refused("--ao-radius 2", "--ao-radius: is not taken by --integrator path");
+  expect_refused("--integrator ao --ambient 1,1,1", "--ambient: is not taken by --integrator ao");
+  expect_refused("--aov ao", "--aov ao: is not taken by --integrator path; use --integrator hybrid or ao");
+  expect_refused("--integrator hybrid --adaptive",
+                 "--adaptive: is not taken by --integrator hybrid; use --integrator path");
+  for (const char* flags : {"--shadow-samples 4 --ao-samples 4", "--integrator ao --direct nee --hemisphere uniform"})
+    EXPECT_NO_THROW(parsed(std::string("wavepath render scene.gltf ") + flags)) << "changes the noise alone";
+}
+
+} // namespace
+} // namespace wavepath::test
