@@ -4,12 +4,13 @@
 
 #include "host/integrators/hybrid/kind.h"
 #include "host/integrators/path/kind.h"
+#include "host/integrators/whitted/kind.h"
 #include "host/render/integrator.h"
 
 namespace wavepath {
 
 std::span<const IntegratorKind* const> integrators() {
-  static constexpr std::array kAll = {&kPath, &kHybrid, &kAo};
+  static constexpr std::array kAll = {&kPath, &kHybrid, &kAo, &kWhitted};
   return kAll;
 }
 

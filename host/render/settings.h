@@ -13,6 +13,9 @@
 
 namespace wavepath {
 
+// Which rays of a smooth interface Whitted's ray tracer follows: reflection and refraction, or one of them at random.
+inline constexpr std::uint32_t kBranchingTree = 0, kBranchingChoice = 1;
+
 struct IntegratorKind; // host/render/integrator.h
 const IntegratorKind& default_integrator();
 
@@ -38,6 +41,8 @@ struct RenderSettings {
   // Metres, 0 = unlimited; empty: unlimited for ao, a tenth of the scene's radius for hybrid.
   std::optional<double> ao_radius;
   std::optional<glm::vec3> ambient; // radiance; empty = estimated from the direct light in the picture
+  std::uint32_t branching = kBranchingTree;
+  double cutoff = 1.0 / 256.0; // weight below which rays are not followed; biased unless it is 0
   bool denoise = false;                // filter shadows and occlusion over space and time; biased
   bool antialias_over_time = false;    // joins every picture to those before it, for a camera in motion; biased
   bool adaptive = false; // more samples where a pilot, which is thrown away, found more noise

@@ -10,11 +10,12 @@
 
 namespace wavepath {
 
-// By the values of the kSampler..., kDirect..., kHemisphere... and kFilter... constants.
+// By the values of the kSampler..., kDirect..., kHemisphere..., kFilter... and kBranching... constants.
 inline constexpr std::string_view kSamplerNames[] = {"independent", "stratified", "sobol"};
 inline constexpr std::string_view kDirectNames[] = {"mis", "nee", "bsdf"};
 inline constexpr std::string_view kHemisphereNames[] = {"cosine", "uniform"};
 inline constexpr std::string_view kFilterNames[] = {"box", "gaussian", "blackman-harris"};
+inline constexpr std::string_view kBranchingNames[] = {"tree", "choice"};
 
 std::span<const Setting> settings_table();
 // The row of that name, which must exist.

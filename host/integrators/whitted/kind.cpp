@@ -1,0 +1,61 @@
+#include "host/integrators/whitted/kind.h"
+
+#include <algorithm>
+#include <array>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "host/integrators/whitted/whitted.h"
+
+namespace wavepath {
+namespace {
+
+constexpr std::array<std::string_view, 4> kSettings = {"adaptive", "ambient", "branching", "cutoff"};
+constexpr std::array<std::string_view, 1> kFirstHitStages = {"whitted"};
+
+void start_kernels(KernelCompiler& kernels, const DeviceInfo&, std::uint32_t features, const RenderSettings& settings) {
+  const KernelConfig config = kernel_config(features, kExpectedStack, settings);
+  kernels.start({&kWhittedProgram, 1, config});
+  kernels.start({&kPathProgram, stage_bits({kAccumulate}), config});
+}
+
+std::vector<std::string> bias(const RenderSettings& settings, const RenderResult&) {
+  std::vector<std::string> bias = {
+      fmt::format("light that more than one rough surface has scattered is left out, and so is what rough surfaces mirror of "
+                  "others; mirrors and glass are followed for {} bounces (--integrator whitted, --max-depth)",
+                  settings.max_depth)};
+  if (settings.cutoff > 0.0) bias.push_back(fmt::format("rays of weight {:.3g} and less are not followed (--cutoff)", settings.cutoff));
+  if (settings.ambient)
+    bias.push_back(fmt::format("an ambient term of radiance {:.3g},{:.3g},{:.3g} stands for other light (--ambient)",
+                               settings.ambient->r, settings.ambient->g, settings.ambient->b));
+  return bias;
+}
+
+std::vector<OmittedStage> omitted(const RenderSettings&) {
+  return {{"path kernels generate, extend, shade and connect, and their queues", "one kernel follows the tree of every ray"}};
+}
+
+} // namespace
+
+constinit const IntegratorKind kWhitted = {
+    .name = "whitted",
+    .summary = "Whitted's ray tracer: direct light, mirrors and glass",
+    .settings = kSettings,
+    .first_hit_stages = kFirstHitStages,
+    .features = [](const RenderSettings& settings) -> std::uint32_t { return settings.aovs.empty() ? 0 : gpu::kFeatureAovs; },
+    .start_kernels = start_kernels,
+    .bytes_per_slot = [](std::uint32_t features) { return bytes_per_path(features, kStatesAlone); },
+    .largest_record = sizeof(gpu::PathAovs),
+    .slots_per_pixel = [](const RenderSettings&) { return 1u; },
+    .bytes_per_pixel = [](const RenderSettings&) { return std::uint64_t{0}; },
+    .is_biased = [](const RenderSettings&) { return true; },
+    .bias = bias,
+    .omitted = omitted,
+    .stats = [](const RenderSettings&, const PackedScene&, const RenderResult&) { return nlohmann::ordered_json(); },
+    .make = [](Workspace& workspace, KernelCompiler& kernels) -> std::unique_ptr<Integrator> {
+      return std::make_unique<Whitted>(workspace, kernels);
+    },
+};
+
+} // namespace wavepath

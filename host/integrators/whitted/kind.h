@@ -1,0 +1,11 @@
+// Whitted's ray tracer as an integrator.
+#pragma once
+
+#include "host/render/integrator.h"
+
+namespace wavepath {
+
+// Camera rays, a shadow ray to every light, mirror and glass branches, an ambient term (Whitted 1980).
+extern const IntegratorKind kWhitted;
+
+} // namespace wavepath

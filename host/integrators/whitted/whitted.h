@@ -1,0 +1,38 @@
+// Whitted's ray tracer: one kernel follows the tree of every camera ray.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "host/integrators/path/paths.h"
+#include "kernels/whitted/whitted_types.h"
+
+namespace wavepath {
+
+class Whitted : public Integrator {
+public:
+  Whitted(Workspace& workspace, KernelCompiler& kernels);
+
+  void change(const View& view, const RenderSettings& settings, Past past) override;
+  bool is_ready() override;
+  double get_ready() override;
+  std::uint32_t most_samples() const override;
+  void begin_pass(WaveQueue&, std::uint32_t) override {}
+  gpu::Wave wave(const FilmBand& band, std::uint32_t first_place, std::uint32_t pixel_count, std::uint32_t first_sample,
+                 std::uint32_t count) const override;
+  void record_wave(Commands& commands, std::size_t band, const gpu::Wave& wave) override;
+  std::uint32_t timed_dispatches() const override { return 2; }
+  std::uint64_t bytes() const override { return paths_.buffers.bytes() + buffers_.bytes(); }
+
+private:
+  Workspace& workspace_;
+  KernelCompiler& kernels_;
+  Paths paths_; // the samples of a wave, and the kernel that adds them to the film
+  BufferSet buffers_;
+  KernelNeed need_;
+  std::vector<std::unique_ptr<BindingSet>> sets_; // by band
+};
+
+extern const KernelProgram kWhittedProgram;
+
+} // namespace wavepath
