@@ -2,6 +2,7 @@
 // the identity and the copied command, which reads back to the same settings.
 #include "host/render/settings_table.h"
 
+#include <cmath>
 #include <map>
 #include <set>
 #include <sstream>
@@ -77,7 +78,7 @@ std::string other_value(const Setting& row, const RenderSettings& settings) {
   if (const std::vector<std::string_view> names = choices_of(row); !names.empty())
     return std::string(names[0] == now ? names[1] : names[0]);
   if (std::holds_alternative<SwitchValue>(row.value)) return differing({"on", "off"});
-  if (std::holds_alternative<WholeValue>(row.value)) return differing({"7", "8"});
+  if (std::holds_alternative<WholeValue>(row.value)) return differing({"128", "129"});
   if (std::holds_alternative<RadianceValue>(row.value)) return differing({"0.1,0.2,0.3", "1,2,3"});
   if (row.name == "size") return differing({"33x17", "640x480"});
   if (row.name == "samples") return differing({"3:5", "4:6"});
@@ -95,6 +96,7 @@ RenderSettings changed(const Setting& row, const RenderSettings& before) {
 RenderSettings base_for(const Setting& row) {
   RenderSettings settings;
   settings.sampler = gpu::kSamplerStratified;
+  settings.sample_total = settings.last_sample;
   for (const IntegratorKind* kind : integrators())
     if (is_taken(row, *kind)) {
       settings.integrator = kind;

@@ -1,4 +1,4 @@
-// wavepath bench: loads, packs, measures, tells, and judges against an earlier run.
+// wavepath bench: loads, packs, measures, reports, and compares with an earlier run.
 #include <cstdio>
 #include <cstdlib>
 #include <memory>
@@ -34,7 +34,7 @@ struct Request {
   double threshold = 10.0; // percent
 };
 
-// Kernels are to be compiled, not fetched: whoever asks what compiling costs wants to know that.
+// Compile times are measured, so no kernel may come from a cache.
 void turn_kernel_caches_off() {
   setenv("WAVEPATH_CACHE", "off", 1);
   setenv("MESA_SHADER_CACHE_DISABLE", "true", 1); // Mesa

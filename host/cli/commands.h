@@ -10,10 +10,10 @@
 
 namespace wavepath {
 
-// Runs a parsed command and returns its exit code. Throws Error.
+// Runs a parsed command and returns its exit code; throws Error.
 using Command = std::function<int()>;
 
-// Exit codes of the contract that are not errors.
+// The exit codes, which scripts rely on.
 inline constexpr int kExitDone = 0, kExitFailed = 1, kExitUsage = 2, kExitTargetMissed = 3, kExitInterrupted = 130;
 
 // `command_line`: as the user typed it, for the record.
@@ -29,7 +29,7 @@ Command add_study(CLI::App& app, const std::string& command_line);
 // Parses, runs and returns the exit code. Throws Error, and UsageError for a command line that makes no sense.
 int run(int argument_count, const char* const* arguments);
 
-// One line a kind, on stderr.
+// Prints one line for each kind of warning on stderr.
 void print_warnings(const Warnings& warnings);
 
 } // namespace wavepath

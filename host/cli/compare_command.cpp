@@ -31,7 +31,7 @@ struct Request {
   bool json = false;
 };
 
-// Metrics that --max can bound: all of which less is better.
+// Metrics that --max can bound: all those where less is better.
 const std::string_view kBoundable[] = {"mse", "relmse", "mrse", "relative_rms", "flip", "max", "p99.9"};
 
 bool is_display(const std::string& path) {

@@ -65,7 +65,7 @@ std::string HelpLayout::make_help(const CLI::App* app, std::string, CLI::AppForm
     out +=
         "  " + command->get_name() + wrap(command->get_description(), kMeaningColumn, command->get_name().size() + 2);
 
-  // The parser lists its own --help first; readers want it last.
+  // The parser lists its own --help first; it belongs last.
   std::vector<std::string> groups = app->get_groups();
   std::stable_partition(groups.begin(), groups.end(), [](const std::string& group) { return group != kHelpGroup; });
   for (const std::string& group : groups) {

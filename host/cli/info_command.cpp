@@ -1,4 +1,4 @@
-// wavepath info: what this machine offers, and what a scene holds and needs.
+// wavepath info: the Vulkan devices of this machine, or the contents and needs of a scene.
 #include <memory>
 
 #include <fmt/format.h>

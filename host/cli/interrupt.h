@@ -1,4 +1,4 @@
-// Signals: Ctrl-C asks politely first, and a file that grows too large is an error rather than the end.
+// Signals: the first Ctrl-C requests an orderly end; exceeding the file size limit is an error of the write.
 #pragma once
 
 namespace wavepath {

@@ -13,7 +13,7 @@
 namespace wavepath {
 namespace {
 
-// Compiles what the scene will most likely need. A wrong guess costs time alone.
+// Compiles the kernels that the scene will most likely need. A wrong guess costs only time.
 void begin_kernels(KernelCompiler& kernels, const DeviceInfo& device, const Scene& scene,
                    const RenderSettings& settings) {
   std::uint32_t features = expected_features(scene, settings.direct) | features_of(settings);

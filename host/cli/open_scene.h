@@ -1,4 +1,4 @@
-// From a scene file to what is ready to be packed, with the device and the kernels for it under way meanwhile.
+// Reads a scene file; meanwhile the device opens and the kernels for the scene compile.
 #pragma once
 
 #include <memory>

@@ -1,4 +1,4 @@
-// The progress line and where it goes.
+// The progress line, and how it is printed.
 #include "host/cli/progress.h"
 
 #include <algorithm>
@@ -20,7 +20,7 @@ namespace {
 
 constexpr std::chrono::milliseconds kRedraw{100}, kLineInterval{5000};
 
-// Seconds to go: whichever limit ends the render first. The error is taken to go on falling as it did.
+// Seconds left until the first limit ends the render. The error is assumed to go on falling at its present rate.
 double seconds_left(const Progress& progress, double time_limit, double target_error) {
   double left = std::numeric_limits<double>::infinity();
   if (progress.fraction > 0.0) left = progress.seconds * (1.0 - progress.fraction) / progress.fraction;
@@ -48,7 +48,7 @@ std::string duration_text(double seconds) {
 
 std::string progress_text(const Progress& progress, double time_limit, double target_error, int bar_width) {
   const double left = seconds_left(progress, time_limit, target_error);
-  // With a time limit or a target the share of the samples would tell little; the share of the time is what counts.
+  // With a time limit or a target error, samples seldom end the render, so the bar shows the share of the time.
   const double done = progress.seconds + left > 0.0 && std::isfinite(left)
                           ? progress.seconds / (progress.seconds + left)
                           : progress.fraction;

@@ -1,4 +1,4 @@
-// wavepath render: checks, loads, packs, renders, writes, reports.
+// wavepath render: checks the request, prepares the scene, renders, writes and reports.
 #include <algorithm>
 #include <chrono>
 #include <exception>
@@ -47,7 +47,7 @@ struct Request {
   std::string command_line;
 };
 
-// Everything that can be known to fail is refused before the time of loading and rendering is spent.
+// Refuses files that cannot be read or written.
 void check_files(Request& request) {
   OutputRequest& output = request.output;
   if (output.pictures.empty()) output.pictures = {std::filesystem::path(request.scene.path).stem().string() + ".exr"};
@@ -234,7 +234,7 @@ RenderResult render_prepared(const Request& request, Prepared& prepared, const s
   return render_shown(request, *prepared.device, prepared.packed, prepared.view, *prepared.kernels, hooks);
 }
 
-// What the depth costs, where it is told to anyone. Of integrators whose paths it cuts.
+// What the depth costs, where a report tells it. Of integrators whose paths it cuts.
 std::optional<DepthCut> depth_cut(const Request& request, Prepared& prepared, const RenderResult& result) {
   const RenderSettings& settings = request.render.settings;
   const bool reported = !request.output.stats.empty() || request.output.json || request.output.verbose;
@@ -242,7 +242,7 @@ std::optional<DepthCut> depth_cut(const Request& request, Prepared& prepared, co
   return measure_depth_cut(*prepared.device, prepared.packed, prepared.view, settings, *prepared.kernels);
 }
 
-// Writes the pictures, tells what the run measured, and returns the exit code. Throws Error.
+// Writes the pictures, reports what the run measured, and returns the exit code. Throws Error.
 int finish(const Request& request, Prepared& prepared, Run& run) {
   const RenderSettings& settings = request.render.settings;
   const RenderResult& result = run.result;

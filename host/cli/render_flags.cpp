@@ -64,8 +64,7 @@ void add_settings(CLI::App& app, Offer command, SettingGroup group, RenderReques
       request.given.push_back(row.name);
     };
     if (std::holds_alternative<SwitchValue>(row.value))
-      add_switch(app, heading, flag_of(row, wording),
-                 [read](bool on) { read(FlagValue{{}, on ? "on" : "off"}); });
+      add_switch(app, heading, flag_of(row, wording), [read](bool on) { read(FlagValue{{}, on ? "on" : "off"}); });
     else
       add_flag(app, heading, flag_of(row, wording), read);
   }
@@ -148,8 +147,7 @@ void add_tone_flags(CLI::App& app, WriteOptions& options) {
 void add_picture_output_flags(CLI::App& app, OutputRequest& request, const char* initial) {
   const char* group = "Output";
   add_flag(
-      app, group,
-      {"-o,--output", "FILE", "repeatable; .exr and .hdr linear, .png and .jpg tonemapped", initial},
+      app, group, {"-o,--output", "FILE", "repeatable; .exr and .hdr linear, .png and .jpg tonemapped", initial},
       [&](const FlagValue& value) { request.pictures.push_back(value.text); }, true);
   add_switch(app, group, {"--half", "", "EXR with 16-bit floats", "off: 32-bit"}, request.write.half);
   add_tone_flags(app, request.write);

@@ -1,4 +1,4 @@
-// The flags that say how to render and where the result goes.
+// The flags of the render: its settings, when to stop, which files to write.
 #pragma once
 
 #include <cstdint>
@@ -35,7 +35,7 @@ struct StateRequest {
 struct RenderRequest {
   RenderSettings settings;             // its sample range is complete after settle_samples()
   std::vector<std::string_view> given; // names of the settings that the command line has
-  std::optional<bvh::Quality> bvh; // empty = chosen from the number of rays
+  std::optional<bvh::Quality> bvh;     // empty = chosen from the number of rays
   std::string device;
   std::optional<glm::dvec3> origin; // empty = the eye
   bool strict = false;

@@ -1,4 +1,4 @@
-// The end of a render, told to the user.
+// Reports a finished render to the user.
 #include "host/cli/report.h"
 
 #include <cmath>
@@ -74,7 +74,8 @@ std::string describe_first(const Nonfinite& nonfinite, const RenderSettings& set
   const NonfiniteSample& first = nonfinite.first.value();
   const glm::uvec2 at = gpu::pixel_in_tile_order(first.pixel, settings.width, settings.height);
   return fmt::format(
-      "the first in pixel {},{}, sample {}, seed {}, made by {}; these flags and --pixel {},{} --sample {} --seed {} replay it",
+      "the first in pixel {},{}, sample {}, seed {}, made by {}; these flags and --pixel {},{} --sample {} --seed {} "
+      "replay it",
       at.x, at.y, first.sample, settings.seed, kMakerNames[first.maker], at.x, at.y, first.sample, settings.seed);
 }
 

@@ -1,4 +1,4 @@
-// What a render tells when it is done: stats document, warnings, summary.
+// The report of a finished render: stats document, warnings, summary.
 #pragma once
 
 #include <optional>
@@ -12,7 +12,7 @@
 
 namespace wavepath {
 
-// What of these settings keeps the expected picture from being the full light transport.
+// Every reason why the expected picture is not the full light transport, a sentence each.
 // `cut`: what the depth costs, if that was measured.
 std::vector<std::string> list_bias(const RenderSettings& settings, const RenderResult& result,
                                    const std::optional<DepthCut>& cut);

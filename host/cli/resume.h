@@ -1,4 +1,4 @@
-// The state of a render on disk: what it goes on from, and how it is kept.
+// Reads and writes the state of a render on disk.
 #pragma once
 
 #include <functional>
@@ -15,7 +15,7 @@ namespace wavepath {
 // Refuses, before anything is loaded, a state that would be overwritten unasked or could not be written. Throws Error.
 void check_state_file(const StateRequest& request);
 
-// What --resume asks for; nothing where no render has been begun yet. Throws Error if the state is of another render.
+// The state that --resume names; nothing if there is no such file yet. Throws Error if the state is of another render.
 std::optional<RenderState> read_resumed(const StateRequest& request, const RenderSettings& settings,
                                         const std::string& identity, const DeviceInfo& device, Warnings& warnings);
 

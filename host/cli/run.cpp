@@ -1,4 +1,4 @@
-// From the command line to a command.
+// Parses the command line and runs the command.
 #include <map>
 #include <vector>
 
@@ -34,7 +34,7 @@ std::vector<std::string> flag_names(const CLI::App& app) {
   return names;
 }
 
-// Throws UsageError for what the parser could not place: an unknown flag or command, with what was probably meant.
+// Throws UsageError for unknown flags and commands, with the nearest known name.
 void refuse_leftovers(const CLI::App& app, const CLI::App* chosen) {
   const CLI::App& command = chosen ? *chosen : app;
   const std::string title = chosen ? "wavepath " + command.get_name() : "wavepath", help = "see " + title + " --help";

@@ -17,7 +17,7 @@ namespace {
 
 constexpr double kLargest = std::numeric_limits<float>::max();
 
-// What is no file but has two commas is meant as radiance, and then has to be one.
+// A value with two commas that names no file must be a radiance.
 void read_environment(const FlagValue& value, SceneRequest& request) {
   std::error_code error;
   const bool radiance =
@@ -78,7 +78,7 @@ void add_view_flags(CLI::App& app, ViewRequest& request) {
 }
 
 Scene load_scene(const SceneRequest& request, const SceneDescribed& described) {
-  // A map that cannot be read should not cost the time of reading the scene.
+  // Read first, so that an unreadable map is refused before the time of reading the scene is spent.
   std::optional<Environment> environment;
   if (!request.environment.empty()) environment = find_environment(request, {});
   return load_gltf(request.path, request.load, [&](Scene& scene) {

@@ -1,4 +1,4 @@
-// The flags that say what is seen: scene file, pose, camera and environment.
+// The flags of scene file, pose, camera and environment.
 #pragma once
 
 #include <optional>

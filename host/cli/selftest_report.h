@@ -1,4 +1,4 @@
-// Runs cases of the numerical suite and prints, a line a case or as one JSON document, what came out.
+// Runs cases of the numerical suite and prints the results, a line for each case or as one JSON document.
 #pragma once
 
 #include <span>

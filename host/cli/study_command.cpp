@@ -1,4 +1,4 @@
-// wavepath study: checks, loads, renders the grid, writes the folder and its page.
+// wavepath study: checks, loads, renders the grid, writes the folder with its report.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -40,7 +40,7 @@ struct Request {
 };
 
 constexpr std::uint32_t kSide = 256; // small enough for a whole grid to be done in minutes without a GPU
-constexpr std::uint32_t kHighestSeed = 1u << 29; // those of the points and of the reference are above it
+constexpr std::uint32_t kHighestSeed = 1u << 29; // points add to it, and the reference sets bit 30
 
 void read_dimensions(const FlagValue& value, std::vector<std::string>& vary) {
   vary = value.list(dimensions());
@@ -52,7 +52,7 @@ void read_dimensions(const FlagValue& value, std::vector<std::string>& vary) {
                    "vary the integrator as well");
 }
 
-// Everything that can be known to fail is refused before the time of rendering is spent; nothing is made yet.
+// Refuses what cannot work before the time of rendering is spent. Creates nothing yet.
 void check_files(const Request& request) {
   std::error_code error;
   if (!fs::is_regular_file(request.scene.path, error))
@@ -103,7 +103,7 @@ std::string repeat_command(const CLI::App& app, const Request& request, bvh::Qua
   return line + fmt::format(" --bvh {}", kQualityNames[static_cast<std::size_t>(quality)]);
 }
 
-// One line that is drawn over on a terminal; elsewhere one at most every 5 s.
+// One line: redrawn on a terminal, elsewhere printed at most every 5 s.
 class StudyDisplay {
 public:
   StudyDisplay(bool quiet, double budget) : quiet_(quiet), terminal_(isatty(STDERR_FILENO) != 0), budget_(budget) {}
@@ -160,7 +160,7 @@ int run_study_command(const CLI::App& app, Request& request) {
   const bvh::Quality quality = choose_quality(whole, plan(scene).triangles_stored, device.info());
   const StudyScene packed = pack_scene(scene, request, quality);
   scene = Scene{};
-  // One radius for all, so that one reference of occlusion serves all: the hybrid's own.
+  // All configurations use the default radius of hybrid, so that one reference of occlusion serves them all.
   RenderSettings hybrid = settings.render;
   hybrid.integrator = &kHybrid;
   settings.render.ao_radius = occlusion_radius(packed.packed.at(gpu::kDirectMis), hybrid);

@@ -52,7 +52,7 @@ Json shadow_json(const std::optional<ShadowTrace>& shadow, const PackedScene& sc
 }
 
 Json vertex_json(const PathVertex& vertex, const PackedScene& scene) {
-  Json pdf = nullptr; // of a direction that could be no other
+  Json pdf = nullptr; // a delta direction has none
   if (!(vertex.scattered.bsdf_pdf < 0.0f)) pdf = number(vertex.scattered.bsdf_pdf);
   return {{"origin", vector(glm::dvec3(vertex.ray.origin) + scene.origin)},
           {"direction", vector(vertex.ray.direction)},

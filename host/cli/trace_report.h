@@ -1,4 +1,4 @@
-// The trace of one path, told to the user.
+// Prints the trace of one path.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@ namespace wavepath {
 // Positions are in the scene's world. Numbers that are not finite are the texts "inf", "-inf" and "nan".
 nlohmann::ordered_json trace_document(const PathTrace& trace, const PackedScene& scene, const RenderSettings& settings);
 
-// The same for people, from that document.
+// That document as text for a terminal.
 std::string trace_text(const nlohmann::ordered_json& document);
 
 } // namespace wavepath

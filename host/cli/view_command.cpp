@@ -67,7 +67,7 @@ void check(Request& request) {
 
 #ifdef WAVEPATH_VIEWER
 
-// The scene in the window, and what keeps it there.
+// The scene in the window, with the device, the kernels and the render that the window shows.
 class Viewing {
 public:
   explicit Viewing(const Request& request)
@@ -79,7 +79,7 @@ public:
     const DeviceInfo& device = open_.device->info();
     quality_ = request.render.bvh.value_or(choose_quality(expected, plan(open_.scene).triangles_stored, device));
     require_memory_for(request.scene.path, settings, plan(open_.scene, quality_), device);
-    // Lights are packed whatever --direct says, so that it can be changed.
+    // Lights are packed even for --direct bsdf, because the panel can change that setting.
     packed_ = pack(open_.scene, gpu::kDirectMis, quality_, request.render.origin.value_or(view.position));
     print_warnings(open_.scene.warnings);
     environment_ = {request.scene.environment, request.scene.environment_intensity, request.scene.environment_degrees};
@@ -126,7 +126,7 @@ private:
     return flags;
   }
 
-  // What of the result decides how it is biased.
+  // The parts of the result that list_bias() reads.
   RenderResult so_far() const {
     RenderResult result;
     result.nonfinite = progressive_->nonfinite();
@@ -169,7 +169,7 @@ private:
     std::swap(packed_, other);
     try {
       progressive_->set_scene(packed_, view);
-    } catch (...) { // it does not fit on the device; what was there does
+    } catch (...) { // the new scene does not fit on the device; the old one does
       std::swap(packed_, other);
       open_.scene.environment = before;
       progressive_->set_scene(packed_, view);

@@ -57,7 +57,7 @@ Json seconds_json(const Run& run) {
           {"total", run.total_seconds}};
 }
 
-// What halving the error once more would take on top, if it goes on falling as it did.
+// Seconds and samples that halving the error would take in addition, if it goes on falling at its present rate.
 Json next_halving_json(const RenderResult& result) {
   const double growth = growth_for(2.0, result.slope),
                more = growth_for(2.0, fit_slope(result.checkpoints, Against::spp));

@@ -20,7 +20,7 @@ struct TrueError {
   double flip = 0.0; // mean
 };
 
-// What a run consisted of. References stay valid while the document is made.
+// A run of `wavepath render`. The references must stay valid while the document is made.
 struct Run {
   std::string scene, command;
   const DeviceInfo& device;
@@ -36,7 +36,7 @@ struct Run {
   std::vector<std::string> bias{};
 };
 
-// What was built: quality, seconds, expected cost, size, and the copies of triangles that spatial splits made.
+// The BVH: quality, seconds to build, expected cost, size, and copies of triangles made by spatial splits.
 nlohmann::ordered_json bvh_json(const PackedScene& packed);
 
 nlohmann::ordered_json stats_document(const Run& run);

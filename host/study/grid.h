@@ -1,4 +1,4 @@
-// What a study can vary, and the configurations that come of it.
+// The settings that a study can vary, and the grid of configurations that they span.
 #pragma once
 
 #include <string>

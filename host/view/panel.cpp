@@ -39,7 +39,7 @@ bool choice(const char* name, std::span<const std::string_view> names, Value& va
   return changed;
 }
 
-// A whole number that counts only when it is entered whole.
+// A whole number, taken when it is entered with Return or a step button.
 bool whole(const char* name, std::uint32_t& value, std::uint32_t least, std::uint32_t most) {
   label(name);
   const std::uint32_t step = 1;

@@ -1,4 +1,4 @@
-// The panel: what can be set, and what there is to know. Widgets over plain values; acting on them is the window's.
+// The panel of the window: widgets that show and change plain values. The window acts on the changes.
 #pragma once
 
 #include <optional>
@@ -11,17 +11,17 @@
 
 namespace wavepath {
 
-// As the widgets hold it.
+// What the widgets change.
 struct PanelState {
   bool visible = true;
   RenderSettings settings;
   DisplayOptions display;
   EnvironmentChoice environment;
   double target_error = 0.0; // relative RMS; 0 = none
-  std::string message;       // what was done last, or why not
+  std::string message;       // result of the last action, or why it failed
 };
 
-// What is told but not set.
+// What the panel shows but does not change.
 struct PanelFacts {
   std::string scene, device;
   ProgressiveStatus status;
@@ -31,9 +31,9 @@ struct PanelFacts {
   bool sets_environment = false;
 };
 
-// What was asked for since the last frame.
+// What the user asked for since the panel was last drawn.
 struct PanelWishes {
-  bool settings = false, environment = false; // changed, and to be taken
+  bool settings = false, environment = false; // changed; the window has to apply them
   bool save_exr = false, save_png = false, copy = false, reset = false, frame = false;
   std::optional<std::size_t> camera;
 };
