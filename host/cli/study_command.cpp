@@ -22,6 +22,7 @@
 #include "host/render/bvh_choice.h"
 #include "host/integrators/hybrid/hybrid.h"
 #include "host/render/stats.h"
+#include "host/scene/pack/plan.h"
 #include "host/study/page.h"
 #include "host/study/study_report.h"
 

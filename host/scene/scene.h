@@ -1,5 +1,5 @@
-// A scene as plain arrays and indices: what glTF says, decoded and validated, before anything is laid out for the device.
-// Units and axes are glTF's: metres, right-handed, +Y up. Colours are linear unless an image says otherwise.
+// A scene as plain arrays and indices: the contents of a glTF file, decoded and validated, not yet packed for the
+// device. Units and axes are glTF's: metres, right-handed, +Y up. Colours are linear unless an image says otherwise.
 #pragma once
 
 #include <cstdint>
@@ -28,7 +28,8 @@ struct Primitive {
   bool has_normals = false;   // otherwise flat
 };
 
-// Triangles in the mesh's own space, morphed and (if skinned) already placed. Vertex arrays are empty or position-sized.
+// Triangles in the mesh's own space, morphed and (if skinned) already placed. Vertex arrays are empty or
+// position-sized.
 struct Mesh {
   std::string name;
   std::vector<glm::vec3> positions;
@@ -61,11 +62,12 @@ struct PunctualLight {
   LightKind kind = LightKind::point;
   glm::vec3 intensity{1.0f}; // colour * intensity: candela, or lux for directional
   glm::dvec3 position{0.0};
-  glm::dvec3 direction{0.0, 0.0, -1.0}; // in which it shines, unit length
+  glm::dvec3 direction{0.0, 0.0, -1.0}; // of emission, unit length
   double inner_cone = 0.0, outer_cone = 0.7853981633974483; // radians, half angles
 };
 
-// Radiance from infinity. `map` is lat-long, RGB, top row = +Y, centre column = +X (see contract, --env); empty = constant.
+// Radiance from infinity. `map` is lat-long, RGB, top row = +Y, centre column = +X (see environment.h); empty =
+// constant.
 struct Environment {
   glm::vec3 radiance{0.0f}; // constant radiance, or the scale of the map
   std::uint32_t width = 0, height = 0;

@@ -23,7 +23,7 @@ namespace {
 
 using gltf::Document;
 
-// Everything that stays the same while the nodes are placed.
+// The state of an import.
 struct Import {
   Document& document;
   Scene& scene;
@@ -32,7 +32,7 @@ struct Import {
   std::map<gltf::MeshUse, std::uint32_t> meshes;
 };
 
-// Finite, affine and invertible, with a determinant that survives division.
+// Finite, affine and invertible, with a determinant whose reciprocal is finite.
 bool is_usable(const glm::dmat4& matrix) {
   for (int i = 0; i < 4; ++i) {
     for (int j = 0; j < 4; ++j) {
@@ -44,7 +44,7 @@ bool is_usable(const glm::dmat4& matrix) {
   return std::isfinite(determinant) && std::isfinite(1.0 / determinant);
 }
 
-// The materials of a node's mesh, before its geometry, so that their images can be decoded while that is read.
+// Converts the materials of a node's mesh before its geometry is read, so that images are decoded at the same time.
 void convert_materials(Import& import, const tinygltf::Node& node) {
   if (node.mesh < 0) return;
   for (const tinygltf::Primitive& primitive : import.document.model.meshes[static_cast<std::size_t>(node.mesh)].primitives)

@@ -11,6 +11,7 @@
 #include "host/scene/gltf/image.h"
 #include "host/scene/gltf/property.h"
 #include "host/scene/gltf/uri.h"
+#include "host/scene/gltf/views.h"
 
 namespace wavepath::gltf {
 namespace {

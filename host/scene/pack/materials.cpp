@@ -1,4 +1,4 @@
-// Converts materials and decides where alpha and facing matter; see materials.h.
+// Converts materials, and finds the triangles whose alpha or facing traversal must test; see materials.h.
 #include "host/scene/pack/materials.h"
 
 #include <algorithm>
@@ -90,7 +90,7 @@ std::vector<std::uint32_t> triangle_flags(const Scene& scene, const Mesh& mesh, 
   for (std::size_t p = 0; p < mesh.primitives.size(); ++p) {
     const Material& m = scene.materials[mesh.primitives[p].material];
     const float texture_alpha = m.base_color_texture.present() ? image_alpha[m.base_color_texture.image] : 1.0f;
-    // A transmissive surface must be met from both sides: rays inside the body leave through its back.
+    // A transmissive surface is never culled: rays inside the body leave through its back faces.
     if (!m.double_sided && !(m.transmission > 0.0f)) flags[p] |= gpu::kTriangleSingleSided;
     if (lets_rays_through(m, m.base_color.a * texture_alpha * color_alpha)) flags[p] |= gpu::kTriangleAlpha;
     if (mesh.primitives[p].has_normals && !mesh.normals.empty()) flags[p] |= gpu::kTriangleSmooth;

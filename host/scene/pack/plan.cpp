@@ -1,8 +1,8 @@
-// Foretells what pack() will lay out, from counts alone; see pack.h.
+#include "host/scene/pack/plan.h"
+
 #include <algorithm>
 
 #include "host/scene/pack/materials.h"
-#include "host/scene/pack/pack.h"
 #include "host/scene/pack/vertices.h"
 
 namespace wavepath {
