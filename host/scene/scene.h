@@ -33,8 +33,9 @@ struct Primitive {
 struct Mesh {
   std::string name;
   std::vector<glm::vec3> positions;
-  std::vector<glm::vec3> normals;  // unit length; zero where a primitive is flat
-  std::vector<glm::vec4> tangents; // xyz unit, w = +-1; given or MikkTSpace-compatible; filled only where a normal map needs it
+  std::vector<glm::vec3> normals; // unit length; zero where a primitive is flat
+  std::vector<glm::vec4>
+      tangents; // xyz unit, w = +-1; given or MikkTSpace-compatible; filled only where a normal map needs it
   std::vector<glm::vec2> uvs[2];
   std::vector<glm::vec4> colors; // COLOR_0, linear RGBA
   std::vector<std::uint32_t> indices;
@@ -49,9 +50,9 @@ struct Instance {
 struct Camera {
   std::string name;
   bool orthographic = false;
-  double yfov = 0.8;          // radians, perspective
-  double aspect = 0.0;        // 0 = the image's
-  double xmag = 1.0, ymag = 1.0; // half extents, orthographic
+  double yfov = 0.8;                 // radians, perspective
+  double aspect = 0.0;               // 0 = the image's
+  double xmag = 1.0, ymag = 1.0;     // half extents, orthographic
   glm::dmat4 world_from_camera{1.0}; // looks along its -Z, +Y up
 };
 
@@ -62,7 +63,7 @@ struct PunctualLight {
   LightKind kind = LightKind::point;
   glm::vec3 intensity{1.0f}; // colour * intensity: candela, or lux for directional
   glm::dvec3 position{0.0};
-  glm::dvec3 direction{0.0, 0.0, -1.0}; // of emission, unit length
+  glm::dvec3 direction{0.0, 0.0, -1.0};                     // of emission, unit length
   double inner_cone = 0.0, outer_cone = 0.7853981633974483; // radians, half angles
 };
 

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json_fwd.hpp>
 #include <tiny_gltf.h>
+#include <nlohmann/json_fwd.hpp>
 
 #include "host/scene/gltf/container.h"
 

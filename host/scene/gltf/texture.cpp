@@ -4,8 +4,8 @@
 #include <cmath>
 #include <exception>
 
-#include <nlohmann/json.hpp>
 #include <tbb/parallel_for.h>
+#include <nlohmann/json.hpp>
 
 #include "host/base/error.h"
 #include "host/scene/gltf/image.h"

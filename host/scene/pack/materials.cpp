@@ -3,19 +3,10 @@
 
 #include <algorithm>
 
-#include "host/base/member_count.h"
 #include "host/base/overloaded.h"
 
 namespace wavepath {
 namespace {
-
-// Members of gpu::Material that rows fill, and `flags`.
-consteval std::size_t packed_count() {
-  std::size_t count = 1;
-  visit_material_fields(Overloaded{[&](const auto&) { ++count; }, []<class T>(const MaterialChoice<T>&) {}});
-  return count;
-}
-static_assert(member_count<gpu::Material>() == packed_count(), "a member of gpu::Material has no row in material.h");
 
 gpu::Material convert(const Material& m, const Scene& scene, TextureTable& textures) {
   gpu::Material out{};

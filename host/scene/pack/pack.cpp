@@ -60,7 +60,8 @@ std::vector<std::uint32_t> pack_two_level(Scene& scene, const Layout& layout, co
     std::vector<Part> parts;
     list_parts(scene, layout, m, glm::dmat4(1.0), parts);
     object_of_mesh[m] = static_cast<std::uint32_t>(objects.size());
-    objects.push_back(append_object(scene, parts, layout.with_vertices, layout.usage.mesh_instances[m], layout.quality, packed));
+    objects.push_back(
+        append_object(scene, parts, layout.with_vertices, layout.usage.mesh_instances[m], layout.quality, packed));
   }
   for (const Instance& instance : scene.instances)
     if (object_of_mesh[instance.mesh] != kNoIndex)
