@@ -1,7 +1,7 @@
 // Top-down build of the binary tree: tasks for large nodes, plain recursion for small ones. Primitives move between two
 // buffers at each cut (a stable partition), so that the outcome is the same for any number of threads. For spatial
-// splits the buffers have room to spare, which each cut divides between its sides in proportion to their counts: the
-// bound on copies then holds without any counter that threads would share.
+// splits the buffers have spare capacity, which each cut divides between its sides in proportion to their counts: the
+// bound on copies then holds without a counter shared by threads.
 #include "bvh/binary.h"
 
 #include <atomic>
@@ -20,7 +20,7 @@ namespace wavepath::bvh {
 
 namespace {
 
-constexpr std::uint32_t kTaskSize = 4096;      // smaller nodes are not worth a task
+constexpr std::uint32_t kTaskSize = 4096;      // smaller nodes do not get a task of their own
 constexpr std::uint32_t kParallelSize = 65536; // larger ones are binned and partitioned by several threads,
 constexpr std::uint32_t kBlockSize = 16384;    // in blocks of this many
 
@@ -57,7 +57,7 @@ struct Cuts {
 struct Builder {
   BuildConfig config;
   std::span<const Triangle> triangles; // of spatial splits
-  double least_shared_area;            // that makes them worth a look
+  double least_shared_area;            // above which spatial splits are tried
   BinaryNode* nodes;
   std::uint32_t* order;
   std::atomic<std::uint32_t> node_count{1};
@@ -81,7 +81,7 @@ void grow(std::span<const Primitive> items, Bound& bound, Bound& centroids) {
 }
 
 Slabs slabs_of(const Work& work, const BuildConfig& config) {
-  // Few items fall into few slabs: the sweep would cost more than it finds.
+  // A node of few items uses few slabs: a sweep over more costs more than it gains.
   return {work.bound, work.centroids, static_cast<int>(std::min(config.bin_count, work.count() / 4 + 2))};
 }
 
@@ -89,7 +89,7 @@ Slabs slabs_of(const Work& work, const BuildConfig& config) {
 template <class Make, class Add, class Merge>
 auto fill_bins(const Work& work, const Make& make, const Add& add, const Merge& merge) {
   if (work.count() < kParallelSize) {
-    auto bins = make(); // built in place: copies of so many slabs cost small nodes a tenth of their time
+    auto bins = make(); // built in place: copying the slabs takes a tenth of the time of small nodes
     add(bins, work.items());
     return bins;
   }
@@ -119,7 +119,7 @@ SpatialCut find_spatial_cut(const Work& work, std::span<const Triangle> triangle
   return fill_bins(work, make, add, merge).best_cut(slabs, inverse_size, work.count() + work.spare());
 }
 
-// Whether the sides have much in common. Yes if there is no cut.
+// Whether the boxes of the two sides overlap enough to try a spatial split. True if there is no cut.
 bool overlap(const Work& work, const Cut& cut, double least_area) {
   if (cut.left_count == 0) return true;
   Bound shared;
@@ -136,7 +136,7 @@ Cuts Builder::find_cuts(const Work& work, const Slabs& slabs) const {
   return cuts;
 }
 
-// The two sides of a cut while items move there.
+// The two sides of a cut during partitioning.
 struct Sides {
   Primitive* end[2];  // one past the items already there
   Bound centroids[2]; // of these items
@@ -174,7 +174,7 @@ void scatter_parallel(const Work& work, const Slabs& slabs, const Cut& cut, Side
     for (int side = 0; side < 2; ++side) sides.centroids[side].merge(block.centroids[side]);
 }
 
-// Where the right side begins, so that each side has its share of the room.
+// Where the right side begins: the spare capacity is divided in proportion to the counts.
 std::uint32_t middle_of(const Work& work, std::uint32_t left_count, std::uint32_t right_count) {
   const std::uint64_t spare = work.room - work.begin - left_count - right_count;
   return work.begin + left_count + static_cast<std::uint32_t>(spare * left_count / (left_count + right_count));
@@ -194,7 +194,7 @@ std::pair<Work, Work> divide(const Work& work, const Slabs& slabs, const Cut& cu
            work.primitives}};
 }
 
-// False, with `work` as it was, if one side turns out to be empty.
+// Returns false and leaves `work` unchanged if one side is empty.
 bool Builder::divide_space(const Work& work, const Slabs& slabs, const SpatialCut& cut,
                            std::pair<Work, Work>& sides) const {
   const SpatialSlabs spatial_slabs(work.bound);
@@ -215,7 +215,7 @@ bool Builder::divide_space(const Work& work, const Slabs& slabs, const SpatialCu
   return left.count() > 0 && right.count() > 0;
 }
 
-// Halves by count along the longest axis of the centroids, or as they come if all centroids are equal.
+// Halves by count along the longest axis of the centroids, or in the present order if all centroids are equal.
 std::pair<Work, Work> halve(const Work& work) {
   int axis = work.centroids.extent(1) > work.centroids.extent(0) ? 1 : 0;
   if (work.centroids.extent(2) > work.centroids.extent(axis)) axis = 2;
@@ -301,7 +301,7 @@ BinaryTree build_binary(std::span<const Box> boxes, std::span<const Triangle> tr
   report = {boxes.size() - kept, 0};
   if (kept == 0) return tree;
 
-  // Pages that stay unused cost nothing, in any of these.
+  // Pages that are never written take no memory, in any of these.
   const bool splits = config.quality != Quality::fast && !triangles.empty();
   const double spare = splits ? config.max_copies * static_cast<double>(kept) : 0.0;
   const std::size_t room = std::min(kept + static_cast<std::size_t>(spare), std::max(kept, kMaxItems));

@@ -1,4 +1,4 @@
-// The binary tree between the two halves of the build: made by top-down cuts, eaten by the collapse to four children.
+// The binary tree: the result of the top-down build and the input of the collapse to four children.
 #pragma once
 
 #include <memory>
@@ -17,11 +17,11 @@ struct BinaryNode {
 
 struct BinaryTree {
   std::unique_ptr<BinaryNode[]> nodes;    // the root is the first; none if there are no items
-  std::size_t capacity = 0;               // nodes allocated; where they lie depends on timing, what they say does not
-  std::unique_ptr<std::uint32_t[]> order; // of items; those that belong to no leaf say nothing
+  std::size_t capacity = 0;               // nodes allocated; their positions depend on timing, their contents do not
+  std::unique_ptr<std::uint32_t[]> order; // of items; entries outside every leaf are undefined
 };
 
-// No path is longer, whatever the input: where cuts by area would exceed it, halves by count finish the job.
+// No path is longer, whatever the input: where cuts by area would exceed it, nodes are halved by count.
 inline constexpr std::uint32_t kMaxBinaryDepth = 64;
 
 // With `triangles`, as many as boxes, spatial splits are made as well.

@@ -1,4 +1,4 @@
-// The two halves of the build, one after the other.
+// The build: binary tree, reinsertion, collapse.
 #include "bvh/build.h"
 
 #include <algorithm>

@@ -10,8 +10,7 @@
 
 namespace wavepath::bvh {
 
-// build() must not be given more: leaves that wait on a traversal's stack hold the index of an item in 28 bits, and
-// all-ones stands for none.
+// The limit on items: leaves on a traversal's stack hold the index of an item in 28 bits, of which all ones means none.
 inline constexpr std::size_t kMaxItems = kMaxLeafItems - kMaxLeafSize;
 
 // fast: binned SAH. balanced: with the spatial splits that gain most. best: with all that gain, and reinsertion.

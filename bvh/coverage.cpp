@@ -38,7 +38,7 @@ Polygon clip(const Polygon& polygon, const Side& side, double tolerance) {
   return deepest < -tolerance ? kept : Polygon{};
 }
 
-// Appends what of `polygon` lies outside the box to `rest`.
+// Appends the parts of `polygon` outside the box to `rest`.
 void subtract(Polygon polygon, const GridBox& box, double tolerance, std::vector<Polygon>& rest) {
   for (std::size_t axis = 0; axis < 3; ++axis)
     for (const Side& inside : {Side{axis, -1.0, box.lo[axis]}, Side{axis, 1.0, box.hi[axis]}}) {

@@ -1,4 +1,4 @@
-// Whether boxes cover a triangle, exactly: by cutting away what lies in them until nothing is left.
+// Whether boxes cover a triangle: the parts inside each box are cut away until nothing or an uncovered part is left.
 #pragma once
 
 #include <span>

@@ -1,4 +1,4 @@
-// Points, boxes and triangles: the only geometry that this library knows. Units and space are the caller's.
+// Points, boxes and triangles, in the caller's units and space.
 #pragma once
 
 #include <algorithm>
@@ -7,7 +7,7 @@
 
 namespace wavepath::bvh {
 
-// Coordinates beyond this are refused: the products of two such differences still fit into a float.
+// Larger coordinates are rejected, so that the product of two differences still fits into a float.
 inline constexpr float kMaxCoordinate = 1e18f;
 
 struct Vec3 {

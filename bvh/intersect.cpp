@@ -1,4 +1,4 @@
-// What a ray's tests need only once: reciprocals for the slabs, permutation and shear for the triangles.
+// Prepares a ray for the tests: reciprocals for the slabs, permutation and shear for the triangles.
 #include "bvh/intersect.h"
 
 namespace wavepath::bvh {

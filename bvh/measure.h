@@ -1,4 +1,4 @@
-// Numbers that describe a tree: what it costs to traverse and to hold.
+// Statistics of a tree: expected traversal cost and memory.
 #pragma once
 
 #include <array>

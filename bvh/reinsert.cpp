@@ -17,10 +17,10 @@ constexpr int kRounds = 4;
 constexpr std::uint32_t kShare = 16; // one node in so many, those of the largest area, is tried in a round
 constexpr std::uint32_t kNone = ~0u;
 
-// Where a node would be better off: as the sibling of `target`, under a new parent.
+// A move of a node that makes the tree cheaper: it becomes the sibling of `target`, under a new parent.
 struct Move {
   std::uint32_t node = kNone, target = kNone;
-  double gain = 0.0; // half area that the tree loses by it
+  double gain = 0.0; // reduction of the summed half area
 };
 
 // A tree whose nodes lie depth first, without gaps, and know their parents. Siblings lie side by side, left first, from
@@ -72,7 +72,7 @@ Move Rebuilder::find_move(std::uint32_t node) const {
   };
   Move best{node, kNone, 0.0};
   const double node_area = area(node);
-  double gain = area(parent_[node]);    // taken out, its parent goes
+  double gain = area(parent_[node]);    // removing the node removes its parent
   Box rest = nodes_[sibling(node)].box; // of the ancestor looked at, without the node
   std::vector<Open> open;
   for (std::uint32_t below = node, ancestor = parent_[node]; ancestor != kNone;
@@ -96,8 +96,8 @@ Move Rebuilder::find_move(std::uint32_t node) const {
   return best;
 }
 
-// Of the same move after others; `target_path` leads from the target to the root. Nodes above both ends stay as they
-// are.
+// The gain of the same move after other moves; `target_path` leads from the target to the root. Nodes above both ends
+// stay as they are.
 double Rebuilder::gain_of(std::uint32_t node, const std::vector<std::uint32_t>& target_path) const {
   const auto leads_to_target = [&](std::uint32_t each) {
     return std::find(target_path.begin(), target_path.end(), each) != target_path.end();
@@ -116,7 +116,7 @@ double Rebuilder::gain_of(std::uint32_t node, const std::vector<std::uint32_t>& 
   return gain;
 }
 
-// Puts `node` into another place, where its children find it.
+// Stores `node` at another index and updates the parents of its children.
 void Rebuilder::put(std::uint32_t place, const BinaryNode& node) {
   nodes_[place] = node;
   if (is_leaf(place)) return;
@@ -131,7 +131,7 @@ void Rebuilder::refit(std::uint32_t node) {
   }
 }
 
-// Unless it no longer pays after earlier moves.
+// Skipped if earlier moves have removed the gain.
 void Rebuilder::apply(const Move& move, std::vector<std::uint8_t>& touched) {
   const std::uint32_t node = move.node, target = move.target, other = sibling(node), parent = parent_[node];
   const std::uint32_t concerned[] = {node, other, parent, target, parent_[target]};
@@ -146,7 +146,7 @@ void Rebuilder::apply(const Move& move, std::vector<std::uint8_t>& touched) {
   if (path.size() + height > kMaxBinaryDepth || !(gain_of(node, path) > 0.0)) return;
   for (const std::uint32_t each : concerned) touched[each] = 1;
   const std::uint32_t above = parent_[parent];
-  put(parent, nodes_[other]); // the sibling takes the parent's place, so that its own is free
+  put(parent, nodes_[other]); // the sibling moves to the parent's index, which frees its own
   put(other, nodes_[target]);
   nodes_[target] = {{}, std::min(node, other), 0, 0};
   parent_[node] = parent_[other] = target;
@@ -166,7 +166,7 @@ void Rebuilder::improve() {
                      [&](std::uint32_t a, std::uint32_t b) { return std::pair(-area(a), a) < std::pair(-area(b), b); });
     moves.assign(count, {});
     tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
-      if (parent_[candidates[i]] != 0) moves[i] = find_move(candidates[i]); // the root has to stay
+      if (parent_[candidates[i]] != 0) moves[i] = find_move(candidates[i]); // the root cannot move
     });
     std::sort(moves.begin(), moves.end(),
               [](const Move& a, const Move& b) { return std::pair(-a.gain, a.node) < std::pair(-b.gain, b.node); });

@@ -9,8 +9,8 @@ bool is_empty(const Bound& bound) { return !(bound.extent(0) >= 0 && bound.exten
 
 Bound bound_of(Vec3 p) { return {{-p.x, -p.y, -p.z, 0, p.x, p.y, p.z, 0}}; }
 
-// What a box that must hold a triangle, however the triangle test rounds, is wider than the triangle on every side: as
-// bounds() has it, twice, since the points below err by 5 eps size + eps |coordinate| more.
+// The padding of a box that must contain a triangle whatever the rounding in the triangle test: twice that of bounds(),
+// since the points below err by another 5 eps size + eps |coordinate|.
 Bound padding_of(const Triangle& triangle) {
   const Vec3 lo = min(triangle.v0, min(triangle.v1, triangle.v2)), hi = max(triangle.v0, max(triangle.v1, triangle.v2));
   const float size = max_component(hi - lo) * 0x1p-19f;
@@ -131,7 +131,7 @@ Pieces divide(const Primitive& primitive, const Triangle& triangle, const Spatia
     for (const int i : {0, 1, 2, 4, 5, 6}) piece.bound.lane[i] = half.lane[i];
   };
   if (!pieces.in_left || !pieces.in_right) return pieces; // rounding: all of it lies on one side
-  // Held on one side only, it takes its whole box there, and spares the other side a primitive.
+  // Kept on one side only, it has its whole box there, and the other side has one primitive less.
   const auto area_with = [&](Bound side) {
     side.merge(primitive.bound);
     return half_area(side, inverse_size);

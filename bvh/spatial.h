@@ -1,6 +1,6 @@
 // Spatial splits (Stich, Friedrich, Dietrich 2009): a plane cuts the space of a node in two, and triangles that
-// straddle it are held on both sides, each with a box around what lies there. Worth it where boxes overlap much: long
-// triangles at odd angles among small ones.
+// straddle it are held on both sides, each with a box around what lies there. This pays where boxes overlap much:
+// long triangles, not parallel to the axes, among small ones.
 #pragma once
 
 #include <span>
@@ -44,7 +44,7 @@ struct SpatialBins {
   SpatialCut best_cut(const SpatialSlabs& slabs, float inverse_size, std::uint32_t most) const;
 };
 
-// What a primitive leaves on either side of a cut.
+// The parts of a primitive on the two sides of a cut.
 struct Pieces {
   Primitive left, right;
   bool in_left, in_right;

@@ -5,7 +5,7 @@ namespace wavepath::bvh {
 
 namespace {
 
-// 1 / x, or 0 where that would be useless or infinite.
+// 1 / x, or 0 where that would be infinite or too large.
 float inverse_or_zero(float x) { return x > 0x1p-100f ? 1 / x : 0.0f; }
 
 } // namespace

@@ -21,9 +21,9 @@ struct Bound {
   Box box() const { return {{-lane[0], -lane[1], -lane[2]}, {lane[4], lane[5], lane[6]}}; }
 };
 
-// A box on its way through the build.
+// A box during the build.
 struct Primitive {
-  // Lane 3 carries the index of the caller's box, disguised as a normal float: subnormal ones slow arithmetic down.
+  // Lane 3 carries the index of the caller's box, as the bits of a normal float: subnormal ones slow arithmetic down.
   Bound bound;
 
   Primitive() = default;

@@ -1,14 +1,15 @@
-// The CPU reference traversal, the oracle of the kernels: the same visits in the same order, the same rounding and
-// ties.
+// The CPU reference traversal that tests compare the kernels with: the same visits in the same order, the same rounding
+// and ties.
 //
-// Recipe. A stack holds groups of siblings that still wait, nearest next; leaves wait apart. Repeat: visit nodes until
-// two leaves or more wait, or no node is left; then test all the leaves that wait, latest first. A visit lets the
-// leaves that the ray enters wait, highest slot first, so that the lowest is tested first; goes on with the nearest
-// inner child entered (of any-hit rays: the one in the highest slot, which is the largest); leaves the others as one
-// group on the stack; and if there is none, takes the next of the topmost group. Postponing leaves costs a ray 2 % more
-// visits and 10 % more tests, and lets eight rays that go in step visit nodes together far more often. Nothing that
-// waits is tested against t_best again. Closest hit: a candidate replaces the best if t < best, or t == best and its
-// primitive is lower, so that the answer depends neither on the order of visits nor on the tree. Only t < t_max counts.
+// Algorithm. A stack holds groups of pending siblings, nearest on top; pending leaves are kept in a list of their own.
+// Repeat: visit nodes until at least two leaves are pending or no node is left; then test all pending leaves, latest
+// first. A visit appends the leaves that the ray enters, highest slot first, so that the lowest is tested first;
+// continues with the nearest inner child entered (any-hit rays: with the one in the highest slot, which is the
+// largest); pushes the others as one group; and if there is none, pops the next of the topmost group. Postponing leaves
+// costs a ray 2 % more visits and 10 % more tests, and makes the lanes of a subgroup visit nodes together far more
+// often. Pending entries are not tested against t_best again. Closest hit: a candidate replaces the best if t < best,
+// or t == best and its primitive is lower, so that the answer depends neither on the order of visits nor on the tree.
+// Only t < t_max counts.
 #pragma once
 
 #include <cassert>
@@ -26,7 +27,7 @@ struct Counters {
 
 enum class Order { nearest_first, largest_first };
 
-// Siblings that wait, by slot, the next one first.
+// Pending siblings by slot, the next one first.
 struct SiblingGroup {
   std::uint32_t first_child;
   std::uint32_t count;
@@ -93,7 +94,7 @@ void traverse(std::span<const WideNode> nodes, std::uint32_t root, const Prepare
 
 struct Hit {
   std::uint32_t item = kAbsent; // index into the triangles in leaf order, of any copy; kAbsent = miss
-  TriangleHit triangle{};       // meaningless on a miss
+  TriangleHit triangle{};       // undefined on a miss
 };
 
 // `leaf` of traverse() for the closest of `triangles` (in leaf order: triangle k is primitive order[k]).

@@ -1,4 +1,4 @@
-// One guarded walk over the tree, then a look at what it did not reach.
+// Walks over the tree with every index checked, then looks for what the walk did not reach.
 #include "bvh/validate.h"
 
 #include <algorithm>
@@ -11,7 +11,7 @@ namespace wavepath::bvh {
 
 namespace {
 
-constexpr std::uint32_t kMaxWalk = 1000; // keeps the recursion safe on a chain that no builder makes
+constexpr std::uint32_t kMaxWalk = 1000; // limits the recursion on degenerate input
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 

@@ -1,4 +1,4 @@
-// Proves that a tree is sound, or says in words why it is not.
+// Checks a tree, and describes what is wrong with it.
 #pragma once
 
 #include <span>

@@ -98,7 +98,7 @@ void fill_boxes(const Family& family, const BinaryNode* nodes, WideNode& node) {
 
 WideTree collapse(BinaryTree binary) {
   WideTree tree;
-  tree.order.reserve((binary.capacity + 1) / 2); // pages that stay unused cost nothing
+  tree.order.reserve((binary.capacity + 1) / 2); // pages that are never written take no memory
   tree.nodes.reserve(1 + binary.capacity / 6);
   tree.nodes.resize(1);
   Layout layout{binary, tree, std::vector<Family>(1)};

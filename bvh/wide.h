@@ -2,14 +2,14 @@
 //
 // The boxes of the children lie on a grid of the node's own (quantized boxes: Ylitie, Karras, Laine 2017): plane q of
 // an axis is at origin + q * cell, 0 <= q <= 255, and the box in the node contains the child's box with a margin of
-// kGridMargin cells on every side, which is what rounding in the slab test can take (see intersect.h).
+// kGridMargin cells on every side, which covers the rounding in the slab test (see intersect.h).
 //
 // The children of a node lie side by side, so that it needs one index for all of them: slots 0 .. inner_count-1 are the
 // nodes first_child + slot; the slots after them are leaves, whose items lie side by side as well. Inner children come
 // by growing area, leaves too: of children that a ray enters at the same distance (at 0 if it starts inside) the
 // smallest is visited first, where a hit is most likely to be near; Sponza then takes 3 % fewer visits and 15 % fewer
-// tests than with children in the order of space, and 6 % and 40 % fewer than with the largest first. Shadow rays go
-// the other way round: the largest is the likeliest to be in the way.
+// tests than with children in the order of space, and 6 % and 40 % fewer than with the largest first. Shadow rays
+// visit the largest first, which is the likeliest to occlude.
 #pragma once
 
 #include <cstdint>
@@ -21,7 +21,7 @@ inline constexpr std::uint32_t kAbsent = 0xffffffffu; // no item, no node
 
 inline constexpr std::uint32_t kMaxLeafSize = 3;         // items in a leaf: two bits of a node
 inline constexpr std::uint32_t kMaxNodes = 1u << 25;     // stack entries hold a node's index in 25 bits
-inline constexpr std::uint32_t kMaxLeafItems = 1u << 28; // and leaves that wait their first item in 28
+inline constexpr std::uint32_t kMaxLeafItems = 1u << 28; // and pending leaves their first item in 28
 
 struct WideNode {
   float origin[3];      // lowest corner of the grid

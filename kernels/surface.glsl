@@ -25,7 +25,7 @@ struct Surface {
 bool uses(uint feature) { return has(feature) && (frame.scene_features & feature) != 0u; }
 bool is_instanced() { return has(kFeatureInstances) && frame.root_is_top != 0u; }
 
-// Inverse of pack_tangent in host/scene/pack.h. Zero where there is none.
+// Inverse of pack_tangent in host/scene/pack/vertices.h. Zero where there is none.
 vec4 unpack_tangent(float packed) {
   uint bits = floatBitsToUint(packed);
   if (bits == 0u) return vec4(0.0);

@@ -139,25 +139,26 @@ TEST(GltfMaterial, EveryFactorIsReadCheckedAndClamped) {
 
 TEST(GltfMaterial, EveryTextureIsReadAndChecked) {
   int count = 0;
-  visit_material_fields(Overloaded{[](const auto&) {}, [&](const MaterialTexture& row) {
-    ++count;
-    json material = material_with(row.gltf, {{"index", 0}, {"texCoord", 1}});
-    material["emissiveFactor"] = {1, 1, 1};
-    material["extensions"]["KHR_materials_transmission"]["transmissionFactor"] = 1;
-    const Material read = load(with_texture(material)).materials.at(0);
-    const TextureSlot& slot = read.*row.field;
-    EXPECT_TRUE(slot.present()) << row.name;
-    EXPECT_EQ(slot.srgb, row.srgb) << row.name;
-    EXPECT_EQ(slot.uv_set, 1u) << row.name;
-    int textures = 0;
-    visit_textures(read, [&](const auto&...) { ++textures; });
-    EXPECT_EQ(textures, 1) << row.name;
-    expect_refused(material_with(row.gltf, {{"index", 7}}));
-    expect_refused(material_with(row.gltf, {{"texCoord", 0}}));
-    if (!row.visible) return;
-    GltfBuilder invisible = with_texture(material_with(row.gltf, {{"index", 0}}));
-    EXPECT_FALSE((load(invisible).materials.at(0).*row.field).present()) << row.name;
-  }});
+  visit_material_fields(Overloaded{[](const auto&) {},
+                                   [&](const MaterialTexture& row) {
+                                     ++count;
+                                     json material = material_with(row.gltf, {{"index", 0}, {"texCoord", 1}});
+                                     material["emissiveFactor"] = {1, 1, 1};
+                                     material["extensions"]["KHR_materials_transmission"]["transmissionFactor"] = 1;
+                                     const Material read = load(with_texture(material)).materials.at(0);
+                                     const TextureSlot& slot = read.*row.field;
+                                     EXPECT_TRUE(slot.present()) << row.name;
+                                     EXPECT_EQ(slot.srgb, row.srgb) << row.name;
+                                     EXPECT_EQ(slot.uv_set, 1u) << row.name;
+                                     int textures = 0;
+                                     visit_textures(read, [&](const auto&...) { ++textures; });
+                                     EXPECT_EQ(textures, 1) << row.name;
+                                     expect_refused(material_with(row.gltf, {{"index", 7}}));
+                                     expect_refused(material_with(row.gltf, {{"texCoord", 0}}));
+                                     if (!row.visible) return;
+                                     GltfBuilder invisible = with_texture(material_with(row.gltf, {{"index", 0}}));
+                                     EXPECT_FALSE((load(invisible).materials.at(0).*row.field).present()) << row.name;
+                                   }});
   EXPECT_GE(count, 7);
 }
 
@@ -349,10 +350,11 @@ TEST(GltfImage, SixteenBitsBecomeFloats) {
 }
 
 TEST(GltfImage, OfSeveralBadOnesTheFirstIsNamed) {
-  GltfBuilder b = with_material({{"pbrMetallicRoughness",
-                                  {{"baseColorTexture", {{"index", 0}}}, {"metallicRoughnessTexture", {{"index", 1}}}}}});
+  GltfBuilder b = with_material(
+      {{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}, {"metallicRoughnessTexture", {{"index", 1}}}}}});
   for (const char* name : {"first", "second"}) {
-    b.add("images", {{"name", name}, {"bufferView", b.view("no picture " + std::string(name))}, {"mimeType", "image/png"}});
+    b.add("images",
+          {{"name", name}, {"bufferView", b.view("no picture " + std::string(name))}, {"mimeType", "image/png"}});
     b.add("textures", {{"source", b.root["images"].size() - 1}});
   }
   for (int i = 0; i < 20; ++i) try {

@@ -88,7 +88,7 @@ TEST(GltfScenes, EverySceneLoadsAsItsIndexSays) {
       EXPECT_TRUE(basis || iridescence) << message;
     }
   }
-  EXPECT_EQ(loaded, 60);
+  EXPECT_GE(loaded, 60); // the folder grows
 }
 
 // The box around all instances, and the summed area of their triangles.

@@ -1,5 +1,6 @@
 // Geometry as packed: origin, baking, winding, instancing, streams, dropped triangles, trees and stack bounds.
 #include "host/scene/pack/pack.h"
+#include "host/scene/pack/vertices.h"
 #include "bvh/words.h"
 
 #include <algorithm>

@@ -8,6 +8,7 @@
 #include "host/base/error.h"
 #include "host/scene/gltf/gltf.h"
 #include "host/scene/pack/pack.h"
+#include "host/scene/pack/plan.h"
 #include "kernels/scene_types.h"
 #include "tests/scene_builder.h"
 

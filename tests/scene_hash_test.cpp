@@ -84,7 +84,8 @@ TEST_F(SceneHash, SeesEveryFieldOfAMaterial) {
 }
 
 TEST_F(SceneHash, SeesWhichSlotATextureIsIn) {
-  visit_material_fields(Overloaded{[](const auto&) {}, [&](const MaterialTexture& row) {
+  visit_material_fields(Overloaded{[](const auto&) {},
+                                   [&](const MaterialTexture& row) {
                                      TextureSlot taken;
                                      std::swap(taken, scene_.materials[0].*row.field);
                                      EXPECT_TRUE(seen_.insert(hash_scene(scene_)).second) << row.name;

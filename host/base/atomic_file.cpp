@@ -20,7 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Where the bytes shall end up once links are followed, so that a link is not replaced by a file.
+// The target with symbolic links followed, so that a link is not replaced by a regular file.
 fs::path resolve(const std::string& target) {
   std::error_code error;
   const fs::path resolved = fs::weakly_canonical(target, error);
@@ -96,7 +96,7 @@ void AtomicFile::seek(std::uint64_t position) {
 }
 
 void AtomicFile::commit() {
-  // Some disks report that they are full only here. Pipes and terminals cannot be synchronized, and need not be.
+  // Some file systems report a full disk only here. Pipes and terminals do not support fsync.
   if (!temporary_.empty() && ::fsync(descriptor_) != 0) fail("write");
   const int descriptor = std::exchange(descriptor_, -1);
   if (::close(descriptor) != 0) fail("close");

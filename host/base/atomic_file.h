@@ -1,4 +1,4 @@
-// A file that appears whole or not at all: written beside its target, then renamed over it.
+// A file that is replaced atomically: data go to a temporary file beside the target, which is then renamed over it.
 #pragma once
 
 #include <cstddef>
@@ -12,7 +12,7 @@ public:
   // Opens a temporary file in the folder of `target` (links are followed). A target that exists and is no regular file,
   // such as a pipe or /dev/stdout, is written directly. Throws Error if that cannot be done.
   explicit AtomicFile(const std::string& target);
-  ~AtomicFile(); // without commit() nothing stays behind
+  ~AtomicFile(); // removes the temporary file if commit() was not called
   AtomicFile(AtomicFile&&) = delete;
 
   // All throw Error, naming the target, when the disk is full or fails.
@@ -31,7 +31,7 @@ private:
   std::uint64_t position_ = 0;
 };
 
-// Writes one file in one go.
+// Writes a whole file.
 void write_file(const std::string& target, const std::string& contents);
 
 // Throws Error if `target` could not be written later: its folder is missing, it is a folder, or permission is lacking.

@@ -14,7 +14,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::uint64_t kMagic = 0x3265686361637077; // "wpcache2" in the byte order that wrote it
-constexpr std::uint64_t kLargest = 256ull << 20;     // beyond it a file is no cache of ours; begin afresh
+constexpr std::uint64_t kLargest = 256ull << 20;     // larger files are ignored and replaced
 
 struct Header {
   std::uint64_t magic, key, bytes, checksum;
@@ -29,7 +29,7 @@ fs::path folder_from(const char* variable) {
   return value && fs::path(value).is_absolute() ? fs::path(value) : fs::path(); // XDG: ignore relative ones
 }
 
-// Only its owner may put something there that a driver then reads.
+// Accessible to its owner only: a driver parses what is read from there.
 bool make_private_folder(const fs::path& folder) {
   std::error_code error;
   if (fs::is_directory(folder, error)) return true;

@@ -12,7 +12,8 @@ namespace wavepath {
 
 class Hash {
 public:
-  // Eight bytes at a time; the last, incomplete word carries its length. The same bytes in other pieces hash differently.
+  // Eight bytes at a time; the last, incomplete word carries its length. The same bytes in other pieces hash
+  // differently.
   void add_bytes(const void* data, std::size_t size) {
     const char* bytes = static_cast<const char*>(data);
     for (; size >= 8; bytes += 8, size -= 8) {
@@ -41,8 +42,8 @@ public:
   std::uint64_t value() const { return state_; }
 
 private:
-  // Multiplies and folds, as the finalizer of MurmurHash3 does. Both steps are invertible, so that data which differ in one
-  // word never have the same hash.
+  // Multiplies and folds, as the finalizer of MurmurHash3 does. Both steps are invertible, so that data which differ in
+  // one word never have the same hash.
   void add_word(std::uint64_t word) {
     state_ = (state_ ^ word) * 0xff51afd7ed558ccdull;
     state_ ^= state_ >> 32;

@@ -31,7 +31,7 @@ std::uint64_t read_entry(const char* path, const std::string& key, std::uint64_t
 std::uint64_t read_number(const std::string& path) {
   std::ifstream file(path);
   std::uint64_t value = 0;
-  return file >> value ? value : kUnknown; // "max" is no number
+  return file >> value ? value : kUnknown; // "max" is not a number
 }
 
 std::uint64_t room(std::uint64_t limit, std::uint64_t used) {

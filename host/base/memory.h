@@ -7,8 +7,8 @@
 
 namespace wavepath {
 
-// Bytes: the least of what the kernel calls available and what the process's control group and address-space limit
-// still allow. The maximum of the type where the system does not say.
+// Bytes: the minimum of the kernel's available memory, the rest of the process's control group limit and the rest of
+// its address-space limit. The maximum of the type if none of them is known.
 std::uint64_t available_memory();
 
 // Throws Error(where, ...) naming both numbers if `bytes` for `what` exceed available_memory(); `remedy` as in Error.

@@ -18,10 +18,10 @@ double boot_clock() {
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-// Age of the process in steps of the kernel's tick, 10 ms; 0 where /proc does not tell.
+// Age of the process, in multiples of the kernel's tick of 10 ms; 0 if /proc cannot be read.
 double age_now() {
   std::ifstream file("/proc/self/stat");
-  file.ignore(std::numeric_limits<std::streamsize>::max(), ')'); // the program's name may hold anything else
+  file.ignore(std::numeric_limits<std::streamsize>::max(), ')'); // the program's name may contain spaces
   std::string word;
   for (int field = 3; field < 22; ++field) file >> word; // proc(5): starttime is field 22
   double ticks = 0.0;

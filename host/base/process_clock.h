@@ -1,4 +1,4 @@
-// How long this process has run, as a user with a stopwatch would have it: loading of libraries counts.
+// Seconds since the process was started, dynamic loading of libraries included.
 #pragma once
 
 namespace wavepath {

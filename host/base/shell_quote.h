@@ -1,11 +1,11 @@
-// Command lines that can be typed again.
+// Quotes words for a POSIX shell.
 #pragma once
 
 #include <string>
 
 namespace wavepath {
 
-// The word as a shell would take it again.
+// The word, quoted if a shell would not read it back as it is.
 std::string shell_quoted(const std::string& word);
 
 } // namespace wavepath

@@ -1,4 +1,4 @@
-// Warnings are collected, not printed: once per kind with a count; main prints them.
+// Warnings are collected with a count of each text, and printed by the command.
 #pragma once
 
 #include <cstddef>

@@ -9,6 +9,7 @@
 #include "host/cli/scene_flags.h"
 #include "host/gpu/device.h"
 #include "host/render/stats.h"
+#include "host/scene/pack/plan.h"
 
 namespace wavepath {
 namespace {

@@ -10,6 +10,7 @@
 #include "host/gpu/device.h"
 #include "host/render/kernel_compiler.h"
 #include "host/scene/pack/pack.h"
+#include "host/scene/pack/plan.h"
 
 namespace wavepath {
 

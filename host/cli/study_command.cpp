@@ -23,6 +23,7 @@
 #include "host/integrators/hybrid/kind.h"
 #include "host/render/bvh_choice.h"
 #include "host/render/settings_table.h"
+#include "host/scene/pack/plan.h"
 #include "host/study/page.h"
 #include "host/study/study_report.h"
 

@@ -28,7 +28,7 @@ std::optional<double> parse_number(const std::string& text) {
   return value;
 }
 
-// Nothing if the text does not look like numbers between commas.
+// No value if the text is not a comma-separated list of numbers.
 std::optional<glm::vec3> parse_rgb(const std::string& text) {
   if (std::count(text.begin(), text.end(), ',') != 2) return std::nullopt;
   std::istringstream stream(text);

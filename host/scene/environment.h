@@ -1,4 +1,4 @@
-// Environments: from the command line to radiance, and the lat-long convention that file, host and kernels share.
+// Reads environments, and defines the lat-long mapping that files, host and kernels use.
 #pragma once
 
 #include <string>
@@ -15,11 +15,11 @@ namespace wavepath {
 // is larger than 2^27 texels, or holds a texel that is negative or not finite, which is named.
 Environment load_environment(const std::string& file_or_rgb, double intensity = 1.0, double rotation = 0.0);
 
-// Position (u, v) in [0,1]^2 of the map, v from the top, that shows in the world direction `d` (any length, not zero):
-// u = atan2(z, x)/2pi + 1/2, v = acos(y)/pi of the direction turned back by `rotation`.
+// Position (u, v) in [0,1]^2 of the map, v from the top, that is seen in the world direction `d` (any length, not
+// zero): u = atan2(z, x)/2pi + 1/2, v = acos(y)/pi of the direction turned back by `rotation`.
 glm::dvec2 environment_uv(const glm::dvec3& d, double rotation);
 
-// Its inverse: the unit world direction in which position `uv` of the map shows.
+// Its inverse: the unit world direction in which position `uv` of the map is seen.
 glm::dvec3 environment_direction(const glm::dvec2& uv, double rotation);
 
 } // namespace wavepath

@@ -54,8 +54,8 @@ struct Material {
   TextureSlot specular_texture, specular_color_texture, transmission_texture; // specular: A; transmission: R
 };
 
-// Three kinds of rows. `gltf` is the property's path in a glTF material; where it is empty, gltf/material.cpp computes the
-// field from other properties. First: a number or a colour, copied to the member of gpu::Material that has the same name.
+// Rows. `gltf` is the property's path in a glTF material; where it is empty, gltf/material.cpp computes the field.
+// A number or a colour is copied to the member of gpu::Material that has the same name.
 template <class T>
 struct MaterialFactor {
   const char* name;
@@ -82,8 +82,8 @@ struct MaterialTexture {
   std::uint32_t gpu::Material::*packed;
   const char* gltf;
   bool srgb;
-  std::uint32_t feature; // kFeature bit of the kernel code that reads it
-  const char* plural;    // what a scene without that feature leaves out
+  std::uint32_t feature;                      // kFeature bit of the kernel code that reads it
+  const char* plural;                         // what a scene without that feature leaves out
   bool (*visible)(const Material&) = nullptr; // false: its factor is zero, so that it is not loaded
 };
 
@@ -93,19 +93,17 @@ constexpr void visit_material_fields(Visit&& visit) {
 #define WAVEPATH_FIELD(member) #member, &Material::member, &gpu::Material::member
   using Number = MaterialFactor<float>;
   using Color = MaterialFactor<glm::vec3>;
-  constexpr double kAny = 1e30;
   visit(MaterialFactor<glm::vec4>{WAVEPATH_FIELD(base_color), "pbrMetallicRoughness.baseColorFactor"});
   visit(Number{WAVEPATH_FIELD(metallic), "pbrMetallicRoughness.metallicFactor"});
   visit(Number{WAVEPATH_FIELD(roughness), "pbrMetallicRoughness.roughnessFactor"});
   visit(Color{WAVEPATH_FIELD(emission), "emissiveFactor"}); // gltf/material.cpp multiplies by emissiveStrength
-  visit(Number{WAVEPATH_FIELD(normal_scale), "normalTexture.scale", -kAny, kAny});
+  visit(Number{WAVEPATH_FIELD(normal_scale), "normalTexture.scale", -1e30, 1e30});
   visit(Number{WAVEPATH_FIELD(alpha_cutoff), "alphaCutoff", 0.0, 1e6});
   visit(Number{WAVEPATH_FIELD(ior), "extensions.KHR_materials_ior.ior", 1.0, 1e6, true});
   visit(Number{WAVEPATH_FIELD(specular), "extensions.KHR_materials_specular.specularFactor"});
   visit(Color{WAVEPATH_FIELD(specular_color), "extensions.KHR_materials_specular.specularColorFactor", 0.0, 1e6});
   visit(Number{WAVEPATH_FIELD(transmission), "extensions.KHR_materials_transmission.transmissionFactor"});
   visit(Color{WAVEPATH_FIELD(attenuation), ""}); // of a colour and a distance
-
   visit(MaterialChoice<AlphaMode>{
       "alpha_mode", &Material::alpha_mode, {0u, gpu::kMaterialMask, gpu::kMaterialBlend}, "alphaMode"});
   visit(MaterialChoice<bool>{"double_sided", &Material::double_sided, {0u, gpu::kMaterialDoubleSided}, "doubleSided"});
@@ -117,13 +115,15 @@ constexpr void visit_material_fields(Visit&& visit) {
                         gpu::kFeatureBaseColorTextures, "base colour textures"});
   visit(MaterialTexture{WAVEPATH_FIELD(metallic_roughness_texture), "pbrMetallicRoughness.metallicRoughnessTexture",
                         kLinear, gpu::kFeatureMetallicRoughnessTextures, "metallic-roughness textures"});
-  visit(MaterialTexture{WAVEPATH_FIELD(normal_texture), "normalTexture", kLinear, gpu::kFeatureNormalMaps, "normal maps"});
+  visit(MaterialTexture{WAVEPATH_FIELD(normal_texture), "normalTexture", kLinear, gpu::kFeatureNormalMaps,
+                        "normal maps"});
   visit(MaterialTexture{WAVEPATH_FIELD(emission_texture), "emissiveTexture", kSrgb, gpu::kFeatureEmissionTextures,
                         "emission textures", [](const Material& m) { return m.emission != glm::vec3(0.0f); }});
   visit(MaterialTexture{WAVEPATH_FIELD(specular_texture), "extensions.KHR_materials_specular.specularTexture", kLinear,
                         gpu::kFeatureSpecularTextures, "specular textures"});
-  visit(MaterialTexture{WAVEPATH_FIELD(specular_color_texture), "extensions.KHR_materials_specular.specularColorTexture",
-                        kSrgb, gpu::kFeatureSpecularTextures, "specular textures"});
+  visit(MaterialTexture{WAVEPATH_FIELD(specular_color_texture),
+                        "extensions.KHR_materials_specular.specularColorTexture", kSrgb, gpu::kFeatureSpecularTextures,
+                        "specular textures"});
   visit(MaterialTexture{WAVEPATH_FIELD(transmission_texture),
                         "extensions.KHR_materials_transmission.transmissionTexture", kLinear,
                         gpu::kFeatureTransmissionTextures, "transmission textures",
@@ -141,9 +141,10 @@ constexpr void visit_texture_slot(Slot& slot, Visit&& visit) {
 // Calls `visit` with each texture slot that holds an image.
 template <class Visit>
 void visit_textures(const Material& material, Visit&& visit) {
-  visit_material_fields(Overloaded{[](const auto&) {}, [&](const MaterialTexture& row) {
-                                     if ((material.*row.field).present()) visit(row, material.*row.field);
-                                   }});
+  const auto visit_row = [&](const MaterialTexture& row) {
+    if ((material.*row.field).present()) visit(row, material.*row.field);
+  };
+  visit_material_fields(Overloaded{visit_row, [](const auto&) {}});
 }
 
 } // namespace wavepath

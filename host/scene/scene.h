@@ -1,5 +1,5 @@
-// A scene as plain arrays and indices: what glTF says, decoded and validated, before anything is laid out for the device.
-// Units and axes are glTF's: metres, right-handed, +Y up. Colours are linear unless an image says otherwise.
+// A scene as plain arrays and indices: the contents of a glTF file, decoded and validated, not yet packed for the
+// device. Units and axes are glTF's: metres, right-handed, +Y up. Colours are linear unless an image says otherwise.
 #pragma once
 
 #include <cstdint>
@@ -28,12 +28,14 @@ struct Primitive {
   bool has_normals = false;   // otherwise flat
 };
 
-// Triangles in the mesh's own space, morphed and (if skinned) already placed. Vertex arrays are empty or position-sized.
+// Triangles in the mesh's own space, morphed and (if skinned) already placed. Vertex arrays are empty or
+// position-sized.
 struct Mesh {
   std::string name;
   std::vector<glm::vec3> positions;
-  std::vector<glm::vec3> normals;  // unit length; zero where a primitive is flat
-  std::vector<glm::vec4> tangents; // xyz unit, w = +-1; given or MikkTSpace-compatible; filled only where a normal map needs it
+  std::vector<glm::vec3> normals; // unit length; zero where a primitive is flat
+  std::vector<glm::vec4>
+      tangents; // xyz unit, w = +-1; given or MikkTSpace-compatible; filled only where a normal map needs it
   std::vector<glm::vec2> uvs[2];
   std::vector<glm::vec4> colors; // COLOR_0, linear RGBA
   std::vector<std::uint32_t> indices;
@@ -48,9 +50,9 @@ struct Instance {
 struct Camera {
   std::string name;
   bool orthographic = false;
-  double yfov = 0.8;          // radians, perspective
-  double aspect = 0.0;        // 0 = the image's
-  double xmag = 1.0, ymag = 1.0; // half extents, orthographic
+  double yfov = 0.8;                 // radians, perspective
+  double aspect = 0.0;               // 0 = the image's
+  double xmag = 1.0, ymag = 1.0;     // half extents, orthographic
   glm::dmat4 world_from_camera{1.0}; // looks along its -Z, +Y up
 };
 
@@ -61,11 +63,12 @@ struct PunctualLight {
   LightKind kind = LightKind::point;
   glm::vec3 intensity{1.0f}; // colour * intensity: candela, or lux for directional
   glm::dvec3 position{0.0};
-  glm::dvec3 direction{0.0, 0.0, -1.0}; // in which it shines, unit length
+  glm::dvec3 direction{0.0, 0.0, -1.0};                     // of emission, unit length
   double inner_cone = 0.0, outer_cone = 0.7853981633974483; // radians, half angles
 };
 
-// Radiance from infinity. `map` is lat-long, RGB, top row = +Y, centre column = +X (see contract, --env); empty = constant.
+// Radiance from infinity. `map` is lat-long, RGB, top row = +Y, centre column = +X (see environment.h); empty =
+// constant.
 struct Environment {
   glm::vec3 radiance{0.0f}; // constant radiance, or the scale of the map
   std::uint32_t width = 0, height = 0;

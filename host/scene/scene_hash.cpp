@@ -6,14 +6,15 @@
 namespace wavepath {
 namespace {
 
-// Fields are named by structured bindings, so that a struct with a new one does not compile until it is dealt with here.
-// Material and TextureSlot have tables of their own, which are counted instead.
+// Fields are named by structured bindings, so that a struct with a new one does not compile until it is dealt with
+// here. Material and TextureSlot have tables of their own, which are counted instead.
 consteval std::size_t material_row_count() {
   std::size_t count = 0;
   visit_material_fields([&](const auto&) { ++count; });
   return count;
 }
-static_assert(member_count<Material>() == 1 + material_row_count(), "a field of Material has no row; the name needs none");
+static_assert(member_count<Material>() == 1 + material_row_count(), // the name has none
+              "a field of Material has no row in material.h");
 
 consteval std::size_t slot_property_count() {
   std::size_t count = 0;
@@ -99,7 +100,8 @@ void add_each(Hash& hash, const std::vector<T>& values) {
 
 std::uint64_t hash_scene(const Scene& scene) {
   // The camera is not part of it: the caller has chosen a view. Names and warnings change no picture.
-  const auto& [path, images, materials, meshes, instances, cameras, lights, environment, extensions_used, warnings] = scene;
+  const auto& [path, images, materials, meshes, instances, cameras, lights, environment, extensions_used, warnings] =
+      scene;
   Hash hash;
   add_each(hash, images);
   add_each(hash, materials);

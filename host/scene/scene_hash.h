@@ -1,4 +1,4 @@
-// One number for everything in a scene that a picture depends on.
+// A hash of everything in a scene that changes a picture.
 #pragma once
 
 #include <cstdint>
@@ -7,8 +7,7 @@
 
 namespace wavepath {
 
-// Equal for equal geometry, materials, texels, lights and environment, wherever the file lies. 64 bits, not
-// cryptographic.
+// Equal for equal geometry, materials, texels, lights and environment, whatever the names and the path of the file.
 std::uint64_t hash_scene(const Scene& scene);
 
 } // namespace wavepath

@@ -1,4 +1,5 @@
-// What of a scene its instances really use: which meshes, how often, which materials, and where their vertices will go.
+// What the instances of a scene use: meshes with their instance counts, materials, and the place of each mesh's
+// vertices.
 #pragma once
 
 #include <cstdint>
@@ -22,8 +23,8 @@ struct Usage {
   bool two_level() const { return shared_instances > 0; }
 };
 
-// A scene index out of range is the loader's mistake and not checked again. Throws Error if there are more vertices
-// than 32 bits can number.
+// Indices of the scene are in range: the loader has checked them. Throws Error if there are more than 2^32 - 1
+// vertices.
 Usage find_usage(const Scene& scene);
 
 } // namespace wavepath

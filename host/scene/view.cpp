@@ -1,4 +1,4 @@
-// Finds, overrides or invents a camera; see view.h.
+// Chooses a camera, overrides parts of it, or derives one from the scene's bounds; see view.h.
 #include "host/scene/view.h"
 
 #include <charconv>
@@ -50,7 +50,7 @@ Pose pose_of(const Camera& camera) {
   return pose;
 }
 
-// The bounding sphere just touches the nearer pair of image edges.
+// The bounding sphere touches the nearer pair of image edges.
 Pose frame_scene(const Bounds& bounds, double aspect) {
   Pose pose;
   const double half_yfov = 0.5 * kFramingYfov;
@@ -63,7 +63,7 @@ Pose frame_scene(const Bounds& bounds, double aspect) {
   return pose;
 }
 
-// A camera that was level stays level when it is turned: its up is then the world's.
+// A level camera stays level when it is turned: its up vector becomes the world's.
 glm::dvec3 inherited_up(const Pose& pose) {
   const glm::dvec3 right = glm::cross(pose.forward, pose.up);
   const bool level = std::abs(right.y) <= 1e-6 * glm::length(right) && pose.up.y > 0.0;
@@ -111,7 +111,7 @@ View resolve_view(const Scene& scene, const Bounds& bounds, const ViewRequest& r
   const double aspect = static_cast<double>(width) / static_cast<double>(height);
   Pose pose;
   std::optional<glm::dvec3>
-      default_target; // without a camera, an eye of the user's own looks at the middle of the scene
+      default_target; // without a camera, --eye looks at the centre of the scene
   if (scene.cameras.empty() && request.camera.empty()) {
     pose = frame_scene(bounds, aspect);
     default_target = bounds.centre();

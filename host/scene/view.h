@@ -1,4 +1,4 @@
-// The camera of one picture: a glTF camera, one of the user's own, or a framing of the scene.
+// The camera of a picture: a glTF camera, one given on the command line, or one that frames the scene.
 #pragma once
 
 #include <cstdint>
@@ -22,21 +22,21 @@ struct View {
   glm::dvec3 up{0.0, 1.0, 0.0};
 };
 
-// What --camera, --eye, --look-at, --up and --yfov say; what is left out comes from the chosen camera.
+// The flags --camera, --eye, --look-at, --up and --yfov; values not given come from the chosen camera.
 struct ViewRequest {
   std::string camera{}; // name or index; empty = the first
   std::optional<glm::dvec3> eye{}, look_at{}, up{};
   std::optional<double> yfov{}; // radians
 };
 
-// Throws Error if the camera named is not there or the request is degenerate. A perspective camera keeps its vertical
+// Throws Error if the named camera does not exist or the request is degenerate. A perspective camera keeps its vertical
 // angle, an orthographic one its height; the width follows from the image. A scene without a camera is framed: the
-// bounding sphere of its geometry fills the image, seen from a little above and to the right of +Z; from an eye of the
-// user's own, its middle is looked at. A level camera stays level when only its eye or target is moved. `yfov` makes
-// any camera perspective.
+// bounding sphere of its geometry fills the image, seen from a little above and to the right of +Z; with --eye the
+// camera looks at the centre of that sphere. A level camera stays level when only its eye or target is moved. `yfov`
+// makes any camera perspective.
 View resolve_view(const Scene& scene, const ViewRequest& request, std::uint32_t width, std::uint32_t height);
 
-// The same where the world box of the geometry is known already; only the cameras of `scene` are looked at.
+// The same with the known world box of the geometry; reads only the cameras of `scene`.
 View resolve_view(const Scene& scene, const Bounds& bounds, const ViewRequest& request, std::uint32_t width,
                   std::uint32_t height);
 

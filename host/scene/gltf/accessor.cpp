@@ -4,11 +4,12 @@
 #include <algorithm>
 
 #include "host/base/memory.h"
+#include "host/scene/gltf/views.h"
 
 namespace wavepath::gltf {
 namespace {
 
-// Elements without any data are zeros by the specification; nobody needs this many.
+// Accessors without data are filled with zeros (specification); this limits the memory that a short file can request.
 constexpr std::size_t kMaxZeros = std::size_t{1} << 24;
 
 std::size_t element_size(const tinygltf::Accessor& accessor, int components) {
@@ -22,8 +23,8 @@ bool is_known_type(int type) {
          type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT || type == TINYGLTF_COMPONENT_TYPE_FLOAT;
 }
 
-// `count` elements of `size` bytes every `stride` bytes from `offset` on, in `available` bytes; nothing here can
-// overflow.
+// Whether `count` elements of `size` bytes, `stride` apart and beginning at `offset`, lie within `available` bytes. No
+// operation here can overflow.
 bool fits(std::uint64_t available, std::uint64_t offset, std::uint64_t stride, std::uint64_t size,
           std::uint64_t count) {
   if (count == 0) return true;

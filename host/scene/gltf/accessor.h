@@ -13,7 +13,7 @@
 
 namespace wavepath::gltf {
 
-// The elements of an accessor; all bytes that count and stride reach are there. Copies share the bytes.
+// The elements of an accessor. All bytes addressed by count and stride exist. Copies share the bytes.
 struct Elements {
   const std::uint8_t* bytes = nullptr;
   std::size_t count = 0, stride = 0;

@@ -1,4 +1,4 @@
-// Takes a glTF file apart (glTF 2.0 specification, chapter 4: GLB file format).
+// Splits a glTF file into its chunks (glTF 2.0 specification, chapter 4: GLB file format).
 #include "host/scene/gltf/container.h"
 
 #include <algorithm>
@@ -74,7 +74,7 @@ Container read_glb(const std::filesystem::path& path, std::uint64_t size) {
   return container;
 }
 
-// Refuses what would exhaust the stack or the memory of a JSON parser; does not check the grammar.
+// Rejects text that would exhaust the stack or the memory of a JSON parser. Does not check the grammar.
 void check_json_size(const std::string& file, const std::string& json) {
   int depth = 0;
   std::uint64_t values = 0;

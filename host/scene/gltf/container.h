@@ -1,4 +1,4 @@
-// Takes a glTF file apart: the JSON text, checked to be safe to parse, and the binary chunk of a .glb.
+// Splits a glTF file into its JSON text, which is checked to be safe to parse, and the binary chunk of a .glb.
 #pragma once
 
 #include <cstdint>
@@ -8,7 +8,7 @@
 
 namespace wavepath::gltf {
 
-// What users can do about a file that breaks the specification.
+// The remedy in messages about files that violate the specification.
 inline constexpr const char* kRepair = "export it again, or see what the Khronos glTF validator says about it";
 
 struct Container {
@@ -16,7 +16,8 @@ struct Container {
   std::vector<std::uint8_t> binary; // empty in a .gltf
 };
 
-// Throws Error if the file cannot be read, is cut short, has an absurd size, or nests or lists absurdly much.
+// Throws Error if the file cannot be read, is truncated or too large, or its JSON nests too deep or has too many
+// values.
 Container read_container(const std::filesystem::path& path);
 
 } // namespace wavepath::gltf

@@ -1,4 +1,4 @@
-// Opens glTF documents and brings in their bytes on demand.
+// Opens glTF documents: splits the container, checks the JSON and has tinygltf parse it.
 #include "host/scene/gltf/document.h"
 
 #include <charconv>
@@ -7,9 +7,6 @@
 #include <nlohmann/json.hpp>
 
 #include "host/base/error.h"
-#include "host/base/memory.h"
-#include "host/base/read_file.h"
-#include "host/scene/gltf/decompress.h"
 #include "host/scene/gltf/extensions.h"
 #include "host/scene/gltf/schema.h"
 #include "host/scene/gltf/uri.h"
@@ -69,7 +66,7 @@ void check_uri(const Document& document, const std::string& what, const Source& 
   }
 }
 
-// Takes out what tinygltf would load at once or stumble over.
+// Removes from the JSON what tinygltf would load immediately, reads less generally than we do, or wrongly rejects.
 void take_sources(Document& document, json& root) {
   for (const json& buffer : root.value("buffers", json::array())) {
     document.buffers.push_back({"", buffer.value("uri", ""), buffer["byteLength"], -1});
@@ -103,7 +100,7 @@ void parse_model(Document& document, const json& root) {
     error = exception.what();
   }
   if (parsed) return;
-  // Complaints about optional properties may stand before the one that counts.
+  // The last message is the cause; messages about optional properties may precede it.
   error.erase(error.find_last_not_of('\n') + 1);
   document.fail("is not sound glTF: " + shown(error.substr(error.rfind('\n') + 1)));
 }
@@ -117,43 +114,6 @@ void check_views(const Document& document) {
       document.fail("buffer view " + std::to_string(i) + " reaches beyond the " + std::to_string(size) +
                     " bytes of its buffer");
     }
-  }
-}
-
-std::vector<std::uint8_t> read_uri(const Document& document, const std::string& what, const std::string& uri,
-                                   std::uint64_t wanted) {
-  const auto path = resolve_uri(document.path.parent_path(), uri);
-  const auto size = path ? regular_file_size(*path) : std::nullopt;
-  if (!size) document.fail(what + " '" + shown(uri) + "' is not there", "put it beside the file");
-  if (*size < wanted) {
-    document.fail(what + " '" + shown(uri) + "' is cut short: " + std::to_string(*size) + " of " +
-                      std::to_string(wanted) + " bytes are there",
-                  "copy or download it again");
-  }
-  const std::uint64_t length = wanted ? wanted : *size;
-  require_memory(document.file, what + " '" + shown(uri) + "'", length, "use a machine with more memory");
-  std::vector<std::uint8_t> bytes(length);
-  if (!read_file(*path, 0, bytes))
-    document.fail(what + " '" + shown(uri) + "' cannot be read", "check its permissions");
-  return bytes;
-}
-
-void load_buffer(Document& document, std::size_t buffer) {
-  const Source& source = document.buffers[buffer];
-  auto& bytes = document.loaded_buffers[buffer];
-  const std::string what = "buffer " + std::to_string(buffer);
-  if (source.uri.empty()) {
-    if (buffer != 0 || document.binary.empty()) document.fail(what + " has no data");
-    bytes = std::move(document.binary);
-  } else if (is_data_uri(source.uri)) {
-    auto decoded = decode_data_uri(source.uri);
-    if (!decoded) document.fail(what + " has a malformed data URI");
-    bytes = std::move(*decoded);
-  } else {
-    bytes = read_uri(document, what, source.uri, source.size);
-  }
-  if (bytes.size() < source.size) {
-    document.fail(what + " holds " + std::to_string(bytes.size()) + " bytes instead of " + std::to_string(source.size));
   }
 }
 
@@ -178,39 +138,6 @@ Document open_document(const std::filesystem::path& path) {
   document.loaded_buffers.resize(document.buffers.size());
   document.decoded_views.resize(document.model.bufferViews.size());
   return document;
-}
-
-Bytes buffer_bytes(Document& document, std::size_t buffer, std::uint64_t offset, std::uint64_t length) {
-  if (length == 0) return {};
-  if (offset + length > document.buffers[buffer].size) {
-    document.fail("reads beyond the " + std::to_string(document.buffers[buffer].size) + " bytes of buffer " +
-                  std::to_string(buffer));
-  }
-  if (document.loaded_buffers[buffer].empty()) load_buffer(document, buffer);
-  return Bytes(document.loaded_buffers[buffer]).subspan(offset, length);
-}
-
-Bytes view_bytes(Document& document, std::size_t view) {
-  const tinygltf::BufferView& source = document.model.bufferViews[view];
-  if (source.extensions.contains("EXT_meshopt_compression")) {
-    if (document.decoded_views[view].empty()) document.decoded_views[view] = decode_meshopt(document, view);
-    return document.decoded_views[view];
-  }
-  return buffer_bytes(document, static_cast<std::size_t>(source.buffer), source.byteOffset, source.byteLength);
-}
-
-std::vector<std::uint8_t> image_bytes(Document& document, std::size_t image) {
-  const Source& source = document.images[image];
-  const std::string what = "image " + std::to_string(image);
-  if (source.view >= 0) {
-    const Bytes bytes = view_bytes(document, static_cast<std::size_t>(source.view));
-    return {bytes.begin(), bytes.end()};
-  }
-  if (source.uri.empty()) document.fail(what + " has neither a URI nor a buffer view");
-  if (!is_data_uri(source.uri)) return read_uri(document, what, source.uri, 0);
-  auto decoded = decode_data_uri(source.uri);
-  if (!decoded) document.fail(what + " has a malformed data URI");
-  return std::move(*decoded);
 }
 
 } // namespace wavepath::gltf

@@ -1,5 +1,4 @@
-// A glTF document: parsed by tinygltf after our own checks, with its bytes brought in only when something asks for
-// them.
+// A glTF document, parsed by tinygltf after our own checks. Its bytes are read later, see buffers.h and views.h.
 #pragma once
 
 #include <cstdint>
@@ -9,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json_fwd.hpp>
 #include <tiny_gltf.h>
+#include <nlohmann/json_fwd.hpp>
 
 #include "host/scene/gltf/container.h"
 
@@ -44,14 +43,5 @@ struct Document {
 
 // Throws Error if the file is not sound glTF 2.0 or requires an extension that wavepath does not have.
 Document open_document(const std::filesystem::path& path);
-
-// The bytes of a buffer from `offset` on, `length` of them; the buffer is read at its first use. Throws Error.
-Bytes buffer_bytes(Document& document, std::size_t buffer, std::uint64_t offset, std::uint64_t length);
-
-// The whole contents of a buffer view, decompressed if need be; they live as long as the document. Throws Error.
-Bytes view_bytes(Document& document, std::size_t view);
-
-// The file of an image as stored: from its URI or its buffer view. Throws Error.
-std::vector<std::uint8_t> image_bytes(Document& document, std::size_t image);
 
 } // namespace wavepath::gltf

@@ -23,7 +23,7 @@ namespace {
 
 using gltf::Document;
 
-// Everything that stays the same while the nodes are placed.
+// The state of an import.
 struct Import {
   Document& document;
   Scene& scene;
@@ -32,7 +32,7 @@ struct Import {
   std::map<gltf::MeshUse, std::uint32_t> meshes;
 };
 
-// Finite, affine and invertible, with a determinant that survives division.
+// Finite, affine and invertible, with a determinant whose reciprocal is finite.
 bool is_usable(const glm::dmat4& matrix) {
   for (int i = 0; i < 4; ++i) {
     for (int j = 0; j < 4; ++j) {
@@ -44,11 +44,13 @@ bool is_usable(const glm::dmat4& matrix) {
   return std::isfinite(determinant) && std::isfinite(1.0 / determinant);
 }
 
-// The materials of a node's mesh, before its geometry, so that their images can be decoded while that is read.
+// Converts the materials of a node's mesh before its geometry is read, so that images are decoded at the same time.
 void convert_materials(Import& import, const tinygltf::Node& node) {
   if (node.mesh < 0) return;
-  for (const tinygltf::Primitive& primitive : import.document.model.meshes[static_cast<std::size_t>(node.mesh)].primitives)
-    if (gltf::has_triangles(primitive)) gltf::use_material(import.document, import.scene, import.materials, primitive.material);
+  for (const tinygltf::Primitive& primitive :
+       import.document.model.meshes[static_cast<std::size_t>(node.mesh)].primitives)
+    if (gltf::has_triangles(primitive))
+      gltf::use_material(import.document, import.scene, import.materials, primitive.material);
 }
 
 void place_mesh(Import& import, int node_index) {
@@ -152,8 +154,10 @@ Scene load_gltf(const std::filesystem::path& path, const LoadOptions& options, c
   if (!options.animation.empty()) gltf::pose(document, scene.warnings, options.animation, options.at);
   Import import{document, scene, gltf::world_matrices(document), {}, {}};
   const std::vector<int> nodes = gltf::scene_nodes(document, options.scene);
-  for (const int node_index : nodes) convert_materials(import, document.model.nodes[static_cast<std::size_t>(node_index)]);
-  auto images = std::async(std::launch::async, gltf::decode_images, gltf::image_files(document, import.materials.images));
+  for (const int node_index : nodes)
+    convert_materials(import, document.model.nodes[static_cast<std::size_t>(node_index)]);
+  auto images =
+      std::async(std::launch::async, gltf::decode_images, gltf::image_files(document, import.materials.images));
   for (const int node_index : nodes) {
     const tinygltf::Node& node = document.model.nodes[static_cast<std::size_t>(node_index)];
     const glm::dmat4& world = import.world[static_cast<std::size_t>(node_index)];

@@ -9,7 +9,7 @@
 
 namespace wavepath {
 
-// Told of a scene as soon as all of it but the contents of its images is there; those are being decoded meanwhile.
+// Called when the scene is complete except for the contents of its images, which are still being decoded.
 using SceneDescribed = std::function<void(Scene& scene)>;
 
 struct LoadOptions {

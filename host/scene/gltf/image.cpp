@@ -44,7 +44,7 @@ std::uint32_t crc32(std::span<const std::uint8_t> bytes) {
   return ~crc;
 }
 
-// Whether all chunks of a PNG are whole. libpng would find out too, but it prints to stderr on its own account.
+// Whether all chunks of a PNG are complete. libpng checks this too, but prints to stderr.
 bool is_png_whole(std::span<const std::uint8_t> file) {
   for (std::size_t at = 8; file.size() - at >= 12;) {
     const std::uint32_t length = big_endian(&file[at]);
@@ -77,8 +77,8 @@ void spread(std::vector<T>& texels, std::size_t count, int channels, T opaque) {
   }
 }
 
-// The WebP reader of OpenImageIO before 2.5 multiplies by alpha whatever it is asked; this brings the colours back, as
-// well as 8 bits can hold them.
+// The WebP reader of OpenImageIO before 2.5 always multiplies by alpha; this divides by it again, to the precision of 8
+// bits.
 void unpremultiply(std::vector<std::uint8_t>& texels) {
   for (std::size_t i = 0; i < texels.size(); i += 4) {
     const unsigned alpha = texels[i + 3];

@@ -1,4 +1,4 @@
-// EXT_mesh_gpu_instancing: one node, many places.
+// EXT_mesh_gpu_instancing: several instances of a node's mesh.
 #pragma once
 
 #include <vector>
@@ -9,7 +9,8 @@
 
 namespace wavepath::gltf {
 
-// Where the mesh of `node` stands: once at `world`, or wherever the extension puts it below that. Throws Error.
+// World matrices of the instances of a node's mesh: `world`, or with the extension `world` times each of its
+// transforms. Throws Error.
 std::vector<glm::dmat4> instance_matrices(Document& document, const tinygltf::Node& node, const glm::dmat4& world);
 
 } // namespace wavepath::gltf

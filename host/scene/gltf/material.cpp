@@ -1,4 +1,5 @@
-// Reads materials by the table of their fields (host/scene/material.h), and computes those that no single property gives.
+// Reads materials by the table of their fields (host/scene/material.h), and computes those that no single property
+// gives.
 #include "host/scene/gltf/material.h"
 
 #include <algorithm>
@@ -85,7 +86,8 @@ void read_volume(Reader& reader) {
   if (distance <= 0.0)
     reader.document.fail("a material has attenuationDistance " + std::to_string(distance), "make it positive");
   const auto color = volume->value("attenuationColor", std::vector<double>(3, 1.0));
-  if (std::ranges::any_of(color, [](double c) { return c < 0.0 || c > 1.0; })) warn_of_range(reader, "attenuationColor");
+  if (std::ranges::any_of(color, [](double c) { return c < 0.0 || c > 1.0; }))
+    warn_of_range(reader, "attenuationColor");
   for (int i = 0; i < 3; ++i) {
     // No light at all would need an infinite coefficient: 1e-10 is as black as the output can show.
     const auto share = static_cast<float>(std::clamp(color[static_cast<std::size_t>(i)], 0.0, 1.0));
@@ -116,13 +118,13 @@ Material read_material(const Document& document, ImageMap& images, Warnings& war
                                    [](const MaterialTexture&) {}});
   apply_emissive_strength(reader);
   read_volume(reader);
-  visit_material_fields(Overloaded{[](const auto&) {}, [&](const MaterialTexture& row) {
+  visit_material_fields(Overloaded{[](const auto&) {},
+                                   [&](const MaterialTexture& row) {
                                      const json* info = find_property(source, row.gltf);
                                      if (info && (!row.visible || row.visible(material)))
                                        material.*row.field = read_texture(document, images, warnings, *info, row.srgb);
                                    }});
-  if (source.contains("occlusionTexture"))
-    warnings.add("occlusion texture ignored: path tracing computes occlusion");
+  if (source.contains("occlusionTexture")) warnings.add("occlusion texture ignored: path tracing computes occlusion");
   return material;
 }
 

@@ -33,7 +33,7 @@ constexpr bool kRequired = true;
 constexpr std::int64_t kMaxSmall = 0x7fffffff;
 constexpr std::int64_t kMaxSize = std::int64_t{1} << 53; // exact in a double
 
-std::vector<Rule> core_rules() {
+std::vector<Rule> data_rules() {
   return {
       {"asset", Kind::object, kRequired},
       {"asset.version", Kind::string, kRequired},
@@ -61,6 +61,11 @@ std::vector<Rule> core_rules() {
       {"accessors[].sparse.values", Kind::object, kRequired},
       {"accessors[].sparse.values.bufferView", Kind::index, kRequired, "bufferViews"},
       {"accessors[].sparse.values.byteOffset", Kind::small},
+  };
+}
+
+std::vector<Rule> mesh_rules() {
+  return {
       {"meshes[].name", Kind::string},
       {"meshes[].weights", Kind::numbers},
       {"meshes[].primitives", Kind::list, kRequired},
@@ -70,6 +75,11 @@ std::vector<Rule> core_rules() {
       {"meshes[].primitives[].material", Kind::index, false, "materials"},
       {"meshes[].primitives[].mode", Kind::small},
       {"meshes[].primitives[].targets[].*", Kind::index, false, "accessors"},
+  };
+}
+
+std::vector<Rule> node_rules() {
+  return {
       {"nodes[].name", Kind::string},
       {"nodes[].children[]", Kind::index, false, "nodes"},
       {"nodes[].mesh", Kind::index, false, "meshes"},
@@ -96,6 +106,11 @@ std::vector<Rule> core_rules() {
       {"animations[].samplers[].input", Kind::index, kRequired, "accessors"},
       {"animations[].samplers[].output", Kind::index, kRequired, "accessors"},
       {"animations[].samplers[].interpolation", Kind::string},
+  };
+}
+
+std::vector<Rule> camera_rules() {
+  return {
       {"cameras[].name", Kind::string},
       {"cameras[].type", Kind::string, kRequired},
       {"cameras[].perspective.yfov", Kind::number, kRequired},
@@ -106,6 +121,11 @@ std::vector<Rule> core_rules() {
       {"cameras[].orthographic.ymag", Kind::number, kRequired},
       {"cameras[].orthographic.znear", Kind::number, kRequired},
       {"cameras[].orthographic.zfar", Kind::number, kRequired},
+  };
+}
+
+std::vector<Rule> texture_rules() {
+  return {
       {"textures[].sampler", Kind::index, false, "samplers"},
       {"textures[].source", Kind::index, false, "images"},
       {"samplers[].magFilter", Kind::small},
@@ -301,7 +321,8 @@ private:
 
 void check_schema(const std::string& file, json& document) {
   Checker checker(file, document);
-  for (const auto& rules : {core_rules(), extension_rules(), material_rules()}) {
+  for (const auto& rules : {data_rules(), mesh_rules(), node_rules(), camera_rules(), texture_rules(),
+                            extension_rules(), material_rules()}) {
     for (const Rule& rule : rules) checker.check(rule);
   }
 }

@@ -4,13 +4,14 @@
 #include <cmath>
 #include <exception>
 
-#include <nlohmann/json.hpp>
 #include <tbb/parallel_for.h>
+#include <nlohmann/json.hpp>
 
 #include "host/base/error.h"
 #include "host/scene/gltf/image.h"
 #include "host/scene/gltf/property.h"
 #include "host/scene/gltf/uri.h"
+#include "host/scene/gltf/views.h"
 
 namespace wavepath::gltf {
 namespace {

@@ -18,7 +18,7 @@ struct AliasTable {
 // picked.
 AliasTable build_alias_table(std::span<const double> weights);
 
-// What the table does, worked out from its stored thresholds: the probability of every index. Sums to 1 to about 1e-12.
+// The probability of every index as the stored thresholds give it. The sum differs from 1 by about 1e-12 at most.
 std::vector<double> alias_probabilities(const AliasTable& table);
 
 } // namespace wavepath

@@ -16,9 +16,9 @@ namespace {
 
 constexpr int kSubdivision = 8;         // 64 congruent parts of a triangle, one sample in the middle of each
 constexpr double kSmallestShare = 0.01; // of the texture's mean emission
-constexpr double kLargestUv = 1e6;      // beyond, texels of a footprint are not told apart
+constexpr double kLargestUv = 1e6;      // beyond, the mean of the texture is used
 
-// What one emissive material shines through its texture.
+// The emission texture of one material, with the factor applied.
 struct EmissionMap {
   gpu::Texture texture;
   std::vector<float> luminance;        // of factor * texel
@@ -107,7 +107,8 @@ glm::dvec2 texture_uv(const gpu::Texture& texture, const glm::vec4& uvs) {
   return glm::dvec2(m.x * uv.x + m.y * uv.y, m.z * uv.x + m.w * uv.y) + glm::dvec2(texture.uv_offset);
 }
 
-// Mean luminance of the emission over a triangle with these texture coordinates; 0 only if it is black all over.
+// Mean luminance of the emission over a triangle with these texture coordinates; 0 only if no texel of its footprint
+// emits.
 double mean_emission(const EmissionMap& map, const glm::dvec2 (&uv)[3]) {
   const glm::dvec2 lo = glm::min(uv[0], glm::min(uv[1], uv[2])), hi = glm::max(uv[0], glm::max(uv[1], uv[2]));
   if (!shines_within(map, lo, hi)) return 0.0;

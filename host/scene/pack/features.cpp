@@ -34,7 +34,8 @@ bool shines(const Material& m) { return m.unlit || glm::any(glm::greaterThan(m.e
 // The code that reads the material's textures. Filtering and transforms are decided by what is packed, see below.
 std::uint32_t texture_features(const Material& m) {
   std::uint32_t features = 0;
-  visit_textures(m, [&](const MaterialTexture& row, const TextureSlot&) { features |= gpu::kFeatureTextures | row.feature; });
+  visit_textures(
+      m, [&](const MaterialTexture& row, const TextureSlot&) { features |= gpu::kFeatureTextures | row.feature; });
   return features;
 }
 
@@ -139,14 +140,16 @@ std::vector<LeftOut> list_left_out(const Usage& usage, const PackedScene& packed
       {"environment map", "the environment is constant or black", 0, gpu::kFeatureEnvironmentMap},
   };
   std::uint32_t listed = 0; // two slots may share a bit
-  visit_material_fields(Overloaded{[](const auto&) {}, [&](const MaterialTexture& row) {
+  visit_material_fields(Overloaded{[](const auto&) {},
+                                   [&](const MaterialTexture& row) {
                                      if (!(listed & row.feature))
                                        all.push_back({row.plural, "no material in use has one", 0, row.feature});
                                      listed |= row.feature;
                                    }});
   std::erase_if(all, [&](const LeftOut& entry) { return (packed.features & entry.feature) != 0; });
   if (corners > 0)
-    all.push_back({"vertex indices", "no surface has vertex normals, texture coordinates or colours to look up", corners});
+    all.push_back(
+        {"vertex indices", "no surface has vertex normals, texture coordinates or colours to look up", corners});
   return all;
 }
 

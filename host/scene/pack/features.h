@@ -1,10 +1,10 @@
-// What a packed scene needs of the kernels, and the list of what it does without.
+// Which kernel features a packed scene needs, and a list of those that it leaves out.
 #pragma once
 
 #include <cstdint>
 #include <vector>
 
-#include "host/scene/pack/pack.h"
+#include "host/scene/pack/packed_scene.h"
 #include "host/scene/usage.h"
 
 namespace wavepath {
@@ -13,12 +13,11 @@ namespace wavepath {
 // (kFeatureAovs, kFeatureOrthographic) are left clear.
 std::uint32_t find_features(const Scene& scene, const Usage& usage, const PackedScene& packed);
 
-// What find_features() will most likely say, from all of the scene but the contents of its images and the sizes of its
-// triangles: for those who cannot wait. A bit too many costs speed, a bit too few the time of doing it again.
+// An estimate of find_features() from everything but the contents of images and the sizes of triangles, so that kernels
+// can be compiled while the scene is packed. A bit too many costs speed; a bit too few costs a second compilation.
 std::uint32_t expected_features(const Scene& scene, std::uint32_t direct);
 
-// One entry for every clear bit of packed.features: why this scene does without, and the bytes its data would have
-// taken.
+// One entry for every clear bit of packed.features: the reason, and the bytes that its data would have taken.
 std::vector<LeftOut> list_left_out(const Usage& usage, const PackedScene& packed, std::uint32_t direct);
 
 } // namespace wavepath

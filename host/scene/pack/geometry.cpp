@@ -25,7 +25,8 @@ struct Corners {
 
 bvh::Vec3 to_bvh(const glm::vec3& v) { return {v.x, v.y, v.z}; }
 
-// Edges of float vertices are exact in double save for extreme ratios, so the test finds exactly the degenerate ones.
+// Differences of floats are exact in double except at extreme ratios, so that the test finds exactly the degenerate
+// triangles.
 bool has_area(const glm::vec3 (&p)[3]) {
   const glm::dvec3 normal = glm::cross(glm::dvec3(p[1]) - glm::dvec3(p[0]), glm::dvec3(p[2]) - glm::dvec3(p[0]));
   return normal.x != 0.0 || normal.y != 0.0 || normal.z != 0.0;
@@ -79,7 +80,7 @@ std::vector<bvh::Triangle> list_valid(const Scene& scene, std::span<const Part> 
   return triangles;
 }
 
-// What a leaf's item can be numbered by.
+// A leaf refers to its items by an index of limited width.
 void require_items(const Scene& scene, std::size_t count) {
   if (count > bvh::kMaxItems)
     throw Error(scene.path, fmt::format("has more than {} triangles", bvh::kMaxItems),

@@ -7,13 +7,13 @@
 
 #include <glm/glm.hpp>
 
-#include "host/scene/pack/pack.h"
+#include "host/scene/pack/packed_scene.h"
 #include "host/scene/usage.h"
 
 namespace wavepath {
 
-// A primitive on its way to the device. Meshes that are shown once carry their whole transform here ("baked"); shared
-// meshes carry the identity, and their instances the transform.
+// A primitive to be packed. A mesh with one instance is transformed here ("baked"); a mesh with several has the
+// identity here, and its instances hold the transforms.
 struct Part {
   std::uint32_t mesh = 0;
   std::uint32_t primitive = 0;
@@ -35,8 +35,8 @@ struct Object {
 
 // Appends the triangles of `parts` and the tree over them to `packed` (nodes, triangles, triangle_vertices if
 // `with_vertices`). Triangles that are not finite or have exactly no area are left out and counted in
-// packed.dropped_triangles, `times` each (the instances that would have shown them). light_pdf is left 0. Throws Error
-// if there are more items or nodes than traversal can number.
+// packed.dropped_triangles, `times` each (the number of its instances). light_pdf is left 0. Throws Error
+// if there are more items or nodes than traversal can index.
 Object append_object(const Scene& scene, std::span<const Part> parts, bool with_vertices, std::uint64_t times,
                      bvh::Quality quality, PackedScene& packed);
 

@@ -24,8 +24,8 @@ bvh::Vec3 round_up(const glm::dvec3& p) {
   return {-down.x, -down.y, -down.z};
 }
 
-// The kernels carry rays into object space with matrices rounded to float, which shows the object up to about 2^-22 of
-// the terms in the transform away from its exact place; the box grows by as much.
+// The kernels transform rays to object space with matrices rounded to float, which moves the object by up to about
+// 2^-22 of the terms in the transform; the box is widened by as much.
 bvh::Box device_box(const Object& object, const glm::dmat4& transform) {
   const Bounds box = transform_bounds({object.lo, object.hi}, transform);
   const glm::dvec3 reach = glm::max(glm::abs(glm::dvec3(object.lo)), glm::abs(glm::dvec3(object.hi)));
@@ -74,12 +74,12 @@ std::vector<std::uint32_t> pack_instances(std::span<const Object> objects, std::
     deepest = std::max(deepest, object.depth);
   }
 
-  // One instance a leaf: entering one is dear, and the kernels keep a single one open.
+  // One instance a leaf: entering an instance is expensive, and the kernels hold the state of one at a time.
   const bvh::WideTree top = bvh::build(boxes, {.max_leaf_size = 1});
   packed.root = append_tree(top, 0, packed.nodes);
   packed.root_is_top = true;
-  // While an object is traversed, the node and the (at most four) other instances that came next wait below the mark that
-  // leads back to them.
+  // While an object is traversed, the stack also holds the pending node and up to four pending instances of the top
+  // level, and the mark that separates the levels.
   packed.stack_size = top.depth + 1 + 4 + 1 + deepest;
   packed.instances.reserve(instances.size());
   std::vector<std::uint32_t> ordered_objects;

@@ -8,7 +8,7 @@
 #include <glm/glm.hpp>
 
 #include "host/scene/pack/geometry.h"
-#include "host/scene/pack/pack.h"
+#include "host/scene/pack/packed_scene.h"
 
 namespace wavepath {
 

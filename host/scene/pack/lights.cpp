@@ -52,8 +52,8 @@ std::uint64_t place_on_curve(const gpu::Triangle& triangle, const Object& object
   return place;
 }
 
-// Items of the object that shine, one copy of each triangle. Neighbours come together, so that well-spread numbers pick
-// well-spread lights (in the order of the source, a sphere of 3,968 triangles has 1.9 times the noise); and the order does
+// Emissive items of the object, one copy of each triangle, sorted along a Z-curve: stratified random numbers then pick
+// stratified lights (in the order of the source, a sphere of 3,968 triangles has 1.9 times the noise). The order does
 // not depend on the tree, so neither does the picture.
 std::vector<std::uint32_t> list_shining(const Object& object, const std::vector<double>& densities,
                                         const PackedScene& packed) {
@@ -103,7 +103,7 @@ double set_spot_falloff(const PunctualLight& source, gpu::Light& light) {
   return 2.0 * kPi * (std::pow(top - outer, 3.0) * scale * scale / 3.0 + (1.0 - top));
 }
 
-// KHR's `range` is ignored on purpose: it is a hint for culling, and the inverse square law knows no range.
+// KHR_lights_punctual's `range` is ignored: it is a hint for culling, and physical falloff has no limit.
 void add_punctual(const Scene& scene, const PackedScene& packed, double radius, LightList& list) {
   for (const PunctualLight& source : scene.lights) {
     gpu::Light light{};

@@ -1,21 +1,12 @@
-// Converts materials and decides where alpha and facing matter; see materials.h.
+// Converts materials, and finds the triangles whose alpha or facing traversal must test; see materials.h.
 #include "host/scene/pack/materials.h"
 
 #include <algorithm>
 
-#include "host/base/member_count.h"
 #include "host/base/overloaded.h"
 
 namespace wavepath {
 namespace {
-
-// Members of gpu::Material that rows fill, and `flags`.
-consteval std::size_t packed_count() {
-  std::size_t count = 1;
-  visit_material_fields(Overloaded{[&](const auto&) { ++count; }, []<class T>(const MaterialChoice<T>&) {}});
-  return count;
-}
-static_assert(member_count<gpu::Material>() == packed_count(), "a member of gpu::Material has no row in material.h");
 
 gpu::Material convert(const Material& m, const Scene& scene, TextureTable& textures) {
   gpu::Material out{};
@@ -90,7 +81,7 @@ std::vector<std::uint32_t> triangle_flags(const Scene& scene, const Mesh& mesh, 
   for (std::size_t p = 0; p < mesh.primitives.size(); ++p) {
     const Material& m = scene.materials[mesh.primitives[p].material];
     const float texture_alpha = m.base_color_texture.present() ? image_alpha[m.base_color_texture.image] : 1.0f;
-    // A transmissive surface must be met from both sides: rays inside the body leave through its back.
+    // A transmissive surface is never culled: rays inside the body leave through its back faces.
     if (!m.double_sided && !(m.transmission > 0.0f)) flags[p] |= gpu::kTriangleSingleSided;
     if (lets_rays_through(m, m.base_color.a * texture_alpha * color_alpha)) flags[p] |= gpu::kTriangleAlpha;
     if (mesh.primitives[p].has_normals && !mesh.normals.empty()) flags[p] |= gpu::kTriangleSmooth;

@@ -1,4 +1,4 @@
-// Materials as the kernels read them, only those in use, and what their surfaces ask of traversal.
+// Materials in use as the kernels read them, and the flags of their triangles that traversal reads.
 #pragma once
 
 #include <cstdint>

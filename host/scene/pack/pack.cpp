@@ -1,4 +1,4 @@
-// The walk from Scene to PackedScene, stage by stage; see pack.h.
+// Runs the stages of packing in their order; see pack.h.
 #include "host/scene/pack/pack.h"
 
 #include <algorithm>
@@ -19,7 +19,7 @@
 namespace wavepath {
 namespace {
 
-// What every stage of packing geometry looks up.
+// Tables that the stages of packing geometry share.
 struct Layout {
   Usage usage;
   std::vector<std::uint32_t> material_index; // by scene material
@@ -60,7 +60,8 @@ std::vector<std::uint32_t> pack_two_level(Scene& scene, const Layout& layout, co
     std::vector<Part> parts;
     list_parts(scene, layout, m, glm::dmat4(1.0), parts);
     object_of_mesh[m] = static_cast<std::uint32_t>(objects.size());
-    objects.push_back(append_object(scene, parts, layout.with_vertices, layout.usage.mesh_instances[m], layout.quality, packed));
+    objects.push_back(
+        append_object(scene, parts, layout.with_vertices, layout.usage.mesh_instances[m], layout.quality, packed));
   }
   for (const Instance& instance : scene.instances)
     if (object_of_mesh[instance.mesh] != kNoIndex)
@@ -90,8 +91,8 @@ std::vector<Draw> list_draws(const PackedScene& packed, const std::vector<Object
   return draws;
 }
 
-// Numbers near zero are the finest. Inside the box the eye is the place that counts; from far outside it all is seen
-// with the coarseness of the distance anyway, and the box should not be far from zero.
+// Floats are finest near zero. An eye inside the box becomes the origin; for an eye outside, the nearest point of the
+// box does, so that the geometry does not lie far from zero.
 void place_origin(const Scene& scene, const std::optional<glm::dvec3>& eye, PackedScene& packed) {
   const Bounds bounds = world_bounds(scene);
   packed.origin = eye && !bounds.empty() ? glm::clamp(*eye, bounds.lo, bounds.hi) : bounds.centre();

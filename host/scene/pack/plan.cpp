@@ -1,8 +1,8 @@
-// Foretells what pack() will lay out, from counts alone; see pack.h.
+#include "host/scene/pack/plan.h"
+
 #include <algorithm>
 
 #include "host/scene/pack/materials.h"
-#include "host/scene/pack/pack.h"
 #include "host/scene/pack/vertices.h"
 
 namespace wavepath {
@@ -45,8 +45,7 @@ Plan plan(const Scene& scene, bvh::Quality quality) {
   const std::uint64_t placed = plan.instances * sizeof(gpu::Instance);
   const std::uint64_t environment = scene.environment.present() ? scene.environment.map.size() * sizeof(glm::vec4) : 0;
   plan.triangle_bytes = triangles + corners;
-  const std::uint64_t nodes =
-      triangle_node_bytes(items) + (placed > 0 ? instance_node_bytes(plan.instances) : 0);
+  const std::uint64_t nodes = triangle_node_bytes(items) + (placed > 0 ? instance_node_bytes(plan.instances) : 0);
   plan.node_bytes = nodes + placed;
   plan.vertex_bytes = streams.count() * stream;
   plan.texel_bytes = materials.textures.word_count * sizeof(std::uint32_t);

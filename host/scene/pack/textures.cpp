@@ -1,4 +1,4 @@
-// Numbers texture uses and lays out their images; see textures.h.
+// Indexes texture uses and packs their images; see textures.h.
 #include "host/scene/pack/textures.h"
 
 #include <bit>

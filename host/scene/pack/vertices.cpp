@@ -24,8 +24,8 @@ glm::dvec3 unit_or_zero(const glm::dvec3& v) {
 
 void pack_normals(const Mesh& mesh, const glm::dmat3& linear, std::uint32_t first, std::vector<glm::vec4>& out) {
   const glm::dmat3 normal_matrix = glm::transpose(glm::inverse(linear));
-  // cross(M a, M b) = det(M) M^-T cross(a, b): where M mirrors, the bitangent cross(n, t) * w keeps its place only if w
-  // turns.
+  // cross(M a, M b) = det(M) M^-T cross(a, b): where M mirrors, the bitangent cross(n, t) * w is kept only if w changes
+  // sign.
   const float handedness = glm::determinant(linear) < 0.0 ? -1.0f : 1.0f;
   tbb::parallel_for(std::size_t{0}, mesh.positions.size(), [&](std::size_t v) {
     const glm::vec3 normal =

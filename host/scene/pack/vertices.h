@@ -1,7 +1,7 @@
 // The vertex streams: normals with packed tangents, texture coordinates and colours of every mesh in use.
 #pragma once
 
-#include "host/scene/pack/pack.h"
+#include "host/scene/pack/packed_scene.h"
 #include "host/scene/usage.h"
 
 namespace wavepath {
@@ -18,5 +18,11 @@ Streams needed_streams(const Scene& scene, const Usage& usage);
 // turned into world space (normals by the inverse transpose), those of shared meshes stay as they are. A normal that is
 // not finite becomes zero; a texture coordinate that is not finite becomes zero, with a warning.
 void pack_vertices(Scene& scene, const Usage& usage, const Streams& streams, PackedScene& packed);
+
+// Packed tangent in the w of vertex_normals, as float bits: 31..16 and 15..1 hold the octahedral x and y of the
+// direction (Meyer et al. 2010; lower hemisphere where z < 0), each mapped from [-1,1] to [0, 65535] and [0, 32767];
+// bit 0 is set where tangent.w < 0. No direction is stored as 0, which therefore stands for "no tangent". surface.glsl
+// holds the inverse.
+float pack_tangent(const glm::vec4& tangent);
 
 } // namespace wavepath

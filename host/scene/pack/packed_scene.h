@@ -1,0 +1,69 @@
+// The arrays that the kernels read: geometry in BVH leaf order around an origin near the eye, lights with their alias
+// table, texels, and the features that this scene needs.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <glm/glm.hpp>
+
+#include "bvh/build.h"
+#include "kernels/features.h"
+#include "kernels/scene_types.h"
+
+namespace wavepath {
+
+// A feature or an array that this scene does not need.
+struct LeftOut {
+  std::string what, why;
+  std::uint64_t bytes = 0;   // that it would have cost on the device
+  std::uint32_t feature = 0; // kFeature bit of the code that goes with it; 0 = data alone
+};
+
+// A run of PackedScene::triangles, drawn once for each of a run of PackedScene::instances.
+struct Draw {
+  std::uint32_t first_triangle = 0, triangle_count = 0; // copies of spatial splits included
+  std::uint32_t first_instance = 0, instance_count = 1; // 0 and 1 where the scene has no instances
+};
+
+struct PackedScene {
+  glm::dvec3 origin{0.0}; // world position of the device's origin
+  double radius = 0.0;    // of the geometry's bounding sphere, metres
+
+  std::vector<bvh::WideNode> nodes;
+  std::uint32_t root = 0; // node
+  bool root_is_top = false;
+  std::uint32_t stack_size = 0; // an upper bound on the traversal stack's entries
+  std::vector<gpu::Triangle> triangles;
+  std::vector<gpu::Instance> instances; // empty unless root_is_top
+  std::vector<Draw> draws;              // together, every triangle that can be seen
+
+  // Empty where no surface of the scene needs them (see the kFeature bits).
+  std::vector<glm::uvec4> triangle_vertices;
+  std::vector<glm::vec4> vertex_normals, vertex_uvs, vertex_colors;
+
+  std::vector<gpu::Material> materials;
+  std::vector<std::string> material_names; // for messages
+  std::vector<gpu::Texture> textures;
+  std::vector<std::uint32_t> texels;
+
+  std::vector<gpu::Light> lights; // that next-event estimation samples, the environment included
+  glm::vec3 environment_radiance{0.0f};
+  float environment_probability = 0.0f;
+  double environment_rotation = 0.0;
+  std::uint32_t environment_width = 0, environment_height = 0;
+  std::vector<glm::vec4> environment;        // radiance, probability of the texel
+  std::vector<glm::uvec2> environment_alias; // bits of the threshold, alias
+
+  std::uint32_t features = 0; // kFeature bits
+  std::vector<LeftOut> left_out;
+  std::uint64_t triangle_count = 0;    // as seen: instances counted
+  std::uint64_t dropped_triangles = 0; // non-finite or degenerate
+  double bvh_seconds = 0.0;
+  bvh::Quality bvh_quality = bvh::Quality::fast;
+  std::uint64_t triangles_stored = 0; // without the copies of spatial splits
+  double sah_cost = 0.0; // of the tree over the most triangles, see bvh::Measure
+};
+
+} // namespace wavepath
