@@ -97,8 +97,6 @@ MemoryAccess memory_access(const Device& device, ImageFormat format, ImageUse us
   }
 }
 
-constexpr MemoryAccess kWrittenByKernelOrCopy{VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_2_TRANSFER_BIT,
-                                              VK_ACCESS_2_SHADER_WRITE_BIT | VK_ACCESS_2_TRANSFER_WRITE_BIT};
 constexpr MemoryAccess kCopied{VK_PIPELINE_STAGE_2_TRANSFER_BIT,
                                VK_ACCESS_2_TRANSFER_READ_BIT | VK_ACCESS_2_TRANSFER_WRITE_BIT};
 
@@ -239,7 +237,8 @@ VkImageLayout DeviceImage::layout(ImageUse use) const {
     case ImageUse::attachment:
       return has_depth(info_.format) ? VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL
                                      : VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL;
-    case ImageUse::sampled: return VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL; // depth that nothing draws into, too
+    case ImageUse::sampled:
+      return VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL; // depth that nothing draws into, too
     case ImageUse::copied_from:
       return VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL;
     default:

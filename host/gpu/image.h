@@ -16,8 +16,8 @@ namespace wavepath {
 class Buffer;
 class Commands;
 
-// Every Vulkan 1.3 device draws into and samples all of them, but for depth32f and depth32f_stencil8; linear filtering
-// is certain for rgba8 and rgba16f alone. What a device lacks is refused.
+// Every Vulkan 1.3 device draws into and samples the formats but the last two, and filters rgba8 and rgba16f linearly.
+// What a device lacks beyond that is refused.
 enum class ImageFormat {
   rgba8, // fixed point, 0 to 1
   rgba16f,
@@ -114,11 +114,16 @@ private:
   std::array<VkImageView, 2> sampled_views_{}; // by Aspect
 };
 
-// Records barriers: of `images`, and, unless `from` is empty, of all memory from the accesses `from` to those of `to`.
+// One side of a barrier.
 struct MemoryAccess {
   VkPipelineStageFlags2 stages = VK_PIPELINE_STAGE_2_NONE;
   VkAccessFlags2 access = VK_ACCESS_2_NONE;
 };
+inline constexpr MemoryAccess kWrittenByKernelOrCopy{
+    VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_2_TRANSFER_BIT,
+    VK_ACCESS_2_SHADER_WRITE_BIT | VK_ACCESS_2_TRANSFER_WRITE_BIT};
+
+// Records barriers: of `images`, and, unless `from` is empty, of all memory from the accesses `from` to those of `to`.
 void record_barriers(VkCommandBuffer commands, std::span<const VkImageMemoryBarrier2> images, const MemoryAccess& from,
                      const MemoryAccess& to);
 

@@ -109,8 +109,6 @@ void require_raster(const Device& device, VkExtent2D size, std::size_t colour_co
                 "use a smaller --size or --integrator path");
 }
 
-constexpr MemoryAccess kWrittenByKernelOrCopy{VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_2_TRANSFER_BIT,
-                                              VK_ACCESS_2_SHADER_WRITE_BIT | VK_ACCESS_2_TRANSFER_WRITE_BIT};
 constexpr MemoryAccess kReadByShaders{VK_PIPELINE_STAGE_2_VERTEX_SHADER_BIT | VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT,
                                       VK_ACCESS_2_SHADER_READ_BIT | VK_ACCESS_2_UNIFORM_READ_BIT};
 // Writes that follow reads need an order, but no access made visible.
@@ -270,6 +268,7 @@ void RasterTarget::finish(Commands& commands) {
   std::vector<VkImageMemoryBarrier2> barriers;
   for (DeviceImage* image : images_)
     if (image->info().sampled) barriers.push_back(image->barrier(ImageUse::sampled));
+  if (barriers.empty()) return;
   record_barriers(commands.handle(), barriers, {}, {});
 }
 
