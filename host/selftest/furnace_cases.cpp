@@ -12,10 +12,11 @@
 namespace wavepath {
 namespace {
 
-// A floor under a sky of radiance 1, seen along a direction with this cosine from 1 m away; `extent` of the picture.
-Scene floor_under_sky(double cosine, double extent = 0.01) {
+// A floor under a sky of radiance 1, seen along a direction with this cosine from 1 m away; `extent` of the picture, and
+// half the side of the floor.
+Scene floor_under_sky(double cosine, double extent = 0.01, float half = 1e3f) {
   Scene scene;
-  add_triangles(scene, floor_quad(), 0);
+  add_triangles(scene, floor_quad(half), 0);
   scene.environment.radiance = glm::vec3(1.0f);
   look_down(scene, extent, 1.0, cosine);
   return scene;
@@ -48,14 +49,24 @@ Measurement ggx_furnace(const SelftestContext& context) {
   return worst.judge();
 }
 
-// A white base under a rough coat, what glTF makes of plastic: however the two share the light, it is no more than
-// there was. The fit that couples them may be 1e-3 off.
+// A white base under a rough coat, what glTF makes of plastic: however the two share the light, it is no more than there
+// was, to the 1e-3 by which the fit that couples them may be off. What is missing met a second facet of the coat, which
+// single scattering leaves out, or is held back from the base by that fit (interface_transmittance() of fresnel.glsl errs
+// on the side of reflection). By ior, roughness and cosine it is at most this, as measured and rounded up to 1e-3.
+constexpr double kCoatLoss[3][3][3] = {{{0.003, 0.032, 0.034}, {0.013, 0.032, 0.033}, {0.022, 0.027, 0.028}},
+                                       {{0.006, 0.044, 0.035}, {0.058, 0.050, 0.035}, {0.142, 0.076, 0.042}},
+                                       {{0.079, 0.232, 0.178}, {0.192, 0.160, 0.113}, {0.403, 0.207, 0.106}}};
+
 Measurement coat_furnace(const SelftestContext& context) {
+  constexpr float kIors[] = {1.5f, 3.0f, 10.0f}, kRoughness[] = {0.3f, 0.6f, 1.0f};
+  constexpr double kCosines[] = {0.5, 0.1, 0.02};
   Studio studio(context);
   Worst worst;
-  for (const float ior : {1.5f, 3.0f, 10.0f}) {
-    for (const float roughness : {0.3f, 0.6f, 1.0f}) {
-      for (const double cosine : {0.5, 0.1, 0.02}) {
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (std::size_t r = 0; r < 3; ++r) {
+      for (std::size_t c = 0; c < 3; ++c) {
+        const float ior = kIors[i], roughness = kRoughness[r];
+        const double cosine = kCosines[c];
         Scene scene = floor_under_sky(cosine, 0.1 * cosine);
         Material plastic;
         plastic.metallic = 0.0f;
@@ -63,28 +74,32 @@ Measurement coat_furnace(const SelftestContext& context) {
         plastic.ior = ior;
         add_material(scene, plastic);
         const Estimate estimate = studio.measure(scene, square(16, context.full ? 1024 : 64, 1), 2);
-        const double gain = estimate.nonfinite > 0 ? std::nan("") : std::max(estimate.mean, 1.0);
-        worst.add(gain, 1.0, 1e-3 + estimate.three_sigma(),
-                  fmt::format("ior {}, roughness {}, cosine {}", ior, roughness, cosine));
+        worst.add_range(estimate, 1.0 - kCoatLoss[i][r][c], 1.0 + 1e-3,
+                        fmt::format("ior {}, roughness {}, cosine {}", ior, roughness, cosine));
       }
     }
   }
   return worst.judge();
 }
 
-// Pictures of one sample a pixel show what every single sample weighs.
+// Pictures of one sample a pixel show what every single sample weighs: no more than 1. Their mean is what each material
+// returns: all of it where nothing is lost, a little less where a rough facet hides another or where light enters glass,
+// within which radiance is larger by the square of the ior.
 Measurement grazing(const SelftestContext& context) {
   Studio studio(context);
   Worst worst;
   for (const double cosine : {1e-3, 1e-4, 1e-5, 1e-6, 1e-7}) {
-    // The picture stays as narrow as the camera is low, or part of it would look at the floor from below.
-    const Scene floor = floor_under_sky(cosine, 0.01 * cosine);
-    const auto try_material = [&](const Material& material, const char* name) {
+    // The picture stays as narrow as the camera is low, or part of it would look at the floor from below. The floor is
+    // hardly larger than what the picture shows of it: from a height of less than 1e-6 of its edges single precision cannot
+    // tell on which side of a triangle a camera is.
+    const Scene floor = floor_under_sky(cosine, 0.01 * cosine, 0.02f);
+    const auto try_material = [&](const Material& material, const char* name, double expected, double slack) {
       Scene scene = floor;
       add_material(scene, material);
-      const Estimate estimate = studio.measure(scene, square(32, 1, 1), 1);
-      const double gain = estimate.nonfinite > 0 ? std::nan("") : std::max(estimate.largest, 1.0);
-      worst.add(gain, 1.0, 1e-5, fmt::format("largest sample, {}, cosine {:g}", name, cosine));
+      const Estimate estimate = studio.measure(scene, square(32, 1, 1), 4);
+      const std::string label = fmt::format("{}, cosine {:g}", name, cosine);
+      worst.add(estimate, expected, slack, label);
+      worst.add(std::max(estimate.largest, 1.0), 1.0, 1e-5, label + ", largest sample");
     };
     Scene palette;
     add_lambert(palette, glm::vec3(1.0f));
@@ -92,8 +107,18 @@ Measurement grazing(const SelftestContext& context) {
     add_metal(palette, 0.5f);
     add_metal(palette, 1.0f);
     add_glass(palette, 1.5f);
-    const char* names[] = {"diffuse", "mirror", "GGX of roughness 0.5", "GGX of roughness 1", "glass"};
-    for (std::size_t i = 0; i < std::size(names); ++i) try_material(palette.materials[i], names[i]);
+    const double held = std::max(cosine, 1e-3); // shading_normal() of surface.glsl lets no direction graze the normal more
+    const double reflected = fresnel(held, 1.5), within = 1.0 / (1.5 * 1.5);
+    const struct {
+      const char* name;
+      double expected, slack;
+    } trials[] = {{"diffuse", 1.0, 1e-5},
+                  {"mirror", 1.0, 1e-5},
+                  {"GGX of roughness 0.5", ggx_albedo(0.25, held), 5e-5}, // the quadrature's error so close to grazing
+                  {"GGX of roughness 1", ggx_albedo(1.0, held), 5e-5},
+                  {"glass", reflected + (1.0 - reflected) * within, 1e-5}};
+    for (std::size_t i = 0; i < std::size(trials); ++i)
+      try_material(palette.materials[i], trials[i].name, trials[i].expected, trials[i].slack);
   }
   return worst.judge();
 }
@@ -121,7 +146,7 @@ Measurement white_room(const SelftestContext& context) {
   const struct {
     double albedo;
     std::uint32_t depth, samples;
-  } trials[] = {{0.99, 1023, 16}, {0.999, 4095, 2}, {0.999, 127, 64}};
+  } trials[] = {{0.99, 1023, 32}, {0.999, 4095, 24}, {0.999, 127, 64}};
   for (const auto& trial : trials) {
     RenderSettings settings = square(16, trial.samples * (context.full ? 32 : 1), trial.depth);
     settings.direct = gpu::kDirectBsdf;

@@ -112,40 +112,77 @@ Measurement texture_coordinates(const SelftestContext& context) {
           "coordinates to 3.4e38, infinite and not a number; repeated, mirrored, clamped; filtered and nearest"};
 }
 
-// Lights of 10^-39 to 10^-45 over a floor, some of it so dark that paths carry as little: what comes out is 0 or what
-// it should be, and the paths are as many as with a light of 1.
-Measurement denormals(const SelftestContext& context) {
-  struct Outcome {
-    std::uint64_t broken = 0, rays = 0;
-    double seconds = 0.0;
-  };
-  const auto trial = [&](const std::array<float, 3>& emission, float dark) {
-    Scene scene;
-    for (int i = 0; i < 3; ++i) {
-      const float x = static_cast<float>(2 * i - 3);
-      add_quad(scene, {x, -1, 0}, {2, 0, 0}, {0, 2, 0},
-               add_lambert(scene, glm::vec3(0.5f), glm::vec3(emission[std::size_t(i)])));
-      add_quad(scene, {x, -1, 2}, {2, 0, 0}, {0, 0, -2}, add_lambert(scene, glm::vec3(i == 1 ? dark : 0.5f)));
+// Three lamps of these radiances on a wall, above a floor whose middle has the albedo `dark`.
+Scene dim_room(const std::array<float, 3>& emission, float dark) {
+  Scene scene;
+  for (int i = 0; i < 3; ++i) {
+    const float x = static_cast<float>(2 * i - 3);
+    add_quad(scene, {x, -1, 0}, {2, 0, 0}, {0, 2, 0},
+             add_lambert(scene, glm::vec3(0.5f), glm::vec3(emission[std::size_t(i)])));
+    add_quad(scene, {x, -1, 2}, {2, 0, 0}, {0, 0, -2}, add_lambert(scene, glm::vec3(i == 1 ? dark : 0.5f)));
+  }
+  look_at(scene, {0, 1, 6}, {0, -0.2, 0}, 0.7);
+  return scene;
+}
+
+// How a picture compares with one of the same paths under lamps that are 1 / `scale` as bright. A device may flush denormal
+// terms to zero, so nothing is too dark there; elsewhere all of the light must come through.
+struct DimComparison {
+  std::uint64_t broken = 0; // negative, not a number, or brighter than it should be
+  double worst = 0.0;       // error of a pixel over the brightest pixel
+};
+DimComparison compare_dim(const Picture& dim, const Picture& bright, double scale) {
+  constexpr double kRounding = 1e-5, kSmallest = 16 * 0x1p-149; // relative; and of up to that many denormal terms
+  DimComparison result;
+  for (std::size_t c = 0; c < 3; ++c) {
+    const std::vector<float>&found = dim.channels[c].values, &expected = bright.channels[c].values;
+    const double brightest = *std::ranges::max_element(expected);
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      const double value = found[i], right = expected[i] * scale;
+      result.broken += !(value >= 0.0 && value <= right * (1.0 + kRounding) + kSmallest);
+      result.worst = std::max(result.worst, std::abs(value - right) / (brightest * scale));
     }
-    look_at(scene, {0, 1, 6}, {0, -0.2, 0}, 0.7);
+  }
+  return result;
+}
+
+// Lamps of 10^-39 to 10^-45 over a floor, some of it so dark that paths carry as little: no pixel is brighter than it should
+// be, and the paths are as many as with lamps of 1. And lamps of 2^-100, which no path of eight bounces takes down to denormal
+// numbers: their picture is that of lamps of 1, scaled. The estimator is --direct bsdf, whose choices do not depend on how
+// bright the lamps are, so that the pictures that are compared are of the same paths.
+Measurement denormals(const SelftestContext& context) {
+  constexpr float kUp = 0x1p100f;
+  const auto trial = [&](const std::array<float, 3>& emission, float dark, std::uint32_t direct) {
     RenderSettings settings;
     settings.width = settings.height = 32;
     settings.last_sample = 16;
-    const RenderResult result = render_scene(context.device, std::move(scene), settings);
-    Outcome outcome{result.nonfinite.samples(), result.rays.total(), result.seconds};
-    const double brightest = *std::ranges::max_element(emission);
-    for (int c = 0; c < 3; ++c)
-      for (const float value : result.picture.channels[static_cast<std::size_t>(c)].values)
-        outcome.broken += !(value >= 0.0f && value <= 2.02 * brightest); // nothing outshines emission / (1 - albedo)
-    return outcome;
+    settings.direct = direct;
+    return render_scene(context.device, dim_room(emission, dark), settings);
   };
-  const Outcome plain = trial({1.0f, 1.0f, 1.0f}, 0.5f), tiny = trial({1e-39f, 1e-42f, 1e-45f}, 1e-40f);
-  const double ratio = static_cast<double>(tiny.rays) / static_cast<double>(plain.rays);
-  return {"0 broken values, no more rays",
-          fmt::format("{} broken, {:.2f} times the rays", tiny.broken + plain.broken, ratio), "0, 2 times",
-          tiny.broken + plain.broken == 0 && ratio <= 2.0 ? Verdict::pass : Verdict::fail,
-          fmt::format("radiance of 10^-39 to 10^-45, albedo of 10^-40; took {:.2f} times as long as radiance of 1",
-                      tiny.seconds / plain.seconds)};
+  const std::array<float, 3> tiny{1e-39f, 1e-42f, 1e-45f};
+  const auto plain = trial({1.0f, 1.0f, 1.0f}, 0.5f, gpu::kDirectBsdf),
+             dim = trial({1.0f / kUp, 1.0f / kUp, 1.0f / kUp}, 0.5f, gpu::kDirectBsdf),
+             darkest = trial(tiny, 1e-40f, gpu::kDirectBsdf),
+             raised = trial({tiny[0] * kUp, tiny[1] * kUp, tiny[2] * kUp}, 1e-40f, gpu::kDirectBsdf),
+             by_all_means = trial(tiny, 1e-40f, gpu::kDirectMis);
+  const DimComparison normal = compare_dim(dim.picture, plain.picture, 1.0 / double{kUp});
+  const DimComparison denormal = compare_dim(darkest.picture, raised.picture, 1.0 / double{kUp});
+  std::uint64_t broken = normal.broken + denormal.broken;
+  for (const RenderResult* result : {&plain, &dim, &darkest, &raised, &by_all_means})
+    broken += result->nonfinite.samples();
+  for (std::size_t c = 0; c < 3; ++c)
+    for (const float value : by_all_means.picture.channels[c].values)
+      broken += !(value >= 0.0f && value <= 2.02f * tiny[0]); // nothing outshines emission / (1 - albedo)
+  const double brightest = *std::ranges::max_element(plain.picture.channels[0].values);
+  const double ratio = static_cast<double>(std::max(darkest.rays.total(), by_all_means.rays.total())) /
+                       static_cast<double>(plain.rays.total());
+  const bool good = broken == 0 && ratio <= 2.0 && normal.worst <= 1e-5 && brightest >= 1.0;
+  return {"0 broken values, no more rays, no light lost at 2^-100",
+          fmt::format("{} broken, {:.2f} times the rays, off by {:.2g}", broken, ratio, normal.worst), "0, 2 times, 1e-5",
+          good ? Verdict::pass : Verdict::fail,
+          fmt::format("radiance of 2^-100, and of 10^-39 to 10^-45 with an albedo of 10^-40, off by {:.2g}, where a device "
+                      "may make it zero; that took {:.2f} times as long as radiance of 1",
+                      denormal.worst, darkest.seconds / plain.seconds)};
 }
 
 // A 16-bit EXR with normals, depths to 10^6 and colours to 10^6, read back.

@@ -64,9 +64,26 @@ void Worst::add(double measured, double expected, double tolerance, const std::s
   worst_ = judge_near(measured, expected, tolerance, label);
 }
 
+bool Worst::too_noisy(const Estimate& estimate, double expected, const std::string& label) {
+  if (estimate.standard_error <= kLargestNoise * std::abs(expected)) return false;
+  ++trials_;
+  failed_ = true;
+  if (excess_ == std::numeric_limits<double>::infinity()) return true;
+  excess_ = std::numeric_limits<double>::infinity();
+  worst_ = {fmt::format("a standard error of {:.3g}", kLargestNoise * std::abs(expected)),
+            fmt::format("{:.3g}", estimate.standard_error), "none", Verdict::fail,
+            label + ", too noisy to be judged; it needs more samples"};
+  return true;
+}
+
 void Worst::add(const Estimate& estimate, double expected, double slack, const std::string& label) {
+  if (too_noisy(estimate, expected, label)) return;
   const double measured = estimate.nonfinite == 0 ? estimate.mean : std::numeric_limits<double>::quiet_NaN();
   add(measured, expected, estimate.three_sigma() + slack, label);
+}
+
+void Worst::add_range(const Estimate& estimate, double least, double most, const std::string& label) {
+  add(estimate, std::clamp(estimate.mean, least, most), 0.0, label);
 }
 
 Measurement Worst::judge() const {

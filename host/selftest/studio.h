@@ -39,16 +39,25 @@ private:
   KernelCompiler kernels_;
 };
 
-// Keeps the trial of several that is worst for its tolerance; a value that is not finite is worse than any other.
+// Largest standard error of an estimate over the value that is expected. A noisier one fails whatever its mean is, because
+// a tolerance of three standard errors would then accept too much.
+constexpr double kLargestNoise = 0.01;
+
+// Keeps the trial of several that is worst for its tolerance; a value that is not finite, and an estimate that is too
+// noisy, are worse than any other.
 class Worst {
 public:
   void add(double measured, double expected, double tolerance, const std::string& label);
   // Within three standard errors and `slack` (absolute: rounding, tessellation, what the case's comment says).
   void add(const Estimate& estimate, double expected, double slack, const std::string& label);
+  // At least `least` and at most `most`, each to within three standard errors.
+  void add_range(const Estimate& estimate, double least, double most, const std::string& label);
   // Fails if any trial was off by more than its tolerance; the note names the worst.
   Measurement judge() const;
 
 private:
+  bool too_noisy(const Estimate& estimate, double expected, const std::string& label);
+
   Measurement worst_;
   double excess_ = -1.0;
   bool failed_ = false;
