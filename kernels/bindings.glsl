@@ -36,4 +36,8 @@ layout(set = 0, binding = kBindEnvironment) uniform samplerBuffer environment;
 layout(set = 0, binding = kBindEnvironmentAlias) uniform usamplerBuffer environment_alias;
 #endif
 
+#ifdef BIND_COUNTERS
+layout(set = 0, binding = kBindCounters, std430) buffer CounterBlock { Counters counters; };
+#endif
+
 #endif

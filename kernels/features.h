@@ -37,7 +37,7 @@ GPU_CONSTANT uint kFeatureEmissionTextures = 1u << 22;
 GPU_CONSTANT uint kFeatureFloatTextures = 1u << 23;   // texels of four floats
 GPU_CONSTANT uint kFeatureNearestTextures = 1u << 24; // unfiltered look-ups
 GPU_CONSTANT uint kFeatureAdaptive = 1u << 25; // waves follow a list of runs of pixels
-GPU_CONSTANT uint kFeatureHybrid = 1u << 26;   // paths begin in a rasterized frame
+GPU_CONSTANT uint kFeatureSharedFirstHit = 1u << 26; // all paths of a pixel in a wave begin at one first hit and belong to one replicate
 GPU_CONSTANT uint kFeaturesAll = (1u << 27) - 1u;
 
 // ---- specialization constants ---------------------------------------------------------------------------------------------

@@ -10,6 +10,7 @@ namespace wavepath::gpu {
 
 GPU_CONSTANT uint kBindFrame = 0u;             // uniform Frame
 GPU_CONSTANT uint kBindRuns = 19u;            // texels R32UI: runs of kRunPixels pixels in tile order (kFeatureAdaptive)
+GPU_CONSTANT uint kBindCounters = 15u; // storage Counters
 
 // ---- one render -----------------------------------------------------------------------------------------------------------
 // Camera rays: origin = camera_position (+ x*camera_right + y*camera_up, orthographic), direction = camera_forward
@@ -70,6 +71,21 @@ struct Hit {
   float b2;
 };
 GPU_CHECK(sizeof(Hit) == 16);
+
+// The kernels that can make a sample not finite.
+GPU_CONSTANT uint kMakerGenerate = 0u, kMakerShade = 1u, kMakerConnect = 2u;
+GPU_CONSTANT uint kMakerCount = 3u;
+
+// What the kernels of one wave count; the host adds the waves up.
+struct Counters {
+  uint camera_rays[2]; // 64 bits: low, high
+  uint bounce_rays[2];
+  uint shadow_rays[2];
+  uint occlusion_rays[2];
+  uint nonfinite_count[kMakerCount]; // by the kernel that made them
+  uint nonfinite_first[kMakerCount]; // their lowest slots, kNone if there are none
+};
+GPU_CHECK(sizeof(Counters) == 56);
 
 #ifdef __cplusplus
 } // namespace wavepath::gpu

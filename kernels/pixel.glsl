@@ -18,7 +18,7 @@ uvec2 slot_pixel(uint slot) {
 }
 // The light samples of a hybrid frame share its replicate, as they share its entry in the film.
 uint slot_sample(uint slot) {
-  return wave.first_sample + slot / wave.pixel_count * (has(kFeatureHybrid) ? kReplicates : 1u);
+  return wave.first_sample + slot / wave.pixel_count * (has(kFeatureSharedFirstHit) ? kReplicates : 1u);
 }
 
 Sampler slot_sampler(uint slot) {

@@ -11,6 +11,7 @@ BENCHMARKS = pathlib.Path(sys.argv[1]) / "benchmarks"
 sys.path.insert(0, str(BENCHMARKS))
 
 import error_time  # noqa: E402
+import old_new  # noqa: E402
 import scaling  # noqa: E402
 
 # relMSE = 0.2 / seconds: what independent samples give.
@@ -47,8 +48,15 @@ class Benchmarks(unittest.TestCase):
     def test_exponent_of_a_linear_cost_is_one(self):
         self.assertAlmostEqual(scaling.exponent([{"n": n, "seconds": 0.25 * n} for n in (16, 32, 64)]), 1)
 
+    def test_old_and_new_are_compared_by_medians_and_by_pairs(self):
+        pairs = [[{key: seconds for key in ("render", "wall", "cpu")} for seconds in pair]
+                 for pair in ((1, 2), (4, 4), (2, 3))]
+        row = old_new.ratios(pairs)
+        self.assertEqual((row["old"], row["new"], row["ratio"], row["wall"]), (2, 3, 1.5, 1.5))
+        self.assertEqual((row["least"], row["most"], row["fastest"]), (1, 2, 2))
+
     def test_scripts_explain_themselves(self):
-        for script in ("peer_cycles.py", "scaling.py"):
+        for script in ("peer_cycles.py", "scaling.py", "old_new.py"):
             with self.subTest(script=script):
                 result = subprocess.run([sys.executable, BENCHMARKS / script, "--help"], capture_output=True, text=True)
                 self.assertEqual(result.returncode, 0, result.stderr)

@@ -7,6 +7,8 @@
 
 #include <gtest/gtest.h>
 
+#include "host/integrators/hybrid/kind.h"
+#include "host/integrators/path/kind.h"
 #include "host/film/film.h"
 #include "host/integrators/hybrid/hybrid.h"
 #include "host/render/kernel_compiler.h"
@@ -60,7 +62,7 @@ Scene parallel_planes(float gap) {
 
 class HybridTest : public VulkanTest {
 protected:
-  static RenderSettings settings(Integrator integrator, std::uint32_t spp) {
+  static RenderSettings settings(const IntegratorKind* integrator, std::uint32_t spp) {
     RenderSettings settings;
     settings.width = 24, settings.height = 16;
     settings.last_sample = spp;
@@ -110,7 +112,7 @@ TEST_F(HybridTest, AgreesWithThePathTracerOnDirectLight) {
     const Subject subject(load(name, environment), 24, 16);
     std::vector<RenderResult> paths, frames;
     for (std::uint32_t seed = 0; seed < 12; ++seed) {
-      RenderSettings path = settings(Integrator::path, 16), hybrid = settings(Integrator::hybrid, 16);
+      RenderSettings path = settings(&kPath, 16), hybrid = settings(&kHybrid, 16);
       path.seed = 2 * seed, hybrid.seed = 2 * seed + 1;
       hybrid.shadow_samples = 2;
       paths.push_back(render(subject, path));
@@ -127,7 +129,7 @@ TEST_F(HybridTest, KnowsItsError) {
     constexpr double kTruth = 0.0998715; // of the scene's own oracle, green
     Mean estimated, actual;
     for (std::uint32_t seed = 0; seed < 12; ++seed) {
-      RenderSettings coarse = settings(Integrator::hybrid, 8);
+      RenderSettings coarse = settings(&kHybrid, 8);
       coarse.shadow_samples = shadow_samples;
       coarse.seed = seed;
       const RenderResult result = render(subject, coarse);
@@ -148,7 +150,7 @@ TEST_F(HybridTest, KnowsItsError) {
 TEST_F(HybridTest, MoreLightSamplesMeanLessNoise) {
   const Subject subject(load("analytic/half_hidden_disc_light.gltf"), 24, 16); // a plane alone: no edges in the picture
   const auto noise = [&](std::uint32_t samples) {
-    RenderSettings one = settings(Integrator::hybrid, 4);
+    RenderSettings one = settings(&kHybrid, 4);
     one.sampler = gpu::kSamplerIndependent;
     one.shadow_samples = samples;
     const RenderResult result = render(subject, one);
@@ -167,7 +169,7 @@ TEST_F(HybridTest, OcclusionIsExact) {
   for (const auto& [name, expected] : oracles)
     for (const std::uint32_t samples : {1u, 5u}) {
       const Subject subject(load("analytic/occlusion_" + name + ".gltf"), 24, 16, {.yfov = 0.1});
-      RenderSettings ao = settings(Integrator::ao, 64);
+      RenderSettings ao = settings(&kAo, 64);
       ao.ao_samples = samples;
       Mean mean;
       const Picture picture = render(subject, ao).picture;
@@ -182,7 +184,7 @@ TEST_F(HybridTest, OcclusionEndsAtItsRadius) {
   const Subject subject(parallel_planes(kGap), 24, 16);
   // Directions with cos > gap/radius meet the other plane: of the cosine-weighted hemisphere 1 - (gap/radius)^2.
   for (const double radius : {0.9, 1.25, 2.0, 5.0}) {
-    RenderSettings ao = settings(Integrator::ao, 64);
+    RenderSettings ao = settings(&kAo, 64);
     ao.ao_samples = 4;
     ao.ao_radius = radius;
     const Picture picture = render(subject, ao).picture;
@@ -195,7 +197,7 @@ TEST_F(HybridTest, OcclusionEndsAtItsRadius) {
 
 TEST_F(HybridTest, OcclusionAloneRunsNothingElse) {
   const Subject subject(load("cornell_box.gltf"), 24, 16);
-  const RenderResult result = render(subject, settings(Integrator::ao, 2));
+  const RenderResult result = render(subject, settings(&kAo, 2));
   for (const StageTime& stage : result.stages)
     EXPECT_TRUE(stage.name == "raster" || stage.name == "jitter" || stage.name == "resolve" || stage.name == "occlusion" ||
                 stage.name == "composite")
@@ -206,7 +208,7 @@ TEST_F(HybridTest, OcclusionAloneRunsNothingElse) {
 
 TEST_F(HybridTest, TheAmbientTermIsAlbedoTimesRadianceTimesOcclusion) {
   const Subject subject(load("cornell_box.gltf"), 24, 16);
-  RenderSettings hybrid = settings(Integrator::hybrid, 1);
+  RenderSettings hybrid = settings(&kHybrid, 1);
   hybrid.max_depth = 8;
   hybrid.ambient = glm::vec3(0.25f, 0.5f, 1.0f);
   hybrid.aovs = {"albedo", "ao", "direct", "emission", "indirect"};
@@ -226,7 +228,7 @@ TEST_F(HybridTest, TheAmbientTermIsAlbedoTimesRadianceTimesOcclusion) {
 // In a closed white sphere of any shape the estimate is exact: L = direct / (1 - albedo).
 TEST_F(HybridTest, EstimatesTheAmbientLightOfAnEnclosure) {
   const Subject subject(load("analytic/point_light_in_sphere.gltf"), 24, 16);
-  RenderSettings hybrid = settings(Integrator::hybrid, 4);
+  RenderSettings hybrid = settings(&kHybrid, 4);
   hybrid.max_depth = 8;
   const RenderResult result = render(subject, hybrid);
   EXPECT_NEAR(result.ambient.g, 1.0, 0.02); // as the scene's own oracle has it
@@ -236,7 +238,7 @@ TEST_F(HybridTest, GivesTheSameBitsHoweverTheWorkIsCutUp) {
   for (const char* name : {"cornell_box.gltf", "showcase.glb"}) {
     SCOPED_TRACE(name);
     const Subject subject(load(name, 0.3f), 24, 16);
-    RenderSettings whole = settings(Integrator::hybrid, 6);
+    RenderSettings whole = settings(&kHybrid, 6);
     whole.max_depth = 4;
     whole.shadow_samples = 3, whole.ao_samples = 2;
     whole.aovs = {"albedo", "normal", "depth", "position", "ao"};
@@ -256,7 +258,7 @@ TEST_F(HybridTest, GivesTheSameBitsHoweverTheWorkIsCutUp) {
 // Paths in flight for one pixel alone, which takes a slot for every light sample.
 TEST_F(HybridTest, OnePixelHasRoomForItsLightSamples) {
   const Subject subject(parallel_planes(1.0f), 1, 1);
-  RenderSettings one = settings(Integrator::hybrid, 1);
+  RenderSettings one = settings(&kHybrid, 1);
   one.width = one.height = 1;
   one.shadow_samples = kMostFrameRays;
   EXPECT_EQ(render(subject, one).rays.bounce, kMostFrameRays);
@@ -264,7 +266,7 @@ TEST_F(HybridTest, OnePixelHasRoomForItsLightSamples) {
 
 TEST_F(HybridTest, PartsJoinToTheWhole) {
   const Subject subject(load("cornell_box.gltf"), 24, 16);
-  RenderSettings whole = settings(Integrator::hybrid, 7);
+  RenderSettings whole = settings(&kHybrid, 7);
   whole.max_depth = 4;
   whole.shadow_samples = 2;
   RenderSettings first = whole, second = whole;
@@ -277,7 +279,7 @@ TEST_F(HybridTest, PartsJoinToTheWhole) {
 
 TEST_F(HybridTest, ResumedRendersGiveTheSameBits) {
   const Subject subject(load("showcase.glb"), 24, 16);
-  RenderSettings whole = settings(Integrator::hybrid, 6);
+  RenderSettings whole = settings(&kHybrid, 6);
   whole.max_depth = 4;
   KernelCompiler kernels(device());
   const RenderResult expected = wavepath::render(device(), subject.packed, subject.view, whole, RenderHooks{}, kernels);

@@ -3,6 +3,8 @@
 #include <filesystem>
 #include <thread>
 
+#include "host/integrators/hybrid/kind.h"
+#include "host/integrators/path/kind.h"
 #include "host/render/kernel_compiler.h"
 #include "host/render/render.h"
 #include "host/scene/gltf/gltf.h"
@@ -38,7 +40,7 @@ TEST(KernelConfig, FollowsSceneAndSettings) {
   EXPECT_EQ(kernel_config(gpu::kFeatureAlpha, 5, settings), kernel_config(gpu::kFeatureAlpha, kExpectedStack, settings));
   EXPECT_GE(kernel_config(0, 1000, settings).stack_size, 1002u) << "a deep tree gets what it needs";
   settings.specialize = false;
-  const std::uint32_t settings_alone = gpu::kFeatureAovs | gpu::kFeatureAdaptive | gpu::kFeatureHybrid;
+  const std::uint32_t settings_alone = gpu::kFeatureAovs | gpu::kFeatureAdaptive | gpu::kFeatureSharedFirstHit;
   const std::uint32_t scenes = gpu::kFeaturesAll & ~settings_alone;
   EXPECT_EQ(kernel_config(0, 5, settings).features, scenes);
   settings.aovs = {"albedo"};
@@ -46,8 +48,8 @@ TEST(KernelConfig, FollowsSceneAndSettings) {
   settings.adaptive = true;
   EXPECT_EQ(kernel_config(0, 5, settings).features, scenes | gpu::kFeatureAovs | gpu::kFeatureAdaptive);
   settings.adaptive = false;
-  settings.integrator = Integrator::hybrid; // has its AOVs from the G-buffer
-  EXPECT_EQ(kernel_config(0, 5, settings).features, scenes | gpu::kFeatureHybrid);
+  settings.integrator = &kHybrid; // has its AOVs from the G-buffer
+  EXPECT_EQ(kernel_config(0, 5, settings).features, scenes | gpu::kFeatureSharedFirstHit);
 }
 
 class KernelCompilerTest : public VulkanTest {

@@ -62,7 +62,7 @@ struct Bench {
   }
 
   Device& device;
-  GpuScene scene;
+  DeviceScene scene;
   Buffer frame, paths, media, path_aovs, rays, hits, shadow_rays, queues, film, film_aovs, runs;
   std::array<std::uint32_t, gpu::kSpecCount> constants;
   std::unique_ptr<BindingSet> bindings;

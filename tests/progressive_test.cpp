@@ -6,6 +6,8 @@
 #include <mutex>
 #include <thread>
 
+#include "host/integrators/hybrid/kind.h"
+#include "host/integrators/path/kind.h"
 #include "host/render/display.h"
 #include "host/film/error.h"
 #include "host/film/error_map.h"
@@ -141,7 +143,7 @@ TEST_F(ProgressiveTest, FramesMakeTheBitsOfRender) {
   Progressive progressive = begin();
   render_some(progressive, 2);
   RenderSettings frames = settings_;
-  for (const Integrator integrator : {Integrator::hybrid, Integrator::ao}) {
+  for (const IntegratorKind* integrator : {&kHybrid, &kAo}) {
     SCOPED_TRACE(static_cast<int>(integrator));
     frames.integrator = integrator;
     frames.denoise = false;
@@ -169,7 +171,7 @@ TEST_F(ProgressiveTest, FramesMakeTheBitsOfRender) {
 TEST_F(ProgressiveTest, FramesInMotionAreAntialiasedOverTime) {
   if (!device().rasterizes()) GTEST_SKIP() << "the device cannot rasterize";
   open("cornell_box.gltf");
-  settings_.integrator = Integrator::hybrid;
+  settings_.integrator = &kHybrid;
   settings_.max_depth = 1;
   const auto noise_after = [&](int moves) {
     Progressive progressive = begin();

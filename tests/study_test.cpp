@@ -8,6 +8,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "host/integrators/hybrid/kind.h"
+#include "host/integrators/path/kind.h"
 #include "host/gpu/device.h"
 #include "host/film/picture_io.h"
 #include "host/study/tables.h"
@@ -140,7 +142,7 @@ TEST(Tables, WhatIsMostlyTheReferencesErrorIsFlaggedAndNotFitted) {
 // A hybrid configuration: noise of `factor` / sqrt(spp) above a bias.
 Series make_hybrid(double bias, double factor, int octaves) {
   Series series = make_series("sobol", factor, 0.5, octaves);
-  series.configuration.settings.integrator = Integrator::hybrid;
+  series.configuration.settings.integrator = &kHybrid;
   for (StudyPoint& point : series.points) point.metrics.relmse += bias * bias;
   return series;
 }
@@ -156,7 +158,7 @@ TEST(Tables, ABiasIsALevelAndNoPowerLaw) {
   EXPECT_FALSE(levels_off(make_hybrid(0.0, 0.5, 8)));
   EXPECT_FALSE(levels_off(make_series("sobol", 0.0, 0.5, 1)));
   Series path = make_hybrid(0.2, 0.5, 8);
-  path.configuration.settings.integrator = Integrator::path;
+  path.configuration.settings.integrator = &kPath;
   EXPECT_FALSE(levels_off(path)) << "what has no bias has no level; rare light looks like one";
   // A power law through its last points would promise 0.2 within an octave; the bias says that this never comes.
   EXPECT_EQ(time_to(error_by_seconds(hybrid), 0.2).how, Reach::extrapolated);
@@ -172,7 +174,7 @@ TEST(Tables, ABiasIsALevelAndNoPowerLaw) {
 TEST(Tables, OcclusionIsNotRankedAmongPicturesOfLight) {
   Study study = make_study();
   study.series.push_back(make_series("sobol", 0.001, 0.001, 6));
-  study.series.back().configuration.settings.integrator = Integrator::ao;
+  study.series.back().configuration.settings.integrator = &kAo;
   study.occlusion.emplace().error = 0.5;
   EXPECT_TRUE(study.at_floor(study.series[2], 0.2)) << "measured against a reference of its own";
   EXPECT_FALSE(study.at_floor(study.series[0], 0.2));
@@ -211,11 +213,11 @@ TEST(Grid, LeavesOutWhatChangesNothing) {
   for (const Configuration& one : grid) {
     names.insert(one.name());
     flags.insert(one.flags());
-    path += one.settings.integrator == Integrator::path;
-    hybrid += one.settings.integrator == Integrator::hybrid;
-    ao += one.settings.integrator == Integrator::ao;
-    EXPECT_FALSE(one.settings.integrator == Integrator::path && one.settings.denoise);
-    EXPECT_TRUE(one.settings.integrator == Integrator::hybrid || one.settings.shadow_samples == 1);
+    path += one.settings.integrator == &kPath;
+    hybrid += one.settings.integrator == &kHybrid;
+    ao += one.settings.integrator == &kAo;
+    EXPECT_FALSE(one.settings.integrator == &kPath && one.settings.denoise);
+    EXPECT_TRUE(one.settings.integrator == &kHybrid || one.settings.shadow_samples == 1);
   }
   EXPECT_EQ(path, 3u);                  // direct
   EXPECT_EQ(hybrid, 3u * 3u * 3u * 2u); // of everything

@@ -111,7 +111,7 @@ public:
 
   const Buffer& frame() const { return frame_; }
   const Buffer& hybrid() const { return hybrid_; }
-  const GpuScene& scene() const { return scene_; }
+  const DeviceScene& scene() const { return scene_; }
   std::uint32_t features() const { return features_; }
 
   Shot compare(const Visibility& visibility) {
@@ -166,7 +166,7 @@ private:
   const PackedScene& packed_;
   FrameSettings settings_;
   std::uint32_t features_, pixels_;
-  GpuScene scene_;
+  DeviceScene scene_;
   Buffer frame_, hybrid_, rays_, hits_, queues_, unused_;
 };
 

@@ -1,38 +1,27 @@
 #include "host/bench/ablation.h"
 
-#include "host/bench/frames.h"
 #include "host/bench/summary.h"
 #include "host/scene/pack/features.h"
 
 namespace wavepath {
 
-WarmTracer make_tracer(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings) {
-  WarmTracer result;
-  result.kernels = std::make_unique<KernelCompiler>(device);
-  result.tracer = std::make_unique<PathTracer>(device, scene, view, settings,
-                                               choose_slots(device.info(), scene, settings), *result.kernels);
-  result.compile_seconds = result.tracer->get_ready();
-  return result;
-}
-
 std::vector<AblationRow> ablate(Device& device, const PackedScene& scene, const View& view,
-                                const RenderSettings& settings, PathTracer& base, double base_compile_seconds,
-                                std::uint32_t spp, std::uint32_t repetitions,
+                                const RenderSettings& settings, WarmLoop& base, std::uint32_t spp, std::uint32_t repetitions,
                                 const std::function<void(const std::string&)>& progress) {
   std::vector<AblationRow> rows;
   const auto measure = [&](const std::string& what, std::uint64_t data_bytes, const RenderSettings& variant) {
     progress("with " + what);
-    const WarmTracer rival = make_tracer(device, scene, view, variant);
+    WarmLoop rival = make_loop(device, scene, view, variant);
     std::vector<double> without, with;
     for (std::uint32_t i = 0; i < repetitions; ++i) {
       without.push_back(render_frame(base, spp).seconds);
-      with.push_back(render_frame(*rival.tracer, spp).seconds);
+      with.push_back(render_frame(rival, spp).seconds);
     }
     const double base_ms = 1e3 * summarize(without).median;
     rows.push_back({what, base_ms * (ratio_of_medians(with, without) - 1.0), base_ms,
-                    static_cast<std::int64_t>(rival.tracer->memory().total() + data_bytes) -
-                        static_cast<std::int64_t>(base.memory().total()),
-                    1e3 * (rival.compile_seconds - base_compile_seconds)});
+                    static_cast<std::int64_t>(rival.loop->memory().total() + data_bytes) -
+                        static_cast<std::int64_t>(base.loop->memory().total()),
+                    1e3 * (rival.compile_seconds - base.compile_seconds)});
   };
   std::uint64_t all_bytes = 0;
   for (const LeftOut& entry : scene.left_out) {

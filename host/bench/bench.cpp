@@ -121,8 +121,8 @@ void compare_with_embree(Device& device, const PackedScene& scene, const View& v
                          const RaySets& rays, BenchResult& result) {
   RenderSettings opaque = settings.render;
   opaque.removed_features = gpu::kFeatureAlpha | gpu::kFeatureCull;
-  const WarmTracer warm = make_tracer(device, scene, view, opaque);
-  RayReplay replay(*warm.tracer);
+  KernelCompiler kernels(device);
+  RayReplay replay(device, scene, view, opaque, kernels);
   const EmbreeScene fast(scene, false), robust(scene, true);
   result.embree_build_seconds = fast.build_seconds();
   const auto embree = [&rays](const EmbreeScene& rival) {
@@ -142,14 +142,14 @@ void compare_with_embree(Device& device, const PackedScene& scene, const View& v
 }
 #endif
 
-void measure_frames(PathTracer& tracer, std::uint32_t repetitions, BenchResult& result) {
+void measure_frames(WarmLoop& warm, const RenderSettings& settings, const PackedScene& scene, std::uint32_t repetitions, BenchResult& result) {
   PathTracing& tracing = result.path_tracing;
-  tracing.spp = choose_frame_spp(tracer);
+  tracing.spp = choose_frame_spp(warm);
   std::vector<double> seconds;
   std::vector<std::vector<double>> stage_ms;
   FrameTime frame;
   for (std::uint32_t i = 0; i < repetitions; ++i) {
-    frame = render_frame(tracer, tracing.spp);
+    frame = render_frame(warm, tracing.spp);
     seconds.push_back(frame.seconds);
     stage_ms.resize(frame.stages.size());
     for (std::size_t s = 0; s < frame.stages.size(); ++s) stage_ms[s].push_back(1e3 * frame.stages[s].seconds);
@@ -159,12 +159,12 @@ void measure_frames(PathTracer& tracer, std::uint32_t repetitions, BenchResult& 
     const double ms = summarize(stage_ms[s]).median;
     result.stages.push_back({frame.stages[s].name, ms, frame.stages[s].dispatches});
     all += ms;
-    if (s == kExtend || s == kConnect) traversal += ms;
+    if (result.stages.back().name == "extend" || result.stages.back().name == "connect") traversal += ms;
   }
   tracing.seconds = summarize(seconds);
   tracing.mrays_per_second = 1e-6 * static_cast<double>(frame.rays.total()) / tracing.seconds.median;
   tracing.traversal_share = all > 0.0 ? traversal / all : 0.0;
-  tracing.bytes_per_path = bytes_per_slot(tracer.features());
+  tracing.bytes_per_path = settings.integrator->bytes_per_slot(scene.features);
 }
 
 } // namespace
@@ -178,12 +178,12 @@ BenchResult bench(Device& device, const PackedScene& scene, const View& view, co
   result.ceilings = measure_ceilings(
       device, scene.nodes.size() * sizeof(bvh::WideNode) + scene.triangles.size() * sizeof(gpu::Triangle));
   progress("compiling kernels");
-  const WarmTracer warm = make_tracer(device, scene, view, all.render);
+  WarmLoop warm = make_loop(device, scene, view, all.render);
   result.compile_seconds = warm.compile_seconds;
   progress("whole frames");
-  measure_frames(*warm.tracer, all.repetitions, result);
+  measure_frames(warm, all.render, scene, all.repetitions, result);
   progress("rays by kind");
-  RayReplay replay(*warm.tracer);
+  RayReplay replay(device, scene, view, all.render, *warm.kernels, warm.loop->workspace().on_device);
   const RaySets rays = replay.capture();
   result.rays = measure_rays(scene, replay, rays, result.ceilings, all.repetitions);
 #ifdef WAVEPATH_EMBREE
@@ -191,8 +191,7 @@ BenchResult bench(Device& device, const PackedScene& scene, const View& view, co
   compare_with_embree(device, scene, view, all, rays, result);
 #endif
   if (all.ablate)
-    result.ablation = ablate(device, scene, view, all.render, *warm.tracer, warm.compile_seconds,
-                             result.path_tracing.spp, all.repetitions, progress);
+    result.ablation = ablate(device, scene, view, all.render, warm, result.path_tracing.spp, all.repetitions, progress);
   return result;
 }
 

@@ -1,31 +1,39 @@
 #include "host/bench/frames.h"
 
-#include <algorithm>
 #include <chrono>
 
 namespace wavepath {
 
-FrameTime render_frame(PathTracer& tracer, std::uint32_t spp) {
-  tracer.reset();
-  FrameTime time;
+WarmLoop make_loop(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings) {
+  WarmLoop warm;
+  warm.view = view;
+  warm.kernels = std::make_unique<KernelCompiler>(device);
+  // All paths that fit in a wave, and no estimates: the same work every time.
+  const Pace pace{.estimates = Estimates::none, .fixed_wave = choose_slots(device.info(), scene, settings)};
+  warm.loop = std::make_unique<RenderLoop>(device, scene, view, settings, *warm.kernels, RenderHooks{}, pace);
+  warm.compile_seconds = warm.loop->get_ready();
+  return warm;
+}
+
+FrameTime render_frame(WarmLoop& warm, std::uint32_t spp) {
+  RenderSettings settings = warm.loop->settings();
+  settings.first_sample = 0;
+  settings.last_sample = spp;
+  warm.loop->restart(warm.view, settings);
   const auto start = std::chrono::steady_clock::now();
-  for (std::uint32_t sample = 0; sample < spp; ++sample)
-    for (const FilmBand& band : tracer.bands())
-      for (std::uint32_t done = 0; done < band.pixel_count;) {
-        const std::uint32_t count = std::min(tracer.slots(), band.pixel_count - done);
-        tracer.render_wave(band, band.first_pixel + done, count, sample, 1);
-        done += count;
-      }
+  while (warm.loop->step()) {}
+  warm.loop->drain();
+  FrameTime time;
   time.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  time.stages = tracer.stages();
-  time.rays = ray_counts(tracer.counters());
+  time.stages = warm.loop->totals().stages;
+  time.rays = warm.loop->totals().rays;
   return time;
 }
 
-std::uint32_t choose_frame_spp(PathTracer& tracer) {
+std::uint32_t choose_frame_spp(WarmLoop& warm) {
   constexpr double kLongEnough = 0.33; // seconds
   std::uint32_t spp = 1;
-  while (spp < 64 && render_frame(tracer, spp).seconds < kLongEnough) spp *= 2;
+  while (spp < 64 && render_frame(warm, spp).seconds < kLongEnough) spp *= 2;
   return spp;
 }
 

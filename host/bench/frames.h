@@ -1,11 +1,23 @@
-// Whole frames through all kernels, timed: what the kernels make of each other.
+// Whole frames, as `render` makes them, timed.
 #pragma once
 
+#include <memory>
 #include <vector>
 
-#include "host/integrators/path/path_tracer.h"
+#include "host/render/kernel_compiler.h"
+#include "host/render/render_loop.h"
 
 namespace wavepath {
+
+// A render loop that is begun again and again, its kernels compiled and its scene uploaded.
+struct WarmLoop {
+  std::unique_ptr<KernelCompiler> kernels;
+  std::unique_ptr<RenderLoop> loop;
+  View view;
+  double compile_seconds = 0.0;
+};
+
+WarmLoop make_loop(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings);
 
 struct FrameTime {
   double seconds = 0.0; // wall
@@ -13,10 +25,10 @@ struct FrameTime {
   RayCounts rays;
 };
 
-// Renders samples [0, spp) of every pixel onto an empty film.
-FrameTime render_frame(PathTracer& tracer, std::uint32_t spp);
+// Renders `spp` samples of every pixel. What was on the film is lost.
+FrameTime render_frame(WarmLoop& warm, std::uint32_t spp);
 
-// Samples a pixel that take about a third of a second, from 1 up to 64.
-std::uint32_t choose_frame_spp(PathTracer& tracer);
+// Samples that take long enough for a clock.
+std::uint32_t choose_frame_spp(WarmLoop& warm);
 
 } // namespace wavepath

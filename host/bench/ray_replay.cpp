@@ -12,39 +12,43 @@
 namespace wavepath {
 namespace {
 
-std::uint32_t groups_for(std::size_t count) {
-  return static_cast<std::uint32_t>((count + gpu::kWorkgroupSize - 1) / gpu::kWorkgroupSize);
-}
-
 gpu::ShadowRay as_shadow_ray(const gpu::Ray& ray) {
   return {ray.origin, ray.slot, ray.direction, gpu::kFar, glm::vec3(1.0f), 0};
 }
 
 } // namespace
 
+RayReplay::RayReplay(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings,
+                     KernelCompiler& kernels, std::shared_ptr<const DeviceScene> uploaded)
+    : workspace_(device, scene, choose_slots(device.info(), scene, settings), std::move(uploaded)),
+      paths_(workspace_, kernels) {
+  workspace_.change(view, settings);
+  paths_.change(settings, kAllPathStages, 0);
+  paths_.get_ready();
+}
+
+gpu::Wave RayReplay::first_wave() const {
+  const FilmBand& band = workspace_.film.bands().front();
+  return {band.first_pixel, std::min(band.pixel_count, workspace_.slots), 0, 1, 0, band.first_pixel};
+}
+
 RaySets RayReplay::capture() {
-  const FilmBand& band = tracer_.bands_.front();
-  const std::uint32_t pixels = std::min(band.pixel_count, tracer_.slots());
-  tracer_.reset();
-  gpu::Wave wave{band.first_pixel, pixels, 0, 1, 0, band.first_pixel};
-  const KernelSet& kernels = tracer_.kernels_.best(tracer_.config_);
-  Commands commands(tracer_.device_);
-  commands.bind(*band.bindings);
-  for (const Stage stage : {kGenerate, kAdvance, kExtend, kShade}) {
-    if (stage == kAdvance)
-      commands.dispatch(kernels[kAdvance], 1, &wave);
-    else
-      commands.dispatch(kernels[stage], groups_for(pixels), &wave);
+  const gpu::Wave wave = first_wave();
+  const KernelSet& kernels = paths_.kernels();
+  Commands commands(workspace_.device);
+  commands.bind(paths_.bindings(0));
+  for (const PathStage stage : {kGenerate, kAdvance, kExtend, kShade}) {
+    commands.dispatch(kernels[stage], stage == kAdvance ? 1 : groups_for(wave.pixel_count), &wave);
     commands.barrier();
   }
   commands.submit_and_wait();
 
-  const gpu::Queues queues = tracer_.counters();
-  const std::uint64_t second_queue = std::uint64_t{tracer_.slots()} * sizeof(gpu::Ray);
+  const gpu::Queues queues = download<gpu::Queues>(paths_.buffers[kQueues], 1).front();
+  const std::uint64_t second_queue = std::uint64_t{workspace_.slots} * sizeof(gpu::Ray);
   RaySets rays;
-  rays.camera = download<gpu::Ray>(tracer_.paths_.rays, pixels);
-  rays.bounce = download<gpu::Ray>(tracer_.paths_.rays, queues.ray_count[1], second_queue);
-  rays.shadow = download<gpu::ShadowRay>(tracer_.paths_.shadow_rays, queues.shadow_count);
+  rays.camera = download<gpu::Ray>(paths_.buffers[kRays], wave.pixel_count);
+  rays.bounce = download<gpu::Ray>(paths_.buffers[kRays], queues.ray_count[1], second_queue);
+  rays.shadow = download<gpu::ShadowRay>(paths_.buffers[kShadowRays], queues.shadow_count);
   constexpr std::size_t kFewest = 4096; // that say anything about speed
   if (rays.shadow.size() < kFewest && rays.shadow.size() < rays.bounce.size()) {
     rays.shadow.clear();
@@ -54,12 +58,11 @@ RaySets RayReplay::capture() {
 }
 
 // Timed by the device where its queue has timestamps.
-double RayReplay::time(Stage stage, std::size_t count) {
-  const FilmBand& band = tracer_.bands_.front();
-  const gpu::Wave wave{band.first_pixel, band.pixel_count, 0, 1, 0, band.first_pixel};
-  const KernelSet& kernels = tracer_.kernels_.best(tracer_.config_);
-  Commands commands(tracer_.device_, 1);
-  commands.bind(*band.bindings);
+double RayReplay::time(PathStage stage, std::size_t count) {
+  const gpu::Wave wave = first_wave();
+  const KernelSet& kernels = paths_.kernels();
+  Commands commands(workspace_.device, 1);
+  commands.bind(paths_.bindings(0));
   commands.dispatch(kernels[stage], groups_for(count), &wave);
   const auto start = std::chrono::steady_clock::now();
   commands.submit_and_wait();
@@ -71,12 +74,12 @@ double RayReplay::time(Stage stage, std::size_t count) {
 double RayReplay::extend(std::span<const gpu::Ray> rays) {
   gpu::Queues queues{};
   queues.ray_count[0] = static_cast<std::uint32_t>(rays.size());
-  tracer_.paths_.queues.write(&queues, sizeof(queues));
-  tracer_.paths_.rays.write(rays.data(), rays.size_bytes());
+  paths_.buffers[kQueues].write(&queues, sizeof(queues));
+  paths_.buffers[kRays].write(rays.data(), rays.size_bytes());
   return time(kExtend, rays.size());
 }
 
-std::vector<gpu::Hit> RayReplay::hits(std::size_t count) const { return download<gpu::Hit>(tracer_.paths_.hits, count); }
+std::vector<gpu::Hit> RayReplay::hits(std::size_t count) const { return download<gpu::Hit>(paths_.buffers[kHits], count); }
 
 std::vector<float> RayReplay::distances(const PackedScene& scene, std::span<const gpu::Ray> rays) const {
   const std::vector<gpu::Hit> found = hits(rays.size());
@@ -92,14 +95,14 @@ std::vector<float> RayReplay::distances(const PackedScene& scene, std::span<cons
 double RayReplay::connect(std::span<const gpu::ShadowRay> rays) {
   gpu::Queues queues{};
   queues.shadow_count = static_cast<std::uint32_t>(rays.size());
-  tracer_.paths_.queues.write(&queues, sizeof(queues));
-  tracer_.paths_.shadow_rays.write(rays.data(), rays.size_bytes());
-  tracer_.paths_.states.fill_zero();
+  paths_.buffers[kQueues].write(&queues, sizeof(queues));
+  paths_.buffers[kShadowRays].write(rays.data(), rays.size_bytes());
+  paths_.buffers[kStates].fill_zero();
   return time(kConnect, rays.size());
 }
 
 std::vector<bool> RayReplay::blocked(std::span<const gpu::ShadowRay> rays) const {
-  const auto paths = download<gpu::PathState>(tracer_.paths_.states, tracer_.slots());
+  const auto paths = download<gpu::PathState>(paths_.buffers[kStates], workspace_.slots);
   std::vector<bool> result;
   for (const gpu::ShadowRay& ray : rays) result.push_back(paths[ray.slot].radiance == glm::vec3(0.0f));
   return result;

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "host/integrators/path/path_tracer.h"
+#include "host/integrators/path/paths.h"
 #include "kernels/frame_types.h"
 #include "kernels/path/path_types.h"
 
@@ -18,8 +18,10 @@ struct RaySets {
 
 class RayReplay {
 public:
-  // The tracer must have been made with room_for_shadow_rays. Its film and counters are of no use afterwards.
-  explicit RayReplay(PathTracer& tracer) : tracer_(tracer) {}
+  // `settings` ask for room_for_shadow_rays. `uploaded`: the scene, if it is on the device already. `scene` and `kernels`
+  // outlive this.
+  RayReplay(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings,
+            KernelCompiler& kernels, std::shared_ptr<const DeviceScene> uploaded = nullptr);
 
   // Of the first sample of as many pixels, in tile order, as there are slots.
   RaySets capture();
@@ -27,7 +29,7 @@ public:
   // Seconds on the device that finding the closest hits takes; at most slots() rays.
   double extend(std::span<const gpu::Ray> rays);
   std::vector<gpu::Hit> hits(std::size_t count) const; // of the last extend
-  // Distances to the hits of the last extend, infinite for a miss. `scene` is what the tracer was made of.
+  // Distances to the hits of the last extend, infinite for a miss. `scene` is what this was made of.
   std::vector<float> distances(const PackedScene& scene, std::span<const gpu::Ray> rays) const;
 
   // The same for whether something lies between shadow rays and their lights.
@@ -35,9 +37,11 @@ public:
   std::vector<bool> blocked(std::span<const gpu::ShadowRay> rays) const; // of the last connect
 
 private:
-  double time(Stage stage, std::size_t count);
+  gpu::Wave first_wave() const; // of the first sample of as many pixels as there are slots
+  double time(PathStage stage, std::size_t count);
 
-  PathTracer& tracer_;
+  Workspace workspace_;
+  Paths paths_;
 };
 
 } // namespace wavepath

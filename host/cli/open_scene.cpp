@@ -7,7 +7,7 @@
 
 #include "host/base/error.h"
 #include "host/base/memory.h"
-#include "host/integrators/hybrid/hybrid.h"
+#include "host/render/integrator.h"
 #include "host/scene/pack/features.h"
 
 namespace wavepath {
@@ -16,12 +16,10 @@ namespace {
 // Compiles what the scene will most likely need. A wrong guess costs time alone.
 void begin_kernels(KernelCompiler& kernels, const DeviceInfo& device, const Scene& scene,
                    const RenderSettings& settings) {
-  if (settings.integrator == Integrator::ao) return; // it has no paths
   std::uint32_t features = expected_features(scene, settings.direct) | features_of(settings);
   for (const Camera& camera : scene.cameras)
     if (camera.orthographic) features |= gpu::kFeatureOrthographic;
-  kernels.start(kernel_config(features, kExpectedStack, settings));
-  if (generic_first(device)) kernels.start(kernel_config(gpu::kFeaturesAll, kExpectedStack, settings));
+  settings.integrator->start_kernels(kernels, device, features, settings);
 }
 
 } // namespace
@@ -50,8 +48,7 @@ void require_memory_for(const std::string& path, const RenderSettings& settings,
   const std::uint64_t pixels = std::uint64_t{settings.width} * settings.height;
   const std::uint64_t film =
       pixels * (gpu::kReplicates * sizeof(gpu::FilmPixel) + (settings.aovs.empty() ? 0 : sizeof(gpu::FilmAovs)));
-  const bool hybrid = settings.integrator != Integrator::path;
-  const std::uint64_t frames = hybrid ? pixels * bytes_per_frame_pixel(settings) : 0;
+  const std::uint64_t frames = pixels * settings.integrator->bytes_per_pixel(settings);
   const std::uint64_t picture = pixels * sizeof(float) * (4 + 3 * settings.aovs.size());
   const std::uint64_t copies = device.type == "cpu" ? 2 : 1;
   require_memory(path, fmt::format("rendering it at {}x{}", settings.width, settings.height),

@@ -25,6 +25,7 @@
 #include "host/render/depth_cut.h"
 #include "host/render/diagnosis.h"
 #include "host/render/identity.h"
+#include "host/render/integrator.h"
 #include "host/scene/scene_hash.h"
 
 namespace wavepath {
@@ -209,7 +210,7 @@ int run_render(Request& request) {
   const RenderResult result = render_shown(request, device, packed, view, kernels, hooks);
   std::optional<DepthCut> cut; // of paths; frames of other integrators say nothing about it
   const bool reported = !request.output.stats.empty() || request.output.json || request.output.verbose;
-  if (reported && settings.integrator == Integrator::path && result.stop != StopReason::interrupted)
+  if (reported && settings.integrator->traces_paths && result.stop != StopReason::interrupted)
     cut = measure_depth_cut(device, packed, view, settings, kernels);
   Run run{request.scene.path, request.command_line, device.info(), settings, packed, result};
   run.bias = list_bias(settings, result, cut);

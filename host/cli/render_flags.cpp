@@ -12,6 +12,7 @@
 #include "host/base/error.h"
 #include "host/cli/flags.h"
 #include "host/integrators/hybrid/hybrid.h"
+#include "host/render/integrator.h"
 #include "host/render/stats.h"
 
 namespace wavepath {
@@ -25,6 +26,15 @@ constexpr std::string_view kOnOff[] = {"off", "on"};
 constexpr std::string_view kBvhNames[] = {"auto", "fast", "balanced", "best"};
 constexpr std::string_view kAovs[] = {"albedo",  "normal", "depth",    "position", "variance",
                                       "samples", "direct", "indirect", "emission", "ao"};
+
+const std::vector<std::string_view>& integrator_names() {
+  static const std::vector<std::string_view> kNames = [] {
+    std::vector<std::string_view> names;
+    for (const IntegratorKind* kind : integrators()) names.push_back(kind->name);
+    return names;
+  }();
+  return kNames;
+}
 
 // Parts of "A<separator>B".
 std::pair<FlagValue, FlagValue> split(const FlagValue& value, char separator, const char* remedy) {
@@ -142,7 +152,7 @@ void add_hybrid_flags(CLI::App& app, RenderRequest& request) {
            {"--integrator", "path|hybrid|ao",
             "path tracing; hybrid: rasterized first hit, traced direct light and ambient occlusion; or that occlusion alone",
             "path"},
-           [&](const FlagValue& value) { settings.integrator = static_cast<Integrator>(value.choice(kIntegratorNames)); });
+           [&](const FlagValue& value) { settings.integrator = integrators()[value.choice(integrator_names())]; });
   constexpr double kMostRadiance = 1e30; // sums with direct light stay finite
   add_flag(app, group, {"--shadow-samples", "N", "light samples a pixel and frame, stratified", "1"},
            [&](const FlagValue& value) { settings.shadow_samples = value.whole_number(1, kMostFrameRays); });
@@ -256,8 +266,8 @@ void settle_samples(RenderRequest& request) {
 
 void check_integrator(const RenderRequest& request) {
   const RenderSettings& settings = request.settings;
-  const bool path = settings.integrator == Integrator::path;
-  const std::string flag = fmt::format("--integrator {}", kIntegratorNames[static_cast<std::size_t>(settings.integrator)]);
+  const bool path = settings.integrator->traces_paths;
+  const std::string flag = fmt::format("--integrator {}", settings.integrator->name);
   if (path && settings.denoise)
     throw UsageError("--denoise", "filters what hybrid rendering traces", "add --integrator hybrid or ao");
   if (path && std::ranges::count(settings.aovs, "ao"))
@@ -267,8 +277,7 @@ void check_integrator(const RenderRequest& request) {
     throw UsageError("--adaptive", "shares out paths, and frames have the same samples everywhere",
                      "leave it out, or use --integrator path");
   if (request.pixel) throw UsageError("--pixel", "replays paths, not frames", "use --integrator path");
-  const bool biased = settings.denoise || (settings.integrator == Integrator::hybrid && settings.max_depth > 1);
-  if (request.strict && biased)
+  if (request.strict && settings.integrator->is_biased(settings))
     throw UsageError(flag, "is biased, which --strict refuses",
                      settings.denoise ? "leave out --denoise" : "use --integrator path, or --max-depth 1 for direct light");
   if (settings.denoise && (request.mergeable || !request.state.file.empty()))

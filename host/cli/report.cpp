@@ -12,6 +12,7 @@
 #include "host/cli/commands.h"
 #include "host/cli/progress.h"
 #include "host/film/error.h"
+#include "host/render/integrator.h"
 #include "kernels/tile_order.h"
 
 namespace wavepath {
@@ -60,18 +61,9 @@ void print_details(const Run& run) {
 
 std::vector<std::string> list_bias(const RenderSettings& settings, const RenderResult& result,
                                    const std::optional<DepthCut>& cut) {
-  std::vector<std::string> bias;
-  const bool path = settings.integrator == Integrator::path, hybrid = settings.integrator == Integrator::hybrid;
-  if (path || (hybrid && settings.max_depth <= 1))
-    bias.push_back(fmt::format("light paths end after {} bounces (--max-depth)", settings.max_depth));
-  if (hybrid && settings.max_depth > 1)
-    bias.push_back(fmt::format("light of more than one bounce, what mirrors and glass show of it included, is an ambient "
-                               "term of radiance {:.3g},{:.3g},{:.3g} (--integrator hybrid, --ambient)",
-                               result.ambient.r, result.ambient.g, result.ambient.b));
-  if (!path && settings.denoise)
-    bias.push_back("direct light and occlusion are filtered over space and time (--denoise)");
+  std::vector<std::string> bias = settings.integrator->bias(settings, result);
   if (cut)
-    bias.back() += fmt::format(": {:.2g} % +- {:.1g} % of the light is missing, measured to {} bounces",
+    bias.front() += fmt::format(": {:.2g} % +- {:.1g} % of the light is missing, measured to {} bounces",
                                100.0 * cut->share, 100.0 * cut->standard_error, cut->deeper);
   if (result.nonfinite.first)
     bias.push_back(fmt::format("{} samples that were not finite are left out", result.nonfinite.samples()));

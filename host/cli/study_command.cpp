@@ -19,6 +19,7 @@
 #include "host/cli/interrupt.h"
 #include "host/cli/render_flags.h"
 #include "host/cli/scene_flags.h"
+#include "host/integrators/hybrid/kind.h"
 #include "host/render/bvh_choice.h"
 #include "host/integrators/hybrid/hybrid.h"
 #include "host/render/stats.h"
@@ -165,7 +166,7 @@ int run_study_command(const CLI::App& app, Request& request) {
   scene = Scene{};
   // One radius for all, so that one reference of occlusion serves all: the hybrid's own.
   RenderSettings hybrid = settings.render;
-  hybrid.integrator = Integrator::hybrid;
+  hybrid.integrator = &kHybrid;
   settings.render.ao_radius = occlusion_radius(packed.packed.at(gpu::kDirectMis), hybrid);
 
   catch_interrupts();

@@ -128,12 +128,12 @@ private:
   // What of the result decides how it is biased.
   RenderResult so_far() const {
     RenderResult result;
-    result.nonfinite = progressive_->tracer().nonfinite();
+    result.nonfinite = progressive_->nonfinite();
     result.ambient = progressive_->status().ambient;
     return result;
   }
 
-  void save(const std::string& path, const DisplayOptions& display) const {
+  void save(const std::string& path, const DisplayOptions& display) {
     const RenderSettings& settings = progressive_->settings();
     const ProgressiveStatus status = progressive_->status();
     PictureInfo info;

@@ -18,6 +18,8 @@ namespace {
 constexpr std::uint64_t kSmallest = 256; // bytes: the largest element that any empty binding could be asked for
 constexpr std::uint64_t kStagingBytes = 64ull << 20;
 constexpr VkMemoryPropertyFlags kHostFlags = VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
+constexpr VkMemoryPropertyFlags kHostCachedFlags =
+    VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_CACHED_BIT;
 
 // The size to create. llvmpipe compiles a kernel anew for every combination of texel buffers whose size is a power of two, or
 // has bits 8 to 15 clear (it reads them as properties of a texture); so that kernels can be compiled before buffers
@@ -27,16 +29,17 @@ std::uint64_t created_bytes(std::uint64_t bytes) {
   return std::has_single_bit(bytes) || (bytes & 0xff00) == 0 ? bytes + kBufferPadding : bytes;
 }
 
-// Memory properties to try, best first.
+// Memory properties to try, best first. Reading uncached memory is slow, so cached memory that needs an invalidate comes
+// before memory that is merely coherent.
 std::vector<VkMemoryPropertyFlags> wishes(const Device& device, BufferHome home) {
-  if (home == BufferHome::readback) return {kHostFlags | VK_MEMORY_PROPERTY_HOST_CACHED_BIT, kHostFlags};
+  if (home == BufferHome::readback) return {kHostFlags | kHostCachedFlags, kHostCachedFlags, kHostFlags};
   if (device.unified_memory()) return {VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT | kHostFlags, kHostFlags};
   return {VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT, 0};
 }
 
 } // namespace
 
-Buffer::Buffer(Device& device, std::uint64_t bytes, BufferHome home) : device_(&device), bytes_(bytes) {
+Buffer::Buffer(Device& device, std::uint64_t bytes, BufferHome home) : device_(&device), bytes_(bytes), home_(home) {
   VkBufferCreateInfo info{VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO};
   info.size = created_bytes(bytes);
   info.usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT |
@@ -46,28 +49,34 @@ Buffer::Buffer(Device& device, std::uint64_t bytes, BufferHome home) : device_(&
 
   VkMemoryRequirements needs{};
   vkGetBufferMemoryRequirements(device.handle(), buffer_, &needs);
+  allocated_ = needs.size;
   for (const VkMemoryPropertyFlags flags : wishes(device, home)) {
-    const std::uint32_t type = device.memory_type(needs.memoryTypeBits, flags);
-    if (type == gpu::kNone) continue;
-    VkMemoryAllocateInfo allocate{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO};
-    allocate.allocationSize = needs.size;
-    allocate.memoryTypeIndex = type;
-    if (vkAllocateMemory(device.handle(), &allocate, nullptr, &memory_) != VK_SUCCESS) continue;
-    const bool mappable = (flags & VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT) != 0;
-    VkResult result = vkBindBufferMemory(device.handle(), buffer_, memory_, 0);
-    if (result == VK_SUCCESS && mappable)
-      result = vkMapMemory(device.handle(), memory_, 0, VK_WHOLE_SIZE, 0, &mapped_);
-    if (result == VK_SUCCESS) {
-      allocated_ = needs.size;
-      device.count_memory(static_cast<std::int64_t>(allocated_));
-      return;
-    }
-    vkFreeMemory(device.handle(), memory_, nullptr);
-    memory_ = VK_NULL_HANDLE;
+    if (!allocate(needs.memoryTypeBits, flags)) continue;
+    device.count_memory(static_cast<std::int64_t>(allocated_));
+    return;
   }
   vkDestroyBuffer(device.handle(), buffer_, nullptr);
   throw Error(device.info().name, fmt::format("no memory for a buffer of {:.1f} MiB", bytes / 1048576.0),
               "use a smaller --size or scene, or close other programs");
+}
+
+// Allocates, binds and maps allocated_ bytes of memory that has `flags`. False if there is no such memory.
+bool Buffer::allocate(std::uint32_t type_bits, VkMemoryPropertyFlags flags) {
+  const std::uint32_t type = device_->memory_type(type_bits, flags);
+  if (type == gpu::kNone) return false;
+  VkMemoryAllocateInfo info{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO};
+  info.allocationSize = allocated_;
+  info.memoryTypeIndex = type;
+  if (vkAllocateMemory(device_->handle(), &info, nullptr, &memory_) != VK_SUCCESS) return false;
+  VkResult result = vkBindBufferMemory(device_->handle(), buffer_, memory_, 0);
+  if (result == VK_SUCCESS && (flags & VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT)) {
+    coherent_ = (flags & VK_MEMORY_PROPERTY_HOST_COHERENT_BIT) != 0;
+    result = vkMapMemory(device_->handle(), memory_, 0, VK_WHOLE_SIZE, 0, &mapped_);
+  }
+  if (result == VK_SUCCESS) return true;
+  vkFreeMemory(device_->handle(), memory_, nullptr);
+  memory_ = VK_NULL_HANDLE;
+  return false;
 }
 
 Buffer::~Buffer() {
@@ -83,23 +92,35 @@ void Buffer::swap(Buffer& other) noexcept {
   std::swap(memory_, other.memory_);
   std::swap(bytes_, other.bytes_);
   std::swap(allocated_, other.allocated_);
+  std::swap(home_, other.home_);
+  std::swap(coherent_, other.coherent_);
   std::swap(mapped_, other.mapped_);
+}
+
+void Buffer::invalidate() const {
+  if (!mapped_ || coherent_) return;
+  const VkMappedMemoryRange range{VK_STRUCTURE_TYPE_MAPPED_MEMORY_RANGE, nullptr, memory_, 0, VK_WHOLE_SIZE};
+  check(vkInvalidateMappedMemoryRanges(device_->handle(), 1, &range), "reading mapped memory");
+}
+
+void Buffer::flush() const {
+  if (!mapped_ || coherent_) return;
+  const VkMappedMemoryRange range{VK_STRUCTURE_TYPE_MAPPED_MEMORY_RANGE, nullptr, memory_, 0, VK_WHOLE_SIZE};
+  check(vkFlushMappedMemoryRanges(device_->handle(), 1, &range), "writing mapped memory");
 }
 
 void Buffer::write(const void* data, std::uint64_t bytes, std::uint64_t offset) {
   assert(offset + bytes <= bytes_);
-  if (mapped_)
-    std::memcpy(static_cast<char*>(mapped_) + offset, data, bytes);
-  else
-    copy_staged(nullptr, data, bytes, offset);
+  if (!mapped_) return copy_staged(nullptr, data, bytes, offset);
+  std::memcpy(static_cast<char*>(mapped_) + offset, data, bytes);
+  flush();
 }
 
 void Buffer::read(void* data, std::uint64_t bytes, std::uint64_t offset) const {
   assert(offset + bytes <= bytes_);
-  if (mapped_)
-    std::memcpy(data, static_cast<const char*>(mapped_) + offset, bytes);
-  else
-    copy_staged(data, nullptr, bytes, offset);
+  if (!mapped_) return copy_staged(data, nullptr, bytes, offset);
+  invalidate();
+  std::memcpy(data, static_cast<const char*>(mapped_) + offset, bytes);
 }
 
 void Buffer::fill_zero(std::uint64_t bytes) {
@@ -107,7 +128,7 @@ void Buffer::fill_zero(std::uint64_t bytes) {
   if (bytes == 0) return;
   if (mapped_) {
     std::memset(mapped_, 0, bytes);
-    return;
+    return flush();
   }
   Commands commands(*device_);
   vkCmdFillBuffer(commands.handle(), buffer_, 0, bytes, 0);
@@ -121,7 +142,7 @@ void Buffer::copy_staged(void* read_to, const void* write_from, std::uint64_t by
     const std::uint64_t piece = std::min(bytes - done, kStagingBytes);
     Commands commands(*device_);
     if (write_from) {
-      std::memcpy(staging.mapped_, static_cast<const char*>(write_from) + done, piece);
+      staging.write(static_cast<const char*>(write_from) + done, piece);
       const VkBufferCopy region{0, offset + done, piece};
       vkCmdCopyBuffer(commands.handle(), staging.buffer_, buffer_, 1, &region);
     } else {
@@ -129,7 +150,7 @@ void Buffer::copy_staged(void* read_to, const void* write_from, std::uint64_t by
       vkCmdCopyBuffer(commands.handle(), buffer_, staging.buffer_, 1, &region);
     }
     commands.submit_and_wait();
-    if (read_to) std::memcpy(static_cast<char*>(read_to) + done, staging.mapped_, piece);
+    if (read_to) staging.read(static_cast<char*>(read_to) + done, piece);
     done += piece;
   }
 }

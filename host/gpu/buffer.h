@@ -12,7 +12,7 @@
 
 namespace wavepath {
 
-// Where a buffer lives: `device` is fastest for kernels; `readback` is memory that the host reads while the device writes it.
+// Where a buffer lives: `device` is fastest for kernels; `readback` is mapped host memory, to which the device copies results.
 enum class BufferHome { device, readback };
 
 // Storage, uniform, texel, indirect and copy use are all allowed. A request for zero bytes yields a small buffer, because
@@ -31,6 +31,13 @@ public:
   VkBuffer handle() const { return buffer_; }
   std::uint64_t bytes() const { return bytes_; }
 
+  // The memory of a `readback` buffer; null for `device`. The host reads it after the fence of the commands that wrote it
+  // (Commands makes their writes visible to the host) and after invalidate().
+  void* mapped() { return home_ == BufferHome::readback ? mapped_ : nullptr; }
+  const void* mapped() const { return home_ == BufferHome::readback ? mapped_ : nullptr; }
+  // Drops what the host's caches hold of mapped memory. Does nothing where caches are coherent.
+  void invalidate() const;
+
   // Copies between host and device and waits. Ranges must lie inside the buffer.
   void write(const void* data, std::uint64_t bytes, std::uint64_t offset = 0);
   void read(void* data, std::uint64_t bytes, std::uint64_t offset = 0) const;
@@ -39,12 +46,16 @@ public:
 
 private:
   void swap(Buffer& other) noexcept;
+  bool allocate(std::uint32_t type_bits, VkMemoryPropertyFlags flags);
+  void flush() const; // the counterpart of invalidate(), after the host has written
   void copy_staged(void* read_to, const void* write_from, std::uint64_t bytes, std::uint64_t offset) const;
 
   Device* device_ = nullptr;
   VkBuffer buffer_ = VK_NULL_HANDLE;
   VkDeviceMemory memory_ = VK_NULL_HANDLE;
   std::uint64_t bytes_ = 0, allocated_ = 0;
+  BufferHome home_ = BufferHome::device;
+  bool coherent_ = true;   // no invalidate and flush needed
   void* mapped_ = nullptr; // null: reached by staging
 };
 

@@ -6,37 +6,82 @@
 
 namespace wavepath {
 
-Commands::Commands(Device& device, std::uint32_t max_timed_dispatches) : device_(&device) {
+namespace {
+
+void record_barrier(VkCommandBuffer commands, VkPipelineStageFlags2 from, VkAccessFlags2 written, VkPipelineStageFlags2 to,
+                    VkAccessFlags2 used) {
+  VkMemoryBarrier2 memory{VK_STRUCTURE_TYPE_MEMORY_BARRIER_2};
+  memory.srcStageMask = from;
+  memory.srcAccessMask = written;
+  memory.dstStageMask = to;
+  memory.dstAccessMask = used;
+  VkDependencyInfo info{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
+  info.memoryBarrierCount = 1;
+  info.pMemoryBarriers = &memory;
+  vkCmdPipelineBarrier2(commands, &info);
+}
+
+constexpr VkPipelineStageFlags2 kCompute = VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
+                                kAll = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, kTransfer = VK_PIPELINE_STAGE_2_TRANSFER_BIT;
+constexpr VkAccessFlags2 kAnyAccess = VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT;
+
+} // namespace
+
+Commands::Commands(Device& device, std::uint32_t timed_dispatches) : device_(&device) {
   try {
-    VkCommandPoolCreateInfo pool_info{VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
-    pool_info.flags = VK_COMMAND_POOL_CREATE_TRANSIENT_BIT;
-    pool_info.queueFamilyIndex = device.queue_family();
-    check(vkCreateCommandPool(device.handle(), &pool_info, nullptr, &pool_), "creating a command pool");
-    VkCommandBufferAllocateInfo allocate{VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO};
-    allocate.commandPool = pool_;
-    allocate.level = VK_COMMAND_BUFFER_LEVEL_PRIMARY;
-    allocate.commandBufferCount = 1;
-    check(vkAllocateCommandBuffers(device.handle(), &allocate, &commands_), "allocating a command buffer");
-    const VkFenceCreateInfo fence_info{VK_STRUCTURE_TYPE_FENCE_CREATE_INFO, nullptr, 0};
-    check(vkCreateFence(device.handle(), &fence_info, nullptr, &fence_), "creating a fence");
-    VkCommandBufferBeginInfo begin{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
-    begin.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
-    check(vkBeginCommandBuffer(commands_, &begin), "recording");
-    if (max_timed_dispatches > 0 && device.info().timestamp_period_ns > 0.0) {
-      query_capacity_ = max_timed_dispatches * 2;
-      VkQueryPoolCreateInfo query_info{VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO};
-      query_info.queryType = VK_QUERY_TYPE_TIMESTAMP;
-      query_info.queryCount = query_capacity_;
-      check(vkCreateQueryPool(device.handle(), &query_info, nullptr, &queries_), "creating timestamps");
-      vkCmdResetQueryPool(commands_, queries_, 0, query_capacity_);
-    }
+    create();
+    begin(timed_dispatches);
   } catch (...) {
     release();
     throw;
   }
 }
 
-Commands::~Commands() { release(); }
+Commands::~Commands() {
+  if (in_flight_) vkWaitForFences(device_->handle(), 1, &fence_, VK_TRUE, UINT64_MAX);
+  release();
+}
+
+void Commands::create() {
+  VkCommandPoolCreateInfo pool_info{VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
+  pool_info.flags = VK_COMMAND_POOL_CREATE_TRANSIENT_BIT;
+  pool_info.queueFamilyIndex = device_->queue_family();
+  check(vkCreateCommandPool(device_->handle(), &pool_info, nullptr, &pool_), "creating a command pool");
+  VkCommandBufferAllocateInfo allocate{VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO};
+  allocate.commandPool = pool_;
+  allocate.level = VK_COMMAND_BUFFER_LEVEL_PRIMARY;
+  allocate.commandBufferCount = 1;
+  check(vkAllocateCommandBuffers(device_->handle(), &allocate, &commands_), "allocating a command buffer");
+  const VkFenceCreateInfo fence_info{VK_STRUCTURE_TYPE_FENCE_CREATE_INFO, nullptr, 0};
+  check(vkCreateFence(device_->handle(), &fence_info, nullptr, &fence_), "creating a fence");
+}
+
+void Commands::begin(std::uint32_t timed_dispatches) {
+  VkCommandBufferBeginInfo begin{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
+  begin.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
+  check(vkBeginCommandBuffer(commands_, &begin), "recording");
+  bindings_ = nullptr;
+  timed_.clear();
+  query_limit_ = device_->info().timestamp_period_ns > 0.0 ? timed_dispatches * 2 : 0;
+  if (query_limit_ > query_capacity_) {
+    vkDestroyQueryPool(device_->handle(), queries_, nullptr);
+    queries_ = VK_NULL_HANDLE;
+    VkQueryPoolCreateInfo query_info{VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO};
+    query_info.queryType = VK_QUERY_TYPE_TIMESTAMP;
+    query_info.queryCount = query_limit_;
+    check(vkCreateQueryPool(device_->handle(), &query_info, nullptr, &queries_), "creating timestamps");
+    query_capacity_ = query_limit_;
+  }
+  if (query_limit_ > 0) vkCmdResetQueryPool(commands_, queries_, 0, query_limit_);
+  // Nothing waits on the host between submissions, so that the order is made here.
+  record_barrier(commands_, kAll, VK_ACCESS_2_MEMORY_WRITE_BIT, kAll, kAnyAccess);
+}
+
+void Commands::restart(std::uint32_t timed_dispatches) {
+  wait();
+  check(vkResetCommandPool(device_->handle(), pool_, 0), "recording");
+  begin(timed_dispatches);
+}
 
 void Commands::release() {
   vkDestroyQueryPool(device_->handle(), queries_, nullptr);
@@ -56,7 +101,7 @@ void Commands::start(const Kernel& kernel, const void* push) {
   if (push)
     vkCmdPushConstants(commands_, bindings_->layout(), bindings_->stages(), 0, bindings_->push_constant_bytes(),
                        push);
-  timing_ = timed_.size() * 2 < query_capacity_;
+  timing_ = timed_.size() * 2 < query_limit_;
   if (!timing_) return;
   write_time(static_cast<std::uint32_t>(timed_.size() * 2));
   timed_.push_back(&kernel);
@@ -87,54 +132,43 @@ void Commands::dispatch_indirect(const Kernel& kernel, const Buffer& arguments, 
 }
 
 void Commands::write(const Buffer& buffer, const void* data, std::uint64_t bytes) {
-  barrier();
+  record_barrier(commands_, kAll, VK_ACCESS_2_MEMORY_WRITE_BIT, kTransfer, VK_ACCESS_2_TRANSFER_WRITE_BIT);
   vkCmdUpdateBuffer(commands_, buffer.handle(), 0, bytes, data);
-  barrier();
+  record_barrier(commands_, kTransfer, VK_ACCESS_2_TRANSFER_WRITE_BIT, kAll, kAnyAccess);
 }
 
 void Commands::copy(const Buffer& from, const Buffer& to, std::uint64_t bytes) {
+  record_barrier(commands_, kAll, VK_ACCESS_2_MEMORY_WRITE_BIT, kTransfer,
+                 VK_ACCESS_2_TRANSFER_READ_BIT | VK_ACCESS_2_TRANSFER_WRITE_BIT);
   const VkBufferCopy region{0, 0, bytes};
   vkCmdCopyBuffer(commands_, from.handle(), to.handle(), 1, &region);
+  record_barrier(commands_, kTransfer, VK_ACCESS_2_TRANSFER_WRITE_BIT, kAll, kAnyAccess);
 }
 
 void Commands::barrier() {
-  VkMemoryBarrier2 memory{VK_STRUCTURE_TYPE_MEMORY_BARRIER_2};
-  memory.srcStageMask = VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_2_TRANSFER_BIT;
-  memory.srcAccessMask = VK_ACCESS_2_SHADER_WRITE_BIT | VK_ACCESS_2_TRANSFER_WRITE_BIT;
-  memory.dstStageMask = VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT |
-                        VK_PIPELINE_STAGE_2_TRANSFER_BIT;
-  memory.dstAccessMask = VK_ACCESS_2_SHADER_READ_BIT | VK_ACCESS_2_SHADER_WRITE_BIT | VK_ACCESS_2_UNIFORM_READ_BIT |
-                         VK_ACCESS_2_INDIRECT_COMMAND_READ_BIT | VK_ACCESS_2_TRANSFER_READ_BIT |
-                         VK_ACCESS_2_TRANSFER_WRITE_BIT;
-  VkDependencyInfo info{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
-  info.memoryBarrierCount = 1;
-  info.pMemoryBarriers = &memory;
-  vkCmdPipelineBarrier2(commands_, &info);
+  record_barrier(commands_, kCompute, VK_ACCESS_2_SHADER_WRITE_BIT, kCompute | VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT,
+                 VK_ACCESS_2_SHADER_READ_BIT | VK_ACCESS_2_SHADER_WRITE_BIT | VK_ACCESS_2_INDIRECT_COMMAND_READ_BIT);
 }
 
-void Commands::submit_and_wait() {
+void Commands::submit() {
   // Make results visible to host reads of mapped memory.
-  VkMemoryBarrier2 memory{VK_STRUCTURE_TYPE_MEMORY_BARRIER_2};
-  memory.srcStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
-  memory.srcAccessMask = VK_ACCESS_2_MEMORY_WRITE_BIT;
-  memory.dstStageMask = VK_PIPELINE_STAGE_2_HOST_BIT;
-  memory.dstAccessMask = VK_ACCESS_2_HOST_READ_BIT;
-  VkDependencyInfo dependency{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
-  dependency.memoryBarrierCount = 1;
-  dependency.pMemoryBarriers = &memory;
-  vkCmdPipelineBarrier2(commands_, &dependency);
+  record_barrier(commands_, kAll, VK_ACCESS_2_MEMORY_WRITE_BIT, VK_PIPELINE_STAGE_2_HOST_BIT, VK_ACCESS_2_HOST_READ_BIT);
   check(vkEndCommandBuffer(commands_), "recording");
-
   VkCommandBufferSubmitInfo buffer{VK_STRUCTURE_TYPE_COMMAND_BUFFER_SUBMIT_INFO};
   buffer.commandBuffer = commands_;
   VkSubmitInfo2 submit{VK_STRUCTURE_TYPE_SUBMIT_INFO_2};
   submit.commandBufferInfoCount = 1;
   submit.pCommandBufferInfos = &buffer;
-  {
-    const std::lock_guard lock(device_->queue_mutex());
-    check(vkQueueSubmit2(device_->queue(), 1, &submit, fence_), "submitting work");
-  }
+  const std::lock_guard lock(device_->queue_mutex());
+  check(vkQueueSubmit2(device_->queue(), 1, &submit, fence_), "submitting work");
+  in_flight_ = true;
+}
+
+void Commands::wait() {
+  if (!in_flight_) return;
   check(vkWaitForFences(device_->handle(), 1, &fence_, VK_TRUE, UINT64_MAX), "waiting for the device");
+  check(vkResetFences(device_->handle(), 1, &fence_), "waiting for the device");
+  in_flight_ = false;
 }
 
 std::vector<KernelTime> Commands::times() const {

@@ -1,4 +1,4 @@
-// A command buffer that is recorded, submitted and waited for, with a time for every kernel it ran.
+// A command buffer: recorded, handed to the device, waited for, recorded anew; with a time for every kernel it ran.
 #pragma once
 
 #include <cstdint>
@@ -17,12 +17,17 @@ struct KernelTime {
   double seconds = 0.0;
 };
 
+// Pool, command buffer, fence and timestamps are made once, however often it is recorded.
 class Commands {
 public:
-  // Begins recording. `max_timed_dispatches`: dispatches beyond it, or on a queue without timestamps, are not timed.
-  explicit Commands(Device& device, std::uint32_t max_timed_dispatches = 0);
-  ~Commands();
+  // Begins recording. `timed_dispatches`: how many dispatches at most are timed; none on a queue without timestamps.
+  explicit Commands(Device& device, std::uint32_t timed_dispatches = 0);
+  ~Commands(); // waits for what is in flight
   Commands(Commands&&) = delete;
+
+  // Waits for what is in flight, then begins recording anew. What is recorded runs after everything that was submitted
+  // to the device before, and sees what that wrote.
+  void restart(std::uint32_t timed_dispatches);
 
   VkCommandBuffer handle() const { return commands_; }
 
@@ -33,18 +38,27 @@ public:
   void dispatch_indirect(const Kernel& kernel, const Buffer& arguments, std::uint64_t offset,
                          const void* push = nullptr);
   // Copies `bytes` (a multiple of 4, at most 65536) into `buffer` when the device gets there: after all that was recorded
-  // before, visible to all that follows.
+  // before, visible to all that follows, shaders of rasterization included.
   void write(const Buffer& buffer, const void* data, std::uint64_t bytes);
-  // The first `bytes` bytes of a buffer into another.
+  // The first `bytes` bytes of a buffer into another, with the same order and visibility.
   void copy(const Buffer& from, const Buffer& to, std::uint64_t bytes);
-  // Everything written so far is visible to every dispatch, indirect read and copy that follows.
+  // What dispatches wrote so far is visible to every dispatch and indirect read that follows.
   void barrier();
 
-  // Ends recording, runs it, waits. Throws Error if the device fails. Afterwards times() is known.
-  void submit_and_wait();
+  // Ends recording and hands it to the device. Throws Error if the device fails.
+  void submit();
+  // Until the device has run it. Afterwards times() is known, and mapped memory that it wrote can be read.
+  void wait();
+  bool in_flight() const { return in_flight_; }
+  void submit_and_wait() {
+    submit();
+    wait();
+  }
   std::vector<KernelTime> times() const;
 
 private:
+  void create();
+  void begin(std::uint32_t timed_dispatches);
   void start(const Kernel& kernel, const void* push);
   void stop();
   void write_time(std::uint32_t query);
@@ -56,9 +70,11 @@ private:
   VkCommandBuffer commands_ = VK_NULL_HANDLE;
   VkFence fence_ = VK_NULL_HANDLE;
   VkQueryPool queries_ = VK_NULL_HANDLE;
-  std::uint32_t query_capacity_ = 0;
+  std::uint32_t query_capacity_ = 0; // of the pool
+  std::uint32_t query_limit_ = 0;    // of this recording
   std::vector<const Kernel*> timed_;
   bool timing_ = false; // the dispatch being recorded is timed
+  bool in_flight_ = false;
 };
 
 } // namespace wavepath

@@ -10,9 +10,9 @@
 
 #include "host/gpu/buffer.h"
 #include "host/gpu/device.h"
+#include "kernels/gpu.h"
 
 namespace wavepath {
-
 
 // How kernels see a buffer: as uniform block, storage block, or texels of a format.
 enum class BindingKind { uniform, storage, texels_rgba32f, texels_rgba32ui, texels_rg32ui, texels_r32ui, texels_r32f };
@@ -54,11 +54,24 @@ private:
   std::vector<VkBufferView> views_;
 };
 
+// An embedded kernel: what people call it, and its SPIR-V (wavepath_NAME_spv of a generated header).
+struct KernelCode {
+  const char* name = "";
+  std::span<const std::uint32_t> spirv;
+};
+
+// Workgroups that hold `count` invocations. The caller keeps them below DeviceInfo::max_groups.
+inline std::uint32_t groups_for(std::uint64_t count) {
+  return static_cast<std::uint32_t>((count + gpu::kWorkgroupSize - 1) / gpu::kWorkgroupSize);
+}
+
 // A compute pipeline. `constants[i]` is the value of specialization constant i; constants that the kernel lacks are ignored.
 class Kernel {
 public:
   Kernel(Device& device, std::string name, std::span<const std::uint32_t> spirv, const BindingSet& bindings,
          std::span<const std::uint32_t> constants);
+  Kernel(Device& device, const KernelCode& code, const BindingSet& bindings, std::span<const std::uint32_t> constants)
+      : Kernel(device, code.name, code.spirv, bindings, constants) {}
   ~Kernel();
   Kernel(Kernel&& other) noexcept;
   Kernel& operator=(Kernel&&) = delete;

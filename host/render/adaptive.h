@@ -16,7 +16,7 @@ namespace wavepath {
 inline constexpr int kLowestLevel = -2, kHighestLevel = 3; // a run of level k gets 2^k times the samples
 inline constexpr std::uint32_t kAdaptiveStep = 4;          // samples per pixel: what every level can share out
 inline constexpr std::uint32_t kPilotSamples = 16;
-inline constexpr std::uint32_t kPilotSeed = 0x9e3779b9u; // by exclusive or with the render's own
+inline constexpr std::uint32_t kAdaptivePilotSeed = 0x9e3779b9u; // by exclusive or with the render's own
 
 inline constexpr std::uint32_t kLargestRun = gpu::kRunPixels * (kAdaptiveStep << kHighestLevel); // paths of one step
 

@@ -37,7 +37,7 @@ void check_fits(const DeviceInfo& info, const char* what, std::uint64_t bytes, s
 
 } // namespace
 
-GpuScene upload_scene(Device& device, const PackedScene& scene) {
+DeviceScene upload_scene(Device& device, const PackedScene& scene) {
   const DeviceInfo& info = device.info();
   const std::uint64_t wide = info.max_texel_elements * 16, word = info.max_texel_elements * 4;
   check_fits(info, "BVH nodes", bytes_of(scene.nodes), wide);
@@ -58,7 +58,7 @@ GpuScene upload_scene(Device& device, const PackedScene& scene) {
                             info.memory_bytes / 1048576.0),
                 "simplify the scene or choose another device with --device");
 
-  GpuScene result;
+  DeviceScene result;
   result.nodes = upload(device, scene.nodes);
   result.triangles = upload(device, scene.triangles);
   result.triangle_vertices = upload(device, scene.triangle_vertices);
@@ -76,7 +76,7 @@ GpuScene upload_scene(Device& device, const PackedScene& scene) {
   return result;
 }
 
-std::vector<Binding> GpuScene::bindings() const {
+std::vector<Binding> DeviceScene::bindings() const {
   using enum BindingKind;
   return {{gpu::kBindNodes, texels_rgba32ui, &nodes},
           {gpu::kBindTriangles, texels_rgba32f, &triangles},
@@ -94,9 +94,9 @@ std::vector<Binding> GpuScene::bindings() const {
           {gpu::kBindEnvironmentAlias, texels_rg32ui, &environment_alias}};
 }
 
-std::uint64_t GpuScene::bvh_bytes() const { return nodes.bytes() + triangles.bytes() + instances.bytes(); }
+std::uint64_t DeviceScene::bvh_bytes() const { return nodes.bytes() + triangles.bytes() + instances.bytes(); }
 
-std::uint64_t GpuScene::other_bytes() const {
+std::uint64_t DeviceScene::other_bytes() const {
   return triangle_vertices.bytes() + vertex_normals.bytes() + vertex_uvs.bytes() + vertex_colors.bytes() +
          materials.bytes() + textures.bytes() + texels.bytes() + srgb_table.bytes() + lights.bytes() +
          environment.bytes() + environment_alias.bytes();

@@ -9,7 +9,7 @@
 
 namespace wavepath {
 
-struct GpuScene {
+struct DeviceScene {
   Buffer nodes, triangles, triangle_vertices, vertex_normals, vertex_uvs, vertex_colors, instances;
   Buffer materials, textures, texels, srgb_table, lights, environment, environment_alias;
 
@@ -19,6 +19,6 @@ struct GpuScene {
 };
 
 // Throws Error before allocating anything if the device's limits or memory cannot hold it.
-GpuScene upload_scene(Device& device, const PackedScene& scene);
+DeviceScene upload_scene(Device& device, const PackedScene& scene);
 
 } // namespace wavepath

@@ -47,20 +47,20 @@ Display::Display(Device& device) : device_(device), pixels_(device, 0) {
 void Display::draw(const Progressive& progressive, const DisplayOptions& options) {
   const RenderSettings& settings = progressive.settings();
   if (settings.width != width_ || settings.height != height_) resize(settings.width, settings.height);
-  const PathTracer& tracer = progressive.tracer();
-  const bool has_aovs = tracer.has_aovs();
+  const FilmTarget& film = progressive.film_target();
+  const bool has_aovs = film.has_aovs();
   const Shown shown = needs_aovs(options.shown) && !has_aovs ? Shown::color : options.shown;
   gpu::DisplayJob job{};
   job.width = width_;
   job.height = height_;
-  job.film_width = progressive.film_width();
-  job.film_height = progressive.film_height();
+  job.film_width = film.width();
+  job.film_height = film.height();
   job.shown = static_cast<std::uint32_t>(shown);
   job.tonemap = static_cast<std::uint32_t>(options.tonemap);
   job.bgra = options.bgra ? 1 : 0;
   job.gain = static_cast<float>(std::exp2(options.exposure));
   job.range = static_cast<float>(options.range > 0.0 ? options.range : automatic_range(shown, progressive));
-  for (const FilmBand& band : tracer.bands()) {
+  for (const FilmBand& band : film.bands()) {
     if (band.pixel_count == 0) continue;
     job.first_film_pixel = band.first_pixel;
     job.film_pixel_count = band.pixel_count;

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "host/render/integrator.h"
 #include "host/render/stats.h"
 
 namespace wavepath {
@@ -16,8 +17,8 @@ std::string camera_text(const View& view) {
 }
 
 std::string integrator_text(const RenderSettings& settings) {
-  const std::string name(kIntegratorNames[static_cast<std::size_t>(settings.integrator)]);
-  if (settings.integrator == Integrator::path) return name;
+  const std::string_view name = settings.integrator->name;
+  if (settings.integrator->traces_paths) return std::string(name);
   const glm::vec3 ambient = settings.ambient.value_or(glm::vec3(-1.0f)); // estimated
   return fmt::format("{}/{}/{}/{:a}/{:a},{:a},{:a}", name, settings.shadow_samples, settings.ao_samples,
                      settings.ao_radius.value_or(-1.0), ambient.r, ambient.g, ambient.b);

@@ -1,6 +1,6 @@
 #include "host/render/kernel_compiler.h"
 
-#include "host/integrators/path/path_tracer.h"
+#include "host/render/integrator.h"
 
 namespace wavepath {
 namespace {
@@ -16,30 +16,29 @@ KernelConfig kernel_config(std::uint32_t features, std::uint32_t stack_size, con
   const std::uint32_t stack = (stack_size + 2 + kStackStep - 1) / kStackStep * kStackStep;
   if (!settings.specialize) features = gpu::kFeaturesAll;
   // Generic kernels as well leave out outputs that nobody asked for, lists of runs and frames that are not there.
-  features &= ~(gpu::kFeatureAovs | gpu::kFeatureAdaptive | gpu::kFeatureHybrid) | features_of(settings);
+  features &= ~(gpu::kFeatureAovs | gpu::kFeatureAdaptive | gpu::kFeatureSharedFirstHit) | features_of(settings);
   features = (features | settings.added_features) & ~settings.removed_features;
   return {features, stack, settings.sampler, settings.direct, settings.hemisphere, settings.filter};
 }
 
 std::uint32_t features_of(const RenderSettings& settings) {
   std::uint32_t features = settings.adaptive ? gpu::kFeatureAdaptive : 0;
-  if (settings.integrator != Integrator::path) return features | gpu::kFeatureHybrid; // which has its AOVs from the G-buffer
-  return settings.aovs.empty() ? features : features | gpu::kFeatureAovs;
+  return features | settings.integrator->features(settings);
 }
 
 bool generic_first(const DeviceInfo& device) { return device.type != "cpu"; }
 
-void KernelCompiler::start(const KernelConfig& config) {
+void KernelCompiler::start(const KernelNeed& need) {
   const std::lock_guard lock(mutex_);
   for (const Entry& entry : entries_)
-    if (entry.config == config) return;
+    if (entry.made_for == need) return;
   Entry& entry = entries_.emplace_back();
-  entry.config = config;
+  entry.made_for = need;
   entry.compiling = std::async(std::launch::async, [this, &entry] {
     std::unique_ptr<KernelSet> set;
     std::exception_ptr failure;
     try {
-      set = std::make_unique<KernelSet>(device_, entry.config, path_tracer_bindings());
+      set = std::make_unique<KernelSet>(device_, entry.made_for);
     } catch (...) {
       failure = std::current_exception();
     }
@@ -50,17 +49,17 @@ void KernelCompiler::start(const KernelConfig& config) {
   });
 }
 
-const KernelCompiler::Entry* KernelCompiler::choose(const KernelConfig& need) const {
+const KernelCompiler::Entry* KernelCompiler::choose(const KernelNeed& need) const {
   const Entry* chosen = nullptr;
   for (const Entry& entry : entries_) {
-    if (!entry.config.covers(need) || (!entry.set && !entry.failure)) continue;
-    if (entry.config == need) return &entry;
+    if (!entry.made_for.covers(need) || (!entry.set && !entry.failure)) continue;
+    if (entry.made_for == need) return &entry;
     if (entry.set) chosen = &entry;
   }
   return chosen;
 }
 
-const KernelSet& KernelCompiler::best(const KernelConfig& need) {
+const KernelSet& KernelCompiler::best(const KernelNeed& need) {
   start(need);
   std::unique_lock lock(mutex_);
   const Entry* chosen = nullptr;
@@ -69,16 +68,17 @@ const KernelSet& KernelCompiler::best(const KernelConfig& need) {
   return *chosen->set;
 }
 
-bool KernelCompiler::ready(const KernelConfig& need) {
+bool KernelCompiler::ready(const KernelNeed& need) {
   start(need);
   const std::lock_guard lock(mutex_);
   return choose(need) != nullptr;
 }
 
-std::uint32_t KernelCompiler::features() const {
+std::uint32_t KernelCompiler::features(const KernelProgram& program) const {
   const std::lock_guard lock(mutex_);
   std::uint32_t features = 0;
-  for (const Entry& entry : entries_) features |= entry.config.features;
+  for (const Entry& entry : entries_)
+    if (entry.made_for.program == &program) features |= entry.made_for.config.features;
   return features;
 }
 

@@ -7,7 +7,7 @@
 #include <memory>
 #include <mutex>
 
-#include "host/integrators/path/kernel_set.h"
+#include "host/render/kernel_set.h"
 
 namespace wavepath {
 
@@ -24,7 +24,7 @@ KernelConfig kernel_config(std::uint32_t features, std::uint32_t stack_size, con
 // first dispatch, one kernel at a time, and would only be kept busy.
 bool generic_first(const DeviceInfo& device);
 
-// kFeature bits that the settings ask of the path tracer's kernels, whatever the scene.
+// kFeature bits that the settings ask of kernels, whatever the scene.
 std::uint32_t features_of(const RenderSettings& settings);
 
 class KernelCompiler {
@@ -33,26 +33,26 @@ public:
   KernelCompiler(KernelCompiler&&) = delete; // waits for what it began
 
   // Returns at once; what was begun before is not begun again.
-  void start(const KernelConfig& config);
+  void start(const KernelNeed& need);
 
   // A set that renders what `need` asks for: the one made for just that once it is ready; until then any other that is,
   // and while there is none, the first to come. Throws what compiling threw.
-  const KernelSet& best(const KernelConfig& need);
+  const KernelSet& best(const KernelNeed& need);
 
   // Whether best() would return at once, or throw what compiling threw. Begins compiling otherwise.
-  bool ready(const KernelConfig& need);
+  bool ready(const KernelNeed& need);
 
-  // kFeature bits of all sets begun: what buffers have to be there for.
-  std::uint32_t features() const;
+  // kFeature bits of all sets of the program that were begun: what buffers have to be there for.
+  std::uint32_t features(const KernelProgram& program) const;
 
 private:
   struct Entry {
-    KernelConfig config;
+    KernelNeed made_for;
     std::unique_ptr<KernelSet> set; // null until it is ready, or if it failed
     std::exception_ptr failure;
     std::future<void> compiling;
   };
-  const Entry* choose(const KernelConfig& need) const;
+  const Entry* choose(const KernelNeed& need) const;
 
   Device& device_;
   mutable std::mutex mutex_; // of all but `compiling`

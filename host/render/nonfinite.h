@@ -9,7 +9,6 @@
 #include <string_view>
 
 #include "kernels/frame_types.h"
-#include "kernels/path/path_types.h"
 
 namespace wavepath {
 
@@ -34,13 +33,13 @@ struct Nonfinite {
   // What the kernels counted in one wave; pixel_at(place) is the pixel in tile order that has a place in the wave. Returns whether
   // there was anything.
   template <class PixelAt>
-  bool add(const gpu::Queues& queues, const gpu::Wave& wave, PixelAt pixel_at) {
+  bool add(const gpu::Counters& counters, const gpu::Wave& wave, PixelAt pixel_at) {
     bool any = false;
     for (std::uint32_t maker = 0; maker < gpu::kMakerCount; ++maker) {
-      if (queues.nonfinite_count[maker] == 0) continue;
+      if (counters.nonfinite_count[maker] == 0) continue;
       any = true;
-      by_maker[maker] += queues.nonfinite_count[maker];
-      const std::uint32_t slot = queues.nonfinite_first[maker];
+      by_maker[maker] += counters.nonfinite_count[maker];
+      const std::uint32_t slot = counters.nonfinite_first[maker];
       const NonfiniteSample lowest{wave.first_sample + slot / wave.pixel_count,
                                    pixel_at(wave.first_pixel + slot % wave.pixel_count), maker};
       if (!first || lowest < *first) first = lowest;

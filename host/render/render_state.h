@@ -21,7 +21,7 @@ struct RenderState {
   std::uint32_t first_sample = 0; // the first that it holds
   double seconds = 0.0, estimate_seconds = 0.0;
   std::vector<StageTime> stages;
-  gpu::Queues counters{}; // totals of rays
+  RayCounts rays;
   Nonfinite nonfinite;
   std::vector<Checkpoint> checkpoints;
   std::vector<std::int8_t> levels; // of an adaptive render, see adaptive.h

@@ -17,7 +17,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::string_view kMagic = "wavepath state 2\n";
+constexpr std::string_view kMagic = "wavepath state 3\n";
 constexpr const char* kRemedy = "start again without --resume, or name another --checkpoint";
 
 // FNV-1a (Fowler, Noll, Vo) over words of 32 bits.
@@ -79,11 +79,7 @@ Nonfinite nonfinite_from(const Json& json) {
   return nonfinite;
 }
 
-std::vector<std::uint32_t> words_of(const gpu::Queues& queues) {
-  std::vector<std::uint32_t> words(sizeof(queues) / 4);
-  std::memcpy(words.data(), &queues, sizeof(queues));
-  return words;
-}
+Json to_json(const RayCounts& rays) { return {rays.camera, rays.bounce, rays.shadow, rays.occlusion}; }
 
 Json describe(const std::string& identity, const std::string& device, const RenderState& state) {
   Json checkpoints = Json::array(), stages = Json::array();
@@ -96,7 +92,7 @@ Json describe(const std::string& identity, const std::string& device, const Rend
           {"first_sample", state.first_sample},
           {"seconds", state.seconds},
           {"estimate_seconds", state.estimate_seconds},
-          {"counters", words_of(state.counters)},
+          {"rays", to_json(state.rays)},
           {"nonfinite", to_json(state.nonfinite)},
           {"stages", stages},
           {"checkpoints", checkpoints},
@@ -112,9 +108,8 @@ RenderState state_from(const Json& json) {
   state.first_sample = json.at("first_sample");
   state.seconds = json.at("seconds");
   state.estimate_seconds = json.at("estimate_seconds");
-  const auto counters = json.at("counters").get<std::vector<std::uint32_t>>();
-  if (counters.size() * 4 != sizeof(gpu::Queues)) throw std::invalid_argument("counters");
-  std::memcpy(&state.counters, counters.data(), sizeof(gpu::Queues));
+  const Json& rays = json.at("rays");
+  state.rays = {rays.at(0), rays.at(1), rays.at(2), rays.at(3)};
   state.nonfinite = nonfinite_from(json.at("nonfinite"));
   for (const Json& s : json.at("stages")) state.stages.push_back({s.at(0), s.at(1), s.at(2)});
   for (const Json& c : json.at("checkpoints")) state.checkpoints.push_back(checkpoint_from(c));

@@ -8,8 +8,8 @@
 
 #include "host/render/bvh_choice.h"
 #include "host/render/diagnosis.h"
+#include "host/render/integrator.h"
 #include "host/film/error.h"
-#include "host/integrators/hybrid/hybrid.h"
 #include "kernels/tile_order.h"
 
 namespace wavepath {
@@ -100,31 +100,6 @@ Json nonfinite_json(const Nonfinite& nonfinite, const RenderSettings& settings) 
   return {{"samples", nonfinite.samples()}, {"first", first}, {"by_kernel", by_kernel}};
 }
 
-// What the integrator, rather than the scene, does without.
-void list_left_out(const RenderSettings& settings, Json& left_out) {
-  const auto add = [&](const char* what, const char* why) {
-    left_out.push_back({{"what", what}, {"why", why}, {"bytes", 0}});
-  };
-  if (settings.integrator == Integrator::path) return;
-  add("path kernels generate and accumulate", "hybrid frames begin with rasterization and end with composite");
-  if (settings.integrator == Integrator::ao) add("path kernels shade, connect and extend", "occlusion needs no light");
-  if (settings.integrator == Integrator::hybrid && settings.max_depth <= 1)
-    add("ambient occlusion", "--max-depth 1 asks for direct light alone");
-  if (!settings.denoise) add("filters over space and time", "--denoise is off");
-}
-
-// What the hybrid integrators were asked for, and the ambient radiance that came of it.
-Json hybrid_json(const Run& run) {
-  const RenderSettings& settings = run.settings;
-  if (settings.integrator == Integrator::path) return nullptr;
-  const glm::vec3& ambient = run.result.ambient;
-  return {{"shadow_samples", settings.shadow_samples},
-          {"ao_samples", settings.ao_samples},
-          {"ao_radius", occlusion_radius(run.packed, settings)},
-          {"ambient", {ambient.r, ambient.g, ambient.b}},
-          {"denoise", settings.denoise}};
-}
-
 } // namespace
 
 Json bvh_json(const PackedScene& packed) {
@@ -146,7 +121,8 @@ Json stats_document(const Run& run) {
   Json left_out = Json::array(), checkpoints = Json::array(), stages = Json::array();
   for (const LeftOut& entry : run.packed.left_out)
     left_out.push_back({{"what", entry.what}, {"why", entry.why}, {"bytes", entry.bytes}});
-  list_left_out(settings, left_out);
+  for (const OmittedStage& entry : settings.integrator->omitted(settings))
+    left_out.push_back({{"what", entry.what}, {"why", entry.why}, {"bytes", 0}});
   for (std::size_t i = 0; i < result.checkpoints.size(); ++i)
     checkpoints.push_back(to_json(result.checkpoints[i], i < run.true_errors.size() ? &run.true_errors[i] : nullptr));
   for (const StageTime& stage : result.stages)
@@ -158,9 +134,9 @@ Json stats_document(const Run& run) {
       {"command", run.command},
       {"seed", settings.seed},
       {"sampler", kSamplerNames[settings.sampler]},
-      {"integrator", kIntegratorNames[static_cast<std::size_t>(settings.integrator)]},
+      {"integrator", settings.integrator->name},
       {"max_depth", settings.max_depth},
-      {"hybrid", hybrid_json(run)},
+      {"hybrid", settings.integrator->stats(settings, run.packed, result)},
       {"device",
        {{"name", run.device.name}, {"driver", run.device.driver}, {"type", run.device.type}, {"api", run.device.api}}},
       {"size", {settings.width, settings.height}},

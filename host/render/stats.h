@@ -15,8 +15,7 @@
 
 namespace wavepath {
 
-// The names of settings, by the values of Integrator and of the kSampler..., kDirect..., kHemisphere... and kFilter... constants.
-inline constexpr std::string_view kIntegratorNames[] = {"path", "hybrid", "ao"};
+// The names of settings, by the values of the kSampler..., kDirect..., kHemisphere... and kFilter... constants.
 inline constexpr std::string_view kSamplerNames[] = {"independent", "stratified", "sobol"};
 inline constexpr std::string_view kDirectNames[] = {"mis", "nee", "bsdf"};
 inline constexpr std::string_view kHemisphereNames[] = {"cosine", "uniform"};

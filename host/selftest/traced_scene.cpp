@@ -4,14 +4,14 @@
 
 #include "host/gpu/commands.h"
 #include "host/render/kernel_compiler.h"
-#include "host/integrators/path/path_tracer.h"
+#include "host/integrators/path/paths.h"
 #include "kernels/path/connect.spv.h"
 #include "kernels/path/extend.spv.h"
 
 namespace wavepath {
 
 std::unique_ptr<BindingSet> bind_path_tracer(Device& device, std::span<const Binding> given, const Buffer& unused) {
-  std::vector<Binding> bindings = path_tracer_bindings();
+  std::vector<Binding> bindings = path_layout();
   for (Binding& binding : bindings) {
     const auto found = std::ranges::find(given, binding.slot, &Binding::slot);
     binding.buffer = found == given.end() ? &unused : found->buffer;

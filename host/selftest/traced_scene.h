@@ -11,6 +11,7 @@
 #include "host/render/device_scene.h"
 #include "host/scene/pack/pack.h"
 #include "kernels/frame_types.h"
+#include "kernels/path/path_types.h"
 
 namespace wavepath {
 
@@ -59,7 +60,7 @@ private:
   Device& device_;
   KernelCache& kernels_;
   PackedScene packed_;
-  GpuScene scene_;
+  DeviceScene scene_;
   Buffer frame_, states_, rays_, hits_, shadow_rays_, queues_, unused_;
   std::unique_ptr<BindingSet> bindings_;
 };

@@ -5,12 +5,14 @@
 
 #include <fmt/format.h>
 
+#include "host/render/integrator.h"
+
 namespace wavepath {
 
 const std::vector<Dimension>& dimensions() {
   using S = RenderSettings;
-  const auto shades = [](const S& s) { return s.integrator != Integrator::ao; };
-  const auto rasterizes = [](const S& s) { return s.integrator != Integrator::path; };
+  const auto shades = [](const S& s) { return s.integrator->finds_light; };
+  const auto rasterizes = [](const S& s) { return !s.integrator->traces_paths; };
   static const std::vector<Dimension> kDimensions = {
       {"sampler",
        {{"independent", [](S& s) { s.sampler = gpu::kSamplerIndependent; }},
@@ -26,14 +28,14 @@ const std::vector<Dimension>& dimensions() {
         {"cosine", [](S& s) { s.hemisphere = gpu::kHemisphereCosine; }}},
        shades},
       {"integrator",
-       {{"path", [](S& s) { s.integrator = Integrator::path; }},
-        {"hybrid", [](S& s) { s.integrator = Integrator::hybrid; }},
-        {"ao", [](S& s) { s.integrator = Integrator::ao; }}}},
+       {{"path", [](S& s) { s.integrator = find_integrator("path"); }},
+        {"hybrid", [](S& s) { s.integrator = find_integrator("hybrid"); }},
+        {"ao", [](S& s) { s.integrator = find_integrator("ao"); }}}},
       {"shadow-samples",
        {{"1", [](S& s) { s.shadow_samples = 1; }},
         {"4", [](S& s) { s.shadow_samples = 4; }},
         {"16", [](S& s) { s.shadow_samples = 16; }}},
-       [](const S& s) { return s.integrator == Integrator::hybrid; }},
+       [](const S& s) { return takes(*s.integrator, "shadow-samples"); }},
       {"ao-samples",
        {{"1", [](S& s) { s.ao_samples = 1; }},
         {"4", [](S& s) { s.ao_samples = 4; }},

@@ -10,6 +10,8 @@
 
 #include <fmt/format.h>
 
+#include "host/integrators/hybrid/kind.h"
+#include "host/render/integrator.h"
 #include "host/render/kernel_compiler.h"
 #include "host/film/picture_io.h"
 #include "host/render/stats.h"
@@ -32,9 +34,9 @@ public:
     const std::vector<Configuration> grid = make_grid(settings_.vary, settings_.render);
     for (const Configuration& configuration : grid) {
       study_.series.push_back({configuration, {}, {}});
-      if (configuration.settings.integrator == Integrator::path) continue;
+      if (configuration.settings.integrator->traces_paths) continue;
       if (!rasterized) rasterized = &configuration;
-      if (!hybrid && configuration.settings.integrator == Integrator::hybrid) hybrid = &configuration;
+      if (!hybrid && configuration.settings.integrator->finds_light) hybrid = &configuration;
     }
     by_signal_ = rasterized != nullptr;
     study_.reference = reference ? *std::move(reference) : render_reference();
@@ -65,7 +67,7 @@ private:
     settings.sampler = gpu::kSamplerSobol;
     settings.direct = gpu::kDirectMis;
     settings.hemisphere = gpu::kHemisphereCosine;
-    settings.integrator = Integrator::path;
+    settings.integrator = &default_integrator();
     if (by_signal_) settings.aovs = {"direct"};
     KernelCompiler kernels(device_);
     return converge(settings, settings_.reference_spp, kReferenceShare, kernels, "reference");
@@ -74,7 +76,7 @@ private:
   StudyReference render_occlusion() {
     RenderSettings settings = settings_.render;
     settings.sampler = gpu::kSamplerSobol;
-    settings.integrator = Integrator::ao;
+    settings.integrator = &kAo;
     settings.ao_samples = 16;
     settings.denoise = false;
     settings.aovs = {"ao"}; // which is 1 where nothing is hit; the picture is black there
@@ -106,8 +108,9 @@ private:
     return std::bit_floor(static_cast<std::uint32_t>(std::clamp(samples, 2.0, kMostSamples)));
   }
 
-  // Milliseconds a frame of the kernels named, after a frame that warms up.
-  double frame_ms(RenderSettings settings, std::initializer_list<std::string_view> kernels_named) {
+  // Milliseconds a frame that finding first hits takes, after a frame that warms up.
+  double frame_ms(RenderSettings settings) {
+    const auto& wanted = settings.integrator->first_hit_stages;
     KernelCompiler kernels(device_);
     RenderResult result;
     const std::uint32_t frames = settings.last_sample;
@@ -117,7 +120,7 @@ private:
     }
     double seconds = 0.0;
     for (const StageTime& stage : result.stages)
-      if (std::find(kernels_named.begin(), kernels_named.end(), stage.name) != kernels_named.end())
+      if (std::ranges::find(wanted, stage.name) != wanted.end())
         seconds += stage.seconds;
     return 1000.0 * seconds / result.spp;
   }
@@ -127,10 +130,10 @@ private:
     constexpr std::uint32_t kFrames = 16;
     hybrid.last_sample = kFrames;
     RenderSettings traced = hybrid;
-    traced.integrator = Integrator::path;
+    traced.integrator = &default_integrator();
     traced.denoise = false;
     traced.max_depth = 0;
-    return {frame_ms(hybrid, {"raster", "resolve"}), frame_ms(traced, {"generate", "extend"}), kFrames};
+    return {frame_ms(hybrid), frame_ms(traced), kFrames};
   }
 
   // By turns, so that what else happens on the machine meets all alike. A configuration ends where twice the time of
@@ -187,7 +190,7 @@ private:
       return;
     }
     settings.aovs = {"direct"};
-    if (settings.integrator == Integrator::hybrid) settings.aovs.emplace_back("ao");
+    if (!settings.integrator->aovs.empty()) settings.aovs.emplace_back("ao");
     const Picture picture = render_one(settings, kernels, series.configuration.name()).picture;
     if (study_.interrupted) return;
     const Picture& reference = study_.reference.picture;

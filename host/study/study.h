@@ -9,6 +9,7 @@
 
 #include "host/gpu/device.h"
 #include "host/film/metrics.h"
+#include "host/render/integrator.h"
 #include "host/render/render.h"
 #include "host/scene/pack/pack.h"
 #include "host/scene/view.h"
@@ -70,10 +71,10 @@ struct Series {
   std::vector<StudyPoint> points; // 1, 2, 4, ... samples a pixel, each a render of its own
   std::vector<StudyPicture> pictures;
 
-  bool shows_occlusion() const { return configuration.settings.integrator == Integrator::ao; } // and no light
+  bool shows_occlusion() const { return !configuration.settings.integrator->finds_light; }
   // It comes near to something else than the reference, however long it goes on.
   bool is_biased() const {
-    return configuration.settings.integrator == Integrator::hybrid || configuration.settings.denoise;
+    return configuration.settings.integrator->is_biased(configuration.settings);
   }
 };
 

@@ -39,7 +39,7 @@ std::string frame_flags(const StudyRecord& record) {
 }
 
 std::string point_command(const StudyRecord& record, const Series& series, const StudyPoint& point) {
-  const bool path = series.configuration.settings.integrator == Integrator::path;
+  const bool path = series.configuration.settings.integrator->traces_paths;
   return fmt::format("{} {}{} --seed {} --spp {} --reference {} -o {}-{}.exr", record.repeat,
                      series.configuration.flags(), path ? "" : frame_flags(record), point.seed, point.spp,
                      shell_quoted(series.shows_occlusion() ? occlusion_file(record) : reference_file(record)),

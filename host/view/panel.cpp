@@ -8,6 +8,7 @@
 #include <imgui.h>
 #include <imgui_stdlib.h>
 
+#include "host/render/integrator.h"
 #include "host/render/stats.h"
 
 namespace wavepath {
@@ -95,7 +96,11 @@ void show_view(PanelState& state) {
 
 void show_transport(PanelState& state, PanelWishes& wishes) {
   RenderSettings& settings = state.settings;
-  bool changed = choice("integrator", kIntegratorNames, settings.integrator);
+  std::vector<std::string_view> names;
+  for (const IntegratorKind* kind : integrators()) names.push_back(kind->name);
+  auto integrator = static_cast<std::size_t>(std::ranges::find(integrators(), settings.integrator) - integrators().begin());
+  bool changed = choice("integrator", names, integrator);
+  settings.integrator = integrators()[integrator];
   changed |= choice("sampler", kSamplerNames, settings.sampler);
   changed |= choice("direct light", kDirectNames, settings.direct);
   changed |= whole("bounces, most", settings.max_depth, 0, 1000);
@@ -104,7 +109,7 @@ void show_transport(PanelState& state, PanelWishes& wishes) {
     settings.sample_total = settings.last_sample;
     changed = true;
   }
-  if (settings.integrator != Integrator::path) {
+  if (!settings.integrator->traces_paths) {
     changed |= whole("shadow rays", settings.shadow_samples, 1, kMostFrameRays);
     changed |= whole("occlusion rays", settings.ao_samples, 1, kMostFrameRays);
     label("denoise");

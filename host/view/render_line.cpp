@@ -4,6 +4,7 @@
 
 #include "host/base/shell_quote.h"
 #include "host/film/picture_io.h"
+#include "host/render/integrator.h"
 #include "host/render/stats.h"
 #include "host/view/camera_control.h"
 
@@ -20,14 +21,14 @@ std::string render_line(const std::string& scene, const ViewRequest& camera, con
     if (value != otherwise) line += fmt::format(" {} {}", flag, value);
   };
   const auto name = [](const auto& names, auto value) { return std::string(names[static_cast<std::size_t>(value)]); };
-  add("--integrator", name(kIntegratorNames, settings.integrator), name(kIntegratorNames, usual.integrator));
+  add("--integrator", settings.integrator->name, usual.integrator->name);
   add("--max-depth", settings.max_depth, usual.max_depth);
   add("--sampler", name(kSamplerNames, settings.sampler), name(kSamplerNames, usual.sampler));
   add("--hemisphere", name(kHemisphereNames, settings.hemisphere), name(kHemisphereNames, usual.hemisphere));
   add("--direct", name(kDirectNames, settings.direct), name(kDirectNames, usual.direct));
   add("--filter", name(kFilterNames, settings.filter), name(kFilterNames, usual.filter));
   add("--seed", settings.seed, usual.seed);
-  if (settings.integrator != Integrator::path) {
+  if (!settings.integrator->traces_paths) {
     add("--shadow-samples", settings.shadow_samples, usual.shadow_samples);
     add("--ao-samples", settings.ao_samples, usual.ao_samples);
     if (settings.ao_radius) line += fmt::format(" --ao-radius {}", *settings.ao_radius);

@@ -21,10 +21,6 @@ layout(set = 0, binding = kBindGbuffer, std430) buffer GbufferBlock { GbufferPix
 layout(set = 0, binding = kBindSignals, std430) buffer SignalBlock { vec4 signals[]; };
 #endif
 
-#ifdef BIND_SEEN
-layout(set = 0, binding = kBindSeen, std430) buffer SeenBlock { vec4 seen[]; };
-#endif
-
 #ifdef BIND_JITTERS
 layout(set = 0, binding = kBindJitters, std430) writeonly buffer JitterBlock { vec2 jitters[]; };
 #endif

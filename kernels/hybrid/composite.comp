@@ -10,6 +10,7 @@
 #include "kernels/frame_types.h"
 #include "kernels/film/bindings.glsl"
 #include "kernels/hybrid/bindings.glsl"
+#include "kernels/path/bindings.glsl"
 #include "kernels/camera.glsl"
 #include "kernels/film/film.glsl"
 #include "kernels/hybrid/frame_terms.glsl"

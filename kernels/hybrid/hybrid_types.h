@@ -13,8 +13,7 @@ GPU_CONSTANT uint kBindHybrid = 32u;     // uniform HybridFrame
 GPU_CONSTANT uint kBindVisibility = 33u; // texels RG32UI: place in the triangle buffer, instance; kNone where nothing is seen
 GPU_CONSTANT uint kBindGbuffer = 34u;    // storage GbufferPixel[]
 GPU_CONSTANT uint kBindSignals = 35u;    // storage vec4[]: reflected direct light over demodulation(albedo), unoccluded share
-GPU_CONSTANT uint kBindSeen = 36u;       // storage vec4[]: light that reaches the eye without a bounce, share of the albedo that is no mirror
-GPU_CONSTANT uint kBindJitters = 37u;    // storage vec2[kJitters]: HybridFrame::jitter of frames to come
+GPU_CONSTANT uint kBindJitters = 36u;    // storage vec2[kJitters]: HybridFrame::jitter of frames to come
 
 // ---- hybrid rendering -----------------------------------------------------------------------------------------------------
 // One frame of a hybrid render: every pixel is seen through the same place of its filter, so that the frame can be rasterized.

@@ -6,7 +6,7 @@
 #define BIND_GEOMETRY
 #define BIND_SURFACES
 #define BIND_RAYS
-#define BIND_QUEUES
+#define BIND_COUNTERS
 #define BIND_HYBRID
 #define BIND_GBUFFER
 #define BIND_SIGNALS
@@ -28,8 +28,8 @@ layout(local_size_x = kWorkgroupSize) in;
 void count_rays(bool traced) {
   uint count = subgroupBallotBitCount(subgroupBallot(traced)) * hybrid.ao_samples;
   if (!subgroupElect()) return;
-  uint before = atomicAdd(queues.occlusion_rays[0], count);
-  if (before + count < before) atomicAdd(queues.occlusion_rays[1], 1u);
+  uint before = atomicAdd(counters.occlusion_rays[0], count);
+  if (before + count < before) atomicAdd(counters.occlusion_rays[1], 1u);
 }
 
 // Directions that the shading normal allows but the real surface does not count as occluded: paths end there as well.

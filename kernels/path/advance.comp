@@ -4,6 +4,7 @@
 #extension GL_GOOGLE_include_directive : require
 
 #define BIND_QUEUES
+#define BIND_COUNTERS
 #include "kernels/path/bindings.glsl"
 
 layout(local_size_x = 1) in;
@@ -27,12 +28,12 @@ void main() {
     queues.extend_groups[2] = 1u;
     queues.ray_count[(bounce + 1u) & 1u] = 0u;
     queues.shadow_count = 0u;
-    if (bounce == 0u) COUNT(queues.camera_rays, count) else COUNT(queues.bounce_rays, count)
+    if (bounce == 0u) COUNT(counters.camera_rays, count) else COUNT(counters.bounce_rays, count)
   } else {
     uint count = queues.shadow_count;
     queues.connect_groups[0] = groups_for(count);
     queues.connect_groups[1] = 1u;
     queues.connect_groups[2] = 1u;
-    COUNT(queues.shadow_rays, count)
+    COUNT(counters.shadow_rays, count)
   }
 }

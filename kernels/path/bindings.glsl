@@ -29,4 +29,8 @@ layout(set = 0, binding = kBindShadowRayTexels) uniform usamplerBuffer shadow_ra
 layout(set = 0, binding = kBindQueues, std430) buffer QueueBlock { Queues queues; };
 #endif
 
+#ifdef BIND_SEEN
+layout(set = 0, binding = kBindSeen, std430) buffer SeenBlock { vec4 seen[]; };
+#endif
+
 #endif

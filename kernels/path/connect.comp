@@ -8,6 +8,7 @@
 #define BIND_PATHS
 #define BIND_SHADOW_RAYS
 #define BIND_QUEUES
+#define BIND_COUNTERS
 #include "kernels/path/bindings.glsl"
 #include "kernels/dimensions.glsl"
 #include "kernels/path/nonfinite.glsl"

@@ -5,6 +5,7 @@
 #define BIND_PATHS
 #define BIND_RAYS
 #define BIND_QUEUES
+#define BIND_COUNTERS
 #include "kernels/path/bindings.glsl"
 #include "kernels/camera.glsl"
 #include "kernels/config.glsl"

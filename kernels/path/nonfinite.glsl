@@ -1,4 +1,4 @@
-// Samples that are not finite, counted by the kernel that made them. Include bindings.glsl with BIND_QUEUES first.
+// Samples that are not finite, counted by the kernel that made them. Include kernels/bindings.glsl with BIND_COUNTERS first.
 //
 // Radiance that is not finite marks a path as spoilt: no sum turns it finite again. Whoever spoils a path counts it, ends it
 // and thereby keeps others from counting it once more.
@@ -9,8 +9,8 @@
 
 // Slots of a wave go by sample, then by pixel, so that the lowest is the first whatever the order of the lanes.
 void count_nonfinite(uint maker, uint slot) {
-  atomicAdd(queues.nonfinite_count[maker], 1u);
-  atomicMin(queues.nonfinite_first[maker], slot);
+  atomicAdd(counters.nonfinite_count[maker], 1u);
+  atomicMin(counters.nonfinite_first[maker], slot);
 }
 
 // The mark of a path that something else than its radiance has spoilt.

@@ -18,6 +18,8 @@ GPU_CONSTANT uint kBindPathMedia = 26u;        // storage uint[], one a slot: ma
 GPU_CONSTANT uint kBindPathAovs = 27u;         // storage PathAovs[], one a slot (kFeatureAovs)
 GPU_CONSTANT uint kBindPathTexels = 28u;      // texels RGBA32F
 GPU_CONSTANT uint kBindHitTexels = 29u;       // texels RGBA32UI
+GPU_CONSTANT uint kBindSeen = 31u; // storage vec4[], one a pixel, row-major (kFeatureSharedFirstHit): light that reaches the eye
+                                // without a bounce, share of the albedo that is no mirror
 GPU_CONSTANT uint kBindShadowRayTexels = 30u; // texels RGBA32UI
 
 struct PathState {
@@ -38,10 +40,6 @@ struct ShadowRay {
 };
 GPU_CHECK(sizeof(ShadowRay) == 48);
 
-// The kernels that can make a sample not finite.
-GPU_CONSTANT uint kMakerGenerate = 0u, kMakerShade = 1u, kMakerConnect = 2u;
-GPU_CONSTANT uint kMakerCount = 3u;
-
 struct Queues {
   uint ray_count[2];
   uint shadow_count;
@@ -50,14 +48,8 @@ struct Queues {
   uint pad1;
   uint connect_groups[3];
   uint pad2;
-  uint camera_rays[2]; // 64-bit totals: low, high
-  uint bounce_rays[2];
-  uint shadow_rays[2];
-  uint occlusion_rays[2];
-  uint nonfinite_count[kMakerCount]; // of this wave, by the kernel that made them
-  uint nonfinite_first[kMakerCount]; // their lowest slots, kNone if there are none
 };
-GPU_CHECK(sizeof(Queues) == 104);
+GPU_CHECK(sizeof(Queues) == 48);
 
 #ifdef __cplusplus
 } // namespace wavepath::gpu

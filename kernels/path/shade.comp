@@ -11,8 +11,8 @@
 #define BIND_RAYS
 #define BIND_SHADOW_RAYS
 #define BIND_QUEUES
+#define BIND_COUNTERS
 #define BIND_SEEN
-#include "kernels/hybrid/bindings.glsl"
 #include "kernels/path/bindings.glsl"
 #include "kernels/bsdf.glsl"
 #include "kernels/dimensions.glsl"
@@ -153,7 +153,7 @@ void record_first_hit(uint slot, Vertex v, vec3 origin) {
 }
 
 void add_radiance(inout PathState path, uint slot, vec3 radiance) {
-  if (has(kFeatureHybrid) && wave.bounce == 0u) { // all light samples of the frame see the same
+  if (has(kFeatureSharedFirstHit) && wave.bounce == 0u) { // all light samples of the frame see the same
     uvec2 pixel = slot_pixel(slot);
     if (slot < wave.pixel_count) seen[pixel.y * frame.width + pixel.x] += vec4(radiance, 0.0);
     return;

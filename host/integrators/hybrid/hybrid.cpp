@@ -1,14 +1,11 @@
 #include "host/integrators/hybrid/hybrid.h"
 
 #include <algorithm>
-#include <chrono>
+#include <array>
 #include <cmath>
-#include <cstddef>
-#include <future>
-#include <span>
 
 #include "host/integrators/hybrid/denoise.h"
-#include "host/render/governor.h"
+#include "host/integrators/hybrid/kind.h"
 #include "host/integrators/hybrid/taa.h"
 #include "kernels/hybrid/composite.spv.h"
 #include "kernels/hybrid/gather.spv.h"
@@ -20,23 +17,51 @@
 namespace wavepath {
 namespace {
 
-struct StageCode {
-  const char* name;
-  std::span<const std::uint32_t> spirv;
-};
-constexpr std::uint32_t kPilotSeed = 0x6a09e667u;
+constexpr std::uint32_t kAmbientPilotSeed = 0x6a09e667u;
 constexpr std::uint32_t kPilotPixels = 1u << 14, kPilotBlock = 1u << 10; // enough for a mean, in a moment
 constexpr std::uint32_t kCompositePixels = 1u << 16; // of a dispatch: some tens of milliseconds on two cores
-constexpr std::uint64_t kStandInBytes = 1024; // of the buffer that stands for all while nothing is read
 
-std::uint32_t groups_for(std::uint64_t count) {
-  return static_cast<std::uint32_t>((count + gpu::kWorkgroupSize - 1) / gpu::kWorkgroupSize);
+enum Stage : std::size_t { kJitter, kResolve, kOcclusion, kGather, kComposite, kStageCount };
+const std::array<KernelCode, kStageCount> kStages = {{{"jitter", wavepath_jitter_spv},
+                                                     {"resolve", wavepath_resolve_spv},
+                                                     {"occlusion", wavepath_occlusion_spv},
+                                                     {"gather", wavepath_gather_spv},
+                                                     {"composite", wavepath_composite_spv}}};
+constexpr std::array<std::size_t, kStageCount> kCompileOrder = {kOcclusion, kResolve, kComposite, kGather, kJitter};
+
+enum OwnBuffer : std::size_t { kFrame, kGbuffer, kSignals, kJitters };
+// By OwnBuffer. What a pixel has is row-major from the top left.
+const std::vector<BufferRule> kRules = {
+    {"frame", [](const Extent&) { return std::uint64_t{sizeof(gpu::HybridFrame)}; },
+     {{gpu::kBindHybrid, BindingKind::uniform}}},
+    {"G-buffer", [](const Extent& e) { return e.pixels * sizeof(gpu::GbufferPixel); },
+     {{gpu::kBindGbuffer, BindingKind::storage}}},
+    {"signals", [](const Extent& e) { return e.pixels * sizeof(gpu::vec4); },
+     {{gpu::kBindSignals, BindingKind::storage}}},
+    {"jitters", [](const Extent&) { return std::uint64_t{gpu::kJitters * sizeof(gpu::vec2)}; },
+     {{gpu::kBindJitters, BindingKind::storage}}},
+};
+
+std::vector<Binding> hybrid_layout() {
+  std::vector<Binding> layout = path_layout();
+  add_layout(kRules, layout);
+  layout.push_back({gpu::kBindVisibility, BindingKind::texels_rg32ui, nullptr});
+  return layout;
 }
+
+const KernelProgram kHybridProgram = {kStages, kCompileOrder, hybrid_layout};
 
 // Light beyond the direct one is wanted where paths would be longer than it.
 std::uint32_t frame_flags(const RenderSettings& settings) {
-  if (settings.integrator == Integrator::ao) return gpu::kHybridAmbient;
+  if (!settings.integrator->finds_light) return gpu::kHybridAmbient;
   return gpu::kHybridLights | (settings.max_depth > 1 ? gpu::kHybridAmbient : 0);
+}
+
+std::uint32_t stages_of(std::uint32_t flags) {
+  std::uint32_t stages = 1u << kJitter | 1u << kResolve | 1u << kComposite;
+  if (flags & gpu::kHybridAmbient) stages |= 1u << kOcclusion;
+  if (flags & gpu::kHybridLights) stages |= 1u << kGather;
+  return stages;
 }
 
 float ray_length(double radius) {
@@ -45,31 +70,25 @@ float ray_length(double radius) {
 
 } // namespace
 
-std::uint64_t bytes_per_frame_pixel(const RenderSettings& settings) {
-  constexpr std::uint64_t kIds = 2 * sizeof(std::uint32_t), kDepth = sizeof(float); // drawn, and copied once
-  return sizeof(gpu::GbufferPixel) + 2 * sizeof(gpu::vec4) + 2 * kIds + kDepth +
-         (settings.denoise ? Denoiser::kBytesPerPixel : 0);
-}
-
-double occlusion_radius(const PackedScene& scene, const RenderSettings& settings) {
-  return settings.ao_radius.value_or(settings.integrator == Integrator::ao ? 0.0 : 0.1 * scene.radius);
-}
-
-Hybrid::Hybrid(Device& device, PathTracer& tracer, const PackedScene& scene, const View& view,
-               const RenderSettings& settings)
-    : device_(device), tracer_(tracer) {
-  change(scene, view, settings);
-}
+Hybrid::Hybrid(Workspace& workspace, KernelCompiler& kernels)
+    : workspace_(workspace), kernels_(kernels), paths_(workspace, kernels), buffers_(workspace.device, kRules) {}
 
 Hybrid::~Hybrid() = default;
 
-void Hybrid::change(const PackedScene& scene, const View& view, const RenderSettings& settings, Past past) {
-  const glm::vec3 ambient = past == Past::keep ? frame_.ambient : glm::vec3(0.0f);
+void Hybrid::change(const View& view, const RenderSettings& settings, Past past) {
   settings_ = settings;
+  make_frame(view, settings, past);
+  make_room(view, past);
+}
+
+void Hybrid::make_frame(const View& view, const RenderSettings& settings, Past past) {
+  const PackedScene& scene = workspace_.scene;
+  const glm::vec3 ambient = past == Past::keep ? frame_.ambient : glm::vec3(0.0f);
+  knows_ambient_ = past == Past::keep && ambient != glm::vec3(0.0f);
   camera_ = camera_of(scene, view);
   frame_ = {};
   frame_.flags = frame_flags(settings);
-  frame_.shadow_samples = settings.integrator == Integrator::hybrid ? settings.shadow_samples : 1;
+  frame_.shadow_samples = lights() ? settings.shadow_samples : 1;
   frame_.ao_samples = settings.ao_samples;
   frame_.ao_radius = ray_length(occlusion_radius(scene, settings));
   frame_.ambient = settings.ambient.value_or(ambient);
@@ -78,258 +97,225 @@ void Hybrid::change(const PackedScene& scene, const View& view, const RenderSett
   frame_.far = planes.far;
   edges_hold_ = edges_hold(scene, view, settings.width, settings.height);
   jitters_.clear();
-  remake_filters(past);
+  gpu::Frame& shared = workspace_.frame;
+  shared.max_depth = std::min(settings.max_depth, 1u); // the rest is the ambient term's
+  shared.sample_total = static_cast<std::uint32_t>(
+      std::min<std::uint64_t>(std::uint64_t{shared.sample_total} * frame_.shadow_samples, gpu::kNone));
+}
 
-  Needs needs{tracer_.config_, frame_.flags};
-  if (!settings.aovs.empty()) needs.config.features |= gpu::kFeatureAovs;
-  if (needs == needs_) return;
-  needs_ = needs;
-  compiling_ = std::async(std::launch::async, [&device = device_, needs] { return compile(device, needs); });
+void Hybrid::make_room(const View& view, Past past) {
+  const PackedScene& scene = workspace_.scene;
+  need_ = {&kHybridProgram, stages_of(frame_.flags),
+           kernel_config(needed_features(scene, view, settings_), scene.stack_size, settings_)};
+  const std::uint32_t path_features = need_.config.features;
+  if (!settings_.aovs.empty()) need_.config.features |= gpu::kFeatureAovs; // which come from the G-buffer
+  kernels_.start(need_);
+  const std::uint32_t path_stages = lights() ? kLightingStages : 0;
+  const std::uint32_t options = lights() || settings_.antialias_over_time ? kRoomForSeen : 0;
+  bool moved = paths_.change(settings_, path_stages, options, kernels_.features(kHybridProgram));
+  moved |= buffers_.fit({.pixels = workspace_.film.pixels()});
+  const glm::uvec3 made_for(settings_.width, settings_.height, path_features);
+  if (made_for != visibility_made_for_ || moved) {
+    visibility_.reset(); // both at once may be too much
+    visibility_made_for_ = glm::uvec3(0);
+    visibility_ = std::make_unique<Visibility>(workspace_.device, scene, *workspace_.on_device, workspace_.frame_buffer(),
+                                               buffers_[kFrame], path_features, settings_.width, settings_.height);
+    visibility_made_for_ = made_for;
+    moved = true;
+  }
+  if (moved || sets_.empty()) {
+    std::vector<Binding> own;
+    paths_.buffers.add_bindings(own);
+    buffers_.add_bindings(own);
+    own.push_back({gpu::kBindVisibility, BindingKind::texels_rg32ui, &visibility_->ids()});
+    sets_ = bind_bands(workspace_, own);
+  }
+  remake_filters(moved, past);
 }
 
 // Memory and kernels stay, unless size or buffers are others.
-void Hybrid::remake_filters(Past past) {
+void Hybrid::remake_filters(bool moved, Past past) {
   const std::uint32_t which = (settings_.denoise ? 1u : 0u) | (settings_.antialias_over_time ? 2u : 0u);
   const glm::uvec4 made_for = which ? glm::uvec4(settings_.width, settings_.height, frame_.flags, which) : glm::uvec4(0);
-  const BindingSet* bound = tracer_.bands_.front().bindings.get(); // another one where buffers are others
-  if (made_for == filters_made_for_ && bound == filters_bound_) {
+  if (made_for == filters_made_for_ && !moved) {
     if (past == Past::keep) return;
     if (denoiser_) denoiser_->forget();
     if (taa_) taa_->forget();
     return;
   }
-  filters_made_for_ = made_for;
-  filters_bound_ = bound;
   denoiser_.reset(); // both at once may be too much
   taa_.reset();
-  const PathBuffers& buffers = tracer_.paths_;
+  filters_made_for_ = made_for;
+  const Buffer& gbuffer = buffers_[kGbuffer];
   if (settings_.denoise)
-    denoiser_ = std::make_unique<Denoiser>(device_, settings_.width, settings_.height, buffers.gbuffer, buffers.signals,
-                                           frame_.flags);
+    denoiser_ = std::make_unique<Denoiser>(workspace_.device, settings_.width, settings_.height, gbuffer,
+                                           buffers_[kSignals], frame_.flags);
   if (settings_.antialias_over_time)
-    taa_ = std::make_unique<Taa>(device_, settings_.width, settings_.height, buffers.gbuffer, buffers.seen);
+    taa_ = std::make_unique<Taa>(workspace_.device, settings_.width, settings_.height, gbuffer, paths_.buffers[kSeen]);
 }
 
-bool Hybrid::is_ready() const {
-  return !compiling_.valid() || compiling_.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
+bool Hybrid::is_ready() {
+  const bool paths = !lights() || paths_.is_ready(); // asks for both, so that both are begun
+  return kernels_.ready(need_) && paths;
 }
 
-double Hybrid::get_ready() {
-  if (compiling_.valid()) kernels_ = std::make_unique<Kernels>(compiling_.get());
-  return kernels_->seconds;
-}
+double Hybrid::get_ready() { return (lights() ? paths_.get_ready() : 0.0) + kernels_.best(need_).seconds(); }
 
-Hybrid::Kernels Hybrid::compile(Device& device, const Needs& needs) {
-  static const std::array<StageCode, kFrameStageCount> codes = {{{"jitter", wavepath_jitter_spv},
-                                                            {"resolve", wavepath_resolve_spv},
-                                                            {"occlusion", wavepath_occlusion_spv},
-                                                            {"gather", wavepath_gather_spv},
-                                                            {"composite", wavepath_composite_spv}}};
-  const auto start = std::chrono::steady_clock::now();
-  const auto constants = specialization(needs.config, device.info());
-  const Buffer stand_in(device, kStandInBytes);
-  std::vector<Binding> stand_ins = path_tracer_bindings();
-  for (Binding& binding : stand_ins) binding.buffer = &stand_in;
-  const BindingSet bindings(device, stand_ins, static_cast<std::uint32_t>(sizeof(gpu::Wave)));
-  Kernels kernels;
-  std::vector<std::future<void>> compiling;
-  for (std::size_t stage = 0; stage < kFrameStageCount; ++stage) {
-    if (stage == kOcclusion && !(needs.flags & gpu::kHybridAmbient)) continue;
-    if (stage == kGather && !(needs.flags & gpu::kHybridLights)) continue;
-    compiling.push_back(std::async(std::launch::async, [&, stage] {
-      kernels.by_stage[stage].emplace(device, codes[stage].name, codes[stage].spirv, bindings, constants);
-      const gpu::Wave nothing{};
-      Commands commands(device); // some drivers compile at the first dispatch
-      commands.bind(bindings);
-      commands.dispatch(*kernels.by_stage[stage], 0, &nothing);
-      commands.submit_and_wait();
-    }));
-  }
-  for (std::future<void>& one : compiling) one.get();
-  kernels.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  return kernels;
+std::uint64_t Hybrid::bytes() const {
+  return paths_.buffers.bytes() + buffers_.bytes() + visibility_->bytes() + (denoiser_ ? denoiser_->bytes() : 0) +
+         (taa_ ? taa_->bytes() : 0);
 }
-
-std::uint64_t Hybrid::bytes() const { return (denoiser_ ? denoiser_->bytes() : 0) + (taa_ ? taa_->bytes() : 0); }
 
 // kJitters frames at a time, because asking the device costs a round trip.
-glm::vec2 Hybrid::jitter(std::uint32_t sample) {
+glm::vec2 Hybrid::jitter(WaveQueue& queue, std::uint32_t sample) {
   if (jitters_.empty() || sample < first_jitter_ || sample - first_jitter_ >= jitters_.size()) {
     first_jitter_ = sample;
     gpu::Wave wave{};
     wave.first_sample = sample;
-    Commands commands(device_, 1);
-    commands.bind(*tracer_.bands_.front().bindings);
-    commands.dispatch(kernel(kJitter), groups_for(gpu::kJitters), &wave);
-    commands.submit_and_wait();
-    tracer_.count_times(commands);
-    jitters_ = download<glm::vec2>(tracer_.paths_.jitters, gpu::kJitters);
+    const auto record = [&](Commands& commands) {
+      commands.write(buffers_[kFrame], &frame_, sizeof(frame_));
+      commands.bind(*sets_.front());
+      commands.dispatch(kernels_.best(need_)[kJitter], groups_for(gpu::kJitters), &wave);
+    };
+    queue.submit(record, {.timed_dispatches = 1});
+    queue.drain();
+    jitters_ = download<glm::vec2>(buffers_[kJitters], gpu::kJitters);
   }
   return jitters_[sample - first_jitter_];
 }
 
-double Hybrid::begin_frame(std::uint32_t sample) {
+void Hybrid::begin_pass(WaveQueue& queue, std::uint32_t sample) {
   frame_.sample_index = sample;
-  tracer_.paths_.hybrid.write(&frame_, sizeof(frame_)); // the jitter kernel reads it
-  frame_.jitter = jitter(sample);
-  tracer_.paths_.hybrid.write(&frame_, sizeof(frame_));
-  const double before = tracer_.visibility_->seconds();
-  const double longest = edges_hold_ ? tracer_.visibility_->render(camera_) : tracer_.visibility_->trace();
-  tracer_.count_time("raster", tracer_.visibility_->seconds() - before);
-  return longest;
+  frame_.jitter = jitter(queue, sample);
+  const auto prepare = [this](Commands& commands) { commands.write(buffers_[kFrame], &frame_, sizeof(frame_)); };
+  if (edges_hold_)
+    visibility_->render(queue, camera_, prepare);
+  else
+    visibility_->trace(queue, prepare);
 }
 
-std::uint32_t Hybrid::samples_per_pixel() const {
-  return std::max(frame_.shadow_samples, frame_.flags & gpu::kHybridAmbient ? frame_.ao_samples : 0);
+// What a pixel counts for in a wave: its light samples, which take slots, or its occlusion rays if those are more.
+std::uint32_t Hybrid::paths_per_pixel(std::uint32_t) const {
+  return std::max(frame_.shadow_samples, ambient() ? frame_.ao_samples : 0);
 }
 
-double Hybrid::render_wave(const FilmBand& band, std::uint32_t first_pixel, std::uint32_t pixel_count) {
-  const bool lights = frame_.flags & gpu::kHybridLights;
-  const std::uint32_t samples = frame_.shadow_samples;
-  const std::uint64_t slots = std::uint64_t{pixel_count} * samples;
-  // As hybrid_sample() of kernels/frame_terms.glsl numbers them.
-  const std::uint32_t round = frame_.sample_index / gpu::kReplicates,
+// Samples as hybrid_sample() of kernels/hybrid/frame_terms.glsl numbers them.
+gpu::Wave Hybrid::wave(const FilmBand& band, std::uint32_t first_place, std::uint32_t pixel_count, std::uint32_t,
+                       std::uint32_t) const {
+  const std::uint32_t samples = frame_.shadow_samples, round = frame_.sample_index / gpu::kReplicates,
                       replicate = frame_.sample_index % gpu::kReplicates;
-  gpu::Wave wave{first_pixel, pixel_count, round * samples * gpu::kReplicates + replicate,
-                 samples,     0,           band.first_pixel};
-  Commands commands(device_, 16);
-  commands.bind(*band.bindings);
-  commands.dispatch(kernel(kResolve), groups_for(pixel_count), &wave);
+  return {first_place, pixel_count, round * samples * gpu::kReplicates + replicate, samples, 0, band.first_pixel};
+}
+
+void Hybrid::record_wave(Commands& commands, std::size_t band, const gpu::Wave& wave) {
+  const KernelSet& kernels = kernels_.best(need_);
+  commands.bind(*sets_[band]);
+  commands.dispatch(kernels[kResolve], groups_for(wave.pixel_count), &wave);
   commands.barrier();
-  if (frame_.flags & gpu::kHybridAmbient) {
-    commands.dispatch(kernel(kOcclusion), groups_for(pixel_count), &wave);
+  if (ambient()) {
+    commands.dispatch(kernels[kOcclusion], groups_for(wave.pixel_count), &wave);
     commands.barrier(); // it reads the rays that shading replaces
   }
-  if (lights) {
-    light(commands, wave, groups_for(slots));
-    commands.barrier();
-    commands.dispatch(kernel(kGather), groups_for(pixel_count), &wave);
-  }
-  commands.submit_and_wait();
-  tracer_.collect_nonfinite(wave);
-  return tracer_.count_times(commands);
+  if (!lights()) return;
+  light(commands, band, wave);
+  commands.barrier();
+  commands.bind(*sets_[band]);
+  commands.dispatch(kernels[kGather], groups_for(wave.pixel_count), &wave);
 }
 
-// Direct light as in PathTracer::render_wave(), from the first hit on.
-void Hybrid::light(Commands& commands, gpu::Wave wave, std::uint32_t groups) {
-  const KernelSet& paths = tracer_.kernels_.best(tracer_.config_);
-  const Buffer& queues = tracer_.paths_.queues;
-  commands.dispatch(paths[kShade], groups, &wave);
-  if (tracer_.frame_.max_depth == 0) return;
-  if (tracer_.frame_.light_count > 0) {
-    commands.barrier();
-    wave.bounce = 1;
-    commands.dispatch(paths[kAdvance], 1, &wave);
-    commands.barrier();
-    wave.bounce = 0;
-    commands.dispatch_indirect(paths[kConnect], queues, offsetof(gpu::Queues, connect_groups), &wave);
-  }
-  // Light that a sampled direction runs into.
-  commands.barrier();
-  wave.bounce = 2;
-  commands.dispatch(paths[kAdvance], 1, &wave);
-  commands.barrier();
-  wave.bounce = 1;
-  commands.dispatch_indirect(paths[kExtend], queues, offsetof(gpu::Queues, extend_groups), &wave);
-  commands.barrier();
-  commands.dispatch_indirect(paths[kShade], queues, offsetof(gpu::Queues, extend_groups), &wave);
+// Direct light as the path tracer finds it, from the first hit on.
+void Hybrid::light(Commands& commands, std::size_t band, const gpu::Wave& wave) {
+  const KernelSet& kernels = paths_.kernels();
+  commands.bind(paths_.bindings(band));
+  commands.dispatch(kernels[kShade], groups_for(std::uint64_t{wave.pixel_count} * wave.sample_count), &wave);
+  if (workspace_.frame.max_depth == 0) return;
+  if (workspace_.frame.light_count > 0) paths_.connect(commands, kernels, wave, 0);
+  paths_.extend(commands, kernels, wave, 1); // light that a sampled direction runs into
+  paths_.shade(commands, kernels, wave, 1);
 }
 
-double Hybrid::end_frame() {
+void Hybrid::end_pass(WaveQueue& queue) {
   camera_.jitter_x = frame_.jitter.x;
   camera_.jitter_y = frame_.jitter.y;
-  double longest = 0.0;
-  if (denoiser_) {
-    Commands commands(device_, denoiser_->dispatches());
-    denoiser_->record(commands, camera_);
-    commands.submit_and_wait();
-    longest = tracer_.count_times(commands);
-  }
-  if (!taa_) return std::max(longest, composite(frame_.flags));
-  longest = std::max(longest, composite(frame_.flags | gpu::kHybridToColor));
-  longest = std::max(longest, antialias());
-  return std::max(longest, composite(frame_.flags | gpu::kHybridFromColor));
+  if (denoiser_)
+    queue.submit([this](Commands& commands) { denoiser_->record(commands, camera_); },
+                 {.timed_dispatches = denoiser_->dispatches()});
+  if (!taa_) return composite(queue, frame_.flags);
+  composite(queue, frame_.flags | gpu::kHybridToColor);
+  antialias(queue);
+  composite(queue, frame_.flags | gpu::kHybridFromColor);
 }
 
-double Hybrid::antialias() {
-  Commands commands(device_, taa_->dispatches());
-  taa_->record(commands, camera_);
-  commands.copy(taa_->result(), tracer_.paths_.seen,
-                std::uint64_t{settings_.width} * settings_.height * sizeof(glm::vec4));
-  commands.submit_and_wait();
-  return tracer_.count_times(commands);
+void Hybrid::antialias(WaveQueue& queue) {
+  const auto record = [this](Commands& commands) {
+    taa_->record(commands, camera_);
+    commands.copy(taa_->result(), paths_.buffers[kSeen],
+                  std::uint64_t{settings_.width} * settings_.height * sizeof(glm::vec4));
+  };
+  queue.submit(record, {.timed_dispatches = taa_->dispatches()});
 }
 
-double Hybrid::composite(std::uint32_t flags) {
+void Hybrid::composite(WaveQueue& queue, std::uint32_t flags) {
+  const KernelSet& kernels = kernels_.best(need_);
   gpu::HybridFrame frame = frame_;
   frame.flags = flags;
-  tracer_.paths_.hybrid.write(&frame, sizeof(frame));
-  double longest = 0.0;
-  for (const FilmBand& band : tracer_.bands_) {
+  const std::vector<FilmBand>& bands = workspace_.film.bands();
+  for (std::size_t i = 0; i < bands.size(); ++i) {
+    const FilmBand& band = bands[i];
     if (band.pixel_count == 0) continue;
-    Commands commands(device_, (band.pixel_count + kCompositePixels - 1) / kCompositePixels);
-    commands.bind(*band.bindings);
-    for (std::uint32_t done = 0; done < band.pixel_count; done += kCompositePixels) {
-      const std::uint32_t count = std::min(kCompositePixels, band.pixel_count - done);
-      const gpu::Wave wave{band.first_pixel + done, count, 0, 1, 0, band.first_pixel};
-      commands.dispatch(kernel(kComposite), groups_for(count), &wave);
-    }
-    commands.submit_and_wait();
-    longest = std::max(longest, tracer_.count_times(commands));
+    const auto record = [&](Commands& commands) {
+      commands.write(buffers_[kFrame], &frame, sizeof(frame));
+      commands.bind(*sets_[i]);
+      for (std::uint32_t done = 0; done < band.pixel_count; done += kCompositePixels) {
+        const std::uint32_t count = std::min(kCompositePixels, band.pixel_count - done);
+        const gpu::Wave wave{band.first_pixel + done, count, 0, 1, 0, band.first_pixel};
+        commands.dispatch(kernels[kComposite], groups_for(count), &wave);
+      }
+    };
+    queue.submit(record, {.timed_dispatches = (band.pixel_count + kCompositePixels - 1) / kCompositePixels});
   }
-  return longest;
+}
+
+// Blocks of pixels spread evenly over the picture. Until learn(), occlusion rays tell how enclosed the place is.
+std::optional<Pilot> Hybrid::pilot() {
+  if (!lights() || settings_.ambient || !ambient() || knows_ambient_) return std::nullopt;
+  Pilot pilot{.segments = {}, .samples = 1, .seed = kAmbientPilotSeed};
+  const std::uint32_t width = settings_.width, height = settings_.height, pixels = width * height;
+  const std::uint32_t blocks = std::max(std::min(kPilotPixels, pixels + kPilotBlock - 1) / kPilotBlock, 1u);
+  const std::vector<FilmBand>& bands = workspace_.film.bands();
+  pilot_places_.clear();
+  for (std::uint32_t block = 0; block < blocks; ++block) {
+    const auto first = static_cast<std::uint32_t>(std::uint64_t{pixels} * block / blocks);
+    const auto band = std::ranges::find_if(bands, [&](const FilmBand& b) {
+      return first >= b.first_pixel && first - b.first_pixel < b.pixel_count;
+    });
+    const std::uint32_t end = std::min(first + kPilotBlock, band->first_pixel + band->pixel_count);
+    pilot.segments.push_back({static_cast<std::size_t>(band - bands.begin()), first, end - first, 0});
+    for (std::uint32_t pixel = first; pixel < end; ++pixel) {
+      const glm::uvec2 at = gpu::pixel_in_tile_order(pixel, width, height);
+      pilot_places_.push_back(at.y * width + at.x);
+    }
+  }
+  jitters_.clear();
+  frame_.ao_radius = gpu::kFar;
+  return pilot;
+}
+
+void Hybrid::learn() {
+  frame_.ambient = enclosed_light();
+  frame_.ao_radius = ray_length(occlusion_radius(workspace_.scene, settings_));
+  jitters_.clear();
 }
 
 // The light inside an integrating sphere: of what surfaces send out, the share that meets surfaces again is sent out
 // once more, L = direct + albedo * enclosure * L. What arrives where the picture looks is that L from the enclosed
 // directions.
-void Hybrid::estimate_ambient() {
-  if (settings_.integrator != Integrator::hybrid || settings_.ambient || !(frame_.flags & gpu::kHybridAmbient)) return;
-  const gpu::HybridFrame asked = frame_;
-  frame_.ao_radius = gpu::kFar; // to tell how enclosed the place is
-  tracer_.set_seed(settings_.seed ^ kPilotSeed);
-  jitters_.clear();
-  begin_frame(0);
-  const std::vector<std::uint32_t> places = light_pilot();
-  frame_ = asked;
-  tracer_.set_seed(settings_.seed);
-  tracer_.nonfinite_ = {};
-  jitters_.clear();
-  frame_.ambient = enclosed_light(places);
-}
-
-// Lights blocks of pixels spread evenly over the picture. Returns their places, row-major.
-std::vector<std::uint32_t> Hybrid::light_pilot() {
-  const std::uint32_t width = tracer_.frame_.width, height = tracer_.frame_.height, pixels = width * height;
-  const std::uint32_t blocks = std::min(kPilotPixels, pixels + kPilotBlock - 1) / kPilotBlock;
-  Governor governor(tracer_.slots());
-  std::vector<std::uint32_t> places;
-  for (std::uint32_t block = 0; block < std::max(blocks, 1u); ++block) {
-    const auto first = static_cast<std::uint32_t>(std::uint64_t{pixels} * block / std::max(blocks, 1u));
-    const FilmBand& band = *std::ranges::find_if(tracer_.bands_, [&](const FilmBand& b) {
-      return first >= b.first_pixel && first - b.first_pixel < b.pixel_count;
-    });
-    const std::uint32_t end = std::min(first + kPilotBlock, band.first_pixel + band.pixel_count);
-    for (std::uint32_t done = first; done < end;) {
-      const std::uint32_t count = std::min(std::max(governor.wave() / samples_per_pixel(), 1u), end - done);
-      governor.report(render_wave(band, done, count), count * samples_per_pixel());
-      done += count;
-    }
-    for (std::uint32_t pixel = first; pixel < end; ++pixel) {
-      const glm::uvec2 at = gpu::pixel_in_tile_order(pixel, width, height);
-      places.push_back(at.y * width + at.x);
-    }
-  }
-  return places;
-}
-
-glm::vec3 Hybrid::enclosed_light(std::span<const std::uint32_t> places) const {
-  const std::size_t pixels = std::size_t{tracer_.frame_.width} * tracer_.frame_.height;
-  const auto gbuffer = download<gpu::GbufferPixel>(tracer_.paths_.gbuffer, pixels);
-  const auto signals = download<glm::vec4>(tracer_.paths_.signals, pixels);
+glm::vec3 Hybrid::enclosed_light() const {
+  const auto gbuffer = download<gpu::GbufferPixel>(buffers_[kGbuffer], workspace_.film.pixels());
+  const auto signals = download<glm::vec4>(buffers_[kSignals], workspace_.film.pixels());
   glm::dvec3 direct(0.0), albedo(0.0);
   double unoccluded = 0.0, count = 0.0;
-  for (const std::uint32_t i : places) {
+  for (const std::uint32_t i : pilot_places_) {
     const glm::dvec3 light = glm::dvec3(signals[i]) * glm::dvec3(glm::max(gbuffer[i].albedo, gpu::kDemodulationFloor));
     if (!(gbuffer[i].depth > 0.0f) || !std::isfinite(light.x + light.y + light.z)) continue;
     direct += light;

@@ -61,7 +61,7 @@ std::vector<std::vector<VertexRange>> cut(std::span<const Draw> draws, std::uint
   return slices;
 }
 
-std::vector<Binding> visibility_bindings(const GpuScene& scene, const Buffer& frame, const Buffer& hybrid,
+std::vector<Binding> visibility_bindings(const DeviceScene& scene, const Buffer& frame, const Buffer& hybrid,
                                          const Buffer& ids, const Buffer& unused) {
   std::vector<Binding> bindings = scene.bindings();
   using enum BindingKind;
@@ -129,7 +129,7 @@ bool edges_hold(const PackedScene& scene, const View& view, std::uint32_t width,
   return pixels * 0x1p-24 <= 0.25;
 }
 
-Visibility::Visibility(Device& device, const PackedScene& scene, const GpuScene& gpu_scene, const Buffer& frame,
+Visibility::Visibility(Device& device, const PackedScene& scene, const DeviceScene& gpu_scene, const Buffer& frame,
                        const Buffer& hybrid, std::uint32_t features, std::uint32_t width, std::uint32_t height)
     : device_(device),
       config_(kernel_config(features, scene.stack_size, {})),
@@ -146,56 +146,48 @@ Visibility::Visibility(Device& device, const PackedScene& scene, const GpuScene&
       triangles_a_slice_(kFirstTriangles),
       pixels_a_slice_(kFirstPixels) {}
 
-double Visibility::draw(std::span<const VertexRange> ranges, bool first, bool last) {
-  const gpu::Wave wave{}; // camera rays
-  Commands commands(device_);
-  target_.draw(commands, pipeline_, bindings_, &wave, ranges, first);
-  if (last) target_.copy(commands, ids_);
-  return timed(commands);
+void Visibility::submit(WaveQueue& queue, const std::function<void(Commands&)>& record) {
+  queue.submit(record, {.stage = "raster", .done = [this](const Finished& finished) {
+                          slices_.seconds += finished.seconds;
+                          ++slices_.count;
+                        }});
 }
 
 // Copies that spatial splits made of a triangle are drawn as well: they lie in the same plane to the last bit, and the
 // first one drawn stays. A depth prepass could only cost: what it would save is a fragment shader that writes two
 // words.
-double Visibility::render(const gpu::CameraView& camera) {
+void Visibility::render(WaveQueue& queue, const gpu::CameraView& camera,
+                        const std::function<void(Commands&)>& prepare) {
+  if (slices_.count > 0) triangles_a_slice_ = adapt(triangles_a_slice_, slices_.seconds, slices_.count);
+  slices_ = {};
   const std::vector<Draw> draws = visible_draws(chunks_, camera, width_, height_);
   const std::vector<std::vector<VertexRange>> slices = cut(draws, triangles_a_slice_); // submitted one by one
-  const double before = seconds_;
-  double longest = 0.0;
   for (std::size_t i = 0; i < slices.size(); ++i)
-    longest = std::max(longest, draw(slices[i], i == 0, i + 1 == slices.size()));
-  triangles_a_slice_ = adapt(triangles_a_slice_, seconds_ - before, slices.size());
-  return longest;
+    submit(queue, [&](Commands& commands) {
+      const gpu::Wave wave{}; // camera rays
+      if (i == 0) prepare(commands);
+      target_.draw(commands, pipeline_, bindings_, &wave, slices[i], i == 0);
+      if (i + 1 == slices.size()) target_.copy(commands, ids_);
+    });
 }
 
-double Visibility::trace() {
+void Visibility::trace(WaveQueue& queue, const std::function<void(Commands&)>& prepare) {
   if (!tracer_)
     tracer_.emplace(device_, "visibility", wavepath_visibility_spv, bindings_, constants_of(config_, device_));
+  if (slices_.count > 0) pixels_a_slice_ = adapt(pixels_a_slice_, slices_.seconds, slices_.count);
+  slices_ = {};
   const std::uint32_t pixels = width_ * height_;
-  const double before = seconds_;
-  double longest = 0.0;
-  std::size_t slices = 0;
-  for (std::uint32_t first = 0; first < pixels; ++slices) {
+  for (std::uint32_t first = 0; first < pixels;) {
     gpu::Wave wave{};
     wave.first_pixel = first;
     wave.pixel_count = static_cast<std::uint32_t>(std::min<std::uint64_t>(pixels_a_slice_, pixels - first));
-    Commands commands(device_);
-    commands.bind(bindings_);
-    commands.dispatch(*tracer_, (wave.pixel_count + gpu::kWorkgroupSize - 1) / gpu::kWorkgroupSize, &wave);
-    commands.barrier();
-    longest = std::max(longest, timed(commands));
+    submit(queue, [&](Commands& commands) {
+      if (first == 0) prepare(commands);
+      commands.bind(bindings_);
+      commands.dispatch(*tracer_, groups_for(wave.pixel_count), &wave);
+    });
     first += wave.pixel_count;
   }
-  pixels_a_slice_ = adapt(pixels_a_slice_, seconds_ - before, slices);
-  return longest;
-}
-
-double Visibility::timed(Commands& commands) {
-  const auto start = std::chrono::steady_clock::now();
-  commands.submit_and_wait();
-  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  seconds_ += seconds;
-  return seconds;
 }
 
 } // namespace wavepath

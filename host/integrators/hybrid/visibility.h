@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <vector>
@@ -10,7 +11,8 @@
 #include "host/gpu/raster.h"
 #include "host/integrators/hybrid/culling.h"
 #include "host/render/device_scene.h"
-#include "host/integrators/path/kernel_set.h"
+#include "host/render/kernel_set.h"
+#include "host/render/wave_queue.h"
 #include "host/scene/pack/pack.h"
 #include "host/scene/view.h"
 
@@ -33,22 +35,25 @@ public:
   // `frame` and `hybrid` hold a gpu::Frame and a gpu::HybridFrame, which every render reads anew; with `gpu_scene` they
   // outlive this. `features`: kFeature bits that the path tracer's kernels have. Throws Error if the device cannot
   // rasterize, or no picture of this size.
-  Visibility(Device& device, const PackedScene& scene, const GpuScene& gpu_scene, const Buffer& frame,
+  Visibility(Device& device, const PackedScene& scene, const DeviceScene& gpu_scene, const Buffer& frame,
              const Buffer& hybrid, std::uint32_t features, std::uint32_t width, std::uint32_t height);
 
-  // Draws what `camera`, the frame's own, may see, and waits for it. Returns the longest submission in seconds.
-  double render(const gpu::CameraView& camera);
+  // Submits drawing of what `camera`, the frame's own, may see; what `prepare` records comes first.
+  void render(WaveQueue& queue, const gpu::CameraView& camera, const std::function<void(Commands&)>& prepare);
   // The same by tracing the frame's camera rays; for views whose edges do not hold, and to compare.
-  double trace();
+  void trace(WaveQueue& queue, const std::function<void(Commands&)>& prepare);
 
   // For kBindVisibility: two words a pixel, row by row from the top left.
   const Buffer& ids() const { return ids_; }
-  double seconds() const { return seconds_; } // that all renders took so far
   std::uint64_t bytes() const { return ids_.bytes() + target_.bytes(); }
 
 private:
-  double draw(std::span<const VertexRange> ranges, bool first, bool last);
-  double timed(Commands& commands);
+  // What the pieces of the last frame took, as they are done.
+  struct Slices {
+    double seconds = 0.0;
+    std::size_t count = 0;
+  };
+  void submit(WaveQueue& queue, const std::function<void(Commands&)>& record);
 
   Device& device_;
   KernelConfig config_;
@@ -60,7 +65,7 @@ private:
   std::vector<Chunk> chunks_;
   std::optional<Kernel> tracer_;                     // compiled when it is needed
   std::uint64_t triangles_a_slice_, pixels_a_slice_; // as the last frames took
-  double seconds_ = 0.0;
+  Slices slices_;
 };
 
 } // namespace wavepath

@@ -32,28 +32,34 @@ glm::dvec3 hit_position(const PackedScene& scene, const gpu::Hit& hit) {
 
 PathReplay::PathReplay(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings,
                        KernelCompiler& kernels)
-    : scene_(scene), tracer_(device, scene, view, without_extras(settings), 1, kernels) {}
+    : workspace_(device, scene, 1), paths_(workspace_, kernels) {
+  const RenderSettings plain = without_extras(settings);
+  workspace_.change(view, plain);
+  paths_.change(plain, kAllPathStages, 0);
+}
 
-void PathReplay::run(Stage stage, std::uint32_t bounce) {
-  const KernelSet& kernels = tracer_.kernels_.best(tracer_.config_);
+void PathReplay::run(PathStage stage, std::uint32_t bounce) {
+  const KernelSet& kernels = paths_.kernels();
   wave_.bounce = bounce;
-  Commands commands(tracer_.device_);
-  commands.bind(*tracer_.bands_.front().bindings); // whichever: nothing is added to the film
+  Commands commands(workspace_.device);
+  commands.bind(paths_.bindings(0)); // whichever: nothing is added to the film
   commands.dispatch(kernels[stage], 1, &wave_);
   commands.submit_and_wait();
 }
 
-gpu::PathState PathReplay::state() const { return download<gpu::PathState>(tracer_.paths_.states, 1).front(); }
+gpu::Queues PathReplay::queues() const { return download<gpu::Queues>(paths_.buffers[kQueues], 1).front(); }
+
+gpu::PathState PathReplay::state() const { return download<gpu::PathState>(paths_.buffers[kStates], 1).front(); }
 
 // What connect adds can be too small to change the radiance, so it shows with none what it lets through.
 ShadowTrace PathReplay::connect(std::uint32_t bounce, const gpu::PathState& state_) {
-  ShadowTrace shadow{download<gpu::ShadowRay>(tracer_.paths_.shadow_rays, 1).front()};
+  ShadowTrace shadow{download<gpu::ShadowRay>(paths_.buffers[kShadowRays], 1).front()};
   gpu::PathState dark = state_;
   dark.radiance = glm::vec3(0.0f);
-  tracer_.paths_.states.write(&dark, sizeof(dark));
+  paths_.buffers[kStates].write(&dark, sizeof(dark));
   run(kConnect, bounce);
   shadow.blocked = state().radiance == glm::vec3(0.0f);
-  tracer_.paths_.states.write(&state_, sizeof(state_));
+  paths_.buffers[kStates].write(&state_, sizeof(state_));
   run(kConnect, bounce);
   return shadow;
 }
@@ -63,19 +69,19 @@ ShadowTrace PathReplay::connect(std::uint32_t bounce, const gpu::PathState& stat
 PathEnd PathReplay::reason(std::uint32_t bounce, const PathVertex& vertex, gpu::PathState arrived) {
   if (!is_finite(vertex.radiance)) return PathEnd::nonfinite;
   if (vertex.hit.triangle == gpu::kNone) return PathEnd::escaped;
-  const gpu::Triangle& triangle = scene_.triangles[vertex.hit.triangle];
-  const gpu::Material& material = scene_.materials[triangle.surface & gpu::kTriangleMaterialMask];
+  const gpu::Triangle& triangle = workspace_.scene.triangles[vertex.hit.triangle];
+  const gpu::Material& material = workspace_.scene.materials[triangle.surface & gpu::kTriangleMaterialMask];
   if (material.flags & gpu::kMaterialUnlit) return PathEnd::unlit;
-  if (bounce == tracer_.frame_.max_depth) return PathEnd::depth;
+  if (bounce == workspace_.frame.max_depth) return PathEnd::depth;
   arrived.eta_scale = gpu::kFar;
-  tracer_.paths_.states.write(&arrived, sizeof(arrived));
+  paths_.buffers[kStates].write(&arrived, sizeof(arrived));
   run(kAdvance, 2 * bounce);
   run(kShade, bounce);
-  return tracer_.counters().ray_count[(bounce + 1) & 1] > 0 ? PathEnd::roulette : PathEnd::absorbed;
+  return queues().ray_count[(bounce + 1) & 1] > 0 ? PathEnd::roulette : PathEnd::absorbed;
 }
 
 PathTrace PathReplay::trace(glm::uvec2 pixel, std::uint32_t sample) {
-  const gpu::Frame& frame = tracer_.frame_;
+  const gpu::Frame& frame = workspace_.frame;
   const std::uint32_t place = gpu::tile_order_of(pixel, frame.width, frame.height);
   wave_ = {place, 1, sample, 1, 0, place};
   PathTrace trace{pixel, sample};
@@ -83,24 +89,24 @@ PathTrace PathReplay::trace(glm::uvec2 pixel, std::uint32_t sample) {
     if (!trace.maker && !is_finite(radiance)) trace.maker = maker;
   };
 
-  tracer_.get_ready();
+  paths_.get_ready();
   run(kGenerate, 0);
   gpu::PathState arrived = state();
   note(arrived.radiance, gpu::kMakerGenerate);
   for (std::uint32_t bounce = 0;; ++bounce) {
     run(kAdvance, 2 * bounce);
     PathVertex& vertex = trace.vertices.emplace_back();
-    vertex.ray = download<gpu::Ray>(tracer_.paths_.rays, 1, (bounce & 1) * sizeof(gpu::Ray)).front();
+    vertex.ray = download<gpu::Ray>(paths_.buffers[kRays], 1, (bounce & 1) * sizeof(gpu::Ray)).front();
     run(kExtend, bounce);
-    vertex.hit = download<gpu::Hit>(tracer_.paths_.hits, 1).front();
+    vertex.hit = download<gpu::Hit>(paths_.buffers[kHits], 1).front();
     run(kShade, bounce);
     vertex.scattered = state();
     note(vertex.scattered.radiance, gpu::kMakerShade);
-    const gpu::Queues queues = tracer_.counters();
-    if (queues.shadow_count > 0) vertex.shadow = connect(bounce, vertex.scattered);
+    const gpu::Queues counts = queues();
+    if (counts.shadow_count > 0) vertex.shadow = connect(bounce, vertex.scattered);
     vertex.radiance = trace.radiance = state().radiance;
     note(vertex.radiance, gpu::kMakerConnect);
-    if (queues.ray_count[(bounce + 1) & 1] == 0 || trace.maker) {
+    if (counts.ray_count[(bounce + 1) & 1] == 0 || trace.maker) {
       trace.end = reason(bounce, vertex, arrived);
       return trace;
     }

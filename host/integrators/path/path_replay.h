@@ -7,7 +7,7 @@
 
 #include <glm/glm.hpp>
 
-#include "host/integrators/path/path_tracer.h"
+#include "host/integrators/path/paths.h"
 #include "kernels/frame_types.h"
 #include "kernels/path/path_types.h"
 
@@ -47,13 +47,14 @@ public:
   PathTrace trace(glm::uvec2 pixel, std::uint32_t sample);
 
 private:
-  void run(Stage stage, std::uint32_t bounce);
+  void run(PathStage stage, std::uint32_t bounce);
+  gpu::Queues queues() const;
   gpu::PathState state() const;
   ShadowTrace connect(std::uint32_t bounce, const gpu::PathState& state);
   PathEnd reason(std::uint32_t bounce, const PathVertex& vertex, gpu::PathState arrived);
 
-  const PackedScene& scene_;
-  PathTracer tracer_; // of one slot
+  Workspace workspace_; // of one slot
+  Paths paths_;
   gpu::Wave wave_{};
 };
 

@@ -1,0 +1,27 @@
+// The one place that knows which integrators there are.
+#include <algorithm>
+#include <array>
+
+#include "host/integrators/hybrid/kind.h"
+#include "host/integrators/path/kind.h"
+#include "host/render/integrator.h"
+
+namespace wavepath {
+
+std::span<const IntegratorKind* const> integrators() {
+  static constexpr std::array kAll = {&kPath, &kHybrid, &kAo};
+  return kAll;
+}
+
+const IntegratorKind& default_integrator() { return kPath; }
+
+const IntegratorKind* find_integrator(std::string_view name) {
+  const auto found = std::ranges::find(integrators(), name, &IntegratorKind::name);
+  return found == integrators().end() ? nullptr : *found;
+}
+
+bool takes(const IntegratorKind& kind, std::string_view setting) {
+  return std::ranges::find(kind.settings, setting) != kind.settings.end();
+}
+
+} // namespace wavepath

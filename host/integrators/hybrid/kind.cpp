@@ -1,0 +1,139 @@
+#include "host/integrators/hybrid/kind.h"
+
+#include <array>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "host/integrators/hybrid/denoise.h"
+#include "host/integrators/hybrid/hybrid.h"
+#include "host/render/render.h"
+#include "host/scene/pack/pack.h"
+#include "kernels/hybrid/hybrid_types.h"
+
+namespace wavepath {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::array<std::string_view, 7> kHybridSettings = {"hemisphere", "direct",    "shadow-samples", "ao-samples",
+                                                             "ao-radius",  "ambient", "denoise"};
+constexpr std::array<std::string_view, 3> kAoSettings = {"ao-samples", "ao-radius", "denoise"};
+constexpr std::array<std::string_view, 1> kAovs = {"ao"};
+constexpr std::array<std::string_view, 2> kFirstHitStages = {"raster", "resolve"};
+
+constexpr const char* kFiltered = "direct light and occlusion are filtered over space and time (--denoise)";
+
+// AOVs come from the G-buffer, not from the path tracer's kernels.
+std::uint32_t features(const RenderSettings&) { return gpu::kFeatureSharedFirstHit; }
+
+void start_path_kernels(KernelCompiler& kernels, const DeviceInfo& device, std::uint32_t features,
+                        const RenderSettings& settings) {
+  const auto start = [&](std::uint32_t bits) {
+    kernels.start({&kPathProgram, kLightingStages, kernel_config(bits, kExpectedStack, settings)});
+  };
+  start(features);
+  if (generic_first(device)) start(gpu::kFeaturesAll);
+}
+
+std::uint64_t bytes_per_pixel(const RenderSettings& settings) {
+  constexpr std::uint64_t kIds = 2 * sizeof(std::uint32_t), kDepth = sizeof(float); // drawn, and copied once
+  return sizeof(gpu::GbufferPixel) + 2 * sizeof(gpu::vec4) + 2 * kIds + kDepth +
+         (settings.denoise ? Denoiser::kBytesPerPixel : 0);
+}
+
+std::vector<std::string> hybrid_bias(const RenderSettings& settings, const RenderResult& result) {
+  std::vector<std::string> bias;
+  if (settings.max_depth <= 1)
+    bias.push_back(fmt::format("light paths end after {} bounces (--max-depth)", settings.max_depth));
+  else
+    bias.push_back(fmt::format("light of more than one bounce, what mirrors and glass show of it included, is an ambient "
+                               "term of radiance {:.3g},{:.3g},{:.3g} (--integrator hybrid, --ambient)",
+                               result.ambient.r, result.ambient.g, result.ambient.b));
+  if (settings.denoise) bias.emplace_back(kFiltered);
+  return bias;
+}
+
+std::vector<std::string> ao_bias(const RenderSettings& settings, const RenderResult&) {
+  return settings.denoise ? std::vector<std::string>{kFiltered} : std::vector<std::string>();
+}
+
+std::vector<OmittedStage> always_omitted(const RenderSettings& settings) {
+  std::vector<OmittedStage> omitted = {
+      {"path kernels generate and accumulate", "hybrid frames begin with rasterization and end with composite"}};
+  if (!settings.denoise) omitted.push_back({"filters over space and time", "--denoise is off"});
+  return omitted;
+}
+
+std::vector<OmittedStage> hybrid_omitted(const RenderSettings& settings) {
+  std::vector<OmittedStage> omitted = always_omitted(settings);
+  if (settings.max_depth <= 1) omitted.push_back({"ambient occlusion", "--max-depth 1 asks for direct light alone"});
+  return omitted;
+}
+
+std::vector<OmittedStage> ao_omitted(const RenderSettings& settings) {
+  std::vector<OmittedStage> omitted = always_omitted(settings);
+  omitted.push_back({"path kernels shade, connect and extend", "occlusion needs no light"});
+  return omitted;
+}
+
+Json stats(const RenderSettings& settings, const PackedScene& scene, const RenderResult& result) {
+  return {{"shadow_samples", settings.shadow_samples},
+          {"ao_samples", settings.ao_samples},
+          {"ao_radius", occlusion_radius(scene, settings)},
+          {"ambient", {result.ambient.r, result.ambient.g, result.ambient.b}},
+          {"denoise", settings.denoise}};
+}
+
+std::unique_ptr<Integrator> make(Workspace& workspace, KernelCompiler& kernels) {
+  return std::make_unique<Hybrid>(workspace, kernels);
+}
+
+} // namespace
+
+double occlusion_radius(const PackedScene& scene, const RenderSettings& settings) {
+  return settings.ao_radius.value_or(settings.integrator->finds_light ? 0.1 * scene.radius : 0.0);
+}
+
+constinit const IntegratorKind kHybrid = {
+    .name = "hybrid",
+    .summary = "rasterized first hit, traced direct light and ambient occlusion",
+    .settings = kHybridSettings,
+    .aovs = kAovs,
+    .traces_paths = false,
+    .first_hit_stages = kFirstHitStages,
+    .features = features,
+    .start_kernels = start_path_kernels,
+    .bytes_per_slot = bytes_per_path,
+    .largest_record = 2 * sizeof(gpu::Ray),
+    .slots_per_pixel = [](const RenderSettings& settings) { return settings.shadow_samples; },
+    .bytes_per_pixel = bytes_per_pixel,
+    .is_biased = [](const RenderSettings& settings) { return settings.denoise || settings.max_depth > 1; },
+    .bias = hybrid_bias,
+    .omitted = hybrid_omitted,
+    .stats = stats,
+    .make = make,
+};
+
+constinit const IntegratorKind kAo = {
+    .name = "ao",
+    .summary = "that occlusion alone",
+    .settings = kAoSettings,
+    .aovs = kAovs,
+    .finds_light = false,
+    .traces_paths = false,
+    .first_hit_stages = kFirstHitStages,
+    .features = features,
+    .start_kernels = [](KernelCompiler&, const DeviceInfo&, std::uint32_t, const RenderSettings&) {}, // it has no paths
+    .bytes_per_slot = bytes_per_path,
+    .largest_record = 2 * sizeof(gpu::Ray),
+    .slots_per_pixel = [](const RenderSettings&) { return 1u; },
+    .bytes_per_pixel = bytes_per_pixel,
+    .is_biased = [](const RenderSettings& settings) { return settings.denoise; },
+    .bias = ao_bias,
+    .omitted = ao_omitted,
+    .stats = stats,
+    .make = make,
+};
+
+} // namespace wavepath

@@ -1,0 +1,116 @@
+#include "host/integrators/path/paths.h"
+
+#include <array>
+#include <cstddef>
+
+#include "kernels/path/accumulate.spv.h"
+#include "kernels/path/advance.spv.h"
+#include "kernels/path/connect.spv.h"
+#include "kernels/path/extend.spv.h"
+#include "kernels/path/generate.spv.h"
+#include "kernels/path/shade.spv.h"
+
+namespace wavepath {
+namespace {
+
+const std::array<KernelCode, kPathStageCount> kStages = {{{"generate", wavepath_generate_spv},
+                                                         {"advance", wavepath_advance_spv},
+                                                         {"extend", wavepath_extend_spv},
+                                                         {"shade", wavepath_shade_spv},
+                                                         {"connect", wavepath_connect_spv},
+                                                         {"accumulate", wavepath_accumulate_spv}}};
+
+// Shade takes as long to compile as all others together.
+constexpr std::array<std::size_t, kPathStageCount> kCompileOrder = {kShade,    kExtend,     kConnect,
+                                                                    kGenerate, kAccumulate, kAdvance};
+
+using enum BindingKind;
+
+// By PathBuffer.
+const std::vector<BufferRule> kRules = {
+    {"path states", [](const Extent& e) { return e.slots * sizeof(gpu::PathState); },
+     {{gpu::kBindPaths, storage}, {gpu::kBindPathTexels, texels_rgba32f}}},
+    {"path media", [](const Extent& e) { return e.features & gpu::kFeatureVolume ? e.slots * sizeof(std::uint32_t) : 0; },
+     {{gpu::kBindPathMedia, storage}}},
+    {"path AOVs", [](const Extent& e) { return e.features & gpu::kFeatureAovs ? e.slots * sizeof(gpu::PathAovs) : 0; },
+     {{gpu::kBindPathAovs, storage}}},
+    {"rays", [](const Extent& e) { return 2 * e.slots * sizeof(gpu::Ray); }, // two queues, by turns
+     {{gpu::kBindRays, storage}, {gpu::kBindRayTexels, texels_rgba32f}}},
+    {"hits", [](const Extent& e) { return e.slots * sizeof(gpu::Hit); },
+     {{gpu::kBindHits, storage}, {gpu::kBindHitTexels, texels_rgba32ui}}},
+    {"shadow rays",
+     [](const Extent& e) { return e.options & kRoomForShadowRays ? e.slots * sizeof(gpu::ShadowRay) : 0; },
+     {{gpu::kBindShadowRays, storage}, {gpu::kBindShadowRayTexels, texels_rgba32ui}}},
+    {"queues", [](const Extent&) { return std::uint64_t{sizeof(gpu::Queues)}; }, {{gpu::kBindQueues, storage}}},
+    {"light seen directly", [](const Extent& e) { return e.options & kRoomForSeen ? e.pixels * sizeof(gpu::vec4) : 0; },
+     {{gpu::kBindSeen, storage}}},
+};
+
+} // namespace
+
+const KernelProgram kPathProgram = {kStages, kCompileOrder, path_layout};
+
+std::vector<Binding> path_layout() {
+  std::vector<Binding> layout = workspace_layout();
+  add_layout(kRules, layout);
+  return layout;
+}
+
+std::uint32_t needed_features(const PackedScene& scene, const View& view, const RenderSettings& settings) {
+  return scene.features | (view.orthographic ? gpu::kFeatureOrthographic : 0) | features_of(settings);
+}
+
+std::uint64_t bytes_per_path(std::uint32_t features) {
+  std::uint64_t bytes = 0;
+  for (const BufferRule& rule : kRules)
+    bytes += rule.bytes({.pixels = 0, .slots = 1, .features = features, .options = kRoomForShadowRays});
+  return bytes - sizeof(gpu::Queues);
+}
+
+Paths::Paths(Workspace& workspace, KernelCompiler& kernels)
+    : buffers(workspace.device, kRules), workspace_(workspace), kernels_(kernels) {}
+
+bool Paths::change(const RenderSettings& settings, std::uint32_t stages, std::uint32_t options,
+                   std::uint32_t film_features) {
+  const PackedScene& scene = workspace_.scene;
+  const std::uint32_t camera = workspace_.frame.orthographic ? gpu::kFeatureOrthographic : 0;
+  need_ = {&kPathProgram, stages,
+           kernel_config(scene.features | camera | features_of(settings), scene.stack_size, settings)};
+  if (stages) kernels_.start(need_);
+  // Kernels that were begun for other settings may run until these are ready.
+  const std::uint32_t features = need_.config.features | kernels_.features(kPathProgram);
+  if (workspace_.frame.light_count > 0 || settings.room_for_shadow_rays) options |= kRoomForShadowRays;
+  bool moved = workspace_.fit(settings, features | film_features);
+  moved |= buffers.fit({workspace_.film.pixels(), workspace_.slots, features, options});
+  if (!moved && !sets_.empty()) return false;
+  std::vector<Binding> own;
+  buffers.add_bindings(own);
+  sets_ = bind_bands(workspace_, own);
+  return true;
+}
+
+void Paths::extend(Commands& commands, const KernelSet& kernels, gpu::Wave wave, std::uint32_t bounce) const {
+  commands.barrier();
+  wave.bounce = 2 * bounce;
+  commands.dispatch(kernels[kAdvance], 1, &wave);
+  commands.barrier();
+  wave.bounce = bounce;
+  commands.dispatch_indirect(kernels[kExtend], buffers[kQueues], offsetof(gpu::Queues, extend_groups), &wave);
+}
+
+void Paths::shade(Commands& commands, const KernelSet& kernels, gpu::Wave wave, std::uint32_t bounce) const {
+  commands.barrier();
+  wave.bounce = bounce;
+  commands.dispatch_indirect(kernels[kShade], buffers[kQueues], offsetof(gpu::Queues, extend_groups), &wave);
+}
+
+void Paths::connect(Commands& commands, const KernelSet& kernels, gpu::Wave wave, std::uint32_t bounce) const {
+  commands.barrier();
+  wave.bounce = 2 * bounce + 1;
+  commands.dispatch(kernels[kAdvance], 1, &wave);
+  commands.barrier();
+  wave.bounce = bounce;
+  commands.dispatch_indirect(kernels[kConnect], buffers[kQueues], offsetof(gpu::Queues, connect_groups), &wave);
+}
+
+} // namespace wavepath

@@ -1,0 +1,72 @@
+// Paths in flight: their state, the queues between the stages that trace them, and those stages. Whatever integrator
+// follows paths owns one of these.
+#pragma once
+
+#include <cstdint>
+#include <initializer_list>
+#include <memory>
+#include <vector>
+
+#include "host/render/integrator.h"
+#include "host/render/kernel_compiler.h"
+#include "host/render/resources.h"
+#include "host/render/workspace.h"
+#include "kernels/path/path_types.h"
+
+namespace wavepath {
+
+enum PathStage : std::size_t { kGenerate, kAdvance, kExtend, kShade, kConnect, kAccumulate, kPathStageCount };
+constexpr std::uint32_t stage_bits(std::initializer_list<PathStage> stages) {
+  std::uint32_t bits = 0;
+  for (const PathStage stage : stages) bits |= 1u << stage;
+  return bits;
+}
+inline constexpr std::uint32_t kLightingStages = stage_bits({kAdvance, kExtend, kShade, kConnect}); // from a first hit on
+inline constexpr std::uint32_t kAllPathStages = (1u << kPathStageCount) - 1;
+
+extern const KernelProgram kPathProgram;
+
+// Buffers of Paths, by place.
+enum PathBuffer : std::size_t { kStates, kMedia, kPathAovs, kRays, kHits, kShadowRays, kQueues, kSeen };
+
+// Bits of Extent::options.
+inline constexpr std::uint32_t kRoomForShadowRays = 1u << 0, kRoomForSeen = 1u << 1;
+
+class Paths {
+public:
+  Paths(Workspace& workspace, KernelCompiler& kernels);
+
+  // Takes up settings and the workspace's frame: begins compiling `stages` and makes room. `options`: see above.
+  // `film_features`: kFeature bits that other kernels of the integrator have. Returns whether buffers were replaced.
+  bool change(const RenderSettings& settings, std::uint32_t stages, std::uint32_t options, std::uint32_t film_features = 0);
+  bool is_ready() { return kernels_.ready(need_); }
+  double get_ready() { return kernels_.best(need_).seconds(); }
+  const KernelConfig& config() const { return need_.config; }
+  const KernelSet& kernels() { return kernels_.best(need_); } // may be a better one than for the last wave
+
+  // Recorded into commands that bindings(band) are bound to; bounce 0 is that of camera rays. A barrier comes before
+  // each, and none after.
+  void extend(Commands& commands, const KernelSet& kernels, gpu::Wave wave, std::uint32_t bounce) const;
+  void shade(Commands& commands, const KernelSet& kernels, gpu::Wave wave, std::uint32_t bounce) const;
+  void connect(Commands& commands, const KernelSet& kernels, gpu::Wave wave, std::uint32_t bounce) const;
+
+  const BindingSet& bindings(std::size_t band) const { return *sets_[band]; }
+  BufferSet buffers;
+
+private:
+  Workspace& workspace_;
+  KernelCompiler& kernels_;
+  KernelNeed need_;
+  std::vector<std::unique_ptr<BindingSet>> sets_; // by band
+};
+
+// Slots and kinds of everything that path kernels are bound to, without buffers.
+std::vector<Binding> path_layout();
+
+// kFeature bits that a view and settings ask for in this scene.
+std::uint32_t needed_features(const PackedScene& scene, const View& view, const RenderSettings& settings);
+
+// Bytes of path state and queues that one path in flight takes, for the features given.
+std::uint64_t bytes_per_path(std::uint32_t features);
+
+} // namespace wavepath

@@ -1,0 +1,63 @@
+// Kernels that are compiled together, for one configuration.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "host/gpu/kernel.h"
+#include "kernels/features.h"
+
+namespace wavepath {
+
+// Kernels that are bound to one layout. One constant for each integrator, in its folder.
+struct KernelProgram {
+  std::span<const KernelCode> stages;
+  std::span<const std::size_t> compile_order; // of all stages, the slowest first
+  std::vector<Binding> (*layout)();           // slots and kinds of what they are bound to; no buffers
+};
+
+// What kernels are specialized for. Whatever they are compiled for beyond what a scene needs, the picture has the same
+// bits.
+struct KernelConfig {
+  std::uint32_t features = 0;   // kFeature bits
+  std::uint32_t stack_size = 0; // entries of the traversal stack
+  std::uint32_t sampler = 0, direct = 0, hemisphere = 0, filter = 0;
+
+  bool operator==(const KernelConfig&) const = default;
+};
+
+// A set of kernels: which, and for what.
+struct KernelNeed {
+  const KernelProgram* program = nullptr;
+  std::uint32_t stages = 0; // bit s: stage s of the program
+  KernelConfig config;
+
+  bool operator==(const KernelNeed&) const = default;
+  // Whether a set made for this renders what `need` asks for.
+  bool covers(const KernelNeed& need) const;
+};
+
+// The specialization constants that make a kernel fit a configuration and a device, by kSpec...
+std::array<std::uint32_t, gpu::kSpecCount> specialization(const KernelConfig& config, const DeviceInfo& device);
+
+class KernelSet {
+public:
+  // Compiles the kernels, side by side, and has each run once without work, for the drivers that compile only then.
+  // Safe to call from several threads at once.
+  KernelSet(Device& device, const KernelNeed& need);
+
+  // The kernel of a stage that was asked for.
+  const Kernel& operator[](std::size_t stage) const { return *kernels_[stage]; }
+  const KernelConfig& config() const { return config_; }
+  double seconds() const { return seconds_; } // that compiling took
+
+private:
+  KernelConfig config_;
+  std::vector<std::optional<Kernel>> kernels_; // by stage
+  double seconds_ = 0.0;
+};
+
+} // namespace wavepath

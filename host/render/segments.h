@@ -1,0 +1,18 @@
+// What a pass goes through: runs of pixels that get the same number of samples.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "host/render/film_target.h"
+#include "host/render/integrator.h"
+
+namespace wavepath {
+
+std::vector<Segment> even_segments(const std::vector<FilmBand>& bands);
+
+// Sorts the runs of each band by level; `runs` becomes the list that places refer to.
+std::vector<Segment> level_segments(const std::vector<FilmBand>& bands, const std::vector<std::int8_t>& levels,
+                                    std::vector<std::uint32_t>& runs);
+
+} // namespace wavepath

@@ -1,0 +1,97 @@
+#include "host/render/wave_queue.h"
+
+#include <algorithm>
+#include <cstring>
+#include <utility>
+
+#include "host/render/workspace.h"
+
+namespace wavepath {
+namespace {
+
+gpu::Counters no_counts() {
+  gpu::Counters counters{};
+  std::ranges::fill(counters.nonfinite_first, gpu::kNone);
+  return counters;
+}
+
+std::uint64_t join(const std::uint32_t words[2]) { return std::uint64_t{words[1]} << 32 | words[0]; }
+
+} // namespace
+
+WaveQueue::Slot::Slot(Device& device)
+    : commands(device), counters(device, sizeof(gpu::Counters), BufferHome::readback) {}
+
+WaveQueue::WaveQueue(Workspace& workspace)
+    : workspace_(workspace), slots_{Slot(workspace.device), Slot(workspace.device)} {}
+
+void WaveQueue::submit(const std::function<void(Commands&)>& record, Work work) {
+  while (in_flight_.size() >= slots_.size()) finish_one();
+  Slot& slot = slots_[next_slot_];
+  next_slot_ = (next_slot_ + 1) % slots_.size();
+  slot.commands.restart(work.timed_dispatches);
+  const gpu::Counters none = no_counts();
+  slot.commands.write(workspace_.counters(), &none, sizeof(none));
+  record(slot.commands);
+  slot.commands.copy(workspace_.counters(), slot.counters, sizeof(none));
+  slot.commands.submit();
+  in_flight_.push_back({&slot, std::move(work), Clock::now(), {}});
+}
+
+void WaveQueue::afterwards(std::function<void()> action) {
+  if (in_flight_.empty())
+    action();
+  else
+    in_flight_.back().afterwards.push_back(std::move(action));
+}
+
+bool WaveQueue::finish_one() {
+  if (in_flight_.empty()) return false;
+  in_flight_.front().slot->commands.wait();
+  Flight flight = std::move(in_flight_.front());
+  in_flight_.pop_front();
+  const Finished finished = count(flight);
+  if (flight.work.done) flight.work.done(finished);
+  for (const auto& action : flight.afterwards) action();
+  return true;
+}
+
+void WaveQueue::drain() {
+  while (finish_one()) {}
+}
+
+Finished WaveQueue::count(Flight& flight) {
+  const Clock::time_point now = Clock::now();
+  Finished finished;
+  finished.seconds = std::chrono::duration<double>(now - std::max(flight.submitted, last_finished_)).count();
+  last_finished_ = now;
+  totals.busy_seconds += finished.seconds;
+  for (const KernelTime& time : flight.slot->commands.times()) {
+    count_time(time.kernel->name(), time.seconds);
+    finished.longest_dispatch = std::max(finished.longest_dispatch, time.seconds);
+  }
+  if (flight.work.stage) count_time(flight.work.stage, finished.seconds);
+  gpu::Counters counters;
+  flight.slot->counters.invalidate();
+  std::memcpy(&counters, flight.slot->counters.mapped(), sizeof(counters));
+  count_counters(counters, flight.work.wave);
+  return finished;
+}
+
+void WaveQueue::count_counters(const gpu::Counters& counters, const std::optional<gpu::Wave>& wave) {
+  totals.rays.camera += join(counters.camera_rays);
+  totals.rays.bounce += join(counters.bounce_rays);
+  totals.rays.shadow += join(counters.shadow_rays);
+  totals.rays.occlusion += join(counters.occlusion_rays);
+  if (wave)
+    totals.nonfinite.add(counters, *wave, [this](std::uint32_t place) { return workspace_.pixel_at(place); });
+}
+
+void WaveQueue::count_time(const std::string& name, double seconds) {
+  auto stage = std::ranges::find(totals.stages, name, &StageTime::name);
+  if (stage == totals.stages.end()) stage = totals.stages.insert(stage, {name, 0.0, 0});
+  stage->seconds += seconds;
+  ++stage->dispatches;
+}
+
+} // namespace wavepath

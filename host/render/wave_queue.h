@@ -1,0 +1,83 @@
+// Work handed to the device, two pieces in flight: while it runs one, the host records the next.
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host/gpu/commands.h"
+#include "host/render/nonfinite.h"
+#include "host/render/render.h"
+
+namespace wavepath {
+
+class Workspace;
+
+// What all work so far came to.
+struct Totals {
+  RayCounts rays;
+  Nonfinite nonfinite;
+  std::vector<StageTime> stages;
+  double busy_seconds = 0.0; // that the device was at work, as far as the host can tell
+};
+
+// Of one piece of work, once it is done.
+struct Finished {
+  double seconds = 0.0;          // that it kept the device
+  double longest_dispatch = 0.0; // 0 where dispatches are not timed
+};
+
+class WaveQueue {
+public:
+  // `workspace` outlives the queue.
+  explicit WaveQueue(Workspace& workspace);
+  WaveQueue(WaveQueue&&) = delete;
+
+  struct Work {
+    std::uint32_t timed_dispatches = 0;
+    const char* stage = nullptr;      // the whole is counted as time of this stage, where its dispatches are not timed
+    std::optional<gpu::Wave> wave{};  // whose slots non-finite samples are counted by
+    std::function<void(const Finished&)> done{}; // called when it was waited for
+  };
+  // Records and submits; waits first where two pieces are in flight already. All work is done in the order in which it
+  // was submitted.
+  void submit(const std::function<void(Commands&)>& record, Work work);
+  // Calls `action` when all that was submitted so far has been waited for: at once if nothing is in flight.
+  void afterwards(std::function<void()> action);
+  // Waits for the oldest piece. False if there was none.
+  bool finish_one();
+  void drain();
+  bool idle() const { return in_flight_.empty(); }
+
+  Totals totals;
+
+private:
+  using Clock = std::chrono::steady_clock;
+  struct Slot {
+    explicit Slot(Device& device);
+    Commands commands;
+    Buffer counters; // read back
+  };
+  struct Flight {
+    Slot* slot;
+    Work work;
+    Clock::time_point submitted;
+    std::vector<std::function<void()>> afterwards;
+  };
+  Finished count(Flight& flight);
+  void count_counters(const gpu::Counters& counters, const std::optional<gpu::Wave>& wave);
+  void count_time(const std::string& name, double seconds);
+
+  Workspace& workspace_;
+  std::array<Slot, 2> slots_;
+  std::size_t next_slot_ = 0;
+  std::deque<Flight> in_flight_;
+  Clock::time_point last_finished_{};
+};
+
+} // namespace wavepath
