@@ -18,7 +18,7 @@ using tinygltf::ExtensionMap;
 using tinygltf::Value;
 
 // An extension, or an empty value that has no members.
-const Value& extension(const ExtensionMap& extensions, const char* name) {
+const Value& extension(const ExtensionMap& extensions, const std::string& name) {
   static const Value kNone;
   const auto found = extensions.find(name);
   return found == extensions.end() ? kNone : found->second;
