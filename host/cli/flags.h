@@ -7,8 +7,13 @@
 #include <string>
 #include <string_view>
 
-#include <CLI/CLI.hpp>
 #include <glm/glm.hpp>
+
+// Of CLI11, whose headers compile slowly. Only what asks the parser for more than these functions do includes them.
+namespace CLI {
+class App;
+class Option;
+} // namespace CLI
 
 namespace wavepath {
 
@@ -32,9 +37,14 @@ struct Flag {
   const char* initial = ""; // the default in words; empty = none
 };
 
-// The last one given counts, unless `repeatable`, when `read` is called for each.
+// A command of `app`, with --help. `footer`: what its help ends with, if not as that of `app`.
+CLI::App* add_command(CLI::App& app, const char* name, const char* meaning, const char* footer = nullptr);
+
+// The last one given counts, unless `repeatable`, when `read` is called for each. An argument without a dash that is
+// `repeatable` takes as many words as there are.
 CLI::Option* add_flag(CLI::App& app, const char* group, const Flag& flag, std::function<void(const FlagValue&)> read,
                       bool repeatable = false);
+void require(CLI::Option* option); // a command line without it is refused
 void add_switch(CLI::App& app, const char* group, const Flag& flag, bool& value);
 
 // The name among `names` that is nearest to `text` by edit distance; empty if none is near enough to be meant.
@@ -45,10 +55,7 @@ std::string suggestion(const std::string& text, std::span<const std::string> nam
 
 inline constexpr const char* kHelpGroup = "Help"; // of --help and --version
 
-// Lays out --help: usage, then the flags by group, each with its meaning and default.
-class HelpLayout : public CLI::FormatterBase {
-public:
-  std::string make_help(const CLI::App* app, std::string name, CLI::AppFormatMode mode) const override;
-};
+// Lays out --help of `app` and its commands: usage, then the flags by group, each with its meaning and default.
+void set_help_layout(CLI::App& app);
 
 } // namespace wavepath

@@ -7,8 +7,6 @@
 #include <utility>
 #include <vector>
 
-#include <CLI/CLI.hpp>
-
 #include "bvh/build.h"
 #include "host/cli/flags.h"
 #include "host/film/picture_io.h"
