@@ -110,8 +110,7 @@ protected:
 TEST_F(Bench, ReplaysTheRaysOfTheRenderer) {
   const Loaded scene = load(load_gltf(kCornell, {}), settings_);
   KernelCompiler kernels(device());
-  PathTracer tracer(device(), scene.packed, scene.view, settings_, 48 * 32, kernels);
-  RayReplay replay(tracer);
+  RayReplay replay(device(), scene.packed, scene.view, settings_, kernels);
   const RaySets rays = replay.capture();
   ASSERT_EQ(rays.camera.size(), 48u * 32u);
   ASSERT_GT(rays.bounce.size(), 100u);
@@ -132,8 +131,7 @@ TEST_F(Bench, ReplaysTheRaysOfTheRenderer) {
 TEST_F(Bench, ReplaysShadowRays) {
   const Loaded scene = load(builtin_scene(), settings_);
   KernelCompiler kernels(device());
-  PathTracer tracer(device(), scene.packed, scene.view, settings_, 48 * 32, kernels);
-  RayReplay replay(tracer);
+  RayReplay replay(device(), scene.packed, scene.view, settings_, kernels);
   const RaySets rays = replay.capture();
   EXPECT_GT(replay.connect(rays.shadow), 0.0);
   const std::vector<bool> blocked = replay.blocked(rays.shadow);
@@ -157,12 +155,12 @@ TEST_F(Bench, CeilingsAreFiniteAndOrdered) {
 
 TEST_F(Bench, FramesCountWhatTheyTrace) {
   const Loaded scene = load(load_gltf(kCornell, {}), settings_);
-  KernelCompiler kernels(device());
-  PathTracer tracer(device(), scene.packed, scene.view, settings_, 500, kernels); // several waves a sample
-  const FrameTime one = render_frame(tracer, 1), two = render_frame(tracer, 2);
+  settings_.wave_slots = 500; // several waves a sample
+  WarmLoop warm = make_loop(device(), scene.packed, scene.view, settings_);
+  const FrameTime one = render_frame(warm, 1), two = render_frame(warm, 2);
   EXPECT_EQ(one.rays.camera, 48u * 32u);
   EXPECT_EQ(two.rays.camera, 2u * 48u * 32u);
-  EXPECT_EQ(render_frame(tracer, 1).rays.total(), one.rays.total());
+  EXPECT_EQ(render_frame(warm, 1).rays.total(), one.rays.total());
 }
 
 // What bench --ablate compiles in, one at a time.
@@ -198,11 +196,8 @@ TEST(Baseline, TellsTheChange) {
   EXPECT_THROW(compare_with_baseline(before, Json::array(), "f"), Error);
 }
 
-class BenchCommand : public ::testing::Test {
+class BenchCommand : public ProgramTest {
 protected:
-  void SetUp() override {
-    if (list_devices().empty()) GTEST_SKIP() << "no Vulkan device";
-  }
   Outcome bench(std::vector<std::string> extra) {
     std::vector<std::string> arguments{WAVEPATH_BINARY, "bench", "--size",      "32x24",
                                        "--repetitions", "1",     "--max-depth", "2"};

@@ -114,7 +114,11 @@ protected:
       // What is in no bin: delta lobes, absorbed, and outside of a window.
       EXPECT_LE(total, 1.0 + 1e-4) << c;
       if (configs[c].window.w == 0.0f) {
-        EXPECT_NEAR(seen / d.count, 1.0 - d.delta - d.rejected, 1e-9) << c;
+        // Rounding may put a direction at the pole or on the seam of the azimuth outside of [0,1)^2. Its chance is some
+        // 2^-24 a sample, 0.02 over all samples of a config, so that more than a few are lost for another reason.
+        const double lost = (1.0 - d.delta - d.rejected) * d.count - seen;
+        EXPECT_GT(lost, -0.5) << c;
+        EXPECT_LT(lost, 4.5) << c;
       }
       o.push_back(d.count - seen);
       e.push_back(std::max(1.0 - total, 0.0) * d.count);

@@ -12,6 +12,7 @@
 #include "host/film/picture_io.h"
 #include "tests/run_wavepath.h"
 #include "tests/temporary_folder.h"
+#include "tests/vulkan_device.h"
 
 namespace wavepath::test {
 namespace {
@@ -25,11 +26,8 @@ Outcome run_wavepath(std::vector<std::string> arguments, const RunOptions& optio
 
 using Json = nlohmann::json;
 
-class CliRenderTest : public ::testing::Test {
+class CliRenderTest : public ProgramTest {
 protected:
-  void SetUp() override {
-    if (list_devices().empty()) GTEST_SKIP() << "no Vulkan device";
-  }
   // Renders the Cornell box at 48x32 with `extra` flags.
   Outcome render(const std::vector<std::string>& extra, const RunOptions& options = {}) {
     std::vector<std::string> arguments = {"render", scene_file("cornell_box.gltf"), "--size", "48x32"};

@@ -1,10 +1,12 @@
 // glTF import, feature by feature: materials, their extensions, textures and images.
+#include <algorithm>
 #include <cmath>
 
 #include <OpenImageIO/imageio.h>
 #include <gtest/gtest.h>
 
 #include "host/base/error.h"
+#include "host/base/overloaded.h"
 #include "tests/gltf_checks.h"
 
 namespace wavepath {
@@ -94,6 +96,71 @@ TEST(GltfMaterial, FactorsAndExtensions) {
   EXPECT_EQ(only_material({{"alphaMode", "BLEND"}}).alpha_mode, AlphaMode::blend);
 }
 
+// --- the table of a material's fields ---
+
+// A material in which the property at `path` has this value, and that lacks nothing else.
+json material_with(const std::string& path, const json& value) {
+  std::string pointer = "/" + path;
+  std::replace(pointer.begin(), pointer.end(), '.', '/');
+  json material;
+  material[json::json_pointer(pointer)] = value;
+  if (path == "normalTexture.scale") material["normalTexture"]["index"] = 0;
+  return material;
+}
+
+void expect_refused(const json& material) { EXPECT_THROW(load(with_texture(material)), Error) << material; }
+
+TEST(GltfMaterial, EveryFactorIsReadCheckedAndClamped) {
+  int count = 0;
+  const auto check = [&]<class T>(const MaterialFactor<T>& row) {
+    if (!*row.gltf) return;
+    ++count;
+    const double inside = row.lo + (std::min(row.hi, 2.0) - row.lo) * 0.75;
+    const auto values = [](double value) -> json {
+      if constexpr (std::is_same_v<T, float>)
+        return value;
+      else
+        return std::vector<double>(T::length(), value);
+    };
+    EXPECT_EQ(load(with_texture(material_with(row.gltf, values(inside)))).materials.at(0).*row.field,
+              T(static_cast<float>(inside)))
+        << row.name;
+    if (row.hi < 1e30) {
+      const Scene scene = load(with_texture(material_with(row.gltf, values(2.0 * row.hi))));
+      EXPECT_EQ(scene.materials[0].*row.field, T(static_cast<float>(row.hi))) << row.name;
+      EXPECT_EQ(warning_count(scene, "clamped"), 1u) << row.name;
+    }
+    expect_refused(material_with(row.gltf, "text"));
+    if (!std::is_same_v<T, float>) expect_refused(material_with(row.gltf, {0.5, 0.5}));
+  };
+  visit_material_fields(Overloaded{[](const auto&) {}, [&]<class T>(const MaterialFactor<T>& row) { check(row); }});
+  EXPECT_GE(count, 10);
+}
+
+TEST(GltfMaterial, EveryTextureIsReadAndChecked) {
+  int count = 0;
+  visit_material_fields(Overloaded{[](const auto&) {}, [&](const MaterialTexture& row) {
+    ++count;
+    json material = material_with(row.gltf, {{"index", 0}, {"texCoord", 1}});
+    material["emissiveFactor"] = {1, 1, 1};
+    material["extensions"]["KHR_materials_transmission"]["transmissionFactor"] = 1;
+    const Material read = load(with_texture(material)).materials.at(0);
+    const TextureSlot& slot = read.*row.field;
+    EXPECT_TRUE(slot.present()) << row.name;
+    EXPECT_EQ(slot.srgb, row.srgb) << row.name;
+    EXPECT_EQ(slot.uv_set, 1u) << row.name;
+    int textures = 0;
+    visit_textures(read, [&](const auto&...) { ++textures; });
+    EXPECT_EQ(textures, 1) << row.name;
+    expect_refused(material_with(row.gltf, {{"index", 7}}));
+    expect_refused(material_with(row.gltf, {{"texCoord", 0}}));
+    if (!row.visible) return;
+    GltfBuilder invisible = with_texture(material_with(row.gltf, {{"index", 0}}));
+    EXPECT_FALSE((load(invisible).materials.at(0).*row.field).present()) << row.name;
+  }});
+  EXPECT_GE(count, 7);
+}
+
 TEST(GltfMaterial, VolumeAttenuation) {
   const auto volume = [](const json& value) {
     return only_material({{"extensions", {{"KHR_materials_volume", value}}}});
@@ -168,7 +235,7 @@ TEST(GltfTexture, SlotsSamplersAndRoles) {
   EXPECT_EQ(m.normal_texture.wrap_u, Wrap::repeat);
   EXPECT_EQ(m.metallic_roughness_texture.uv_set, 1u);
   EXPECT_EQ(m.normal_scale, 0.5f);
-  EXPECT_FALSE(m.base_color_texture.moved);
+  EXPECT_FALSE(m.base_color_texture.transformed());
   EXPECT_EQ(warning_count(scene, "occlusion"), 1u);
   EXPECT_EQ(scene.meshes[0].uvs[1][1], glm::vec2(2, 0));
   EXPECT_EQ(scene.meshes[0].tangents.size(), 3u);
@@ -180,7 +247,7 @@ TEST(GltfTexture, Transform) {
       with_texture({{"pbrMetallicRoughness",
                      {{"baseColorTexture", {{"index", 0}, {"extensions", {{"KHR_texture_transform", transform}}}}}}}}));
   const TextureSlot& slot = scene.materials.at(0).base_color_texture;
-  EXPECT_TRUE(slot.moved);
+  EXPECT_TRUE(slot.transformed());
   EXPECT_EQ(slot.uv_set, 1u);
   // Scaled to (2, 0), turned by 90 degrees counter-clockwise as seen (v points down), then moved.
   const glm::vec2 u = slot.uv_matrix * glm::vec2(1, 0) + slot.uv_offset;

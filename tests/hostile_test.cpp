@@ -66,6 +66,21 @@ TEST_P(DamagedDocument, IsRefused) {
 const Case kCases[] = {
     {"VersionMissing", "asset.version is missing", [](json& d) { d["asset"].erase("version"); }},
     {"VersionOne", "glTF version 1.0", [](json& d) { d["asset"]["version"] = "1.0"; }},
+    {"VersionThree", "glTF version 3.0", [](json& d) { d["asset"]["version"] = "3.0"; }},
+    {"VersionNotANumber", "asset.version is '2' instead of MAJOR.MINOR", [](json& d) { d["asset"]["version"] = "2"; }},
+    {"VersionWithThreeParts", "asset.version is '2.0.1'", [](json& d) { d["asset"]["version"] = "2.0.1"; }},
+    {"VersionSigned", "asset.version is '2.-1'", [](json& d) { d["asset"]["version"] = "2.-1"; }},
+    {"VersionTooNew", "needs a reader of glTF 2.1",
+     [](json& d) {
+       d["asset"] = {{"version", "2.1"}, {"minVersion", "2.1"}};
+     }},
+    {"VersionMuchTooNew", "needs a reader of glTF 3.0",
+     [](json& d) {
+       d["asset"] = {{"version", "3.1"}, {"minVersion", "3.0"}};
+     }},
+    {"VersionBelowItsLeast", "asset.minVersion is above asset.version", [](json& d) { d["asset"]["minVersion"] = "2.1"; }},
+    {"LeastVersionNotANumber", "asset.minVersion is 'two'", [](json& d) { d["asset"]["minVersion"] = "two"; }},
+    {"LeastVersionNotAString", "asset.minVersion is not a string", [](json& d) { d["asset"]["minVersion"] = 2.0; }},
     {"AssetMissing", "asset is missing", [](json& d) { d.erase("asset"); }},
     {"NodesNotAList", "nodes is not a JSON array", [](json& d) { d["nodes"] = 3; }},
     {"NodeNotAnObject", "nodes[1] is not a JSON object", [](json& d) { d["nodes"][1] = "x"; }},

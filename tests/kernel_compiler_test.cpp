@@ -5,6 +5,7 @@
 
 #include "host/integrators/hybrid/kind.h"
 #include "host/integrators/path/kind.h"
+#include "host/integrators/path/paths.h"
 #include "host/render/kernel_compiler.h"
 #include "host/render/render.h"
 #include "host/scene/gltf/gltf.h"
@@ -18,19 +19,27 @@ namespace {
 const std::filesystem::path kScenes = std::filesystem::path(WAVEPATH_SOURCE_DIR) / "scenes";
 
 TEST(KernelConfig, CoversWhatNeedsNoMore) {
-  const KernelConfig generic{gpu::kFeaturesAll, 64, 1, 1, 1, 1};
+  const KernelNeed generic{&kPathProgram, kAllPathStages, {gpu::kFeaturesAll, 64, 1, 1, 1, 1}};
   EXPECT_TRUE(generic.covers(generic));
-  KernelConfig need = generic;
-  need.features = gpu::kFeatureAlpha;
-  need.stack_size = 10;
+  KernelNeed need = generic;
+  need.config.features = gpu::kFeatureAlpha;
+  need.config.stack_size = 10;
+  need.stages = kLightingStages;
   EXPECT_TRUE(generic.covers(need));
   EXPECT_FALSE(need.covers(generic));
-  need.stack_size = 65;
+  need.config.stack_size = 65;
   EXPECT_FALSE(generic.covers(need));
+  KernelNeed fewer = generic;
+  fewer.stages = kLightingStages;
+  EXPECT_FALSE(fewer.covers(generic));
+  const KernelProgram another = kPathProgram;
+  KernelNeed elsewhere = generic;
+  elsewhere.program = &another;
+  EXPECT_FALSE(generic.covers(elsewhere));
   for (std::uint32_t KernelConfig::*setting :
        {&KernelConfig::sampler, &KernelConfig::direct, &KernelConfig::hemisphere, &KernelConfig::filter}) {
-    KernelConfig other = generic;
-    other.*setting = 0;
+    KernelNeed other = generic;
+    other.config.*setting = 0;
     EXPECT_FALSE(generic.covers(other));
   }
 }
@@ -63,13 +72,16 @@ protected:
     view_ = resolve_view(scene, {}, settings_.width, settings_.height);
     packed_ = pack(scene, settings_.direct);
   }
+  KernelNeed need(std::uint32_t features) const {
+    return {&kPathProgram, kAllPathStages, kernel_config(features, packed_.stack_size, settings_)};
+  }
   // Renders with whatever `kernels` has, and with the scene's own from the second wave on.
   Picture render_and_swap(KernelCompiler& kernels) {
-    const KernelConfig own = kernel_config(packed_.features, packed_.stack_size, settings_);
+    const KernelNeed own = need(packed_.features);
     bool swapped = false;
     const auto wait_for_own = [&](const Progress&) {
       while (!swapped) {
-        swapped = kernels.best(own).config() == own;
+        swapped = kernels.best(own).config() == own.config;
         std::this_thread::sleep_for(std::chrono::milliseconds(1));
       }
       return true;
@@ -94,9 +106,9 @@ TEST_F(KernelCompilerTest, BeginningWithGenericKernelsChangesNoBit) {
     open(name);
     const Picture own = render(device(), packed_, view_, settings_).picture;
     KernelCompiler kernels(device());
-    const KernelConfig generic = kernel_config(gpu::kFeaturesAll, packed_.stack_size, settings_);
+    const KernelNeed generic = need(gpu::kFeaturesAll);
     kernels.start(generic);
-    EXPECT_EQ(kernels.best(generic).config(), generic);
+    EXPECT_EQ(kernels.best(generic).config(), generic.config);
     expect_same_bits(render_and_swap(kernels), own);
   }
 }
@@ -105,7 +117,7 @@ TEST_F(KernelCompilerTest, AWrongGuessChangesNoBit) {
   open("cornell_box.gltf");
   const Picture own = render(device(), packed_, view_, settings_).picture;
   KernelCompiler kernels(device());
-  kernels.start(kernel_config(gpu::kFeatureTextures, packed_.stack_size, settings_)); // lacks emission, for one
+  kernels.start(need(gpu::kFeatureTextures)); // lacks emission, for one
   expect_same_bits(render_and_swap(kernels), own);
 }
 
@@ -113,7 +125,7 @@ TEST_F(KernelCompilerTest, IsDestroyedWhileCompiling) {
   open("cornell_box.gltf");
   for (int i = 0; i < 3; ++i) {
     KernelCompiler kernels(device());
-    kernels.start(kernel_config(packed_.features, packed_.stack_size, settings_));
+    kernels.start(need(packed_.features));
   }
 }
 

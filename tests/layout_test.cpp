@@ -12,6 +12,8 @@
 
 #include <gtest/gtest.h>
 
+#include "host/base/overloaded.h"
+#include "host/scene/material.h"
 #include "kernels/film/film_types.h"
 #include "kernels/frame_types.h"
 #include "kernels/hybrid/filter_types.h"
@@ -85,13 +87,15 @@ TEST(Layout, Geometry) {
 }
 
 TEST(Layout, Materials) {
-  compare("Material", sizeof(Material),
-          {AT(Material, base_color), AT(Material, emission), AT(Material, flags), AT(Material, specular_color),
-           AT(Material, specular), AT(Material, attenuation), AT(Material, transmission), AT(Material, metallic),
-           AT(Material, roughness), AT(Material, ior), AT(Material, alpha_cutoff), AT(Material, normal_scale),
-           AT(Material, base_color_texture), AT(Material, metallic_roughness_texture), AT(Material, normal_texture),
-           AT(Material, emission_texture), AT(Material, specular_texture), AT(Material, specular_color_texture),
-           AT(Material, transmission_texture)});
+  Offsets offsets = {AT(Material, flags)};
+  const Material material{};
+  const auto add = [&](const auto& row) {
+    const auto* member = &(material.*row.packed);
+    offsets[row.name] = static_cast<std::size_t>(reinterpret_cast<const char*>(member) -
+                                                 reinterpret_cast<const char*>(&material));
+  };
+  visit_material_fields(Overloaded{add, []<class T>(const MaterialChoice<T>&) {}}); // choices are bits of `flags`
+  compare("Material", sizeof(Material), offsets);
   compare("Texture", sizeof(Texture),
           {AT(Texture, first_texel), AT(Texture, width), AT(Texture, height), AT(Texture, flags), AT(Texture, uv_matrix),
            AT(Texture, uv_offset)});
@@ -125,9 +129,10 @@ TEST(Layout, PathsAndQueues) {
           {AT(ShadowRay, origin), AT(ShadowRay, slot), AT(ShadowRay, direction), AT(ShadowRay, t_max),
            AT(ShadowRay, contribution), AT(ShadowRay, light)});
   compare("Queues", sizeof(Queues),
-          {AT(Queues, ray_count), AT(Queues, shadow_count), AT(Queues, extend_groups), AT(Queues, connect_groups),
-           AT(Queues, camera_rays), AT(Queues, bounce_rays), AT(Queues, shadow_rays), AT(Queues, occlusion_rays), AT(Queues, nonfinite_count),
-           AT(Queues, nonfinite_first)});
+          {AT(Queues, ray_count), AT(Queues, shadow_count), AT(Queues, extend_groups), AT(Queues, connect_groups)});
+  compare("Counters", sizeof(Counters),
+          {AT(Counters, camera_rays), AT(Counters, bounce_rays), AT(Counters, shadow_rays), AT(Counters, occlusion_rays),
+           AT(Counters, nonfinite_count), AT(Counters, nonfinite_first)});
 }
 
 TEST(Layout, Film) {

@@ -325,7 +325,6 @@ TEST(TexturedLights, ReadMovedSecondCoordinatesInLinearLight) {
   TextureSlot& slot = scene.materials[0].emission_texture;
   slot.srgb = true;
   slot.uv_set = 1;
-  slot.moved = true;
   slot.uv_matrix = glm::mat2(0.5f, 0.0f, 0.0f, 1.0f); // u' = u/2 reaches the lit half alone
   const PackedScene packed = pack(scene);
   const std::vector<float> pdf = pdf_by_place(packed);

@@ -137,7 +137,6 @@ TEST(Textures, CarryTheirTransformByRows) {
   scene.images.push_back(byte_image(1, 1, {0, 0, 0, 0}));
   TextureSlot& slot = scene.materials[0].base_color_texture;
   slot.image = 0;
-  slot.moved = true;
   slot.uv_matrix = glm::mat2(1.0f, 2.0f, 3.0f, 4.0f); // columns (1,2) and (3,4)
   slot.uv_offset = {5.0f, 6.0f};
   const PackedScene packed = pack(scene);

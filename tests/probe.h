@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <cstdlib>
 #include <cstring>
 #include <span>
 #include <string>
@@ -10,42 +9,11 @@
 
 #include <gtest/gtest.h>
 
-#include "host/base/error.h"
 #include "host/gpu/commands.h"
 #include "kernels/gpu.h"
+#include "tests/vulkan_device.h"
 
 namespace wavepath::test {
-
-// The device of this test process, or null where there is none. With WAVEPATH_REQUIRE_VULKAN=1 its absence is a failure.
-inline Device* test_device() {
-  static Device* device = []() -> Device* {
-    try {
-      return new Device(std::getenv("WAVEPATH_DEVICE") ? std::getenv("WAVEPATH_DEVICE") : "");
-    } catch (const Error& error) {
-      const char* required = std::getenv("WAVEPATH_REQUIRE_VULKAN");
-      if (required && std::strcmp(required, "0") != 0) {
-        std::fprintf(stderr, "%s\n", error.what());
-        std::abort();
-      }
-      return nullptr;
-    }
-  }();
-  return device;
-}
-
-// Base of every test that needs a device: skips without one, fails on validation messages.
-class VulkanTest : public ::testing::Test {
-protected:
-  void SetUp() override {
-    if (!test_device()) GTEST_SKIP() << "no Vulkan device";
-    messages_before_ = Device::validation_messages();
-  }
-  void TearDown() override { EXPECT_EQ(Device::validation_messages(), messages_before_) << "validation spoke up"; }
-  Device& device() { return *test_device(); }
-
-private:
-  std::uint32_t messages_before_ = 0;
-};
 
 // One storage buffer of a probe, at the binding of its position in the list. Its bytes go in and come back.
 using ProbeBuffer = std::vector<std::byte>;

@@ -12,6 +12,7 @@
 #include "host/film/error.h"
 #include "host/film/error_map.h"
 #include "host/render/progressive.h"
+#include "host/render/kernel_compiler.h"
 #include "host/scene/gltf/gltf.h"
 #include "host/scene/pack/pack.h"
 #include "host/scene/view.h"
@@ -144,7 +145,7 @@ TEST_F(ProgressiveTest, FramesMakeTheBitsOfRender) {
   render_some(progressive, 2);
   RenderSettings frames = settings_;
   for (const IntegratorKind* integrator : {&kHybrid, &kAo}) {
-    SCOPED_TRACE(static_cast<int>(integrator));
+    SCOPED_TRACE(integrator->name);
     frames.integrator = integrator;
     frames.denoise = false;
     frames.shadow_samples = 2;
@@ -184,7 +185,7 @@ TEST_F(ProgressiveTest, FramesInMotionAreAntialiasedOverTime) {
     const Picture moving = progressive.picture();
     RenderSettings fine = progressive.settings();
     fine.last_sample = 64;
-    fine.width = progressive.film_width(), fine.height = progressive.film_height();
+    fine.width = progressive.film_target().width(), fine.height = progressive.film_target().height();
     const Picture truth = render(device(), packed_, view_, fine).picture;
     double squares = 0.0;
     for (std::size_t i = 0; i < truth.channels[1].values.size(); ++i)
@@ -260,7 +261,7 @@ TEST_F(ProgressiveTest, TheSceneIsUploadedOnce) {
   open("showcase.glb");
   Progressive progressive = begin();
   finish(progressive);
-  const PathTracer* tracer = &progressive.tracer(); // which uploads when it is made, and then alone
+  const DeviceScene* uploaded = &progressive.device_scene();
   const MemoryUse before = progressive.status().memory;
   for (int i = 0; i < 5; ++i) {
     progressive.move(i % 2 ? view_ : moved_view());
@@ -275,7 +276,7 @@ TEST_F(ProgressiveTest, TheSceneIsUploadedOnce) {
   progressive.set_settings(settings_, view_);
   finish(progressive);
   const MemoryUse after = progressive.status().memory;
-  EXPECT_EQ(&progressive.tracer(), tracer);
+  EXPECT_EQ(&progressive.device_scene(), uploaded);
   EXPECT_EQ(after.scene + after.bvh, before.scene + before.bvh);
   EXPECT_EQ(after.paths, before.paths);
   EXPECT_EQ(after.film, before.film);

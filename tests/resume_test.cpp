@@ -17,13 +17,14 @@
 #include "host/render/state_file.h"
 #include "tests/run_wavepath.h"
 #include "tests/temporary_folder.h"
+#include "tests/vulkan_device.h"
 
 namespace wavepath::test {
 namespace {
 
 const std::string kCornell = std::string(WAVEPATH_SOURCE_DIR) + "/scenes/cornell_box.gltf";
 
-class Resume : public ::testing::Test {
+class Resume : public ProgramTest {
 protected:
   Outcome wavepath(std::vector<std::string> arguments, RunOptions options = {}) {
     arguments.insert(arguments.begin(), WAVEPATH_BINARY);

@@ -108,16 +108,16 @@ TEST_F(SelftestReport, JsonHasTheContractsFields) {
   EXPECT_NE(document[1]["note"].get<std::string>().find("all is wrong"), std::string::npos);
 }
 
-TEST(SelftestCommand, RefusesNamesThatAreNone) {
-  if (!test_device()) GTEST_SKIP() << "no Vulkan device";
+class SelftestCommand : public ProgramTest {};
+
+TEST_F(SelftestCommand, RefusesNamesThatAreNone) {
   const Outcome outcome = run_program({WAVEPATH_BINARY, "selftest", "--only", "no such case"});
   EXPECT_EQ(outcome.exit_code, kExitUsage);
   EXPECT_NE(outcome.err.find("--only"), std::string::npos);
   EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1);
 }
 
-TEST(SelftestCommand, PrintsJsonAlone) {
-  if (!test_device()) GTEST_SKIP() << "no Vulkan device";
+TEST_F(SelftestCommand, PrintsJsonAlone) {
   const Outcome outcome = run_program({WAVEPATH_BINARY, "selftest", "--only", "empty scene", "--json"});
   EXPECT_EQ(outcome.exit_code, kExitDone);
   const Json document = Json::parse(outcome.out);

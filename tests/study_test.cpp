@@ -10,11 +10,11 @@
 
 #include "host/integrators/hybrid/kind.h"
 #include "host/integrators/path/kind.h"
-#include "host/gpu/device.h"
 #include "host/film/picture_io.h"
 #include "host/study/tables.h"
 #include "tests/run_wavepath.h"
 #include "tests/temporary_folder.h"
+#include "tests/vulkan_device.h"
 
 namespace wavepath::test {
 namespace {
@@ -231,11 +231,8 @@ TEST(Grid, LeavesOutWhatChangesNothing) {
   EXPECT_EQ(grid.back().flags(), "--denoise --integrator ao --ao-samples 16");
 }
 
-class StudyCommand : public ::testing::Test {
+class StudyCommand : public ProgramTest {
 protected:
-  void SetUp() override {
-    if (list_devices().empty()) GTEST_SKIP() << "no Vulkan device";
-  }
   Outcome study(const std::vector<std::string>& extra, const RunOptions& options = {}) {
     std::vector<std::string> arguments = {WAVEPATH_BINARY, "study", kCornell};
     arguments.insert(arguments.end(), extra.begin(), extra.end());

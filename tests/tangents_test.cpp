@@ -1,5 +1,7 @@
 // Tangents made for normal maps.
 #include <cmath>
+#include <cstdlib>
+#include <iterator>
 
 #include <gtest/gtest.h>
 
@@ -62,6 +64,68 @@ TEST(Tangents, AreWeightedByTheAngleOfTheFace) {
   expect_near(glm::vec3(mesh.tangents[mesh.indices[0]]),
               glm::normalize(glm::dvec3(2 + std::sqrt(0.5), std::sqrt(0.5), 0)), 1e-6);
   expect_near(glm::vec3(mesh.tangents[mesh.indices[5]]), {std::sqrt(0.5), std::sqrt(0.5), 0}, 1e-6);
+}
+
+// A bumpy sheet of 5 x 5 vertices, its texture mirrored at the middle, sheared and uneven, its normals tilted at random,
+// its diagonals in both directions.
+Mesh bumpy_sheet() {
+  constexpr int kSide = 5;
+  Mesh mesh;
+  for (int j = 0; j < kSide; ++j)
+    for (int i = 0; i < kSide; ++i) {
+      mesh.positions.emplace_back(i, j, (i * 7 + j * j * 5 + i * j * 3) % 8 / 8.0);
+      const double a = (i * 3 + j * 5) % 7 / 8.0 - 0.375, b = (i * 5 + j * 2) % 7 / 8.0 - 0.375;
+      mesh.normals.emplace_back(glm::normalize(glm::dvec3(a, b, 1.0)));
+      mesh.uvs[0].emplace_back(std::abs(i - 2) / 4.0 + j / 16.0, (j + (i * j) % 3 / 8.0) / 4.0);
+    }
+  for (std::uint32_t j = 0; j + 1 < kSide; ++j)
+    for (std::uint32_t i = 0; i + 1 < kSide; ++i) {
+      const std::uint32_t a = j * kSide + i, b = a + 1, c = a + kSide, d = c + 1;
+      const std::uint32_t corners[2][6] = {{a, b, c, b, d, c}, {a, b, d, a, d, c}};
+      mesh.indices.insert(mesh.indices.end(), std::begin(corners[(i + j) % 2]), std::end(corners[(i + j) % 2]));
+    }
+  return mesh;
+}
+
+// What Mikkelsen's own code makes of that sheet (mikktspace 1.1.1, with the sign of glTF): a vertex of the mesh, and the
+// tangent of its corners of each handedness.
+const struct {
+  std::uint32_t vertex;
+  glm::vec4 tangent;
+} kMikkelsen[] = {
+    {0, {-0.9147335f, -0.1167745f, -0.3868155f, 1.0f}}, {1, {-0.9981990f, 0.0581985f, -0.0145496f, 1.0f}},
+    {2, {-0.9363291f, 0.0000000f, 0.3511235f, 1.0f}}, {2, {0.9363292f, 0.0000000f, -0.3511235f, -1.0f}},
+    {3, {0.9916853f, 0.0152681f, 0.1277777f, -1.0f}}, {4, {0.9727437f, -0.0389098f, -0.2285948f, -1.0f}},
+    {5, {-0.9668956f, 0.0566479f, 0.2488049f, 1.0f}}, {6, {-0.9511589f, 0.2783940f, -0.1333920f, 1.0f}},
+    {7, {-0.9923072f, 0.0009716f, 0.1237955f, 1.0f}}, {7, {0.9802911f, 0.1242461f, -0.1535979f, -1.0f}},
+    {8, {0.9343089f, 0.0656561f, 0.3503658f, -1.0f}}, {9, {0.9944355f, -0.1022013f, -0.0255503f, -1.0f}},
+    {10, {-0.9802650f, 0.1961617f, -0.0245202f, 1.0f}}, {11, {-0.9371265f, -0.0293494f, 0.3477537f, 1.0f}},
+    {12, {-0.9394362f, -0.2653324f, -0.2169292f, 1.0f}}, {12, {0.9931316f, -0.0283051f, 0.1135270f, -1.0f}},
+    {13, {0.9717269f, -0.0433521f, -0.2320937f, -1.0f}}, {14, {0.9237164f, -0.3056464f, 0.2309291f, -1.0f}},
+    {15, {-0.9695330f, 0.0066335f, -0.2448709f, 1.0f}}, {16, {-0.9923953f, 0.0152676f, 0.1221410f, 1.0f}},
+    {17, {-0.9365453f, 0.0056251f, -0.3505013f, 1.0f}}, {17, {0.9354879f, 0.0170971f, 0.3529451f, -1.0f}},
+    {18, {1.0000000f, 0.0000000f, 0.0000000f, -1.0f}}, {19, {0.9358527f, -0.1707585f, -0.3082551f, -1.0f}},
+    {20, {-0.9396429f, -0.0687544f, 0.3351775f, 1.0f}}, {21, {-0.9858282f, 0.0735094f, -0.1507946f, 1.0f}},
+    {22, {-0.9580053f, 0.1886980f, 0.2159141f, 1.0f}}, {22, {0.9424200f, 0.2082977f, -0.2616422f, -1.0f}},
+    {23, {0.9701470f, -0.0001505f, 0.2425179f, -1.0f}}, {24, {0.9926347f, 0.0729412f, -0.0967264f, -1.0f}}};
+
+TEST(Tangents, AreThoseOfMikkelsensCode) {
+  const Mesh sheet = bumpy_sheet();
+  Mesh mesh = sheet;
+  generate_tangents(mesh, mesh.uvs[0]);
+  std::size_t seen = 0;
+  for (const auto& [vertex, expected] : kMikkelsen) {
+    bool found = false;
+    for (std::size_t i = 0; i < sheet.indices.size(); ++i) { // corner by corner: vertices may have been split
+      const glm::vec4 tangent = mesh.tangents[mesh.indices[i]];
+      if (sheet.indices[i] != vertex || tangent.w != expected.w) continue;
+      EXPECT_LT(glm::length(glm::vec3(tangent - expected)), 1e-6f) << "corner " << i << " at vertex " << vertex;
+      found = true;
+      ++seen;
+    }
+    EXPECT_TRUE(found) << "vertex " << vertex << " has no corner of handedness " << expected.w;
+  }
+  EXPECT_EQ(seen, sheet.indices.size());
 }
 
 TEST(Tangents, OfFlatAndDegenerateTriangles) {

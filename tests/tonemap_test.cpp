@@ -1,6 +1,8 @@
 // Tone curves: published values, range, order and bad input.
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -82,6 +84,89 @@ TEST(Tonemap, AcesOfGrey) {
   EXPECT_NEAR(grey(Tonemap::aces, 0.18f), 0.1056, 1e-3);
   const vec3 red = tonemap(Tonemap::aces, vec3(1.0f, 0.0f, 0.0f));
   EXPECT_GT(red.r, 4.0f * red.g);
+}
+
+// ---- AgX
+//
+// Sobotka's AgX in double precision, twice: with the matrix and the polynomial of Wrensch's "Minimal AgX Implementation",
+// which is what is shipped, and from the definitions that these were fitted to.
+
+// Light of sRGB's primaries, moved by 20 % towards the white point D65, in sRGB.
+glm::dmat3 inset_of_primaries() {
+  const glm::dvec2 white(0.3127, 0.3290), primaries[] = {{0.64, 0.33}, {0.30, 0.60}, {0.15, 0.06}};
+  const auto xyz = [](glm::dvec2 c) { return glm::dvec3(c.x, c.y, 1.0 - c.x - c.y) / c.y; };
+  const auto xyz_from_rgb = [&](double moved) {
+    glm::dmat3 columns;
+    for (int i = 0; i < 3; ++i) columns[i] = xyz(glm::mix(primaries[i], white, moved));
+    const glm::dvec3 scale = glm::inverse(columns) * xyz(white);
+    for (int i = 0; i < 3; ++i) columns[i] *= scale[i];
+    return columns;
+  };
+  return glm::inverse(xyz_from_rgb(0.0)) * xyz_from_rgb(0.2);
+}
+
+glm::dmat3 published_inset() { // by rows
+  return glm::transpose(glm::dmat3(0.842479062253094, 0.0784335999999992, 0.0792237451477643, //
+                                   0.0423282422610123, 0.878468636469772, 0.0791661274605434, //
+                                   0.0423756549057051, 0.0784336, 0.879142973793104));
+}
+
+// The hyperbolic sigmoid of the log-encoded signal: slope 2 at the pivot, which is middle grey at one half; powers 3 below
+// and 3.25 above.
+double sigmoid(double x) {
+  const double pivot = 10.0 / 16.5, slope = 2.0;
+  const bool above = x >= pivot;
+  const double power = above ? 3.25 : 3.0, length = above ? 1.0 - pivot : pivot; // to the end of the curve
+  const double steep = std::pow(slope * length / 0.5, power) - 1.0;
+  const double scale = slope * length / std::pow(steep, 1.0 / power), t = slope * std::abs(x - pivot) / scale;
+  const double rise = scale * t / std::pow(1.0 + std::pow(t, power), 1.0 / power);
+  return above ? 0.5 + rise : 0.5 - rise;
+}
+
+double published_polynomial(double x) {
+  return -0.00232 + x * (0.1191 + x * (0.4298 + x * (-6.868 + x * (31.96 + x * (-40.14 + x * 15.5)))));
+}
+
+// The display signal; the picture is its power of 2.2.
+template <class Curve>
+glm::dvec3 agx_signal(const glm::dmat3& inset, Curve curve, glm::dvec3 radiance) {
+  glm::dvec3 c = inset * radiance;
+  for (int i = 0; i < 3; ++i) c[i] = curve(std::clamp((std::log2(c[i] / 0.18) + 10.0) / 16.5, 0.0, 1.0));
+  return glm::clamp(glm::inverse(inset) * c, 0.0, 1.0);
+}
+
+std::vector<glm::dvec3> agx_samples() { // greys, saturated colors and mixtures, over more than the 16.5 stops
+  std::vector<glm::dvec3> colors;
+  for (double stops = -14.0; stops <= 6.0; stops += 0.25)
+    for (const glm::dvec3 hue : {glm::dvec3(1, 1, 1), glm::dvec3(1, 0, 0), glm::dvec3(0, 1, 0), glm::dvec3(0, 0, 1),
+                                 glm::dvec3(1, 0.5, 0.1), glm::dvec3(0.2, 0.3, 0.9)})
+      colors.push_back(glm::dvec3(glm::vec3(hue * std::exp2(stops)))); // as the float picture holds it
+  return colors;
+}
+
+TEST(Tonemap, AgxIsThePublishedFit) {
+  for (const glm::dvec3 color : agx_samples()) {
+    const vec3 found = tonemap(Tonemap::agx, vec3(color));
+    const glm::dvec3 expected = glm::pow(agx_signal(published_inset(), published_polynomial, color), glm::dvec3(2.2));
+    for (int i = 0; i < 3; ++i)
+      ASSERT_NEAR(found[i], expected[i], 2e-5) << color.r << ", " << color.g << ", " << color.b;
+  }
+}
+
+// The polynomial follows the sigmoid to 0.0058, at its worst near 0.95; the matrix that undoes the inset magnifies that by
+// up to 1.4.
+TEST(Tonemap, AgxFollowsItsDefinition) {
+  double squares = 0.0;
+  std::size_t greys = 0;
+  for (const glm::dvec3 color : agx_samples()) {
+    const vec3 found = tonemap(Tonemap::agx, vec3(color));
+    const glm::dvec3 expected = agx_signal(inset_of_primaries(), sigmoid, color);
+    for (int i = 0; i < 3; ++i)
+      ASSERT_NEAR(std::pow(found[i], 1.0 / 2.2), expected[i], 0.0081) << color.r << ", " << color.g << ", " << color.b;
+    if (color.r != color.b) continue;
+    squares += std::pow(std::pow(found.g, 1.0 / 2.2) - expected.g, 2), ++greys;
+  }
+  EXPECT_LT(std::sqrt(squares / static_cast<double>(greys)), 0.003);
 }
 
 // The pivot of AgX's sigmoid puts middle grey at half of the display signal, and saturated lights lose their colour.

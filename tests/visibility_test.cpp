@@ -1,6 +1,7 @@
 // The rasterized visibility buffer against traced camera rays: the same triangles, instances and barycentric weights
 // wherever no edge passes, and almost everywhere else.
 #include "host/integrators/hybrid/visibility.h"
+#include "host/integrators/path/paths.h"
 
 #include <array>
 #include <cmath>
@@ -10,6 +11,8 @@
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "host/integrators/path/path_tracer.h"
+#include "host/render/wave_queue.h"
+#include "host/render/workspace.h"
 #include "host/scene/gltf/gltf.h"
 #include "kernels/features.h"
 #include "kernels/frame_types.h"
@@ -115,7 +118,7 @@ public:
   std::uint32_t features() const { return features_; }
 
   Shot compare(const Visibility& visibility) {
-    std::vector<Binding> bindings = path_tracer_bindings();
+    std::vector<Binding> bindings = path_layout();
     std::vector<Binding> given = scene_.bindings();
     using enum BindingKind;
     given.insert(given.end(), {{gpu::kBindFrame, uniform, &frame_},
@@ -126,6 +129,7 @@ public:
                                {gpu::kBindQueues, storage, &queues_},
                                {gpu::kBindHybrid, uniform, &hybrid_},
                                {gpu::kBindVisibility, texels_rg32ui, &visibility.ids()}});
+    bindings.insert(bindings.end(), {{gpu::kBindHybrid, uniform, nullptr}, {gpu::kBindVisibility, texels_rg32ui, nullptr}});
     for (Binding& binding : bindings) {
       const auto found = std::ranges::find(given, binding.slot, &Binding::slot);
       binding.buffer = found == given.end() ? &unused_ : found->buffer;
@@ -176,10 +180,13 @@ Shot shoot(Device& device, const PackedScene& packed, const View& view, const Fr
   Camera camera(device, packed, view, settings);
   Visibility visibility(device, packed, camera.scene(), camera.frame(), camera.hybrid(), camera.features(),
                         settings.width, settings.height);
+  Workspace workspace(device, packed, 1024);
+  WaveQueue queue(workspace);
   if (rasterize)
-    visibility.render(camera_of(packed, view));
+    visibility.render(queue, camera_of(packed, view), [](Commands&) {});
   else
-    visibility.trace();
+    visibility.trace(queue, [](Commands&) {});
+  queue.drain();
   return camera.compare(visibility);
 }
 
@@ -251,7 +258,8 @@ class VisibilityBuffer : public VulkanTest {
 protected:
   void SetUp() override {
     VulkanTest::SetUp();
-    if (!IsSkipped() && !device().rasterizes()) GTEST_SKIP() << "a queue that cannot rasterize";
+    if (IsSkipped() || HasFatalFailure()) return;
+    if (!device().rasterizes()) GTEST_SKIP() << "a queue that cannot rasterize";
   }
 
   void check_file(const std::filesystem::path& path, const FrameSettings& settings = {},
@@ -452,19 +460,24 @@ TEST_F(VisibilityBuffer, SameBitsEveryTime) {
   Camera camera(device(), packed, view, settings);
   Visibility visibility(device(), packed, camera.scene(), camera.frame(), camera.hybrid(), camera.features(),
                         settings.width, settings.height);
+  Workspace workspace(device(), packed, 1024);
+  WaveQueue queue(workspace);
   const auto words = [&] {
-    visibility.render(camera_of(packed, view));
+    visibility.render(queue, camera_of(packed, view), [](Commands&) {});
+    queue.drain();
     return download<std::uint32_t>(visibility.ids(), std::size_t{2} * settings.width * settings.height);
   };
   const std::vector<std::uint32_t> first = words();
   EXPECT_EQ(words(), first);
-  EXPECT_GT(visibility.seconds(), 0.0);
+  ASSERT_EQ(queue.totals.stages.size(), 1u);
+  EXPECT_EQ(queue.totals.stages.front().name, "raster");
+  EXPECT_GT(queue.totals.stages.front().seconds, 0.0);
   EXPECT_GE(visibility.bytes(), std::uint64_t{20} * settings.width * settings.height); // 8 twice, and 4 of depth
 }
 
 TEST_F(VisibilityBuffer, TooLargeASizeIsRefusedInWords) {
   try {
-    RasterTarget target(device(), 1u << 20, 4);
+    RasterTarget target(device(), 1u << 20, 4, std::array{AttachmentInfo{.name = "words", .format = ImageFormat::rg32ui}});
     FAIL() << "no device draws a million pixels wide";
   } catch (const Error& error) {
     EXPECT_NE(std::string(error.what()).find("use a smaller --size or --integrator path"), std::string::npos)

@@ -12,6 +12,7 @@
 #include "tests/run_wavepath.h"
 #include "tests/temporary_folder.h"
 #include "tests/virtual_display.h"
+#include "tests/vulkan_device.h"
 
 namespace wavepath::test {
 namespace {
@@ -121,9 +122,11 @@ void expect_same_bits(const Picture& a, const Picture& b) {
   }
 }
 
-class Window : public ::testing::Test {
+class Window : public ProgramTest {
 protected:
   void SetUp() override {
+    ProgramTest::SetUp();
+    if (IsSkipped() || HasFatalFailure()) return;
     if (!installed("Xvfb") || !installed("xdotool"))
       GTEST_SKIP() << "needs a virtual display and its hand: install xvfb and xdotool";
     display_ = std::make_unique<VirtualDisplay>();

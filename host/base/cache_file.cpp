@@ -5,6 +5,7 @@
 
 #include "host/base/atomic_file.h"
 #include "host/base/error.h"
+#include "host/base/hash.h"
 #include "host/base/read_file.h"
 
 namespace wavepath {
@@ -12,7 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::uint64_t kMagic = 0x3165686361637077; // "wpcache1" in the byte order that wrote it
+constexpr std::uint64_t kMagic = 0x3265686361637077; // "wpcache2" in the byte order that wrote it
 constexpr std::uint64_t kLargest = 256ull << 20;     // beyond it a file is no cache of ours; begin afresh
 
 struct Header {
@@ -46,12 +47,6 @@ fs::path cache_folder() {
   if (const fs::path folder = folder_from("XDG_CACHE_HOME"); !folder.empty()) return folder / "wavepath";
   const fs::path home = folder_from("HOME");
   return home.empty() ? home : home / ".cache" / "wavepath";
-}
-
-std::uint64_t hash_bytes(std::string_view bytes) {
-  std::uint64_t hash = 0xcbf29ce484222325;
-  for (const char byte : bytes) hash = (hash ^ static_cast<std::uint8_t>(byte)) * 0x100000001b3;
-  return hash;
 }
 
 std::vector<std::uint8_t> read_cache_file(const fs::path& path, std::uint64_t key) {

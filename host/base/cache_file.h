@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <filesystem>
 #include <span>
-#include <string_view>
 #include <vector>
 
 namespace wavepath {
@@ -13,9 +12,6 @@ namespace wavepath {
 // Where they go: $WAVEPATH_CACHE, else $XDG_CACHE_HOME/wavepath, else ~/.cache/wavepath. Empty if WAVEPATH_CACHE is "off", or
 // if there is no home.
 std::filesystem::path cache_folder();
-
-// FNV-1a. Finds accidents and tells origins apart; no defence against forgery.
-std::uint64_t hash_bytes(std::string_view bytes);
 
 // The data written with the same `key`; empty if there are none that are sound.
 std::vector<std::uint8_t> read_cache_file(const std::filesystem::path& path, std::uint64_t key);

@@ -1,12 +1,13 @@
 #include "host/base/process_clock.h"
 
-#include <chrono>
 #include <fstream>
 #include <limits>
 #include <string>
 
 #include <time.h>
 #include <unistd.h>
+
+#include "host/base/clock.h"
 
 namespace wavepath {
 namespace {
@@ -32,10 +33,9 @@ double age_now() {
 } // namespace
 
 double seconds_since_process_start() {
-  using Clock = std::chrono::steady_clock;
   static const double age = age_now();
   static const Clock::time_point asked_first = Clock::now();
-  return age + std::chrono::duration<double>(Clock::now() - asked_first).count();
+  return age + seconds_since(asked_first);
 }
 
 } // namespace wavepath

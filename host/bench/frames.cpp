@@ -1,6 +1,6 @@
 #include "host/bench/frames.h"
 
-#include <chrono>
+#include "host/base/clock.h"
 
 namespace wavepath {
 
@@ -20,11 +20,11 @@ FrameTime render_frame(WarmLoop& warm, std::uint32_t spp) {
   settings.first_sample = 0;
   settings.last_sample = spp;
   warm.loop->restart(warm.view, settings);
-  const auto start = std::chrono::steady_clock::now();
+  const Clock::time_point start = Clock::now();
   while (warm.loop->step()) {}
   warm.loop->drain();
   FrameTime time;
-  time.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  time.seconds = seconds_since(start);
   time.stages = warm.loop->totals().stages;
   time.rays = warm.loop->totals().rays;
   return time;

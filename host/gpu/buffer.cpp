@@ -9,28 +9,27 @@
 #include <fmt/format.h>
 
 #include "host/base/error.h"
-#include "host/gpu/commands.h"
+#include "host/gpu/staging.h"
 #include "kernels/gpu.h"
 
 namespace wavepath {
 namespace {
 
 constexpr std::uint64_t kSmallest = 256; // bytes: the largest element that any empty binding could be asked for
-constexpr std::uint64_t kStagingBytes = 64ull << 20;
 constexpr VkMemoryPropertyFlags kHostFlags = VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
 constexpr VkMemoryPropertyFlags kHostCachedFlags =
     VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_CACHED_BIT;
 
-// The size to create. llvmpipe compiles a kernel anew for every combination of texel buffers whose size is a power of two, or
-// has bits 8 to 15 clear (it reads them as properties of a texture); so that kernels can be compiled before buffers
-// have their size, none is such.
+// The size to create. llvmpipe compiles a kernel again for every combination of texel buffers whose size is a power of
+// two or has bits 8 to 15 clear (it reads the size as properties of a texture). Kernels are compiled before the buffers
+// have their final size, so such sizes are avoided.
 std::uint64_t created_bytes(std::uint64_t bytes) {
   bytes = std::max(bytes, kSmallest);
   return std::has_single_bit(bytes) || (bytes & 0xff00) == 0 ? bytes + kBufferPadding : bytes;
 }
 
-// Memory properties to try, best first. Reading uncached memory is slow, so cached memory that needs an invalidate comes
-// before memory that is merely coherent.
+// Memory properties to try, best first. The host reads uncached memory slowly, so cached memory that needs an
+// invalidate comes before uncached memory.
 std::vector<VkMemoryPropertyFlags> wishes(const Device& device, BufferHome home) {
   if (home == BufferHome::readback) return {kHostFlags | kHostCachedFlags, kHostCachedFlags, kHostFlags};
   if (device.unified_memory()) return {VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT | kHostFlags, kHostFlags};
@@ -111,14 +110,14 @@ void Buffer::flush() const {
 
 void Buffer::write(const void* data, std::uint64_t bytes, std::uint64_t offset) {
   assert(offset + bytes <= bytes_);
-  if (!mapped_) return copy_staged(nullptr, data, bytes, offset);
+  if (!mapped_) return device_->staging().write(buffer_, offset, data, bytes);
   std::memcpy(static_cast<char*>(mapped_) + offset, data, bytes);
   flush();
 }
 
 void Buffer::read(void* data, std::uint64_t bytes, std::uint64_t offset) const {
   assert(offset + bytes <= bytes_);
-  if (!mapped_) return copy_staged(data, nullptr, bytes, offset);
+  if (!mapped_) return device_->staging().read(buffer_, offset, data, bytes);
   invalidate();
   std::memcpy(data, static_cast<const char*>(mapped_) + offset, bytes);
 }
@@ -126,33 +125,9 @@ void Buffer::read(void* data, std::uint64_t bytes, std::uint64_t offset) const {
 void Buffer::fill_zero(std::uint64_t bytes) {
   assert(bytes <= bytes_ && bytes % 4 == 0);
   if (bytes == 0) return;
-  if (mapped_) {
-    std::memset(mapped_, 0, bytes);
-    return flush();
-  }
-  Commands commands(*device_);
-  vkCmdFillBuffer(commands.handle(), buffer_, 0, bytes, 0);
-  commands.submit_and_wait();
-}
-
-// In pieces, so that staging never doubles the memory of a large scene.
-void Buffer::copy_staged(void* read_to, const void* write_from, std::uint64_t bytes, std::uint64_t offset) const {
-  Buffer staging(*device_, std::min(bytes, kStagingBytes), BufferHome::readback);
-  for (std::uint64_t done = 0; done < bytes;) {
-    const std::uint64_t piece = std::min(bytes - done, kStagingBytes);
-    Commands commands(*device_);
-    if (write_from) {
-      staging.write(static_cast<const char*>(write_from) + done, piece);
-      const VkBufferCopy region{0, offset + done, piece};
-      vkCmdCopyBuffer(commands.handle(), staging.buffer_, buffer_, 1, &region);
-    } else {
-      const VkBufferCopy region{offset + done, 0, piece};
-      vkCmdCopyBuffer(commands.handle(), buffer_, staging.buffer_, 1, &region);
-    }
-    commands.submit_and_wait();
-    if (read_to) staging.read(static_cast<char*>(read_to) + done, piece);
-    done += piece;
-  }
+  if (!mapped_) return device_->staging().fill_zero(buffer_, bytes);
+  std::memset(mapped_, 0, bytes);
+  flush();
 }
 
 } // namespace wavepath

@@ -1,4 +1,4 @@
-// Device memory with a size and a purpose, moved in and out by copies that the caller can see.
+// Buffers in device memory or in mapped host memory, with copies to and from the host.
 #pragma once
 
 #include <cstddef>
@@ -12,11 +12,12 @@
 
 namespace wavepath {
 
-// Where a buffer lives: `device` is fastest for kernels; `readback` is mapped host memory, to which the device copies results.
+// Where a buffer lives: `device` is fastest for kernels; `readback` is mapped host memory that the device copies
+// results to.
 enum class BufferHome { device, readback };
 
-// Storage, uniform, texel, indirect and copy use are all allowed. A request for zero bytes yields a small buffer, because
-// every declared binding must be written (Mesa 22.3 crashes otherwise).
+// Storage, uniform, texel, indirect and copy use are all allowed. A request for zero bytes yields a small buffer,
+// because every declared binding must be written (Mesa 22.3 crashes otherwise).
 class Buffer {
 public:
   Buffer() = default;
@@ -31,14 +32,15 @@ public:
   VkBuffer handle() const { return buffer_; }
   std::uint64_t bytes() const { return bytes_; }
 
-  // The memory of a `readback` buffer; null for `device`. The host reads it after the fence of the commands that wrote it
-  // (Commands makes their writes visible to the host) and after invalidate().
+  // The memory of a `readback` buffer; null for `device`. To read what commands wrote, the host waits for their fence
+  // (Commands makes their writes visible to the host) and calls invalidate().
   void* mapped() { return home_ == BufferHome::readback ? mapped_ : nullptr; }
   const void* mapped() const { return home_ == BufferHome::readback ? mapped_ : nullptr; }
   // Drops what the host's caches hold of mapped memory. Does nothing where caches are coherent.
   void invalidate() const;
 
-  // Copies between host and device and waits. Ranges must lie inside the buffer.
+  // Copies between host and device, which return when they are done. Ranges must lie inside the buffer. A buffer that
+  // the host can map is accessed at once; any other copy comes after all that was submitted to the queue.
   void write(const void* data, std::uint64_t bytes, std::uint64_t offset = 0);
   void read(void* data, std::uint64_t bytes, std::uint64_t offset = 0) const;
   void fill_zero() { fill_zero(bytes_); }
@@ -48,7 +50,6 @@ private:
   void swap(Buffer& other) noexcept;
   bool allocate(std::uint32_t type_bits, VkMemoryPropertyFlags flags);
   void flush() const; // the counterpart of invalidate(), after the host has written
-  void copy_staged(void* read_to, const void* write_from, std::uint64_t bytes, std::uint64_t offset) const;
 
   Device* device_ = nullptr;
   VkBuffer buffer_ = VK_NULL_HANDLE;

@@ -115,7 +115,7 @@ void Commands::stop() {
 // barrier has it do.
 void Commands::write_time(std::uint32_t query) {
   vkCmdWriteTimestamp2(commands_, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, queries_, query);
-  if (device_->info().type == "cpu") barrier();
+  if (device_->info().timestamps_need_flush) barrier();
 }
 
 void Commands::dispatch(const Kernel& kernel, std::uint32_t groups, const void* push) {

@@ -1,4 +1,5 @@
-// Device selection and creation: core Vulkan 1.3, no optional extension; a device that lacks something says what.
+// Device selection and creation: core Vulkan 1.3 without optional extensions; the error for a device names what it
+// lacks.
 #include "host/gpu/device.h"
 
 #include <algorithm>
@@ -11,6 +12,7 @@
 
 #include "host/base/error.h"
 #include "host/gpu/pipeline_cache.h"
+#include "host/gpu/staging.h"
 #include "kernels/gpu.h"
 
 namespace wavepath {
@@ -29,22 +31,42 @@ VKAPI_ATTR VkBool32 VKAPI_CALL on_validation_message(VkDebugUtilsMessageSeverity
 
 const char* result_name(VkResult result) {
   switch (result) {
-    case VK_ERROR_OUT_OF_HOST_MEMORY: return "out of host memory";
-    case VK_ERROR_OUT_OF_DEVICE_MEMORY: return "out of device memory";
-    case VK_ERROR_INITIALIZATION_FAILED: return "initialization failed";
-    case VK_ERROR_DEVICE_LOST: return "device lost";
-    case VK_ERROR_LAYER_NOT_PRESENT: return "layer not present";
-    case VK_ERROR_EXTENSION_NOT_PRESENT: return "extension not present";
-    case VK_ERROR_FEATURE_NOT_PRESENT: return "feature not present";
-    case VK_ERROR_INCOMPATIBLE_DRIVER: return "no Vulkan driver";
-    case VK_TIMEOUT: return "timeout";
-    default: return "error";
+    case VK_ERROR_OUT_OF_HOST_MEMORY:
+      return "out of host memory";
+    case VK_ERROR_OUT_OF_DEVICE_MEMORY:
+      return "out of device memory";
+    case VK_ERROR_INITIALIZATION_FAILED:
+      return "initialization failed";
+    case VK_ERROR_DEVICE_LOST:
+      return "device lost";
+    case VK_ERROR_LAYER_NOT_PRESENT:
+      return "layer not present";
+    case VK_ERROR_EXTENSION_NOT_PRESENT:
+      return "extension not present";
+    case VK_ERROR_FEATURE_NOT_PRESENT:
+      return "feature not present";
+    case VK_ERROR_INCOMPATIBLE_DRIVER:
+      return "no Vulkan driver";
+    case VK_TIMEOUT:
+      return "timeout";
+    default:
+      return "error";
   }
 }
 
 bool validation_wanted() {
   const char* value = std::getenv("WAVEPATH_VALIDATION");
   return value != nullptr && *value != '\0' && std::strcmp(value, "0") != 0;
+}
+
+// A CPU driver that poses as a discrete GPU takes every choice that a GPU would get: staging for all copies, a stack in
+// an array, a large pool of paths, generic kernels first. Tests reach that code on machines without a GPU.
+bool pose_wanted() {
+  const char* value = std::getenv("WAVEPATH_POSE");
+  if (value == nullptr || *value == '\0') return false;
+  if (std::strcmp(value, "discrete") != 0)
+    throw Error("WAVEPATH_POSE", fmt::format("unknown value '{}'", value), "set it to discrete or unset it");
+  return true;
 }
 
 bool layer_present(const char* name) {
@@ -108,11 +130,16 @@ std::vector<VkPhysicalDevice> physical_devices(VkInstance instance) {
 
 const char* type_name(VkPhysicalDeviceType type) {
   switch (type) {
-    case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU: return "discrete";
-    case VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU: return "integrated";
-    case VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU: return "virtual";
-    case VK_PHYSICAL_DEVICE_TYPE_CPU: return "cpu";
-    default: return "other";
+    case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU:
+      return "discrete";
+    case VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU:
+      return "integrated";
+    case VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU:
+      return "virtual";
+    case VK_PHYSICAL_DEVICE_TYPE_CPU:
+      return "cpu";
+    default:
+      return "other";
   }
 }
 
@@ -138,12 +165,13 @@ QueueFamily choose_family(VkPhysicalDevice physical) {
   return chosen;
 }
 
-DeviceInfo describe(VkPhysicalDevice physical) {
+DeviceInfo describe(VkPhysicalDevice physical, bool pose) {
   VkPhysicalDeviceProperties base{};
   vkGetPhysicalDeviceProperties(physical, &base);
   DeviceInfo info;
   info.name = base.deviceName;
-  info.type = type_name(base.deviceType);
+  const bool posing = pose && base.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
+  info.type = type_name(posing ? VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU : base.deviceType);
   info.api = fmt::format("{}.{}.{}", VK_API_VERSION_MAJOR(base.apiVersion), VK_API_VERSION_MINOR(base.apiVersion),
                          VK_API_VERSION_PATCH(base.apiVersion));
   if (base.apiVersion < VK_API_VERSION_1_3) {
@@ -159,10 +187,12 @@ DeviceInfo describe(VkPhysicalDevice physical) {
   vkGetPhysicalDeviceProperties2(physical, &properties);
   const VkPhysicalDeviceLimits& limits = properties.properties.limits;
   info.driver = fmt::format("{} {}", core12.driverName, core12.driverInfo);
+  info.timestamps_need_flush = core12.driverID == VK_DRIVER_ID_MESA_LLVMPIPE;
   info.subgroup_size = core11.subgroupSize;
   info.max_allocation = core11.maxMemoryAllocationSize;
   info.max_storage_range = limits.maxStorageBufferRange - kBufferPadding;
   info.max_texel_elements = limits.maxTexelBufferElements - kBufferPadding / sizeof(std::uint32_t);
+  info.max_sampled = limits.maxPerStageDescriptorSampledImages;
   info.max_groups = limits.maxComputeWorkGroupCount[0];
 
   VkPhysicalDeviceMemoryProperties memory{};
@@ -179,7 +209,7 @@ DeviceInfo describe(VkPhysicalDevice physical) {
       !(core11.subgroupSupportedOperations & VK_SUBGROUP_FEATURE_BALLOT_BIT))
     info.missing.push_back("subgroup ballot in compute shaders");
   if (limits.maxPerStageDescriptorStorageBuffers < 16) info.missing.push_back("16 storage buffers a stage");
-  if (limits.maxPerStageDescriptorSampledImages < 21) info.missing.push_back("21 texel buffers a stage");
+  if (info.max_sampled < 21) info.missing.push_back("21 texel buffers a stage");
   return info;
 }
 
@@ -200,8 +230,7 @@ std::size_t choose(const std::vector<DeviceInfo>& devices, const std::string& wa
   if (devices.empty())
     throw Error("Vulkan", "no device found", "install a driver; mesa-vulkan-drivers has one for any CPU");
   std::string known;
-  for (std::size_t i = 0; i < devices.size(); ++i)
-    known += fmt::format("{}{} = {}", i ? ", " : "", i, devices[i].name);
+  for (std::size_t i = 0; i < devices.size(); ++i) known += fmt::format("{}{} = {}", i ? ", " : "", i, devices[i].name);
 
   std::size_t chosen = devices.size();
   const bool is_index = !wanted.empty() && std::all_of(wanted.begin(), wanted.end(), ::isdigit) && wanted.size() < 6;
@@ -234,6 +263,7 @@ void check(VkResult result, const char* what) {
 }
 
 std::vector<DeviceInfo> list_devices() {
+  const bool pose = pose_wanted();
   VkInstance instance = VK_NULL_HANDLE;
   try {
     instance = create_instance(false);
@@ -241,7 +271,7 @@ std::vector<DeviceInfo> list_devices() {
     return {}; // a machine without any driver has no devices
   }
   std::vector<DeviceInfo> devices;
-  for (VkPhysicalDevice physical : physical_devices(instance)) devices.push_back(describe(physical));
+  for (VkPhysicalDevice physical : physical_devices(instance)) devices.push_back(describe(physical, pose));
   vkDestroyInstance(instance, nullptr);
   return devices;
 }
@@ -249,7 +279,7 @@ std::vector<DeviceInfo> list_devices() {
 std::uint32_t Device::validation_messages() { return validation_message_count; }
 
 Device::Device(const std::string& wanted, std::span<const char* const> window_extensions) {
-  const bool validation = validation_wanted();
+  const bool validation = validation_wanted(), pose = pose_wanted();
   instance_ = create_instance(validation, window_extensions);
   try {
     if (validation) {
@@ -260,7 +290,7 @@ Device::Device(const std::string& wanted, std::span<const char* const> window_ex
     }
     const std::vector<VkPhysicalDevice> physical = physical_devices(instance_);
     std::vector<DeviceInfo> described;
-    for (VkPhysicalDevice p : physical) described.push_back(describe(p));
+    for (VkPhysicalDevice p : physical) described.push_back(describe(p, pose));
     const std::size_t chosen = choose(described, wanted);
     info_ = described[chosen];
     physical_ = physical[chosen];
@@ -287,6 +317,7 @@ Device::Device(const std::string& wanted, std::span<const char* const> window_ex
     check(vkCreateDevice(physical_, &info, nullptr, &device_), "opening the device");
     vkGetDeviceQueue(device_, queue_family_, 0, &queue_);
     pipeline_cache_ = std::make_unique<PipelineCache>(physical_, device_);
+    staging_ = std::make_unique<Staging>(*this);
   } catch (...) {
     release();
     throw;
@@ -296,6 +327,7 @@ Device::Device(const std::string& wanted, std::span<const char* const> window_ex
 Device::~Device() { release(); }
 
 void Device::release() {
+  staging_.reset();
   pipeline_cache_.reset();
   if (device_) vkDestroyDevice(device_, nullptr);
   if (messenger_) {

@@ -1,4 +1,4 @@
-// A Vulkan 1.3 device with one queue for compute, and graphics where there is such a one: chosen, checked, and released at the end of its scope.
+// A Vulkan 1.3 device, chosen and checked, with one queue for compute, which also rasterizes where such a queue exists.
 #pragma once
 
 #include <cstdint>
@@ -13,20 +13,26 @@
 namespace wavepath {
 
 class PipelineCache; // host/gpu/pipeline_cache.h
+class Staging;       // host/gpu/staging.h
 
-// Bytes that a Buffer may be larger than asked for (see buffer.cpp). DeviceInfo's limits on bindings are what is left.
+// A Buffer may be this many bytes larger than asked for (see buffer.cpp). DeviceInfo's limits are reduced by them.
 inline constexpr std::uint64_t kBufferPadding = 0x110;
 
-// What `wavepath info` tells of a device. `missing`: what keeps us from using it, in words; empty = usable.
+// What `wavepath info` reports. `missing` names what the program needs and the device lacks; empty = usable.
 struct DeviceInfo {
-  std::string name, driver, type; // type: cpu, integrated, discrete, virtual, other
-  std::string api;                // "1.3.230"
+  std::string name, driver;
+  std::string
+      type; // cpu, integrated, discrete, virtual, other; choices between CPU and GPU go by it (see WAVEPATH_POSE)
+  std::string api; // "1.3.230"
   std::uint32_t subgroup_size = 0;
   std::uint64_t memory_bytes = 0; // largest device-local heap
   std::uint64_t max_storage_range = 0, max_texel_elements = 0, max_allocation = 0;
   std::uint32_t max_groups = 0;
+  std::uint32_t max_sampled = 0;    // texel buffers and images of a shader
   double timestamp_period_ns = 0.0; // 0 = the queue has no timestamps
-  bool rasterizes = false;         // its queue takes graphics work as well
+  bool rasterizes = false;          // its queue takes graphics work as well
+  // llvmpipe (Mesa 22.3): once anything was rasterized, a timestamp is taken at the next flush, which a barrier causes.
+  bool timestamps_need_flush = false;
   std::vector<std::string> missing;
 };
 
@@ -38,10 +44,11 @@ std::vector<DeviceInfo> list_devices();
 
 class Device {
 public:
-  // `wanted`: an index, or part of a name (case-insensitive); empty = a discrete GPU if there is one, then integrated, virtual,
-  // CPU. Throws Error if none fits, naming those that exist. The environment variable WAVEPATH_VALIDATION=1 turns the
-  // validation layer on, synchronization checks included.
-  // `window_extensions`: of the instance, that a window needs; with any, the device can also fill swapchains.
+  // `wanted`: an index, or part of a name (case-insensitive); empty = a discrete GPU if there is one, then integrated,
+  // virtual, CPU. Throws Error if none fits, naming those that exist.
+  // `window_extensions`: instance extensions that a window needs; with any, the device can also fill swapchains.
+  // Environment: WAVEPATH_VALIDATION=1 turns the validation layer on, synchronization validation included.
+  // WAVEPATH_POSE=discrete, for tests, has a CPU device report type "discrete" and treat its memory as not mappable.
   explicit Device(const std::string& wanted = "", std::span<const char* const> window_extensions = {});
   ~Device();
   Device(Device&&) = delete;
@@ -53,18 +60,19 @@ public:
   VkQueue queue() const { return queue_; }
   std::uint32_t queue_family() const { return queue_family_; }
   PipelineCache& pipeline_cache() const { return *pipeline_cache_; }
+  Staging& staging() const { return *staging_; }
   // Whether the queue can rasterize. Path tracing needs no such queue.
   bool rasterizes() const { return info_.rasterizes; }
-  // True where host and device share memory, so that uploads need no staging.
+  // True where the host maps device memory, so that copies need no staging.
   bool unified_memory() const { return unified_memory_; }
 
   // Index of a memory type among `type_bits` that has `flags`, kNone (all ones) if there is none.
   std::uint32_t memory_type(std::uint32_t type_bits, VkMemoryPropertyFlags flags) const;
 
-  // To be held while work is submitted: Vulkan allows one thread at a time.
+  // A thread holds it while it submits work: Vulkan allows one thread at a time.
   std::mutex& queue_mutex() { return queue_mutex_; }
 
-  // Bytes of device memory held by Buffers, now and at most.
+  // Adds to the bytes of memory that buffers and images hold now; the peak follows.
   void count_memory(std::int64_t bytes);
   std::uint64_t memory_peak() const { return memory_peak_; }
 
@@ -83,6 +91,7 @@ private:
   std::uint32_t queue_family_ = 0;
   bool unified_memory_ = false;
   std::unique_ptr<PipelineCache> pipeline_cache_;
+  std::unique_ptr<Staging> staging_;
   VkPhysicalDeviceMemoryProperties memory_{};
   std::mutex queue_mutex_, memory_mutex_;
   std::uint64_t memory_now_ = 0, memory_peak_ = 0;

@@ -1,6 +1,7 @@
 #include "host/gpu/kernel.h"
 
 #include <algorithm>
+#include <cassert>
 #include <utility>
 
 #include <fmt/format.h>
@@ -19,29 +20,48 @@ struct Format {
 VkDescriptorType descriptor_type(BindingKind kind) {
   if (kind == BindingKind::uniform) return VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER;
   if (kind == BindingKind::storage) return VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+  if (kind == BindingKind::sampled_image) return VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER;
   return VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER;
 }
 
 Format texel_format(BindingKind kind) {
   switch (kind) {
-    case BindingKind::texels_rgba32f: return {VK_FORMAT_R32G32B32A32_SFLOAT, 16};
-    case BindingKind::texels_rgba32ui: return {VK_FORMAT_R32G32B32A32_UINT, 16};
-    case BindingKind::texels_rg32ui: return {VK_FORMAT_R32G32_UINT, 8};
-    case BindingKind::texels_r32ui: return {VK_FORMAT_R32_UINT, 4};
-    default: return {VK_FORMAT_R32_SFLOAT, 4};
+    case BindingKind::texels_rgba32f:
+      return {VK_FORMAT_R32G32B32A32_SFLOAT, 16};
+    case BindingKind::texels_rgba32ui:
+      return {VK_FORMAT_R32G32B32A32_UINT, 16};
+    case BindingKind::texels_rg32ui:
+      return {VK_FORMAT_R32G32_UINT, 8};
+    case BindingKind::texels_r32ui:
+      return {VK_FORMAT_R32_UINT, 4};
+    default:
+      return {VK_FORMAT_R32_SFLOAT, 4};
   }
 }
 
-// A binding beyond the device's limits would be cut off in silence, so it is refused.
+// Drivers cut off a binding beyond the device's limits without a message, so it is refused.
 void check_limits(const DeviceInfo& info, const Binding& binding) {
+  if (binding.kind == BindingKind::sampled_image) return;
   const std::uint64_t bytes = binding.buffer->bytes();
   const bool texels = descriptor_type(binding.kind) == VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER;
   const std::uint64_t limit =
       texels ? info.max_texel_elements * texel_format(binding.kind).bytes : info.max_storage_range;
   if (bytes > limit)
-    throw Error(info.name, fmt::format("a buffer of {:.0f} MiB exceeds its limit of {:.0f} MiB", bytes / 1048576.0,
-                                       limit / 1048576.0),
-                "use a smaller scene or --size, or another device");
+    throw Error(
+        info.name,
+        fmt::format("a buffer of {:.0f} MiB exceeds its limit of {:.0f} MiB", bytes / 1048576.0, limit / 1048576.0),
+        "use a smaller scene or --size, or another device");
+}
+
+// Texel buffers and images share one limit of a stage.
+void check_count(const DeviceInfo& info, std::span<const Binding> bindings) {
+  const auto sampled = static_cast<std::uint32_t>(std::count_if(bindings.begin(), bindings.end(), [](const Binding& b) {
+    return b.kind != BindingKind::uniform && b.kind != BindingKind::storage;
+  }));
+  if (sampled > info.max_sampled)
+    throw Error(info.name,
+                fmt::format("kernels see at most {} texel buffers and images, not {}", info.max_sampled, sampled),
+                "use another device");
 }
 
 } // namespace
@@ -50,6 +70,7 @@ BindingSet::BindingSet(Device& device, std::span<const Binding> bindings, std::u
                        VkShaderStageFlags stages)
     : device_(&device), push_constant_bytes_(push_constant_bytes), stages_(stages | VK_SHADER_STAGE_COMPUTE_BIT) {
   for (const Binding& binding : bindings) check_limits(device.info(), binding);
+  check_count(device.info(), bindings);
   try {
     create_layout(bindings);
     write(bindings);
@@ -63,6 +84,7 @@ BindingSet::~BindingSet() { release(); }
 
 void BindingSet::release() {
   for (VkBufferView view : views_) vkDestroyBufferView(device_->handle(), view, nullptr);
+  for (VkSampler sampler : samplers_) vkDestroySampler(device_->handle(), sampler, nullptr);
   vkDestroyDescriptorPool(device_->handle(), pool_, nullptr);
   vkDestroyPipelineLayout(device_->handle(), pipeline_layout_, nullptr);
   vkDestroyDescriptorSetLayout(device_->handle(), set_layout_, nullptr);
@@ -102,6 +124,7 @@ void BindingSet::create_layout(std::span<const Binding> bindings) {
 
 void BindingSet::write(std::span<const Binding> bindings) {
   std::vector<VkDescriptorBufferInfo> infos(bindings.size());
+  std::vector<VkDescriptorImageInfo> images(bindings.size());
   std::vector<VkWriteDescriptorSet> writes;
   views_.resize(bindings.size(), VK_NULL_HANDLE);
   for (std::size_t i = 0; i < bindings.size(); ++i) {
@@ -118,6 +141,9 @@ void BindingSet::write(std::span<const Binding> bindings) {
       info.range = VK_WHOLE_SIZE;
       check(vkCreateBufferView(device_->handle(), &info, nullptr, &views_[i]), "creating a texel view");
       one.pTexelBufferView = &views_[i];
+    } else if (binding.kind == BindingKind::sampled_image) {
+      images[i] = image_info(binding);
+      one.pImageInfo = &images[i];
     } else {
       infos[i] = {binding.buffer->handle(), 0, VK_WHOLE_SIZE};
       one.pBufferInfo = &infos[i];
@@ -125,6 +151,15 @@ void BindingSet::write(std::span<const Binding> bindings) {
     writes.push_back(one);
   }
   vkUpdateDescriptorSets(device_->handle(), static_cast<std::uint32_t>(writes.size()), writes.data(), 0, nullptr);
+}
+
+VkDescriptorImageInfo BindingSet::image_info(const Binding& binding) {
+  // Comparison is of depths; a stencil value is an integer, which has no linear filter.
+  [[maybe_unused]] const bool stencil = binding.aspect == Aspect::stencil;
+  assert(binding.image->sampled_view(binding.aspect) && "ImageInfo::sampled");
+  assert(!stencil || (binding.sampling.filter == Filter::nearest && !binding.sampling.compare));
+  samplers_.push_back(create_sampler(*device_, binding.image->info().format, binding.sampling));
+  return {samplers_.back(), binding.image->sampled_view(binding.aspect), binding.image->layout(ImageUse::sampled)};
 }
 
 Kernel::Kernel(Device& device, std::string name, std::span<const std::uint32_t> spirv, const BindingSet& bindings,
@@ -154,7 +189,9 @@ Kernel::Kernel(Device& device, std::string name, std::span<const std::uint32_t> 
 }
 
 Kernel::Kernel(Kernel&& other) noexcept
-    : device_(other.device_), name_(std::move(other.name_)), pipeline_(std::exchange(other.pipeline_, VK_NULL_HANDLE)) {}
+    : device_(other.device_),
+      name_(std::move(other.name_)),
+      pipeline_(std::exchange(other.pipeline_, VK_NULL_HANDLE)) {}
 
 Kernel::~Kernel() { vkDestroyPipeline(device_->handle(), pipeline_, nullptr); }
 

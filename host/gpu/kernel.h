@@ -1,4 +1,4 @@
-// Compute kernels and what they are bound to. One BindingSet serves all kernels of a renderer.
+// Compute kernels, and the sets of buffers and images that they are bound to. One BindingSet can serve many kernels.
 #pragma once
 
 #include <cstdint>
@@ -10,25 +10,40 @@
 
 #include "host/gpu/buffer.h"
 #include "host/gpu/device.h"
+#include "host/gpu/image.h"
 #include "kernels/gpu.h"
 
 namespace wavepath {
 
-// How kernels see a buffer: as uniform block, storage block, or texels of a format.
-enum class BindingKind { uniform, storage, texels_rgba32f, texels_rgba32ui, texels_rg32ui, texels_r32ui, texels_r32f };
+// How kernels see a buffer: as uniform block, storage block, or texels of a format; or how they see an image.
+enum class BindingKind {
+  uniform,
+  storage,
+  texels_rgba32f,
+  texels_rgba32ui,
+  texels_rg32ui,
+  texels_r32ui,
+  texels_r32f,
+  sampled_image, // sampler2D, usampler2D, sampler2DShadow, or an array of such layers
+};
 
+// The buffer or the image outlives the set. Whenever kernels run, the image is for ImageUse::sampled.
 struct Binding {
   std::uint32_t slot = 0;
   BindingKind kind = BindingKind::storage;
-  const Buffer* buffer = nullptr; // outlives the set
+  const Buffer* buffer = nullptr;     // of all kinds but sampled_image
+  const DeviceImage* image = nullptr; // of sampled_image
+  Aspect aspect = Aspect::main;       // of the image
+  Sampling sampling{};
 };
 
-// Descriptors for a list of buffers, with the layout that fits them.
+// Descriptors for a list of bindings, with the layout that fits them.
 class BindingSet {
 public:
   static constexpr VkShaderStageFlags kRasterStages = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT;
 
-  // `stages`: the shaders that see them, besides compute.
+  // `stages`: the shaders that see the bindings, besides compute. Throws Error if a binding exceeds the device's
+  // limits.
   BindingSet(Device& device, std::span<const Binding> bindings, std::uint32_t push_constant_bytes,
              VkShaderStageFlags stages = 0);
   ~BindingSet();
@@ -42,6 +57,7 @@ public:
 private:
   void create_layout(std::span<const Binding> bindings);
   void write(std::span<const Binding> bindings);
+  VkDescriptorImageInfo image_info(const Binding& binding);
   void release();
 
   Device* device_;
@@ -52,9 +68,10 @@ private:
   VkDescriptorPool pool_ = VK_NULL_HANDLE;
   VkDescriptorSet set_ = VK_NULL_HANDLE;
   std::vector<VkBufferView> views_;
+  std::vector<VkSampler> samplers_;
 };
 
-// An embedded kernel: what people call it, and its SPIR-V (wavepath_NAME_spv of a generated header).
+// An embedded kernel: its name for people, and its SPIR-V (wavepath_NAME_spv of a generated header).
 struct KernelCode {
   const char* name = "";
   std::span<const std::uint32_t> spirv;
@@ -65,7 +82,8 @@ inline std::uint32_t groups_for(std::uint64_t count) {
   return static_cast<std::uint32_t>((count + gpu::kWorkgroupSize - 1) / gpu::kWorkgroupSize);
 }
 
-// A compute pipeline. `constants[i]` is the value of specialization constant i; constants that the kernel lacks are ignored.
+// A compute pipeline. `constants[i]` is the value of specialization constant i; those that the kernel lacks are
+// ignored.
 class Kernel {
 public:
   Kernel(Device& device, std::string name, std::span<const std::uint32_t> spirv, const BindingSet& bindings,

@@ -5,12 +5,13 @@
 #include <fmt/format.h>
 
 #include "host/base/cache_file.h"
+#include "host/base/hash.h"
 #include "kernels/fingerprint.spv.h"
 
 namespace wavepath {
 namespace {
 
-// All that makes compiled code useless when it changes. The driver checks most of it again, but not all drivers do so well.
+// Everything whose change makes compiled code useless. Drivers check most of it again, but not all of them reliably.
 std::uint64_t cache_key(VkPhysicalDevice physical) {
   VkPhysicalDeviceProperties properties{};
   vkGetPhysicalDeviceProperties(physical, &properties);

@@ -1,4 +1,4 @@
-// What the driver made of our kernels, kept on disk from run to run: one file for a driver, a device and a build.
+// The driver's pipeline cache, kept on disk between runs: one file per driver, device and build.
 #pragma once
 
 #include <cstdint>
@@ -12,17 +12,18 @@ namespace wavepath {
 
 class PipelineCache {
 public:
-  // Begins with what cache_folder() holds for this device, or empty. Never fails: without a cache kernels compile as ever.
+  // Begins with what cache_folder() holds for this device, or empty. Never fails: without a cache, kernels are
+  // compiled.
   PipelineCache(VkPhysicalDevice physical, VkDevice device);
   ~PipelineCache(); // saves
   PipelineCache(PipelineCache&&) = delete;
 
   VkPipelineCache handle() const { return cache_; } // null if the driver refuses to make one
 
-  // Writes it unless it is what was read. A folder that cannot be written is no error.
+  // Writes the file unless it holds the same already. A folder that cannot be written is no error.
   void save();
 
-  // For people: where it is, and what came of it.
+  // For people: the file and its size, or why there is none.
   std::string describe() const;
 
 private:

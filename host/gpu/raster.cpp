@@ -1,8 +1,7 @@
 #include "host/gpu/raster.h"
 
 #include <algorithm>
-#include <array>
-#include <vector>
+#include <cassert>
 
 #include <fmt/format.h>
 
@@ -13,15 +12,14 @@
 namespace wavepath {
 namespace {
 
-constexpr VkFormat kColourFormat = VK_FORMAT_R32G32_UINT; // every device can draw into it
-constexpr VkFormat kDepthFormat = VK_FORMAT_D32_SFLOAT;
-
 struct Module {
-  Module(Device& device_, const std::string& name, std::span<const std::uint32_t> spirv) : device(device_) {
+  Module(Device& device_, const char* name, std::span<const std::uint32_t> spirv) : device(device_) {
+    if (spirv.empty()) return;
     VkShaderModuleCreateInfo info{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
     info.codeSize = spirv.size_bytes();
     info.pCode = spirv.data();
-    check(vkCreateShaderModule(device.handle(), &info, nullptr, &handle), ("loading shader " + name).c_str());
+    check(vkCreateShaderModule(device.handle(), &info, nullptr, &handle),
+          fmt::format("loading shader {}", name).c_str());
   }
   ~Module() { vkDestroyShaderModule(device.handle(), handle, nullptr); }
   Module(Module&&) = delete;
@@ -30,123 +28,139 @@ struct Module {
   VkShaderModule handle = VK_NULL_HANDLE;
 };
 
-void require_raster(const Device& device, VkExtent2D size) {
+struct Formats {
+  std::vector<VkFormat> colour;
+  VkFormat depth = VK_FORMAT_UNDEFINED, stencil = VK_FORMAT_UNDEFINED;
+};
+
+Formats formats_of(std::span<const AttachmentInfo> attachments) {
+  Formats formats;
+  for (const AttachmentInfo& attachment : attachments) {
+    if (!has_depth(attachment.format)) {
+      formats.colour.push_back(vulkan_format(attachment.format));
+      continue;
+    }
+    assert(formats.depth == VK_FORMAT_UNDEFINED && "one depth attachment");
+    formats.depth = vulkan_format(attachment.format);
+    if (has_stencil(attachment.format)) formats.stencil = formats.depth;
+  }
+  return formats;
+}
+
+VkStencilOpState stencil_face(const StencilFace& face) {
+  return {static_cast<VkStencilOp>(face.fail),
+          static_cast<VkStencilOp>(face.pass),
+          static_cast<VkStencilOp>(face.depth_fail),
+          static_cast<VkCompareOp>(face.compare),
+          face.read_mask,
+          face.write_mask,
+          face.reference};
+}
+
+VkPipelineDepthStencilStateCreateInfo depth_stencil_state(const RasterState& state, const Formats& formats) {
+  VkPipelineDepthStencilStateCreateInfo info{VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO};
+  info.depthTestEnable = state.depth.test && formats.depth != VK_FORMAT_UNDEFINED;
+  info.depthWriteEnable = info.depthTestEnable && state.depth.write;
+  info.depthCompareOp = static_cast<VkCompareOp>(state.depth.compare);
+  assert(!state.stencil || formats.stencil != VK_FORMAT_UNDEFINED);
+  info.stencilTestEnable = state.stencil.has_value();
+  if (state.stencil) {
+    info.front = stencil_face(state.stencil->front);
+    info.back = stencil_face(state.stencil->back);
+  }
+  return info;
+}
+
+VkPipelineRasterizationStateCreateInfo rasterization_state(const RasterState& state) {
+  VkPipelineRasterizationStateCreateInfo info{VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO};
+  info.cullMode = static_cast<VkCullModeFlags>(state.cull);
+  info.frontFace = VK_FRONT_FACE_COUNTER_CLOCKWISE;
+  info.depthBiasEnable = state.depth.bias != 0.0f || state.depth.slope_bias != 0.0f;
+  info.depthBiasConstantFactor = state.depth.bias;
+  info.depthBiasSlopeFactor = state.depth.slope_bias;
+  info.lineWidth = 1.0f;
+  return info;
+}
+
+VkPipelineShaderStageCreateInfo shader_stage(VkShaderStageFlagBits stage, const Module& module,
+                                             const VkSpecializationInfo& constants) {
+  VkPipelineShaderStageCreateInfo info{VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO};
+  info.stage = stage;
+  info.module = module.handle;
+  info.pName = "main";
+  info.pSpecializationInfo = &constants;
+  return info;
+}
+
+void require_raster(const Device& device, VkExtent2D size, std::size_t colour_count) {
   const std::string& name = device.info().name;
   if (!device.rasterizes()) throw Error(name, "its queue cannot rasterize", "use --integrator path");
-  VkFormatProperties format{};
-  vkGetPhysicalDeviceFormatProperties(device.physical(), kDepthFormat, &format);
-  if (!(format.optimalTilingFeatures & VK_FORMAT_FEATURE_DEPTH_STENCIL_ATTACHMENT_BIT))
-    throw Error(name, "has no depth buffer of 32-bit floats", "use --integrator path");
   VkPhysicalDeviceProperties properties{};
   vkGetPhysicalDeviceProperties(device.physical(), &properties);
   const VkPhysicalDeviceLimits& limits = properties.limits;
-  const std::uint32_t width =
-      std::min({limits.maxFramebufferWidth, limits.maxImageDimension2D, limits.maxViewportDimensions[0]});
-  const std::uint32_t height =
-      std::min({limits.maxFramebufferHeight, limits.maxImageDimension2D, limits.maxViewportDimensions[1]});
+  if (colour_count > limits.maxColorAttachments)
+    throw Error(name,
+                fmt::format("draws into at most {} images at once, not {}", limits.maxColorAttachments, colour_count),
+                "use another device");
+  const std::uint32_t width = std::min(limits.maxFramebufferWidth, limits.maxViewportDimensions[0]);
+  const std::uint32_t height = std::min(limits.maxFramebufferHeight, limits.maxViewportDimensions[1]);
   if (size.width > width || size.height > height)
     throw Error(name, fmt::format("rasterizes at most {}x{} pixels, not {}x{}", width, height, size.width, size.height),
                 "use a smaller --size or --integrator path");
 }
 
-VkImageSubresourceRange whole(VkImageAspectFlags aspect) { return {aspect, 0, 1, 0, 1}; }
-
-struct Use {
-  VkImageLayout layout;
-  VkPipelineStageFlags2 stages;
-  VkAccessFlags2 access;
-};
-constexpr Use kNotUsed{VK_IMAGE_LAYOUT_UNDEFINED, VK_PIPELINE_STAGE_2_NONE, VK_ACCESS_2_NONE};
-constexpr Use kDrawnColour{VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL, VK_PIPELINE_STAGE_2_COLOR_ATTACHMENT_OUTPUT_BIT,
-                           VK_ACCESS_2_COLOR_ATTACHMENT_READ_BIT | VK_ACCESS_2_COLOR_ATTACHMENT_WRITE_BIT};
-constexpr Use kDrawnDepth{
-    VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL, // depth alone would be an optional feature
-    VK_PIPELINE_STAGE_2_EARLY_FRAGMENT_TESTS_BIT | VK_PIPELINE_STAGE_2_LATE_FRAGMENT_TESTS_BIT,
-    VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_READ_BIT | VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT};
-constexpr Use kCopied{VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, VK_PIPELINE_STAGE_2_COPY_BIT,
-                      VK_ACCESS_2_TRANSFER_READ_BIT};
-
-VkImageMemoryBarrier2 transition(VkImage image, VkImageAspectFlags aspect, const Use& from, const Use& to) {
-  VkImageMemoryBarrier2 barrier{VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2};
-  barrier.srcStageMask = from.stages;
-  barrier.srcAccessMask = from.access;
-  barrier.dstStageMask = to.stages;
-  barrier.dstAccessMask = to.access;
-  barrier.oldLayout = from.layout;
-  barrier.newLayout = to.layout;
-  barrier.srcQueueFamilyIndex = barrier.dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED;
-  barrier.image = image;
-  barrier.subresourceRange = whole(aspect);
-  return barrier;
-}
-
-void record(Commands& commands, std::span<const VkImageMemoryBarrier2> images) {
-  VkDependencyInfo info{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
-  info.imageMemoryBarrierCount = static_cast<std::uint32_t>(images.size());
-  info.pImageMemoryBarriers = images.data();
-  vkCmdPipelineBarrier2(commands.handle(), &info);
-}
-
-VkRenderingAttachmentInfo attachment(VkImageView view, VkImageLayout layout, bool first) {
-  VkRenderingAttachmentInfo info{VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO};
-  info.imageView = view;
-  info.imageLayout = layout;
-  info.loadOp = first ? VK_ATTACHMENT_LOAD_OP_CLEAR : VK_ATTACHMENT_LOAD_OP_LOAD;
-  info.storeOp = VK_ATTACHMENT_STORE_OP_STORE;
-  return info;
-}
+constexpr MemoryAccess kWrittenByKernelOrCopy{VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_2_TRANSFER_BIT,
+                                              VK_ACCESS_2_SHADER_WRITE_BIT | VK_ACCESS_2_TRANSFER_WRITE_BIT};
+constexpr MemoryAccess kReadByShaders{VK_PIPELINE_STAGE_2_VERTEX_SHADER_BIT | VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT,
+                                      VK_ACCESS_2_SHADER_READ_BIT | VK_ACCESS_2_UNIFORM_READ_BIT};
+// Writes that follow reads need an order, but no access made visible.
+constexpr MemoryAccess kShadersDone{kReadByShaders.stages, VK_ACCESS_2_NONE};
+constexpr MemoryAccess kKernelOrCopy{kWrittenByKernelOrCopy.stages, VK_ACCESS_2_NONE};
 
 } // namespace
 
-RasterPipeline::RasterPipeline(Device& device, const std::string& name, std::span<const std::uint32_t> vertex_spirv,
-                               std::span<const std::uint32_t> fragment_spirv, const BindingSet& bindings,
+RasterPipeline::RasterPipeline(Device& device, const RasterCode& code, std::span<const AttachmentInfo> attachments,
+                               const RasterState& state, const BindingSet& bindings,
                                std::span<const std::uint32_t> constants)
     : device_(device) {
-  const Module vertex(device, name, vertex_spirv), fragment(device, name, fragment_spirv);
+  const Module vertex(device, code.name, code.vertex), fragment(device, code.name, code.fragment);
   std::vector<VkSpecializationMapEntry> entries;
   for (std::uint32_t i = 0; i < constants.size(); ++i) entries.push_back({i, i * 4, 4});
   const VkSpecializationInfo specialization{static_cast<std::uint32_t>(entries.size()), entries.data(),
                                             constants.size_bytes(), constants.data()};
-  std::array<VkPipelineShaderStageCreateInfo, 2> stages{};
-  for (VkPipelineShaderStageCreateInfo& stage : stages) {
-    stage.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO;
-    stage.pName = "main";
-    stage.pSpecializationInfo = &specialization;
-  }
-  stages[0].stage = VK_SHADER_STAGE_VERTEX_BIT;
-  stages[0].module = vertex.handle;
-  stages[1].stage = VK_SHADER_STAGE_FRAGMENT_BIT;
-  stages[1].module = fragment.handle;
+  const std::array stages{shader_stage(VK_SHADER_STAGE_VERTEX_BIT, vertex, specialization),
+                          shader_stage(VK_SHADER_STAGE_FRAGMENT_BIT, fragment, specialization)};
 
+  const Formats formats = formats_of(attachments);
   const VkPipelineVertexInputStateCreateInfo input{VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO};
   VkPipelineInputAssemblyStateCreateInfo assembly{VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO};
   assembly.topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST;
   VkPipelineViewportStateCreateInfo viewport{VK_STRUCTURE_TYPE_PIPELINE_VIEWPORT_STATE_CREATE_INFO};
   viewport.viewportCount = viewport.scissorCount = 1;
-  VkPipelineRasterizationStateCreateInfo raster{VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO};
-  raster.lineWidth = 1.0f;
+  const VkPipelineRasterizationStateCreateInfo raster = rasterization_state(state);
   VkPipelineMultisampleStateCreateInfo samples{VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO};
   samples.rasterizationSamples = VK_SAMPLE_COUNT_1_BIT;
-  VkPipelineDepthStencilStateCreateInfo depth{VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO};
-  depth.depthTestEnable = depth.depthWriteEnable = VK_TRUE;
-  depth.depthCompareOp = VK_COMPARE_OP_GREATER;
-  VkPipelineColorBlendAttachmentState words{};
-  words.colorWriteMask = VK_COLOR_COMPONENT_R_BIT | VK_COLOR_COMPONENT_G_BIT;
+  const VkPipelineDepthStencilStateCreateInfo depth = depth_stencil_state(state, formats);
+  // The same for all attachments, because masks of their own are an optional feature.
+  VkPipelineColorBlendAttachmentState mask{};
+  if (state.write_colour && !code.fragment.empty()) mask.colorWriteMask = 0xf; // red, green, blue and alpha
+  const std::vector<VkPipelineColorBlendAttachmentState> masks(formats.colour.size(), mask);
   VkPipelineColorBlendStateCreateInfo blend{VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO};
-  blend.attachmentCount = 1;
-  blend.pAttachments = &words;
-  const std::array<VkDynamicState, 2> dynamic_states{VK_DYNAMIC_STATE_VIEWPORT, VK_DYNAMIC_STATE_SCISSOR};
+  blend.attachmentCount = static_cast<std::uint32_t>(masks.size());
+  blend.pAttachments = masks.data();
+  constexpr std::array kDynamicStates{VK_DYNAMIC_STATE_VIEWPORT, VK_DYNAMIC_STATE_SCISSOR};
   VkPipelineDynamicStateCreateInfo dynamic{VK_STRUCTURE_TYPE_PIPELINE_DYNAMIC_STATE_CREATE_INFO};
-  dynamic.dynamicStateCount = dynamic_states.size();
-  dynamic.pDynamicStates = dynamic_states.data();
+  dynamic.dynamicStateCount = kDynamicStates.size();
+  dynamic.pDynamicStates = kDynamicStates.data();
   VkPipelineRenderingCreateInfo rendering{VK_STRUCTURE_TYPE_PIPELINE_RENDERING_CREATE_INFO};
-  rendering.colorAttachmentCount = 1;
-  rendering.pColorAttachmentFormats = &kColourFormat;
-  rendering.depthAttachmentFormat = kDepthFormat;
+  rendering.colorAttachmentCount = static_cast<std::uint32_t>(formats.colour.size());
+  rendering.pColorAttachmentFormats = formats.colour.data();
+  rendering.depthAttachmentFormat = formats.depth;
+  rendering.stencilAttachmentFormat = formats.stencil;
 
   VkGraphicsPipelineCreateInfo info{VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO};
   info.pNext = &rendering;
-  info.stageCount = stages.size();
+  info.stageCount = code.fragment.empty() ? 1 : 2;
   info.pStages = stages.data();
   info.pVertexInputState = &input;
   info.pInputAssemblyState = &assembly;
@@ -158,103 +172,105 @@ RasterPipeline::RasterPipeline(Device& device, const std::string& name, std::spa
   info.pDynamicState = &dynamic;
   info.layout = bindings.layout();
   check(vkCreateGraphicsPipelines(device.handle(), device.pipeline_cache().handle(), 1, &info, nullptr, &pipeline_),
-        ("compiling shader " + name).c_str());
+        fmt::format("compiling shader {}", code.name).c_str());
 }
 
 RasterPipeline::~RasterPipeline() { vkDestroyPipeline(device_.handle(), pipeline_, nullptr); }
 
-RasterTarget::RasterTarget(Device& device, std::uint32_t width, std::uint32_t height)
-    : device_(device), size_{width, height} {
-  require_raster(device, size_);
-  try {
-    create(colour_, kColourFormat, VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT,
-           VK_IMAGE_ASPECT_COLOR_BIT);
-    create(depth_, kDepthFormat, VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT, VK_IMAGE_ASPECT_DEPTH_BIT);
-  } catch (...) {
-    release();
-    throw;
+RasterTarget::RasterTarget(Device& device, std::uint32_t width, std::uint32_t height,
+                           std::span<const AttachmentInfo> attachments, std::uint32_t layers)
+    : device_(device), size_{width, height}, attachments_(attachments.begin(), attachments.end()) {
+  require_raster(device, size_, formats_of(attachments).colour.size());
+  for (const AttachmentInfo& attachment : attachments_) {
+    if (!attachment.shared)
+      owned_.push_back(std::make_unique<DeviceImage>(device, ImageInfo{.name = attachment.name,
+                                                                       .format = attachment.format,
+                                                                       .width = width,
+                                                                       .height = height,
+                                                                       .layers = layers,
+                                                                       .attachment = true,
+                                                                       .sampled = attachment.sampled}));
+    images_.push_back(attachment.shared ? attachment.shared : owned_.back().get());
+    [[maybe_unused]] const ImageInfo& info = images_.back()->info();
+    assert(info.attachment && info.format == attachment.format && info.width == width && info.height == height &&
+           info.layers == layers && info.sampled >= attachment.sampled);
   }
 }
 
-RasterTarget::~RasterTarget() { release(); }
+std::uint64_t RasterTarget::bytes() const {
+  std::uint64_t bytes = 0;
+  for (const std::unique_ptr<DeviceImage>& image : owned_) bytes += image->bytes();
+  return bytes;
+}
 
-void RasterTarget::release() {
-  for (const Attachment* attachment : {&colour_, &depth_}) {
-    vkDestroyImageView(device_.handle(), attachment->view, nullptr);
-    vkDestroyImage(device_.handle(), attachment->image, nullptr);
-    vkFreeMemory(device_.handle(), attachment->memory, nullptr);
-    device_.count_memory(-static_cast<std::int64_t>(attachment->bytes));
+VkRenderingAttachmentInfo RasterTarget::rendering_info(std::size_t attachment, const RasterPass& pass,
+                                                       std::uint32_t clear) const {
+  const ClearValue& value = attachments_[attachment].clear;
+  const ImageFormat format = attachments_[attachment].format;
+  VkRenderingAttachmentInfo info{VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO};
+  info.imageView = images_[attachment]->layer_view(pass.layer);
+  info.imageLayout = images_[attachment]->layout(ImageUse::attachment);
+  info.loadOp = (pass.clear & clear) ? VK_ATTACHMENT_LOAD_OP_CLEAR : VK_ATTACHMENT_LOAD_OP_LOAD;
+  info.storeOp = VK_ATTACHMENT_STORE_OP_STORE;
+  if (has_depth(format))
+    info.clearValue.depthStencil = {value.depth, value.stencil};
+  else if (holds_integers(format))
+    std::copy(value.words.begin(), value.words.end(), info.clearValue.color.uint32);
+  else
+    std::copy(value.colour.begin(), value.colour.end(), info.clearValue.color.float32);
+  return info;
+}
+
+void RasterTarget::begin_rendering(VkCommandBuffer commands, const RasterPass& pass) const {
+  std::vector<VkRenderingAttachmentInfo> colour;
+  std::optional<VkRenderingAttachmentInfo> depth, stencil;
+  for (std::size_t i = 0; i < attachments_.size(); ++i) {
+    if (!has_depth(attachments_[i].format)) {
+      colour.push_back(rendering_info(i, pass, kClearColour));
+      continue;
+    }
+    depth = rendering_info(i, pass, kClearDepth);
+    if (has_stencil(attachments_[i].format)) stencil = rendering_info(i, pass, kClearStencil);
   }
+  VkRenderingInfo info{VK_STRUCTURE_TYPE_RENDERING_INFO};
+  info.renderArea.extent = size_;
+  info.layerCount = 1;
+  info.colorAttachmentCount = static_cast<std::uint32_t>(colour.size());
+  info.pColorAttachments = colour.data();
+  info.pDepthAttachment = depth ? &*depth : nullptr;
+  info.pStencilAttachment = stencil ? &*stencil : nullptr;
+  vkCmdBeginRendering(commands, &info);
 }
 
-void RasterTarget::create(Attachment& attachment, VkFormat format, VkImageUsageFlags usage, VkImageAspectFlags aspect) {
-  VkImageCreateInfo info{VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO};
-  info.imageType = VK_IMAGE_TYPE_2D;
-  info.format = format;
-  info.extent = {size_.width, size_.height, 1};
-  info.mipLevels = info.arrayLayers = 1;
-  info.samples = VK_SAMPLE_COUNT_1_BIT;
-  info.tiling = VK_IMAGE_TILING_OPTIMAL;
-  info.usage = usage;
-  check(vkCreateImage(device_.handle(), &info, nullptr, &attachment.image), "creating a picture to draw into");
-  VkMemoryRequirements needs{};
-  vkGetImageMemoryRequirements(device_.handle(), attachment.image, &needs);
-  VkMemoryAllocateInfo allocate{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO};
-  allocate.allocationSize = needs.size;
-  allocate.memoryTypeIndex = device_.memory_type(needs.memoryTypeBits, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT);
-  if (allocate.memoryTypeIndex == gpu::kNone) allocate.memoryTypeIndex = device_.memory_type(needs.memoryTypeBits, 0);
-  check(vkAllocateMemory(device_.handle(), &allocate, nullptr, &attachment.memory),
-        "finding memory for a picture to draw into");
-  attachment.bytes = needs.size;
-  device_.count_memory(static_cast<std::int64_t>(attachment.bytes));
-  check(vkBindImageMemory(device_.handle(), attachment.image, attachment.memory, 0), "binding memory");
-  VkImageViewCreateInfo view{VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO};
-  view.image = attachment.image;
-  view.viewType = VK_IMAGE_VIEW_TYPE_2D;
-  view.format = format;
-  view.subresourceRange = whole(aspect);
-  check(vkCreateImageView(device_.handle(), &view, nullptr, &attachment.view), "creating a view of a picture");
-}
-
-void RasterTarget::draw(Commands& commands, const RasterPipeline& pipeline, const BindingSet& bindings,
-                        const void* push, std::span<const VertexRange> ranges, bool first) {
+void RasterTarget::draw(Commands& commands, const RasterPass& pass) {
   const VkCommandBuffer to = commands.handle();
-  // What the last picture was used for has been waited for; what earlier slices of this one drew is kept.
-  record(commands,
-         std::array{transition(colour_.image, VK_IMAGE_ASPECT_COLOR_BIT, first ? kNotUsed : kDrawnColour, kDrawnColour),
-                    transition(depth_.image, VK_IMAGE_ASPECT_DEPTH_BIT, first ? kNotUsed : kDrawnDepth, kDrawnDepth)});
-  VkRenderingAttachmentInfo colour = attachment(colour_.view, kDrawnColour.layout, first);
-  colour.clearValue.color = {.uint32 = {gpu::kNone, gpu::kNone, 0, 0}};
-  VkRenderingAttachmentInfo depth = attachment(depth_.view, kDrawnDepth.layout, first);
-  depth.clearValue.depthStencil.depth = 0.0f;
-  VkRenderingInfo rendering{VK_STRUCTURE_TYPE_RENDERING_INFO};
-  rendering.renderArea.extent = size_;
-  rendering.layerCount = 1;
-  rendering.colorAttachmentCount = 1;
-  rendering.pColorAttachments = &colour;
-  rendering.pDepthAttachment = &depth;
-  vkCmdBeginRendering(to, &rendering);
-
+  std::vector<VkImageMemoryBarrier2> barriers;
+  for (DeviceImage* image : images_) barriers.push_back(image->barrier(ImageUse::attachment));
+  record_barriers(to, barriers, kWrittenByKernelOrCopy, kReadByShaders);
+  begin_rendering(to, pass);
   const VkViewport viewport{0, 0, static_cast<float>(size_.width), static_cast<float>(size_.height), 0, 1};
   const VkRect2D scissor{{0, 0}, size_};
   vkCmdSetViewport(to, 0, 1, &viewport);
   vkCmdSetScissor(to, 0, 1, &scissor);
-  const VkDescriptorSet set = bindings.handle();
-  vkCmdBindDescriptorSets(to, VK_PIPELINE_BIND_POINT_GRAPHICS, bindings.layout(), 0, 1, &set, 0, nullptr);
-  vkCmdPushConstants(to, bindings.layout(), bindings.stages(), 0, bindings.push_constant_bytes(), push);
-  vkCmdBindPipeline(to, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline.handle());
-  for (const VertexRange& range : ranges)
-    vkCmdDraw(to, range.vertex_count, range.instance_count, range.first_vertex, range.first_instance);
+  for (const RasterDraw& draw : pass.draws) {
+    const BindingSet& bindings = *draw.bindings;
+    const VkDescriptorSet set = bindings.handle();
+    vkCmdBindDescriptorSets(to, VK_PIPELINE_BIND_POINT_GRAPHICS, bindings.layout(), 0, 1, &set, 0, nullptr);
+    if (draw.push)
+      vkCmdPushConstants(to, bindings.layout(), bindings.stages(), 0, bindings.push_constant_bytes(), draw.push);
+    vkCmdBindPipeline(to, VK_PIPELINE_BIND_POINT_GRAPHICS, draw.pipeline->handle());
+    for (const VertexRange& range : draw.ranges)
+      vkCmdDraw(to, range.vertex_count, range.instance_count, range.first_vertex, range.first_instance);
+  }
   vkCmdEndRendering(to);
+  record_barriers(to, {}, kShadersDone, kKernelOrCopy);
 }
 
-void RasterTarget::copy(Commands& commands, const Buffer& to) {
-  record(commands, std::array{transition(colour_.image, VK_IMAGE_ASPECT_COLOR_BIT, kDrawnColour, kCopied)});
-  VkBufferImageCopy region{};
-  region.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
-  region.imageExtent = {size_.width, size_.height, 1};
-  vkCmdCopyImageToBuffer(commands.handle(), colour_.image, kCopied.layout, to.handle(), 1, &region);
-  commands.barrier();
+void RasterTarget::finish(Commands& commands) {
+  std::vector<VkImageMemoryBarrier2> barriers;
+  for (DeviceImage* image : images_)
+    if (image->info().sampled) barriers.push_back(image->barrier(ImageUse::sampled));
+  record_barriers(commands.handle(), barriers, {}, {});
 }
 
 } // namespace wavepath

@@ -1,31 +1,84 @@
-// Rasterization by dynamic rendering: a pipeline that fetches its own vertices, and the picture of two words a pixel,
-// with a depth buffer, that it draws into.
+// Rasterization by dynamic rendering: targets of any attachments, and pipelines whose shaders fetch their own vertices.
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <memory>
+#include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include <vulkan/vulkan.h>
 
 #include "host/gpu/commands.h"
+#include "host/gpu/image.h"
 #include "host/gpu/kernel.h"
 
 namespace wavepath {
 
-// What one draw call covers. There are no vertex buffers: the shaders know what the numbers stand for.
-struct VertexRange {
-  std::uint32_t first_vertex = 0, vertex_count = 0, first_instance = 0, instance_count = 1;
+// What an attachment is cleared to: float and fixed-point formats to `colour`, integers to `words`, depth formats to
+// `depth` and `stencil`.
+struct ClearValue {
+  std::array<float, 4> colour{};
+  std::array<std::uint32_t, 4> words{};
+  float depth = 0.0f;
+  std::uint32_t stencil = 0;
 };
 
-// Triangles, whichever way they face; what is nearer has the greater depth, between 1 (near plane) and 0 (infinity). Of
-// equal depths the first one drawn stays.
+// One list of these declares a target and the pipelines that draw into it. The fragment shader's output i is the i-th
+// colour attachment; at most one format has depth.
+struct AttachmentInfo {
+  const char* name = ""; // for error messages
+  ImageFormat format = ImageFormat::rgba32f;
+  bool sampled = false; // kernels sample it
+  ClearValue clear{};
+  DeviceImage* shared =
+      nullptr; // an image of the target's size and this format, drawn into instead of one of the target's own
+};
+
+enum class Cull { none, front, back }; // front: counter-clockwise in the picture, whose y axis points down
+
+// Depth clamping and a limit of the bias are optional features of Vulkan, so they are missing here. Without a depth
+// attachment there is no test.
+struct DepthState {
+  bool test = true, write = true;
+  Compare compare = Compare::greater;   // "new COMPARE old" draws
+  float bias = 0.0f, slope_bias = 0.0f; // in units of the format's resolution there, and of the triangle's slope
+};
+
+// In the order of VkStencilOp.
+enum class StencilOp { keep, zero, replace, increment_clamp, decrement_clamp, invert, increment_wrap, decrement_wrap };
+
+struct StencilFace {
+  StencilOp fail = StencilOp::keep, depth_fail = StencilOp::keep, pass = StencilOp::keep;
+  Compare compare = Compare::always; // "(reference & read_mask) COMPARE (old & read_mask)" passes
+  std::uint32_t reference = 0, read_mask = 0xff, write_mask = 0xff;
+};
+
+struct StencilState {
+  StencilFace front, back;
+};
+
+struct RasterState {
+  DepthState depth{};
+  std::optional<StencilState> stencil;
+  Cull cull = Cull::none;
+  bool write_colour = true; // into all colour attachments or, for passes that only count or test, into none
+};
+
+struct RasterCode {
+  const char* name = "";
+  std::span<const std::uint32_t> vertex, fragment; // no fragment shader: depth and stencil alone
+};
+
+// A pipeline that draws triangles without blending.
 class RasterPipeline {
 public:
-  // `constants[i]` is the value of specialization constant i in both shaders.
-  RasterPipeline(Device& device, const std::string& name, std::span<const std::uint32_t> vertex_spirv,
-                 std::span<const std::uint32_t> fragment_spirv, const BindingSet& bindings,
-                 std::span<const std::uint32_t> constants);
+  // `constants[i]` is the value of specialization constant i in both shaders. `bindings` need
+  // BindingSet::kRasterStages.
+  RasterPipeline(Device& device, const RasterCode& code, std::span<const AttachmentInfo> attachments,
+                 const RasterState& state, const BindingSet& bindings, std::span<const std::uint32_t> constants);
   ~RasterPipeline();
   RasterPipeline(RasterPipeline&&) = delete;
 
@@ -36,35 +89,52 @@ private:
   VkPipeline pipeline_ = VK_NULL_HANDLE;
 };
 
+// What one draw call covers. There are no vertex buffers: shaders read gl_VertexIndex and gl_InstanceIndex.
+struct VertexRange {
+  std::uint32_t first_vertex = 0, vertex_count = 0, first_instance = 0, instance_count = 1;
+};
+
+struct RasterDraw {
+  const RasterPipeline* pipeline = nullptr;
+  const BindingSet* bindings = nullptr;
+  const void* push = nullptr; // bindings->push_constant_bytes() bytes
+  std::span<const VertexRange> ranges;
+};
+
+inline constexpr std::uint32_t kClearNothing = 0, kClearColour = 1, kClearDepth = 2, kClearStencil = 4, kClearAll = 7;
+
+struct RasterPass {
+  std::span<const RasterDraw> draws; // in order
+  std::uint32_t clear = kClearAll;   // what is not cleared keeps what earlier passes drew
+  std::uint32_t layer = 0;           // of all attachments
+};
+
 class RasterTarget {
 public:
-  // Throws Error if the device cannot rasterize, or not so large a picture, or has no memory for it.
-  RasterTarget(Device& device, std::uint32_t width, std::uint32_t height);
-  ~RasterTarget();
+  // Throws Error if the device cannot rasterize, or lacks a format, the size, the number of attachments or the memory.
+  RasterTarget(Device& device, std::uint32_t width, std::uint32_t height, std::span<const AttachmentInfo> attachments,
+               std::uint32_t layers = 1);
   RasterTarget(RasterTarget&&) = delete;
 
-  // Records `ranges` in order. `first`: the picture is emptied before (words 0xffffffff, depth 0), else what earlier
-  // commands drew is kept. `push`: bindings.push_constant_bytes() bytes.
-  void draw(Commands& commands, const RasterPipeline& pipeline, const BindingSet& bindings, const void* push,
-            std::span<const VertexRange> ranges, bool first);
-  // Records the copy of the words into `to`, row by row, for kernels of these and later commands. Ends the picture.
-  void copy(Commands& commands, const Buffer& to);
+  // Records the pass. Its shaders see what kernels and copies wrote before, and later kernels may write what they read.
+  void draw(Commands& commands, const RasterPass& pass);
+  // Records that drawing is over: kernels may sample the attachments declared so, until the next pass.
+  void finish(Commands& commands);
 
-  std::uint64_t bytes() const { return colour_.bytes + depth_.bytes; }
+  // By place in the list of attachments. DeviceImage::copy_to() records a read-back.
+  DeviceImage& image(std::size_t attachment) { return *images_[attachment]; }
+  const DeviceImage& image(std::size_t attachment) const { return *images_[attachment]; }
+  std::uint64_t bytes() const; // of the images that the target owns
 
 private:
-  struct Attachment {
-    VkImage image = VK_NULL_HANDLE;
-    VkImageView view = VK_NULL_HANDLE;
-    VkDeviceMemory memory = VK_NULL_HANDLE;
-    std::uint64_t bytes = 0;
-  };
-  void create(Attachment& attachment, VkFormat format, VkImageUsageFlags usage, VkImageAspectFlags aspect);
-  void release();
+  VkRenderingAttachmentInfo rendering_info(std::size_t attachment, const RasterPass& pass, std::uint32_t clear) const;
+  void begin_rendering(VkCommandBuffer commands, const RasterPass& pass) const;
 
   Device& device_;
   VkExtent2D size_;
-  Attachment colour_, depth_;
+  std::vector<AttachmentInfo> attachments_;
+  std::vector<std::unique_ptr<DeviceImage>> owned_;
+  std::vector<DeviceImage*> images_; // by attachment
 };
 
 } // namespace wavepath

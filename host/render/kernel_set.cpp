@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <atomic>
-#include <chrono>
 #include <future>
 #include <thread>
 
+#include "host/base/clock.h"
 #include "host/gpu/commands.h"
 #include "kernels/frame_types.h"
 
@@ -40,7 +40,7 @@ std::array<std::uint32_t, gpu::kSpecCount> specialization(const KernelConfig& co
 
 KernelSet::KernelSet(Device& device, const KernelNeed& need)
     : config_(need.config), kernels_(need.program->stages.size()) {
-  const auto start = std::chrono::steady_clock::now();
+  const Clock::time_point start = Clock::now();
   const Buffer stand_in(device, kStandInBytes);
   std::vector<Binding> layout = need.program->layout();
   for (Binding& binding : layout) binding.buffer = &stand_in;
@@ -61,7 +61,7 @@ KernelSet::KernelSet(Device& device, const KernelNeed& need)
   for (std::size_t t = 0; t < std::clamp<std::size_t>(std::thread::hardware_concurrency(), 1, most); ++t)
     threads.push_back(std::async(std::launch::async, compile));
   for (std::future<void>& thread : threads) thread.get();
-  seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  seconds_ = seconds_since(start);
 }
 
 } // namespace wavepath

@@ -64,6 +64,7 @@ public:
   Picture picture();
 
   const FilmTarget& film_target() const { return loop_->workspace().film; } // for Display
+  const DeviceScene& device_scene() const { return *loop_->workspace().on_device; }
   const PackedScene& scene() const { return *scene_; }
   const Nonfinite& nonfinite() const { return loop_->totals().nonfinite; }
 

@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 
+#include "host/base/clock.h"
 #include "host/base/process_clock.h"
 #include "host/film/error.h"
 #include "host/render/adaptive.h"
@@ -11,10 +12,6 @@
 
 namespace wavepath {
 namespace {
-
-using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 RenderSettings whole_passes(RenderSettings settings) {
   if (!settings.adaptive) return settings;

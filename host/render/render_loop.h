@@ -2,7 +2,6 @@
 // checkpoints, estimates the error beside the next waves, and knows when to stop.
 #pragma once
 
-#include <chrono>
 #include <cstdint>
 #include <deque>
 #include <future>
@@ -10,6 +9,7 @@
 #include <optional>
 #include <vector>
 
+#include "host/base/clock.h"
 #include "host/film/film.h"
 #include "host/render/governor.h"
 #include "host/render/integrator.h"
@@ -148,7 +148,7 @@ private:
   Checkpoint last_; // of that film
   RenderResult result_;
 
-  std::chrono::steady_clock::time_point clock_start_{}, last_save_{};
+  Clock::time_point clock_start_{}, last_save_{};
   double seconds_before_ = 0.0;
   bool running_ = false;
 };

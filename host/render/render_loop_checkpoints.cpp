@@ -5,16 +5,13 @@
 #include <cmath>
 #include <limits>
 
+#include "host/base/clock.h"
 #include "host/film/error.h"
 #include "host/render/adaptive.h"
 #include "host/render/render_loop.h"
 
 namespace wavepath {
 namespace {
-
-using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 // Estimates in progress at once: each holds a copy of the film.
 constexpr std::size_t kMostPending = 2;

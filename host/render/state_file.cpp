@@ -1,4 +1,4 @@
-// Layout: magic, then the length of a JSON document and the document, the film's pixels, its AOVs, and a checksum of
+// Layout: magic, then the length of a JSON document and the document, the film's pixels, its AOVs, and the hash of
 // all before it. Numbers are as the machine has them (little-endian on everything that Vulkan drivers exist for).
 #include "host/render/state_file.h"
 
@@ -10,6 +10,7 @@
 
 #include "host/base/atomic_file.h"
 #include "host/base/error.h"
+#include "host/base/hash.h"
 #include "host/base/read_file.h"
 
 namespace wavepath {
@@ -19,23 +20,6 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::string_view kMagic = "wavepath state 3\n";
 constexpr const char* kRemedy = "start again without --resume, or name another --checkpoint";
-
-// FNV-1a (Fowler, Noll, Vo) over words of 32 bits.
-class Checksum {
-public:
-  void add(const void* data, std::size_t bytes) {
-    const char* from = static_cast<const char*>(data);
-    for (std::size_t i = 0; i < bytes; i += 4) {
-      std::uint32_t word = 0;
-      std::memcpy(&word, from + i, std::min<std::size_t>(4, bytes - i));
-      value_ = (value_ ^ word) * 0x100000001b3ull;
-    }
-  }
-  std::uint64_t value() const { return value_; }
-
-private:
-  std::uint64_t value_ = 0xcbf29ce484222325ull;
-};
 
 Json to_json(const Checkpoint& c) {
   return {c.spp,
@@ -129,7 +113,7 @@ public:
     if (bytes > size_ - at_ ||
         !read_file(path_, at_, {static_cast<std::uint8_t*>(data), static_cast<std::size_t>(bytes)}))
       throw Error(path_, "is not complete", kRemedy);
-    checksum_.add(data, bytes);
+    checksum_.add_bytes(data, bytes);
     at_ += bytes;
   }
   std::uint64_t left() const { return size_ - at_; }
@@ -138,7 +122,7 @@ public:
 private:
   std::string path_;
   std::uint64_t size_, at_ = 0;
-  Checksum checksum_;
+  Hash checksum_;
 };
 
 template <class T>
@@ -150,13 +134,12 @@ std::uint64_t byte_count(const std::vector<T>& values) {
 
 void write_state(const std::string& path, const std::string& identity, const std::string& device,
                  const RenderState& state) {
-  std::string document = describe(identity, device, state).dump();
-  document.resize((document.size() + 3) / 4 * 4, ' ');
+  const std::string document = describe(identity, device, state).dump();
   AtomicFile file(path);
-  Checksum checksum;
+  Hash checksum;
   const auto write = [&](const void* data, std::size_t bytes) {
     file.write(data, bytes);
-    checksum.add(data, bytes);
+    checksum.add_bytes(data, bytes);
   };
   const std::uint64_t length = document.size();
   write(kMagic.data(), kMagic.size());

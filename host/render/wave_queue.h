@@ -2,7 +2,6 @@
 #pragma once
 
 #include <array>
-#include <chrono>
 #include <cstdint>
 #include <deque>
 #include <functional>
@@ -10,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "host/base/clock.h"
 #include "host/gpu/commands.h"
 #include "host/render/nonfinite.h"
 #include "host/render/render.h"
@@ -57,7 +57,6 @@ public:
   Totals totals;
 
 private:
-  using Clock = std::chrono::steady_clock;
   struct Slot {
     explicit Slot(Device& device);
     Commands commands;

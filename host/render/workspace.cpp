@@ -1,10 +1,10 @@
 #include "host/render/workspace.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <numeric>
 
+#include "host/base/clock.h"
 #include "host/render/adaptive.h"
 #include "host/render/integrator.h"
 #include "host/render/resources.h"
@@ -49,9 +49,9 @@ Workspace::Workspace(Device& device_, const PackedScene& scene_, std::uint32_t s
     : device(device_),
       scene(scene_),
       on_device([&] {
-        const auto start = std::chrono::steady_clock::now();
+        const Clock::time_point start = Clock::now();
         auto result = uploaded ? uploaded : std::make_shared<const DeviceScene>(upload_scene(device_, scene_));
-        upload_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+        upload_seconds = seconds_since(start);
         return result;
       }()),
       slots(slots_),

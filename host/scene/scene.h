@@ -3,17 +3,15 @@
 #pragma once
 
 #include <cstdint>
-#include <limits>
 #include <string>
 #include <vector>
 
 #include <glm/glm.hpp>
 
 #include "host/base/warnings.h"
+#include "host/scene/material.h"
 
 namespace wavepath {
-
-inline constexpr std::uint32_t kNoIndex = 0xffffffffu;
 
 // Decoded texels, four channels, top row first (glTF's uv origin is the top left corner).
 struct Image {
@@ -21,44 +19,6 @@ struct Image {
   std::uint32_t width = 0, height = 0;
   std::vector<std::uint8_t> bytes; // RGBA8 as stored in the file (sRGB or linear by use); empty if `floats` is used
   std::vector<float> floats;       // RGBA, for images of more than 8 bits: values 0..1 as stored, not yet linearized
-};
-
-enum class Wrap : std::uint8_t { repeat, clamp, mirror };
-
-// An image as one material slot uses it.
-struct TextureSlot {
-  std::uint32_t image = kNoIndex;
-  Wrap wrap_u = Wrap::repeat, wrap_v = Wrap::repeat;
-  bool nearest = false;     // magFilter NEAREST
-  bool srgb = false;        // by role: base colour, emission, specular colour
-  std::uint32_t uv_set = 0; // TEXCOORD_0 or _1
-  bool moved = false;       // KHR_texture_transform other than the identity
-  glm::mat2 uv_matrix{1.0f}; // uv' = uv_matrix * uv + uv_offset
-  glm::vec2 uv_offset{0.0f};
-
-  bool present() const { return image != kNoIndex; }
-};
-
-enum class AlphaMode : std::uint8_t { opaque, mask, blend };
-
-struct Material {
-  std::string name;
-  glm::vec4 base_color{1.0f};
-  float metallic = 1.0f, roughness = 1.0f;
-  glm::vec3 emission{0.0f}; // factor * KHR_materials_emissive_strength: radiance
-  float normal_scale = 1.0f;
-  AlphaMode alpha_mode = AlphaMode::opaque;
-  float alpha_cutoff = 0.5f;
-  bool double_sided = false;
-  bool unlit = false;
-  float ior = 1.5f; // 0 = infinite (KHR_materials_ior)
-  float specular = 1.0f;
-  glm::vec3 specular_color{1.0f};
-  float transmission = 0.0f;
-  bool volume = false;          // KHR_materials_volume with thickness > 0: a closed body that refracts
-  glm::vec3 attenuation{0.0f};  // 1/m; 0 = clear
-  TextureSlot base_color_texture, metallic_roughness_texture, normal_texture, emission_texture;
-  TextureSlot specular_texture, specular_color_texture, transmission_texture; // specular: A; transmission: R
 };
 
 // A run of triangles with one material: indices [first_index, first_index + index_count) of its mesh.

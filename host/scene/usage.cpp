@@ -5,12 +5,6 @@
 
 namespace wavepath {
 
-bool textured(const Material& m) {
-  return m.base_color_texture.present() || m.metallic_roughness_texture.present() || m.normal_texture.present() ||
-         m.emission_texture.present() || m.specular_texture.present() || m.specular_color_texture.present() ||
-         m.transmission_texture.present();
-}
-
 Usage find_usage(const Scene& scene) {
   Usage usage;
   usage.mesh_instances.assign(scene.meshes.size(), 0);

@@ -26,7 +26,4 @@ struct Usage {
 // than 32 bits can number.
 Usage find_usage(const Scene& scene);
 
-// Whether any texture slot of the material holds an image.
-bool textured(const Material& material);
-
 } // namespace wavepath

@@ -21,6 +21,7 @@ layout(set = 0, binding = 7, std430) buffer Rays { Ray rays[]; };
 layout(set = 0, binding = 8, std430) buffer Hits { Hit hits[]; };
 layout(set = 0, binding = 9, std430) buffer ShadowRays { ShadowRay shadow_rays[]; };
 layout(set = 0, binding = 10, std430) buffer QueueBlocks { Queues queues[]; };
+layout(set = 0, binding = 26, std430) buffer CounterBlocks { Counters counters[]; };
 layout(set = 0, binding = 11, std430) buffer Film { FilmPixel film[]; };
 layout(set = 0, binding = 21, std430) buffer Sums { ExactSum sums[]; };
 layout(set = 0, binding = 12, std430) buffer Aovs { PathAovs aovs[]; };

@@ -72,6 +72,13 @@ std::vector<Binding> visibility_bindings(const DeviceScene& scene, const Buffer&
   return bindings;
 }
 
+// Reversed z: what is nearer has the greater depth, between 1 (near plane) and 0 (infinity). Of equal depths the first one
+// drawn stays.
+constexpr std::array<AttachmentInfo, 2> kAttachments{
+    {{.name = "visibility", .format = ImageFormat::rg32ui, .clear = {.words = {gpu::kNone, gpu::kNone}}},
+     {.name = "depth", .format = ImageFormat::depth32f, .clear = {.depth = 0.0f}}}};
+const RasterCode kCode{"visibility", wavepath_visibility_vert_spv, wavepath_visibility_frag_spv};
+
 constexpr std::uint64_t kPixelBytes = 2 * sizeof(std::uint32_t);
 
 std::uint64_t ids_bytes(const Device& device, std::uint32_t width, std::uint32_t height) {
@@ -135,13 +142,12 @@ Visibility::Visibility(Device& device, const PackedScene& scene, const DeviceSce
       config_(kernel_config(features, scene.stack_size, {})),
       width_(width),
       height_(height),
-      target_(device, width, height),
+      target_(device, width, height, kAttachments),
       ids_(device, ids_bytes(device, width, height)),
       unused_(device, 0),
       bindings_(device, visibility_bindings(gpu_scene, frame, hybrid, ids_, unused_), sizeof(gpu::Wave),
                 BindingSet::kRasterStages),
-      pipeline_(device, "visibility", wavepath_visibility_vert_spv, wavepath_visibility_frag_spv, bindings_,
-                constants_of(config_, device)),
+      pipeline_(device, kCode, kAttachments, {}, bindings_, constants_of(config_, device)),
       chunks_(make_chunks(scene)),
       triangles_a_slice_(kFirstTriangles),
       pixels_a_slice_(kFirstPixels) {}
@@ -166,8 +172,9 @@ void Visibility::render(WaveQueue& queue, const gpu::CameraView& camera,
     submit(queue, [&](Commands& commands) {
       const gpu::Wave wave{}; // camera rays
       if (i == 0) prepare(commands);
-      target_.draw(commands, pipeline_, bindings_, &wave, slices[i], i == 0);
-      if (i + 1 == slices.size()) target_.copy(commands, ids_);
+      const RasterDraw draw{&pipeline_, &bindings_, &wave, slices[i]};
+      target_.draw(commands, {.draws = {&draw, 1}, .clear = i == 0 ? kClearAll : kClearNothing});
+      if (i + 1 == slices.size()) target_.image(0).copy_to(commands, ids_);
     });
 }
 

@@ -1,9 +1,8 @@
 // Opens glTF documents and brings in their bytes on demand.
 #include "host/scene/gltf/document.h"
 
-#include <algorithm>
-#include <array>
-#include <string_view>
+#include <charconv>
+#include <compare>
 
 #include <nlohmann/json.hpp>
 
@@ -11,6 +10,7 @@
 #include "host/base/memory.h"
 #include "host/base/read_file.h"
 #include "host/scene/gltf/decompress.h"
+#include "host/scene/gltf/extensions.h"
 #include "host/scene/gltf/schema.h"
 #include "host/scene/gltf/uri.h"
 
@@ -18,27 +18,6 @@ namespace wavepath::gltf {
 namespace {
 
 using nlohmann::json;
-
-// Extensions that a file may require. KHR_texture_basisu is judged where a texture uses it: it may have a fallback.
-constexpr std::array<std::string_view, 19> kSupported = {"EXT_mesh_gpu_instancing",
-                                                         "EXT_meshopt_compression",
-                                                         "EXT_texture_webp",
-                                                         "KHR_draco_mesh_compression",
-                                                         "KHR_lights_punctual",
-                                                         "KHR_materials_emissive_strength",
-                                                         "KHR_materials_ior",
-                                                         "KHR_materials_specular",
-                                                         "KHR_materials_transmission",
-                                                         "KHR_materials_unlit",
-                                                         "KHR_materials_variants",
-                                                         "KHR_materials_volume",
-                                                         "KHR_mesh_quantization",
-                                                         "KHR_texture_basisu",
-                                                         "KHR_texture_transform",
-                                                         "KHR_xmp",
-                                                         "KHR_xmp_json_ld",
-                                                         "MSFT_packing_occlusionRoughnessMetallic",
-                                                         "MSFT_packing_normalRoughnessMetallic"};
 
 json parse_json(const std::string& file, const std::string& text) {
   try {
@@ -50,23 +29,36 @@ json parse_json(const std::string& file, const std::string& text) {
   throw Error(file, "its JSON is not an object", kRepair);
 }
 
-void check_version(const std::string& file, const json& document) {
-  const std::string version = document["asset"]["version"];
-  if (!version.starts_with("2.")) {
-    throw Error(file, "is glTF version " + shown(version), "convert it to glTF 2.0");
+struct Version {
+  std::uint64_t major = 0, minor = 0;
+  auto operator<=>(const Version&) const = default;
+};
+constexpr Version kReadVersion{2, 0};
+
+// "MAJOR.MINOR" (glTF 2.0 specification, section 5.9).
+Version parse_version(const std::string& file, const json& asset, const char* name) {
+  const std::string text = asset[name];
+  const char* const end = text.data() + text.size();
+  Version version;
+  const auto major = std::from_chars(text.data(), end, version.major);
+  if (major.ec == std::errc() && major.ptr != end && *major.ptr == '.') {
+    const auto minor = std::from_chars(major.ptr + 1, end, version.minor);
+    if (minor.ec == std::errc() && minor.ptr == end) return version;
   }
+  throw Error(file, std::string("asset.") + name + " is '" + shown(text) + "' instead of MAJOR.MINOR", kRepair);
 }
 
-void check_extensions(const std::string& file, const json& document) {
-  std::string missing;
-  for (const std::string name : document.value("extensionsRequired", json::array())) {
-    if (std::find(kSupported.begin(), kSupported.end(), name) == kSupported.end()) {
-      missing += (missing.empty() ? "" : ", ") + shown(name);
-    }
-  }
-  if (!missing.empty()) {
-    throw Error(file, "requires " + missing + ", which wavepath does not support", "export it without that extension");
-  }
+// A reader of 2.0 can read every 2.x, and later versions too, unless asset.minVersion asks for more (section 3.2).
+void check_version(const std::string& file, const json& asset) {
+  const Version version = parse_version(file, asset, "version");
+  const bool has_least = asset.contains("minVersion");
+  const Version least = has_least ? parse_version(file, asset, "minVersion") : Version{version.major, 0};
+  if (least > version) throw Error(file, "asset.minVersion is above asset.version", kRepair);
+  if (least > kReadVersion && has_least)
+    throw Error(file, "needs a reader of glTF " + shown(asset["minVersion"]) + " (asset.minVersion)",
+                "export it as glTF 2.0");
+  if (least.major != kReadVersion.major && version.major != kReadVersion.major)
+    throw Error(file, "is glTF version " + shown(asset["version"]), "convert it to glTF 2.0");
 }
 
 void check_uri(const Document& document, const std::string& what, const Source& source) {
@@ -87,8 +79,8 @@ void take_sources(Document& document, json& root) {
     document.images.push_back({image.value("name", ""), image.value("uri", ""), 0, image.value("bufferView", -1)});
     check_uri(document, "image " + std::to_string(document.images.size() - 1), document.images.back());
   }
-  root.erase("buffers");
-  root.erase("images");
+  document.materials = std::make_shared<const json>(root.value("materials", json::array()));
+  for (const char* list : {"buffers", "images", "materials"}) root.erase(list);
   if (!root.contains("meshes")) return;
   for (json& mesh : root["meshes"]) {
     for (json& primitive : mesh["primitives"]) {
@@ -177,8 +169,8 @@ Document open_document(const std::filesystem::path& path) {
   json root = parse_json(document.file, container.json);
   container.json = {};
   check_schema(document.file, root);
-  check_version(document.file, root);
-  check_extensions(document.file, root);
+  check_version(document.file, root["asset"]);
+  check_required_extensions(document.file, root.value("extensionsRequired", std::vector<std::string>()));
   take_sources(document, root);
   parse_model(document, root);
   check_views(document);

@@ -4,10 +4,12 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
 
+#include <nlohmann/json_fwd.hpp>
 #include <tiny_gltf.h>
 
 #include "host/scene/gltf/container.h"
@@ -29,7 +31,8 @@ inline constexpr const char* kIndices = "INDICES";
 struct Document {
   std::filesystem::path path;
   std::string file;      // the path, for messages
-  tinygltf::Model model; // without buffers and images; every index in it is in range
+  tinygltf::Model model; // without buffers, images and materials; every index in it is in range
+  std::shared_ptr<const nlohmann::json> materials;
   std::vector<Source> buffers, images;
   std::vector<std::uint8_t> binary; // of a .glb: the contents of buffer 0
 

@@ -2,16 +2,15 @@
 #include "host/scene/gltf/gltf.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <future>
 #include <map>
-#include <string_view>
 
 #include <glm/gtc/matrix_access.hpp>
 
 #include "host/base/error.h"
 #include "host/scene/gltf/accessor.h"
+#include "host/scene/gltf/extensions.h"
 #include "host/scene/gltf/instancing.h"
 #include "host/scene/gltf/material.h"
 #include "host/scene/gltf/mesh.h"
@@ -142,36 +141,6 @@ void place_light(Import& import, const tinygltf::Node& node, const glm::dmat4& w
   import.scene.lights.push_back(light);
 }
 
-bool is_known(std::string_view name) {
-  // What the importer acts on, and what says nothing about the picture.
-  constexpr std::array kKnown = {"EXT_mesh_gpu_instancing",
-                                 "EXT_meshopt_compression",
-                                 "EXT_texture_webp",
-                                 "KHR_draco_mesh_compression",
-                                 "KHR_lights_punctual",
-                                 "KHR_materials_emissive_strength",
-                                 "KHR_materials_ior",
-                                 "KHR_materials_specular",
-                                 "KHR_materials_transmission",
-                                 "KHR_materials_unlit",
-                                 "KHR_materials_variants",
-                                 "KHR_materials_volume",
-                                 "KHR_mesh_quantization",
-                                 "KHR_texture_basisu",
-                                 "KHR_texture_transform",
-                                 "KHR_xmp",
-                                 "KHR_xmp_json_ld"};
-  return std::find(kKnown.begin(), kKnown.end(), name) != kKnown.end();
-}
-
-void warn_of_extensions(Scene& scene) {
-  std::string names;
-  for (const std::string& name : scene.extensions_used) {
-    if (!is_known(name)) names += (names.empty() ? "" : ", ") + gltf::shown(name);
-  }
-  if (!names.empty()) scene.warnings.add("extensions that are not supported, ignored: " + names);
-}
-
 } // namespace
 
 Scene load_gltf(const std::filesystem::path& path, const LoadOptions& options, const SceneDescribed& described) {
@@ -179,12 +148,12 @@ Scene load_gltf(const std::filesystem::path& path, const LoadOptions& options, c
   Scene scene;
   scene.path = path.string();
   scene.extensions_used = document.model.extensionsUsed;
-  warn_of_extensions(scene);
+  gltf::warn_of_unsupported_extensions(scene.extensions_used, scene.warnings);
   if (!options.animation.empty()) gltf::pose(document, scene.warnings, options.animation, options.at);
   Import import{document, scene, gltf::world_matrices(document), {}, {}};
   const std::vector<int> nodes = gltf::scene_nodes(document, options.scene);
   for (const int node_index : nodes) convert_materials(import, document.model.nodes[static_cast<std::size_t>(node_index)]);
-  auto images = std::async(std::launch::async, gltf::decode_images, gltf::image_files(document, import.materials));
+  auto images = std::async(std::launch::async, gltf::decode_images, gltf::image_files(document, import.materials.images));
   for (const int node_index : nodes) {
     const tinygltf::Node& node = document.model.nodes[static_cast<std::size_t>(node_index)];
     const glm::dmat4& world = import.world[static_cast<std::size_t>(node_index)];

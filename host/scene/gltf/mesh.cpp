@@ -45,12 +45,9 @@ Elements open_attribute(Document& document, const std::map<std::string, int>& at
 }
 
 bool uses_uv_set(const Material& material, std::uint32_t set) {
-  for (const TextureSlot* slot : {&material.base_color_texture, &material.metallic_roughness_texture,
-                                  &material.normal_texture, &material.emission_texture, &material.specular_texture,
-                                  &material.specular_color_texture, &material.transmission_texture}) {
-    if (slot->present() && slot->uv_set == set) return true;
-  }
-  return false;
+  bool used = false;
+  visit_textures(material, [&](const MaterialTexture&, const TextureSlot& slot) { used |= slot.uv_set == set; });
+  return used;
 }
 
 Attributes open_attributes(Document& document, Scene& scene, const tinygltf::Primitive& primitive, const MeshUse& use,

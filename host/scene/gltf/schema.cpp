@@ -2,14 +2,16 @@
 // extensions).
 #include "host/scene/gltf/schema.h"
 
-#include <array>
 #include <cmath>
 #include <cstdint>
 #include <string_view>
 #include <vector>
 
 #include "host/base/error.h"
+#include "host/base/overloaded.h"
 #include "host/scene/gltf/container.h"
+#include "host/scene/gltf/property.h"
+#include "host/scene/material.h"
 
 namespace wavepath::gltf {
 namespace {
@@ -35,6 +37,7 @@ std::vector<Rule> core_rules() {
   return {
       {"asset", Kind::object, kRequired},
       {"asset.version", Kind::string, kRequired},
+      {"asset.minVersion", Kind::string},
       {"scene", Kind::index, false, "scenes"},
       {"extensionsUsed[]", Kind::string},
       {"extensionsRequired[]", Kind::string},
@@ -145,45 +148,45 @@ std::vector<Rule> extension_rules() {
   };
 }
 
+template <class T>
+Rule material_rule(const std::string& path) {
+  if constexpr (std::is_same_v<T, bool>)
+    return {path, Kind::boolean};
+  else if constexpr (std::is_enum_v<T>)
+    return {path, Kind::string};
+  else if constexpr (std::is_same_v<T, float>)
+    return {path, Kind::number};
+  else
+    return {path, Kind::numbers, false, {}, T::length()};
+}
+
+void add_texture_rules(std::vector<Rule>& rules, const std::string& path) {
+  const std::string transform = path + ".extensions.KHR_texture_transform";
+  rules.push_back({path + ".index", Kind::index, kRequired, "textures"});
+  rules.push_back({path + ".texCoord", Kind::small});
+  rules.push_back({transform + ".offset", Kind::numbers, false, {}, 2});
+  rules.push_back({transform + ".rotation", Kind::number});
+  rules.push_back({transform + ".scale", Kind::numbers, false, {}, 2});
+  rules.push_back({transform + ".texCoord", Kind::small});
+}
+
+// From the table of a material's fields, and what gltf/material.cpp reads beside it.
 std::vector<Rule> material_rules() {
-  const std::string extensions = "materials[].extensions.KHR_materials_";
+  const std::string material = "materials[].", extensions = material + "extensions.KHR_materials_";
   std::vector<Rule> rules = {
-      {"materials[].name", Kind::string},
-      {"materials[].alphaMode", Kind::string},
-      {"materials[].alphaCutoff", Kind::number},
-      {"materials[].doubleSided", Kind::boolean},
-      {"materials[].emissiveFactor", Kind::numbers, false, {}, 3},
-      {"materials[].pbrMetallicRoughness", Kind::object},
-      {"materials[].pbrMetallicRoughness.baseColorFactor", Kind::numbers, false, {}, 4},
-      {"materials[].pbrMetallicRoughness.metallicFactor", Kind::number},
-      {"materials[].pbrMetallicRoughness.roughnessFactor", Kind::number},
-      {"materials[].normalTexture.scale", Kind::number},
+      {material + "name", Kind::string},
+      {material + "pbrMetallicRoughness", Kind::object},
       {extensions + "emissive_strength.emissiveStrength", Kind::number},
-      {extensions + "ior.ior", Kind::number},
-      {extensions + "specular.specularFactor", Kind::number},
-      {extensions + "specular.specularColorFactor", Kind::numbers, false, {}, 3},
-      {extensions + "transmission.transmissionFactor", Kind::number},
       {extensions + "volume.thicknessFactor", Kind::number},
       {extensions + "volume.attenuationDistance", Kind::number},
       {extensions + "volume.attenuationColor", Kind::numbers, false, {}, 3},
   };
-  const std::array<std::string, 8> textures = {"materials[].pbrMetallicRoughness.baseColorTexture",
-                                               "materials[].pbrMetallicRoughness.metallicRoughnessTexture",
-                                               "materials[].normalTexture",
-                                               "materials[].occlusionTexture",
-                                               "materials[].emissiveTexture",
-                                               extensions + "specular.specularTexture",
-                                               extensions + "specular.specularColorTexture",
-                                               extensions + "transmission.transmissionTexture"};
-  for (const std::string& texture : textures) {
-    const std::string transform = texture + ".extensions.KHR_texture_transform";
-    rules.push_back({texture + ".index", Kind::index, kRequired, "textures"});
-    rules.push_back({texture + ".texCoord", Kind::small});
-    rules.push_back({transform + ".offset", Kind::numbers, false, {}, 2});
-    rules.push_back({transform + ".rotation", Kind::number});
-    rules.push_back({transform + ".scale", Kind::numbers, false, {}, 2});
-    rules.push_back({transform + ".texCoord", Kind::small});
-  }
+  const auto add_value = [&]<class T>(const char* path, T Material::*) {
+    if (*path) rules.push_back(material_rule<T>(material + path));
+  };
+  visit_material_fields(Overloaded{[&](const auto& row) { add_value(row.gltf, row.field); },
+                                   [&](const MaterialTexture& row) { add_texture_rules(rules, material + row.gltf); }});
+  add_texture_rules(rules, material + "occlusionTexture");
   return rules;
 }
 
@@ -201,15 +204,8 @@ private:
   [[noreturn]] void fail(const std::string& problem) const { throw Error(file_, where_ + " " + problem, kRepair); }
 
   std::size_t list_length(std::string_view path) const {
-    const json* value = &document_;
-    while (!path.empty()) {
-      const auto dot = path.find('.');
-      const auto member = value->is_object() ? value->find(std::string(path.substr(0, dot))) : value->end();
-      if (!value->is_object() || member == value->end()) return 0;
-      value = &*member;
-      path = dot == std::string_view::npos ? std::string_view() : path.substr(dot + 1);
-    }
-    return value->is_array() ? value->size() : 0;
+    const json* list = find_property(document_, path);
+    return list && list->is_array() ? list->size() : 0;
   }
 
   void descend(json& parent, std::string_view path) {

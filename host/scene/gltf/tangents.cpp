@@ -8,6 +8,7 @@
 #include <cstring>
 #include <unordered_map>
 
+#include "host/base/hash.h"
 #include "host/scene/gltf/normals.h"
 
 namespace wavepath {
@@ -15,11 +16,11 @@ namespace {
 
 using Key = std::array<std::uint32_t, 9>; // bits of position, normal, uv; handedness
 
-struct Hash {
+struct KeyHash {
   std::size_t operator()(const Key& key) const {
-    std::uint64_t hash = 0;
-    for (const std::uint32_t word : key) hash = (hash ^ word) * 0x9e3779b97f4a7c15u, hash ^= hash >> 29;
-    return hash;
+    Hash hash;
+    hash.add(key);
+    return hash.value();
   }
 };
 
@@ -75,7 +76,7 @@ double corner_angle(const Mesh& mesh, const std::uint32_t* corner, int k, const 
   return std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b));
 }
 
-using Sums = std::unordered_map<Key, glm::dvec3, Hash>;
+using Sums = std::unordered_map<Key, glm::dvec3, KeyHash>;
 
 Sums sum_tangents(const Mesh& mesh, const std::vector<glm::vec2>& uvs) {
   Sums sums;

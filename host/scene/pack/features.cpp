@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <string>
 
+#include "host/base/overloaded.h"
+
 namespace wavepath {
 namespace {
 
@@ -29,39 +31,35 @@ bool attenuates(const Material& m) {
 
 bool shines(const Material& m) { return m.unlit || glm::any(glm::greaterThan(m.emission, glm::vec3(0.0f))); }
 
-// Of textures that are present.
-template <typename Predicate>
-bool any_texture(const Material& m, Predicate predicate) {
-  for (const TextureSlot* slot :
-       {&m.base_color_texture, &m.metallic_roughness_texture, &m.normal_texture, &m.emission_texture,
-        &m.specular_texture, &m.specular_color_texture, &m.transmission_texture})
-    if (slot->present() && predicate(*slot)) return true;
-  return false;
+// The code that reads the material's textures. Filtering and transforms are decided by what is packed, see below.
+std::uint32_t texture_features(const Material& m) {
+  std::uint32_t features = 0;
+  visit_textures(m, [&](const MaterialTexture& row, const TextureSlot&) { features |= gpu::kFeatureTextures | row.feature; });
+  return features;
 }
 
-bool moves_texture(const Material& m) {
-  return any_texture(m, [](const TextureSlot& slot) { return slot.moved; });
+bool transforms_texture(const Material& m) {
+  bool found = false;
+  visit_textures(m, [&](const MaterialTexture&, const TextureSlot& slot) { found |= slot.transformed(); });
+  return found;
 }
 
 bool has_unfiltered_texture(const Material& m) {
-  return any_texture(m, [](const TextureSlot& slot) { return slot.nearest; });
+  bool found = false;
+  visit_textures(m, [&](const MaterialTexture&, const TextureSlot& slot) { found |= slot.nearest; });
+  return found;
 }
 
 std::uint32_t material_features(const Scene& scene, const Usage& usage) {
-  const auto any = [&](auto predicate) { return any_used_material(scene, usage, predicate); };
-  return bit_if(any(textured), gpu::kFeatureTextures) |
-         bit_if(any([](const Material& m) { return m.normal_texture.present(); }), gpu::kFeatureNormalMaps) |
-         bit_if(any([](const Material& m) { return m.base_color_texture.present(); }), gpu::kFeatureBaseColorTextures) |
-         bit_if(any([](const Material& m) { return m.metallic_roughness_texture.present(); }),
-                gpu::kFeatureMetallicRoughnessTextures) |
-         bit_if(
-             any([](const Material& m) { return m.specular_texture.present() || m.specular_color_texture.present(); }),
-             gpu::kFeatureSpecularTextures) |
-         bit_if(any([](const Material& m) { return m.transmission_texture.present(); }),
-                gpu::kFeatureTransmissionTextures) |
-         bit_if(any([](const Material& m) { return m.emission_texture.present(); }), gpu::kFeatureEmissionTextures) |
-         bit_if(any(reflects_specularly), gpu::kFeatureSpecular) | bit_if(any(transmits), gpu::kFeatureTransmission) |
-         bit_if(any(attenuates), gpu::kFeatureVolume) | bit_if(any(shines), gpu::kFeatureEmission);
+  std::uint32_t features = 0;
+  for (std::size_t i = 0; i < scene.materials.size(); ++i) {
+    if (!usage.material_used[i]) continue;
+    const Material& m = scene.materials[i];
+    features |= texture_features(m) | bit_if(reflects_specularly(m), gpu::kFeatureSpecular) |
+                bit_if(transmits(m), gpu::kFeatureTransmission) | bit_if(attenuates(m), gpu::kFeatureVolume) |
+                bit_if(shines(m), gpu::kFeatureEmission);
+  }
+  return features;
 }
 
 std::uint32_t light_features(const PackedScene& packed) {
@@ -106,7 +104,7 @@ std::uint32_t expected_features(const Scene& scene, std::uint32_t direct) {
          bit_if(any([](const Material& m) { return m.alpha_mode != AlphaMode::opaque; }), gpu::kFeatureAlpha) |
          bit_if(any([](const Material& m) { return !m.double_sided && !(m.transmission > 0.0f); }), gpu::kFeatureCull) |
          bit_if(usage.smooth, gpu::kFeatureSmoothNormals) | bit_if(usage.colored, gpu::kFeatureVertexColors) |
-         bit_if(any(moves_texture), gpu::kFeatureTextureTransform) |
+         bit_if(any(transforms_texture), gpu::kFeatureTextureTransform) |
          bit_if(any(has_unfiltered_texture), gpu::kFeatureNearestTextures) |
          bit_if(sampled && any([](const Material& m) { return !m.unlit && shines(m); }), gpu::kFeatureTriangleLights) |
          bit_if(sampled && lights, gpu::kFeaturePunctualLights) | bit_if(lit, gpu::kFeatureEnvironment) |
@@ -118,21 +116,15 @@ std::vector<LeftOut> list_left_out(const Usage& usage, const PackedScene& packed
   const std::uint64_t stream = usage.vertex_count * sizeof(glm::vec4);
   const std::uint64_t corners = packed.triangle_vertices.empty() ? packed.triangles.size() * sizeof(glm::uvec4) : 0;
   const std::string not_sampled = "--direct bsdf samples no light";
-  const LeftOut all[] = {
+  std::vector<LeftOut> all = {
       {"two-level BVH", "no mesh is shown more than once", sizeof(gpu::Instance) + sizeof(bvh::WideNode),
        gpu::kFeatureInstances},
       {"alpha test", "no surface lets rays through by its alpha", 0, gpu::kFeatureAlpha},
       {"culling of back faces", "every surface is double-sided or transmissive", 0, gpu::kFeatureCull},
       {"textures", "no material in use has a texture", packed.vertex_uvs.empty() ? stream : 0, gpu::kFeatureTextures},
-      {"base colour textures", "no material in use has one", 0, gpu::kFeatureBaseColorTextures},
-      {"metallic-roughness textures", "no material in use has one", 0, gpu::kFeatureMetallicRoughnessTextures},
-      {"specular textures", "no material in use has one", 0, gpu::kFeatureSpecularTextures},
-      {"transmission textures", "no material in use has one", 0, gpu::kFeatureTransmissionTextures},
-      {"emission textures", "no material in use has one", 0, gpu::kFeatureEmissionTextures},
       {"textures of floats", "all texels in use are bytes", 0, gpu::kFeatureFloatTextures},
       {"unfiltered textures", "every texture in use is filtered", 0, gpu::kFeatureNearestTextures},
       {"texture transforms", "no texture in use is moved, turned or scaled", 0, gpu::kFeatureTextureTransform},
-      {"normal maps", "no material in use has a normal texture", 0, gpu::kFeatureNormalMaps},
       {"smooth normals", "no primitive has vertex normals", packed.vertex_normals.empty() ? stream : 0,
        gpu::kFeatureSmoothNormals},
       {"vertex colours", "no mesh has vertex colours", stream, gpu::kFeatureVertexColors},
@@ -146,13 +138,16 @@ std::vector<LeftOut> list_left_out(const Usage& usage, const PackedScene& packed
       {"environment", "it is black", 0, gpu::kFeatureEnvironment},
       {"environment map", "the environment is constant or black", 0, gpu::kFeatureEnvironmentMap},
   };
-  std::vector<LeftOut> left_out;
-  for (const LeftOut& entry : all)
-    if (!(packed.features & entry.feature)) left_out.push_back(entry);
+  std::uint32_t listed = 0; // two slots may share a bit
+  visit_material_fields(Overloaded{[](const auto&) {}, [&](const MaterialTexture& row) {
+                                     if (!(listed & row.feature))
+                                       all.push_back({row.plural, "no material in use has one", 0, row.feature});
+                                     listed |= row.feature;
+                                   }});
+  std::erase_if(all, [&](const LeftOut& entry) { return (packed.features & entry.feature) != 0; });
   if (corners > 0)
-    left_out.push_back(
-        {"vertex indices", "no surface has vertex normals, texture coordinates or colours to look up", corners});
-  return left_out;
+    all.push_back({"vertex indices", "no surface has vertex normals, texture coordinates or colours to look up", corners});
+  return all;
 }
 
 } // namespace wavepath

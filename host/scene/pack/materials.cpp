@@ -3,34 +3,26 @@
 
 #include <algorithm>
 
+#include "host/base/member_count.h"
+#include "host/base/overloaded.h"
+
 namespace wavepath {
 namespace {
 
+// Members of gpu::Material that rows fill, and `flags`.
+consteval std::size_t packed_count() {
+  std::size_t count = 1;
+  visit_material_fields(Overloaded{[&](const auto&) { ++count; }, []<class T>(const MaterialChoice<T>&) {}});
+  return count;
+}
+static_assert(member_count<gpu::Material>() == packed_count(), "a member of gpu::Material has no row in material.h");
+
 gpu::Material convert(const Material& m, const Scene& scene, TextureTable& textures) {
   gpu::Material out{};
-  out.base_color = m.base_color;
-  out.emission = m.emission;
-  if (m.double_sided) out.flags |= gpu::kMaterialDoubleSided;
-  if (m.alpha_mode == AlphaMode::mask) out.flags |= gpu::kMaterialMask;
-  if (m.alpha_mode == AlphaMode::blend) out.flags |= gpu::kMaterialBlend;
-  if (m.unlit) out.flags |= gpu::kMaterialUnlit;
-  if (m.volume) out.flags |= gpu::kMaterialVolume;
-  out.specular_color = m.specular_color;
-  out.specular = m.specular;
-  out.attenuation = m.attenuation;
-  out.transmission = m.transmission;
-  out.metallic = m.metallic;
-  out.roughness = m.roughness;
-  out.ior = m.ior;
-  out.alpha_cutoff = m.alpha_cutoff;
-  out.normal_scale = m.normal_scale;
-  out.base_color_texture = add_texture(textures, scene, m.base_color_texture);
-  out.metallic_roughness_texture = add_texture(textures, scene, m.metallic_roughness_texture);
-  out.normal_texture = add_texture(textures, scene, m.normal_texture);
-  out.emission_texture = add_texture(textures, scene, m.emission_texture);
-  out.specular_texture = add_texture(textures, scene, m.specular_texture);
-  out.specular_color_texture = add_texture(textures, scene, m.specular_color_texture);
-  out.transmission_texture = add_texture(textures, scene, m.transmission_texture);
+  visit_material_fields(Overloaded{
+      [&]<class T>(const MaterialFactor<T>& row) { out.*row.packed = m.*row.field; },
+      [&]<class T>(const MaterialChoice<T>& row) { out.flags |= row.bits[static_cast<std::size_t>(m.*row.field)]; },
+      [&](const MaterialTexture& row) { out.*row.packed = add_texture(textures, scene, m.*row.field); }});
   return out;
 }
 

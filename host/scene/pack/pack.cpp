@@ -2,10 +2,10 @@
 #include "host/scene/pack/pack.h"
 
 #include <algorithm>
-#include <chrono>
 
 #include <glm/gtc/matrix_transform.hpp>
 
+#include "host/base/clock.h"
 #include "host/base/error.h"
 #include "host/scene/bounds.h"
 #include "host/scene/pack/environment_light.h"
@@ -121,7 +121,7 @@ PackedScene pack(Scene& scene, std::uint32_t direct, bvh::Quality quality, const
 
   const Streams streams = needed_streams(scene, layout.usage);
   layout.with_vertices = streams.any();
-  const auto start = std::chrono::steady_clock::now();
+  const auto start = Clock::now();
   const glm::dmat4 device_from_world = glm::translate(glm::dmat4(1.0), -packed.origin);
   packed.triangles.reserve(layout.usage.triangles_stored);
   if (layout.with_vertices) packed.triangle_vertices.reserve(layout.usage.triangles_stored);
@@ -138,7 +138,7 @@ PackedScene pack(Scene& scene, std::uint32_t direct, bvh::Quality quality, const
   packed.draws = list_draws(packed, objects, object_of);
   for (const Object& object : objects) packed.triangles_stored += object.triangle_count;
   packed.sah_cost = std::ranges::max_element(objects, {}, &Object::triangle_count)->sah_cost;
-  packed.bvh_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  packed.bvh_seconds = seconds_since(start);
   if (packed.dropped_triangles > 0)
     scene.warnings.add("triangles without area or with coordinates that are not finite were dropped",
                        packed.dropped_triangles);

@@ -34,7 +34,7 @@ std::uint32_t texture_flags(const TextureSlot& slot, bool is_float) {
   else if (slot.srgb)
     flags |= gpu::kTextureSrgb;
   if (slot.uv_set == 1) flags |= gpu::kTextureUv1;
-  if (slot.moved) flags |= gpu::kTextureMoved;
+  if (slot.transformed()) flags |= gpu::kTextureMoved;
   return flags;
 }
 
@@ -87,7 +87,7 @@ std::uint32_t add_texture(TextureTable& table, const Scene& scene, const Texture
   texture.first_texel = static_cast<std::uint32_t>(table.images[stored].first_word);
 
   std::array<std::uint32_t, 8> key{stored, texture.flags};
-  if (slot.moved) {
+  if (slot.transformed()) {
     for (int i = 0; i < 4; ++i) key[2 + i] = std::bit_cast<std::uint32_t>(texture.uv_matrix[i]);
     for (int i = 0; i < 2; ++i) key[6 + i] = std::bit_cast<std::uint32_t>(texture.uv_offset[i]);
   }

@@ -81,7 +81,7 @@ Streams needed_streams(const Scene& scene, const Usage& usage) {
   for (std::size_t m = 0; m < scene.materials.size(); ++m) {
     if (!usage.material_used[m]) continue;
     streams.normals = streams.normals || scene.materials[m].normal_texture.present();
-    streams.uvs = streams.uvs || textured(scene.materials[m]);
+    visit_textures(scene.materials[m], [&](const MaterialTexture&, const TextureSlot&) { streams.uvs = true; });
   }
   return streams;
 }

@@ -1,0 +1,125 @@
+// Images: formats, what an image is used for next, copies between images and buffers, and how kernels sample them.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include <vulkan/vulkan.h>
+
+#include "host/gpu/device.h"
+
+namespace wavepath {
+
+class Buffer;
+class Commands;
+
+// Every Vulkan 1.3 device draws into and samples all of them, but for depth32f and depth32f_stencil8; linear filtering
+// is certain for rgba8 and rgba16f alone. What a device lacks is refused.
+enum class ImageFormat {
+  rgba8, // fixed point, 0 to 1
+  rgba16f,
+  rgba32f,
+  rg32f,
+  r32f,
+  rgba32ui,
+  rg32ui,
+  r32ui,
+  depth16,
+  depth32f,
+  depth32f_stencil8,
+};
+
+// The part of an image that is copied or sampled: its colour or depth, or the stencil of a depth-stencil format.
+enum class Aspect { main, stencil };
+
+const char* format_name(ImageFormat format);
+VkFormat vulkan_format(ImageFormat format);
+bool has_depth(ImageFormat format);
+bool has_stencil(ImageFormat format);
+bool holds_integers(ImageFormat format);
+std::uint32_t texel_bytes(ImageFormat format, Aspect aspect = Aspect::main); // in a buffer that is copied to or from
+
+// In the order of VkCompareOp.
+enum class Compare { never, less, equal, less_or_equal, greater, not_equal, greater_or_equal, always };
+enum class Filter { nearest, linear };
+enum class Address { clamp, repeat, border_zero, border_one };
+
+// How a kernel samples an image. With `compare` the kernel declares a shadow sampler, which yields the share of texels
+// of the filter's footprint for which "reference COMPARE depth" holds.
+struct Sampling {
+  Filter filter = Filter::nearest;
+  Address address = Address::clamp;
+  std::optional<Compare> compare;
+};
+
+// Throws Error if the device cannot sample images of this format so.
+VkSampler create_sampler(const Device& device, ImageFormat format, const Sampling& sampling);
+
+// What an image is used for. Copies are always allowed; rasterization and sampling are declared in ImageInfo.
+enum class ImageUse { nothing, attachment, sampled, copied_from, copied_to };
+
+struct ImageInfo {
+  const char* name = "image"; // for error messages
+  ImageFormat format = ImageFormat::rgba32f;
+  std::uint32_t width = 0, height = 0, layers = 1;
+  bool attachment = false; // rasterization draws into it
+  bool sampled = false;    // kernels sample it
+};
+
+// A two-dimensional image without mip levels, or an array of them. It remembers what it was used for last, in the order
+// in which commands were recorded; commands have to be submitted in that order.
+class DeviceImage {
+public:
+  // Throws Error, naming the format, if the device lacks the format, the size or the memory.
+  DeviceImage(Device& device, const ImageInfo& info);
+  ~DeviceImage();
+  DeviceImage(DeviceImage&&) = delete;
+
+  const ImageInfo& info() const { return info_; }
+  VkImage handle() const { return image_; }
+  std::uint64_t bytes() const { return bytes_; } // of device memory
+
+  // For rasterization: one layer, with all aspects.
+  VkImageView layer_view(std::uint32_t layer) const { return layer_views_[layer]; }
+  // For descriptors: all layers (sampler2D, or sampler2DArray if there are several), one aspect.
+  VkImageView sampled_view(Aspect aspect) const { return sampled_views_[static_cast<std::size_t>(aspect)]; }
+  VkImageLayout layout(ImageUse use) const;
+
+  // Records that the image is for `use` next: what was drawn or copied before is visible then. The contents are kept.
+  void transition(Commands& commands, ImageUse use);
+  // The barrier that transition() records; the caller records it.
+  VkImageMemoryBarrier2 barrier(ImageUse use);
+
+  // Record copies of all layers, rows and texels without gaps between them, and make them visible to later kernels,
+  // copies and, after the fence, the host. The image is for copies afterwards.
+  void copy_to(Commands& commands, const Buffer& to, Aspect aspect = Aspect::main);
+  void copy_from(Commands& commands, const Buffer& from, Aspect aspect = Aspect::main);
+
+private:
+  VkBufferImageCopy whole(Aspect aspect) const;
+  void create();
+  void create_views();
+  void release();
+
+  Device& device_;
+  ImageInfo info_;
+  ImageUse use_ = ImageUse::nothing;
+  VkImage image_ = VK_NULL_HANDLE;
+  VkDeviceMemory memory_ = VK_NULL_HANDLE;
+  std::uint64_t bytes_ = 0;
+  std::vector<VkImageView> layer_views_;
+  std::array<VkImageView, 2> sampled_views_{}; // by Aspect
+};
+
+// Records barriers: of `images`, and, unless `from` is empty, of all memory from the accesses `from` to those of `to`.
+struct MemoryAccess {
+  VkPipelineStageFlags2 stages = VK_PIPELINE_STAGE_2_NONE;
+  VkAccessFlags2 access = VK_ACCESS_2_NONE;
+};
+void record_barriers(VkCommandBuffer commands, std::span<const VkImageMemoryBarrier2> images, const MemoryAccess& from,
+                     const MemoryAccess& to);
+
+} // namespace wavepath

@@ -1,0 +1,41 @@
+// Copies between the host and device memory that the host cannot map. One buffer, command buffer and fence serve all
+// copies of a device, because read-backs are frequent and allocating memory for each costs more than a small copy.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <mutex>
+
+#include <vulkan/vulkan.h>
+
+#include "host/gpu/buffer.h"
+
+namespace wavepath {
+
+class Device;
+
+// Any thread may call. Every call waits for what was submitted to the queue before it, and for its own copy.
+class Staging {
+public:
+  explicit Staging(Device& device);
+  ~Staging();
+  Staging(Staging&&) = delete;
+
+  void write(VkBuffer to, std::uint64_t offset, const void* data, std::uint64_t bytes);
+  void read(VkBuffer from, std::uint64_t offset, void* data, std::uint64_t bytes);
+  void fill_zero(VkBuffer buffer, std::uint64_t bytes); // of its beginning, a multiple of 4
+
+private:
+  void grow(std::uint64_t bytes);
+  void submit(const std::function<void()>& record);
+  void release();
+
+  Device& device_;
+  std::mutex mutex_; // guards everything below
+  Buffer buffer_;    // mapped; as large as the largest copy so far, up to a limit
+  VkCommandPool pool_ = VK_NULL_HANDLE;
+  VkCommandBuffer commands_ = VK_NULL_HANDLE;
+  VkFence fence_ = VK_NULL_HANDLE;
+};
+
+} // namespace wavepath

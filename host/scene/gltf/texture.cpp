@@ -1,0 +1,124 @@
+// Resolves texture, sampler and image of a textureInfo, with KHR_texture_transform and EXT_texture_webp.
+#include "host/scene/gltf/texture.h"
+
+#include <cmath>
+#include <exception>
+
+#include <nlohmann/json.hpp>
+#include <tbb/parallel_for.h>
+
+#include "host/base/error.h"
+#include "host/scene/gltf/image.h"
+#include "host/scene/gltf/property.h"
+#include "host/scene/gltf/uri.h"
+
+namespace wavepath::gltf {
+namespace {
+
+using nlohmann::json;
+
+std::size_t image_of_texture(const Document& document, int index) {
+  const tinygltf::Texture& texture = document.model.textures[static_cast<std::size_t>(index)];
+  const auto webp = texture.extensions.find("EXT_texture_webp");
+  if (webp != texture.extensions.end() && webp->second.Has("source"))
+    return static_cast<std::size_t>(webp->second.Get("source").GetNumberAsInt());
+  if (texture.source >= 0) return static_cast<std::size_t>(texture.source);
+  std::string needed;
+  for (const auto& [name, value] : texture.extensions) needed += (needed.empty() ? "" : ", ") + shown(name);
+  const std::string what = "texture " + std::to_string(index);
+  if (needed.empty()) document.fail(what + " has no image");
+  document.fail(what + " needs " + needed + ", which wavepath does not support",
+                "export it with PNG, JPEG or WebP images");
+}
+
+// Images that share a file or a buffer view are one image.
+std::uint32_t use_image(const Document& document, ImageMap& images, std::size_t image) {
+  const Source& source = document.images[image];
+  const bool shared_file = source.view < 0 && !is_data_uri(source.uri);
+  const std::string key = shared_file        ? source.uri
+                          : source.view >= 0 ? ":" + std::to_string(source.view)
+                                             : "#" + std::to_string(image);
+  const auto [found, is_new] = images.index_of.emplace(key, static_cast<std::uint32_t>(images.sources.size()));
+  if (is_new) images.sources.push_back(image);
+  return found->second;
+}
+
+Wrap to_wrap(const Document& document, int mode) {
+  switch (mode) {
+    case TINYGLTF_TEXTURE_WRAP_REPEAT:
+      return Wrap::repeat;
+    case TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE:
+      return Wrap::clamp;
+    case TINYGLTF_TEXTURE_WRAP_MIRRORED_REPEAT:
+      return Wrap::mirror;
+    default:
+      document.fail("a sampler has unknown wrap mode " + std::to_string(mode));
+  }
+}
+
+glm::vec2 pair(const json& transform, const char* name, glm::vec2 otherwise) {
+  const auto found = transform.find(name);
+  return found == transform.end() ? otherwise : glm::vec2((*found)[0].get<double>(), (*found)[1].get<double>());
+}
+
+void apply_transform(TextureSlot& slot, const json& transform) {
+  const glm::vec2 scale = pair(transform, "scale", glm::vec2(1.0f));
+  const double angle = transform.value("rotation", 0.0);
+  const auto c = static_cast<float>(std::cos(angle)), s = static_cast<float>(std::sin(angle));
+  slot.uv_offset = pair(transform, "offset", glm::vec2(0.0f));
+  // Counter-clockwise as seen, and v points down: u' = cu + sv, v' = cv - su.
+  slot.uv_matrix = glm::mat2(c, -s, s, c) * glm::mat2(scale.x, 0.0f, 0.0f, scale.y);
+}
+
+} // namespace
+
+TextureSlot read_texture(const Document& document, ImageMap& images, Warnings& warnings, const json& info, bool srgb) {
+  TextureSlot slot;
+  const json* transform = find_property(info, "extensions.KHR_texture_transform");
+  slot.uv_set = info.value("texCoord", 0u);
+  if (transform) slot.uv_set = transform->value("texCoord", slot.uv_set);
+  if (slot.uv_set > 1) {
+    warnings.add("texture that uses TEXCOORD_2 or above left out");
+    return {};
+  }
+  slot.srgb = srgb;
+  const int texture = info["index"];
+  slot.image = use_image(document, images, image_of_texture(document, texture));
+  const int sampler = document.model.textures[static_cast<std::size_t>(texture)].sampler;
+  if (sampler >= 0) {
+    const auto& source = document.model.samplers[static_cast<std::size_t>(sampler)];
+    slot.wrap_u = to_wrap(document, source.wrapS);
+    slot.wrap_v = to_wrap(document, source.wrapT);
+    slot.nearest = source.magFilter == TINYGLTF_TEXTURE_FILTER_NEAREST;
+  }
+  if (transform) apply_transform(slot, *transform);
+  return slot;
+}
+
+std::vector<ImageFile> image_files(Document& document, const ImageMap& images) {
+  std::vector<ImageFile> files;
+  for (const std::size_t image : images.sources) {
+    const Source& source = document.images[image];
+    std::string name = !source.name.empty() ? source.name : source.uri;
+    if (name.empty() || is_data_uri(name)) name = std::to_string(image);
+    files.push_back({document.file, shown(name), image_bytes(document, image)});
+  }
+  return files;
+}
+
+std::vector<Image> decode_images(const std::vector<ImageFile>& files) {
+  std::vector<Image> decoded(files.size());
+  std::vector<std::exception_ptr> failures(files.size());
+  tbb::parallel_for(std::size_t{0}, files.size(), [&](std::size_t i) {
+    try {
+      decoded[i] = decode_image(files[i].document, files[i].name, files[i].bytes);
+    } catch (...) {
+      failures[i] = std::current_exception();
+    }
+  });
+  for (const std::exception_ptr& failure : failures)
+    if (failure) std::rethrow_exception(failure);
+  return decoded;
+}
+
+} // namespace wavepath::gltf

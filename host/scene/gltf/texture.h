@@ -1,0 +1,38 @@
+// Texture references of materials, and the images behind them.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "host/scene/gltf/document.h"
+#include "host/scene/scene.h"
+
+namespace wavepath::gltf {
+
+// The images that materials refer to, in the order of Scene::images.
+struct ImageMap {
+  std::map<std::string, std::uint32_t> index_of; // by where the image's data come from
+  std::vector<std::size_t> sources;              // glTF image of each of Scene::images
+};
+
+// The slot that a textureInfo object of a material describes. Throws Error.
+TextureSlot read_texture(const Document& document, ImageMap& images, Warnings& warnings, const nlohmann::json& info,
+                         bool srgb);
+
+// An image as stored in a file.
+struct ImageFile {
+  std::string document, name; // for messages
+  std::vector<std::uint8_t> bytes;
+};
+
+// Throws Error.
+std::vector<ImageFile> image_files(Document& document, const ImageMap& images);
+
+// Decodes them, in parallel. Throws the Error of the first that is not sound.
+std::vector<Image> decode_images(const std::vector<ImageFile>& files);
+
+} // namespace wavepath::gltf

@@ -1,0 +1,112 @@
+// The device itself: staging where device memory cannot be mapped, the CPU driver that poses as a discrete GPU, and
+// whether the validation layer checks synchronization.
+#include "host/gpu/device.h"
+
+#include <numeric>
+#include <optional>
+#include <thread>
+
+#include "tests/probe.h"
+
+namespace wavepath::test {
+namespace {
+
+const char* wanted_device() { return std::getenv("WAVEPATH_DEVICE") ? std::getenv("WAVEPATH_DEVICE") : ""; }
+
+// Sets WAVEPATH_POSE for a scope.
+class Pose {
+public:
+  explicit Pose(const char* value) {
+    if (const char* before = std::getenv("WAVEPATH_POSE")) before_ = before;
+    value ? setenv("WAVEPATH_POSE", value, 1) : unsetenv("WAVEPATH_POSE");
+  }
+  ~Pose() { before_ ? setenv("WAVEPATH_POSE", before_->c_str(), 1) : unsetenv("WAVEPATH_POSE"); }
+
+private:
+  std::optional<std::string> before_;
+};
+
+class DeviceTest : public VulkanTest {};
+
+TEST_F(DeviceTest, ACpuPosesAsADiscreteGpu) {
+  const Pose plain(nullptr);
+  if (Device(wanted_device()).info().type != "cpu") GTEST_SKIP() << "only a CPU device poses";
+  const Pose pose("discrete");
+  const Device device(wanted_device());
+  EXPECT_EQ(device.info().type, "discrete");
+  EXPECT_FALSE(device.unified_memory());
+  for (const DeviceInfo& info : list_devices()) EXPECT_NE(info.type, "cpu");
+}
+
+TEST_F(DeviceTest, AnUnknownPoseIsRefused) {
+  const Pose pose("integrated");
+  for (const auto& attempt :
+       {std::function<void()>([] { list_devices(); }), std::function<void()>([] { Device(""); })}) {
+    try {
+      attempt();
+      ADD_FAILURE() << "not refused";
+    } catch (const Error& error) {
+      const std::string message = error.what();
+      EXPECT_NE(message.find("WAVEPATH_POSE: unknown value 'integrated'"), std::string::npos) << message;
+      EXPECT_EQ(message.find('\n'), std::string::npos);
+    }
+  }
+}
+
+// More than the staging buffer holds, at an odd offset, and from several threads.
+TEST_F(DeviceTest, MemoryThatCannotBeMappedIsStaged) {
+  const Pose pose("discrete");
+  Device device(wanted_device());
+  std::vector<std::uint32_t> values((80u << 20) / sizeof(std::uint32_t));
+  std::iota(values.begin(), values.end(), 1u);
+  Buffer buffer = upload(device, values);
+  EXPECT_EQ(buffer.mapped(), nullptr);
+  EXPECT_EQ(download<std::uint32_t>(buffer, values.size()), values);
+
+  const std::uint32_t mark = 0xabcdef01u;
+  buffer.write(&mark, sizeof(mark), 12);
+  buffer.fill_zero(8);
+  EXPECT_EQ(download<std::uint32_t>(buffer, 5), (std::vector<std::uint32_t>{0, 0, 3, mark, 5}));
+  EXPECT_EQ(download<std::uint32_t>(buffer, 2, values.size() * 4 - 8),
+            (std::vector<std::uint32_t>{values.back() - 1, values.back()}));
+
+  std::vector<std::thread> threads;
+  std::vector<std::vector<std::uint32_t>> read(4);
+  for (std::size_t i = 0; i < read.size(); ++i)
+    threads.emplace_back([&, i] {
+      for (int times = 0; times < 8; ++times) read[i] = download<std::uint32_t>(buffer, 100 + i, 4000 * i + 400);
+    });
+  for (std::thread& thread : threads) thread.join();
+  for (std::size_t i = 0; i < read.size(); ++i)
+    EXPECT_TRUE(
+        std::equal(read[i].begin(), read[i].end(), values.begin() + static_cast<std::ptrdiff_t>(1000 * i + 100)));
+}
+
+TEST_F(DeviceTest, ReadBackBuffersAreMapped) {
+  const std::vector<std::uint32_t> values{3, 1, 4, 1, 5};
+  const Buffer from = upload(device(), values);
+  Buffer to(device(), values.size() * 4, BufferHome::readback);
+  Commands commands(device());
+  commands.copy(from, to, from.bytes());
+  commands.submit_and_wait();
+  to.invalidate();
+  const auto* mapped = static_cast<const std::uint32_t*>(to.mapped());
+  EXPECT_EQ(std::vector<std::uint32_t>(mapped, mapped + values.size()), values);
+  EXPECT_EQ(from.mapped(), nullptr) << "also where the host could reach it, so that no code relies on that";
+}
+
+// Two copies into one buffer with no barrier between them: the suite's barriers are checked only if this is noticed.
+TEST(ValidationTest, MissingBarriersAreNoticed) {
+  const char* wanted = std::getenv("WAVEPATH_VALIDATION");
+  if (!test_device() || !wanted || std::string(wanted) != "1") GTEST_SKIP() << "without the validation layer";
+  Buffer a(*test_device(), 1024), b(*test_device(), 1024);
+  const std::uint32_t before = Device::validation_messages();
+  Commands commands(*test_device());
+  commands.copy(a, b, 1024);
+  EXPECT_EQ(Device::validation_messages(), before);
+  commands.copy(a, b, 1024);
+  EXPECT_GT(Device::validation_messages(), before);
+}
+
+} // namespace
+} // namespace wavepath::test
