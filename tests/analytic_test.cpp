@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include <CLI/App.hpp>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 

@@ -4,9 +4,11 @@
 #include <functional>
 #include <string>
 
-#include <CLI/CLI.hpp>
-
 #include "host/base/warnings.h"
+
+namespace CLI {
+class App;
+}
 
 namespace wavepath {
 

@@ -115,18 +115,16 @@ void read_limit(const FlagValue& value, std::vector<Limit>& limits) {
 } // namespace
 
 Command add_compare(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("compare", "measure how far an image is from a reference");
-  command->set_help_flag("-h,--help", "show this and exit")->group(kHelpGroup);
-  command->footer(
+  CLI::App* command = add_command(
+      app, "compare", "measure how far an image is from a reference",
       "All metrics are of linear values over pixels and RGB; .png and .jpg are decoded from sRGB first. FLIP is "
       "HDR-FLIP unless both "
       "are .png or .jpg. PSNR takes the reference's largest value as its peak, or 1 for .png and .jpg.");
   const auto request = std::make_shared<Request>();
   const auto keep = [](std::string& text) { return [&text](const FlagValue& value) { text = value.text; }; };
-  add_flag(*command, "Pictures", {"IMAGE", "FILE", ".exr, .hdr, .png or .jpg"}, keep(request->image))->required();
-  add_flag(*command, "Pictures", {"REFERENCE", "FILE", "what it should look like, of the same size"},
-           keep(request->reference))
-      ->required();
+  require(add_flag(*command, "Pictures", {"IMAGE", "FILE", ".exr, .hdr, .png or .jpg"}, keep(request->image)));
+  require(add_flag(*command, "Pictures", {"REFERENCE", "FILE", "what it should look like, of the same size"},
+                   keep(request->reference)));
   add_flag(*command, "Output",
            {"--map", "FILE.png", "picture of the FLIP error, black = equal, pale yellow = 1", "not written"},
            keep(request->map));

@@ -1,7 +1,16 @@
 // Declares flags with the parser.
 #include "host/cli/flags.h"
 
+#include <CLI/App.hpp>
+
 namespace wavepath {
+
+CLI::App* add_command(CLI::App& app, const char* name, const char* meaning, const char* footer) {
+  CLI::App* command = app.add_subcommand(name, meaning);
+  command->set_help_flag("-h,--help", "show this and exit")->group(kHelpGroup);
+  if (footer) command->footer(footer);
+  return command;
+}
 
 CLI::Option* add_flag(CLI::App& app, const char* group, const Flag& flag, std::function<void(const FlagValue&)> read,
                       bool repeatable) {
@@ -14,8 +23,11 @@ CLI::Option* add_flag(CLI::App& app, const char* group, const Flag& flag, std::f
   CLI::Option* option = app.add_option(names, read_all, flag.meaning);
   option->type_name(flag.placeholder)->expected(1)->group(group)->default_str(flag.initial);
   option->multi_option_policy(repeatable ? CLI::MultiOptionPolicy::TakeAll : CLI::MultiOptionPolicy::TakeLast);
+  if (repeatable && shown.front() != '-') option->allow_extra_args();
   return option;
 }
+
+void require(CLI::Option* option) { option->required(); }
 
 void add_switch(CLI::App& app, const char* group, const Flag& flag, bool& value) {
   app.add_flag(flag.names, value, flag.meaning)->group(group)->default_str(flag.initial);

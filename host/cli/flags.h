@@ -4,9 +4,13 @@
 #include <functional>
 #include <string>
 
-#include <CLI/CLI.hpp>
-
 #include "host/render/flag_value.h"
+
+// Of CLI11, whose headers compile slowly. Only what asks the parser for more than these functions do includes them.
+namespace CLI {
+class App;
+class Option;
+} // namespace CLI
 
 namespace wavepath {
 
@@ -17,18 +21,20 @@ struct Flag {
   std::string initial{};   // the default in words; empty = none
 };
 
-// The last one given counts, unless `repeatable`, when `read` is called for each.
+// A command of `app`, with --help. `footer`: what its help ends with, if not as that of `app`.
+CLI::App* add_command(CLI::App& app, const char* name, const char* meaning, const char* footer = nullptr);
+
+// The last one given counts, unless `repeatable`, when `read` is called for each. An argument without a dash that is
+// `repeatable` takes as many words as there are.
 CLI::Option* add_flag(CLI::App& app, const char* group, const Flag& flag, std::function<void(const FlagValue&)> read,
                       bool repeatable = false);
+void require(CLI::Option* option); // a command line without it is refused
 void add_switch(CLI::App& app, const char* group, const Flag& flag, bool& value);
 void add_switch(CLI::App& app, const char* group, const Flag& flag, std::function<void(bool)> read);
 
 inline constexpr const char* kHelpGroup = "Help"; // of --help and --version
 
-// Lays out --help: usage, then the flags by group, each with its meaning and default.
-class HelpLayout : public CLI::FormatterBase {
-public:
-  std::string make_help(const CLI::App* app, std::string name, CLI::AppFormatMode mode) const override;
-};
+// Lays out --help of `app` and its commands: usage, then the flags by group, each with its meaning and default.
+void set_help_layout(CLI::App& app);
 
 } // namespace wavepath

@@ -1,7 +1,10 @@
 // The layout of --help.
 #include <algorithm>
+#include <memory>
 #include <sstream>
 #include <vector>
+
+#include <CLI/App.hpp>
 
 #include "host/cli/flags.h"
 
@@ -48,7 +51,10 @@ std::string line(const CLI::Option& option) {
                       names.size());
 }
 
-} // namespace
+class HelpLayout : public CLI::FormatterBase {
+public:
+  std::string make_help(const CLI::App* app, std::string name, CLI::AppFormatMode mode) const override;
+};
 
 std::string HelpLayout::make_help(const CLI::App* app, std::string, CLI::AppFormatMode) const {
   const std::string title = (app->get_parent() ? app->get_parent()->get_name() + " " : "") + app->get_name();
@@ -76,5 +82,9 @@ std::string HelpLayout::make_help(const CLI::App* app, std::string, CLI::AppForm
   }
   return out + (app->get_footer().empty() ? "" : "\n" + wrap(app->get_footer(), 0, 0));
 }
+
+} // namespace
+
+void set_help_layout(CLI::App& app) { app.formatter(std::make_shared<HelpLayout>()); }
 
 } // namespace wavepath

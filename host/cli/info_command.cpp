@@ -151,8 +151,7 @@ int run_scene(const Request& request) {
 } // namespace
 
 Command add_info(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("info", "tell what devices there are, or what a scene holds and needs");
-  command->set_help_flag("-h,--help", "show this and exit")->group(kHelpGroup);
+  CLI::App* command = add_command(app, "info", "tell what devices there are, or what a scene holds and needs");
   const auto request = std::make_shared<Request>();
   add_scene_flags(*command, request->scene, false);
   add_switch(*command, "Output", {"--json", "", "print one JSON document", "off"}, request->json);

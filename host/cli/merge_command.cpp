@@ -193,19 +193,16 @@ int run_merge(const Request& request) {
 } // namespace
 
 Command add_merge(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("merge", "join renders of disjoint sample ranges into one picture");
-  command->set_help_flag("-h,--help", "show this and exit")->group(kHelpGroup);
-  command->footer(
+  CLI::App* command = add_command(
+      app, "merge", "join renders of disjoint sample ranges into one picture",
       "Parts come from 'wavepath render --samples A:B'; give each the whole's --spp. Parts of one device join to the "
       "bits of the "
       "uninterrupted render, in any order; AOVs of first hits (albedo, normal, depth, position, emission, direct) to "
       "within rounding.");
   const auto request = std::make_shared<Request>();
-  add_flag(
+  require(add_flag(
       *command, "Pictures", {"PARTS", "FILE.exr", "two or more"},
-      [=](const FlagValue& value) { request->parts.push_back(value.text); }, true)
-      ->required()
-      ->allow_extra_args(); // as many as there are
+      [=](const FlagValue& value) { request->parts.push_back(value.text); }, true));
   add_picture_output_flags(*command, request->output, "none: name at least one");
   add_switch(*command, "Output", {"-q,--quiet", "", "no summary", "off"}, request->output.quiet);
   return [request] {

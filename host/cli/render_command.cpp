@@ -288,8 +288,7 @@ int run_render(Request& request) {
 } // namespace
 
 Command add_render(CLI::App& app, const std::string& command_line) {
-  CLI::App* command = app.add_subcommand("render", "path-trace a glTF scene to a picture");
-  command->set_help_flag("-h,--help", "show this and exit")->group(kHelpGroup);
+  CLI::App* command = add_command(app, "render", "path-trace a glTF scene to a picture");
   const auto request = std::make_shared<Request>();
   request->command_line = command_line;
   add_output_flags(*command, request->output);

@@ -8,8 +8,6 @@
 #include <string_view>
 #include <vector>
 
-#include <CLI/CLI.hpp>
-
 #include "bvh/build.h"
 #include "host/cli/flags.h"
 #include "host/film/picture_io.h"

@@ -2,6 +2,7 @@
 #include <map>
 #include <vector>
 
+#include <CLI/App.hpp>
 #include <fmt/format.h>
 
 #include "host/base/error.h"
@@ -61,7 +62,7 @@ void refuse_leftovers(const CLI::App& app, const CLI::App* chosen) {
 int run(int argument_count, const char* const* arguments) {
   ignore_file_size_signal();
   CLI::App app("path-traced reference images of glTF scenes, in Vulkan compute", "wavepath");
-  app.formatter(std::make_shared<HelpLayout>());
+  set_help_layout(app);
   app.set_help_flag("-h,--help", "show this and exit")->group(kHelpGroup);
   app.set_version_flag("--version", "wavepath " WAVEPATH_VERSION, "show the version and exit")->group(kHelpGroup);
   app.footer(

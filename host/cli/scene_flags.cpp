@@ -32,7 +32,8 @@ void read_environment(const FlagValue& value, SceneRequest& request) {
 void add_scene_flags(CLI::App& app, SceneRequest& request, bool required) {
   const auto keep = [](std::string& text) { return [&text](const FlagValue& value) { text = value.text; }; };
   const char* group = "Scene";
-  add_flag(app, group, {"SCENE", "FILE", "glTF 2.0 file, .gltf or .glb"}, keep(request.path))->required(required);
+  CLI::Option* scene = add_flag(app, group, {"SCENE", "FILE", "glTF 2.0 file, .gltf or .glb"}, keep(request.path));
+  if (required) require(scene);
   add_flag(app, group, {"--scene", "NAME|INDEX", "which scene of the file", "the file's default"},
            keep(request.load.scene));
   add_flag(app, group, {"--animation", "NAME|INDEX", "pose the scene by this animation", "none"},

@@ -4,10 +4,12 @@
 #include <optional>
 #include <string>
 
-#include <CLI/CLI.hpp>
-
 #include "host/scene/gltf/gltf.h"
 #include "host/scene/view.h"
+
+namespace CLI {
+class App;
+}
 
 namespace wavepath {
 

@@ -23,8 +23,7 @@ int run_selftest(const Request& request) {
 } // namespace
 
 Command add_selftest(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("selftest", "prove the hard numerical cases on this device and driver");
-  command->set_help_flag("-h,--help", "show this and exit")->group(kHelpGroup);
+  CLI::App* command = add_command(app, "selftest", "prove the hard numerical cases on this device and driver");
   const auto request = std::make_shared<Request>();
   const char* group = "Cases";
   add_flag(

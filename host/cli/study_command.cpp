@@ -9,6 +9,7 @@
 
 #include <unistd.h>
 
+#include <CLI/App.hpp>
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 
@@ -193,8 +194,7 @@ int run_study_command(const CLI::App& app, Request& request) {
 } // namespace
 
 Command add_study(CLI::App& app, const std::string& command_line) {
-  CLI::App* command = app.add_subcommand("study", "measure error against time for a grid of configurations");
-  command->set_help_flag("-h,--help", "show this and exit")->group(kHelpGroup);
+  CLI::App* command = add_command(app, "study", "measure error against time for a grid of configurations");
   const auto request = std::make_shared<Request>();
   request->command_line = command_line;
   StudySettings& study = request->study;

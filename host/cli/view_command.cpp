@@ -226,8 +226,7 @@ void add_window_flags(CLI::App& app, Request& request) {
 } // namespace
 
 Command add_view(CLI::App& app, const std::string& command_line) {
-  CLI::App* command = app.add_subcommand("view", "look at a scene in a window while it is path-traced");
-  command->set_help_flag("-h,--help", "show this and exit")->group(kHelpGroup);
+  CLI::App* command = add_command(app, "view", "look at a scene in a window while it is path-traced");
   const auto request = std::make_shared<Request>();
   request->command_line = command_line;
   add_window_flags(*command, *request);

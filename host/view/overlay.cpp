@@ -32,6 +32,18 @@ void set_look(float scale, bool encodes) {
   ImGui::GetIO().Fonts->AddFontDefault(&font);
 }
 
+// From 1.90 on (Debian 13), Dear ImGui uploads with commands of its own.
+void upload_font([[maybe_unused]] Device& device) {
+#if IMGUI_VERSION_NUM < 19000
+  Commands commands(device);
+  ImGui_ImplVulkan_CreateFontsTexture(commands.handle());
+  commands.submit_and_wait();
+  ImGui_ImplVulkan_DestroyFontUploadObjects();
+#else
+  ImGui_ImplVulkan_CreateFontsTexture();
+#endif
+}
+
 } // namespace
 
 Overlay::Overlay(Device& device, const GlfwWindow& window, const Swapchain& swapchain, std::uint32_t frames)
@@ -65,10 +77,7 @@ Overlay::Overlay(Device& device, const GlfwWindow& window, const Swapchain& swap
     info.MinImageCount = info.ImageCount = frames; // sets of vertex buffers, used in turn
     info.CheckVkResultFn = [](VkResult result) { check(result, "drawing the panel"); };
     vulkan_ = ImGui_ImplVulkan_Init(&info, swapchain.pass());
-    Commands commands(device);
-    ImGui_ImplVulkan_CreateFontsTexture(commands.handle());
-    commands.submit_and_wait();
-    ImGui_ImplVulkan_DestroyFontUploadObjects();
+    upload_font(device);
   } catch (...) {
     release();
     throw;

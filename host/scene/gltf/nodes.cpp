@@ -29,8 +29,7 @@ std::vector<int> parents(const Document& document) {
 // The given nodes and all below them, parents first. `nodes` must be roots, so that no cycle can be reached.
 std::vector<int> with_descendants(const Document& document, std::vector<int> nodes) {
   for (std::size_t i = 0; i < nodes.size(); ++i) {
-    const auto& children = document.model.nodes[at(nodes[i])].children;
-    nodes.insert(nodes.end(), children.begin(), children.end());
+    for (const int child : document.model.nodes[at(nodes[i])].children) nodes.push_back(child);
   }
   return nodes;
 }
