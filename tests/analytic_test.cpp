@@ -64,14 +64,12 @@ RenderResult render_scene(Device& device, const fs::path& path, std::vector<std:
   RenderRequest request;
   add_scene_flags(app, scene_request, true);
   add_stop_flags(app, request);
-  add_render_flags(app, request);
-  add_hybrid_flags(app, request);
-  add_picture_flags(app, request);
+  add_transport_flags(app, kByRender, request);
+  add_picture_flags(app, kByRender, request);
   flags.insert(flags.begin(), path.string());
   std::reverse(flags.begin(), flags.end()); // as CLI11 wants it
   app.parse(flags);
   settle_samples(request);
-  request.settings.filter = request.filter.value_or(gpu::kFilterBlackmanHarris);
   request.settings.wave_slots = wave_slots;
 
   Scene scene = load_scene(scene_request);

@@ -7,6 +7,7 @@
 #include <set>
 #include <sstream>
 
+#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -25,7 +26,7 @@ namespace {
 // well, in a row of the table or among the exemptions.
 std::map<std::string, std::string> members(const RenderSettings& settings) {
   const auto& [integrator, width, height, first_sample, last_sample, sample_total, time_limit, target_error, max_depth,
-               sampler, hemisphere, direct, filter, seed, shadow_samples, ao_samples, ao_radius, ambient, denoise,
+               sampler, hemisphere, direct, filter, seed, shadow_samples, ao_samples, ao_radius, ambient, branching, cutoff, denoise,
                antialias_over_time, adaptive, specialize, aovs, added_features, removed_features, room_for_shadow_rays,
                wave_slots] = settings;
   const auto text = [](const auto& value) { return fmt::format("{}", value); };
@@ -47,6 +48,8 @@ std::map<std::string, std::string> members(const RenderSettings& settings) {
           {"ao_samples", text(ao_samples)},
           {"ao_radius", ao_radius ? text(*ao_radius) : "none"},
           {"ambient", ambient ? fmt::format("{},{},{}", ambient->r, ambient->g, ambient->b) : "none"},
+          {"branching", text(branching)},
+          {"cutoff", text(cutoff)},
           {"denoise", text(denoise)},
           {"antialias_over_time", text(antialias_over_time)},
           {"adaptive", text(adaptive)},
@@ -205,7 +208,9 @@ TEST(Settings, ARowIsNamedOnceAndListedByWhoTakesIt) {
   for (const IntegratorKind* kind : integrators())
     for (const std::string_view name : kind->settings) {
       listed.insert(name);
-      if (name != "pixel") EXPECT_TRUE(names.contains(name)) << kind->name << " lists " << name; // of the replay
+      if (name != "pixel") { // of the replay
+        EXPECT_TRUE(names.contains(name)) << kind->name << " lists " << name;
+      }
     }
   for (const Setting& row : settings_table()) {
     EXPECT_EQ(row.takers != Takers::all, listed.contains(row.name)) << row.name;
@@ -221,10 +226,10 @@ TEST(Settings, AxesAndWidgetsFit) {
       read_setting(row, std::string(value), settings);
       EXPECT_EQ(text_of(row, settings), value) << row.name;
     }
-    if (row.label)
-      EXPECT_TRUE(!choices_of(row).empty() || std::holds_alternative<WholeValue>(row.value) ||
-                  std::holds_alternative<SwitchValue>(row.value))
-          << row.name;
+    if (!row.label) continue;
+    EXPECT_TRUE(!choices_of(row).empty() || std::holds_alternative<WholeValue>(row.value) ||
+                std::holds_alternative<SwitchValue>(row.value))
+        << row.name;
   }
 }
 
