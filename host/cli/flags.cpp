@@ -1,7 +1,7 @@
 // Declares flags with the parser.
 #include "host/cli/flags.h"
 
-#include <CLI/App.hpp>
+#include <CLI/CLI.hpp>
 
 namespace wavepath {
 

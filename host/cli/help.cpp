@@ -4,7 +4,7 @@
 #include <sstream>
 #include <vector>
 
-#include <CLI/App.hpp>
+#include <CLI/CLI.hpp>
 
 #include "host/cli/flags.h"
 

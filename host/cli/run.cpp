@@ -2,7 +2,7 @@
 #include <map>
 #include <vector>
 
-#include <CLI/App.hpp>
+#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "host/base/error.h"
