@@ -20,7 +20,7 @@ DOWNHILL = [
     "host/integrators/path", "host/integrators/hybrid", "host/integrators/whitted", "host/integrators", "benchmarks", "host/bench", "host/selftest", "host/study", "host/view", "host/cli", "host",
 ]
 VULKAN_DOORS = {"host/gpu", "host/view"}
-DOCUMENTS = ["README.md", "CONTRIBUTING.md", "scenes/README.md"]
+DOCUMENTS = ["README.md", "CONTRIBUTING.md", "scenes/README.md", *sorted(f"docs/{p.name}" for p in (ROOT / "docs").glob("*.md"))]
 
 
 def sources(*suffixes):
@@ -45,7 +45,7 @@ def includes(path):
 def text_files():
     """What people read: sources and documents, but nothing that a build or a user has put beside them."""
     kinds = (".h", ".cpp", ".glsl", ".comp", ".vert", ".frag", ".py", ".md", ".txt", "")
-    for folder in ("bvh", "kernels", "host", "scenes", "tests", "benchmarks", ".ci"):
+    for folder in ("bvh", "kernels", "host", "scenes", "tests", "benchmarks", "docs", ".ci"):
         yield from (p for p in sorted((ROOT / folder).rglob("*")) if p.is_file() and p.suffix in kinds)
     yield from (ROOT / n for n in ("run", "CMakeLists.txt", "CMakePresets.json", "README.md", "CONTRIBUTING.md", "CHANGELOG.md"))
 
@@ -139,7 +139,7 @@ class Structure(unittest.TestCase):
         self.assertGreater(checked, 1)
 
     def test_links_in_documents_lead_somewhere(self):
-        for document in ["README.md", "CONTRIBUTING.md", "CHANGELOG.md", "scenes/README.md"]:
+        for document in [*DOCUMENTS, "CHANGELOG.md", "benchmarks/results/README.md"]:
             for target in re.findall(r"\]\(([^)#:]+)\)", (ROOT / document).read_text()):
                 with self.subTest(document=document, target=target):
                     self.assertTrue(((ROOT / document).parent / target).exists())
