@@ -20,7 +20,7 @@ DOWNHILL = [
     "host/integrators/path", "host/integrators/hybrid", "host/integrators/whitted", "host/integrators", "benchmarks", "host/bench", "host/selftest", "host/study", "host/view", "host/cli", "host",
 ]
 VULKAN_DOORS = {"host/gpu", "host/view"}
-DOCUMENTS = ["README.md", "CONTRIBUTING.md", "scenes/README.md", *sorted(f"docs/{p.name}" for p in (ROOT / "docs").glob("*.md"))]
+DOCUMENTS = ["README.md", "CONTRIBUTING.md", "scenes/README.md", *(f"docs/{p.name}" for p in sorted(ROOT.glob("docs/*.md")))]
 
 
 def sources(*suffixes):
