@@ -23,7 +23,7 @@ DOWNHILL = [
 # Folders whose files can be put in an order in which each includes only those before it; x.h and x.cpp are one.
 ACYCLIC = ("host/base", "host/scene")
 VULKAN_DOORS = {"host/gpu", "host/view"}
-DOCUMENTS = ["README.md", "CONTRIBUTING.md", "scenes/README.md"]
+DOCUMENTS = ["README.md", "CONTRIBUTING.md", "scenes/README.md", *(f"docs/{p.name}" for p in sorted(ROOT.glob("docs/*.md")))]
 
 
 def sources(*suffixes):
@@ -48,7 +48,7 @@ def includes(path):
 def text_files():
     """What people read: sources and documents, but nothing that a build or a user has put beside them."""
     kinds = (".h", ".cpp", ".glsl", ".comp", ".vert", ".frag", ".py", ".md", ".txt", "")
-    for folder in ("bvh", "kernels", "host", "scenes", "tests", "benchmarks", ".ci"):
+    for folder in ("bvh", "kernels", "host", "scenes", "tests", "benchmarks", "docs", ".ci"):
         yield from (p for p in sorted((ROOT / folder).rglob("*")) if p.is_file() and p.suffix in kinds)
     yield from (ROOT / n for n in ("run", "CMakeLists.txt", "CMakePresets.json", "README.md", "CONTRIBUTING.md", "CHANGELOG.md"))
 
@@ -151,7 +151,7 @@ class Structure(unittest.TestCase):
         self.assertGreater(checked, 1)
 
     def test_links_in_documents_lead_somewhere(self):
-        for document in ["README.md", "CONTRIBUTING.md", "CHANGELOG.md", "scenes/README.md"]:
+        for document in [*DOCUMENTS, "CHANGELOG.md", "benchmarks/results/README.md"]:
             for target in re.findall(r"\]\(([^)#:]+)\)", (ROOT / document).read_text()):
                 with self.subTest(document=document, target=target):
                     self.assertTrue(((ROOT / document).parent / target).exists())
