@@ -166,6 +166,30 @@ TEST_P(Analytic, HybridFindsIt) {
 
 INSTANTIATE_TEST_SUITE_P(Scenes, Analytic, ::testing::ValuesIn(list_scenes(true)), name_of);
 
+// Whitted's ray tracer finds light that one rough surface has scattered, and mirrors and glass however deep.
+class AnalyticWhitted : public Analytic {};
+
+TEST_P(AnalyticWhitted, FindsIt) {
+  const Oracle oracle = read_oracle(GetParam());
+  const std::vector<std::string> flags = oracle.render + std::vector<std::string>{"--integrator", "whitted", "--cutoff", "0"};
+  const Picture first = render_scene(device(), GetParam(), flags + std::vector<std::string>{"--seed", "1"}).picture;
+  if (oracle.exact > 0.0) return expect_every_pixel(first, oracle);
+  expect_mean(first, render_scene(device(), GetParam(), flags + std::vector<std::string>{"--seed", "2"}).picture, oracle);
+}
+
+std::vector<fs::path> scenes_for_whitted() {
+  std::vector<fs::path> paths;
+  for (const char* name :
+       {"absorbing_glass_slab", "absorbing_slab", "glass_slab", "mirror", "adjacent_squares", "facing_squares", "alpha_blend",
+        "alpha_mask_cut", "alpha_mask_kept", "directional_light", "point_light", "spot_light", "disc_light",
+        "half_hidden_disc_light", "rectangle_light_centre", "rectangle_light_corner", "sphere_light", "tilted_sphere_light",
+        "emitter", "unlit"})
+    paths.push_back(kScenes / "analytic" / (std::string(name) + ".gltf"));
+  return paths;
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenes, AnalyticWhitted, ::testing::ValuesIn(scenes_for_whitted()), name_of);
+
 class AnyScene : public VulkanTest {
 protected:
   void expect_same_bits(const RenderResult& a, const RenderResult& b) {

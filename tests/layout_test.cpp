@@ -20,6 +20,7 @@
 #include "kernels/hybrid/hybrid_types.h"
 #include "kernels/path/path_types.h"
 #include "kernels/scene_types.h"
+#include "kernels/whitted/whitted_types.h"
 #include "tests/probes/layout_probe.spv.h"
 
 namespace wavepath::gpu {
@@ -155,6 +156,11 @@ TEST(Layout, Hybrid) {
            AT(HybridFrame, ao_samples), AT(HybridFrame, flags)});
   compare("GbufferPixel", sizeof(GbufferPixel),
           {AT(GbufferPixel, normal), AT(GbufferPixel, depth), AT(GbufferPixel, albedo), AT(GbufferPixel, surface)});
+}
+
+TEST(Layout, Whitted) {
+  compare("WhittedFrame", sizeof(WhittedFrame),
+          {AT(WhittedFrame, ambient), AT(WhittedFrame, cutoff), AT(WhittedFrame, choice)});
 }
 
 TEST(Layout, Filters) {

@@ -78,7 +78,7 @@ TEST_F(MathTest, FinitenessAndNeighboursByBits) {
   std::vector<Element> in;
   for (const float x : {0.0f, -0.0f, 1.0f, -1.0f, 1.2e-38f, 3.4e38f, -3.4e38f, 0.1f, -12345.678f, inf, -inf, nan})
     in.push_back({.a = {x, 5.0f, 0, 0}});
-  // Vulkan lets a device take and return denormal numbers as zero (VkPhysicalDeviceFloatControlsProperties), which is
+  // Vulkan lets a device take and return denormal numbers as zero (the float controls properties of a device), which is
   // what the neighbours of zero are.
   const auto expect_neighbour = [](float found, float exact, float of) {
     const bool flushed = std::fpclassify(exact) == FP_SUBNORMAL && found == 0.0f;

@@ -137,10 +137,11 @@ void Commands::write(const Buffer& buffer, const void* data, std::uint64_t bytes
   record_barrier(commands_, kTransfer, VK_ACCESS_2_TRANSFER_WRITE_BIT, kAll, kAnyAccess);
 }
 
-void Commands::copy(const Buffer& from, const Buffer& to, std::uint64_t bytes) {
+void Commands::copy(const Buffer& from, const Buffer& to, std::uint64_t bytes, Order order) {
+  const VkBufferCopy region{0, 0, bytes};
+  if (order == Order::unordered) return vkCmdCopyBuffer(commands_, from.handle(), to.handle(), 1, &region);
   record_barrier(commands_, kAll, VK_ACCESS_2_MEMORY_WRITE_BIT, kTransfer,
                  VK_ACCESS_2_TRANSFER_READ_BIT | VK_ACCESS_2_TRANSFER_WRITE_BIT);
-  const VkBufferCopy region{0, 0, bytes};
   vkCmdCopyBuffer(commands_, from.handle(), to.handle(), 1, &region);
   record_barrier(commands_, kTransfer, VK_ACCESS_2_TRANSFER_WRITE_BIT, kAll, kAnyAccess);
 }

@@ -40,8 +40,10 @@ public:
   // Copies `bytes` (a multiple of 4, at most 65536) into `buffer` when the device gets there: after all that was recorded
   // before, visible to all that follows, shaders of rasterization included.
   void write(const Buffer& buffer, const void* data, std::uint64_t bytes);
-  // The first `bytes` bytes of a buffer into another, with the same order and visibility.
-  void copy(const Buffer& from, const Buffer& to, std::uint64_t bytes);
+  // The first `bytes` bytes of a buffer into another, with the same order and visibility. `unordered`: with none, for
+  // copies at the beginning or the end of a recording that do not depend on each other.
+  enum class Order { after_all, unordered };
+  void copy(const Buffer& from, const Buffer& to, std::uint64_t bytes, Order order = Order::after_all);
   // What dispatches wrote so far is visible to every dispatch and indirect read that follows.
   void barrier();
 

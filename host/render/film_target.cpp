@@ -143,8 +143,9 @@ void FilmSnapshot::record(Commands& commands, const FilmTarget& target) const {
   for (std::size_t i = 0; i < bands_.size(); ++i) {
     const FilmBand& band = target.bands()[i];
     if (band.pixel_count == 0) continue;
-    commands.copy(band.film, bands_[i].film, band.pixel_count * kFilmPixelBytes);
-    if (has_aovs_) commands.copy(band.aovs, bands_[i].aovs, band.pixel_count * sizeof(gpu::FilmAovs));
+    commands.copy(band.film, bands_[i].film, band.pixel_count * kFilmPixelBytes, Commands::Order::unordered);
+    if (!has_aovs_) continue;
+    commands.copy(band.aovs, bands_[i].aovs, band.pixel_count * sizeof(gpu::FilmAovs), Commands::Order::unordered);
   }
 }
 

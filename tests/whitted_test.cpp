@@ -1,0 +1,164 @@
+// Whitted's ray tracer: it agrees with path tracing where both find the same light, its two ways to branch agree, the
+// ambient term and the cutoff do what they say, and the bits do not depend on how the work is cut up. (Scenes with known
+// answers: analytic_test.cpp.)
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "host/integrators/path/kind.h"
+#include "host/integrators/whitted/kind.h"
+#include "host/render/kernel_compiler.h"
+#include "host/render/render.h"
+#include "host/scene/gltf/gltf.h"
+#include "host/scene/pack/pack.h"
+#include "host/scene/view.h"
+#include "tests/scene_builder.h"
+#include "tests/vulkan_device.h"
+
+namespace wavepath::test {
+namespace {
+
+const std::string kScenes = std::string(WAVEPATH_SOURCE_DIR) + "/scenes/";
+
+struct Subject {
+  PackedScene packed;
+  View view;
+
+  Subject(const Scene& scene, const RenderSettings& settings)
+      : packed(pack(scene)), view(resolve_view(scene, {}, settings.width, settings.height)) {}
+};
+
+class WhittedTest : public VulkanTest {
+protected:
+  static RenderSettings settings(const IntegratorKind* integrator, std::uint32_t spp, std::uint32_t depth) {
+    RenderSettings settings;
+    settings.width = 24, settings.height = 16;
+    settings.last_sample = spp;
+    settings.max_depth = depth;
+    settings.integrator = integrator;
+    settings.cutoff = 0.0;
+    return settings;
+  }
+  RenderResult render(const Subject& subject, const RenderSettings& settings) {
+    static KernelCompiler kernels(device()); // compiles each of them once
+    return wavepath::render(device(), subject.packed, subject.view, settings, RenderHooks{}, kernels);
+  }
+  // The mean picture of independent renders and the variance of that mean, all channels one after the other.
+  struct Average {
+    std::vector<double> mean, variance;
+  };
+  Average average(const Subject& subject, RenderSettings settings) {
+    constexpr std::uint32_t kRenders = 8;
+    std::vector<double> sum, squares;
+    for (settings.seed = 1; settings.seed <= kRenders; ++settings.seed) {
+      const Picture picture = render(subject, settings).picture;
+      const std::size_t n = picture.channels[0].values.size();
+      sum.resize(3 * n), squares.resize(3 * n);
+      for (std::size_t i = 0; i < 3 * n; ++i) {
+        const double value = picture.channels[i / n].values[i % n];
+        sum[i] += value, squares[i] += value * value;
+      }
+    }
+    Average result;
+    for (std::size_t i = 0; i < sum.size(); ++i) {
+      const double mean = sum[i] / kRenders;
+      result.mean.push_back(mean);
+      result.variance.push_back(std::max(0.0, squares[i] / kRenders - mean * mean) / (kRenders - 1));
+    }
+    return result;
+  }
+  // By the sum of z^2 over all values, and by the mean of the picture, in which a bias cannot hide.
+  static void expect_same_mean(const Average& a, const Average& b) {
+    double squares = 0.0, judged = 0.0, difference = 0.0, noise = 0.0, total = 0.0;
+    for (std::size_t i = 0; i < a.mean.size(); ++i) {
+      const double d = a.mean[i] - b.mean[i], variance = a.variance[i] + b.variance[i];
+      difference += d, noise += variance, total += a.mean[i];
+      if (variance < 1e-12 * (1.0 + a.mean[i] * a.mean[i])) {
+        EXPECT_NEAR(a.mean[i], b.mean[i], 2e-5 * (1.0 + a.mean[i])) << "value " << i;
+        continue;
+      }
+      squares += std::min(d * d / variance, 25.0); // few samples: a pixel that no ray found bright has no variance
+      ++judged;
+    }
+    EXPECT_GT(total, 0.0);
+    ASSERT_GT(judged, static_cast<double>(a.mean.size()) / 4.0);
+    EXPECT_LT(squares / judged, 1.5);
+    EXPECT_LT(std::abs(difference), 4.0 * std::sqrt(noise));
+    EXPECT_LT(std::sqrt(noise), 0.03 * total) << "too much noise to tell";
+  }
+};
+
+TEST_F(WhittedTest, DirectLightIsThatOfPathTracing) {
+  const RenderSettings whitted = settings(&kWhitted, 64, 1), path = settings(&kPath, 256, 1);
+  const Subject subject(load_gltf(kScenes + "cornell_box.gltf", {}), whitted);
+  expect_same_mean(average(subject, whitted), average(subject, path));
+}
+
+// Glass and mirrors of the showcase, many levels deep.
+TEST_F(WhittedTest, OneBranchAtRandomIsTheTreeOnAverage) {
+  const RenderSettings tree = settings(&kWhitted, 32, 7);
+  RenderSettings choice = tree;
+  choice.branching = kBranchingChoice;
+  choice.last_sample = 64;
+  const Subject subject(load_gltf(kScenes + "showcase.glb", {}), tree);
+  expect_same_mean(average(subject, tree), average(subject, choice));
+  EXPECT_GT(render(subject, tree).rays.bounce, render(subject, choice).rays.bounce / 2 * 11 / 10)
+      << "the tree follows more rays a sample";
+}
+
+TEST_F(WhittedTest, TheCutoffOnlyLosesLightAndRays) {
+  RenderSettings all = settings(&kWhitted, 8, 7), cut = all;
+  cut.cutoff = 0.1;
+  const Subject subject(load_gltf(kScenes + "showcase.glb", {}), all);
+  const RenderResult whole = render(subject, all), less = render(subject, cut);
+  EXPECT_LT(less.rays.total(), whole.rays.total());
+  double lost = 0.0;
+  for (std::size_t c = 0; c < 3; ++c)
+    for (std::size_t i = 0; i < whole.picture.channels[c].values.size(); ++i) {
+      const float a = less.picture.channels[c].values[i], b = whole.picture.channels[c].values[i];
+      EXPECT_LE(a, b * 1.00001f + 1e-6f);
+      lost += b - a;
+    }
+  EXPECT_GT(lost, 0.0);
+}
+
+// No light but the ambient one: a Lambert surface shows its base colour times that radiance.
+TEST_F(WhittedTest, TheAmbientTermIsAlbedoTimesRadiance) {
+  Scene scene;
+  scene.path = "test";
+  scene.materials.push_back(plain_material());
+  scene.materials.back().base_color = {0.25f, 0.5f, 0.75f, 1.0f};
+  scene.materials.back().specular = 0.0f;
+  add_instance(scene, add_mesh(scene, {{-9, -9, 0}, {9, -9, 0}, {9, 9, 0}, {-9, -9, 0}, {9, 9, 0}, {-9, 9, 0}}));
+  Camera camera;
+  camera.world_from_camera = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}, {0, 0, 3, 1}};
+  scene.cameras.push_back(camera);
+  RenderSettings lit = settings(&kWhitted, 2, 3);
+  lit.ambient = glm::vec3(2.0f, 1.0f, 4.0f);
+  const Picture picture = render(Subject(scene, lit), lit).picture;
+  for (std::size_t i = 0; i < picture.channels[0].values.size(); ++i) {
+    ASSERT_NEAR(picture.channels[0].values[i], 0.5f, 1e-6f);
+    ASSERT_NEAR(picture.channels[1].values[i], 0.5f, 1e-6f);
+    ASSERT_NEAR(picture.channels[2].values[i], 3.0f, 1e-6f);
+  }
+}
+
+TEST_F(WhittedTest, HowTheWorkIsCutUpDoesNotMatter) {
+  RenderSettings whole = settings(&kWhitted, 6, 5);
+  whole.aovs = {"albedo", "normal", "depth", "direct", "emission"};
+  const Subject subject(load_gltf(kScenes + "showcase.glb", {}), whole);
+  const RenderResult expected = render(subject, whole);
+  for (const std::uint32_t slots : {64u, 700u}) {
+    RenderSettings cut = whole;
+    cut.wave_slots = slots;
+    EXPECT_EQ(*render(subject, cut).film, *expected.film);
+  }
+  RenderSettings generic = whole;
+  generic.specialize = false;
+  EXPECT_EQ(*render(subject, generic).film, *expected.film);
+}
+
+} // namespace
+} // namespace wavepath::test
