@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "host/film/film.h"
 #include "host/integrators/path/kind.h"
 #include "host/integrators/whitted/kind.h"
 #include "host/render/kernel_compiler.h"
@@ -26,7 +27,7 @@ struct Subject {
   PackedScene packed;
   View view;
 
-  Subject(const Scene& scene, const RenderSettings& settings)
+  Subject(Scene scene, const RenderSettings& settings)
       : packed(pack(scene)), view(resolve_view(scene, {}, settings.width, settings.height)) {}
 };
 
