@@ -2,6 +2,7 @@
 #pragma once
 
 #include "host/scene/pack/packed_scene.h"
+#include "host/scene/scene.h"
 
 namespace wavepath {
 
