@@ -8,6 +8,7 @@
 #include <glm/glm.hpp>
 
 #include "host/scene/pack/packed_scene.h"
+#include "host/scene/scene.h"
 #include "host/scene/usage.h"
 
 namespace wavepath {

@@ -7,6 +7,7 @@
 
 #include "host/scene/pack/geometry.h"
 #include "host/scene/pack/packed_scene.h"
+#include "host/scene/scene.h"
 
 namespace wavepath {
 
