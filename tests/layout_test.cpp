@@ -160,7 +160,11 @@ TEST(Layout, Hybrid) {
 
 TEST(Layout, Whitted) {
   compare("WhittedFrame", sizeof(WhittedFrame),
-          {AT(WhittedFrame, ambient), AT(WhittedFrame, cutoff), AT(WhittedFrame, choice)});
+          {AT(WhittedFrame, ambient), AT(WhittedFrame, cutoff), AT(WhittedFrame, width)});
+  compare("WhittedNode", sizeof(WhittedNode),
+          {AT(WhittedNode, origin), AT(WhittedNode, width), AT(WhittedNode, direction), AT(WhittedNode, medium),
+           AT(WhittedNode, weight), AT(WhittedNode, path), AT(WhittedNode, hit), AT(WhittedNode, hit_weight),
+           AT(WhittedNode, hit_medium), AT(WhittedNode, arrival), AT(WhittedNode, hit_path), AT(WhittedNode, depth)});
 }
 
 TEST(Layout, Filters) {

@@ -1,24 +1,52 @@
-// What Whitted's ray tracer is told besides the frame.
+// What the kernels of Whitted's ray tracer share.
 #ifndef WAVEPATH_WHITTED_TYPES_H
 #define WAVEPATH_WHITTED_TYPES_H
 
-#include "kernels/gpu.h"
+#include "kernels/frame_types.h"
 
 #ifdef __cplusplus
 namespace wavepath::gpu {
 #endif
 
-GPU_CONSTANT uint kBindWhitted = 32u; // uniform WhittedFrame
+GPU_CONSTANT uint kBindWhitted = 32u;      // uniform WhittedFrame
+GPU_CONSTANT uint kBindWhittedNodes = 33u; // storage WhittedNode[]
+
+// A camera ray's tree has so many places for rays at once. Where it would need more, one of two branches is chosen at random.
+GPU_CONSTANT uint kTreeWidth = 8u;
+
+// Lights of one dispatch: Mesa 22.3 ends all loops of an invocation silently after 65,535 trips together, and one ray takes
+// hundreds.
+GPU_CONSTANT uint kLightsAtOnce = 16u;
 
 struct WhittedFrame {
   vec3 ambient; // radiance that stands for all light that reaches a surface after another one
   float cutoff; // rays of a smaller weight are not followed
-  uint choice;  // 1: one of reflection and refraction is followed, chosen at random; 0: both
+  uint width;   // places of a tree: kTreeWidth, or 1 where one branch is always chosen
   uint pad0;
   uint pad1;
   uint pad2;
 };
 GPU_CHECK(sizeof(WhittedFrame) == 32);
+
+// A ray of the tree, and where it has hit. Place p of a sample is entry p * (samples of the wave) + slot.
+struct WhittedNode {
+  vec3 origin;
+  uint width; // places that its descendants may take, from its own on; 0 = no ray is here
+  vec3 direction;
+  uint medium;
+  vec3 weight; // share of its radiance that reaches the eye
+  uint path;   // in the tree: 1 is the root, 2n and 2n + 1 are the reflected and the refracted ray of n
+  Hit hit;
+  vec3 hit_weight; // the weight of light that the surface hit sends towards the origin; zero where it is lit by nothing
+  uint hit_medium; // that the ray arrived in
+  vec3 arrival;    // direction of the ray that hit
+  uint hit_path;
+  uint depth; // of the ray; kNone where none ever was
+  uint pad0;
+  uint pad1;
+  uint pad2;
+};
+GPU_CHECK(sizeof(WhittedNode) == 112);
 
 #ifdef __cplusplus
 } // namespace wavepath::gpu

@@ -22,6 +22,7 @@ layout(set = 0, binding = 7, std430) buffer Rays { Ray rays[]; };
 layout(set = 0, binding = 8, std430) buffer Hits { Hit hits[]; };
 layout(set = 0, binding = 9, std430) buffer ShadowRays { ShadowRay shadow_rays[]; };
 layout(set = 0, binding = 10, std430) buffer QueueBlocks { Queues queues[]; };
+layout(set = 0, binding = 28, std430) buffer WhittedNodes { WhittedNode whitted_nodes[]; };
 layout(set = 0, binding = 27, std430) buffer WhittedFrames { WhittedFrame whitted_frames[]; };
 layout(set = 0, binding = 26, std430) buffer CounterBlocks { Counters counters[]; };
 layout(set = 0, binding = 11, std430) buffer Film { FilmPixel film[]; };

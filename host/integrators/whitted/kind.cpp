@@ -12,11 +12,11 @@ namespace wavepath {
 namespace {
 
 constexpr std::array<std::string_view, 4> kSettings = {"adaptive", "ambient", "branching", "cutoff"};
-constexpr std::array<std::string_view, 1> kFirstHitStages = {"whitted"};
+constexpr std::array<std::string_view, 2> kFirstHitStages = {"whitted begin", "whitted trace"};
 
 void start_kernels(KernelCompiler& kernels, const DeviceInfo&, std::uint32_t features, const RenderSettings& settings) {
   const KernelConfig config = kernel_config(features, kExpectedStack, settings);
-  kernels.start({&kWhittedProgram, 1, config});
+  kernels.start({&kWhittedProgram, kWhittedStages, config});
   kernels.start({&kPathProgram, stage_bits({kAccumulate}), config});
 }
 
@@ -33,7 +33,7 @@ std::vector<std::string> bias(const RenderSettings& settings, const RenderResult
 }
 
 std::vector<OmittedStage> omitted(const RenderSettings&) {
-  return {{"path kernels generate, extend, shade and connect, and their queues", "one kernel follows the tree of every ray"}};
+  return {{"path kernels generate, extend, shade and connect, and their queues", "its own kernels follow the trees of rays"}};
 }
 
 } // namespace
@@ -45,9 +45,9 @@ constinit const IntegratorKind kWhitted = {
     .first_hit_stages = kFirstHitStages,
     .features = [](const RenderSettings& settings) -> std::uint32_t { return settings.aovs.empty() ? 0 : gpu::kFeatureAovs; },
     .start_kernels = start_kernels,
-    .bytes_per_slot = [](std::uint32_t features) { return bytes_per_path(features, kStatesAlone); },
-    .largest_record = sizeof(gpu::PathAovs),
-    .slots_per_pixel = [](const RenderSettings&) { return 1u; },
+    .bytes_per_slot = [](std::uint32_t features) { return bytes_per_path(features, kStatesAlone) + sizeof(gpu::WhittedNode); },
+    .largest_record = sizeof(gpu::WhittedNode),
+    .slots_per_pixel = tree_width,
     .bytes_per_pixel = [](const RenderSettings&) { return std::uint64_t{0}; },
     .is_biased = [](const RenderSettings&) { return true; },
     .bias = bias,

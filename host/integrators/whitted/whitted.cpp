@@ -1,17 +1,29 @@
 #include "host/integrators/whitted/whitted.h"
 
+#include <algorithm>
 #include <array>
 
-#include "kernels/whitted/whitted.spv.h"
+#include "kernels/whitted/whitted_begin.spv.h"
+#include "kernels/whitted/whitted_gather.spv.h"
+#include "kernels/whitted/whitted_light.spv.h"
+#include "kernels/whitted/whitted_trace.spv.h"
 
 namespace wavepath {
 namespace {
 
-const std::array<KernelCode, 1> kStages = {{{"whitted", wavepath_whitted_spv}}};
-constexpr std::array<std::size_t, 1> kCompileOrder = {0};
+enum Stage : std::size_t { kBegin, kTrace, kLight, kGather, kStageCount };
+const std::array<KernelCode, kStageCount> kStages = {{{"whitted begin", wavepath_whitted_begin_spv},
+                                                     {"whitted trace", wavepath_whitted_trace_spv},
+                                                     {"whitted light", wavepath_whitted_light_spv},
+                                                     {"whitted gather", wavepath_whitted_gather_spv}}};
+constexpr std::array<std::size_t, kStageCount> kCompileOrder = {kLight, kTrace, kBegin, kGather};
+
+enum OwnBuffer : std::size_t { kConstants, kNodes };
 const std::vector<BufferRule> kRules = {
-    {"frame", [](const Extent&) { return std::uint64_t{sizeof(gpu::WhittedFrame)}; },
+    {"constants", [](const Extent&) { return std::uint64_t{sizeof(gpu::WhittedFrame)}; },
      {{gpu::kBindWhitted, BindingKind::uniform}}},
+    {"nodes of trees", [](const Extent& e) { return e.slots * sizeof(gpu::WhittedNode); },
+     {{gpu::kBindWhittedNodes, BindingKind::storage}}},
 };
 
 std::vector<Binding> layout() {
@@ -22,6 +34,10 @@ std::vector<Binding> layout() {
 
 } // namespace
 
+std::uint32_t tree_width(const RenderSettings& settings) {
+  return settings.branching == kBranchingChoice ? 1 : gpu::kTreeWidth;
+}
+
 const KernelProgram kWhittedProgram = {kStages, kCompileOrder, layout};
 
 Whitted::Whitted(Workspace& workspace, KernelCompiler& kernels)
@@ -29,15 +45,16 @@ Whitted::Whitted(Workspace& workspace, KernelCompiler& kernels)
 
 void Whitted::change(const View& view, const RenderSettings& settings, Past) {
   const PackedScene& scene = workspace_.scene;
-  need_ = {&kWhittedProgram, 1, kernel_config(needed_features(scene, view, settings), scene.stack_size, settings)};
+  need_ = {&kWhittedProgram, kWhittedStages, kernel_config(needed_features(scene, view, settings), scene.stack_size, settings)};
   kernels_.start(need_);
   const std::uint32_t features = kernels_.features(kWhittedProgram);
   bool moved = paths_.change(settings, stage_bits({kAccumulate}), kStatesAlone, features);
-  moved |= buffers_.fit({});
+  moved |= buffers_.fit({.slots = workspace_.slots});
   const gpu::WhittedFrame frame{.ambient = settings.ambient.value_or(glm::vec3(0.0f)),
                                 .cutoff = static_cast<float>(settings.cutoff),
-                                .choice = settings.branching == kBranchingChoice ? 1u : 0u};
-  buffers_[0].write(&frame, sizeof(frame));
+                                .width = tree_width(settings)};
+  width_ = frame.width;
+  buffers_[kConstants].write(&frame, sizeof(frame));
   if (!moved && !sets_.empty()) return;
   std::vector<Binding> own;
   paths_.buffers.add_bindings(own);
@@ -61,9 +78,33 @@ gpu::Wave Whitted::wave(const FilmBand& band, std::uint32_t first_place, std::ui
   return {first_place, pixel_count, first_sample, count, 0, band.first_pixel};
 }
 
+std::uint32_t Whitted::light_passes() const {
+  return (workspace_.frame.light_count + gpu::kLightsAtOnce - 1) / gpu::kLightsAtOnce;
+}
+
+std::uint32_t Whitted::timed_dispatches() const {
+  return std::min(3 + (workspace_.frame.max_depth + 1) * (1 + light_passes()), 1024u);
+}
+
 void Whitted::record_wave(Commands& commands, std::size_t band, const gpu::Wave& wave) {
+  const KernelSet& kernels = kernels_.best(need_);
+  const std::uint64_t samples = std::uint64_t{wave.pixel_count} * wave.sample_count;
+  const std::uint32_t groups = groups_for(samples * width_);
   commands.bind(*sets_[band]);
-  commands.dispatch(kernels_.best(need_)[0], groups_for(std::uint64_t{wave.pixel_count} * wave.sample_count), &wave);
+  commands.dispatch(kernels[kBegin], groups, &wave);
+  gpu::Wave step = wave;
+  for (step.bounce = 0; step.bounce <= workspace_.frame.max_depth; ++step.bounce) {
+    commands.barrier();
+    commands.dispatch(kernels[kTrace], groups, &step);
+    if (step.bounce == workspace_.frame.max_depth) break; // the last rays only collect emission
+    for (std::uint32_t pass = 0; pass < light_passes(); ++pass) {
+      commands.barrier();
+      step.first_film_pixel = pass * gpu::kLightsAtOnce; // the first light, see whitted_light.comp
+      commands.dispatch(kernels[kLight], groups, &step);
+    }
+  }
+  commands.barrier();
+  commands.dispatch(kernels[kGather], groups_for(samples), &wave);
   commands.barrier();
   commands.bind(paths_.bindings(band));
   commands.dispatch(paths_.kernels()[kAccumulate], groups_for(wave.pixel_count), &wave);

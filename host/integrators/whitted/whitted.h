@@ -1,4 +1,4 @@
-// Whitted's ray tracer: one kernel follows the tree of every camera ray.
+// Whitted's ray tracer: the trees of a wave's camera rays, depth by depth.
 #pragma once
 
 #include <memory>
@@ -16,23 +16,31 @@ public:
   void change(const View& view, const RenderSettings& settings, Past past) override;
   bool is_ready() override;
   double get_ready() override;
+  std::uint32_t paths_per_pixel(std::uint32_t samples) const override { return samples * width_; }
   std::uint32_t most_samples() const override;
   void begin_pass(WaveQueue&, std::uint32_t) override {}
   gpu::Wave wave(const FilmBand& band, std::uint32_t first_place, std::uint32_t pixel_count, std::uint32_t first_sample,
                  std::uint32_t count) const override;
   void record_wave(Commands& commands, std::size_t band, const gpu::Wave& wave) override;
-  std::uint32_t timed_dispatches() const override { return 2; }
+  std::uint32_t timed_dispatches() const override;
   std::uint64_t bytes() const override { return paths_.buffers.bytes() + buffers_.bytes(); }
 
 private:
+  std::uint32_t light_passes() const; // over all lights, at every depth
+
   Workspace& workspace_;
   KernelCompiler& kernels_;
   Paths paths_; // the samples of a wave, and the kernel that adds them to the film
   BufferSet buffers_;
   KernelNeed need_;
+  std::uint32_t width_ = 1; // places of a tree
   std::vector<std::unique_ptr<BindingSet>> sets_; // by band
 };
 
 extern const KernelProgram kWhittedProgram;
+inline constexpr std::uint32_t kWhittedStages = 0xf; // all
+
+// Rays of a sample that are followed at once.
+std::uint32_t tree_width(const RenderSettings& settings);
 
 } // namespace wavepath

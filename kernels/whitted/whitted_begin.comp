@@ -1,0 +1,42 @@
+// Puts the camera rays of a wave at the roots of their trees.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+
+#define BIND_PATHS
+#include "kernels/path/bindings.glsl"
+#include "kernels/camera.glsl"
+#include "kernels/filter.glsl"
+#include "kernels/path/records.glsl"
+#include "kernels/pixel.glsl"
+#include "kernels/whitted/whitted.glsl"
+
+layout(local_size_x = kWorkgroupSize) in;
+
+void main() {
+  uint index = gl_GlobalInvocationID.x;
+  if (index >= sample_slots() * whitted.width) return;
+  store_path(index, PathState(vec3(0.0), -1.0, vec3(0.0), 1.0));
+  nodes_of_trees[index].width = 0u;
+  nodes_of_trees[index].depth = kNone;
+  nodes_of_trees[index].hit_weight = vec3(0.0);
+  uint slot = index;
+  if (slot >= sample_slots()) return;
+  vec3 origin, direction;
+  camera_ray(vec2(slot_pixel(slot)) + 0.5 + sample_filter(sample_2d(slot_sampler(slot), kDimensionFilter)), origin, direction);
+  nodes_of_trees[index].origin = origin;
+  nodes_of_trees[index].direction = direction;
+  nodes_of_trees[index].weight = vec3(1.0);
+  nodes_of_trees[index].width = whitted.width;
+  nodes_of_trees[index].medium = kNone;
+  nodes_of_trees[index].path = 1u;
+  nodes_of_trees[index].depth = 0u;
+  if (!has(kFeatureAovs)) return;
+  path_aovs[slot].albedo = vec3(0.0);
+  path_aovs[slot].depth = 0.0;
+  path_aovs[slot].normal = vec3(0.0);
+  path_aovs[slot].hit = 0.0;
+  path_aovs[slot].position = vec3(0.0);
+  path_aovs[slot].unoccluded = 0.0;
+  path_aovs[slot].emission = vec3(0.0);
+  path_aovs[slot].direct = vec3(0.0);
+}

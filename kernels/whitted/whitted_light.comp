@@ -1,0 +1,78 @@
+// Sends shadow rays from the surfaces that whitted_trace.comp found to kLightsAtOnce lights, from number wave.first_film_pixel on
+// (the film plays no part here).
+#version 460
+#extension GL_GOOGLE_include_directive : require
+
+#define BIND_GEOMETRY
+#define BIND_SURFACES
+#define BIND_LIGHTS
+#define BIND_ENVIRONMENT
+#define BIND_PATHS
+#define BIND_COUNTERS
+#include "kernels/path/bindings.glsl"
+#include "kernels/emission.glsl"
+#include "kernels/path/records.glsl"
+#include "kernels/pixel.glsl"
+#include "kernels/vertex.glsl"
+#include "kernels/whitted/whitted.glsl"
+
+Sampler path_sampler;
+uint alpha_kind; // see alpha_key(): one for every ray of the tree
+#define ALPHA_TEST(hit) is_hole(hit, path_sampler, alpha_kind)
+#define ANY_HIT
+#include "kernels/bvh.glsl"
+
+layout(local_size_x = kWorkgroupSize) in;
+
+uint shadow_ray_count = 0u;
+
+LightSample sample_one_light(Light light, vec3 from, vec2 u) {
+  if (has(kFeatureEnvironment) && light.kind == kLightEnvironment) return sample_environment(u);
+  if (has(kFeatureTriangleLights) && light.kind == kLightTriangle) return sample_triangle_light(light, from, u);
+  if (has(kFeaturePunctualLights)) return sample_punctual_light(light, from);
+  return no_light();
+}
+
+// Light of one light that the surface sends along v.wo, by its lobes that are no mirror.
+vec3 lit_by(uint index, Vertex v, uint medium, uint path) {
+  Light light = fetch_light(index);
+  LightSample s = sample_one_light(light, v.surface.position, sample_2d(path_sampler, node_dimension(path) + index));
+  precise float pdf = s.pdf / light.probability; // that of picking this light is 1 here
+  if (max_component(s.radiance) <= 0.0 || !(pdf > 0.0) || !sides_agree(v, s.direction)) return vec3(0.0);
+  float bsdf_pdf;
+  vec3 wo = to_local(v.wo, v.tangent, v.bitangent, v.normal), wi = to_local(s.direction, v.tangent, v.bitangent, v.normal);
+  precise vec3 value = bsdf_eval(v.bsdf, wo, wi, bsdf_pdf) * s.radiance / pdf;
+  if (has(kFeatureVolume)) {
+    bool crossing = dot(s.direction, v.normal) < 0.0 && !v.bsdf.thin;
+    value *= medium_transmittance(crossing ? medium_behind(v) : medium,
+                                  s.distant ? kFarAway : length(s.target - v.surface.position));
+  }
+  if (is_finite(value) && max_component(value) <= 0.0) return vec3(0.0);
+  vec3 origin = offset_ray_origin(v.surface.position, v.surface.position_error, v.surface.geometric_normal, s.direction);
+  bool triangle = has(kFeatureTriangleLights) && light.kind == kLightTriangle;
+  ++shadow_ray_count;
+  bool blocked = trace(origin, s.distant ? s.direction : s.target - origin, s.distant ? kFar : 1.0,
+                       triangle ? light.triangle_id : kNone, triangle ? light.instance : 0u).triangle != kNone;
+  return blocked ? vec3(0.0) : value;
+}
+
+void main() {
+  uint index = gl_GlobalInvocationID.x;
+  if (index >= sample_slots() * whitted.width) return;
+  WhittedNode node = nodes_of_trees[index];
+  if (!(max_component(node.hit_weight) > 0.0)) return;
+  uint slot = index % sample_slots();
+  path_sampler = slot_sampler(slot);
+  alpha_kind = alpha_key(node.hit_path, kHashConnect);
+  Surface surface = fetch_surface(node.hit);
+  Vertex v = make_vertex(surface, fetch_material(surface.material), node.arrival);
+  precise vec3 sum = vec3(0.0);
+  uint first = wave.first_film_pixel, end = min(first + kLightsAtOnce, frame.light_count);
+  for (uint i = first; i < end; ++i) sum += lit_by(i, v, node.hit_medium, node.hit_path);
+  PathState path = fetch_path(index);
+  precise vec3 radiance = path.radiance + node.hit_weight * sum;
+  path.radiance = radiance;
+  store_radiance(index, path);
+  if (has(kFeatureAovs) && wave.bounce == 0u) path_aovs[slot].direct += node.hit_weight * sum;
+  COUNT(counters.shadow_rays, shadow_ray_count)
+}
