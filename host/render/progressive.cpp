@@ -100,7 +100,8 @@ void Progressive::set_scene(const PackedScene& scene, const View& view) {
 // A picture in full that takes long is preceded by a coarse one, so that there is something to see.
 std::uint32_t Progressive::choose_coarse() const {
   std::uint32_t coarse = 1;
-  const double pixel_seconds = loop_->pass_sample_seconds() / pixels_of(rendered_); // of the last pass; 0 = unknown
+  loop_->drain(); // so that the last pass counts
+  const double pixel_seconds = loop_->pixel_seconds();
   const auto frame = [&] { return pixel_seconds * pixels_of(settings_) / (coarse * coarse); };
   while (coarse < kCoarsest && (pixel_seconds == 0.0 || frame() > kCoarseFrame)) coarse *= 2;
   return coarse;
@@ -132,7 +133,7 @@ ProgressiveStatus Progressive::status() const {
   status.planned = settings_.last_sample - settings_.first_sample;
   status.fraction = static_cast<double>(status.spp) / status.planned;
   status.seconds = loop_->seconds();
-  status.frame_seconds = loop_->pass_sample_seconds();
+  status.frame_seconds = loop_->pixel_seconds() * pixels_of(rendered_);
   const double rays = static_cast<double>(loop_->totals().rays.total());
   status.mrays_per_second = status.seconds > 0.0 ? 1e-6 * rays / status.seconds : 0.0;
   const std::vector<Checkpoint>& checkpoints = loop_->checkpoints();

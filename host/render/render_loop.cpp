@@ -35,16 +35,27 @@ RenderLoop::RenderLoop(Device& device, const PackedScene& scene, const View& vie
 }
 
 RenderLoop::~RenderLoop() {
-  // An estimate reads a snapshot that the device may still be writing.
-  try {
-    queue_.drain();
-  } catch (...) {
-  }
+  queue_.abandon(); // before anything goes that waves in flight or estimates use
+}
+
+// What is in flight counts no more. Estimates in progress go on by themselves, each with the copy of the film that it holds.
+void RenderLoop::abandon() {
+  abandoning_ = true;
+  queue_.drain();
+  abandoning_ = false;
+  std::erase_if(abandoned_, [](std::future<Estimate>& one) {
+    return one.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
+  });
+  for (Pending& pending : pending_)
+    if (pending.estimate.valid())
+      abandoned_.push_back(std::move(pending.estimate));
+    else if (pending.snapshot)
+      snapshots_.push_back(std::move(pending.snapshot));
+  pending_.clear();
 }
 
 void RenderLoop::restart(const View& view, const RenderSettings& settings, Past past) {
-  queue_.drain();
-  pending_.clear(); // waits for estimates of what is no longer on the film
+  abandon();
   settings_ = whole_passes(settings);
   if (kind_ != settings.integrator) integrator_.reset(); // both at once may be too much
   kind_ = settings.integrator;
@@ -53,6 +64,7 @@ void RenderLoop::restart(const View& view, const RenderSettings& settings, Past 
   integrator_->change(view, settings_, past);
   workspace_.film.clear();
   queue_.totals = {};
+  pass_began_busy_ = 0.0;
   segments_ = even_segments(workspace_.film.bands());
   levels_.clear();
   mean_factor_ = 1.0;
@@ -113,14 +125,15 @@ void RenderLoop::begin() {
   resume_clock();
   if (const auto pilot = integrator_->pilot()) {
     explore(*pilot);
-    integrator_->learn();
+    if (!stopped_) integrator_->learn();
   }
   if (hooks_.resume) restore(*hooks_.resume);
   last_save_ = Clock::now();
   if (!settings_.adaptive || !levels_.empty()) return;
   explore({segments_, kPilotSamples, kAdaptivePilotSeed});
-  use_levels(choose_levels(workspace_.film.download()));
+  if (!stopped_) use_levels(choose_levels(workspace_.film.download())); // else a resumed render explores anew
   workspace_.film.clear();
+  pass_began_busy_ = queue_.totals.busy_seconds; // of no pass
 }
 
 void RenderLoop::restore(const RenderState& state) {
@@ -134,6 +147,8 @@ void RenderLoop::restore(const RenderState& state) {
   queue_.totals.nonfinite = state.nonfinite;
   workspace_.film.upload(state.film);
   if (settings_.adaptive && !state.levels.empty()) use_levels(state.levels);
+  next_check_ = state.next_check;
+  if (in_pass()) integrator_->begin_pass(queue_, cursor_.sample);
 }
 
 // Renders the pilot; whoever asked for it learns from it and throws it away.
@@ -187,7 +202,8 @@ std::uint32_t RenderLoop::submit_wave(const Segment& segment, std::uint32_t done
   WaveQueue::Work work{.timed_dispatches = integrator_->timed_dispatches(), .wave = wave};
   work.done = [this, slots = taken * paths](const Finished& finished) {
     const bool timed = finished.longest_dispatch > 0.0 && !pace_.by_wave; // else the whole wave bounds each dispatch
-    governor_.report(timed ? finished.longest_dispatch : finished.seconds, slots);
+    const double whole = finished.device_seconds > 0.0 ? finished.device_seconds : finished.seconds;
+    governor_.report(timed ? finished.longest_dispatch : whole, slots);
     report_progress();
   };
   queue_.submit([&](Commands& commands) { integrator_->record_wave(commands, segment.band, wave); }, std::move(work));
@@ -207,12 +223,14 @@ void RenderLoop::submit_next_wave() {
 void RenderLoop::end_pass() {
   integrator_->end_pass(queue_);
   if (spp() == 0) queue_.afterwards([this] { result_.first_pixel_seconds = seconds_since_process_start(); });
-  queue_.afterwards([this, samples = cursor_.pass_samples] {
-    pass_sample_seconds_ = (queue_.totals.busy_seconds - pass_began_busy_) / samples;
+  queue_.afterwards([this, samples = cursor_.pass_samples * static_cast<double>(pixels())] {
+    pixel_seconds_ = (queue_.totals.busy_seconds - pass_began_busy_) / samples;
     pass_began_busy_ = queue_.totals.busy_seconds;
   });
   cursor_ = {cursor_.sample + cursor_.pass_samples, 0, 0, 0};
-  if (is_checkpoint() || is_check()) checkpoint();
+  // What the last look at the error decides is known before the next one begins, whatever the timing.
+  if (aim_limit_ > 0 && (cursor_.sample >= aim_limit_ || is_checkpoint())) collect_estimates(true);
+  if (!stopped_ && (is_checkpoint() || is_check())) checkpoint();
 }
 
 std::uint32_t RenderLoop::samples_per_pixel() const {
@@ -238,6 +256,7 @@ Progress RenderLoop::progress() const {
 bool RenderLoop::is_first_pass_complete() const { return !traces_paths() || spp() > 0 || is_pass_submitted(); }
 
 void RenderLoop::report_progress() {
+  if (abandoning_) return;
   if (!hooks_.progress && settings_.time_limit <= 0.0) return;
   const Progress now = progress();
   if (hooks_.progress && !hooks_.progress(now)) stop(StopReason::interrupted);

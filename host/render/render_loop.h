@@ -64,7 +64,7 @@ public:
   std::uint32_t spp() const { return cursor_.sample - settings_.first_sample; }
   bool in_pass() const { return cursor_.pass_samples > 0; }
   double seconds() const; // rendering alone
-  double pass_sample_seconds() const { return pass_sample_seconds_; } // of one sample of all pixels in the last pass
+  double pixel_seconds() const { return pixel_seconds_; } // of one sample of one pixel in the last pass; 0 = unknown
   const std::vector<Checkpoint>& checkpoints() const { return result_.checkpoints; }
   const Totals& totals() const { return queue_.totals; }
   MemoryUse memory() const;
@@ -96,6 +96,7 @@ private:
   void resume_clock();
   void stop(StopReason reason);
 
+  void abandon();
   void begin();
   void restore(const RenderState& state);
   void explore(const Pilot& pilot);
@@ -134,11 +135,12 @@ private:
   std::vector<std::int8_t> levels_;
   double mean_factor_ = 1.0;
   RenderCursor cursor_;
-  bool begun_ = false, exploring_ = false, stopped_ = false;
-  double pass_sample_seconds_ = 0.0, pass_began_busy_ = 0.0;
+  bool begun_ = false, exploring_ = false, abandoning_ = false, stopped_ = false;
+  double pixel_seconds_ = 0.0, pass_began_busy_ = 0.0;
 
   std::deque<Pending> pending_;
   std::vector<std::shared_ptr<FilmSnapshot>> snapshots_; // free to be used again
+  std::vector<std::future<Estimate>> abandoned_;         // of what is no longer on the film
   std::uint32_t next_check_ = 0; // sample at which to look whether the target is reached; 0 = at checkpoints only
   // While the estimate at `aim_sample_`, which may end the render, is not known: no pass goes beyond `aim_limit_`. 0 = none.
   std::uint32_t aim_sample_ = 0, aim_limit_ = 0;

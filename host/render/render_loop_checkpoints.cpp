@@ -57,12 +57,13 @@ bool RenderLoop::pays() const {
 void RenderLoop::checkpoint() {
   if (!pays()) return;
   while (pending_.size() >= kMostPending) take_in_first();
+  if (stopped_) return;
   Pending& pending = pending_.emplace_back();
   pending.sample = cursor_.sample;
   pending.is_checkpoint = is_checkpoint();
   pending.point.spp = samples_per_pixel();
   if (settings_.target_error > 0.0 && pending.point.spp >= kFewestSamples)
-    aim_sample_ = cursor_.sample, aim_limit_ = std::min(cursor_.sample + look_step(spp() * kShortestStep, settings_.adaptive), settings_.last_sample);
+    next_check_ = 0, aim_sample_ = cursor_.sample, aim_limit_ = std::min(cursor_.sample + look_step(spp() * kShortestStep, settings_.adaptive), settings_.last_sample);
   if (spp() < gpu::kReplicates && !hooks_.checkpoint) { // of fewer samples there is no estimate
     queue_.afterwards([this, &pending] { measure(pending); });
     return;
@@ -77,6 +78,7 @@ void RenderLoop::checkpoint() {
 
 // The device has got there: notes time and counts, and begins the estimate.
 void RenderLoop::measure(Pending& pending) {
+  if (abandoning_) return;
   pending.totals = queue_.totals;
   pending.point.seconds = seconds();
   pending.point.gpu_seconds = gpu_seconds(queue_.totals);
@@ -140,6 +142,8 @@ void RenderLoop::aim(const Pending& pending, const Checkpoint& point) {
   if (point.spp >= kFewestSamples && point.error.relative_rms <= settings_.target_error) {
     stop(StopReason::target_error);
     queue_.drain();
+    pending_.clear(); // of samples that do not count
+    aim_limit_ = 0;
     cursor_ = {pending.sample, 0, 0, 0};
     queue_.totals = pending.totals;
     return;
@@ -174,6 +178,7 @@ RenderState RenderLoop::state() {
           queue_.totals.nonfinite,
           result_.checkpoints,
           levels_,
+          next_check_,
           has_film() ? *film_ : workspace_.film.download()};
 }
 

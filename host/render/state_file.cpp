@@ -81,6 +81,7 @@ Json describe(const std::string& identity, const std::string& device, const Rend
           {"stages", stages},
           {"checkpoints", checkpoints},
           {"levels", state.levels},
+          {"next_check", state.next_check},
           {"size", {state.film.width, state.film.height}},
           {"aovs", !state.film.aovs.empty()}};
 }
@@ -98,6 +99,7 @@ RenderState state_from(const Json& json) {
   for (const Json& s : json.at("stages")) state.stages.push_back({s.at(0), s.at(1), s.at(2)});
   for (const Json& c : json.at("checkpoints")) state.checkpoints.push_back(checkpoint_from(c));
   state.levels = json.at("levels").get<std::vector<std::int8_t>>();
+  state.next_check = json.at("next_check");
   state.film.width = json.at("size").at(0);
   state.film.height = json.at("size").at(1);
   return state;

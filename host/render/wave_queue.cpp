@@ -60,6 +60,14 @@ void WaveQueue::drain() {
   while (finish_one()) {}
 }
 
+void WaveQueue::abandon() noexcept {
+  for (Flight& flight : in_flight_) try {
+      flight.slot->commands.wait();
+    } catch (...) { // the device is lost; there is nothing to wait for
+    }
+  in_flight_.clear();
+}
+
 Finished WaveQueue::count(Flight& flight) {
   const Clock::time_point now = Clock::now();
   Finished finished;
@@ -69,6 +77,7 @@ Finished WaveQueue::count(Flight& flight) {
   for (const KernelTime& time : flight.slot->commands.times()) {
     count_time(time.kernel->name(), time.seconds);
     finished.longest_dispatch = std::max(finished.longest_dispatch, time.seconds);
+    finished.device_seconds += time.seconds;
   }
   if (flight.work.stage) count_time(flight.work.stage, finished.seconds);
   gpu::Counters counters;

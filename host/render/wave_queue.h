@@ -30,6 +30,7 @@ struct Totals {
 struct Finished {
   double seconds = 0.0;          // that it kept the device
   double longest_dispatch = 0.0; // 0 where dispatches are not timed
+  double device_seconds = 0.0;   // of all timed dispatches
 };
 
 class WaveQueue {
@@ -52,7 +53,8 @@ public:
   // Waits for the oldest piece. False if there was none.
   bool finish_one();
   void drain();
-  bool idle() const { return in_flight_.empty(); }
+  // Waits for all that is in flight, and forgets it: nothing is counted, nothing called.
+  void abandon() noexcept;
 
   Totals totals;
 

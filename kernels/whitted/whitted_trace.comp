@@ -32,7 +32,7 @@ WhittedNode child(Vertex v, WhittedNode node, vec3 local, vec3 weight, bool tran
   precise vec3 through = node.weight * weight;
   next.weight = sides_agree(v, wi) ? through : vec3(0.0);
   next.medium = transmitted && !v.bsdf.thin ? medium_behind(v) : node.medium;
-  next.path = 2u * node.path + uint(transmitted);
+  next.path = node.path * 1664525u + (transmitted ? 1013904223u : 0x3c6ef35bu); // no two rays of a tree should share it
   next.depth = node.depth + 1u;
   return next;
 }

@@ -35,7 +35,7 @@ struct WhittedNode {
   vec3 direction;
   uint medium;
   vec3 weight; // share of its radiance that reaches the eye
-  uint path;   // in the tree: 1 is the root, 2n and 2n + 1 are the reflected and the refracted ray of n
+  uint path;   // names the way of reflections and refractions that led here
   Hit hit;
   vec3 hit_weight; // the weight of light that the surface hit sends towards the origin; zero where it is lit by nothing
   uint hit_medium; // that the ray arrived in

@@ -145,13 +145,14 @@ void Hybrid::remake_filters(bool moved, Past past) {
   }
   denoiser_.reset(); // both at once may be too much
   taa_.reset();
-  filters_made_for_ = made_for;
+  filters_made_for_ = glm::uvec4(0);
   const Buffer& gbuffer = buffers_[kGbuffer];
   if (settings_.denoise)
     denoiser_ = std::make_unique<Denoiser>(workspace_.device, settings_.width, settings_.height, gbuffer,
                                            buffers_[kSignals], frame_.flags);
   if (settings_.antialias_over_time)
     taa_ = std::make_unique<Taa>(workspace_.device, settings_.width, settings_.height, gbuffer, paths_.buffers[kSeen]);
+  filters_made_for_ = made_for;
 }
 
 bool Hybrid::is_ready() {
