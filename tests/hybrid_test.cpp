@@ -78,14 +78,14 @@ protected:
 
 // Pixel by pixel: the differences of two renders, each with the noise of its own, over that noise. Silhouettes are seen by
 // the hybrid through one place of the filter for all pixels and so are correlated; blocks would hide that, pixels do not.
-void expect_same_mean(const std::vector<RenderResult>& a, const std::vector<RenderResult>& b) {
-  const std::size_t pixels = a[0].picture.channels[0].values.size();
+void expect_same_mean(const std::vector<RenderResult>& a, const std::vector<RenderResult>& b, std::size_t channel) {
+  const std::size_t pixels = a[0].picture.channels[channel].values.size();
   double squares = 0.0, largest = 0.0, total = 0.0;
   std::size_t judged = 0;
   for (std::size_t i = 0; i < pixels; ++i) {
     Mean x, y;
-    for (const RenderResult& r : a) x.add(r.picture.channels[1].values[i]);
-    for (const RenderResult& r : b) y.add(r.picture.channels[1].values[i]);
+    for (const RenderResult& r : a) x.add(r.picture.channels[channel].values[i]);
+    for (const RenderResult& r : b) y.add(r.picture.channels[channel].values[i]);
     total += x.mean();
     const double noise = std::hypot(x.error(), y.error());
     if (noise < 1e-6 * (1.0 + x.mean())) {
@@ -118,32 +118,38 @@ TEST_F(HybridTest, AgreesWithThePathTracerOnDirectLight) {
       paths.push_back(render(subject, path));
       frames.push_back(render(subject, hybrid));
     }
-    expect_same_mean(paths, frames);
+    for (std::size_t channel = 0; channel < 3; ++channel) {
+      SCOPED_TRACE(channel);
+      expect_same_mean(paths, frames, channel);
+    }
   }
 }
 
 TEST_F(HybridTest, KnowsItsError) {
   const Subject subject(load("analytic/half_hidden_disc_light.gltf"), 24, 16); // all pixels alike, no edges among them
+  constexpr double kTruth[] = {0.3195888, 0.0998715, 0.0199743};               // of the scene's own oracle
   for (const std::uint32_t shadow_samples : {1u, 2u, 3u}) {
-    SCOPED_TRACE(shadow_samples);
-    constexpr double kTruth = 0.0998715; // of the scene's own oracle, green
-    Mean estimated, actual;
+    Mean estimated[3], actual[3];
     for (std::uint32_t seed = 0; seed < 12; ++seed) {
       RenderSettings coarse = settings(&kHybrid, 8);
       coarse.shadow_samples = shadow_samples;
       coarse.seed = seed;
       const RenderResult result = render(subject, coarse);
-      double squares = 0.0, variance = 0.0;
+      glm::dvec3 squares(0.0), variance(0.0);
       for (std::size_t i = 0; i < 24 * 16; ++i) {
-        squares += std::pow(result.picture.channels[1].values[i] - kTruth, 2);
-        variance += mean_variance(*result.film, i).g;
+        for (int c = 0; c < 3; ++c)
+          squares[c] += std::pow(result.picture.channels[static_cast<std::size_t>(c)].values[i] - kTruth[c], 2);
+        variance += mean_variance(*result.film, i);
       }
-      actual.add(squares);
-      estimated.add(variance);
+      for (int c = 0; c < 3; ++c) actual[c].add(squares[c]), estimated[c].add(variance[c]);
     }
-    const double noise = std::hypot(estimated.error() / estimated.mean(), actual.error() / actual.mean());
-    EXPECT_NEAR(estimated.mean() / actual.mean(), 1.0, 4.0 * noise);
-    EXPECT_LT(noise, 0.15);
+    for (int c = 0; c < 3; ++c) {
+      SCOPED_TRACE(testing::Message() << shadow_samples << " light samples, channel " << c);
+      const double noise =
+          std::hypot(estimated[c].error() / estimated[c].mean(), actual[c].error() / actual[c].mean());
+      EXPECT_NEAR(estimated[c].mean() / actual[c].mean(), 1.0, 4.0 * noise);
+      EXPECT_LT(noise, 0.15);
+    }
   }
 }
 
@@ -154,11 +160,12 @@ TEST_F(HybridTest, MoreLightSamplesMeanLessNoise) {
     one.sampler = gpu::kSamplerIndependent;
     one.shadow_samples = samples;
     const RenderResult result = render(subject, one);
-    double variance = 0.0;
-    for (std::size_t i = 0; i < 24 * 16; ++i) variance += mean_variance(*result.film, i).g;
+    glm::dvec3 variance(0.0);
+    for (std::size_t i = 0; i < 24 * 16; ++i) variance += mean_variance(*result.film, i);
     return variance;
   };
-  EXPECT_NEAR(noise(1) / noise(16), 16.0, 5.0); // from 384 pixels each variance is known to 7 %
+  const glm::dvec3 ratio = noise(1) / noise(16);
+  for (int c = 0; c < 3; ++c) EXPECT_NEAR(ratio[c], 16.0, 5.0) << c; // from 384 pixels each variance is known to 7 %
 }
 
 // The scenes look at one point through a keyhole, which is nothing for a rasterizer, so that such frames are traced
@@ -171,11 +178,13 @@ TEST_F(HybridTest, OcclusionIsExact) {
       const Subject subject(load("analytic/occlusion_" + name + ".gltf"), 24, 16, {.yfov = 0.1});
       RenderSettings ao = settings(&kAo, 64);
       ao.ao_samples = samples;
-      Mean mean;
       const Picture picture = render(subject, ao).picture;
-      for (const float value : picture.channels[0].values) mean.add(value);
-      EXPECT_NEAR(mean.mean(), expected, 4.5 * mean.error() + 3e-4 * expected) << name;
-      EXPECT_LT(mean.error(), 0.01 * expected) << name;
+      for (std::size_t channel = 0; channel < 3; ++channel) {
+        Mean mean;
+        for (const float value : picture.channels[channel].values) mean.add(value);
+        EXPECT_NEAR(mean.mean(), expected, 4.5 * mean.error() + 3e-4 * expected) << name << ", channel " << channel;
+        EXPECT_LT(mean.error(), 0.01 * expected) << name << ", channel " << channel;
+      }
     }
 }
 
@@ -218,6 +227,7 @@ TEST_F(HybridTest, TheAmbientTermIsAlbedoTimesRadianceTimesOcclusion) {
   };
   double sum = 0.0;
   for (std::size_t i = 0; i < channel("ao").size(); ++i) {
+    EXPECT_NEAR(channel("indirect.R")[i], channel("albedo.R")[i] * 0.25f * channel("ao")[i], 1e-5f);
     EXPECT_NEAR(channel("indirect.G")[i], channel("albedo.G")[i] * 0.5f * channel("ao")[i], 1e-5f);
     EXPECT_NEAR(channel("indirect.B")[i], channel("albedo.B")[i] * 1.0f * channel("ao")[i], 1e-5f);
     sum += channel("ao")[i];
@@ -231,7 +241,7 @@ TEST_F(HybridTest, EstimatesTheAmbientLightOfAnEnclosure) {
   RenderSettings hybrid = settings(&kHybrid, 4);
   hybrid.max_depth = 8;
   const RenderResult result = render(subject, hybrid);
-  EXPECT_NEAR(result.ambient.g, 1.0, 0.02); // as the scene's own oracle has it
+  for (int c = 0; c < 3; ++c) EXPECT_NEAR(result.ambient[c], 1.0, 0.02) << c; // as the scene's own oracle has it
 }
 
 TEST_F(HybridTest, GivesTheSameBitsHoweverTheWorkIsCutUp) {
