@@ -26,7 +26,7 @@ const Wording* find(std::span<const Wording> wordings, std::string_view name) {
   return found == wordings.end() ? nullptr : &*found;
 }
 
-Flag flag_of(const Setting& row, const Wording* wording) {
+Flag flag_of(const Setting& row, Offer command, const Wording* wording) {
   const std::vector<std::string_view> names = choices_of(row);
   const bool is_switch = std::holds_alternative<SwitchValue>(row.value);
   Flag flag{fmt::format("--{}", row.name),
@@ -36,7 +36,8 @@ Flag flag_of(const Setting& row, const Wording* wording) {
             wording && wording->meaning ? wording->meaning : row.meaning,
             row.initial.empty() ? text_of(row, RenderSettings{}) : row.initial};
   if (wording && wording->initial) flag.initial = wording->initial;
-  if (row.takers != Takers::all) flag.meaning += fmt::format("; with --integrator {}", takers_text(row.name));
+  if (row.takers != Takers::all && (setting_named("integrator").offered & command))
+    flag.meaning += fmt::format("; only with --integrator {}", takers_text(row.name));
   return flag;
 }
 
@@ -64,9 +65,11 @@ void add_settings(CLI::App& app, Offer command, SettingGroup group, RenderReques
       request.given.push_back(row.name);
     };
     if (std::holds_alternative<SwitchValue>(row.value))
-      add_switch(app, heading, flag_of(row, wording), [read](bool on) { read(FlagValue{{}, on ? "on" : "off"}); });
+      add_switch(app, heading, flag_of(row, command, wording), [read](bool on) {
+        read(FlagValue{{}, on ? "on" : "off"});
+      });
     else
-      add_flag(app, heading, flag_of(row, wording), read);
+      add_flag(app, heading, flag_of(row, command, wording), read);
   }
 }
 
