@@ -477,7 +477,8 @@ TEST_F(VisibilityBuffer, SameBitsEveryTime) {
 
 TEST_F(VisibilityBuffer, TooLargeASizeIsRefusedInWords) {
   try {
-    RasterTarget target(device(), 1u << 20, 4, std::array{AttachmentInfo{.name = "words", .format = ImageFormat::rg32ui}});
+    const AttachmentInfo words{.name = "visibility", .format = ImageFormat::rg32ui};
+    const RasterTarget target(device(), 1u << 20, 4, {&words, 1});
     FAIL() << "no device draws a million pixels wide";
   } catch (const Error& error) {
     EXPECT_NE(std::string(error.what()).find("use a smaller --size or --integrator path"), std::string::npos)

@@ -102,8 +102,10 @@ void require_raster(const Device& device, VkExtent2D size, std::size_t colour_co
     throw Error(name,
                 fmt::format("draws into at most {} images at once, not {}", limits.maxColorAttachments, colour_count),
                 "use another device");
-  const std::uint32_t width = std::min(limits.maxFramebufferWidth, limits.maxViewportDimensions[0]);
-  const std::uint32_t height = std::min(limits.maxFramebufferHeight, limits.maxViewportDimensions[1]);
+  const std::uint32_t width =
+      std::min({limits.maxFramebufferWidth, limits.maxImageDimension2D, limits.maxViewportDimensions[0]});
+  const std::uint32_t height =
+      std::min({limits.maxFramebufferHeight, limits.maxImageDimension2D, limits.maxViewportDimensions[1]});
   if (size.width > width || size.height > height)
     throw Error(name, fmt::format("rasterizes at most {}x{} pixels, not {}x{}", width, height, size.width, size.height),
                 "use a smaller --size or --integrator path");
