@@ -142,27 +142,27 @@ void compare_with_embree(Device& device, const PackedScene& scene, const View& v
 }
 #endif
 
-void measure_frames(WarmLoop& warm, const RenderSettings& settings, const PackedScene& scene, std::uint32_t repetitions, BenchResult& result) {
+void measure_renders(WarmLoop& warm, const RenderSettings& settings, const PackedScene& scene, std::uint32_t repetitions, BenchResult& result) {
   PathTracing& tracing = result.path_tracing;
-  tracing.spp = choose_frame_spp(warm);
+  tracing.spp = choose_spp(warm);
   std::vector<double> seconds;
   std::vector<std::vector<double>> stage_ms;
-  FrameTime frame;
+  RenderTime time;
   for (std::uint32_t i = 0; i < repetitions; ++i) {
-    frame = render_frame(warm, tracing.spp);
-    seconds.push_back(frame.seconds);
-    stage_ms.resize(frame.stages.size());
-    for (std::size_t s = 0; s < frame.stages.size(); ++s) stage_ms[s].push_back(1e3 * frame.stages[s].seconds);
+    time = time_render(warm, tracing.spp);
+    seconds.push_back(time.seconds);
+    stage_ms.resize(time.stages.size());
+    for (std::size_t s = 0; s < time.stages.size(); ++s) stage_ms[s].push_back(1e3 * time.stages[s].seconds);
   }
   double all = 0.0, traversal = 0.0;
   for (std::size_t s = 0; s < stage_ms.size(); ++s) {
     const double ms = summarize(stage_ms[s]).median;
-    result.stages.push_back({frame.stages[s].name, ms, frame.stages[s].dispatches});
+    result.stages.push_back({time.stages[s].name, ms, time.stages[s].dispatches});
     all += ms;
     if (result.stages.back().name == "extend" || result.stages.back().name == "connect") traversal += ms;
   }
   tracing.seconds = summarize(seconds);
-  tracing.mrays_per_second = 1e-6 * static_cast<double>(frame.rays.total()) / tracing.seconds.median;
+  tracing.mrays_per_second = 1e-6 * static_cast<double>(time.rays.total()) / tracing.seconds.median;
   tracing.traversal_share = all > 0.0 ? traversal / all : 0.0;
   tracing.bytes_per_path = settings.integrator->bytes_per_slot(scene.features);
 }
@@ -180,8 +180,8 @@ BenchResult bench(Device& device, const PackedScene& scene, const View& view, co
   progress("compiling kernels");
   WarmLoop warm = make_loop(device, scene, view, all.render);
   result.compile_seconds = warm.compile_seconds;
-  progress("whole frames");
-  measure_frames(warm, all.render, scene, all.repetitions, result);
+  progress("whole renders");
+  measure_renders(warm, all.render, scene, all.repetitions, result);
   progress("rays by kind");
   RayReplay replay(device, scene, view, all.render, *warm.kernels, warm.loop->workspace().on_device);
   const RaySets rays = replay.capture();

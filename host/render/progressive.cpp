@@ -10,7 +10,7 @@ namespace wavepath {
 namespace {
 
 constexpr double kLongestWave = 0.015;      // seconds: with two in flight, a window stays responsive
-constexpr double kCoarseFrame = 0.1;        // seconds that a picture may take while the camera moves
+constexpr double kCoarsePicture = 0.1;        // seconds that a picture may take while the camera moves
 constexpr std::uint32_t kCoarsest = 8;      // pixels a side
 
 double pixels_of(const RenderSettings& settings) { return static_cast<double>(settings.width) * settings.height; }
@@ -101,8 +101,8 @@ void Progressive::set_scene(const PackedScene& scene, const View& view) {
 std::uint32_t Progressive::choose_coarse() const {
   std::uint32_t coarse = 1;
   const double pixel_seconds = loop_->pass_sample_seconds() / pixels_of(rendered_); // of the last pass; 0 = unknown
-  const auto frame = [&] { return pixel_seconds * pixels_of(settings_) / (coarse * coarse); };
-  while (coarse < kCoarsest && (pixel_seconds == 0.0 || frame() > kCoarseFrame)) coarse *= 2;
+  const auto picture = [&] { return pixel_seconds * pixels_of(settings_) / (coarse * coarse); };
+  while (coarse < kCoarsest && (pixel_seconds == 0.0 || picture() > kCoarsePicture)) coarse *= 2;
   return coarse;
 }
 

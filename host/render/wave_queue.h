@@ -57,13 +57,13 @@ public:
   Totals totals;
 
 private:
-  struct Slot {
-    explicit Slot(Device& device);
+  struct Turn {
+    explicit Turn(Device& device);
     Commands commands;
     Buffer counters; // read back
   };
   struct Flight {
-    Slot* slot;
+    Turn* turn;
     Work work;
     Clock::time_point submitted;
     std::vector<std::function<void()>> afterwards;
@@ -73,8 +73,8 @@ private:
   void count_time(const std::string& name, double seconds);
 
   Workspace& workspace_;
-  std::array<Slot, 2> slots_;
-  std::size_t next_slot_ = 0;
+  std::array<Turn, 2> turns_;
+  std::size_t next_turn_ = 0;
   std::deque<Flight> in_flight_;
   Clock::time_point last_finished_{};
 };

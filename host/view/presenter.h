@@ -28,10 +28,10 @@ public:
   // Until nothing of the window's is at work; then `pixels` may be freed.
   void wait();
 
-  static constexpr std::uint32_t kFramesInFlight = 2;
+  static constexpr std::uint32_t kPresentationsInFlight = 2;
 
 private:
-  struct Frame {
+  struct Presentation {
     VkCommandPool pool = VK_NULL_HANDLE;
     VkCommandBuffer commands = VK_NULL_HANDLE;
     VkSemaphore acquired = VK_NULL_HANDLE;
@@ -39,16 +39,17 @@ private:
   };
 
   bool remake();
-  void record(Frame& frame, std::uint32_t image, const Buffer& pixels, std::uint32_t width, std::uint32_t height,
+  void record(Presentation& presentation, std::uint32_t image, const Buffer& pixels, std::uint32_t width,
+              std::uint32_t height,
               Overlay& overlay);
-  VkResult submit(Frame& frame, std::uint32_t image);
+  VkResult submit(Presentation& presentation, std::uint32_t image);
   void release();
 
   Device& device_;
   Swapchain swapchain_;
   bool stale_ = true; // the swapchain no longer fits the window
   const GlfwWindow& window_;
-  std::array<Frame, kFramesInFlight> frames_;
+  std::array<Presentation, kPresentationsInFlight> presentations_;
   std::uint32_t next_ = 0;
   std::vector<VkSemaphore> drawn_; // by image: it may be shown
 };

@@ -19,7 +19,7 @@ namespace wavepath {
 namespace {
 
 // Seconds.
-constexpr double kFramePause = 1.0 / 60.0;  // between pictures while a hand is at work,
+constexpr double kPicturePause = 1.0 / 60.0;  // between pictures while a hand is at work,
 constexpr double kRenderPause = 1.0 / 15.0; // and while only the render goes on
 constexpr double kIdlePause = 0.25;         // until the estimate of the error is looked for again
 constexpr double kRest = 0.15;              // without a move, after which the picture is rendered in full
@@ -93,7 +93,7 @@ Viewer::Viewer(Device& device, Progressive& progressive, const WindowRequest& re
       camera_(*request.scene, request.bounds, request.view),
       window_(request.title, progressive.settings().width, progressive.settings().height),
       presenter_(device, window_),
-      overlay_(device, window_, presenter_.swapchain(), Presenter::kFramesInFlight),
+      overlay_(device, window_, presenter_.swapchain(), Presenter::kPresentationsInFlight),
       display_(device),
       device_(device.info().name),
       environment_(request.environment) {
@@ -124,17 +124,17 @@ int Viewer::run() {
 // Sleeps unless there is something to render or to draw.
 void Viewer::wait_for_events() {
   const bool active = progressive_.moving() || resized_ >= 0.0 || redraws_ > 0;
-  const bool due = glfwGetTime() - last_draw_ >= kFramePause;
+  const bool due = glfwGetTime() - last_draw_ >= kPicturePause;
   if (worked_ || (active && due && seen()))
     glfwPollEvents();
   else
-    glfwWaitEventsTimeout(seen() && (active || has_work()) ? kFramePause : kIdlePause);
+    glfwWaitEventsTimeout(seen() && (active || has_work()) ? kPicturePause : kIdlePause);
 }
 
 bool Viewer::must_draw(double now) {
   if (window_.take_events()) redraws_ = kSettling;
   if (!seen()) return false;
-  if (now - last_draw_ < kFramePause) return false;
+  if (now - last_draw_ < kPicturePause) return false;
   return redraws_ > 0 || progressive_.moving() || resized_ >= 0.0 ||
          (!same(status_, shown_) && (status_.done || now - last_draw_ >= kRenderPause));
 }
