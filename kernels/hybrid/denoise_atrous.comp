@@ -1,4 +1,5 @@
-// SVGF, over the picture: one of the a-trous iterations, a 5x5 filter with holes that stops at edges of what is seen.
+// SVGF, over the picture: one of the a-trous iterations, a 5x5 filter with holes that does not cross the edges of
+// surfaces.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 

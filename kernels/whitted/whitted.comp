@@ -1,9 +1,9 @@
-// Whitted's ray tracer (Whitted, "An Improved Illumination Model for Shaded Display", CACM 23(6), 1980): one lane follows the whole
-// tree of a camera ray. At every surface: emission, a shadow ray to every light, the ambient term; smooth metal and glass send
-// reflected and refracted rays, weighted by Fresnel's equations.
+// Whitted's ray tracer (Whitted, "An Improved Illumination Model for Shaded Display", CACM 23(6), 1980): one lane
+// follows the whole tree of a camera ray. At every surface: emission, a shadow ray to every light, the ambient term;
+// smooth metal and glass send reflected and refracted rays, weighted by Fresnel's equations.
 //
-// What it finds is all light of paths with at most one scattering that is not a mirror's or a smooth interface's; a light with an
-// extent is sampled at one point a ray, so that its shadows are soft. Rough lobes reflect lights alone.
+// It finds the light of all paths with at most one scattering that is not a mirror's or a smooth interface's; a light
+// with an extent is sampled at one point a ray, so that its shadows are soft. Rough lobes reflect lights alone.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
@@ -33,8 +33,8 @@ uint alpha_kind; // see alpha_key(): one for every ray of the tree
 
 layout(local_size_x = kWorkgroupSize) in;
 
-// A ray that waits to be traced. With depth first, at most one sibling waits at each depth; where more than kPending would, one of
-// two children is chosen at random.
+// A ray that waits to be traced. With depth first, at most one sibling waits at each depth; where more than kPending
+// would, one of two children is chosen at random.
 struct Node {
   vec3 origin, direction;
   vec3 weight; // share of its radiance that reaches the eye
@@ -69,7 +69,7 @@ LightSample sample_one_light(Light light, vec3 from, vec2 u) {
   return no_light();
 }
 
-// Light of one light that the surface sends along v.wo, by its lobes that are no mirror.
+// Light of one light source that the surface reflects along v.wo, by all but its delta lobes.
 vec3 lit_by(uint index, Vertex v, uint medium) {
   Light light = fetch_light(index);
   LightSample s = sample_one_light(light, v.surface.position, sample_2d(path_sampler, node_dimension() + index));

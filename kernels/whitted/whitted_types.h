@@ -1,4 +1,4 @@
-// What Whitted's ray tracer is told besides the frame.
+// Constants of Whitted's ray tracer, besides those of the render.
 #ifndef WAVEPATH_WHITTED_TYPES_H
 #define WAVEPATH_WHITTED_TYPES_H
 
