@@ -22,14 +22,14 @@ constexpr const char* kKindNames[kind_count] = {"camera", "bounce", "shadow"};
 // signs (8), and the place of the hit (about 80).
 constexpr double kVisitFlops = 4 * (6 * 3 + 2), kTestFlops = 3 * 8 + 3 * 3 + 8 + 80;
 
-// One measurement of every kind by every contestant, in turns, so that what disturbs one disturbs all.
+// Measures the contestants in turns, so that other load on the machine disturbs all of them.
 struct Contestant {
   std::function<double(Kind)> seconds;
   std::array<std::vector<double>, kind_count> measured{};
 };
 
 void take_turns(std::vector<Contestant>& contestants, std::uint32_t repetitions) {
-  constexpr double kLongEnough = 0.03; // seconds: short runs are repeated until the clock can tell
+  constexpr double kLongEnough = 0.03; // seconds: short measurements are repeated until they take this long
   for (std::size_t kind = 0; kind < kind_count; ++kind) {
     std::uint32_t runs = 1;
     for (Contestant& each : contestants) { // warm-up
@@ -116,7 +116,7 @@ double agreement(Kind kind, const PackedScene& scene, RayReplay& replay, const R
   return agreement(replay.distances(scene, set), theirs);
 }
 
-// Embree tests neither alpha nor facing, so the kernels that it is held against leave that out too.
+// Embree tests neither alpha nor facing, so the kernels that it is compared with leave that out too.
 void compare_with_embree(Device& device, const PackedScene& scene, const View& view, const BenchSettings& settings,
                          const RaySets& rays, BenchResult& result) {
   RenderSettings opaque = settings.render;
@@ -174,7 +174,7 @@ BenchResult bench(Device& device, const PackedScene& scene, const View& view, co
   BenchSettings all = settings;
   all.render.room_for_shadow_rays = true;
   BenchResult result;
-  progress("what the device can do at most");
+  progress("the limits of the device");
   result.ceilings = measure_ceilings(
       device, scene.nodes.size() * sizeof(bvh::WideNode) + scene.triangles.size() * sizeof(gpu::Triangle));
   progress("compiling kernels");

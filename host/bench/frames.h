@@ -1,4 +1,4 @@
-// Whole frames, as `render` makes them, timed.
+// Times whole renders, made as `render` makes them.
 #pragma once
 
 #include <memory>
@@ -25,10 +25,10 @@ struct RenderTime {
   RayCounts rays;
 };
 
-// Renders `spp` samples of every pixel. What was on the film is lost.
+// Renders `spp` samples of every pixel and takes the time. What was on the film is lost.
 RenderTime time_render(WarmLoop& warm, std::uint32_t spp);
 
-// Samples that take long enough for a clock.
+// The samples a pixel of a render that takes long enough for the clock.
 std::uint32_t choose_spp(WarmLoop& warm);
 
 } // namespace wavepath

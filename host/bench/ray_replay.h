@@ -1,4 +1,4 @@
-// The rays of one wave as the renderer makes them, and the kernels that trace them, as often as one likes.
+// The rays of one wave as the renderer makes them, and the kernels that trace them, any number of times.
 #pragma once
 
 #include <span>

@@ -9,7 +9,7 @@
 
 namespace wavepath {
 
-// A run of pixels (in tile order) whose film fits into one buffer of the device.
+// Consecutive pixels, in tile order, whose film fits into one buffer of the device.
 struct FilmBand {
   std::uint32_t first_pixel = 0, pixel_count = 0;
   Buffer film, aovs; // may have room for more
@@ -61,7 +61,7 @@ private:
   std::vector<Band> bands_;
 };
 
-// Slots and kinds of a film band, without buffers, and with those of one.
+// The bindings of a band of the film, without buffers, and with those of one band.
 std::vector<Binding> film_layout();
 void add_bindings(const FilmBand& band, std::vector<Binding>& bindings);
 

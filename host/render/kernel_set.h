@@ -16,7 +16,7 @@ namespace wavepath {
 struct KernelProgram {
   std::span<const KernelCode> stages;
   std::span<const std::size_t> compile_order; // of all stages, the slowest first
-  std::vector<Binding> (*layout)();           // slots and kinds of what they are bound to; no buffers
+  std::vector<Binding> (*layout)();           // numbers and kinds of their bindings; no buffers
 };
 
 // What kernels are specialized for. Whatever they are compiled for beyond what a scene needs, the picture has the same

@@ -72,7 +72,7 @@ private:
   void begin_anew(std::uint32_t coarse);
   void end_pass();
   bool is_done() const { return loop_->is_done(); }
-  // Whether what is rendered is for the time being: coarse, or joined to frames of other views.
+  // Whether the picture is temporary: coarse, or joined to frames of other views.
   bool is_for_motion() const { return coarse_ > 1 || rendered_.antialias_over_time; }
   std::uint32_t choose_coarse() const;
   void make_loop();

@@ -1,5 +1,5 @@
 // The one render loop: cuts passes into waves, keeps two of them in flight, governs their length, takes the time, makes
-// checkpoints, estimates the error beside the next waves, and knows when to stop.
+// checkpoints, estimates the error beside the next waves, and ends the render.
 #pragma once
 
 #include <cstdint>
@@ -27,9 +27,9 @@ enum class Estimates { all, share, none };
 // How a loop is driven: to its end at once, or in steps by a window.
 struct Pace {
   double longest_dispatch = kLongestDispatch; // seconds
-  bool by_wave = false;           // longest_dispatch bounds whole waves, so that whoever steps the loop is not kept waiting
+  bool by_wave = false;           // longest_dispatch bounds whole waves, so that step() returns soon
   Estimates estimates = Estimates::all;
-  bool clock_is_busy_time = false; // the time that nobody steps the loop does not count
+  bool clock_is_busy_time = false; // the time between steps does not count
   std::uint32_t least_slots = 0;  // of paths in flight
   std::uint32_t fixed_wave = 0;   // paths of a wave, for measurements; 0 = governed
 };
@@ -57,7 +57,7 @@ public:
   void drain() { queue_.drain(); }
   // Takes in estimates of the error that have been finished; all of them with `wait`.
   void collect_estimates(bool wait);
-  // Of a loop that is done.
+  // The result of a loop that is done.
   RenderResult finish();
 
   // How far it is. Samples count once their last wave has been handed over.
@@ -79,7 +79,7 @@ private:
     ErrorEstimate error;
     double seconds = 0.0; // that it took
   };
-  struct Pending { // a checkpoint, or a look at the error between two
+  struct Pending { // a checkpoint, or an estimate of the error between two
     Checkpoint point;
     Totals totals;
     std::uint32_t sample = 0; // one past the last that it holds
@@ -139,7 +139,7 @@ private:
 
   std::deque<Pending> pending_;
   std::vector<std::shared_ptr<FilmSnapshot>> snapshots_; // free to be used again
-  std::uint32_t next_check_ = 0; // sample at which to look whether the target is reached; 0 = at checkpoints only
+  std::uint32_t next_check_ = 0; // sample at which to estimate whether the target is reached; 0 = at checkpoints only
   // While the estimate at `aim_sample_`, which may end the render, is not known: no pass goes beyond `aim_limit_`. 0 = none.
   std::uint32_t aim_sample_ = 0, aim_limit_ = 0;
   double estimate_pixel_seconds_ = 0.0; // of the last one

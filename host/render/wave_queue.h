@@ -1,4 +1,4 @@
-// Work handed to the device, two pieces in flight: while it runs one, the host records the next.
+// Submits work to the device, two pieces in flight: while the device executes one, the host records the next.
 #pragma once
 
 #include <array>
@@ -23,7 +23,7 @@ struct Totals {
   RayCounts rays;
   Nonfinite nonfinite;
   std::vector<StageTime> stages;
-  double busy_seconds = 0.0; // that the device was at work, as far as the host can tell
+  double busy_seconds = 0.0; // that the device was busy, as far as the host can tell
 };
 
 // Of one piece of work, once it is done.
@@ -57,7 +57,7 @@ public:
   Totals totals;
 
 private:
-  struct Turn {
+  struct Turn { // what one of the two pieces in flight uses
     explicit Turn(Device& device);
     Commands commands;
     Buffer counters; // read back

@@ -1,4 +1,4 @@
-// Renders the scenes of one case with kernels compiled once, and says what came out and how sure that is.
+// Renders the scenes of one case with kernels compiled once, and estimates the mean and its standard error.
 #pragma once
 
 #include <limits>

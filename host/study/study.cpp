@@ -136,7 +136,7 @@ private:
     return {frame_ms(hybrid), frame_ms(traced), kFrames};
   }
 
-  // By turns, so that what else happens on the machine meets all alike. A configuration ends where twice the time of
+  // In turns, so that other load on the machine disturbs all alike. A configuration ends where twice the time of
   // its last render would not fit into what is left of its share.
   void measure_all(double share) {
     std::list<KernelCompiler> kernels;
@@ -156,7 +156,7 @@ private:
       }
   }
 
-  // Whatever comes first also pays for what drivers put off until then.
+  // The first render of a kernel also takes the time of what drivers postpone until then.
   void warm_up(const Series& series, KernelCompiler& kernels) {
     RenderSettings settings = series.configuration.settings;
     settings.last_sample = 1;
@@ -183,7 +183,7 @@ private:
     series.points.push_back(point);
   }
 
-  // Once more, for what is asked for besides the picture takes time of its own.
+  // Renders again, because the additional channels would add to the measured time.
   void measure_signals(const Series& series, RenderSettings settings, StudyPoint& point, KernelCompiler& kernels) {
     if (series.shows_occlusion()) {
       point.occlusion = point.metrics;

@@ -72,7 +72,7 @@ struct Series {
   std::vector<StudyPicture> pictures;
 
   bool shows_occlusion() const { return !configuration.settings.integrator->finds_light; }
-  // It comes near to something else than the reference, however long it goes on.
+  // It converges to something else than the reference.
   bool is_biased() const {
     return configuration.settings.integrator->is_biased(configuration.settings);
   }

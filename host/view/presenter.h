@@ -25,13 +25,13 @@ public:
   // before is waited for, as is this copy by what the device writes to them later. False if nothing could be shown for
   // now: the window is minimised, just changed, or its display takes no picture; try again.
   bool present(const Buffer& pixels, std::uint32_t width, std::uint32_t height, Overlay& overlay);
-  // Until nothing of the window's is at work; then `pixels` may be freed.
+  // Waits until the device has finished all work for the window; then `pixels` may be freed.
   void wait();
 
   static constexpr std::uint32_t kPresentationsInFlight = 2;
 
 private:
-  struct Presentation {
+  struct Presentation { // of one picture to the screen
     VkCommandPool pool = VK_NULL_HANDLE;
     VkCommandBuffer commands = VK_NULL_HANDLE;
     VkSemaphore acquired = VK_NULL_HANDLE;
@@ -40,8 +40,7 @@ private:
 
   bool remake();
   void record(Presentation& presentation, std::uint32_t image, const Buffer& pixels, std::uint32_t width,
-              std::uint32_t height,
-              Overlay& overlay);
+              std::uint32_t height, Overlay& overlay);
   VkResult submit(Presentation& presentation, std::uint32_t image);
   void release();
 

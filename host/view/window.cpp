@@ -19,7 +19,7 @@ namespace wavepath {
 namespace {
 
 // Seconds.
-constexpr double kPicturePause = 1.0 / 60.0;  // between pictures while a hand is at work,
+constexpr double kPicturePause = 1.0 / 60.0; // between pictures while the user gives input,
 constexpr double kRenderPause = 1.0 / 15.0; // and while only the render goes on
 constexpr double kIdlePause = 0.25;         // until the estimate of the error is looked for again
 constexpr double kRest = 0.15;              // without a move, after which the picture is rendered in full
@@ -65,7 +65,7 @@ private:
   bool target_reached() const;
   bool seen() const { return window_.size().x > 0; }
   bool scripted() const { return request_.frames > 0; }
-  // A scripted run ends at its number of samples alone, so that its picture is the same every time.
+  // A scripted window ends at its number of samples alone, so that its picture is the same every time.
   bool has_work() const { return !status_.done && (scripted() || (seen() && !target_reached())); }
 
   const WindowRequest& request_;
@@ -226,7 +226,7 @@ void Viewer::focus() {
   if (point && camera_.focus(*point)) move_camera();
 }
 
-// The picture follows the window once its edges have come to rest. That of a scripted run has the size asked for.
+// The picture follows the window once its edges have come to rest. That of a scripted window has the size asked for.
 void Viewer::fit_size() {
   const glm::uvec2 size = window_.size();
   const RenderSettings& settings = progressive_.settings();

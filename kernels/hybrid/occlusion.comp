@@ -1,4 +1,4 @@
-// The unoccluded share: the cosine-weighted share of the directions above a surface that is not blocked within the AO radius.
+// The unoccluded share: the cosine-weighted share of the directions above a surface not blocked within ao_radius.
 // unoccluded share = 1 - that.
 #version 460
 #extension GL_GOOGLE_include_directive : require

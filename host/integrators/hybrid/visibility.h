@@ -1,4 +1,4 @@
-// What the eye sees first, by rasterization: for every pixel the place of its triangle and its instance, as a camera
+// First hits by rasterization: for every pixel the place of its triangle and its instance, as a camera
 // ray through the same place in the pixel would find them.
 #pragma once
 
