@@ -1,4 +1,4 @@
-// Renders scenes whose radiance is known on paper (extras.wavepath of the files in scenes/, see scenes/README.md) and judges
+// Renders scenes whose radiance has a closed form (extras.wavepath of the files in scenes/, see scenes/README.md) and judges
 // them by a t-test; then what must hold for any scene: estimators agree, nothing depends on how the work is cut up.
 #include <algorithm>
 #include <cmath>
@@ -29,7 +29,7 @@ const fs::path kScenes = fs::path(WAVEPATH_SOURCE_DIR) / "scenes";
 // Student's t with the 64 degrees of freedom of an 8x8 picture: at this bound one of the 300 or so means that are tested
 // would fail by chance once in a hundred choices of the seed.
 constexpr double kLargestT = 4.4;
-constexpr double kLargestNoise = 0.01; // standard error over expected value; more would prove nothing
+constexpr double kLargestNoise = 0.01; // standard error over expected value; more would accept wrong means
 constexpr double kRounding = 2e-6;     // relative, of means of floats
 
 struct Oracle {
@@ -141,7 +141,7 @@ TEST_P(Analytic, EveryEstimatorFindsIt) {
   }
 }
 
-// All that light does in one bounce, hybrid rendering finds as well.
+// Hybrid rendering finds all light of one bounce as well.
 TEST_P(Analytic, HybridFindsIt) {
   const Oracle oracle = read_oracle(GetParam());
   const auto depth = std::ranges::find(oracle.render, "--max-depth");
@@ -231,7 +231,7 @@ TEST_F(AnyScene, HowTheWorkIsCutUpDoesNotMatter) {
 TEST_F(AnyScene, TheTreeDoesNotMatter) {
   Scene showcase = load_gltf((kScenes / "showcase.glb").string(), {});
   const PackedScene best = pack(showcase, gpu::kDirectMis, bvh::Quality::best);
-  EXPECT_GT(best.triangles.size(), best.triangles_stored) << "no triangle was split, so this would prove little";
+  EXPECT_GT(best.triangles.size(), best.triangles_stored) << "no triangle was split, so copies were not checked";
   for (const fs::path& path : scenes_) {
     SCOPED_TRACE(path.stem());
     const RenderResult plain = render_scene(device(), path, small_ + std::vector<std::string>{"--bvh", "fast"});

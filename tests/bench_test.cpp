@@ -208,7 +208,7 @@ protected:
   const std::string json_ = folder_.file("bench.json");
 };
 
-TEST_F(BenchCommand, WritesTheDocumentOfTheContract) {
+TEST_F(BenchCommand, WritesTheDocumentedKeys) {
   const Outcome outcome = bench({kCornell, "--json", json_});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   const Json json = Json::parse(std::ifstream(json_));

@@ -285,7 +285,7 @@ TEST_F(BsdfTest, IsReciprocal) {
       const glm::vec3 o(direction(0.01 + 0.99 * next(), 6.28 * next())),
           w(direction(2.0 * next() - 1.0, 6.28 * next()));
       there.push_back({o, c, glm::vec4(w, 0.0f)});
-      const bool through = w.z < 0.0f; // wo of the way back must point up, so the frame turns over
+      const bool through = w.z < 0.0f; // wo of the way back must point up, so the basis is turned over
       const glm::vec3 flip(1.0f, 1.0f, through ? -1.0f : 1.0f);
       back.push_back({w * flip, through ? c ^ 1u : c, glm::vec4(o * flip, 0.0f)});
     }

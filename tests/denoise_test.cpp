@@ -1,5 +1,5 @@
-// The filters over time, on pictures whose truth is known: noise goes, edges and what is certain stay, the past moves
-// with the camera.
+// The filters over time, on pictures whose truth is known: noise is removed, edges and values without noise stay, the
+// history moves with the camera.
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -108,7 +108,7 @@ Signals noise(const Shot& shot, std::uint32_t seed) {
   });
 }
 
-// A pattern that no two pixels share; what is certain must stay as it is.
+// A pattern that no two pixels share; values without noise must stay as they are.
 Signals pattern(const Shot& shot) {
   std::mt19937 random(7);
   std::uniform_real_distribution<float> uniform;

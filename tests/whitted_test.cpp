@@ -97,7 +97,7 @@ TEST_F(WhittedTest, DirectLightIsThatOfPathTracing) {
   expect_same_mean(average(subject, whitted), average(subject, path));
 }
 
-// Glass and mirrors of the showcase, many levels deep.
+// Glass and mirrors of the showcase, many bounces deep.
 TEST_F(WhittedTest, OneBranchAtRandomIsTheTreeOnAverage) {
   const RenderSettings tree = settings(&kWhitted, 32, 7);
   RenderSettings choice = tree;

@@ -1,4 +1,4 @@
-// The real window on a virtual display, driven by real events: what it shows, how it follows the hand, and that its
+// The real window on a virtual display, driven by real events: what it shows, how it reacts to input, and that its
 // pictures have the bits of `wavepath render`.
 #include <cstdlib>
 #include <filesystem>

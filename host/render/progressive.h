@@ -41,7 +41,7 @@ public:
   bool step();
 
   // Each begins anew. move(): coarse, so that there is a picture about every 100 ms, until rest(), which goes on in
-  // full. A picture that a move has begun is completed first, however fast others follow; view() tells whose it is.
+  // full. A picture that a move has begun is completed first, even if others follow at once; view() tells whose it is.
   void move(const View& view);
   void rest();
   void set_view(const View& view); // in full at once

@@ -134,8 +134,8 @@ void RenderLoop::take_in_first() {
 
 // Ends the render where its target is reached, and otherwise predicts the sample at which it may be, to estimate again
 // there. Waves that were rendered meanwhile do not count, so that the picture does not depend on timing. The rule is
-// about the error of the whole picture, in which one pixel weighs next to nothing: no pixel stops early because it is
-// dark by chance.
+// about the error of the whole picture, in which one pixel weighs next to nothing: no pixel stops early because its
+// error seems small by chance.
 void RenderLoop::aim(const Pending& pending, const Checkpoint& point) {
   if (pending.sample == aim_sample_) aim_limit_ = 0;
   if (point.spp >= kFewestSamples && point.error.relative_rms <= settings_.target_error) {
