@@ -1,5 +1,6 @@
-// Renders scenes whose radiance has a closed form (extras.wavepath of the files in scenes/, see scenes/README.md) and judges
-// them by a t-test; then what must hold for any scene: estimators agree, nothing depends on how the work is cut up.
+// Renders scenes whose radiance has a closed form (extras.wavepath of the files in scenes/, see scenes/README.md) and
+// judges them by a t-test; then what must hold for any scene: estimators agree, nothing depends on how the work is cut
+// up.
 #include <algorithm>
 #include <cmath>
 #include <filesystem>

@@ -104,8 +104,8 @@ class Coverage : public VulkanTest, public ::testing::WithParamInterface<Case> {
 
 TEST_P(Coverage, TheIntervalHoldsTheTrueError) {
   const Case& c = GetParam();
-  // A twelfth of the error is left in the reference. The error of smaller pictures depends on single pixels: at 24x24 a pixel
-  // that the lamp's border crosses makes a third of the Cornell box's whole error, and is reported as such
+  // A twelfth of the error is left in the reference. The error of smaller pictures depends on single pixels: at 24x24 a
+  // pixel that the lamp's border crosses makes a third of the Cornell box's whole error, and is reported as such
   // (largest_sample_share).
   constexpr std::uint32_t kSide = 48, kSamples = 16, kRuns = 100, kReference = 128;
   RenderSettings settings = small(kSide, kSamples);
@@ -125,8 +125,8 @@ TEST_P(Coverage, TheIntervalHoldsTheTrueError) {
   const double scatter = ratio.error() * std::sqrt(double{kRuns}); // of a single estimate
   EXPECT_GE(covered, 90u);
   EXPECT_NEAR(ratio.mean(), 1.0, 0.05) << "its own noise is " << ratio.error();
-  // No wider than it must be: the scatter of single estimates, and half of the 5 % by which a scene's weights may leave the
-  // squared error wrong (error.cpp), for 95 %; the factor is for scenes whose error depends on few pixels.
+  // No wider than it must be: the scatter of single estimates, and half of the 5 % by which a scene's weights may leave
+  // the squared error wrong (error.cpp), for 95 %; the factor is for scenes whose error depends on few pixels.
   EXPECT_LT(half_width.mean(), 1.4 * 1.96 * std::hypot(scatter, 0.025));
   RecordProperty("covered", static_cast<int>(covered));
   RecordProperty("estimate_over_truth", std::to_string(ratio.mean()));

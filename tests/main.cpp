@@ -1,5 +1,5 @@
-// Runs the tests of one program. A test that is skipped checks nothing, so the program says which were and exits with 77,
-// which CTest shows as "Skipped".
+// Runs the tests of one program. A test that is skipped checks nothing, so the program says which were and exits with
+// 77, which CTest shows as "Skipped".
 #include <cstdio>
 
 #include <gtest/gtest.h>

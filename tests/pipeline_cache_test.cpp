@@ -26,7 +26,8 @@ protected:
     VulkanTest::TearDown();
   }
 
-  // Opens the device as the program does, compiles a kernel and closes it again. Returns how the cache describes itself.
+  // Opens the device as the program does, compiles a kernel and closes it again. Returns how the cache describes
+  // itself.
   static std::string run_once() {
     Device device(std::getenv("WAVEPATH_DEVICE") ? std::getenv("WAVEPATH_DEVICE") : "");
     std::vector<ProbeBuffer> buffers{to_probe(std::vector<float>(128, 0.5f))};

@@ -159,7 +159,8 @@ TEST(Tables, ABiasIsALevelAndNoPowerLaw) {
   EXPECT_FALSE(levels_off(make_series("sobol", 0.0, 0.5, 1)));
   Series path = make_hybrid(0.2, 0.5, 8);
   path.configuration.settings.integrator = &kPath;
-  EXPECT_FALSE(levels_off(path)) << "an unbiased method does not level off; light that is rarely found only looks like it";
+  EXPECT_FALSE(levels_off(path))
+      << "an unbiased method does not level off; light that is rarely found only looks like it";
   // A power law through its last points would promise 0.2 within an octave; the bias says that this never comes.
   EXPECT_EQ(time_to(error_by_seconds(hybrid), 0.2).how, Reach::extrapolated);
   bool found = false;

@@ -142,7 +142,8 @@ void compare_with_embree(Device& device, const PackedScene& scene, const View& v
 }
 #endif
 
-void measure_renders(WarmLoop& warm, const RenderSettings& settings, const PackedScene& scene, std::uint32_t repetitions, BenchResult& result) {
+void measure_renders(WarmLoop& warm, const RenderSettings& settings, const PackedScene& scene,
+                     std::uint32_t repetitions, BenchResult& result) {
   PathTracing& tracing = result.path_tracing;
   tracing.spp = choose_spp(warm);
   std::vector<double> seconds;

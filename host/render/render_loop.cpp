@@ -158,8 +158,8 @@ void RenderLoop::use_levels(const std::vector<std::int8_t>& levels) {
   mean_factor_ = mean_factor(levels, pixels());
 }
 
-// A pass covers every pixel with the same samples: one, or as many as fill a wave. It ends at a checkpoint, and where the
-// error is estimated between two.
+// A pass covers every pixel with the same samples: one, or as many as fill a wave. It ends at a checkpoint, and where
+// the error is estimated between two.
 std::uint32_t RenderLoop::pass_end() const {
   const std::uint32_t step = settings_.adaptive ? kAdaptiveStep : 1;
   const std::uint64_t most =

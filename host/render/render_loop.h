@@ -27,7 +27,7 @@ enum class Estimates { all, share, none };
 // How a loop is driven: to its end at once, or in steps by a window.
 struct Pace {
   double longest_dispatch = kLongestDispatch; // seconds
-  bool by_wave = false;           // longest_dispatch bounds whole waves, so that step() returns soon
+  bool by_wave = false;                       // longest_dispatch bounds whole waves, so that step() returns soon
   Estimates estimates = Estimates::all;
   bool clock_is_busy_time = false; // the time between steps does not count
   std::uint32_t least_slots = 0;  // of paths in flight
@@ -140,7 +140,8 @@ private:
   std::deque<Pending> pending_;
   std::vector<std::shared_ptr<FilmSnapshot>> snapshots_; // free to be used again
   std::uint32_t next_check_ = 0; // sample at which to estimate whether the target is reached; 0 = at checkpoints only
-  // While the estimate at `aim_sample_`, which may end the render, is not known: no pass goes beyond `aim_limit_`. 0 = none.
+  // While the estimate at `aim_sample_`, which may end the render, is not known: no pass goes beyond `aim_limit_`. 0 =
+  // none.
   std::uint32_t aim_sample_ = 0, aim_limit_ = 0;
   double estimate_pixel_seconds_ = 0.0; // of the last one
   std::shared_ptr<const Film> film_;    // as it was when `film_sample_` had been reached

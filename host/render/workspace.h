@@ -19,7 +19,8 @@ public:
   Workspace(Device& device, const PackedScene& scene, std::uint32_t slots,
             std::shared_ptr<const DeviceScene> uploaded = nullptr);
 
-  // Takes up another view and other settings. The integrator adapts the constants in `frame` and calls fit() afterwards.
+  // Takes up another view and other settings. The integrator adapts the constants in `frame` and calls fit()
+  // afterwards.
   void change(const View& view, const RenderSettings& settings);
   // Makes room for the film and the list of runs. `features`: kFeature bits of all kernels that may run. Sends `frame` to
   // the device. Returns whether a buffer that kernels are bound to was replaced.

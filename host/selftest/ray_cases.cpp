@@ -1,4 +1,5 @@
-// Cases of rays that are hard on the box test and the triangle test: along faces, over many scales, with values that are not finite.
+// Cases of rays that are hard on the box test and the triangle test: along faces, over many scales, with values that
+// are not finite.
 #include <fmt/format.h>
 
 #include "bvh/traverse.h"
@@ -95,8 +96,8 @@ Measurement against_brute_force(const SelftestContext& context) {
   return result;
 }
 
-// Rays with values that are not finite, between valid ones: they find nothing, cost no visit, and leave their neighbours
-// in the subgroup alone.
+// Rays with values that are not finite, between valid ones: they find nothing, cost no visit, and leave their
+// neighbours in the subgroup alone.
 Measurement garbage_rays(const SelftestContext& context) {
   TracedScene scene(context.device, context.kernels, pack_positions(uv_sphere(50, 100, 0.1f)));
   const PackedScene& packed = scene.packed();
@@ -129,7 +130,8 @@ Measurement garbage_rays(const SelftestContext& context) {
     failures += is_garbage[i] ? found[i].triangle != gpu::kNone : !equal(found[i], clean[i]);
     failures += blocked[i] != (is_garbage[i] ? false : clean_blocked[i]);
   }
-  Measurement result = judge_none(failures + work.visits, 2 * mixed.size(), "wrong hits of broken rays or their neighbours");
+  Measurement result =
+      judge_none(failures + work.visits, 2 * mixed.size(), "wrong hits of broken rays or their neighbours");
   result.note = fmt::format("nodes that broken rays visit in the reference traversal on the host: {}", work.visits);
   return result;
 }

@@ -91,9 +91,8 @@ bool Presenter::present(const Buffer& pixels, std::uint32_t width, std::uint32_t
   check(vkWaitForFences(device_.handle(), 1, &presentation.done, VK_TRUE, ~std::uint64_t{0}),
         "waiting for an earlier picture");
   std::uint32_t image = 0;
-  VkResult result =
-      vkAcquireNextImageKHR(device_.handle(), swapchain_.handle(), kPatience, presentation.acquired, VK_NULL_HANDLE,
-                            &image);
+  VkResult result = vkAcquireNextImageKHR(device_.handle(), swapchain_.handle(), kPatience, presentation.acquired,
+                                          VK_NULL_HANDLE, &image);
   if (result == VK_NOT_READY || result == VK_TIMEOUT) return false;
   if (result == VK_SUCCESS || result == VK_SUBOPTIMAL_KHR) {
     stale_ = result == VK_SUBOPTIMAL_KHR;

@@ -34,8 +34,8 @@ struct WindowRequest {
   DisplayOptions display;        // to begin with
   EnvironmentChoice environment; // to begin with
   double target_error = 0.0;     // to tell the time until; 0 = none
-  std::uint32_t frames = 0;      // samples a pixel after which the window closes (scripted); 0 = when the user closes it
-  std::string screenshot;        // file that a scripted window writes at its end; empty = none
+  std::uint32_t frames = 0; // samples a pixel after which the window closes (scripted); 0 = when the user closes it
+  std::string screenshot;   // file that a scripted window writes at its end; empty = none
   // What in a picture of these settings is approximated.
   std::function<std::vector<std::string>(const RenderSettings&)> notes;
   // Writes the picture as it is now. Throws Error.

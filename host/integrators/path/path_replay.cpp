@@ -51,8 +51,8 @@ gpu::Queues PathReplay::queues() const { return download<gpu::Queues>(paths_.buf
 
 gpu::PathState PathReplay::state() const { return download<gpu::PathState>(paths_.buffers[kStates], 1).front(); }
 
-// What connect adds can be too small to change the radiance; so it first adds to a radiance of zero, which shows whether
-// the shadow ray is blocked.
+// What connect adds can be too small to change the radiance; so it first adds to a radiance of zero, which shows
+// whether the shadow ray is blocked.
 ShadowTrace PathReplay::connect(std::uint32_t bounce, const gpu::PathState& state_) {
   ShadowTrace shadow{download<gpu::ShadowRay>(paths_.buffers[kShadowRays], 1).front()};
   gpu::PathState dark = state_;
