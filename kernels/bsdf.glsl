@@ -38,7 +38,7 @@ struct BsdfSample {
 };
 
 const float kMinAlpha = 1e-4;
-// Closer to 1 than this, rough refraction bends by less than 1e-3 alpha and its half vector drowns in rounding: it
+// Closer to 1 than this, rough refraction bends by less than 1e-3 alpha and its half vector is lost in rounding: it
 // passes as delta.
 const float kMinEtaStep = 1e-3;
 

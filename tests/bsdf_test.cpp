@@ -131,7 +131,7 @@ TEST_F(BsdfTest, GgxFurnaceFollowsTheTable) {
   EXPECT_NEAR(drawn({metal(1.0f)}, {.batches = 1024})[0].weight.x, 1.0 - std::log(2.0), 2e-4);
 }
 
-// Smooth glass passes on everything, and every single sample says so.
+// Smooth glass loses no light: every single sample has weight 1.
 TEST_F(BsdfTest, DielectricFurnaceIsExact) {
   std::vector<Config> materials;
   for (const float ior : {1.0f, 1.0f + 1e-6f, 1.5f, 10.0f})

@@ -1,4 +1,4 @@
-// wavepath render, run as a user runs it, on whatever device there is.
+// `wavepath render` from the command line, on the device that there is.
 #include <csignal>
 #include <filesystem>
 #include <fstream>

@@ -41,7 +41,7 @@ std::string write_image(const std::string& name, int width, int height, const st
   OIIO::ImageSpec spec(width, height, static_cast<int>(options.channels.size()), options.type);
   spec.channelnames = options.channels;
   if (options.tile > 0) spec.tile_width = spec.tile_height = options.tile;
-  if (options.mip) spec["textureformat"] = "Plain Texture"; // asks for levels
+  if (options.mip) spec["textureformat"] = "Plain Texture"; // asks for MIP levels
   EXPECT_TRUE(output->open(file, spec)) << output->geterror();
   EXPECT_TRUE(output->write_image(OIIO::TypeDesc::FLOAT, values.data())) << output->geterror();
   if (options.mip) {

@@ -231,7 +231,7 @@ TEST_F(PictureIoTest, DamagedFilesAreRefused) {
   EXPECT_THROW(read_picture(folder_.file("depth.exr")), Error);
 }
 
-// OpenEXR's destructors swallow exceptions; the stream must not let that pass for success, wherever the disk fills up.
+// OpenEXR's destructors discard exceptions; the stream must report the failure, wherever the disk fills up.
 TEST_F(PictureIoTest, AFullDiskLeavesTheOldPicture) {
   for (const std::string name : {"a.exr", "a.png", "a.hdr", "a.jpg"}) {
     const std::string path = folder_.file(name);

@@ -176,9 +176,10 @@ TEST_F(ProgressiveTest, FramesInMotionAreAntialiasedOverTime) {
   settings_.max_depth = 1;
   const auto noise_after = [&](int moves) {
     Progressive progressive = begin();
-    while (progressive.step() || progressive.status().compiling) {} // how long frames take is known by now
+    while (progressive.step() || progressive.status().compiling) {
+    } // the time of a frame is known now
     for (int i = 0; i < moves; ++i) {
-      progressive.move(view_); // it only trembles
+      progressive.move(view_); // to the same view
       while (progressive.status().spp == 0) progressive.step();
     }
     EXPECT_TRUE(progressive.moving());

@@ -24,7 +24,7 @@ std::string contents(const std::string& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-// `wavepath view` as it runs.
+// A process of `wavepath view`.
 class View {
 public:
   View(const VirtualDisplay& display, const std::string& folder, std::vector<std::string> flags)

@@ -32,7 +32,7 @@ public:
   // Distances to the hits of the last extend, infinite for a miss. `scene` is what this was made of.
   std::vector<float> distances(const PackedScene& scene, std::span<const gpu::Ray> rays) const;
 
-  // The same for whether something lies between shadow rays and their lights.
+  // The same for finding which shadow rays are blocked.
   double connect(std::span<const gpu::ShadowRay> rays);
   std::vector<bool> blocked(std::span<const gpu::ShadowRay> rays) const; // of the last connect
 

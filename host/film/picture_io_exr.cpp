@@ -35,7 +35,7 @@ namespace {
 constexpr float kHalfMax = 65504.0f;
 constexpr std::uint64_t kMostPixels = std::uint64_t{1} << 36; // so that byte counts cannot overflow
 
-// Remembers the first failure, because OpenEXR's destructors swallow what is thrown at them.
+// Remembers the first failure, because OpenEXR's destructors discard exceptions.
 class Stream : public Imf::OStream {
 public:
   Stream(AtomicFile& file, const std::string& name) : Imf::OStream(name.c_str()), file_(file) {}

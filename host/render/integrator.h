@@ -42,7 +42,7 @@ struct IntegratorKind {
   bool finds_light = true;    // false: its picture is the unoccluded share, whatever the lights
   bool traces_paths = true;   // false: a sample is a frame, which reaches the film as a whole
   bool measures_depth_cut = false; // the light beyond --max-depth is measured, and told in the first sentence of bias()
-  // Stages that find the first surface of every pixel, to compare integrators by.
+  // Stages that find the first hits, by whose time integrators are compared.
   std::span<const std::string_view> first_hit_stages{};
 
   // kFeature bits of its kernels, besides those of the scene and of RenderSettings::adaptive.

@@ -45,7 +45,7 @@ std::array<std::uint32_t, gpu::kSpecCount> specialization(const KernelConfig& co
 
 class KernelSet {
 public:
-  // Compiles the kernels, side by side, and has each run once without work, for the drivers that compile only then.
+  // Compiles the kernels, side by side, and dispatches each once without work, for the drivers that compile only then.
   // Safe to call from several threads at once.
   KernelSet(Device& device, const KernelNeed& need);
 

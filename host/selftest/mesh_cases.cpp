@@ -122,7 +122,7 @@ Measurement coplanar_duplicates(const SelftestContext& context) {
   wrong += scene.packed().stack_size > kDepth;
   Measurement result = judge_none(wrong, 3 * rays.size(), "rays that see another than the first quad");
   result.note = fmt::format(
-      "depth {}, at most {}; a closest hit must look at every triangle that ties, so that its work "
+      "depth {}, at most {}; a closest hit must test every triangle that ties, so that its work "
       "grows with their number, while a shadow ray stops at the first",
       scene.packed().stack_size, kDepth);
   return result;

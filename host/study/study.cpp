@@ -80,7 +80,7 @@ private:
     settings.ao_samples = 16;
     settings.denoise = false;
     settings.aovs = {"ao"}; // which is 1 where nothing is hit; the picture is black there
-    settings.time_limit = 2.0 * kOcclusionShare * settings_.budget; // frames are whole wherever it ends
+    settings.time_limit = 2.0 * kOcclusionShare * settings_.budget; // a frame is never cut short
     KernelCompiler kernels(device_);
     return converge(settings, 0, kOcclusionShare, kernels, "reference of occlusion");
   }
@@ -125,7 +125,7 @@ private:
     return 1000.0 * seconds / result.spp;
   }
 
-  // Paths that end at the first surface trace its camera rays and nothing else.
+  // Paths that end at the first hit trace camera rays and nothing else.
   FirstHits measure_first_hits(RenderSettings hybrid) {
     constexpr std::uint32_t kFrames = 16;
     hybrid.last_sample = kFrames;

@@ -78,7 +78,7 @@ struct Series {
   }
 };
 
-// What it costs to find the first surface of every pixel, in milliseconds a frame on the device: rasterized and
+// What it costs to find the first hits, in milliseconds a frame on the device: rasterized and
 // resolved, and traced.
 struct FirstHits {
   double rasterized = 0.0, traced = 0.0;

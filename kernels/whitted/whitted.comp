@@ -50,7 +50,7 @@ uint shadow_ray_count;
 
 uint node_dimension() { return 1u + node_count * (frame.light_count + 2u); }
 
-// Whether something other than the light itself lies between.
+// Whether the shadow ray is blocked, by anything but the light itself.
 bool is_blocked(vec3 origin, LightSample light_sample, Light light) {
   vec3 direction = light_sample.distant ? light_sample.direction : light_sample.target - origin;
   alpha_kind = alpha_key(node_count, kHashConnect);
