@@ -27,8 +27,8 @@ namespace fs = std::filesystem;
 
 const fs::path kScenes = fs::path(WAVEPATH_SOURCE_DIR) / "scenes";
 
-// Student's t with the 64 degrees of freedom of an 8x8 picture: at this bound one of the 300 or so means that are tested
-// would fail by chance once in a hundred choices of the seed.
+// Student's t with the 64 degrees of freedom of an 8x8 picture: at this bound one of the 300 or so means that are
+// tested would fail by chance once in a hundred choices of the seed.
 constexpr double kLargestT = 4.4;
 constexpr double kLargestNoise = 0.01; // standard error over expected value; more would accept wrong means
 constexpr double kRounding = 2e-6;     // relative, of means of floats
@@ -93,8 +93,8 @@ struct Mean {
   double value = 0.0, standard_error = 0.0;
 };
 
-// The mean of two renders that differ in nothing but the seed. Their difference, pixel by pixel, tells the noise, whatever
-// the pixels' own values are.
+// The mean of two renders that differ in nothing but the seed. Their difference, pixel by pixel, tells the noise,
+// whatever the pixels' own values are.
 Mean mean_of(const std::vector<float>& a, const std::vector<float>& b) {
   double sum = 0.0, squares = 0.0;
   for (std::size_t i = 0; i < a.size(); ++i) {

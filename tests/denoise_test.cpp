@@ -159,9 +159,9 @@ protected:
 };
 
 // Five iterations of the B3 spline with nothing in the way have a standard deviation of sqrt(1 + 4 + ... + 256) = 18.5
-// pixels: as wide as a Gaussian that leaves 1 / (2 sqrt(pi) 18.5) = 0.015 of white noise. Luminance weights cost most of
-// that, because noise that has been filtered is correlated and its variance, estimated as if it were not, too small. Two
-// iterations without luminance weights would leave 0.13.
+// pixels: as wide as a Gaussian that leaves 1 / (2 sqrt(pi) 18.5) = 0.015 of white noise. Luminance weights cost most
+// of that, because noise that has been filtered is correlated and its variance, estimated as if it were not, too small.
+// Two iterations without luminance weights would leave 0.13.
 TEST_F(DenoiseTest, FlatNoiseIsFilteredFromTheFirstFrame) {
   const Shot shot = wall(128, 128);
   begin(128, 128);

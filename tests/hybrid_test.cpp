@@ -77,8 +77,9 @@ protected:
   }
 };
 
-// Pixel by pixel: the differences of two renders, each with the noise of its own, over that noise. Silhouettes are seen by
-// the hybrid through one place of the filter for all pixels and so are correlated; blocks would hide that, pixels do not.
+// Pixel by pixel: the differences of two renders, each with the noise of its own, over that noise. Silhouettes are seen
+// by the hybrid through one place of the filter for all pixels and so are correlated; blocks would hide that, pixels do
+// not.
 void expect_same_mean(const std::vector<RenderResult>& a, const std::vector<RenderResult>& b) {
   const std::size_t pixels = a[0].picture.channels[0].values.size();
   double squares = 0.0, largest = 0.0, total = 0.0;

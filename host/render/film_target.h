@@ -19,8 +19,9 @@ class FilmTarget {
 public:
   explicit FilmTarget(Device& device) : device_(&device) {}
 
-  // Takes up a picture of this size. `aovs`: the film has AOVs. `room_for_aovs`: kernels that write them may run. Buffers of a
-  // larger picture stay. Returns whether any buffer was replaced. Throws Error if the device has no memory for it.
+  // Takes up a picture of this size. `aovs`: the film has AOVs. `room_for_aovs`: kernels that write them may run.
+  // Buffers of a larger picture stay. Returns whether any buffer was replaced. Throws Error if the device has no memory
+  // for it.
   bool fit(std::uint32_t width, std::uint32_t height, bool aovs, bool room_for_aovs);
   // Sets all samples to none. Nothing may be in flight, here and below.
   void clear();

@@ -50,7 +50,8 @@ struct IntegratorKind {
   // Begins compiling for a scene of these kFeature bits, before the scene is there. A wrong guess costs time alone.
   void (*start_kernels)(KernelCompiler& kernels, const DeviceInfo& device, std::uint32_t features,
                         const RenderSettings& settings) = nullptr;
-  // Device memory that a path in flight takes, for the kFeature bits given, and the largest record of one in any buffer.
+  // Device memory that a path in flight takes, for the kFeature bits given, and the largest record of one in any
+  // buffer.
   std::uint64_t (*bytes_per_slot)(std::uint32_t features) = nullptr;
   std::uint64_t largest_record = 1;
   // Paths that a pixel takes in every wave.

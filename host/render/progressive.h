@@ -36,8 +36,8 @@ public:
   Progressive(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings,
               KernelCompiler& kernels);
 
-  // Hands over one wave of about 15 ms and waits for an older one; of a hybrid frame the first one also draws it and the
-  // last one finishes it. False if there was nothing to do: the kernels are not ready, or all samples are in.
+  // Hands over one wave of about 15 ms and waits for an older one; of a hybrid frame the first one also draws it and
+  // the last one finishes it. False if there was nothing to do: the kernels are not ready, or all samples are in.
   bool step();
 
   // Each begins anew. move(): coarse, so that there is a picture about every 100 ms, until rest(), which goes on in

@@ -20,8 +20,8 @@
 
 namespace wavepath {
 
-// Which checkpoints get an estimate of the error: all; but for the last those alone that take no more than their share of
-// the time; none.
+// Which checkpoints get an estimate of the error: all; but for the last those alone that take no more than their share
+// of the time; none.
 enum class Estimates { all, share, none };
 
 // How a loop is driven: to its end at once, or in steps by a window.
@@ -36,8 +36,8 @@ struct Pace {
 
 class RenderLoop {
 public:
-  // Uploads the scene and begins compiling. `scene`, `kernels` and the hooks' resume state outlive the loop. Throws Error if
-  // the device cannot hold it.
+  // Uploads the scene and begins compiling. `scene`, `kernels` and the hooks' resume state outlive the loop. Throws
+  // Error if the device cannot hold it.
   RenderLoop(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings,
              KernelCompiler& kernels, RenderHooks hooks = {}, const Pace& pace = {});
   ~RenderLoop(); // waits for what is in flight
@@ -50,7 +50,8 @@ public:
   // Waits for them. Returns the seconds that compiling took.
   double get_ready() { return integrator_->get_ready(); }
 
-  // Hands the device one wave more; where two are in flight, waits for the older one first. False if nothing is left to do.
+  // Hands the device one wave more; where two are in flight, waits for the older one first. False if nothing is left to
+  // do.
   bool step();
   bool is_done() const;
   // Waits for all waves in flight.

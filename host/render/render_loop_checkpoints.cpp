@@ -1,5 +1,5 @@
-// Checkpoints of the render loop: estimates of the error beside the next waves, the target, states to resume from, and the
-// result.
+// Checkpoints of the render loop: estimates of the error beside the next waves, the target, states to resume from, and
+// the result.
 #include <algorithm>
 #include <bit>
 #include <cmath>

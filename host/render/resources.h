@@ -1,5 +1,5 @@
-// Buffers declared rather than enumerated: a name, a size rule and how kernels see it. Allocation, bindings, byte counts
-// and stand-ins follow.
+// Buffers declared rather than enumerated: a name, a size rule and how kernels see it. Allocation, bindings, byte
+// counts and stand-ins follow.
 #pragma once
 
 #include <cstdint>

@@ -125,8 +125,8 @@ Scene dim_room(const std::array<float, 3>& emission, float dark) {
   return scene;
 }
 
-// How a picture compares with one of the same paths under lamps that are 1 / `scale` as bright. A device may flush denormal
-// terms to zero, so nothing is too dark there; elsewhere all of the light must come through.
+// How a picture compares with one of the same paths under lamps that are 1 / `scale` as bright. A device may flush
+// denormal terms to zero, so nothing is too dark there; elsewhere all of the light must come through.
 struct DimComparison {
   std::uint64_t broken = 0; // negative, not a number, or brighter than it should be
   double worst = 0.0;       // error of a pixel over the brightest pixel
@@ -146,10 +146,10 @@ DimComparison compare_dim(const Picture& dim, const Picture& bright, double scal
   return result;
 }
 
-// Lamps of 10^-39 to 10^-45 over a floor, some of it so dark that paths carry as little: no pixel is brighter than it should
-// be, and the paths are as many as with lamps of 1. And lamps of 2^-100, which no path of eight bounces takes down to denormal
-// numbers: their picture is that of lamps of 1, scaled. The estimator is --direct bsdf, whose choices do not depend on how
-// bright the lamps are, so that the pictures that are compared are of the same paths.
+// Lamps of 10^-39 to 10^-45 over a floor, some of it so dark that paths carry as little: no pixel is brighter than it
+// should be, and the paths are as many as with lamps of 1. And lamps of 2^-100, which no path of eight bounces takes
+// down to denormal numbers: their picture is that of lamps of 1, scaled. The estimator is --direct bsdf, whose choices
+// do not depend on how bright the lamps are, so that the pictures that are compared are of the same paths.
 Measurement denormals(const SelftestContext& context) {
   constexpr float kUp = 0x1p100f;
   const auto trial = [&](const std::array<float, 3>& emission, float dark, std::uint32_t direct) {
