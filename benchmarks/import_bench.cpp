@@ -1,4 +1,4 @@
-// How fast scenes get from files to what the device is given, in triangles and texels per second: ours, and those of
+// How fast scenes are loaded and packed for the device, in triangles and texels per second: those of scenes/ and of
 // ../shared/scenes where that folder is there.
 #include <filesystem>
 #include <string>

@@ -58,7 +58,7 @@ def without_folders(view):
 
 
 def reference(renderer, view, spp, folder, fresh):
-    """Rendered once: a converged picture stays what it is while the renderer gets faster."""
+    """Rendered once and kept: a converged picture does not change while the renderer gets faster."""
     told = json.dumps([renderer.name, renderer.version, without_folders(view), spp], sort_keys=True)
     key = hashlib.sha256(told.encode()).hexdigest()[:16]
     path = folder / f"{renderer.name}-{pathlib.Path(view['scene']).stem}-{spp}-{key}.exr"

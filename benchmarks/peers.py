@@ -20,7 +20,7 @@ def run(command):
 
 
 def compare(wavepath, picture, reference):
-    """The metrics of `wavepath compare`: one judge for all."""
+    """The metrics of `wavepath compare`, the same for all renderers."""
     return json.loads(run([wavepath, "compare", picture, reference, "--json"]))
 
 

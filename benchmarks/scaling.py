@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Does cost grow as it should? Render time with samples and pixels (linear), rays with triangles (logarithmic), bytes a
+"""Measures how cost grows: render time with samples and pixels (linear), rays with triangles (logarithmic), bytes a
 triangle and a path. Standard library only; see --help. Results in benchmarks/results."""
 
 import argparse
@@ -57,8 +57,8 @@ def exponent(points, key="seconds"):
 
 
 def linear(title, unit, counts, reps, run, idle):
-    """All counts in turn, `reps` times over, so that what else the machine does hits them alike. Processor seconds
-    notice that less, where the device is a CPU; `idle`, a run that renders next to nothing, is taken off them."""
+    """All counts in turn, `reps` times over, so that other load on the machine disturbs all alike. Processor seconds
+    notice that less, where the device is a CPU; `idle`, an execution that renders next to nothing, is taken off them."""
     seconds, processor, started = {n: [] for n in counts}, {n: [] for n in counts}, []
     for _ in range(reps):
         started.append(processor_seconds(idle)[1])

@@ -26,7 +26,7 @@ int run_and_report(int argument_count, const char* const* arguments) try {
 } catch (const std::bad_alloc&) {
   return fail(wavepath::kExitFailed, "memory: ran out; use a smaller size or scene, or close other programs");
 } catch (const std::exception& error) {
-  return fail(wavepath::kExitFailed, fmt::format("wavepath: unforeseen ({}); report this", error.what()).c_str());
+  return fail(wavepath::kExitFailed, fmt::format("wavepath: unexpected error ({}); report this", error.what()).c_str());
 }
 
 } // namespace

@@ -3,10 +3,10 @@
 // f = metallic * conductor + (1 - metallic) * dielectric, where the dielectric is an interface over a mix of a diffuse
 // base and transmission. What the interface reflects at a microfacet, the transmission below it lacks: (1 - max
 // F(v.h)), as in glTF's appendix B. The diffuse base is coupled by T(o) T(i) / mean T instead, T = 1 - albedo of the
-// interface. The appendix's 1 - F(v.h) hands out up to 1.7 times the light that arrives, at grazing angles; this is
+// interface. The appendix's 1 - F(v.h) returns up to 1.7 times the light that arrives, at grazing angles; this is
 // reciprocal too, keeps energy, and is exact for a smooth coat.
 //
-// Directions are unit vectors in the local frame: z = shading normal, turned to wo's side, so wo.z > 0; they point away
+// Directions are unit vectors in the local basis: z = shading normal, turned to wo's side, so wo.z > 0; they point away
 // from the surface. Radiance is transported: refraction scales it by 1 / eta^2. Microfacets narrower than alpha = 1e-4
 // (roughness 0.01) cannot be told from a mirror in single precision, so they are one: "delta".
 #ifndef WAVEPATH_BSDF_GLSL
@@ -38,7 +38,7 @@ struct BsdfSample {
 };
 
 const float kMinAlpha = 1e-4;
-// Closer to 1 than this, rough refraction bends by less than 1e-3 alpha and its half vector drowns in rounding: it
+// Closer to 1 than this, rough refraction bends by less than 1e-3 alpha and its half vector is lost in rounding: it
 // passes as delta.
 const float kMinEtaStep = 1e-3;
 
@@ -54,7 +54,7 @@ struct Lobes {
 
 const bool kMicrofacets = (kFeatures & (kFeatureSpecular | kFeatureTransmission)) != 0u;
 
-// Only what light passes into has an inside.
+// Only materials that transmit light have an inside.
 Interface surface_of(Bsdf b) {
   return make_interface(b.ior, b.specular_color, b.specular, b.thin || b.entering || b.transmission == 0.0);
 }
@@ -187,7 +187,7 @@ bool refract_direction(vec3 wo, vec3 h, float eta, out vec3 wi) {
   return g2 > 0.0;
 }
 
-// A direction from the microfacet lobes. delta: whether the lobe taken is one; only then does s.weight hold f |cos| /
+// A direction from the microfacet lobes. `delta`: the lobe is a delta lobe; only then does s.weight hold f |cos| /
 // pdf.
 bool sample_facets(Bsdf b, Lobes l, vec3 wo, float u_lobe, vec2 u, inout BsdfSample s, out bool delta) {
   vec3 h = l.delta_reflection ? vec3(0.0, 0.0, 1.0) : ggx_sample_visible_normal(wo, b.alpha, u);

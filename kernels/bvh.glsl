@@ -1,6 +1,6 @@
-// Traversal of the 4-wide BVH, one ray a lane: the device twin of bvh/traverse.h, whose head says what it does and in which order.
-// Boxes: the padded slab test of Ize 2013. Triangles: triangle.glsl. Include bindings.glsl with BIND_GEOMETRY first; where
-// alpha is tested, define ALPHA_TEST(hit) as "this point is a hole".
+// Traversal of the 4-wide BVH, one ray a lane: the same algorithm and order as bvh/traverse.h, which describes them.
+// Boxes: the padded slab test of Ize 2013. Triangles: triangle.glsl. Include bindings.glsl with BIND_GEOMETRY first;
+// where alpha is tested, define ALPHA_TEST(hit) as "this point is a hole".
 #ifndef WAVEPATH_BVH_GLSL
 #define WAVEPATH_BVH_GLSL
 
@@ -16,16 +16,17 @@ const uint kMissedKey = 0xffffffffu;
 #define ALPHA_TEST(hit) false
 #endif
 
-// ---- what waits ------------------------------------------------------------------------------------------------------------
-// A stack entry is a group of siblings: their first index and the slots of those that still wait, which for a closest hit come by
-// distance, three of two bits, the last one repeated; for any hit as a mask, highest slot first. Entries with the top bit
-// set are not groups: an instance that waits (a leaf word), the way back to world space, or kNone, the bottom.
-// CPU drivers run all lanes of a subgroup in step and write a local array lane by lane, which cost more than all else a visit
-// does; so the top of the stack is in registers there, moved by selects, and the array takes what overflows (on Sponza, less than one
-// ray in a thousand). Where local arrays are cheap, they hold all of it.
+// ---- the stack ------------------------------------------------------------------------------------------------------
+// A stack entry is a group of siblings: the index of the first one, and the children still to be visited. For a closest
+// hit these are ordered by distance, three of two bits, the last one repeated; for any hit they are a mask, the highest
+// child first. Entries with the top bit set are not groups: an instance to be visited (a leaf word), the return to
+// world space, or kNone, the bottom.
+// CPU drivers run all lanes of a subgroup in step and write a local array lane by lane, which takes longer than the
+// rest of a visit. So the top of the stack is in registers there, moved by selects, and the array takes what overflows
+// (on Sponza, less than one ray in a thousand). Where local arrays are cheap, they hold all of it.
 #ifdef ANY_HIT
 const uint kSlotBits = 4u;
-const uint kOnlySlot0 = 1u; // the slots of a group of one
+const uint kOnlySlot0 = 1u; // the children of a group of one
 #else
 const uint kSlotBits = 6u;
 const uint kOnlySlot0 = 0u;
@@ -35,8 +36,8 @@ const uint kPopInstance = 0xfffffffeu;
 uvec4 stack_top, stack_below; // kStackInRegisters
 uint stack_array[kStackSize];
 uint stack_size; // entries in the array
-uvec4 leaves; // leaf words that wait, latest first
-uint last_leaf; // a fifth
+uvec4 leaves; // leaf words to be tested, latest first
+uint last_leaf; // a fifth leaf word
 
 void clear_waiting() {
   stack_top = stack_below = leaves = uvec4(kNone);
@@ -94,7 +95,7 @@ void pop(bool wanted, inout uint current) {
   }
 }
 
-// The same where the registers may have run out, while the array has not.
+// The same, where the registers may be empty while the array is not.
 void take_next(bool wanted, inout uint current) {
   if (kStackInRegisters && wanted && stack_top.x == kNone && stack_size > 0u) stack_top.x = stack_array[--stack_size];
   pop(wanted, current);
@@ -114,7 +115,7 @@ void take_leaf() {
   last_leaf = kNone;
 }
 
-// ---- a visit -----------------------------------------------------------------------------------------------------------------
+// ---- a visit --------------------------------------------------------------------------------------------------------
 ivec4 bytes_of(uint word) { return ivec4(word & 255u, word >> 8u & 255u, word >> 16u & 255u, word >> 24u); }
 
 // Times at which the ray crosses four planes of an axis, as bits: see enter_children() in bvh/intersect.h.
@@ -126,7 +127,7 @@ float cell_size(uint layout_, uint shift) {
   return uintBitsToFloat(((layout_ >> shift & 127u) + 127u - kCellBias) << 23u);
 }
 
-// Tests the children of node `current`, lets what the ray enters wait, and moves on to the next node.
+// Tests the children of node `current`, pushes those that the ray enters, and moves on to the next node.
 void visit(TraversalRay ray, float t_best, inout uint current) {
   int texel = int(current * kNodeTexels);
   uvec4 grid = texelFetch(nodes, texel), xy = texelFetch(nodes, texel + 1), zw = texelFetch(nodes, texel + 2);
@@ -158,7 +159,8 @@ void visit(TraversalRay ray, float t_best, inout uint current) {
   uint rest = mask & ~(1u << slot);
   push(rest != 0u && found, zw.z << kSlotBits | rest);
 #else
-  // Nearest child first. The key carries the slot in its low bits, so that equal distances keep their order.
+  // Nearest child first. The key holds the number of the child in its low bits, so that equal distances keep their
+  // order.
   uvec4 key = mix(uvec4(kMissedKey), (uvec4(t_near) & ~3u) | uvec4(0u, 1u, 2u, 3u), entered);
   key = mix(key, uvec4(kMissedKey), greaterThanEqual(uvec4(0u, 1u, 2u, 3u), uvec4(inner_count)));
   key = uvec4(min(key.x, key.y), max(key.x, key.y), min(key.z, key.w), max(key.z, key.w));
@@ -174,10 +176,10 @@ void visit(TraversalRay ray, float t_best, inout uint current) {
   pop(!found, current);
 }
 
-// ---- the walk ----------------------------------------------------------------------------------------------------------------
-// The nearest hit with 0 < t < t_max, or with ANY_HIT the first one found that is not `target`, the id of the triangle at whose
-// surface a shadow ray ends: rounding must not let a light hide itself. Of hits at equal t the lowest (instance, triangle) by id
-// wins, so that the result depends neither on the order of visits nor on the tree.
+// ---- traversal ------------------------------------------------------------------------------------------------------
+// The nearest hit with 0 < t < t_max, or with ANY_HIT the first one found that is not `target`, the id of the triangle
+// at whose surface a shadow ray ends: rounding must not let a light hide itself. Of hits at equal t the lowest
+// (instance, triangle) by id wins, so that the result depends neither on the order of visits nor on the tree.
 #ifdef ANY_HIT
 Hit trace(vec3 origin, vec3 direction, float t_max, uint target, uint target_instance) {
 #else
@@ -195,8 +197,9 @@ Hit trace(vec3 origin, vec3 direction, float t_max) {
   TraversalRay ray = make_traversal_ray(origin, direction);
   bool done = !valid;
 
-  // A candidate whose alpha has to be looked up. Drivers that run both sides of every branch (Mesa 22.3) would do that for
-  // each triangle tested; so a lane stops at such a candidate until no lane of its subgroup can go on without a look-up.
+  // A candidate whose alpha has to be looked up. Drivers that run both sides of every branch (Mesa 22.3) would do that
+  // for each triangle tested; so a lane stops at such a candidate until no lane of its subgroup can go on without a
+  // look-up.
   Hit pending = Hit(kNone, 0u, 0.0, 0.0);
   uvec2 pending_ids = uvec2(kNone);
   float t_pending = 0.0;
@@ -231,7 +234,7 @@ Hit trace(vec3 origin, vec3 direction, float t_max) {
             pending_ids = uvec2(instance_id, id);
             t_pending = candidate.t;
           }
-          leaves.x = needs_alpha ? leaf_word(item, end - item) : leaves.x; // the rest of the leaf goes on waiting
+          leaves.x = needs_alpha ? leaf_word(item, end - item) : leaves.x; // the rest of the leaf remains to be tested
         }
         if (accepted && !needs_alpha) {
           t_best = candidate.t;
@@ -251,12 +254,12 @@ Hit trace(vec3 origin, vec3 direction, float t_max) {
       spill();
       take_next(current == kNone, current);
       if (has(kFeatureInstances) && frame.root_is_top != 0u) {
-        // An instance that waited on the stack joins those that wait beside it.
+        // An instance from the stack joins the leaf words to be tested.
         bool is_instance = in_top_level && int(current) < 0 && current != kNone;
         add_leaf(is_instance, current);
         take_next(is_instance, current);
         if (in_top_level && leaves.x != kNone) {
-          // Go on in the space of the latest; all else of the top level goes to the stack meanwhile.
+          // Continue in the space of the latest instance; the rest of the top-level tree goes to the stack.
           instance = leaf_first(leaves.x);
           take_leaf();
           spill();

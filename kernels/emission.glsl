@@ -1,5 +1,6 @@
-// Light as the integrator sees it: what a direction or a point on a light emits, and with which density next-event estimation
-// would have found it. Include bindings.glsl with BIND_GEOMETRY, BIND_SURFACES, BIND_LIGHTS and BIND_ENVIRONMENT first.
+// Light as the integrator sees it: what a direction or a point on a light emits, and with which density next-event
+// estimation would have found it. Include bindings.glsl with BIND_GEOMETRY, BIND_SURFACES, BIND_LIGHTS and
+// BIND_ENVIRONMENT first.
 #ifndef WAVEPATH_EMISSION_GLSL
 #define WAVEPATH_EMISSION_GLSL
 
@@ -13,8 +14,8 @@ float mis_weight(float pdf, float other) {
   return 1.0 / (1.0 + ratio * ratio);
 }
 
-// Weight of light that the BSDF found by chance, where next-event estimation could have found it with density `light_pdf` per
-// solid angle (0: never).
+// Weight of light that the BSDF found by chance, where next-event estimation could have found it with density
+// `light_pdf` per solid angle (0: never).
 float emission_weight(float bsdf_pdf, float light_pdf) {
   if (kDirect == kDirectBsdf || bsdf_pdf < 0.0 || light_pdf <= 0.0) return 1.0;
   return kDirect == kDirectNee ? 0.0 : mis_weight(bsdf_pdf, light_pdf);
@@ -27,7 +28,7 @@ vec3 surface_emission(Surface surface, Material material, bool front) {
   return material.emission * sample_texture_or_1(kFeatureEmissionTextures, material.emission_texture, surface.uv).rgb;
 }
 
-// The map in a direction of its frame, interpolated between texel centres; u wraps, v ends at the poles.
+// The map in a direction of its basis, interpolated between texel centres; u wraps, v ends at the poles.
 vec3 environment_map_radiance(vec3 direction) {
   ivec2 size = ivec2(frame.environment_width, frame.environment_height);
   vec2 position = environment_uv(direction) * vec2(size) - 0.5;

@@ -8,10 +8,10 @@
 namespace wavepath::gpu {
 #endif
 
-// ---- what a scene needs: the bits of the specialization constant kFeatures -------------------------------------------------
-// A clear bit removes the code; the host then also leaves out the data. Setting a bit that the scene does not need changes no
-// result, only speed ("generic kernels").
-GPU_CONSTANT uint kFeatureInstances = 1u << 0;       // two-level BVH
+// ---- what a scene needs: the bits of the specialization constant kFeatures ------------------------------------------
+// A clear bit removes the code; the host then also leaves out the data. Setting a bit that the scene does not need
+// changes no result, only speed ("generic kernels").
+GPU_CONSTANT uint kFeatureInstances = 1u << 0;       // a top-level tree over instances
 GPU_CONSTANT uint kFeatureAlpha = 1u << 1;           // MASK or BLEND triangles, tested during traversal
 GPU_CONSTANT uint kFeatureCull = 1u << 2;            // single-sided triangles are invisible from behind
 GPU_CONSTANT uint kFeatureTextures = 1u << 3;        // any material texture
@@ -40,7 +40,7 @@ GPU_CONSTANT uint kFeatureAdaptive = 1u << 25; // waves follow a list of runs of
 GPU_CONSTANT uint kFeatureSharedFirstHit = 1u << 26; // all paths of a pixel in a wave begin at one first hit and belong to one replicate
 GPU_CONSTANT uint kFeaturesAll = (1u << 27) - 1u;
 
-// ---- specialization constants ---------------------------------------------------------------------------------------------
+// ---- specialization constants ---------------------------------------------------------------------------------------
 GPU_CONSTANT uint kSpecFeatures = 0u;
 GPU_CONSTANT uint kSpecStackSize = 1u; // traversal stack entries; the BVH says how many suffice
 GPU_CONSTANT uint kSpecSampler = 2u;

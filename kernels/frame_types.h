@@ -12,9 +12,10 @@ GPU_CONSTANT uint kBindFrame = 0u;             // uniform Frame
 GPU_CONSTANT uint kBindRuns = 19u;            // texels R32UI: runs of kRunPixels pixels in tile order (kFeatureAdaptive)
 GPU_CONSTANT uint kBindCounters = 15u; // storage Counters
 
-// ---- one render -----------------------------------------------------------------------------------------------------------
-// Camera rays: origin = camera_position (+ x*camera_right + y*camera_up, orthographic), direction = camera_forward
-// (+ x*camera_right + y*camera_up, perspective), with x, y in [-1,1], y upwards; right and up carry the image's half extent.
+// ---- one render -----------------------------------------------------------------------------------------------------
+// Constants of a render. Camera rays: origin = camera_position (+ x*camera_right + y*camera_up, orthographic),
+// direction = camera_forward (+ x*camera_right + y*camera_up, perspective), with x, y in [-1,1], y upwards; right and
+// up carry the image's half extent.
 struct Frame {
   vec3 camera_position;
   uint width;
@@ -31,7 +32,7 @@ struct Frame {
   uint environment_height;
   uint light_count;
   uint root;        // node where traversal starts
-  uint root_is_top; // 1: the root is the top level of a two-level tree, leaves hold instances
+  uint root_is_top; // 1: the root is that of the top-level tree, whose leaves hold instances
   uint orthographic;
   uint sample_total; // samples a pixel that the stratified sampler spreads over
   uint slot_count;   // capacity of one ray queue
@@ -40,13 +41,14 @@ struct Frame {
 };
 GPU_CHECK(sizeof(Frame) == 128);
 
-// Sample s belongs to replicate s % kReplicates; replicates are scrambled independently, so that their spread measures the
-// error of any sampler.
+// Sample s belongs to replicate s % kReplicates; replicates are scrambled independently, so that their spread measures
+// the error of any sampler.
 GPU_CONSTANT uint kReplicates = 2u;
 
 GPU_CONSTANT uint kRunPixels = 64u; // that an adaptive render gives samples to together: a tile of 8x8, away from the borders
 
-// Push constants: the wave of (pixel, sample) pairs that a dispatch works on. Slot = local sample * pixel_count + local pixel.
+// Push constants: the wave of (pixel, sample) pairs that a dispatch works on. Slot = local sample * pixel_count + local
+// pixel.
 struct Wave {
   uint first_pixel; // in tile order; where runs are listed, in the order of their list
   uint pixel_count;

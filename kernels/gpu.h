@@ -1,8 +1,9 @@
-// What every struct and constant shared by host and kernels is written in: compiled by C++ and by GLSL.
+// The types of all structs and constants that host and kernels share: compiled by C++ and by GLSL.
 //
-// Layout rule: vec3 is always followed by a scalar, vec4 starts at a multiple of 16, so that the offsets of
-// std430, std140 and C++ coincide; tests/layout_test.cpp compares them with what SPIR-V says.
-// Spaces: "world" on the device is the scene's world moved so that `Scene::origin` is zero. Units: glTF's (metres, radiance).
+// Layout rule: vec3 is always followed by a scalar, vec4 starts at a multiple of 16, so that the offsets of std430,
+// std140 and C++ coincide; tests/layout_test.cpp compares them with what SPIR-V says.
+// Spaces: "world" on the device is the scene's world moved so that `Scene::origin` is zero. Units: glTF's (metres,
+// radiance).
 #ifndef WAVEPATH_GPU_H
 #define WAVEPATH_GPU_H
 

@@ -11,8 +11,8 @@
 
 // ---- alias tables -----------------------------------------------------------------------------------------------
 
-// Column of u.x among n; u.x becomes the position inside the column. Tables can have more columns than a float's 24 bits tell
-// apart, so eight more are borrowed from the lowest of u.y.
+// Column of u.x among n; u.x becomes the position inside the column. Tables can have more columns than a float's 24
+// bits tell apart, so eight more are borrowed from the lowest of u.y.
 uint alias_column(inout vec2 u, uint n) {
   uint bits = (uint(u.x * 16777216.0) << 8u) | (uint(u.y * 16777216.0) & 0xffu);
   uint column, rest;
@@ -57,7 +57,7 @@ vec3 punctual_irradiance(Light light, vec3 p, out vec3 to_light) {
 }
 
 // ---- environment ------------------------------------------------------------------------------------------------
-// Lat-long: u = atan2(z, x)/2pi + 1/2, v = acos(y)/pi from the top row, in the map's own frame. rotation = (cos, sin)
+// Lat-long: u = atan2(z, x)/2pi + 1/2, v = acos(y)/pi from the top row, in the map's own basis. rotation = (cos, sin)
 // of the angle by which the map is turned about +Y, counter-clockwise seen from above.
 
 vec3 environment_from_world(vec3 d, vec2 rotation) {
@@ -67,7 +67,7 @@ vec3 world_from_environment(vec3 d, vec2 rotation) {
   return vec3(rotation.x * d.x + rotation.y * d.z, d.y, rotation.x * d.z - rotation.y * d.x);
 }
 
-// Position in the map of a unit direction in its frame, both in [0, 1).
+// Position in the map of a unit direction in its basis, both in [0, 1).
 vec2 environment_uv(vec3 d) {
   float u = atan2_exact(d.z, d.x) * (0.5 * kInvPi) + 0.5;
   float v = atan2_exact(sqrt(d.x * d.x + d.z * d.z), d.y) * kInvPi;
@@ -113,7 +113,7 @@ uint pick_light(inout vec2 u) {
 #endif
 
 #ifdef BIND_ENVIRONMENT
-// Texel (column, row) of a direction in the map's frame.
+// Texel (column, row) of a direction in the map's basis.
 uvec2 environment_texel(vec3 d) {
   uvec2 size = uvec2(frame.environment_width, frame.environment_height);
   return min(uvec2(environment_uv(d) * vec2(size)), size - 1u);

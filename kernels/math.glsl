@@ -61,7 +61,7 @@ float atan2_exact(float y, float x) {
 // Angle in [0, pi] whose cosine is x; x beyond [-1, 1] is clamped.
 float acos_exact(float x) { return atan2_exact(sqrt(max(0.0, (1.0 - x) * (1.0 + x))), x); }
 
-// ---- frames -----------------------------------------------------------------------------------------------------
+// ---- local bases ------------------------------------------------------------------------------------------------
 
 // Tangent and bitangent of the unit vector n, without a branch and without a singularity (Duff et al., JCGT 2017).
 void make_basis(vec3 n, out vec3 tangent, out vec3 bitangent) {

@@ -1,4 +1,4 @@
-// The GGX microfacet distribution with height-correlated Smith shadowing, in the local frame (z = shading normal).
+// The GGX microfacet distribution with height-correlated Smith shadowing, in the local basis (z = shading normal).
 //
 // Everything is written in the stretched vector (x/alpha, y/alpha, z) or in sines, never 1 - cos^2, so that it stays
 // accurate from alpha = 1e-4 to 1 and down to grazing angles.

@@ -1,5 +1,5 @@
-// Records of the scene, read 16 bytes at a time through texel buffers: Mesa 22.3 reads storage buffers word by word and lane by lane,
-// and members of structs so. What a kernel does not use of a record is not fetched.
+// Records of the scene, read 16 bytes at a time through texel buffers: Mesa 22.3 reads storage buffers word by word and
+// lane by lane, members of structs included. What a kernel does not use of a record is not fetched.
 #ifndef WAVEPATH_RECORDS_GLSL
 #define WAVEPATH_RECORDS_GLSL
 

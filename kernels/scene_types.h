@@ -8,10 +8,11 @@
 namespace wavepath::gpu {
 #endif
 
-// ---- descriptor bindings --------------------------------------------------------------------------------------------------
-// One set serves all kernels of an integrator: slots 0 to 15 are the frame's and the scene's, 16 to 19 the film's, those from 20 on
-// the integrator's own.
-// Read-only data goes through uniform texel buffers: on lavapipe (Mesa 22.3) they traverse twice as fast as storage buffers.
+// ---- descriptor bindings --------------------------------------------------------------------------------------------
+// One set serves all kernels of an integrator: bindings 0 to 15 hold the constants of the render and the scene, 16 to
+// 19 the film, those from 20 on what is the integrator's own.
+// Read-only data goes through uniform texel buffers: on lavapipe (Mesa 22.3) they traverse twice as fast as storage
+// buffers.
 GPU_CONSTANT uint kBindNodes = 1u;             // texels RGBA32UI, kNodeTexels each: bvh::WideNode
 GPU_CONSTANT uint kBindTriangles = 2u;         // texels RGBA32F, kTriangleTexels each: Triangle, in BVH leaf order
 GPU_CONSTANT uint kBindTriangleVertices = 3u;  // texels RGBA32UI, one a triangle: three vertex indices, unused
@@ -27,14 +28,14 @@ GPU_CONSTANT uint kBindLights = 12u;           // texels RGBA32UI, kLightTexels 
 GPU_CONSTANT uint kBindEnvironment = 13u;      // texels RGBA32F: radiance, probability of the texel
 GPU_CONSTANT uint kBindEnvironmentAlias = 14u; // texels RG32UI: float bits of the threshold, alias
 
-// ---- geometry -------------------------------------------------------------------------------------------------------------
+// ---- geometry -------------------------------------------------------------------------------------------------------
 GPU_CONSTANT uint kNodeTexels = 3u;     // 48 bytes, see bvh/wide.h
 GPU_CONSTANT uint kCellBias = 66u;      // of the exponents of a node's grid
 GPU_CONSTANT uint kTriangleTexels = 3u; // 48 bytes
 GPU_CONSTANT uint kInstanceTexels = 7u;
 
-// A leaf that waits to be tested: kLeafBit | item count << kLeafCountShift | first item. Items are triangles, or instances in
-// the top level of a two-level tree.
+// A leaf that is still to be tested: kLeafBit | item count << kLeafCountShift | first item. Items are triangles, or
+// instances in the top-level tree.
 GPU_CONSTANT uint kLeafBit = 0x80000000u;
 GPU_CONSTANT uint kLeafCountShift = 28u;
 GPU_CONSTANT uint kLeafFirstMask = 0x0fffffffu;
@@ -45,8 +46,8 @@ GPU_CONSTANT uint kTriangleAlpha = 1u << 30;       // its material is MASK or BL
 GPU_CONSTANT uint kTriangleSmooth = 1u << 29;      // has vertex normals
 GPU_CONSTANT uint kTriangleMaterialMask = kTriangleSmooth - 1u;
 
-// Object space for instanced meshes, device world space for everything else. A tree with spatial splits holds copies of a
-// triangle; all that chooses between triangles goes by `id`, so that no picture depends on how the tree was built.
+// Object space for instanced meshes, device world space for everything else. A tree with spatial splits holds copies of
+// a triangle; all that chooses between triangles goes by `id`, so that no picture depends on how the tree was built.
 struct Triangle {
   vec3 v0;
   uint surface;
@@ -68,7 +69,7 @@ struct Instance {
 };
 GPU_CHECK(sizeof(Instance) == 16 * kInstanceTexels);
 
-// ---- materials and textures -----------------------------------------------------------------------------------------------
+// ---- materials and textures -----------------------------------------------------------------------------------------
 GPU_CONSTANT uint kMaterialDoubleSided = 1u << 0;
 GPU_CONSTANT uint kMaterialMask = 1u << 1;
 GPU_CONSTANT uint kMaterialBlend = 1u << 2;
@@ -109,7 +110,7 @@ GPU_CONSTANT uint kTextureFloat = 1u << 6;  // four float words a texel, already
 GPU_CONSTANT uint kTextureUv1 = 1u << 7;    // TEXCOORD_1
 GPU_CONSTANT uint kTextureMoved = 1u << 8;  // uv_matrix and uv_offset apply
 
-// An image as one material slot sees it. uv' = (dot(uv_matrix.xy, uv), dot(uv_matrix.zw, uv)) + uv_offset.
+// An image as one texture of a material uses it. uv' = (dot(uv_matrix.xy, uv), dot(uv_matrix.zw, uv)) + uv_offset.
 struct Texture {
   uint first_texel; // word index into the texel buffer
   uint width;
@@ -123,7 +124,7 @@ struct Texture {
 GPU_CONSTANT uint kTextureTexels = 3u;
 GPU_CHECK(sizeof(Texture) == 16 * kTextureTexels);
 
-// ---- lights ---------------------------------------------------------------------------------------------------------------
+// ---- lights ---------------------------------------------------------------------------------------------------------
 GPU_CONSTANT uint kLightTriangle = 0u;
 GPU_CONSTANT uint kLightPoint = 1u;
 GPU_CONSTANT uint kLightSpot = 2u;

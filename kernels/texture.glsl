@@ -25,8 +25,9 @@ vec4 fetch_texel(Texture image, int x, int y) {
   return linear;
 }
 
-// Position in the image, 0..1, after wrapping. A texture transform may carry finite coordinates beyond the range of floats;
-// those become 0, as pack() makes the ones that were broken in the file, for a weight that is no number would be the pixel's.
+// Position in the image, 0..1, after wrapping. A texture transform may carry finite coordinates beyond the range of
+// floats; those become 0, as pack() does with values in the file that are not finite, because a weight of NaN would
+// make the pixel NaN.
 float wrap_coordinate(float u, uint mode) {
   u = is_finite(u) ? u : 0.0;
   if (mode == kWrapClamp) return clamp(u, 0.0, 1.0);
@@ -34,8 +35,8 @@ float wrap_coordinate(float u, uint mode) {
   return fract(u);
 }
 
-// The two texels around x (in texels), and the weight of the second. Neighbours wrap where the image repeats; where it is
-// mirrored or clamped the border's neighbour is the border itself.
+// The two texels around x (in texels), and the weight of the second. Neighbours wrap where the image repeats; where it
+// is mirrored or clamped the border's neighbour is the border itself.
 ivec2 neighbours(float x, int size, uint mode, out float weight) {
   float first = floor(x - 0.5);
   weight = x - 0.5 - first;
@@ -68,7 +69,7 @@ vec4 sample_texture(uint index, vec4 uv_sets) {
   return mix(upper, lower, weight.y);
 }
 
-// As above, or 1 where a slot has no texture. `feature` says whether any material of the scene has one in this slot.
+// As above, or 1 where the material has no such texture. `feature` says whether any material of the scene has one.
 vec4 sample_texture_or_1(uint feature, uint index, vec4 uv_sets) {
   if (!has(feature) || index == kNone) return vec4(1.0);
   return sample_texture(index, uv_sets);

@@ -1,5 +1,5 @@
-// A ray against one triangle, and rays carried into an instance's space: the watertight test of Woop, Benthin and Wald 2013, device twin
-// of bvh/intersect.h. Include bindings.glsl with BIND_GEOMETRY first.
+// A ray against one triangle, and rays carried into an instance's space: the watertight test of Woop, Benthin and Wald
+// 2013, with the arithmetic of bvh/intersect.h. Include bindings.glsl with BIND_GEOMETRY first.
 #ifndef WAVEPATH_TRIANGLE_GLSL
 #define WAVEPATH_TRIANGLE_GLSL
 

@@ -1,5 +1,5 @@
-// Where a ray arrives: surface, material and BSDF, and the medium on either side. Include bindings.glsl with BIND_GEOMETRY and
-// BIND_SURFACES first.
+// The point where a ray hits: surface, material and BSDF, and the medium on either side. Include bindings.glsl with
+// BIND_GEOMETRY and BIND_SURFACES first.
 #ifndef WAVEPATH_VERTEX_GLSL
 #define WAVEPATH_VERTEX_GLSL
 
@@ -62,10 +62,10 @@ bool sides_agree(Vertex v, vec3 wi) {
   return (dot(wi, facing) > 0.0) == (dot(wi, v.normal) > 0.0);
 }
 
-// What a ray is in after crossing the surface of a volume.
+// The medium that a ray is in after it crossed the surface of a volume.
 uint medium_behind(Vertex v) { return v.bsdf.entering ? v.surface.material : kNone; }
 
-// Share of light that a way through a medium leaves; only open meshes let a path leave to infinity inside one.
+// Transmittance of a distance in a medium; a path leaves to infinity inside a medium only through an open mesh.
 const float kFarAway = 1e30; // metres; not infinity: 0 * inf
 vec3 medium_transmittance(uint medium, float distance_) {
   return medium == kNone ? vec3(1.0) : exp(-fetch_material(medium).attenuation * distance_);

@@ -1,4 +1,4 @@
-"""Scenes whose radiance is known on paper; each carries the formula and the value in extras.wavepath.
+"""Scenes whose radiance has a closed form; each carries the formula and the value in extras.wavepath.
 
 Most measure one point: an orthographic camera 2 um wide, close above the receiver, so that it stands in no light's way.
 """
@@ -48,7 +48,7 @@ def receiver(name, camera_height=0.05):
 
 
 def reflected(irradiance, light=COLOR):
-    """What the receiver sends back of `irradiance` per unit of light."""
+    """Radiance that the receiver reflects of `irradiance`, per unit of light."""
     return scale(product(ALBEDO, light), irradiance / PI)
 
 
@@ -149,7 +149,7 @@ def spot_light():
 
 
 def lights_of_all_sizes():
-    """What matters is that the probability of picking a light cancels, however unequal the lights."""
+    """Checks that the probability of picking a light cancels, however unequal the lights are."""
     g = receiver("seven lights over six decades")
     total = ORIGIN
     for i in range(5):

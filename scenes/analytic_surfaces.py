@@ -1,4 +1,4 @@
-"""Surfaces whose radiance is known on paper: mirrors, glass, rough metal, transparency, emission."""
+"""Surfaces whose radiance has a closed form: mirrors, glass, rough metal, transparency, emission."""
 
 import math
 
@@ -10,7 +10,7 @@ WIDE = 0.1
 
 
 def backdrop(g, height=-1.0, size=50.0):
-    """A glowing floor that looks up."""
+    """An emissive floor that faces up."""
     s = size
     sheet = quad((-s, height, -s), (-s, height, s), (s, height, s), (s, height, -s))
     g.mesh("backdrop", sheet, g.emitter("backdrop", COLOR))

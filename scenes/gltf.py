@@ -33,7 +33,7 @@ def normalize(a):
 
 
 def tidy(value):
-    """Seven decimals: swallows the last-bit differences between maths libraries, keeps float precision."""
+    """Seven decimals: hides the last-bit differences between maths libraries, keeps float precision."""
     if isinstance(value, float):
         return round(value, 7) + 0.0
     if isinstance(value, (list, tuple)):

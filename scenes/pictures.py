@@ -1,4 +1,4 @@
-"""The scenes to look at: Cornell box, furnaces, and the one that shows off."""
+"""The scenes of pictures: Cornell box, furnaces, and the showcase."""
 
 import math
 

@@ -1,5 +1,6 @@
-// Renders scenes whose radiance is known on paper (extras.wavepath of the files in scenes/, see scenes/README.md) and judges
-// them by a t-test; then what must hold for any scene: estimators agree, nothing depends on how the work is cut up.
+// Renders scenes whose radiance has a closed form (extras.wavepath of the files in scenes/, see scenes/README.md) and
+// judges them by a t-test; then what must hold for any scene: estimators agree, nothing depends on how the work is cut
+// up.
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -27,10 +28,10 @@ namespace fs = std::filesystem;
 
 const fs::path kScenes = fs::path(WAVEPATH_SOURCE_DIR) / "scenes";
 
-// Student's t with the 64 degrees of freedom of an 8x8 picture: at this bound one of the 300 or so means that are tested
-// would fail by chance once in a hundred choices of the seed.
+// Student's t with the 64 degrees of freedom of an 8x8 picture: at this bound one of the 300 or so means that are
+// tested would fail by chance once in a hundred choices of the seed.
 constexpr double kLargestT = 4.4;
-constexpr double kLargestNoise = 0.01; // standard error over expected value; more would prove nothing
+constexpr double kLargestNoise = 0.01; // standard error over expected value; more would accept wrong means
 constexpr double kRounding = 2e-6;     // relative, of means of floats
 
 struct Oracle {
@@ -93,8 +94,8 @@ struct Mean {
   double value = 0.0, standard_error = 0.0;
 };
 
-// The mean of two renders that differ in nothing but the seed. Their difference, pixel by pixel, tells the noise, whatever
-// the pixels' own values are.
+// The mean of two renders that differ in nothing but the seed. Their difference, pixel by pixel, tells the noise,
+// whatever the pixels' own values are.
 Mean mean_of(const std::vector<float>& a, const std::vector<float>& b) {
   double sum = 0.0, squares = 0.0;
   for (std::size_t i = 0; i < a.size(); ++i) {
@@ -258,7 +259,7 @@ TEST_F(AnyScene, HowTheWorkIsCutUpDoesNotMatter) {
 TEST_F(AnyScene, TheTreeDoesNotMatter) {
   Scene showcase = load_gltf((kScenes / "showcase.glb").string(), {});
   const PackedScene best = pack(showcase, gpu::kDirectMis, bvh::Quality::best);
-  EXPECT_GT(best.triangles.size(), best.triangles_stored) << "no triangle was split, so this would prove little";
+  EXPECT_GT(best.triangles.size(), best.triangles_stored) << "no triangle was split, so copies were not checked";
   for (const fs::path& path : scenes_) {
     SCOPED_TRACE(path.stem());
     const RenderResult plain = render_scene(device(), path, small_ + std::vector<std::string>{"--bvh", "fast"});

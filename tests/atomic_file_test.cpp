@@ -1,4 +1,5 @@
-// Output files appear whole or not at all: under kills, full disks and hopeless targets.
+// Output files appear whole or not at all: when the process is killed, the disk is full, or the target cannot be
+// written.
 #include <csignal>
 #include <filesystem>
 #include <fstream>

@@ -157,10 +157,10 @@ TEST_F(Bench, FramesCountWhatTheyTrace) {
   const Loaded scene = load(load_gltf(kCornell, {}), settings_);
   settings_.wave_slots = 500; // several waves a sample
   WarmLoop warm = make_loop(device(), scene.packed, scene.view, settings_);
-  const FrameTime one = render_frame(warm, 1), two = render_frame(warm, 2);
+  const RenderTime one = time_render(warm, 1), two = time_render(warm, 2);
   EXPECT_EQ(one.rays.camera, 48u * 32u);
   EXPECT_EQ(two.rays.camera, 2u * 48u * 32u);
-  EXPECT_EQ(render_frame(warm, 1).rays.total(), one.rays.total());
+  EXPECT_EQ(time_render(warm, 1).rays.total(), one.rays.total());
 }
 
 // What bench --ablate compiles in, one at a time.
@@ -208,7 +208,7 @@ protected:
   const std::string json_ = folder_.file("bench.json");
 };
 
-TEST_F(BenchCommand, WritesTheDocumentOfTheContract) {
+TEST_F(BenchCommand, WritesTheDocumentedKeys) {
   const Outcome outcome = bench({kCornell, "--json", json_});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   const Json json = Json::parse(std::ifstream(json_));

@@ -11,7 +11,7 @@ constexpr std::uint32_t kBins = 32; // along each axis of the region
 struct Cell {
   std::uint32_t config, bin;
   double x, y, size; // lower corner in [0,1)^2
-  double integral;   // of the density over it, from one level up
+  double integral;   // of the density over it, from the cell that it is a quarter of
 };
 
 struct Frame {

@@ -40,7 +40,7 @@ struct Pair {
 struct Drawn {
   double count = 0.0;
   glm::dvec3 weight{0.0};                                // mean of f cos / pdf, radiance scaling undone: the albedo
-  double weight_error = 0.0;                             // its standard error, were the samples independent
+  double weight_error = 0.0;                             // its standard error if the samples were independent
   double delta = 0.0, rejected = 0.0, transmitted = 0.0; // fractions
   double bad = 0.0;                                      // count
   double least = 1e30, most = 0.0;                       // weight component of accepted samples

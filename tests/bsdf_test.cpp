@@ -131,7 +131,7 @@ TEST_F(BsdfTest, GgxFurnaceFollowsTheTable) {
   EXPECT_NEAR(drawn({metal(1.0f)}, {.batches = 1024})[0].weight.x, 1.0 - std::log(2.0), 2e-4);
 }
 
-// Smooth glass passes on everything, and every single sample says so.
+// Smooth glass loses no light: every single sample has weight 1.
 TEST_F(BsdfTest, DielectricFurnaceIsExact) {
   std::vector<Config> materials;
   for (const float ior : {1.0f, 1.0f + 1e-6f, 1.5f, 10.0f})
@@ -285,7 +285,7 @@ TEST_F(BsdfTest, IsReciprocal) {
       const glm::vec3 o(direction(0.01 + 0.99 * next(), 6.28 * next())),
           w(direction(2.0 * next() - 1.0, 6.28 * next()));
       there.push_back({o, c, glm::vec4(w, 0.0f)});
-      const bool through = w.z < 0.0f; // wo of the way back must point up, so the frame turns over
+      const bool through = w.z < 0.0f; // wo of the way back must point up, so the basis is turned over
       const glm::vec3 flip(1.0f, 1.0f, through ? -1.0f : 1.0f);
       back.push_back({w * flip, through ? c ^ 1u : c, glm::vec4(o * flip, 0.0f)});
     }

@@ -1,4 +1,4 @@
-// The BVH builder gives sound trees on any input, and the validator sees what is not sound.
+// The BVH builder gives valid trees on any input, and the validator finds what is not valid.
 #include <array>
 #include <cstring>
 

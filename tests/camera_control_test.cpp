@@ -1,4 +1,4 @@
-// The camera in the hand: where it goes, and that its flags say exactly where it is.
+// The camera that the user moves: where it goes, and that its flags say exactly where it is.
 #include "host/view/camera_control.h"
 
 #include <cmath>
@@ -41,7 +41,7 @@ CameraControl front_camera() {
 
 TEST(CameraControl, OrbitsAboutTheTarget) {
   CameraControl control = front_camera();
-  control.orbit(kQuarter, 0.0); // the scene follows the hand to the right: the eye goes to the left
+  control.orbit(kQuarter, 0.0); // the scene follows the pointer to the right: the eye goes to the left
   expect_near(control.view().position, {-4, 0, 0});
   expect_near(control.view().forward, {1, 0, 0});
   control.orbit(0.0, 0.5);

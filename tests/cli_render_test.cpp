@@ -1,4 +1,4 @@
-// wavepath render, run as a user runs it, on whatever device there is.
+// `wavepath render` from the command line, on the device that there is.
 #include <csignal>
 #include <filesystem>
 #include <fstream>
@@ -83,7 +83,7 @@ TEST_F(CliRenderTest, StatsNameTheBiasOfEveryIntegrator) {
   EXPECT_EQ(hybrid.find("missing"), std::string::npos) << hybrid;
 }
 
-TEST_F(CliRenderTest, StatsHaveTheKeysOfTheContract) {
+TEST_F(CliRenderTest, StatsHaveTheDocumentedKeys) {
   ASSERT_EQ(render({"-o", exr_, "--spp", "4", "--stats", stats_, "--seed", "3"}).exit_code, 0);
   const Json stats = Json::parse(std::ifstream(stats_));
   for (const char* key : {"wavepath", "scene", "command", "sampler", "integrator"})

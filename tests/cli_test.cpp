@@ -44,7 +44,7 @@ std::string flowing(const std::string& text) {
 
 const std::string kBox = scene_file("cornell_box.gltf");
 
-TEST(Help, DocumentsEveryFlagOfTheContract) {
+TEST(Help, DocumentsEveryFlag) {
   const Outcome help = run_wavepath({"render", "--help"});
   EXPECT_EQ(help.exit_code, 0);
   EXPECT_EQ(help.err, "");
@@ -127,7 +127,7 @@ TEST(Usage, WhatAnIntegratorCannotDoIsRefused) {
   refused({"--integrator", "hybrid", "--ambient", "1,1,1e300"}, "'1,1,1e300' is too large");
 }
 
-// Whether or not it was built with a window, and on a screen or not: no scene is read for nothing.
+// With and without a window in the build, with and without a screen: no scene is read before the refusal.
 TEST(Usage, ViewNeedsAScreen) {
   const std::string broken = scene_file("README.md"); // no glTF
   const RunOptions no_screen{.in_child = [] {

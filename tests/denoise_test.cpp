@@ -1,5 +1,5 @@
-// The filters over time, on pictures whose truth is known: noise goes, edges and what is certain stay, the past moves
-// with the camera.
+// The filters over time, on pictures whose truth is known: noise is removed, edges and values without noise stay, the
+// history moves with the camera.
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -108,7 +108,7 @@ Signals noise(const Shot& shot, std::uint32_t seed) {
   });
 }
 
-// A pattern that no two pixels share; what is certain must stay as it is.
+// A pattern that no two pixels share; values without noise must stay as they are.
 Signals pattern(const Shot& shot) {
   std::mt19937 random(7);
   std::uniform_real_distribution<float> uniform;
@@ -159,9 +159,9 @@ protected:
 };
 
 // Five iterations of the B3 spline with nothing in the way have a standard deviation of sqrt(1 + 4 + ... + 256) = 18.5
-// pixels: as wide as a Gaussian that leaves 1 / (2 sqrt(pi) 18.5) = 0.015 of white noise. Luminance weights cost most of
-// that, because noise that has been filtered is correlated and its variance, estimated as if it were not, too small. Two
-// iterations without luminance weights would leave 0.13.
+// pixels: as wide as a Gaussian that leaves 1 / (2 sqrt(pi) 18.5) = 0.015 of white noise. Luminance weights cost most
+// of that, because noise that has been filtered is correlated and its variance, estimated as if it were not, too small.
+// Two iterations without luminance weights would leave 0.13.
 TEST_F(DenoiseTest, FlatNoiseIsFilteredFromTheFirstFrame) {
   const Shot shot = wall(128, 128);
   begin(128, 128);

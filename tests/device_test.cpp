@@ -1,5 +1,5 @@
-// The device itself: staging where device memory cannot be mapped, the CPU driver that poses as a discrete GPU, and
-// whether the validation layer checks synchronization.
+// The device itself: staging where device memory cannot be mapped, the CPU driver that is treated as a discrete GPU,
+// and whether the validation layer checks synchronization.
 #include "host/gpu/device.h"
 
 #include <numeric>

@@ -1,4 +1,4 @@
-// Environments: the command line's words, files good and bad, the lat-long convention, and the importance table.
+// Environments: values of flags, valid and broken files, the lat-long convention, and the importance table.
 #include "host/scene/environment.h"
 
 #include <bit>
@@ -33,7 +33,7 @@ struct FileOptions {
   std::vector<std::string> channels{"R", "G", "B"};
 };
 
-// Writes `values` (interleaved) and, with `mip`, a second level full of 99.
+// Writes `values` (interleaved) and, with `mip`, a second MIP level full of 99.
 std::string write_image(const std::string& name, int width, int height, const std::vector<float>& values,
                         const FileOptions& options = {}) {
   const std::string file = temporary_file(name);
@@ -41,7 +41,7 @@ std::string write_image(const std::string& name, int width, int height, const st
   OIIO::ImageSpec spec(width, height, static_cast<int>(options.channels.size()), options.type);
   spec.channelnames = options.channels;
   if (options.tile > 0) spec.tile_width = spec.tile_height = options.tile;
-  if (options.mip) spec["textureformat"] = "Plain Texture"; // asks for levels
+  if (options.mip) spec["textureformat"] = "Plain Texture"; // asks for MIP levels
   EXPECT_TRUE(output->open(file, spec)) << output->geterror();
   EXPECT_TRUE(output->write_image(OIIO::TypeDesc::FLOAT, values.data())) << output->geterror();
   if (options.mip) {
@@ -150,7 +150,7 @@ TEST(Environment, RefusesBrokenFilesInWords) {
   EXPECT_NE(message_of(testing::TempDir()), "no error");
 }
 
-TEST(Environment, TurnsDirectionsIntoPositionsAsTheContractSays) {
+TEST(Environment, TurnsDirectionsIntoPositions) {
   const auto expect_uv = [](const glm::dvec3& d, double rotation, double u, double v) {
     const glm::dvec2 uv = environment_uv(d, rotation);
     EXPECT_NEAR(uv.x, u, 1e-12);

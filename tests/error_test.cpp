@@ -104,8 +104,8 @@ class Coverage : public VulkanTest, public ::testing::WithParamInterface<Case> {
 
 TEST_P(Coverage, TheIntervalHoldsTheTrueError) {
   const Case& c = GetParam();
-  // A twelfth of the error is left in the reference. Pictures of fewer pixels hang on single ones: at 24x24 a pixel
-  // that the lamp's border crosses makes a third of the Cornell box's whole error, and is reported as such
+  // A twelfth of the error is left in the reference. The error of smaller pictures depends on single pixels: at 24x24 a
+  // pixel that the lamp's border crosses makes a third of the Cornell box's whole error, and is reported as such
   // (largest_sample_share).
   constexpr std::uint32_t kSide = 48, kSamples = 16, kRuns = 100, kReference = 128;
   RenderSettings settings = small(kSide, kSamples);
@@ -125,8 +125,8 @@ TEST_P(Coverage, TheIntervalHoldsTheTrueError) {
   const double scatter = ratio.error() * std::sqrt(double{kRuns}); // of a single estimate
   EXPECT_GE(covered, 90u);
   EXPECT_NEAR(ratio.mean(), 1.0, 0.05) << "its own noise is " << ratio.error();
-  // No wider than it must be: the scatter of single estimates, and half of the 5 % by which a scene's weights may leave the
-  // squared error wrong (error.cpp), for 95 %; the factor is for scenes whose error hangs on few pixels.
+  // No wider than it must be: the scatter of single estimates, and half of the 5 % by which a scene's weights may leave
+  // the squared error wrong (error.cpp), for 95 %; the factor is for scenes whose error depends on few pixels.
   EXPECT_LT(half_width.mean(), 1.4 * 1.96 * std::hypot(scatter, 0.025));
   RecordProperty("covered", static_cast<int>(covered));
   RecordProperty("estimate_over_truth", std::to_string(ratio.mean()));
@@ -163,7 +163,7 @@ TEST_F(ErrorTest, StoppingAtATargetDoesNotMoveTheMean) {
     variance += kBernoulli / (1.0 * result.spp * kSide * kSide);
     fewest = std::min(fewest, result.spp), most = std::max(most, result.spp);
   }
-  EXPECT_LT(fewest, most) << "all runs stopped at once, so this would prove nothing";
+  EXPECT_LT(fewest, most) << "all renders stopped at once, so nothing was checked";
   EXPECT_NEAR(sum / kRuns, kCorner, 3.0 * std::sqrt(variance) / kRuns);
 }
 
@@ -201,7 +201,7 @@ TEST_F(ErrorTest, AdaptiveSamplingKeepsTheMeanAndLowersTheError) {
   double mean = 0.0, squares = 0.0;
   for (const double d : differences) mean += d / kRuns;
   for (const double d : differences) squares += (d - mean) * (d - mean);
-  constexpr double kStudent = 3.5; // 99 % of eight runs, two-sided
+  constexpr double kStudent = 3.5; // 99 % of eight repetitions, two-sided
   EXPECT_LT(std::abs(mean), kStudent * std::sqrt(squares / (kRuns * (kRuns - 1))));
 }
 

@@ -1,4 +1,4 @@
-// A sound glTF file to start from, loading of built files, and checks of what came out, for the glTF tests.
+// A valid glTF file to start from, loading of built files, and checks of what came out, for the glTF tests.
 #pragma once
 
 #include <string>

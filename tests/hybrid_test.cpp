@@ -1,5 +1,6 @@
-// Hybrid rendering: it agrees with the path tracer on direct light, knows its own error, has exact occlusion, and gives the
-// same bits however the work is cut up. (Analytic scenes: analytic_test.cpp; the rasterizer alone: visibility_test.cpp.)
+// Hybrid rendering: it agrees with the path tracer on direct light, estimates its own error, has exact occlusion, and
+// gives the same bits however the work is cut up. (Analytic scenes: analytic_test.cpp; the rasterizer alone:
+// visibility_test.cpp.)
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -168,7 +169,7 @@ TEST_F(HybridTest, MoreLightSamplesMeanLessNoise) {
   for (int c = 0; c < 3; ++c) EXPECT_NEAR(ratio[c], 16.0, 5.0) << c; // from 384 pixels each variance is known to 7 %
 }
 
-// The scenes look at one point through a keyhole, which is nothing for a rasterizer, so that such frames are traced
+// The scenes' cameras see one point, too small an extent for a rasterizer, so that such frames are traced
 // (analytic_test.cpp has them); a wider one shows the same values.
 TEST_F(HybridTest, OcclusionIsExact) {
   const std::vector<std::pair<std::string, double>> oracles{

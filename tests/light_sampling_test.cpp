@@ -105,7 +105,7 @@ private:
 
 // The centre of the image looks along +X, three quarters across +Z, one quarter -Z, the top row +Y; a positive rotation
 // turns the map counter-clockwise seen from above, so that its centre goes from +X towards -Z.
-TEST_F(LightSamplingTest, EnvironmentIsAddressedAsTheContractSays) {
+TEST_F(LightSamplingTest, EnvironmentIsAddressedAsDocumented) {
   const auto uv = [&](const glm::vec3& d) { return run(0, {{.a = glm::vec4(d, 0)}})[0].b; };
   EXPECT_NEAR(uv({1, 0, 0}).x, 0.5, 1e-6);
   EXPECT_NEAR(uv({1, 0, 0}).y, 0.5, 1e-6);

@@ -1,4 +1,4 @@
-// Lights: alias tables, weights by power, and densities that estimator and picker agree on.
+// Lights: alias tables, weights by power, and densities on which estimation and sampling agree.
 #include <cmath>
 #include <numbers>
 #include <random>

@@ -1,5 +1,5 @@
-// Runs the tests of one program. A test that is skipped proves nothing, so the program says which were and exits with 77,
-// which CTest shows as "Skipped".
+// Runs the tests of one program. A test that is skipped checks nothing, so the program says which were and exits with
+// 77, which CTest shows as "Skipped".
 #include <cstdio>
 
 #include <gtest/gtest.h>
@@ -23,7 +23,7 @@ int report_skipped(const ::testing::UnitTest& tests) {
                        test.result()->GetTestPartResult(i).message());
     }
   }
-  if (count > 0) std::fprintf(stderr, "SKIPPED: %d of %d tests prove nothing here\n", count, tests.test_to_run_count());
+  if (count > 0) std::fprintf(stderr, "SKIPPED: %d of %d tests check nothing here\n", count, tests.test_to_run_count());
   return count;
 }
 

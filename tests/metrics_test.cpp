@@ -1,4 +1,4 @@
-// Metrics against values worked out by hand, FLIP against what its definition forces.
+// Metrics against values worked out by hand, FLIP against what follows from its definition.
 #include <cmath>
 #include <limits>
 #include <numeric>

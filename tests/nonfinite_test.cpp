@@ -49,8 +49,8 @@ Scene wall(float unit = 1.0f) {
 }
 
 // A white wall that glows with 1.5e38 under a sky of 1.5e38 and beside a lamp that adds about as much: each is below
-// the largest float, 3.4e38, the sum need not be. So both of the kernels that add to a path spoil some, and some stay
-// finite.
+// the largest float, 3.4e38, the sum need not be. So both of the kernels that add to a path make some not finite, and
+// some stay finite.
 Shot glowing_wall() {
   Scene scene = wall();
   scene.materials[0].base_color = glm::vec4(1.0f);

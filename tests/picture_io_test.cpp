@@ -1,4 +1,4 @@
-// Pictures written and read back: EXR as the contract has it, display formats, and failure without half files.
+// Pictures written and read back: EXR with its header, display formats, and failure without incomplete files.
 #include <cmath>
 #include <csignal>
 #include <filesystem>
@@ -85,7 +85,7 @@ protected:
   TemporaryFolder folder_;
 };
 
-TEST_F(PictureIoTest, ExrHasTheContractsHeader) {
+TEST_F(PictureIoTest, ExrHasTheDocumentedHeader) {
   const std::vector<std::string> names = {"R",        "G",   "B",   "A",   "albedo.R", "albedo.G",
                                           "albedo.B", "N.X", "N.Y", "N.Z", "Z",        "samples"};
   const std::string path = folder_.file("a.exr");
@@ -231,7 +231,7 @@ TEST_F(PictureIoTest, DamagedFilesAreRefused) {
   EXPECT_THROW(read_picture(folder_.file("depth.exr")), Error);
 }
 
-// OpenEXR's destructors swallow exceptions; the stream must not let that pass for success, wherever the disk fills up.
+// OpenEXR's destructors discard exceptions; the stream must report the failure, wherever the disk fills up.
 TEST_F(PictureIoTest, AFullDiskLeavesTheOldPicture) {
   for (const std::string name : {"a.exr", "a.png", "a.hdr", "a.jpg"}) {
     const std::string path = folder_.file(name);

@@ -26,7 +26,8 @@ protected:
     VulkanTest::TearDown();
   }
 
-  // Opens the device as a run does, compiles a kernel and closes it again. Returns what the cache said of itself.
+  // Opens the device as the program does, compiles a kernel and closes it again. Returns how the cache describes
+  // itself.
   static std::string run_once() {
     Device device(std::getenv("WAVEPATH_DEVICE") ? std::getenv("WAVEPATH_DEVICE") : "");
     std::vector<ProbeBuffer> buffers{to_probe(std::vector<float>(128, 0.5f))};
@@ -43,7 +44,7 @@ protected:
     std::ifstream stream(file, std::ios::binary);
     return {std::istreambuf_iterator<char>(stream), {}};
   }
-  // Whatever stands in the file, a run works and leaves a sound one.
+  // Whatever the file holds, the program works and leaves a valid file.
   void expect_recovery(const fs::path& file, const std::string& contents) {
     std::ofstream(file, std::ios::binary) << contents;
     run_once();

@@ -167,8 +167,8 @@ TEST_F(ProgressiveTest, FramesMakeTheBitsOfRender) {
   expect_as_rendered(progressive);
 }
 
-// While the camera moves, hybrid frames are joined to those before: a picture of many moves has less noise than one frame,
-// and what comes to rest is free of them (FramesMakeTheBitsOfRender).
+// While the camera moves, hybrid frames are joined to those before: a picture of many moves has less noise than one
+// frame, and what comes to rest is free of them (FramesMakeTheBitsOfRender).
 TEST_F(ProgressiveTest, FramesInMotionAreAntialiasedOverTime) {
   if (!device().rasterizes()) GTEST_SKIP() << "the device cannot rasterize";
   open("cornell_box.gltf");
@@ -176,9 +176,9 @@ TEST_F(ProgressiveTest, FramesInMotionAreAntialiasedOverTime) {
   settings_.max_depth = 1;
   const auto noise_after = [&](int moves) {
     Progressive progressive = begin();
-    while (progressive.step() || progressive.status().compiling) {} // how long frames take is known by now
+    while (progressive.step() || progressive.status().compiling) {} // the time of a frame is known now
     for (int i = 0; i < moves; ++i) {
-      progressive.move(view_); // it only trembles
+      progressive.move(view_); // to the same view
       while (progressive.status().spp == 0) progressive.step();
     }
     EXPECT_TRUE(progressive.moving());

@@ -58,7 +58,7 @@ TEST_F(Resume, SurvivesBeingKilledAtAnyMoment) {
   const std::vector<std::string> resumed{
       "--aov", "albedo,depth,variance,samples", "--checkpoint", "state", "--checkpoint-interval", "0", "--resume"};
   std::mt19937 random(1);
-  std::uniform_real_distribution<double> moment(0.0, 1.5); // seconds; a whole run takes about one
+  std::uniform_real_distribution<double> moment(0.0, 1.5); // seconds; a whole render takes about one
   int killed = 0, with_state = 0;
   for (int i = 0; i < 25; ++i) {
     std::vector<std::string> arguments{"/usr/bin/timeout",

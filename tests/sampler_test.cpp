@@ -34,7 +34,7 @@ protected:
   }
 };
 
-// Points of one replicate out of a run of samples.
+// Points of one replicate out of a range of samples.
 std::vector<glm::vec2> replicate(const glm::vec2* samples, std::uint32_t count, std::uint32_t r) {
   std::vector<glm::vec2> result;
   for (std::uint32_t i = r; i < count; i += gpu::kReplicates) result.push_back(samples[i]);

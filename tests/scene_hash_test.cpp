@@ -11,7 +11,7 @@
 namespace wavepath {
 namespace {
 
-// One of everything; texture slots hold the image.
+// One of everything; all textures of the material hold the image.
 Scene full_scene() {
   Scene scene;
   scene.images.push_back({"image", 1, 2, {1, 2, 3, 4, 5, 6, 7, 8}, {}});
@@ -80,7 +80,7 @@ protected:
 
 TEST_F(SceneHash, SeesEveryFieldOfAMaterial) {
   visit_material_fields([&](const auto& row) { expect_seen(row.name, scene_.materials[0].*row.field); });
-  EXPECT_GT(seen_.size(), 80u); // 11 factors, 4 choices, 7 slots of 8 properties, by component
+  EXPECT_GT(seen_.size(), 80u); // 11 factors, 4 choices, 7 textures of 8 properties, by component
 }
 
 TEST_F(SceneHash, SeesWhichSlotATextureIsIn) {

@@ -1,4 +1,4 @@
-// The frame of the numerical suite: verdicts, exit codes, output; and that rows of the team's table have their cases.
+// The numerical suite around its cases: verdicts, exit codes, output; and that cases 1 to 44 exist.
 // The cases themselves run as a test of their own.
 #include <cmath>
 #include <limits>
@@ -45,7 +45,7 @@ TEST(Cases, HaveNamesMeaningsAndRows) {
     EXPECT_STRNE(test.meaning, "") << test.name;
     rows.insert(test.row);
   }
-  for (int row = 1; row <= 44; ++row) // of the table of numerical cases
+  for (int row = 1; row <= 44; ++row) // the numbered cases
     EXPECT_TRUE(rows.contains(row)) << row;
 }
 
@@ -95,7 +95,7 @@ TEST_F(SelftestReport, RunsOnlyWhatIsAskedFor) {
   EXPECT_EQ(report({kPasses, kFails}, {.only = {"that pass", "fail"}}).exit_code, kExitFailed);
 }
 
-TEST_F(SelftestReport, JsonHasTheContractsFields) {
+TEST_F(SelftestReport, JsonHasTheDocumentedFields) {
   const Json document = Json::parse(report({kPasses, kFails, kSkips}, {.json = true}).text);
   ASSERT_EQ(document.size(), 3u);
   const char* verdicts[] = {"PASS", "FAIL", "SKIP"};

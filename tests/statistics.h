@@ -75,7 +75,7 @@ inline ChiSquare chi_square_uniform(const std::vector<double>& observed) {
   return chi_square(observed, std::vector<double>(observed.size(), total / double(observed.size())));
 }
 
-// Level of each of `tests` independent tests that together err with probability `alpha` (Sidak 1967).
+// Significance level of each of `tests` independent tests that together err with probability `alpha` (Sidak 1967).
 inline double sidak(double alpha, int tests) { return 1.0 - std::pow(1.0 - alpha, 1.0 / tests); }
 
 // Nodes and weights on [0, 1], exact for polynomials up to degree 7.

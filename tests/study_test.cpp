@@ -159,7 +159,8 @@ TEST(Tables, ABiasIsALevelAndNoPowerLaw) {
   EXPECT_FALSE(levels_off(make_series("sobol", 0.0, 0.5, 1)));
   Series path = make_hybrid(0.2, 0.5, 8);
   path.configuration.settings.integrator = &kPath;
-  EXPECT_FALSE(levels_off(path)) << "what has no bias has no level; rare light looks like one";
+  EXPECT_FALSE(levels_off(path))
+      << "an unbiased method does not level off; light that is rarely found only looks like it";
   // A power law through its last points would promise 0.2 within an octave; the bias says that this never comes.
   EXPECT_EQ(time_to(error_by_seconds(hybrid), 0.2).how, Reach::extrapolated);
   bool found = false;
@@ -358,7 +359,7 @@ TEST_F(StudyCommand, TakesAReferenceThatIsThere) {
   EXPECT_EQ(json["configurations"].size(), 2u);
 }
 
-// A view of nothing: there is no error, and so neither slope nor level.
+// A view of nothing: there is no error, and so neither slope nor an error at which it levels off.
 TEST_F(StudyCommand, BearsAPictureWithoutError) {
   const Outcome outcome = study({"-o", out_, "--size", "8x8", "--budget", "0.5", "--vary", "sampler", "--eye",
                                  "0,0,-99", "--look-at", "0,0,-100"});

@@ -235,7 +235,7 @@ TEST_P(Tree, AxisAlignedRaysOnBoxFaces) {
       }
 }
 
-// Unwidened boxes, as a top level may have: a ray within their faces enters one side or the other.
+// Unwidened boxes, as a top-level tree may have: a ray within their faces enters one side or the other.
 TEST(Trace, AxisAlignedRaysBetweenBoxes) {
   std::vector<Box> boxes;
   for (int x = 0; x < 8; ++x)

@@ -1,4 +1,4 @@
-// An X server without a screen, the hand that works it (xdotool's XTest events), and the pixels it shows.
+// An X server without a screen, input to it (xdotool's XTest events), and the pixels it shows.
 #pragma once
 
 #include <array>

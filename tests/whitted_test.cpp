@@ -1,6 +1,6 @@
 // Whitted's ray tracer: it agrees with path tracing where both find the same light, its two ways to branch agree, the
-// ambient term and the cutoff do what they say, and the bits do not depend on how the work is cut up. (Scenes with known
-// answers: analytic_test.cpp.)
+// ambient term and the cutoff do what they say, and the bits do not depend on how the work is cut up. (Scenes with
+// known answers: analytic_test.cpp.)
 #include <cmath>
 #include <string>
 #include <vector>

@@ -1,4 +1,4 @@
-// The real window on a virtual display, driven by real events: what it shows, how it follows the hand, and that its
+// The real window on a virtual display, driven by real events: what it shows, how it reacts to input, and that its
 // pictures have the bits of `wavepath render`.
 #include <cstdlib>
 #include <filesystem>
@@ -24,7 +24,7 @@ std::string contents(const std::string& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-// `wavepath view` as it runs.
+// A process of `wavepath view`.
 class View {
 public:
   View(const VirtualDisplay& display, const std::string& folder, std::vector<std::string> flags)

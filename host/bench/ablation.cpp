@@ -14,8 +14,8 @@ std::vector<AblationRow> ablate(Device& device, const PackedScene& scene, const 
     WarmLoop rival = make_loop(device, scene, view, variant);
     std::vector<double> without, with;
     for (std::uint32_t i = 0; i < repetitions; ++i) {
-      without.push_back(render_frame(base, spp).seconds);
-      with.push_back(render_frame(rival, spp).seconds);
+      without.push_back(time_render(base, spp).seconds);
+      with.push_back(time_render(rival, spp).seconds);
     }
     const double base_ms = 1e3 * summarize(without).median;
     rows.push_back({what, base_ms * (ratio_of_medians(with, without) - 1.0), base_ms,

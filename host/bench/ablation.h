@@ -11,13 +11,14 @@ namespace wavepath {
 
 struct AblationRow {
   std::string left_out;
-  double cost_ms = 0.0; // of a frame of `base_ms`, median over turns
+  double cost_ms = 0.0; // of a render of `base_ms`, median over turns
   double base_ms = 0.0;
   std::int64_t cost_bytes = 0; // device memory, buffers of the path state and data of the scene
   double cost_compile_ms = 0.0;
 };
 
-// Frames of `base` against kernels with one more feature, in turns; last, against generic kernels with all of them.
+// Times renders with the kernels of `base` against kernels with one more feature, in turns; last, against generic
+// kernels with all of them.
 std::vector<AblationRow> ablate(Device& device, const PackedScene& scene, const View& view,
                                 const RenderSettings& settings, WarmLoop& base, std::uint32_t spp, std::uint32_t repetitions,
                                 const std::function<void(const std::string&)>& progress);

@@ -22,14 +22,14 @@ constexpr const char* kKindNames[kind_count] = {"camera", "bounce", "shadow"};
 // signs (8), and the place of the hit (about 80).
 constexpr double kVisitFlops = 4 * (6 * 3 + 2), kTestFlops = 3 * 8 + 3 * 3 + 8 + 80;
 
-// One measurement of every kind by every contestant, in turns, so that what disturbs one disturbs all.
+// Measures the contestants in turns, so that other load on the machine disturbs all of them.
 struct Contestant {
   std::function<double(Kind)> seconds;
   std::array<std::vector<double>, kind_count> measured{};
 };
 
 void take_turns(std::vector<Contestant>& contestants, std::uint32_t repetitions) {
-  constexpr double kLongEnough = 0.03; // seconds: short runs are repeated until the clock can tell
+  constexpr double kLongEnough = 0.03; // seconds: short measurements are repeated until they take this long
   for (std::size_t kind = 0; kind < kind_count; ++kind) {
     std::uint32_t runs = 1;
     for (Contestant& each : contestants) { // warm-up
@@ -116,7 +116,7 @@ double agreement(Kind kind, const PackedScene& scene, RayReplay& replay, const R
   return agreement(replay.distances(scene, set), theirs);
 }
 
-// Embree tests neither alpha nor facing, so the kernels that it is held against leave that out too.
+// Embree tests neither alpha nor facing, so the kernels that it is compared with leave that out too.
 void compare_with_embree(Device& device, const PackedScene& scene, const View& view, const BenchSettings& settings,
                          const RaySets& rays, BenchResult& result) {
   RenderSettings opaque = settings.render;
@@ -142,27 +142,28 @@ void compare_with_embree(Device& device, const PackedScene& scene, const View& v
 }
 #endif
 
-void measure_frames(WarmLoop& warm, const RenderSettings& settings, const PackedScene& scene, std::uint32_t repetitions, BenchResult& result) {
+void measure_renders(WarmLoop& warm, const RenderSettings& settings, const PackedScene& scene,
+                     std::uint32_t repetitions, BenchResult& result) {
   PathTracing& tracing = result.path_tracing;
-  tracing.spp = choose_frame_spp(warm);
+  tracing.spp = choose_spp(warm);
   std::vector<double> seconds;
   std::vector<std::vector<double>> stage_ms;
-  FrameTime frame;
+  RenderTime time;
   for (std::uint32_t i = 0; i < repetitions; ++i) {
-    frame = render_frame(warm, tracing.spp);
-    seconds.push_back(frame.seconds);
-    stage_ms.resize(frame.stages.size());
-    for (std::size_t s = 0; s < frame.stages.size(); ++s) stage_ms[s].push_back(1e3 * frame.stages[s].seconds);
+    time = time_render(warm, tracing.spp);
+    seconds.push_back(time.seconds);
+    stage_ms.resize(time.stages.size());
+    for (std::size_t s = 0; s < time.stages.size(); ++s) stage_ms[s].push_back(1e3 * time.stages[s].seconds);
   }
   double all = 0.0, traversal = 0.0;
   for (std::size_t s = 0; s < stage_ms.size(); ++s) {
     const double ms = summarize(stage_ms[s]).median;
-    result.stages.push_back({frame.stages[s].name, ms, frame.stages[s].dispatches});
+    result.stages.push_back({time.stages[s].name, ms, time.stages[s].dispatches});
     all += ms;
     if (result.stages.back().name == "extend" || result.stages.back().name == "connect") traversal += ms;
   }
   tracing.seconds = summarize(seconds);
-  tracing.mrays_per_second = 1e-6 * static_cast<double>(frame.rays.total()) / tracing.seconds.median;
+  tracing.mrays_per_second = 1e-6 * static_cast<double>(time.rays.total()) / tracing.seconds.median;
   tracing.traversal_share = all > 0.0 ? traversal / all : 0.0;
   tracing.bytes_per_path = settings.integrator->bytes_per_slot(scene.features);
 }
@@ -174,14 +175,14 @@ BenchResult bench(Device& device, const PackedScene& scene, const View& view, co
   BenchSettings all = settings;
   all.render.room_for_shadow_rays = true;
   BenchResult result;
-  progress("what the device can do at most");
+  progress("the limits of the device");
   result.ceilings = measure_ceilings(
       device, scene.nodes.size() * sizeof(bvh::WideNode) + scene.triangles.size() * sizeof(gpu::Triangle));
   progress("compiling kernels");
   WarmLoop warm = make_loop(device, scene, view, all.render);
   result.compile_seconds = warm.compile_seconds;
-  progress("whole frames");
-  measure_frames(warm, all.render, scene, all.repetitions, result);
+  progress("whole renders");
+  measure_renders(warm, all.render, scene, all.repetitions, result);
   progress("rays by kind");
   RayReplay replay(device, scene, view, all.render, *warm.kernels, warm.loop->workspace().on_device);
   const RaySets rays = replay.capture();

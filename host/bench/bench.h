@@ -1,4 +1,4 @@
-// `wavepath bench`: the kernels of this scene one by one, each held against what the device can do and against Embree.
+// `wavepath bench`: the kernels of this scene one by one, each compared with the limits of the device and with Embree.
 #pragma once
 
 #include <array>
@@ -37,13 +37,13 @@ struct RayRate {
 
 struct BenchStage {
   std::string name;
-  double gpu_ms = 0.0; // of a frame, median
+  double gpu_ms = 0.0; // of a render, median
   std::uint64_t dispatches = 0;
 };
 
 struct PathTracing {
-  std::uint32_t spp = 0; // of a frame
-  Summary seconds;       // of a frame, wall
+  std::uint32_t spp = 0; // of a render
+  Summary seconds;       // of a render, wall
   double mrays_per_second = 0.0;
   double traversal_share = 0.0; // of the kernels' time that extend and connect take
   std::uint64_t bytes_per_path = 0;

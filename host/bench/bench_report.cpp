@@ -68,7 +68,7 @@ std::string stages_table(const BenchResult& result) {
 
 std::string ablation_table(const std::vector<AblationRow>& rows) {
   std::string text =
-      fmt::format("{:<30}{:>10}{:>9}{:>12}{:>12}\n", "left out; would cost", "ms", "of frame", "memory", "compile ms");
+      fmt::format("{:<30}{:>10}{:>9}{:>12}{:>12}\n", "left out; would cost", "ms", "share", "memory", "compile ms");
   for (const AblationRow& row : rows)
     text += fmt::format(
         "{:<30}{:>+10.1f}{:>+7.1f} %{:>12}{:>+12.0f}\n", row.left_out, row.cost_ms, 100 * row.cost_ms / row.base_ms,

@@ -1,4 +1,4 @@
-// What `wavepath bench` tells: a table for people, a document for machines, and the change since a document of before.
+// The output of `wavepath bench`: a table, a JSON document, and the change against an earlier document.
 #pragma once
 
 #include <string>

@@ -5,8 +5,8 @@
 
 namespace wavepath {
 
-// A Cornell box of 3 m (Goral et al. 1984) with a lamp, a glossy and a rippled ball, 64 k triangles in all: rays that
-// agree and rays that do not, direct and bounced light. Looked into by its camera.
+// A Cornell box of 3 m (Goral et al. 1984) with a lamp, a glossy and a rippled ball, 64 k triangles in all: coherent
+// and incoherent rays, direct and indirect light. Its camera looks into it.
 Scene builtin_scene();
 
 } // namespace wavepath

@@ -31,8 +31,8 @@ double run(Device& device, const Kernel& kernel, const BindingSet& bindings, std
   return timed > 0.0 ? timed : wall;
 }
 
-// Steps a second over all lanes: the length of a run is doubled until it can be timed well, then the fastest of a few
-// counts.
+// Steps a second over all lanes: the number of steps is doubled until it can be timed well, then the fastest of
+// a few measurements counts.
 double steps_per_second(Device& device, const Kernel& kernel, const BindingSet& bindings, std::uint32_t groups,
                         std::uint32_t block_count) {
   constexpr std::uint32_t kMostSteps = 32768; // Mesa 22.3 ends loops at 65,535 trips

@@ -1,4 +1,4 @@
-// What the device itself can do at most: the roofline that kernels are held against.
+// The limits of the device: the roofline that kernels are compared with.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +17,7 @@ struct Ceilings {
 // and so many float operations each second: that of the scarcer of the two.
 double roofline_fraction(const Ceilings& ceilings, double loads_per_second, double flops_per_second);
 
-// Random loads go over `working_set` bytes (at least a page); the best of a few runs counts.
+// Random loads go over `working_set` bytes (at least a page); the best of a few measurements counts.
 Ceilings measure_ceilings(Device& device, std::uint64_t working_set);
 
 } // namespace wavepath

@@ -15,7 +15,7 @@ WarmLoop make_loop(Device& device, const PackedScene& scene, const View& view, c
   return warm;
 }
 
-FrameTime render_frame(WarmLoop& warm, std::uint32_t spp) {
+RenderTime time_render(WarmLoop& warm, std::uint32_t spp) {
   RenderSettings settings = warm.loop->settings();
   settings.first_sample = 0;
   settings.last_sample = spp;
@@ -23,17 +23,17 @@ FrameTime render_frame(WarmLoop& warm, std::uint32_t spp) {
   const Clock::time_point start = Clock::now();
   while (warm.loop->step()) {}
   warm.loop->drain();
-  FrameTime time;
+  RenderTime time;
   time.seconds = seconds_since(start);
   time.stages = warm.loop->totals().stages;
   time.rays = warm.loop->totals().rays;
   return time;
 }
 
-std::uint32_t choose_frame_spp(WarmLoop& warm) {
+std::uint32_t choose_spp(WarmLoop& warm) {
   constexpr double kLongEnough = 0.33; // seconds
   std::uint32_t spp = 1;
-  while (spp < 64 && render_frame(warm, spp).seconds < kLongEnough) spp *= 2;
+  while (spp < 64 && time_render(warm, spp).seconds < kLongEnough) spp *= 2;
   return spp;
 }
 

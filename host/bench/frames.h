@@ -1,4 +1,4 @@
-// Whole frames, as `render` makes them, timed.
+// Times whole renders, made as `render` makes them.
 #pragma once
 
 #include <memory>
@@ -19,16 +19,16 @@ struct WarmLoop {
 
 WarmLoop make_loop(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings);
 
-struct FrameTime {
+struct RenderTime {
   double seconds = 0.0; // wall
   std::vector<StageTime> stages;
   RayCounts rays;
 };
 
-// Renders `spp` samples of every pixel. What was on the film is lost.
-FrameTime render_frame(WarmLoop& warm, std::uint32_t spp);
+// Renders `spp` samples of every pixel and takes the time. What was on the film is lost.
+RenderTime time_render(WarmLoop& warm, std::uint32_t spp);
 
-// Samples that take long enough for a clock.
-std::uint32_t choose_frame_spp(WarmLoop& warm);
+// The samples a pixel of a render that takes long enough for the clock.
+std::uint32_t choose_spp(WarmLoop& warm);
 
 } // namespace wavepath

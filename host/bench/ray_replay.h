@@ -1,4 +1,4 @@
-// The rays of one wave as the renderer makes them, and the kernels that trace them, as often as one likes.
+// The rays of one wave as the renderer makes them, and the kernels that trace them, any number of times.
 #pragma once
 
 #include <span>
@@ -18,8 +18,8 @@ struct RaySets {
 
 class RayReplay {
 public:
-  // `settings` ask for room_for_shadow_rays. `uploaded`: the scene, if it is on the device already. `scene` and `kernels`
-  // outlive this.
+  // `settings` ask for room_for_shadow_rays. `uploaded`: the scene, if it is on the device already. `scene` and
+  // `kernels` outlive this.
   RayReplay(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings,
             KernelCompiler& kernels, std::shared_ptr<const DeviceScene> uploaded = nullptr);
 
@@ -32,7 +32,7 @@ public:
   // Distances to the hits of the last extend, infinite for a miss. `scene` is what this was made of.
   std::vector<float> distances(const PackedScene& scene, std::span<const gpu::Ray> rays) const;
 
-  // The same for whether something lies between shadow rays and their lights.
+  // The same for finding which shadow rays are blocked.
   double connect(std::span<const gpu::ShadowRay> rays);
   std::vector<bool> blocked(std::span<const gpu::ShadowRay> rays) const; // of the last connect
 

@@ -1,4 +1,4 @@
-// Repeated measurements in two numbers that noise from other programs moves little.
+// Summarizes repetitions of a measurement by median and spread, which other load on the machine changes little.
 #pragma once
 
 #include <vector>

@@ -10,7 +10,7 @@
 
 namespace wavepath {
 
-// Totals over the rays; nodes of both levels count. Alpha is not looked up: holes stop rays here.
+// Totals over the rays; nodes of the top-level tree count as well. Alpha is ignored: holes stop rays here.
 bvh::Counters count_closest(const PackedScene& scene, std::span<const gpu::Ray> rays);
 bvh::Counters count_any(const PackedScene& scene, std::span<const gpu::ShadowRay> rays);
 

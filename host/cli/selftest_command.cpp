@@ -23,7 +23,7 @@ int run_selftest(const Request& request) {
 } // namespace
 
 Command add_selftest(CLI::App& app) {
-  CLI::App* command = add_command(app, "selftest", "prove the hard numerical cases on this device and driver");
+  CLI::App* command = add_command(app, "selftest", "check hard numerical cases on this device and driver");
   const auto request = std::make_shared<Request>();
   const char* group = "Cases";
   add_flag(

@@ -1,4 +1,4 @@
-// How wrong a picture still is, told without a reference, and what less would cost.
+// Estimates the error of a picture without a reference, and what a smaller error would cost.
 #pragma once
 
 #include <array>
@@ -15,12 +15,12 @@ struct RayCounts {
   std::uint64_t total() const { return camera + bounce + shadow + occlusion; }
 };
 
-// Error of the mean image, without a reference: sqrt(relMSE) estimated from the spread of the replicates (see error.h).
+// Error of the mean image, without a reference: sqrt(relMSE) estimated from the spread of the replicates.
 struct ErrorEstimate {
   double relative_rms = 0.0;
   std::array<double, 2> ci95{};
   // Of the estimated squared error, the share that the largest single sample alone would explain. Where it is large,
-  // the estimate hangs on few samples, and so does the picture: fireflies.
+  // both the estimate and the picture depend on few samples: fireflies.
   double largest_sample_share = 0.0;
 };
 
@@ -39,7 +39,7 @@ struct Checkpoint { // at powers of two of spp, and at the end
 // pixel lacks samples in either replicate.
 ErrorEstimate estimate_error(const Film& film);
 
-// Once it exists: one sample belongs to one replicate; a spread needs all of them, in every pixel.
+// Whether there is an estimate: the spread needs a sample in every replicate of every pixel.
 bool has_estimate(std::uint32_t spp, const ErrorEstimate& error);
 
 // Of log error against log seconds, or against log spp, by least squares over the last octaves; -1/2, Monte Carlo's,

@@ -1,4 +1,4 @@
-// What the device has accumulated, as the picture and the error that the user sees.
+// The film on the host: joins the sums that the device accumulated, and develops them into a picture.
 #pragma once
 
 #include <cstdint>
@@ -30,7 +30,7 @@ void join(Film& film, const Film& other);
 std::uint32_t sample_count(const Film& film, std::size_t pixel);
 glm::dvec3 mean_radiance(const Film& film, std::size_t pixel);
 
-// Channels R G B A, then those of `aovs` (names of the contract's --aov). `origin` is added back to positions.
+// Channels R G B A, then those of `aovs` (values of --aov). `origin` is added back to positions.
 Picture develop(const Film& film, const std::vector<std::string>& aovs, const glm::dvec3& origin);
 
 // The mean of a pixel to within rounding, and an estimate of the variance of that mean; not a number while the pixel

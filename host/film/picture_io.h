@@ -16,10 +16,10 @@ namespace wavepath {
 
 enum class PictureFormat : std::uint8_t { exr, hdr, png, jpg };
 
-// By the extension, in any case; nothing if it is none of ours.
+// The format that the extension names, upper or lower case; nothing if it is not supported.
 std::optional<PictureFormat> picture_format(const std::string& path);
 
-// What an EXR tells about its making, in header attributes.
+// What the header attributes of an EXR record about the render.
 struct PictureInfo {
   std::uint32_t spp = 0;
   double seconds = 0.0;        // rendering alone

@@ -35,7 +35,7 @@ namespace {
 constexpr float kHalfMax = 65504.0f;
 constexpr std::uint64_t kMostPixels = std::uint64_t{1} << 36; // so that byte counts cannot overflow
 
-// Remembers the first failure, because OpenEXR's destructors swallow what is thrown at them.
+// Remembers the first failure, because OpenEXR's destructors discard exceptions.
 class Stream : public Imf::OStream {
 public:
   Stream(AtomicFile& file, const std::string& name) : Imf::OStream(name.c_str()), file_(file) {}
@@ -86,8 +86,8 @@ Imath::M44f world_to_ndc(const View& view) {
   return world_to_camera(view) * (view.orthographic ? orthographic : perspective);
 }
 
-// Channels that --half leaves at 32 bits: half counts only to 2048 without gaps, and ends at 65504 where distances and
-// places do not, least of all the depth of what no ray hit.
+// Channels that --half leaves at 32 bits: half holds all whole numbers only up to 2048, and ends at 65504, which
+// distances and positions may exceed; the depth of a miss always does.
 bool needs_float(const std::string& name) { return name == "samples" || name == "Z" || name.starts_with("P."); }
 
 Imath::M44f to_matrix(const std::array<float, 16>& values) {
@@ -169,7 +169,7 @@ std::vector<std::vector<Imath::half>> to_half(const Picture& picture, std::uint6
   return halves;
 }
 
-// The channel's place among ours: R G B A, then by name.
+// The place of a channel in the picture: R G B A, then by name.
 std::pair<std::size_t, std::string> rank(const std::string& name) {
   const std::size_t place = name.size() == 1 ? std::string("RGBA").find(name) : std::string::npos;
   return {place, name};
@@ -187,7 +187,7 @@ auto read_header(const std::string& path, Read read) -> decltype(read(std::declv
   }
 }
 
-// Of the exception in flight: OpenEXR's become ours.
+// Turns an exception of OpenEXR, the one in flight, into an Error.
 [[noreturn]] void explain_reading(const std::string& path) try {
   throw;
 } catch (const Error&) {
@@ -300,7 +300,7 @@ std::shared_ptr<const Film> read_film(const std::string& path) try {
   film->height = static_cast<std::uint32_t>(window.max.y + 1);
   const std::uint64_t pixel_count = std::uint64_t{film->width} * film->height;
   if (window.min.x != 0 || window.min.y != 0 || pixel_count > kMostPixels)
-    throw Error(path, "is no film of ours", "render it again");
+    throw Error(path, "holds no film that this version can read", "render it again");
   const bool aovs = channels.findChannel(film_channel(kPixelWords)) != nullptr;
   require_memory(path, "reading its sums", pixel_count * 4 * (kPixelWords + (aovs ? kAovWords : 0)),
                  "use a smaller picture");

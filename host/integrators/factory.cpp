@@ -1,4 +1,4 @@
-// The one place that knows which integrators there are.
+// Lists all integrators; no other file names them.
 #include <algorithm>
 #include <array>
 

@@ -39,7 +39,7 @@ std::vector<std::string> diagnose(const RenderResult& result, const std::vector<
     words.push_back(fmt::format("{} samples a pixel may have missed what is rare", result.spp));
   if (error.largest_sample_share > kLargestShare)
     words.push_back(
-        fmt::format("fireflies: the largest sample alone explains {} of the squared error, so the estimate hangs on "
+        fmt::format("fireflies: the largest sample alone explains {} of the squared error, so the estimate depends on "
                     "few samples; look for small bright lights that are only found by chance, or try --direct mis",
                     percent(std::min(error.largest_sample_share, 1.0))));
   if (result.nonfinite.first)

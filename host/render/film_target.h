@@ -9,7 +9,7 @@
 
 namespace wavepath {
 
-// A run of pixels (in tile order) whose film fits into one buffer of the device.
+// Consecutive pixels, in tile order, whose film fits into one buffer of the device.
 struct FilmBand {
   std::uint32_t first_pixel = 0, pixel_count = 0;
   Buffer film, aovs; // may have room for more
@@ -19,8 +19,9 @@ class FilmTarget {
 public:
   explicit FilmTarget(Device& device) : device_(&device) {}
 
-  // Takes up a picture of this size. `aovs`: the film has AOVs. `room_for_aovs`: kernels that write them may run. Buffers of a
-  // larger picture stay. Returns whether any buffer was replaced. Throws Error if the device has no memory for it.
+  // Takes up a picture of this size. `aovs`: the film has AOVs. `room_for_aovs`: kernels that write them may run.
+  // Buffers of a larger picture stay. Returns whether any buffer was replaced. Throws Error if the device has no memory
+  // for it.
   bool fit(std::uint32_t width, std::uint32_t height, bool aovs, bool room_for_aovs);
   // Sets all samples to none. Nothing may be in flight, here and below.
   void clear();
@@ -61,7 +62,7 @@ private:
   std::vector<Band> bands_;
 };
 
-// Slots and kinds of a film band, without buffers, and with those of one.
+// The bindings of a band of the film, without buffers, and with those of one band.
 std::vector<Binding> film_layout();
 void add_bindings(const FilmBand& band, std::vector<Binding>& bindings);
 

@@ -1,4 +1,4 @@
-// A way to render, as all others know it.
+// The interface of integrators: what is known before there is a device, and the work on one.
 #pragma once
 
 #include <cstdint>
@@ -27,7 +27,7 @@ struct View;
 struct PackedScene;
 struct RenderResult;
 
-// What of a stage or buffer this integrator does without, for the report.
+// A stage or buffer that the integrator leaves out, and why, for the report.
 struct OmittedStage {
   std::string what, why;
 };
@@ -42,7 +42,7 @@ struct IntegratorKind {
   bool finds_light = true;    // false: its picture is the unoccluded share, whatever the lights
   bool traces_paths = true;   // false: a sample is a frame, which reaches the film as a whole
   bool measures_depth_cut = false; // the light beyond --max-depth is measured, and told in the first sentence of bias()
-  // Stages that find the first surface of every pixel, to compare integrators by.
+  // Stages that find the first hits, by whose time integrators are compared.
   std::span<const std::string_view> first_hit_stages{};
 
   // kFeature bits of its kernels, besides those of the scene and of RenderSettings::adaptive.
@@ -50,7 +50,8 @@ struct IntegratorKind {
   // Begins compiling for a scene of these kFeature bits, before the scene is there. A wrong guess costs time alone.
   void (*start_kernels)(KernelCompiler& kernels, const DeviceInfo& device, std::uint32_t features,
                         const RenderSettings& settings) = nullptr;
-  // Device memory that a path in flight takes, for the kFeature bits given, and the largest record of one in any buffer.
+  // Device memory that a path in flight takes, for the kFeature bits given, and the largest record of one in any
+  // buffer.
   std::uint64_t (*bytes_per_slot)(std::uint32_t features) = nullptr;
   std::uint64_t largest_record = 1;
   // Paths that a pixel takes in every wave.
@@ -68,10 +69,10 @@ struct IntegratorKind {
   std::unique_ptr<Integrator> (*make)(Workspace& workspace, KernelCompiler& kernels) = nullptr;
 };
 
-// Whether what an integrator learned from frames before serves those to come: a camera in motion, or a cut.
+// Whether coming frames use what an integrator learned from earlier ones: a camera in motion, or a cut.
 enum class Past { forget, keep };
 
-// Pixels that get the same number of samples: a band of the film, or of an adaptive render a level within a band.
+// Pixels that a pass treats alike: a band of the film, or in an adaptive render the runs of one level within a band.
 struct Segment {
   std::size_t band = 0;
   std::uint32_t first_place = 0, pixel_count = 0; // in tile order, or in the order of the list of runs
@@ -85,14 +86,14 @@ struct Pilot {
   std::uint32_t seed = 0; // by exclusive or with the render's own
 };
 
-// A way to render, at work. The render loop cuts passes into waves and calls, in this order: change(), get_ready(), the
-// pilot's pass and learn() if there is a pilot, then for every pass begin_pass(), record_wave() for all its waves,
-// end_pass(). What it records runs in that order.
+// An integrator on a device. The render loop cuts passes into waves and calls, in this order: change(), get_ready(),
+// the pilot's pass and learn() if there is a pilot, then for every pass begin_pass(), record_wave() for all its waves,
+// end_pass(). What the integrator records is executed in that order.
 class Integrator {
 public:
   virtual ~Integrator() = default;
 
-  // Takes up the view and the settings that the workspace was changed to: adapts the frame, begins compiling kernels,
+  // Takes up the view and the settings that the workspace was changed to: adapts the constants, begins compiling,
   // makes room. Throws Error if the device cannot hold it.
   virtual void change(const View& view, const RenderSettings& settings, Past past) = 0;
   // Whether the kernels are compiled, so that get_ready() will not wait.

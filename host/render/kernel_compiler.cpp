@@ -15,7 +15,7 @@ KernelConfig kernel_config(std::uint32_t features, std::uint32_t stack_size, con
   // Traversal marks the bottom of its stack, and stores one entry beyond what it keeps.
   const std::uint32_t stack = (stack_size + 2 + kStackStep - 1) / kStackStep * kStackStep;
   if (!settings.specialize) features = gpu::kFeaturesAll;
-  // Generic kernels as well leave out outputs that nobody asked for, lists of runs and frames that are not there.
+  // Generic kernels, too, leave out AOVs, lists of runs and shared first hits that the settings do not ask for.
   features &= ~(gpu::kFeatureAovs | gpu::kFeatureAdaptive | gpu::kFeatureSharedFirstHit) | features_of(settings);
   features = (features | settings.added_features) & ~settings.removed_features;
   return {features, stack, settings.sampler, settings.direct, settings.hemisphere, settings.filter};

@@ -35,8 +35,8 @@ public:
   // Returns at once; what was begun before is not begun again.
   void start(const KernelNeed& need);
 
-  // A set that renders what `need` asks for: the one made for just that once it is ready; until then any other that is,
-  // and while there is none, the first to come. Throws what compiling threw.
+  // A set that renders what `need` asks for: the one made for just that once it is ready; until then any other that is
+  // ready, and while there is none, the first to come. Throws what compiling threw.
   const KernelSet& best(const KernelNeed& need);
 
   // Whether best() would return at once, or throw what compiling threw. Begins compiling otherwise.

@@ -16,7 +16,7 @@ namespace wavepath {
 struct KernelProgram {
   std::span<const KernelCode> stages;
   std::span<const std::size_t> compile_order; // of all stages, the slowest first
-  std::vector<Binding> (*layout)();           // slots and kinds of what they are bound to; no buffers
+  std::vector<Binding> (*layout)();           // numbers and kinds of their bindings; no buffers
 };
 
 // What kernels are specialized for. Whatever they are compiled for beyond what a scene needs, the picture has the same
@@ -45,7 +45,7 @@ std::array<std::uint32_t, gpu::kSpecCount> specialization(const KernelConfig& co
 
 class KernelSet {
 public:
-  // Compiles the kernels, side by side, and has each run once without work, for the drivers that compile only then.
+  // Compiles the kernels, side by side, and dispatches each once without work, for the drivers that compile only then.
   // Safe to call from several threads at once.
   KernelSet(Device& device, const KernelNeed& need);
 

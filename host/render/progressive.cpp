@@ -10,7 +10,7 @@ namespace wavepath {
 namespace {
 
 constexpr double kLongestWave = 0.015;      // seconds: with two in flight, a window stays responsive
-constexpr double kCoarseFrame = 0.1;        // seconds that a picture may take while the camera moves
+constexpr double kCoarsePicture = 0.1;      // seconds that a picture may take while the camera moves
 constexpr std::uint32_t kCoarsest = 8;      // pixels a side
 
 double pixels_of(const RenderSettings& settings) { return static_cast<double>(settings.width) * settings.height; }
@@ -40,7 +40,7 @@ Progressive::Progressive(Device& device, const PackedScene& scene, const View& v
 }
 
 void Progressive::make_loop() {
-  loop_.reset(); // both scenes at once may be too much
+  loop_.reset(); // the device may not hold both scenes at once
   loop_ = std::make_unique<RenderLoop>(device_, *scene_, view_, settings_, kernels_, RenderHooks{}, pace_of(settings_));
 }
 
@@ -59,7 +59,7 @@ void Progressive::end_pass() {
   } else if (is_for_motion() && !moving_) {
     begin_anew(1);
   } else if (is_done()) {
-    loop_->drain(); // nobody steps a loop that is done
+    loop_->drain(); // no later step() would wait for them
   }
 }
 
@@ -97,13 +97,13 @@ void Progressive::set_scene(const PackedScene& scene, const View& view) {
   begin_anew(choose_coarse());
 }
 
-// A picture in full that takes long is preceded by a coarse one, so that there is something to see.
+// Where a full picture takes long, a coarse one precedes it, so that the window shows a picture early.
 std::uint32_t Progressive::choose_coarse() const {
   std::uint32_t coarse = 1;
   loop_->drain(); // so that the last pass counts
   const double pixel_seconds = loop_->pixel_seconds();
   const auto frame = [&] { return pixel_seconds * pixels_of(settings_) / (coarse * coarse); };
-  while (coarse < kCoarsest && (pixel_seconds == 0.0 || frame() > kCoarseFrame)) coarse *= 2;
+  while (coarse < kCoarsest && (pixel_seconds == 0.0 || frame() > kCoarsePicture)) coarse *= 2;
   return coarse;
 }
 
@@ -116,7 +116,7 @@ void Progressive::begin_anew(std::uint32_t coarse) {
   rendered_.width = (settings_.width + coarse - 1) / coarse;
   rendered_.height = (settings_.height + coarse - 1) / coarse;
   rendered_.antialias_over_time = in_motion;
-  if (in_motion) { // every frame is another
+  if (in_motion) { // every frame has another view
     rendered_.first_sample += motion_frames_;
     rendered_.last_sample += motion_frames_;
     if (rendered_.sample_total == 0) rendered_.sample_total = settings_.last_sample;

@@ -36,12 +36,12 @@ public:
   Progressive(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings,
               KernelCompiler& kernels);
 
-  // Hands over one wave of about 15 ms and waits for an older one; of a hybrid frame the first one also draws it and the
-  // last one finishes it. False if there was nothing to do: the kernels are not ready, or all samples are in.
+  // Hands over one wave of about 15 ms and waits for an older one; of a hybrid frame the first one also draws it and
+  // the last one finishes it. False if there was nothing to do: the kernels are not ready, or all samples are in.
   bool step();
 
   // Each begins anew. move(): coarse, so that there is a picture about every 100 ms, until rest(), which goes on in
-  // full. A picture that a move has begun is completed first, however fast others follow; view() tells whose it is.
+  // full. A picture that a move has begun is completed first, even if others follow at once; view() tells whose it is.
   void move(const View& view);
   void rest();
   void set_view(const View& view); // in full at once
@@ -72,7 +72,7 @@ private:
   void begin_anew(std::uint32_t coarse);
   void end_pass();
   bool is_done() const { return loop_->is_done(); }
-  // Whether what is rendered is for the time being: coarse, or joined to frames of other views.
+  // Whether the picture is temporary: coarse, or joined to frames of other views.
   bool is_for_motion() const { return coarse_ > 1 || rendered_.antialias_over_time; }
   std::uint32_t choose_coarse() const;
   void make_loop();

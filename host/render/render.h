@@ -1,4 +1,4 @@
-// Rendering from the caller's side: settings in, a picture and what it cost out. The loop itself is path_tracer.cpp.
+// Renders a scene: takes settings, returns a picture and what it cost. The loop itself is render_loop.h.
 #pragma once
 
 #include <array>

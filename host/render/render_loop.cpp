@@ -57,7 +57,7 @@ void RenderLoop::abandon() {
 void RenderLoop::restart(const View& view, const RenderSettings& settings, Past past) {
   abandon();
   settings_ = whole_passes(settings);
-  if (kind_ != settings.integrator) integrator_.reset(); // both at once may be too much
+  if (kind_ != settings.integrator) integrator_.reset(); // the device may not hold both at once
   kind_ = settings.integrator;
   if (!integrator_) integrator_ = kind_->make(workspace_, kernels_);
   workspace_.change(view, settings_);
@@ -97,7 +97,7 @@ void RenderLoop::stop(StopReason reason) {
   stopped_ = true;
 }
 
-// A frame reaches the film as a whole, so that it is not cut short.
+// A frame reaches the film as a whole, so it is never cut short.
 bool RenderLoop::is_done() const {
   if (stopped_) return traces_paths() || !in_pass();
   return cursor_.sample >= settings_.last_sample && aim_limit_ == 0;
@@ -151,7 +151,7 @@ void RenderLoop::restore(const RenderState& state) {
   if (in_pass()) integrator_->begin_pass(queue_, cursor_.sample);
 }
 
-// Renders the pilot; whoever asked for it learns from it and throws it away.
+// Renders the pilot, whose samples do not reach the picture.
 void RenderLoop::explore(const Pilot& pilot) {
   exploring_ = true;
   workspace_.set_seed(settings_.seed ^ pilot.seed);
@@ -173,8 +173,8 @@ void RenderLoop::use_levels(const std::vector<std::int8_t>& levels) {
   mean_factor_ = mean_factor(levels, pixels());
 }
 
-// A pass covers every pixel with the same samples: one, or as many as fill a wave, but never across a checkpoint or a
-// look at the error.
+// A pass covers every pixel with the same samples: one, or as many as fill a wave. It ends at a checkpoint, and where
+// the error is estimated between two.
 std::uint32_t RenderLoop::pass_end() const {
   const std::uint32_t step = settings_.adaptive ? kAdaptiveStep : 1;
   const std::uint64_t most =

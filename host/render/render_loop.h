@@ -1,5 +1,5 @@
 // The one render loop: cuts passes into waves, keeps two of them in flight, governs their length, takes the time, makes
-// checkpoints, estimates the error beside the next waves, and knows when to stop.
+// checkpoints, estimates the error beside the next waves, and ends the render.
 #pragma once
 
 #include <cstdint>
@@ -20,24 +20,24 @@
 
 namespace wavepath {
 
-// Which checkpoints get an estimate of the error: all; but for the last those alone that take no more than their share of
-// the time; none.
+// Which checkpoints get an estimate of the error: all; but for the last those alone that take no more than their share
+// of the time; none.
 enum class Estimates { all, share, none };
 
 // How a loop is driven: to its end at once, or in steps by a window.
 struct Pace {
   double longest_dispatch = kLongestDispatch; // seconds
-  bool by_wave = false;           // longest_dispatch bounds whole waves, so that whoever steps the loop is not kept waiting
+  bool by_wave = false;                       // longest_dispatch bounds whole waves, so that step() returns soon
   Estimates estimates = Estimates::all;
-  bool clock_is_busy_time = false; // the time that nobody steps the loop does not count
+  bool clock_is_busy_time = false; // the time between steps does not count
   std::uint32_t least_slots = 0;  // of paths in flight
   std::uint32_t fixed_wave = 0;   // paths of a wave, for measurements; 0 = governed
 };
 
 class RenderLoop {
 public:
-  // Uploads the scene and begins compiling. `scene`, `kernels` and the hooks' resume state outlive the loop. Throws Error if
-  // the device cannot hold it.
+  // Uploads the scene and begins compiling. `scene`, `kernels` and the hooks' resume state outlive the loop. Throws
+  // Error if the device cannot hold it.
   RenderLoop(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings,
              KernelCompiler& kernels, RenderHooks hooks = {}, const Pace& pace = {});
   ~RenderLoop(); // waits for what is in flight
@@ -50,14 +50,15 @@ public:
   // Waits for them. Returns the seconds that compiling took.
   double get_ready() { return integrator_->get_ready(); }
 
-  // Hands the device one wave more; where two are in flight, waits for the older one first. False if nothing is left to do.
+  // Hands the device one wave more; where two are in flight, waits for the older one first. False if nothing is left to
+  // do.
   bool step();
   bool is_done() const;
   // Waits for all waves in flight.
   void drain() { queue_.drain(); }
   // Takes in estimates of the error that have been finished; all of them with `wait`.
   void collect_estimates(bool wait);
-  // Of a loop that is done.
+  // The result of a loop that is done.
   RenderResult finish();
 
   // How far it is. Samples count once their last wave has been handed over.
@@ -79,7 +80,7 @@ private:
     ErrorEstimate error;
     double seconds = 0.0; // that it took
   };
-  struct Pending { // a checkpoint, or a look at the error between two
+  struct Pending { // a checkpoint, or an estimate of the error between two
     Checkpoint point;
     Totals totals;
     std::uint32_t sample = 0; // one past the last that it holds

@@ -1,5 +1,5 @@
-// Checkpoints of the render loop: estimates of the error beside the next waves, the target, states to resume from, and the
-// result.
+// Checkpoints of the render loop: estimates of the error beside the next waves, the target, states to resume from, and
+// the result.
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -17,9 +17,9 @@ namespace {
 constexpr std::size_t kMostPending = 2;
 constexpr double kEstimateShare = 0.02; // of the time, where estimates may be skipped
 constexpr double kFirstEstimate = 1e-7; // seconds a pixel, before one was measured
-// Few samples a pixel say little about what they have not yet found, so no estimate of fewer ends a render.
+// Few samples a pixel may have missed rare light, so no estimate of fewer ends a render.
 constexpr std::uint32_t kFewestSamples = 16;
-constexpr double kShortestStep = 1.0 / 16; // from one look at the error to the next: looking costs a little
+constexpr double kShortestStep = 1.0 / 16; // from one estimate of the error to the next; each costs time
 
 double gpu_seconds(const Totals& totals) {
   double sum = 0.0;
@@ -32,7 +32,7 @@ ErrorEstimate unknown_error() {
   return {kUnknown, {kUnknown, kUnknown}, 0.0};
 }
 
-// Samples from one look at the error to the next, so that all replicates have as many.
+// Samples from one estimate of the error to the next, such that all replicates have as many.
 std::uint32_t look_step(double samples, bool adaptive) {
   const std::uint32_t multiple = adaptive ? kAdaptiveStep : gpu::kReplicates;
   return (static_cast<std::uint32_t>(samples) / multiple + 1) * multiple;
@@ -76,7 +76,7 @@ void RenderLoop::checkpoint() {
                 {.done = [this, &pending](const Finished&) { measure(pending); }});
 }
 
-// The device has got there: notes time and counts, and begins the estimate.
+// The device has reached the checkpoint: notes time and counts, and begins the estimate.
 void RenderLoop::measure(Pending& pending) {
   if (abandoning_) return;
   pending.totals = queue_.totals;
@@ -134,9 +134,10 @@ void RenderLoop::take_in_first() {
   if (settings_.target_error > 0.0 && !stopped_) aim(pending, point);
 }
 
-// Ends the render where its target is reached, and otherwise foresees when that may be, to look again there. Waves that
-// were rendered meanwhile do not count: what the picture holds depends on no timing. The rule looks at the whole
-// picture, in which one pixel weighs next to nothing: a pixel is not stopped for being lucky.
+// Ends the render where its target is reached, and otherwise predicts the sample at which it may be, to estimate again
+// there. Waves that were rendered meanwhile do not count, so that the picture does not depend on timing. The rule is
+// about the error of the whole picture, in which one pixel weighs next to nothing: no pixel stops early because its
+// error seems small by chance.
 void RenderLoop::aim(const Pending& pending, const Checkpoint& point) {
   if (pending.sample == aim_sample_) aim_limit_ = 0;
   if (point.spp >= kFewestSamples && point.error.relative_rms <= settings_.target_error) {

@@ -4,7 +4,7 @@ namespace wavepath {
 
 bool make_room(Device& device, Buffer& buffer, std::uint64_t bytes) {
   if (buffer.handle() && buffer.bytes() >= bytes) return false;
-  buffer = Buffer(); // both at once may be too much
+  buffer = Buffer(); // the device may not hold both at once
   buffer = Buffer(device, bytes);
   return true;
 }

@@ -1,5 +1,5 @@
-// Buffers declared rather than enumerated: a name, a size rule and how kernels see it. Allocation, bindings, byte counts
-// and stand-ins follow.
+// Buffers declared rather than enumerated: a name, a size rule and how kernels see it. Allocation, bindings, byte
+// counts and stand-ins follow.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@ struct Extent {
   std::uint64_t pixels = 0;
   std::uint64_t slots = 0;    // paths in flight
   std::uint32_t features = 0; // kFeature bits of all kernels that may run
-  std::uint32_t options = 0;  // bits of the pass that owns the buffers
+  std::uint32_t options = 0;  // bits whose meaning the owner of the buffers defines
 };
 
 struct BufferView {
@@ -49,7 +49,7 @@ private:
   std::vector<Buffer> buffers_;
 };
 
-// Slots and kinds without buffers, for layouts.
+// Binding numbers and kinds without buffers, for layouts.
 void add_layout(std::span<const BufferRule> rules, std::vector<Binding>& bindings);
 
 // Replaces `buffer` if it is smaller than `bytes`; what it held is lost then. Returns whether it was.

@@ -1,4 +1,4 @@
-// What a pass goes through: runs of pixels that get the same number of samples.
+// Cuts the film into segments, whose pixels get the same number of samples in a pass.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// The stats document: everything a run measured, as JSON with fixed keys.
+// The stats document: everything measured during a render, as JSON with fixed keys.
 #pragma once
 
 #include <optional>
@@ -20,7 +20,7 @@ struct TrueError {
   double flip = 0.0; // mean
 };
 
-// A run of `wavepath render`. The references must stay valid while the document is made.
+// An execution of `wavepath render`. The references must stay valid while the document is made.
 struct Run {
   std::string scene, command;
   const DeviceInfo& device;

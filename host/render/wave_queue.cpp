@@ -19,23 +19,23 @@ std::uint64_t join(const std::uint32_t words[2]) { return std::uint64_t{words[1]
 
 } // namespace
 
-WaveQueue::Slot::Slot(Device& device)
+WaveQueue::Turn::Turn(Device& device)
     : commands(device), counters(device, sizeof(gpu::Counters), BufferHome::readback) {}
 
 WaveQueue::WaveQueue(Workspace& workspace)
-    : workspace_(workspace), slots_{Slot(workspace.device), Slot(workspace.device)} {}
+    : workspace_(workspace), turns_{Turn(workspace.device), Turn(workspace.device)} {}
 
 void WaveQueue::submit(const std::function<void(Commands&)>& record, Work work) {
-  while (in_flight_.size() >= slots_.size()) finish_one();
-  Slot& slot = slots_[next_slot_];
-  next_slot_ = (next_slot_ + 1) % slots_.size();
-  slot.commands.restart(work.timed_dispatches);
+  while (in_flight_.size() >= turns_.size()) finish_one();
+  Turn& turn = turns_[next_turn_];
+  next_turn_ = (next_turn_ + 1) % turns_.size();
+  turn.commands.restart(work.timed_dispatches);
   const gpu::Counters none = no_counts();
-  slot.commands.write(workspace_.counters(), &none, sizeof(none));
-  record(slot.commands);
-  slot.commands.copy(workspace_.counters(), slot.counters, sizeof(none));
-  slot.commands.submit();
-  in_flight_.push_back({&slot, std::move(work), Clock::now(), {}});
+  turn.commands.write(workspace_.counters(), &none, sizeof(none));
+  record(turn.commands);
+  turn.commands.copy(workspace_.counters(), turn.counters, sizeof(none));
+  turn.commands.submit();
+  in_flight_.push_back({&turn, std::move(work), Clock::now(), {}});
 }
 
 void WaveQueue::afterwards(std::function<void()> action) {
@@ -47,7 +47,7 @@ void WaveQueue::afterwards(std::function<void()> action) {
 
 bool WaveQueue::finish_one() {
   if (in_flight_.empty()) return false;
-  in_flight_.front().slot->commands.wait();
+  in_flight_.front().turn->commands.wait();
   Flight flight = std::move(in_flight_.front());
   in_flight_.pop_front();
   const Finished finished = count(flight);
@@ -74,15 +74,15 @@ Finished WaveQueue::count(Flight& flight) {
   finished.seconds = std::chrono::duration<double>(now - std::max(flight.submitted, last_finished_)).count();
   last_finished_ = now;
   totals.busy_seconds += finished.seconds;
-  for (const KernelTime& time : flight.slot->commands.times()) {
+  for (const KernelTime& time : flight.turn->commands.times()) {
     count_time(time.kernel->name(), time.seconds);
     finished.longest_dispatch = std::max(finished.longest_dispatch, time.seconds);
     finished.device_seconds += time.seconds;
   }
   if (flight.work.stage) count_time(flight.work.stage, finished.seconds);
   gpu::Counters counters;
-  flight.slot->counters.invalidate();
-  std::memcpy(&counters, flight.slot->counters.mapped(), sizeof(counters));
+  flight.turn->counters.invalidate();
+  std::memcpy(&counters, flight.turn->counters.mapped(), sizeof(counters));
   count_counters(counters, flight.work.wave);
   return finished;
 }

@@ -1,4 +1,4 @@
-// Work handed to the device, two pieces in flight: while it runs one, the host records the next.
+// Submits work to the device, two pieces in flight: while the device executes one, the host records the next.
 #pragma once
 
 #include <array>
@@ -23,7 +23,7 @@ struct Totals {
   RayCounts rays;
   Nonfinite nonfinite;
   std::vector<StageTime> stages;
-  double busy_seconds = 0.0; // that the device was at work, as far as the host can tell
+  double busy_seconds = 0.0; // that the device was busy, as far as the host can tell
 };
 
 // Of one piece of work, once it is done.
@@ -59,13 +59,13 @@ public:
   Totals totals;
 
 private:
-  struct Slot {
-    explicit Slot(Device& device);
+  struct Turn { // what one of the two pieces in flight uses
+    explicit Turn(Device& device);
     Commands commands;
     Buffer counters; // read back
   };
   struct Flight {
-    Slot* slot;
+    Turn* turn;
     Work work;
     Clock::time_point submitted;
     std::vector<std::function<void()>> afterwards;
@@ -75,8 +75,8 @@ private:
   void count_time(const std::string& name, double seconds);
 
   Workspace& workspace_;
-  std::array<Slot, 2> slots_;
-  std::size_t next_slot_ = 0;
+  std::array<Turn, 2> turns_;
+  std::size_t next_turn_ = 0;
   std::deque<Flight> in_flight_;
   Clock::time_point last_finished_{};
 };

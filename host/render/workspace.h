@@ -19,10 +19,11 @@ public:
   Workspace(Device& device, const PackedScene& scene, std::uint32_t slots,
             std::shared_ptr<const DeviceScene> uploaded = nullptr);
 
-  // Takes up another view and other settings. The integrator adapts `frame` and calls fit() afterwards.
+  // Takes up another view and other settings. The integrator adapts the constants in `frame` and calls fit()
+  // afterwards.
   void change(const View& view, const RenderSettings& settings);
-  // Makes room for the film and the list of runs. `features`: kFeature bits of all kernels that may run. Sends `frame` to
-  // the device. Returns whether a buffer that kernels are bound to was replaced.
+  // Makes room for the film and the list of runs. `features`: kFeature bits of all kernels that may run. Sends `frame`
+  // to the device. Returns whether a buffer that kernels are bound to was replaced.
   bool fit(const RenderSettings& settings, std::uint32_t features);
   // Nothing may be in flight.
   void set_seed(std::uint32_t seed);
@@ -52,7 +53,7 @@ private:
   std::vector<std::uint32_t> runs_;
 };
 
-// Slots and kinds of Workspace::bindings(), without buffers.
+// Numbers and kinds of Workspace::bindings(), without buffers.
 std::vector<Binding> workspace_layout();
 
 // One binding set for every band of the film: the workspace's bindings and those of `own`.

@@ -40,7 +40,7 @@ Measurement nearly_smooth(const SelftestContext& context) {
   return worst.judge();
 }
 
-// Bodies that absorb nothing, in an environment of radiance 1, can be told from nothing. A bubble is a body turned
+// Bodies that absorb nothing are invisible in an environment of radiance 1. A bubble is a body turned
 // inside out: its surface is met from the dense side first, at the ior 1 / n.
 Measurement clear_bodies(const SelftestContext& context) {
   Studio studio(context);

@@ -1,4 +1,4 @@
-// Cases of meshes that should not exist but do: slivers, degenerate and broken triangles, duplicates, odd transforms.
+// Cases of malformed meshes: slivers, degenerate and broken triangles, duplicates, odd transforms.
 #include <algorithm>
 
 #include <fmt/format.h>
@@ -21,7 +21,7 @@ std::vector<gpu::Ray> rays_across(std::size_t count, unsigned seed, float extent
   return rays;
 }
 
-// Rays to which two scenes, which need not hold the same triangles otherwise, show different ones.
+// Counts the rays that hit different triangles in two scenes, which may hold other triangles besides.
 std::uint64_t count_differences(TracedScene& a, TracedScene& b, std::span<const gpu::Ray> rays) {
   const std::vector<gpu::Hit> in_a = a.closest(rays), in_b = b.closest(rays);
   std::uint64_t different = 0;
@@ -122,7 +122,7 @@ Measurement coplanar_duplicates(const SelftestContext& context) {
   wrong += scene.packed().stack_size > kDepth;
   Measurement result = judge_none(wrong, 3 * rays.size(), "rays that see another than the first quad");
   result.note = fmt::format(
-      "depth {}, at most {}; a closest hit must look at every triangle that ties, so that its work "
+      "depth {}, at most {}; a closest hit must test every triangle that ties, so that its work "
       "grows with their number, while a shadow ray stops at the first",
       scene.packed().stack_size, kDepth);
   return result;
@@ -170,8 +170,8 @@ Measurement tiny_scenes(const SelftestContext& context) {
   return judge_none(failures, 6, "wrong hits");
 }
 
-// A single-sided square under a transform, alone or as one of two instances, looked at from in front and from behind.
-// Returns how many of the looks went wrong.
+// A single-sided square under a transform, alone or as one of two instances, traced from in front and from behind.
+// Returns the number of wrong results.
 std::uint64_t look_at_square(const SelftestContext& context, const glm::dmat4& transform, bool shared, bool expected) {
   Scene scene;
   const std::uint32_t material = add_lambert(scene, glm::vec3(0.5f));

@@ -45,7 +45,7 @@ Measurement unit_interval(const SelftestContext& context) {
           low == 0.0f && high == 1.0f - 0x1p-24f ? Verdict::pass : Verdict::fail, "all 2^32 words"};
 }
 
-// A picture whose texel (x, y) is (x, y) in bytes, behind every wrap mode and filter; material k shows texture k.
+// An image whose texel (x, y) is (x, y) in bytes, behind every wrap mode and filter; material k shows texture k.
 Scene textured_scene() {
   constexpr std::uint32_t kSize = 64;
   Scene scene;
@@ -71,7 +71,7 @@ Measurement texture_coordinates(const SelftestContext& context) {
   const auto texture_of = [&](const gpu::Triangle& triangle) {
     return scene.packed().materials[triangle.surface & gpu::kTriangleMaterialMask].base_color_texture;
   };
-  // Extreme coordinates: any colour of the picture will do. Then pairs that lie whole periods apart.
+  // Extreme coordinates: any colour of the image is right. Then pairs that lie whole periods apart.
   constexpr float kInf = std::numeric_limits<float>::infinity(), kNan = std::numeric_limits<float>::quiet_NaN();
   constexpr float kExtreme[] = {1e7f + 0.25f, -1e7f,   16777217.0f, 3e9f,  -3e9f, 1e20f, -3.4e38f,
                                 1e-45f,       -1e-45f, 1.0f,        -0.0f, kNan,  kInf,  -kInf};
@@ -86,7 +86,7 @@ Measurement texture_coordinates(const SelftestContext& context) {
     if ((flags >> gpu::kTextureWrapUShift & 3u) == gpu::kWrapClamp || (flags & gpu::kTextureNearest)) continue;
     for (int i = 0; i < 1000; ++i) {
       const glm::vec2 uv(random.uniform(0.1f, 0.9f), random.uniform(0.1f, 0.9f)); // clear of the seam
-      const float periods = 2.0f * std::floor(random.uniform(-5000, 5000));       // mirrored pictures repeat every two
+      const float periods = 2.0f * std::floor(random.uniform(-5000, 5000));       // mirrored images repeat every two
       for (const float shift : {0.0f, periods})
         requests.push_back({{uv.x + shift, uv.y - shift, 0}, texture_of(triangle), {}, 0.0f});
     }
@@ -105,7 +105,7 @@ Measurement texture_coordinates(const SelftestContext& context) {
   std::uint64_t broken = 0; // left in the streams of vertices
   for (const glm::vec4& uv : scene.packed().vertex_uvs)
     for (int c = 0; c < 4; ++c) broken += !std::isfinite(uv[c]);
-  return {"colours of the picture, periods that agree",
+  return {"colours of the image, periods that agree",
           fmt::format("{} colours outside it, {} broken vertices kept, {:.3f} texels apart", outside, broken, worst),
           "0, 0, 1 texel (of 64) at 10^4 periods",
           outside + broken == 0 && worst <= 1.0 ? Verdict::pass : Verdict::fail,
@@ -125,8 +125,8 @@ Scene dim_room(const std::array<float, 3>& emission, float dark) {
   return scene;
 }
 
-// How a picture compares with one of the same paths under lamps that are 1 / `scale` as bright. A device may flush denormal
-// terms to zero, so nothing is too dark there; elsewhere all of the light must come through.
+// How a picture compares with one of the same paths under lamps that are 1 / `scale` as bright. A device may flush
+// denormal terms to zero, so nothing is too dark there; elsewhere all of the light must come through.
 struct DimComparison {
   std::uint64_t broken = 0; // negative, not a number, or brighter than it should be
   double worst = 0.0;       // error of a pixel over the brightest pixel
@@ -146,10 +146,10 @@ DimComparison compare_dim(const Picture& dim, const Picture& bright, double scal
   return result;
 }
 
-// Lamps of 10^-39 to 10^-45 over a floor, some of it so dark that paths carry as little: no pixel is brighter than it should
-// be, and the paths are as many as with lamps of 1. And lamps of 2^-100, which no path of eight bounces takes down to denormal
-// numbers: their picture is that of lamps of 1, scaled. The estimator is --direct bsdf, whose choices do not depend on how
-// bright the lamps are, so that the pictures that are compared are of the same paths.
+// Lamps of 10^-39 to 10^-45 over a floor, some of it so dark that paths carry as little: no pixel is brighter than it
+// should be, and the paths are as many as with lamps of 1. And lamps of 2^-100, which no path of eight bounces takes
+// down to denormal numbers: their picture is that of lamps of 1, scaled. The estimator is --direct bsdf, whose choices
+// do not depend on how bright the lamps are, so that the pictures that are compared are of the same paths.
 Measurement denormals(const SelftestContext& context) {
   constexpr float kUp = 0x1p100f;
   const auto trial = [&](const std::array<float, 3>& emission, float dark, std::uint32_t direct) {

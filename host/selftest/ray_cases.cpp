@@ -1,4 +1,5 @@
-// Cases of rays that are hard on the box test and the triangle test: along faces, over many scales, not rays at all.
+// Cases of rays that are hard on the box test and the triangle test: along faces, over many scales, with values that
+// are not finite.
 #include <fmt/format.h>
 
 #include "bvh/traverse.h"
@@ -91,12 +92,12 @@ Measurement against_brute_force(const SelftestContext& context) {
   }
   Measurement result = judge_none(different, rays.size(), "other hits");
   result.note = fmt::format("{} triangles, {} rays hit one; triangle and weights compared", triangles.size(), hits);
-  if (2 * hits < rays.size()) result.verdict = Verdict::fail; // would prove little
+  if (2 * hits < rays.size()) result.verdict = Verdict::fail; // too few rays are checked
   return result;
 }
 
-// Rays whose numbers are no numbers, between good ones: they find nothing, cost no visit, and leave their neighbours
-// in the subgroup alone.
+// Rays with values that are not finite, between valid ones: they find nothing, cost no visit, and leave their
+// neighbours in the subgroup alone.
 Measurement garbage_rays(const SelftestContext& context) {
   TracedScene scene(context.device, context.kernels, pack_positions(uv_sphere(50, 100, 0.1f)));
   const PackedScene& packed = scene.packed();
@@ -129,8 +130,9 @@ Measurement garbage_rays(const SelftestContext& context) {
     failures += is_garbage[i] ? found[i].triangle != gpu::kNone : !equal(found[i], clean[i]);
     failures += blocked[i] != (is_garbage[i] ? false : clean_blocked[i]);
   }
-  Measurement result = judge_none(failures + work.visits, 2 * mixed.size(), "hits by garbage or of its neighbours");
-  result.note = fmt::format("nodes that garbage visits on the host's twin of the traversal: {}", work.visits);
+  Measurement result =
+      judge_none(failures + work.visits, 2 * mixed.size(), "wrong hits of broken rays or their neighbours");
+  result.note = fmt::format("nodes that broken rays visit in the reference traversal on the host: {}", work.visits);
   return result;
 }
 

@@ -1,6 +1,6 @@
 // The numerical suite: cases with a known answer, run on the user's own device and driver.
 //
-// A case is a row in one of the tables below: what it is called, what a failure means for the user's images, and the
+// A case is a row in one of the tables below: what it is called, what a failure means for the user's pictures, and the
 // function that measures. To add one, write the function in the file of its subject and a line in that file's table.
 #pragma once
 
@@ -16,7 +16,7 @@ namespace wavepath {
 
 enum class Verdict { pass, fail, skip };
 
-// Numbers as text, for each case has its own units.
+// Numbers as text, because each case has its own units.
 struct Measurement {
   std::string expected, measured, tolerance;
   Verdict verdict = Verdict::fail;
@@ -32,9 +32,9 @@ struct SelftestContext {
 };
 
 struct SelftestCase {
-  int row = 0; // in the team's table of numerical cases; 0 for one beyond it
+  int row = 0; // number of the case, 1 to 44; 0 for cases without one
   const char* name = "";
-  const char* meaning = ""; // of a failure, for the user's images
+  const char* meaning = ""; // of a failure, for the user's pictures
   Measurement (*run)(const SelftestContext&) = nullptr;
 };
 

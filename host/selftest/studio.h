@@ -1,4 +1,4 @@
-// Renders the scenes of one case with kernels compiled once, and says what came out and how sure that is.
+// Renders the scenes of one case with kernels compiled once, and estimates the mean and its standard error.
 #pragma once
 
 #include <limits>
@@ -39,8 +39,8 @@ private:
   KernelCompiler kernels_;
 };
 
-// Largest standard error of an estimate over the value that is expected. A noisier one fails whatever its mean is, because
-// a tolerance of three standard errors would then accept too much.
+// Largest standard error of an estimate over the value that is expected. A noisier one fails whatever its mean is,
+// because a tolerance of three standard errors would then accept too much.
 constexpr double kLargestNoise = 0.01;
 
 // Keeps the trial of several that is worst for its tolerance; a value that is not finite, and an estimate that is too

@@ -42,7 +42,7 @@ public:
 
   const PackedScene& packed() const { return packed_; }
 
-  // In device space (the world moved by -packed().origin), slots ignored. `closest` leaves what extend.comp finds,
+  // In device space (the world moved by -packed().origin), slots ignored. `closest` returns what extend.comp finds,
   // `blocked` whether connect.comp finds anything, by ray.
   std::vector<gpu::Hit> closest(std::span<const gpu::Ray> rays, std::uint32_t at_once = kSlots);
   std::vector<bool> blocked(std::span<const gpu::Ray> rays);

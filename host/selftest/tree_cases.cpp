@@ -1,5 +1,5 @@
 // Cases of the tree itself: meshes that drive builders deep or wide, and boxes on a grid at every extent. The builder's
-// promises are checked on the host, what follows from them on the device.
+// guarantees are checked on the host, traversal on the device.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -40,7 +40,7 @@ std::vector<gpu::Ray> rays_at_each(const PackedScene& scene) {
   return rays;
 }
 
-// How many triangles are not what the ray at them finds.
+// Counts the triangles that the ray aimed at them does not hit.
 std::uint64_t count_missed(TracedScene& scene) {
   const std::vector<gpu::Hit> hits = scene.closest(rays_at_each(scene.packed()));
   std::uint64_t missed = 0;
@@ -66,7 +66,7 @@ Measurement deep_trees(const SelftestContext& context) {
     const std::vector<gpu::Hit> hits = scene.closest(rays_at_each(scene.packed()));
     for (std::size_t i = 0; i < hits.size(); ++i) {
       const gpu::Triangle& aim = scene.packed().triangles[i];
-      if (std::abs(aim.v0.x) < 0x1p-55f) continue; // its edge functions leave the range of floats: documented, not hit
+      if (std::abs(aim.v0.x) < 0x1p-55f) continue; // its edge functions leave the range of floats: it cannot be hit
       failures += hits[i].triangle == gpu::kNone || scene.packed().triangles[hits[i].triangle].id != aim.id;
       ++trials;
     }

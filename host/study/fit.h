@@ -1,4 +1,4 @@
-// Power laws through measured points: slope with its interval, values between points, times to a level.
+// Power laws through measured points: slope with its interval, values between points, times to an error.
 #pragma once
 
 #include <optional>
@@ -29,7 +29,7 @@ enum class Reach { interpolated, extrapolated, at_most, not_reached };
 
 struct TimeTo {
   Reach how = Reach::not_reached;
-  double x = 0.0; // at_most: the first point is below the level already
+  double x = 0.0; // at_most: the first point is below `level` already
 };
 
 // The x at which y comes down to `level`. Past the last point the fit is trusted for one octave and no further.

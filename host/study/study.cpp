@@ -80,7 +80,7 @@ private:
     settings.ao_samples = 16;
     settings.denoise = false;
     settings.aovs = {"ao"}; // which is 1 where nothing is hit; the picture is black there
-    settings.time_limit = 2.0 * kOcclusionShare * settings_.budget; // frames are whole wherever it ends
+    settings.time_limit = 2.0 * kOcclusionShare * settings_.budget; // a frame is never cut short
     KernelCompiler kernels(device_);
     return converge(settings, 0, kOcclusionShare, kernels, "reference of occlusion");
   }
@@ -125,7 +125,7 @@ private:
     return 1000.0 * seconds / result.spp;
   }
 
-  // Paths that end at the first surface trace its camera rays and nothing else.
+  // Paths that end at the first hit trace camera rays and nothing else.
   FirstHits measure_first_hits(RenderSettings hybrid) {
     constexpr std::uint32_t kFrames = 16;
     hybrid.last_sample = kFrames;
@@ -136,7 +136,7 @@ private:
     return {frame_ms(hybrid), frame_ms(traced), kFrames};
   }
 
-  // By turns, so that what else happens on the machine meets all alike. A configuration ends where twice the time of
+  // In turns, so that other load on the machine disturbs all alike. A configuration ends where twice the time of
   // its last render would not fit into what is left of its share.
   void measure_all(double share) {
     std::list<KernelCompiler> kernels;
@@ -156,7 +156,7 @@ private:
       }
   }
 
-  // Whatever comes first also pays for what drivers put off until then.
+  // The first render of a kernel also takes the time of what drivers postpone until then.
   void warm_up(const Series& series, KernelCompiler& kernels) {
     RenderSettings settings = series.configuration.settings;
     settings.last_sample = 1;
@@ -183,7 +183,7 @@ private:
     series.points.push_back(point);
   }
 
-  // Once more, for what is asked for besides the picture takes time of its own.
+  // Renders again, because the additional channels would add to the measured time.
   void measure_signals(const Series& series, RenderSettings settings, StudyPoint& point, KernelCompiler& kernels) {
     if (series.shows_occlusion()) {
       point.occlusion = point.metrics;

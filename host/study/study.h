@@ -72,13 +72,13 @@ struct Series {
   std::vector<StudyPicture> pictures;
 
   bool shows_occlusion() const { return !configuration.settings.integrator->finds_light; }
-  // It comes near to something else than the reference, however long it goes on.
+  // It converges to something else than the reference.
   bool is_biased() const {
     return configuration.settings.integrator->is_biased(configuration.settings);
   }
 };
 
-// What it costs to find the first surface of every pixel, in milliseconds a frame on the device: rasterized and
+// What it costs to find the first hits, in milliseconds a frame on the device: rasterized and
 // resolved, and traced.
 struct FirstHits {
   double rasterized = 0.0, traced = 0.0;

@@ -34,7 +34,7 @@ std::string reference_file(const StudyRecord& record) {
 
 std::string occlusion_file(const StudyRecord& record) { return in_folder(record, "ao-reference.exr"); }
 
-// What all frames of the grid have in common, and paths have not.
+// The flags that all frames of the grid share, and that paths do not take.
 std::string frame_flags(const StudyRecord& record) {
   return fmt::format(" --ao-radius {}", record.settings.render.ao_radius.value_or(0.0));
 }

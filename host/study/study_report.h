@@ -1,4 +1,4 @@
-// What a study leaves behind: study.json, study.csv, the reference, and the pictures and error maps that the page
+// Writes the files of a study: study.json, study.csv, the reference, and the pictures and error maps that the page
 // shows.
 #pragma once
 

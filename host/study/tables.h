@@ -12,8 +12,8 @@ std::vector<Measured> error_by_spp(const Series& series);
 // The same without points whose error is mostly the reference's: those that a slope may be fitted to.
 std::vector<Measured> above_floor(const Study& study, const Series& series, std::vector<Measured> points);
 
-// The error at which a biased configuration has come to stand: over the last two octaves, which halve the error of
-// plain Monte Carlo, it lost less than a fifth. No power law goes through that.
+// The error at which a biased configuration no longer improves: over the last two octaves, which halve the error of
+// plain Monte Carlo, it lost less than a fifth. No power law fits that.
 std::optional<double> levels_off(const Series& series);
 
 // The power law that a configuration follows; nothing where it follows none, or too little was measured.
@@ -44,7 +44,7 @@ struct EqualError {
   double relative_rms = 0.0;
   std::vector<EqualErrorRow> rows; // by Study::series
 };
-// At round levels (1, 2, 5, ...) that at least half of the configurations passed while being measured: the lowest
+// At round errors (1, 2, 5, ...) that at least half of the configurations passed while being measured: the lowest
 // three. Where there is none, at the median of the errors that were reached.
 std::vector<EqualError> equal_error(const Study& study);
 

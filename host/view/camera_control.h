@@ -1,4 +1,4 @@
-// The camera that a hand moves: orbit, pan, dolly, look, fly. It remains a request as the command line makes it, so
+// The camera that the user moves: orbit, pan, dolly, look, fly. It remains a request as the command line makes it, so
 // that the flags it is written as give the same view.
 #pragma once
 

@@ -1,4 +1,4 @@
-// GLFW: opened once, its errors as Error, and a window that remembers what the hand did since it was last asked.
+// GLFW: opened once, its errors as Error, and a window that collects the input since it was last read.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +19,7 @@ struct KeyPress {
   int key = 0, modifiers = 0; // GLFW's
 };
 
-// What happened since it was last taken. Places are pixels of the picture from its top left corner.
+// The input since it was last taken. Places are pixels of the picture from its top left corner.
 struct Input {
   std::vector<KeyPress> keys;
   glm::dvec2 drag_left{0.0}, drag_middle{0.0}, drag_right{0.0}; // way of the pointer with that button held
@@ -45,7 +45,7 @@ public:
   // Whether anything happened since the last call that may change what the window shows.
   bool take_events();
   Input take_input();
-  // Lets go of the mouse or the keys: they are the panel's.
+  // Ends a drag, because the pointer is over the panel.
   void drop_pointer() { dragging_ = -1; }
 
 private:

@@ -52,7 +52,7 @@ Overlay::Overlay(Device& device, const GlfwWindow& window, const Swapchain& swap
   ImGui::CreateContext();
   try {
     ImGuiIO& io = ImGui::GetIO();
-    io.IniFilename = io.LogFilename = nullptr; // a look at a scene leaves no files behind
+    io.IniFilename = io.LogFilename = nullptr; // viewing a scene writes no files
     float scale_x = 1.0f, scale_y = 1.0f;
     glfwGetWindowContentScale(window.handle(), &scale_x, &scale_y);
     set_look(std::fmax(1.0f, std::round(scale_x)), swapchain.encodes());

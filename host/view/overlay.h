@@ -1,4 +1,4 @@
-// Dear ImGui in our window: its context, its backends for GLFW and Vulkan, and how it looks.
+// Dear ImGui in our window: its context, its backends for GLFW and Vulkan, and its style.
 #pragma once
 
 #include <vulkan/vulkan.h>
@@ -11,7 +11,7 @@ namespace wavepath {
 
 class Overlay {
 public:
-  // `frames`: that may be in flight at once.
+  // `frames`: presentations that may be in flight at once.
   Overlay(Device& device, const GlfwWindow& window, const Swapchain& swapchain, std::uint32_t frames);
   ~Overlay();
   Overlay(Overlay&&) = delete;

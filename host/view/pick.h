@@ -10,7 +10,7 @@
 
 namespace wavepath {
 
-// Of the first surface that the view's ray through `place` meets, in world space. `place`: from the picture's top left
+// The first hit of the camera ray through `place`, in world space. `place`: from the picture's top left
 // corner, in pixels; `size`: of the picture. Counts every triangle as a whole, cut-outs in its texture included.
 std::optional<glm::dvec3> pick(const PackedScene& scene, const View& view, const glm::dvec2& place,
                                const glm::dvec2& size);

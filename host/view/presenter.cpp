@@ -42,19 +42,19 @@ VkSemaphore make_semaphore(VkDevice device) {
 Presenter::Presenter(Device& device, const GlfwWindow& window)
     : device_(device), swapchain_(device, window), window_(window) {
   try {
-    for (Frame& frame : frames_) {
+    for (Presentation& presentation : presentations_) {
       VkCommandPoolCreateInfo pool{VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
       pool.flags = VK_COMMAND_POOL_CREATE_TRANSIENT_BIT;
       pool.queueFamilyIndex = device.queue_family();
-      check(vkCreateCommandPool(device.handle(), &pool, nullptr, &frame.pool), "creating a command pool");
+      check(vkCreateCommandPool(device.handle(), &pool, nullptr, &presentation.pool), "creating a command pool");
       VkCommandBufferAllocateInfo commands{VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO};
-      commands.commandPool = frame.pool;
+      commands.commandPool = presentation.pool;
       commands.commandBufferCount = 1;
-      check(vkAllocateCommandBuffers(device.handle(), &commands, &frame.commands), "allocating commands");
-      frame.acquired = make_semaphore(device.handle());
+      check(vkAllocateCommandBuffers(device.handle(), &commands, &presentation.commands), "allocating commands");
+      presentation.acquired = make_semaphore(device.handle());
       VkFenceCreateInfo fence{VK_STRUCTURE_TYPE_FENCE_CREATE_INFO};
       fence.flags = VK_FENCE_CREATE_SIGNALED_BIT;
-      check(vkCreateFence(device.handle(), &fence, nullptr, &frame.done), "creating a fence");
+      check(vkCreateFence(device.handle(), &fence, nullptr, &presentation.done), "creating a fence");
     }
   } catch (...) {
     release();
@@ -87,18 +87,19 @@ bool Presenter::present(const Buffer& pixels, std::uint32_t width, std::uint32_t
   if (size.x == 0 || size.y == 0) return stale_ = true, false;
   if ((stale_ || swapchain_.image_count() == 0) && !remake()) return false;
 
-  Frame& frame = frames_[next_];
-  check(vkWaitForFences(device_.handle(), 1, &frame.done, VK_TRUE, ~std::uint64_t{0}), "waiting for a frame");
+  Presentation& presentation = presentations_[next_];
+  check(vkWaitForFences(device_.handle(), 1, &presentation.done, VK_TRUE, ~std::uint64_t{0}),
+        "waiting for an earlier picture");
   std::uint32_t image = 0;
-  VkResult result =
-      vkAcquireNextImageKHR(device_.handle(), swapchain_.handle(), kPatience, frame.acquired, VK_NULL_HANDLE, &image);
+  VkResult result = vkAcquireNextImageKHR(device_.handle(), swapchain_.handle(), kPatience, presentation.acquired,
+                                          VK_NULL_HANDLE, &image);
   if (result == VK_NOT_READY || result == VK_TIMEOUT) return false;
   if (result == VK_SUCCESS || result == VK_SUBOPTIMAL_KHR) {
     stale_ = result == VK_SUBOPTIMAL_KHR;
-    check(vkResetFences(device_.handle(), 1, &frame.done), "resetting a fence");
-    record(frame, image, pixels, width, height, overlay);
-    result = submit(frame, image);
-    next_ = (next_ + 1) % kFramesInFlight;
+    check(vkResetFences(device_.handle(), 1, &presentation.done), "resetting a fence");
+    record(presentation, image, pixels, width, height, overlay);
+    result = submit(presentation, image);
+    next_ = (next_ + 1) % kPresentationsInFlight;
   }
   if (result == VK_SUBOPTIMAL_KHR || result == VK_ERROR_OUT_OF_DATE_KHR)
     stale_ = true;
@@ -111,12 +112,12 @@ bool Presenter::present(const Buffer& pixels, std::uint32_t width, std::uint32_t
   return result == VK_SUCCESS || result == VK_SUBOPTIMAL_KHR;
 }
 
-void Presenter::record(Frame& frame, std::uint32_t index, const Buffer& pixels, std::uint32_t width,
+void Presenter::record(Presentation& presentation, std::uint32_t index, const Buffer& pixels, std::uint32_t width,
                        std::uint32_t height, Overlay& overlay) {
-  check(vkResetCommandPool(device_.handle(), frame.pool, 0), "resetting commands");
+  check(vkResetCommandPool(device_.handle(), presentation.pool, 0), "resetting commands");
   VkCommandBufferBeginInfo begin{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
   begin.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
-  check(vkBeginCommandBuffer(frame.commands, &begin), "recording commands");
+  check(vkBeginCommandBuffer(presentation.commands, &begin), "recording commands");
   const VkImage image = swapchain_.image(index);
   const VkExtent2D extent = swapchain_.extent();
 
@@ -128,17 +129,17 @@ void Presenter::record(Frame& frame, std::uint32_t index, const Buffer& pixels, 
   VkImageMemoryBarrier2 filling =
       change(image, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL); // after `acquired`: submit()
   filling.dstAccessMask = VK_ACCESS_2_TRANSFER_WRITE_BIT;
-  wait_for(frame.commands, &written, &filling);
+  wait_for(presentation.commands, &written, &filling);
 
   // While the window changes its size the picture may still have the old one.
   if (width < extent.width || height < extent.height) {
     const VkClearColorValue black{};
     const VkImageSubresourceRange all{VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
-    vkCmdClearColorImage(frame.commands, image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, &black, 1, &all);
+    vkCmdClearColorImage(presentation.commands, image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, &black, 1, &all);
     VkImageMemoryBarrier2 cleared =
         change(image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
     cleared.srcAccessMask = cleared.dstAccessMask = VK_ACCESS_2_TRANSFER_WRITE_BIT;
-    wait_for(frame.commands, nullptr, &cleared);
+    wait_for(presentation.commands, nullptr, &cleared);
   }
   VkBufferImageCopy copy{};
   copy.bufferRowLength = width;
@@ -146,7 +147,8 @@ void Presenter::record(Frame& frame, std::uint32_t index, const Buffer& pixels, 
   copy.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
   copy.imageExtent = {std::min(width, extent.width), std::min(height, extent.height), 1};
   if (copy.imageExtent.width > 0 && copy.imageExtent.height > 0)
-    vkCmdCopyBufferToImage(frame.commands, pixels.handle(), image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &copy);
+    vkCmdCopyBufferToImage(presentation.commands, pixels.handle(), image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1,
+                           &copy);
 
   VkMemoryBarrier2 read{VK_STRUCTURE_TYPE_MEMORY_BARRIER_2}; // before kernels write the next picture
   read.srcStageMask = VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT;
@@ -156,26 +158,26 @@ void Presenter::record(Frame& frame, std::uint32_t index, const Buffer& pixels, 
   drawing.srcAccessMask = VK_ACCESS_2_TRANSFER_WRITE_BIT;
   drawing.dstStageMask = VK_PIPELINE_STAGE_2_COLOR_ATTACHMENT_OUTPUT_BIT;
   drawing.dstAccessMask = VK_ACCESS_2_COLOR_ATTACHMENT_READ_BIT | VK_ACCESS_2_COLOR_ATTACHMENT_WRITE_BIT;
-  wait_for(frame.commands, &read, &drawing);
+  wait_for(presentation.commands, &read, &drawing);
 
   VkRenderPassBeginInfo pass{VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO};
   pass.renderPass = swapchain_.pass();
   pass.framebuffer = swapchain_.framebuffer(index);
   pass.renderArea.extent = extent;
-  vkCmdBeginRenderPass(frame.commands, &pass, VK_SUBPASS_CONTENTS_INLINE);
-  overlay.draw(frame.commands);
-  vkCmdEndRenderPass(frame.commands);
-  check(vkEndCommandBuffer(frame.commands), "recording commands");
+  vkCmdBeginRenderPass(presentation.commands, &pass, VK_SUBPASS_CONTENTS_INLINE);
+  overlay.draw(presentation.commands);
+  vkCmdEndRenderPass(presentation.commands);
+  check(vkEndCommandBuffer(presentation.commands), "recording commands");
 }
 
-VkResult Presenter::submit(Frame& frame, std::uint32_t image) {
+VkResult Presenter::submit(Presentation& presentation, std::uint32_t image) {
   const VkPipelineStageFlags filling = VK_PIPELINE_STAGE_TRANSFER_BIT;
   VkSubmitInfo info{VK_STRUCTURE_TYPE_SUBMIT_INFO};
   info.waitSemaphoreCount = 1;
-  info.pWaitSemaphores = &frame.acquired;
+  info.pWaitSemaphores = &presentation.acquired;
   info.pWaitDstStageMask = &filling;
   info.commandBufferCount = 1;
-  info.pCommandBuffers = &frame.commands;
+  info.pCommandBuffers = &presentation.commands;
   info.signalSemaphoreCount = 1;
   info.pSignalSemaphores = &drawn_[image];
   const VkSwapchainKHR swapchain = swapchain_.handle();
@@ -186,16 +188,16 @@ VkResult Presenter::submit(Frame& frame, std::uint32_t image) {
   present.pSwapchains = &swapchain;
   present.pImageIndices = &image;
   const std::lock_guard lock(device_.queue_mutex());
-  check(vkQueueSubmit(device_.queue(), 1, &info, frame.done), "drawing the window");
+  check(vkQueueSubmit(device_.queue(), 1, &info, presentation.done), "drawing the window");
   return vkQueuePresentKHR(device_.queue(), &present);
 }
 
 void Presenter::release() {
   for (const VkSemaphore semaphore : drawn_) vkDestroySemaphore(device_.handle(), semaphore, nullptr);
-  for (const Frame& frame : frames_) {
-    vkDestroyFence(device_.handle(), frame.done, nullptr);
-    vkDestroySemaphore(device_.handle(), frame.acquired, nullptr);
-    vkDestroyCommandPool(device_.handle(), frame.pool, nullptr);
+  for (const Presentation& presentation : presentations_) {
+    vkDestroyFence(device_.handle(), presentation.done, nullptr);
+    vkDestroySemaphore(device_.handle(), presentation.acquired, nullptr);
+    vkDestroyCommandPool(device_.handle(), presentation.pool, nullptr);
   }
 }
 

@@ -25,13 +25,13 @@ public:
   // before is waited for, as is this copy by what the device writes to them later. False if nothing could be shown for
   // now: the window is minimised, just changed, or its display takes no picture; try again.
   bool present(const Buffer& pixels, std::uint32_t width, std::uint32_t height, Overlay& overlay);
-  // Until nothing of the window's is at work; then `pixels` may be freed.
+  // Waits until the device has finished all work for the window; then `pixels` may be freed.
   void wait();
 
-  static constexpr std::uint32_t kFramesInFlight = 2;
+  static constexpr std::uint32_t kPresentationsInFlight = 2;
 
 private:
-  struct Frame {
+  struct Presentation { // of one picture to the screen
     VkCommandPool pool = VK_NULL_HANDLE;
     VkCommandBuffer commands = VK_NULL_HANDLE;
     VkSemaphore acquired = VK_NULL_HANDLE;
@@ -39,16 +39,16 @@ private:
   };
 
   bool remake();
-  void record(Frame& frame, std::uint32_t image, const Buffer& pixels, std::uint32_t width, std::uint32_t height,
-              Overlay& overlay);
-  VkResult submit(Frame& frame, std::uint32_t image);
+  void record(Presentation& presentation, std::uint32_t image, const Buffer& pixels, std::uint32_t width,
+              std::uint32_t height, Overlay& overlay);
+  VkResult submit(Presentation& presentation, std::uint32_t image);
   void release();
 
   Device& device_;
   Swapchain swapchain_;
   bool stale_ = true; // the swapchain no longer fits the window
   const GlfwWindow& window_;
-  std::array<Frame, kFramesInFlight> frames_;
+  std::array<Presentation, kPresentationsInFlight> presentations_;
   std::uint32_t next_ = 0;
   std::vector<VkSemaphore> drawn_; // by image: it may be shown
 };

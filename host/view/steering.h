@@ -1,4 +1,4 @@
-// From what the hand did to where the camera goes.
+// Turns input into motion of the camera.
 #pragma once
 
 #include "host/view/camera_control.h"

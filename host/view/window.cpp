@@ -19,7 +19,7 @@ namespace wavepath {
 namespace {
 
 // Seconds.
-constexpr double kFramePause = 1.0 / 60.0;  // between pictures while a hand is at work,
+constexpr double kPicturePause = 1.0 / 60.0; // between pictures while the user gives input,
 constexpr double kRenderPause = 1.0 / 15.0; // and while only the render goes on
 constexpr double kIdlePause = 0.25;         // until the estimate of the error is looked for again
 constexpr double kRest = 0.15;              // without a move, after which the picture is rendered in full
@@ -65,7 +65,7 @@ private:
   bool target_reached() const;
   bool seen() const { return window_.size().x > 0; }
   bool scripted() const { return request_.frames > 0; }
-  // A scripted run ends at its number of samples alone, so that its picture is the same every time.
+  // A scripted window ends at its number of samples alone, so that its picture is the same every time.
   bool has_work() const { return !status_.done && (scripted() || (seen() && !target_reached())); }
 
   const WindowRequest& request_;
@@ -93,7 +93,7 @@ Viewer::Viewer(Device& device, Progressive& progressive, const WindowRequest& re
       camera_(*request.scene, request.bounds, request.view),
       window_(request.title, progressive.settings().width, progressive.settings().height),
       presenter_(device, window_),
-      overlay_(device, window_, presenter_.swapchain(), Presenter::kFramesInFlight),
+      overlay_(device, window_, presenter_.swapchain(), Presenter::kPresentationsInFlight),
       display_(device),
       device_(device.info().name),
       environment_(request.environment) {
@@ -124,17 +124,17 @@ int Viewer::run() {
 // Sleeps unless there is something to render or to draw.
 void Viewer::wait_for_events() {
   const bool active = progressive_.moving() || resized_ >= 0.0 || redraws_ > 0;
-  const bool due = glfwGetTime() - last_draw_ >= kFramePause;
+  const bool due = glfwGetTime() - last_draw_ >= kPicturePause;
   if (worked_ || (active && due && seen()))
     glfwPollEvents();
   else
-    glfwWaitEventsTimeout(seen() && (active || has_work()) ? kFramePause : kIdlePause);
+    glfwWaitEventsTimeout(seen() && (active || has_work()) ? kPicturePause : kIdlePause);
 }
 
 bool Viewer::must_draw(double now) {
   if (window_.take_events()) redraws_ = kSettling;
   if (!seen()) return false;
-  if (now - last_draw_ < kFramePause) return false;
+  if (now - last_draw_ < kPicturePause) return false;
   return redraws_ > 0 || progressive_.moving() || resized_ >= 0.0 ||
          (!same(status_, shown_) && (status_.done || now - last_draw_ >= kRenderPause));
 }
@@ -226,7 +226,7 @@ void Viewer::focus() {
   if (point && camera_.focus(*point)) move_camera();
 }
 
-// The picture follows the window once its edges have come to rest. That of a scripted run has the size asked for.
+// The picture follows the window once its edges have come to rest. That of a scripted window has the size asked for.
 void Viewer::fit_size() {
   const glm::uvec2 size = window_.size();
   const RenderSettings& settings = progressive_.settings();

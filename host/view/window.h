@@ -1,4 +1,4 @@
-// The window of `wavepath view`: shows a render while it becomes finer, takes a hand's wishes, and hands them on.
+// The window of `wavepath view`: shows a render in progress, reads input, and applies it to camera and settings.
 #pragma once
 
 #include <cstdint>
@@ -34,8 +34,8 @@ struct WindowRequest {
   DisplayOptions display;        // to begin with
   EnvironmentChoice environment; // to begin with
   double target_error = 0.0;     // to tell the time until; 0 = none
-  std::uint32_t frames = 0;      // samples a pixel after which a scripted run ends; 0 = stays open until it is closed
-  std::string screenshot;        // file that a scripted run writes at its end; empty = none
+  std::uint32_t frames = 0; // samples a pixel after which the window closes (scripted); 0 = when the user closes it
+  std::string screenshot;   // file that a scripted window writes at its end; empty = none
   // What in a picture of these settings is approximated.
   std::function<std::vector<std::string>(const RenderSettings&)> notes;
   // Writes the picture as it is now. Throws Error.
@@ -47,7 +47,7 @@ struct WindowRequest {
 // Instance extensions that a window needs. Throws Error where there is no display, or none that can be opened.
 std::vector<const char*> window_extensions();
 
-// Opens the window and stays until it is closed or the scripted run is over. `device` was opened with
+// Opens the window and returns when it is closed or has all samples asked for (scripted). `device` was opened with
 // window_extensions(). Returns the exit code.
 int run_window(Device& device, Progressive& progressive, const WindowRequest& request);
 

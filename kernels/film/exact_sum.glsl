@@ -4,7 +4,7 @@
 
 #include "kernels/film/film_types.h"
 
-// Adds a digit to the 64-bit sum of its kind, or takes it away.
+// Adds a digit to its 64-bit sum, or subtracts it.
 void add_digit(inout uint sum[2], uint digit, bool negative) {
   uint carry;
   if (negative) {

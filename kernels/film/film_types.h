@@ -12,11 +12,12 @@ GPU_CONSTANT uint kBindFilm = 16u;             // storage FilmPixel[], kReplicat
 GPU_CONSTANT uint kBindFilmAovs = 17u;         // storage FilmAovs[], one a pixel (kFeatureAovs)
 GPU_CONSTANT uint kBindFilmTexels = 18u;      // texels RGBA32UI
 
-// ---- film -----------------------------------------------------------------------------------------------------------------
-// The exact sum of many floats, in any order (after the reproducible sums of Demmel and Nguyen 2013, with integers). Bit k of digit d weighs
-// 2^(32 d + k - 149), so that every float is two whole digits. The two highest digits that any sample reached are kept, each with
-// the sum of its own carries in 64 bits: what is kept depends on the set of samples alone. So parts of a render join to the bits
-// of the whole, and 10^9 samples wear nothing out; what is lost of a sample is below 2^-32 of the largest one.
+// ---- film -----------------------------------------------------------------------------------------------------------
+// The exact sum of many floats, in any order (after the reproducible sums of Demmel and Nguyen 2013, with integers).
+// Bit k of digit d weighs 2^(32 d + k - 149), so that every float is two whole digits. The two highest digits that any
+// sample reached are kept, each with the sum of its own carries in 64 bits: what is kept depends on the set of samples
+// alone. So parts of a render join to the bits of the whole, and 10^9 samples lose no precision; the error of a sample
+// is below 2^-32 of the largest one.
 struct ExactSum {
   uint high[2]; // of digit `top`: low word, high word, two's complement
   uint low[2];  // of digit `top` - 1

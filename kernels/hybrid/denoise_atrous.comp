@@ -1,4 +1,5 @@
-// SVGF, over the picture: one of the a-trous iterations, a 5x5 filter with holes that stops at edges of what is seen.
+// SVGF, over the picture: one of the a-trous iterations, a 5x5 filter with holes that does not cross the edges of
+// surfaces.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
@@ -48,7 +49,7 @@ void main() {
   bvec2 known = errors_known(here.w);
   vec2 value = values(color);
 
-  // Sums of differences from the centre, so that what is alike stays as it is, to the bit.
+  // Sums of differences from the centre, so that equal values remain the same to the bit.
   vec4 change = vec4(0.0);
   vec2 weights = vec2(0.0), variance = vec2(0.0);
   for (int y = -2; y <= 2; ++y) {

@@ -1,4 +1,5 @@
-// SVGF, over time: joins a frame's signals to what the same places showed before, with mean and variance over frames.
+// SVGF, over time: blends a frame's signals with those of the same surface points in earlier frames: mean and variance
+// over frames.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
@@ -12,12 +13,12 @@ layout(set = 0, binding = kFilterMomentsBefore) uniform samplerBuffer moments_be
 layout(set = 0, binding = kFilterMomentsNow, std430) writeonly buffer MomentsBlock { vec4 moments_now[]; };
 layout(set = 0, binding = kFilterSlopes, std430) writeonly buffer SlopeBlock { vec2 slopes[]; };
 
-// Frames that a history counts for at most. In motion it is the paper's 0.2 that each new frame gets; in a standing picture
-// all frames count the same, as far as 16 bits go.
+// The largest number of frames that a history counts for. In motion each new frame weighs 0.2, as in the paper; with a
+// still camera all frames count the same, as far as 16 bits go.
 const uint kMovingLength = 5u;
 const uint kStillLength = 65535u;
 
-// Signals beyond this are as good as infinite: their squares have to be floats.
+// Larger signals count as not finite, because their squares must fit into floats.
 const float kLargestSignal = 1e18;
 bool usable(float x) { return is_finite(x) && abs(x) <= kLargestSignal; }
 
@@ -43,7 +44,7 @@ float slope_along(ivec2 pixel, ivec2 axis, uvec4 here) {
   return slope == kFar ? 0.0 : slope;
 }
 
-// What is found of a pixel's past, as weighted sums; direct light and unoccluded share may have pasts of their own.
+// The history found for a pixel, as weighted sums; direct light and unoccluded share may have different ones.
 struct Past {
   vec4 color;
   vec4 moments;
@@ -51,8 +52,8 @@ struct Past {
   vec2 weights;
 };
 
-// Adds a pixel of the frame before if it shows the same place: its surface, its normal within 25 degrees, and in the plane.
-// `expected`: disparity that the place had then, `tolerance`: what a pixel next to it may differ by.
+// Adds a pixel of the frame before if it shows the same place: its surface, its normal within 25 degrees, and in the
+// plane. `expected`: disparity that the place had then, `tolerance`: what a pixel next to it may differ by.
 void add_tap(inout Past past, ivec2 tap, float weight, uvec4 here, vec3 normal, float expected, float tolerance) {
   int index = pixel_index(tap);
   uvec4 there = texelFetch(past_before, index);
@@ -84,7 +85,7 @@ Past find_past(ivec2 pixel, uvec4 here, vec2 slope) {
     vec2 shares = mix(1.0 - part, part, bvec2(side));
     add_tap(past, corner + side, shares.x * shares.y, here, normal, expected, tolerance);
   }
-  // At edges, which jitter moves to and fro, the nearest pixels may all show something else: then look around.
+  // At edges, which jitter moves to and fro, the nearest pixels may all show another surface: then the search widens.
   const float kLeastWeight = 0.01;
   bool around = any(lessThan(past.weights, vec2(kLeastWeight)));
   if (around) past = Past(vec4(0.0), vec4(0.0), vec2(0.0), vec2(0.0));

@@ -1,4 +1,5 @@
-// SVGF: how uncertain each pixel's mean over frames is. Before there are frames enough to tell, its neighbours say it.
+// SVGF: the variance of each pixel's mean over frames. While there are too few frames, its neighbours give the
+// estimate.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
@@ -12,7 +13,8 @@ layout(set = 0, binding = kFilterGuideOut, std430) writeonly buffer GuideBlock {
 const uint kEnoughFrames = 4u;
 const int kWindow = 7;
 
-// Variance of single samples at a pixel with too short a past: that of all samples in a window, frames and pixels alike.
+// Variance of single samples at a pixel with too short a past: that of all samples in a window, frames and pixels
+// alike.
 vec2 spatial_variance(ivec2 pixel, uvec4 here, vec4 moments, vec2 slope, bool young) {
   vec3 normal = unpack_normal(here.x);
   vec2 weights = vec2(0.0), means = vec2(0.0), squares = vec2(0.0); // about the mean at the centre

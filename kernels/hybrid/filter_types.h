@@ -8,7 +8,7 @@
 namespace wavepath::gpu {
 #endif
 
-// How a frame was seen: the camera as Frame has it (forward of unit length), and the place within each pixel.
+// The view of a frame: the camera as gpu::Frame has it (forward of unit length), and the place within each pixel.
 struct CameraView {
   vec3 position;
   uint orthographic;
@@ -21,18 +21,19 @@ struct CameraView {
 };
 GPU_CHECK(sizeof(CameraView) == 64);
 
-// Two frames of a camera that moves through a standing scene, for filters over time.
+// Two frames of a camera that moves through a static scene, for filters over time.
 struct Reprojection {
   CameraView now;
   CameraView before;
   uint width;
   uint height;
   uint remembers; // 1: there is a frame before
-  uint still;     // 1: the camera stands as it did then, but for the jitter
+  uint still;     // 1: the camera has not moved since, except for the jitter
 };
 GPU_CHECK(sizeof(Reprojection) == 144);
 
-// Push constants of the filters. They work on tiles of kFilterTile x kFilterTile pixels, one a workgroup, row-major.
+// Push constants of a dispatch, which filters a strip of tiles. A tile has kFilterTile x kFilterTile pixels, one tile a
+// workgroup, row-major.
 struct FilterBand {
   uint first_tile;
   uint step; // a-trous: from one tap to the next, in pixels

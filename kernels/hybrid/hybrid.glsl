@@ -1,5 +1,5 @@
-// What all kernels of a hybrid frame agree on: the camera ray of a pixel, its random numbers, and where a ray meets the triangle that was rasterized
-// there. Include bindings.glsl with BIND_GEOMETRY and BIND_HYBRID first.
+// What all kernels of a hybrid frame share: the camera ray of a pixel, its random numbers, and where a ray meets the
+// triangle that was rasterized there. Include bindings.glsl with BIND_GEOMETRY and BIND_HYBRID first.
 #ifndef WAVEPATH_HYBRID_GLSL
 #define WAVEPATH_HYBRID_GLSL
 
@@ -29,8 +29,9 @@ Candidate candidate_of_triangle(uint triangle, uint instance, vec3 origin, vec3 
                             texelFetch(triangles, texel + 1).xyz, texelFetch(triangles, texel + 2).xyz);
 }
 
-// The hit that traversal would report. Rasterizers place corners on a grid of at best 1/256 pixel, so that at edges the exact ray
-// may miss a triangle that covers its pixel; the weights are then moved into it, which moves the hit by as little.
+// The hit that traversal would report. Rasterizers place corners on a grid of at best 1/256 pixel, so that at edges the
+// exact ray may miss a triangle that covers its pixel; the weights are then moved into it, which moves the hit by as
+// little.
 Hit hit_of_candidate(uint triangle, uint instance, Candidate candidate) {
   vec3 weights = vec3(1.0 - candidate.b1 - candidate.b2, candidate.b1, candidate.b2);
   if (!candidate.hit && min(weights.x, min(weights.y, weights.z)) < 0.0) {

@@ -1,4 +1,5 @@
-// Ambient occlusion: the cosine-weighted share of the directions over a surface in which nothing is near.
+// The unoccluded share: the cosine-weighted share of the directions above a surface not blocked within ao_radius.
+// unoccluded share = 1 - that.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_KHR_shader_subgroup_ballot : require

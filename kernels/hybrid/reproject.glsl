@@ -1,6 +1,6 @@
-// What filters over time share: which pixel a lane works on, and where what it shows lay in the frame before.
+// What filters over time share: which pixel a lane works on, and where the point that it shows lay in the frame before.
 //
-// Cameras move, the scene stands still, so depth and two cameras say all about motion.
+// Cameras move and the scene is static, so the depth and the two cameras determine the motion.
 #ifndef WAVEPATH_REPROJECT_GLSL
 #define WAVEPATH_REPROJECT_GLSL
 
@@ -41,11 +41,11 @@ vec3 shown_at(CameraView view, vec3 offset) {
   return vec3((xy * scale * vec2(1.0, -1.0) + 1.0) * 0.5 * vec2(picture_size()), depth);
 }
 
-// Where what `pixel` shows in `depth` (0 = infinitely far) lay in the frame before: whole numbers are centres of pixels.
-// z: its depth then.
+// Where what `pixel` shows in `depth` (0 = infinitely far) lay in the frame before: whole numbers are centres of
+// pixels. z: its depth then.
 //
 // A pixel stands for its whole area, of which each frame samples one place; so jitter is no motion. While the camera
-// stands still, history stays in its pixel and no resampling wears it out.
+// stands still, history stays in its pixel and is not blurred by resampling.
 vec3 place_before(ivec2 pixel, float depth) {
   bool parallel = frames.now.orthographic != 0u;
   if (frames.still != 0u || (parallel && depth == 0.0)) return vec3(pixel, depth);

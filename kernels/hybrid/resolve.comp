@@ -1,5 +1,6 @@
-// From rasterized visibility to the G-buffer, and to the queue that shading takes: the rays of the wave with their hits.
-// What a pixel shows is known; where on it the camera ray arrives is found as a traced ray finds it, so that both go on alike.
+// From rasterized visibility to the G-buffer, and to the queue that shading takes: the rays of the wave with their
+// hits. The triangle of a pixel is known; the point on it is computed as for a traced ray, so that both are shaded
+// alike.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
@@ -23,10 +24,10 @@
 
 layout(local_size_x = kWorkgroupSize) in;
 
-// What a surface reflects like a mirror has no place in the ambient term, and gains nothing from filters: its light is found by
-// following the reflection, with little noise, and changes from pixel to pixel. So smooth metal is kept apart from all others.
-// (Not what is merely glossy: its diffuse light is as noisy as any; kept apart as well, Sponza's filtered relMSE is 6 times this.
-// 2 frames, llvmpipe.)
+// Mirror reflection is not part of the ambient term and gains nothing from filters: its light is found by following the
+// reflection, with little noise, and changes from pixel to pixel. So smooth metal is kept apart from all others. (Not
+// what is merely glossy: its diffuse light is as noisy as any; kept apart as well, Sponza's filtered relMSE is 6 times
+// this. 2 frames, llvmpipe.)
 const float kSmooth = 0.3; // roughness
 
 GbufferPixel gbuffer_of(Hit hit, uint place, vec3 origin, vec3 direction, out float diffuse) {

@@ -13,18 +13,18 @@ layout(set = 0, binding = kFilterHistoryNow, std430) writeonly buffer HistoryBlo
 
 const float kMostFrames = 10.0;  // that a history counts for: a new frame gets a tenth
 const float kClip = 1.25;        // half the clip box, in standard deviations of the neighbourhood
-const float kLargest = 1e18;     // colours beyond this are as good as infinite
+const float kLargest = 1e18;     // larger colours count as not finite
 
 bool usable(vec3 c) { return is_finite(c) && all(lessThanEqual(abs(c), vec3(kLargest))); }
 
-// Colours count by 1 / (1 + luminance), so that a bright one among them does not drown the others.
+// Colours weigh 1 / (1 + luminance), so that one bright colour does not dominate the others.
 float tone_weight(vec3 c) { return 1.0 / (1.0 + max(luminance(c), 0.0)); }
 vec3 to_ycocg(vec3 c) {
   return vec3(dot(c, vec3(0.25, 0.5, 0.25)), dot(c, vec3(0.5, 0.0, -0.5)), dot(c, vec3(-0.25, 0.5, -0.25)));
 }
 vec3 from_ycocg(vec3 c) { return vec3(c.x + c.y - c.z, c.x + c.z, c.x - c.y - c.z); }
 
-// What a pixel's motion is: that of the nearest surface in its neighbourhood, so that outlines move with what they bound.
+// A pixel's motion: that of the nearest surface in its neighbourhood, so that outlines move with their object.
 vec2 motion(ivec2 pixel) {
   ivec2 nearest = pixel;
   float depth = kFar;
@@ -66,7 +66,7 @@ vec4 history_at(vec2 place) {
   return vec4(clamp(sum, low, high), frames_in);
 }
 
-// The nearest colour to `history` on the way to the mean of the 3x3 pixels around that is no outlier among them.
+// `history`, moved towards the mean of the surrounding 3x3 pixels until it lies in the clip box of their colours.
 vec3 clip(vec3 history, vec3 mean, vec3 deviation) {
   float weight = tone_weight(history);
   vec3 away = to_ycocg(history * weight) - mean;

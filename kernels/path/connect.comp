@@ -1,4 +1,4 @@
-// Follows the shadow rays: a path gains the light's contribution if nothing is in between.
+// Traces the shadow rays for any hit: a path gains the light's contribution unless its ray is blocked.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 

@@ -1,7 +1,8 @@
-// Samples that are not finite, counted by the kernel that made them. Include kernels/bindings.glsl with BIND_COUNTERS first.
+// Samples that are not finite, counted by the kernel that made them. Include kernels/bindings.glsl with BIND_COUNTERS
+// first.
 //
-// Radiance that is not finite marks a path as spoilt: no sum turns it finite again. Whoever spoils a path counts it, ends it
-// and thereby keeps others from counting it once more.
+// Radiance that is not finite marks a path: no later sum makes it finite again. The kernel that makes it so counts the
+// sample and ends the path, so that no other kernel counts it again.
 #ifndef WAVEPATH_NONFINITE_GLSL
 #define WAVEPATH_NONFINITE_GLSL
 
@@ -13,7 +14,7 @@ void count_nonfinite(uint maker, uint slot) {
   atomicMin(counters.nonfinite_first[maker], slot);
 }
 
-// The mark of a path that something else than its radiance has spoilt.
+// Marks a path in which a value other than its radiance is not finite.
 vec3 spoilt(vec3 radiance) { return is_finite(radiance) ? uintBitsToFloat(uvec3(0x7fc00000u)) : radiance; }
 
 #endif

@@ -35,7 +35,7 @@ struct ShadowRay {
   uint slot;
   vec3 direction; // to the point on the light, not normalized: t in (0,1); unit length and t_max = kFar for distant lights
   float t_max;
-  vec3 contribution; // what the path gains if nothing is in between
+  vec3 contribution; // what the path gains unless the ray is blocked
   uint light;        // Light that it goes to
 };
 GPU_CHECK(sizeof(ShadowRay) == 48);

@@ -16,14 +16,14 @@ void store_path(uint slot, PathState path) {
   path_words[2u * slot] = uvec4(floatBitsToUint(path.throughput), floatBitsToUint(path.bsdf_pdf));
   path_words[2u * slot + 1u] = uvec4(floatBitsToUint(path.radiance), floatBitsToUint(path.eta_scale));
 }
-// Of one that has not scattered meanwhile.
+// Stores the radiance alone, of a path that has not scattered since it was fetched.
 void store_radiance(uint slot, PathState path) {
   path_words[2u * slot + 1u] = uvec4(floatBitsToUint(path.radiance), floatBitsToUint(path.eta_scale));
 }
 #endif
 
 #ifdef BIND_RAYS
-// `place`: of both queues, one after the other.
+// `place`: counted over both queues, one after the other.
 Ray fetch_ray(uint place) {
   vec4 origin_slot = texelFetch(ray_texels, int(2u * place)), direction_t = texelFetch(ray_texels, int(2u * place + 1u));
   return Ray(origin_slot.xyz, floatBitsToUint(origin_slot.w), direction_t.xyz, direction_t.w);

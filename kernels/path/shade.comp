@@ -1,4 +1,4 @@
-// What happens where rays arrive: emission, one shadow ray towards a light, and the next ray of the path.
+// Shades the hits of the queue: emission, one shadow ray towards a light, and the next ray of the path.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_KHR_shader_subgroup_ballot : require
@@ -64,9 +64,10 @@ bool scatter(Vertex v, Sampler path_sampler, uint dimension, uint slot, inout Pa
   path.throughput *= s.weight;
   path.bsdf_pdf = s.pdf;
   path.eta_scale *= s.eta_scale;
-  // Russian roulette from the third bounce on, by the root of what the path can still carry. By the plain value and from the
-  // second on, as pbrt-v4 has it (section 13.2.1), it ends paths that have cost much and would still bring light: time times
-  // relMSE is 0.82 of that on a Cornell box, 0.74 on Sponza, 0.2 on DamagedHelmet under a studio environment (llvmpipe).
+  // Russian roulette from the third bounce on, by the root of what the path can still carry. By the plain value and
+  // from the second on, as pbrt-v4 has it (section 13.2.1), it ends paths that have cost much and would still bring
+  // light: time times relMSE is 0.82 of that on a Cornell box, 0.74 on Sponza, 0.2 on DamagedHelmet under a studio
+  // environment (llvmpipe).
   float survival = sqrt(max_component(path.throughput) * path.eta_scale);
   if (survival < 1.0 && wave.bounce > 1u) {
     if (!(u_choice.y < survival)) return false;
@@ -122,7 +123,7 @@ void follow(Ray ray, Hit hit, inout PathState path, out bool wants_ray, out Ray 
   if (has(kFeatureAovs) && wave.bounce == 0u) record_first_hit(slot, v, ray.origin);
 
   if (has(kFeatureEmission) && (material.flags & kMaterialUnlit) != 0u) {
-    // KHR_materials_unlit: the base colour is what one sees; such a surface is never sampled as a light.
+    // KHR_materials_unlit: the surface shows its base colour; it is never sampled as a light.
     add_radiance(path, slot, path.throughput * v.bsdf.base_color);
     return;
   }

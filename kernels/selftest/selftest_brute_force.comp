@@ -1,4 +1,5 @@
-// What extend.comp must find: every ray of the queue against every triangle, without a tree, in the order of the source.
+// The reference for extend.comp: tests every ray of the queue against every triangle, without a tree, in the order of
+// the source.
 // wave.sample_count: the number of triangles, below 65,536 (Mesa 22.3 ends longer loops).
 #version 460
 #extension GL_GOOGLE_include_directive : require

@@ -1,5 +1,6 @@
-// Whether the driver leaves `precise` arithmetic alone: a compensated sum of three (Neumaier 1974), which reassociation makes
-// useless, and an edge function seen from both of its sides, which contraction to a fused multiply-add makes two different ones.
+// Checks that the driver keeps `precise` arithmetic as written: a compensated sum of three numbers (Neumaier 1974),
+// which reassociation would break, and an edge function evaluated from both sides, which contraction to a fused
+// multiply-add would make unequal.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 

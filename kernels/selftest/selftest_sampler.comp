@@ -1,4 +1,4 @@
-// The numbers that a sample of a pixel gets in one dimension, by the sampler that the kernel was made with.
+// The numbers that a sample of a pixel gets in one dimension, by the sampler that the kernel is specialized for.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 

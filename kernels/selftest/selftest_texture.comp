@@ -1,4 +1,5 @@
-// Colours of a texture: in the queue, slot = texture and origin.xy = coordinates; left behind as the words of a hit.
+// Evaluates a texture. Input: in the queue, slot = texture and origin.xy = coordinates. Output: the colour, as the
+// words of a hit.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 

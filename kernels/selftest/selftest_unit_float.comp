@@ -1,4 +1,5 @@
-// Every random word that a lane is given, as the samplers make it a number: the smallest and the largest of them, by bits.
+// Converts every random word that a lane is given to a number, as the samplers do; writes the bits of the smallest and
+// the largest one.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 

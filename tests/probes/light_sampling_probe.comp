@@ -32,7 +32,7 @@ void main() {
     vec2 u = e.a.xy;
     e.b.x = float(pick_light(u));
     e.b.y = u.y;
-  } else if (wave.bounce == 3u) { // texel a.xy of a map sized as the frame says, u in a.zw -> b: direction, solid angle
+  } else if (wave.bounce == 3u) { // texel a.xy of a map of the size in `frame`, u in a.zw -> b: direction, solid angle
     e.b.xyz = environment_texel_direction(uint(e.a.x), uint(e.a.y), width, height, e.a.zw);
     e.b.w = environment_texel_solid_angle(uint(e.a.y), width, height);
   } else if (wave.bounce == 4u) { // light a.w seen from a.xyz -> a: irradiance; b: towards it

@@ -28,7 +28,7 @@ void main() {
     if (kind == 2) e.b = vec4(warp_uniform_hemisphere(e.a.xy), warp_uniform_hemisphere_pdf());
     if (kind == 3) e.b = vec4(warp_uniform_sphere(e.a.xy), warp_uniform_sphere_pdf());
     if (kind == 4) e.b = vec4(warp_triangle(e.a.xy), 0.0, warp_triangle_pdf(0.5));
-  } else if (mode == 3u) { // frame around a
+  } else if (mode == 3u) { // basis around a
     vec3 tangent, bitangent;
     make_basis(e.a.xyz, tangent, bitangent);
     e.b.xyz = tangent;

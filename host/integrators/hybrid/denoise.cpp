@@ -32,8 +32,8 @@ Denoiser::Denoiser(Device& device, std::uint32_t width, std::uint32_t height, co
   const Buffer *a = &buffers_.guide[0], *b = &buffers_.guide[1];
   for (std::uint32_t turn = 0; turn < 2; ++turn) {
     const Buffer *plain = &buffers_.history[turn], *plain_before = &buffers_.history[1 - turn];
-    // In motion the past is what the first iteration made of it, as in the paper; each frame counts for little then. Of
-    // a standing picture it is the plain mean over frames, so that the picture converges to what no filter has touched.
+    // In motion the history is the output of the first iteration, as in the paper; each frame counts for little then.
+    // With a still camera it is the plain mean over frames, so that the picture converges to the unfiltered one.
     const std::array<Flow, kFlowCount> flows = {{{first, &signals, filtered, b, a},
                                                  {plain_before, &signals, filtered, b, a},
                                                  {plain_before, plain, first, a, b},

@@ -36,7 +36,8 @@ public:
 
 private:
   enum Stage { kTemporal, kVariance, kAtrous };
-  // Who reads and writes what: temporal and variance, after motion or without; the iterations of the a-trous filter.
+  // What each dispatch reads and writes: temporal and variance, after motion or without; the iterations of the a-trous
+  // filter.
   enum FlowName { kMoving, kStanding, kFirst, kSecond, kBack, kForth, kFlowCount };
   // Five iterations, as in the paper: 125 pixels across.
   static constexpr std::array<FlowName, 5> kIterations = {kFirst, kSecond, kBack, kForth, kBack};

@@ -5,8 +5,8 @@
 namespace wavepath {
 namespace {
 
-// An a-trous iteration, the dearest, reads 50 texels a pixel: below half a microsecond on a core of a CPU device, so that a
-// band stays below 70 ms even on one; a GPU does a million pixels in a few milliseconds.
+// An a-trous iteration, the slowest filter, reads 50 texels a pixel: below half a microsecond on a core of a CPU
+// device, so that a strip of tiles stays below 70 ms even on one; a GPU does a million pixels in a few milliseconds.
 constexpr std::uint32_t kTilesOfCpu = 2048, kTilesOfGpu = 16384;
 
 bool same_place(const gpu::CameraView& a, const gpu::CameraView& b) {

@@ -1,4 +1,4 @@
-// Runs a filter over a picture in bands of tiles, each a dispatch short enough for any device.
+// Applies a filter to a picture strip by strip; each strip of tiles is a dispatch short enough for any device.
 #pragma once
 
 #include <cstdint>
@@ -20,7 +20,7 @@ private:
   std::uint32_t tiles_, tiles_per_band_;
 };
 
-// Two frames as filters over time need them; `before` is left out of account if there was no such frame.
+// Two frames as filters over time need them; `before` is ignored if there was no such frame.
 gpu::Reprojection reproject(const gpu::CameraView& now, const gpu::CameraView& before, bool remembers,
                             std::uint32_t width, std::uint32_t height);
 

@@ -116,7 +116,7 @@ void Hybrid::make_room(const View& view, Past past) {
   moved |= buffers_.fit({.pixels = workspace_.film.pixels()});
   const glm::uvec3 made_for(settings_.width, settings_.height, path_features);
   if (made_for != visibility_made_for_ || moved) {
-    visibility_.reset(); // both at once may be too much
+    visibility_.reset(); // the device may not hold both at once
     visibility_made_for_ = glm::uvec3(0);
     visibility_ = std::make_unique<Visibility>(workspace_.device, scene, *workspace_.on_device, workspace_.frame_buffer(),
                                                buffers_[kFrame], path_features, settings_.width, settings_.height);
@@ -143,7 +143,7 @@ void Hybrid::remake_filters(bool moved, Past past) {
     if (taa_) taa_->forget();
     return;
   }
-  denoiser_.reset(); // both at once may be too much
+  denoiser_.reset(); // the device may not hold both at once
   taa_.reset();
   filters_made_for_ = glm::uvec4(0);
   const Buffer& gbuffer = buffers_[kGbuffer];
@@ -231,7 +231,7 @@ void Hybrid::light(Commands& commands, std::size_t band, const gpu::Wave& wave) 
   commands.dispatch(kernels[kShade], groups_for(std::uint64_t{wave.pixel_count} * wave.sample_count), &wave);
   if (workspace_.frame.max_depth == 0) return;
   if (workspace_.frame.light_count > 0) paths_.connect(commands, kernels, wave, 0);
-  paths_.extend(commands, kernels, wave, 1); // light that a sampled direction runs into
+  paths_.extend(commands, kernels, wave, 1); // emission that BSDF samples hit
   paths_.shade(commands, kernels, wave, 1);
 }
 
@@ -277,7 +277,7 @@ void Hybrid::composite(WaveQueue& queue, std::uint32_t flags) {
   }
 }
 
-// Blocks of pixels spread evenly over the picture. Until learn(), occlusion rays tell how enclosed the place is.
+// Blocks of pixels spread evenly over the picture. Until learn(), occlusion rays measure how enclosed the place is.
 std::optional<Pilot> Hybrid::pilot() {
   if (!lights() || settings_.ambient || !ambient() || knows_ambient_) return std::nullopt;
   Pilot pilot{.segments = {}, .samples = 1, .seed = kAmbientPilotSeed};
@@ -308,8 +308,8 @@ void Hybrid::learn() {
   jitters_.clear();
 }
 
-// The light inside an integrating sphere: of what surfaces send out, the share that meets surfaces again is sent out
-// once more, L = direct + albedo * enclosure * L. What arrives where the picture looks is that L from the enclosed
+// The light inside an integrating sphere: of the light that surfaces send out, the share that meets surfaces again is
+// sent out once more, L = direct + albedo * enclosure * L. The surfaces in the picture receive that L from the enclosed
 // directions.
 glm::vec3 Hybrid::enclosed_light() const {
   const auto gbuffer = download<gpu::GbufferPixel>(buffers_[kGbuffer], workspace_.film.pixels());

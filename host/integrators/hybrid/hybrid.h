@@ -30,7 +30,8 @@ public:
   bool is_ready() override;
   double get_ready() override;
 
-  // Some thousand pixels, whose light tells the ambient radiance, unless the settings name it or there is no need.
+  // Some thousand pixels, from whose light the ambient radiance is estimated, unless the settings give it or no ambient
+  // term is wanted.
   std::optional<Pilot> pilot() override;
   void learn() override;
 

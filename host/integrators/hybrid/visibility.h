@@ -1,4 +1,4 @@
-// What the eye sees first, by rasterization: for every pixel the place of its triangle and its instance, as a camera
+// First hits by rasterization: for every pixel the place of its triangle and its instance, as a camera
 // ray through the same place in the pixel would find them.
 #pragma once
 
@@ -40,7 +40,7 @@ public:
 
   // Submits drawing of what `camera`, the frame's own, may see; what `prepare` records comes first.
   void render(WaveQueue& queue, const gpu::CameraView& camera, const std::function<void(Commands&)>& prepare);
-  // The same by tracing the frame's camera rays; for views whose edges do not hold, and to compare.
+  // The same by tracing the frame's camera rays; for views whose edges rasterization cannot place, and to compare.
   void trace(WaveQueue& queue, const std::function<void(Commands&)>& prepare);
 
   // For kBindVisibility: two words a pixel, row by row from the top left.
@@ -48,7 +48,7 @@ public:
   std::uint64_t bytes() const { return ids_.bytes() + target_.bytes(); }
 
 private:
-  // What the pieces of the last frame took, as they are done.
+  // The times of the pieces of the last frame, as they are done.
   struct Slices {
     double seconds = 0.0;
     std::size_t count = 0;

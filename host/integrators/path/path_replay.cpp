@@ -1,4 +1,4 @@
-// Runs the stages of a wave of one path, with a look at its state after each.
+// Runs the stages of a wave of one path, and reads its state after each.
 #include "host/integrators/path/path_replay.h"
 
 #include <cmath>
@@ -51,7 +51,8 @@ gpu::Queues PathReplay::queues() const { return download<gpu::Queues>(paths_.buf
 
 gpu::PathState PathReplay::state() const { return download<gpu::PathState>(paths_.buffers[kStates], 1).front(); }
 
-// What connect adds can be too small to change the radiance, so it shows with none what it lets through.
+// What connect adds can be too small to change the radiance; so it first adds to a radiance of zero, which shows
+// whether the shadow ray is blocked.
 ShadowTrace PathReplay::connect(std::uint32_t bounce, const gpu::PathState& state_) {
   ShadowTrace shadow{download<gpu::ShadowRay>(paths_.buffers[kShadowRays], 1).front()};
   gpu::PathState dark = state_;
@@ -64,8 +65,8 @@ ShadowTrace PathReplay::connect(std::uint32_t bounce, const gpu::PathState& stat
   return shadow;
 }
 
-// Why shade sent no further ray. Whether it was for roulette, it says itself: a path whose eta_scale is beyond all
-// bounds survives that, and does only that.
+// Why shade sent no further ray. Shade is executed again with the largest eta_scale, with which a path always survives
+// Russian roulette: if it then sends a ray, roulette had ended the path.
 PathEnd PathReplay::reason(std::uint32_t bounce, const PathVertex& vertex, gpu::PathState arrived) {
   if (!is_finite(vertex.radiance)) return PathEnd::nonfinite;
   if (vertex.hit.triangle == gpu::kNone) return PathEnd::escaped;

@@ -1,4 +1,4 @@
-// One path of a picture, traced by itself with the kernels that ship and written down stage by stage.
+// One path of a picture, traced alone with the shipped kernels and recorded stage by stage.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
-// Paths in flight: their state, the queues between the stages that trace them, and those stages. Whatever integrator
-// follows paths owns one of these.
+// Paths in flight: their state, the queues between the stages that trace them, and those stages. Every integrator
+// that follows paths owns one.
 #pragma once
 
 #include <cstdint>
@@ -61,7 +61,7 @@ private:
   std::vector<std::unique_ptr<BindingSet>> sets_; // by band
 };
 
-// Slots and kinds of everything that path kernels are bound to, without buffers.
+// Numbers and kinds of all bindings of the path kernels, without buffers.
 std::vector<Binding> path_layout();
 
 // kFeature bits that a view and settings ask for in this scene.
