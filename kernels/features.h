@@ -11,15 +11,15 @@ namespace wavepath::gpu {
 // ---- what a scene needs: the bits of the specialization constant kFeatures ------------------------------------------
 // A clear bit removes the code; the host then also leaves out the data. Setting a bit that the scene does not need
 // changes no result, only speed ("generic kernels").
-GPU_CONSTANT uint kFeatureInstances = 1u << 0;       // a top-level tree over instances
-GPU_CONSTANT uint kFeatureAlpha = 1u << 1;           // MASK or BLEND triangles, tested during traversal
-GPU_CONSTANT uint kFeatureCull = 1u << 2;            // single-sided triangles are invisible from behind
-GPU_CONSTANT uint kFeatureTextures = 1u << 3;        // any material texture
+GPU_CONSTANT uint kFeatureInstances = 1u << 0; // a top-level tree over instances
+GPU_CONSTANT uint kFeatureAlpha = 1u << 1;     // MASK or BLEND triangles, tested during traversal
+GPU_CONSTANT uint kFeatureCull = 1u << 2;      // single-sided triangles are invisible from behind
+GPU_CONSTANT uint kFeatureTextures = 1u << 3;  // any material texture
 GPU_CONSTANT uint kFeatureTextureTransform = 1u << 4;
 GPU_CONSTANT uint kFeatureNormalMaps = 1u << 5;
-GPU_CONSTANT uint kFeatureSmoothNormals = 1u << 6;   // vertex normals
+GPU_CONSTANT uint kFeatureSmoothNormals = 1u << 6; // vertex normals
 GPU_CONSTANT uint kFeatureVertexColors = 1u << 7;
-GPU_CONSTANT uint kFeatureSpecular = 1u << 8;        // any reflection besides Lambert's
+GPU_CONSTANT uint kFeatureSpecular = 1u << 8; // any reflection besides Lambert's
 GPU_CONSTANT uint kFeatureTransmission = 1u << 9;
 GPU_CONSTANT uint kFeatureVolume = 1u << 10;         // attenuation; adds a medium to the path state
 GPU_CONSTANT uint kFeatureEmission = 1u << 11;       // emissive surfaces, unlit ones included
@@ -36,8 +36,9 @@ GPU_CONSTANT uint kFeatureTransmissionTextures = 1u << 21;
 GPU_CONSTANT uint kFeatureEmissionTextures = 1u << 22;
 GPU_CONSTANT uint kFeatureFloatTextures = 1u << 23;   // texels of four floats
 GPU_CONSTANT uint kFeatureNearestTextures = 1u << 24; // unfiltered look-ups
-GPU_CONSTANT uint kFeatureAdaptive = 1u << 25; // waves follow a list of runs of pixels
-GPU_CONSTANT uint kFeatureSharedFirstHit = 1u << 26; // all paths of a pixel in a wave begin at one first hit and belong to one replicate
+GPU_CONSTANT uint kFeatureAdaptive = 1u << 25;        // waves follow a list of runs of pixels
+GPU_CONSTANT uint kFeatureSharedFirstHit =
+    1u << 26; // all paths of a pixel in a wave begin at one first hit and belong to one replicate
 GPU_CONSTANT uint kFeaturesAll = (1u << 27) - 1u;
 
 // ---- specialization constants ---------------------------------------------------------------------------------------

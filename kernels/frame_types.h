@@ -8,8 +8,8 @@
 namespace wavepath::gpu {
 #endif
 
-GPU_CONSTANT uint kBindFrame = 0u;             // uniform Frame
-GPU_CONSTANT uint kBindRuns = 19u;            // texels R32UI: runs of kRunPixels pixels in tile order (kFeatureAdaptive)
+GPU_CONSTANT uint kBindFrame = 0u;     // uniform Frame
+GPU_CONSTANT uint kBindRuns = 19u;     // texels R32UI: runs of kRunPixels pixels in tile order (kFeatureAdaptive)
 GPU_CONSTANT uint kBindCounters = 15u; // storage Counters
 
 // ---- one render -----------------------------------------------------------------------------------------------------
@@ -25,17 +25,17 @@ struct Frame {
   uint max_depth;
   vec3 camera_forward;
   uint seed;
-  vec3 environment_radiance; // constant environment, or the scale of the map
+  vec3 environment_radiance;     // constant environment, or the scale of the map
   float environment_probability; // of next-event estimation picking the environment
-  vec2 environment_rotation; // cos, sin: direction in the map = rotation about +Y of the world direction
+  vec2 environment_rotation;     // cos, sin: direction in the map = rotation about +Y of the world direction
   uint environment_width;
   uint environment_height;
   uint light_count;
   uint root;        // node where traversal starts
   uint root_is_top; // 1: the root is that of the top-level tree, whose leaves hold instances
   uint orthographic;
-  uint sample_total; // samples a pixel that the stratified sampler spreads over
-  uint slot_count;   // capacity of one ray queue
+  uint sample_total;   // samples a pixel that the stratified sampler spreads over
+  uint slot_count;     // capacity of one ray queue
   uint scene_features; // kFeature bits that the scene has data for, whatever the kernels were compiled with
   uint pad0;
 };
@@ -45,7 +45,8 @@ GPU_CHECK(sizeof(Frame) == 128);
 // the error of any sampler.
 GPU_CONSTANT uint kReplicates = 2u;
 
-GPU_CONSTANT uint kRunPixels = 64u; // that an adaptive render gives samples to together: a tile of 8x8, away from the borders
+GPU_CONSTANT uint kRunPixels =
+    64u; // that an adaptive render gives samples to together: a tile of 8x8, away from the borders
 
 // Push constants: the wave of (pixel, sample) pairs that a dispatch works on. Slot = local sample * pixel_count + local
 // pixel.
@@ -54,7 +55,7 @@ struct Wave {
   uint pixel_count;
   uint first_sample;
   uint sample_count;
-  uint bounce; // 0 = camera rays
+  uint bounce;           // 0 = camera rays
   uint first_film_pixel; // pixel, in tile order, of the film's first entry
 };
 

@@ -13,19 +13,19 @@ namespace wavepath::gpu {
 // 19 the film, those from 20 on what is the integrator's own.
 // Read-only data goes through uniform texel buffers: on lavapipe (Mesa 22.3) they traverse twice as fast as storage
 // buffers.
-GPU_CONSTANT uint kBindNodes = 1u;             // texels RGBA32UI, kNodeTexels each: bvh::WideNode
-GPU_CONSTANT uint kBindTriangles = 2u;         // texels RGBA32F, kTriangleTexels each: Triangle, in BVH leaf order
-GPU_CONSTANT uint kBindTriangleVertices = 3u;  // texels RGBA32UI, one a triangle: three vertex indices, unused
-GPU_CONSTANT uint kBindVertexNormals = 4u;     // texels RGBA32F, one a vertex: normal, packed tangent (see pack_tangent)
-GPU_CONSTANT uint kBindVertexUvs = 5u;         // texels RGBA32F, one a vertex: TEXCOORD_0, TEXCOORD_1
-GPU_CONSTANT uint kBindVertexColors = 6u;      // texels RGBA32F, one a vertex: COLOR_0, linear
-GPU_CONSTANT uint kBindInstances = 7u;         // texels RGBA32F, kInstanceTexels each: Instance
-GPU_CONSTANT uint kBindMaterials = 8u;         // texels RGBA32UI, kMaterialTexels each: Material
-GPU_CONSTANT uint kBindTextures = 9u;          // texels RGBA32UI, kTextureTexels each: Texture
-GPU_CONSTANT uint kBindTexels = 10u;           // texels R32UI: one word a texel (RGBA8) or four (RGBA32F)
-GPU_CONSTANT uint kBindSrgbTable = 11u;        // texels R32F, 256: byte -> linear
-GPU_CONSTANT uint kBindLights = 12u;           // texels RGBA32UI, kLightTexels each: Light
-GPU_CONSTANT uint kBindEnvironment = 13u;      // texels RGBA32F: radiance, probability of the texel
+GPU_CONSTANT uint kBindNodes = 1u;            // texels RGBA32UI, kNodeTexels each: bvh::WideNode
+GPU_CONSTANT uint kBindTriangles = 2u;        // texels RGBA32F, kTriangleTexels each: Triangle, in BVH leaf order
+GPU_CONSTANT uint kBindTriangleVertices = 3u; // texels RGBA32UI, one a triangle: three vertex indices, unused
+GPU_CONSTANT uint kBindVertexNormals = 4u;    // texels RGBA32F, one a vertex: normal, packed tangent (see pack_tangent)
+GPU_CONSTANT uint kBindVertexUvs = 5u;        // texels RGBA32F, one a vertex: TEXCOORD_0, TEXCOORD_1
+GPU_CONSTANT uint kBindVertexColors = 6u;     // texels RGBA32F, one a vertex: COLOR_0, linear
+GPU_CONSTANT uint kBindInstances = 7u;        // texels RGBA32F, kInstanceTexels each: Instance
+GPU_CONSTANT uint kBindMaterials = 8u;        // texels RGBA32UI, kMaterialTexels each: Material
+GPU_CONSTANT uint kBindTextures = 9u;         // texels RGBA32UI, kTextureTexels each: Texture
+GPU_CONSTANT uint kBindTexels = 10u;          // texels R32UI: one word a texel (RGBA8) or four (RGBA32F)
+GPU_CONSTANT uint kBindSrgbTable = 11u;       // texels R32F, 256: byte -> linear
+GPU_CONSTANT uint kBindLights = 12u;          // texels RGBA32UI, kLightTexels each: Light
+GPU_CONSTANT uint kBindEnvironment = 13u;     // texels RGBA32F: radiance, probability of the texel
 GPU_CONSTANT uint kBindEnvironmentAlias = 14u; // texels RG32UI: float bits of the threshold, alias
 
 // ---- geometry -------------------------------------------------------------------------------------------------------
@@ -105,10 +105,10 @@ GPU_CONSTANT uint kWrapRepeat = 0u, kWrapClamp = 1u, kWrapMirror = 2u;
 GPU_CONSTANT uint kTextureWrapUShift = 0u; // two bits each
 GPU_CONSTANT uint kTextureWrapVShift = 2u;
 GPU_CONSTANT uint kTextureNearest = 1u << 4;
-GPU_CONSTANT uint kTextureSrgb = 1u << 5;   // RGB are sRGB bytes; alpha is linear
-GPU_CONSTANT uint kTextureFloat = 1u << 6;  // four float words a texel, already linear
-GPU_CONSTANT uint kTextureUv1 = 1u << 7;    // TEXCOORD_1
-GPU_CONSTANT uint kTextureMoved = 1u << 8;  // uv_matrix and uv_offset apply
+GPU_CONSTANT uint kTextureSrgb = 1u << 5;  // RGB are sRGB bytes; alpha is linear
+GPU_CONSTANT uint kTextureFloat = 1u << 6; // four float words a texel, already linear
+GPU_CONSTANT uint kTextureUv1 = 1u << 7;   // TEXCOORD_1
+GPU_CONSTANT uint kTextureMoved = 1u << 8; // uv_matrix and uv_offset apply
 
 // An image as one texture of a material uses it. uv' = (dot(uv_matrix.xy, uv), dot(uv_matrix.zw, uv)) + uv_offset.
 struct Texture {
@@ -136,9 +136,9 @@ GPU_CONSTANT uint kLightEnvironment = 4u;
 struct Light {
   vec3 position; // punctual, device world space
   uint kind;
-  vec3 direction; // directional: towards the light. Spot: the axis, away from the light
+  vec3 direction;    // directional: towards the light. Spot: the axis, away from the light
   float probability; // of being picked
-  vec3 intensity; // candela (point, spot) or lux (directional)
+  vec3 intensity;    // candela (point, spot) or lux (directional)
   float threshold;
   uint alias;
   uint triangle;    // kLightTriangle: one of its copies

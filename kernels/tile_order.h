@@ -1,5 +1,5 @@
-// Orders that keep neighbours together. Waves visit pixels in 8x8 tiles, Z-order inside a tile (Morton 1966), so that neighbouring
-// lanes trace neighbouring rays. Compiled by kernels and host alike.
+// Orders that keep neighbours together. Waves visit pixels in 8x8 tiles, Z-order inside a tile (Morton 1966), so that
+// neighbouring lanes trace neighbouring rays. Compiled by kernels and host alike.
 #ifndef WAVEPATH_TILE_ORDER_H
 #define WAVEPATH_TILE_ORDER_H
 
@@ -13,8 +13,8 @@ using glm::uvec2;
 #define GPU_FUNCTION
 #endif
 
-// Coordinates of the pixel with the given index in tile order, 0 <= index < width * height. Tiles cut off by the right or lower
-// border are visited row by row.
+// Coordinates of the pixel with the given index in tile order, 0 <= index < width * height. Tiles cut off by the right
+// or lower border are visited row by row.
 GPU_FUNCTION uvec2 pixel_in_tile_order(uint index, uint width, uint height) {
   uint tile_row = index / (8u * width);
   uint in_row = index - tile_row * 8u * width;

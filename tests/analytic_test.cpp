@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <gtest/gtest.h>
+#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "host/cli/render_flags.h"
@@ -60,7 +60,8 @@ Oracle read_oracle(const fs::path& path) {
 }
 
 // Renders as `wavepath render PATH FLAGS...` would; later flags count.
-RenderResult render_scene(Device& device, const fs::path& path, std::vector<std::string> flags, std::uint32_t wave_slots = 0) {
+RenderResult render_scene(Device& device, const fs::path& path, std::vector<std::string> flags,
+                          std::uint32_t wave_slots = 0) {
   CLI::App app;
   SceneRequest scene_request;
   RenderRequest request;
@@ -179,15 +180,17 @@ void expect_mean(const RenderResult& result, const Oracle& oracle) {
 
 TEST_P(AnalyticHybrid, FindsIt) {
   const Oracle oracle = read_oracle(GetParam());
-  const RenderResult result = render_scene(
-      device(), GetParam(), oracle.render + std::vector<std::string>{"--integrator", "hybrid", "--shadow-samples", "2"});
+  const RenderResult result =
+      render_scene(device(), GetParam(),
+                   oracle.render + std::vector<std::string>{"--integrator", "hybrid", "--shadow-samples", "2"});
   if (oracle.exact > 0.0) return expect_every_pixel(result.picture, oracle);
   expect_mean(result, oracle);
 }
 
 TEST_P(AnalyticOcclusion, FindsIt) {
   const Oracle oracle = read_oracle(GetParam());
-  expect_mean(render_scene(device(), GetParam(), oracle.render + std::vector<std::string>{"--integrator", "ao"}), oracle);
+  expect_mean(render_scene(device(), GetParam(), oracle.render + std::vector<std::string>{"--integrator", "ao"}),
+              oracle);
 }
 
 INSTANTIATE_TEST_SUITE_P(Scenes, Analytic, ::testing::ValuesIn(list_scenes(true)), name_of);
@@ -199,19 +202,36 @@ class AnalyticWhitted : public Analytic {};
 
 TEST_P(AnalyticWhitted, FindsIt) {
   const Oracle oracle = read_oracle(GetParam());
-  const std::vector<std::string> flags = oracle.render + std::vector<std::string>{"--integrator", "whitted", "--cutoff", "0"};
+  const std::vector<std::string> flags =
+      oracle.render + std::vector<std::string>{"--integrator", "whitted", "--cutoff", "0"};
   const Picture first = render_scene(device(), GetParam(), flags + std::vector<std::string>{"--seed", "1"}).picture;
   if (oracle.exact > 0.0) return expect_every_pixel(first, oracle);
-  expect_mean(first, render_scene(device(), GetParam(), flags + std::vector<std::string>{"--seed", "2"}).picture, oracle);
+  expect_mean(first, render_scene(device(), GetParam(), flags + std::vector<std::string>{"--seed", "2"}).picture,
+              oracle);
 }
 
 std::vector<fs::path> scenes_for_whitted() {
   std::vector<fs::path> paths;
-  for (const char* name :
-       {"absorbing_glass_slab", "absorbing_slab", "glass_slab", "mirror", "adjacent_squares", "facing_squares", "alpha_blend",
-        "alpha_mask_cut", "alpha_mask_kept", "directional_light", "point_light", "spot_light", "disc_light",
-        "half_hidden_disc_light", "rectangle_light_centre", "rectangle_light_corner", "sphere_light", "tilted_sphere_light",
-        "emitter", "unlit"})
+  for (const char* name : {"absorbing_glass_slab",
+                           "absorbing_slab",
+                           "glass_slab",
+                           "mirror",
+                           "adjacent_squares",
+                           "facing_squares",
+                           "alpha_blend",
+                           "alpha_mask_cut",
+                           "alpha_mask_kept",
+                           "directional_light",
+                           "point_light",
+                           "spot_light",
+                           "disc_light",
+                           "half_hidden_disc_light",
+                           "rectangle_light_centre",
+                           "rectangle_light_corner",
+                           "sphere_light",
+                           "tilted_sphere_light",
+                           "emitter",
+                           "unlit"})
     paths.push_back(kScenes / "analytic" / (std::string(name) + ".gltf"));
   return paths;
 }
@@ -225,11 +245,12 @@ protected:
     for (std::size_t c = 0; c < a.picture.channels.size(); ++c)
       EXPECT_EQ(a.picture.channels[c].values, b.picture.channels[c].values) << a.picture.channels[c].name;
   }
-  const std::vector<std::string> small_{"--size", "24x16", "--spp", "8", "--max-depth", "6", "--aov", "albedo,normal,depth"};
+  const std::vector<std::string> small_{"--size",      "24x16", "--spp", "8",
+                                        "--max-depth", "6",     "--aov", "albedo,normal,depth"};
   // Between them they use every feature that this folder has.
   const std::vector<fs::path> scenes_{kScenes / "cornell_box.gltf", kScenes / "furnace_glass.gltf",
-                                      kScenes / "analytic/lights_of_all_sizes.gltf", kScenes / "analytic/alpha_blend.gltf",
-                                      kScenes / "showcase.glb"};
+                                      kScenes / "analytic/lights_of_all_sizes.gltf",
+                                      kScenes / "analytic/alpha_blend.gltf", kScenes / "showcase.glb"};
 };
 
 TEST_F(AnyScene, TwoRunsGiveTheSameBits) {
@@ -270,12 +291,20 @@ TEST_F(AnyScene, TheTreeDoesNotMatter) {
 
 TEST_F(AnyScene, EstimatorsAndSamplersAgreeOnTheCornellBox) {
   const std::vector<std::string> flags{"--size", "16x16", "--spp", "64", "--max-depth", "4"};
-  const std::vector<std::vector<std::string>> variants{direct("mis"), direct("nee"), direct("bsdf"), {"--sampler", "independent"},
-                                                       {"--sampler", "stratified"}, {"--hemisphere", "uniform"}};
+  const std::vector<std::vector<std::string>> variants{direct("mis"),
+                                                       direct("nee"),
+                                                       direct("bsdf"),
+                                                       {"--sampler", "independent"},
+                                                       {"--sampler", "stratified"},
+                                                       {"--hemisphere", "uniform"}};
   std::vector<Picture> first, second;
   for (const std::vector<std::string>& variant : variants) {
-    first.push_back(render_scene(device(), kScenes / "cornell_box.gltf", flags + variant + std::vector<std::string>{"--seed", "1"}).picture);
-    second.push_back(render_scene(device(), kScenes / "cornell_box.gltf", flags + variant + std::vector<std::string>{"--seed", "2"}).picture);
+    first.push_back(
+        render_scene(device(), kScenes / "cornell_box.gltf", flags + variant + std::vector<std::string>{"--seed", "1"})
+            .picture);
+    second.push_back(
+        render_scene(device(), kScenes / "cornell_box.gltf", flags + variant + std::vector<std::string>{"--seed", "2"})
+            .picture);
   }
   for (std::size_t i = 1; i < variants.size(); ++i) {
     for (std::size_t c = 0; c < 3; ++c) {
@@ -287,17 +316,19 @@ TEST_F(AnyScene, EstimatorsAndSamplersAgreeOnTheCornellBox) {
   }
 }
 
-// Five metal balls that absorb nothing, under a white sky: where a ray meets one at a given cosine it shows the albedo of
-// single scattering there, less what the neighbours hide of the sky and do not return.
+// Five metal balls that absorb nothing, under a white sky: where a ray meets one at a given cosine it shows the albedo
+// of single scattering there, less what the neighbours hide of the sky and do not return.
 TEST_F(AnyScene, RoughMetalBallsReturnWhatSingleScatteringLeaves) {
   constexpr int kWidth = 480, kHeight = 120, kCosines = 64;
-  const Picture picture = render_scene(device(), kScenes / "furnace_metal.gltf",
-                                       {"--size", "480x120", "--spp", "8", "--env", "1,1,1", "--direct", "bsdf", "--filter",
-                                        "box"}).picture;
+  const Picture picture =
+      render_scene(device(), kScenes / "furnace_metal.gltf",
+                   {"--size", "480x120", "--spp", "8", "--env", "1,1,1", "--direct", "bsdf", "--filter", "box"})
+          .picture;
   for (const float value : picture.channels[0].values) EXPECT_LE(value, 1.0f + 1e-5f);
   const double radius = 0.4, pixel = 2.0 * std::tan(0.4) / kHeight;
   const double alphas[] = {0.01, 0.25, 0.5, 0.75, 1.0};
-  // What the neighbours leave, as measured (0.991, 0.981, 0.966, 0.958, 0.975; the outer balls have one), less 1 % of noise.
+  // What the neighbours leave, as measured (0.991, 0.981, 0.966, 0.958, 0.975; the outer balls have one), less 1 % of
+  // noise.
   const double kLeast[] = {0.981, 0.971, 0.956, 0.948, 0.965};
   for (int ball = 0; ball < 5; ++ball) {
     std::vector<double> albedo; // at cosines in the middle of bins

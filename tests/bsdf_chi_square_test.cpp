@@ -1,6 +1,6 @@
 // Samples of bsdf_sample against the density that bsdf_eval claims, by chi-square, and the integral of that density.
-#include "tests/bsdf_probe.h"
 #include "kernels/features.h"
+#include "tests/bsdf_probe.h"
 
 namespace wavepath::test {
 namespace {

@@ -9,9 +9,9 @@
 #include "tests/probe.h"
 #include "tests/statistics.h"
 
+#include "kernels/features.h"
 #include "tests/probes/bsdf_eval_probe.spv.h"
 #include "tests/probes/bsdf_sample_probe.spv.h"
-#include "kernels/features.h"
 
 namespace wavepath::test {
 

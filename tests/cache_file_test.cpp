@@ -79,7 +79,8 @@ TEST_F(CacheFileTest, DamageAnywhereIsNoticed) {
 TEST_F(CacheFileTest, CutShortOrTooLongIsNoticed) {
   ASSERT_TRUE(write_cache_file(path_, kKey, data_));
   const std::string sound = read_raw();
-  for (const std::size_t length : {std::size_t{0}, std::size_t{1}, std::size_t{31}, std::size_t{32}, sound.size() - 1}) {
+  for (const std::size_t length :
+       {std::size_t{0}, std::size_t{1}, std::size_t{31}, std::size_t{32}, sound.size() - 1}) {
     write_raw(sound.substr(0, length));
     EXPECT_TRUE(read_cache_file(path_, kKey).empty()) << length;
   }

@@ -8,8 +8,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "host/gpu/device.h"
 #include "host/film/picture_io.h"
+#include "host/gpu/device.h"
 #include "tests/run_wavepath.h"
 #include "tests/temporary_folder.h"
 #include "tests/vulkan_device.h"
@@ -77,7 +77,8 @@ TEST_F(CliRenderTest, StatsNameTheBiasOfEveryIntegrator) {
   };
   EXPECT_NE(bias({}).find("of the light is missing"), std::string::npos);
   EXPECT_EQ(bias({"--integrator", "ao"}), "[]");
-  EXPECT_EQ(bias({"--integrator", "hybrid", "--max-depth", "0"}), R"x(["light paths end after 0 bounces (--max-depth)"])x");
+  EXPECT_EQ(bias({"--integrator", "hybrid", "--max-depth", "0"}),
+            R"x(["light paths end after 0 bounces (--max-depth)"])x");
   const std::string hybrid = bias({"--integrator", "hybrid", "--ambient", "1,2,3"});
   EXPECT_NE(hybrid.find("ambient term of radiance 1,2,3"), std::string::npos) << hybrid;
   EXPECT_EQ(hybrid.find("missing"), std::string::npos) << hybrid;

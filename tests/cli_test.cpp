@@ -115,13 +115,16 @@ TEST(Usage, WhatAnIntegratorCannotDoIsRefused) {
     expect_error(flags, 2, why);
   };
   refused({"--integrator", "hybird"}, "did you mean hybrid?");
-  refused({"--denoise"}, "--denoise: is not taken by --integrator path; use --integrator hybrid or ao, or leave it out");
+  refused({"--denoise"},
+          "--denoise: is not taken by --integrator path; use --integrator hybrid or ao, or leave it out");
   refused({"--aov", "ao"}, "--aov ao: is not taken by --integrator path; use --integrator hybrid or ao");
-  refused({"--integrator", "hybrid", "--adaptive"}, "--adaptive: is not taken by --integrator hybrid; use --integrator path");
+  refused({"--integrator", "hybrid", "--adaptive"},
+          "--adaptive: is not taken by --integrator hybrid; use --integrator path");
   refused({"--integrator", "hybrid", "--strict"}, "--integrator hybrid: is biased, which --strict refuses");
   refused({"--integrator", "ao", "--strict", "--denoise"}, "leave out --denoise");
   refused({"--integrator", "ao", "--denoise", "--mergeable"}, "--denoise: makes every sample depend on those before");
-  refused({"--integrator", "ao", "--pixel", "1,1", "--sample", "0"}, "--pixel: is not taken by --integrator ao; use --integrator path");
+  refused({"--integrator", "ao", "--pixel", "1,1", "--sample", "0"},
+          "--pixel: is not taken by --integrator ao; use --integrator path");
   refused({"--integrator", "hybrid", "--shadow-samples", "0"}, "--shadow-samples");
   refused({"--integrator", "hybrid", "--ambient", "1,-1,1"}, "'1,-1,1' is negative");
   refused({"--integrator", "hybrid", "--ambient", "1,1,1e300"}, "'1,1,1e300' is too large");

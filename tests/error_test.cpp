@@ -7,12 +7,12 @@
 
 #include <gtest/gtest.h>
 
-#include "host/render/adaptive.h"
-#include "host/render/depth_cut.h"
 #include "host/film/error.h"
 #include "host/film/film.h"
-#include "host/render/kernel_compiler.h"
 #include "host/film/metrics.h"
+#include "host/render/adaptive.h"
+#include "host/render/depth_cut.h"
+#include "host/render/kernel_compiler.h"
 #include "host/scene/gltf/gltf.h"
 #include "host/scene/pack/pack.h"
 #include "host/scene/view.h"

@@ -1,14 +1,14 @@
-// FLIP against its publication: P. Andersson et al., "FLIP: A Difference Evaluator for Alternating Images", HPG 2020. The
-// features of an edge and of a point have closed forms; whole maps are computed again as the authors' reference code does,
-// with dense two-dimensional filters, where the product separates them. Equation numbers are the paper's.
+// FLIP against its publication: P. Andersson et al., "FLIP: A Difference Evaluator for Alternating Images", HPG 2020.
+// The features of an edge and of a point have closed forms; whole maps are computed again as the authors' reference
+// code does, with dense two-dimensional filters, where the product separates them. Equation numbers are the paper's.
 #include <algorithm>
 #include <cmath>
 #include <functional>
 #include <numbers>
 #include <random>
 
-#include <glm/glm.hpp>
 #include <gtest/gtest.h>
+#include <glm/glm.hpp>
 
 #include "host/film/metrics.h"
 
@@ -89,12 +89,11 @@ dvec3 perceived(const Colors& colors, int x, int y) {
 double color_error(const Colors& a, const Colors& b, int x, int y) { // eq. 7
   const double most = std::pow(hyab(hunt_lab({0, 1, 0}), hunt_lab({0, 0, 1})), 0.7);
   const double distance = std::pow(hyab(perceived(a, x, y), perceived(b, x, y)), 0.7);
-  return distance < 0.4 * most ? 0.95 * distance / (0.4 * most)
-                               : 0.95 + 0.05 * (distance - 0.4 * most) / (0.6 * most);
+  return distance < 0.4 * most ? 0.95 * distance / (0.4 * most) : 0.95 + 0.05 * (distance - 0.4 * most) / (0.6 * most);
 }
 
-// Derivatives of a Gaussian of deviation 0.041 degrees, along x and along y (eq. 8 to 10): the first one finds edges, the
-// second one points. Positive and negative weights sum to one each.
+// Derivatives of a Gaussian of deviation 0.041 degrees, along x and along y (eq. 8 to 10): the first one finds edges,
+// the second one points. Positive and negative weights sum to one each.
 constexpr double kDeviation = 0.5 * 0.082 * kPixelsPerDegree;
 const int kFeatureRadius = static_cast<int>(std::ceil(3.0 * kDeviation));
 
@@ -133,8 +132,8 @@ double feature_error_in(const std::vector<float>& map, const Colors& a, const Co
 
 const Colors kBlack = [](int, int) { return dvec3(0.0); };
 
-// Beside a step of height h all weights of one sign see the one side, and all of the other sign the other side: the edge
-// filter answers h, and the point filter less.
+// Beside a step of height h all weights of one sign see the one side, and all of the other sign the other side: the
+// edge filter answers h, and the point filter less.
 TEST(FlipFeatures, AStepIsAsStrongAsItIsHigh) {
   for (const double height : {0.1, 0.5, 1.0})
     for (const bool upright : {true, false}) {
@@ -148,7 +147,8 @@ TEST(FlipFeatures, AStepIsAsStrongAsItIsHigh) {
     }
 }
 
-// A single bright pixel meets the weights at the middle of both point filters, which are equal; the edge filters have none.
+// A single bright pixel meets the weights at the middle of both point filters, which are equal; the edge filters have
+// none.
 TEST(FlipFeatures, APointIsAsStrongAsTheFiltersMiddle) {
   double negative = 0.0;
   for (int v = -kFeatureRadius; v <= kFeatureRadius; ++v)
@@ -177,14 +177,15 @@ TEST(Flip, MapsAreThoseOfTheDenseFilters) {
     a.push_back(glm::clamp(b.back() + 0.3 * dvec3(uniform(random), uniform(random), uniform(random)) - 0.1, 0.0, 1.0));
   }
   const auto colors_of = [](const std::vector<dvec3>& values) {
-    return clamped([&values](int x, int y) { return dvec3(glm::vec3(values[static_cast<std::size_t>(y * kSize + x)])); });
+    return clamped(
+        [&values](int x, int y) { return dvec3(glm::vec3(values[static_cast<std::size_t>(y * kSize + x)])); });
   };
   const Colors picture = colors_of(a), reference = colors_of(b);
   const std::vector<float> map = ldr_flip(picture_of(picture), picture_of(reference));
   for (int y = 0; y < kSize; y += 3)
     for (int x = 0; x < kSize; x += 3) {
-      const double expected = std::pow(color_error(picture, reference, x, y),
-                                       1.0 - std::min(feature_error(picture, reference, x, y), 1.0));
+      const double expected =
+          std::pow(color_error(picture, reference, x, y), 1.0 - std::min(feature_error(picture, reference, x, y), 1.0));
       ASSERT_NEAR(map[static_cast<std::size_t>(y * kSize + x)], expected, 1e-5) << x << ", " << y;
     }
 }

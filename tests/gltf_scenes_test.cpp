@@ -136,9 +136,9 @@ TEST(GltfScenes, CompressedFilesEqualPlainOnes) {
   }
 }
 
-// Corner by corner, because vertices may have been split: the cosine between the tangents that a file has and those made
-// of its positions, normals and texture coordinates; -1 for another handedness. Corners of triangles without an area in
-// the texture are left out, for they have no tangent of their own.
+// Corner by corner, because vertices may have been split: the cosine between the tangents that a file has and those
+// made of its positions, normals and texture coordinates; -1 for another handedness. Corners of triangles without an
+// area in the texture are left out, for they have no tangent of their own.
 std::vector<double> tangent_cosines(const std::filesystem::path& path) {
   std::vector<double> cosines;
   for (const Mesh& given : load_gltf(path).meshes) {

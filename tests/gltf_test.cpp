@@ -38,9 +38,9 @@ TEST(Gltf, TheSameFromEveryContainer) {
 }
 
 TEST(Gltf, VersionsThatAReaderOf20MayRead) {
-  for (const json& asset : {json{{"version", "2.0"}, {"minVersion", "2.0"}}, json{{"version", "2.10"}},
-                            json{{"version", "2.1"}, {"minVersion", "2.0"}},
-                            json{{"version", "3.0"}, {"minVersion", "2.0"}}}) {
+  for (const json& asset :
+       {json{{"version", "2.0"}, {"minVersion", "2.0"}}, json{{"version", "2.10"}},
+        json{{"version", "2.1"}, {"minVersion", "2.0"}}, json{{"version", "3.0"}, {"minVersion", "2.0"}}}) {
     GltfBuilder b = GltfBuilder::triangle();
     b.root["asset"] = asset;
     EXPECT_EQ(load(b).meshes.size(), 1u) << asset;

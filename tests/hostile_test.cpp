@@ -78,7 +78,8 @@ const Case kCases[] = {
      [](json& d) {
        d["asset"] = {{"version", "3.1"}, {"minVersion", "3.0"}};
      }},
-    {"VersionBelowItsLeast", "asset.minVersion is above asset.version", [](json& d) { d["asset"]["minVersion"] = "2.1"; }},
+    {"VersionBelowItsLeast", "asset.minVersion is above asset.version",
+     [](json& d) { d["asset"]["minVersion"] = "2.1"; }},
     {"LeastVersionNotANumber", "asset.minVersion is 'two'", [](json& d) { d["asset"]["minVersion"] = "two"; }},
     {"LeastVersionNotAString", "asset.minVersion is not a string", [](json& d) { d["asset"]["minVersion"] = 2.0; }},
     {"AssetMissing", "asset is missing", [](json& d) { d.erase("asset"); }},

@@ -8,10 +8,10 @@
 
 #include <gtest/gtest.h>
 
-#include "host/integrators/hybrid/kind.h"
-#include "host/integrators/path/kind.h"
 #include "host/film/film.h"
 #include "host/integrators/hybrid/hybrid.h"
+#include "host/integrators/hybrid/kind.h"
+#include "host/integrators/path/kind.h"
 #include "host/render/kernel_compiler.h"
 #include "host/render/render_state.h"
 #include "host/scene/gltf/gltf.h"
@@ -77,8 +77,9 @@ protected:
   }
 };
 
-// Pixel by pixel: the differences of two renders, each with the noise of its own, over that noise. Silhouettes are seen by
-// the hybrid through one place of the filter for all pixels and so are correlated; blocks would hide that, pixels do not.
+// Pixel by pixel: the differences of two renders, each with the noise of its own, over that noise. Silhouettes are seen
+// by the hybrid through one place of the filter for all pixels and so are correlated; blocks would hide that, pixels do
+// not.
 void expect_same_mean(const std::vector<RenderResult>& a, const std::vector<RenderResult>& b, std::size_t channel) {
   const std::size_t pixels = a[0].picture.channels[channel].values.size();
   double squares = 0.0, largest = 0.0, total = 0.0;
@@ -107,8 +108,8 @@ void expect_same_mean(const std::vector<RenderResult>& a, const std::vector<Rend
 }
 
 TEST_F(HybridTest, AgreesWithThePathTracerOnDirectLight) {
-  for (const auto& [name, environment] :
-       std::vector<std::pair<std::string, float>>{{"cornell_box.gltf", 0.0f}, {"showcase.glb", 0.0f}, {"showcase.glb", 0.7f}}) {
+  for (const auto& [name, environment] : std::vector<std::pair<std::string, float>>{
+           {"cornell_box.gltf", 0.0f}, {"showcase.glb", 0.0f}, {"showcase.glb", 0.7f}}) {
     SCOPED_TRACE(name);
     const Subject subject(load(name, environment), 24, 16);
     std::vector<RenderResult> paths, frames;
@@ -146,8 +147,7 @@ TEST_F(HybridTest, KnowsItsError) {
     }
     for (int c = 0; c < 3; ++c) {
       SCOPED_TRACE(testing::Message() << shadow_samples << " light samples, channel " << c);
-      const double noise =
-          std::hypot(estimated[c].error() / estimated[c].mean(), actual[c].error() / actual[c].mean());
+      const double noise = std::hypot(estimated[c].error() / estimated[c].mean(), actual[c].error() / actual[c].mean());
       EXPECT_NEAR(estimated[c].mean() / actual[c].mean(), 1.0, 4.0 * noise);
       EXPECT_LT(noise, 0.15);
     }
@@ -209,8 +209,8 @@ TEST_F(HybridTest, OcclusionAloneRunsNothingElse) {
   const Subject subject(load("cornell_box.gltf"), 24, 16);
   const RenderResult result = render(subject, settings(&kAo, 2));
   for (const StageTime& stage : result.stages)
-    EXPECT_TRUE(stage.name == "raster" || stage.name == "jitter" || stage.name == "resolve" || stage.name == "occlusion" ||
-                stage.name == "composite")
+    EXPECT_TRUE(stage.name == "raster" || stage.name == "jitter" || stage.name == "resolve" ||
+                stage.name == "occlusion" || stage.name == "composite")
         << stage.name;
   EXPECT_EQ(result.rays.camera + result.rays.bounce + result.rays.shadow, 0u);
   EXPECT_GT(result.rays.occlusion, 0u);

@@ -1,4 +1,5 @@
-// Kernels that were compiled ahead, for more than a scene needs, give way to the scene's own between waves; no bit changes.
+// Kernels that were compiled ahead, for more than a scene needs, give way to the scene's own between waves; no bit
+// changes.
 #include <chrono>
 #include <filesystem>
 #include <thread>
@@ -46,7 +47,8 @@ TEST(KernelConfig, CoversWhatNeedsNoMore) {
 
 TEST(KernelConfig, FollowsSceneAndSettings) {
   RenderSettings settings;
-  EXPECT_EQ(kernel_config(gpu::kFeatureAlpha, 5, settings), kernel_config(gpu::kFeatureAlpha, kExpectedStack, settings));
+  EXPECT_EQ(kernel_config(gpu::kFeatureAlpha, 5, settings),
+            kernel_config(gpu::kFeatureAlpha, kExpectedStack, settings));
   EXPECT_GE(kernel_config(0, 1000, settings).stack_size, 1002u) << "a deep tree gets what it needs";
   settings.specialize = false;
   const std::uint32_t settings_alone = gpu::kFeatureAovs | gpu::kFeatureAdaptive | gpu::kFeatureSharedFirstHit;

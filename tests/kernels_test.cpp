@@ -30,24 +30,51 @@ constexpr std::uint32_t kSlots = 1 << 14;
 struct Bench {
   Bench(Device& device_, const PackedScene& packed, std::uint32_t features, const gpu::Frame& frame_,
         std::uint32_t stack = gpu::kStackRegisters)
-      : device(device_), scene(upload_scene(device_, packed)), frame(device_, sizeof(gpu::Frame)),
-        paths(device_, kSlots * sizeof(gpu::PathState)), media(device_, kSlots * 4), path_aovs(device_, kSlots * sizeof(gpu::PathAovs)),
-        rays(device_, 2 * kSlots * sizeof(gpu::Ray)), hits(device_, kSlots * sizeof(gpu::Hit)),
-        shadow_rays(device_, kSlots * sizeof(gpu::ShadowRay)), queues(device_, sizeof(gpu::Queues)), counters(device_, sizeof(gpu::Counters)),
-        film(device_, kSlots * gpu::kReplicates * sizeof(gpu::FilmPixel)), film_aovs(device_, kSlots * sizeof(gpu::FilmAovs)), runs(device_, kSlots * 4),
-        constants{features, packed.stack_size + 2, gpu::kSamplerSobol, gpu::kDirectMis, gpu::kHemisphereCosine, gpu::kFilterBox, stack} {
+      : device(device_),
+        scene(upload_scene(device_, packed)),
+        frame(device_, sizeof(gpu::Frame)),
+        paths(device_, kSlots * sizeof(gpu::PathState)),
+        media(device_, kSlots * 4),
+        path_aovs(device_, kSlots * sizeof(gpu::PathAovs)),
+        rays(device_, 2 * kSlots * sizeof(gpu::Ray)),
+        hits(device_, kSlots * sizeof(gpu::Hit)),
+        shadow_rays(device_, kSlots * sizeof(gpu::ShadowRay)),
+        queues(device_, sizeof(gpu::Queues)),
+        counters(device_, sizeof(gpu::Counters)),
+        film(device_, kSlots * gpu::kReplicates * sizeof(gpu::FilmPixel)),
+        film_aovs(device_, kSlots * sizeof(gpu::FilmAovs)),
+        runs(device_, kSlots * 4),
+        constants{features,
+                  packed.stack_size + 2,
+                  gpu::kSamplerSobol,
+                  gpu::kDirectMis,
+                  gpu::kHemisphereCosine,
+                  gpu::kFilterBox,
+                  stack} {
     frame.write(&frame_, sizeof(frame_));
     for (Buffer* buffer : {&paths, &media, &path_aovs, &film, &film_aovs}) buffer->fill_zero();
     set_queues({});
     set_counters({});
     using enum BindingKind;
     std::vector<Binding> all = scene.bindings();
-    all.insert(all.end(), {{gpu::kBindFrame, uniform, &frame}, {gpu::kBindPaths, storage, &paths}, {gpu::kBindPathTexels, texels_rgba32f, &paths},
-                           {gpu::kBindRays, storage, &rays}, {gpu::kBindRayTexels, texels_rgba32f, &rays},
-                           {gpu::kBindHits, storage, &hits}, {gpu::kBindHitTexels, texels_rgba32ui, &hits}, {gpu::kBindShadowRays, storage, &shadow_rays}, {gpu::kBindShadowRayTexels, texels_rgba32ui, &shadow_rays},
-                           {gpu::kBindQueues, storage, &queues}, {gpu::kBindFilm, storage, &film}, {gpu::kBindFilmTexels, texels_rgba32ui, &film},
-                           {gpu::kBindPathMedia, storage, &media}, {gpu::kBindPathAovs, storage, &path_aovs},
-                           {gpu::kBindFilmAovs, storage, &film_aovs}, {gpu::kBindRuns, texels_r32ui, &runs}, {gpu::kBindCounters, storage, &counters}, {gpu::kBindSeen, storage, &film}});
+    all.insert(all.end(), {{gpu::kBindFrame, uniform, &frame},
+                           {gpu::kBindPaths, storage, &paths},
+                           {gpu::kBindPathTexels, texels_rgba32f, &paths},
+                           {gpu::kBindRays, storage, &rays},
+                           {gpu::kBindRayTexels, texels_rgba32f, &rays},
+                           {gpu::kBindHits, storage, &hits},
+                           {gpu::kBindHitTexels, texels_rgba32ui, &hits},
+                           {gpu::kBindShadowRays, storage, &shadow_rays},
+                           {gpu::kBindShadowRayTexels, texels_rgba32ui, &shadow_rays},
+                           {gpu::kBindQueues, storage, &queues},
+                           {gpu::kBindFilm, storage, &film},
+                           {gpu::kBindFilmTexels, texels_rgba32ui, &film},
+                           {gpu::kBindPathMedia, storage, &media},
+                           {gpu::kBindPathAovs, storage, &path_aovs},
+                           {gpu::kBindFilmAovs, storage, &film_aovs},
+                           {gpu::kBindRuns, texels_r32ui, &runs},
+                           {gpu::kBindCounters, storage, &counters},
+                           {gpu::kBindSeen, storage, &film}});
     bindings = std::make_unique<BindingSet>(device, all, static_cast<std::uint32_t>(sizeof(gpu::Wave)));
   }
 
@@ -114,7 +141,8 @@ std::vector<gpu::Ray> random_rays(std::uint32_t count, std::uint32_t seed) {
   for (std::uint32_t i = 0; i < count; ++i) {
     glm::vec3 d(unit(random), unit(random), unit(random));
     if (i % 16 == 0) d = glm::vec3(0.0f, i % 32 ? -0.0f : 0.0f, i % 64 ? 1.0f : -1.0f); // along an axis
-    rays.push_back({glm::vec3(unit(random), unit(random), unit(random)) * 15.0f, i, glm::normalize(d), i % 5 ? gpu::kFar : 8.0f});
+    rays.push_back(
+        {glm::vec3(unit(random), unit(random), unit(random)) * 15.0f, i, glm::normalize(d), i % 5 ? gpu::kFar : 8.0f});
   }
   rays[1].origin.x = std::numeric_limits<float>::quiet_NaN();
   rays[2].direction.y = std::numeric_limits<float>::infinity();
@@ -144,8 +172,10 @@ TEST_F(Kernels, ExtendEqualsReference) {
   const auto triangles = triangles_of(packed);
   const bvh::WideTree tree = tree_of(packed);
   const std::uint32_t all = gpu::kFeaturesAll & ~gpu::kFeatureAovs & ~gpu::kFeatureAdaptive;
-  for (const auto& [features, stack] : {std::pair{packed.features, gpu::kStackRegisters}, {packed.features, gpu::kStackArray},
-                                        {all, gpu::kStackRegisters}, {all, gpu::kStackArray}}) {
+  for (const auto& [features, stack] : {std::pair{packed.features, gpu::kStackRegisters},
+                                        {packed.features, gpu::kStackArray},
+                                        {all, gpu::kStackRegisters},
+                                        {all, gpu::kStackArray}}) {
     Bench bench(device(), packed, features, frame_of(packed), stack);
     bench.rays.write(rays.data(), rays.size() * sizeof(gpu::Ray));
     bench.set_queues({.ray_count = {kSlots, 0}});
@@ -221,13 +251,15 @@ TEST_F(Kernels, ExtendEqualsBruteForceOverInstances) {
       const auto& rows = packed.instances[k].object_from_world;
       const glm::vec4 o(rays[i].origin, 1.0f), d(rays[i].direction, 0.0f);
       const bvh::Ray ray{{glm::dot(rows[0], o), glm::dot(rows[1], o), glm::dot(rows[2], o)},
-                         {glm::dot(rows[0], d), glm::dot(rows[1], d), glm::dot(rows[2], d)}, best};
+                         {glm::dot(rows[0], d), glm::dot(rows[1], d), glm::dot(rows[2], d)},
+                         best};
       const bvh::PreparedRay prepared = bvh::prepare(ray);
       if (!prepared.valid) continue;
       for (std::uint32_t t = 0; t < packed.triangles.size(); ++t) {
         bvh::TriangleHit hit;
         const gpu::Triangle& triangle = packed.triangles[t];
-        if (bvh::intersect(prepared, {to_bvh(triangle.v0), to_bvh(triangle.v1), to_bvh(triangle.v2)}, hit) && hit.t < best) {
+        if (bvh::intersect(prepared, {to_bvh(triangle.v0), to_bvh(triangle.v1), to_bvh(triangle.v2)}, hit) &&
+            hit.t < best) {
           best = hit.t;
           expected = {t, k, hit.b1, hit.b2};
         }
@@ -297,7 +329,8 @@ TEST_F(Kernels, ConnectIsNotBlockedByTheTriangleThatItAimsAt) {
 TEST_F(Kernels, HolesAreInvisibleToExtendAndConnect) {
   Scene scene = soup(3000, 8, true);
   scene.materials[0].alpha_mode = AlphaMode::mask;
-  for (std::uint32_t v = 0; v < 9000; ++v) scene.meshes[0].colors.emplace_back(1.0f, 1.0f, 1.0f, v / 3 % 2 ? 1.0f : 0.0f);
+  for (std::uint32_t v = 0; v < 9000; ++v)
+    scene.meshes[0].colors.emplace_back(1.0f, 1.0f, 1.0f, v / 3 % 2 ? 1.0f : 0.0f);
   PackedScene packed = pack(scene);
   packed.lights = {gpu::Light{.kind = gpu::kLightPoint}};
   ASSERT_TRUE(packed.features & gpu::kFeatureAlpha);
@@ -309,17 +342,19 @@ TEST_F(Kernels, HolesAreInvisibleToExtendAndConnect) {
   const auto expected_hit = [&](const bvh::Ray& ray) {
     const bvh::PreparedRay prepared = bvh::prepare(ray);
     bvh::Hit best;
-    bvh::traverse(packed.nodes, packed.root, prepared, bvh::Order::nearest_first, [&](std::uint32_t first, std::uint32_t count, float& t_best) {
-      for (std::uint32_t item = first; item < first + count; ++item)
-        if (!is_hole(item)) bvh::test_leaf(prepared, triangles, tree.order, item, 1, t_best, best);
-      return false;
-    });
+    bvh::traverse(packed.nodes, packed.root, prepared, bvh::Order::nearest_first,
+                  [&](std::uint32_t first, std::uint32_t count, float& t_best) {
+                    for (std::uint32_t item = first; item < first + count; ++item)
+                      if (!is_hole(item)) bvh::test_leaf(prepared, triangles, tree.order, item, 1, t_best, best);
+                    return false;
+                  });
     return best.item;
   };
 
   const auto rays = random_rays(kSlots, 9);
   std::vector<gpu::ShadowRay> shadow_rays;
-  for (const gpu::Ray& ray : rays) shadow_rays.push_back({ray.origin, ray.slot, ray.direction, ray.t_max, {1, 2, 3}, 0});
+  for (const gpu::Ray& ray : rays)
+    shadow_rays.push_back({ray.origin, ray.slot, ray.direction, ray.t_max, {1, 2, 3}, 0});
   Bench bench(device(), packed, packed.features, frame_of(packed));
   bench.rays.write(rays.data(), rays.size() * sizeof(gpu::Ray));
   bench.shadow_rays.write(shadow_rays.data(), shadow_rays.size() * sizeof(gpu::ShadowRay));
@@ -353,7 +388,8 @@ TEST_F(Kernels, GenerateCoversEveryPixelOnce) {
     ASSERT_EQ(rays[slot].slot, slot);
     ASSERT_EQ(rays[slot].origin, frame.camera_position);
     const glm::vec3 d = rays[slot].direction / -rays[slot].direction.z;
-    const double x = (d.x / 2.0 + 1.0) / 2.0 * width, y = (1.0 - d.y) / 2.0 * height; // the box filter stays in the pixel
+    const double x = (d.x / 2.0 + 1.0) / 2.0 * width,
+                 y = (1.0 - d.y) / 2.0 * height; // the box filter stays in the pixel
     const glm::uvec2 pixel = gpu::pixel_in_tile_order(slot % count, width, height);
     ASSERT_NEAR(x, pixel.x + 0.5, 0.5 + 1e-4);
     ASSERT_NEAR(y, pixel.y + 0.5, 0.5 + 1e-4);
@@ -409,7 +445,8 @@ TEST_F(Kernels, AccumulateAddsExactly) {
   }
 }
 
-// Buffers are a little larger than asked for; the power of two that most devices have as their limit is still theirs alone.
+// Buffers are a little larger than asked for; the power of two that most devices have as their limit is still theirs
+// alone.
 TEST_F(Kernels, BindBuffersUpToTheDevicesLimit) {
   const std::uint64_t limit = device().info().max_storage_range;
   if (limit > std::uint64_t{1} << 28) GTEST_SKIP() << "would take much memory";

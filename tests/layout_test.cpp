@@ -26,11 +26,13 @@
 namespace wavepath::gpu {
 namespace {
 
-using Offsets = std::map<std::string, std::size_t>; // member -> byte; "sizeof" -> bytes from one array element to the next
+using Offsets =
+    std::map<std::string, std::size_t>; // member -> byte; "sizeof" -> bytes from one array element to the next
 
 // Reads the debug names and decorations of a SPIR-V module (SPIR-V specification 1.6, sections 3.42.2 and 3.42.3).
 std::map<std::string, Offsets> spirv_layouts(std::span<const std::uint32_t> words) {
-  constexpr std::uint32_t kOpName = 5, kOpMemberName = 6, kOpTypeRuntimeArray = 29, kOpDecorate = 71, kOpMemberDecorate = 72;
+  constexpr std::uint32_t kOpName = 5, kOpMemberName = 6, kOpTypeRuntimeArray = 29, kOpDecorate = 71,
+                          kOpMemberDecorate = 72;
   constexpr std::uint32_t kDecorationArrayStride = 6, kDecorationOffset = 35;
   const auto text = [](const std::uint32_t* at) { return std::string(reinterpret_cast<const char*>(at)); };
   std::map<std::uint32_t, std::string> names;
@@ -40,16 +42,23 @@ std::map<std::string, Offsets> spirv_layouts(std::span<const std::uint32_t> word
   for (std::size_t i = 5; i < words.size(); i += words[i] >> 16) { // five words of header
     const std::uint32_t* at = &words[i];
     switch (at[0] & 0xffffu) {
-      case kOpName: names[at[1]] = text(at + 2); break;
-      case kOpMemberName: member_names[at[1]][at[2]] = text(at + 3); break;
+      case kOpName:
+        names[at[1]] = text(at + 2);
+        break;
+      case kOpMemberName:
+        member_names[at[1]][at[2]] = text(at + 3);
+        break;
       case kOpDecorate:
         if (at[2] == kDecorationArrayStride) strides[at[1]] = at[3];
         break;
       case kOpMemberDecorate:
         if (at[3] == kDecorationOffset) offsets[at[1]][member_names[at[1]][at[2]]] = at[4];
         break;
-      case kOpTypeRuntimeArray: offsets[at[2]]["sizeof"] = strides[at[1]]; break;
-      default: break;
+      case kOpTypeRuntimeArray:
+        offsets[at[2]]["sizeof"] = strides[at[1]];
+        break;
+      default:
+        break;
     }
   }
   std::map<std::string, Offsets> layouts;
@@ -77,14 +86,16 @@ void compare(const std::string& name, std::size_t size, const Offsets& host) {
   }
 }
 
-#define AT(Type, member) {#member, offsetof(Type, member)}
+#define AT(Type, member) \
+  { #member, offsetof(Type, member) }
 
 TEST(Layout, Geometry) {
   compare("Triangle", sizeof(Triangle),
           {AT(Triangle, v0), AT(Triangle, surface), AT(Triangle, v1), AT(Triangle, id), AT(Triangle, v2),
            AT(Triangle, light_pdf)});
   compare("Instance", sizeof(Instance),
-          {AT(Instance, object_from_world), AT(Instance, world_from_object), AT(Instance, root), AT(Instance, flipped), AT(Instance, id)});
+          {AT(Instance, object_from_world), AT(Instance, world_from_object), AT(Instance, root), AT(Instance, flipped),
+           AT(Instance, id)});
 }
 
 TEST(Layout, Materials) {
@@ -92,33 +103,48 @@ TEST(Layout, Materials) {
   const Material material{};
   const auto add = [&](const auto& row) {
     const auto* member = &(material.*row.packed);
-    offsets[row.name] = static_cast<std::size_t>(reinterpret_cast<const char*>(member) -
-                                                 reinterpret_cast<const char*>(&material));
+    offsets[row.name] =
+        static_cast<std::size_t>(reinterpret_cast<const char*>(member) - reinterpret_cast<const char*>(&material));
   };
   visit_material_fields(Overloaded{add, []<class T>(const MaterialChoice<T>&) {}}); // choices are bits of `flags`
   compare("Material", sizeof(Material), offsets);
   compare("Texture", sizeof(Texture),
-          {AT(Texture, first_texel), AT(Texture, width), AT(Texture, height), AT(Texture, flags), AT(Texture, uv_matrix),
-           AT(Texture, uv_offset)});
+          {AT(Texture, first_texel), AT(Texture, width), AT(Texture, height), AT(Texture, flags),
+           AT(Texture, uv_matrix), AT(Texture, uv_offset)});
 }
 
 TEST(Layout, Lights) {
   compare("Light", sizeof(Light),
           {AT(Light, position), AT(Light, kind), AT(Light, direction), AT(Light, probability), AT(Light, intensity),
-           AT(Light, threshold), AT(Light, alias), AT(Light, triangle), AT(Light, instance), AT(Light, triangle_id), AT(Light, spot_scale),
-           AT(Light, spot_offset)});
+           AT(Light, threshold), AT(Light, alias), AT(Light, triangle), AT(Light, instance), AT(Light, triangle_id),
+           AT(Light, spot_scale), AT(Light, spot_offset)});
 }
 
 TEST(Layout, Frame) {
   compare("Frame", sizeof(Frame),
-          {AT(Frame, camera_position), AT(Frame, width), AT(Frame, camera_right), AT(Frame, height), AT(Frame, camera_up),
-           AT(Frame, max_depth), AT(Frame, camera_forward), AT(Frame, seed), AT(Frame, environment_radiance),
-           AT(Frame, environment_probability), AT(Frame, environment_rotation), AT(Frame, environment_width),
-           AT(Frame, environment_height), AT(Frame, light_count), AT(Frame, root), AT(Frame, root_is_top),
-           AT(Frame, orthographic), AT(Frame, sample_total), AT(Frame, slot_count), AT(Frame, scene_features)});
+          {AT(Frame, camera_position),
+           AT(Frame, width),
+           AT(Frame, camera_right),
+           AT(Frame, height),
+           AT(Frame, camera_up),
+           AT(Frame, max_depth),
+           AT(Frame, camera_forward),
+           AT(Frame, seed),
+           AT(Frame, environment_radiance),
+           AT(Frame, environment_probability),
+           AT(Frame, environment_rotation),
+           AT(Frame, environment_width),
+           AT(Frame, environment_height),
+           AT(Frame, light_count),
+           AT(Frame, root),
+           AT(Frame, root_is_top),
+           AT(Frame, orthographic),
+           AT(Frame, sample_total),
+           AT(Frame, slot_count),
+           AT(Frame, scene_features)});
   compare("Wave", sizeof(Wave),
-          {AT(Wave, first_pixel), AT(Wave, pixel_count), AT(Wave, first_sample), AT(Wave, sample_count), AT(Wave, bounce),
-           AT(Wave, first_film_pixel)});
+          {AT(Wave, first_pixel), AT(Wave, pixel_count), AT(Wave, first_sample), AT(Wave, sample_count),
+           AT(Wave, bounce), AT(Wave, first_film_pixel)});
 }
 
 TEST(Layout, PathsAndQueues) {
@@ -132,18 +158,18 @@ TEST(Layout, PathsAndQueues) {
   compare("Queues", sizeof(Queues),
           {AT(Queues, ray_count), AT(Queues, shadow_count), AT(Queues, extend_groups), AT(Queues, connect_groups)});
   compare("Counters", sizeof(Counters),
-          {AT(Counters, camera_rays), AT(Counters, bounce_rays), AT(Counters, shadow_rays), AT(Counters, occlusion_rays),
-           AT(Counters, nonfinite_count), AT(Counters, nonfinite_first)});
+          {AT(Counters, camera_rays), AT(Counters, bounce_rays), AT(Counters, shadow_rays),
+           AT(Counters, occlusion_rays), AT(Counters, nonfinite_count), AT(Counters, nonfinite_first)});
 }
 
 TEST(Layout, Film) {
   compare("ExactSum", sizeof(ExactSum), {AT(ExactSum, high), AT(ExactSum, low)});
   compare("FilmPixel", sizeof(FilmPixel),
-          {AT(FilmPixel, red), AT(FilmPixel, green), AT(FilmPixel, blue), AT(FilmPixel, count), AT(FilmPixel, tops), AT(FilmPixel, largest)});
+          {AT(FilmPixel, red), AT(FilmPixel, green), AT(FilmPixel, blue), AT(FilmPixel, count), AT(FilmPixel, tops),
+           AT(FilmPixel, largest)});
   compare("PathAovs", sizeof(PathAovs),
           {AT(PathAovs, albedo), AT(PathAovs, depth), AT(PathAovs, normal), AT(PathAovs, hit), AT(PathAovs, position),
-           AT(PathAovs, unoccluded),
-           AT(PathAovs, emission), AT(PathAovs, direct)});
+           AT(PathAovs, unoccluded), AT(PathAovs, emission), AT(PathAovs, direct)});
   compare("FilmAovs", sizeof(FilmAovs),
           {AT(FilmAovs, albedo), AT(FilmAovs, depth), AT(FilmAovs, normal), AT(FilmAovs, hits), AT(FilmAovs, position),
            AT(FilmAovs, count), AT(FilmAovs, emission), AT(FilmAovs, unoccluded), AT(FilmAovs, direct)});
@@ -181,10 +207,12 @@ TEST(Layout, EveryStructIsInTheProbe) {
   const std::regex declaration("\nstruct (\\w+)");
   std::set<std::string> declared;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(WAVEPATH_SOURCE_DIR "/kernels")) {
-    if (!entry.path().filename().string().ends_with("_types.h") || entry.path().filename() == "display_types.h") continue;
+    if (!entry.path().filename().string().ends_with("_types.h") || entry.path().filename() == "display_types.h")
+      continue;
     std::ifstream file(entry.path());
     const std::string text{std::istreambuf_iterator<char>(file), {}};
-    for (auto match = std::sregex_iterator(text.begin(), text.end(), declaration); match != std::sregex_iterator(); ++match)
+    for (auto match = std::sregex_iterator(text.begin(), text.end(), declaration); match != std::sregex_iterator();
+         ++match)
       declared.insert((*match)[1]);
   }
   EXPECT_GE(declared.size(), 15u);

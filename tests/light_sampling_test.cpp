@@ -7,10 +7,10 @@
 #include "tests/probe.h"
 #include "tests/statistics.h"
 
-#include "tests/probes/light_sampling_probe.spv.h"
 #include "kernels/film/film_types.h"
 #include "kernels/frame_types.h"
 #include "kernels/scene_types.h"
+#include "tests/probes/light_sampling_probe.spv.h"
 
 namespace wavepath::test {
 namespace {

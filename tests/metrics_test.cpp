@@ -4,8 +4,8 @@
 #include <numeric>
 #include <random>
 
-#include <glm/glm.hpp>
 #include <gtest/gtest.h>
+#include <glm/glm.hpp>
 
 #include "host/base/error.h"
 #include "host/film/metrics.h"

@@ -1,7 +1,7 @@
 // Geometry as packed: origin, baking, winding, instancing, streams, dropped triangles, trees and stack bounds.
 #include "host/scene/pack/pack.h"
-#include "host/scene/pack/vertices.h"
 #include "bvh/words.h"
+#include "host/scene/pack/vertices.h"
 
 #include <algorithm>
 #include <bit>
@@ -12,8 +12,8 @@
 #include <gtest/gtest.h>
 #include <glm/gtc/matrix_transform.hpp>
 
-#include "host/scene/pack/features.h"
 #include "host/scene/gltf/gltf.h"
+#include "host/scene/pack/features.h"
 #include "tests/scene_builder.h"
 
 namespace wavepath {
@@ -345,7 +345,8 @@ TEST(PackInstances, ThatFloatsCannotHoldAreDroppedWithAWarning) {
   EXPECT_TRUE(warned(scene, "instances", 1));
 }
 
-// Not required of every scene, but of each that has no surprise: a picture that is opaque where the material might not be, say.
+// Not required of every scene, but of each that has no surprise: a picture that is opaque where the material might not
+// be, say.
 TEST(PackFeatures, AreForeseenBeforeImagesAreDecoded) {
   int foreseen = 0, scenes = 0;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(WAVEPATH_SOURCE_DIR "/scenes")) {

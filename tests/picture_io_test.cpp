@@ -157,7 +157,7 @@ TEST_F(PictureIoTest, HalfClampsAndCounts) {
   const Picture back = read_picture(folder_.file("h.exr"));
   EXPECT_EQ(back.channels[0].values[5], 65504.0f);
   EXPECT_EQ(back.channels[1].values[6], -65504.0f);
-  EXPECT_EQ(find_channel(back, "samples")->values[0], 4097.0f); // counts are not rounded
+  EXPECT_EQ(find_channel(back, "samples")->values[0], 4097.0f);           // counts are not rounded
   EXPECT_EQ(find_channel(back, "Z")->values, picture.channels[5].values); // nor are depths and places
   EXPECT_EQ(find_channel(back, "P.X")->values, picture.channels[6].values);
   EXPECT_NEAR(back.channels[2].values[3], picture.channels[2].values[3], 1e-3f * picture.channels[2].values[3]);

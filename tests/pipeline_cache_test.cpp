@@ -5,8 +5,8 @@
 
 #include "host/base/cache_file.h"
 #include "host/gpu/pipeline_cache.h"
-#include "tests/probes/filter_probe.spv.h"
 #include "tests/probe.h"
+#include "tests/probes/filter_probe.spv.h"
 #include "tests/temporary_folder.h"
 
 namespace wavepath::test {
@@ -39,7 +39,9 @@ protected:
     EXPECT_EQ(std::distance(fs::directory_iterator(cache_), {}), 1);
     return fs::directory_iterator(cache_)->path();
   }
-  static std::uint64_t key_of(const fs::path& file) { return std::stoull(file.filename().string().substr(10), nullptr, 16); }
+  static std::uint64_t key_of(const fs::path& file) {
+    return std::stoull(file.filename().string().substr(10), nullptr, 16);
+  }
   static std::string bytes_of(const fs::path& file) {
     std::ifstream stream(file, std::ios::binary);
     return {std::istreambuf_iterator<char>(stream), {}};

@@ -31,8 +31,9 @@ std::vector<T> from_probe(const ProbeBuffer& bytes) {
   return values;
 }
 
-// Dispatches ceil(invocations / kWorkgroupSize) groups of `spirv` (local size kWorkgroupSize, storage buffers 0..n-1 of set 0,
-// specialization constants by id) and reads every buffer back. The probe gets `invocations` as a uint push constant.
+// Dispatches ceil(invocations / kWorkgroupSize) groups of `spirv` (local size kWorkgroupSize, storage buffers 0..n-1 of
+// set 0, specialization constants by id) and reads every buffer back. The probe gets `invocations` as a uint push
+// constant.
 inline void run_probe(Device& device, std::span<const std::uint32_t> spirv, std::uint32_t invocations,
                       std::vector<ProbeBuffer>& buffers, std::span<const std::uint32_t> constants = {}) {
   std::vector<Buffer> memory;

@@ -6,13 +6,13 @@
 #include <mutex>
 #include <thread>
 
+#include "host/film/error.h"
+#include "host/film/error_map.h"
 #include "host/integrators/hybrid/kind.h"
 #include "host/integrators/path/kind.h"
 #include "host/render/display.h"
-#include "host/film/error.h"
-#include "host/film/error_map.h"
-#include "host/render/progressive.h"
 #include "host/render/kernel_compiler.h"
+#include "host/render/progressive.h"
 #include "host/scene/gltf/gltf.h"
 #include "host/scene/pack/pack.h"
 #include "host/scene/view.h"
@@ -176,7 +176,8 @@ TEST_F(ProgressiveTest, FramesInMotionAreAntialiasedOverTime) {
   settings_.max_depth = 1;
   const auto noise_after = [&](int moves) {
     Progressive progressive = begin();
-    while (progressive.step() || progressive.status().compiling) {} // the time of a frame is known now
+    while (progressive.step() || progressive.status().compiling) {
+    } // the time of a frame is known now
     for (int i = 0; i < moves; ++i) {
       progressive.move(view_); // to the same view
       while (progressive.status().spp == 0) progressive.step();
@@ -189,7 +190,8 @@ TEST_F(ProgressiveTest, FramesInMotionAreAntialiasedOverTime) {
     const Picture truth = render(device(), packed_, view_, fine).picture;
     double squares = 0.0;
     for (std::size_t i = 0; i < truth.channels[1].values.size(); ++i)
-      squares += std::pow(std::min(moving.channels[1].values[i], 1.0f) - std::min(truth.channels[1].values[i], 1.0f), 2);
+      squares +=
+          std::pow(std::min(moving.channels[1].values[i], 1.0f) - std::min(truth.channels[1].values[i], 1.0f), 2);
     return squares;
   };
   EXPECT_LT(noise_after(12), 0.5 * noise_after(1));

@@ -6,10 +6,10 @@
 #include "tests/probe.h"
 #include "tests/statistics.h"
 
-#include "tests/probes/filter_probe.spv.h"
-#include "tests/probes/sampler_probe.spv.h"
 #include "kernels/features.h"
 #include "kernels/frame_types.h"
+#include "tests/probes/filter_probe.spv.h"
+#include "tests/probes/sampler_probe.spv.h"
 
 namespace wavepath::test {
 namespace {

@@ -7,9 +7,9 @@
 #include <set>
 #include <sstream>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <CLI/CLI.hpp>
 
 #include "host/base/error.h"
 #include "host/cli/render_flags.h"
@@ -26,9 +26,9 @@ namespace {
 // well, in a row of the table or among the exemptions.
 std::map<std::string, std::string> members(const RenderSettings& settings) {
   const auto& [integrator, width, height, first_sample, last_sample, sample_total, time_limit, target_error, max_depth,
-               sampler, hemisphere, direct, filter, seed, shadow_samples, ao_samples, ao_radius, ambient, branching, cutoff, denoise,
-               antialias_over_time, adaptive, specialize, aovs, added_features, removed_features, room_for_shadow_rays,
-               wave_slots] = settings;
+               sampler, hemisphere, direct, filter, seed, shadow_samples, ao_samples, ao_radius, ambient, branching,
+               cutoff, denoise, antialias_over_time, adaptive, specialize, aovs, added_features, removed_features,
+               room_for_shadow_rays, wave_slots] = settings;
   const auto text = [](const auto& value) { return fmt::format("{}", value); };
   return {{"integrator", std::string(integrator->name)},
           {"width", text(width)},

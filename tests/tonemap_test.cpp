@@ -88,8 +88,8 @@ TEST(Tonemap, AcesOfGrey) {
 
 // ---- AgX
 //
-// Sobotka's AgX in double precision, twice: with the matrix and the polynomial of Wrensch's "Minimal AgX Implementation",
-// which is what is shipped, and from the definitions that these were fitted to.
+// Sobotka's AgX in double precision, twice: with the matrix and the polynomial of Wrensch's "Minimal AgX
+// Implementation", which is what is shipped, and from the definitions that these were fitted to.
 
 // Light of sRGB's primaries, moved by 20 % towards the white point D65, in sRGB.
 glm::dmat3 inset_of_primaries() {
@@ -105,14 +105,14 @@ glm::dmat3 inset_of_primaries() {
   return glm::inverse(xyz_from_rgb(0.0)) * xyz_from_rgb(0.2);
 }
 
-glm::dmat3 published_inset() { // by rows
+glm::dmat3 published_inset() {                                                                // by rows
   return glm::transpose(glm::dmat3(0.842479062253094, 0.0784335999999992, 0.0792237451477643, //
                                    0.0423282422610123, 0.878468636469772, 0.0791661274605434, //
                                    0.0423756549057051, 0.0784336, 0.879142973793104));
 }
 
-// The hyperbolic sigmoid of the log-encoded signal: slope 2 at the pivot, which is middle grey at one half; powers 3 below
-// and 3.25 above.
+// The hyperbolic sigmoid of the log-encoded signal: slope 2 at the pivot, which is middle grey at one half; powers 3
+// below and 3.25 above.
 double sigmoid(double x) {
   const double pivot = 10.0 / 16.5, slope = 2.0;
   const bool above = x >= pivot;
@@ -153,8 +153,8 @@ TEST(Tonemap, AgxIsThePublishedFit) {
   }
 }
 
-// The polynomial follows the sigmoid to 0.0058, at its worst near 0.95; the matrix that undoes the inset magnifies that by
-// up to 1.4.
+// The polynomial follows the sigmoid to 0.0058, at its worst near 0.95; the matrix that undoes the inset magnifies that
+// by up to 1.4.
 TEST(Tonemap, AgxFollowsItsDefinition) {
   double squares = 0.0;
   std::size_t greys = 0;

@@ -13,7 +13,9 @@ Hit brute_force(const Mesh& mesh, const Ray& ray) {
   const PreparedRay prepared = prepare(ray);
   Hit hit;
   float t_best = ray.t_max;
-  if (prepared.valid) test_leaf(prepared, mesh.triangles, mesh.tree.order, 0, static_cast<std::uint32_t>(mesh.triangles.size()), t_best, hit);
+  if (prepared.valid)
+    test_leaf(prepared, mesh.triangles, mesh.tree.order, 0, static_cast<std::uint32_t>(mesh.triangles.size()), t_best,
+              hit);
   return hit;
 }
 
@@ -306,8 +308,7 @@ int count_leaks(const Mesh& mesh, Random& random, Vec3 center, float radius, int
 TEST_P(Watertight, PerturbedSphere) {
   Random random(30);
   for (const std::uint32_t leaf_size : {1u, 4u})
-    EXPECT_EQ(
-        count_leaks(build_checked(sphere(100, 200, 0.02f), config(leaf_size)), random, {}, 0.9f, 50'000), 0);
+    EXPECT_EQ(count_leaks(build_checked(sphere(100, 200, 0.02f), config(leaf_size)), random, {}, 0.9f, 50'000), 0);
 }
 
 TEST_P(Watertight, FarSphere) {

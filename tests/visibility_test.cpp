@@ -129,7 +129,8 @@ public:
                                {gpu::kBindQueues, storage, &queues_},
                                {gpu::kBindHybrid, uniform, &hybrid_},
                                {gpu::kBindVisibility, texels_rg32ui, &visibility.ids()}});
-    bindings.insert(bindings.end(), {{gpu::kBindHybrid, uniform, nullptr}, {gpu::kBindVisibility, texels_rg32ui, nullptr}});
+    bindings.insert(bindings.end(),
+                    {{gpu::kBindHybrid, uniform, nullptr}, {gpu::kBindVisibility, texels_rg32ui, nullptr}});
     for (Binding& binding : bindings) {
       const auto found = std::ranges::find(given, binding.slot, &Binding::slot);
       binding.buffer = found == given.end() ? &unused_ : found->buffer;

@@ -1,5 +1,5 @@
-// The Vulkan device of a test program, and what its tests do where there is none: they are skipped, which tests/main.cpp
-// reports, or they fail if WAVEPATH_REQUIRE_VULKAN=1 says that there must be one.
+// The Vulkan device of a test program, and what its tests do where there is none: they are skipped, which
+// tests/main.cpp reports, or they fail if WAVEPATH_REQUIRE_VULKAN=1 says that there must be one.
 #pragma once
 
 #include <cstdlib>

@@ -118,7 +118,8 @@ TEST_F(WhittedTest, TreeAndChoiceKeepAllLightOfAFurnace) {
   EXPECT_GT(mean_all, 0.995) << "what more than 12 bounces would bring";
   EXPECT_NEAR(mean_one, mean_all, 4.0 * noise + 1e-4);
   EXPECT_LT(noise, 0.003);
-  EXPECT_GT(render(subject, tree).rays.bounce, render(subject, choice).rays.bounce / 4) << "a sample of the tree has more rays";
+  EXPECT_GT(render(subject, tree).rays.bounce, render(subject, choice).rays.bounce / 4)
+      << "a sample of the tree has more rays";
 }
 
 TEST_F(WhittedTest, TheCutoffOnlyLosesLightAndRays) {

@@ -6,8 +6,8 @@
 namespace wavepath {
 
 std::vector<AblationRow> ablate(Device& device, const PackedScene& scene, const View& view,
-                                const RenderSettings& settings, WarmLoop& base, std::uint32_t spp, std::uint32_t repetitions,
-                                const std::function<void(const std::string&)>& progress) {
+                                const RenderSettings& settings, WarmLoop& base, std::uint32_t spp,
+                                std::uint32_t repetitions, const std::function<void(const std::string&)>& progress) {
   std::vector<AblationRow> rows;
   const auto measure = [&](const std::string& what, std::uint64_t data_bytes, const RenderSettings& variant) {
     progress("with " + what);

@@ -21,7 +21,8 @@ RenderTime time_render(WarmLoop& warm, std::uint32_t spp) {
   settings.last_sample = spp;
   warm.loop->restart(warm.view, settings);
   const Clock::time_point start = Clock::now();
-  while (warm.loop->step()) {}
+  while (warm.loop->step()) {
+  }
   warm.loop->drain();
   RenderTime time;
   time.seconds = seconds_since(start);

@@ -79,7 +79,9 @@ double RayReplay::extend(std::span<const gpu::Ray> rays) {
   return time(kExtend, rays.size());
 }
 
-std::vector<gpu::Hit> RayReplay::hits(std::size_t count) const { return download<gpu::Hit>(paths_.buffers[kHits], count); }
+std::vector<gpu::Hit> RayReplay::hits(std::size_t count) const {
+  return download<gpu::Hit>(paths_.buffers[kHits], count);
+}
 
 std::vector<float> RayReplay::distances(const PackedScene& scene, std::span<const gpu::Ray> rays) const {
   const std::vector<gpu::Hit> found = hits(rays.size());

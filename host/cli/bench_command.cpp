@@ -96,7 +96,8 @@ int run_bench(Request& request) {
 } // namespace
 
 Command add_bench(CLI::App& app) {
-  CLI::App* command = add_command(app, "bench", "measure the kernels one by one, on a scene or on one that is built in");
+  CLI::App* command =
+      add_command(app, "bench", "measure the kernels one by one, on a scene or on one that is built in");
   const auto request = std::make_shared<Request>();
   const char* group = "Measurement";
   add_flag(*command, group, {"--repetitions", "N", "of every measurement; rivals take turns, medians count", "7"},

@@ -12,8 +12,8 @@
 #include "host/cli/render_flags.h"
 #include "host/film/error.h"
 #include "host/film/film.h"
-#include "host/render/identity.h"
 #include "host/film/picture_io.h"
+#include "host/render/identity.h"
 
 namespace wavepath {
 namespace {
@@ -112,8 +112,7 @@ std::vector<Range> check_parts(const std::vector<std::string>& parts, const std:
   std::vector<Range> ranges;
   for (const std::string& path : parts) {
     if (const auto difference = first_difference(read_identity(path), identity))
-      throw Error(path, fmt::format("does not belong to {}: {}", parts.front(), *difference),
-                  "render all parts alike");
+      throw Error(path, fmt::format("does not belong to {}: {}", parts.front(), *difference), "render all parts alike");
     for (const Range& range : read_ranges(path)) ranges.push_back(range);
   }
   refuse_overlaps(ranges);

@@ -238,7 +238,8 @@ RenderResult render_prepared(const Request& request, Prepared& prepared, const s
 std::optional<DepthCut> depth_cut(const Request& request, Prepared& prepared, const RenderResult& result) {
   const RenderSettings& settings = request.render.settings;
   const bool reported = !request.output.stats.empty() || request.output.json || request.output.verbose;
-  if (!reported || !settings.integrator->measures_depth_cut || result.stop == StopReason::interrupted) return std::nullopt;
+  if (!reported || !settings.integrator->measures_depth_cut || result.stop == StopReason::interrupted)
+    return std::nullopt;
   return measure_depth_cut(*prepared.device, prepared.packed, prepared.view, settings, *prepared.kernels);
 }
 

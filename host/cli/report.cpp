@@ -64,7 +64,7 @@ std::vector<std::string> list_bias(const RenderSettings& settings, const RenderR
   std::vector<std::string> bias = settings.integrator->bias(settings, result);
   if (cut)
     bias.front() += fmt::format(": {:.2g} % +- {:.1g} % of the light is missing, measured to {} bounces",
-                               100.0 * cut->share, 100.0 * cut->standard_error, cut->deeper);
+                                100.0 * cut->share, 100.0 * cut->standard_error, cut->deeper);
   if (result.nonfinite.first)
     bias.push_back(fmt::format("{} samples that were not finite are left out", result.nonfinite.samples()));
   return bias;

@@ -2,8 +2,8 @@
 #include <map>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 
 #include "host/base/error.h"
 #include "host/base/shell_quote.h"
@@ -71,14 +71,10 @@ int run(int argument_count, const char* const* arguments) {
       "Compiled kernels are kept in $XDG_CACHE_HOME/wavepath or ~/.cache/wavepath; WAVEPATH_CACHE=FOLDER moves that, "
       "WAVEPATH_CACHE=off leaves it out.");
   const std::string line = quote(argument_count, arguments);
-  const std::map<std::string, Command> commands = {{"render", add_render(app, line)},
-                                                   {"view", add_view(app, line)},
-                                                   {"info", add_info(app)},
-                                                   {"compare", add_compare(app)},
-                                                   {"bench", add_bench(app)},
-                                                   {"merge", add_merge(app)},
-                                                   {"selftest", add_selftest(app)},
-                                                   {"study", add_study(app, line)}};
+  const std::map<std::string, Command> commands = {{"render", add_render(app, line)}, {"view", add_view(app, line)},
+                                                   {"info", add_info(app)},           {"compare", add_compare(app)},
+                                                   {"bench", add_bench(app)},         {"merge", add_merge(app)},
+                                                   {"selftest", add_selftest(app)},   {"study", add_study(app, line)}};
 
   try {
     app.parse(argument_count, arguments);

@@ -9,9 +9,9 @@
 
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <fmt/chrono.h>
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 
 #include "host/base/atomic_file.h"
 #include "host/base/error.h"
@@ -41,7 +41,7 @@ struct Request {
   bool quiet = false;
 };
 
-constexpr std::uint32_t kSide = 256; // small enough for a whole grid to be done in minutes without a GPU
+constexpr std::uint32_t kSide = 256;             // small enough for a whole grid to be done in minutes without a GPU
 constexpr std::uint32_t kHighestSeed = 1u << 29; // points add to it, and the reference sets bit 30
 
 void read_dimensions(const FlagValue& value, std::vector<std::string>& vary) {
@@ -207,8 +207,8 @@ Command add_study(CLI::App& app, const std::string& command_line) {
       [request](const FlagValue& value) { request->folder = value.text; })
       ->required();
   add_flag(*command, group,
-           {"--vary", "LIST",
-            fmt::format("what to vary, separated by commas: {}", fmt::join(dimensions(), ", ")), "sampler,direct"},
+           {"--vary", "LIST", fmt::format("what to vary, separated by commas: {}", fmt::join(dimensions(), ", ")),
+            "sampler,direct"},
            [&study](const FlagValue& value) { read_dimensions(value, study.vary); });
   add_flag(*command, group,
            {"--budget", "SECONDS", "of rendering in all: half for the reference, the rest in even shares", "60"},

@@ -42,8 +42,7 @@ struct Request {
 
 void check(Request& request) {
   RenderSettings& settings = request.render.settings;
-  if (!is_given(request.render, "spp"))
-    settings.sample_total = request.frames ? request.frames : kOpenEndedSamples;
+  if (!is_given(request.render, "spp")) settings.sample_total = request.frames ? request.frames : kOpenEndedSamples;
   settings.last_sample = settings.sample_total;
   if (request.frames > settings.last_sample)
     throw UsageError("--frames", fmt::format("{} is more than --spp {}", request.frames, settings.last_sample),

@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <vector>
 
-
 namespace wavepath {
 
 struct Film; // host/film/film.h
@@ -31,7 +30,6 @@ struct Checkpoint { // at powers of two of spp, and at the end
   RayCounts rays;
   ErrorEstimate error;
 };
-
 
 // sqrt of the relMSE of the mean image, with a 95 % interval that covers the true one. Each pixel's squared error is
 // estimated by the spread of its two replicates, which is right for any sampler because they are scrambled

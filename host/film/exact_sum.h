@@ -21,7 +21,8 @@ inline void set_digit_sum(std::uint32_t words[2], std::int64_t value) {
 inline double value_of(const gpu::ExactSum& sum, std::uint32_t top) {
   __extension__ using Wide = __int128;
   const Wide both = Wide{digit_sum(sum.high)} * (Wide{1} << 32) + digit_sum(sum.low);
-  const std::uint64_t exponent = 1023 + 32 * std::uint64_t{top} - 32 - 149; // of a power of two that doubles hold exactly
+  const std::uint64_t exponent =
+      1023 + 32 * std::uint64_t{top} - 32 - 149; // of a power of two that doubles hold exactly
   return static_cast<double>(both) * std::bit_cast<double>(exponent << 52);
 }
 

@@ -6,8 +6,8 @@
 #include <numbers>
 #include <numeric>
 
-#include <glm/glm.hpp>
 #include <tbb/parallel_for.h>
+#include <glm/glm.hpp>
 
 #include "host/film/metrics.h"
 

@@ -188,9 +188,7 @@ auto read_header(const std::string& path, Read read) -> decltype(read(std::declv
 }
 
 // Turns an exception of OpenEXR, the one in flight, into an Error.
-[[noreturn]] void explain_reading(const std::string& path) try {
-  throw;
-} catch (const Error&) {
+[[noreturn]] void explain_reading(const std::string& path) try { throw; } catch (const Error&) {
   throw;
 } catch (const std::bad_alloc&) {
   throw;

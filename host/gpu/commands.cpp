@@ -8,8 +8,8 @@ namespace wavepath {
 
 namespace {
 
-void record_barrier(VkCommandBuffer commands, VkPipelineStageFlags2 from, VkAccessFlags2 written, VkPipelineStageFlags2 to,
-                    VkAccessFlags2 used) {
+void record_barrier(VkCommandBuffer commands, VkPipelineStageFlags2 from, VkAccessFlags2 written,
+                    VkPipelineStageFlags2 to, VkAccessFlags2 used) {
   VkMemoryBarrier2 memory{VK_STRUCTURE_TYPE_MEMORY_BARRIER_2};
   memory.srcStageMask = from;
   memory.srcAccessMask = written;
@@ -22,7 +22,8 @@ void record_barrier(VkCommandBuffer commands, VkPipelineStageFlags2 from, VkAcce
 }
 
 constexpr VkPipelineStageFlags2 kCompute = VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
-                                kAll = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, kTransfer = VK_PIPELINE_STAGE_2_TRANSFER_BIT;
+                                kAll = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
+                                kTransfer = VK_PIPELINE_STAGE_2_TRANSFER_BIT;
 constexpr VkAccessFlags2 kAnyAccess = VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT;
 
 } // namespace
@@ -99,8 +100,7 @@ void Commands::start(const Kernel& kernel, const void* push) {
   assert(bindings_ && "bind() comes first");
   vkCmdBindPipeline(commands_, VK_PIPELINE_BIND_POINT_COMPUTE, kernel.handle());
   if (push)
-    vkCmdPushConstants(commands_, bindings_->layout(), bindings_->stages(), 0, bindings_->push_constant_bytes(),
-                       push);
+    vkCmdPushConstants(commands_, bindings_->layout(), bindings_->stages(), 0, bindings_->push_constant_bytes(), push);
   timing_ = timed_.size() * 2 < query_limit_;
   if (!timing_) return;
   write_time(static_cast<std::uint32_t>(timed_.size() * 2));
@@ -111,8 +111,8 @@ void Commands::stop() {
   if (timing_) write_time(static_cast<std::uint32_t>(timed_.size() * 2 - 1));
 }
 
-// Once anything has been rasterized, llvmpipe (Mesa 22.3) takes the time not here but when it next flushes, which is what a
-// barrier has it do.
+// Once anything has been rasterized, llvmpipe (Mesa 22.3) takes the time not here but when it next flushes, which is
+// what a barrier has it do.
 void Commands::write_time(std::uint32_t query) {
   vkCmdWriteTimestamp2(commands_, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, queries_, query);
   if (device_->info().timestamps_need_flush) barrier();
@@ -153,7 +153,8 @@ void Commands::barrier() {
 
 void Commands::submit() {
   // Make results visible to host reads of mapped memory.
-  record_barrier(commands_, kAll, VK_ACCESS_2_MEMORY_WRITE_BIT, VK_PIPELINE_STAGE_2_HOST_BIT, VK_ACCESS_2_HOST_READ_BIT);
+  record_barrier(commands_, kAll, VK_ACCESS_2_MEMORY_WRITE_BIT, VK_PIPELINE_STAGE_2_HOST_BIT,
+                 VK_ACCESS_2_HOST_READ_BIT);
   check(vkEndCommandBuffer(commands_), "recording");
   VkCommandBufferSubmitInfo buffer{VK_STRUCTURE_TYPE_COMMAND_BUFFER_SUBMIT_INFO};
   buffer.commandBuffer = commands_;
@@ -180,8 +181,8 @@ std::vector<KernelTime> Commands::times() const {
                               ticks.size() * 8, ticks.data(), 8, VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT),
         "reading timestamps");
   for (std::size_t i = 0; i < timed_.size(); ++i)
-    result.push_back({timed_[i], static_cast<double>(ticks[2 * i + 1] - ticks[2 * i]) * 1e-9 *
-                                     device_->info().timestamp_period_ns});
+    result.push_back(
+        {timed_[i], static_cast<double>(ticks[2 * i + 1] - ticks[2 * i]) * 1e-9 * device_->info().timestamp_period_ns});
   return result;
 }
 

@@ -37,8 +37,8 @@ public:
   // Group counts are read from `arguments` at `offset`.
   void dispatch_indirect(const Kernel& kernel, const Buffer& arguments, std::uint64_t offset,
                          const void* push = nullptr);
-  // Copies `bytes` (a multiple of 4, at most 65536) into `buffer` when the device gets there: after all that was recorded
-  // before, visible to all that follows, shaders of rasterization included.
+  // Copies `bytes` (a multiple of 4, at most 65536) into `buffer` when the device gets there: after all that was
+  // recorded before, visible to all that follows, shaders of rasterization included.
   void write(const Buffer& buffer, const void* data, std::uint64_t bytes);
   // The first `bytes` bytes of a buffer into another, with the same order and visibility. `unordered`: with none, for
   // copies at the beginning or the end of a recording that do not depend on each other.

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "kernels/tile_order.h"
 #include "kernels/frame_types.h"
+#include "kernels/tile_order.h"
 
 namespace wavepath {
 namespace {

@@ -11,7 +11,8 @@ namespace {
 
 // bvh/ knows nothing of devices; what it writes is what the kernels read.
 static_assert(sizeof(bvh::WideNode) == 16 * gpu::kNodeTexels);
-static_assert(bvh::kCellBias == gpu::kCellBias && bvh::kAbsent == gpu::kNone && bvh::kMaxLeafItems == gpu::kLeafFirstMask + 1);
+static_assert(bvh::kCellBias == gpu::kCellBias && bvh::kAbsent == gpu::kNone &&
+              bvh::kMaxLeafItems == gpu::kLeafFirstMask + 1);
 
 // Byte value to linear radiance.
 std::vector<float> srgb_decoding() {
@@ -50,8 +51,9 @@ DeviceScene upload_scene(Device& device, const PackedScene& scene) {
   check_fits(info, "environment texels", bytes_of(scene.environment), wide);
   check_fits(info, "lights", bytes_of(scene.lights), wide);
   const std::uint64_t total = bytes_of(scene.nodes) + bytes_of(scene.triangles) + bytes_of(scene.triangle_vertices) +
-                              bytes_of(scene.vertex_normals) + bytes_of(scene.vertex_uvs) + bytes_of(scene.vertex_colors) +
-                              bytes_of(scene.texels) + bytes_of(scene.environment) + bytes_of(scene.lights);
+                              bytes_of(scene.vertex_normals) + bytes_of(scene.vertex_uvs) +
+                              bytes_of(scene.vertex_colors) + bytes_of(scene.texels) + bytes_of(scene.environment) +
+                              bytes_of(scene.lights);
   if (total > info.memory_bytes)
     throw Error(info.name,
                 fmt::format("the scene takes {:.0f} MiB, the device has {:.0f} MiB", total / 1048576.0,

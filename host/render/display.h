@@ -9,9 +9,9 @@
 #include <string_view>
 #include <vector>
 
+#include "host/film/tonemap.h"
 #include "host/gpu/kernel.h"
 #include "host/render/progressive.h"
-#include "host/film/tonemap.h"
 #include "kernels/display/display_types.h"
 
 namespace wavepath {

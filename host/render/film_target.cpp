@@ -24,7 +24,8 @@ std::size_t row_major(std::uint32_t in_tile_order, const Film& film) {
 template <class Body>
 void in_pieces(std::uint32_t pixel_count, Body body) {
   constexpr std::uint32_t kPiece = 1u << 15;
-  for (std::uint32_t first = 0; first < pixel_count; first += kPiece) body(first, std::min(kPiece, pixel_count - first));
+  for (std::uint32_t first = 0; first < pixel_count; first += kPiece)
+    body(first, std::min(kPiece, pixel_count - first));
 }
 
 template <class Body>
@@ -38,7 +39,8 @@ void for_all(std::uint32_t count, Body body) {
 template <class T>
 void to_rows(const T* values, std::uint32_t first, std::uint32_t count, std::size_t each, const Film& film,
              std::vector<T>& rows) {
-  for_all(count, [&](std::uint32_t i) { std::copy_n(&values[i * each], each, &rows[row_major(first + i, film) * each]); });
+  for_all(count,
+          [&](std::uint32_t i) { std::copy_n(&values[i * each], each, &rows[row_major(first + i, film) * each]); });
 }
 
 template <class T>
@@ -154,11 +156,12 @@ Film FilmSnapshot::read() const {
   for (const Band& band : bands_) {
     if (band.pixel_count == 0) continue;
     band.film.invalidate();
-    to_rows(static_cast<const gpu::FilmPixel*>(band.film.mapped()), band.first_pixel, band.pixel_count, gpu::kReplicates,
-            film, film.pixels);
+    to_rows(static_cast<const gpu::FilmPixel*>(band.film.mapped()), band.first_pixel, band.pixel_count,
+            gpu::kReplicates, film, film.pixels);
     if (!has_aovs_) continue;
     band.aovs.invalidate();
-    to_rows(static_cast<const gpu::FilmAovs*>(band.aovs.mapped()), band.first_pixel, band.pixel_count, 1, film, film.aovs);
+    to_rows(static_cast<const gpu::FilmAovs*>(band.aovs.mapped()), band.first_pixel, band.pixel_count, 1, film,
+            film.aovs);
   }
   return film;
 }

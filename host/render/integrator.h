@@ -39,8 +39,8 @@ struct IntegratorKind {
   // Names of the settings that it takes besides those that all take: a setting of no use to it is refused.
   std::span<const std::string_view> settings{};
   std::span<const std::string_view> aovs{}; // values of --aov besides those of all
-  bool finds_light = true;    // false: its picture is the unoccluded share, whatever the lights
-  bool traces_paths = true;   // false: a sample is a frame, which reaches the film as a whole
+  bool finds_light = true;                  // false: its picture is the unoccluded share, whatever the lights
+  bool traces_paths = true;                 // false: a sample is a frame, which reaches the film as a whole
   bool measures_depth_cut = false; // the light beyond --max-depth is measured, and told in the first sentence of bias()
   // Stages that find the first hits, by whose time integrators are compared.
   std::span<const std::string_view> first_hit_stages{};

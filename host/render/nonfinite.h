@@ -30,8 +30,8 @@ struct Nonfinite {
 
   std::uint64_t samples() const { return std::accumulate(by_maker.begin(), by_maker.end(), std::uint64_t{0}); }
 
-  // What the kernels counted in one wave; pixel_at(place) is the pixel in tile order that has a place in the wave. Returns whether
-  // there was anything.
+  // What the kernels counted in one wave; pixel_at(place) is the pixel in tile order that has a place in the wave.
+  // Returns whether there was anything.
   template <class PixelAt>
   bool add(const gpu::Counters& counters, const gpu::Wave& wave, PixelAt pixel_at) {
     bool any = false;

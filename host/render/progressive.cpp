@@ -9,9 +9,9 @@
 namespace wavepath {
 namespace {
 
-constexpr double kLongestWave = 0.015;      // seconds: with two in flight, a window stays responsive
-constexpr double kCoarsePicture = 0.1;      // seconds that a picture may take while the camera moves
-constexpr std::uint32_t kCoarsest = 8;      // pixels a side
+constexpr double kLongestWave = 0.015; // seconds: with two in flight, a window stays responsive
+constexpr double kCoarsePicture = 0.1; // seconds that a picture may take while the camera moves
+constexpr std::uint32_t kCoarsest = 8; // pixels a side
 
 double pixels_of(const RenderSettings& settings) { return static_cast<double>(settings.width) * settings.height; }
 
@@ -34,7 +34,12 @@ Pace pace_of(const RenderSettings& settings) {
 
 Progressive::Progressive(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings,
                          KernelCompiler& kernels)
-    : device_(device), scene_(&scene), kernels_(kernels), settings_(open_ended(settings)), rendered_(settings_), view_(view) {
+    : device_(device),
+      scene_(&scene),
+      kernels_(kernels),
+      settings_(open_ended(settings)),
+      rendered_(settings_),
+      view_(view) {
   make_loop();
   begin_anew(choose_coarse());
 }

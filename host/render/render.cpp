@@ -14,7 +14,8 @@ RenderResult render(Device& device, const PackedScene& scene, const View& view, 
 RenderResult render(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings,
                     const RenderHooks& hooks, KernelCompiler& kernels) {
   RenderLoop loop(device, scene, view, settings, kernels, hooks);
-  while (loop.step()) {}
+  while (loop.step()) {
+  }
   return loop.finish();
 }
 

@@ -38,7 +38,8 @@ RenderLoop::~RenderLoop() {
   queue_.abandon(); // before anything goes that waves in flight or estimates use
 }
 
-// What is in flight counts no more. Estimates in progress go on by themselves, each with the copy of the film that it holds.
+// What is in flight counts no more. Estimates in progress go on by themselves, each with the copy of the film that it
+// holds.
 void RenderLoop::abandon() {
   abandoning_ = true;
   queue_.drain();

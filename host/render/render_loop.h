@@ -30,8 +30,8 @@ struct Pace {
   bool by_wave = false;                       // longest_dispatch bounds whole waves, so that step() returns soon
   Estimates estimates = Estimates::all;
   bool clock_is_busy_time = false; // the time between steps does not count
-  std::uint32_t least_slots = 0;  // of paths in flight
-  std::uint32_t fixed_wave = 0;   // paths of a wave, for measurements; 0 = governed
+  std::uint32_t least_slots = 0;   // of paths in flight
+  std::uint32_t fixed_wave = 0;    // paths of a wave, for measurements; 0 = governed
 };
 
 class RenderLoop {
@@ -64,7 +64,7 @@ public:
   // How far it is. Samples count once their last wave has been handed over.
   std::uint32_t spp() const { return cursor_.sample - settings_.first_sample; }
   bool in_pass() const { return cursor_.pass_samples > 0; }
-  double seconds() const; // rendering alone
+  double seconds() const;                                 // rendering alone
   double pixel_seconds() const { return pixel_seconds_; } // of one sample of one pixel in the last pass; 0 = unknown
   const std::vector<Checkpoint>& checkpoints() const { return result_.checkpoints; }
   const Totals& totals() const { return queue_.totals; }
@@ -143,7 +143,8 @@ private:
   std::vector<std::shared_ptr<FilmSnapshot>> snapshots_; // free to be used again
   std::vector<std::future<Estimate>> abandoned_;         // of what is no longer on the film
   std::uint32_t next_check_ = 0; // sample at which to look whether the target is reached; 0 = at checkpoints only
-  // While the estimate at `aim_sample_`, which may end the render, is not known: no pass goes beyond `aim_limit_`. 0 = none.
+  // While the estimate at `aim_sample_`, which may end the render, is not known: no pass goes beyond `aim_limit_`. 0 =
+  // none.
   std::uint32_t aim_sample_ = 0, aim_limit_ = 0;
   double estimate_pixel_seconds_ = 0.0; // of the last one
   std::shared_ptr<const Film> film_;    // as it was when `film_sample_` had been reached

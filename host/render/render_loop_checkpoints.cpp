@@ -40,16 +40,15 @@ std::uint32_t look_step(double samples, bool adaptive) {
 
 } // namespace
 
-bool RenderLoop::is_checkpoint() const {
-  return std::has_single_bit(spp()) || cursor_.sample == settings_.last_sample;
-}
+bool RenderLoop::is_checkpoint() const { return std::has_single_bit(spp()) || cursor_.sample == settings_.last_sample; }
 
 // Where estimates may be skipped: coarse pictures in a window, and those that would take more than their share.
 bool RenderLoop::pays() const {
   if (pace_.estimates != Estimates::share) return pace_.estimates == Estimates::all;
   if (settings_.antialias_over_time || spp() < gpu::kReplicates) return false;
   if (cursor_.sample == settings_.last_sample) return true;
-  const double cost = static_cast<double>(pixels()) * (estimate_pixel_seconds_ > 0.0 ? estimate_pixel_seconds_ : kFirstEstimate);
+  const double cost =
+      static_cast<double>(pixels()) * (estimate_pixel_seconds_ > 0.0 ? estimate_pixel_seconds_ : kFirstEstimate);
   return pending_.empty() && result_.estimate_seconds + cost <= kEstimateShare * seconds();
 }
 
@@ -63,7 +62,8 @@ void RenderLoop::checkpoint() {
   pending.is_checkpoint = is_checkpoint();
   pending.point.spp = samples_per_pixel();
   if (settings_.target_error > 0.0 && pending.point.spp >= kFewestSamples)
-    next_check_ = 0, aim_sample_ = cursor_.sample, aim_limit_ = std::min(cursor_.sample + look_step(spp() * kShortestStep, settings_.adaptive), settings_.last_sample);
+    next_check_ = 0, aim_sample_ = cursor_.sample,
+    aim_limit_ = std::min(cursor_.sample + look_step(spp() * kShortestStep, settings_.adaptive), settings_.last_sample);
   if (spp() < gpu::kReplicates && !hooks_.checkpoint) { // of fewer samples there is no estimate
     queue_.afterwards([this, &pending] { measure(pending); });
     return;
@@ -100,7 +100,7 @@ void RenderLoop::collect_estimates(bool wait) {
   while (!pending_.empty()) {
     const Pending& first = pending_.front();
     const bool ready = first.measured && (!first.estimate.valid() || first.estimate.wait_for(std::chrono::seconds(0)) ==
-                                                                          std::future_status::ready);
+                                                                         std::future_status::ready);
     if (!ready && !wait) return;
     take_in_first();
   }

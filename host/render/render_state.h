@@ -25,7 +25,7 @@ struct RenderState {
   Nonfinite nonfinite;
   std::vector<Checkpoint> checkpoints;
   std::vector<std::int8_t> levels; // of an adaptive render, see adaptive.h
-  std::uint32_t next_check = 0; // sample at which to look at the error next; 0 = at checkpoints only
+  std::uint32_t next_check = 0;    // sample at which to look at the error next; 0 = at checkpoints only
   Film film;
 };
 

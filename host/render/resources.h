@@ -32,7 +32,8 @@ struct BufferRule {
 class BufferSet {
 public:
   // `rules` outlive the set.
-  BufferSet(Device& device, std::span<const BufferRule> rules) : device_(&device), rules_(rules), buffers_(rules.size()) {}
+  BufferSet(Device& device, std::span<const BufferRule> rules)
+      : device_(&device), rules_(rules), buffers_(rules.size()) {}
 
   // Makes room where there is too little; what a buffer that is replaced held is lost. Returns whether any was. Throws
   // Error if the device has no memory for it.

@@ -36,16 +36,16 @@ struct RenderSettings {
   std::uint32_t filter = gpu::kFilterBlackmanHarris;
   std::uint32_t seed = 0;
   // Taken by some integrators only.
-  std::uint32_t shadow_samples = 1;    // light samples for every sample of a pixel
-  std::uint32_t ao_samples = 1;        // occlusion rays for every sample of a pixel
+  std::uint32_t shadow_samples = 1; // light samples for every sample of a pixel
+  std::uint32_t ao_samples = 1;     // occlusion rays for every sample of a pixel
   // Metres, 0 = unlimited; empty: unlimited for ao, a tenth of the scene's radius for hybrid.
   std::optional<double> ao_radius;
   std::optional<glm::vec3> ambient; // radiance; empty = estimated from the direct light in the picture
   std::uint32_t branching = kBranchingTree;
-  double cutoff = 1.0 / 256.0; // weight below which rays are not followed; biased unless it is 0
-  bool denoise = false;                // filter shadows and occlusion over space and time; biased
-  bool antialias_over_time = false;    // joins every picture to those before it, for a camera in motion; biased
-  bool adaptive = false; // more samples where a pilot, which is thrown away, found more noise
+  double cutoff = 1.0 / 256.0;      // weight below which rays are not followed; biased unless it is 0
+  bool denoise = false;             // filter shadows and occlusion over space and time; biased
+  bool antialias_over_time = false; // joins every picture to those before it, for a camera in motion; biased
+  bool adaptive = false;            // more samples where a pilot, which is thrown away, found more noise
   bool specialize = true;
   std::vector<std::string> aovs; // values of --aov
 

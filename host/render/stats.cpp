@@ -6,11 +6,11 @@
 
 #include <fmt/format.h>
 
+#include "host/film/error.h"
 #include "host/render/bvh_choice.h"
 #include "host/render/diagnosis.h"
 #include "host/render/integrator.h"
 #include "host/render/settings_table.h"
-#include "host/film/error.h"
 #include "kernels/tile_order.h"
 
 namespace wavepath {

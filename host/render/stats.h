@@ -7,8 +7,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "host/gpu/device.h"
 #include "host/film/metrics.h"
+#include "host/gpu/device.h"
 #include "host/render/render.h"
 #include "host/scene/pack/pack.h"
 

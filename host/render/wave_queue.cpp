@@ -57,12 +57,13 @@ bool WaveQueue::finish_one() {
 }
 
 void WaveQueue::drain() {
-  while (finish_one()) {}
+  while (finish_one()) {
+  }
 }
 
 void WaveQueue::abandon() noexcept {
   for (Flight& flight : in_flight_) try {
-      flight.slot->commands.wait();
+      flight.turn->commands.wait();
     } catch (...) { // the device is lost; there is nothing to wait for
     }
   in_flight_.clear();
@@ -92,8 +93,7 @@ void WaveQueue::count_counters(const gpu::Counters& counters, const std::optiona
   totals.rays.bounce += join(counters.bounce_rays);
   totals.rays.shadow += join(counters.shadow_rays);
   totals.rays.occlusion += join(counters.occlusion_rays);
-  if (wave)
-    totals.nonfinite.add(counters, *wave, [this](std::uint32_t place) { return workspace_.pixel_at(place); });
+  if (wave) totals.nonfinite.add(counters, *wave, [this](std::uint32_t place) { return workspace_.pixel_at(place); });
 }
 
 void WaveQueue::count_time(const std::string& name, double seconds) {

@@ -41,8 +41,8 @@ public:
 
   struct Work {
     std::uint32_t timed_dispatches = 0;
-    const char* stage = nullptr;      // the whole is counted as time of this stage, where its dispatches are not timed
-    std::optional<gpu::Wave> wave{};  // whose slots non-finite samples are counted by
+    const char* stage = nullptr;     // the whole is counted as time of this stage, where its dispatches are not timed
+    std::optional<gpu::Wave> wave{}; // whose slots non-finite samples are counted by
     std::function<void(const Finished&)> done{}; // called when it was waited for
   };
   // Records and submits; waits first where two pieces are in flight already. All work is done in the order in which it

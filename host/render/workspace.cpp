@@ -116,7 +116,8 @@ std::vector<std::unique_ptr<BindingSet>> bind_bands(const Workspace& workspace, 
   for (const FilmBand& band : workspace.film.bands()) {
     std::vector<Binding> bindings = workspace.bindings(band);
     bindings.insert(bindings.end(), own.begin(), own.end());
-    sets.push_back(std::make_unique<BindingSet>(workspace.device, bindings, static_cast<std::uint32_t>(sizeof(gpu::Wave))));
+    sets.push_back(
+        std::make_unique<BindingSet>(workspace.device, bindings, static_cast<std::uint32_t>(sizeof(gpu::Wave))));
   }
   return sets;
 }

@@ -110,8 +110,7 @@ View resolve_view(const Scene& scene, const Bounds& bounds, const ViewRequest& r
                   std::uint32_t height) {
   const double aspect = static_cast<double>(width) / static_cast<double>(height);
   Pose pose;
-  std::optional<glm::dvec3>
-      default_target; // without a camera, --eye looks at the centre of the scene
+  std::optional<glm::dvec3> default_target; // without a camera, --eye looks at the centre of the scene
   if (scene.cameras.empty() && request.camera.empty()) {
     pose = frame_scene(bounds, aspect);
     default_target = bounds.centre();

@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
-#include "host/gpu/commands.h"
 #include "host/film/film.h"
+#include "host/gpu/commands.h"
 #include "host/selftest/scenes.h"
 #include "host/selftest/selftest.h"
 #include "host/selftest/shapes.h"
@@ -201,8 +201,8 @@ Measurement last_samples(const SelftestContext& context) {
     worst = std::max(worst, std::abs(sum) / std::sqrt(squares));
   }
   return {"numbers of their own, unbiased",
-          fmt::format("{} repeated, {} pictures broken, means within {:.2f} standard errors of {:.2g}", repeated, broken,
-                      worst, noise),
+          fmt::format("{} repeated, {} pictures broken, means within {:.2f} standard errors of {:.2g}", repeated,
+                      broken, worst, noise),
           fmt::format("0, 0, 3 standard errors of {}", kLargestNoise),
           repeated + broken == 0 && worst <= 3.0 && noise <= kLargestNoise ? Verdict::pass : Verdict::fail,
           "128 samples from 2^31 - 64 and up to the last, 2^32 - 2, beyond which no range can be asked for; three "

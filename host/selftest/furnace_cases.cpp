@@ -12,8 +12,8 @@
 namespace wavepath {
 namespace {
 
-// A floor under a sky of radiance 1, seen along a direction with this cosine from 1 m away; `extent` of the picture, and
-// half the side of the floor.
+// A floor under a sky of radiance 1, seen along a direction with this cosine from 1 m away; `extent` of the picture,
+// and half the side of the floor.
 Scene floor_under_sky(double cosine, double extent = 0.01, float half = 1e3f) {
   Scene scene;
   add_triangles(scene, floor_quad(half), 0);
@@ -49,10 +49,11 @@ Measurement ggx_furnace(const SelftestContext& context) {
   return worst.judge();
 }
 
-// A white base under a rough coat, what glTF makes of plastic: however the two share the light, it is no more than there
-// was, to the 1e-3 by which the fit that couples them may be off. What is missing met a second facet of the coat, which
-// single scattering leaves out, or is held back from the base by that fit (interface_transmittance() of fresnel.glsl errs
-// on the side of reflection). By ior, roughness and cosine it is at most this, as measured and rounded up to 1e-3.
+// A white base under a rough coat, what glTF makes of plastic: however the two share the light, it is no more than
+// there was, to the 1e-3 by which the fit that couples them may be off. What is missing met a second facet of the coat,
+// which single scattering leaves out, or is held back from the base by that fit (interface_transmittance() of
+// fresnel.glsl errs on the side of reflection). By ior, roughness and cosine it is at most this, as measured and
+// rounded up to 1e-3.
 constexpr double kCoatLoss[3][3][3] = {{{0.003, 0.032, 0.034}, {0.013, 0.032, 0.033}, {0.022, 0.027, 0.028}},
                                        {{0.006, 0.044, 0.035}, {0.058, 0.050, 0.035}, {0.142, 0.076, 0.042}},
                                        {{0.079, 0.232, 0.178}, {0.192, 0.160, 0.113}, {0.403, 0.207, 0.106}}};
@@ -83,15 +84,15 @@ Measurement coat_furnace(const SelftestContext& context) {
 }
 
 // Pictures of one sample a pixel show what every single sample weighs: no more than 1. Their mean is what each material
-// returns: all of it where nothing is lost, a little less where a rough facet hides another or where light enters glass,
-// within which radiance is larger by the square of the ior.
+// returns: all of it where nothing is lost, a little less where a rough facet hides another or where light enters
+// glass, within which radiance is larger by the square of the ior.
 Measurement grazing(const SelftestContext& context) {
   Studio studio(context);
   Worst worst;
   for (const double cosine : {1e-3, 1e-4, 1e-5, 1e-6, 1e-7}) {
     // The picture stays as narrow as the camera is low, or part of it would look at the floor from below. The floor is
-    // hardly larger than what the picture shows of it: from a height of less than 1e-6 of its edges single precision cannot
-    // tell on which side of a triangle a camera is.
+    // hardly larger than what the picture shows of it: from a height of less than 1e-6 of its edges single precision
+    // cannot tell on which side of a triangle a camera is.
     const Scene floor = floor_under_sky(cosine, 0.01 * cosine, 0.02f);
     const auto try_material = [&](const Material& material, const char* name, double expected, double slack) {
       Scene scene = floor;
@@ -107,7 +108,8 @@ Measurement grazing(const SelftestContext& context) {
     add_metal(palette, 0.5f);
     add_metal(palette, 1.0f);
     add_glass(palette, 1.5f);
-    const double held = std::max(cosine, 1e-3); // shading_normal() of surface.glsl lets no direction graze the normal more
+    const double held =
+        std::max(cosine, 1e-3); // shading_normal() of surface.glsl lets no direction graze the normal more
     const double reflected = fresnel(held, 1.5), within = 1.0 / (1.5 * 1.5);
     const struct {
       const char* name;

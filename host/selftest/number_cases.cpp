@@ -7,8 +7,8 @@
 
 #include <fmt/format.h>
 
-#include "host/gpu/commands.h"
 #include "host/film/picture_io.h"
+#include "host/gpu/commands.h"
 #include "host/selftest/scenes.h"
 #include "host/selftest/selftest.h"
 #include "host/selftest/shapes.h"
@@ -177,12 +177,13 @@ Measurement denormals(const SelftestContext& context) {
   const double ratio = static_cast<double>(std::max(darkest.rays.total(), by_all_means.rays.total())) /
                        static_cast<double>(plain.rays.total());
   const bool good = broken == 0 && ratio <= 2.0 && normal.worst <= 1e-5 && brightest >= 1.0;
-  return {"0 broken values, no more rays, no light lost at 2^-100",
-          fmt::format("{} broken, {:.2f} times the rays, off by {:.2g}", broken, ratio, normal.worst), "0, 2 times, 1e-5",
-          good ? Verdict::pass : Verdict::fail,
-          fmt::format("radiance of 2^-100, and of 10^-39 to 10^-45 with an albedo of 10^-40, off by {:.2g}, where a device "
-                      "may make it zero; that took {:.2f} times as long as radiance of 1",
-                      denormal.worst, darkest.seconds / plain.seconds)};
+  return {
+      "0 broken values, no more rays, no light lost at 2^-100",
+      fmt::format("{} broken, {:.2f} times the rays, off by {:.2g}", broken, ratio, normal.worst), "0, 2 times, 1e-5",
+      good ? Verdict::pass : Verdict::fail,
+      fmt::format("radiance of 2^-100, and of 10^-39 to 10^-45 with an albedo of 10^-40, off by {:.2g}, where a device "
+                  "may make it zero; that took {:.2f} times as long as radiance of 1",
+                  denormal.worst, darkest.seconds / plain.seconds)};
 }
 
 // A 16-bit EXR with normals, depths to 10^6 and colours to 10^6, read back.

@@ -3,7 +3,6 @@
 
 #include <numbers>
 
-
 namespace wavepath {
 
 float Random::uniform(float lo, float hi) {

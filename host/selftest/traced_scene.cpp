@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "host/gpu/commands.h"
-#include "host/render/kernel_compiler.h"
 #include "host/integrators/path/paths.h"
+#include "host/render/kernel_compiler.h"
 #include "kernels/path/connect.spv.h"
 #include "kernels/path/extend.spv.h"
 

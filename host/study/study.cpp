@@ -10,10 +10,10 @@
 
 #include <fmt/format.h>
 
+#include "host/film/picture_io.h"
 #include "host/integrators/hybrid/kind.h"
 #include "host/render/integrator.h"
 #include "host/render/kernel_compiler.h"
-#include "host/film/picture_io.h"
 #include "host/render/stats.h"
 
 namespace wavepath {
@@ -120,8 +120,7 @@ private:
     }
     double seconds = 0.0;
     for (const StageTime& stage : result.stages)
-      if (std::ranges::find(wanted, stage.name) != wanted.end())
-        seconds += stage.seconds;
+      if (std::ranges::find(wanted, stage.name) != wanted.end()) seconds += stage.seconds;
     return 1000.0 * seconds / result.spp;
   }
 

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "host/gpu/device.h"
 #include "host/film/metrics.h"
+#include "host/gpu/device.h"
 #include "host/render/integrator.h"
 #include "host/render/render.h"
 #include "host/scene/pack/pack.h"
@@ -73,9 +73,7 @@ struct Series {
 
   bool shows_occlusion() const { return !configuration.settings.integrator->finds_light; }
   // It converges to something else than the reference.
-  bool is_biased() const {
-    return configuration.settings.integrator->is_biased(configuration.settings);
-  }
+  bool is_biased() const { return configuration.settings.integrator->is_biased(configuration.settings); }
 };
 
 // What it costs to find the first hits, in milliseconds a frame on the device: rasterized and

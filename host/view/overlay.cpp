@@ -6,8 +6,8 @@
 #include <backends/imgui_impl_vulkan.h>
 #include <imgui.h>
 
-#include "host/gpu/commands.h"
 #include "host/film/tonemap.h"
+#include "host/gpu/commands.h"
 
 namespace wavepath {
 namespace {

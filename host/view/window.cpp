@@ -20,10 +20,10 @@ namespace {
 
 // Seconds.
 constexpr double kPicturePause = 1.0 / 60.0; // between pictures while the user gives input,
-constexpr double kRenderPause = 1.0 / 15.0; // and while only the render goes on
-constexpr double kIdlePause = 0.25;         // until the estimate of the error is looked for again
-constexpr double kRest = 0.15;              // without a move, after which the picture is rendered in full
-constexpr int kSettling = 3;                // pictures after an event until widgets show what came of it
+constexpr double kRenderPause = 1.0 / 15.0;  // and while only the render goes on
+constexpr double kIdlePause = 0.25;          // until the estimate of the error is looked for again
+constexpr double kRest = 0.15;               // without a move, after which the picture is rendered in full
+constexpr int kSettling = 3;                 // pictures after an event until widgets show what came of it
 
 bool same(const ProgressiveStatus& a, const ProgressiveStatus& b) {
   return a.compiling == b.compiling && a.done == b.done && a.coarse == b.coarse && a.fraction == b.fraction &&

@@ -8,16 +8,18 @@
 namespace wavepath::gpu {
 #endif
 
-GPU_CONSTANT uint kBindScreen = 40u; // storage uint[]: what a window shows, a word of bytes R G B A a pixel (or B G R A), row-major
+GPU_CONSTANT uint kBindScreen =
+    40u; // storage uint[]: what a window shows, a word of bytes R G B A a pixel (or B G R A), row-major
 
 // What of the film is shown.
-GPU_CONSTANT uint kShowColor = 0u, kShowAlbedo = 1u, kShowNormal = 2u, kShowDepth = 3u, kShowPosition = 4u, kShowDirect = 5u,
-                  kShowIndirect = 6u, kShowEmission = 7u, kShowSamples = 8u, kShowVariance = 9u, kShowError = 10u;
+GPU_CONSTANT uint kShowColor = 0u, kShowAlbedo = 1u, kShowNormal = 2u, kShowDepth = 3u, kShowPosition = 4u,
+                  kShowDirect = 5u, kShowIndirect = 6u, kShowEmission = 7u, kShowSamples = 8u, kShowVariance = 9u,
+                  kShowError = 10u;
 GPU_CONSTANT uint kTonemapNone = 0u, kTonemapAces = 1u, kTonemapAgx = 2u, kTonemapNeutral = 3u;
 
 // Push constants of display.comp, which has a binding set of its own.
 struct DisplayJob {
-  uint width;  // of the screen
+  uint width; // of the screen
   uint height;
   uint first; // screen pixel that the dispatch begins with
   uint film_width;

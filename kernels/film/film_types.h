@@ -8,9 +8,9 @@
 namespace wavepath::gpu {
 #endif
 
-GPU_CONSTANT uint kBindFilm = 16u;             // storage FilmPixel[], kReplicates a pixel
-GPU_CONSTANT uint kBindFilmAovs = 17u;         // storage FilmAovs[], one a pixel (kFeatureAovs)
-GPU_CONSTANT uint kBindFilmTexels = 18u;      // texels RGBA32UI
+GPU_CONSTANT uint kBindFilm = 16u;       // storage FilmPixel[], kReplicates a pixel
+GPU_CONSTANT uint kBindFilmAovs = 17u;   // storage FilmAovs[], one a pixel (kFeatureAovs)
+GPU_CONSTANT uint kBindFilmTexels = 18u; // texels RGBA32UI
 
 // ---- film -----------------------------------------------------------------------------------------------------------
 // The exact sum of many floats, in any order (after the reproducible sums of Demmel and Nguyen 2013, with integers).
@@ -36,12 +36,12 @@ GPU_CHECK(sizeof(FilmPixel) == 64);
 // First-hit values and light components of one path.
 struct PathAovs {
   vec3 albedo;
-  float depth; // along the view axis
-  vec3 normal; // shading normal, world
-  float hit;   // 1 = the camera ray hit something
-  vec3 position; // device world
+  float depth;      // along the view axis
+  vec3 normal;      // shading normal, world
+  float hit;        // 1 = the camera ray hit something
+  vec3 position;    // device world
   float unoccluded; // share of the sky over the surface; hybrid integrators only
-  vec3 emission; // radiance seen without a bounce
+  vec3 emission;    // radiance seen without a bounce
   float pad1;
   vec3 direct; // radiance after one bounce
   float pad2;

@@ -39,7 +39,7 @@ struct FilterBand {
   uint step; // a-trous: from one tap to the next, in pixels
 };
 GPU_CONSTANT uint kFilterTile = 8u;
-GPU_CHECK(kFilterTile * kFilterTile == kWorkgroupSize);
+GPU_CHECK(kFilterTile* kFilterTile == kWorkgroupSize);
 
 // Bindings of the filters, in a set of their own.
 GPU_CONSTANT uint kFilterReprojection = 0u;  // uniform Reprojection
@@ -49,10 +49,11 @@ GPU_CONSTANT uint kFilterColorOut = 3u;      // storage vec4[]
 GPU_CONSTANT uint kFilterHistoryBefore = 4u; // texels RGBA32F
 GPU_CONSTANT uint kFilterHistoryNow = 5u;    // storage vec4[]
 // Of the denoiser alone, see kernels/denoise.glsl.
-GPU_CONSTANT uint kFilterPastBefore = 6u;     // texels RGBA32UI: packed shape, frames in the history
-GPU_CONSTANT uint kFilterPastNow = 7u;        // storage uvec4[]
-GPU_CONSTANT uint kFilterPastTexels = 8u;     // texels RGBA32UI: the same memory, for reading
-GPU_CONSTANT uint kFilterMomentsBefore = 9u;  // texels RGBA32F: mean and variance of the direct light, of the unoccluded share
+GPU_CONSTANT uint kFilterPastBefore = 6u; // texels RGBA32UI: packed shape, frames in the history
+GPU_CONSTANT uint kFilterPastNow = 7u;    // storage uvec4[]
+GPU_CONSTANT uint kFilterPastTexels = 8u; // texels RGBA32UI: the same memory, for reading
+GPU_CONSTANT uint kFilterMomentsBefore =
+    9u; // texels RGBA32F: mean and variance of the direct light, of the unoccluded share
 GPU_CONSTANT uint kFilterMomentsNow = 10u;    // storage vec4[]
 GPU_CONSTANT uint kFilterMomentsTexels = 11u; // texels RGBA32F: the same memory, for reading
 GPU_CONSTANT uint kFilterGuideIn = 12u;       // texels RGBA32UI: packed shape, standard errors

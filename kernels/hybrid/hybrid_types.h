@@ -9,38 +9,41 @@ namespace wavepath::gpu {
 #endif
 
 // Everything a pixel has is row-major from the top left here.
-GPU_CONSTANT uint kBindHybrid = 32u;     // uniform HybridFrame
-GPU_CONSTANT uint kBindVisibility = 33u; // texels RG32UI: place in the triangle buffer, instance; kNone where nothing is seen
-GPU_CONSTANT uint kBindGbuffer = 34u;    // storage GbufferPixel[]
-GPU_CONSTANT uint kBindSignals = 35u;    // storage vec4[]: reflected direct light over demodulation(albedo), unoccluded share
-GPU_CONSTANT uint kBindJitters = 36u;    // storage vec2[kJitters]: HybridFrame::jitter of frames to come
+GPU_CONSTANT uint kBindHybrid = 32u; // uniform HybridFrame
+GPU_CONSTANT uint kBindVisibility =
+    33u; // texels RG32UI: place in the triangle buffer, instance; kNone where nothing is seen
+GPU_CONSTANT uint kBindGbuffer = 34u; // storage GbufferPixel[]
+GPU_CONSTANT uint kBindSignals =
+    35u; // storage vec4[]: reflected direct light over demodulation(albedo), unoccluded share
+GPU_CONSTANT uint kBindJitters = 36u; // storage vec2[kJitters]: HybridFrame::jitter of frames to come
 
 // ---- hybrid rendering -----------------------------------------------------------------------------------------------------
-// One frame of a hybrid render: every pixel is seen through the same place of its filter, so that the frame can be rasterized.
+// One frame of a hybrid render: every pixel is seen through the same place of its filter, so that the frame can be
+// rasterized.
 struct HybridFrame {
-  vec2 jitter; // of that place from the pixel's centre, in pixels, x to the right and y downwards
-  float near;  // distance of the near plane along the view axis
-  float far;   // of the far plane, orthographic cameras only
-  vec3 ambient; // radiance that stands for all light of more than one bounce
-  float ao_radius; // metres from which on nothing occludes; kFar = unlimited
-  uint sample_index; // this frame's, as the film counts
+  vec2 jitter;         // of that place from the pixel's centre, in pixels, x to the right and y downwards
+  float near;          // distance of the near plane along the view axis
+  float far;           // of the far plane, orthographic cameras only
+  vec3 ambient;        // radiance that stands for all light of more than one bounce
+  float ao_radius;     // metres from which on nothing occludes; kFar = unlimited
+  uint sample_index;   // this frame's, as the film counts
   uint shadow_samples; // light samples a pixel and frame
   uint ao_samples;
   uint flags; // kHybrid bits
 };
 GPU_CHECK(sizeof(HybridFrame) == 48);
 GPU_CONSTANT uint kJitters = 1024u;
-GPU_CONSTANT uint kHybridLights = 1u << 0;  // direct light is wanted
-GPU_CONSTANT uint kHybridAmbient = 1u << 1; // the ambient term is wanted
+GPU_CONSTANT uint kHybridLights = 1u << 0;    // direct light is wanted
+GPU_CONSTANT uint kHybridAmbient = 1u << 1;   // the ambient term is wanted
 GPU_CONSTANT uint kHybridToColor = 1u << 2;   // composite leaves the frame in `seen`, for a filter,
 GPU_CONSTANT uint kHybridFromColor = 1u << 3; // and takes it from there
 GPU_CONSTANT float kDemodulationFloor = 0.1f; // see demodulation()
 
 // What rasterization found, as filters need it.
 struct GbufferPixel {
-  vec3 normal; // shading normal, world, on the side of the eye
-  float depth; // distance along the view axis, metres; 0 = nothing was seen
-  vec3 albedo; // base colour
+  vec3 normal;  // shading normal, world, on the side of the eye
+  float depth;  // distance along the view axis, metres; 0 = nothing was seen
+  vec3 albedo;  // base colour
   uint surface; // same value = same placed mesh and material: what a filter may mix
 };
 GPU_CHECK(sizeof(GbufferPixel) == 32);

@@ -11,11 +11,12 @@ namespace wavepath::gpu {
 GPU_CONSTANT uint kBindWhitted = 32u;      // uniform WhittedFrame
 GPU_CONSTANT uint kBindWhittedNodes = 33u; // storage WhittedNode[]
 
-// A camera ray's tree has so many places for rays at once. Where it would need more, one of two branches is chosen at random.
+// A camera ray's tree has so many places for rays at once. Where it would need more, one of two branches is chosen at
+// random.
 GPU_CONSTANT uint kTreeWidth = 8u;
 
-// Lights of one dispatch: Mesa 22.3 ends all loops of an invocation silently after 65,535 trips together, and one ray takes
-// hundreds.
+// Lights of one dispatch: Mesa 22.3 ends all loops of an invocation silently after 65,535 trips together, and one ray
+// takes hundreds.
 GPU_CONSTANT uint kLightsAtOnce = 16u;
 
 struct WhittedFrame {

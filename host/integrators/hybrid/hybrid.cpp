@@ -23,22 +23,26 @@ constexpr std::uint32_t kCompositePixels = 1u << 16; // of a dispatch: some tens
 
 enum Stage : std::size_t { kJitter, kResolve, kOcclusion, kGather, kComposite, kStageCount };
 const std::array<KernelCode, kStageCount> kStages = {{{"jitter", wavepath_jitter_spv},
-                                                     {"resolve", wavepath_resolve_spv},
-                                                     {"occlusion", wavepath_occlusion_spv},
-                                                     {"gather", wavepath_gather_spv},
-                                                     {"composite", wavepath_composite_spv}}};
+                                                      {"resolve", wavepath_resolve_spv},
+                                                      {"occlusion", wavepath_occlusion_spv},
+                                                      {"gather", wavepath_gather_spv},
+                                                      {"composite", wavepath_composite_spv}}};
 constexpr std::array<std::size_t, kStageCount> kCompileOrder = {kOcclusion, kResolve, kComposite, kGather, kJitter};
 
 enum OwnBuffer : std::size_t { kFrame, kGbuffer, kSignals, kJitters };
 // By OwnBuffer. What a pixel has is row-major from the top left.
 const std::vector<BufferRule> kRules = {
-    {"frame", [](const Extent&) { return std::uint64_t{sizeof(gpu::HybridFrame)}; },
+    {"frame",
+     [](const Extent&) { return std::uint64_t{sizeof(gpu::HybridFrame)}; },
      {{gpu::kBindHybrid, BindingKind::uniform}}},
-    {"G-buffer", [](const Extent& e) { return e.pixels * sizeof(gpu::GbufferPixel); },
+    {"G-buffer",
+     [](const Extent& e) { return e.pixels * sizeof(gpu::GbufferPixel); },
      {{gpu::kBindGbuffer, BindingKind::storage}}},
-    {"signals", [](const Extent& e) { return e.pixels * sizeof(gpu::vec4); },
+    {"signals",
+     [](const Extent& e) { return e.pixels * sizeof(gpu::vec4); },
      {{gpu::kBindSignals, BindingKind::storage}}},
-    {"jitters", [](const Extent&) { return std::uint64_t{gpu::kJitters * sizeof(gpu::vec2)}; },
+    {"jitters",
+     [](const Extent&) { return std::uint64_t{gpu::kJitters * sizeof(gpu::vec2)}; },
      {{gpu::kBindJitters, BindingKind::storage}}},
 };
 
@@ -118,8 +122,9 @@ void Hybrid::make_room(const View& view, Past past) {
   if (made_for != visibility_made_for_ || moved) {
     visibility_.reset(); // the device may not hold both at once
     visibility_made_for_ = glm::uvec3(0);
-    visibility_ = std::make_unique<Visibility>(workspace_.device, scene, *workspace_.on_device, workspace_.frame_buffer(),
-                                               buffers_[kFrame], path_features, settings_.width, settings_.height);
+    visibility_ =
+        std::make_unique<Visibility>(workspace_.device, scene, *workspace_.on_device, workspace_.frame_buffer(),
+                                     buffers_[kFrame], path_features, settings_.width, settings_.height);
     visibility_made_for_ = made_for;
     moved = true;
   }
@@ -136,7 +141,8 @@ void Hybrid::make_room(const View& view, Past past) {
 // Memory and kernels stay, unless size or buffers are others.
 void Hybrid::remake_filters(bool moved, Past past) {
   const std::uint32_t which = (settings_.denoise ? 1u : 0u) | (settings_.antialias_over_time ? 2u : 0u);
-  const glm::uvec4 made_for = which ? glm::uvec4(settings_.width, settings_.height, frame_.flags, which) : glm::uvec4(0);
+  const glm::uvec4 made_for =
+      which ? glm::uvec4(settings_.width, settings_.height, frame_.flags, which) : glm::uvec4(0);
   if (made_for == filters_made_for_ && !moved) {
     if (past == Past::keep) return;
     if (denoiser_) denoiser_->forget();
@@ -287,9 +293,8 @@ std::optional<Pilot> Hybrid::pilot() {
   pilot_places_.clear();
   for (std::uint32_t block = 0; block < blocks; ++block) {
     const auto first = static_cast<std::uint32_t>(std::uint64_t{pixels} * block / blocks);
-    const auto band = std::ranges::find_if(bands, [&](const FilmBand& b) {
-      return first >= b.first_pixel && first - b.first_pixel < b.pixel_count;
-    });
+    const auto band = std::ranges::find_if(
+        bands, [&](const FilmBand& b) { return first >= b.first_pixel && first - b.first_pixel < b.pixel_count; });
     const std::uint32_t end = std::min(first + kPilotBlock, band->first_pixel + band->pixel_count);
     pilot.segments.push_back({static_cast<std::size_t>(band - bands.begin()), first, end - first, 0});
     for (std::uint32_t pixel = first; pixel < end; ++pixel) {

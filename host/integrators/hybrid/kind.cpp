@@ -16,7 +16,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::array<std::string_view, 7> kHybridSettings = {"hemisphere", "direct",    "shadow-samples", "ao-samples",
+constexpr std::array<std::string_view, 7> kHybridSettings = {"hemisphere", "direct",  "shadow-samples", "ao-samples",
                                                              "ao-radius",  "ambient", "denoise"};
 constexpr std::array<std::string_view, 3> kAoSettings = {"ao-samples", "ao-radius", "denoise"};
 constexpr std::array<std::string_view, 1> kAovs = {"ao"};
@@ -47,9 +47,10 @@ std::vector<std::string> hybrid_bias(const RenderSettings& settings, const Rende
   if (settings.max_depth <= 1)
     bias.push_back(fmt::format("light paths end after {} bounces (--max-depth)", settings.max_depth));
   else
-    bias.push_back(fmt::format("light of more than one bounce, what mirrors and glass show of it included, is an ambient "
-                               "term of radiance {:.3g},{:.3g},{:.3g} (--integrator hybrid, --ambient)",
-                               result.ambient.r, result.ambient.g, result.ambient.b));
+    bias.push_back(
+        fmt::format("light of more than one bounce, what mirrors and glass show of it included, is an ambient "
+                    "term of radiance {:.3g},{:.3g},{:.3g} (--integrator hybrid, --ambient)",
+                    result.ambient.r, result.ambient.g, result.ambient.b));
   if (settings.denoise) bias.emplace_back(kFiltered);
   return bias;
 }

@@ -72,8 +72,8 @@ std::vector<Binding> visibility_bindings(const DeviceScene& scene, const Buffer&
   return bindings;
 }
 
-// Reversed z: what is nearer has the greater depth, between 1 (near plane) and 0 (infinity). Of equal depths the first one
-// drawn stays.
+// Reversed z: what is nearer has the greater depth, between 1 (near plane) and 0 (infinity). Of equal depths the first
+// one drawn stays.
 constexpr std::array<AttachmentInfo, 2> kAttachments{
     {{.name = "visibility", .format = ImageFormat::rg32ui, .clear = {.words = {gpu::kNone, gpu::kNone}}},
      {.name = "depth", .format = ImageFormat::depth32f, .clear = {.depth = 0.0f}}}};

@@ -4,7 +4,9 @@
 
 namespace wavepath {
 
-void PathTracer::change(const View&, const RenderSettings& settings, Past) { paths_.change(settings, kAllPathStages, 0); }
+void PathTracer::change(const View&, const RenderSettings& settings, Past) {
+  paths_.change(settings, kAllPathStages, 0);
+}
 
 std::uint32_t PathTracer::most_samples() const {
   return 4096; // accumulate loops over them; Mesa 22.3 ends loops at 65,535 trips
@@ -26,7 +28,8 @@ void PathTracer::record_wave(Commands& commands, std::size_t band, const gpu::Wa
   for (std::uint32_t bounce = 0; bounce < bounces; ++bounce) {
     paths_.extend(commands, kernels, wave, bounce);
     paths_.shade(commands, kernels, wave, bounce);
-    if (connects && bounce + 1 < bounces) paths_.connect(commands, kernels, wave, bounce); // the last one only collects emission
+    if (connects && bounce + 1 < bounces)
+      paths_.connect(commands, kernels, wave, bounce); // the last one only collects emission
   }
   commands.barrier();
   commands.dispatch(kernels[kAccumulate], groups_for(wave.pixel_count), &wave);

@@ -14,11 +14,11 @@ namespace wavepath {
 namespace {
 
 const std::array<KernelCode, kPathStageCount> kStages = {{{"generate", wavepath_generate_spv},
-                                                         {"advance", wavepath_advance_spv},
-                                                         {"extend", wavepath_extend_spv},
-                                                         {"shade", wavepath_shade_spv},
-                                                         {"connect", wavepath_connect_spv},
-                                                         {"accumulate", wavepath_accumulate_spv}}};
+                                                          {"advance", wavepath_advance_spv},
+                                                          {"extend", wavepath_extend_spv},
+                                                          {"shade", wavepath_shade_spv},
+                                                          {"connect", wavepath_connect_spv},
+                                                          {"accumulate", wavepath_accumulate_spv}}};
 
 // Shade takes as long to compile as all others together.
 constexpr std::array<std::size_t, kPathStageCount> kCompileOrder = {kShade,    kExtend,     kConnect,
@@ -28,21 +28,29 @@ using enum BindingKind;
 
 // By PathBuffer.
 const std::vector<BufferRule> kRules = {
-    {"path states", [](const Extent& e) { return e.slots * sizeof(gpu::PathState); },
+    {"path states",
+     [](const Extent& e) { return e.slots * sizeof(gpu::PathState); },
      {{gpu::kBindPaths, storage}, {gpu::kBindPathTexels, texels_rgba32f}}},
-    {"path media", [](const Extent& e) { return e.features & gpu::kFeatureVolume ? e.slots * sizeof(std::uint32_t) : 0; },
+    {"path media",
+     [](const Extent& e) { return e.features & gpu::kFeatureVolume ? e.slots * sizeof(std::uint32_t) : 0; },
      {{gpu::kBindPathMedia, storage}}},
-    {"path AOVs", [](const Extent& e) { return e.features & gpu::kFeatureAovs ? e.slots * sizeof(gpu::PathAovs) : 0; },
+    {"path AOVs",
+     [](const Extent& e) { return e.features & gpu::kFeatureAovs ? e.slots * sizeof(gpu::PathAovs) : 0; },
      {{gpu::kBindPathAovs, storage}}},
-    {"rays", [](const Extent& e) { return e.options & kStatesAlone ? 0 : 2 * e.slots * sizeof(gpu::Ray); }, // two queues, by turns
+    {"rays",
+     [](const Extent& e) {
+       return e.options & kStatesAlone ? 0 : 2 * e.slots * sizeof(gpu::Ray);
+     }, // two queues, by turns
      {{gpu::kBindRays, storage}, {gpu::kBindRayTexels, texels_rgba32f}}},
-    {"hits", [](const Extent& e) { return e.options & kStatesAlone ? 0 : e.slots * sizeof(gpu::Hit); },
+    {"hits",
+     [](const Extent& e) { return e.options & kStatesAlone ? 0 : e.slots * sizeof(gpu::Hit); },
      {{gpu::kBindHits, storage}, {gpu::kBindHitTexels, texels_rgba32ui}}},
     {"shadow rays",
      [](const Extent& e) { return e.options & kRoomForShadowRays ? e.slots * sizeof(gpu::ShadowRay) : 0; },
      {{gpu::kBindShadowRays, storage}, {gpu::kBindShadowRayTexels, texels_rgba32ui}}},
     {"queues", [](const Extent&) { return std::uint64_t{sizeof(gpu::Queues)}; }, {{gpu::kBindQueues, storage}}},
-    {"light seen directly", [](const Extent& e) { return e.options & kRoomForSeen ? e.pixels * sizeof(gpu::vec4) : 0; },
+    {"light seen directly",
+     [](const Extent& e) { return e.options & kRoomForSeen ? e.pixels * sizeof(gpu::vec4) : 0; },
      {{gpu::kBindSeen, storage}}},
 };
 
@@ -79,7 +87,8 @@ bool Paths::change(const RenderSettings& settings, std::uint32_t stages, std::ui
   if (stages) kernels_.start(need_);
   // Kernels that were begun for other settings may run until these are ready.
   const std::uint32_t features = need_.config.features | kernels_.features(kPathProgram);
-  if (!(options & kStatesAlone) && (workspace_.frame.light_count > 0 || settings.room_for_shadow_rays)) options |= kRoomForShadowRays;
+  if (!(options & kStatesAlone) && (workspace_.frame.light_count > 0 || settings.room_for_shadow_rays))
+    options |= kRoomForShadowRays;
   bool moved = workspace_.fit(settings, features | film_features);
   moved |= buffers.fit({workspace_.film.pixels(), workspace_.slots, features, options});
   if (!moved && !sets_.empty()) return false;

@@ -21,7 +21,8 @@ constexpr std::uint32_t stage_bits(std::initializer_list<PathStage> stages) {
   for (const PathStage stage : stages) bits |= 1u << stage;
   return bits;
 }
-inline constexpr std::uint32_t kLightingStages = stage_bits({kAdvance, kExtend, kShade, kConnect}); // from a first hit on
+inline constexpr std::uint32_t kLightingStages =
+    stage_bits({kAdvance, kExtend, kShade, kConnect}); // from a first hit on
 inline constexpr std::uint32_t kAllPathStages = (1u << kPathStageCount) - 1;
 
 extern const KernelProgram kPathProgram;
@@ -39,7 +40,8 @@ public:
 
   // Takes up settings and the workspace's frame: begins compiling `stages` and makes room. `options`: see above.
   // `film_features`: kFeature bits that other kernels of the integrator have. Returns whether buffers were replaced.
-  bool change(const RenderSettings& settings, std::uint32_t stages, std::uint32_t options, std::uint32_t film_features = 0);
+  bool change(const RenderSettings& settings, std::uint32_t stages, std::uint32_t options,
+              std::uint32_t film_features = 0);
   bool is_ready() { return kernels_.ready(need_); }
   double get_ready() { return kernels_.best(need_).seconds(); }
   const KernelConfig& config() const { return need_.config; }

@@ -21,11 +21,12 @@ void start_kernels(KernelCompiler& kernels, const DeviceInfo&, std::uint32_t fea
 }
 
 std::vector<std::string> bias(const RenderSettings& settings, const RenderResult&) {
-  std::vector<std::string> bias = {
-      fmt::format("light that more than one rough surface has scattered is left out, and so is what rough surfaces mirror of "
-                  "others; mirrors and glass are followed for {} bounces (--integrator whitted, --max-depth)",
-                  settings.max_depth)};
-  if (settings.cutoff > 0.0) bias.push_back(fmt::format("rays of weight {:.3g} and less are not followed (--cutoff)", settings.cutoff));
+  std::vector<std::string> bias = {fmt::format(
+      "light that more than one rough surface has scattered is left out, and so is what rough surfaces mirror of "
+      "others; mirrors and glass are followed for {} bounces (--integrator whitted, --max-depth)",
+      settings.max_depth)};
+  if (settings.cutoff > 0.0)
+    bias.push_back(fmt::format("rays of weight {:.3g} and less are not followed (--cutoff)", settings.cutoff));
   if (settings.ambient)
     bias.push_back(fmt::format("an ambient term of radiance {:.3g},{:.3g},{:.3g} stands for other light (--ambient)",
                                settings.ambient->r, settings.ambient->g, settings.ambient->b));
@@ -33,7 +34,8 @@ std::vector<std::string> bias(const RenderSettings& settings, const RenderResult
 }
 
 std::vector<OmittedStage> omitted(const RenderSettings&) {
-  return {{"path kernels generate, extend, shade and connect, and their queues", "its own kernels follow the trees of rays"}};
+  return {{"path kernels generate, extend, shade and connect, and their queues",
+           "its own kernels follow the trees of rays"}};
 }
 
 } // namespace
@@ -43,9 +45,12 @@ constinit const IntegratorKind kWhitted = {
     .summary = "Whitted's ray tracer: direct light, mirrors and glass",
     .settings = kSettings,
     .first_hit_stages = kFirstHitStages,
-    .features = [](const RenderSettings& settings) -> std::uint32_t { return settings.aovs.empty() ? 0 : gpu::kFeatureAovs; },
+    .features = [](const RenderSettings& settings) -> std::uint32_t {
+      return settings.aovs.empty() ? 0 : gpu::kFeatureAovs;
+    },
     .start_kernels = start_kernels,
-    .bytes_per_slot = [](std::uint32_t features) { return bytes_per_path(features, kStatesAlone) + sizeof(gpu::WhittedNode); },
+    .bytes_per_slot =
+        [](std::uint32_t features) { return bytes_per_path(features, kStatesAlone) + sizeof(gpu::WhittedNode); },
     .largest_record = sizeof(gpu::WhittedNode),
     .slots_per_pixel = tree_width,
     .bytes_per_pixel = [](const RenderSettings&) { return std::uint64_t{0}; },

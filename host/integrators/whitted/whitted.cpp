@@ -13,16 +13,18 @@ namespace {
 
 enum Stage : std::size_t { kBegin, kTrace, kLight, kGather, kStageCount };
 const std::array<KernelCode, kStageCount> kStages = {{{"whitted begin", wavepath_whitted_begin_spv},
-                                                     {"whitted trace", wavepath_whitted_trace_spv},
-                                                     {"whitted light", wavepath_whitted_light_spv},
-                                                     {"whitted gather", wavepath_whitted_gather_spv}}};
+                                                      {"whitted trace", wavepath_whitted_trace_spv},
+                                                      {"whitted light", wavepath_whitted_light_spv},
+                                                      {"whitted gather", wavepath_whitted_gather_spv}}};
 constexpr std::array<std::size_t, kStageCount> kCompileOrder = {kLight, kTrace, kBegin, kGather};
 
 enum OwnBuffer : std::size_t { kConstants, kNodes };
 const std::vector<BufferRule> kRules = {
-    {"constants", [](const Extent&) { return std::uint64_t{sizeof(gpu::WhittedFrame)}; },
+    {"constants",
+     [](const Extent&) { return std::uint64_t{sizeof(gpu::WhittedFrame)}; },
      {{gpu::kBindWhitted, BindingKind::uniform}}},
-    {"nodes of trees", [](const Extent& e) { return e.slots * sizeof(gpu::WhittedNode); },
+    {"nodes of trees",
+     [](const Extent& e) { return e.slots * sizeof(gpu::WhittedNode); },
      {{gpu::kBindWhittedNodes, BindingKind::storage}}},
 };
 
@@ -45,7 +47,8 @@ Whitted::Whitted(Workspace& workspace, KernelCompiler& kernels)
 
 void Whitted::change(const View& view, const RenderSettings& settings, Past) {
   const PackedScene& scene = workspace_.scene;
-  need_ = {&kWhittedProgram, kWhittedStages, kernel_config(needed_features(scene, view, settings), scene.stack_size, settings)};
+  need_ = {&kWhittedProgram, kWhittedStages,
+           kernel_config(needed_features(scene, view, settings), scene.stack_size, settings)};
   kernels_.start(need_);
   const std::uint32_t features = kernels_.features(kWhittedProgram);
   bool moved = paths_.change(settings, stage_bits({kAccumulate}), kStatesAlone, features);

@@ -8,8 +8,8 @@
 #include "host/base/memory.h"
 #include "host/scene/gltf/accessor.h"
 #include "host/scene/gltf/draco.h"
-#include "host/scene/gltf/skin.h"
 #include "host/scene/gltf/normals.h"
+#include "host/scene/gltf/skin.h"
 #include "host/scene/gltf/tangents.h"
 
 namespace wavepath::gltf {

@@ -28,9 +28,9 @@ struct Part {
 struct Object {
   std::uint32_t first_item = 0, item_count = 0; // in PackedScene::triangles, copies included
   std::uint32_t triangle_count = 0;
-  std::uint32_t root = 0;  // node of PackedScene::nodes
-  std::uint32_t depth = 0; // nodes on the longest path from there
-  double sah_cost = 0.0;   // see bvh::Measure
+  std::uint32_t root = 0;       // node of PackedScene::nodes
+  std::uint32_t depth = 0;      // nodes on the longest path from there
+  double sah_cost = 0.0;        // see bvh::Measure
   glm::vec3 lo{0.0f}, hi{0.0f}; // around its boxes in the tree, in its own space; 0 if it is empty
 };
 

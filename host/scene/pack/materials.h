@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "host/scene/scene.h"
 #include "host/scene/pack/textures.h"
+#include "host/scene/scene.h"
 #include "host/scene/usage.h"
 #include "kernels/scene_types.h"
 

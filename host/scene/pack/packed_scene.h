@@ -63,7 +63,7 @@ struct PackedScene {
   double bvh_seconds = 0.0;
   bvh::Quality bvh_quality = bvh::Quality::fast;
   std::uint64_t triangles_stored = 0; // without the copies of spatial splits
-  double sah_cost = 0.0; // of the tree over the most triangles, see bvh::Measure
+  double sah_cost = 0.0;              // of the tree over the most triangles, see bvh::Measure
 };
 
 } // namespace wavepath
