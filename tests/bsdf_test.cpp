@@ -157,6 +157,34 @@ TEST_F(BsdfTest, SmoothGlassReflectsAsFresnelSays) {
   }
 }
 
+// The Fresnel share is reflected as it is; the base colour tints the rest.
+TEST_F(BsdfTest, TheBaseColorTintsWhatGlassTransmits) {
+  const glm::vec3 tint(0.9f, 0.5f, 0.1f);
+  std::vector<Config> smooth, rough;
+  for (const std::uint32_t flags : {kEntering, 0u, kThin}) {
+    smooth.push_back(glass(0.0f, 1.5f, flags));
+    rough.push_back(glass(0.3f, 1.5f, flags));
+    rough.push_back(rough.back());
+    smooth.back().base_color = rough.back().base_color = tint; // rough: white, then tinted
+  }
+  const auto configs = from_all_sides(smooth);
+  const auto all = drawn(configs, {.batches = 256});
+  for (std::size_t i = 0; i < configs.size(); ++i) {
+    const double reflected = fresnel(configs[i].wo.z, configs[i].flags == 0 ? 1.0 / 1.5 : 1.5);
+    for (int k = 0; k < 3; ++k)
+      EXPECT_NEAR(all[i].weight[k], reflected + tint[k] * (1.0 - reflected), 5e-4) << describe(configs[i]);
+  }
+  std::vector<Pair> pairs;
+  for (std::uint32_t i = 0; i < rough.size(); ++i)
+    pairs.push_back({glm::vec3(direction(0.9)), i, glm::vec4(-glm::vec3(direction(0.9)), 0.0f)});
+  const auto values = evaluate(device(), rough, pairs);
+  for (std::size_t i = 0; i < rough.size(); i += 2) {
+    EXPECT_GT(values[i].x, 0.0f) << describe(rough[i]);
+    for (int k = 0; k < 3; ++k)
+      EXPECT_NEAR(values[i + 1][k] / values[i][k], tint[k], 1e-5) << describe(rough[i]);
+  }
+}
+
 TEST_F(BsdfTest, TotalReflectionStartsAtTheCriticalAngle) {
   const double degree = std::numbers::pi / 180.0;
   for (const float alpha : {0.0f, 0.2f}) {
