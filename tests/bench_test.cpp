@@ -144,13 +144,12 @@ TEST_F(Bench, ReplaysShadowRays) {
   EXPECT_GT(count, 0u);
 }
 
-TEST_F(Bench, CeilingsAreFiniteAndOrdered) {
+TEST_F(Bench, CeilingsAreFiniteAndPositive) {
   const Ceilings ceilings = measure_ceilings(device(), 1 << 20);
   for (const double value : {ceilings.load16_per_second, ceilings.load64_per_second, ceilings.gflops}) {
     EXPECT_TRUE(std::isfinite(value));
     EXPECT_GT(value, 0.0);
   }
-  EXPECT_GT(4.0 * ceilings.load64_per_second, ceilings.load16_per_second);
 }
 
 TEST_F(Bench, FramesCountWhatTheyTrace) {

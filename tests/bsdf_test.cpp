@@ -180,8 +180,7 @@ TEST_F(BsdfTest, TheBaseColorTintsWhatGlassTransmits) {
   const auto values = evaluate(device(), rough, pairs);
   for (std::size_t i = 0; i < rough.size(); i += 2) {
     EXPECT_GT(values[i].x, 0.0f) << describe(rough[i]);
-    for (int k = 0; k < 3; ++k)
-      EXPECT_NEAR(values[i + 1][k] / values[i][k], tint[k], 1e-5) << describe(rough[i]);
+    for (int k = 0; k < 3; ++k) EXPECT_NEAR(values[i + 1][k] / values[i][k], tint[k], 1e-5) << describe(rough[i]);
   }
 }
 

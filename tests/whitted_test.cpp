@@ -109,7 +109,7 @@ TEST_F(WhittedTest, TreeAndChoiceKeepAllLightOfAFurnace) {
   const Average all = average(subject, tree), one = average(subject, choice);
   double mean_all = 0.0, mean_one = 0.0, noise = 0.0;
   for (std::size_t i = 0; i < all.mean.size(); ++i) {
-    EXPECT_LE(all.mean[i], 1.0 + 1e-4);
+    EXPECT_LE(all.mean[i], 1.0 + 1e-4 + 6.0 * std::sqrt(all.variance[i])); // rough ones are lit by chance
     mean_all += all.mean[i] / static_cast<double>(all.mean.size());
     mean_one += one.mean[i] / static_cast<double>(all.mean.size());
     noise += one.variance[i] + all.variance[i];
