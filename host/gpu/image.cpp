@@ -100,6 +100,10 @@ MemoryAccess memory_access(const Device& device, ImageFormat format, ImageUse us
 constexpr MemoryAccess kCopied{VK_PIPELINE_STAGE_2_TRANSFER_BIT,
                                VK_ACCESS_2_TRANSFER_READ_BIT | VK_ACCESS_2_TRANSFER_WRITE_BIT};
 
+constexpr MemoryAccess kCopyWritten{VK_PIPELINE_STAGE_2_TRANSFER_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT};
+constexpr MemoryAccess kAnyUse{VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
+                               VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT};
+
 } // namespace
 
 const char* format_name(ImageFormat format) { return entry(format).name; }
@@ -279,7 +283,7 @@ void DeviceImage::copy_to(Commands& commands, const Buffer& to, Aspect aspect) {
   record_barriers(commands.handle(), std::array{barrier(ImageUse::copied_from)}, kWrittenByKernelOrCopy, kCopied);
   const VkBufferImageCopy region = whole(aspect);
   vkCmdCopyImageToBuffer(commands.handle(), image_, layout(use_), to.handle(), 1, &region);
-  commands.barrier();
+  record_barriers(commands.handle(), {}, kCopyWritten, kAnyUse);
 }
 
 void DeviceImage::copy_from(Commands& commands, const Buffer& from, Aspect aspect) {
@@ -287,7 +291,7 @@ void DeviceImage::copy_from(Commands& commands, const Buffer& from, Aspect aspec
   record_barriers(commands.handle(), std::array{barrier(ImageUse::copied_to)}, kWrittenByKernelOrCopy, kCopied);
   const VkBufferImageCopy region = whole(aspect);
   vkCmdCopyBufferToImage(commands.handle(), from.handle(), image_, layout(use_), 1, &region);
-  commands.barrier();
+  record_barriers(commands.handle(), {}, kCopyWritten, kAnyUse);
 }
 
 } // namespace wavepath
