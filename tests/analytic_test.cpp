@@ -201,7 +201,9 @@ INSTANTIATE_TEST_SUITE_P(Scenes, AnalyticOcclusion, ::testing::ValuesIn(list_occ
 class AnalyticWhitted : public Analytic {};
 
 TEST_P(AnalyticWhitted, FindsIt) {
-  const Oracle oracle = read_oracle(GetParam());
+  Oracle oracle = read_oracle(GetParam());
+  constexpr double kWritten = 5e-8; // half a unit of the last decimal of the expected values, which the noise is below
+  oracle.slack += kWritten / *std::ranges::min_element(oracle.expected);
   const std::vector<std::string> flags =
       oracle.render + std::vector<std::string>{"--integrator", "whitted", "--cutoff", "0"};
   const Picture first = render_scene(device(), GetParam(), flags + std::vector<std::string>{"--seed", "1"}).picture;
@@ -210,12 +212,13 @@ TEST_P(AnalyticWhitted, FindsIt) {
               oracle);
 }
 
+// Not those whose light is too noisy when sampled by area, for which the scene itself names other estimators.
 std::vector<fs::path> scenes_for_whitted() {
   std::vector<fs::path> paths;
   for (const char* name : {"absorbing_glass_slab", "absorbing_slab", "glass_slab", "mirror", "facing_squares",
                            "alpha_blend", "alpha_mask_cut", "alpha_mask_kept", "directional_light", "point_light",
                            "spot_light", "disc_light", "half_hidden_disc_light", "rectangle_light_centre",
-                           "rectangle_light_corner", "sphere_light", "emitter", "unlit"})
+                           "rectangle_light_corner", "sphere_light", "tilted_sphere_light", "emitter", "unlit"})
     paths.push_back(kScenes / "analytic" / (std::string(name) + ".gltf"));
   return paths;
 }

@@ -130,10 +130,11 @@ void RenderLoop::begin() {
   }
   if (hooks_.resume) restore(*hooks_.resume);
   last_save_ = Clock::now();
-  if (!settings_.adaptive || !levels_.empty()) return;
-  explore({segments_, kPilotSamples, kAdaptivePilotSeed});
-  if (!stopped_) use_levels(choose_levels(workspace_.film.download())); // else a resumed render explores anew
-  workspace_.film.clear();
+  if (settings_.adaptive && levels_.empty()) {
+    explore({segments_, kPilotSamples, kAdaptivePilotSeed});
+    if (!stopped_) use_levels(choose_levels(workspace_.film.download())); // else a resumed render explores anew
+    workspace_.film.clear();
+  }
   pass_began_busy_ = queue_.totals.busy_seconds; // of no pass
 }
 

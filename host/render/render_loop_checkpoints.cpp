@@ -108,7 +108,8 @@ void RenderLoop::collect_estimates(bool wait) {
 
 // The oldest checkpoint becomes part of the result, as soon as its estimate is there.
 void RenderLoop::take_in_first() {
-  while (!pending_.front().measured) queue_.finish_one();
+  while (!pending_.front().measured && queue_.finish_one()) {
+  }
   Pending pending = std::move(pending_.front());
   pending_.pop_front();
   Checkpoint& point = pending.point;
