@@ -1,10 +1,12 @@
 // The binary tree: the result of the top-down build and the input of the collapse to four children.
 #pragma once
 
+#include <cstdint>
 #include <memory>
-#include <vector>
+#include <span>
 
-#include "bvh/build.h"
+#include "bvh/build_config.h"
+#include "bvh/geometry.h"
 
 namespace wavepath::bvh {
 
@@ -27,8 +29,5 @@ inline constexpr std::uint32_t kMaxBinaryDepth = 64;
 // With `triangles`, as many as boxes, spatial splits are made as well.
 BinaryTree build_binary(std::span<const Box> boxes, std::span<const Triangle> triangles, const BuildConfig& config,
                         BuildReport& report);
-
-// Joins up to three levels of two into nodes of four, opening the child of the largest area first.
-WideTree collapse(BinaryTree binary);
 
 } // namespace wavepath::bvh

@@ -8,6 +8,7 @@
 #include <tbb/parallel_for.h>
 
 #include "bvh/binary.h"
+#include "bvh/collapse.h"
 #include "bvh/reinsert.h"
 #include "bvh/split.h"
 

@@ -15,7 +15,7 @@
 #include "host/cli/render_flags.h"
 #include "host/cli/scene_flags.h"
 #include "host/film/film.h"
-#include "host/render/kernel_compiler.h"
+#include "host/render/device/kernel_compiler.h"
 #include "host/render/render.h"
 #include "host/scene/pack/pack.h"
 #include "host/selftest/oracles.h"

@@ -128,11 +128,11 @@ TEST_F(ImageTest, ImagesAreUploadedAndFiltered) {
   const Buffer bytes = upload(device(), std::vector<std::uint8_t>{17, 200, 0, 0});
   {
     Commands commands(device());
-    colour.copy_from(commands, halfs);
-    depth.copy_from(commands, floats);
-    stencil.copy_from(commands, floats);
-    stencil.copy_from(commands, bytes, Aspect::stencil);
-    for (DeviceImage* image : {&colour, &depth, &stencil}) image->transition(commands, ImageUse::sampled);
+    colour.copy_from(commands.handle(), halfs);
+    depth.copy_from(commands.handle(), floats);
+    stencil.copy_from(commands.handle(), floats);
+    stencil.copy_from(commands.handle(), bytes, Aspect::stencil);
+    for (DeviceImage* image : {&colour, &depth, &stencil}) image->transition(commands.handle(), ImageUse::sampled);
     commands.submit_and_wait();
   }
   const std::vector<std::array<float, 2>> places{{0.5f, 0.5f}, {0.25f, 0.5f}, {0.75f, 0.5f}, {1.25f, 0.5f}};

@@ -7,7 +7,7 @@
 
 #include "bvh/traverse.h"
 #include "host/film/exact_sum.h"
-#include "host/render/device_scene.h"
+#include "host/render/device/device_scene.h"
 #include "kernels/features.h"
 #include "kernels/film/film_types.h"
 #include "kernels/frame_types.h"

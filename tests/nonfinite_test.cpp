@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/integrators/path/path_replay.h"
+#include "host/render/render.h"
 #include "host/scene/gltf/gltf.h"
 #include "host/scene/view.h"
 #include "kernels/tile_order.h"

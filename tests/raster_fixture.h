@@ -86,7 +86,7 @@ protected:
     EXPECT_EQ(sizeof(T), texel_bytes(image.info().format, aspect));
     Buffer buffer(device(), texels.size() * sizeof(T), BufferHome::readback);
     Commands commands(device());
-    image.copy_to(commands, buffer, aspect);
+    image.copy_to(commands.handle(), buffer, aspect);
     commands.submit_and_wait();
     buffer.invalidate();
     std::memcpy(texels.data(), buffer.mapped(), buffer.bytes());

@@ -14,7 +14,7 @@
 
 #include "host/film/film.h"
 #include "host/film/picture_io.h"
-#include "host/render/state_file.h"
+#include "host/render/report/state_file.h"
 #include "tests/run_wavepath.h"
 #include "tests/temporary_folder.h"
 #include "tests/vulkan_device.h"

@@ -1,6 +1,6 @@
 // The table of settings against RenderSettings: no member is forgotten, and every row that decides the picture reaches
 // the identity and the copied command, which reads back to the same settings.
-#include "host/render/settings_table.h"
+#include "host/render/settings/settings_table.h"
 
 #include <cmath>
 #include <map>
@@ -14,7 +14,7 @@
 #include "host/base/error.h"
 #include "host/cli/render_flags.h"
 #include "host/cli/scene_flags.h"
-#include "host/render/identity.h"
+#include "host/render/settings/identity.h"
 #ifdef WAVEPATH_VIEWER
 #include "host/view/render_line.h"
 #endif

@@ -11,8 +11,8 @@
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "host/integrators/path/path_tracer.h"
-#include "host/render/wave_queue.h"
-#include "host/render/workspace.h"
+#include "host/render/device/wave_queue.h"
+#include "host/render/device/workspace.h"
 #include "host/scene/gltf/gltf.h"
 #include "kernels/features.h"
 #include "kernels/frame_types.h"

@@ -10,7 +10,7 @@
 #include "host/film/film.h"
 #include "host/integrators/path/kind.h"
 #include "host/integrators/whitted/kind.h"
-#include "host/render/kernel_compiler.h"
+#include "host/render/device/kernel_compiler.h"
 #include "host/render/render.h"
 #include "host/scene/gltf/gltf.h"
 #include "host/scene/pack/pack.h"

@@ -6,7 +6,7 @@
 
 #include "host/base/error.h"
 #include "host/base/memory.h"
-#include "host/render/stats.h"
+#include "host/render/report/stats.h"
 
 namespace wavepath {
 namespace {

@@ -4,8 +4,8 @@
 #include <memory>
 #include <vector>
 
-#include "host/render/kernel_compiler.h"
-#include "host/render/render_loop.h"
+#include "host/render/device/kernel_compiler.h"
+#include "host/render/loop/render_loop.h"
 
 namespace wavepath {
 

@@ -17,7 +17,7 @@
 #include "host/cli/render_flags.h"
 #include "host/cli/scene_flags.h"
 #include "host/gpu/device.h"
-#include "host/render/stats.h"
+#include "host/render/report/stats.h"
 
 namespace wavepath {
 namespace {

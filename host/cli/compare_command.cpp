@@ -13,7 +13,7 @@
 #include "host/film/error_map.h"
 #include "host/film/metrics.h"
 #include "host/film/picture_io.h"
-#include "host/render/stats.h"
+#include "host/render/report/stats.h"
 
 namespace wavepath {
 namespace {

@@ -4,7 +4,7 @@
 #include <functional>
 #include <string>
 
-#include "host/render/flag_value.h"
+#include "host/render/settings/flag_value.h"
 
 // Of CLI11, whose headers compile slowly. Only what asks the parser for more than these functions do includes them.
 namespace CLI {

@@ -8,7 +8,7 @@
 #include "host/cli/flags.h"
 #include "host/cli/scene_flags.h"
 #include "host/gpu/device.h"
-#include "host/render/stats.h"
+#include "host/render/report/stats.h"
 #include "host/scene/pack/plan.h"
 
 namespace wavepath {

@@ -13,7 +13,7 @@
 #include "host/film/error.h"
 #include "host/film/film.h"
 #include "host/film/picture_io.h"
-#include "host/render/identity.h"
+#include "host/render/settings/identity.h"
 
 namespace wavepath {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "host/base/error.h"
 #include "host/base/memory.h"
-#include "host/render/integrator.h"
+#include "host/render/settings/integrator_kind.h"
 #include "host/scene/pack/features.h"
 
 namespace wavepath {

@@ -23,10 +23,10 @@
 #include "host/gpu/pipeline_cache.h"
 #include "host/render/bvh_choice.h"
 #include "host/render/depth_cut.h"
-#include "host/render/diagnosis.h"
-#include "host/render/identity.h"
-#include "host/render/integrator.h"
-#include "host/render/settings_table.h"
+#include "host/render/report/diagnosis.h"
+#include "host/render/settings/identity.h"
+#include "host/render/settings/integrator_kind.h"
+#include "host/render/settings/settings_table.h"
 #include "host/scene/scene_hash.h"
 
 namespace wavepath {

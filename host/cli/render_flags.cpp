@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "host/base/error.h"
-#include "host/render/settings_table.h"
+#include "host/render/settings/settings_table.h"
 
 namespace wavepath {
 namespace {

@@ -12,7 +12,7 @@
 #include "host/cli/flags.h"
 #include "host/film/picture_io.h"
 #include "host/render/render.h"
-#include "host/render/setting.h"
+#include "host/render/settings/setting.h"
 
 namespace wavepath {
 

@@ -12,7 +12,7 @@
 #include "host/cli/commands.h"
 #include "host/cli/progress.h"
 #include "host/film/error.h"
-#include "host/render/integrator.h"
+#include "host/render/settings/integrator_kind.h"
 #include "kernels/tile_order.h"
 
 namespace wavepath {

@@ -8,7 +8,7 @@
 #include "host/base/warnings.h"
 #include "host/cli/render_flags.h"
 #include "host/render/depth_cut.h"
-#include "host/render/stats.h"
+#include "host/render/report/stats.h"
 
 namespace wavepath {
 

@@ -6,8 +6,8 @@
 
 #include "host/base/atomic_file.h"
 #include "host/base/error.h"
-#include "host/render/adaptive.h"
-#include "host/render/identity.h"
+#include "host/render/loop/adaptive.h"
+#include "host/render/settings/identity.h"
 
 namespace wavepath {
 

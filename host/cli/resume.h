@@ -8,7 +8,7 @@
 #include "host/base/warnings.h"
 #include "host/cli/render_flags.h"
 #include "host/gpu/device.h"
-#include "host/render/state_file.h"
+#include "host/render/report/state_file.h"
 
 namespace wavepath {
 

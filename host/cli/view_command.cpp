@@ -14,9 +14,9 @@
 #include "host/cli/report.h"
 #include "host/gpu/pipeline_cache.h"
 #include "host/render/bvh_choice.h"
-#include "host/render/display.h"
-#include "host/render/progressive.h"
-#include "host/render/settings_table.h"
+#include "host/render/progressive/display.h"
+#include "host/render/progressive/progressive.h"
+#include "host/render/settings/settings_table.h"
 #include "host/scene/bounds.h"
 #include "host/scene/environment.h"
 #ifdef WAVEPATH_VIEWER

@@ -2,7 +2,6 @@
 #include "host/film/picture_io.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <filesystem>
 
@@ -13,7 +12,6 @@
 #include "host/base/atomic_file.h"
 #include "host/base/error.h"
 #include "host/base/memory.h"
-#include "host/film/picture_io_exr.h"
 
 namespace wavepath {
 namespace {
@@ -118,17 +116,6 @@ Picture read_encoded(const std::string& path) {
 }
 
 } // namespace
-
-std::optional<PictureFormat> picture_format(const std::string& path) {
-  std::string extension = std::filesystem::path(path).extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return std::tolower(c); });
-  if (extension == ".exr") return PictureFormat::exr;
-  if (extension == ".hdr") return PictureFormat::hdr;
-  if (extension == ".png") return PictureFormat::png;
-  if (extension == ".jpg" || extension == ".jpeg") return PictureFormat::jpg;
-  return std::nullopt;
-}
 
 std::uint64_t write_picture(const std::string& path, const Picture& picture, const PictureInfo& info,
                             const WriteOptions& options) {

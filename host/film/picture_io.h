@@ -1,42 +1,16 @@
 // Pictures to and from files: EXR and HDR linear, PNG and JPG tonemapped; written whole or not at all.
 #pragma once
 
-#include <array>
 #include <cstdint>
-#include <memory>
 #include <optional>
 #include <string>
 
-#include "host/film/film.h"
+#include "host/film/exr.h"
 #include "host/film/picture.h"
+#include "host/film/picture_format.h"
 #include "host/film/tonemap.h"
-#include "host/scene/view.h"
 
 namespace wavepath {
-
-enum class PictureFormat : std::uint8_t { exr, hdr, png, jpg };
-
-// The format that the extension names, upper or lower case; nothing if it is not supported.
-std::optional<PictureFormat> picture_format(const std::string& path);
-
-// What the header attributes of an EXR record about the render.
-struct PictureInfo {
-  std::uint32_t spp = 0;
-  double seconds = 0.0;        // rendering alone
-  std::optional<double> error; // estimated relative RMS error
-  std::uint32_t seed = 0;      // at most 2^31 - 1, as EXR integers are signed
-  std::string samples;         // "A:B"
-  std::string scene, command, filter;
-  std::string bias; // entries separated by "; "
-  std::optional<View> view;
-  std::optional<std::array<float, 16>> world_to_camera,
-      world_to_ndc; // where there is no view, as read_matrix gives them
-  // Of a picture that can be merged: what decides its bits (identity.h), who rendered it, and its exact sums, in
-  // channels film.NN, with the place that their positions are relative to.
-  std::string identity, device;
-  glm::dvec3 origin{0.0};
-  std::shared_ptr<const Film> film;
-};
 
 struct WriteOptions {
   bool half = false;     // EXR: 16-bit floats
@@ -52,18 +26,6 @@ std::uint64_t write_picture(const std::string& path, const Picture& picture, con
 // Linear values of a file, R G B first; grey is spread to three channels, 8 and 16 bit images count as sRGB. Throws
 // Error.
 Picture read_picture(const std::string& path);
-
-// A text or float attribute of an EXR header, as text; empty if the file is no EXR or has none of that name.
-std::string read_attribute(const std::string& path, const std::string& name);
-
-// A number from an EXR header; nothing if the file is no EXR or has none of that name.
-std::optional<double> read_number(const std::string& path, const std::string& name);
-
-std::optional<std::array<float, 16>> read_matrix(const std::string& path, const std::string& name);
-std::optional<glm::dvec3> read_place(const std::string& path, const std::string& name);
-
-// The exact sums that an EXR holds; null if it has none. Throws Error.
-std::shared_ptr<const Film> read_film(const std::string& path);
 
 // The channel of that name, or null.
 const Channel* find_channel(const Picture& picture, const std::string& name);

@@ -9,16 +9,11 @@
 #include <fmt/format.h>
 
 #include "host/base/error.h"
-#include "host/gpu/staging.h"
-#include "kernels/gpu.h"
 
 namespace wavepath {
 namespace {
 
 constexpr std::uint64_t kSmallest = 256; // bytes: the largest element that any empty binding could be asked for
-constexpr VkMemoryPropertyFlags kHostFlags = VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
-constexpr VkMemoryPropertyFlags kHostCachedFlags =
-    VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_CACHED_BIT;
 
 // The size to create. llvmpipe compiles a kernel again for every combination of texel buffers whose size is a power of
 // two or has bits 8 to 15 clear (it reads the size as properties of a texture). Kernels are compiled before the buffers
@@ -28,12 +23,10 @@ std::uint64_t created_bytes(std::uint64_t bytes) {
   return std::has_single_bit(bytes) || (bytes & 0xff00) == 0 ? bytes + kBufferPadding : bytes;
 }
 
-// Memory properties to try, best first. The host reads uncached memory slowly, so cached memory that needs an
-// invalidate comes before uncached memory.
-std::vector<VkMemoryPropertyFlags> wishes(const Device& device, BufferHome home) {
-  if (home == BufferHome::readback) return {kHostFlags | kHostCachedFlags, kHostCachedFlags, kHostFlags};
-  if (device.unified_memory()) return {VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT | kHostFlags, kHostFlags};
-  return {VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT, 0};
+std::span<const VkMemoryPropertyFlags> wishes(const Device& device, BufferHome home) {
+  if (home == BufferHome::readback) return kReadByHost;
+  if (device.unified_memory()) return kUnified;
+  return kDeviceLocal;
 }
 
 } // namespace
@@ -48,41 +41,17 @@ Buffer::Buffer(Device& device, std::uint64_t bytes, BufferHome home) : device_(&
 
   VkMemoryRequirements needs{};
   vkGetBufferMemoryRequirements(device.handle(), buffer_, &needs);
-  allocated_ = needs.size;
-  for (const VkMemoryPropertyFlags flags : wishes(device, home)) {
-    if (!allocate(needs.memoryTypeBits, flags)) continue;
-    device.count_memory(static_cast<std::int64_t>(allocated_));
+  if (memory_.allocate(device, needs, wishes(device, home)) &&
+      vkBindBufferMemory(device.handle(), buffer_, memory_.handle(), 0) == VK_SUCCESS)
     return;
-  }
   vkDestroyBuffer(device.handle(), buffer_, nullptr);
   throw Error(device.info().name, fmt::format("no memory for a buffer of {:.1f} MiB", bytes / 1048576.0),
               "use a smaller --size or scene, or close other programs");
 }
 
-// Allocates, binds and maps allocated_ bytes of memory that has `flags`. False if there is no such memory.
-bool Buffer::allocate(std::uint32_t type_bits, VkMemoryPropertyFlags flags) {
-  const std::uint32_t type = device_->memory_type(type_bits, flags);
-  if (type == gpu::kNone) return false;
-  VkMemoryAllocateInfo info{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO};
-  info.allocationSize = allocated_;
-  info.memoryTypeIndex = type;
-  if (vkAllocateMemory(device_->handle(), &info, nullptr, &memory_) != VK_SUCCESS) return false;
-  VkResult result = vkBindBufferMemory(device_->handle(), buffer_, memory_, 0);
-  if (result == VK_SUCCESS && (flags & VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT)) {
-    coherent_ = (flags & VK_MEMORY_PROPERTY_HOST_COHERENT_BIT) != 0;
-    result = vkMapMemory(device_->handle(), memory_, 0, VK_WHOLE_SIZE, 0, &mapped_);
-  }
-  if (result == VK_SUCCESS) return true;
-  vkFreeMemory(device_->handle(), memory_, nullptr);
-  memory_ = VK_NULL_HANDLE;
-  return false;
-}
-
+// The buffer goes before the memory that it is bound to.
 Buffer::~Buffer() {
-  if (!buffer_) return;
-  vkDestroyBuffer(device_->handle(), buffer_, nullptr);
-  vkFreeMemory(device_->handle(), memory_, nullptr);
-  device_->count_memory(-static_cast<std::int64_t>(allocated_));
+  if (buffer_) vkDestroyBuffer(device_->handle(), buffer_, nullptr);
 }
 
 void Buffer::swap(Buffer& other) noexcept {
@@ -90,44 +59,29 @@ void Buffer::swap(Buffer& other) noexcept {
   std::swap(buffer_, other.buffer_);
   std::swap(memory_, other.memory_);
   std::swap(bytes_, other.bytes_);
-  std::swap(allocated_, other.allocated_);
   std::swap(home_, other.home_);
-  std::swap(coherent_, other.coherent_);
-  std::swap(mapped_, other.mapped_);
-}
-
-void Buffer::invalidate() const {
-  if (!mapped_ || coherent_) return;
-  const VkMappedMemoryRange range{VK_STRUCTURE_TYPE_MAPPED_MEMORY_RANGE, nullptr, memory_, 0, VK_WHOLE_SIZE};
-  check(vkInvalidateMappedMemoryRanges(device_->handle(), 1, &range), "reading mapped memory");
-}
-
-void Buffer::flush() const {
-  if (!mapped_ || coherent_) return;
-  const VkMappedMemoryRange range{VK_STRUCTURE_TYPE_MAPPED_MEMORY_RANGE, nullptr, memory_, 0, VK_WHOLE_SIZE};
-  check(vkFlushMappedMemoryRanges(device_->handle(), 1, &range), "writing mapped memory");
 }
 
 void Buffer::write(const void* data, std::uint64_t bytes, std::uint64_t offset) {
   assert(offset + bytes <= bytes_);
-  if (!mapped_) return device_->staging().write(buffer_, offset, data, bytes);
-  std::memcpy(static_cast<char*>(mapped_) + offset, data, bytes);
-  flush();
+  if (!memory_.mapped()) return device_->staging().write(buffer_, offset, data, bytes);
+  std::memcpy(static_cast<char*>(memory_.mapped()) + offset, data, bytes);
+  memory_.flush();
 }
 
 void Buffer::read(void* data, std::uint64_t bytes, std::uint64_t offset) const {
   assert(offset + bytes <= bytes_);
-  if (!mapped_) return device_->staging().read(buffer_, offset, data, bytes);
-  invalidate();
-  std::memcpy(data, static_cast<const char*>(mapped_) + offset, bytes);
+  if (!memory_.mapped()) return device_->staging().read(buffer_, offset, data, bytes);
+  memory_.invalidate();
+  std::memcpy(data, static_cast<const char*>(memory_.mapped()) + offset, bytes);
 }
 
 void Buffer::fill_zero(std::uint64_t bytes) {
   assert(bytes <= bytes_ && bytes % 4 == 0);
   if (bytes == 0) return;
-  if (!mapped_) return device_->staging().fill_zero(buffer_, bytes);
-  std::memset(mapped_, 0, bytes);
-  flush();
+  if (!memory_.mapped()) return device_->staging().fill_zero(buffer_, bytes);
+  std::memset(memory_.mapped(), 0, bytes);
+  memory_.flush();
 }
 
 } // namespace wavepath

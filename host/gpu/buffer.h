@@ -9,6 +9,7 @@
 #include <vulkan/vulkan.h>
 
 #include "host/gpu/device.h"
+#include "host/gpu/memory.h"
 
 namespace wavepath {
 
@@ -34,10 +35,9 @@ public:
 
   // The memory of a `readback` buffer; null for `device`. To read what commands wrote, the host waits for their fence
   // (Commands makes their writes visible to the host) and calls invalidate().
-  void* mapped() { return home_ == BufferHome::readback ? mapped_ : nullptr; }
-  const void* mapped() const { return home_ == BufferHome::readback ? mapped_ : nullptr; }
-  // Drops what the host's caches hold of mapped memory. Does nothing where caches are coherent.
-  void invalidate() const;
+  void* mapped() { return home_ == BufferHome::readback ? memory_.mapped() : nullptr; }
+  const void* mapped() const { return home_ == BufferHome::readback ? memory_.mapped() : nullptr; }
+  void invalidate() const { memory_.invalidate(); }
 
   // Copies between host and device, which return when they are done. Ranges must lie inside the buffer. A buffer that
   // the host can map is accessed at once; any other copy comes after all that was submitted to the queue.
@@ -48,16 +48,12 @@ public:
 
 private:
   void swap(Buffer& other) noexcept;
-  bool allocate(std::uint32_t type_bits, VkMemoryPropertyFlags flags);
-  void flush() const; // the counterpart of invalidate(), after the host has written
 
   Device* device_ = nullptr;
   VkBuffer buffer_ = VK_NULL_HANDLE;
-  VkDeviceMemory memory_ = VK_NULL_HANDLE;
-  std::uint64_t bytes_ = 0, allocated_ = 0;
+  Memory memory_; // what cannot be mapped is reached by staging
+  std::uint64_t bytes_ = 0;
   BufferHome home_ = BufferHome::device;
-  bool coherent_ = true;   // no invalidate and flush needed
-  void* mapped_ = nullptr; // null: reached by staging
 };
 
 // A device buffer holding a copy of `values`.

@@ -1,100 +1,19 @@
-// A Vulkan 1.3 device, chosen and checked, with one queue for compute, which also rasterizes where such a queue exists.
+// A device as the rest of the program knows it: a Context, with copies to and from memory that the host cannot map.
 #pragma once
 
-#include <cstdint>
-#include <memory>
-#include <mutex>
-#include <span>
-#include <string>
-#include <vector>
-
-#include <vulkan/vulkan.h>
+#include "host/gpu/context.h"
+#include "host/gpu/staging.h"
 
 namespace wavepath {
 
-class PipelineCache; // host/gpu/pipeline_cache.h
-class Staging;       // host/gpu/staging.h
-
-// A Buffer may be this many bytes larger than asked for (see buffer.cpp). DeviceInfo's limits are reduced by them.
-inline constexpr std::uint64_t kBufferPadding = 0x110;
-
-// What `wavepath info` reports. `missing` names what the program needs and the device lacks; empty = usable.
-struct DeviceInfo {
-  std::string name, driver;
-  std::string
-      type; // cpu, integrated, discrete, virtual, other; choices between CPU and GPU go by it (see WAVEPATH_POSE)
-  std::string api; // "1.3.230"
-  std::uint32_t subgroup_size = 0;
-  std::uint64_t memory_bytes = 0; // largest device-local heap
-  std::uint64_t max_storage_range = 0, max_texel_elements = 0, max_allocation = 0;
-  std::uint32_t max_groups = 0;
-  std::uint32_t max_sampled = 0;    // texel buffers and images of a shader
-  double timestamp_period_ns = 0.0; // 0 = the queue has no timestamps
-  bool rasterizes = false;          // its queue takes graphics work as well
-  // llvmpipe (Mesa 22.3): once anything was rasterized, a timestamp is taken at the next flush, which a barrier causes.
-  bool timestamps_need_flush = false;
-  std::vector<std::string> missing;
-};
-
-// Throws Error naming `what` and the driver's answer unless `result` is VK_SUCCESS.
-void check(VkResult result, const char* what);
-
-// Every device of the machine, in the order that --device INDEX counts.
-std::vector<DeviceInfo> list_devices();
-
-class Device {
+class Device : public Context {
 public:
-  // `wanted`: an index, or part of a name (case-insensitive); empty = a discrete GPU if there is one, then integrated,
-  // virtual, CPU. Throws Error if none fits, naming those that exist.
-  // `window_extensions`: instance extensions that a window needs; with any, the device can also fill swapchains.
-  // Environment: WAVEPATH_VALIDATION=1 turns the validation layer on, synchronization validation included.
-  // WAVEPATH_POSE=discrete, for tests, has a CPU device report type "discrete" and treat its memory as not mappable.
-  explicit Device(const std::string& wanted = "", std::span<const char* const> window_extensions = {});
-  ~Device();
-  Device(Device&&) = delete;
+  using Context::Context;
 
-  const DeviceInfo& info() const { return info_; }
-  VkInstance instance() const { return instance_; }
-  VkPhysicalDevice physical() const { return physical_; }
-  VkDevice handle() const { return device_; }
-  VkQueue queue() const { return queue_; }
-  std::uint32_t queue_family() const { return queue_family_; }
-  PipelineCache& pipeline_cache() const { return *pipeline_cache_; }
-  Staging& staging() const { return *staging_; }
-  // Whether the queue can rasterize. Path tracing needs no such queue.
-  bool rasterizes() const { return info_.rasterizes; }
-  // True where the host maps device memory, so that copies need no staging.
-  bool unified_memory() const { return unified_memory_; }
-
-  // Index of a memory type among `type_bits` that has `flags`, kNone (all ones) if there is none.
-  std::uint32_t memory_type(std::uint32_t type_bits, VkMemoryPropertyFlags flags) const;
-
-  // A thread holds it while it submits work: Vulkan allows one thread at a time.
-  std::mutex& queue_mutex() { return queue_mutex_; }
-
-  // Adds to the bytes of memory that buffers and images hold now; the peak follows.
-  void count_memory(std::int64_t bytes);
-  std::uint64_t memory_peak() const { return memory_peak_; }
-
-  // Validation errors and warnings of this process so far; each was printed to stderr.
-  static std::uint32_t validation_messages();
+  Staging& staging() { return staging_; }
 
 private:
-  void release();
-
-  DeviceInfo info_;
-  VkInstance instance_ = VK_NULL_HANDLE;
-  VkDebugUtilsMessengerEXT messenger_ = VK_NULL_HANDLE;
-  VkPhysicalDevice physical_ = VK_NULL_HANDLE;
-  VkDevice device_ = VK_NULL_HANDLE;
-  VkQueue queue_ = VK_NULL_HANDLE;
-  std::uint32_t queue_family_ = 0;
-  bool unified_memory_ = false;
-  std::unique_ptr<PipelineCache> pipeline_cache_;
-  std::unique_ptr<Staging> staging_;
-  VkPhysicalDeviceMemoryProperties memory_{};
-  std::mutex queue_mutex_, memory_mutex_;
-  std::uint64_t memory_now_ = 0, memory_peak_ = 0;
+  Staging staging_{*this};
 };
 
 } // namespace wavepath

@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 
 #include "host/base/error.h"
-#include "host/gpu/commands.h"
+#include "host/gpu/buffer.h"
 #include "kernels/gpu.h"
 
 namespace wavepath {
@@ -181,8 +181,6 @@ void DeviceImage::release() {
   for (VkImageView view : layer_views_) vkDestroyImageView(device_.handle(), view, nullptr);
   for (VkImageView view : sampled_views_) vkDestroyImageView(device_.handle(), view, nullptr);
   vkDestroyImage(device_.handle(), image_, nullptr);
-  vkFreeMemory(device_.handle(), memory_, nullptr);
-  device_.count_memory(-static_cast<std::int64_t>(bytes_));
 }
 
 void DeviceImage::create() {
@@ -198,18 +196,12 @@ void DeviceImage::create() {
   check(vkCreateImage(device_.handle(), &info, nullptr, &image_), "creating an image");
   VkMemoryRequirements needs{};
   vkGetImageMemoryRequirements(device_.handle(), image_, &needs);
-  VkMemoryAllocateInfo allocate{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO};
-  allocate.allocationSize = needs.size;
-  allocate.memoryTypeIndex = device_.memory_type(needs.memoryTypeBits, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT);
-  if (allocate.memoryTypeIndex == gpu::kNone) allocate.memoryTypeIndex = device_.memory_type(needs.memoryTypeBits, 0);
-  if (vkAllocateMemory(device_.handle(), &allocate, nullptr, &memory_) != VK_SUCCESS)
+  if (!memory_.allocate(device_, needs, kDeviceLocal))
     throw Error(device_.info().name,
                 fmt::format("no memory for a {} image of {:.1f} MiB ({})", format_name(info_.format),
                             needs.size / 1048576.0, info_.name),
                 "use a smaller --size or scene, or close other programs");
-  bytes_ = needs.size;
-  device_.count_memory(static_cast<std::int64_t>(bytes_));
-  check(vkBindImageMemory(device_.handle(), image_, memory_, 0), "binding memory");
+  check(vkBindImageMemory(device_.handle(), image_, memory_.handle(), 0), "binding memory");
 }
 
 void DeviceImage::create_views() {
@@ -267,8 +259,8 @@ VkImageMemoryBarrier2 DeviceImage::barrier(ImageUse use) {
   return barrier;
 }
 
-void DeviceImage::transition(Commands& commands, ImageUse use) {
-  record_barriers(commands.handle(), std::array{barrier(use)}, {}, {});
+void DeviceImage::transition(VkCommandBuffer commands, ImageUse use) {
+  record_barriers(commands, std::array{barrier(use)}, {}, {});
 }
 
 VkBufferImageCopy DeviceImage::whole(Aspect aspect) const {
@@ -278,20 +270,20 @@ VkBufferImageCopy DeviceImage::whole(Aspect aspect) const {
   return region;
 }
 
-void DeviceImage::copy_to(Commands& commands, const Buffer& to, Aspect aspect) {
+void DeviceImage::copy_to(VkCommandBuffer commands, const Buffer& to, Aspect aspect) {
   assert(to.bytes() >= std::uint64_t{info_.width} * info_.height * info_.layers * texel_bytes(info_.format, aspect));
-  record_barriers(commands.handle(), std::array{barrier(ImageUse::copied_from)}, kWrittenByKernelOrCopy, kCopied);
+  record_barriers(commands, std::array{barrier(ImageUse::copied_from)}, kWrittenByKernelOrCopy, kCopied);
   const VkBufferImageCopy region = whole(aspect);
-  vkCmdCopyImageToBuffer(commands.handle(), image_, layout(use_), to.handle(), 1, &region);
-  record_barriers(commands.handle(), {}, kCopyWritten, kAnyUse);
+  vkCmdCopyImageToBuffer(commands, image_, layout(use_), to.handle(), 1, &region);
+  record_barriers(commands, {}, kCopyWritten, kAnyUse);
 }
 
-void DeviceImage::copy_from(Commands& commands, const Buffer& from, Aspect aspect) {
+void DeviceImage::copy_from(VkCommandBuffer commands, const Buffer& from, Aspect aspect) {
   assert(from.bytes() >= std::uint64_t{info_.width} * info_.height * info_.layers * texel_bytes(info_.format, aspect));
-  record_barriers(commands.handle(), std::array{barrier(ImageUse::copied_to)}, kWrittenByKernelOrCopy, kCopied);
+  record_barriers(commands, std::array{barrier(ImageUse::copied_to)}, kWrittenByKernelOrCopy, kCopied);
   const VkBufferImageCopy region = whole(aspect);
-  vkCmdCopyBufferToImage(commands.handle(), from.handle(), image_, layout(use_), 1, &region);
-  record_barriers(commands.handle(), {}, kCopyWritten, kAnyUse);
+  vkCmdCopyBufferToImage(commands, from.handle(), image_, layout(use_), 1, &region);
+  record_barriers(commands, {}, kCopyWritten, kAnyUse);
 }
 
 } // namespace wavepath

@@ -10,11 +10,11 @@
 #include <vulkan/vulkan.h>
 
 #include "host/gpu/device.h"
+#include "host/gpu/memory.h"
 
 namespace wavepath {
 
 class Buffer;
-class Commands;
 
 // Every Vulkan 1.3 device draws into and samples the formats but the last two, and filters rgba8 and rgba16f linearly.
 // What a device lacks beyond that is refused.
@@ -80,7 +80,7 @@ public:
 
   const ImageInfo& info() const { return info_; }
   VkImage handle() const { return image_; }
-  std::uint64_t bytes() const { return bytes_; } // of device memory
+  std::uint64_t bytes() const { return memory_.bytes(); } // of device memory
 
   // For rasterization: one layer, with all aspects.
   VkImageView layer_view(std::uint32_t layer) const { return layer_views_[layer]; }
@@ -89,14 +89,14 @@ public:
   VkImageLayout layout(ImageUse use) const;
 
   // Records that the image is for `use` next: what was drawn or copied before is visible then. The contents are kept.
-  void transition(Commands& commands, ImageUse use);
+  void transition(VkCommandBuffer commands, ImageUse use);
   // The barrier that transition() records; the caller records it.
   VkImageMemoryBarrier2 barrier(ImageUse use);
 
   // Record copies of all layers, rows and texels without gaps between them, and make them visible to later kernels,
   // copies and, after the fence, the host. The image is for copies afterwards.
-  void copy_to(Commands& commands, const Buffer& to, Aspect aspect = Aspect::main);
-  void copy_from(Commands& commands, const Buffer& from, Aspect aspect = Aspect::main);
+  void copy_to(VkCommandBuffer commands, const Buffer& to, Aspect aspect = Aspect::main);
+  void copy_from(VkCommandBuffer commands, const Buffer& from, Aspect aspect = Aspect::main);
 
 private:
   VkBufferImageCopy whole(Aspect aspect) const;
@@ -108,8 +108,7 @@ private:
   ImageInfo info_;
   ImageUse use_ = ImageUse::nothing;
   VkImage image_ = VK_NULL_HANDLE;
-  VkDeviceMemory memory_ = VK_NULL_HANDLE;
-  std::uint64_t bytes_ = 0;
+  Memory memory_;
   std::vector<VkImageView> layer_views_;
   std::array<VkImageView, 2> sampled_views_{}; // by Aspect
 };

@@ -4,7 +4,7 @@
 #include <bit>
 #include <cstring>
 
-#include "host/gpu/device.h"
+#include "host/base/error.h"
 
 namespace wavepath {
 namespace {
@@ -27,19 +27,19 @@ void record_barrier(VkCommandBuffer commands, VkPipelineStageFlags2 from, VkPipe
 
 } // namespace
 
-Staging::Staging(Device& device) : device_(device) {
+Staging::Staging(Context& context) : context_(context) {
   try {
     VkCommandPoolCreateInfo pool{VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
     pool.flags = VK_COMMAND_POOL_CREATE_TRANSIENT_BIT;
-    pool.queueFamilyIndex = device.queue_family();
-    check(vkCreateCommandPool(device.handle(), &pool, nullptr, &pool_), "creating a command pool");
+    pool.queueFamilyIndex = context.queue_family();
+    check(vkCreateCommandPool(context.handle(), &pool, nullptr, &pool_), "creating a command pool");
     VkCommandBufferAllocateInfo allocate{VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO};
     allocate.commandPool = pool_;
     allocate.level = VK_COMMAND_BUFFER_LEVEL_PRIMARY;
     allocate.commandBufferCount = 1;
-    check(vkAllocateCommandBuffers(device.handle(), &allocate, &commands_), "allocating a command buffer");
+    check(vkAllocateCommandBuffers(context.handle(), &allocate, &commands_), "allocating a command buffer");
     const VkFenceCreateInfo fence{VK_STRUCTURE_TYPE_FENCE_CREATE_INFO, nullptr, 0};
-    check(vkCreateFence(device.handle(), &fence, nullptr, &fence_), "creating a fence");
+    check(vkCreateFence(context.handle(), &fence, nullptr, &fence_), "creating a fence");
   } catch (...) {
     release();
     throw;
@@ -49,25 +49,43 @@ Staging::Staging(Device& device) : device_(device) {
 Staging::~Staging() { release(); }
 
 void Staging::release() {
-  vkDestroyFence(device_.handle(), fence_, nullptr);
-  vkDestroyCommandPool(device_.handle(), pool_, nullptr);
+  release_buffer();
+  vkDestroyFence(context_.handle(), fence_, nullptr);
+  vkDestroyCommandPool(context_.handle(), pool_, nullptr);
+}
+
+void Staging::release_buffer() {
+  vkDestroyBuffer(context_.handle(), buffer_, nullptr);
+  buffer_ = VK_NULL_HANDLE;
+  memory_.release();
+  bytes_ = 0;
 }
 
 void Staging::grow(std::uint64_t bytes) {
-  bytes = std::clamp(bytes, kLeastBytes, kMostBytes);
-  if (buffer_.bytes() >= bytes) return;
-  buffer_ = Buffer(); // before the larger one is allocated
-  buffer_ = Buffer(device_, std::bit_ceil(bytes), BufferHome::readback);
+  bytes = std::bit_ceil(std::clamp(bytes, kLeastBytes, kMostBytes));
+  if (bytes_ >= bytes) return;
+  release_buffer(); // before the larger one is allocated
+  VkBufferCreateInfo info{VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO};
+  info.size = bytes;
+  info.usage = VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
+  check(vkCreateBuffer(context_.handle(), &info, nullptr, &buffer_), "creating a buffer");
+  VkMemoryRequirements needs{};
+  vkGetBufferMemoryRequirements(context_.handle(), buffer_, &needs);
+  if (!memory_.allocate(context_, needs, kReadByHost))
+    throw Error(context_.info().name, "no memory for copies between host and device", "close other programs");
+  check(vkBindBufferMemory(context_.handle(), buffer_, memory_.handle(), 0), "binding memory");
+  bytes_ = bytes;
 }
 
 void Staging::write(VkBuffer to, std::uint64_t offset, const void* data, std::uint64_t bytes) {
   const std::lock_guard lock(mutex_);
   grow(bytes);
   for (std::uint64_t done = 0; done < bytes;) {
-    const std::uint64_t piece = std::min(bytes - done, buffer_.bytes());
-    buffer_.write(static_cast<const char*>(data) + done, piece);
+    const std::uint64_t piece = std::min(bytes - done, bytes_);
+    std::memcpy(memory_.mapped(), static_cast<const char*>(data) + done, piece);
+    memory_.flush();
     const VkBufferCopy region{0, offset + done, piece};
-    submit([&] { vkCmdCopyBuffer(commands_, buffer_.handle(), to, 1, &region); });
+    submit([&] { vkCmdCopyBuffer(commands_, buffer_, to, 1, &region); });
     done += piece;
   }
 }
@@ -76,10 +94,11 @@ void Staging::read(VkBuffer from, std::uint64_t offset, void* data, std::uint64_
   const std::lock_guard lock(mutex_);
   grow(bytes);
   for (std::uint64_t done = 0; done < bytes;) {
-    const std::uint64_t piece = std::min(bytes - done, buffer_.bytes());
+    const std::uint64_t piece = std::min(bytes - done, bytes_);
     const VkBufferCopy region{offset + done, 0, piece};
-    submit([&] { vkCmdCopyBuffer(commands_, from, buffer_.handle(), 1, &region); });
-    buffer_.read(static_cast<char*>(data) + done, piece);
+    submit([&] { vkCmdCopyBuffer(commands_, from, buffer_, 1, &region); });
+    memory_.invalidate();
+    std::memcpy(static_cast<char*>(data) + done, memory_.mapped(), piece);
     done += piece;
   }
 }
@@ -92,7 +111,7 @@ void Staging::fill_zero(VkBuffer buffer, std::uint64_t bytes) {
 // Work that was submitted earlier may still run, so the copy is ordered after all of it, and all later work after the
 // copy.
 void Staging::submit(const std::function<void()>& record) {
-  check(vkResetCommandPool(device_.handle(), pool_, 0), "recording a copy");
+  check(vkResetCommandPool(context_.handle(), pool_, 0), "recording a copy");
   VkCommandBufferBeginInfo begin{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
   begin.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
   check(vkBeginCommandBuffer(commands_, &begin), "recording a copy");
@@ -110,11 +129,11 @@ void Staging::submit(const std::function<void()>& record) {
   info.commandBufferInfoCount = 1;
   info.pCommandBufferInfos = &buffer;
   {
-    const std::lock_guard lock(device_.queue_mutex());
-    check(vkQueueSubmit2(device_.queue(), 1, &info, fence_), "submitting a copy");
+    const std::lock_guard lock(context_.queue_mutex());
+    check(vkQueueSubmit2(context_.queue(), 1, &info, fence_), "submitting a copy");
   }
-  check(vkWaitForFences(device_.handle(), 1, &fence_, VK_TRUE, UINT64_MAX), "waiting for the device");
-  check(vkResetFences(device_.handle(), 1, &fence_), "waiting for the device");
+  check(vkWaitForFences(context_.handle(), 1, &fence_, VK_TRUE, UINT64_MAX), "waiting for the device");
+  check(vkResetFences(context_.handle(), 1, &fence_), "waiting for the device");
 }
 
 } // namespace wavepath

@@ -8,16 +8,14 @@
 
 #include <vulkan/vulkan.h>
 
-#include "host/gpu/buffer.h"
+#include "host/gpu/memory.h"
 
 namespace wavepath {
-
-class Device;
 
 // Any thread may call. Every call waits for what was submitted to the queue before it, and for its own copy.
 class Staging {
 public:
-  explicit Staging(Device& device);
+  explicit Staging(Context& context);
   ~Staging();
   Staging(Staging&&) = delete;
 
@@ -29,10 +27,13 @@ private:
   void grow(std::uint64_t bytes);
   void submit(const std::function<void()>& record);
   void release();
+  void release_buffer();
 
-  Device& device_;
+  Context& context_;
   std::mutex mutex_; // guards everything below
-  Buffer buffer_;    // mapped; as large as the largest copy so far, up to a limit
+  VkBuffer buffer_ = VK_NULL_HANDLE;
+  Memory memory_;           // of the buffer, mapped
+  std::uint64_t bytes_ = 0; // as large as the largest copy so far, up to a limit
   VkCommandPool pool_ = VK_NULL_HANDLE;
   VkCommandBuffer commands_ = VK_NULL_HANDLE;
   VkFence fence_ = VK_NULL_HANDLE;

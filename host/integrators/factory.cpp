@@ -5,7 +5,7 @@
 #include "host/integrators/hybrid/kind.h"
 #include "host/integrators/path/kind.h"
 #include "host/integrators/whitted/kind.h"
-#include "host/render/integrator.h"
+#include "host/render/settings/integrator_kind.h"
 
 namespace wavepath {
 

@@ -4,7 +4,7 @@
 #include <limits>
 #include <string>
 
-#include "host/render/kernel_compiler.h"
+#include "host/render/device/kernel_compiler.h"
 #include "host/render/render.h"
 #include "host/scene/scene.h"
 #include "host/selftest/selftest.h"

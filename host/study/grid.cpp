@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "host/render/settings_table.h"
+#include "host/render/settings/settings_table.h"
 
 namespace wavepath {
 

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "host/render/settings.h"
+#include "host/render/settings/settings.h"
 
 namespace wavepath {
 

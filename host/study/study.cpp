@@ -12,9 +12,9 @@
 
 #include "host/film/picture_io.h"
 #include "host/integrators/hybrid/kind.h"
-#include "host/render/integrator.h"
-#include "host/render/kernel_compiler.h"
-#include "host/render/stats.h"
+#include "host/render/device/kernel_compiler.h"
+#include "host/render/report/stats.h"
+#include "host/render/settings/integrator_kind.h"
 
 namespace wavepath {
 namespace {

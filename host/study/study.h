@@ -9,8 +9,8 @@
 
 #include "host/film/metrics.h"
 #include "host/gpu/device.h"
-#include "host/render/integrator.h"
 #include "host/render/render.h"
+#include "host/render/settings/integrator_kind.h"
 #include "host/scene/pack/pack.h"
 #include "host/scene/view.h"
 #include "host/study/grid.h"

@@ -8,8 +8,8 @@
 #include "host/base/atomic_file.h"
 #include "host/base/shell_quote.h"
 #include "host/film/picture_io.h"
-#include "host/render/settings_table.h"
-#include "host/render/stats.h"
+#include "host/render/report/stats.h"
+#include "host/render/settings/settings_table.h"
 #include "host/study/study_pictures.h"
 #include "host/study/tables.h"
 

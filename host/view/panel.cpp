@@ -8,7 +8,7 @@
 #include <imgui.h>
 #include <imgui_stdlib.h>
 
-#include "host/render/settings_table.h"
+#include "host/render/settings/settings_table.h"
 
 namespace wavepath {
 namespace {

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "host/render/display.h"
-#include "host/render/progressive.h"
-#include "host/view/window.h"
+#include "host/render/progressive/display.h"
+#include "host/render/progressive/progressive.h"
+#include "host/view/environment_choice.h"
 
 namespace wavepath {
 

@@ -4,7 +4,7 @@
 
 #include "host/base/shell_quote.h"
 #include "host/film/picture_io.h"
-#include "host/render/settings_table.h"
+#include "host/render/settings/settings_table.h"
 #include "host/view/camera_control.h"
 
 namespace wavepath {

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "host/render/display.h"
+#include "host/render/progressive/display.h"
 #include "host/render/render.h"
 #include "host/scene/view.h"
 

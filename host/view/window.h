@@ -6,22 +6,15 @@
 #include <string>
 #include <vector>
 
-#include "host/render/display.h"
-#include "host/render/progressive.h"
+#include "host/render/progressive/display.h"
+#include "host/render/progressive/progressive.h"
 #include "host/scene/bounds.h"
 #include "host/scene/pack/pack.h"
 #include "host/scene/scene.h"
 #include "host/scene/view.h"
+#include "host/view/environment_choice.h"
 
 namespace wavepath {
-
-// What light comes from far away, as --env, --env-intensity and --env-rotation say it.
-struct EnvironmentChoice {
-  std::string source; // file, R,G,B, or empty for the default
-  double intensity = 1.0;
-  double rotation_degrees = 0.0;
-  bool operator==(const EnvironmentChoice&) const = default;
-};
 
 struct WindowRequest {
   std::string title;

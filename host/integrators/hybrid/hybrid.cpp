@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "host/integrators/hybrid/denoise.h"
-#include "host/integrators/hybrid/kind.h"
+#include "host/integrators/hybrid/occlusion_radius.h"
 #include "host/integrators/hybrid/taa.h"
 #include "kernels/hybrid/composite.spv.h"
 #include "kernels/hybrid/gather.spv.h"

@@ -11,6 +11,7 @@
 
 #include "host/integrators/hybrid/visibility.h"
 #include "host/integrators/path/paths.h"
+#include "host/render/loop/render_result.h"
 #include "kernels/hybrid/filter_types.h"
 #include "kernels/hybrid/hybrid_types.h"
 

@@ -1,4 +1,5 @@
 #include "host/integrators/hybrid/kind.h"
+#include "host/integrators/hybrid/occlusion_radius.h"
 
 #include <array>
 
@@ -91,10 +92,6 @@ std::unique_ptr<Integrator> make(Workspace& workspace, KernelCompiler& kernels) 
 }
 
 } // namespace
-
-double occlusion_radius(const PackedScene& scene, const RenderSettings& settings) {
-  return settings.ao_radius.value_or(settings.integrator->finds_light ? 0.1 * scene.radius : 0.0);
-}
 
 constinit const IntegratorKind kHybrid = {
     .name = "hybrid",

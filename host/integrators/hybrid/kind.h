@@ -1,7 +1,7 @@
 // Hybrid rendering and ambient occlusion as integrators.
 #pragma once
 
-#include "host/render/integrator.h"
+#include "host/render/settings/integrator_kind.h"
 
 namespace wavepath {
 
@@ -10,8 +10,5 @@ namespace wavepath {
 extern const IntegratorKind kHybrid;
 // That occlusion alone, as a picture of the unoccluded share.
 extern const IntegratorKind kAo;
-
-// Metres from which on nothing occludes; 0 = unlimited. What settings.ao_radius says, or what is usual.
-double occlusion_radius(const PackedScene& scene, const RenderSettings& settings);
 
 } // namespace wavepath

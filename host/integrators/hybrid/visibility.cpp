@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "host/base/error.h"
-#include "host/render/kernel_compiler.h"
+#include "host/render/device/kernel_compiler.h"
 #include "host/render/render.h"
 #include "kernels/features.h"
 #include "kernels/frame_types.h"
@@ -174,7 +174,7 @@ void Visibility::render(WaveQueue& queue, const gpu::CameraView& camera,
       if (i == 0) prepare(commands);
       const RasterDraw draw{&pipeline_, &bindings_, &wave, slices[i]};
       target_.draw(commands, {.draws = {&draw, 1}, .clear = i == 0 ? kClearAll : kClearNothing});
-      if (i + 1 == slices.size()) target_.image(0).copy_to(commands, ids_);
+      if (i + 1 == slices.size()) target_.image(0).copy_to(commands.handle(), ids_);
     });
 }
 

@@ -10,9 +10,9 @@
 
 #include "host/gpu/raster.h"
 #include "host/integrators/hybrid/culling.h"
-#include "host/render/device_scene.h"
-#include "host/render/kernel_set.h"
-#include "host/render/wave_queue.h"
+#include "host/render/device/device_scene.h"
+#include "host/render/device/kernel_set.h"
+#include "host/render/device/wave_queue.h"
 #include "host/scene/pack/pack.h"
 #include "host/scene/view.h"
 

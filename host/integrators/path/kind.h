@@ -1,7 +1,7 @@
 // Path tracing as an integrator.
 #pragma once
 
-#include "host/render/integrator.h"
+#include "host/render/settings/integrator_kind.h"
 
 namespace wavepath {
 

@@ -7,10 +7,10 @@
 #include <memory>
 #include <vector>
 
-#include "host/render/integrator.h"
-#include "host/render/kernel_compiler.h"
-#include "host/render/resources.h"
-#include "host/render/workspace.h"
+#include "host/render/device/kernel_compiler.h"
+#include "host/render/device/resources.h"
+#include "host/render/device/workspace.h"
+#include "host/render/loop/integrator.h"
 #include "kernels/path/path_types.h"
 
 namespace wavepath {

@@ -1,7 +1,7 @@
 // Whitted's ray tracer as an integrator.
 #pragma once
 
-#include "host/render/integrator.h"
+#include "host/render/settings/integrator_kind.h"
 
 namespace wavepath {
 

@@ -1,0 +1,331 @@
+// EXR files by OpenEXR, streamed through AtomicFile.
+#include "host/film/exr.h"
+
+#include <algorithm>
+#include <cmath>
+#include <exception>
+#include <thread>
+
+#include <Imath/half.h>
+#include <OpenEXR/ImfChannelList.h>
+#include <OpenEXR/ImfFloatAttribute.h>
+#include <OpenEXR/ImfFrameBuffer.h>
+#include <OpenEXR/ImfHeader.h>
+#include <OpenEXR/ImfIO.h>
+#include <OpenEXR/ImfInputFile.h>
+#include <OpenEXR/ImfIntAttribute.h>
+#include <OpenEXR/ImfMatrixAttribute.h>
+#include <OpenEXR/ImfOutputFile.h>
+#include <OpenEXR/ImfStringAttribute.h>
+#include <OpenEXR/ImfThreading.h>
+#include <OpenEXR/ImfVecAttribute.h>
+#include <fmt/format.h>
+
+#include "host/base/atomic_file.h"
+#include "host/base/error.h"
+#include "host/base/memory.h"
+#include "host/base/read_file.h"
+#include "host/film/film.h"
+#include "host/film/picture_format.h"
+#include "kernels/film/film_types.h"
+#include "kernels/frame_types.h"
+
+namespace wavepath {
+namespace {
+
+constexpr float kHalfMax = 65504.0f;
+constexpr std::uint64_t kMostPixels = std::uint64_t{1} << 36; // so that byte counts cannot overflow
+
+// Remembers the first failure, because OpenEXR's destructors discard exceptions.
+class Stream : public Imf::OStream {
+public:
+  Stream(AtomicFile& file, const std::string& name) : Imf::OStream(name.c_str()), file_(file) {}
+  void write(const char data[], int bytes) override {
+    guarded([&] { file_.write(data, static_cast<std::size_t>(bytes)); });
+  }
+  std::uint64_t tellp() override { return file_.position(); }
+  void seekp(std::uint64_t position) override {
+    guarded([&] { file_.seek(position); });
+  }
+  void rethrow() const {
+    if (failure_) std::rethrow_exception(failure_);
+  }
+
+private:
+  template <class Action>
+  void guarded(Action action) {
+    try {
+      action();
+    } catch (...) {
+      if (!failure_) failure_ = std::current_exception();
+      throw;
+    }
+  }
+
+  AtomicFile& file_;
+  std::exception_ptr failure_;
+};
+
+// EXR's camera space is left-handed: x right, y up, z ahead. Imath multiplies row vectors from the left.
+Imath::M44f world_to_camera(const View& view) {
+  const glm::dvec3 axes[3] = {glm::normalize(view.right), glm::normalize(view.up), view.forward};
+  Imath::M44f m;
+  for (int column = 0; column < 3; ++column) {
+    for (int row = 0; row < 3; ++row) m[row][column] = static_cast<float>(axes[column][row]);
+    m[3][column] = static_cast<float>(-glm::dot(axes[column], view.position));
+  }
+  return m;
+}
+
+// NDC has (0,0) in the upper left and (1,1) in the lower right corner; its z is arbitrary, here increasing with
+// distance.
+Imath::M44f world_to_ndc(const View& view) {
+  const float sx = static_cast<float>(0.5 / glm::length(view.right)),
+              sy = static_cast<float>(-0.5 / glm::length(view.up));
+  const Imath::M44f perspective(sx, 0, 0, 0, 0, sy, 0, 0, 0.5f, 0.5f, 1, 1, 0, 0, -1, 0);
+  const Imath::M44f orthographic(sx, 0, 0, 0, 0, sy, 0, 0, 0, 0, 1, 0, 0.5f, 0.5f, 0, 1);
+  return world_to_camera(view) * (view.orthographic ? orthographic : perspective);
+}
+
+// Channels that --half leaves at 32 bits: half holds all whole numbers only up to 2048, and ends at 65504, which
+// distances and positions may exceed; the depth of a miss always does.
+bool needs_float(const std::string& name) { return name == "samples" || name == "Z" || name.starts_with("P."); }
+
+Imath::M44f to_matrix(const std::array<float, 16>& values) {
+  Imath::M44f m;
+  std::copy(values.begin(), values.end(), m.getValue());
+  return m;
+}
+
+// The words of a film, one channel each: kReplicates times FilmPixel, then FilmAovs if there are any.
+constexpr std::size_t kPixelWords = gpu::kReplicates * sizeof(gpu::FilmPixel) / 4,
+                      kAovWords = sizeof(gpu::FilmAovs) / 4;
+constexpr const char* kFilmPrefix = "film.";
+
+std::size_t film_words(const Film& film) { return kPixelWords + (film.aovs.empty() ? 0 : kAovWords); }
+std::string film_channel(std::size_t word) { return fmt::format("{}{:02}", kFilmPrefix, word); }
+bool is_film_channel(const std::string& name) { return name.starts_with(kFilmPrefix); }
+
+// Points OpenEXR at the words where they lie, for reading and writing alike.
+void insert_film(Imf::FrameBuffer& pixels, Film& film) {
+  const auto insert = [&](std::size_t channel, void* first, std::size_t words) {
+    const std::size_t stride = 4 * words;
+    pixels.insert(film_channel(channel), Imf::Slice(Imf::UINT, static_cast<char*>(first), stride, stride * film.width));
+  };
+  auto* words = reinterpret_cast<std::uint32_t*>(film.pixels.data());
+  for (std::size_t i = 0; i < kPixelWords; ++i) insert(i, words + i, kPixelWords);
+  auto* aovs = reinterpret_cast<std::uint32_t*>(film.aovs.data());
+  for (std::size_t i = 0; i < (film.aovs.empty() ? 0 : kAovWords); ++i) insert(kPixelWords + i, aovs + i, kAovWords);
+}
+
+Imf::Header make_header(const Picture& picture, const PictureInfo& info, bool half) {
+  Imf::Header header(static_cast<int>(picture.width), static_cast<int>(picture.height));
+  header.compression() = Imf::ZIP_COMPRESSION;
+  for (const Channel& channel : picture.channels)
+    header.channels().insert(channel.name, Imf::Channel(half && !needs_float(channel.name) ? Imf::HALF : Imf::FLOAT));
+
+  const auto add_text = [&](const char* name, const std::string& text) {
+    header.insert(name, Imf::StringAttribute(text));
+  };
+  header.insert("wavepath.spp", Imf::IntAttribute(static_cast<int>(info.spp)));
+  header.insert("wavepath.seconds", Imf::FloatAttribute(static_cast<float>(info.seconds)));
+  if (info.error) header.insert("wavepath.error", Imf::FloatAttribute(static_cast<float>(*info.error)));
+  header.insert("wavepath.seed", Imf::IntAttribute(static_cast<int>(info.seed)));
+  add_text("wavepath.samples", info.samples);
+  add_text("wavepath.scene", info.scene);
+  add_text("wavepath.command", info.command);
+  add_text("wavepath.filter", info.filter);
+  add_text("wavepath.bias", info.bias);
+  add_text("wavepath.version", WAVEPATH_VERSION);
+  if (info.film) {
+    add_text("wavepath.identity", info.identity);
+    add_text("wavepath.device", info.device);
+    header.insert("wavepath.origin", Imf::V3dAttribute({info.origin.x, info.origin.y, info.origin.z}));
+    for (std::size_t i = 0; i < film_words(*info.film); ++i)
+      header.channels().insert(film_channel(i), Imf::Channel(Imf::UINT));
+  }
+  header.insert("samplesPerPixel", Imf::IntAttribute(static_cast<int>(info.spp)));
+  header.insert("renderTimeSeconds", Imf::FloatAttribute(static_cast<float>(info.seconds)));
+  if (info.view) {
+    header.insert("worldToCamera", Imf::M44fAttribute(world_to_camera(*info.view)));
+    header.insert("worldToNDC", Imf::M44fAttribute(world_to_ndc(*info.view)));
+  }
+  if (info.world_to_camera) header.insert("worldToCamera", Imf::M44fAttribute(to_matrix(*info.world_to_camera)));
+  if (info.world_to_ndc) header.insert("worldToNDC", Imf::M44fAttribute(to_matrix(*info.world_to_ndc)));
+  return header;
+}
+
+// Half copies of the channels that become half; `clamped` counts what did not fit.
+std::vector<std::vector<Imath::half>> to_half(const Picture& picture, std::uint64_t& clamped) {
+  std::vector<std::vector<Imath::half>> halves;
+  for (const Channel& channel : picture.channels) {
+    std::vector<Imath::half>& values = halves.emplace_back();
+    values.reserve(channel.values.size());
+    if (needs_float(channel.name)) continue;
+    for (const float value : channel.values) {
+      clamped += std::abs(value) > kHalfMax;
+      values.emplace_back(std::abs(value) > kHalfMax ? std::copysign(kHalfMax, value) : value);
+    }
+  }
+  return halves;
+}
+
+// The place of a channel in the picture: R G B A, then by name.
+std::pair<std::size_t, std::string> rank(const std::string& name) {
+  const std::size_t place = name.size() == 1 ? std::string("RGBA").find(name) : std::string::npos;
+  return {place, name};
+}
+
+// What `read` finds in the header of an EXR; nothing if the file is none, because reading the picture itself says what
+// is wrong.
+template <class Read>
+auto read_header(const std::string& path, Read read) -> decltype(read(std::declval<const Imf::Header&>())) {
+  if (picture_format(path) != PictureFormat::exr) return {};
+  try {
+    return read(Imf::InputFile(path.c_str()).header());
+  } catch (const std::exception&) {
+    return {};
+  }
+}
+
+// Turns an exception of OpenEXR, the one in flight, into an Error.
+[[noreturn]] void explain_reading(const std::string& path) try { throw; } catch (const Error&) {
+  throw;
+} catch (const std::bad_alloc&) {
+  throw;
+} catch (const std::exception& error) {
+  throw Error(path, fmt::format("OpenEXR cannot read it ({})", error.what()), "check that it is a complete EXR file");
+}
+
+} // namespace
+
+std::uint64_t write_exr(const std::string& path, const Picture& picture, const PictureInfo& info, bool half) {
+  Imf::setGlobalThreadCount(static_cast<int>(std::thread::hardware_concurrency()));
+  std::uint64_t clamped = 0;
+  std::vector<std::vector<Imath::half>> halves;
+  if (half) halves = to_half(picture, clamped);
+
+  const Imf::Header header = make_header(picture, info, half);
+  Imf::FrameBuffer pixels;
+  for (std::size_t i = 0; i < picture.channels.size(); ++i) {
+    const Channel& channel = picture.channels[i];
+    const bool as_half = header.channels()[channel.name].type == Imf::HALF;
+    const void* values = as_half ? static_cast<const void*>(halves[i].data()) : channel.values.data();
+    const std::size_t size = as_half ? sizeof(Imath::half) : sizeof(float);
+    // OpenEXR takes a pointer to non-const for reading and writing alike.
+    pixels.insert(channel.name, Imf::Slice(as_half ? Imf::HALF : Imf::FLOAT,
+                                           static_cast<char*>(const_cast<void*>(values)), size, size * picture.width));
+  }
+  if (info.film) insert_film(pixels, const_cast<Film&>(*info.film));
+
+  AtomicFile file(path);
+  Stream stream(file, path);
+  try {
+    Imf::OutputFile output(stream, header);
+    output.setFrameBuffer(pixels);
+    output.writePixels(static_cast<int>(picture.height));
+  } catch (const std::exception& error) {
+    stream.rethrow();
+    throw Error(path, fmt::format("OpenEXR cannot write it ({})", error.what()), "report this");
+  }
+  stream.rethrow();
+  file.commit();
+  return clamped;
+}
+
+Picture read_exr(const std::string& path) try {
+  Imf::InputFile input(path.c_str());
+  const Imath::Box2i window = input.header().dataWindow();
+  Picture picture;
+  picture.width = static_cast<std::uint32_t>(window.max.x - window.min.x + 1);
+  picture.height = static_cast<std::uint32_t>(window.max.y - window.min.y + 1);
+  const std::uint64_t pixel_count = static_cast<std::uint64_t>(picture.width) * picture.height;
+
+  std::vector<std::string> names;
+  const Imf::ChannelList& channels = input.header().channels();
+  for (auto channel = channels.begin(); channel != channels.end(); ++channel) {
+    if (channel.channel().xSampling != 1 || channel.channel().ySampling != 1)
+      throw Error(path, fmt::format("channel {} is subsampled", channel.name()), "save it at full resolution");
+    if (!is_film_channel(channel.name())) names.emplace_back(channel.name());
+  }
+  std::sort(names.begin(), names.end(), [](const auto& a, const auto& b) { return rank(a) < rank(b); });
+  if (pixel_count > kMostPixels) throw Error(path, "claims more pixels than can be read", "check that it is intact");
+  require_memory(path, "reading it", pixel_count * names.size() * sizeof(float), "use a smaller picture");
+
+  Imf::FrameBuffer pixels;
+  for (const std::string& name : names) picture.channels.push_back({name, std::vector<float>(pixel_count)});
+  for (const Channel& channel : picture.channels)
+    pixels.insert(channel.name, Imf::Slice::Make(Imf::FLOAT, channel.values.data(), window));
+  input.setFrameBuffer(pixels);
+  input.readPixels(window.min.y, window.max.y);
+  return picture;
+} catch (...) {
+  explain_reading(path);
+}
+
+std::optional<double> read_number(const std::string& path, const std::string& name) {
+  return read_header(path, [&](const Imf::Header& header) -> std::optional<double> {
+    if (const auto* real = header.findTypedAttribute<Imf::FloatAttribute>(name)) return real->value();
+    if (const auto* whole = header.findTypedAttribute<Imf::IntAttribute>(name)) return whole->value();
+    return std::nullopt;
+  });
+}
+
+std::optional<std::array<float, 16>> read_matrix(const std::string& path, const std::string& name) {
+  return read_header(path, [&](const Imf::Header& header) -> std::optional<std::array<float, 16>> {
+    const auto* matrix = header.findTypedAttribute<Imf::M44fAttribute>(name);
+    if (!matrix) return std::nullopt;
+    std::array<float, 16> values;
+    std::copy_n(matrix->value().getValue(), 16, values.begin());
+    return values;
+  });
+}
+
+std::optional<glm::dvec3> read_place(const std::string& path, const std::string& name) {
+  return read_header(path, [&](const Imf::Header& header) -> std::optional<glm::dvec3> {
+    const auto* place = header.findTypedAttribute<Imf::V3dAttribute>(name);
+    return place ? std::optional(glm::dvec3(place->value().x, place->value().y, place->value().z)) : std::nullopt;
+  });
+}
+
+std::shared_ptr<const Film> read_film(const std::string& path) try {
+  if (!regular_file_size(path)) throw Error(path, "cannot be read", "check the name");
+  Imf::InputFile input(path.c_str());
+  const Imf::ChannelList& channels = input.header().channels();
+  if (!channels.findChannel(film_channel(0))) return nullptr;
+  const Imath::Box2i window = input.header().dataWindow();
+  const auto film = std::make_shared<Film>();
+  film->width = static_cast<std::uint32_t>(window.max.x + 1);
+  film->height = static_cast<std::uint32_t>(window.max.y + 1);
+  const std::uint64_t pixel_count = std::uint64_t{film->width} * film->height;
+  if (window.min.x != 0 || window.min.y != 0 || pixel_count > kMostPixels)
+    throw Error(path, "holds no film that this version can read", "render it again");
+  const bool aovs = channels.findChannel(film_channel(kPixelWords)) != nullptr;
+  require_memory(path, "reading its sums", pixel_count * 4 * (kPixelWords + (aovs ? kAovWords : 0)),
+                 "use a smaller picture");
+  film->pixels.resize(pixel_count * gpu::kReplicates);
+  film->aovs.resize(aovs ? pixel_count : 0);
+  for (std::size_t i = 0; i < film_words(*film); ++i) {
+    const Imf::Channel* channel = channels.findChannel(film_channel(i));
+    if (!channel || channel->type != Imf::UINT)
+      throw Error(path, fmt::format("lacks channel {}", film_channel(i)), "render it again");
+  }
+  Imf::FrameBuffer pixels;
+  insert_film(pixels, *film);
+  input.setFrameBuffer(pixels);
+  input.readPixels(window.min.y, window.max.y);
+  return film;
+} catch (...) {
+  explain_reading(path);
+}
+
+std::string read_attribute(const std::string& path, const std::string& name) {
+  return read_header(path, [&](const Imf::Header& header) {
+    const auto* number = header.findTypedAttribute<Imf::FloatAttribute>(name);
+    if (number) return fmt::format("{}", number->value());
+    const auto* text = header.findTypedAttribute<Imf::StringAttribute>(name);
+    return text ? text->value() : std::string();
+  });
+}
+
+} // namespace wavepath

@@ -1,0 +1,350 @@
+// Device selection and creation: core Vulkan 1.3 without optional extensions; the error for a device names what it
+// lacks.
+#include "host/gpu/context.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+
+#include <fmt/format.h>
+
+#include "host/base/error.h"
+#include "host/gpu/pipeline_cache.h"
+#include "kernels/gpu.h"
+
+namespace wavepath {
+namespace {
+
+constexpr const char* kValidationLayer = "VK_LAYER_KHRONOS_validation";
+std::atomic<std::uint32_t> validation_message_count{0};
+
+VKAPI_ATTR VkBool32 VKAPI_CALL on_validation_message(VkDebugUtilsMessageSeverityFlagBitsEXT,
+                                                     VkDebugUtilsMessageTypeFlagsEXT,
+                                                     const VkDebugUtilsMessengerCallbackDataEXT* data, void*) {
+  ++validation_message_count;
+  std::fprintf(stderr, "wavepath: validation: %s\n", data->pMessage);
+  return VK_FALSE;
+}
+
+const char* result_name(VkResult result) {
+  switch (result) {
+    case VK_ERROR_OUT_OF_HOST_MEMORY:
+      return "out of host memory";
+    case VK_ERROR_OUT_OF_DEVICE_MEMORY:
+      return "out of device memory";
+    case VK_ERROR_INITIALIZATION_FAILED:
+      return "initialization failed";
+    case VK_ERROR_DEVICE_LOST:
+      return "device lost";
+    case VK_ERROR_LAYER_NOT_PRESENT:
+      return "layer not present";
+    case VK_ERROR_EXTENSION_NOT_PRESENT:
+      return "extension not present";
+    case VK_ERROR_FEATURE_NOT_PRESENT:
+      return "feature not present";
+    case VK_ERROR_INCOMPATIBLE_DRIVER:
+      return "no Vulkan driver";
+    case VK_TIMEOUT:
+      return "timeout";
+    default:
+      return "error";
+  }
+}
+
+bool validation_wanted() {
+  const char* value = std::getenv("WAVEPATH_VALIDATION");
+  return value != nullptr && *value != '\0' && std::strcmp(value, "0") != 0;
+}
+
+// A CPU driver that poses as a discrete GPU takes every choice that a GPU would get: staging for all copies, a stack in
+// an array, a large pool of paths, generic kernels first. Tests reach that code on machines without a GPU.
+bool pose_wanted() {
+  const char* value = std::getenv("WAVEPATH_POSE");
+  if (value == nullptr || *value == '\0') return false;
+  if (std::strcmp(value, "discrete") != 0)
+    throw Error("WAVEPATH_POSE", fmt::format("unknown value '{}'", value), "set it to discrete or unset it");
+  return true;
+}
+
+bool layer_present(const char* name) {
+  std::uint32_t count = 0;
+  vkEnumerateInstanceLayerProperties(&count, nullptr);
+  std::vector<VkLayerProperties> layers(count);
+  vkEnumerateInstanceLayerProperties(&count, layers.data());
+  return std::any_of(layers.begin(), layers.end(), [&](const auto& l) { return std::strcmp(l.layerName, name) == 0; });
+}
+
+VkDebugUtilsMessengerCreateInfoEXT messenger_info() {
+  VkDebugUtilsMessengerCreateInfoEXT info{VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT};
+  info.messageSeverity =
+      VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT;
+  info.messageType = VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_TYPE_PERFORMANCE_BIT_EXT;
+  info.pfnUserCallback = on_validation_message;
+  return info;
+}
+
+VkInstance create_instance(bool validation, std::span<const char* const> window_extensions = {}) {
+  std::uint32_t version = VK_API_VERSION_1_0;
+  check(vkEnumerateInstanceVersion(&version), "asking for the loader's version");
+  if (version < VK_API_VERSION_1_3)
+    throw Error("Vulkan", "the loader knows no Vulkan 1.3", "update libvulkan1 and the graphics driver");
+  if (validation && !layer_present(kValidationLayer))
+    throw Error("WAVEPATH_VALIDATION", "the validation layer is not installed",
+                "install vulkan-validationlayers or unset it");
+
+  VkApplicationInfo application{VK_STRUCTURE_TYPE_APPLICATION_INFO};
+  application.pApplicationName = "wavepath";
+  application.apiVersion = VK_API_VERSION_1_3;
+  std::vector<const char*> extensions(window_extensions.begin(), window_extensions.end());
+  VkDebugUtilsMessengerCreateInfoEXT messenger = messenger_info();
+  const VkValidationFeatureEnableEXT enable = VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT;
+  VkValidationFeaturesEXT features{VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT};
+  features.pNext = &messenger;
+  features.enabledValidationFeatureCount = 1;
+  features.pEnabledValidationFeatures = &enable;
+  VkInstanceCreateInfo info{VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO};
+  info.pApplicationInfo = &application;
+  if (validation) {
+    info.pNext = &features;
+    info.enabledLayerCount = 1;
+    info.ppEnabledLayerNames = &kValidationLayer;
+    extensions.push_back(VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
+  }
+  info.enabledExtensionCount = static_cast<std::uint32_t>(extensions.size());
+  info.ppEnabledExtensionNames = extensions.data();
+  VkInstance instance = VK_NULL_HANDLE;
+  check(vkCreateInstance(&info, nullptr, &instance), "creating a Vulkan instance");
+  return instance;
+}
+
+std::vector<VkPhysicalDevice> physical_devices(VkInstance instance) {
+  std::uint32_t count = 0;
+  check(vkEnumeratePhysicalDevices(instance, &count, nullptr), "listing devices");
+  std::vector<VkPhysicalDevice> devices(count);
+  check(vkEnumeratePhysicalDevices(instance, &count, devices.data()), "listing devices");
+  return devices;
+}
+
+const char* type_name(VkPhysicalDeviceType type) {
+  switch (type) {
+    case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU:
+      return "discrete";
+    case VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU:
+      return "integrated";
+    case VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU:
+      return "virtual";
+    case VK_PHYSICAL_DEVICE_TYPE_CPU:
+      return "cpu";
+    default:
+      return "other";
+  }
+}
+
+struct QueueFamily {
+  std::uint32_t index = gpu::kNone; // none that computes
+  std::uint32_t timestamp_bits = 0;
+  bool rasterizes = false;
+};
+
+// The first that computes, or better the first that also rasterizes.
+QueueFamily choose_family(VkPhysicalDevice physical) {
+  std::uint32_t count = 0;
+  vkGetPhysicalDeviceQueueFamilyProperties(physical, &count, nullptr);
+  std::vector<VkQueueFamilyProperties> families(count);
+  vkGetPhysicalDeviceQueueFamilyProperties(physical, &count, families.data());
+  QueueFamily chosen;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    if (!(families[i].queueFlags & VK_QUEUE_COMPUTE_BIT)) continue;
+    const bool rasterizes = families[i].queueFlags & VK_QUEUE_GRAPHICS_BIT;
+    if (chosen.index == gpu::kNone || (rasterizes && !chosen.rasterizes))
+      chosen = {i, families[i].timestampValidBits, rasterizes};
+  }
+  return chosen;
+}
+
+DeviceInfo describe(VkPhysicalDevice physical, bool pose) {
+  VkPhysicalDeviceProperties base{};
+  vkGetPhysicalDeviceProperties(physical, &base);
+  DeviceInfo info;
+  info.name = base.deviceName;
+  const bool posing = pose && base.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
+  info.type = type_name(posing ? VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU : base.deviceType);
+  info.api = fmt::format("{}.{}.{}", VK_API_VERSION_MAJOR(base.apiVersion), VK_API_VERSION_MINOR(base.apiVersion),
+                         VK_API_VERSION_PATCH(base.apiVersion));
+  if (base.apiVersion < VK_API_VERSION_1_3) {
+    info.missing.push_back("Vulkan 1.3 (it has " + info.api + ")");
+    return info;
+  }
+
+  VkPhysicalDeviceVulkan11Properties core11{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_1_PROPERTIES};
+  VkPhysicalDeviceVulkan12Properties core12{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_PROPERTIES};
+  core11.pNext = &core12;
+  VkPhysicalDeviceProperties2 properties{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2};
+  properties.pNext = &core11;
+  vkGetPhysicalDeviceProperties2(physical, &properties);
+  const VkPhysicalDeviceLimits& limits = properties.properties.limits;
+  info.driver = fmt::format("{} {}", core12.driverName, core12.driverInfo);
+  info.timestamps_need_flush = core12.driverID == VK_DRIVER_ID_MESA_LLVMPIPE;
+  info.subgroup_size = core11.subgroupSize;
+  info.max_allocation = core11.maxMemoryAllocationSize;
+  info.max_storage_range = limits.maxStorageBufferRange - kBufferPadding;
+  info.max_texel_elements = limits.maxTexelBufferElements - kBufferPadding / sizeof(std::uint32_t);
+  info.max_sampled = limits.maxPerStageDescriptorSampledImages;
+  info.max_groups = limits.maxComputeWorkGroupCount[0];
+
+  VkPhysicalDeviceMemoryProperties memory{};
+  vkGetPhysicalDeviceMemoryProperties(physical, &memory);
+  for (std::uint32_t i = 0; i < memory.memoryHeapCount; ++i)
+    if (memory.memoryHeaps[i].flags & VK_MEMORY_HEAP_DEVICE_LOCAL_BIT)
+      info.memory_bytes = std::max<std::uint64_t>(info.memory_bytes, memory.memoryHeaps[i].size);
+
+  const QueueFamily family = choose_family(physical);
+  info.rasterizes = family.rasterizes;
+  if (family.index == gpu::kNone) info.missing.push_back("a queue for compute");
+  if (family.timestamp_bits >= 36) info.timestamp_period_ns = limits.timestampPeriod;
+  if (!(core11.subgroupSupportedStages & VK_SHADER_STAGE_COMPUTE_BIT) ||
+      !(core11.subgroupSupportedOperations & VK_SUBGROUP_FEATURE_BALLOT_BIT))
+    info.missing.push_back("subgroup ballot in compute shaders");
+  if (limits.maxPerStageDescriptorStorageBuffers < 16) info.missing.push_back("16 storage buffers a stage");
+  if (info.max_sampled < 21) info.missing.push_back("21 texel buffers a stage");
+  return info;
+}
+
+int preference(const DeviceInfo& info) {
+  if (info.type == "discrete") return 4;
+  if (info.type == "integrated") return 3;
+  if (info.type == "virtual") return 2;
+  return info.type == "cpu" ? 1 : 0;
+}
+
+std::string lower(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
+  return text;
+}
+
+// Position in `devices` of the one wanted. Throws Error in the user's terms.
+std::size_t choose(const std::vector<DeviceInfo>& devices, const std::string& wanted) {
+  if (devices.empty())
+    throw Error("Vulkan", "no device found", "install a driver; mesa-vulkan-drivers has one for any CPU");
+  std::string known;
+  for (std::size_t i = 0; i < devices.size(); ++i) known += fmt::format("{}{} = {}", i ? ", " : "", i, devices[i].name);
+
+  std::size_t chosen = devices.size();
+  const bool is_index = !wanted.empty() && std::all_of(wanted.begin(), wanted.end(), ::isdigit) && wanted.size() < 6;
+  for (std::size_t i = 0; i < devices.size(); ++i) {
+    if (wanted.empty()) {
+      const bool better = chosen == devices.size() || preference(devices[i]) > preference(devices[chosen]);
+      if (devices[i].missing.empty() && better) chosen = i;
+    } else if (is_index ? std::stoul(wanted) == i : lower(devices[i].name).find(lower(wanted)) != std::string::npos) {
+      chosen = i;
+      break;
+    }
+  }
+  if (chosen == devices.size() && !wanted.empty())
+    throw Error("--device " + wanted, "no such device", "choose one of: " + known);
+  if (chosen == devices.size() || !devices[chosen].missing.empty()) {
+    const DeviceInfo& info = devices[chosen == devices.size() ? 0 : chosen];
+    throw Error(info.name, "lacks " + info.missing.front(), "update its driver or choose another device: " + known);
+  }
+  return chosen;
+}
+
+} // namespace
+
+void check(VkResult result, const char* what) {
+  if (result == VK_SUCCESS) return;
+  const bool memory = result == VK_ERROR_OUT_OF_HOST_MEMORY || result == VK_ERROR_OUT_OF_DEVICE_MEMORY;
+  throw Error("Vulkan", fmt::format("{} failed: {} ({})", what, result_name(result), static_cast<int>(result)),
+              memory ? "use a smaller --size or scene, or close other programs"
+                     : "run `wavepath info` to see the device, or choose another with --device");
+}
+
+std::vector<DeviceInfo> list_devices() {
+  const bool pose = pose_wanted();
+  VkInstance instance = VK_NULL_HANDLE;
+  try {
+    instance = create_instance(false);
+  } catch (const Error&) {
+    return {}; // a machine without any driver has no devices
+  }
+  std::vector<DeviceInfo> devices;
+  for (VkPhysicalDevice physical : physical_devices(instance)) devices.push_back(describe(physical, pose));
+  vkDestroyInstance(instance, nullptr);
+  return devices;
+}
+
+std::uint32_t Context::validation_messages() { return validation_message_count; }
+
+Context::Context(const std::string& wanted, std::span<const char* const> window_extensions) {
+  const bool validation = validation_wanted(), pose = pose_wanted();
+  instance_ = create_instance(validation, window_extensions);
+  try {
+    if (validation) {
+      const auto create = reinterpret_cast<PFN_vkCreateDebugUtilsMessengerEXT>(
+          vkGetInstanceProcAddr(instance_, "vkCreateDebugUtilsMessengerEXT"));
+      const VkDebugUtilsMessengerCreateInfoEXT info = messenger_info();
+      check(create(instance_, &info, nullptr, &messenger_), "creating the validation messenger");
+    }
+    const std::vector<VkPhysicalDevice> physical = physical_devices(instance_);
+    std::vector<DeviceInfo> described;
+    for (VkPhysicalDevice p : physical) described.push_back(describe(p, pose));
+    const std::size_t chosen = choose(described, wanted);
+    info_ = described[chosen];
+    physical_ = physical[chosen];
+    queue_family_ = choose_family(physical_).index;
+    vkGetPhysicalDeviceMemoryProperties(physical_, &memory_);
+    unified_memory_ = info_.type == "cpu" || info_.type == "integrated";
+
+    const float priority = 1.0f;
+    VkDeviceQueueCreateInfo queue_info{VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO};
+    queue_info.queueFamilyIndex = queue_family_;
+    queue_info.queueCount = 1;
+    queue_info.pQueuePriorities = &priority;
+    VkPhysicalDeviceVulkan13Features core13{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES};
+    core13.synchronization2 = VK_TRUE; // all mandatory in 1.3
+    core13.maintenance4 = VK_TRUE;     // glslang writes workgroup sizes as LocalSizeId
+    core13.dynamicRendering = VK_TRUE;
+    VkDeviceCreateInfo info{VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO};
+    info.pNext = &core13;
+    info.queueCreateInfoCount = 1;
+    info.pQueueCreateInfos = &queue_info;
+    const char* swapchain = VK_KHR_SWAPCHAIN_EXTENSION_NAME;
+    info.enabledExtensionCount = window_extensions.empty() ? 0 : 1;
+    info.ppEnabledExtensionNames = &swapchain;
+    check(vkCreateDevice(physical_, &info, nullptr, &device_), "opening the device");
+    vkGetDeviceQueue(device_, queue_family_, 0, &queue_);
+    pipeline_cache_ = std::make_unique<PipelineCache>(physical_, device_);
+  } catch (...) {
+    release();
+    throw;
+  }
+}
+
+Context::~Context() { release(); }
+
+void Context::release() {
+  pipeline_cache_.reset();
+  if (device_) vkDestroyDevice(device_, nullptr);
+  if (messenger_) {
+    const auto destroy = reinterpret_cast<PFN_vkDestroyDebugUtilsMessengerEXT>(
+        vkGetInstanceProcAddr(instance_, "vkDestroyDebugUtilsMessengerEXT"));
+    destroy(instance_, messenger_, nullptr);
+  }
+  if (instance_) vkDestroyInstance(instance_, nullptr);
+}
+
+std::uint32_t Context::memory_type(std::uint32_t type_bits, VkMemoryPropertyFlags flags) const {
+  for (std::uint32_t i = 0; i < memory_.memoryTypeCount; ++i)
+    if ((type_bits >> i & 1u) && (memory_.memoryTypes[i].propertyFlags & flags) == flags) return i;
+  return gpu::kNone;
+}
+
+void Context::count_memory(std::int64_t bytes) {
+  const std::lock_guard lock(memory_mutex_);
+  memory_now_ += static_cast<std::uint64_t>(bytes);
+  memory_peak_ = std::max(memory_peak_, memory_now_);
+}
+
+} // namespace wavepath

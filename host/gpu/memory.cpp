@@ -1,0 +1,65 @@
+#include "host/gpu/memory.h"
+
+#include <utility>
+
+#include "kernels/gpu.h"
+
+namespace wavepath {
+
+bool Memory::allocate(Context& context, const VkMemoryRequirements& needs,
+                      std::span<const VkMemoryPropertyFlags> wishes) {
+  release();
+  context_ = &context;
+  for (const VkMemoryPropertyFlags flags : wishes)
+    if (try_to_allocate(needs, flags)) return true;
+  return false;
+}
+
+bool Memory::try_to_allocate(const VkMemoryRequirements& needs, VkMemoryPropertyFlags flags) {
+  VkMemoryAllocateInfo info{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO};
+  info.allocationSize = needs.size;
+  info.memoryTypeIndex = context_->memory_type(needs.memoryTypeBits, flags);
+  if (info.memoryTypeIndex == gpu::kNone) return false;
+  if (vkAllocateMemory(context_->handle(), &info, nullptr, &memory_) != VK_SUCCESS) {
+    memory_ = VK_NULL_HANDLE;
+    return false;
+  }
+  bytes_ = needs.size;
+  context_->count_memory(static_cast<std::int64_t>(bytes_));
+  if (!(flags & VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT)) return true;
+  coherent_ = (flags & VK_MEMORY_PROPERTY_HOST_COHERENT_BIT) != 0;
+  if (vkMapMemory(context_->handle(), memory_, 0, VK_WHOLE_SIZE, 0, &mapped_) == VK_SUCCESS) return true;
+  release();
+  return false;
+}
+
+void Memory::release() {
+  if (!memory_) return;
+  vkFreeMemory(context_->handle(), memory_, nullptr);
+  context_->count_memory(-static_cast<std::int64_t>(bytes_));
+  memory_ = VK_NULL_HANDLE;
+  mapped_ = nullptr;
+  coherent_ = true;
+}
+
+void Memory::swap(Memory& other) noexcept {
+  std::swap(context_, other.context_);
+  std::swap(memory_, other.memory_);
+  std::swap(bytes_, other.bytes_);
+  std::swap(coherent_, other.coherent_);
+  std::swap(mapped_, other.mapped_);
+}
+
+void Memory::invalidate() const {
+  if (!mapped_ || coherent_) return;
+  const VkMappedMemoryRange range{VK_STRUCTURE_TYPE_MAPPED_MEMORY_RANGE, nullptr, memory_, 0, VK_WHOLE_SIZE};
+  check(vkInvalidateMappedMemoryRanges(context_->handle(), 1, &range), "reading mapped memory");
+}
+
+void Memory::flush() const {
+  if (!mapped_ || coherent_) return;
+  const VkMappedMemoryRange range{VK_STRUCTURE_TYPE_MAPPED_MEMORY_RANGE, nullptr, memory_, 0, VK_WHOLE_SIZE};
+  check(vkFlushMappedMemoryRanges(context_->handle(), 1, &range), "writing mapped memory");
+}
+
+} // namespace wavepath

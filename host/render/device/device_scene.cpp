@@ -1,0 +1,107 @@
+#include "host/render/device/device_scene.h"
+
+#include <fmt/format.h>
+
+#include "host/base/error.h"
+#include "host/scene/pack/textures.h"
+#include "kernels/scene_types.h"
+
+namespace wavepath {
+namespace {
+
+// bvh/ knows nothing of devices; what it writes is what the kernels read.
+static_assert(sizeof(bvh::WideNode) == 16 * gpu::kNodeTexels);
+static_assert(bvh::kCellBias == gpu::kCellBias && bvh::kAbsent == gpu::kNone &&
+              bvh::kMaxLeafItems == gpu::kLeafFirstMask + 1);
+
+// Byte value to linear radiance.
+std::vector<float> srgb_decoding() {
+  std::vector<float> table;
+  for (int byte = 0; byte < 256; ++byte) table.push_back(static_cast<float>(linear_from_srgb(byte / 255.0)));
+  return table;
+}
+
+template <class T>
+std::uint64_t bytes_of(const std::vector<T>& values) {
+  return values.size() * sizeof(T);
+}
+
+// One array of the scene against the device's limits, in the user's words.
+void check_fits(const DeviceInfo& info, const char* what, std::uint64_t bytes, std::uint64_t limit) {
+  const std::uint64_t allowed = std::min(limit, info.max_allocation);
+  if (bytes > allowed)
+    throw Error(info.name,
+                fmt::format("the scene's {} take {:.0f} MiB, its limit is {:.0f} MiB", what, bytes / 1048576.0,
+                            allowed / 1048576.0),
+                "simplify the scene or choose another device with --device");
+}
+
+} // namespace
+
+DeviceScene upload_scene(Device& device, const PackedScene& scene) {
+  const DeviceInfo& info = device.info();
+  const std::uint64_t wide = info.max_texel_elements * 16, word = info.max_texel_elements * 4;
+  check_fits(info, "BVH nodes", bytes_of(scene.nodes), wide);
+  check_fits(info, "triangles", bytes_of(scene.triangles), wide);
+  check_fits(info, "triangle indices", bytes_of(scene.triangle_vertices), wide);
+  check_fits(info, "vertices", bytes_of(scene.vertex_normals), wide);
+  check_fits(info, "vertex coordinates", bytes_of(scene.vertex_uvs), wide);
+  check_fits(info, "vertex colours", bytes_of(scene.vertex_colors), wide);
+  check_fits(info, "textures", bytes_of(scene.texels), word);
+  check_fits(info, "environment texels", bytes_of(scene.environment), wide);
+  check_fits(info, "lights", bytes_of(scene.lights), wide);
+  const std::uint64_t total = bytes_of(scene.nodes) + bytes_of(scene.triangles) + bytes_of(scene.triangle_vertices) +
+                              bytes_of(scene.vertex_normals) + bytes_of(scene.vertex_uvs) +
+                              bytes_of(scene.vertex_colors) + bytes_of(scene.texels) + bytes_of(scene.environment) +
+                              bytes_of(scene.lights);
+  if (total > info.memory_bytes)
+    throw Error(info.name,
+                fmt::format("the scene takes {:.0f} MiB, the device has {:.0f} MiB", total / 1048576.0,
+                            info.memory_bytes / 1048576.0),
+                "simplify the scene or choose another device with --device");
+
+  DeviceScene result;
+  result.nodes = upload(device, scene.nodes);
+  result.triangles = upload(device, scene.triangles);
+  result.triangle_vertices = upload(device, scene.triangle_vertices);
+  result.vertex_normals = upload(device, scene.vertex_normals);
+  result.vertex_uvs = upload(device, scene.vertex_uvs);
+  result.vertex_colors = upload(device, scene.vertex_colors);
+  result.instances = upload(device, scene.instances);
+  result.materials = upload(device, scene.materials);
+  result.textures = upload(device, scene.textures);
+  result.texels = upload(device, scene.texels);
+  result.srgb_table = upload(device, scene.textures.empty() ? std::vector<float>{} : srgb_decoding());
+  result.lights = upload(device, scene.lights);
+  result.environment = upload(device, scene.environment);
+  result.environment_alias = upload(device, scene.environment_alias);
+  return result;
+}
+
+std::vector<Binding> DeviceScene::bindings() const {
+  using enum BindingKind;
+  return {{gpu::kBindNodes, texels_rgba32ui, &nodes},
+          {gpu::kBindTriangles, texels_rgba32f, &triangles},
+          {gpu::kBindTriangleVertices, texels_rgba32ui, &triangle_vertices},
+          {gpu::kBindVertexNormals, texels_rgba32f, &vertex_normals},
+          {gpu::kBindVertexUvs, texels_rgba32f, &vertex_uvs},
+          {gpu::kBindVertexColors, texels_rgba32f, &vertex_colors},
+          {gpu::kBindInstances, texels_rgba32f, &instances},
+          {gpu::kBindMaterials, texels_rgba32ui, &materials},
+          {gpu::kBindTextures, texels_rgba32ui, &textures},
+          {gpu::kBindTexels, texels_r32ui, &texels},
+          {gpu::kBindSrgbTable, texels_r32f, &srgb_table},
+          {gpu::kBindLights, texels_rgba32ui, &lights},
+          {gpu::kBindEnvironment, texels_rgba32f, &environment},
+          {gpu::kBindEnvironmentAlias, texels_rg32ui, &environment_alias}};
+}
+
+std::uint64_t DeviceScene::bvh_bytes() const { return nodes.bytes() + triangles.bytes() + instances.bytes(); }
+
+std::uint64_t DeviceScene::other_bytes() const {
+  return triangle_vertices.bytes() + vertex_normals.bytes() + vertex_uvs.bytes() + vertex_colors.bytes() +
+         materials.bytes() + textures.bytes() + texels.bytes() + srgb_table.bytes() + lights.bytes() +
+         environment.bytes() + environment_alias.bytes();
+}
+
+} // namespace wavepath

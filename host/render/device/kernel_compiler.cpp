@@ -1,0 +1,85 @@
+#include "host/render/device/kernel_compiler.h"
+
+#include "host/render/settings/integrator_kind.h"
+
+namespace wavepath {
+namespace {
+
+// Stack sizes come in steps, so that one set of kernels fits most scenes: unused entries cost nothing that could be
+// measured (33 to 128 entries, llvmpipe).
+constexpr std::uint32_t kStackStep = 64;
+
+} // namespace
+
+KernelConfig kernel_config(std::uint32_t features, std::uint32_t stack_size, const RenderSettings& settings) {
+  // Traversal marks the bottom of its stack, and stores one entry beyond what it keeps.
+  const std::uint32_t stack = (stack_size + 2 + kStackStep - 1) / kStackStep * kStackStep;
+  if (!settings.specialize) features = gpu::kFeaturesAll;
+  // Generic kernels, too, leave out AOVs, lists of runs and shared first hits that the settings do not ask for.
+  features &= ~(gpu::kFeatureAovs | gpu::kFeatureAdaptive | gpu::kFeatureSharedFirstHit) | features_of(settings);
+  features = (features | settings.added_features) & ~settings.removed_features;
+  return {features, stack, settings.sampler, settings.direct, settings.hemisphere, settings.filter};
+}
+
+std::uint32_t features_of(const RenderSettings& settings) {
+  std::uint32_t features = settings.adaptive ? gpu::kFeatureAdaptive : 0;
+  return features | settings.integrator->features(settings);
+}
+
+bool generic_first(const DeviceInfo& device) { return device.type != "cpu"; }
+
+void KernelCompiler::start(const KernelNeed& need) {
+  const std::lock_guard lock(mutex_);
+  for (const Entry& entry : entries_)
+    if (entry.made_for == need) return;
+  Entry& entry = entries_.emplace_back();
+  entry.made_for = need;
+  entry.compiling = std::async(std::launch::async, [this, &entry] {
+    std::unique_ptr<KernelSet> set;
+    std::exception_ptr failure;
+    try {
+      set = std::make_unique<KernelSet>(device_, entry.made_for);
+    } catch (...) {
+      failure = std::current_exception();
+    }
+    const std::lock_guard done(mutex_);
+    entry.set = std::move(set);
+    entry.failure = failure;
+    changed_.notify_all();
+  });
+}
+
+const KernelCompiler::Entry* KernelCompiler::choose(const KernelNeed& need) const {
+  const Entry* chosen = nullptr;
+  for (const Entry& entry : entries_) {
+    if (!entry.made_for.covers(need) || (!entry.set && !entry.failure)) continue;
+    if (entry.made_for == need) return &entry;
+    if (entry.set) chosen = &entry;
+  }
+  return chosen;
+}
+
+const KernelSet& KernelCompiler::best(const KernelNeed& need) {
+  start(need);
+  std::unique_lock lock(mutex_);
+  const Entry* chosen = nullptr;
+  changed_.wait(lock, [&] { return (chosen = choose(need)) != nullptr; });
+  if (chosen->failure) std::rethrow_exception(chosen->failure);
+  return *chosen->set;
+}
+
+bool KernelCompiler::ready(const KernelNeed& need) {
+  start(need);
+  const std::lock_guard lock(mutex_);
+  return choose(need) != nullptr;
+}
+
+std::uint32_t KernelCompiler::features(const KernelProgram& program) const {
+  const std::lock_guard lock(mutex_);
+  std::uint32_t features = 0;
+  for (const Entry& entry : entries_)
+    if (entry.made_for.program == &program) features |= entry.made_for.config.features;
+  return features;
+}
+
+} // namespace wavepath

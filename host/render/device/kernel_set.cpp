@@ -1,0 +1,67 @@
+#include "host/render/device/kernel_set.h"
+
+#include <algorithm>
+#include <atomic>
+#include <future>
+#include <thread>
+
+#include "host/base/clock.h"
+#include "host/gpu/commands.h"
+#include "kernels/frame_types.h"
+
+namespace wavepath {
+namespace {
+
+constexpr std::uint64_t kStandInBytes = 1024; // of the buffer that stands for all while nothing is read
+
+void run_without_work(Device& device, const Kernel& kernel, const BindingSet& bindings) {
+  const gpu::Wave wave{};
+  Commands commands(device);
+  commands.bind(bindings);
+  commands.dispatch(kernel, 0, &wave);
+  commands.submit_and_wait();
+}
+
+} // namespace
+
+bool KernelNeed::covers(const KernelNeed& need) const {
+  KernelNeed reduced = *this;
+  reduced.config.features = need.config.features;
+  reduced.config.stack_size = need.config.stack_size;
+  reduced.stages = need.stages;
+  return reduced == need && (config.features & need.config.features) == need.config.features &&
+         (stages & need.stages) == need.stages && config.stack_size >= need.config.stack_size;
+}
+
+std::array<std::uint32_t, gpu::kSpecCount> specialization(const KernelConfig& config, const DeviceInfo& device) {
+  const std::uint32_t stack = device.type == "cpu" ? gpu::kStackRegisters : gpu::kStackArray;
+  return {config.features, config.stack_size, config.sampler, config.direct, config.hemisphere, config.filter, stack};
+}
+
+KernelSet::KernelSet(Device& device, const KernelNeed& need)
+    : config_(need.config), kernels_(need.program->stages.size()) {
+  const Clock::time_point start = Clock::now();
+  const Buffer stand_in(device, kStandInBytes);
+  std::vector<Binding> layout = need.program->layout();
+  for (Binding& binding : layout) binding.buffer = &stand_in;
+  const BindingSet bindings(device, layout, static_cast<std::uint32_t>(sizeof(gpu::Wave)));
+  const auto constants = specialization(need.config, device.info());
+  std::atomic<std::size_t> next = 0;
+  const auto compile = [&] {
+    for (std::size_t i; (i = next++) < need.program->compile_order.size();) {
+      const std::size_t stage = need.program->compile_order[i];
+      if (!(need.stages >> stage & 1u)) continue;
+      const Kernel& kernel = kernels_[stage].emplace(device, need.program->stages[stage], bindings, constants);
+      run_without_work(device, kernel, bindings);
+    }
+  };
+  // No more threads than cores: the first kernel would have to share its own, and it decides when all are ready.
+  std::vector<std::future<void>> threads;
+  const std::size_t most = std::max<std::size_t>(kernels_.size(), 1);
+  for (std::size_t t = 0; t < std::clamp<std::size_t>(std::thread::hardware_concurrency(), 1, most); ++t)
+    threads.push_back(std::async(std::launch::async, compile));
+  for (std::future<void>& thread : threads) thread.get();
+  seconds_ = seconds_since(start);
+}
+
+} // namespace wavepath

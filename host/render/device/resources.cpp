@@ -1,0 +1,34 @@
+#include "host/render/device/resources.h"
+
+namespace wavepath {
+
+bool make_room(Device& device, Buffer& buffer, std::uint64_t bytes) {
+  if (buffer.handle() && buffer.bytes() >= bytes) return false;
+  buffer = Buffer(); // the device may not hold both at once
+  buffer = Buffer(device, bytes);
+  return true;
+}
+
+bool BufferSet::fit(const Extent& extent) {
+  bool moved = false;
+  for (std::size_t i = 0; i < rules_.size(); ++i) moved |= make_room(*device_, buffers_[i], rules_[i].bytes(extent));
+  return moved;
+}
+
+void BufferSet::add_bindings(std::vector<Binding>& bindings) const {
+  for (std::size_t i = 0; i < rules_.size(); ++i)
+    for (const BufferView& view : rules_[i].views) bindings.push_back({view.slot, view.kind, &buffers_[i]});
+}
+
+std::uint64_t BufferSet::bytes() const {
+  std::uint64_t sum = 0;
+  for (const Buffer& buffer : buffers_) sum += buffer.bytes();
+  return sum;
+}
+
+void add_layout(std::span<const BufferRule> rules, std::vector<Binding>& bindings) {
+  for (const BufferRule& rule : rules)
+    for (const BufferView& view : rule.views) bindings.push_back({view.slot, view.kind, nullptr});
+}
+
+} // namespace wavepath

@@ -1,0 +1,141 @@
+#include "host/render/device/workspace.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "host/base/clock.h"
+#include "host/render/device/levels.h"
+#include "host/render/device/resources.h"
+#include "host/render/settings/integrator_kind.h"
+#include "kernels/features.h"
+#include "kernels/frame_types.h"
+
+namespace wavepath {
+namespace {
+
+std::uint64_t run_count(const FilmTarget& film) { return (film.pixels() + gpu::kRunPixels - 1) / gpu::kRunPixels; }
+
+// The device's world has `origin` at zero: subtract in double, then round once.
+gpu::Frame make_frame(const PackedScene& scene, const View& view, const RenderSettings& settings, std::uint32_t slots) {
+  gpu::Frame frame{};
+  frame.camera_position = glm::vec3(view.position - scene.origin);
+  frame.camera_right = glm::vec3(view.right);
+  frame.camera_up = glm::vec3(view.up);
+  frame.camera_forward = glm::vec3(view.forward);
+  frame.orthographic = view.orthographic ? 1u : 0u;
+  frame.width = settings.width;
+  frame.height = settings.height;
+  frame.max_depth = settings.max_depth;
+  frame.seed = settings.seed;
+  frame.environment_radiance = scene.environment_radiance;
+  frame.environment_probability = scene.environment_probability;
+  frame.environment_rotation = glm::vec2(std::cos(scene.environment_rotation), std::sin(scene.environment_rotation));
+  frame.environment_width = scene.environment_width;
+  frame.environment_height = scene.environment_height;
+  frame.light_count = static_cast<std::uint32_t>(scene.lights.size());
+  frame.root = scene.root;
+  frame.root_is_top = scene.root_is_top ? 1u : 0u;
+  frame.sample_total = settings.sample_total > 0 ? settings.sample_total : settings.last_sample;
+  frame.slot_count = slots;
+  frame.scene_features = scene.features;
+  return frame;
+}
+
+} // namespace
+
+Workspace::Workspace(Device& device_, const PackedScene& scene_, std::uint32_t slots_,
+                     std::shared_ptr<const DeviceScene> uploaded)
+    : device(device_),
+      scene(scene_),
+      on_device([&] {
+        const Clock::time_point start = Clock::now();
+        auto result = uploaded ? uploaded : std::make_shared<const DeviceScene>(upload_scene(device_, scene_));
+        upload_seconds = seconds_since(start);
+        return result;
+      }()),
+      slots(slots_),
+      film(device_),
+      frame_buffer_(device_, sizeof(gpu::Frame)),
+      counters_(device_, sizeof(gpu::Counters)) {}
+
+void Workspace::change(const View& view, const RenderSettings& settings) {
+  frame = make_frame(scene, view, settings, slots);
+}
+
+bool Workspace::fit(const RenderSettings& settings, std::uint32_t features) {
+  const bool aovs = !settings.aovs.empty();
+  bool moved = film.fit(settings.width, settings.height, aovs, features & gpu::kFeatureAovs);
+  const std::uint64_t runs = features & gpu::kFeatureAdaptive ? run_count(film) : 0;
+  moved |= make_room(device, runs_buffer_, runs * sizeof(std::uint32_t));
+  frame_buffer_.write(&frame, sizeof(frame));
+  runs_.clear();
+  if (settings.adaptive) {
+    std::vector<std::uint32_t> all(run_count(film));
+    std::iota(all.begin(), all.end(), 0u);
+    set_runs(std::move(all));
+  }
+  return moved;
+}
+
+void Workspace::set_seed(std::uint32_t seed) {
+  frame.seed = seed;
+  frame_buffer_.write(&frame, sizeof(frame));
+}
+
+void Workspace::set_runs(std::vector<std::uint32_t> runs) {
+  runs_ = std::move(runs);
+  runs_buffer_.write(runs_.data(), runs_.size() * sizeof(std::uint32_t));
+}
+
+std::uint32_t Workspace::pixel_at(std::uint32_t place) const {
+  return runs_.empty() ? place : runs_[place / gpu::kRunPixels] * gpu::kRunPixels + place % gpu::kRunPixels;
+}
+
+std::vector<Binding> Workspace::bindings(const FilmBand& band) const {
+  std::vector<Binding> bindings = on_device->bindings();
+  bindings.insert(bindings.end(), {{gpu::kBindFrame, BindingKind::uniform, &frame_buffer_},
+                                   {gpu::kBindRuns, BindingKind::texels_r32ui, &runs_buffer_},
+                                   {gpu::kBindCounters, BindingKind::storage, &counters_}});
+  add_bindings(band, bindings);
+  return bindings;
+}
+
+std::vector<Binding> workspace_layout() {
+  std::vector<Binding> layout = DeviceScene{}.bindings();
+  layout.insert(layout.end(), {{gpu::kBindFrame, BindingKind::uniform, nullptr},
+                               {gpu::kBindRuns, BindingKind::texels_r32ui, nullptr},
+                               {gpu::kBindCounters, BindingKind::storage, nullptr}});
+  for (const Binding& binding : film_layout()) layout.push_back(binding);
+  for (Binding& binding : layout) binding.buffer = nullptr;
+  return layout;
+}
+
+std::vector<std::unique_ptr<BindingSet>> bind_bands(const Workspace& workspace, const std::vector<Binding>& own) {
+  std::vector<std::unique_ptr<BindingSet>> sets;
+  for (const FilmBand& band : workspace.film.bands()) {
+    std::vector<Binding> bindings = workspace.bindings(band);
+    bindings.insert(bindings.end(), own.begin(), own.end());
+    sets.push_back(
+        std::make_unique<BindingSet>(workspace.device, bindings, static_cast<std::uint32_t>(sizeof(gpu::Wave))));
+  }
+  return sets;
+}
+
+std::uint32_t choose_slots(const DeviceInfo& info, const PackedScene& scene, const RenderSettings& settings) {
+  const std::uint64_t pixels = std::uint64_t{settings.width} * settings.height;
+  const std::uint64_t samples = settings.last_sample - settings.first_sample;
+  const IntegratorKind& kind = *settings.integrator;
+  std::uint64_t slots = info.type == "cpu" ? 1u << 17 : 1u << 21;
+  if (settings.wave_slots) slots = settings.wave_slots;
+  const std::uint64_t least = kind.slots_per_pixel(settings); // that a wave takes at once
+  slots = std::max(std::min(slots, pixels * samples), least);
+  if (settings.adaptive) slots = std::max<std::uint64_t>(slots, kLargestRun);
+  slots = std::min(slots, info.max_storage_range / kind.largest_record);
+  slots = std::min(slots, info.max_texel_elements / 4);
+  slots = std::min<std::uint64_t>(slots, std::uint64_t{info.max_groups} * gpu::kWorkgroupSize);
+  slots = std::min(slots, std::max<std::uint64_t>(info.memory_bytes / 8 / kind.bytes_per_slot(scene.features), 1024));
+  return static_cast<std::uint32_t>(std::max(slots, least));
+}
+
+} // namespace wavepath

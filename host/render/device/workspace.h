@@ -1,0 +1,67 @@
+// What every integrator works on: the scene on the device, the view, the film, the counters of a wave.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "host/render/device/device_scene.h"
+#include "host/render/device/film_target.h"
+#include "host/render/settings/settings.h"
+#include "host/scene/view.h"
+#include "kernels/frame_types.h"
+
+namespace wavepath {
+
+class Workspace {
+public:
+  // Uploads the scene, unless it is on the device already. `slots`: paths in flight at most. Throws Error if the device
+  // cannot hold it.
+  Workspace(Device& device, const PackedScene& scene, std::uint32_t slots,
+            std::shared_ptr<const DeviceScene> uploaded = nullptr);
+
+  // Takes up another view and other settings. The integrator adapts the constants in `frame` and calls fit()
+  // afterwards.
+  void change(const View& view, const RenderSettings& settings);
+  // Makes room for the film and the list of runs. `features`: kFeature bits of all kernels that may run. Sends `frame`
+  // to the device. Returns whether a buffer that kernels are bound to was replaced.
+  bool fit(const RenderSettings& settings, std::uint32_t features);
+  // Nothing may be in flight.
+  void set_seed(std::uint32_t seed);
+  // The runs of kRunPixels pixels that places in a wave stand for, of an adaptive render. At first each stands for
+  // itself. A run cut short by the end of the picture comes last in its wave.
+  void set_runs(std::vector<std::uint32_t> runs);
+  // The pixel, in tile order, that has a place in waves.
+  std::uint32_t pixel_at(std::uint32_t place) const;
+
+  // What every kernel may be bound to; the film's is that of `band`.
+  std::vector<Binding> bindings(const FilmBand& band) const;
+  std::uint64_t bytes() const { return frame_buffer_.bytes() + counters_.bytes() + runs_buffer_.bytes(); }
+
+  Device& device;
+  const PackedScene& scene;
+  double upload_seconds = 0.0; // before on_device, whose making sets it
+  const std::shared_ptr<const DeviceScene> on_device;
+  const std::uint32_t slots;
+  gpu::Frame frame{};
+  FilmTarget film;
+
+  const Buffer& frame_buffer() const { return frame_buffer_; }
+  const Buffer& counters() const { return counters_; }
+
+private:
+  Buffer frame_buffer_, counters_, runs_buffer_;
+  std::vector<std::uint32_t> runs_;
+};
+
+// Numbers and kinds of Workspace::bindings(), without buffers.
+std::vector<Binding> workspace_layout();
+
+// One binding set for every band of the film: the workspace's bindings and those of `own`.
+std::vector<std::unique_ptr<BindingSet>> bind_bands(const Workspace& workspace, const std::vector<Binding>& own);
+
+// Paths in flight: as many as the render has, within an eighth of the device's memory, one storage buffer, and what a
+// dispatch may hold. A CPU gains nothing from more than fill its caches; a GPU needs millions to hide latency.
+std::uint32_t choose_slots(const DeviceInfo& info, const PackedScene& scene, const RenderSettings& settings);
+
+} // namespace wavepath

@@ -1,0 +1,39 @@
+// How many paths a wave may have so that dispatches stay short.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+
+#include "kernels/gpu.h"
+
+namespace wavepath {
+
+inline constexpr double kLongestDispatch = 0.1; // seconds, far below any driver's watchdog
+
+// Halves the wave when a dispatch took too long. Where there is time and room for at least twice as many paths, takes
+// as many at once as are sure to fit: a longer wave takes less time a path, and short ones are dear.
+class Governor {
+public:
+  explicit Governor(std::uint32_t slots, double longest = kLongestDispatch)
+      : slots_(slots), wave_(std::min(slots, kFirstWave)), longest_(longest) {}
+  std::uint32_t wave() const { return wave_; }
+  void report(double longest_dispatch, std::uint32_t paths) {
+    if (longest_dispatch > longest_)
+      wave_ = std::min(std::max(std::min(paths, wave_) / 2, gpu::kWorkgroupSize), slots_);
+    else if (longest_dispatch < longest_ / 4 && paths > wave_ / 2)
+      wave_ = static_cast<std::uint32_t>(std::min<double>(slots_, paths * growth(longest_dispatch)));
+  }
+
+private:
+  // To half of the time allowed; not all at once, because the first waves may differ from the rest of the picture.
+  double growth(double longest_dispatch) const {
+    return longest_dispatch > 0.0 ? std::min(longest_ / 2 / longest_dispatch, 8.0) : 8.0;
+  }
+
+  static constexpr std::uint32_t kFirstWave = 8192; // paths, before anything is known of the device's speed
+
+  std::uint32_t slots_, wave_;
+  double longest_; // seconds
+};
+
+} // namespace wavepath

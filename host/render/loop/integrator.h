@@ -1,0 +1,72 @@
+// The interface of integrators at work on a device. What is known of one before that is an IntegratorKind.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "host/render/settings/integrator_kind.h"
+#include "kernels/frame_types.h"
+
+namespace wavepath {
+
+class Commands;
+class WaveQueue;
+struct FilmBand;
+struct View;
+
+// Whether coming frames use what an integrator learned from earlier ones: a camera in motion, or a cut.
+enum class Past { forget, keep };
+
+// Pixels that a pass treats alike: a band of the film, or in an adaptive render the runs of one level within a band.
+struct Segment {
+  std::size_t band = 0;
+  std::uint32_t first_place = 0, pixel_count = 0; // in tile order, or in the order of the list of runs
+  int level = 0;
+};
+
+// Samples that are rendered before the first ones of the picture, to learn from, and thrown away.
+struct Pilot {
+  std::vector<Segment> segments;
+  std::uint32_t samples = 1;
+  std::uint32_t seed = 0; // by exclusive or with the render's own
+};
+
+// An integrator on a device. The render loop cuts passes into waves and calls, in this order: change(), get_ready(),
+// the pilot's pass and learn() if there is a pilot, then for every pass begin_pass(), record_wave() for all its waves,
+// end_pass(). What the integrator records is executed in that order.
+class Integrator {
+public:
+  virtual ~Integrator() = default;
+
+  // Takes up the view and the settings that the workspace was changed to: adapts the constants, begins compiling,
+  // makes room. Throws Error if the device cannot hold it.
+  virtual void change(const View& view, const RenderSettings& settings, Past past) = 0;
+  // Whether the kernels are compiled, so that get_ready() will not wait.
+  virtual bool is_ready() = 0;
+  // Returns the seconds that compiling took. Throws what compiling threw.
+  virtual double get_ready() = 0;
+
+  virtual std::optional<Pilot> pilot() { return std::nullopt; }
+  // After the pilot's waves were rendered and waited for. Nothing is in flight.
+  virtual void learn() {}
+
+  // Paths that a pixel of a wave counts for, when it gets so many samples.
+  virtual std::uint32_t paths_per_pixel(std::uint32_t samples) const { return samples; }
+  // Samples of a pass at most.
+  virtual std::uint32_t most_samples() const = 0;
+  // A pass covers all pixels, beginning with sample `first_sample`.
+  virtual void begin_pass(WaveQueue& queue, std::uint32_t first_sample) = 0;
+  // What a wave's kernels are told: `count` samples from `first_sample` on of pixels at places from `first_place` on.
+  virtual gpu::Wave wave(const FilmBand& band, std::uint32_t first_place, std::uint32_t pixel_count,
+                         std::uint32_t first_sample, std::uint32_t count) const = 0;
+  // Records the wave, and nothing else: submits nothing and waits for nothing. `band`: its place among the film's.
+  virtual void record_wave(Commands& commands, std::size_t band, const gpu::Wave& wave) = 0;
+  virtual void end_pass(WaveQueue&) {}
+
+  virtual std::uint32_t timed_dispatches() const = 0; // of a wave
+  virtual std::uint64_t bytes() const = 0;            // of device memory besides the workspace's
+  virtual void describe(RenderResult&) const {}       // what the report says of its own
+};
+
+} // namespace wavepath

@@ -1,0 +1,283 @@
+#include "host/render/loop/render_loop.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include "host/base/clock.h"
+#include "host/base/process_clock.h"
+#include "host/film/error.h"
+#include "host/render/loop/adaptive.h"
+#include "host/render/loop/segments.h"
+
+namespace wavepath {
+namespace {
+
+RenderSettings whole_passes(RenderSettings settings) {
+  if (!settings.adaptive) return settings;
+  settings.first_sample = whole_steps(settings.first_sample);
+  settings.last_sample = whole_steps(settings.last_sample);
+  return settings;
+}
+
+} // namespace
+
+RenderLoop::RenderLoop(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings,
+                       KernelCompiler& kernels, RenderHooks hooks, const Pace& pace)
+    : settings_(settings),
+      hooks_(std::move(hooks)),
+      pace_(pace),
+      kernels_(kernels),
+      workspace_(device, scene, std::max(choose_slots(device.info(), scene, settings), pace.least_slots)),
+      queue_(workspace_),
+      governor_(workspace_.slots, pace.longest_dispatch) {
+  restart(view, settings);
+}
+
+RenderLoop::~RenderLoop() {
+  queue_.abandon(); // before anything goes that waves in flight or estimates use
+}
+
+// What is in flight counts no more. Estimates in progress go on by themselves, each with the copy of the film that it
+// holds.
+void RenderLoop::abandon() {
+  abandoning_ = true;
+  queue_.drain();
+  abandoning_ = false;
+  std::erase_if(abandoned_, [](std::future<Estimate>& one) {
+    return one.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
+  });
+  for (Pending& pending : pending_)
+    if (pending.estimate.valid())
+      abandoned_.push_back(std::move(pending.estimate));
+    else if (pending.snapshot)
+      snapshots_.push_back(std::move(pending.snapshot));
+  pending_.clear();
+}
+
+void RenderLoop::restart(const View& view, const RenderSettings& settings, Past past) {
+  abandon();
+  settings_ = whole_passes(settings);
+  if (kind_ != settings.integrator) integrator_.reset(); // the device may not hold both at once
+  kind_ = settings.integrator;
+  if (!integrator_) integrator_ = kind_->make(workspace_, kernels_);
+  workspace_.change(view, settings_);
+  integrator_->change(view, settings_, past);
+  workspace_.film.clear();
+  queue_.totals = {};
+  pass_began_busy_ = 0.0;
+  segments_ = even_segments(workspace_.film.bands());
+  levels_.clear();
+  mean_factor_ = 1.0;
+  cursor_ = {settings_.first_sample, 0, 0, 0};
+  begun_ = stopped_ = running_ = false;
+  next_check_ = aim_limit_ = 0;
+  film_.reset();
+  result_ = {};
+  result_.upload_seconds = workspace_.upload_seconds;
+  seconds_before_ = 0.0;
+}
+
+double RenderLoop::seconds() const {
+  if (pace_.clock_is_busy_time) return queue_.totals.busy_seconds;
+  return seconds_before_ + (running_ ? seconds_since(clock_start_) : 0.0);
+}
+
+void RenderLoop::resume_clock() {
+  clock_start_ = Clock::now();
+  running_ = true;
+}
+
+void RenderLoop::pause_clock() {
+  seconds_before_ = running_ ? seconds_before_ + seconds_since(clock_start_) : seconds_before_;
+  running_ = false;
+}
+
+void RenderLoop::stop(StopReason reason) {
+  if (!stopped_) result_.stop = reason;
+  stopped_ = true;
+}
+
+// A frame reaches the film as a whole, so it is never cut short.
+bool RenderLoop::is_done() const {
+  if (stopped_) return traces_paths() || !in_pass();
+  return cursor_.sample >= settings_.last_sample && aim_limit_ == 0;
+}
+
+bool RenderLoop::step() {
+  collect_estimates(false);
+  if (!begun_) begin();
+  if (aim_limit_ > 0 && !in_pass() && cursor_.sample >= aim_limit_) collect_estimates(true);
+  if (is_done()) return false;
+  if (!in_pass()) {
+    cursor_.pass_samples = pass_end() - cursor_.sample;
+    integrator_->begin_pass(queue_, cursor_.sample);
+  }
+  submit_next_wave();
+  if (is_pass_submitted()) end_pass();
+  if (is_save_due() && (traces_paths() || !in_pass())) save();
+  return true;
+}
+
+// What comes before the first sample: pilots, and the state of an earlier render.
+void RenderLoop::begin() {
+  begun_ = true;
+  result_.compile_seconds = integrator_->get_ready();
+  resume_clock();
+  if (const auto pilot = integrator_->pilot()) {
+    explore(*pilot);
+    if (!stopped_) integrator_->learn();
+  }
+  if (hooks_.resume) restore(*hooks_.resume);
+  last_save_ = Clock::now();
+  if (settings_.adaptive && levels_.empty()) {
+    explore({segments_, kPilotSamples, kAdaptivePilotSeed});
+    if (!stopped_) use_levels(choose_levels(workspace_.film.download())); // else a resumed render explores anew
+    workspace_.film.clear();
+  }
+  pass_began_busy_ = queue_.totals.busy_seconds; // of no pass
+}
+
+void RenderLoop::restore(const RenderState& state) {
+  cursor_ = state.cursor;
+  seconds_before_ = state.seconds;
+  result_.estimate_seconds = state.estimate_seconds;
+  result_.checkpoints = state.checkpoints;
+  if (!state.checkpoints.empty()) result_.error = state.checkpoints.back().error;
+  queue_.totals.rays = state.rays;
+  queue_.totals.stages = state.stages;
+  queue_.totals.nonfinite = state.nonfinite;
+  workspace_.film.upload(state.film);
+  if (settings_.adaptive && !state.levels.empty()) use_levels(state.levels);
+  next_check_ = state.next_check;
+  if (in_pass()) integrator_->begin_pass(queue_, cursor_.sample);
+}
+
+// Renders the pilot, whose samples do not reach the picture.
+void RenderLoop::explore(const Pilot& pilot) {
+  exploring_ = true;
+  workspace_.set_seed(settings_.seed ^ pilot.seed);
+  integrator_->begin_pass(queue_, 0);
+  for (const Segment& segment : pilot.segments)
+    for (std::uint32_t done = 0; done < segment.pixel_count && !stopped_;)
+      done += submit_wave(segment, done, 0, pilot.samples);
+  queue_.drain();
+  exploring_ = false;
+  workspace_.set_seed(settings_.seed);
+  queue_.totals.nonfinite = {};
+}
+
+void RenderLoop::use_levels(const std::vector<std::int8_t>& levels) {
+  levels_ = levels;
+  std::vector<std::uint32_t> runs;
+  segments_ = level_segments(workspace_.film.bands(), levels, runs);
+  workspace_.set_runs(std::move(runs));
+  mean_factor_ = mean_factor(levels, pixels());
+}
+
+// A pass covers every pixel with the same samples: one, or as many as fill a wave. It ends at a checkpoint, and where
+// the error is estimated between two.
+std::uint32_t RenderLoop::pass_end() const {
+  const std::uint32_t step = settings_.adaptive ? kAdaptiveStep : 1;
+  const std::uint64_t most =
+      settings_.adaptive ? workspace_.slots / kLargestRun * kAdaptiveStep : integrator_->most_samples();
+  const std::uint32_t wave = pace_.fixed_wave ? pace_.fixed_wave : governor_.wave();
+  const auto fit = static_cast<std::uint32_t>(std::clamp<std::uint64_t>(wave / pixels(), 1, most));
+  const std::uint32_t next_checkpoint = settings_.first_sample + std::max(std::bit_ceil(spp() + 1), step);
+  std::uint32_t end =
+      std::min({cursor_.sample + (fit + step - 1) / step * step, next_checkpoint, settings_.last_sample});
+  if (next_check_ > cursor_.sample) end = std::min(end, next_check_);
+  if (aim_limit_ > cursor_.sample) end = std::min(end, aim_limit_);
+  return end;
+}
+
+// Hands over samples [first, first + count) of as many pixels of a segment as a wave holds; returns how many. The only
+// place where waves are cut.
+std::uint32_t RenderLoop::submit_wave(const Segment& segment, std::uint32_t done, std::uint32_t first,
+                                      std::uint32_t count) {
+  const std::uint32_t paths = integrator_->paths_per_pixel(count);
+  const std::uint32_t room = std::max((pace_.fixed_wave ? pace_.fixed_wave : governor_.wave()) / paths, 1u);
+  const std::uint32_t whole_runs = std::max(room / gpu::kRunPixels, 1u) * gpu::kRunPixels;
+  const std::uint32_t taken = std::min(settings_.adaptive ? whole_runs : room, segment.pixel_count - done);
+  const FilmBand& band = workspace_.film.bands()[segment.band];
+  const gpu::Wave wave = integrator_->wave(band, segment.first_place + done, taken, first, count);
+  WaveQueue::Work work{.timed_dispatches = integrator_->timed_dispatches(), .wave = wave};
+  work.done = [this, slots = taken * paths](const Finished& finished) {
+    const bool timed = finished.longest_dispatch > 0.0 && !pace_.by_wave; // else the whole wave bounds each dispatch
+    const double whole = finished.device_seconds > 0.0 ? finished.device_seconds : finished.seconds;
+    governor_.report(timed ? finished.longest_dispatch : whole, slots);
+    report_progress();
+  };
+  queue_.submit([&](Commands& commands) { integrator_->record_wave(commands, segment.band, wave); }, std::move(work));
+  return taken;
+}
+
+void RenderLoop::submit_next_wave() {
+  const Segment& segment = segments_[cursor_.segment];
+  const std::uint32_t first = at_level(cursor_.sample, segment.level),
+                      count = at_level(cursor_.pass_samples, segment.level);
+  cursor_.pixels_done += submit_wave(segment, cursor_.pixels_done, first, count);
+  if (cursor_.pixels_done < segment.pixel_count) return;
+  ++cursor_.segment;
+  cursor_.pixels_done = 0;
+}
+
+void RenderLoop::end_pass() {
+  integrator_->end_pass(queue_);
+  if (spp() == 0) queue_.afterwards([this] { result_.first_pixel_seconds = seconds_since_process_start(); });
+  queue_.afterwards([this, samples = cursor_.pass_samples * static_cast<double>(pixels())] {
+    pixel_seconds_ = (queue_.totals.busy_seconds - pass_began_busy_) / samples;
+    pass_began_busy_ = queue_.totals.busy_seconds;
+  });
+  cursor_ = {cursor_.sample + cursor_.pass_samples, 0, 0, 0};
+  // What the last look at the error decides is known before the next one begins, whatever the timing.
+  if (aim_limit_ > 0 && (cursor_.sample >= aim_limit_ || is_checkpoint())) collect_estimates(true);
+  if (!stopped_ && (is_checkpoint() || is_check())) checkpoint();
+}
+
+std::uint32_t RenderLoop::samples_per_pixel() const {
+  return static_cast<std::uint32_t>(std::lround(spp() * mean_factor_));
+}
+
+Progress RenderLoop::progress() const {
+  double done = cursor_.pixels_done;
+  for (std::uint32_t i = 0; i < cursor_.segment; ++i) done += segments_[i].pixel_count;
+  Progress progress;
+  progress.spp_done = spp();
+  progress.spp_planned = planned();
+  progress.fraction = (spp() + cursor_.pass_samples * done / static_cast<double>(pixels())) / progress.spp_planned;
+  progress.seconds = seconds();
+  const double rays = static_cast<double>(queue_.totals.rays.total());
+  progress.mrays_per_second = progress.seconds > 0.0 ? rays * 1e-6 / progress.seconds : 0.0;
+  progress.error = result_.error;
+  progress.slope = fit_slope(result_.checkpoints, Against::seconds);
+  return progress;
+}
+
+// The first pass is always completed, so that every pixel has a value.
+bool RenderLoop::is_first_pass_complete() const { return !traces_paths() || spp() > 0 || is_pass_submitted(); }
+
+void RenderLoop::report_progress() {
+  if (abandoning_) return;
+  if (!hooks_.progress && settings_.time_limit <= 0.0) return;
+  const Progress now = progress();
+  if (hooks_.progress && !hooks_.progress(now)) stop(StopReason::interrupted);
+  if (settings_.time_limit > 0.0 && now.seconds >= settings_.time_limit && !exploring_ && is_first_pass_complete())
+    stop(StopReason::time);
+}
+
+MemoryUse RenderLoop::memory() const {
+  MemoryUse use;
+  use.bvh = workspace_.on_device->bvh_bytes();
+  use.scene = workspace_.on_device->other_bytes();
+  use.paths = workspace_.bytes() + integrator_->bytes();
+  use.film = workspace_.film.bytes();
+  return use;
+}
+
+Film RenderLoop::film() {
+  queue_.drain();
+  return workspace_.film.download();
+}
+
+} // namespace wavepath

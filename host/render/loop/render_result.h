@@ -1,0 +1,44 @@
+// What a render comes to: the picture, its error, and what both cost.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include <glm/glm.hpp>
+
+#include "host/film/error.h"
+#include "host/film/picture.h"
+#include "host/render/device/totals.h"
+
+namespace wavepath {
+
+struct MemoryUse { // bytes on the device
+  std::uint64_t scene = 0, bvh = 0, paths = 0, film = 0;
+  std::uint64_t total() const { return scene + bvh + paths + film; }
+};
+
+enum class StopReason { samples, time, target_error, interrupted };
+
+struct RenderResult {
+  Picture picture;
+  std::shared_ptr<const Film> film; // the exact sums that it was developed from
+  std::uint32_t spp = 0;            // samples a pixel that the picture holds
+  StopReason stop = StopReason::samples;
+  double compile_seconds = 0.0; // of the kernels it began with; loading may have gone on meanwhile
+  double upload_seconds = 0.0;
+  double seconds = 0.0, gpu_seconds = 0.0; // rendering alone
+  double first_pixel_seconds = 0.0;        // from the start of the process until every pixel had its first sample
+  RayCounts rays;
+  ErrorEstimate error;
+  double slope = -0.5;           // of log error against log time, fitted over the last checkpoints
+  double estimate_seconds = 0.0; // that reading the film back and estimating its error took, besides `seconds`
+  bool even = true; // every pixel holds exactly its samples up to spp; false where the render was stopped within a pass
+  std::vector<Checkpoint> checkpoints;
+  std::vector<StageTime> stages;
+  MemoryUse memory;
+  Nonfinite nonfinite;
+  glm::vec3 ambient{0.0f}; // radiance that a hybrid render used
+};
+
+} // namespace wavepath

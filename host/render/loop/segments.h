@@ -1,0 +1,18 @@
+// Cuts the film into segments, whose pixels get the same number of samples in a pass.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "host/render/device/film_target.h"
+#include "host/render/loop/integrator.h"
+
+namespace wavepath {
+
+std::vector<Segment> even_segments(const std::vector<FilmBand>& bands);
+
+// Sorts the runs of each band by level; `runs` becomes the list that places refer to.
+std::vector<Segment> level_segments(const std::vector<FilmBand>& bands, const std::vector<std::int8_t>& levels,
+                                    std::vector<std::uint32_t>& runs);
+
+} // namespace wavepath

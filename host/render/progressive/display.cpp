@@ -1,0 +1,93 @@
+#include "host/render/progressive/display.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "host/gpu/commands.h"
+#include "kernels/display/display.spv.h"
+
+namespace wavepath {
+namespace {
+
+// Screen pixels of one dispatch: some 10 ms on two cores.
+constexpr std::uint32_t kDispatchPixels = 1u << 18;
+static_assert(kDispatchPixels % gpu::kWorkgroupSize == 0);
+
+std::vector<Binding> bindings_of(const Buffer& film, const Buffer& aovs, const Buffer& screen) {
+  return {{gpu::kBindFilmTexels, BindingKind::texels_rgba32ui, &film},
+          {gpu::kBindFilmAovs, BindingKind::texels_rgba32f, &aovs},
+          {gpu::kBindScreen, BindingKind::storage, &screen}};
+}
+
+bool needs_aovs(Shown shown) {
+  return shown != Shown::color && shown != Shown::samples && shown != Shown::variance && shown != Shown::error;
+}
+
+// What is shown brightest unless the user says: of the error half the pixel's value, of distances the scene's diameter.
+double automatic_range(Shown shown, const Progressive& progressive) {
+  constexpr double kError = 0.5;
+  if (shown == Shown::samples) return std::max(progressive.status().spp, 1u);
+  if (shown == Shown::error) return kError;
+  return std::max(2.0 * progressive.scene().radius, 1e-30);
+}
+
+} // namespace
+
+std::vector<std::string> aovs_for(Shown shown) {
+  return needs_aovs(shown) ? std::vector<std::string>{std::string(kShownNames[static_cast<std::size_t>(shown)])}
+                           : std::vector<std::string>{};
+}
+
+Display::Display(Device& device) : device_(device), pixels_(device, 0) {
+  const Buffer stand_in(device, 0);
+  const BindingSet bindings(device, bindings_of(stand_in, stand_in, stand_in), sizeof(gpu::DisplayJob));
+  kernel_.emplace(device, "display", wavepath_display_spv, bindings, std::span<const std::uint32_t>());
+}
+
+void Display::draw(const Progressive& progressive, const DisplayOptions& options) {
+  const RenderSettings& settings = progressive.settings();
+  if (settings.width != width_ || settings.height != height_) resize(settings.width, settings.height);
+  const FilmTarget& film = progressive.film_target();
+  const bool has_aovs = film.has_aovs();
+  const Shown shown = needs_aovs(options.shown) && !has_aovs ? Shown::color : options.shown;
+  gpu::DisplayJob job{};
+  job.width = width_;
+  job.height = height_;
+  job.film_width = film.width();
+  job.film_height = film.height();
+  job.shown = static_cast<std::uint32_t>(shown);
+  job.tonemap = static_cast<std::uint32_t>(options.tonemap);
+  job.bgra = options.bgra ? 1 : 0;
+  job.gain = static_cast<float>(std::exp2(options.exposure));
+  job.range = static_cast<float>(options.range > 0.0 ? options.range : automatic_range(shown, progressive));
+  for (const FilmBand& band : film.bands()) {
+    if (band.pixel_count == 0) continue;
+    job.first_film_pixel = band.first_pixel;
+    job.film_pixel_count = band.pixel_count;
+    draw_band(band, job);
+  }
+}
+
+void Display::draw_band(const FilmBand& band, gpu::DisplayJob job) {
+  const BindingSet bindings(device_, bindings_of(band.film, band.aovs, pixels_), sizeof(gpu::DisplayJob));
+  Commands commands(device_);
+  commands.bind(bindings);
+  const std::uint32_t pixels = width_ * height_;
+  for (std::uint32_t first = 0; first < pixels; first += kDispatchPixels) {
+    job.first = first;
+    const std::uint32_t count = std::min(kDispatchPixels, pixels - first);
+    commands.dispatch(*kernel_, (count + gpu::kWorkgroupSize - 1) / gpu::kWorkgroupSize, &job);
+  }
+  commands.submit_and_wait();
+}
+
+void Display::resize(std::uint32_t width, std::uint32_t height) {
+  const std::uint64_t bytes = std::uint64_t{width} * height * sizeof(std::uint32_t);
+  pixels_ = Buffer();
+  pixels_ = Buffer(device_, bytes);
+  pixels_.fill_zero();
+  width_ = width;
+  height_ = height;
+}
+
+} // namespace wavepath

@@ -1,0 +1,65 @@
+#include "host/render/report/diagnosis.h"
+
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "host/film/error.h"
+
+namespace wavepath {
+namespace {
+
+constexpr double kLargestShare = 0.05;      // of the squared error that one sample may explain alone
+constexpr std::uint32_t kFewestSamples = 8; // a pixel, below which much has not been seen yet
+constexpr double kFlat = -0.3;              // slope against spp; Monte Carlo's is -0.5
+constexpr double kUnexplained = 1.5;        // true error over the upper end of the estimate
+
+std::string percent(double x) { return fmt::format("{:.2g} %", 100.0 * x); }
+
+bool fell_as_it_should(const std::vector<Checkpoint>& checkpoints) {
+  return checkpoints.size() < 5 || fit_slope(checkpoints, Against::spp) <= kFlat;
+}
+
+} // namespace
+
+bool is_trusted(const RenderResult& result) {
+  return has_estimate(result.spp, result.error) && result.spp >= kFewestSamples && !result.nonfinite.first &&
+         result.error.largest_sample_share <= kLargestShare;
+}
+
+std::vector<std::string> diagnose(const RenderResult& result, const std::vector<TrueError>& true_errors,
+                                  const std::vector<std::string>& bias) {
+  std::vector<std::string> words;
+  const ErrorEstimate& error = result.error;
+  if (!has_estimate(result.spp, error)) {
+    words.push_back(fmt::format("too few samples to estimate the error; it takes {} a pixel", gpu::kReplicates));
+    return words;
+  }
+  if (result.spp < kFewestSamples)
+    words.push_back(fmt::format("{} samples a pixel may have missed what is rare", result.spp));
+  if (error.largest_sample_share > kLargestShare)
+    words.push_back(
+        fmt::format("fireflies: the largest sample alone explains {} of the squared error, so the estimate depends on "
+                    "few samples; look for small bright lights that are only found by chance, or try --direct mis",
+                    percent(std::min(error.largest_sample_share, 1.0))));
+  if (result.nonfinite.first)
+    words.push_back(
+        fmt::format("{} samples were not finite and are missing from the mean", result.nonfinite.samples()));
+  if (!fell_as_it_should(result.checkpoints))
+    words.push_back(fmt::format(
+        "the estimated error falls too slowly (slope {:.2f} against samples, where noise alone gives -0.5): "
+        "rare bright samples are still being found",
+        fit_slope(result.checkpoints, Against::spp)));
+  if (true_errors.size() != result.checkpoints.size() || !true_errors.back().metrics.finite()) return words;
+  const double true_rms = std::sqrt(true_errors.back().metrics.relmse);
+  if (true_rms > kUnexplained * error.ci95[1])
+    words.push_back(fmt::format(
+        "the true error, {}, is more than the noise, {}, explains: {}; or the reference was rendered with other "
+        "settings, or is itself as noisy as that",
+        percent(true_rms), percent(error.relative_rms),
+        bias.empty() ? "nothing biased is known to be in force"
+                     : fmt::format("in force are: {}", fmt::join(bias, "; "))));
+  return words;
+}
+
+} // namespace wavepath

@@ -1,0 +1,199 @@
+// Builds the stats document.
+#include "host/render/report/stats.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "host/film/error.h"
+#include "host/render/bvh_choice.h"
+#include "host/render/report/diagnosis.h"
+#include "host/render/settings/integrator_kind.h"
+#include "host/render/settings/settings_table.h"
+#include "kernels/tile_order.h"
+
+namespace wavepath {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json to_json(const RayCounts& rays) {
+  return {{"camera", rays.camera}, {"bounce", rays.bounce}, {"shadow", rays.shadow}, {"occlusion", rays.occlusion}};
+}
+
+Json to_json(const Checkpoint& checkpoint, const TrueError* error) {
+  Json json{{"spp", checkpoint.spp},
+            {"seconds", checkpoint.seconds},
+            {"gpu_seconds", checkpoint.gpu_seconds},
+            {"rays", checkpoint.rays.total()},
+            {"estimated_relative_rms", nullptr},
+            {"estimated_ci95", nullptr},
+            {"mse", nullptr},
+            {"relmse", nullptr},
+            {"mrse", nullptr},
+            {"flip", nullptr}};
+  if (has_estimate(checkpoint.spp, checkpoint.error)) json["estimated_relative_rms"] = checkpoint.error.relative_rms;
+  if (!json["estimated_relative_rms"].is_null()) json["estimated_ci95"] = checkpoint.error.ci95;
+  if (error && error->metrics.finite()) {
+    json["mse"] = error->metrics.mse;
+    json["relmse"] = error->metrics.relmse;
+    json["mrse"] = error->metrics.mrse;
+    json["flip"] = error->flip;
+  }
+  return json;
+}
+
+Json seconds_json(const Run& run) {
+  Json first_pixel = nullptr; // stopped before every pixel had a sample
+  if (run.result.spp > 0) first_pixel = run.result.first_pixel_seconds;
+  return {{"load", run.load_seconds},
+          {"bvh", run.packed.bvh_seconds},
+          {"upload", run.result.upload_seconds},
+          {"compile", run.result.compile_seconds},
+          {"render", run.result.seconds},
+          {"write", run.write_seconds},
+          {"first_pixel", first_pixel},
+          {"total", run.total_seconds}};
+}
+
+// Seconds and samples that halving the error would take in addition, if it goes on falling at its present rate.
+Json next_halving_json(const RenderResult& result) {
+  const double growth = growth_for(2.0, result.slope),
+               more = growth_for(2.0, fit_slope(result.checkpoints, Against::spp));
+  if (!std::isfinite(growth) || !std::isfinite(more)) return nullptr;
+  return {{"seconds", result.seconds * (growth - 1.0)}, {"spp", std::ceil(result.spp * (more - 1.0))}};
+}
+
+Json error_json(const Run& run) {
+  const RenderResult& result = run.result;
+  Json json{
+      {"relative_rms", nullptr},
+      {"ci95", nullptr},
+      {"method", fmt::format("spread of the means of {} independently scrambled replicates a pixel", gpu::kReplicates)},
+      {"slope", result.slope},
+      {"slope_spp", fit_slope(result.checkpoints, Against::spp)},
+      {"next_halving", nullptr},
+      {"largest_sample_share", nullptr},
+      {"trusted", is_trusted(result)},
+      {"diagnosis", run.diagnosis},
+      {"estimate_seconds", result.estimate_seconds}};
+  if (has_estimate(result.spp, result.error)) {
+    json["relative_rms"] = result.error.relative_rms;
+    json["ci95"] = {result.error.ci95[0], result.error.ci95[1]};
+    json["next_halving"] = next_halving_json(result);
+    json["largest_sample_share"] = result.error.largest_sample_share;
+  }
+  return json;
+}
+
+Json json(const Setting& row, const RenderSettings& settings) {
+  const std::string text = text_of(row, settings);
+  if (text.empty() || !is_taken(row, *settings.integrator)) return nullptr;
+  if (std::holds_alternative<OnOffValue>(row.value) || std::holds_alternative<SwitchValue>(row.value))
+    return text == "on";
+  if (std::holds_alternative<RadianceValue>(row.value)) return Json::parse("[" + text + "]");
+  const bool is_number =
+      std::holds_alternative<WholeValue>(row.value) || std::holds_alternative<NumberValue>(row.value) ||
+      std::holds_alternative<PositiveValue>(row.value) || std::holds_alternative<OptionalNumberValue>(row.value);
+  return is_number ? Json::parse(text) : Json(text);
+}
+
+// Every row of the table by its name with '_' for '-'; null where it is not set, or not taken by the integrator.
+Json settings_json(const RenderSettings& settings) {
+  Json object = Json::object();
+  for (const Setting& row : settings_table()) {
+    std::string key(row.name);
+    std::ranges::replace(key, '-', '_');
+    object[key] = json(row, settings);
+  }
+  return object;
+}
+
+Json nonfinite_json(const Nonfinite& nonfinite, const RenderSettings& settings) {
+  Json first = nullptr, by_kernel = Json::object();
+  if (nonfinite.first) {
+    const glm::uvec2 at = gpu::pixel_in_tile_order(nonfinite.first->pixel, settings.width, settings.height);
+    first = {{"pixel", {at.x, at.y}},
+             {"sample", nonfinite.first->sample},
+             {"seed", settings.seed},
+             {"kernel", kMakerNames[nonfinite.first->maker]}};
+  }
+  for (std::size_t maker = 0; maker < kMakerNames.size(); ++maker)
+    by_kernel[std::string(kMakerNames[maker])] = nonfinite.by_maker[maker];
+  return {{"samples", nonfinite.samples()}, {"first", first}, {"by_kernel", by_kernel}};
+}
+
+} // namespace
+
+Json bvh_json(const PackedScene& packed) {
+  const std::uint64_t bytes =
+      packed.nodes.size() * sizeof(bvh::WideNode) + packed.triangles.size() * sizeof(gpu::Triangle);
+  return {{"quality", kQualityNames[static_cast<std::size_t>(packed.bvh_quality)]},
+          {"build_seconds", packed.bvh_seconds},
+          {"sah", packed.sah_cost},
+          {"nodes", packed.nodes.size()},
+          {"copies", packed.triangles.size() - packed.triangles_stored},
+          {"bytes", bytes},
+          {"bytes_per_triangle",
+           static_cast<double>(bytes) / static_cast<double>(std::max<std::uint64_t>(packed.triangles_stored, 1))}};
+}
+
+Json stats_document(const Run& run) {
+  const RenderResult& result = run.result;
+  const RenderSettings& settings = run.settings;
+  Json left_out = Json::array(), checkpoints = Json::array(), stages = Json::array();
+  for (const LeftOut& entry : run.packed.left_out)
+    left_out.push_back({{"what", entry.what}, {"why", entry.why}, {"bytes", entry.bytes}});
+  for (const OmittedStage& entry : settings.integrator->omitted(settings))
+    left_out.push_back({{"what", entry.what}, {"why", entry.why}, {"bytes", 0}});
+  for (std::size_t i = 0; i < result.checkpoints.size(); ++i)
+    checkpoints.push_back(to_json(result.checkpoints[i], i < run.true_errors.size() ? &run.true_errors[i] : nullptr));
+  for (const StageTime& stage : result.stages)
+    stages.push_back({{"name", stage.name}, {"seconds", stage.seconds}, {"dispatches", stage.dispatches}});
+
+  return {
+      {"wavepath", WAVEPATH_VERSION},
+      {"scene", run.scene},
+      {"command", run.command},
+      {"seed", settings.seed},
+      {"sampler", kSamplerNames[settings.sampler]},
+      {"integrator", settings.integrator->name},
+      {"max_depth", settings.max_depth},
+      {"settings", settings_json(settings)},
+      {"hybrid", settings.integrator->stats(settings, run.packed, result)},
+      {"device",
+       {{"name", run.device.name}, {"driver", run.device.driver}, {"type", run.device.type}, {"api", run.device.api}}},
+      {"size", {settings.width, settings.height}},
+      {"spp", result.spp},
+      {"triangles", run.packed.triangle_count},
+      {"lights", run.packed.lights.size()},
+      {"seconds", seconds_json(run)},
+      {"bvh", bvh_json(run.packed)},
+      {"rays", to_json(result.rays)},
+      {"mrays_per_second",
+       result.seconds > 0.0 ? 1e-6 * static_cast<double>(result.rays.total()) / result.seconds : 0.0},
+      {"error", error_json(run)},
+      {"nonfinite", nonfinite_json(result.nonfinite, settings)},
+      {"bias", run.bias},
+      {"left_out", left_out},
+      {"memory",
+       {{"scene", result.memory.scene},
+        {"bvh", result.memory.bvh},
+        {"paths", result.memory.paths},
+        {"film", result.memory.film},
+        {"peak", run.peak_bytes}}},
+      {"checkpoints", checkpoints},
+      {"gpu_seconds", result.gpu_seconds},
+      {"stages", stages}};
+}
+
+std::string to_text(const Json& document) {
+  return document.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+std::optional<double> estimated_error(const RenderResult& result) {
+  return has_estimate(result.spp, result.error) ? std::optional(result.error.relative_rms) : std::nullopt;
+}
+
+} // namespace wavepath

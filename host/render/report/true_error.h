@@ -1,0 +1,14 @@
+// The error of a picture against a reference.
+#pragma once
+
+#include "host/film/metrics.h"
+
+namespace wavepath {
+
+// Of the final picture, against --reference.
+struct TrueError {
+  PictureMetrics metrics;
+  double flip = 0.0; // mean
+};
+
+} // namespace wavepath

@@ -1,0 +1,75 @@
+// What is known of an integrator before there is a device: its name, what it takes, needs, leaves out and gets wrong.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "host/render/settings/settings.h"
+
+namespace wavepath {
+
+class Integrator;
+class KernelCompiler;
+class Workspace;
+struct DeviceInfo;
+struct PackedScene;
+struct RenderResult;
+
+// A stage or buffer that the integrator leaves out, and why, for the report.
+struct OmittedStage {
+  std::string what, why;
+};
+
+// What is known of an integrator before there is a device. One constant for each stands in its folder.
+struct IntegratorKind {
+  std::string_view name;    // value of --integrator
+  std::string_view summary; // for --help: one clause
+  // Names of the settings that it takes besides those that all take: a setting of no use to it is refused.
+  std::span<const std::string_view> settings{};
+  std::span<const std::string_view> aovs{}; // values of --aov besides those of all
+  bool finds_light = true;                  // false: its picture is the unoccluded share, whatever the lights
+  bool traces_paths = true;                 // false: a sample is a frame, which reaches the film as a whole
+  bool measures_depth_cut = false; // the light beyond --max-depth is measured, and told in the first sentence of bias()
+  // Stages that find the first hits, by whose time integrators are compared.
+  std::span<const std::string_view> first_hit_stages{};
+
+  // kFeature bits of its kernels, besides those of the scene and of RenderSettings::adaptive.
+  std::uint32_t (*features)(const RenderSettings& settings) = nullptr;
+  // Begins compiling for a scene of these kFeature bits, before the scene is there. A wrong guess costs time alone.
+  void (*start_kernels)(KernelCompiler& kernels, const DeviceInfo& device, std::uint32_t features,
+                        const RenderSettings& settings) = nullptr;
+  // Device memory that a path in flight takes, for the kFeature bits given, and the largest record of one in any
+  // buffer.
+  std::uint64_t (*bytes_per_slot)(std::uint32_t features) = nullptr;
+  std::uint64_t largest_record = 1;
+  // Paths that a pixel takes in every wave.
+  std::uint32_t (*slots_per_pixel)(const RenderSettings& settings) = nullptr;
+  // Device memory that a pixel takes besides paths and film.
+  std::uint64_t (*bytes_per_pixel)(const RenderSettings& settings) = nullptr;
+  // Whether the picture converges to something else than the light of all paths up to --max-depth.
+  bool (*is_biased)(const RenderSettings& settings) = nullptr;
+  // What of the light is approximated or missing, a sentence each; the first one is about long paths.
+  std::vector<std::string> (*bias)(const RenderSettings& settings, const RenderResult& result) = nullptr;
+  std::vector<OmittedStage> (*omitted)(const RenderSettings& settings) = nullptr;
+  // Of its own settings as they were used, for the stats document; null if it has none.
+  nlohmann::ordered_json (*stats)(const RenderSettings& settings, const PackedScene& scene,
+                                  const RenderResult& result) = nullptr;
+  std::unique_ptr<Integrator> (*make)(Workspace& workspace, KernelCompiler& kernels) = nullptr;
+};
+
+// All of them, the default first. Defined by host/integrators/factory.cpp, which alone knows their names.
+std::span<const IntegratorKind* const> integrators();
+const IntegratorKind& default_integrator();
+// Null if there is none of that name.
+const IntegratorKind* find_integrator(std::string_view name);
+
+// Whether a setting that not all integrators take is one of this one's.
+bool takes(const IntegratorKind& kind, std::string_view setting);
+
+} // namespace wavepath

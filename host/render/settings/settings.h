@@ -1,0 +1,58 @@
+// The settings of a render. A new one also gets a row in settings_table.cpp, from which its flag, identity, copied
+// command, stats and widget follow; tests/settings_test.cpp fails without that row.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <glm/glm.hpp>
+
+#include "kernels/features.h"
+
+namespace wavepath {
+
+// Which rays of a smooth interface Whitted's ray tracer follows: reflection and refraction, or one of them at random.
+inline constexpr std::uint32_t kBranchingTree = 0, kBranchingChoice = 1;
+
+struct IntegratorKind; // host/render/settings/integrator_kind.h
+const IntegratorKind& default_integrator();
+
+inline constexpr std::uint32_t kMostFrameRays = 256; // of a kind, for a sample of a pixel; more come by more samples
+
+struct RenderSettings {
+  const IntegratorKind* integrator = &default_integrator(); // how light is found; never null
+  std::uint32_t width = 1280, height = 720;
+  std::uint32_t first_sample = 0; // render samples first_sample <= s < last_sample of every pixel
+  std::uint32_t last_sample = 64;
+  std::uint32_t sample_total = 0; // of the render that this range is a part of, for stratification; 0 = last_sample
+  double time_limit = 0.0;        // rendering seconds; 0 = none
+  double target_error = 0.0;      // estimated relative RMS error at which to stop; 0 = none
+  std::uint32_t max_depth = 8;
+  std::uint32_t sampler = gpu::kSamplerSobol;
+  std::uint32_t hemisphere = gpu::kHemisphereCosine;
+  std::uint32_t direct = gpu::kDirectMis;
+  std::uint32_t filter = gpu::kFilterBlackmanHarris;
+  std::uint32_t seed = 0;
+  // Taken by some integrators only.
+  std::uint32_t shadow_samples = 1; // light samples for every sample of a pixel
+  std::uint32_t ao_samples = 1;     // occlusion rays for every sample of a pixel
+  // Metres, 0 = unlimited; empty: unlimited for ao, a tenth of the scene's radius for hybrid.
+  std::optional<double> ao_radius;
+  std::optional<glm::vec3> ambient; // radiance; empty = estimated from the direct light in the picture
+  std::uint32_t branching = kBranchingTree;
+  double cutoff = 1.0 / 256.0;      // weight below which rays are not followed; biased unless it is 0
+  bool denoise = false;             // filter shadows and occlusion over space and time; biased
+  bool antialias_over_time = false; // joins every picture to those before it, for a camera in motion; biased
+  bool adaptive = false;            // more samples where a pilot, which is thrown away, found more noise
+  bool specialize = true;
+  std::vector<std::string> aovs; // values of --aov
+
+  // For measurements. kFeature bits compiled in though the scene leaves them out, and left out though it needs them.
+  std::uint32_t added_features = 0, removed_features = 0;
+  bool room_for_shadow_rays = false; // even where no light is sampled
+  std::uint32_t wave_slots = 0;      // paths in flight; 0 = chosen from memory and measured dispatch time
+};
+
+} // namespace wavepath

@@ -1,0 +1,290 @@
+#include "host/render/settings/settings_table.h"
+
+#include <algorithm>
+#include <array>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "host/base/error.h"
+
+namespace wavepath {
+namespace {
+
+using S = RenderSettings;
+
+constexpr std::uint32_t kLargestSide = 65536;
+constexpr std::uint32_t kMostSamples = std::numeric_limits<std::int32_t>::max(); // the largest that EXR attributes hold
+constexpr std::uint32_t kDeepest = 4096;
+constexpr double kFarthest = 1e30;
+constexpr double kMostRadiance = 1e30; // sums with direct light stay finite
+constexpr unsigned kByAll = kByRender | kByView | kByStudy | kByBench;
+constexpr unsigned kByRenderAndView = kByRender | kByView;
+
+// Values of --aov that every integrator takes; IntegratorKind::aovs lists those that only some take.
+constexpr std::array<std::string_view, 9> kCommonAovs = {"albedo",  "normal", "depth",    "position", "variance",
+                                                         "samples", "direct", "indirect", "emission"};
+
+std::vector<std::string_view> rare_aovs() {
+  std::vector<std::string_view> names;
+  for (const IntegratorKind* kind : integrators())
+    for (const std::string_view name : kind->aovs)
+      if (std::ranges::count(names, name) == 0) names.push_back(name);
+  return names;
+}
+
+std::string aov_meaning() {
+  std::string text = fmt::format("extra EXR channels, separated by commas: {}", fmt::join(kCommonAovs, ", "));
+  for (const std::string_view name : rare_aovs())
+    text += fmt::format("; {} with --integrator {}", name, aov_takers_text(name));
+  return text;
+}
+
+std::string integrator_meaning() {
+  std::string text;
+  for (const IntegratorKind* kind : integrators())
+    text += fmt::format("{}{}: {}", text.empty() ? "" : "; ", kind->name, kind->summary);
+  return text;
+}
+
+void read_aovs(const FlagValue& value, S& settings) {
+  std::vector<std::string_view> names = rare_aovs();
+  names.insert(names.begin(), kCommonAovs.begin(), kCommonAovs.end());
+  settings.aovs = value.list(names);
+}
+
+void read_size(const FlagValue& value, S& settings) {
+  const auto [width, height] = value.split('x', "write it as WIDTHxHEIGHT, such as 1280x720");
+  settings.width = width.whole_number(1, kLargestSide);
+  settings.height = height.whole_number(1, kLargestSide);
+}
+
+std::uint32_t whole_samples(const S& settings) {
+  return settings.sample_total > 0 ? settings.sample_total : settings.last_sample;
+}
+
+void read_samples(const FlagValue& value, S& settings) {
+  const auto [first, last] = value.split(':', "write it as A:B, such as 0:64");
+  settings.first_sample = first.whole_number(0, kMostSamples);
+  settings.last_sample = last.whole_number(0, kMostSamples);
+  if (settings.first_sample >= settings.last_sample) value.refuse("is an empty range", "give A:B with A below B");
+}
+
+std::string samples_text(const S& settings) {
+  const bool whole = settings.first_sample == 0 && settings.last_sample == whole_samples(settings);
+  return whole ? "" : fmt::format("{}:{}", settings.first_sample, settings.last_sample);
+}
+
+// Only the stratified sampler lays its points out for a known number of them.
+std::string spp_identity(const S& settings) {
+  return settings.sampler == gpu::kSamplerStratified ? fmt::format("{}", whole_samples(settings)) : "any";
+}
+
+std::vector<Setting> picture_rows() {
+  return {
+      {.name = "size",
+       .value = SpecialValue{read_size, [](const S& s) { return fmt::format("{}x{}", s.width, s.height); }},
+       .meaning = "pixels",
+       .placeholder = "WxH",
+       .group = SettingGroup::picture,
+       .offered = kByAll,
+       .always_copied = true},
+      {.name = "filter",
+       .value = ChoiceValue{&S::filter, kFilterNames},
+       .meaning = "pixel filter, importance-sampled",
+       .initial = "blackman-harris; box if --reference is box-filtered",
+       .group = SettingGroup::picture,
+       .offered = kByRenderAndView | kByStudy},
+      // The film of a render with AOVs holds more sums, whichever AOVs are written.
+      {.name = "aov",
+       .value = SpecialValue{read_aovs, [](const S& s) { return fmt::format("{}", fmt::join(s.aovs, ",")); }},
+       .meaning = aov_meaning(),
+       .placeholder = "LIST",
+       .initial = "none",
+       .group = SettingGroup::picture,
+       .decides = Decides::channels,
+       .offered = kByRenderAndView,
+       .identity = [](const S& s) { return std::string(s.aovs.empty() ? "no" : "yes"); }},
+  };
+}
+
+std::vector<Setting> transport_rows() {
+  std::vector<Setting> rows = {
+      {.name = "integrator",
+       .value = IntegratorValue{},
+       .meaning = integrator_meaning(),
+       .offered = kByRenderAndView,
+       .label = "integrator"},
+      {.name = "sampler",
+       .value = ChoiceValue{&S::sampler, kSamplerNames},
+       .meaning = "sample points; sobol is Owen-scrambled",
+       .offered = kByRenderAndView | kByBench,
+       .label = "sampler",
+       .study = {"independent", "stratified", "sobol"}},
+      {.name = "direct",
+       .value = ChoiceValue{&S::direct, kDirectNames},
+       .meaning = "direct light by both techniques, by light sampling, or by BSDF sampling",
+       .takers = Takers::listed_else_ignored,
+       .offered = kByRenderAndView | kByBench,
+       .label = "direct light",
+       .study = {"bsdf", "nee", "mis"}},
+      {.name = "hemisphere",
+       .value = ChoiceValue{&S::hemisphere, kHemisphereNames},
+       .meaning = "how diffuse directions are sampled",
+       .takers = Takers::listed_else_ignored,
+       .offered = kByRenderAndView | kByBench,
+       .study = {"uniform", "cosine"}},
+      {.name = "max-depth",
+       .value = WholeValue{&S::max_depth, 0, kDeepest},
+       .meaning = "longest path in bounces: 0 = emission seen directly, 1 = direct light, ...",
+       .placeholder = "N",
+       .offered = kByAll,
+       .label = "bounces, most"},
+      {.name = "seed",
+       .value = WholeValue{&S::seed, 0, kMostSamples},
+       .meaning = "another seed gives another noise, the same seed the same bits",
+       .placeholder = "N",
+       .offered = kByAll,
+       .label = "seed"},
+      {.name = "specialize",
+       .value = OnOffValue{&S::specialize},
+       .meaning = "leave out what the scene does not need; off gives the same image, slower",
+       .decides = Decides::nothing,
+       .offered = kByRenderAndView | kByBench},
+  };
+  for (Setting& row : rows)
+    if (row.name == "integrator") row.study = choices_of(row);
+  return rows;
+}
+
+std::vector<Setting> stop_rows() {
+  return {
+      {.name = "spp",
+       .value = WholeValue{&S::sample_total, 1, kMostSamples, &S::last_sample},
+       .meaning = "samples per pixel",
+       .placeholder = "N",
+       .initial = "64; 65536 where only --time or --target-error is given",
+       .group = SettingGroup::stop,
+       .offered = kByRenderAndView,
+       .always_copied = true,
+       .label = "samples, spp",
+       .identity = spp_identity},
+      {.name = "time",
+       .value = PositiveValue{&S::time_limit},
+       .meaning = "rendering time in seconds, without loading and compiling",
+       .placeholder = "SECONDS",
+       .initial = "no limit",
+       .group = SettingGroup::stop,
+       .decides = Decides::nothing,
+       .offered = kByRender},
+      {.name = "target-error",
+       .value = PositiveValue{&S::target_error},
+       .meaning = "estimated relative RMS error, 0.01 = 1 %; exit code 3 if it was not reached",
+       .placeholder = "E",
+       .initial = "none",
+       .group = SettingGroup::stop,
+       .decides = Decides::nothing,
+       .offered = kByRenderAndView},
+      // Renders of several ranges are parts of one picture, so that they share its identity.
+      {.name = "samples",
+       .value = SpecialValue{read_samples, samples_text},
+       .meaning = "render only sample indices A <= s < B, for splitting and merging; give every part the whole's --spp",
+       .placeholder = "A:B",
+       .initial = "0:spp",
+       .group = SettingGroup::stop,
+       .offered = kByRender,
+       .identity = [](const S&) { return std::string(); }},
+      {.name = "adaptive",
+       .value = SwitchValue{&S::adaptive},
+       .meaning = "more samples where a pilot finds more noise; --spp is then the average. Unbiased: the pilot is "
+                  "thrown away",
+       .group = SettingGroup::stop,
+       .takers = Takers::listed_else_refused,
+       .offered = kByRender},
+  };
+}
+
+std::vector<Setting> special_rows() {
+  std::vector<Setting> rows = {
+      {.name = "shadow-samples",
+       .value = WholeValue{&S::shadow_samples, 1, kMostFrameRays},
+       .meaning = "light samples for every sample of a pixel, stratified",
+       .placeholder = "N",
+       .takers = Takers::listed_else_ignored,
+       .label = "shadow rays",
+       .study = {"1", "4", "16"}},
+      {.name = "ao-samples",
+       .value = WholeValue{&S::ao_samples, 1, kMostFrameRays},
+       .meaning = "occlusion rays for every sample of a pixel, cosine-weighted and stratified",
+       .placeholder = "N",
+       .takers = Takers::listed_else_ignored,
+       .label = "occlusion rays",
+       .study = {"1", "4", "16"}},
+      {.name = "ao-radius",
+       .value = OptionalNumberValue{&S::ao_radius, 0.0, kFarthest},
+       .meaning = "distance from which on nothing occludes; 0 = unlimited",
+       .placeholder = "METRES",
+       .initial = "hybrid: a tenth of the scene's radius; ao: 0",
+       .takers = Takers::listed_else_refused},
+      {.name = "ambient",
+       .value = RadianceValue{&S::ambient, kMostRadiance},
+       .meaning = "radiance that stands for all light of more than one bounce; --max-depth 1 leaves it out",
+       .placeholder = "R,G,B",
+       .initial = "hybrid: estimated from the direct light in the picture; whitted: black",
+       .takers = Takers::listed_else_refused},
+      {.name = "branching",
+       .value = ChoiceValue{&S::branching, kBranchingNames},
+       .meaning = "at mirrors and glass: follow reflection and refraction, or one of them chosen at random",
+       .takers = Takers::listed_else_refused,
+       .label = "branching",
+       .study = {"tree", "choice"}},
+      {.name = "cutoff",
+       .value = NumberValue{&S::cutoff, 0.0, 1.0},
+       .meaning = "weight up to which rays are not followed; 0 = follow all",
+       .placeholder = "W",
+       .initial = "0.00390625 (1/256)",
+       .takers = Takers::listed_else_refused},
+      {.name = "denoise",
+       .value = SwitchValue{&S::denoise},
+       .meaning = "filter direct light and occlusion over space and time (SVGF); fast, and biased",
+       .takers = Takers::listed_else_refused,
+       .label = "denoise",
+       .study = {"off", "on"}},
+  };
+  for (Setting& row : rows) {
+    row.group = SettingGroup::special;
+    row.offered = kByRenderAndView;
+  }
+  return rows;
+}
+
+// The order is that of --help within each group, of copied commands and of the panel.
+std::vector<Setting> all_rows() {
+  std::vector<Setting> rows;
+  for (std::vector<Setting> part : {picture_rows(), transport_rows(), stop_rows(), special_rows()})
+    for (Setting& row : part) rows.push_back(std::move(row));
+  return rows;
+}
+
+} // namespace
+
+std::span<const Setting> settings_table() {
+  static const std::vector<Setting> kRows = all_rows();
+  return kRows;
+}
+
+const Setting& setting_named(std::string_view name) {
+  return *std::ranges::find(settings_table(), name, &Setting::name);
+}
+
+std::string flags_of(const RenderSettings& settings) {
+  std::string flags;
+  for (const Setting& row : settings_table()) {
+    const bool copied = row.always_copied || (row.decides == Decides::picture && !is_default(row, settings));
+    if (!copied || !is_taken(row, *settings.integrator)) continue;
+    if (const std::string flag = flag_text(row, settings); !flag.empty()) flags += " " + flag;
+  }
+  return flags;
+}
+
+} // namespace wavepath

@@ -1,0 +1,28 @@
+// The table of settings: one row for everything that a user can set about a render. Command lines, --help, identity,
+// copied command, stats, panel and the axes of studies follow from the rows.
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "host/render/settings/setting.h"
+
+namespace wavepath {
+
+// By the values of the kSampler..., kDirect..., kHemisphere..., kFilter... and kBranching... constants.
+inline constexpr std::string_view kSamplerNames[] = {"independent", "stratified", "sobol"};
+inline constexpr std::string_view kDirectNames[] = {"mis", "nee", "bsdf"};
+inline constexpr std::string_view kHemisphereNames[] = {"cosine", "uniform"};
+inline constexpr std::string_view kFilterNames[] = {"box", "gaussian", "blackman-harris"};
+inline constexpr std::string_view kBranchingNames[] = {"tree", "choice"};
+
+std::span<const Setting> settings_table();
+// The row of that name, which must exist.
+const Setting& setting_named(std::string_view name);
+
+// Flags of `wavepath render`, each after a blank, that give these settings where the others are defaults: everything
+// that decides the picture and that the integrator takes.
+std::string flags_of(const RenderSettings& settings);
+
+} // namespace wavepath
