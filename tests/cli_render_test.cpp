@@ -3,7 +3,6 @@
 #include <filesystem>
 #include <fstream>
 
-#include <sys/resource.h>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -11,6 +10,7 @@
 #include "host/film/picture_io.h"
 #include "host/gpu/device.h"
 #include "tests/run_wavepath.h"
+#include "tests/small_disk.h"
 #include "tests/temporary_folder.h"
 #include "tests/vulkan_device.h"
 
@@ -203,14 +203,10 @@ TEST_F(CliRenderTest, AnInterruptSavesAndExits130) {
 }
 
 TEST_F(CliRenderTest, AFullDiskFailsAndLeavesNothing) {
-  RunOptions options;
-  options.in_child = [] {
-    const rlimit limit{2000, 2000};
-    setrlimit(RLIMIT_FSIZE, &limit);
-    setenv("MESA_SHADER_CACHE_DISABLE", "1", 1); // its files would hit the limit too
-  };
+  SmallDisk disk(folder_.path());
   std::ofstream(exr_) << "old";
-  const Outcome outcome = render({"-o", exr_, "--spp", "1", "-q"}, options);
+  disk.leave(2000);
+  const Outcome outcome = render({"-o", exr_, "--spp", "1", "-q"}, disk.options());
   EXPECT_EQ(outcome.exit_code, 1) << outcome.err;
   EXPECT_NE(outcome.err.find("a.exr: cannot write"), std::string::npos) << outcome.err;
   EXPECT_EQ(std::filesystem::file_size(exr_), 3u);

@@ -9,13 +9,13 @@
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
-#include <sys/resource.h>
 #include <nlohmann/json.hpp>
 
 #include "host/film/film.h"
 #include "host/film/picture_io.h"
 #include "host/render/report/state_file.h"
 #include "tests/run_wavepath.h"
+#include "tests/small_disk.h"
 #include "tests/temporary_folder.h"
 #include "tests/vulkan_device.h"
 
@@ -114,16 +114,13 @@ TEST_F(Resume, KeepsAdaptiveLevels) {
 
 // A disk that takes the picture but no state: the render goes on, says so, and the old state stays whole.
 TEST_F(Resume, FullDiskLosesNothing) {
+  SmallDisk disk(folder_.path());
   ASSERT_EQ(render("whole.exr", {}).exit_code, 0);
   ASSERT_EQ(render("part.exr", {"--checkpoint", "state", "--time", "0.05"}).exit_code, 0);
   const std::string before = bytes("state");
-  RunOptions options;
-  options.in_child = [] {
-    const rlimit limit{100000, 100000}; // bytes a file; the state has 393,000 and more
-    setrlimit(RLIMIT_FSIZE, &limit);
-  };
+  disk.leave(200000); // the state has 393,000 and more, the picture half of that
   const Outcome outcome =
-      render("part.exr", {"--checkpoint", "state", "--resume", "--checkpoint-interval", "0"}, options);
+      render("part.exr", {"--checkpoint", "state", "--resume", "--checkpoint-interval", "0"}, disk.options());
   EXPECT_EQ(outcome.exit_code, 0);
   EXPECT_NE(outcome.err.find("state"), std::string::npos) << outcome.err;
   EXPECT_NE(outcome.err.find("the render goes on"), std::string::npos) << outcome.err;

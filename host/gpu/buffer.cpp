@@ -24,7 +24,7 @@ std::uint64_t created_bytes(std::uint64_t bytes) {
 }
 
 std::span<const VkMemoryPropertyFlags> wishes(const Device& device, BufferHome home) {
-  if (home == BufferHome::readback) return kReadByHost;
+  if (home == BufferHome::readback) return kForReadback;
   if (device.unified_memory()) return kUnified;
   return kDeviceLocal;
 }

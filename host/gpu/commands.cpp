@@ -3,30 +3,9 @@
 #include <cassert>
 
 #include "host/base/error.h"
+#include "host/gpu/barrier.h"
 
 namespace wavepath {
-
-namespace {
-
-void record_barrier(VkCommandBuffer commands, VkPipelineStageFlags2 from, VkAccessFlags2 written,
-                    VkPipelineStageFlags2 to, VkAccessFlags2 used) {
-  VkMemoryBarrier2 memory{VK_STRUCTURE_TYPE_MEMORY_BARRIER_2};
-  memory.srcStageMask = from;
-  memory.srcAccessMask = written;
-  memory.dstStageMask = to;
-  memory.dstAccessMask = used;
-  VkDependencyInfo info{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
-  info.memoryBarrierCount = 1;
-  info.pMemoryBarriers = &memory;
-  vkCmdPipelineBarrier2(commands, &info);
-}
-
-constexpr VkPipelineStageFlags2 kCompute = VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
-                                kAll = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
-                                kTransfer = VK_PIPELINE_STAGE_2_TRANSFER_BIT;
-constexpr VkAccessFlags2 kAnyAccess = VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT;
-
-} // namespace
 
 Commands::Commands(Device& device, std::uint32_t timed_dispatches) : device_(&device) {
   try {
@@ -75,7 +54,7 @@ void Commands::begin(std::uint32_t timed_dispatches) {
   }
   if (query_limit_ > 0) vkCmdResetQueryPool(commands_, queries_, 0, query_limit_);
   // Nothing waits on the host between submissions, so that the order is made here.
-  record_barrier(commands_, kAll, VK_ACCESS_2_MEMORY_WRITE_BIT, kAll, kAnyAccess);
+  record_barrier(commands_, kWritten, kUsed);
 }
 
 void Commands::restart(std::uint32_t timed_dispatches) {
@@ -132,29 +111,24 @@ void Commands::dispatch_indirect(const Kernel& kernel, const Buffer& arguments, 
 }
 
 void Commands::write(const Buffer& buffer, const void* data, std::uint64_t bytes) {
-  record_barrier(commands_, kAll, VK_ACCESS_2_MEMORY_WRITE_BIT, kTransfer, VK_ACCESS_2_TRANSFER_WRITE_BIT);
+  record_barrier(commands_, written_by_shader_or_copy(*device_), kWrittenByCopy);
   vkCmdUpdateBuffer(commands_, buffer.handle(), 0, bytes, data);
-  record_barrier(commands_, kTransfer, VK_ACCESS_2_TRANSFER_WRITE_BIT, kAll, kAnyAccess);
+  record_barrier(commands_, kWrittenByCopy, used_by_shader_or_copy(*device_));
 }
 
 void Commands::copy(const Buffer& from, const Buffer& to, std::uint64_t bytes, Order order) {
   const VkBufferCopy region{0, 0, bytes};
   if (order == Order::unordered) return vkCmdCopyBuffer(commands_, from.handle(), to.handle(), 1, &region);
-  record_barrier(commands_, kAll, VK_ACCESS_2_MEMORY_WRITE_BIT, kTransfer,
-                 VK_ACCESS_2_TRANSFER_READ_BIT | VK_ACCESS_2_TRANSFER_WRITE_BIT);
+  record_barrier(commands_, written_by_shader_or_copy(*device_), kUsedByCopy);
   vkCmdCopyBuffer(commands_, from.handle(), to.handle(), 1, &region);
-  record_barrier(commands_, kTransfer, VK_ACCESS_2_TRANSFER_WRITE_BIT, kAll, kAnyAccess);
+  record_barrier(commands_, kWrittenByCopy, used_by_shader_or_copy(*device_));
 }
 
-void Commands::barrier() {
-  record_barrier(commands_, kCompute, VK_ACCESS_2_SHADER_WRITE_BIT, kCompute | VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT,
-                 VK_ACCESS_2_SHADER_READ_BIT | VK_ACCESS_2_SHADER_WRITE_BIT | VK_ACCESS_2_INDIRECT_COMMAND_READ_BIT);
-}
+void Commands::barrier() { record_barrier(commands_, kWrittenByKernel, kUsedByKernel); }
 
 void Commands::submit() {
   // Make results visible to host reads of mapped memory.
-  record_barrier(commands_, kAll, VK_ACCESS_2_MEMORY_WRITE_BIT, VK_PIPELINE_STAGE_2_HOST_BIT,
-                 VK_ACCESS_2_HOST_READ_BIT);
+  record_barrier(commands_, kWrittenByKernelOrCopy, kReadByHost);
   check(vkEndCommandBuffer(commands_), "recording");
   VkCommandBufferSubmitInfo buffer{VK_STRUCTURE_TYPE_COMMAND_BUFFER_SUBMIT_INFO};
   buffer.commandBuffer = commands_;

@@ -84,25 +84,14 @@ MemoryAccess memory_access(const Device& device, ImageFormat format, ImageUse us
                 VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_READ_BIT | VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT};
       return {VK_PIPELINE_STAGE_2_COLOR_ATTACHMENT_OUTPUT_BIT,
               VK_ACCESS_2_COLOR_ATTACHMENT_READ_BIT | VK_ACCESS_2_COLOR_ATTACHMENT_WRITE_BIT};
-    case ImageUse::sampled: {
-      // A queue that cannot rasterize does not know the stages of rasterization.
-      const VkPipelineStageFlags2 raster =
-          device.rasterizes() ? VK_PIPELINE_STAGE_2_VERTEX_SHADER_BIT | VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT : 0;
-      return {VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT | raster, VK_ACCESS_2_SHADER_SAMPLED_READ_BIT};
-    }
+    case ImageUse::sampled:
+      return {shader_stages(device), VK_ACCESS_2_SHADER_SAMPLED_READ_BIT};
     case ImageUse::copied_from:
       return {VK_PIPELINE_STAGE_2_COPY_BIT, VK_ACCESS_2_TRANSFER_READ_BIT};
     default:
       return {VK_PIPELINE_STAGE_2_COPY_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT};
   }
 }
-
-constexpr MemoryAccess kCopied{VK_PIPELINE_STAGE_2_TRANSFER_BIT,
-                               VK_ACCESS_2_TRANSFER_READ_BIT | VK_ACCESS_2_TRANSFER_WRITE_BIT};
-
-constexpr MemoryAccess kCopyWritten{VK_PIPELINE_STAGE_2_TRANSFER_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT};
-constexpr MemoryAccess kAnyUse{VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
-                               VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT};
 
 } // namespace
 
@@ -115,21 +104,6 @@ bool holds_integers(ImageFormat format) { return format >= ImageFormat::rgba32ui
 
 std::uint32_t texel_bytes(ImageFormat format, Aspect aspect) {
   return aspect == Aspect::stencil ? 1 : entry(format).bytes;
-}
-
-void record_barriers(VkCommandBuffer commands, std::span<const VkImageMemoryBarrier2> images, const MemoryAccess& from,
-                     const MemoryAccess& to) {
-  VkMemoryBarrier2 memory{VK_STRUCTURE_TYPE_MEMORY_BARRIER_2};
-  memory.srcStageMask = from.stages;
-  memory.srcAccessMask = from.access;
-  memory.dstStageMask = to.stages;
-  memory.dstAccessMask = to.access;
-  VkDependencyInfo info{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
-  info.memoryBarrierCount = from.stages == VK_PIPELINE_STAGE_2_NONE ? 0 : 1;
-  info.pMemoryBarriers = &memory;
-  info.imageMemoryBarrierCount = static_cast<std::uint32_t>(images.size());
-  info.pImageMemoryBarriers = images.data();
-  vkCmdPipelineBarrier2(commands, &info);
 }
 
 VkSampler create_sampler(const Device& device, ImageFormat format, const Sampling& sampling) {
@@ -272,18 +246,18 @@ VkBufferImageCopy DeviceImage::whole(Aspect aspect) const {
 
 void DeviceImage::copy_to(VkCommandBuffer commands, const Buffer& to, Aspect aspect) {
   assert(to.bytes() >= std::uint64_t{info_.width} * info_.height * info_.layers * texel_bytes(info_.format, aspect));
-  record_barriers(commands, std::array{barrier(ImageUse::copied_from)}, kWrittenByKernelOrCopy, kCopied);
+  record_barriers(commands, std::array{barrier(ImageUse::copied_from)}, kWrittenByKernelOrCopy, kUsedByCopy);
   const VkBufferImageCopy region = whole(aspect);
   vkCmdCopyImageToBuffer(commands, image_, layout(use_), to.handle(), 1, &region);
-  record_barriers(commands, {}, kCopyWritten, kAnyUse);
+  record_barrier(commands, kWrittenByCopy, used_by_shader_or_copy(device_));
 }
 
 void DeviceImage::copy_from(VkCommandBuffer commands, const Buffer& from, Aspect aspect) {
   assert(from.bytes() >= std::uint64_t{info_.width} * info_.height * info_.layers * texel_bytes(info_.format, aspect));
-  record_barriers(commands, std::array{barrier(ImageUse::copied_to)}, kWrittenByKernelOrCopy, kCopied);
+  record_barriers(commands, std::array{barrier(ImageUse::copied_to)}, kWrittenByKernelOrCopy, kUsedByCopy);
   const VkBufferImageCopy region = whole(aspect);
   vkCmdCopyBufferToImage(commands, from.handle(), image_, layout(use_), 1, &region);
-  record_barriers(commands, {}, kCopyWritten, kAnyUse);
+  record_barrier(commands, kWrittenByCopy, used_by_shader_or_copy(device_));
 }
 
 } // namespace wavepath

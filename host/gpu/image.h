@@ -9,6 +9,7 @@
 
 #include <vulkan/vulkan.h>
 
+#include "host/gpu/barrier.h"
 #include "host/gpu/device.h"
 #include "host/gpu/memory.h"
 
@@ -112,18 +113,5 @@ private:
   std::vector<VkImageView> layer_views_;
   std::array<VkImageView, 2> sampled_views_{}; // by Aspect
 };
-
-// One side of a barrier.
-struct MemoryAccess {
-  VkPipelineStageFlags2 stages = VK_PIPELINE_STAGE_2_NONE;
-  VkAccessFlags2 access = VK_ACCESS_2_NONE;
-};
-inline constexpr MemoryAccess kWrittenByKernelOrCopy{
-    VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_2_TRANSFER_BIT,
-    VK_ACCESS_2_SHADER_WRITE_BIT | VK_ACCESS_2_TRANSFER_WRITE_BIT};
-
-// Records barriers: of `images`, and, unless `from` is empty, of all memory from the accesses `from` to those of `to`.
-void record_barriers(VkCommandBuffer commands, std::span<const VkImageMemoryBarrier2> images, const MemoryAccess& from,
-                     const MemoryAccess& to);
 
 } // namespace wavepath

@@ -42,13 +42,13 @@ private:
   void* mapped_ = nullptr;
 };
 
-// Properties to wish for. The host reads uncached memory slowly, so for `kReadByHost` cached memory that needs an
+// Properties to wish for. The host reads uncached memory slowly, so for `kForReadback` cached memory that needs an
 // invalidate comes before uncached memory.
 inline constexpr VkMemoryPropertyFlags kHostCoherent =
     VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
 inline constexpr VkMemoryPropertyFlags kHostCached =
     VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_CACHED_BIT;
-inline constexpr VkMemoryPropertyFlags kReadByHost[] = {kHostCoherent | kHostCached, kHostCached, kHostCoherent};
+inline constexpr VkMemoryPropertyFlags kForReadback[] = {kHostCoherent | kHostCached, kHostCached, kHostCoherent};
 inline constexpr VkMemoryPropertyFlags kUnified[] = {VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT | kHostCoherent,
                                                      kHostCoherent};
 inline constexpr VkMemoryPropertyFlags kDeviceLocal[] = {VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT, 0};

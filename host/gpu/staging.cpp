@@ -5,25 +5,13 @@
 #include <cstring>
 
 #include "host/base/error.h"
+#include "host/gpu/barrier.h"
 
 namespace wavepath {
 namespace {
 
 // Larger copies go in pieces, so that staging never doubles the memory of a large scene.
 constexpr std::uint64_t kMostBytes = 64ull << 20, kLeastBytes = 64ull << 10;
-
-void record_barrier(VkCommandBuffer commands, VkPipelineStageFlags2 from, VkPipelineStageFlags2 to,
-                    VkAccessFlags2 to_access) {
-  VkMemoryBarrier2 memory{VK_STRUCTURE_TYPE_MEMORY_BARRIER_2};
-  memory.srcStageMask = from;
-  memory.srcAccessMask = VK_ACCESS_2_MEMORY_WRITE_BIT;
-  memory.dstStageMask = to;
-  memory.dstAccessMask = to_access;
-  VkDependencyInfo info{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
-  info.memoryBarrierCount = 1;
-  info.pMemoryBarriers = &memory;
-  vkCmdPipelineBarrier2(commands, &info);
-}
 
 } // namespace
 
@@ -71,7 +59,7 @@ void Staging::grow(std::uint64_t bytes) {
   check(vkCreateBuffer(context_.handle(), &info, nullptr, &buffer_), "creating a buffer");
   VkMemoryRequirements needs{};
   vkGetBufferMemoryRequirements(context_.handle(), buffer_, &needs);
-  if (!memory_.allocate(context_, needs, kReadByHost))
+  if (!memory_.allocate(context_, needs, kForReadback))
     throw Error(context_.info().name, "no memory for copies between host and device", "close other programs");
   check(vkBindBufferMemory(context_.handle(), buffer_, memory_.handle(), 0), "binding memory");
   bytes_ = bytes;
@@ -115,12 +103,10 @@ void Staging::submit(const std::function<void()>& record) {
   VkCommandBufferBeginInfo begin{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
   begin.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
   check(vkBeginCommandBuffer(commands_, &begin), "recording a copy");
-  record_barrier(commands_, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, VK_PIPELINE_STAGE_2_TRANSFER_BIT,
-                 VK_ACCESS_2_TRANSFER_READ_BIT | VK_ACCESS_2_TRANSFER_WRITE_BIT);
+  record_barrier(commands_, kWritten, kUsedByCopy);
   record();
-  record_barrier(commands_, VK_PIPELINE_STAGE_2_TRANSFER_BIT,
-                 VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT | VK_PIPELINE_STAGE_2_HOST_BIT,
-                 VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT);
+  record_barrier(commands_, kWrittenByCopy, kUsed);
+  record_barrier(commands_, kWrittenByCopy, kReadByHost);
   check(vkEndCommandBuffer(commands_), "recording a copy");
 
   VkCommandBufferSubmitInfo buffer{VK_STRUCTURE_TYPE_COMMAND_BUFFER_SUBMIT_INFO};

@@ -29,6 +29,10 @@ std::string last_error() {
 void open_glfw() {
   if (!is_set("DISPLAY") && !is_set("WAYLAND_DISPLAY"))
     throw Error("view", "there is no display (DISPLAY and WAYLAND_DISPLAY are not set)", kRemedy);
+#if GLFW_VERSION_MAJOR > 3 || GLFW_VERSION_MINOR >= 4
+  // Or it asks for a Wayland display that nobody named, whose library then writes an error of its own.
+  if (!is_set("WAYLAND_DISPLAY")) glfwInitHint(GLFW_PLATFORM, GLFW_PLATFORM_X11);
+#endif
   if (!glfwInit()) throw Error("view", fmt::format("the display cannot be opened ({})", last_error()), kRemedy);
   std::atexit(glfwTerminate);
   if (!glfwVulkanSupported())

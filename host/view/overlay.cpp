@@ -1,6 +1,7 @@
 #include "host/view/overlay.h"
 
 #include <cmath>
+#include <mutex>
 
 #include <backends/imgui_impl_glfw.h>
 #include <backends/imgui_impl_vulkan.h>
@@ -33,13 +34,14 @@ void set_look(float scale, bool encodes) {
 }
 
 // From 1.90 on (Debian 13), Dear ImGui uploads with commands of its own.
-void upload_font([[maybe_unused]] Device& device) {
+void upload_font(Device& device) {
 #if IMGUI_VERSION_NUM < 19000
   Commands commands(device);
   ImGui_ImplVulkan_CreateFontsTexture(commands.handle());
   commands.submit_and_wait();
   ImGui_ImplVulkan_DestroyFontUploadObjects();
 #else
+  const std::lock_guard lock(device.queue_mutex()); // kernels may be compiling, which ends in a dispatch
   ImGui_ImplVulkan_CreateFontsTexture();
 #endif
 }

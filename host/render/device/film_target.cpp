@@ -166,12 +166,6 @@ Film FilmSnapshot::read() const {
   return film;
 }
 
-std::uint64_t FilmSnapshot::bytes() const {
-  std::uint64_t sum = 0;
-  for (const Band& band : bands_) sum += band.film.bytes() + band.aovs.bytes();
-  return sum;
-}
-
 void add_bindings(const FilmBand& band, std::vector<Binding>& bindings) {
   bindings.insert(bindings.end(), {{gpu::kBindFilm, BindingKind::storage, &band.film},
                                    {gpu::kBindFilmTexels, BindingKind::texels_rgba32ui, &band.film},

@@ -50,7 +50,6 @@ public:
   void record(Commands& commands, const FilmTarget& target) const;
   // Once the commands have been waited for. `target`: as it was when they were recorded.
   Film read() const;
-  std::uint64_t bytes() const;
 
 private:
   struct Band {

@@ -28,7 +28,6 @@ WaveQueue::WaveQueue(Workspace& workspace)
 void WaveQueue::submit(const std::function<void(Commands&)>& record, Work work) {
   while (in_flight_.size() >= turns_.size()) finish_one();
   Turn& turn = turns_[next_turn_];
-  next_turn_ = (next_turn_ + 1) % turns_.size();
   turn.commands.restart(work.timed_dispatches);
   const gpu::Counters none = no_counts();
   turn.commands.write(workspace_.counters(), &none, sizeof(none));
@@ -36,6 +35,7 @@ void WaveQueue::submit(const std::function<void(Commands&)>& record, Work work) 
   turn.commands.copy(workspace_.counters(), turn.counters, sizeof(none));
   turn.commands.submit();
   in_flight_.push_back({&turn, std::move(work), Clock::now(), {}});
+  next_turn_ = (next_turn_ + 1) % turns_.size();
 }
 
 void WaveQueue::afterwards(std::function<void()> action) {
@@ -74,12 +74,14 @@ Finished WaveQueue::count(Flight& flight) {
   Finished finished;
   finished.seconds = std::chrono::duration<double>(now - std::max(flight.submitted, last_finished_)).count();
   last_finished_ = now;
-  totals.busy_seconds += finished.seconds;
   for (const KernelTime& time : flight.turn->commands.times()) {
     count_time(time.kernel->name(), time.seconds);
     finished.longest_dispatch = std::max(finished.longest_dispatch, time.seconds);
     finished.device_seconds += time.seconds;
   }
+  // A host that came late, as a window does, saw the device idle; dispatches that were timed tell how long it worked.
+  const bool timed = finished.device_seconds > 0.0 && !flight.work.stage;
+  totals.busy_seconds += timed ? std::min(finished.seconds, finished.device_seconds) : finished.seconds;
   if (flight.work.stage) count_time(flight.work.stage, finished.seconds);
   gpu::Counters counters;
   flight.turn->counters.invalidate();

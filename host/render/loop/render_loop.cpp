@@ -20,6 +20,12 @@ RenderSettings whole_passes(RenderSettings settings) {
   return settings;
 }
 
+// Looks are apart by so many samples that all replicates have as many.
+Target make_target(const RenderSettings& settings, std::uint32_t next_check = 0) {
+  const std::uint32_t step = settings.adaptive ? kAdaptiveStep : gpu::kReplicates;
+  return {settings.target_error, settings.first_sample, settings.last_sample, step, next_check};
+}
+
 } // namespace
 
 RenderLoop::RenderLoop(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings,
@@ -30,7 +36,8 @@ RenderLoop::RenderLoop(Device& device, const PackedScene& scene, const View& vie
       kernels_(kernels),
       workspace_(device, scene, std::max(choose_slots(device.info(), scene, settings), pace.least_slots)),
       queue_(workspace_),
-      governor_(workspace_.slots, pace.longest_dispatch) {
+      governor_(workspace_.slots, pace.longest_dispatch),
+      estimates_(device) {
   restart(view, settings);
 }
 
@@ -44,14 +51,11 @@ void RenderLoop::abandon() {
   abandoning_ = true;
   queue_.drain();
   abandoning_ = false;
-  std::erase_if(abandoned_, [](std::future<Estimate>& one) {
-    return one.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
-  });
   for (Pending& pending : pending_)
     if (pending.estimate.valid())
-      abandoned_.push_back(std::move(pending.estimate));
-    else if (pending.snapshot)
-      snapshots_.push_back(std::move(pending.snapshot));
+      estimates_.abandon(std::move(pending.estimate));
+    else if (pending.copy)
+      estimates_.give_back(std::move(pending.copy));
   pending_.clear();
 }
 
@@ -71,7 +75,7 @@ void RenderLoop::restart(const View& view, const RenderSettings& settings, Past 
   mean_factor_ = 1.0;
   cursor_ = {settings_.first_sample, 0, 0, 0};
   begun_ = stopped_ = running_ = false;
-  next_check_ = aim_limit_ = 0;
+  target_ = make_target(settings_);
   film_.reset();
   result_ = {};
   result_.upload_seconds = workspace_.upload_seconds;
@@ -101,13 +105,13 @@ void RenderLoop::stop(StopReason reason) {
 // A frame reaches the film as a whole, so it is never cut short.
 bool RenderLoop::is_done() const {
   if (stopped_) return traces_paths() || !in_pass();
-  return cursor_.sample >= settings_.last_sample && aim_limit_ == 0;
+  return cursor_.sample >= settings_.last_sample && target_.limit() == 0;
 }
 
 bool RenderLoop::step() {
   collect_estimates(false);
   if (!begun_) begin();
-  if (aim_limit_ > 0 && !in_pass() && cursor_.sample >= aim_limit_) collect_estimates(true);
+  if (target_.limit() > 0 && !in_pass() && cursor_.sample >= target_.limit()) collect_estimates(true);
   if (is_done()) return false;
   if (!in_pass()) {
     cursor_.pass_samples = pass_end() - cursor_.sample;
@@ -149,7 +153,7 @@ void RenderLoop::restore(const RenderState& state) {
   queue_.totals.nonfinite = state.nonfinite;
   workspace_.film.upload(state.film);
   if (settings_.adaptive && !state.levels.empty()) use_levels(state.levels);
-  next_check_ = state.next_check;
+  target_ = make_target(settings_, state.next_check);
   if (in_pass()) integrator_->begin_pass(queue_, cursor_.sample);
 }
 
@@ -186,8 +190,8 @@ std::uint32_t RenderLoop::pass_end() const {
   const std::uint32_t next_checkpoint = settings_.first_sample + std::max(std::bit_ceil(spp() + 1), step);
   std::uint32_t end =
       std::min({cursor_.sample + (fit + step - 1) / step * step, next_checkpoint, settings_.last_sample});
-  if (next_check_ > cursor_.sample) end = std::min(end, next_check_);
-  if (aim_limit_ > cursor_.sample) end = std::min(end, aim_limit_);
+  for (const std::uint32_t bound : {target_.next_check(), target_.limit()})
+    if (bound > cursor_.sample) end = std::min(end, bound);
   return end;
 }
 
@@ -231,7 +235,7 @@ void RenderLoop::end_pass() {
   });
   cursor_ = {cursor_.sample + cursor_.pass_samples, 0, 0, 0};
   // What the last look at the error decides is known before the next one begins, whatever the timing.
-  if (aim_limit_ > 0 && (cursor_.sample >= aim_limit_ || is_checkpoint())) collect_estimates(true);
+  if (target_.limit() > 0 && (cursor_.sample >= target_.limit() || is_checkpoint())) collect_estimates(true);
   if (!stopped_ && (is_checkpoint() || is_check())) checkpoint();
 }
 

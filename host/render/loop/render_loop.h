@@ -13,11 +13,13 @@
 #include "host/film/film.h"
 #include "host/render/device/wave_queue.h"
 #include "host/render/device/workspace.h"
+#include "host/render/loop/film_estimates.h"
 #include "host/render/loop/governor.h"
 #include "host/render/loop/hooks.h"
 #include "host/render/loop/integrator.h"
 #include "host/render/loop/render_result.h"
 #include "host/render/loop/render_state.h"
+#include "host/render/loop/target.h"
 
 namespace wavepath {
 
@@ -76,18 +78,13 @@ public:
   const Integrator& integrator() const { return *integrator_; }
 
 private:
-  struct Estimate { // of a film, on a thread of its own
-    std::shared_ptr<const Film> film;
-    ErrorEstimate error;
-    double seconds = 0.0; // that it took
-  };
   struct Pending { // a checkpoint, or an estimate of the error between two
     Checkpoint point;
     Totals totals;
     std::uint32_t sample = 0; // one past the last that it holds
     bool is_checkpoint = false, measured = false;
-    std::shared_ptr<FilmSnapshot> snapshot; // null: too few samples for an estimate
-    std::future<Estimate> estimate;
+    std::shared_ptr<FilmSnapshot> copy; // null: too few samples for an estimate
+    std::future<FilmEstimate> estimate;
   };
 
   bool traces_paths() const { return settings_.integrator->traces_paths; }
@@ -113,12 +110,12 @@ private:
   void report_progress();
 
   bool is_checkpoint() const;
-  bool is_check() const { return next_check_ > 0 && cursor_.sample == next_check_; }
+  bool is_check() const { return cursor_.sample == target_.next_check(); }
   bool pays() const;
   void checkpoint();
   void measure(Pending& pending);
   void take_in_first();
-  void aim(const Pending& pending, const Checkpoint& point);
+  void stop_at(const Pending& pending);
   bool has_film() const { return film_ && film_sample_ == cursor_.sample && !in_pass(); }
   bool is_save_due() const;
   void save();
@@ -141,12 +138,8 @@ private:
   double pixel_seconds_ = 0.0, pass_began_busy_ = 0.0;
 
   std::deque<Pending> pending_;
-  std::vector<std::shared_ptr<FilmSnapshot>> snapshots_; // free to be used again
-  std::vector<std::future<Estimate>> abandoned_;         // of what is no longer on the film
-  std::uint32_t next_check_ = 0; // sample at which to look whether the target is reached; 0 = at checkpoints only
-  // While the estimate at `aim_sample_`, which may end the render, is not known: no pass goes beyond `aim_limit_`. 0 =
-  // none.
-  std::uint32_t aim_sample_ = 0, aim_limit_ = 0;
+  FilmEstimates estimates_;
+  Target target_;
   double estimate_pixel_seconds_ = 0.0; // of the last one
   std::shared_ptr<const Film> film_;    // as it was when `film_sample_` had been reached
   std::uint32_t film_sample_ = 0;

@@ -17,9 +17,6 @@ namespace {
 constexpr std::size_t kMostPending = 2;
 constexpr double kEstimateShare = 0.02; // of the time, where estimates may be skipped
 constexpr double kFirstEstimate = 1e-7; // seconds a pixel, before one was measured
-// Few samples a pixel may have missed rare light, so no estimate of fewer ends a render.
-constexpr std::uint32_t kFewestSamples = 16;
-constexpr double kShortestStep = 1.0 / 16; // from one estimate of the error to the next; each costs time
 
 double gpu_seconds(const Totals& totals) {
   double sum = 0.0;
@@ -30,12 +27,6 @@ double gpu_seconds(const Totals& totals) {
 ErrorEstimate unknown_error() {
   constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
   return {kUnknown, {kUnknown, kUnknown}, 0.0};
-}
-
-// Samples from one estimate of the error to the next, such that all replicates have as many.
-std::uint32_t look_step(double samples, bool adaptive) {
-  const std::uint32_t multiple = adaptive ? kAdaptiveStep : gpu::kReplicates;
-  return (static_cast<std::uint32_t>(samples) / multiple + 1) * multiple;
 }
 
 } // namespace
@@ -61,18 +52,12 @@ void RenderLoop::checkpoint() {
   pending.sample = cursor_.sample;
   pending.is_checkpoint = is_checkpoint();
   pending.point.spp = samples_per_pixel();
-  if (settings_.target_error > 0.0 && pending.point.spp >= kFewestSamples)
-    next_check_ = 0, aim_sample_ = cursor_.sample,
-    aim_limit_ = std::min(cursor_.sample + look_step(spp() * kShortestStep, settings_.adaptive), settings_.last_sample);
+  target_.begin(cursor_.sample, pending.point.spp);
   if (spp() < gpu::kReplicates && !hooks_.checkpoint) { // of fewer samples there is no estimate
     queue_.afterwards([this, &pending] { measure(pending); });
     return;
   }
-  if (snapshots_.empty()) snapshots_.push_back(std::make_shared<FilmSnapshot>());
-  pending.snapshot = snapshots_.back();
-  snapshots_.pop_back();
-  pending.snapshot->fit(workspace_.device, workspace_.film);
-  queue_.submit([&](Commands& commands) { pending.snapshot->record(commands, workspace_.film); },
+  queue_.submit([&](Commands& commands) { pending.copy = estimates_.copy(commands, workspace_.film); },
                 {.done = [this, &pending](const Finished&) { measure(pending); }});
 }
 
@@ -85,22 +70,13 @@ void RenderLoop::measure(Pending& pending) {
   pending.point.rays = queue_.totals.rays;
   pending.point.error = unknown_error();
   pending.measured = true;
-  if (!pending.snapshot) return;
-  pending.estimate = std::async(std::launch::async, [snapshot = pending.snapshot] {
-    const auto start = Clock::now();
-    Estimate estimate;
-    estimate.film = std::make_shared<const Film>(snapshot->read());
-    estimate.error = estimate_error(*estimate.film);
-    estimate.seconds = seconds_since(start);
-    return estimate;
-  });
+  if (pending.copy) pending.estimate = estimates_.begin(pending.copy);
 }
 
 void RenderLoop::collect_estimates(bool wait) {
   while (!pending_.empty()) {
     const Pending& first = pending_.front();
-    const bool ready = first.measured && (!first.estimate.valid() || first.estimate.wait_for(std::chrono::seconds(0)) ==
-                                                                         std::future_status::ready);
+    const bool ready = first.measured && (!first.estimate.valid() || is_there(first.estimate));
     if (!ready && !wait) return;
     take_in_first();
   }
@@ -114,13 +90,13 @@ void RenderLoop::take_in_first() {
   pending_.pop_front();
   Checkpoint& point = pending.point;
   if (pending.estimate.valid()) {
-    Estimate estimate = pending.estimate.get();
+    FilmEstimate estimate = pending.estimate.get();
     point.error = estimate.error;
     film_ = std::move(estimate.film);
     film_sample_ = pending.sample;
     estimate_pixel_seconds_ = estimate.seconds / static_cast<double>(pixels());
     result_.estimate_seconds += estimate.seconds;
-    snapshots_.push_back(std::move(pending.snapshot));
+    estimates_.give_back(std::move(pending.copy));
   }
   last_ = point;
   result_.error = point.error;
@@ -132,31 +108,16 @@ void RenderLoop::take_in_first() {
       resume_clock();
     }
   }
-  if (settings_.target_error > 0.0 && !stopped_) aim(pending, point);
+  if (!stopped_ && target_.take(pending.sample, point, result_.checkpoints)) stop_at(pending);
 }
 
-// Ends the render where its target is reached, and otherwise predicts the sample at which it may be, to estimate again
-// there. Waves that were rendered meanwhile do not count, so that the picture does not depend on timing. The rule is
-// about the error of the whole picture, in which one pixel weighs next to nothing: no pixel stops early because its
-// error seems small by chance.
-void RenderLoop::aim(const Pending& pending, const Checkpoint& point) {
-  if (pending.sample == aim_sample_) aim_limit_ = 0;
-  if (point.spp >= kFewestSamples && point.error.relative_rms <= settings_.target_error) {
-    stop(StopReason::target_error);
-    queue_.drain();
-    pending_.clear(); // of samples that do not count
-    aim_limit_ = 0;
-    cursor_ = {pending.sample, 0, 0, 0};
-    queue_.totals = pending.totals;
-    return;
-  }
-  next_check_ = 0;
-  if (!has_estimate(point.spp, point.error) || point.spp < kFewestSamples) return;
-  const double growth =
-      growth_for(point.error.relative_rms / settings_.target_error, fit_slope(result_.checkpoints, Against::spp));
-  const std::uint32_t samples = pending.sample - settings_.first_sample;
-  const double step = samples * std::clamp(growth - 1.0, kShortestStep, 1.0);
-  next_check_ = pending.sample + look_step(step, settings_.adaptive);
+// Ends the render with the film that was judged. Waves that were rendered meanwhile do not count, so that the picture
+// does not depend on timing.
+void RenderLoop::stop_at(const Pending& judged) {
+  stop(StopReason::target_error);
+  abandon();
+  cursor_ = {judged.sample, 0, 0, 0};
+  queue_.totals = judged.totals;
 }
 
 bool RenderLoop::is_save_due() const { return hooks_.save && seconds_since(last_save_) >= hooks_.save_interval; }
@@ -180,7 +141,7 @@ RenderState RenderLoop::state() {
           queue_.totals.nonfinite,
           result_.checkpoints,
           levels_,
-          next_check_,
+          target_.next_check(),
           has_film() ? *film_ : workspace_.film.download()};
 }
 

@@ -1,0 +1,36 @@
+#include "host/render/loop/film_estimates.h"
+
+#include "host/base/clock.h"
+
+namespace wavepath {
+
+FilmEstimates::FilmEstimates(Device& device) : device_(device), at_once_(device.info().type == "cpu") {}
+
+std::shared_ptr<FilmSnapshot> FilmEstimates::copy(Commands& commands, const FilmTarget& film) {
+  if (free_.empty()) free_.push_back(std::make_shared<FilmSnapshot>());
+  const std::shared_ptr<FilmSnapshot> copy = free_.back();
+  copy->fit(device_, film);
+  copy->record(commands, film);
+  free_.pop_back();
+  return copy;
+}
+
+std::future<FilmEstimate> FilmEstimates::begin(std::shared_ptr<FilmSnapshot> copy) {
+  std::future<FilmEstimate> estimate = std::async(std::launch::async, [copy = std::move(copy)] {
+    const auto start = Clock::now();
+    FilmEstimate result;
+    result.film = std::make_shared<const Film>(copy->read());
+    result.error = estimate_error(*result.film);
+    result.seconds = seconds_since(start);
+    return result;
+  });
+  if (at_once_) estimate.wait();
+  return estimate;
+}
+
+void FilmEstimates::abandon(std::future<FilmEstimate> estimate) {
+  std::erase_if(abandoned_, is_there<FilmEstimate>);
+  abandoned_.push_back(std::move(estimate));
+}
+
+} // namespace wavepath

@@ -1,0 +1,47 @@
+#include "host/render/loop/target.h"
+
+#include <algorithm>
+
+namespace wavepath {
+namespace {
+
+// Few samples a pixel may have missed rare light, so no estimate of fewer ends a render.
+constexpr std::uint32_t kFewestSamples = 16;
+constexpr double kShortestStep = 1.0 / 16; // from one look to the next, of the samples so far; each look costs time
+
+} // namespace
+
+Target::Target(double relative_rms, std::uint32_t first_sample, std::uint32_t last_sample, std::uint32_t step,
+               std::uint32_t next_check)
+    : relative_rms_(relative_rms),
+      first_sample_(first_sample),
+      last_sample_(last_sample),
+      step_(step),
+      next_check_(relative_rms > 0.0 ? next_check : 0) {}
+
+std::uint32_t Target::whole_steps_beyond(double samples) const {
+  return (static_cast<std::uint32_t>(samples) / step_ + 1) * step_;
+}
+
+void Target::begin(std::uint32_t sample, std::uint32_t spp) {
+  if (!is_set() || spp < kFewestSamples) return;
+  next_check_ = 0;
+  looked_at_ = sample;
+  limit_ = std::min(sample + whole_steps_beyond((sample - first_sample_) * kShortestStep), last_sample_);
+}
+
+bool Target::take(std::uint32_t sample, const Checkpoint& found, const std::vector<Checkpoint>& checkpoints) {
+  if (!is_set()) return false;
+  if (sample == looked_at_) limit_ = 0;
+  if (found.spp >= kFewestSamples && found.error.relative_rms <= relative_rms_) {
+    limit_ = next_check_ = 0;
+    return true;
+  }
+  next_check_ = 0;
+  if (!has_estimate(found.spp, found.error) || found.spp < kFewestSamples) return false;
+  const double growth = growth_for(found.error.relative_rms / relative_rms_, fit_slope(checkpoints, Against::spp));
+  next_check_ = sample + whole_steps_beyond((sample - first_sample_) * std::clamp(growth - 1.0, kShortestStep, 1.0));
+  return false;
+}
+
+} // namespace wavepath
