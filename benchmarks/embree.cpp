@@ -1,23 +1,19 @@
 #include "benchmarks/embree.h"
 
 #include <algorithm>
-#include <chrono>
 #include <limits>
 
 #include <embree3/rtcore.h>
 #include <tbb/parallel_for.h>
 
 #include "bvh/words.h"
+#include "host/base/clock.h"
 #include "host/base/error.h"
 
 namespace wavepath {
 namespace {
 
 constexpr std::size_t kGrain = 256; // rays a task
-
-double seconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
 
 // Leaves of one tree, each triangle once: spatial splits hold copies.
 std::vector<std::uint32_t> list_triangles(const PackedScene& scene, std::uint32_t root) {
@@ -95,7 +91,7 @@ EmbreeScene::EmbreeScene(const PackedScene& scene, bool robust) : handles_(std::
   rtcCommitGeometry(mesh);
   rtcAttachGeometry(handles_->scene, mesh);
   rtcReleaseGeometry(mesh);
-  const auto start = std::chrono::steady_clock::now();
+  const auto start = Clock::now();
   rtcCommitScene(handles_->scene);
   build_seconds_ = seconds_since(start);
 }
@@ -107,7 +103,7 @@ EmbreeScene::~EmbreeScene() {
 
 double EmbreeScene::intersect(std::span<const gpu::Ray> rays, std::vector<float>* t) const {
   if (t) t->assign(rays.size(), std::numeric_limits<float>::infinity());
-  const auto start = std::chrono::steady_clock::now();
+  const auto start = Clock::now();
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, rays.size(), kGrain), [&](const auto& range) {
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
@@ -123,7 +119,7 @@ double EmbreeScene::intersect(std::span<const gpu::Ray> rays, std::vector<float>
 
 double EmbreeScene::occluded(std::span<const gpu::ShadowRay> rays, std::vector<bool>* blocked) const {
   std::vector<std::uint8_t> found(rays.size(), 0);
-  const auto start = std::chrono::steady_clock::now();
+  const auto start = Clock::now();
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, rays.size(), kGrain), [&](const auto& range) {
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 
+#include "host/base/clock.h"
 #include "host/gpu/commands.h"
 #include "kernels/bench/ceiling_fma.spv.h"
 #include "kernels/bench/ceiling_load.spv.h"
@@ -24,9 +24,9 @@ double run(Device& device, const Kernel& kernel, const BindingSet& bindings, std
   Commands commands(device, 1);
   commands.bind(bindings);
   commands.dispatch(kernel, groups, &parameters);
-  const auto start = std::chrono::steady_clock::now();
+  const Clock::time_point start = Clock::now();
   commands.submit_and_wait();
-  const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const double wall = seconds_since(start);
   const double timed = commands.times().empty() ? 0.0 : commands.times().front().seconds;
   return timed > 0.0 ? timed : wall;
 }

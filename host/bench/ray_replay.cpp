@@ -1,10 +1,10 @@
 #include "host/bench/ray_replay.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cstddef>
 #include <limits>
 
+#include "host/base/clock.h"
 #include "host/integrators/path/path_replay.h"
 #include "kernels/frame_types.h"
 #include "kernels/path/path_types.h"
@@ -64,9 +64,9 @@ double RayReplay::time(PathStage stage, std::size_t count) {
   Commands commands(workspace_.device, 1);
   commands.bind(paths_.bindings(0));
   commands.dispatch(kernels[stage], groups_for(count), &wave);
-  const auto start = std::chrono::steady_clock::now();
+  const Clock::time_point start = Clock::now();
   commands.submit_and_wait();
-  const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const double wall = seconds_since(start);
   const double device = commands.times().empty() ? 0.0 : commands.times().front().seconds;
   return device > 0.0 ? device : wall;
 }

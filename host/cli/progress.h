@@ -1,9 +1,9 @@
 // Shows on stderr how far a render is.
 #pragma once
 
-#include <chrono>
 #include <string>
 
+#include "host/base/clock.h"
 #include "host/render/render.h"
 
 namespace wavepath {
@@ -25,7 +25,6 @@ public:
   void show(const Progress& progress);
 
 private:
-  using Clock = std::chrono::steady_clock;
   bool quiet_, terminal_;
   double time_limit_, target_error_;
   Clock::time_point last_;

@@ -1,6 +1,5 @@
 // wavepath render: checks the request, prepares the scene, renders, writes and reports.
 #include <algorithm>
-#include <chrono>
 #include <exception>
 #include <filesystem>
 #include <memory>
@@ -8,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "host/base/atomic_file.h"
+#include "host/base/clock.h"
 #include "host/base/error.h"
 #include "host/base/process_clock.h"
 #include "host/cli/commands.h"
@@ -34,10 +34,10 @@ namespace {
 
 class Stopwatch {
 public:
-  double seconds() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
+  double seconds() const { return seconds_since(start_); }
 
 private:
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+  Clock::time_point start_ = Clock::now();
 };
 
 struct Request {

@@ -14,6 +14,7 @@
 #include <CLI/CLI.hpp>
 
 #include "host/base/atomic_file.h"
+#include "host/base/clock.h"
 #include "host/base/error.h"
 #include "host/base/shell_quote.h"
 #include "host/cli/commands.h"
@@ -116,7 +117,7 @@ public:
   StudyDisplay(StudyDisplay&&) = delete;
 
   void show(const StudyProgress& progress) {
-    const auto now = std::chrono::steady_clock::now();
+    const Clock::time_point now = Clock::now();
     if (quiet_ || now - last_ < std::chrono::milliseconds(terminal_ ? 100 : 5000)) return;
     last_ = now;
     drawn_ = true;
@@ -128,7 +129,7 @@ public:
 private:
   bool quiet_, terminal_, drawn_ = false;
   double budget_;
-  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+  Clock::time_point last_ = Clock::now();
 };
 
 // Packs the scene for every light strategy of the grid, and tells each warning once.

@@ -1,10 +1,10 @@
 #include "host/selftest/selftest.h"
 
-#include <chrono>
 #include <cmath>
 
 #include <fmt/format.h>
 
+#include "host/base/clock.h"
 #include "host/base/error.h"
 
 namespace wavepath {
@@ -19,14 +19,14 @@ std::vector<SelftestCase> selftest_cases() {
 }
 
 SelftestResult run_case(const SelftestCase& test, const SelftestContext& context) {
-  const auto start = std::chrono::steady_clock::now();
+  const Clock::time_point start = Clock::now();
   SelftestResult result{&test, {}, 0.0};
   try {
     result.measurement = test.run(context);
   } catch (const Error& error) {
     result.measurement = {"runs", "error", "", Verdict::fail, error.what()};
   }
-  result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  result.seconds = seconds_since(start);
   return result;
 }
 

@@ -15,8 +15,6 @@ namespace {
 constexpr std::array<std::string_view, 4> kSettings = {"hemisphere", "direct", "adaptive", "pixel"};
 constexpr std::array<std::string_view, 2> kFirstHitStages = {"generate", "extend"};
 
-std::uint32_t features(const RenderSettings& settings) { return settings.aovs.empty() ? 0 : gpu::kFeatureAovs; }
-
 void start_kernels(KernelCompiler& kernels, const DeviceInfo& device, std::uint32_t features,
                    const RenderSettings& settings) {
   const auto start = [&](std::uint32_t bits) {
@@ -38,7 +36,7 @@ constinit const IntegratorKind kPath = {
     .settings = kSettings,
     .measures_depth_cut = true,
     .first_hit_stages = kFirstHitStages,
-    .features = features,
+    .features = film_features,
     .start_kernels = start_kernels,
     .bytes_per_slot = [](std::uint32_t features) { return bytes_per_path(features, kRoomForShadowRays); },
     .largest_record = std::max(2 * sizeof(gpu::Ray), sizeof(gpu::PathAovs)),

@@ -8,15 +8,6 @@ void PathTracer::change(const View&, const RenderSettings& settings, Past) {
   paths_.change(settings, kAllPathStages, 0);
 }
 
-std::uint32_t PathTracer::most_samples() const {
-  return 4096; // accumulate loops over them; Mesa 22.3 ends loops at 65,535 trips
-}
-
-gpu::Wave PathTracer::wave(const FilmBand& band, std::uint32_t first_place, std::uint32_t pixel_count,
-                           std::uint32_t first_sample, std::uint32_t count) const {
-  return {first_place, pixel_count, first_sample, count, 0, band.first_pixel};
-}
-
 std::uint32_t PathTracer::timed_dispatches() const { return std::min(2 + (workspace_.frame.max_depth + 1) * 5, 1024u); }
 
 void PathTracer::record_wave(Commands& commands, std::size_t band, const gpu::Wave& wave) {

@@ -12,10 +12,7 @@ public:
   void change(const View& view, const RenderSettings& settings, Past past) override;
   bool is_ready() override { return paths_.is_ready(); }
   double get_ready() override { return paths_.get_ready(); }
-  std::uint32_t most_samples() const override;
   void begin_pass(WaveQueue&, std::uint32_t) override {}
-  gpu::Wave wave(const FilmBand& band, std::uint32_t first_place, std::uint32_t pixel_count, std::uint32_t first_sample,
-                 std::uint32_t count) const override;
   void record_wave(Commands& commands, std::size_t band, const gpu::Wave& wave) override;
   std::uint32_t timed_dispatches() const override;
   std::uint64_t bytes() const override { return paths_.buffers.bytes(); }

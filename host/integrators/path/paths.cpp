@@ -68,6 +68,8 @@ std::uint32_t needed_features(const PackedScene& scene, const View& view, const 
   return scene.features | (view.orthographic ? gpu::kFeatureOrthographic : 0) | features_of(settings);
 }
 
+std::uint32_t film_features(const RenderSettings& settings) { return settings.aovs.empty() ? 0 : gpu::kFeatureAovs; }
+
 std::uint64_t bytes_per_path(std::uint32_t features, std::uint32_t options) {
   std::uint64_t bytes = 0;
   for (const BufferRule& rule : kRules)

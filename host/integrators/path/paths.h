@@ -69,6 +69,9 @@ std::vector<Binding> path_layout();
 // kFeature bits that a view and settings ask for in this scene.
 std::uint32_t needed_features(const PackedScene& scene, const View& view, const RenderSettings& settings);
 
+// kFeature bits of kernels that fill the film: those of the AOVs asked for.
+std::uint32_t film_features(const RenderSettings& settings);
+
 // Bytes of path state and queues that one path in flight takes, for the features given.
 std::uint64_t bytes_per_path(std::uint32_t features, std::uint32_t options);
 

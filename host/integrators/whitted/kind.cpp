@@ -45,9 +45,7 @@ constinit const IntegratorKind kWhitted = {
     .summary = "Whitted's ray tracer: direct light, mirrors and glass",
     .settings = kSettings,
     .first_hit_stages = kFirstHitStages,
-    .features = [](const RenderSettings& settings) -> std::uint32_t {
-      return settings.aovs.empty() ? 0 : gpu::kFeatureAovs;
-    },
+    .features = film_features,
     .start_kernels = start_kernels,
     .bytes_per_slot =
         [](std::uint32_t features) { return bytes_per_path(features, kStatesAlone) + sizeof(gpu::WhittedNode); },

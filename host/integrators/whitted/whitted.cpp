@@ -72,15 +72,6 @@ bool Whitted::is_ready() {
 
 double Whitted::get_ready() { return kernels_.best(need_).seconds() + paths_.get_ready(); }
 
-std::uint32_t Whitted::most_samples() const {
-  return 4096; // accumulate loops over them; Mesa 22.3 ends loops at 65,535 trips
-}
-
-gpu::Wave Whitted::wave(const FilmBand& band, std::uint32_t first_place, std::uint32_t pixel_count,
-                        std::uint32_t first_sample, std::uint32_t count) const {
-  return {first_place, pixel_count, first_sample, count, 0, band.first_pixel};
-}
-
 std::uint32_t Whitted::light_passes() const {
   return (workspace_.frame.light_count + gpu::kLightsAtOnce - 1) / gpu::kLightsAtOnce;
 }

@@ -17,10 +17,7 @@ public:
   bool is_ready() override;
   double get_ready() override;
   std::uint32_t paths_per_pixel(std::uint32_t samples) const override { return samples * width_; }
-  std::uint32_t most_samples() const override;
   void begin_pass(WaveQueue&, std::uint32_t) override {}
-  gpu::Wave wave(const FilmBand& band, std::uint32_t first_place, std::uint32_t pixel_count, std::uint32_t first_sample,
-                 std::uint32_t count) const override;
   void record_wave(Commands& commands, std::size_t band, const gpu::Wave& wave) override;
   std::uint32_t timed_dispatches() const override;
   std::uint64_t bytes() const override { return paths_.buffers.bytes() + buffers_.bytes(); }

@@ -54,12 +54,12 @@ public:
   // Paths that a pixel of a wave counts for, when it gets so many samples.
   virtual std::uint32_t paths_per_pixel(std::uint32_t samples) const { return samples; }
   // Samples of a pass at most.
-  virtual std::uint32_t most_samples() const = 0;
+  virtual std::uint32_t most_samples() const { return 4096; } // kernels loop over them; Mesa 22.3 ends loops at 65,535
   // A pass covers all pixels, beginning with sample `first_sample`.
   virtual void begin_pass(WaveQueue& queue, std::uint32_t first_sample) = 0;
   // What a wave's kernels are told: `count` samples from `first_sample` on of pixels at places from `first_place` on.
   virtual gpu::Wave wave(const FilmBand& band, std::uint32_t first_place, std::uint32_t pixel_count,
-                         std::uint32_t first_sample, std::uint32_t count) const = 0;
+                         std::uint32_t first_sample, std::uint32_t count) const;
   // Records the wave, and nothing else: submits nothing and waits for nothing. `band`: its place among the film's.
   virtual void record_wave(Commands& commands, std::size_t band, const gpu::Wave& wave) = 0;
   virtual void end_pass(WaveQueue&) {}
