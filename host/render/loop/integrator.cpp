@@ -1,0 +1,12 @@
+#include "host/render/loop/integrator.h"
+
+#include "host/render/device/film_target.h"
+
+namespace wavepath {
+
+gpu::Wave Integrator::wave(const FilmBand& band, std::uint32_t first_place, std::uint32_t pixel_count,
+                           std::uint32_t first_sample, std::uint32_t count) const {
+  return {first_place, pixel_count, first_sample, count, 0, band.first_pixel};
+}
+
+} // namespace wavepath
