@@ -23,9 +23,9 @@ class SmallDisk {
 public:
   // What is in the folder is hidden until the end.
   explicit SmallDisk(const std::filesystem::path& folder) : folder_(folder) {
-    mounted_ = unshare(needs_user() ? CLONE_NEWUSER | CLONE_NEWNS : CLONE_NEWNS) == 0 && map_user() &&
-               mount("none", "/", nullptr, MS_REC | MS_PRIVATE, nullptr) == 0 &&
-               mount("tmpfs", folder_.c_str(), "tmpfs", 0, "size=64m") == 0;
+    if (unshare(needs_user() ? CLONE_NEWUSER | CLONE_NEWNS : CLONE_NEWNS) != 0 || !map_user()) return;
+    mount("none", "/", nullptr, MS_REC | MS_PRIVATE, nullptr); // fails under chroot, where others may see the disk
+    mounted_ = mount("tmpfs", folder_.c_str(), "tmpfs", 0, "size=64m") == 0;
   }
   ~SmallDisk() {
     if (mounted_) umount2(folder_.c_str(), MNT_DETACH);
