@@ -177,129 +177,179 @@ void visit(TraversalRay ray, float t_best, inout uint current) {
 }
 
 // ---- traversal ------------------------------------------------------------------------------------------------------
-// The nearest hit with 0 < t < t_max, or with ANY_HIT the first one found that is not `target`, the id of the triangle
-// at whose surface a shadow ray ends: rounding must not let a light hide itself. Of hits at equal t the lowest
-// (instance, triangle) by id wins, so that the result depends neither on the order of visits nor on the tree.
+// What a lane knows on its way, besides its stack. `current`: the next node, an instance (a leaf word), kPopInstance, or
+// kNone.
+Hit best; // so far
+uvec2 best_ids; // of its instance and triangle
+float t_best;
+TraversalRay local_ray; // in the space of `instance`, or of the world in the top level
+uint current, instance, instance_id;
+bool in_top_level;
 #ifdef ANY_HIT
-Hit trace(vec3 origin, vec3 direction, float t_max, uint target, uint target_instance) {
-#else
-Hit trace(vec3 origin, vec3 direction, float t_max) {
+uint skipped_triangle, skipped_instance; // at whose surface a shadow ray ends
 #endif
-  Hit hit = Hit(kNone, 0u, 0.0, 0.0);
-  clear_waiting();
-  float t_best = t_max;
+
+// A candidate whose alpha has to be looked up. Drivers that run both sides of every branch (Mesa 22.3) would do that
+// for each triangle tested; so a lane stops at such a candidate until no lane of its subgroup can go on without a
+// look-up.
+Hit pending;
+uvec2 pending_ids;
+float t_pending;
+
+bool has_levels() { return has(kFeatureInstances) && frame.root_is_top != 0u; }
+
+bool is_over() {
+#ifdef ANY_HIT
+  if (best.triangle != kNone) return true;
+#endif
+  return current == kNone && leaves.x == kNone;
+}
+
+// Whether a hit at `t` on triangle `id` counts, and comes before the best one.
+bool is_better(float t, uint id, uint flags, bool front) {
+  bool better;
+#ifdef ANY_HIT
+  better = id != skipped_triangle || instance != skipped_instance;
+#else
+  bool first = instance_id < best_ids.x || (instance_id == best_ids.x && id < best_ids.y);
+  better = t < t_best || (t == t_best && first);
+#endif
+  if (has(kFeatureCull)) better = better && (front || (flags & kTriangleSingleSided) == 0u);
+  return better;
+}
+
+// Tests triangle `item`. Returns whether its alpha must be looked up before anything else is tested; it is pending then.
+bool test_triangle(uint item, float t_max) {
+  int texel = int(item * kTriangleTexels);
+  vec4 v0 = texelFetch(triangles, texel);
+  vec4 v1 = texelFetch(triangles, texel + 1);
+  vec4 v2 = texelFetch(triangles, texel + 2);
+  uint flags = floatBitsToUint(v0.w), id = floatBitsToUint(v1.w);
+  Candidate candidate = intersect_triangle(local_ray, v0.xyz, v1.xyz, v2.xyz);
+  bool accepted = candidate.hit && candidate.t < t_max && is_better(candidate.t, id, flags, candidate.front);
+  Hit found = Hit(item, instance, candidate.b1, candidate.b2);
+  bool needs_alpha = has(kFeatureAlpha) && accepted && (flags & kTriangleAlpha) != 0u;
+  if (needs_alpha) {
+    pending = found;
+    pending_ids = uvec2(instance_id, id);
+    t_pending = candidate.t;
+  }
+  if (accepted && !needs_alpha) {
+    t_best = candidate.t;
+    best = found;
+    best_ids = uvec2(instance_id, id);
+  }
+  return needs_alpha;
+}
+
+// Tests the triangles of all leaves that wait, or those before one that is pending.
+void test_leaves(float t_max) {
+  uint item = leaf_first(leaves.x), end = leaf_end(leaves.x);
+  bool testing = leaves.x != kNone && !in_top_level;
+  while (testing) {
+    bool needs_alpha = test_triangle(item, t_max);
+    ++item;
+    if (has(kFeatureAlpha)) leaves.x = needs_alpha ? leaf_word(item, end - item) : leaves.x; // the rest of the leaf waits
+    if (item == end) {
+      take_leaf();
+      item = leaf_first(leaves.x);
+      end = leaf_end(leaves.x);
+    }
+    testing = leaves.x != kNone && !needs_alpha;
+#ifdef ANY_HIT
+    testing = testing && best.triangle == kNone;
+#endif
+  }
+}
+
+// Continues in the space of the latest instance that waits; the rest of the top-level tree goes to the stack.
+void enter_instance(vec3 origin, vec3 direction) {
+  instance = leaf_first(leaves.x);
+  take_leaf();
+  spill();
+  push(current != kNone, int(current) < 0 ? current : current << kSlotBits | kOnlySlot0);
+  while (leaves.x != kNone) {
+    spill();
+    push(true, leaves.x);
+    take_leaf();
+  }
+  spill();
+  push(true, kPopInstance);
+  uint texel = instance * kInstanceTexels;
+  local_ray = make_traversal_ray(transform_point(texel, origin), transform_vector(texel, direction));
+  uvec4 entry = floatBitsToUint(texelFetch(instances, int(texel + 6u)));
+  current = entry.x;
+  instance_id = entry.z;
+  in_top_level = false;
+}
+
+// Between the tree of instances and their trees of triangles. An instance from the stack joins the leaf words.
+void change_level(vec3 origin, vec3 direction) {
+  bool is_instance = in_top_level && int(current) < 0 && current != kNone;
+  add_leaf(is_instance, current);
+  take_next(is_instance, current);
+  if (in_top_level && leaves.x != kNone) {
+    enter_instance(origin, direction);
+  } else if (current == kPopInstance && leaves.x == kNone) {
+    in_top_level = true;
+    local_ray = make_traversal_ray(origin, direction);
+    take_next(true, current);
+  }
+}
+
+// The pending candidate becomes the best hit if it is no hole.
+void look_up_alpha() {
+  if (pending.triangle != kNone && !ALPHA_TEST(pending)) {
+    t_best = t_pending;
+    best = pending;
+    best_ids = pending_ids;
+  }
+  pending.triangle = kNone;
+}
+
+Hit traverse(vec3 origin, vec3 direction, float t_max) {
+  const Hit none = Hit(kNone, 0u, 0.0, 0.0);
   bool valid = all(lessThanEqual(abs(origin), vec3(kMaxCoordinate))) &&
                all(lessThanEqual(abs(direction), vec3(kMaxCoordinate))); // false for NaN
-  uint current = valid ? frame.root : kNone;
-  bool in_top_level = has(kFeatureInstances) && frame.root_is_top != 0u;
-  uint instance = 0u, instance_id = 0u;
-  uvec2 hit_ids = uvec2(kNone); // of its instance and triangle
-  TraversalRay ray = make_traversal_ray(origin, direction);
+  clear_waiting();
+  best = pending = none;
+  best_ids = pending_ids = uvec2(kNone);
+  t_best = t_max;
+  t_pending = 0.0;
+  local_ray = make_traversal_ray(origin, direction);
+  current = valid ? frame.root : kNone;
+  instance = instance_id = 0u;
+  in_top_level = has_levels();
   bool done = !valid;
-
-  // A candidate whose alpha has to be looked up. Drivers that run both sides of every branch (Mesa 22.3) would do that
-  // for each triangle tested; so a lane stops at such a candidate until no lane of its subgroup can go on without a
-  // look-up.
-  Hit pending = Hit(kNone, 0u, 0.0, 0.0);
-  uvec2 pending_ids = uvec2(kNone);
-  float t_pending = 0.0;
-
   do {
     while (!done && pending.triangle == kNone) {
-      while (int(current) >= 0 && leaves.y == kNone && !stack_is_full()) visit(ray, t_best, current);
-
-      uint item = leaf_first(leaves.x), end = leaf_end(leaves.x);
-      bool testing = leaves.x != kNone && !in_top_level;
-      while (testing) {
-        int texel = int(item * kTriangleTexels);
-        vec4 v0 = texelFetch(triangles, texel);
-        vec4 v1 = texelFetch(triangles, texel + 1);
-        vec4 v2 = texelFetch(triangles, texel + 2);
-        uint flags = floatBitsToUint(v0.w), id = floatBitsToUint(v1.w);
-        Candidate candidate = intersect_triangle(ray, v0.xyz, v1.xyz, v2.xyz);
-        bool accepted = candidate.hit && candidate.t < t_max;
-#ifdef ANY_HIT
-        accepted = accepted && (id != target || instance != target_instance);
-#else
-        bool first = instance_id < hit_ids.x || (instance_id == hit_ids.x && id < hit_ids.y);
-        accepted = accepted && (candidate.t < t_best || (candidate.t == t_best && first));
-#endif
-        if (has(kFeatureCull)) accepted = accepted && (candidate.front || (flags & kTriangleSingleSided) == 0u);
-        Hit found = Hit(item, instance, candidate.b1, candidate.b2);
-        ++item;
-        bool needs_alpha = has(kFeatureAlpha) && accepted && (flags & kTriangleAlpha) != 0u;
-        if (has(kFeatureAlpha)) {
-          if (needs_alpha) {
-            pending = found;
-            pending_ids = uvec2(instance_id, id);
-            t_pending = candidate.t;
-          }
-          leaves.x = needs_alpha ? leaf_word(item, end - item) : leaves.x; // the rest of the leaf remains to be tested
-        }
-        if (accepted && !needs_alpha) {
-          t_best = candidate.t;
-          hit = found;
-          hit_ids = uvec2(instance_id, id);
-        }
-        if (item == end) {
-          take_leaf();
-          item = leaf_first(leaves.x);
-          end = leaf_end(leaves.x);
-        }
-        testing = leaves.x != kNone && !needs_alpha;
-#ifdef ANY_HIT
-        testing = testing && hit.triangle == kNone;
-#endif
-      }
+      while (int(current) >= 0 && leaves.y == kNone && !stack_is_full()) visit(local_ray, t_best, current);
+      test_leaves(t_max);
       spill();
       take_next(current == kNone, current);
-      if (has(kFeatureInstances) && frame.root_is_top != 0u) {
-        // An instance from the stack joins the leaf words to be tested.
-        bool is_instance = in_top_level && int(current) < 0 && current != kNone;
-        add_leaf(is_instance, current);
-        take_next(is_instance, current);
-        if (in_top_level && leaves.x != kNone) {
-          // Continue in the space of the latest instance; the rest of the top-level tree goes to the stack.
-          instance = leaf_first(leaves.x);
-          take_leaf();
-          spill();
-          push(current != kNone, int(current) < 0 ? current : current << kSlotBits | kOnlySlot0);
-          while (leaves.x != kNone) {
-            spill();
-            push(true, leaves.x);
-            take_leaf();
-          }
-          spill();
-          push(true, kPopInstance);
-          uint texel = instance * kInstanceTexels;
-          ray = make_traversal_ray(transform_point(texel, origin), transform_vector(texel, direction));
-          uvec4 entry = floatBitsToUint(texelFetch(instances, int(texel + 6u)));
-          current = entry.x;
-          instance_id = entry.z;
-          in_top_level = false;
-        } else if (current == kPopInstance && leaves.x == kNone) {
-          in_top_level = true;
-          ray = make_traversal_ray(origin, direction);
-          take_next(true, current);
-        }
-      }
-      done = current == kNone && leaves.x == kNone;
-#ifdef ANY_HIT
-      done = done || hit.triangle != kNone;
-#endif
+      if (has_levels()) change_level(origin, direction);
+      done = is_over();
     }
     if (has(kFeatureAlpha)) {
-      if (pending.triangle != kNone && !ALPHA_TEST(pending)) {
-        t_best = t_pending;
-        hit = pending;
-        hit_ids = pending_ids;
+      look_up_alpha();
 #ifdef ANY_HIT
-        done = true;
+      done = done || best.triangle != kNone;
 #endif
-      }
-      pending.triangle = kNone;
     }
   } while (!done);
-  return hit;
+  return best;
 }
+
+// The nearest hit with 0 < t < t_max, or with ANY_HIT the first one found that is not the triangle `target`, at whose
+// surface a shadow ray ends: rounding must not let a light hide itself. Of hits at equal t the lowest (instance,
+// triangle) by id wins, so that the result depends neither on the order of visits nor on the tree.
+#ifdef ANY_HIT
+Hit trace(vec3 origin, vec3 direction, float t_max, uint target, uint target_instance) {
+  skipped_triangle = target;
+  skipped_instance = target_instance;
+  return traverse(origin, direction, t_max);
+}
+#else
+Hit trace(vec3 origin, vec3 direction, float t_max) { return traverse(origin, direction, t_max); }
+#endif
 #endif

@@ -4,8 +4,6 @@
 
 namespace wavepath {
 
-FilmEstimates::FilmEstimates(Device& device) : device_(device), at_once_(device.info().type == "cpu") {}
-
 std::shared_ptr<FilmSnapshot> FilmEstimates::copy(Commands& commands, const FilmTarget& film) {
   if (free_.empty()) free_.push_back(std::make_shared<FilmSnapshot>());
   const std::shared_ptr<FilmSnapshot> copy = free_.back();

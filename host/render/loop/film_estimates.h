@@ -21,14 +21,12 @@ struct FilmEstimate {
 // Copies of the film, used again and again, and the estimates made of them.
 class FilmEstimates {
 public:
-  explicit FilmEstimates(Device& device);
+  // `at_once`: begin() returns when the estimate is there.
+  FilmEstimates(Device& device, bool at_once) : device_(device), at_once_(at_once) {}
 
   // Records a copy of the film. Throws Error if there is no memory for it.
   std::shared_ptr<FilmSnapshot> copy(Commands& commands, const FilmTarget& film);
   // Once the copy has been waited for. It is free again when the estimate is there.
-  //
-  // A CPU device computes on the cores that the estimate needs. Side by side both take longer than one after the other
-  // (1.5 to 2.7 % of a render), so there the estimate is ready on return.
   std::future<FilmEstimate> begin(std::shared_ptr<FilmSnapshot> copy);
   // Returns a copy that was taken and not given to begin(), or whose estimate has been taken in.
   void give_back(std::shared_ptr<FilmSnapshot> copy) { free_.push_back(std::move(copy)); }
