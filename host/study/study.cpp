@@ -11,7 +11,6 @@
 #include <fmt/format.h>
 
 #include "host/film/picture_io.h"
-#include "host/integrators/hybrid/kind.h"
 #include "host/render/device/kernel_compiler.h"
 #include "host/render/report/stats.h"
 #include "host/render/settings/integrator_kind.h"
@@ -76,7 +75,7 @@ private:
   StudyReference render_occlusion() {
     RenderSettings settings = settings_.render;
     settings.sampler = gpu::kSamplerSobol;
-    settings.integrator = &kAo;
+    settings.integrator = *std::ranges::find(integrators(), false, &IntegratorKind::finds_light);
     settings.ao_samples = 16;
     settings.denoise = false;
     settings.aovs = {"ao"}; // which is 1 where nothing is hit; the picture is black there

@@ -11,27 +11,48 @@ namespace {
 
 constexpr std::uint32_t kPushBytes = sizeof(gpu::FilterBand);
 
+std::uint64_t texels(const Extent& e) { return e.pixels * sizeof(gpu::vec4); }
+
+using enum BindingKind;
+
+// From kPast on in pairs, of this frame and of the one before in turns; the guides take turns within a frame.
+enum FilterBuffer { kReprojection, kSlopes, kFirstOutput, kFiltered, kPast, kMoments = 6, kHistory = 8, kGuide = 10 };
+// By FilterBuffer. What has no view is bound by bindings(), because its role changes.
+const std::vector<BufferRule> kRules = {
+    {"reprojection",
+     [](const Extent&) { return std::uint64_t{sizeof(gpu::Reprojection)}; },
+     {{gpu::kFilterReprojection, uniform}}},
+    {"slopes",
+     [](const Extent& e) { return e.pixels * sizeof(gpu::vec2); },
+     {{gpu::kFilterSlopes, storage}, {gpu::kFilterSlopeTexels, texels_rg32ui}}},
+    {"first output", texels, {}},
+    {"filtered", texels, {}},
+    {"past 0", texels, {}},
+    {"past 1", texels, {}},
+    {"moments 0", texels, {}},
+    {"moments 1", texels, {}},
+    {"history 0", texels, {}},
+    {"history 1", texels, {}},
+    {"guide 0", texels, {}},
+    {"guide 1", texels, {}},
+};
+
 } // namespace
+
+std::uint64_t Denoiser::bytes_per_pixel() {
+  std::uint64_t bytes = 0;
+  for (const BufferRule& rule : kRules) bytes += rule.bytes({.pixels = 1}) - rule.bytes({});
+  return bytes;
+}
 
 Denoiser::Denoiser(Device& device, std::uint32_t width, std::uint32_t height, const Buffer& gbuffer,
                    const Buffer& signals, std::uint32_t wanted)
-    : width_(width), height_(height), bands_(device, width, height), gbuffer_(gbuffer) {
-  const std::uint64_t pixels = std::uint64_t{width} * height, texel = sizeof(gpu::vec4);
-  buffers_.reprojection = Buffer(device, sizeof(gpu::Reprojection));
-  for (int i = 0; i < 2; ++i) {
-    buffers_.past[i] = Buffer(device, pixels * texel);
-    buffers_.moments[i] = Buffer(device, pixels * texel);
-    buffers_.history[i] = Buffer(device, pixels * texel);
-    buffers_.guide[i] = Buffer(device, pixels * texel);
-  }
-  buffers_.slopes = Buffer(device, pixels * sizeof(gpu::vec2));
-  buffers_.first = Buffer(device, pixels * texel);
-  buffers_.filtered = Buffer(device, pixels * texel);
-
-  const Buffer *first = &buffers_.first, *filtered = &buffers_.filtered;
-  const Buffer *a = &buffers_.guide[0], *b = &buffers_.guide[1];
+    : width_(width), height_(height), bands_(device, width, height), gbuffer_(gbuffer), buffers_(device, kRules) {
+  buffers_.fit({.pixels = std::uint64_t{width} * height});
+  const Buffer *first = &buffers_[kFirstOutput], *filtered = &buffers_[kFiltered];
+  const Buffer *a = &buffers_[kGuide], *b = &buffers_[kGuide + 1];
   for (std::uint32_t turn = 0; turn < 2; ++turn) {
-    const Buffer *plain = &buffers_.history[turn], *plain_before = &buffers_.history[1 - turn];
+    const Buffer *plain = &buffers_[kHistory + turn], *plain_before = &buffers_[kHistory + 1 - turn];
     // In motion the history is the output of the first iteration, as in the paper; each frame counts for little then.
     // With a still camera it is the plain mean over frames, so that the picture converges to the unfiltered one.
     const std::array<Flow, kFlowCount> flows = {{{first, &signals, filtered, b, a},
@@ -52,28 +73,28 @@ Denoiser::Denoiser(Device& device, std::uint32_t width, std::uint32_t height, co
 }
 
 std::vector<Binding> Denoiser::bindings(std::uint32_t turn, const Flow& flow) const {
-  const std::uint32_t before = 1 - turn;
-  return {{gpu::kFilterReprojection, BindingKind::uniform, &buffers_.reprojection},
-          {gpu::kFilterGbuffer, BindingKind::texels_rgba32ui, &gbuffer_},
-          {gpu::kFilterColorIn, BindingKind::texels_rgba32f, flow.color_in},
-          {gpu::kFilterColorOut, BindingKind::storage, flow.color_out},
-          {gpu::kFilterHistoryBefore, BindingKind::texels_rgba32f, flow.history_before},
-          {gpu::kFilterHistoryNow, BindingKind::storage, &buffers_.history[turn]},
-          {gpu::kFilterPastBefore, BindingKind::texels_rgba32ui, &buffers_.past[before]},
-          {gpu::kFilterPastNow, BindingKind::storage, &buffers_.past[turn]},
-          {gpu::kFilterPastTexels, BindingKind::texels_rgba32ui, &buffers_.past[turn]},
-          {gpu::kFilterMomentsBefore, BindingKind::texels_rgba32f, &buffers_.moments[before]},
-          {gpu::kFilterMomentsNow, BindingKind::storage, &buffers_.moments[turn]},
-          {gpu::kFilterMomentsTexels, BindingKind::texels_rgba32f, &buffers_.moments[turn]},
-          {gpu::kFilterGuideIn, BindingKind::texels_rgba32ui, flow.guide_in},
-          {gpu::kFilterGuideOut, BindingKind::storage, flow.guide_out},
-          {gpu::kFilterSlopes, BindingKind::storage, &buffers_.slopes},
-          {gpu::kFilterSlopeTexels, BindingKind::texels_rg32ui, &buffers_.slopes}};
+  const auto now = [&](FilterBuffer pair) { return &buffers_[pair + turn]; };
+  const auto before = [&](FilterBuffer pair) { return &buffers_[pair + 1 - turn]; };
+  std::vector<Binding> bindings = {{gpu::kFilterGbuffer, texels_rgba32ui, &gbuffer_},
+                                   {gpu::kFilterColorIn, texels_rgba32f, flow.color_in},
+                                   {gpu::kFilterColorOut, storage, flow.color_out},
+                                   {gpu::kFilterHistoryBefore, texels_rgba32f, flow.history_before},
+                                   {gpu::kFilterHistoryNow, storage, now(kHistory)},
+                                   {gpu::kFilterPastBefore, texels_rgba32ui, before(kPast)},
+                                   {gpu::kFilterPastNow, storage, now(kPast)},
+                                   {gpu::kFilterPastTexels, texels_rgba32ui, now(kPast)},
+                                   {gpu::kFilterMomentsBefore, texels_rgba32f, before(kMoments)},
+                                   {gpu::kFilterMomentsNow, storage, now(kMoments)},
+                                   {gpu::kFilterMomentsTexels, texels_rgba32f, now(kMoments)},
+                                   {gpu::kFilterGuideIn, texels_rgba32ui, flow.guide_in},
+                                   {gpu::kFilterGuideOut, storage, flow.guide_out}};
+  buffers_.add_bindings(bindings);
+  return bindings;
 }
 
 void Denoiser::record(Commands& commands, const gpu::CameraView& now) {
   const gpu::Reprojection frames = reproject(now, before_, remembers_, width_, height_);
-  commands.write(buffers_.reprojection, &frames, sizeof(frames));
+  commands.write(buffers_[kReprojection], &frames, sizeof(frames));
   turn_ = 1 - turn_;
   const auto run = [&](Stage stage, FlowName flow, std::uint32_t step) {
     commands.bind(*sets_[turn_][flow]);
@@ -88,14 +109,6 @@ void Denoiser::record(Commands& commands, const gpu::CameraView& now) {
 }
 
 void Denoiser::forget() { remembers_ = false; }
-
-std::uint64_t Denoiser::bytes() const {
-  std::uint64_t sum =
-      buffers_.reprojection.bytes() + buffers_.slopes.bytes() + buffers_.first.bytes() + buffers_.filtered.bytes();
-  for (const auto* pair : {&buffers_.past, &buffers_.moments, &buffers_.history, &buffers_.guide})
-    for (const Buffer& buffer : *pair) sum += buffer.bytes();
-  return sum;
-}
 
 std::uint32_t Denoiser::dispatches() const {
   return static_cast<std::uint32_t>(2 + kIterations.size()) * bands_.count();

@@ -9,14 +9,13 @@
 
 #include "host/gpu/commands.h"
 #include "host/integrators/hybrid/filter_bands.h"
+#include "host/render/device/resources.h"
 #include "kernels/hybrid/filter_types.h"
 
 namespace wavepath {
 
 class Denoiser {
 public:
-  static constexpr std::uint64_t kBytesPerPixel = 10 * sizeof(gpu::vec4) + sizeof(gpu::vec2);
-
   // `gbuffer`: gpu::GbufferPixel, row-major, of the frame that record() will find. `signals`: vec4, likewise; the
   // direct light in xyz, the unoccluded share in w. `wanted`: kHybridLights, kHybridAmbient or both; the other passes
   // through. Both buffers outlive the denoiser.
@@ -31,7 +30,8 @@ public:
   // A cut, or a change of what is to be seen: the next frame has no past.
   void forget();
 
-  std::uint64_t bytes() const;      // of device memory
+  static std::uint64_t bytes_per_pixel(); // of device memory, as is the next
+  std::uint64_t bytes() const { return buffers_.bytes(); }
   std::uint32_t dispatches() const; // that record() records
 
 private:
@@ -44,18 +44,12 @@ private:
   struct Flow {
     const Buffer *history_before, *color_in, *color_out, *guide_in, *guide_out;
   };
-  struct Buffers {
-    Buffer reprojection;
-    std::array<Buffer, 2> past, moments, history; // of this frame and of the one before, in turns
-    std::array<Buffer, 2> guide;
-    Buffer slopes, first, filtered;
-  };
   std::vector<Binding> bindings(std::uint32_t turn, const Flow& flow) const;
 
   std::uint32_t width_, height_;
   FilterBands bands_;
   const Buffer& gbuffer_;
-  Buffers buffers_;
+  BufferSet buffers_;
   std::array<std::array<std::unique_ptr<BindingSet>, kFlowCount>, 2> sets_; // by turn
   std::vector<Kernel> kernels_;                                             // by Stage
   gpu::CameraView before_{};

@@ -40,7 +40,7 @@ void start_path_kernels(KernelCompiler& kernels, const DeviceInfo& device, std::
 std::uint64_t bytes_per_pixel(const RenderSettings& settings) {
   constexpr std::uint64_t kIds = 2 * sizeof(std::uint32_t), kDepth = sizeof(float); // drawn, and copied once
   return sizeof(gpu::GbufferPixel) + 2 * sizeof(gpu::vec4) + 2 * kIds + kDepth +
-         (settings.denoise ? Denoiser::kBytesPerPixel : 0);
+         (settings.denoise ? Denoiser::bytes_per_pixel() : 0);
 }
 
 std::vector<std::string> hybrid_bias(const RenderSettings& settings, const RenderResult& result) {

@@ -7,6 +7,7 @@
 
 #include "host/gpu/commands.h"
 #include "host/integrators/hybrid/filter_bands.h"
+#include "host/render/device/resources.h"
 #include "kernels/hybrid/filter_types.h"
 
 namespace wavepath {
@@ -25,15 +26,15 @@ public:
   void forget();
 
   // vec4, row-major: linear colour, and in w the number of frames in it, up to ten. The same buffer every frame.
-  const Buffer& result() const { return result_; }
-  std::uint64_t bytes() const;      // of device memory
-  std::uint32_t dispatches() const; // that record() records
+  const Buffer& result() const { return buffers_[kResult]; }
+  std::uint64_t bytes() const { return buffers_.bytes(); }    // of device memory
+  std::uint32_t dispatches() const { return bands_.count(); } // that record() records
 
 private:
+  enum OwnBuffer { kReprojection, kResult, kHistory }; // the last is two: of this frame and the one before, in turns
   std::uint32_t width_, height_;
   FilterBands bands_;
-  Buffer reprojection_, result_;
-  std::array<Buffer, 2> history_;                   // of this frame and the one before, in turns
+  BufferSet buffers_;
   std::array<std::unique_ptr<BindingSet>, 2> sets_; // by turn
   std::unique_ptr<Kernel> kernel_;
   gpu::CameraView before_{};

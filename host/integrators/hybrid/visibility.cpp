@@ -9,7 +9,6 @@
 #include "host/base/error.h"
 #include "host/render/device/kernel_compiler.h"
 #include "host/render/render.h"
-#include "kernels/features.h"
 #include "kernels/frame_types.h"
 #include "kernels/hybrid/filter_types.h"
 #include "kernels/hybrid/hybrid_types.h"
@@ -92,15 +91,6 @@ std::uint64_t ids_bytes(const Device& device, std::uint32_t width, std::uint32_t
   return pixels * kPixelBytes;
 }
 
-// Samplers and filters are not asked here.
-std::array<std::uint32_t, gpu::kSpecCount> constants_of(const KernelConfig& config, const Device& device) {
-  std::array<std::uint32_t, gpu::kSpecCount> constants{};
-  constants[gpu::kSpecFeatures] = config.features;
-  constants[gpu::kSpecStackSize] = config.stack_size;
-  constants[gpu::kSpecStack] = device.info().type == "cpu" ? gpu::kStackRegisters : gpu::kStackArray;
-  return constants;
-}
-
 } // namespace
 
 gpu::CameraView camera_of(const PackedScene& scene, const View& view) {
@@ -139,7 +129,7 @@ bool edges_hold(const PackedScene& scene, const View& view, std::uint32_t width,
 Visibility::Visibility(Device& device, const PackedScene& scene, const DeviceScene& gpu_scene, const Buffer& frame,
                        const Buffer& hybrid, std::uint32_t features, std::uint32_t width, std::uint32_t height)
     : device_(device),
-      config_(kernel_config(features, scene.stack_size, {})),
+      constants_(specialization(kernel_config(features, scene.stack_size, {}), device.info())),
       width_(width),
       height_(height),
       target_(device, width, height, kAttachments),
@@ -147,7 +137,7 @@ Visibility::Visibility(Device& device, const PackedScene& scene, const DeviceSce
       unused_(device, 0),
       bindings_(device, visibility_bindings(gpu_scene, frame, hybrid, ids_, unused_), sizeof(gpu::Wave),
                 BindingSet::kRasterStages),
-      pipeline_(device, kCode, kAttachments, {}, bindings_, constants_of(config_, device)),
+      pipeline_(device, kCode, kAttachments, {}, bindings_, constants_),
       chunks_(make_chunks(scene)),
       triangles_a_slice_(kFirstTriangles),
       pixels_a_slice_(kFirstPixels) {}
@@ -179,8 +169,7 @@ void Visibility::render(WaveQueue& queue, const gpu::CameraView& camera,
 }
 
 void Visibility::trace(WaveQueue& queue, const std::function<void(Commands&)>& prepare) {
-  if (!tracer_)
-    tracer_.emplace(device_, "visibility", wavepath_visibility_spv, bindings_, constants_of(config_, device_));
+  if (!tracer_) tracer_.emplace(device_, "visibility", wavepath_visibility_spv, bindings_, constants_);
   if (slices_.count > 0) pixels_a_slice_ = adapt(pixels_a_slice_, slices_.seconds, slices_.count);
   slices_ = {};
   const std::uint32_t pixels = width_ * height_;

@@ -2,6 +2,7 @@
 // ray through the same place in the pixel would find them.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -56,7 +57,7 @@ private:
   void submit(WaveQueue& queue, const std::function<void(Commands&)>& record);
 
   Device& device_;
-  KernelConfig config_;
+  std::array<std::uint32_t, gpu::kSpecCount> constants_;
   std::uint32_t width_, height_;
   RasterTarget target_;
   Buffer ids_, unused_;
