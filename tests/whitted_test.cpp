@@ -97,6 +97,24 @@ TEST_F(WhittedTest, DirectLightIsThatOfPathTracing) {
   expect_same_mean(average(subject, whitted), average(subject, path));
 }
 
+// 232 emissive triangles, of which a surface picks 16, and a lamp without an extent, to which it always sends a ray.
+TEST_F(WhittedTest, OfManyLightsSomeAreSampled) {
+  const RenderSettings whitted = settings(&kWhitted, 16, 1), path = settings(&kPath, 256, 1);
+  Scene scene = load_gltf(kScenes + "showcase.glb", {});
+  for (Material& material : scene.materials) { // what Whitted's tracer and one bounce both find
+    material.roughness = 1.0f;
+    material.transmission = material.metallic = 0.0f;
+  }
+  scene.lights.push_back(
+      {.kind = LightKind::point, .intensity = glm::vec3(3.0f), .position = glm::dvec3(0.5, 2.0, 2.0)});
+  const Subject subject(std::move(scene), whitted);
+  ASSERT_GT(subject.packed.lights.size(), 100u);
+  expect_same_mean(average(subject, whitted), average(subject, path));
+  const RayCounts rays = render(subject, whitted).rays;
+  EXPECT_LE(rays.shadow, 17u * (rays.camera + rays.bounce));
+  EXPECT_GT(rays.shadow, rays.camera);
+}
+
 // Spheres of glass inside a furnace: whatever they reflect and refract, light of radiance 1 arrives.
 TEST_F(WhittedTest, TreeAndChoiceKeepAllLightOfAFurnace) {
   Scene scene = load_gltf(kScenes + "furnace_glass.gltf", {});

@@ -1,6 +1,6 @@
 // What the kernels of Whitted's ray tracer share (Whitted, "An Improved Illumination Model for Shaded Display", CACM 23(6), 1980).
 //
-// At every surface: emission, a shadow ray to every light, the ambient term; smooth metal and glass send reflected and refracted
+// At every surface: emission, a shadow ray to every light (of very many emissive triangles, to some), the ambient term; smooth metal and glass send reflected and refracted
 // rays, weighted by Fresnel's equations. What that finds is all light of paths with at most one scattering that is not a mirror's or
 // a smooth interface's; a light with an extent is sampled at one point a ray, so that its shadows are soft. Rough lobes reflect
 // lights alone.
@@ -17,9 +17,9 @@ layout(set = 0, binding = kBindWhittedNodes, std430) buffer WhittedNodeBlock { W
 
 uint sample_slots() { return wave.pixel_count * wave.sample_count; }
 
-// First of the random numbers of a ray: one pair for each light, one for the choice of a branch. They go by the place in the tree,
+// First of the random numbers of a ray: two pairs for each shadow ray, one for the choice of a branch. They go by the place in the tree,
 // so that a branch that is cut off changes none of the others.
-uint node_dimension(uint path) { return 1u + path * (frame.light_count + 2u); }
+uint node_dimension(uint path) { return 1u + path * (2u * whitted.shadow_rays + 1u); }
 
 // Adds to a total of 64 bits.
 #define COUNT(total, n)                                                      \

@@ -1,5 +1,5 @@
-// Sends shadow rays from the surfaces that whitted_trace.comp found to kLightsAtOnce lights, from number wave.first_film_pixel on
-// (the film plays no part here).
+// Sends kLightsAtOnce shadow rays from every surface that whitted_trace.comp found, from number wave.first_film_pixel on (the film
+// plays no part here).
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
@@ -33,11 +33,23 @@ LightSample sample_one_light(Light light, vec3 from, vec2 u) {
   return no_light();
 }
 
-// Light of one light that the surface sends along v.wo, by its lobes that are no mirror.
-vec3 lit_by(uint index, Vertex v, uint medium, uint path) {
+// The light that shadow ray `number` goes to, and how often such rays go there on average.
+Light choose_light(uint number, vec2 u, out float rays) {
+  bool picks = number < whitted.triangle_rays && whitted.triangle_rays < whitted.triangles;
+  uint index = number < whitted.triangle_rays ? number : number - whitted.triangle_rays + whitted.triangles;
+  if (picks) index = pick_light(u);
   Light light = fetch_light(index);
-  LightSample s = sample_one_light(light, v.surface.position, sample_2d(path_sampler, node_dimension(path) + index));
-  precise float pdf = s.pdf / light.probability; // that of picking this light is 1 here
+  rays = !picks ? 1.0 : index < whitted.triangles ? float(whitted.triangle_rays) * light.probability : 0.0; // 0: not its turn
+  return light;
+}
+
+// Light of one light that the surface sends along v.wo, by its lobes that are no mirror.
+vec3 lit_by(uint number, Vertex v, uint medium, uint path) {
+  uint dimension = node_dimension(path) + 2u * number;
+  float rays;
+  Light light = choose_light(number, sample_2d(path_sampler, dimension), rays);
+  LightSample s = sample_one_light(light, v.surface.position, sample_2d(path_sampler, dimension + 1u));
+  precise float pdf = s.pdf / light.probability * rays;
   if (max_component(s.radiance) <= 0.0 || !(pdf > 0.0) || !sides_agree(v, s.direction)) return vec3(0.0);
   float bsdf_pdf;
   vec3 wo = to_local(v.wo, v.tangent, v.bitangent, v.normal), wi = to_local(s.direction, v.tangent, v.bitangent, v.normal);
@@ -67,7 +79,7 @@ void main() {
   Surface surface = fetch_surface(node.hit);
   Vertex v = make_vertex(surface, fetch_material(surface.material), node.arrival);
   precise vec3 sum = vec3(0.0);
-  uint first = wave.first_film_pixel, end = min(first + kLightsAtOnce, frame.light_count);
+  uint first = wave.first_film_pixel, end = min(first + kLightsAtOnce, whitted.shadow_rays);
   for (uint i = first; i < end; ++i) sum += lit_by(i, v, node.hit_medium, node.hit_path);
   PathState path = fetch_path(index);
   precise vec3 radiance = path.radiance + node.hit_weight * sum;

@@ -15,17 +15,21 @@ GPU_CONSTANT uint kBindWhittedNodes = 33u; // storage WhittedNode[]
 // random.
 GPU_CONSTANT uint kTreeWidth = 8u;
 
-// Lights of one dispatch: Mesa 22.3 ends all loops of an invocation silently after 65,535 trips together, and one ray
-// takes hundreds.
+// Shadow rays of one dispatch: Mesa 22.3 ends all loops of an invocation silently after 65,535 trips together, and one
+// ray takes hundreds.
 GPU_CONSTANT uint kLightsAtOnce = 16u;
 
+// Of emissive triangles, no more than so many get a shadow ray from a surface; where there are more, they are picked by
+// power. A mesh that shines may have thousands.
+GPU_CONSTANT uint kMostTriangleRays = 16u;
+
 struct WhittedFrame {
-  vec3 ambient; // radiance that stands for all light that reaches a surface after another one
-  float cutoff; // rays of a smaller weight are not followed
-  uint width;   // places of a tree: kTreeWidth, or 1 where one branch is always chosen
-  uint pad0;
-  uint pad1;
-  uint pad2;
+  vec3 ambient;       // radiance that stands for all light that reaches a surface after another one
+  float cutoff;       // rays of a smaller weight are not followed
+  uint width;         // places of a tree: kTreeWidth, or 1 where one branch is always chosen
+  uint triangles;     // emissive ones, which come first in the list of lights
+  uint triangle_rays; // shadow rays of a surface to them
+  uint shadow_rays;   // and to all lights
 };
 GPU_CHECK(sizeof(WhittedFrame) == 32);
 

@@ -5,7 +5,8 @@
 
 namespace wavepath {
 
-// Camera rays, a shadow ray to every light, mirror and glass branches, an ambient term (Whitted 1980).
+// Camera rays, a shadow ray to every light (to 16 of more emissive triangles), mirror and glass branches, an ambient
+// term (Whitted 1980).
 extern const IntegratorKind kWhitted;
 
 } // namespace wavepath

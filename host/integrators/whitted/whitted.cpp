@@ -34,6 +34,17 @@ std::vector<Binding> layout() {
   return layout;
 }
 
+gpu::WhittedFrame make_frame(const PackedScene& scene, const RenderSettings& settings) {
+  gpu::WhittedFrame frame{.ambient = settings.ambient.value_or(glm::vec3(0.0f)),
+                          .cutoff = static_cast<float>(settings.cutoff),
+                          .width = tree_width(settings)};
+  frame.triangles =
+      static_cast<std::uint32_t>(std::ranges::count(scene.lights, gpu::kLightTriangle, &gpu::Light::kind));
+  frame.triangle_rays = std::min(frame.triangles, gpu::kMostTriangleRays);
+  frame.shadow_rays = frame.triangle_rays + static_cast<std::uint32_t>(scene.lights.size()) - frame.triangles;
+  return frame;
+}
+
 } // namespace
 
 std::uint32_t tree_width(const RenderSettings& settings) {
@@ -53,10 +64,8 @@ void Whitted::change(const View& view, const RenderSettings& settings, Past) {
   const std::uint32_t features = kernels_.features(kWhittedProgram);
   bool moved = paths_.change(settings, stage_bits({kAccumulate}), kStatesAlone, features);
   moved |= buffers_.fit({.slots = workspace_.slots});
-  const gpu::WhittedFrame frame{.ambient = settings.ambient.value_or(glm::vec3(0.0f)),
-                                .cutoff = static_cast<float>(settings.cutoff),
-                                .width = tree_width(settings)};
-  width_ = frame.width;
+  const gpu::WhittedFrame frame = make_frame(scene, settings);
+  width_ = frame.width, shadow_rays_ = frame.shadow_rays;
   buffers_[kConstants].write(&frame, sizeof(frame));
   if (!moved && !sets_.empty()) return;
   std::vector<Binding> own;
@@ -72,9 +81,7 @@ bool Whitted::is_ready() {
 
 double Whitted::get_ready() { return kernels_.best(need_).seconds() + paths_.get_ready(); }
 
-std::uint32_t Whitted::light_passes() const {
-  return (workspace_.frame.light_count + gpu::kLightsAtOnce - 1) / gpu::kLightsAtOnce;
-}
+std::uint32_t Whitted::light_passes() const { return (shadow_rays_ + gpu::kLightsAtOnce - 1) / gpu::kLightsAtOnce; }
 
 std::uint32_t Whitted::timed_dispatches() const {
   return std::min(3 + (workspace_.frame.max_depth + 1) * (1 + light_passes()), 1024u);

@@ -23,7 +23,7 @@ public:
   std::uint64_t bytes() const override { return paths_.buffers.bytes() + buffers_.bytes(); }
 
 private:
-  std::uint32_t light_passes() const; // over all lights, at every depth
+  std::uint32_t light_passes() const; // at every depth
 
   Workspace& workspace_;
   KernelCompiler& kernels_;
@@ -31,6 +31,7 @@ private:
   BufferSet buffers_;
   KernelNeed need_;
   std::uint32_t width_ = 1;                       // places of a tree
+  std::uint32_t shadow_rays_ = 0;                 // of a surface
   std::vector<std::unique_ptr<BindingSet>> sets_; // by band
 };
 
