@@ -97,6 +97,44 @@ TEST_F(WhittedTest, DirectLightIsThatOfPathTracing) {
   expect_same_mean(average(subject, whitted), average(subject, path));
 }
 
+// Where nothing is smooth there are no rays but the camera's: a surface is lit once, however deep the tree may grow.
+TEST_F(WhittedTest, RoughSurfacesAreLitOnce) {
+  const RenderSettings shallow = settings(&kWhitted, 4, 1), deep = settings(&kWhitted, 4, 8);
+  const Subject subject(load_gltf(kScenes + "cornell_box.gltf", {}), shallow);
+  EXPECT_TRUE(*render(subject, shallow).film == *render(subject, deep).film);
+}
+
+// Mirrors and glass among rough surfaces: of the light that paths find, a tree of rays finds a part, and most of it
+// here.
+TEST_F(WhittedTest, NeverBrighterThanPathTracing) {
+  const RenderSettings whitted = settings(&kWhitted, 64, 8), path = settings(&kPath, 256, 8);
+  const Subject subject(load_gltf(kScenes + "showcase.glb", {}), whitted);
+  const Average a = average(subject, whitted), b = average(subject, path);
+  double found = 0.0, all = 0.0, noise = 0.0;
+  for (std::size_t i = 0; i < a.mean.size(); ++i) {
+    found += a.mean[i], all += b.mean[i];
+    noise += a.variance[i] + b.variance[i];
+  }
+  EXPECT_LT(found, all + 3.0 * std::sqrt(noise));
+  EXPECT_GT(found, 0.5 * all);
+  EXPECT_LT(std::sqrt(noise), 0.03 * all) << "too much noise to tell";
+}
+
+// A sky of one colour, which paths find by the BSDF alone, is light like any other.
+TEST_F(WhittedTest, ASkyOfOneColourIsALight) {
+  const RenderSettings whitted = settings(&kWhitted, 64, 1), path = settings(&kPath, 64, 1);
+  Scene scene = load_gltf(kScenes + "showcase.glb", {});
+  for (Material& material : scene.materials) {
+    material.roughness = 1.0f;
+    material.emission = glm::vec3(0.0f);
+    material.transmission = material.metallic = 0.0f;
+  }
+  scene.environment.radiance = {0.5f, 1.0f, 2.0f};
+  const Subject subject(std::move(scene), whitted);
+  ASSERT_TRUE(subject.packed.lights.empty());
+  expect_same_mean(average(subject, whitted), average(subject, path));
+}
+
 // 232 emissive triangles, of which a surface picks 16, and a lamp without an extent, to which it always sends a ray.
 TEST_F(WhittedTest, OfManyLightsSomeAreSampled) {
   const RenderSettings whitted = settings(&kWhitted, 16, 1), path = settings(&kPath, 256, 1);

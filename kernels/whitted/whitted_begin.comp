@@ -18,7 +18,7 @@ void main() {
   store_path(index, PathState(vec3(0.0), -1.0, vec3(0.0), 1.0));
   nodes_of_trees[index].width = 0u;
   nodes_of_trees[index].depth = kNone;
-  nodes_of_trees[index].hit_weight = vec3(0.0);
+  nodes_of_trees[index].hit_depth = kNone;
   uint slot = index;
   if (slot >= sample_slots()) return;
   vec3 origin, direction;

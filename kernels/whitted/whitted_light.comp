@@ -33,23 +33,37 @@ LightSample sample_one_light(Light light, vec3 from, vec2 u) {
   return no_light();
 }
 
-// The light that shadow ray `number` goes to, and how often such rays go there on average.
-Light choose_light(uint number, vec2 u, out float rays) {
-  bool picks = number < whitted.triangle_rays && whitted.triangle_rays < whitted.triangles;
-  uint index = number < whitted.triangle_rays ? number : number - whitted.triangle_rays + whitted.triangles;
-  if (picks) index = pick_light(u);
-  Light light = fetch_light(index);
-  rays = !picks ? 1.0 : index < whitted.triangles ? float(whitted.triangle_rays) * light.probability : 0.0; // 0: not its turn
-  return light;
+// A sky of one colour, which is no light in the list: paths find it by the BSDF alone.
+LightSample sample_sky(vec2 u) {
+  LightSample s = no_light();
+  s.distant = true;
+  s.direction = warp_uniform_sphere(u);
+  s.pdf = warp_uniform_sphere_pdf();
+  s.radiance = frame.environment_radiance;
+  return s;
 }
 
-// Light of one light that the surface sends along v.wo, by its lobes that are no mirror.
+// Where shadow ray `number` goes, with the density of all such rays, and the triangle that it may end on.
+LightSample sample_for_ray(uint number, vec3 from, uint dimension, out uvec2 triangle) {
+  vec2 u_pick = sample_2d(path_sampler, dimension), u = sample_2d(path_sampler, dimension + 1u);
+  triangle = uvec2(kNone, 0u);
+  bool picks = number < whitted.triangle_rays && whitted.triangle_rays < whitted.triangles;
+  uint index = number < whitted.triangle_rays ? number : number - whitted.triangle_rays + whitted.triangles;
+  if (picks) index = pick_light(u_pick);
+  if (index >= frame.light_count) return sample_sky(u);
+  Light light = fetch_light(index);
+  LightSample s = sample_one_light(light, from, u);
+  float rays = picks ? float(whitted.triangle_rays) * light.probability : 1.0; // that go to this light
+  s.pdf = picks && index >= whitted.triangles ? 0.0 : s.pdf / light.probability * rays; // others have rays of their own
+  if (has(kFeatureTriangleLights) && light.kind == kLightTriangle) triangle = uvec2(light.triangle_id, light.instance);
+  return s;
+}
+
+// Light of one shadow ray that the surface sends along v.wo, by its lobes that are no mirror.
 vec3 lit_by(uint number, Vertex v, uint medium, uint path) {
-  uint dimension = node_dimension(path) + 2u * number;
-  float rays;
-  Light light = choose_light(number, sample_2d(path_sampler, dimension), rays);
-  LightSample s = sample_one_light(light, v.surface.position, sample_2d(path_sampler, dimension + 1u));
-  precise float pdf = s.pdf / light.probability * rays;
+  uvec2 triangle;
+  LightSample s = sample_for_ray(number, v.surface.position, node_dimension(path) + 2u * number, triangle);
+  precise float pdf = s.pdf;
   if (max_component(s.radiance) <= 0.0 || !(pdf > 0.0) || !sides_agree(v, s.direction)) return vec3(0.0);
   float bsdf_pdf;
   vec3 wo = to_local(v.wo, v.tangent, v.bitangent, v.normal), wi = to_local(s.direction, v.tangent, v.bitangent, v.normal);
@@ -61,10 +75,9 @@ vec3 lit_by(uint number, Vertex v, uint medium, uint path) {
   }
   if (is_finite(value) && max_component(value) <= 0.0) return vec3(0.0);
   vec3 origin = offset_ray_origin(v.surface.position, v.surface.position_error, v.surface.geometric_normal, s.direction);
-  bool triangle = has(kFeatureTriangleLights) && light.kind == kLightTriangle;
   ++shadow_ray_count;
   bool blocked = trace(origin, s.distant ? s.direction : s.target - origin, s.distant ? kFar : 1.0,
-                       triangle ? light.triangle_id : kNone, triangle ? light.instance : 0u).triangle != kNone;
+                       triangle.x, triangle.y).triangle != kNone;
   return blocked ? vec3(0.0) : value;
 }
 
@@ -72,7 +85,7 @@ void main() {
   uint index = gl_GlobalInvocationID.x;
   if (index >= sample_slots() * whitted.width) return;
   WhittedNode node = nodes_of_trees[index];
-  if (!(max_component(node.hit_weight) > 0.0)) return;
+  if (node.hit_depth != wave.bounce) return; // the surface of an earlier depth has been lit
   uint slot = index % sample_slots();
   path_sampler = slot_sampler(slot);
   alpha_kind = alpha_key(node.hit_path, kHashConnect);

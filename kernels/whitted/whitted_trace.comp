@@ -68,7 +68,7 @@ void branch(Vertex v, WhittedNode node, uint index) {
   reflected.width = both ? width / 2u : width;
   refracted.width = both ? width - width / 2u : width;
   uint place = index + (both ? (width / 2u) * sample_slots() : 0u);
-  if (both) refracted.hit_weight = vec3(0.0); // the surface is lit once
+  if (both) refracted.hit_depth = kNone; // the surface is lit once
   if (refracts) nodes_of_trees[place] = refracted;
   if (reflects) nodes_of_trees[index] = reflected;
 }
@@ -98,20 +98,18 @@ vec3 follow(WhittedNode node, uint index, uint slot) {
   precise vec3 radiance = unlit ? v.bsdf.base_color : surface_emission(surface, material, v.front);
   if (!unlit && wave.bounce < frame.max_depth) {
     precise vec3 weight = node.weight * passed;
+    node.weight = weight;
     if (bsdf_has_smooth(v.bsdf)) {
       radiance += whitted.ambient * v.bsdf.base_color * ((1.0 - v.bsdf.metallic) * (1.0 - v.bsdf.transmission));
-      nodes_of_trees[index].hit_weight = weight;
-      nodes_of_trees[index].hit = hit;
-      nodes_of_trees[index].hit_medium = node.medium;
-      nodes_of_trees[index].arrival = node.direction;
-      nodes_of_trees[index].hit_path = node.path;
+      node.hit = hit;
+      node.hit_weight = weight;
+      node.hit_medium = node.medium;
+      node.hit_path = node.path;
+      node.hit_depth = wave.bounce;
+      node.arrival = node.direction;
+      nodes_of_trees[index] = node;
+      nodes_of_trees[index].width = 0u;
     }
-    node.weight = weight;
-    node.hit = nodes_of_trees[index].hit;
-    node.hit_weight = nodes_of_trees[index].hit_weight;
-    node.hit_medium = nodes_of_trees[index].hit_medium;
-    node.arrival = nodes_of_trees[index].arrival;
-    node.hit_path = nodes_of_trees[index].hit_path;
     branch(v, node, index);
   }
   return radiance * passed;
@@ -127,8 +125,6 @@ void main() {
   path_sampler = slot_sampler(slot);
   alpha_kind = alpha_key(node.path, kHashExtend);
   nodes_of_trees[index].width = 0u;
-  nodes_of_trees[index].hit_weight = vec3(0.0);
-  node.hit_weight = vec3(0.0);
   precise vec3 radiance = node.weight * follow(node, index, slot);
   PathState path = fetch_path(index);
   path.radiance += radiance;

@@ -29,7 +29,7 @@ struct WhittedFrame {
   uint width;         // places of a tree: kTreeWidth, or 1 where one branch is always chosen
   uint triangles;     // emissive ones, which come first in the list of lights
   uint triangle_rays; // shadow rays of a surface to them
-  uint shadow_rays;   // and to all lights
+  uint shadow_rays;   // and to all lights, a sky of one colour included
 };
 GPU_CHECK(sizeof(WhittedFrame) == 32);
 
@@ -42,14 +42,14 @@ struct WhittedNode {
   vec3 weight; // share of its radiance that reaches the eye
   uint path;   // names the way of reflections and refractions that led here
   Hit hit;
-  vec3 hit_weight; // the weight of light that the surface hit sends towards the origin; zero where it is lit by nothing
+  vec3 hit_weight; // share of what the surface hit sends towards the origin that reaches the eye
   uint hit_medium; // that the ray arrived in
   vec3 arrival;    // direction of the ray that hit
   uint hit_path;
-  uint depth; // of the ray; kNone where none ever was
+  uint depth;     // of the ray; kNone where none ever was
+  uint hit_depth; // of the ray that hit a surface which lights may light; kNone where none did
   uint pad0;
   uint pad1;
-  uint pad2;
 };
 GPU_CHECK(sizeof(WhittedNode) == 112);
 

@@ -41,7 +41,8 @@ gpu::WhittedFrame make_frame(const PackedScene& scene, const RenderSettings& set
   frame.triangles =
       static_cast<std::uint32_t>(std::ranges::count(scene.lights, gpu::kLightTriangle, &gpu::Light::kind));
   frame.triangle_rays = std::min(frame.triangles, gpu::kMostTriangleRays);
-  frame.shadow_rays = frame.triangle_rays + static_cast<std::uint32_t>(scene.lights.size()) - frame.triangles;
+  const bool sky = (scene.features & gpu::kFeatureEnvironment) && scene.environment_probability == 0.0f;
+  frame.shadow_rays = frame.triangle_rays + static_cast<std::uint32_t>(scene.lights.size()) - frame.triangles + sky;
   return frame;
 }
 
