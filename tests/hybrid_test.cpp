@@ -246,6 +246,18 @@ TEST_F(HybridTest, EstimatesTheAmbientLightOfAnEnclosure) {
   for (int c = 0; c < 3; ++c) EXPECT_NEAR(result.ambient[c], 1.0, 0.02) << c; // as the scene's own oracle has it
 }
 
+// The pilot measures with rays of its own length and seed; the picture is that of the light which it found.
+TEST_F(HybridTest, EstimatingTheAmbientLightLeavesNoTrace) {
+  const Subject subject(load("cornell_box.gltf"), 24, 16);
+  RenderSettings hybrid = settings(&kHybrid, 2);
+  hybrid.max_depth = 8;
+  hybrid.aovs = {"ao"};
+  const RenderResult estimated = render(subject, hybrid);
+  ASSERT_GT(estimated.ambient.g, 0.0f);
+  hybrid.ambient = estimated.ambient;
+  EXPECT_TRUE(*render(subject, hybrid).film == *estimated.film);
+}
+
 TEST_F(HybridTest, GivesTheSameBitsHoweverTheWorkIsCutUp) {
   for (const char* name : {"cornell_box.gltf", "showcase.glb"}) {
     SCOPED_TRACE(name);

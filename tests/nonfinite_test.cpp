@@ -7,6 +7,8 @@
 #include <nlohmann/json.hpp>
 
 #include "host/integrators/path/path_replay.h"
+#include "host/render/device/levels.h"
+#include "host/render/loop/render_state.h"
 #include "host/render/render.h"
 #include "host/scene/gltf/gltf.h"
 #include "host/scene/view.h"
@@ -28,10 +30,11 @@ struct Shot {
   RenderSettings settings;
 };
 
-Shot shoot(Scene scene, const ViewRequest& request = {}) {
+// Tiles that are cut off are part of it.
+Shot shoot(Scene scene, const ViewRequest& request = {}, std::uint32_t width = 9, std::uint32_t height = 10) {
   Shot shot;
-  shot.settings.width = 9; // tiles that are cut off are part of it
-  shot.settings.height = 10;
+  shot.settings.width = width;
+  shot.settings.height = height;
   shot.settings.last_sample = 4;
   shot.settings.aovs = {"samples"};
   shot.view = resolve_view(scene, request, shot.settings.width, shot.settings.height);
@@ -52,7 +55,7 @@ Scene wall(float unit = 1.0f) {
 // A white wall that glows with 1.5e38 under a sky of 1.5e38 and beside a lamp that adds about as much: each is below
 // the largest float, 3.4e38, the sum need not be. So both of the kernels that add to a path make some not finite, and
 // some stay finite.
-Shot glowing_wall() {
+Shot glowing_wall(std::uint32_t width = 9, std::uint32_t height = 10) {
   Scene scene = wall();
   scene.materials[0].base_color = glm::vec4(1.0f);
   scene.materials[0].emission = glm::vec3(1.5e38f);
@@ -60,7 +63,7 @@ Shot glowing_wall() {
   PunctualLight& light = scene.lights.emplace_back();
   light.intensity = glm::vec3(3e38f);
   light.position = {0.0, 0.0, 0.5};
-  return shoot(std::move(scene));
+  return shoot(std::move(scene), {}, width, height);
 }
 
 // A light of 9e29 candela, a micrometre before a wall of that size: an irradiance of 9e41.
@@ -149,6 +152,38 @@ TEST_F(NonfiniteTest, NeitherWavesNorKernelsChangeWhatIsCounted) {
       EXPECT_EQ(render(device(), shot.packed, shot.view, shot.settings).nonfinite, whole) << slots;
     }
   }
+}
+
+// Slots of an adaptive render stand for places in its list of runs, in which quiet runs come first.
+TEST_F(NonfiniteTest, AnAdaptiveRenderNamesThePixelOfItsFirst) {
+  Shot shot = glowing_wall(43, 37); // around the wall there are runs of nothing but the sky
+  KernelCompiler kernels(device());
+  const Nonfinite even = render(device(), shot.packed, shot.view, shot.settings, {}, kernels).nonfinite;
+  ASSERT_TRUE(even.first);
+  ASSERT_EQ(even.first->sample, 0u) << "a sample that every pixel of an adaptive render has";
+  PathReplay replay(device(), shot.packed, shot.view, shot.settings, kernels);
+
+  shot.settings.adaptive = true;
+  std::vector<std::int8_t> levels;
+  RenderHooks hooks;
+  hooks.save = [&](const RenderState& state) { levels = state.levels; };
+  const RenderResult result = render(device(), shot.packed, shot.view, shot.settings, hooks, kernels);
+  const std::uint32_t run = even.first->pixel / gpu::kRunPixels;
+  ASSERT_LT(run, levels.size());
+  ASSERT_NE(std::ranges::count_if(levels, [&](std::int8_t level) { return level < levels[run]; }) +
+                std::count(levels.begin(), levels.begin() + run, levels[run]),
+            run)
+      << "its place in the list is that in the picture: any answer would be right";
+
+  ASSERT_TRUE(result.nonfinite.first);
+  EXPECT_EQ(*result.nonfinite.first, *even.first);
+  const glm::uvec2 pixel = gpu::pixel_in_tile_order(result.nonfinite.first->pixel, 43, 37);
+  EXPECT_EQ(replay.trace(pixel, 0).maker, result.nonfinite.first->maker);
+  double finite = 0.0, rendered = 0.0;
+  for (const float count : result.picture.channels.back().values) finite += count;
+  for (std::uint32_t place = 0; place < 43 * 37; ++place)
+    rendered += at_level(shot.settings.last_sample, levels[place / gpu::kRunPixels]);
+  EXPECT_EQ(static_cast<double>(result.nonfinite.samples()), rendered - finite) << "those of the pilot do not count";
 }
 
 // The replay of a path has the bits of a picture that holds this path alone.

@@ -300,6 +300,20 @@ TEST_F(ProgressiveTest, EstimatesTheErrorAsRenderDoes) {
   EXPECT_TRUE(std::isinf(progressive.seconds_to(0.1)));
 }
 
+// A pass is timed from its own beginning, whatever the device did for the pictures before.
+TEST_F(ProgressiveTest, TheTimeOfAFrameIsPositiveAfterEveryView) {
+  open("cornell_box.gltf");
+  Progressive progressive = begin();
+  finish(progressive);
+  EXPECT_GT(progressive.status().frame_seconds, 0.0);
+  progressive.set_view(moved_view());
+  progressive.set_view(view_);
+  while (!progressive.status().done) {
+    step(progressive);
+    EXPECT_GT(progressive.status().frame_seconds, 0.0) << "at " << progressive.status().spp << " samples a pixel";
+  }
+}
+
 TEST_F(ProgressiveTest, DoesNotWaitForKernels) {
   if (!device().unified_memory()) GTEST_SKIP() << "uploads would wait for the queue, which this test keeps";
   open("cornell_box.gltf");

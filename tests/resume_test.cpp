@@ -1,8 +1,11 @@
 // Stopping, splitting and joining renders as a user does: whatever happens in between, the bits are those of one
 // render.
+#include <bit>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <memory>
+#include <optional>
 #include <random>
 #include <string>
 #include <vector>
@@ -13,7 +16,12 @@
 
 #include "host/film/film.h"
 #include "host/film/picture_io.h"
+#include "host/render/device/kernel_compiler.h"
+#include "host/render/render.h"
 #include "host/render/report/state_file.h"
+#include "host/scene/gltf/gltf.h"
+#include "host/scene/pack/pack.h"
+#include "host/scene/view.h"
 #include "tests/run_wavepath.h"
 #include "tests/small_disk.h"
 #include "tests/temporary_folder.h"
@@ -299,6 +307,88 @@ TEST_F(Resume, UsageIsChecked) {
   EXPECT_EQ(render("x.exr", {"--adaptive", "--samples", "0:4"}).exit_code, 2);
   EXPECT_EQ(render("x.exr", {"-o", "x.exr"}).exit_code, 2) << "the same output twice";
   EXPECT_EQ(render("x.exr", {"--checkpoint", "nowhere/state"}).exit_code, 1);
+}
+
+// Renders that end at a moment which no flag names.
+class ResumedLoop : public VulkanTest {
+protected:
+  ResumedLoop() {
+    settings_.width = settings_.height = 32;
+    settings_.wave_slots = 4096; // many waves
+  }
+  RenderResult render(const RenderHooks& hooks = {}) {
+    if (!kernels_) kernels_ = std::make_unique<KernelCompiler>(device()); // compiles each of them once
+    const View view = resolve_view(scene_, {}, settings_.width, settings_.height);
+    return wavepath::render(device(), packed_, view, settings_, hooks, *kernels_);
+  }
+  // The state of a render whose progress `goes_on` ends.
+  RenderState interrupted(const ProgressCallback& goes_on) {
+    std::optional<RenderState> state;
+    RenderHooks hooks;
+    hooks.progress = goes_on;
+    hooks.save = [&](const RenderState& saved) { state = saved; };
+    hooks.save_interval = 1e9; // at the end alone
+    EXPECT_EQ(render(hooks).stop, StopReason::interrupted);
+    return state.value();
+  }
+
+  Scene scene_ = load_gltf(kCornell);
+  PackedScene packed_ = pack(scene_);
+  RenderSettings settings_;
+  std::unique_ptr<KernelCompiler> kernels_;
+};
+
+TEST_F(ResumedLoop, AnInterruptedPilotLeavesNoTrace) {
+  settings_.adaptive = true;
+  settings_.width = settings_.height = 64; // waves remain when the second one is done
+  settings_.wave_slots = 2048;
+  settings_.last_sample = 16;
+  const RenderResult whole = render();
+  int waves = 0;
+  const RenderState state = interrupted([&](const Progress&) { return ++waves < 2; });
+  ASSERT_EQ(state.cursor.sample + state.cursor.pass_samples, 0u) << "the pilot was over";
+  RenderHooks hooks;
+  hooks.resume = &state;
+  const RenderResult resumed = render(hooks);
+  EXPECT_TRUE(*resumed.film == *whole.film);
+  EXPECT_EQ(resumed.spp, whole.spp);
+}
+
+// The film of the checkpoint is at hand then, but the pass has added to it.
+TEST_F(ResumedLoop, InterruptedWithinThePassAfterACheckpointNoSampleIsLost) {
+  settings_.last_sample = 16;
+  settings_.wave_slots = 100; // many waves a pass
+  const RenderResult whole = render();
+  const RenderState state =
+      interrupted([&](const Progress& now) { return now.spp_done < 8 || now.fraction < 8.5 / 16.0; });
+  ASSERT_EQ(state.cursor.sample, 8u);
+  ASSERT_GT(state.cursor.pixels_done, 0u);
+  RenderHooks hooks;
+  hooks.resume = &state;
+  EXPECT_TRUE(*render(hooks).film == *whole.film);
+}
+
+// Where the error is looked at next is part of the state, so that the render ends where it would have ended.
+TEST_F(ResumedLoop, InterruptedBeforeALookATargetIsReachedAtTheSameSample) {
+  settings_.last_sample = 4096;
+  settings_.target_error = 0.05;
+  const RenderResult whole = render();
+  ASSERT_EQ(whole.stop, StopReason::target_error);
+  ASSERT_FALSE(std::has_single_bit(whole.spp)) << "found at a checkpoint, without a look between two";
+  int between_looks = 0;
+  for (std::uint32_t end = std::bit_floor(whole.spp) + 1; end < whole.spp; end += 4) {
+    SCOPED_TRACE(end);
+    const RenderState state = interrupted([&](const Progress& now) { return now.spp_done < end; });
+    if (state.next_check <= state.cursor.sample) continue; // what the last look found is not known
+    ++between_looks;
+    RenderHooks hooks;
+    hooks.resume = &state;
+    const RenderResult resumed = render(hooks);
+    EXPECT_EQ(resumed.stop, StopReason::target_error);
+    EXPECT_EQ(resumed.spp, whole.spp);
+    EXPECT_TRUE(*resumed.film == *whole.film);
+  }
+  EXPECT_GT(between_looks, 0);
 }
 
 } // namespace
