@@ -33,6 +33,7 @@ TEST(Target, EndsWhereTheErrorIsSmallEnough) {
   target.begin(70, 70);
   EXPECT_TRUE(target.take(70, found(70, 0.1), {}));
   EXPECT_EQ(target.limit(), 0u);
+  EXPECT_EQ(target.next_check(), 70u) << "resumed from here, it has reached its target already";
 }
 
 // Few samples may have missed rare light.

@@ -70,7 +70,7 @@ bool Workspace::fit(const RenderSettings& settings, std::uint32_t features) {
   moved |= make_room(device, runs_buffer_, runs * sizeof(std::uint32_t));
   frame_buffer_.write(&frame, sizeof(frame));
   runs_.clear();
-  if (settings.adaptive) {
+  if (runs > 0) { // kernels made for adaptive renders may serve this one until its own are ready
     std::vector<std::uint32_t> all(run_count(film));
     std::iota(all.begin(), all.end(), 0u);
     set_runs(std::move(all));

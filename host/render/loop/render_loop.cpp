@@ -140,6 +140,7 @@ void RenderLoop::begin() {
   }
   if (hooks_.resume) restore(*hooks_.resume);
   last_save_ = Clock::now();
+  if (hooks_.resume && !stopped_ && is_look_due()) checkpoint(); // the interrupt came before it
   if (settings_.adaptive && levels_.empty()) {
     explore({segments_, kPilotSamples, kAdaptivePilotSeed});
     if (!stopped_) use_levels(choose_levels(workspace_.film.download())); // else a resumed render explores anew
@@ -161,6 +162,12 @@ void RenderLoop::restore(const RenderState& state) {
   if (settings_.adaptive && !state.levels.empty()) use_levels(state.levels);
   target_ = make_target(settings_, state.next_check);
   if (in_pass()) integrator_->begin_pass(queue_, cursor_.sample);
+}
+
+bool RenderLoop::is_look_due() const {
+  if (in_pass() || spp() == 0) return false;
+  const bool known = !result_.checkpoints.empty() && result_.checkpoints.back().spp == samples_per_pixel();
+  return is_check() || (is_checkpoint() && !known);
 }
 
 // Renders the pilot, whose samples do not reach the picture.

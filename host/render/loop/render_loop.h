@@ -111,6 +111,7 @@ private:
 
   bool is_checkpoint() const;
   bool is_check() const { return cursor_.sample == target_.next_check(); }
+  bool is_look_due() const;
   bool pays() const;
   void checkpoint();
   void measure(Pending& pending);

@@ -108,13 +108,14 @@ void RenderLoop::take_in_first() {
       resume_clock();
     }
   }
-  if (!stopped_ && target_.take(pending.sample, point, result_.checkpoints)) stop_at(pending);
+  if (target_.take(pending.sample, point, result_.checkpoints)) stop_at(pending);
 }
 
 // Ends the render with the film that was judged. Waves that were rendered meanwhile do not count, so that the picture
 // does not depend on timing.
 void RenderLoop::stop_at(const Pending& judged) {
-  stop(StopReason::target_error);
+  stopped_ = true;
+  result_.stop = StopReason::target_error; // even if time or the user stopped what came after
   abandon();
   cursor_ = {judged.sample, 0, 0, 0};
   queue_.totals = judged.totals;

@@ -34,7 +34,8 @@ bool Target::take(std::uint32_t sample, const Checkpoint& found, const std::vect
   if (!is_set()) return false;
   if (sample == looked_at_) limit_ = 0;
   if (found.spp >= kFewestSamples && found.error.relative_rms <= relative_rms_) {
-    limit_ = next_check_ = 0;
+    limit_ = 0;
+    next_check_ = sample; // one that goes on from here looks first
     return true;
   }
   next_check_ = 0;
