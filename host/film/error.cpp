@@ -15,25 +15,44 @@ namespace {
 
 double mean_of(const glm::dvec3& v) { return (v.x + v.y + v.z) / 3.0; }
 
+constexpr std::size_t kBlockRows = 32;
+
+// Statistics of the pixels of rows [first, end) and of those beside them. In blocks, because those of a whole picture
+// take as much memory as its film.
+struct Rows {
+  Rows(const Film& film_, std::size_t first, std::size_t end)
+      : film(film_),
+        begin((first > 0 ? first - 1 : 0) * film.width),
+        pixels(std::min<std::size_t>(end + 1, film.height) * film.width - begin) {
+    for (std::size_t i = 0; i < pixels.size(); ++i) pixels[i] = statistics(film, begin + i);
+  }
+  // By the index of the pixel in the picture.
+  const PixelStatistics& operator[](std::size_t index) const { return pixels[index - begin]; }
+
+  const Film& film;
+  std::size_t begin;
+  std::vector<PixelStatistics> pixels;
+};
+
 // relMSE weighs a pixel by 1 / (r^2 + 0.01). The pixel's own mean alone would not do for r: a sample that is bright by
 // chance raises it along with the spread, and so hides its own error (up to a third of it, where noise is strong). So r
 // comes from the eight neighbours, and from the pixel itself only as far as it stands out from them by more than noise
 // explains, at an edge; of that and the pixel's own mean, the one that weighs more counts, because neighbours across an
 // edge may be far brighter.
-glm::dvec3 weight(const Film& film, const std::vector<PixelStatistics>& pixels, std::size_t index) {
-  const int width = static_cast<int>(film.width), height = static_cast<int>(film.height);
-  const int x = static_cast<int>(index % film.width), y = static_cast<int>(index / film.width);
+glm::dvec3 weight(const Rows& rows, std::size_t index) {
+  const int width = static_cast<int>(rows.film.width), height = static_cast<int>(rows.film.height);
+  const int x = static_cast<int>(index % rows.film.width), y = static_cast<int>(index / rows.film.width);
   glm::dvec3 around(0.0), noise(0.0);
   double count = 0.0;
   for (int v = std::max(y - 1, 0); v <= std::min(y + 1, height - 1); ++v)
     for (int u = std::max(x - 1, 0); u <= std::min(x + 1, width - 1); ++u) {
-      const PixelStatistics& pixel = pixels[static_cast<std::size_t>(v) * film.width + static_cast<std::size_t>(u)];
+      const PixelStatistics& pixel = rows[static_cast<std::size_t>(v) * rows.film.width + static_cast<std::size_t>(u)];
       noise += pixel.variance;
       if (u == x && v == y) continue;
       around += pixel.mean;
       count += 1.0;
     }
-  const PixelStatistics& own = pixels[index];
+  const PixelStatistics& own = rows[index];
   if (count == 0.0) return 1.0 / (own.mean * own.mean + 0.01);
   around /= count;
   noise = glm::max(noise / (count + 1.0), own.variance);
@@ -58,14 +77,14 @@ struct Sums {
   double sum = 0.0, sum_of_squares = 0.0, largest_alone = 0.0;
 };
 
-Sums row_sums(const Film& film, const std::vector<PixelStatistics>& pixels, std::size_t row) {
+Sums row_sums(const Rows& rows, std::size_t row) {
   Sums sums;
-  for (std::size_t i = row * film.width; i < (row + 1) * film.width; ++i) {
-    const glm::dvec3 w = weight(film, pixels, i);
-    const double squared = mean_of(pixels[i].variance * w);
+  for (std::size_t i = row * rows.film.width; i < (row + 1) * rows.film.width; ++i) {
+    const glm::dvec3 w = weight(rows, i);
+    const double squared = mean_of(rows[i].variance * w);
     sums.sum += squared;
     sums.sum_of_squares += squared * squared;
-    sums.largest_alone = std::max(sums.largest_alone, largest_alone(film, i, w));
+    sums.largest_alone = std::max(sums.largest_alone, largest_alone(rows.film, i, w));
   }
   return sums;
 }
@@ -73,17 +92,20 @@ Sums row_sums(const Film& film, const std::vector<PixelStatistics>& pixels, std:
 } // namespace
 
 ErrorEstimate estimate_error(const Film& film) {
-  std::vector<PixelStatistics> pixels(std::size_t{film.width} * film.height);
   std::vector<Sums> rows(film.height); // added up in order: the same for any number of threads
-  tbb::parallel_for(std::size_t{0}, pixels.size(), [&](std::size_t i) { pixels[i] = statistics(film, i); });
-  tbb::parallel_for(std::size_t{0}, rows.size(), [&](std::size_t y) { rows[y] = row_sums(film, pixels, y); });
+  tbb::parallel_for(std::size_t{0}, (rows.size() + kBlockRows - 1) / kBlockRows, [&](std::size_t block) {
+    const std::size_t first = block * kBlockRows, end = std::min(first + kBlockRows, rows.size());
+    const Rows statistics(film, first, end);
+    for (std::size_t y = first; y < end; ++y) rows[y] = row_sums(statistics, y);
+  });
+  const std::size_t pixel_count = std::size_t{film.width} * film.height;
   double sum = 0.0, sum_of_squares = 0.0, largest = 0.0;
   for (const Sums& row : rows) {
     sum += row.sum;
     sum_of_squares += row.sum_of_squares;
     largest = std::max(largest, row.largest_alone);
   }
-  const double n = static_cast<double>(pixels.size()), mean = sum / n;
+  const double n = static_cast<double>(pixel_count), mean = sum / n;
   // The interval is of this picture's error, not of its expectation: both the estimate and what it estimates scatter,
   // alike and independently (the sum and the difference of two replicates are independent where they are normal), hence
   // the 2. The weights are known less well: over scenes and sample counts they left the squared error 0.91 to 1.0 of

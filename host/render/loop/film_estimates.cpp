@@ -3,6 +3,19 @@
 #include "host/base/clock.h"
 
 namespace wavepath {
+namespace {
+
+template <class Read>
+FilmEstimate make_estimate(Read read) {
+  const auto start = Clock::now();
+  FilmEstimate result;
+  result.film = std::make_shared<const Film>(read());
+  result.error = estimate_error(*result.film);
+  result.seconds = seconds_since(start);
+  return result;
+}
+
+} // namespace
 
 std::shared_ptr<FilmSnapshot> FilmEstimates::copy(Commands& commands, const FilmTarget& film) {
   if (free_.empty()) free_.push_back(std::make_shared<FilmSnapshot>());
@@ -14,16 +27,14 @@ std::shared_ptr<FilmSnapshot> FilmEstimates::copy(Commands& commands, const Film
 }
 
 std::future<FilmEstimate> FilmEstimates::begin(std::shared_ptr<FilmSnapshot> copy) {
-  std::future<FilmEstimate> estimate = std::async(std::launch::async, [copy = std::move(copy)] {
-    const auto start = Clock::now();
-    FilmEstimate result;
-    result.film = std::make_shared<const Film>(copy->read());
-    result.error = estimate_error(*result.film);
-    result.seconds = seconds_since(start);
-    return result;
-  });
-  if (at_once_) estimate.wait();
-  return estimate;
+  return std::async(std::launch::async,
+                    [copy = std::move(copy)] { return make_estimate([&] { return copy->read(); }); });
+}
+
+std::future<FilmEstimate> estimate_now(const FilmTarget& film) {
+  std::promise<FilmEstimate> estimate;
+  estimate.set_value(make_estimate([&] { return film.download(); }));
+  return estimate.get_future();
 }
 
 void FilmEstimates::abandon(std::future<FilmEstimate> estimate) {

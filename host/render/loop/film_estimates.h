@@ -21,8 +21,7 @@ struct FilmEstimate {
 // Copies of the film, used again and again, and the estimates made of them.
 class FilmEstimates {
 public:
-  // `at_once`: begin() returns when the estimate is there.
-  FilmEstimates(Device& device, bool at_once) : device_(device), at_once_(at_once) {}
+  explicit FilmEstimates(Device& device) : device_(device) {}
 
   // Records a copy of the film. Throws Error if there is no memory for it.
   std::shared_ptr<FilmSnapshot> copy(Commands& commands, const FilmTarget& film);
@@ -35,10 +34,12 @@ public:
 
 private:
   Device& device_;
-  bool at_once_;
   std::vector<std::shared_ptr<FilmSnapshot>> free_;
   std::vector<std::future<FilmEstimate>> abandoned_;
 };
+
+// Of the film itself, at once. Nothing may be in flight.
+std::future<FilmEstimate> estimate_now(const FilmTarget& film);
 
 // Whether the future is there; not if there is none.
 template <class T>

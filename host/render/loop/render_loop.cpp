@@ -43,7 +43,8 @@ RenderLoop::RenderLoop(Device& device, const PackedScene& scene, const View& vie
       workspace_(device, scene, std::max(choose_slots(device.info(), scene, settings), pace.least_slots)),
       queue_(workspace_),
       governor_(workspace_.slots, pace.longest_dispatch),
-      estimates_(device, are_at_once(device.info(), pace)) {
+      estimates_(device),
+      estimates_at_once_(are_at_once(device.info(), pace)) {
   restart(view, settings);
 }
 

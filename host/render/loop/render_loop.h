@@ -140,6 +140,7 @@ private:
 
   std::deque<Pending> pending_;
   FilmEstimates estimates_;
+  const bool estimates_at_once_;
   Target target_;
   double estimate_pixel_seconds_ = 0.0; // of the last one
   std::shared_ptr<const Film> film_;    // as it was when `film_sample_` had been reached

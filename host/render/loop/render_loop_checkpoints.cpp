@@ -47,7 +47,8 @@ bool RenderLoop::pays() const {
 void RenderLoop::checkpoint() {
   if (!pays()) return;
   while (pending_.size() >= kMostPending) take_in_first();
-  if (stopped_) return;
+  if (estimates_at_once_) queue_.drain();
+  if (stopped_) return; // meanwhile; a render that is resumed takes this look first
   Pending& pending = pending_.emplace_back();
   pending.sample = cursor_.sample;
   pending.is_checkpoint = is_checkpoint();
@@ -55,6 +56,11 @@ void RenderLoop::checkpoint() {
   target_.begin(cursor_.sample, pending.point.spp);
   if (spp() < gpu::kReplicates && !hooks_.checkpoint) { // of fewer samples there is no estimate
     queue_.afterwards([this, &pending] { measure(pending); });
+    return;
+  }
+  if (estimates_at_once_) {
+    measure(pending);
+    pending.estimate = estimate_now(workspace_.film);
     return;
   }
   queue_.submit([&](Commands& commands) { pending.copy = estimates_.copy(commands, workspace_.film); },
@@ -96,7 +102,7 @@ void RenderLoop::take_in_first() {
     film_sample_ = pending.sample;
     estimate_pixel_seconds_ = estimate.seconds / static_cast<double>(pixels());
     result_.estimate_seconds += estimate.seconds;
-    estimates_.give_back(std::move(pending.copy));
+    if (pending.copy) estimates_.give_back(std::move(pending.copy));
   }
   last_ = point;
   result_.error = point.error;
