@@ -52,7 +52,7 @@ class Benchmarks(unittest.TestCase):
         pairs = [[{key: seconds for key in ("render", "wall", "cpu")} for seconds in pair]
                  for pair in ((1, 2), (4, 4), (2, 3))]
         row = old_new.ratios(pairs)
-        self.assertEqual((row["old"], row["new"], row["ratio"], row["wall"]), (2, 3, 1.5, 1.5))
+        self.assertEqual((row["old"], row["new"], row["ratio"], row["render"]), (2, 3, 1.5, 1.5))
         self.assertEqual((row["least"], row["most"], row["fastest"]), (1, 2, 2))
 
     def test_scripts_explain_themselves(self):
