@@ -186,11 +186,13 @@ TEST(Layout, Hybrid) {
 
 TEST(Layout, Whitted) {
   compare("WhittedFrame", sizeof(WhittedFrame),
-          {AT(WhittedFrame, ambient), AT(WhittedFrame, cutoff), AT(WhittedFrame, width)});
+          {AT(WhittedFrame, ambient), AT(WhittedFrame, cutoff), AT(WhittedFrame, width), AT(WhittedFrame, triangles),
+           AT(WhittedFrame, triangle_rays), AT(WhittedFrame, shadow_rays)});
   compare("WhittedNode", sizeof(WhittedNode),
           {AT(WhittedNode, origin), AT(WhittedNode, width), AT(WhittedNode, direction), AT(WhittedNode, medium),
            AT(WhittedNode, weight), AT(WhittedNode, path), AT(WhittedNode, hit), AT(WhittedNode, hit_weight),
-           AT(WhittedNode, hit_medium), AT(WhittedNode, arrival), AT(WhittedNode, hit_path), AT(WhittedNode, depth)});
+           AT(WhittedNode, hit_medium), AT(WhittedNode, arrival), AT(WhittedNode, hit_path), AT(WhittedNode, depth),
+           AT(WhittedNode, hit_depth)});
 }
 
 TEST(Layout, Filters) {
