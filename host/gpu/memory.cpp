@@ -38,6 +38,7 @@ void Memory::release() {
   vkFreeMemory(context_->handle(), memory_, nullptr);
   context_->count_memory(-static_cast<std::int64_t>(bytes_));
   memory_ = VK_NULL_HANDLE;
+  bytes_ = 0;
   mapped_ = nullptr;
   coherent_ = true;
 }

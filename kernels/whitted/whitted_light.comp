@@ -47,10 +47,10 @@ LightSample sample_sky(vec2 u) {
 LightSample sample_for_ray(uint number, vec3 from, uint dimension, out uvec2 triangle) {
   vec2 u_pick = sample_2d(path_sampler, dimension), u = sample_2d(path_sampler, dimension + 1u);
   triangle = uvec2(kNone, 0u);
-  bool picks = number < whitted.triangle_rays && whitted.triangle_rays < whitted.triangles;
+  bool picks = has(kFeatureTriangleLights) && number < whitted.triangle_rays && whitted.triangle_rays < whitted.triangles;
   uint index = number < whitted.triangle_rays ? number : number - whitted.triangle_rays + whitted.triangles;
   if (picks) index = pick_light(u_pick);
-  if (index >= frame.light_count) return sample_sky(u);
+  if (has(kFeatureEnvironment) && index >= frame.light_count) return sample_sky(u);
   Light light = fetch_light(index);
   LightSample s = sample_one_light(light, from, u);
   float rays = picks ? float(whitted.triangle_rays) * light.probability : 1.0; // that go to this light
