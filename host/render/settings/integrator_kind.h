@@ -19,6 +19,7 @@ class KernelCompiler;
 class Workspace;
 struct DeviceInfo;
 struct PackedScene;
+struct RayCounts;
 struct RenderResult;
 
 // A stage or buffer that the integrator leaves out, and why, for the report.
@@ -61,6 +62,12 @@ struct IntegratorKind {
   nlohmann::ordered_json (*stats)(const RenderSettings& settings, const PackedScene& scene,
                                   const RenderResult& result) = nullptr;
   std::unique_ptr<Integrator> (*make)(Workspace& workspace, KernelCompiler& kernels) = nullptr;
+
+  // Of a kind that stands for the best of others (host/render/integrator_choice.h): what it chooses from, the one to be
+  // taken without a trial first. Null for all others.
+  std::vector<RenderSettings> (*candidates)(const RenderSettings& settings, const PackedScene& scene) = nullptr;
+  // Of such a candidate: what these rays cost, on a CPU device or another; camera rays of path tracing are the unit.
+  double (*work)(const RenderSettings& settings, const RayCounts& rays, bool cpu) = nullptr;
 };
 
 // All of them, the default first. Defined by host/integrators/factory.cpp, which alone knows their names.
