@@ -7,6 +7,7 @@ import sys
 
 import analytic
 import analytic_surfaces
+import caustic_pictures
 import caustics
 import pictures
 import rooms
@@ -27,6 +28,8 @@ def files():
     answers = {}
     for name, scene in caustics.scenes():
         answers[name] = scene.answer
+        yield f"caustics/{name}.glb", scene.binary()
+    for name, scene in caustic_pictures.scenes():
         yield f"caustics/{name}.glb", scene.binary()
     yield "caustics/expected.json", (json.dumps(answers, indent=1) + "\n").encode()
 

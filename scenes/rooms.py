@@ -3,7 +3,7 @@
 import math
 import random
 
-from gltf import Gltf, Shape, add, box, join, normalize, quad, scale, sphere
+from gltf import Gltf, Shape, box, join, normalize, quad, scale, sphere
 
 WALL = 0.15  # metres thick
 
@@ -39,9 +39,9 @@ def slit_room():
     white = g.lambert("white", (0.75, 0.75, 0.75))
     red, blue = g.lambert("red", (0.6, 0.1, 0.08)), g.lambert("blue", (0.1, 0.2, 0.6))
     g.mesh("room", sheets((0.0, 0.0, 0.0), (6.0, 2.8, 3.2)), white)
-    g.mesh("wall", join(wall_x(4.0, -WALL, 3.2 + WALL, 2.8, opening=(1.45, 1.6, 0.3, 2.4))), white)
+    g.mesh("wall", join(wall_x(4.0, -WALL, 3.2 + WALL, 2.8, opening=(1.35, 1.75, 0.3, 2.4))), white)
     lamp = quad((4.1, 0.8, 0.9), (4.1, 0.8, 0.3), (4.1, 2.0, 0.3), (4.1, 2.0, 0.9))
-    g.mesh("lamp", lamp, g.emitter("lamp", (60.0, 52.0, 40.0)))
+    g.mesh("lamp", lamp, g.emitter("lamp", (600.0, 520.0, 400.0)))
     g.mesh("block", box((2.3, 0.0, 0.5), (2.9, 1.1, 1.1)), red)
     g.mesh("ball", sphere(24), blue, translation=[2.2, 0.4, 2.2], scale=[0.4] * 3)
     g.camera((0.3, 1.5, 1.4), (3.6, 1.1, 1.6), yfov=1.0, aspect=4 / 3)
@@ -52,7 +52,7 @@ def door_ajar():
     """After Veach's scene: one lamp in the next room, a door that lets a little of its light through."""
     g = Gltf("door ajar")
     white = g.lambert("white", (0.8, 0.8, 0.8))
-    hinge, width, height, angle = 1.0, 0.9, 2.1, 0.2
+    hinge, width, height, angle = 1.0, 0.9, 2.1, 0.25
     g.mesh("rooms", sheets((0.0, 0.0, 0.0), (7.0, 2.7, 3.6)), white)
     g.mesh("wall", join(wall_x(4.0, -WALL, 3.6 + WALL, 2.7, opening=(hinge, hinge + width, 0.0, height))),
            g.lambert("wall", (0.55, 0.6, 0.65)))
@@ -60,7 +60,7 @@ def door_ajar():
     g.mesh("door", door, g.lambert("wood", (0.45, 0.28, 0.14)), translation=[4.0, 0.0, hinge],
            rotation=[0.0, math.sin(-angle / 2), 0.0, math.cos(angle / 2)])
     lamp = quad((5.2, 2.6, 2.2), (6.2, 2.6, 2.2), (6.2, 2.6, 3.2), (5.2, 2.6, 3.2))
-    g.mesh("lamp", lamp, g.emitter("lamp", (220.0, 200.0, 170.0)))
+    g.mesh("lamp", lamp, g.emitter("lamp", (900.0, 820.0, 700.0)))
     g.mesh("table", box((1.9, 0.0, 1.5), (2.9, 0.7, 2.9)), g.lambert("table", (0.5, 0.33, 0.2)))
     ball = g.shape(sphere(32))
     for name, z, material in (("glass", 1.8, g.glass("glass")), ("clay", 2.2, g.lambert("clay", (0.6, 0.2, 0.12))),
@@ -77,7 +77,7 @@ FLUX_PER_ROOM = 60.0
 SPREAD = 1.5  # standard deviation of the logarithm of power
 OUTSIDE = 0.2  # share of lights around the house
 HANGING = 2 / 3  # share of emitters that hang in the room; the rest are panels under its ceiling
-SMALLEST = {"body": 0.002, "panel": 0.0025}  # m^2; an emitter has up to four times that
+SMALLEST = {"body": 0.0006, "panel": 0.001}  # m^2; an emitter has up to four times that
 TINTS = ((1.0, 0.72, 0.42), (1.0, 0.95, 0.88), (0.6, 0.78, 1.0))
 
 
@@ -165,7 +165,7 @@ def many_lights(count=10000, seed=0, punctual=0.1, rooms=4):
     first = round(count * (1 - punctual))
     add_emitters(g, lights[:first], dice)
     add_punctual(g, lights[first:], dice)
-    g.camera((0.35, 1.6, 0.35), add((0.35, 1.6, 0.35), (1.0, -0.18, 0.85)), yfov=1.1, aspect=4 / 3)
+    g.camera((0.35, 2.4, 0.35), (1.35, 1.95, 1.2), yfov=1.1, aspect=4 / 3)
     return g
 
 
