@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""What a sample is worth: error and processor time at equal samples, for several executables or flags, by scene and sampler.
+"""What a sample is worth: error and processor time at equal samples, for several executables or flags.
 
 Usage: light_table.py [flags] NAME=COMMAND...     COMMAND: an executable, and flags of `wavepath render` after it
-The first one is the base: it renders the references, and ratios are to it. The error is against two references of different
-seeds; half of what they differ by is their own share of it and is subtracted, so that they need not be converged further than
-the pictures are. Seconds are those that the samples past the first took of the processor, in user mode, so that loading and
-compiling do not count; other programs disturb them less than a clock, but they do (read to 5 %).
+The first one is the base: it renders the references, and ratios are to it. The error is against two references of
+different seeds; half of what they differ by is their own share of it and is subtracted, so that they need not be
+converged further than the pictures are. Seconds are those of the processor, in user mode, less those of a render of one
+sample, so that loading and compiling do not count; other programs disturb them less than a clock, but they do.
 
     light_table.py base=OLD new=build/host/wavepath                                     # relMSE x time
     light_table.py --metric flip --spp 1,4,16 base=OLD "new=build/host/wavepath --flag"   # what noise looks like
@@ -14,7 +14,6 @@ compiling do not count; other programs disturb them less than a clock, but they 
 import argparse
 import hashlib
 import json
-import math
 import os
 import pathlib
 import shlex
@@ -28,12 +27,13 @@ from scene_files import make_scenes
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 SHARED = ROOT.parent / "shared/scenes"
 SPONZA = "--eye 4,1.8,0.2 --look-at -10,2.2,-0.3 --yfov 65"
-# Scene, flags, samples of each of the two references. {assets}: --assets, {made}: files that scenes/*.py write on demand.
+# Scene, flags, samples of each of the two references. {made}: files that scenes/*.py write on demand.
 SCENES = {
     "cornell": ("{scenes}/cornell_box.gltf", "", 2048),
     "helmet": ("{assets}/DamagedHelmet/glTF-Binary/DamagedHelmet.glb",
                "--env {assets}/env/studio_small_03_1k.hdr --eye 2,0.7,3.2 --look-at 0,-0.05,0 --yfov 40", 2048),
-    "sponza sky": ("{assets}/Sponza/Sponza.gltf", f"--env {{assets}}/env/venice_sunset_1k.hdr --env-intensity 2 {SPONZA}", 768),
+    "sponza sky": ("{assets}/Sponza/Sponza.gltf",
+                   f"--env {{assets}}/env/venice_sunset_1k.hdr --env-intensity 2 {SPONZA}", 768),
     "sponza lamp": ("{made}/sponza_lamp.glb", f"--env 1,1,1 {SPONZA}", 1024),
     "showcase": ("{scenes}/showcase.glb", "", 1536),
     "many lights": ("{made}/many_lights.glb", "", 2048),
@@ -123,8 +123,10 @@ def rows(scene, sampler, measured, names, samples):
         for name in names:
             m = measured[name, spp]
             error, seconds = m["error"] / base["error"], m["seconds"] / base["seconds"]
-            ratio = [f"{error:.3f}", f"{seconds:.2f}", f"**{error * seconds:.3f}**"] if name != names[0] else ["", "", ""]
-            yield "| " + " | ".join([scene, sampler, str(spp), name, f"{m['error']:.3e}", f"{m['seconds']:.2f}", *ratio]) + " |"
+            cells = [scene, sampler, str(spp), name, f"{m['error']:.3e}", f"{m['seconds']:.2f}"]
+            ratios = [f"{error:.3f}", f"{seconds:.2f}", f"**{error * seconds:.3f}**"]
+            cells += ["", "", ""] if name == names[0] else ratios
+            yield "| " + " | ".join(cells) + " |"
 
 
 def arguments():
@@ -137,8 +139,10 @@ def arguments():
     parser.add_argument("--seeds", type=int, default=2, help="renders whose mean counts [default: 2]")
     parser.add_argument("--size", default="128x96", help="[default: 128x96]")
     parser.add_argument("--max-depth", type=int, default=5, help="[default: 5]")
-    parser.add_argument("--metric", choices=["relmse", "flip", "mse", "mrse"], default="relmse", help="[default: relmse]")
-    parser.add_argument("--assets", type=pathlib.Path, default=SHARED, help="folder that has Sponza, DamagedHelmet and env")
+    parser.add_argument("--metric", choices=["relmse", "flip", "mse", "mrse"], default="relmse",
+                        help="[default: relmse]")
+    parser.add_argument("--assets", type=pathlib.Path, default=SHARED,
+                        help="folder that has Sponza, DamagedHelmet and env [default: ../shared/scenes]")
     parser.add_argument("--work", type=pathlib.Path, default=ROOT / "build/light_table",
                         help="references and scenes made on demand are kept there [default: build/light_table]")
     parser.add_argument("--json", type=pathlib.Path, metavar="FILE", help="write everything measured")
@@ -158,7 +162,8 @@ def main():
     args.work.mkdir(parents=True, exist_ok=True)
     make_scenes(args.work / "scenes", args.assets)
     names = [name for name, _ in args.commands]
-    print(f"| scene | sampler | samples | executable | {args.metric} | user s | {args.metric} ratio | s ratio | product |")
+    metric = args.metric
+    print(f"| scene | sampler | samples | executable | {metric} | user s | {metric} ratio | s ratio | product |")
     print("|" + " --- |" * 9, flush=True)
     results, products = [], {}
     for scene_name in args.scenes:
@@ -181,7 +186,8 @@ def main():
     for name in names[1:]:
         good = [p for p in products.get(name, []) if p > 0]
         if good:
-            print(f"\n{name}: geometric mean of {args.metric} x time {math.exp(statistics.fmean(map(math.log, good))):.3f} of {names[0]}'s")
+            mean = statistics.geometric_mean(good)
+            print(f"\n{name}: geometric mean of {metric} x time {mean:.3f} of {names[0]}'s")
     if args.json:
         args.json.write_text(json.dumps({"size": args.size, "max_depth": args.max_depth, "metric": args.metric,
                                          "rows": results}, indent=1) + "\n")

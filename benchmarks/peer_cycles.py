@@ -25,18 +25,18 @@ MAX_DEPTH = 5
 REFERENCE_SEED = 1000
 
 # `reference`: samples a pixel; they leave a relMSE of a few percent of the smaller target, on Sponza, behind doors and of
-# caustics of the larger one. Sponza is lit through its roof alone: twice the sky makes it as bright as a photograph would be.
-# `made`: by scenes/*.py on demand. `lambert`: which materials have no specular part, `all` or those that the file says it of
-# (`told`). `punctual`: lights without extent count. Where the light is a body, it is one that Cycles can find as well.
+# caustics of the larger one. Sponza is lit through its roof alone: twice the sky makes it as bright as a photograph would
+# be. `made`: by scenes/*.py on demand. `lambert`: which materials have no specular part, all or those that the file
+# says it of. `punctual`: lights without extent count. The lamps of the caustics are bodies: Cycles can find them too.
 SCENES = {
     "cornell": {"scene": ROOT / "scenes/cornell_box.gltf", "lambert": "all", "reference": 2048,
                 "eye": [0.278, 0.273, -0.8], "look_at": [0.278, 0.273, 0], "yfov": 39.3076},
     "helmet": {"scene": "DamagedHelmet/glTF-Binary/DamagedHelmet.glb", "environment": "env/studio_small_03_1k.hdr",
                "reference": 2048, "eye": [2, 0.7, 3.2], "look_at": [0, -0.05, 0], "yfov": 40},
-    "dragon": {"scene": "StanfordDragon/dragon-plain.glb", "environment": "env/studio_small_03_1k.hdr", "reference": 2048,
-               "eye": [-2.5, 2.2, 4.5], "look_at": [0.05, 0.95, 0], "yfov": 35},
-    "sponza": {"scene": "Sponza/Sponza.gltf", "environment": "env/venice_sunset_1k.hdr", "intensity": 2, "reference": 1024,
-               "eye": [4, 1.8, 0.2], "look_at": [-10, 2.2, -0.3], "yfov": 65},
+    "dragon": {"scene": "StanfordDragon/dragon-plain.glb", "environment": "env/studio_small_03_1k.hdr",
+               "reference": 2048, "eye": [-2.5, 2.2, 4.5], "look_at": [0.05, 0.95, 0], "yfov": 35},
+    "sponza": {"scene": "Sponza/Sponza.gltf", "environment": "env/venice_sunset_1k.hdr", "intensity": 2,
+               "reference": 1024, "eye": [4, 1.8, 0.2], "look_at": [-10, 2.2, -0.3], "yfov": 65},
     "sponza_lamp": {"made": "sponza_lamp.glb", "environment": "1,1,1", "lambert": "all", "reference": 1024,
                     "eye": [4, 1.8, 0.2], "look_at": [-10, 2.2, -0.3], "yfov": 65},
     "showcase": {"scene": ROOT / "scenes/showcase.glb", "lambert": "told", "reference": 2048,
@@ -51,13 +51,13 @@ SCENES = {
                     "eye": [0.35, 2.4, 0.35], "look_at": [1.35, 1.95, 1.2], "yfov": 63.0254},
     "bulb": {"scene": ROOT / "scenes/caustics/bulb_lamp.glb", "lambert": "told", "reference": 8192, "max_depth": 8,
              "eye": [0.5, 0.9, 2.1], "look_at": [0, 0.35, -0.1], "yfov": 42.9718},
-    "mirror": {"scene": ROOT / "scenes/caustics/mirror_caustic.glb", "lambert": "told", "reference": 8192, "max_depth": 8,
-               "eye": [-0.1, 0.6, 1.9], "look_at": [0, 0.22, -0.4], "yfov": 40.107},
+    "mirror": {"scene": ROOT / "scenes/caustics/mirror_caustic.glb", "lambert": "told", "reference": 8192,
+               "max_depth": 8, "eye": [-0.1, 0.6, 1.9], "look_at": [0, 0.22, -0.4], "yfov": 40.107},
 }
 def view_of(name, assets, made, size):
     """The scene as both renderers get it, or None where its files are not there."""
-    view = {"environment": None, "intensity": 1, "lambert": "none", "punctual": False, "max_depth": MAX_DEPTH, **SCENES[name]}
-    view["size"] = size
+    view = {"environment": None, "intensity": 1, "lambert": "none", "punctual": False, "max_depth": MAX_DEPTH,
+            "size": size, **SCENES[name]}
     del view["reference"]
     if "made" in view:
         view["scene"] = made / view.pop("made")
@@ -95,8 +95,8 @@ def reference(renderer, view, spp, folder, fresh):
 
 
 def count_processor(points):
-    """Seconds become those of the processor that the samples past the first took, spread over all cores: what an idle machine
-    would need, and hardly more on a busy one."""
+    """Seconds become those of the processor that the samples past the first took, spread over all cores: what an idle
+    machine would need, and hardly more on a busy one."""
     first = min(r["processor"] for r in points[0]["runs"])
     for p in points:
         p["clock_seconds"] = p["seconds"]
@@ -145,7 +145,7 @@ def arguments():
                         help="pictures; references are kept there [default: build/peer_cycles]")
     parser.add_argument("--size", default="256x192", help="[default: 256x192]")
     parser.add_argument("--processor", action="store_true",
-                        help="count the processor's seconds, by core, instead of the clock's: for a machine that others use")
+                        help="count the processor's seconds, by core, instead of the clock's: for a busy machine")
     parser.add_argument("--fresh", action="store_true", help="render the references again")
     parser.add_argument("--json", type=pathlib.Path, metavar="FILE", help="write everything measured")
     parser.add_argument("--plot", type=pathlib.Path, metavar="FILE.png",

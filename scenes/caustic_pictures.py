@@ -1,6 +1,6 @@
 """Caustics to look at and to measure error against time by: a pool, a bulb, a ring, a ball before a mirror, a prism.
 
-`lamp`: the light is a body, small but such that a path from the camera can hit it; otherwise it has no extent, and none can.
+`lamp`: the light is a small body, which a path from the camera can hit; otherwise it has no extent, and none can.
 """
 
 import math
@@ -24,7 +24,7 @@ def add_lamp(g, position, radius, radiance, lamp):
 
 
 def lathe(profile, segments=48):
-    """Turned about y. `profile`: (radius, y, normal's radius, normal's y) of runs of points, bottom to top on the outside."""
+    """Turned about y. `profile`: runs of (radius, y, normal's radius, normal's y), bottom to top on the outside."""
     positions, normals, indices = [], [], []
     for run in profile:
         first = len(positions)

@@ -1,9 +1,10 @@
-"""Light of lamps and suns through smooth glass, through water and off mirrors, with answers from Snell, Fresnel and solid angles.
+"""Light of lamps and suns through glass, water and off mirrors, with answers from Snell, Fresnel and solid angles.
 
 A path from the camera cannot find it: a lamp without extent is not hit by chance, and a smooth surface cannot be aimed
-through. So these scenes are no part of analytic/: generate.py writes them to caustics/, and their answers beside them, to
-expected.json. `seen`: how the camera sees the floor, `straight`: shadow rays that pass thin glass unbent suffice; `diffuse`: a
-light path that is connected to the camera suffices; `specular`: through glass or in a mirror, which takes merging or manifolds.
+through. So these scenes are no part of analytic/: generate.py writes them to caustics/, and their answers beside them,
+to expected.json. `seen`: how the camera sees the floor. `straight`: shadow rays that pass thin glass unbent suffice;
+`diffuse`: a light path that is connected to the camera suffices; `specular`: through glass or in a mirror, which takes
+merging or manifolds.
 
 Every floor is Lambert's; --max-depth ends the paths where the closed form ends.
 """
@@ -40,11 +41,11 @@ def sun(g, degrees):
     return math.cos(a)
 
 
-def answer(g, about, factor, depth, seen, slack=0.0):
-    """`factor`: what COLOR_UNIT and the floor's albedo are multiplied by."""
+def answer(g, about, irradiance, depth, seen, slack=0.0, tint=(1.0, 1.0, 1.0)):
+    """`irradiance`: of the floor, before COLOR_UNIT and `tint`."""
     flags = ["--size", "8x8", "--spp", SAMPLES, "--max-depth", str(depth), "--filter", "box"]
     g.answer = {"about": about, "seen": seen, "render": flags, "slack": slack,
-                "expected": [round(v, 7) for v in scale(product(ALBEDO, COLOR_UNIT), factor / PI)]}
+                "expected": [round(v, 7) for v in scale(product(ALBEDO, COLOR_UNIT, tint), irradiance / PI)]}
     return g
 
 
@@ -78,7 +79,7 @@ def waves(cells, periods, height):
     n = cells * periods
     def at(i, j):
         x, z = i / cells - periods / 2, j / cells - periods / 2
-        y = 0.016 * math.sin(2 * PI * (x + 0.1)) + 0.01 * math.sin(2 * PI * (2 * z + x)) + 0.004 * math.sin(2 * PI * 3 * (x - z))
+        y = sum(a * math.sin(2 * PI * p) for a, p in ((0.016, x + 0.1), (0.01, 2 * z + x), (0.004, 3 * (x - z))))
         return (x, height + y, z)
 
     positions = [at(i, j) for j in range(n + 1) for i in range(n + 1)]
@@ -135,9 +136,8 @@ def panes():
             d2 = x * x + z * z + 1.6 ** 2
             cosine = 1.6 / math.sqrt(d2)
             mean += cosine / d2 * passed(cosine, GLASS) ** 2 / steps ** 2
-    answer(g, "E = I cos/d^2 (1 - F)^2 tint, mean over the picture (midpoint rule)", LUX * mean, 3, "straight", 1e-5)
-    g.answer["expected"] = [round(v * t, 7) for v, t in zip(g.answer["expected"], tint)]
-    return g
+    return answer(g, "E = I cos/d^2 (1 - F)^2 tint, mean over the picture (midpoint rule)", LUX * mean, 3, "straight",
+                  1e-5, tint)
 
 
 def shell(g, centre, outer, inner, rings=16):
@@ -154,8 +154,8 @@ def bulb():
     g.light("point", LUX, COLOR_UNIT, (0.0, 1.0, 0.0))
     look_down(g, 0.5, 0.5)
     solid_angle = 4 * math.atan(0.25 / math.sqrt(1.5))  # of a square of side 1 from 1 m above its centre
-    return answer(g, "mean E = I (1 - F(0))^2 times the square's solid angle over its area", LUX * passed(1.0, GLASS) ** 2 * solid_angle,
-                  3, "diffuse")
+    return answer(g, "mean E = I (1 - F(0))^2 times the square's solid angle over its area",
+                  LUX * passed(1.0, GLASS) ** 2 * solid_angle, 3, "diffuse")
 
 
 def bulb_in_sphere():
@@ -173,6 +173,11 @@ def bulb_in_sphere():
 GOLD = (1.0, 0.76, 0.33)
 
 
+def gold(cosine):
+    """What it reflects."""
+    return tuple(oracles.schlick(c, cosine) for c in GOLD)
+
+
 def mirror_sun():
     """The sheet that it shines on has its back to the sun."""
     g = Gltf("sun off a gold mirror")
@@ -181,9 +186,7 @@ def mirror_sun():
     g.mesh("ceiling", back, g.lambert("ceiling", ALBEDO, doubleSided=True))
     cosine = sun(g, 60)
     g.camera((2.0, 0.5, 0.0), (2.0, 1.0, 0.0), up=(0.0, 0.0, -1.0), extent=0.25)
-    answer(g, "E = E_sun cos 60 F, Schlick's F", LUX * cosine, 2, "diffuse")
-    g.answer["expected"] = [round(v * oracles.schlick(c, cosine), 7) for v, c in zip(g.answer["expected"], GOLD)]
-    return g
+    return answer(g, "E = E_sun cos 60 F, Schlick's F", LUX * cosine, 2, "diffuse", tint=gold(cosine))
 
 
 def mirror_seen():
@@ -196,10 +199,8 @@ def mirror_seen():
            g.material("gold", GOLD, metallic=1.0, roughness=0.0, doubleSided=True))
     cosine = sun(g, 60)
     g.camera((1.0, 0.5, 0.0), (0.0, 0.5, 0.0), extent=0.15)
-    answer(g, "E = E_sun cos 60 (1 - F)^2, seen at 45 degrees by Schlick's F of gold", LUX * cosine * passed(cosine, GLASS) ** 2, 4,
-           "specular")
-    g.answer["expected"] = [round(v * oracles.schlick(c, math.sqrt(0.5)), 7) for v, c in zip(g.answer["expected"], GOLD)]
-    return g
+    return answer(g, "E = E_sun cos 60 (1 - F)^2, seen at 45 degrees by Schlick's F of gold",
+                  LUX * cosine * passed(cosine, GLASS) ** 2, 4, "specular", tint=gold(math.sqrt(0.5)))
 
 
 def wedge(apex, side, depth):
@@ -214,7 +215,7 @@ def wedge(apex, side, depth):
 
 
 def prism_beam():
-    """At least deviation: equal angles at both faces, so a beam keeps its width. A plate with a hole keeps the rest away."""
+    """At least deviation: equal angles at both faces, so a beam keeps its width. A plate with a hole stops the rest."""
     g = Gltf("sunbeam through a prism")
     incidence = math.asin(GLASS * 0.5)
     turn = incidence - PI / 6  # the beam rises by this towards the prism and falls by it behind
@@ -243,11 +244,12 @@ def prism_beam():
     g.light("directional", LUX, COLOR_UNIT, direction=d_in)
     eye = tuple(c - 0.2 * d for c, d in zip(screen, d_out))
     g.camera(eye, screen, up=up_out, extent=0.04)
-    return answer(g, "asin(n/2) at both faces: E = E_sun (1 - F)^2", LUX * passed(math.cos(incidence), GLASS) ** 2, 3, "diffuse")
+    return answer(g, "asin(n/2) at both faces: E = E_sun (1 - F)^2", LUX * passed(math.cos(incidence), GLASS) ** 2, 3,
+                  "diffuse")
 
 
 def scenes():
     """File stem, scene; its `answer` goes to expected.json."""
-    for build in (water_flat, water_flat_from_above, water_wavy, slab_sun, panes, bulb, bulb_in_sphere, mirror_sun, mirror_seen,
-                  prism_beam):
+    for build in (water_flat, water_flat_from_above, water_wavy, slab_sun, panes, bulb, bulb_in_sphere, mirror_sun,
+                  mirror_seen, prism_beam):
         yield build.__name__, build()

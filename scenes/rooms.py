@@ -1,4 +1,4 @@
-"""Rooms behind walls: one lit through a slit, one through a door ajar, and buildings full of lamps of which few are seen."""
+"""Rooms behind walls: lit through a slit, through a door ajar, and houses full of lamps of which few are seen."""
 
 import math
 import random

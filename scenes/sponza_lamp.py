@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Derives grey Sponza with a lamp inside from the Crytek Sponza, as one .glb; render it with --env 1,1,1.
 
-All surfaces become Lambert's, of the same grey and without a texture, so that nothing but light transport is measured: the
-sky through the roof, and one quad that shines down on the hall.
+All surfaces become Lambert's, of the same grey and without a texture, so that nothing but light transport is measured:
+the sky through the roof, and one quad that shines down on the hall.
 """
 
 import json
@@ -28,7 +28,8 @@ def sponza_lamp(source):
         for primitive in mesh["primitives"]:
             primitive["material"] = grey
     x, y, z, s = -3.0, 3.2, 0.0, 0.4
-    g.mesh("lamp", quad((x - s, y, z - s), (x + s, y, z - s), (x + s, y, z + s), (x - s, y, z + s)), g.emitter("lamp", LAMP))
+    lamp = quad((x - s, y, z - s), (x + s, y, z - s), (x + s, y, z + s), (x - s, y, z + s))
+    g.mesh("lamp", lamp, g.emitter("lamp", LAMP))
     g.camera((4.0, 1.8, 0.2), (-10.0, 2.2, -0.3), yfov=1.1344640)
     return g
 

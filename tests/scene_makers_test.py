@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Scenes that are made on demand: the same bytes each time, what was asked for in them, and wavepath reads them. And that the
-answers of the caustic scenes are those of the files beside them. Usage: scene_makers_test.py SOURCE_DIR WAVEPATH_BINARY"""
+"""Scenes that are made on demand: the same bytes each time, with what was asked for in them, and wavepath reads them;
+and every answer of a caustic scene has its scene. Usage: scene_makers_test.py SOURCE_DIR WAVEPATH_BINARY"""
 
 import json
 import math
@@ -21,7 +21,8 @@ import rooms  # noqa: E402
 
 
 def make(folder, script, *arguments):
-    subprocess.run([sys.executable, "-B", SCENES / script, *map(str, arguments)], check=True, cwd=folder, capture_output=True)
+    command = [sys.executable, "-B", SCENES / script, *map(str, arguments)]
+    subprocess.run(command, check=True, cwd=folder, capture_output=True)
 
 
 def read_glb(data):
@@ -86,14 +87,16 @@ class SceneMakers(unittest.TestCase):
     def test_a_house_has_the_lights_that_were_asked_for(self):
         for count, punctual, side in ((300, 0.2, 2), (1000, 0.0, 3)):
             with self.subTest(count=count):
-                document, read = read_glb(self.house("h.glb", "--count", count, "--punctual", punctual, "--rooms", side))
+                house = self.house("h.glb", "--count", count, "--punctual", punctual, "--rooms", side)
+                document, read = read_glb(house)
                 lights = document.get("extensions", {}).get("KHR_lights_punctual", {"lights": []})["lights"]
                 self.assertEqual(len(lights), round(count * punctual))
                 info = self.info(self.folder / "h.glb")
                 self.assertEqual(info["lights"]["punctual"], len(lights))
                 bodies = count - len(lights)  # of four triangles, or two where it is a panel
                 self.assertTrue(2 * bodies < info["lights"]["emissive_triangles"] < 4 * bodies)
-                self.assertAlmostEqual(flux(document, read), rooms.FLUX_PER_ROOM * side * side / (1 - rooms.OUTSIDE), delta=0.05)
+                wanted = rooms.FLUX_PER_ROOM * side * side / (1 - rooms.OUTSIDE)
+                self.assertAlmostEqual(flux(document, read), wanted, delta=0.05)
 
     def test_every_scene_can_be_read(self):
         paths = sorted(p for kind in ("rooms", "caustics") for p in (SCENES / kind).glob("*.glb"))
