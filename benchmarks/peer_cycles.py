@@ -24,10 +24,10 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 MAX_DEPTH = 5
 REFERENCE_SEED = 1000
 
-# `reference`: samples a pixel; they leave a relMSE of a few percent of the smaller target, on Sponza, behind doors and of
-# caustics of the larger one. Sponza is lit through its roof alone: twice the sky makes it as bright as a photograph would
-# be. `made`: by scenes/*.py on demand. `lambert`: which materials have no specular part, all or those that the file
-# says it of. `punctual`: lights without extent count. The lamps of the caustics are bodies: Cycles can find them too.
+# `reference`: samples a pixel; they leave a relMSE of a few percent of the smaller target, on Sponza, behind doors and
+# of caustics of the larger one. Sponza is lit through its roof alone: twice the sky makes it as bright as a photograph
+# would be. `made`: by scenes/*.py on demand. `lambert`: which materials have no specular part, all or those that the
+# file says it of. `punctual`: lights without extent count. The lamps of the caustics are bodies: Cycles finds them too.
 SCENES = {
     "cornell": {"scene": ROOT / "scenes/cornell_box.gltf", "lambert": "all", "reference": 2048,
                 "eye": [0.278, 0.273, -0.8], "look_at": [0.278, 0.273, 0], "yfov": 39.3076},
