@@ -22,6 +22,7 @@ import subprocess
 import sys
 import tempfile
 
+from error_time import net_error
 from scene_files import make_scenes
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
@@ -89,11 +90,6 @@ def references(base, name, scene, flags, spp, folder):
             os.replace(half, path)
         pictures.append(path)
     return pictures
-
-
-def net_error(errors, between):
-    """Of a picture whose errors against two references are `errors`, which differ by `between`."""
-    return statistics.fmean(errors) - between / 2
 
 
 def measure(commands, scene, flags, pictures, sampler, args, folder):

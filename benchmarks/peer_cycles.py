@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Time to a given error, wavepath against Cycles: the same glTF, camera, light and depth on the same cores.
 
-Each renderer is judged against its own converged picture, so what the two model differently costs neither. Needs
+Each renderer is judged against its own pictures of many samples, so what the two model differently costs neither. Needs
 Debian's blender and python3-numpy. See --help; results in benchmarks/results.
 """
 
@@ -15,19 +15,19 @@ import shutil
 import statistics
 import sys
 
-from error_time import TARGETS, plot, summarize, table
+from error_time import TARGETS, net_error, plot, summarize, table
 from peers import Cycles, PeerError, Wavepath, compare
 from scene_files import make_scenes
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 
 MAX_DEPTH = 5
-REFERENCE_SEED = 1000
+REFERENCE_SEEDS = (1000, 1001)
 
-# `reference`: samples a pixel; they leave a relMSE of a few percent of the smaller target, on Sponza, behind doors and
-# of caustics of the larger one. Sponza is lit through its roof alone: twice the sky makes it as bright as a photograph
-# would be. `made`: by scenes/*.py on demand. `lambert`: which materials have no specular part, all or those that the
-# file says it of. `punctual`: lights without extent count. The lamps of the caustics are bodies: Cycles finds them too.
+# `reference`: samples a pixel of two references together; what these differ by is taken off the error. Sponza is lit
+# through its roof alone: twice the sky makes it as bright as a photograph would be. `made`: by scenes/*.py on demand.
+# `lambert`: which materials have no specular part, all or those that the file says it of. `punctual`: lights without
+# extent count. The lamps of the caustics are bodies: Cycles finds them too.
 SCENES = {
     "cornell": {"scene": ROOT / "scenes/cornell_box.gltf", "lambert": "all", "reference": 2048,
                 "eye": [0.278, 0.273, -0.8], "look_at": [0.278, 0.273, 0], "yfov": 39.3076},
@@ -81,17 +81,20 @@ def without_folders(view):
     return view | {key: pathlib.Path(view[key]).name for key in ("scene", "environment") if view[key]}
 
 
-def reference(renderer, view, spp, folder, fresh):
-    """Rendered once and kept: a converged picture does not change while the renderer gets faster."""
+def references_of(renderer, view, spp, folder, fresh):
+    """Two pictures, rendered once and kept: a converged picture does not change while the renderer gets faster."""
     told = json.dumps([renderer.name, renderer.version, without_folders(view), spp], sort_keys=True)
     key = hashlib.sha256(told.encode() + pathlib.Path(view["scene"]).read_bytes()).hexdigest()[:16]
-    path = folder / f"{renderer.name}-{pathlib.Path(view['scene']).stem}-{spp}-{key}.exr"
-    if fresh or not path.exists():
-        print(f"  reference of {renderer.name}: {spp} samples a pixel ...", file=sys.stderr, flush=True)
-        half = path.with_suffix(".part.exr")
-        renderer.render(spp, REFERENCE_SEED, half)
-        os.replace(half, path)
-    return path
+    paths = []
+    for seed in REFERENCE_SEEDS:
+        path = folder / f"{renderer.name}-{pathlib.Path(view['scene']).stem}-{spp}-{seed}-{key}.exr"
+        if fresh or not path.exists():
+            print(f"  reference of {renderer.name}: {spp} samples a pixel ...", file=sys.stderr, flush=True)
+            half = path.with_suffix(".part.exr")
+            renderer.render(spp, seed, half)
+            os.replace(half, path)
+        paths.append(path)
+    return paths
 
 
 def count_processor(points):
@@ -107,6 +110,12 @@ def count_processor(points):
 
 def measure(renderers, references, folder, reps, seconds):
     """One series a renderer: 1, 2, 4 ... samples a pixel, taking turns, till the last target or the limit."""
+    binary = renderers[0].binary
+
+    def relmse(picture, reference):
+        return compare(binary, picture, reference)["relmse"]
+
+    between = {name: relmse(*pictures) for name, pictures in references.items()}
     series = {r.name: [] for r in renderers}
     running = set(series)
     spp = 1
@@ -117,7 +126,8 @@ def measure(renderers, references, folder, reps, seconds):
                 if renderer.name in running:
                     picture = folder / f"{renderer.name}.exr"
                     run = renderer.render(spp, 1 + rep, picture)
-                    run["relmse"] = compare(renderers[0].binary, picture, references[renderer.name])["relmse"]
+                    errors = [relmse(picture, r) for r in references[renderer.name]]
+                    run["relmse"] = max(net_error(errors, between[renderer.name]), 1e-9)
                     runs[renderer.name].append(run)
         for name, done in runs.items():
             point = {"spp": spp, "seconds": statistics.median(r["seconds"] for r in done),
@@ -177,8 +187,8 @@ def main():
         print(name, file=sys.stderr)
         ours = Wavepath(args.wavepath, view)
         with Cycles(args.blender, view, args.work / "blender.log") as cycles:
-            spp = SCENES[name]["reference"] // share
-            references = {r.name: reference(r, view, spp, args.work, args.fresh) for r in (ours, cycles)}
+            spp = max(SCENES[name]["reference"] // share // 2, 1)  # of each of both
+            references = {r.name: references_of(r, view, spp, args.work, args.fresh) for r in (ours, cycles)}
             series = measure([ours, cycles], references, args.work, reps, seconds)
             if args.processor:
                 for points in series.values():
@@ -187,7 +197,7 @@ def main():
             results[name]["reference_spp"] = spp
             results[name]["cycles_version"], results[name]["device"] = cycles.version, ours.device
             # Of the two pictures themselves: view, light and depth agree if these are near 1.
-            between = compare(args.wavepath, references["wavepath"], references["cycles"])
+            between = compare(args.wavepath, references["wavepath"][0], references["cycles"][0])
             results[name]["mean_ratio"] = between["mean_ratio"]
     print(table(results))
     if args.json:

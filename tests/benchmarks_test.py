@@ -60,7 +60,7 @@ class Benchmarks(unittest.TestCase):
 
     def test_the_references_own_error_is_taken_off(self):
         # Squares of independent errors add up: 4 of the picture, 1 of each reference.
-        self.assertAlmostEqual(light_table.net_error([5.0, 5.0], 2.0), 4.0)
+        self.assertAlmostEqual(error_time.net_error([5.0, 5.0], 2.0), 4.0)
 
     def test_a_row_holds_error_and_seconds_over_the_first_ones(self):
         measured = {("old", 16): {"error": 0.02, "seconds": 4.0}, ("new", 16): {"error": 0.005, "seconds": 6.0}}
