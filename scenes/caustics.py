@@ -165,7 +165,7 @@ def bulb_in_sphere():
     shell(g, (0.0, 0.0, 0.0), 0.1, 0.07)
     g.light("point", PI, position=(0.0, 0.0, 0.0))
     g.camera((0.0, 0.0, 0.5), (0.6, 0.0, 1.0), yfov=0.6)
-    answer(g, "L = rho I/(pi R^2 (1-rho)) as without the bulb, I = pi, rho = 1/2, R = 1", 1.0, 128, "diffuse", 5e-3)
+    answer(g, "L = rho I/(pi R^2 (1-rho)) as without the bulb, I = pi, rho = 1/2, R = 1", 1.0, 128, "diffuse", 6e-3)
     g.answer["expected"] = [1.0] * 3
     return g
 
