@@ -1,0 +1,47 @@
+// The light tree on the device: a binary tree over the lights that have a place, as records of 32 bytes.
+#ifndef WAVEPATH_LIGHT_TREE_TYPES_H
+#define WAVEPATH_LIGHT_TREE_TYPES_H
+
+#include "kernels/gpu.h"
+
+#ifdef __cplusplus
+namespace wavepath::gpu {
+#endif
+
+// A link is the record of an inner node, or with kLightLeaf the index of a light.
+GPU_CONSTANT uint kLightLeaf = 0x80000000u;
+GPU_CONSTANT uint kLightTwoSided = 0x40000000u; // some light below shines to both sides; in links of children alone
+GPU_CONSTANT uint kLightIndexMask = kLightTwoSided - 1u;
+
+GPU_CONSTANT uint kLightRecordTexels = 2u; // RGBA32UI
+
+// Where a walk begins: at the root, which is record 0, or further down. `depth`: choices between the root and here.
+struct LightCluster {
+  vec3 lo; // of the box
+  uint link;
+  vec3 hi;
+  uint depth;
+};
+GPU_CHECK(sizeof(LightCluster) == 16 * kLightRecordTexels);
+
+// One of the two subtrees of a node. All is rounded so that no light falls outside. Bytes, lowest first:
+struct LightTreeChild {
+  uint box0;     // lo.x, lo.y, lo.z, hi.x in 1/255 of the node's own box, which the walk carries along
+  uint box1;     // hi.y, hi.z; axis of the cone, octahedral
+  uint emission; // 16 bits: peak intensity, see light_intensity(); sines of half of theta_o and half of theta_e
+  uint link;
+};
+GPU_CHECK(sizeof(LightTreeChild) == 16);
+
+struct LightTreeNode {
+  LightTreeChild child[2];
+};
+GPU_CHECK(sizeof(LightTreeNode) == 16 * kLightRecordTexels);
+
+// Exponent of the smallest intensity that 16 bits hold, six of them exponent, in units of the whole tree's.
+GPU_CONSTANT uint kLeastIntensityExponent = 127u - 62u;
+
+#ifdef __cplusplus
+} // namespace wavepath::gpu
+#endif
+#endif
