@@ -1,9 +1,9 @@
 // Picks one of many lights in proportion to a bound of what it brings to a point: the walk down the light tree (Conty
 // Estevez and Kulla 2018, "Importance Sampling of Many Lights with Adaptive Tree Splitting"; pbrt-v4, 12.6.3).
 //
-// The pick is drawn with one integer, which keeps the net of the sampler whole: each choice cuts the range of integers in
-// two and goes on in one part, so that the probability of a light is exactly the share of integers that lead to it, and
-// what is left is uniform again. Include light_tree_types.h first and declare `usamplerBuffer light_tree`.
+// All choices are drawn with one integer, which keeps the net of the sampler whole: each cuts the range of integers in two
+// and goes on in one part, so that what is left is uniform again. Include light_tree_types.h first and declare
+// `usamplerBuffer light_tree`.
 #ifndef WAVEPATH_LIGHT_TREE_GLSL
 #define WAVEPATH_LIGHT_TREE_GLSL
 
@@ -11,8 +11,8 @@
 
 // ---- one integer for many choices -------------------------------------------------------------------------------
 
-// Uniform in [0, range). Where the range becomes short it is stretched, and hashed bits fill up the value, as in an
-// arithmetic decoder: so ranges stay between 2^23 and 2^31, however many choices there are.
+// Uniform in [0, range), which is kept between 2^30 and 2^31: where it becomes shorter it is stretched and hashed bits
+// fill up the value, as in an arithmetic decoder. So any number of choices can be drawn with one integer.
 struct Draw {
   uint value, range, spare;
 };
@@ -26,21 +26,20 @@ uint next_spare(uint x) {
   return (x >> 22u) ^ x;
 }
 
-// Where to cut a range so that `share` of it lies below: both parts keep at least one integer.
-uint cut_range(uint range, float share) {
-  return clamp(uint(float(range) * min(share, kOneMinusEpsilon)), 1u, range - 1u);
-}
-
 // Goes on in [first, first + size) of the range.
 void enter_part(inout Draw draw, uint first, uint size) {
-  draw.value -= first;
-  draw.range = size;
-  if (size < 0x800000u) {
-    uint shift = 30u - uint(findMSB(size)); // 8 to 30
-    draw.spare = next_spare(draw.spare);
-    draw.range = size << shift;
-    draw.value = (draw.value << shift) | (draw.spare >> (32u - shift));
-  }
+  uint shift = 30u - min(uint(findMSB(size)), 30u);
+  draw.spare = next_spare(draw.spare);
+  draw.range = size << shift;
+  draw.value = ((draw.value - first) << shift) | (draw.spare & ((1u << shift) - 1u));
+}
+
+// True with probability `share`, which is neither 0 nor 1.
+bool draw_share(inout Draw draw, float share) {
+  uint below = uint(float(draw.range) * share);
+  bool inside = draw.value < below;
+  enter_part(draw, inside ? 0u : below, inside ? below : draw.range - below);
+  return inside;
 }
 
 // What is left, in [0, 1).
@@ -102,78 +101,87 @@ float subtree_importance(Receiver receiver, vec3 lo, vec3 hi, LightTreeChild chi
 
 // ---- walks ------------------------------------------------------------------------------------------------------
 
-LightCluster fetch_light_cluster(uint record) {
-  uvec4 lo_link = texelFetch(light_tree, int(kLightRecordTexels * record));
-  uvec4 hi_depth = texelFetch(light_tree, int(kLightRecordTexels * record + 1u));
+LightCluster fetch_light_root() {
+  uvec4 lo_link = texelFetch(light_tree, 0), hi_depth = texelFetch(light_tree, 1);
   return LightCluster(uintBitsToFloat(lo_link.xyz), lo_link.w, uintBitsToFloat(hi_depth.xyz), hi_depth.w);
 }
 
-// The two subtrees of the node that `at` stands for.
+// The two subtrees of a node, and the probability of the first.
 struct Fork {
   LightCluster child[2];
-  float importance[2];
+  float share;
+  bool dead; // neither can contribute
 };
 
-void look_at_child(Receiver receiver, LightCluster at, uvec4 words, uint k, inout Fork fork) {
+LightCluster fetch_child(Receiver receiver, LightCluster at, uint k, out float importance) {
+  uvec4 words = texelFetch(light_tree, int(kLightRecordTexels * (at.link & kLightIndexMask) + k));
   LightTreeChild child = LightTreeChild(words.x, words.y, words.z, words.w);
   vec4 box0 = unpackUnorm4x8(child.box0), box1 = unpackUnorm4x8(child.box1);
   vec3 size = at.hi - at.lo;
-  LightCluster next = LightCluster(at.lo + size * box0.xyz, child.link & ~kLightTwoSided, at.lo + size * vec3(box0.w, box1.xy),
-                                   at.depth + 1u);
-  fork.importance[k] = subtree_importance(receiver, next.lo, next.hi, child);
-  fork.child[k] = next;
+  vec3 lo = at.lo + size * box0.xyz, hi = at.lo + size * vec3(box0.w, box1.xy);
+  importance = subtree_importance(receiver, lo, hi, child);
+  return LightCluster(lo, child.link, hi, at.depth + 1u);
 }
 
+// A subtree that can contribute is taken once in 4096 times at least: then the integers that stand for it, 2^18 or more,
+// agree with its probability to 4e-6.
 Fork fetch_fork(Receiver receiver, LightCluster at) {
-  int texel = int(kLightRecordTexels * at.link);
+  const float kLeastShare = 1.0 / 4096.0;
   Fork fork;
-  look_at_child(receiver, at, texelFetch(light_tree, texel), 0u, fork);
-  look_at_child(receiver, at, texelFetch(light_tree, texel + 1), 1u, fork);
+  float first, second;
+  fork.child[0] = fetch_child(receiver, at, 0u, first);
+  fork.child[1] = fetch_child(receiver, at, 1u, second);
+  fork.dead = first == 0.0 && second == 0.0;
+  fork.share = first == 0.0 ? 0.0 : second == 0.0 ? 1.0 : clamp(first / (first + second), kLeastShare, 1.0 - kLeastShare);
   return fork;
 }
 
-// Part of `range` that belongs to the first child of a fork of which at least one is alive.
-uint first_part(Fork fork, uint range) {
-  if (fork.importance[0] == 0.0) return 0u;
-  if (fork.importance[1] == 0.0) return range;
-  return cut_range(range, fork.importance[0] / (fork.importance[0] + fork.importance[1]));
-}
+// Where a walk ended: at a light, which it reaches with this probability from the root, and from the column on its way
+// with `below_column`. kNone: at subtrees that cannot contribute.
+struct LightWalk {
+  uint light;
+  float probability, below_column;
+};
 
-bool is_dead_end(Fork fork) { return fork.importance[0] == 0.0 && fork.importance[1] == 0.0; }
+const LightWalk kNowhere = LightWalk(kNone, 0.0, 0.0);
 
-// Index of a light below `start`, kNone if none can contribute; `probability` is multiplied by that of the pick.
-uint pick_below(Receiver receiver, LightCluster start, inout Draw draw, inout float probability) {
-  LightCluster at = start;
+// Follows `trail`, whose bit d chooses at depth d; draws its choices instead if `drawn`, or once it is below a column if
+// `drawn_below_column`.
+LightWalk walk_lights(Receiver receiver, uint trail, bool drawn, bool drawn_below_column, inout Draw draw) {
+  LightCluster at = fetch_light_root();
+  LightWalk walk = LightWalk(kNone, 1.0, 1.0);
   while ((at.link & kLightLeaf) == 0u) {
     Fork fork = fetch_fork(receiver, at);
-    if (is_dead_end(fork)) return kNone;
-    uint below = first_part(fork, draw.range);
-    bool second = draw.value >= below;
-    uint size = second ? draw.range - below : below;
-    probability *= float(size) / float(draw.range);
-    enter_part(draw, second ? below : 0u, size);
-    if (second) at = fork.child[1]; else at = fork.child[0];
+    bool first = (trail >> at.depth & 1u) == 0u;
+    float share = fork.share;
+    if (fork.dead) return kNowhere;
+    if (drawn) {
+      if (share == 0.0 || share == 1.0) first = share == 1.0;
+      else first = draw_share(draw, share);
+    }
+    if (!first) share = 1.0 - share;
+    if (share == 0.0) return kNowhere;
+    walk.probability *= share;
+    walk.below_column *= share;
+    if (first) at = fork.child[0]; else at = fork.child[1];
+    if ((at.link & kLightColumn) != 0u) {
+      walk.below_column = 1.0;
+      drawn = drawn || drawn_below_column;
+    }
   }
-  return at.link & kLightIndexMask;
+  walk.light = at.link & kLightIndexMask;
+  return walk;
 }
 
-// The probability with which pick_below() finds the light that `trail` leads to: bit d of it chooses between the
-// children at depth d. `range`: that of the draw at the beginning.
-float pick_probability_below(Receiver receiver, LightCluster start, uint trail, uint range) {
-  LightCluster at = start;
-  Draw draw = Draw(0u, range, 0u);
-  float probability = 1.0;
-  while ((at.link & kLightLeaf) == 0u && probability > 0.0) {
-    Fork fork = fetch_fork(receiver, at);
-    bool second = (trail >> at.depth & 1u) != 0u;
-    if ((second ? fork.importance[1] : fork.importance[0]) == 0.0) return 0.0;
-    uint below = first_part(fork, draw.range);
-    uint size = second ? draw.range - below : below;
-    probability *= float(size) / float(draw.range);
-    enter_part(draw, 0u, size);
-    if (second) at = fork.child[1]; else at = fork.child[0];
-  }
-  return probability;
+// A light drawn from the whole tree; from the subtree of a column, to which `trail` leads; and the probability of the
+// light at the end of `trail`.
+LightWalk draw_from_tree(Receiver receiver, inout Draw draw) { return walk_lights(receiver, 0u, true, true, draw); }
+LightWalk draw_from_column(Receiver receiver, uint trail, inout Draw draw) {
+  return walk_lights(receiver, trail, false, true, draw);
+}
+LightWalk walk_to(Receiver receiver, uint trail) {
+  Draw none = Draw(0u, 1u, 0u);
+  return walk_lights(receiver, trail, false, false, none);
 }
 
 #endif

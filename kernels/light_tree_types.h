@@ -10,17 +10,18 @@ namespace wavepath::gpu {
 
 // A link is the record of an inner node, or with kLightLeaf the index of a light.
 GPU_CONSTANT uint kLightLeaf = 0x80000000u;
-GPU_CONSTANT uint kLightTwoSided = 0x40000000u; // some light below shines to both sides; in links of children alone
-GPU_CONSTANT uint kLightIndexMask = kLightTwoSided - 1u;
+GPU_CONSTANT uint kLightTwoSided = 0x40000000u; // some light below shines to both sides
+GPU_CONSTANT uint kLightColumn = 0x20000000u;   // a column of the learned selection begins here
+GPU_CONSTANT uint kLightIndexMask = kLightColumn - 1u;
 
 GPU_CONSTANT uint kLightRecordTexels = 2u; // RGBA32UI
 
-// Where a walk begins: at the root, which is record 0, or further down. `depth`: choices between the root and here.
+// Where a walk begins, record 0, and where it has come to.
 struct LightCluster {
   vec3 lo; // of the box
   uint link;
   vec3 hi;
-  uint depth;
+  uint depth; // choices made so far
 };
 GPU_CHECK(sizeof(LightCluster) == 16 * kLightRecordTexels);
 
@@ -40,6 +41,15 @@ GPU_CHECK(sizeof(LightTreeNode) == 16 * kLightRecordTexels);
 
 // Exponent of the smallest intensity that 16 bits hold, six of them exponent, in units of the whole tree's.
 GPU_CONSTANT uint kLeastIntensityExponent = 127u - 62u;
+
+// ---- learned selection ----------------------------------------------------------------------------------------------
+// A row for every cell of space, by hash; its columns share the light that comes there: subtrees of the light tree, the
+// environment, all directional lights, and the whole tree, which is chosen often enough that no light is left out.
+GPU_CONSTANT uint kLightRows = 1u << 14;
+GPU_CONSTANT uint kLightColumns = 64u;
+GPU_CONSTANT uint kSubtreeColumns = 61u;
+GPU_CONSTANT uint kEnvironmentColumn = 61u, kDirectionalColumn = 62u, kTreeColumn = 63u;
+GPU_CONSTANT uint kWholeShare = 0x80000000u; // of a row: what its last entry holds
 
 #ifdef __cplusplus
 } // namespace wavepath::gpu

@@ -18,7 +18,7 @@ namespace {
 void visit_leaves(const LightTree& tree, const gpu::LightCluster& at, std::uint32_t trail,
                   const std::function<void(std::uint32_t, std::uint32_t, const LightSubtree&)>& visit) {
   ASSERT_LT(at.depth, kDeepestLightTree);
-  const gpu::LightTreeNode node = node_of(tree, at.link);
+  const gpu::LightTreeNode node = node_of(tree, at.link & gpu::kLightIndexMask);
   for (std::uint32_t k = 0; k < 2; ++k) {
     const LightSubtree next = subtree_of(at, node.child[k]);
     const std::uint32_t to = trail | k << at.depth;
@@ -59,7 +59,8 @@ void check(const std::vector<LightBounds>& lights) {
   for (std::size_t i = 0; i < lights.size(); ++i) {
     const LightBounds& light = lights[i];
     for (gpu::LightCluster at = root; !(at.link & gpu::kLightLeaf);) {
-      const LightSubtree next = subtree_of(at, node_of(tree, at.link).child[tree.trails[i] >> at.depth & 1u]);
+      const LightSubtree next =
+          subtree_of(at, node_of(tree, at.link & gpu::kLightIndexMask).child[tree.trails[i] >> at.depth & 1u]);
       for (int axis = 0; axis < 3; ++axis) {
         const double slack = 1e-6 * (size + std::abs(light.lo[axis]) + std::abs(light.hi[axis]));
         ASSERT_LE(next.bounds.lo[axis], light.lo[axis] + slack) << i;
@@ -103,7 +104,7 @@ TEST(LightTree, KeepsCloseWhatShinesAlike) {
   }
   const LightTree tree = build_light_tree(lights);
   const gpu::LightCluster root = root_of(tree);
-  for (const gpu::LightTreeChild& child : node_of(tree, root.link).child)
+  for (const gpu::LightTreeChild& child : node_of(tree, root.link & gpu::kLightIndexMask).child)
     EXPECT_LT(subtree_of(root, child).bounds.theta_o, 0.1f) << "each half should hold one wall";
 }
 
@@ -114,6 +115,30 @@ TEST(LightTree, IsTheSameForAnyNumberOfThreads) {
   const LightTree serial = build_light_tree(lights);
   EXPECT_EQ(parallel.trails, serial.trails);
   EXPECT_EQ(std::memcmp(parallel.records.data(), serial.records.data(), parallel.records.size() * 32), 0);
+}
+
+// A cut of the tree: each light belongs to the column that its trail passes, and to no other.
+TEST(LightTree, DividesIntoColumns) {
+  for (const std::size_t count : {1, 5, 61, 62, 4000}) {
+    const std::vector<LightBounds> lights = mixed_lights(count, 31);
+    const LightTree tree = build_light_tree(lights);
+    EXPECT_EQ(tree.column_trails.size(), std::min<std::size_t>(count, gpu::kSubtreeColumns));
+    ASSERT_EQ(tree.columns.size(), count);
+    for (std::size_t i = 0; i < count; ++i) {
+      ASSERT_LT(tree.columns[i], tree.column_trails.size());
+      int passed = count == 1;
+      gpu::LightCluster at = root_of(tree);
+      while (!(at.link & gpu::kLightLeaf)) {
+        const std::uint32_t choice = tree.trails[i] >> at.depth & 1u;
+        at = subtree_of(at, node_of(tree, at.link & gpu::kLightIndexMask).child[choice]).cluster;
+        if (!(at.link & gpu::kLightColumn)) continue;
+        ++passed;
+        const std::uint32_t way = (1u << at.depth) - 1u;
+        EXPECT_EQ(tree.column_trails[tree.columns[i]], tree.trails[i] & way);
+      }
+      EXPECT_EQ(passed, 1);
+    }
+  }
 }
 
 TEST(LightTree, RoundsIntensitiesToAThousandth) {

@@ -21,8 +21,10 @@ struct Element {
   glm::vec3 normal{0.0f};
   std::uint32_t trail = 0;
   std::uint32_t light = 0;
-  float probability = 0.0f, remainder = 0.0f, asked = 0.0f;
+  float probability = 0.0f, below_column = 0.0f, remainder = 0.0f, asked = 0.0f, asked_below_column = 0.0f;
+  std::uint32_t in_column = 0, pad0 = 0;
 };
+static_assert(sizeof(Element) == 64);
 
 class LightTreeWalk : public VulkanTest {
 protected:
@@ -41,12 +43,15 @@ protected:
   }
 
   // The probability of every light at one receiver.
-  std::vector<float> probabilities(const LightTree& tree, const glm::vec3& position, const glm::vec3& normal) {
+  std::vector<Element> ask_all(const LightTree& tree, const glm::vec3& position, const glm::vec3& normal) {
     std::vector<Element> ask;
     for (const std::uint32_t trail : tree.trails)
       ask.push_back({.position = position, .normal = normal, .trail = trail});
+    return run(tree, ask);
+  }
+  std::vector<float> probabilities(const LightTree& tree, const glm::vec3& position, const glm::vec3& normal) {
     std::vector<float> result;
-    for (const Element& e : run(tree, ask)) result.push_back(e.asked);
+    for (const Element& e : ask_all(tree, position, normal)) result.push_back(e.asked);
     return result;
   }
 };
@@ -90,6 +95,37 @@ TEST_F(LightTreeWalk, PicksFollowTheirProbabilities) {
     EXPECT_GT(chi_square(counts, expected).p_value, 1e-3);
     EXPECT_GT(chi_square_uniform(rest).p_value, 1e-3);
     EXPECT_GT(picked, 0.9 * kPicks) << "dead ends";
+  }
+}
+
+// Below one column, as the learned selection draws.
+TEST_F(LightTreeWalk, PicksBelowAColumnFollowTheirProbabilities) {
+  const std::vector<LightBounds> lights = mixed_lights(2000, 5);
+  const LightTree tree = build_light_tree(lights);
+  const auto [position, normal] = kReceivers[1];
+  const std::vector<Element> asked = ask_all(tree, position, normal);
+  for (const std::uint32_t column : {0u, 30u, 60u}) {
+    constexpr std::uint32_t kPicks = 1u << 16;
+    std::vector<Element> picks(kPicks);
+    for (std::uint32_t i = 0; i < kPicks; ++i)
+      picks[i] = {.position = position,
+                  .bits = (i << 16) + 0x8000u,
+                  .normal = normal,
+                  .trail = tree.column_trails[column],
+                  .in_column = 1};
+    std::vector<double> counts(lights.size());
+    for (const Element& e : run(tree, picks)) {
+      if (e.light == gpu::kNone) continue;
+      ASSERT_EQ(tree.columns[e.light], column);
+      ASSERT_EQ(e.probability, asked[e.light].asked);
+      ASSERT_EQ(e.below_column, asked[e.light].asked_below_column);
+      counts[e.light] += 1.0;
+    }
+    for (std::size_t i = 0; i < lights.size(); ++i) {
+      if (tree.columns[i] == column) {
+        EXPECT_NEAR(counts[i], asked[i].asked_below_column * double(kPicks), 1.5);
+      }
+    }
   }
 }
 

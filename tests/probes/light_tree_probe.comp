@@ -12,10 +12,12 @@ struct Element {
   vec3 position;
   uint bits;   // of the pick
   vec3 normal;
-  uint trail;  // of the light whose probability is asked for
+  uint trail;  // of the light whose probability is asked for, or of a column
   uint light;  // picked
-  float probability, remainder;
-  float asked; // probability of the light at the end of `trail`
+  float probability, below_column, remainder;
+  float asked, asked_below_column; // of the light at the end of `trail`
+  uint in_column;                  // 1: draw from the column that `trail` leads to
+  uint pad0;
 };
 layout(set = 0, binding = 1, std430) buffer Elements { Element elements[]; };
 layout(push_constant) uniform Push { uint count; };
@@ -26,10 +28,15 @@ void main() {
   Element e = elements[i];
   Receiver receiver = Receiver(e.position, e.normal);
   Draw draw = make_draw(e.bits);
-  uint range = draw.range;
-  e.probability = 1.0;
-  e.light = pick_below(receiver, fetch_light_cluster(0u), draw, e.probability);
+  LightWalk drawn;
+  if (e.in_column != 0u) drawn = draw_from_column(receiver, e.trail, draw);
+  else drawn = draw_from_tree(receiver, draw);
+  e.light = drawn.light;
+  e.probability = drawn.probability;
+  e.below_column = drawn.below_column;
   e.remainder = remainder_of(draw);
-  e.asked = pick_probability_below(receiver, fetch_light_cluster(0u), e.trail, range);
+  LightWalk asked = walk_to(receiver, e.trail);
+  e.asked = asked.probability;
+  e.asked_below_column = asked.below_column;
   elements[i] = e;
 }

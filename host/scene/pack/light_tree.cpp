@@ -333,13 +333,14 @@ gpu::LightTreeChild round_child(const Bounds& b, std::uint32_t link, const gpu::
   return child;
 }
 
-// Rounds the nodes below `cluster`, whose link is `record`, against the boxes that the kernels will compute.
+// Rounds the nodes below `cluster` against the boxes that the kernels will compute.
 void round_nodes(const std::vector<Split>& splits, const gpu::LightCluster& cluster, std::uint32_t trail,
                  double whole_intensity, LightTree& tree) {
-  const Split& split = splits[cluster.link - 1];
+  const std::uint32_t record = cluster.link & gpu::kLightIndexMask;
+  const Split& split = splits[record - 1];
   gpu::LightTreeNode node{};
   for (int k = 0; k < 2; ++k) node.child[k] = round_child(split.child[k], split.link[k], cluster, whole_intensity);
-  tree.records[cluster.link] = std::bit_cast<LightTree::Record>(node);
+  tree.records[record] = std::bit_cast<LightTree::Record>(node);
   const auto go_on = [&](std::uint32_t k) {
     const gpu::LightCluster next = subtree_of(cluster, node.child[k]).cluster;
     const std::uint32_t to = trail | k << cluster.depth;
@@ -353,6 +354,49 @@ void round_nodes(const std::vector<Split>& splits, const gpu::LightCluster& clus
     go_on(1);
   } else {
     tbb::parallel_invoke([&] { go_on(0); }, [&] { go_on(1); });
+  }
+}
+
+void assign_column(LightTree& tree, std::uint32_t link, std::uint32_t column) {
+  const std::uint32_t index = link & gpu::kLightIndexMask;
+  if (link & gpu::kLightLeaf)
+    tree.columns[index] = column;
+  else
+    for (const gpu::LightTreeChild& child : node_of(tree, index).child) assign_column(tree, child.link, column);
+}
+
+// Columns are the subtrees that remain when those of the largest intensity times size are divided, one after the other.
+void choose_columns(LightTree& tree) {
+  struct Column {
+    gpu::LightCluster cluster;
+    double weight; // 0: a light alone
+    std::uint32_t trail, parent, child;
+  };
+  const gpu::LightCluster root = root_of(tree);
+  std::vector<Column> columns{{root, root.link & gpu::kLightLeaf ? 0.0 : INFINITY, 0, 0, 0}};
+  while (columns.size() < gpu::kSubtreeColumns) {
+    const auto widest = std::ranges::max_element(columns, {}, &Column::weight);
+    if (!(widest->weight > 0.0)) break;
+    const Column from = *widest;
+    columns.erase(widest);
+    const std::uint32_t record = from.cluster.link & gpu::kLightIndexMask;
+    for (std::uint32_t k = 0; k < 2; ++k) {
+      const LightSubtree next = subtree_of(from.cluster, node_of(tree, record).child[k]);
+      const bool leaf = (next.cluster.link & gpu::kLightLeaf) != 0;
+      const double size = glm::length(next.cluster.hi - next.cluster.lo) + 1e-30;
+      columns.push_back(
+          {next.cluster, leaf ? 0.0 : next.bounds.intensity * size, from.trail | k << from.cluster.depth, record, k});
+    }
+  }
+  tree.columns.assign(tree.trails.size(), 0);
+  for (std::uint32_t i = 0; i < columns.size(); ++i) {
+    const Column& column = columns[i];
+    tree.column_trails.push_back(column.trail);
+    assign_column(tree, column.cluster.link, i);
+    if (column.parent == 0) continue; // the root, a light alone
+    gpu::LightTreeNode node = node_of(tree, column.parent);
+    node.child[column.child].link |= gpu::kLightColumn;
+    tree.records[column.parent] = std::bit_cast<LightTree::Record>(node);
   }
 }
 
@@ -414,6 +458,7 @@ LightTree build_light_tree(std::span<const LightBounds> lights) {
   tree.records[0] = std::bit_cast<LightTree::Record>(root);
   if (count > 1) round_nodes(builder.splits, root, 0, whole.intensity, tree);
   tree.depth = depth_below(tree, root.link);
+  choose_columns(tree);
   return tree;
 }
 
@@ -431,7 +476,7 @@ LightSubtree subtree_of(const gpu::LightCluster& parent, const gpu::LightTreeChi
     subtree.cluster.lo[axis] = parent.lo[axis] + size[axis] * unorm(byte_of(child.box0, axis));
     subtree.cluster.hi[axis] = parent.lo[axis] + size[axis] * unorm(hi);
   }
-  subtree.cluster.link = child.link & ~gpu::kLightTwoSided;
+  subtree.cluster.link = child.link;
   subtree.cluster.depth = parent.depth + 1;
   LightBounds& bounds = subtree.bounds;
   bounds.lo = subtree.cluster.lo;

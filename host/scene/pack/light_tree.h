@@ -32,17 +32,15 @@ LightBounds spot_light_bounds(const glm::vec3& position, const glm::vec3& axis, 
 
 inline constexpr std::uint32_t kDeepestLightTree = 32; // the way to a light is a word
 
-// `records`: the root cluster, then one node less than there are lights: 32 bytes a light. `trails`: by light the
-// choices that lead to it, bit d the one at depth d.
 struct LightTree {
   struct Record {
     std::uint32_t words[8];
   };
-  std::vector<Record> records;
-  std::vector<std::uint32_t> trails;
-  std::uint32_t depth = 0; // most choices that lead to a light
-
-  std::uint64_t bytes() const { return records.size() * sizeof(Record) + trails.size() * sizeof(std::uint32_t); }
+  std::vector<Record> records;              // the root, then one node less than there are lights: 32 bytes a light
+  std::vector<std::uint32_t> trails;        // by light the choices that lead to it, bit d the one at depth d
+  std::vector<std::uint32_t> columns;       // by light the column of the learned selection that it belongs to
+  std::vector<std::uint32_t> column_trails; // by column
+  std::uint32_t depth = 0;                  // most choices that lead to a light
 };
 
 // At least one light, each with power. The result does not depend on the number of threads.
