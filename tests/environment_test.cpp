@@ -9,13 +9,14 @@
 #include <memory>
 #include <numbers>
 #include <random>
+#include <span>
 
 #include <OpenImageIO/imageio.h>
 #include <gtest/gtest.h>
 
 #include "host/base/error.h"
-#include "host/scene/pack/alias.h"
 #include "host/scene/pack/environment_light.h"
+#include "host/scene/pack/intervals.h"
 
 namespace wavepath {
 namespace {
@@ -180,14 +181,18 @@ TEST(Environment, InvertsTheConvention) {
   }
 }
 
-// The probabilities that the packed table really has, from its thresholds.
+// The probabilities that the packed texels really have, from the intervals of rows and columns.
 std::vector<double> table_probabilities(const PackedScene& packed) {
-  AliasTable table;
-  for (const glm::uvec2& entry : packed.environment_alias) {
-    table.threshold.push_back(std::bit_cast<float>(entry.x));
-    table.alias.push_back(entry.y);
-  }
-  return alias_probabilities(table);
+  const std::size_t width = packed.environment_width, height = packed.environment_height;
+  const std::span<const std::uint32_t> ends = packed.environment_ends;
+  std::vector<double> probabilities;
+  for (std::size_t y = 0; y < height; ++y)
+    for (std::size_t x = 0; x < width; ++x) {
+      const double row = interval_probability(ends.first(height), y);
+      const double column = interval_probability(ends.subspan(height + y * width, width), x);
+      probabilities.push_back(row > 0.0 ? row * column : 0.0);
+    }
+  return probabilities;
 }
 
 TEST(EnvironmentLight, WeighsTexelsByTentAndSolidAngle) {
@@ -257,7 +262,7 @@ TEST(EnvironmentLight, TreatsBlackMapsAsNone) {
   environment.map.assign(8, glm::vec3(0.0f));
   PackedScene packed;
   EXPECT_EQ(pack_environment(environment, packed), 0.0);
-  EXPECT_TRUE(packed.environment.empty() && packed.environment_alias.empty());
+  EXPECT_TRUE(packed.environment.empty() && packed.environment_ends.empty());
   EXPECT_EQ(packed.environment_radiance, glm::vec3(0.0f));
   EXPECT_EQ(packed.environment_width, 0u);
 }

@@ -2,14 +2,14 @@
 #include "host/scene/pack/environment_light.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <numbers>
+#include <span>
 
 #include <tbb/parallel_for.h>
 
-#include "host/scene/pack/alias.h"
 #include "host/scene/pack/emission.h"
+#include "host/scene/pack/intervals.h"
 
 namespace wavepath {
 namespace {
@@ -49,22 +49,31 @@ double pack_environment(const Environment& environment, PackedScene& packed) {
     const double solid_angle = texel_solid_angle(y, width, height);
     for (std::size_t x = 0; x < width; ++x) weights[y * width + x] = tent_luminance(environment, x, y) * solid_angle;
   });
-  const AliasTable table = build_alias_table(weights);
-  if (table.threshold.empty()) return 0.0; // black all over
-  weights = {};
+  std::vector<double> rows(height, 0.0);
+  for (std::size_t y = 0; y < height; ++y)
+    for (std::size_t x = 0; x < width; ++x) rows[y] += weights[y * width + x];
+  const std::vector<std::uint32_t> row_ends = build_intervals(rows);
+  if (row_ends.empty()) return 0.0; // black all over
 
   packed.environment_radiance = environment.radiance;
   packed.environment_rotation = environment.rotation;
   packed.environment_width = environment.width;
   packed.environment_height = environment.height;
-  const std::vector<double> probability = alias_probabilities(table);
   packed.environment.resize(width * height);
-  packed.environment_alias.resize(width * height);
-  for (std::size_t i = 0; i < width * height; ++i) {
-    packed.environment[i] = {environment.map[i], static_cast<float>(probability[i])};
-    packed.environment_alias[i] = {std::bit_cast<std::uint32_t>(table.threshold[i]), table.alias[i]};
-  }
-  return table.total;
+  packed.environment_ends.resize(height + width * height);
+  std::ranges::copy(row_ends, packed.environment_ends.begin());
+  tbb::parallel_for(std::size_t{0}, height, [&](std::size_t y) {
+    const std::vector<std::uint32_t> ends = build_intervals(std::span(weights).subspan(y * width, width));
+    const double row = interval_probability(row_ends, y);
+    for (std::size_t x = 0; x < width; ++x) {
+      const double probability = ends.empty() ? 0.0 : row * interval_probability(ends, x);
+      packed.environment[y * width + x] = {environment.map[y * width + x], static_cast<float>(probability)};
+      packed.environment_ends[height + y * width + x] = ends.empty() ? 0 : ends[x];
+    }
+  });
+  double total = 0.0;
+  for (const double row : rows) total += row;
+  return total;
 }
 
 } // namespace wavepath

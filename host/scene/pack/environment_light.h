@@ -1,4 +1,4 @@
-// The environment on the device: its texels, and the alias table that samples them by importance.
+// The environment on the device: its texels, and the distribution that samples them by importance.
 #pragma once
 
 #include "host/scene/pack/packed_scene.h"
