@@ -141,7 +141,9 @@ TEST(Layout, Frame) {
            AT(Frame, orthographic),
            AT(Frame, sample_total),
            AT(Frame, slot_count),
-           AT(Frame, scene_features)});
+           AT(Frame, scene_features),
+           AT(Frame, local_light_count),
+           AT(Frame, light_sum_scale)});
   compare("Wave", sizeof(Wave),
           {AT(Wave, first_pixel), AT(Wave, pixel_count), AT(Wave, first_sample), AT(Wave, sample_count),
            AT(Wave, bounce), AT(Wave, first_film_pixel)});

@@ -38,6 +38,7 @@ struct RenderResult {
   std::vector<StageTime> stages;
   MemoryUse memory;
   Nonfinite nonfinite;
+  std::uint32_t learned_light_rows = 0;
   glm::vec3 ambient{0.0f}; // radiance that a hybrid render used
 };
 

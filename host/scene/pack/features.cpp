@@ -73,7 +73,8 @@ std::uint32_t light_features(const PackedScene& packed) {
   }
   features |=
       bit_if(glm::any(glm::greaterThan(packed.environment_radiance, glm::vec3(0.0f))), gpu::kFeatureEnvironment);
-  return features | bit_if(!packed.environment.empty(), gpu::kFeatureEnvironmentMap);
+  return features | bit_if(!packed.environment.empty(), gpu::kFeatureEnvironmentMap) |
+         bit_if(!packed.light_tree.empty(), gpu::kFeatureLightTree);
 }
 
 } // namespace
@@ -136,6 +137,8 @@ std::vector<LeftOut> list_left_out(const Usage& usage, const PackedScene& packed
       {"surface emission", "no material in use shines", 0, gpu::kFeatureEmission},
       {"triangle lights", no_sampling ? not_sampled : "no triangle shines", 0, gpu::kFeatureTriangleLights},
       {"punctual lights", no_sampling ? not_sampled : "the scene has none that shines", 0, gpu::kFeaturePunctualLights},
+      {"light tree", no_sampling ? not_sampled : "lights are few enough to pick by power", 40 * packed.local_light_count,
+       gpu::kFeatureLightTree},
       {"environment", "it is black", 0, gpu::kFeatureEnvironment},
       {"environment map", "the environment is constant or black", 0, gpu::kFeatureEnvironmentMap},
   };

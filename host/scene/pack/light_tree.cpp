@@ -462,6 +462,22 @@ LightTree build_light_tree(std::span<const LightBounds> lights) {
   return tree;
 }
 
+std::vector<glm::uvec4> light_tree_words(const LightTree& tree) {
+  const std::size_t lights = tree.trails.size();
+  std::vector<glm::uvec4> words(2 * lights + (lights + 1) / 2 + (gpu::kSubtreeColumns + 3) / 4, glm::uvec4(0));
+  for (std::size_t i = 0; i < lights; ++i) {
+    const std::uint32_t* w = tree.records[i].words;
+    words[2 * i] = {w[0], w[1], w[2], w[3]};
+    words[2 * i + 1] = {w[4], w[5], w[6], w[7]};
+    glm::uvec4& pair = words[2 * lights + i / 2];
+    pair[i % 2 * 2] = tree.trails[i];
+    pair[i % 2 * 2 + 1] = tree.columns[i];
+  }
+  glm::uvec4* columns = &words[2 * lights + (lights + 1) / 2];
+  for (std::size_t c = 0; c < tree.column_trails.size(); ++c) columns[c / 4][c % 4] = tree.column_trails[c];
+  return words;
+}
+
 gpu::LightCluster root_of(const LightTree& tree) { return std::bit_cast<gpu::LightCluster>(tree.records[0]); }
 
 gpu::LightTreeNode node_of(const LightTree& tree, std::uint32_t record) {
