@@ -203,7 +203,7 @@ TEST(EnvironmentLight, WeighsTexelsByTentAndSolidAngle) {
   environment.map.assign(32, glm::vec3(0.0f));
   environment.map[0] = glm::vec3(1.0f); // top left: its neighbours are across the seam, and itself beyond the pole
   PackedScene packed;
-  const double integral = pack_environment(environment, packed);
+  const double integral = pack_environment(environment, gpu::kDirectNee, packed);
   const double ring[] = {2 * kPi / 8 * (1 - std::sqrt(0.5)),
                          2 * kPi / 8 * std::sqrt(0.5)}; // of a texel in rows 0 and 1
   const double top = (4.0 + 2.0) / 16.0, side = (2.0 + 1.0) / 16.0, below = 2.0 / 16.0, corner = 1.0 / 16.0;
@@ -222,6 +222,30 @@ TEST(EnvironmentLight, WeighsTexelsByTentAndSolidAngle) {
   for (const std::size_t dark : {2u, 6u, 10u, 16u, 31u}) EXPECT_EQ(packed.environment[dark].w, 0.0f);
 }
 
+// With MIS dim texels get less than their share, and none gets nothing.
+TEST(EnvironmentLight, LeavesDimTexelsToBsdfSampling) {
+  Environment environment;
+  environment.radiance = glm::vec3(1.0f);
+  environment.width = 64;
+  environment.height = 32;
+  environment.map.assign(64 * 32, glm::vec3(0.1f));
+  for (std::size_t x = 0; x < 64; ++x)
+    for (std::size_t y = 8; y < 16; ++y) environment.map[y * 64 + x] = glm::vec3(5.0f);
+  PackedScene plain, compensated;
+  const double integral = pack_environment(environment, gpu::kDirectNee, plain);
+  EXPECT_EQ(pack_environment(environment, gpu::kDirectMis, compensated), integral);
+  const std::size_t dim = 25 * 64 + 3, bright = 12 * 64 + 3;
+  const double taken = 0.5 * integral / (4 * kPi);
+  const auto ratio = [&](std::size_t texel) { return compensated.environment[texel].w / plain.environment[texel].w; };
+  EXPECT_NEAR(ratio(dim) / ratio(bright), 0.125 / (1.0 - taken / 5.0), 1e-3);
+  double sum = 0.0;
+  for (const glm::vec4& texel : compensated.environment) {
+    EXPECT_GT(texel.w, 0.0f);
+    sum += texel.w;
+  }
+  EXPECT_NEAR(sum, 1.0, 1e-6);
+}
+
 TEST(EnvironmentLight, SumsToTheSphereAndToOne) {
   Environment environment;
   environment.radiance = glm::vec3(1.0f);
@@ -229,7 +253,7 @@ TEST(EnvironmentLight, SumsToTheSphereAndToOne) {
   environment.height = 32;
   environment.map.assign(64 * 32, glm::vec3(3.0f));
   PackedScene packed;
-  EXPECT_NEAR(pack_environment(environment, packed), 4 * kPi * 3.0, 1e-9);
+  EXPECT_NEAR(pack_environment(environment, gpu::kDirectNee, packed), 4 * kPi * 3.0, 1e-9);
   double sum = 0.0;
   for (const glm::vec4& texel : packed.environment) sum += texel.w;
   EXPECT_NEAR(sum, 1.0, 1e-6);
@@ -245,7 +269,7 @@ TEST(EnvironmentLight, FindsOneBrightTexelAmongMillions) {
   environment.map.assign(1024 * 512, glm::vec3(1e-3f));
   environment.map[256 * 1024 + 100] = glm::vec3(1e9f);
   PackedScene packed;
-  pack_environment(environment, packed);
+  pack_environment(environment, gpu::kDirectNee, packed);
   const std::vector<double> probability = table_probabilities(packed);
   EXPECT_NEAR(probability[256 * 1024 + 100], 0.25, 1e-4); // 4/16 of the tent
   EXPECT_NEAR(probability[256 * 1024 + 101], 0.125, 1e-4);
@@ -261,7 +285,7 @@ TEST(EnvironmentLight, TreatsBlackMapsAsNone) {
   environment.height = 2;
   environment.map.assign(8, glm::vec3(0.0f));
   PackedScene packed;
-  EXPECT_EQ(pack_environment(environment, packed), 0.0);
+  EXPECT_EQ(pack_environment(environment, gpu::kDirectNee, packed), 0.0);
   EXPECT_TRUE(packed.environment.empty() && packed.environment_ends.empty());
   EXPECT_EQ(packed.environment_radiance, glm::vec3(0.0f));
   EXPECT_EQ(packed.environment_width, 0u);

@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "host/integrators/path/light_rows.h"
-#include "host/render/loop/render_result.h"
 #include "host/render/loop/segments.h"
 
 namespace wavepath {
@@ -25,7 +24,7 @@ void PathTracer::change(const View&, const RenderSettings& settings, Past) {
   workspace_.frame.light_sum_scale = static_cast<float>(light_sum_scale(workspace_.scene));
   paths_.change(settings, kAllPathStages, learns_ ? kRoomForLightSums : 0);
   exploring_ = false;
-  learned_rows_ = 0;
+  pilot_ = {};
   if (!learns_) return;
   pilot_need_ = {&kPathProgram, stage_bits({kAdvance, kConnect}), paths_.config()};
   pilot_need_.config.features |= gpu::kFeatureLightPilot;
@@ -50,6 +49,8 @@ std::optional<Pilot> PathTracer::pilot() {
   paths_.buffers[kLightSums].fill_zero();
   const std::uint64_t pixels = workspace_.film.pixels();
   const auto samples = static_cast<std::uint32_t>(std::max<std::uint64_t>(kPilotPaths / pixels, 1));
+  pilot_.paths = samples * pixels;
+  pilot_start_ = Clock::now();
   return Pilot{even_segments(workspace_.film.bands()), samples, kLightPilotSeed};
 }
 
@@ -58,10 +59,11 @@ void PathTracer::learn() {
   const auto sums = download<std::uint32_t>(paths_.buffers[kLightSums], kLightSumBytes / sizeof(std::uint32_t));
   const LightLesson lesson = learn_light_rows(workspace_.scene, sums);
   paths_.buffers[kLightShares].write(lesson.ends.data(), kLightRowBytes);
-  learned_rows_ = lesson.rows;
+  pilot_.rows = lesson.rows;
+  pilot_.seconds = seconds_since(pilot_start_);
 }
 
-void PathTracer::describe(RenderResult& result) const { result.learned_light_rows = learned_rows_; }
+void PathTracer::describe(RenderResult& result) const { result.light_pilot = pilot_; }
 
 std::uint32_t PathTracer::timed_dispatches() const { return std::min(2 + (workspace_.frame.max_depth + 1) * 5, 1024u); }
 

@@ -1,7 +1,9 @@
 // Unidirectional path tracing: camera rays, next-event estimation, multiple importance sampling.
 #pragma once
 
+#include "host/base/clock.h"
 #include "host/integrators/path/paths.h"
+#include "host/render/loop/render_result.h"
 
 namespace wavepath {
 
@@ -27,7 +29,8 @@ private:
   Paths paths_;
   KernelNeed pilot_need_; // of its shadow rays alone
   bool learns_ = false, exploring_ = false;
-  std::uint32_t learned_rows_ = 0;
+  LightPilot pilot_;
+  Clock::time_point pilot_start_{};
 };
 
 } // namespace wavepath
