@@ -32,9 +32,9 @@ Receiver unpack_receiver(uvec4 words) {
 
 // Row of the cell that a receiver is in. Cells are cubes whose sides double with the distance from the eye, so that they
 // look alike from there, apart by the six axes that a surface may face; rows are theirs by hash.
-uint light_row(Receiver receiver) {
+uint light_row(Receiver receiver, int level) {
   vec3 place = receiver.position - frame.camera_position;
-  uint exponent = clamp(floatBitsToUint(max_component(abs(place))) >> 23u, 8u, 252u) - kLightCellShift;
+  uint exponent = clamp(floatBitsToUint(max_component(abs(place))) >> 23u, 16u, 240u) - kLightCellShift + 2u * uint(level);
   ivec3 cell = ivec3(floor(place / uintBitsToFloat(exponent << 23u)));
   vec3 n = receiver.normal, size = abs(n);
   uint axis = size.x >= size.y && size.x >= size.z ? 0u : size.y >= size.z ? 1u : 2u;
@@ -42,6 +42,8 @@ uint light_row(Receiver receiver) {
   uvec3 bits = (uvec3(cell) & 0x3ffu) | uvec3(exponent, facing, 0u) << 10u;
   return pcg3d(bits).x & (kLightRows - 1u);
 }
+
+uint light_row(Receiver receiver) { return light_row(receiver, 0); }
 
 uint column_row; // of which share_end tells
 uint share_end(uint column) { return texelFetch(light_rows, int(column_row * kLightColumns + column)).x; }

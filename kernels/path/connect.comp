@@ -37,15 +37,20 @@ void add_to_sum(uint first, uint value) {
 // For the learned selection: what the light would bring to the cell of the vertex, and what of it arrives; in the first
 // word of the tree's column how often lights were picked there.
 void tally(ShadowRay ray, bool blocked) {
-  uint row = light_row(unpack_receiver(texelFetch(receiver_texels, int(ray.slot))));
+  Receiver receiver = unpack_receiver(texelFetch(receiver_texels, int(ray.slot)));
   uint column = ray.light >= placed_lights() ? kEnvironmentColumn : kDirectionalColumn;
   if (ray.light < frame.local_light_count) column = light_trail_column(ray.light).y;
-  uint first = 4u * (row * kLightColumns + column);
   float brought = luminance(ray.contribution) * frame.light_sum_scale;
   uint value = brought > 0.0 ? uint(min(brought, 1e9)) : 0u; // NaN: nothing
-  add_to_sum(first, value);
-  if (!blocked) add_to_sum(first + 2u, value);
-  atomicAdd(light_sums[4u * (row * kLightColumns + kTreeColumn)], 1u);
+  uint row = light_row(receiver);
+  for (int level = 1; level <= int(kLightCellLevels); ++level) {
+    uint first = 4u * (row * kLightColumns + column), whole = 4u * (row * kLightColumns + kTreeColumn);
+    add_to_sum(first, value);
+    if (!blocked) add_to_sum(first + 2u, value);
+    atomicAdd(light_sums[whole], 1u);
+    row = light_row(receiver, level);
+    if (level < int(kLightCellLevels)) atomicMax(light_sums[whole + 1u], row + 1u);
+  }
 }
 
 void main() {

@@ -5,8 +5,6 @@
 #include <array>
 #include <cmath>
 
-#include <tbb/parallel_for.h>
-
 #include "host/scene/pack/intervals.h"
 
 namespace wavepath {
@@ -15,7 +13,7 @@ namespace {
 using Shares = std::array<double, gpu::kLightColumns>;
 
 // Of the tree and of what has not been learned: at least a tenth, and as much as so many picks count for.
-constexpr double kLeastPrior = 0.1, kPriorPicks = 16.0;
+const double kLeastPrior = getenv("E_P") ? atof(getenv("E_P")) : 0.1, kPriorPicks = getenv("E_N") ? atof(getenv("E_N")) : 16.0;
 
 Shares shares_by_power(const PackedScene& scene) {
   Shares shares{};
@@ -31,24 +29,47 @@ Shares shares_by_power(const PackedScene& scene) {
 
 double sum_at(std::span<const std::uint32_t> words, std::size_t i) { return words[i] + 0x1p32 * words[i + 1]; }
 
-// The variance is least where a column's share is in proportion to the root of the mean square of what it brings. What
-// is blocked brings nothing: of a column that brings m if visible, and is visible with probability v, that is
-// sqrt(v) m, the geometric mean of both sums.
-bool learn(std::span<const std::uint32_t> sums, const Shares& prior, Shares& shares) {
-  Shares learned{};
-  double total = 0.0;
-  for (std::size_t c = 0; c < gpu::kTreeColumn; ++c) {
-    learned[c] = std::sqrt(sum_at(sums, 4 * c) * sum_at(sums, 4 * c + 2));
-    total += learned[c];
+class Lesson {
+public:
+  Lesson(const Shares& prior, std::span<const std::uint32_t> sums)
+      : prior_(prior), sums_(sums), known_(gpu::kLightRows, false), learned_(gpu::kLightRows) {}
+
+  // What the row has learned, its few picks filled up by those of the cell around it.
+  const Shares& learned(std::uint32_t row) {
+    if (known_[row]) return learned_[row];
+    known_[row] = true;
+    learned_[row] = prior_; // ends the search, should rows that share a place lead in a circle
+    const auto sums = sums_.subspan(std::size_t{4} * row * gpu::kLightColumns, 4 * gpu::kLightColumns);
+    const std::uint32_t parent = sums[4 * gpu::kTreeColumn + 1];
+    const Shares& around = parent > 0 ? learned(parent - 1) : prior_;
+    learned_[row] = mix(sums, around);
+    return learned_[row];
   }
-  const double picks = sums[4 * gpu::kTreeColumn];
-  shares = prior;
-  if (!(total > 0.0)) return false;
-  const double kept = std::max(kLeastPrior, kPriorPicks / (kPriorPicks + picks));
-  for (std::size_t c = 0; c < gpu::kLightColumns; ++c)
-    shares[c] = kept * prior[c] + (1.0 - kept) * learned[c] / total;
-  return true;
-}
+
+  std::uint32_t picks(std::uint32_t row) const { return sums_[4 * (row * gpu::kLightColumns + gpu::kTreeColumn)]; }
+
+private:
+  // The variance is least where a column's share is in proportion to the root of the mean square of what it brings. What
+  // is blocked brings nothing: of a column that brings m if visible, and is visible with probability v, that is
+  // sqrt(v) m, the geometric mean of both sums.
+  static Shares mix(std::span<const std::uint32_t> sums, const Shares& around) {
+    Shares shares{};
+    double total = 0.0;
+    for (std::size_t c = 0; c < gpu::kTreeColumn; ++c) {
+      shares[c] = std::sqrt(sum_at(sums, 4 * c) * sum_at(sums, 4 * c + 2));
+      total += shares[c];
+    }
+    if (!(total > 0.0)) return around;
+    const double picks = sums[4 * gpu::kTreeColumn], kept = kPriorPicks / (kPriorPicks + picks);
+    for (std::size_t c = 0; c < gpu::kLightColumns; ++c) shares[c] = kept * around[c] + (1.0 - kept) * shares[c] / total;
+    return shares;
+  }
+
+  const Shares& prior_;
+  std::span<const std::uint32_t> sums_;
+  std::vector<bool> known_;
+  std::vector<Shares> learned_;
+};
 
 } // namespace
 
@@ -63,15 +84,16 @@ std::vector<std::uint32_t> unlearned_light_rows(const PackedScene& scene) {
 LightLesson learn_light_rows(const PackedScene& scene, std::span<const std::uint32_t> sums) {
   const Shares prior = shares_by_power(scene);
   LightLesson lesson;
-  lesson.ends.resize(gpu::kLightRows * gpu::kLightColumns);
-  std::vector<std::uint8_t> learned(gpu::kLightRows);
-  tbb::parallel_for(0u, gpu::kLightRows, [&](std::uint32_t row) {
-    Shares shares;
-    learned[row] = learn(sums.subspan(std::size_t{4} * row * gpu::kLightColumns, 4 * gpu::kLightColumns), prior, shares);
+  lesson.ends.reserve(gpu::kLightRows * gpu::kLightColumns);
+  Lesson all(prior, sums);
+  for (std::uint32_t row = 0; row < gpu::kLightRows; ++row) {
+    Shares shares = all.learned(row);
+    for (std::size_t c = 0; c < gpu::kLightColumns; ++c)
+      shares[c] = kLeastPrior * prior[c] + (1.0 - kLeastPrior) * shares[c];
     const std::vector<std::uint32_t> ends = build_intervals(shares);
-    std::ranges::copy(ends, lesson.ends.begin() + std::ptrdiff_t{row} * gpu::kLightColumns);
-  });
-  lesson.rows = static_cast<std::uint32_t>(std::ranges::count(learned, 1));
+    lesson.ends.insert(lesson.ends.end(), ends.begin(), ends.end());
+    lesson.rows += all.picks(row) > 0;
+  }
   return lesson;
 }
 

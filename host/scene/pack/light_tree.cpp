@@ -384,8 +384,11 @@ void choose_columns(LightTree& tree) {
       const LightSubtree next = subtree_of(from.cluster, node_of(tree, record).child[k]);
       const bool leaf = (next.cluster.link & gpu::kLightLeaf) != 0;
       const double size = glm::length(next.cluster.hi - next.cluster.lo) + 1e-30;
+      const glm::vec3 near = glm::clamp(glm::vec3(0.0f), next.cluster.lo, next.cluster.hi);
+      static const double kE = getenv("E_CUT") ? atof(getenv("E_CUT")) : 0.0;
+      const double fade = std::pow(glm::dot(near, near) + 0.25 * size * size, kE);
       columns.push_back(
-          {next.cluster, leaf ? 0.0 : next.bounds.intensity * size, from.trail | k << from.cluster.depth, record, k});
+          {next.cluster, leaf ? 0.0 : next.bounds.intensity * size / fade, from.trail | k << from.cluster.depth, record, k});
     }
   }
   tree.columns.assign(tree.trails.size(), 0);
