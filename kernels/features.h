@@ -12,7 +12,7 @@ namespace wavepath::gpu {
 // A clear bit removes the code; the host then also leaves out the data. Setting a bit that the scene does not need
 // changes no result, only speed ("generic kernels").
 GPU_CONSTANT uint kFeatureInstances = 1u << 0; // a top-level tree over instances
-GPU_CONSTANT uint kFeatureAlpha = 1u << 1;     // MASK or BLEND triangles, tested during traversal
+GPU_CONSTANT uint kFeatureAlpha = 1u << 1;     // MASK, BLEND or unlit triangles, tested during traversal
 GPU_CONSTANT uint kFeatureCull = 1u << 2;      // single-sided triangles are invisible from behind
 GPU_CONSTANT uint kFeatureTextures = 1u << 3;  // any material texture
 GPU_CONSTANT uint kFeatureTextureTransform = 1u << 4;

@@ -19,10 +19,9 @@
 #include "kernels/path/records.glsl"
 #include "kernels/pixel.glsl"
 #include "kernels/records.glsl"
-#include "kernels/surface.glsl"
+#include "kernels/shadow.glsl"
 
-Sampler path_sampler;
-#define ALPHA_TEST(hit) is_hole(hit, path_sampler, kHashConnect)
+#define ALPHA_TEST(hit) lets_light_through(hit)
 #define ANY_HIT
 #include "kernels/bvh.glsl"
 
@@ -57,7 +56,7 @@ void main() {
   uint index = gl_GlobalInvocationID.x;
   if (index >= queues.shadow_count) return;
   ShadowRay ray = fetch_shadow_ray(index);
-  if (has(kFeatureAlpha)) path_sampler = slot_sampler(ray.slot);
+  begin_shadow();
   uint target = kNone, target_instance = 0u;
   if (has(kFeatureTriangleLights)) {
     Light light = fetch_light(ray.light);
@@ -69,8 +68,9 @@ void main() {
   if (blocked) return;
   // One shadow ray a path and bounce: no other lane writes this slot.
   PathState path = fetch_path(ray.slot);
-  path.radiance += ray.contribution;
+  vec3 contribution = ray.contribution * light_passed();
+  path.radiance += contribution;
   if (!is_finite(path.radiance)) count_nonfinite(kMakerConnect, ray.slot); // it was finite, or shade had sent no ray
   store_radiance(ray.slot, path);
-  if (has(kFeatureAovs) && wave.bounce == 0u) path_aovs[ray.slot].direct += ray.contribution;
+  if (has(kFeatureAovs) && wave.bounce == 0u) path_aovs[ray.slot].direct += contribution;
 }

@@ -103,7 +103,8 @@ std::uint32_t expected_features(const Scene& scene, std::uint32_t direct) {
   const bool sampled = direct != gpu::kDirectBsdf;
   const bool lit = scene.environment.present();
   return material_features(scene, usage) | bit_if(usage.two_level(), gpu::kFeatureInstances) |
-         bit_if(any([](const Material& m) { return m.alpha_mode != AlphaMode::opaque; }), gpu::kFeatureAlpha) |
+         bit_if(any([](const Material& m) { return m.unlit || m.alpha_mode != AlphaMode::opaque; }),
+                gpu::kFeatureAlpha) |
          bit_if(any([](const Material& m) { return !m.double_sided && !(m.transmission > 0.0f); }), gpu::kFeatureCull) |
          bit_if(usage.smooth, gpu::kFeatureSmoothNormals) | bit_if(usage.colored, gpu::kFeatureVertexColors) |
          bit_if(any(transforms_texture), gpu::kFeatureTextureTransform) |
