@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "host/integrators/path/light_rows.h"
 #include "host/integrators/path/path_tracer.h"
 #include "host/render/render.h"
 
@@ -34,7 +35,7 @@ constinit const IntegratorKind kPath = {
     .name = "path",
     .summary = "path tracing",
     .settings = kSettings,
-    .learns_lights = true,
+    .light_lesson_bytes = kLightRowBytes + kLightSumBytes,
     .measures_depth_cut = true,
     .first_hit_stages = kFirstHitStages,
     .features = film_features,

@@ -12,8 +12,10 @@ namespace {
 
 using Shares = std::array<double, gpu::kLightColumns>;
 
-// Of the tree and of what has not been learned: at least a tenth, and as much as so many picks count for.
-const double kLeastPrior = getenv("E_P") ? atof(getenv("E_P")) : 0.1, kPriorPicks = getenv("E_N") ? atof(getenv("E_N")) : 16.0;
+// The share that is never learned; and as how many picks of a cell's own what is known around it counts. On a house with
+// 10,000 lamps the relMSE at 64 samples is .0272; .0326 and .0306 with shares of .2 and .05, .0341 with 16 picks; .0493
+// where cells learn nothing from those around them.
+constexpr double kLeastPrior = 0.1, kPriorPicks = 128.0;
 
 Shares shares_by_power(const PackedScene& scene) {
   Shares shares{};

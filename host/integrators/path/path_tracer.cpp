@@ -48,7 +48,7 @@ std::optional<Pilot> PathTracer::pilot() {
   paths_.buffers[kLightShares].write(shares.data(), kLightRowBytes);
   paths_.buffers[kLightSums].fill_zero();
   const std::uint64_t pixels = workspace_.film.pixels();
-  const auto samples = static_cast<std::uint32_t>(std::max<std::uint64_t>((getenv("E_PILOT") ? 1u << atoi(getenv("E_PILOT")) : kPilotPaths) / pixels, 1));
+  const auto samples = static_cast<std::uint32_t>(std::max<std::uint64_t>(kPilotPaths / pixels, 1));
   pilot_.paths = samples * pixels;
   pilot_start_ = Clock::now();
   return Pilot{even_segments(workspace_.film.bands()), samples, kLightPilotSeed};

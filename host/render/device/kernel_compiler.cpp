@@ -27,7 +27,7 @@ KernelConfig kernel_config(std::uint32_t features, std::uint32_t stack_size, con
 std::uint32_t features_of(const RenderSettings& settings) {
   std::uint32_t features = settings.adaptive ? gpu::kFeatureAdaptive : 0;
   const bool learned = settings.lights == gpu::kLightsLearned || settings.lights == gpu::kLightsAuto;
-  if (learned && settings.integrator->learns_lights) features |= gpu::kFeatureLightRows;
+  if (learned && settings.integrator->light_lesson_bytes > 0) features |= gpu::kFeatureLightRows;
   return features | settings.integrator->features(settings);
 }
 

@@ -384,11 +384,8 @@ void choose_columns(LightTree& tree) {
       const LightSubtree next = subtree_of(from.cluster, node_of(tree, record).child[k]);
       const bool leaf = (next.cluster.link & gpu::kLightLeaf) != 0;
       const double size = glm::length(next.cluster.hi - next.cluster.lo) + 1e-30;
-      const glm::vec3 near = glm::clamp(glm::vec3(0.0f), next.cluster.lo, next.cluster.hi);
-      static const double kE = getenv("E_CUT") ? atof(getenv("E_CUT")) : 0.0;
-      const double fade = std::pow(glm::dot(near, near) + 0.25 * size * size, kE);
       columns.push_back(
-          {next.cluster, leaf ? 0.0 : next.bounds.intensity * size / fade, from.trail | k << from.cluster.depth, record, k});
+          {next.cluster, leaf ? 0.0 : next.bounds.intensity * size, from.trail | k << from.cluster.depth, record, k});
     }
   }
   tree.columns.assign(tree.trails.size(), 0);
@@ -465,9 +462,13 @@ LightTree build_light_tree(std::span<const LightBounds> lights) {
   return tree;
 }
 
+std::uint64_t light_tree_bytes(std::uint64_t lights) {
+  return (2 * lights + (lights + 1) / 2 + (gpu::kSubtreeColumns + 3) / 4) * sizeof(glm::uvec4);
+}
+
 std::vector<glm::uvec4> light_tree_words(const LightTree& tree) {
   const std::size_t lights = tree.trails.size();
-  std::vector<glm::uvec4> words(2 * lights + (lights + 1) / 2 + (gpu::kSubtreeColumns + 3) / 4, glm::uvec4(0));
+  std::vector<glm::uvec4> words(light_tree_bytes(lights) / sizeof(glm::uvec4), glm::uvec4(0));
   for (std::size_t i = 0; i < lights; ++i) {
     const std::uint32_t* w = tree.records[i].words;
     words[2 * i] = {w[0], w[1], w[2], w[3]};

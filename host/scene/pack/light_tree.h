@@ -46,6 +46,9 @@ struct LightTree {
 // At least one light, each with power. The result does not depend on the number of threads.
 LightTree build_light_tree(std::span<const LightBounds> lights);
 
+// Of light_tree_words(): 40 a light, and 256.
+std::uint64_t light_tree_bytes(std::uint64_t lights);
+
 // What the kernels read: the records, trail and column of two lights in every 16 bytes, the trails of four columns.
 std::vector<glm::uvec4> light_tree_words(const LightTree& tree);
 
