@@ -18,6 +18,7 @@
 #include "kernels/frame_types.h"
 #include "kernels/hybrid/filter_types.h"
 #include "kernels/hybrid/hybrid_types.h"
+#include "kernels/light_tree_types.h"
 #include "kernels/path/path_types.h"
 #include "kernels/scene_types.h"
 #include "kernels/whitted/whitted_types.h"
@@ -118,6 +119,14 @@ TEST(Layout, Lights) {
           {AT(Light, position), AT(Light, kind), AT(Light, direction), AT(Light, probability), AT(Light, intensity),
            AT(Light, end), AT(Light, pdf_area), AT(Light, triangle), AT(Light, instance), AT(Light, triangle_id),
            AT(Light, spot_scale), AT(Light, spot_offset), AT(Light, part)});
+}
+
+TEST(Layout, LightTree) {
+  compare("LightCluster", sizeof(LightCluster),
+          {AT(LightCluster, lo), AT(LightCluster, link), AT(LightCluster, hi), AT(LightCluster, depth)});
+  compare("LightTreeChild", sizeof(LightTreeChild),
+          {AT(LightTreeChild, box0), AT(LightTreeChild, box1), AT(LightTreeChild, emission), AT(LightTreeChild, link)});
+  compare("LightTreeNode", sizeof(LightTreeNode), {AT(LightTreeNode, child)});
 }
 
 TEST(Layout, Frame) {

@@ -24,6 +24,8 @@
 namespace wavepath::test {
 namespace {
 
+const std::string kCornell = std::string(WAVEPATH_SOURCE_DIR) + "/scenes/cornell_box.gltf";
+
 std::vector<glm::vec3> quad(const glm::vec3& corner, const glm::vec3& a, const glm::vec3& b) {
   return {corner, corner + a, corner + a + b, corner, corner + a + b, corner + b};
 }
@@ -199,7 +201,7 @@ TEST_F(LightSelection, FewLightsNeedNoTree) {
   const RenderSettings automatic = settings(gpu::kLightsAuto, gpu::kDirectMis, 8);
   RenderSettings power = automatic;
   power.lights = gpu::kLightsPower;
-  Scene scene = load_gltf(std::string(WAVEPATH_SOURCE_DIR) + "/scenes/cornell_box.gltf", {});
+  Scene scene = load_gltf(kCornell, {});
   const PackedScene packed = pack(scene);
   EXPECT_TRUE(packed.light_tree.empty());
   EXPECT_FALSE(packed.features & gpu::kFeatureLightTree);
