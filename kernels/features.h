@@ -39,7 +39,10 @@ GPU_CONSTANT uint kFeatureNearestTextures = 1u << 24; // unfiltered look-ups
 GPU_CONSTANT uint kFeatureAdaptive = 1u << 25;        // waves follow a list of runs of pixels
 GPU_CONSTANT uint kFeatureSharedFirstHit =
     1u << 26; // all paths of a pixel in a wave begin at one first hit and belong to one replicate
-GPU_CONSTANT uint kFeaturesAll = (1u << 27) - 1u;
+GPU_CONSTANT uint kFeatureLightTree = 1u << 27; // many local lights: picked by a walk down a tree
+GPU_CONSTANT uint kFeatureLightRows = 1u << 28; // in shares that a pilot has learned
+GPU_CONSTANT uint kFeaturesAll = (1u << 29) - 1u;
+GPU_CONSTANT uint kFeatureLightPilot = 1u << 29; // of that pilot alone: sums up what lights bring
 
 // ---- specialization constants ---------------------------------------------------------------------------------------
 GPU_CONSTANT uint kSpecFeatures = 0u;
@@ -54,6 +57,7 @@ GPU_CONSTANT uint kSpecCount = 7u;
 GPU_CONSTANT uint kSamplerIndependent = 0u, kSamplerStratified = 1u, kSamplerSobol = 2u;
 GPU_CONSTANT uint kDirectMis = 0u, kDirectNee = 1u, kDirectBsdf = 2u;
 GPU_CONSTANT uint kHemisphereCosine = 0u, kHemisphereUniform = 1u;
+GPU_CONSTANT uint kLightsAuto = 0u, kLightsPower = 1u, kLightsTree = 2u, kLightsLearned = 3u;
 GPU_CONSTANT uint kStackArray = 0u, kStackRegisters = 1u;
 GPU_CONSTANT uint kFilterBox = 0u, kFilterGaussian = 1u, kFilterBlackmanHarris = 2u;
 

@@ -21,9 +21,10 @@ bool lets_light_through(Hit hit) {
   return shadow_depth < kOpaqueShadow;
 }
 
-// Share of the light that arrives, of a ray that nothing blocked.
+// Share of the light that arrives, of a ray that nothing blocked: exactly 1 if it met nothing, with generic kernels too.
 float light_passed() {
-  return has(kFeatureAlpha) ? exp2_minus(shadow_depth / kShadowSteps, float(shadow_depth % kShadowSteps) / float(kShadowSteps)) : 1.0;
+  if (!has(kFeatureAlpha) || shadow_depth == 0u) return 1.0;
+  return exp2_minus(shadow_depth / kShadowSteps, float(shadow_depth % kShadowSteps) / float(kShadowSteps));
 }
 
 #endif

@@ -6,13 +6,14 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "host/integrators/path/light_rows.h"
 #include "host/integrators/path/path_tracer.h"
 #include "host/render/render.h"
 
 namespace wavepath {
 namespace {
 
-constexpr std::array<std::string_view, 4> kSettings = {"hemisphere", "direct", "adaptive", "pixel"};
+constexpr std::array<std::string_view, 5> kSettings = {"hemisphere", "direct", "lights", "adaptive", "pixel"};
 constexpr std::array<std::string_view, 2> kFirstHitStages = {"generate", "extend"};
 
 void start_kernels(KernelCompiler& kernels, const DeviceInfo& device, std::uint32_t features,
@@ -34,6 +35,7 @@ constinit const IntegratorKind kPath = {
     .name = "path",
     .summary = "path tracing",
     .settings = kSettings,
+    .light_lesson_bytes = kLightRowBytes + kLightSumBytes,
     .measures_depth_cut = true,
     .first_hit_stages = kFirstHitStages,
     .features = film_features,

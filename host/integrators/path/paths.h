@@ -28,11 +28,11 @@ inline constexpr std::uint32_t kAllPathStages = (1u << kPathStageCount) - 1;
 extern const KernelProgram kPathProgram;
 
 // Buffers of Paths, by place.
-enum PathBuffer : std::size_t { kStates, kMedia, kPathAovs, kRays, kHits, kShadowRays, kQueues, kSeen };
+enum PathBuffer : std::size_t { kStates, kReceivers, kLightShares, kLightSums, kMedia, kPathAovs, kRays, kHits, kShadowRays, kQueues, kSeen };
 
 // Bits of Extent::options.
 inline constexpr std::uint32_t kRoomForShadowRays = 1u << 0, kRoomForSeen = 1u << 1,
-                               kStatesAlone = 1u << 2; // another kernel traces the rays: no queues between stages
+                               kRoomForLightSums = 1u << 3, kStatesAlone = 1u << 2; // another kernel traces the rays: no queues between stages
 
 class Paths {
 public:

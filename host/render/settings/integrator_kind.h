@@ -36,6 +36,7 @@ struct IntegratorKind {
   std::span<const std::string_view> aovs{}; // values of --aov besides those of all
   bool finds_light = true;                  // false: its picture is the unoccluded share, whatever the lights
   bool traces_paths = true;                 // false: a sample is a frame, which reaches the film as a whole
+  std::uint64_t light_lesson_bytes = 0; // of a pilot that teaches it the choice of lights; 0 = it has none
   bool measures_depth_cut = false; // the light beyond --max-depth is measured, and told in the first sentence of bias()
   // Stages that find the first hits, by whose time integrators are compared.
   std::span<const std::string_view> first_hit_stages{};
