@@ -39,7 +39,9 @@ GPU_CONSTANT uint kFeatureNearestTextures = 1u << 24; // unfiltered look-ups
 GPU_CONSTANT uint kFeatureAdaptive = 1u << 25;        // waves follow a list of runs of pixels
 GPU_CONSTANT uint kFeatureSharedFirstHit =
     1u << 26; // all paths of a pixel in a wave begin at one first hit and belong to one replicate
-GPU_CONSTANT uint kFeaturesAll = (1u << 27) - 1u;
+GPU_CONSTANT uint kFeatureGuide = 1u << 27;         // directions are also drawn from a learned field
+GPU_CONSTANT uint kFeatureGuideTraining = 1u << 28; // paths are noted for learning that field
+GPU_CONSTANT uint kFeaturesAll = (1u << 29) - 1u;
 
 // ---- specialization constants ---------------------------------------------------------------------------------------
 GPU_CONSTANT uint kSpecFeatures = 0u;

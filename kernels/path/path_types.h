@@ -22,6 +22,9 @@ GPU_CONSTANT uint kBindHitTexels = 29u;  // texels RGBA32UI
 GPU_CONSTANT uint kBindSeen = 31u;       // storage vec4[], one a pixel, row-major (kFeatureSharedFirstHit): light that
                                          // reaches the eye without a bounce, share of the albedo that is no mirror
 GPU_CONSTANT uint kBindShadowRayTexels = 30u; // texels RGBA32UI
+GPU_CONSTANT uint kBindGuideTree = 32u;    // texels RG32UI: nodes of the tree over space (kFeatureGuide)
+GPU_CONSTANT uint kBindGuideMaps = 33u;    // texels RGBA32F: densities of its leaves
+GPU_CONSTANT uint kBindGuideRecords = 34u; // storage vec4[]: GuideRecord[] (kFeatureGuideTraining)
 
 struct PathState {
   vec3 throughput;
@@ -52,6 +55,36 @@ struct Queues {
   uint pad2;
 };
 GPU_CHECK(sizeof(Queues) == 48);
+
+// ---- guiding: kernels/path/guide.glsl -------------------------------------------------------------------------------
+
+// A vertex at which a path of the pilot scattered.
+struct GuideRecord {
+  vec3 position;
+  float pdf; // of the direction, by all techniques; negative: a delta lobe; 0: the path ended here, nothing else is set
+  vec3 direction;
+  float bsdf_pdf;   // by the BSDF alone
+  float throughput; // luminance, the scattering included
+  float before;     // luminance that the path had gathered when it arrived at its next vertex
+  float after;      // luminance that the whole path gathered
+  float pad0;
+};
+GPU_CHECK(sizeof(GuideRecord) == 48);
+GPU_CONSTANT uint kGuideBounces = 8u; // that are noted of a path; record of bounce b of path p: p * kGuideBounces + b
+
+// Axis 0 to 2: the split lies at `split`, the lower child is at index `links >> 2`, the other one follows. Axis 3: leaf
+// number `links >> 2`, whose density is chosen with probability `split`.
+struct GuideNode {
+  float split;
+  uint links; // axis in the lowest two bits
+};
+GPU_CHECK(sizeof(GuideNode) == 8);
+GPU_CONSTANT uint kGuideLeafAxis = 3u;
+
+// The map of a leaf is a pyramid: level l has 4^l quads, each with the densities per solid angle of its 2x2 cells.
+GPU_CONSTANT uint kGuideLevels = 5u;
+GPU_CONSTANT uint kGuideMapQuads = ((1u << (2u * kGuideLevels)) - 1u) / 3u;
+GPU_CONSTANT uint kGuideSide = 1u << kGuideLevels; // cells along an edge of the finest level
 
 #ifdef __cplusplus
 } // namespace wavepath::gpu

@@ -12,7 +12,7 @@
 namespace wavepath {
 namespace {
 
-constexpr std::array<std::string_view, 4> kSettings = {"hemisphere", "direct", "adaptive", "pixel"};
+constexpr std::array<std::string_view, 5> kSettings = {"hemisphere", "direct", "adaptive", "guide", "pixel"};
 constexpr std::array<std::string_view, 2> kFirstHitStages = {"generate", "extend"};
 
 void start_kernels(KernelCompiler& kernels, const DeviceInfo& device, std::uint32_t features,

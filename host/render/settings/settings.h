@@ -46,6 +46,7 @@ struct RenderSettings {
   bool denoise = false;             // filter shadows and occlusion over space and time; biased
   bool antialias_over_time = false; // joins every picture to those before it, for a camera in motion; biased
   bool adaptive = false;            // more samples where a pilot, which is thrown away, found more noise
+  bool guide = false;               // directions are also drawn from a field that a pilot learned
   bool specialize = true;
   std::vector<std::string> aovs; // values of --aov
 

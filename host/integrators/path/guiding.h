@@ -1,0 +1,45 @@
+// Learning the field that guides paths from a pilot of fixed length, in iterations of which each is guided by the one
+// before.
+//
+// The pilot is a small picture of the same view, whose samples are thrown away. Its records come in the order of its
+// paths, however waves were cut, so that what is learned depends on the scene, the view and the seed alone: parts of a
+// render and resumed ones learn the same field.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "host/gpu/buffer.h"
+#include "host/integrators/path/guide_field.h"
+#include "host/render/loop/integrator.h"
+
+namespace wavepath {
+
+inline constexpr std::uint32_t kGuidePilotPixels = 1u << 15; // at most
+inline constexpr std::uint64_t kGuideRecordBytes =
+    std::uint64_t{kGuidePilotPixels} * gpu::kGuideBounces * sizeof(gpu::GuideRecord);
+
+class GuidePilot {
+public:
+  // For a picture of this size.
+  GuidePilot(std::uint32_t width, std::uint32_t height);
+
+  Pilot next() const; // one sample of every pixel of the small picture
+  // Takes in the records of that sample. True if they were the last of an iteration: field() is a new one.
+  bool take(const Buffer& records);
+  bool is_done() const;
+  bool pays() const; // whether the last field does
+  const GuideField& field() const { return field_; }
+  std::uint32_t samples() const { return sample_ * pixels(); } // paths so far
+
+private:
+  std::uint32_t pixels() const { return width_ * height_; }
+  std::uint32_t iteration_end(std::uint32_t iteration) const;
+
+  std::uint32_t width_, height_;
+  std::uint32_t sample_ = 0, iteration_ = 0;
+  std::vector<GuideVertex> vertices_; // of this iteration
+  GuideField field_ = no_field();
+};
+
+} // namespace wavepath
