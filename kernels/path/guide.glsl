@@ -16,9 +16,12 @@
 struct Guide {
   uint map;          // first quad of the leaf's pyramid
   float probability; // of drawing from it
+  float share;       // of the BSDF that can be guided: delta lobes and narrow ones find their light themselves
 };
 
-Guide no_guide() { return Guide(0u, 0.0); }
+const float kGuidedAlpha = 0.1; // narrower facets are not guided
+
+Guide no_guide() { return Guide(0u, 0.0, 0.0); }
 
 // ---- the map of the sphere --------------------------------------------------------------------------------------
 
@@ -37,7 +40,7 @@ uint quad_place(uint map, uint level, uvec2 quad) { return map + ((1u << (2u * l
 
 // ---- the field --------------------------------------------------------------------------------------------------
 
-Guide find_guide(vec3 position) {
+Guide find_guide(Bsdf b, vec3 wo, vec3 position) {
   uvec2 node = texelFetch(guide_tree, 0).xy;
   uint axis = node.y & 3u;
   while (axis != kGuideLeafAxis) {
@@ -45,7 +48,9 @@ Guide find_guide(vec3 position) {
     node = texelFetch(guide_tree, int(child)).xy;
     axis = node.y & 3u;
   }
-  return Guide((node.y >> 2u) * kGuideMapQuads, uintBitsToFloat(node.x));
+  Lobes l = lobes_of(b, wo);
+  float share = l.diffuse_probability + l.facet_probability * smoothstep(0.5 * kGuidedAlpha, kGuidedAlpha, b.alpha);
+  return Guide((node.y >> 2u) * kGuideMapQuads, share * uintBitsToFloat(node.x), share);
 }
 
 // Density per solid angle.
@@ -119,12 +124,13 @@ bool guided_sample(Bsdf b, Guide guide, vec3 wo, vec3 tangent, vec3 bitangent, v
 uint guide_record(uint path, uint bounce) { return 3u * (path * kGuideBounces + bounce); }
 
 // The path scattered at `bounce`; throughput includes it.
-void note_scattering(uint path, uint bounce, vec3 position, vec3 direction, float pdf, float bsdf_pdf, vec3 throughput) {
+void note_scattering(uint path, uint bounce, Guide guide, vec3 position, vec3 direction, float pdf, float bsdf_pdf,
+                     vec3 throughput) {
   if (bounce >= kGuideBounces) return;
   uint at = guide_record(path, bounce);
   guide_records[at] = vec4(position, pdf);
   guide_records[at + 1u] = vec4(direction, bsdf_pdf);
-  guide_records[at + 2u] = vec4(luminance(throughput), 0.0, 0.0, 0.0);
+  guide_records[at + 2u] = vec4(luminance(throughput), 0.0, 0.0, guide.share);
 }
 // The path arrived at the vertex of `bounce`, with this radiance gathered so far.
 void note_arrival(uint path, uint bounce, vec3 radiance) {

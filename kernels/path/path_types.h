@@ -67,7 +67,7 @@ struct GuideRecord {
   float throughput; // luminance, the scattering included
   float before;     // luminance that the path had gathered when it arrived at its next vertex
   float after;      // luminance that the whole path gathered
-  float pad0;
+  float share;      // of the BSDF that can be guided
 };
 GPU_CHECK(sizeof(GuideRecord) == 48);
 GPU_CONSTANT uint kGuideBounces = 8u; // that are noted of a path; record of bounce b of path p: p * kGuideBounces + b

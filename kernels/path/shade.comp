@@ -86,7 +86,7 @@ bool scatter(Vertex v, Sampler path_sampler, uint dimension, uint slot, inout Pa
   }
   if (!(max_component(path.throughput) > 0.0)) return false;
   if (has(kFeatureGuideTraining))
-    note_scattering(wave.first_pixel + slot, wave.bounce, v.surface.position, wi, s.pdf, bsdf_pdf, path.throughput);
+    note_scattering(wave.first_pixel + slot, wave.bounce, guide, v.surface.position, wi, s.pdf, bsdf_pdf, path.throughput);
 
   if (has(kFeatureVolume) && s.transmitted && !v.bsdf.thin) path_media[slot] = medium_behind(v);
   ray = Ray(offset_ray_origin(v.surface.position, v.surface.position_error, v.surface.geometric_normal, wi), slot, wi, kFar);
@@ -147,7 +147,7 @@ void follow(Ray ray, Hit hit, inout PathState path, out bool wants_ray, out Ray 
   }
 
   if (wave.bounce < frame.max_depth) {
-    if (has(kFeatureGuide)) guide = bsdf_has_smooth(v.bsdf) ? find_guide(v.surface.position) : no_guide();
+    if (has(kFeatureGuide)) guide = bsdf_has_smooth(v.bsdf) ? find_guide(v.bsdf, to_local(v.wo, v.tangent, v.bitangent, v.normal), v.surface.position) : no_guide();
     Sampler path_sampler = slot_sampler(slot);
     uint dimension = bounce_dimension(wave.bounce);
     if (kDirect != kDirectBsdf && frame.light_count > 0u && bsdf_has_smooth(v.bsdf))

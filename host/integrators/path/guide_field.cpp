@@ -9,6 +9,7 @@
 #include <span>
 
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_invoke.h>
 
 namespace wavepath {
 namespace {
@@ -35,6 +36,7 @@ struct Tree {
   std::vector<std::uint32_t> order; // of vertices
   std::vector<gpu::GuideNode> nodes;
   std::vector<Leaf> leaves;
+  std::vector<std::size_t> first_leaf; // below a node
 };
 
 int longest_axis(const std::vector<GuideVertex>& vertices, std::span<const std::uint32_t> part) {
@@ -48,6 +50,8 @@ int longest_axis(const std::vector<GuideVertex>& vertices, std::span<const std::
 void split(const std::vector<GuideVertex>& vertices, std::size_t leaf_size, Tree& tree, std::uint32_t node,
            std::size_t first, std::size_t last) {
   const std::span<std::uint32_t> part(tree.order.data() + first, last - first);
+  tree.first_leaf.resize(tree.nodes.size());
+  tree.first_leaf[node] = tree.leaves.size();
   const int axis = part.size() < 2 * leaf_size ? -1 : longest_axis(vertices, part);
   if (axis >= 0) {
     const auto key = [&](std::uint32_t i) { return vertices[i].position[axis]; };
@@ -92,11 +96,12 @@ std::uint32_t cell_of(const glm::vec3& d) {
 // What the directions of some vertices weigh, by cell.
 struct Histogram {
   std::vector<double> sum = std::vector<double>(kCells), squares = std::vector<double>(kCells);
-  void add(const GuideVertex& vertex) {
-    const double weight = double{vertex.radiance} / vertex.pdf;
-    const std::uint32_t cell = cell_of(vertex.direction);
+  void add(std::uint32_t cell, double weight) {
     sum[cell] += weight;
     squares[cell] += weight * weight;
+  }
+  void add(const Histogram& other) {
+    for (std::uint32_t cell = 0; cell < kCells; ++cell) sum[cell] += other.sum[cell], squares[cell] += other.squares[cell];
   }
 };
 
@@ -108,8 +113,8 @@ std::array<std::size_t, 4> children(std::uint32_t x, std::uint32_t y, std::uint3
 
 // Densities from the root down: a quad divides its own among its cells by their sums. Few samples, or one that
 // outweighs all others, tell little: by the effective number of samples n = (sum w)^2 / sum w^2 (Kish 1965), kPrior
-// further ones count as spread evenly.
-void make_map(const Histogram& histogram, gpu::vec4* map) {
+// further ones count as spread like those of a larger part of the scene.
+Map make_map(const Histogram& histogram, const Map& prior_map) {
   static const double prior = tunable("G_PRIOR", kPrior);
   std::array<std::vector<double>, gpu::kGuideLevels + 1> sums, squares; // of level l: 2^l cells a side
   sums[gpu::kGuideLevels] = histogram.sum, squares[gpu::kGuideLevels] = histogram.squares;
@@ -123,27 +128,33 @@ void make_map(const Histogram& histogram, gpu::vec4* map) {
           for (const std::size_t cell : children(x, y, 2 * side)) coarse[y * side + x] += (*pyramid)[level + 1][cell];
     }
   }
+  Map map(gpu::kGuideMapQuads);
   std::vector<double> densities = {0.25 / std::numbers::pi};
+  std::size_t place = 0;
   for (std::uint32_t level = 0; level < gpu::kGuideLevels; ++level) {
     const std::uint32_t side = 1u << level;
     std::vector<double> finer(4 * densities.size());
     for (std::uint32_t y = 0; y < side; ++y)
-      for (std::uint32_t x = 0; x < side; ++x) {
+      for (std::uint32_t x = 0; x < side; ++x, ++place) {
         const std::size_t quad = std::size_t{y} * side + x;
         const double sum = sums[level][quad], square = squares[level][quad];
         const double samples = square > 0.0 ? sum * sum / square : 0.0;
-        gpu::vec4 entry;
+        const gpu::vec4 expected = prior_map[place];
+        const double expected_sum = double{expected.x} + expected.y + expected.z + expected.w;
         int k = 0;
         for (const std::size_t cell : children(x, y, 2 * side)) {
-          const double share = sum > 0.0 ? sums[level + 1][cell] / sum : 0.25;
-          finer[cell] = densities[quad] * 4.0 * (samples * share + 0.25 * prior) / (samples + prior);
-          entry[k++] = static_cast<float>(finer[cell]);
+          const double share = sum > 0.0 ? sums[level + 1][cell] / sum : 0.0;
+          const double usual = expected_sum > 0.0 ? expected[k] / expected_sum : 0.25;
+          finer[cell] = densities[quad] * 4.0 * (samples * share + prior * usual) / (samples + prior);
+          map[place][k++] = static_cast<float>(finer[cell]);
         }
-        *map++ = entry;
       }
     densities = std::move(finer);
   }
+  return map;
 }
+
+Map even_map() { return Map(gpu::kGuideMapQuads, gpu::vec4(static_cast<float>(0.25 / std::numbers::pi))); }
 
 float density(const gpu::vec4* map, const glm::vec3& direction) {
   const std::uint32_t cell = cell_of(direction), x = cell % gpu::kGuideSide, y = cell / gpu::kGuideSide;
@@ -155,13 +166,14 @@ float density(const gpu::vec4* map, const glm::vec3& direction) {
 // Second moment of the contributions of some vertices, by the probability of guiding.
 using Moments = std::array<double, kProbabilities.size()>;
 
-void add_moments(const GuideVertex& vertex, const gpu::vec4* map, Moments& moments) {
+void add_moments(const GuideVertex& vertex, const gpu::vec4* map, Moments& moments, Moments& logs) {
   if (!(vertex.contribution > 0.0f)) return;
   const double guided = density(map, vertex.direction);
   const double square = double{vertex.contribution} * vertex.contribution;
   for (std::size_t i = 0; i < kProbabilities.size(); ++i) {
-    const double pdf = vertex.bsdf_pdf + kProbabilities[i] * (guided - vertex.bsdf_pdf);
+    const double pdf = vertex.bsdf_pdf + kProbabilities[i] * vertex.share * (guided - vertex.bsdf_pdf);
     moments[i] += pdf > 0.0 ? square * vertex.pdf / pdf : 0.0;
+    logs[i] -= vertex.contribution * std::log(pdf / vertex.bsdf_pdf);
   }
 }
 
@@ -178,37 +190,77 @@ GuideField no_field() {
   return field;
 }
 
+namespace {
+
+// The maps of a part of space: of either half of the paths, by which the other one judges it, and of both.
+struct Maps {
+  Map half[2], both;
+};
+
+// Of the part of space that a node stands for.
+class Learner {
+public:
+  Learner(const std::vector<GuideVertex>& of, Tree& over)
+      : vertices(of), tree(over), cells(of.size()), weights(of.size()), maps(over.leaves.size() * gpu::kGuideMapQuads),
+        moments(over.leaves.size()), logs(over.leaves.size()) {
+    tbb::parallel_for(std::size_t{0}, vertices.size(), [&](std::size_t i) {
+      const GuideVertex& v = vertices[i];
+      cells[i] = cell_of(v.direction);
+      weights[i] = double{v.radiance} / v.pdf;
+    });
+  }
+
+  // Leaves [first, last) are those below `node`.
+  void learn(std::uint32_t node, std::size_t first, std::size_t last, const Maps& prior) {
+    Histogram halves[2];
+    for (std::size_t p = tree.leaves[first].first; p < tree.leaves[last - 1].last; ++p) {
+      const std::uint32_t v = tree.order[p];
+      if (weights[v] > 0.0) halves[vertices[v].odd].add(cells[v], weights[v]);
+    }
+    Maps own;
+    for (const int half : {0, 1}) own.half[half] = make_map(halves[half], prior.half[half]);
+    halves[0].add(halves[1]);
+    own.both = make_map(halves[0], prior.both);
+    if (last - first == 1) {
+      std::ranges::copy(own.both, maps.begin() + static_cast<std::ptrdiff_t>(first * gpu::kGuideMapQuads));
+      for (std::size_t p = tree.leaves[first].first; p < tree.leaves[first].last; ++p) {
+        const GuideVertex& v = vertices[tree.order[p]];
+        add_moments(v, own.half[!v.odd].data(), moments[first], logs[first]);
+      }
+      return;
+    }
+    const std::uint32_t child = tree.nodes[node].links >> 2;
+    const std::size_t middle = tree.first_leaf[child + 1];
+    tbb::parallel_invoke([&] { learn(child, first, middle, own); }, [&] { learn(child + 1, middle, last, own); });
+  }
+
+  const std::vector<GuideVertex>& vertices;
+  Tree& tree;
+  std::vector<std::uint32_t> cells;
+  std::vector<double> weights;
+  Map maps;
+  std::vector<Moments> moments, logs;
+};
+
+} // namespace
+
 GuideField build_field(const std::vector<GuideVertex>& vertices) {
   if (vertices.empty()) return no_field();
   Tree tree = make_tree(vertices);
   GuideField field;
-  field.maps.resize(tree.leaves.size() * gpu::kGuideMapQuads);
-  std::vector<Moments> moments(tree.leaves.size());
-  tbb::parallel_for(std::size_t{0}, tree.leaves.size(), [&](std::size_t i) {
-    const Leaf& leaf = tree.leaves[i];
-    const std::span<const std::uint32_t> part(tree.order.data() + leaf.first, leaf.last - leaf.first);
-    gpu::vec4* map = field.maps.data() + i * gpu::kGuideMapQuads;
-    moments[i] = {};
-    for (const bool half : {false, true}) { // each half of the paths judges what the other one has learned
-      Histogram histogram;
-      for (const std::uint32_t v : part)
-        if (vertices[v].odd == half) histogram.add(vertices[v]);
-      make_map(histogram, map);
-      for (const std::uint32_t v : part)
-        if (vertices[v].odd != half) add_moments(vertices[v], map, moments[i]);
-    }
-    Histogram histogram;
-    for (const std::uint32_t v : part) histogram.add(vertices[v]);
-    make_map(histogram, map);
-  });
+  Learner learner(vertices, tree);
+  learner.learn(0, 0, tree.leaves.size(), {{even_map(), even_map()}, even_map()});
+  field.maps = std::move(learner.maps);
+  const std::vector<Moments>& moments = learner.moments;
+  const std::vector<Moments>& judges = tunable("G_KL", 0) > 0 ? learner.logs : moments;
   Moments total{};
-  for (const Moments& of_leaf : moments)
+  for (const Moments& of_leaf : judges)
     for (std::size_t i = 0; i < total.size(); ++i) total[i] += of_leaf[i];
   double before = 0.0, after = 0.0;
   for (std::size_t i = 0; i < tree.leaves.size(); ++i) {
     const Leaf& leaf = tree.leaves[i];
-    Moments judged = moments[i];
-    const double share = tunable("G_POOL", 0.1) * moments[i][0] / std::max(total[0], 1e-300); // of what all leaves say
+    Moments judged = judges[i];
+    const double share = tunable("G_POOL", 0.1) / static_cast<double>(tree.leaves.size()); // of what all leaves say
     for (std::size_t k = 0; k < judged.size(); ++k) judged[k] += share * total[k];
     const std::size_t best = least(judged);
     static const double fixed = tunable("G_ALPHA", -1.0);

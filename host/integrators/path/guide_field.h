@@ -23,6 +23,7 @@ struct GuideVertex {
   float pdf = 0.0f; // of the direction
   glm::vec3 direction{0.0f};
   float bsdf_pdf = 0.0f;     // by the BSDF alone
+  float share = 0.0f;        // of the BSDF that can be guided
   float radiance = 0.0f;     // luminance that came from there
   float contribution = 0.0f; // luminance that the pixel's sample gained thereby
   bool odd = false;          // which half of the paths it belongs to

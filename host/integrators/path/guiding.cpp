@@ -57,7 +57,7 @@ bool GuidePilot::take(const Buffer& records) {
       if (note.pdf < 0.0f || !std::isfinite(gained) || !(note.throughput > 0.0f)) continue;
       const float radiance = gained / note.throughput;
       if (!std::isfinite(radiance) || !std::isfinite(radiance / note.pdf)) continue;
-      vertices_.push_back({note.position, note.pdf, note.direction, note.bsdf_pdf, radiance, gained, (path & 1) != 0});
+      vertices_.push_back({note.position, note.pdf, note.direction, note.bsdf_pdf, note.share, radiance, gained, (path & 1) != 0});
     }
   if (++sample_ < iteration_end(iteration_)) return false;
   field_ = build_field(vertices_);
