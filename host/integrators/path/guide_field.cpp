@@ -14,8 +14,8 @@
 namespace wavepath {
 namespace {
 
-constexpr std::size_t kLeafVertices = 1000; // a cell with more is split
-constexpr double kPrior = 2.0;              // samples that a quad counts as spread evenly, besides its own
+constexpr std::size_t kLeafVertices = 300;  // a cell with more is split
+constexpr double kPrior = 30.0;             // samples that a quad counts as spread evenly, besides its own
 constexpr std::uint32_t kCells = gpu::kGuideSide * gpu::kGuideSide;
 constexpr std::array<double, 5> kProbabilities = {0.0, 0.25, 0.5, 0.75, 0.9};
 
@@ -252,7 +252,7 @@ GuideField build_field(const std::vector<GuideVertex>& vertices) {
   learner.learn(0, 0, tree.leaves.size(), {{even_map(), even_map()}, even_map()});
   field.maps = std::move(learner.maps);
   const std::vector<Moments>& moments = learner.moments;
-  const std::vector<Moments>& judges = tunable("G_KL", 0) > 0 ? learner.logs : moments;
+  const std::vector<Moments>& judges = tunable("G_KL", 1) > 0 ? learner.logs : moments;
   Moments total{};
   for (const Moments& of_leaf : judges)
     for (std::size_t i = 0; i < total.size(); ++i) total[i] += of_leaf[i];

@@ -11,11 +11,17 @@ namespace {
 
 constexpr std::uint32_t kSeed = 0x6a09e667u; // by exclusive or with the render's own
 constexpr std::uint32_t kFirstPaths = 1u << 15; // of the first iteration; each has twice as many as the one before
-constexpr std::uint32_t kMostSamples = 1u << 8; // a pixel, in an iteration: small pictures learn from fewer paths
+constexpr std::uint32_t kIterations = 5;
+constexpr std::uint32_t kLeastIterations = 2;
+constexpr std::uint32_t kMostSamples = 64; // a pixel, in an iteration: small pictures learn from fewer paths
 
-std::uint32_t iterations() {
-  const char* text = std::getenv("G_ITER");
-  return text ? std::atoi(text) : 4;
+// A guided sample costs about 1.2 times an unguided one, so that it has to have less of the second moment than
+// 1 / 1.2. Later iterations know more than the first ones: what is given up early promised hardly anything.
+constexpr double kPays = 0.8, kHopeless = 0.95;
+
+double tunable(const char* name, double value) {
+  const char* text = std::getenv(name);
+  return text ? std::atof(text) : value;
 }
 
 } // namespace
@@ -34,9 +40,14 @@ std::uint32_t GuidePilot::iteration_end(std::uint32_t iteration) const {
   return end;
 }
 
-bool GuidePilot::is_done() const { return iteration_ >= iterations(); }
-
-bool GuidePilot::pays() const { return field_.probability > 0.0 && field_.gain < 0.9; }
+GuideReport GuidePilot::report() const {
+  return {.used = field_.probability > 0.0 && field_.gain < tunable("G_PAYS", kPays),
+          .predicted_moment = field_.gain,
+          .probability = field_.probability,
+          .leaves = field_.leaves(),
+          .bytes = field_.nodes.size() * sizeof(gpu::GuideNode) + field_.maps.size() * sizeof(gpu::vec4),
+          .pilot_paths = std::uint64_t{sample_} * pixels()};
+}
 
 Pilot GuidePilot::next() const {
   return {.segments = {{0, 0, pixels(), 0}},
@@ -66,6 +77,8 @@ bool GuidePilot::take(const Buffer& records) {
                vertices_.size(), field_.leaves(), field_.gain, field_.probability);
   vertices_.clear();
   ++iteration_;
+  const bool hopeless = iteration_ > kLeastIterations - 1 && field_.gain > tunable("G_HOPE", kHopeless);
+  done_ = hopeless || iteration_ == tunable("G_ITER", kIterations);
   return true;
 }
 

@@ -12,12 +12,15 @@
 #include "host/gpu/buffer.h"
 #include "host/integrators/path/guide_field.h"
 #include "host/render/loop/integrator.h"
+#include "host/render/loop/render_result.h"
 
 namespace wavepath {
 
 inline constexpr std::uint32_t kGuidePilotPixels = 1u << 15; // at most
 inline constexpr std::uint64_t kGuideRecordBytes =
     std::uint64_t{kGuidePilotPixels} * gpu::kGuideBounces * sizeof(gpu::GuideRecord);
+
+inline constexpr std::uint64_t kGuideBytes = kGuideMapBytes + kGuideTreeBytes + kGuideRecordBytes; // at most
 
 class GuidePilot {
 public:
@@ -27,10 +30,9 @@ public:
   Pilot next() const; // one sample of every pixel of the small picture
   // Takes in the records of that sample. True if they were the last of an iteration: field() is a new one.
   bool take(const Buffer& records);
-  bool is_done() const;
-  bool pays() const; // whether the last field does
+  bool is_done() const { return done_; }
+  GuideReport report() const;
   const GuideField& field() const { return field_; }
-  std::uint32_t samples() const { return sample_ * pixels(); } // paths so far
 
 private:
   std::uint32_t pixels() const { return width_ * height_; }
@@ -38,6 +40,7 @@ private:
 
   std::uint32_t width_, height_;
   std::uint32_t sample_ = 0, iteration_ = 0;
+  bool done_ = false;
   std::vector<GuideVertex> vertices_; // of this iteration
   GuideField field_ = no_field();
 };

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "host/integrators/path/guiding.h"
 #include "host/integrators/path/path_tracer.h"
 #include "host/render/render.h"
 
@@ -28,6 +29,13 @@ std::vector<std::string> bias(const RenderSettings& settings, const RenderResult
   return {fmt::format("light paths end after {} bounces (--max-depth)", settings.max_depth)};
 }
 
+std::uint64_t guide_bytes(const RenderSettings& settings) { return settings.guide ? kGuideBytes : 0; }
+
+std::vector<OmittedStage> omitted(const RenderSettings& settings) {
+  if (settings.guide) return {};
+  return {{"guiding field, its pilot and its kernels", "--guide was not given"}};
+}
+
 } // namespace
 
 constinit const IntegratorKind kPath = {
@@ -42,9 +50,10 @@ constinit const IntegratorKind kPath = {
     .largest_record = std::max(2 * sizeof(gpu::Ray), sizeof(gpu::PathAovs)),
     .slots_per_pixel = [](const RenderSettings&) { return 1u; },
     .bytes_per_pixel = [](const RenderSettings&) { return std::uint64_t{0}; },
+    .extra_bytes = guide_bytes,
     .is_biased = [](const RenderSettings&) { return false; },
     .bias = bias,
-    .omitted = [](const RenderSettings&) { return std::vector<OmittedStage>(); },
+    .omitted = omitted,
     .stats = [](const RenderSettings&, const PackedScene&, const RenderResult&) { return nlohmann::ordered_json(); },
     .make = [](Workspace& workspace, KernelCompiler& kernels) -> std::unique_ptr<Integrator> {
       return std::make_unique<PathTracer>(workspace, kernels);

@@ -7,7 +7,7 @@ namespace wavepath {
 // The plain kernels as well: the pilot may find that guiding does not pay.
 void PathTracer::change(const View&, const RenderSettings& settings, Past) {
   settings_ = settings;
-  guided_ = false;
+  guide_report_.reset();
   guide_pilot_.reset();
   paths_.change(settings, kAllPathStages, settings.guide ? kRoomForGuide | kRoomForGuideRecords : 0);
   if (!settings.guide) return;
@@ -45,7 +45,7 @@ void PathTracer::use_field(const GuideField& field) {
 bool PathTracer::learn() {
   if (guide_pilot_->take(paths_.buffers[kGuideRecords])) use_field(guide_pilot_->field());
   if (!guide_pilot_->is_done()) return true;
-  guided_ = guide_pilot_->pays();
+  guide_report_ = guide_pilot_->report();
   paths_.buffers[kGuideRecords] = Buffer(); // a place holder takes its place
   paths_.change(settings_, kAllPathStages, kRoomForGuide);
   guide_pilot_.reset();
@@ -56,7 +56,8 @@ std::uint32_t PathTracer::timed_dispatches() const { return std::min(2 + (worksp
 
 void PathTracer::record_wave(Commands& commands, std::size_t band, const gpu::Wave& wave) {
   const KernelSet& kernels = paths_.kernels();
-  const KernelSet& shading = guide_pilot_ ? kernels_.best(pilot_need_) : guided_ ? kernels_.best(guided_need_) : kernels;
+  const bool guided = guide_report_ && guide_report_->used;
+  const KernelSet& shading = guide_pilot_ ? kernels_.best(pilot_need_) : guided ? kernels_.best(guided_need_) : kernels;
   const std::uint32_t bounces = workspace_.frame.max_depth + 1;
   const bool connects = workspace_.frame.light_count > 0;
   commands.bind(paths_.bindings(band));

@@ -5,6 +5,7 @@
 
 #include "host/integrators/path/guiding.h"
 #include "host/integrators/path/paths.h"
+#include "host/render/loop/render_result.h"
 
 namespace wavepath {
 
@@ -21,6 +22,7 @@ public:
   void begin_pass(WaveQueue&, std::uint32_t) override {}
   void record_wave(Commands& commands, std::size_t band, const gpu::Wave& wave) override;
   std::uint32_t timed_dispatches() const override;
+  void describe(RenderResult& result) const override { result.guide = guide_report_; }
   std::uint64_t bytes() const override { return paths_.buffers.bytes(); }
 
 private:
@@ -31,7 +33,7 @@ private:
   Paths paths_;
   RenderSettings settings_;
   std::optional<GuidePilot> guide_pilot_; // while it learns
-  bool guided_ = false;                   // by a field that has been learned
+  std::optional<GuideReport> guide_report_; // once it has learned
   KernelNeed guided_need_, pilot_need_;   // their own shade kernels
 };
 

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include <glm/glm.hpp>
@@ -19,6 +20,16 @@ struct MemoryUse { // bytes on the device
 };
 
 enum class StopReason { samples, time, target_error, interrupted };
+
+// What a pilot has learned of where light comes from (--guide).
+struct GuideReport {
+  bool used = false;              // it promised a gain
+  double predicted_moment = 1.0;  // second moment of what directions bring, guided over unguided
+  double probability = 0.0;       // of guiding at a vertex, on average
+  std::uint32_t leaves = 0;       // parts of space, each with a density over the sphere
+  std::uint64_t bytes = 0;        // of the field
+  std::uint64_t pilot_paths = 0;
+};
 
 struct RenderResult {
   Picture picture;
@@ -39,6 +50,7 @@ struct RenderResult {
   MemoryUse memory;
   Nonfinite nonfinite;
   glm::vec3 ambient{0.0f}; // radiance that a hybrid render used
+  std::optional<GuideReport> guide;
 };
 
 } // namespace wavepath
