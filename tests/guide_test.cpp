@@ -243,7 +243,7 @@ TEST_F(GuideTest, SamePictureWithLessNoise) {
       ASSERT_EQ(result.guide.has_value(), guide);
       if (guide) {
         EXPECT_TRUE(result.guide->used);
-        EXPECT_LT(result.guide->predicted_moment, 0.8);
+        EXPECT_LT(result.guide->variance, 0.8);
         EXPECT_GT(result.guide->leaves, 100u);
       }
       double sum = 0.0;

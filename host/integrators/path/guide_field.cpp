@@ -17,7 +17,7 @@ namespace {
 constexpr std::size_t kLeafVertices = 300;  // a cell with more is split
 constexpr double kPrior = 30.0;             // samples that a quad counts as spread evenly, besides its own
 constexpr std::uint32_t kCells = gpu::kGuideSide * gpu::kGuideSide;
-constexpr std::array<double, 5> kProbabilities = {0.0, 0.25, 0.5, 0.75, 0.9};
+constexpr std::array<double, 5> kProbabilities = {0.0, 0.15, 0.3, 0.45, 0.6};
 
 double tunable(const char* name, double value) {
   const char* text = std::getenv(name);

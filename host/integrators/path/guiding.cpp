@@ -10,9 +10,9 @@ namespace wavepath {
 namespace {
 
 constexpr std::uint32_t kSeed = 0x6a09e667u; // by exclusive or with the render's own
-constexpr std::uint32_t kFirstPaths = 1u << 15; // of the first iteration; each has twice as many as the one before
+constexpr std::uint32_t kFirstPaths = 1u << 16; // of the first two iterations; each later one has twice as many as before
 constexpr std::uint32_t kIterations = 5;
-constexpr std::uint32_t kLeastIterations = 2;
+constexpr std::uint32_t kLeastIterations = 3;
 constexpr std::uint32_t kMostSamples = 64; // a pixel, in an iteration: small pictures learn from fewer paths
 
 // A guided sample costs about 1.2 times an unguided one, so that it has to have less of the second moment than
@@ -22,6 +22,24 @@ constexpr double kPays = 0.8, kHopeless = 0.95;
 double tunable(const char* name, double value) {
   const char* text = std::getenv(name);
   return text ? std::atof(text) : value;
+}
+
+// What the records of a path tell, in their order. `scale`: of the pixel. Returns what came from the first direction
+// that could be guided.
+float add_vertices(const gpu::GuideRecord* notes, float scale, bool odd, std::vector<GuideVertex>& vertices) {
+  float first = -1.0f;
+  for (std::size_t bounce = 0; bounce < gpu::kGuideBounces; ++bounce) {
+    const gpu::GuideRecord& note = notes[bounce];
+    if (note.pdf == 0.0f) break;
+    const float gained = std::max(note.after - note.before, 0.0f);
+    if (note.pdf < 0.0f || !std::isfinite(gained) || !(note.throughput > 0.0f)) continue;
+    if (first < 0.0f) first = gained;
+    const float radiance = gained / note.throughput;
+    if (!std::isfinite(radiance) || !std::isfinite(radiance / note.pdf)) continue;
+    vertices.push_back(
+        {note.position, note.pdf, note.direction, note.bsdf_pdf, note.share, radiance, scale * gained, odd});
+  }
+  return std::max(first, 0.0f);
 }
 
 } // namespace
@@ -35,14 +53,30 @@ GuidePilot::GuidePilot(std::uint32_t width, std::uint32_t height) : width_(width
 
 std::uint32_t GuidePilot::iteration_end(std::uint32_t iteration) const {
   std::uint32_t end = 0;
-  for (std::uint32_t i = 0; i <= iteration; ++i)
-    end += std::clamp(((kFirstPaths << i) + pixels() / 2) / pixels(), 1u << i, kMostSamples);
+  for (std::uint32_t i = 0; i <= iteration; ++i) {
+    const std::uint32_t paths = kFirstPaths << (i > 0 ? i - 1 : 0);
+    end += std::clamp((paths + pixels() / 2) / pixels() / 2 * 2, 2u, kMostSamples);
+  }
   return end;
 }
 
+// Share of a sample's variance that guided directions can change: the rest is made by light samples at first hits and
+// by what differs within a pixel. Of both, half the mean square of the difference of two samples of a pixel.
+double GuidePilot::guidable_share() const {
+  double whole = 0.0, guidable = 0.0;
+  for (std::size_t first = 0; first < samples_.size(); first += 2 * pixels())
+    for (std::size_t pixel = first; pixel < first + pixels(); ++pixel) {
+      const Sample a = samples_[pixel], b = samples_[pixel + pixels()];
+      const double mean = double{sums_[pixel - first]} / sample_, weight = 1.0 / (mean * mean + 0.01);
+      whole += weight * (a.all - b.all) * (a.all - b.all);
+      guidable += weight * (a.scattered - b.scattered) * (a.scattered - b.scattered);
+    }
+  return whole > 0.0 ? std::min(guidable / whole, 1.0) : 0.0;
+}
+
 GuideReport GuidePilot::report() const {
-  return {.used = field_.probability > 0.0 && field_.gain < tunable("G_PAYS", kPays),
-          .predicted_moment = field_.gain,
+  return {.used = field_.probability > 0.0 && promise_ < tunable("G_PAYS", kPays),
+          .variance = promise_,
           .probability = field_.probability,
           .leaves = field_.leaves(),
           .bytes = field_.nodes.size() * sizeof(gpu::GuideNode) + field_.maps.size() * sizeof(gpu::vec4),
@@ -60,24 +94,30 @@ Pilot GuidePilot::next() const {
 
 bool GuidePilot::take(const Buffer& records) {
   const auto notes = download<gpu::GuideRecord>(records, std::size_t{pixels()} * gpu::kGuideBounces);
-  for (std::size_t path = 0; path < pixels(); ++path)
-    for (std::size_t bounce = 0; bounce < gpu::kGuideBounces; ++bounce) {
-      const gpu::GuideRecord& note = notes[path * gpu::kGuideBounces + bounce];
-      if (note.pdf == 0.0f || !std::isfinite(note.after)) break;
-      const float gained = std::max(note.after - note.before, 0.0f);
-      if (note.pdf < 0.0f || !std::isfinite(gained) || !(note.throughput > 0.0f)) continue;
-      const float radiance = gained / note.throughput;
-      if (!std::isfinite(radiance) || !std::isfinite(radiance / note.pdf)) continue;
-      vertices_.push_back({note.position, note.pdf, note.direction, note.bsdf_pdf, note.share, radiance, gained, (path & 1) != 0});
+  sums_.resize(pixels());
+  for (std::size_t path = 0; path < pixels(); ++path) {
+    const gpu::GuideRecord* of_path = &notes[path * gpu::kGuideBounces];
+    if (!std::isfinite(of_path->after)) {
+      samples_.push_back({0.0f, 0.0f});
+      continue;
     }
+    sums_[path] += of_path->after;
+    const float mean = sums_[path] / static_cast<float>(sample_ + 1);
+    const float scale = 1.0f / std::sqrt(mean * mean + 0.01f); // as relMSE weighs
+    samples_.push_back({of_path->after, add_vertices(of_path, scale, (path & 1) != 0, vertices_)});
+  }
   if (++sample_ < iteration_end(iteration_)) return false;
+
   field_ = build_field(vertices_);
+  const double share = guidable_share();
+  promise_ = 1.0 - share * (1.0 - field_.gain);
   if (std::getenv("G_VERBOSE"))
-    fmt::print(stderr, "guide iteration {}: {} vertices, {} leaves, gain {:.4f}, probability {:.3f}\n", iteration_,
-               vertices_.size(), field_.leaves(), field_.gain, field_.probability);
+    fmt::print(stderr, "guide iteration {}: {} vertices, {} leaves, moment {:.4f}, share {:.3f}, promise {:.4f}, probability {:.3f}\n", iteration_,
+               vertices_.size(), field_.leaves(), field_.gain, share, promise_, field_.probability);
   vertices_.clear();
+  samples_.clear();
   ++iteration_;
-  const bool hopeless = iteration_ > kLeastIterations - 1 && field_.gain > tunable("G_HOPE", kHopeless);
+  const bool hopeless = iteration_ >= kLeastIterations && promise_ > tunable("G_HOPE", kHopeless);
   done_ = hopeless || iteration_ == tunable("G_ITER", kIterations);
   return true;
 }

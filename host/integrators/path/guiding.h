@@ -37,11 +37,18 @@ public:
 private:
   std::uint32_t pixels() const { return width_ * height_; }
   std::uint32_t iteration_end(std::uint32_t iteration) const;
+  double guidable_share() const;
 
   std::uint32_t width_, height_;
   std::uint32_t sample_ = 0, iteration_ = 0;
   bool done_ = false;
   std::vector<GuideVertex> vertices_; // of this iteration
+  struct Sample {
+    float all, scattered; // luminance gathered; of that, from the first direction that could be guided
+  };
+  std::vector<Sample> samples_; // of this iteration, one picture after the other
+  std::vector<float> sums_;     // by pixel, over all iterations
+  double promise_ = 1.0; // variance of a sample, guided over unguided
   GuideField field_ = no_field();
 };
 

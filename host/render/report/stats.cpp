@@ -102,7 +102,7 @@ Json json(const Setting& row, const RenderSettings& settings) {
 Json guide_json(const std::optional<GuideReport>& guide) {
   if (!guide) return nullptr;
   return {{"used", guide->used},
-          {"predicted_moment", guide->predicted_moment},
+          {"variance", guide->variance},
           {"probability", guide->probability},
           {"leaves", guide->leaves},
           {"bytes", guide->bytes},
