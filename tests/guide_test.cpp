@@ -112,7 +112,7 @@ protected:
     const Buffer records = upload(device(), std::vector<glm::vec4>(1)), in_out = upload(device(), elements);
     const std::vector<Binding> bindings{{gpu::kBindFrame, BindingKind::uniform, &frame},
                                         {gpu::kBindRuns, BindingKind::texels_r32ui, &runs},
-                                        {gpu::kBindGuideTree, BindingKind::texels_rg32ui, &tree},
+                                        {gpu::kBindGuideTree, BindingKind::texels_rgba32ui, &tree},
                                         {gpu::kBindGuideMaps, BindingKind::texels_rgba32f, &maps},
                                         {gpu::kBindGuideRecords, BindingKind::storage, &records},
                                         {gpu::kBindFilm, BindingKind::storage, &in_out}};
@@ -157,7 +157,8 @@ TEST_F(GuideProbe, SamplesFollowTheDensity) {
     for (const Element& e : run(field, 1, in)) {
       const glm::dvec3 d(e.b);
       ASSERT_NEAR(glm::length(d), 1.0, 1e-6);
-      const int column = int((std::atan2(d.z, d.x) + kPi) / (2.0 * kPi) * kColumns), row = int((d.y + 1.0) / 2.0 * kRows);
+      const int column = int((std::atan2(d.z, d.x) + kPi) / (2.0 * kPi) * kColumns),
+                row = int((d.y + 1.0) / 2.0 * kRows);
       counts[std::size_t(std::min(row, kRows - 1) * kColumns + std::min(column, kColumns - 1))] += 1.0;
       inverse.add(1.0 / e.b.w);
       ASSERT_EQ(e.a.w, densities[0].a.w) << "another leaf";
@@ -209,7 +210,7 @@ protected:
   }
   void SetUp() override {
     VulkanTest::SetUp();
-    const Scene scene = load_gltf(folder_.write("slit.gltf", slit_room()).string(), {});
+    Scene scene = load_gltf(folder_.write("slit.gltf", slit_room()).string(), {});
     const ViewRequest view{.eye = glm::dvec3(0.1, 1.0, 0.6), .look_at = glm::dvec3(2.2, 0.9, -0.5), .yfov = 1.2};
     view_ = resolve_view(scene, view, 32, 24);
     packed_ = pack(scene);
@@ -283,7 +284,7 @@ TEST_F(GuideTest, BitsDependNeitherOnWavesNorOnGenericKernels) {
 
 // Where the pilot finds that guiding would not pay, the picture is that of unguided paths.
 TEST_F(GuideTest, PilotDecides) {
-  const Scene furnace = load_gltf(std::string(WAVEPATH_SOURCE_DIR) + "/scenes/analytic/inside_glowing_cube.gltf", {});
+  Scene furnace = load_gltf(std::string(WAVEPATH_SOURCE_DIR) + "/scenes/analytic/inside_glowing_cube.gltf", {});
   packed_ = pack(furnace);
   view_ = resolve_view(furnace, {}, 32, 24);
   RenderSettings asked = settings(8);
@@ -305,9 +306,8 @@ TEST_F(GuideTest, ResumedAndMergedPicturesAreThoseOfTheWhole) {
     EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
   };
   const auto render_as = [&](const std::string& output, std::vector<std::string> flags) {
-    std::vector<std::string> all{"render", "slit.gltf",   "--guide",     "--size", "32x24", "--spp",  "12",
-                                 "--eye",  "0.1,1.0,0.6", "--look-at",   "2.2,0.9,-0.5",    "--yfov", "69",
-                                 "-q",     "-o",          output};
+    std::vector<std::string> all{"render",      "slit.gltf", "--guide",      "--size", "32x24", "--spp", "12", "--eye",
+                                 "0.1,1.0,0.6", "--look-at", "2.2,0.9,-0.5", "--yfov", "69",    "-q",    "-o", output};
     all.insert(all.end(), flags.begin(), flags.end());
     wavepath(all);
   };

@@ -41,16 +41,16 @@ uint quad_place(uint map, uint level, uvec2 quad) { return map + ((1u << (2u * l
 // ---- the field --------------------------------------------------------------------------------------------------
 
 Guide find_guide(Bsdf b, vec3 wo, vec3 position) {
-  uvec2 node = texelFetch(guide_tree, 0).xy;
-  uint axis = node.y & 3u;
-  while (axis != kGuideLeafAxis) {
-    uint child = (node.y >> 2u) + (position[axis] < uintBitsToFloat(node.x) ? 0u : 1u);
-    node = texelFetch(guide_tree, int(child)).xy;
-    axis = node.y & 3u;
+  uvec4 node = texelFetch(guide_tree, 0);
+  while ((node.w & 3u) != kGuideLeafAxis) {
+    bool upper = !(position[node.w & 3u] < uintBitsToFloat(node.x));
+    uint axis = node.w >> (upper ? 4u : 2u) & 3u;
+    bool second = !(position[axis] < uintBitsToFloat(upper ? node.z : node.y));
+    node = texelFetch(guide_tree, int((node.w >> kGuideLinkShift) + (upper ? 2u : 0u) + (second ? 1u : 0u)));
   }
   Lobes l = lobes_of(b, wo);
   float share = l.diffuse_probability + l.facet_probability * smoothstep(0.5 * kGuidedAlpha, kGuidedAlpha, b.alpha);
-  return Guide((node.y >> 2u) * kGuideMapQuads, share * uintBitsToFloat(node.x), share);
+  return Guide((node.w >> kGuideLinkShift) * kGuideMapQuads, share * uintBitsToFloat(node.x), share);
 }
 
 // Density per solid angle.

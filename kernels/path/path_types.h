@@ -22,7 +22,7 @@ GPU_CONSTANT uint kBindHitTexels = 29u;  // texels RGBA32UI
 GPU_CONSTANT uint kBindSeen = 31u;       // storage vec4[], one a pixel, row-major (kFeatureSharedFirstHit): light that
                                          // reaches the eye without a bounce, share of the albedo that is no mirror
 GPU_CONSTANT uint kBindShadowRayTexels = 30u; // texels RGBA32UI
-GPU_CONSTANT uint kBindGuideTree = 32u;    // texels RG32UI: nodes of the tree over space (kFeatureGuide)
+GPU_CONSTANT uint kBindGuideTree = 32u;    // texels RGBA32UI: nodes of the tree over space (kFeatureGuide)
 GPU_CONSTANT uint kBindGuideMaps = 33u;    // texels RGBA32F: densities of its leaves
 GPU_CONSTANT uint kBindGuideRecords = 34u; // storage vec4[]: GuideRecord[] (kFeatureGuideTraining)
 
@@ -72,14 +72,15 @@ struct GuideRecord {
 GPU_CHECK(sizeof(GuideRecord) == 48);
 GPU_CONSTANT uint kGuideBounces = 8u; // that are noted of a path; record of bounce b of path p: p * kGuideBounces + b
 
-// Axis 0 to 2: the split lies at `split`, the lower child is at index `links >> 2`, the other one follows. Axis 3: leaf
-// number `links >> 2`, whose density is chosen with probability `split`.
+// Two levels of a binary tree, read with one fetch: the first split, that of its lower half and that of its upper half;
+// their axes in pairs of bits of `links`, and above those the index of the first of four children. Where the first axis
+// is kGuideLeafAxis it is a leaf: its number stands there instead, and splits.x is the probability of guiding.
 struct GuideNode {
-  float split;
-  uint links; // axis in the lowest two bits
+  vec3 splits;
+  uint links;
 };
-GPU_CHECK(sizeof(GuideNode) == 8);
-GPU_CONSTANT uint kGuideLeafAxis = 3u;
+GPU_CHECK(sizeof(GuideNode) == 16);
+GPU_CONSTANT uint kGuideLeafAxis = 3u, kGuideLinkShift = 6u;
 
 // The map of a leaf is a pyramid: level l has 4^l quads, each with the densities per solid angle of its 2x2 cells.
 GPU_CONSTANT uint kGuideLevels = 5u;

@@ -14,8 +14,9 @@
 namespace wavepath {
 
 inline constexpr std::uint32_t kMostGuideLeaves = 8192; // 45 MB of maps
-inline constexpr std::uint64_t kGuideMapBytes = std::uint64_t{kMostGuideLeaves} * gpu::kGuideMapQuads * sizeof(gpu::vec4);
-inline constexpr std::uint64_t kGuideTreeBytes = 2 * std::uint64_t{kMostGuideLeaves} * sizeof(gpu::GuideNode);
+inline constexpr std::uint64_t kGuideMapBytes =
+    std::uint64_t{kMostGuideLeaves} * gpu::kGuideMapQuads * sizeof(gpu::vec4);
+inline constexpr std::uint64_t kGuideTreeBytes = 4 * std::uint64_t{kMostGuideLeaves} * sizeof(gpu::GuideNode);
 
 // Where a path of the pilot scattered, in which direction, and what that brought.
 struct GuideVertex {

@@ -48,7 +48,7 @@ private:
   };
   std::vector<Sample> samples_; // of this iteration, one picture after the other
   std::vector<float> sums_;     // by pixel, over all iterations
-  double promise_ = 1.0; // variance of a sample, guided over unguided
+  double promise_ = 1.0;        // variance of a sample, guided over unguided
   GuideField field_ = no_field();
 };
 

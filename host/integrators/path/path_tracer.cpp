@@ -29,13 +29,12 @@ bool PathTracer::is_ready() {
 double PathTracer::get_ready() {
   double seconds = paths_.get_ready();
   if (settings_.guide)
-    for (const KernelNeed* need : {&pilot_need_, &guided_need_}) seconds = std::max(seconds, kernels_.best(*need).seconds());
+    for (const KernelNeed* need : {&pilot_need_, &guided_need_})
+      seconds = std::max(seconds, kernels_.best(*need).seconds());
   return seconds;
 }
 
-std::optional<Pilot> PathTracer::pilot() {
-  return guide_pilot_ ? std::optional(guide_pilot_->next()) : std::nullopt;
-}
+std::optional<Pilot> PathTracer::pilot() { return guide_pilot_ ? std::optional(guide_pilot_->next()) : std::nullopt; }
 
 void PathTracer::use_field(const GuideField& field) {
   paths_.buffers[kGuideTree].write(field.nodes.data(), field.nodes.size() * sizeof(gpu::GuideNode));

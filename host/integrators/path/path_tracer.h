@@ -32,9 +32,9 @@ private:
   KernelCompiler& kernels_;
   Paths paths_;
   RenderSettings settings_;
-  std::optional<GuidePilot> guide_pilot_; // while it learns
+  std::optional<GuidePilot> guide_pilot_;   // while it learns
   std::optional<GuideReport> guide_report_; // once it has learned
-  KernelNeed guided_need_, pilot_need_;   // their own shade kernels
+  KernelNeed guided_need_, pilot_need_;     // their own shade kernels
 };
 
 } // namespace wavepath

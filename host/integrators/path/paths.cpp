@@ -24,8 +24,8 @@ const std::array<KernelCode, kPathStageCount> kStages = {{{"generate", wavepath_
                                                           {"guide note", wavepath_guide_note_spv}}};
 
 // Shade takes as long to compile as all others together.
-constexpr std::array<std::size_t, kPathStageCount> kCompileOrder = {kShade,    kExtend,     kConnect,
-                                                                    kGenerate, kAccumulate, kAdvance, kGuideNote};
+constexpr std::array<std::size_t, kPathStageCount> kCompileOrder = {kShade,      kExtend,  kConnect,  kGenerate,
+                                                                    kAccumulate, kAdvance, kGuideNote};
 
 using enum BindingKind;
 
@@ -57,7 +57,7 @@ const std::vector<BufferRule> kRules = {
      {{gpu::kBindSeen, storage}}},
     {"guide tree",
      [](const Extent& e) { return e.options & kRoomForGuide ? kGuideTreeBytes : 0; },
-     {{gpu::kBindGuideTree, texels_rg32ui}}},
+     {{gpu::kBindGuideTree, texels_rgba32ui}}},
     {"guide maps",
      [](const Extent& e) { return e.options & kRoomForGuide ? kGuideMapBytes : 0; },
      {{gpu::kBindGuideMaps, texels_rgba32f}}},

@@ -15,7 +15,16 @@
 
 namespace wavepath {
 
-enum PathStage : std::size_t { kGenerate, kAdvance, kExtend, kShade, kConnect, kAccumulate, kGuideNote, kPathStageCount };
+enum PathStage : std::size_t {
+  kGenerate,
+  kAdvance,
+  kExtend,
+  kShade,
+  kConnect,
+  kAccumulate,
+  kGuideNote,
+  kPathStageCount
+};
 constexpr std::uint32_t stage_bits(std::initializer_list<PathStage> stages) {
   std::uint32_t bits = 0;
   for (const PathStage stage : stages) bits |= 1u << stage;
@@ -30,7 +39,19 @@ extern const KernelProgram kPathProgram;
 extern const KernelProgram kGuidePilotProgram; // the same stages; a set of one never stands in for one of the other
 
 // Buffers of Paths, by place.
-enum PathBuffer : std::size_t { kStates, kMedia, kPathAovs, kRays, kHits, kShadowRays, kQueues, kSeen, kGuideTree, kGuideMaps, kGuideRecords };
+enum PathBuffer : std::size_t {
+  kStates,
+  kMedia,
+  kPathAovs,
+  kRays,
+  kHits,
+  kShadowRays,
+  kQueues,
+  kSeen,
+  kGuideTree,
+  kGuideMaps,
+  kGuideRecords
+};
 
 // Bits of Extent::options.
 inline constexpr std::uint32_t kRoomForShadowRays = 1u << 0, kRoomForSeen = 1u << 1,

@@ -35,8 +35,8 @@ struct Pilot {
 };
 
 // An integrator on a device. The render loop cuts passes into waves and calls, in this order: change(), get_ready(),
-// the pilot's pass and learn() while there is a pilot, then for every pass begin_pass(), record_wave() for all its waves,
-// end_pass(). What the integrator records is executed in that order.
+// the pilot's pass and learn() while there is a pilot, then for every pass begin_pass(), record_wave() for all its
+// waves, end_pass(). What the integrator records is executed in that order.
 class Integrator {
 public:
   virtual ~Integrator() = default;

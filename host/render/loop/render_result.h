@@ -23,11 +23,11 @@ enum class StopReason { samples, time, target_error, interrupted };
 
 // What a pilot has learned of where light comes from (--guide).
 struct GuideReport {
-  bool used = false;              // it promised a gain
-  double variance = 1.0;          // of a sample, guided over unguided, as the pilot foretells it
-  double probability = 0.0;       // of guiding at a vertex, on average
-  std::uint32_t leaves = 0;       // parts of space, each with a density over the sphere
-  std::uint64_t bytes = 0;        // of the field
+  bool used = false;        // it promised a gain
+  double variance = 1.0;    // of a sample, guided over unguided, as the pilot foretells it
+  double probability = 0.0; // of guiding at a vertex, on average
+  std::uint32_t leaves = 0; // parts of space, each with a density over the sphere
+  std::uint64_t bytes = 0;  // of the field
   std::uint64_t pilot_paths = 0;
 };
 
