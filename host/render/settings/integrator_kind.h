@@ -54,6 +54,8 @@ struct IntegratorKind {
   std::uint32_t (*slots_per_pixel)(const RenderSettings& settings) = nullptr;
   // Device memory that a pixel takes besides paths and film.
   std::uint64_t (*bytes_per_pixel)(const RenderSettings& settings) = nullptr;
+  // Device memory besides, whatever the size of the picture; null = none.
+  std::uint64_t (*extra_bytes)(const RenderSettings& settings) = nullptr;
   // Whether the picture converges to something else than the light of all paths up to --max-depth.
   bool (*is_biased)(const RenderSettings& settings) = nullptr;
   // What of the light is approximated or missing, a sentence each; the first one is about long paths.
