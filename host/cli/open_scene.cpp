@@ -47,7 +47,8 @@ void require_memory_for(const std::string& path, const RenderSettings& settings,
                         const DeviceInfo& device) {
   const std::uint64_t pixels = std::uint64_t{settings.width} * settings.height;
   const std::uint64_t film =
-      pixels * (gpu::kReplicates * sizeof(gpu::FilmPixel) + (settings.aovs.empty() ? 0 : sizeof(gpu::FilmAovs)));
+      pixels * (gpu::kReplicates * sizeof(gpu::FilmPixel) + (settings.aovs.empty() ? 0 : sizeof(gpu::FilmAovs)) +
+                (settings.integrator->splats ? gpu::kReplicates * sizeof(gpu::SplatPixel) : 0));
   const std::uint64_t frames = pixels * settings.integrator->bytes_per_pixel(settings);
   const std::uint64_t picture = pixels * sizeof(float) * (4 + 3 * settings.aovs.size());
   const std::uint64_t copies = device.type == "cpu" ? 2 : 1;

@@ -9,6 +9,7 @@
 
 #include <glm/glm.hpp>
 
+#include "kernels/bidirectional/bidirectional_types.h"
 #include "kernels/features.h"
 
 namespace wavepath {
@@ -42,6 +43,7 @@ struct RenderSettings {
   std::optional<double> ao_radius;
   std::optional<glm::vec3> ambient; // radiance; empty = estimated from the direct light in the picture
   std::uint32_t branching = kBranchingTree;
+  std::uint32_t techniques = gpu::kTechniquesAll; // kTechnique bits
   double cutoff = 1.0 / 256.0;      // weight below which rays are not followed; biased unless it is 0
   bool denoise = false;             // filter shadows and occlusion over space and time; biased
   bool antialias_over_time = false; // joins every picture to those before it, for a camera in motion; biased
