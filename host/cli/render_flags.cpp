@@ -204,8 +204,8 @@ void check_integrator(const RenderRequest& request) {
       refuse_not_taken("--aov " + aov, settings, takers);
   for (const std::string_view aov : kind.lacks_aovs)
     if (std::ranges::count(settings.aovs, aov) > 0)
-      throw UsageError(fmt::format("--aov {}", aov),
-                       fmt::format("cannot be told apart by --integrator {}", kind.name), "leave it out, or use --integrator path");
+      throw UsageError(fmt::format("--aov {}", aov), fmt::format("cannot be told apart by --integrator {}", kind.name),
+                       "leave it out, or use --integrator path");
   if (request.pixel && !takes(kind, "pixel")) refuse_not_taken("--pixel", settings, takers_text("pixel"));
   if (request.strict && kind.is_biased(settings))
     throw UsageError(

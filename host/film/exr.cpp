@@ -97,8 +97,8 @@ Imath::M44f to_matrix(const std::array<float, 16>& values) {
   return m;
 }
 
-// The words of a film, one channel each: kReplicates times FilmPixel, then FilmAovs and kReplicates times SplatPixel if there
-// are any.
+// The words of a film, one channel each: kReplicates times FilmPixel, then FilmAovs and kReplicates times SplatPixel if
+// there are any.
 constexpr std::size_t kPixelWords = gpu::kReplicates * sizeof(gpu::FilmPixel) / 4,
                       kAovWords = sizeof(gpu::FilmAovs) / 4, kSplatWords = gpu::kReplicates * gpu::kSplatWords;
 constexpr const char* kFilmPrefix = "film.";

@@ -192,8 +192,7 @@ PixelStatistics statistics(const Film& film, std::size_t pixel) {
   if (n == 0.0 || m == 0.0) return {mean_radiance(film, pixel), glm::dvec3(std::numeric_limits<double>::quiet_NaN())};
   const glm::dvec3 sum_a = total_of(a), sum_b = total_of(b);
   const glm::dvec3 difference = sum_a / n - sum_b / m + mean_splat(film, pixel, 0) - mean_splat(film, pixel, 1);
-  return {(sum_a + sum_b) / (n + m) + mean_splat(film, pixel),
-          difference * difference * (n * m / ((n + m) * (n + m)))};
+  return {(sum_a + sum_b) / (n + m) + mean_splat(film, pixel), difference * difference * (n * m / ((n + m) * (n + m)))};
 }
 
 glm::dvec3 mean_variance(const Film& film, std::size_t pixel) { return statistics(film, pixel).variance; }

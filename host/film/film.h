@@ -18,8 +18,8 @@ namespace wavepath {
 // loss.
 struct Film {
   std::uint32_t width = 0, height = 0;
-  std::vector<gpu::FilmPixel> pixels; // kReplicates each
-  std::vector<gpu::FilmAovs> aovs;    // empty unless the render has AOVs
+  std::vector<gpu::FilmPixel> pixels;  // kReplicates each
+  std::vector<gpu::FilmAovs> aovs;     // empty unless the render has AOVs
   std::vector<gpu::SplatPixel> splats; // kReplicates each; empty unless the integrator has light paths
   // Samples of all pixels, by replicate: each traced a light path, which may have brought light to any pixel.
   std::array<std::uint64_t, gpu::kReplicates> light_paths{};

@@ -16,7 +16,6 @@ GPU_CONSTANT uint kBindLightCounts = 36u;       // storage uint[], one a slot: l
 GPU_CONSTANT uint kBindConnections = 37u;       // storage Connection[], one a slot
 GPU_CONSTANT uint kBindConnectionTexels = 38u;  // texels RGBA32UI
 GPU_CONSTANT uint kBindConnectionQueue = 39u;   // storage ConnectionQueue
-GPU_CONSTANT uint kBindSplats = 40u;            // storage SplatPixel[], kReplicates a pixel of the band
 
 // Ways to complete a path, by where its ends meet: bits of BidirectionalFrame::techniques.
 GPU_CONSTANT uint kTechniqueHit = 1u << 0;     // a camera path meets the light by chance (s = 0)

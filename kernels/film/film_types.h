@@ -11,6 +11,7 @@ namespace wavepath::gpu {
 GPU_CONSTANT uint kBindFilm = 16u;       // storage FilmPixel[], kReplicates a pixel
 GPU_CONSTANT uint kBindFilmAovs = 17u;   // storage FilmAovs[], one a pixel (kFeatureAovs)
 GPU_CONSTANT uint kBindFilmTexels = 18u; // texels RGBA32UI
+GPU_CONSTANT uint kBindSplats = 41u;     // storage SplatPixel[], kReplicates a pixel: bound where an integrator has them
 
 // ---- film -----------------------------------------------------------------------------------------------------------
 // The exact sum of many floats, in any order (after the reproducible sums of Demmel and Nguyen 2013, with integers).

@@ -179,8 +179,8 @@ void Bidirectional::record_splats(Commands& commands, std::size_t band, const gp
     to_band.first_film_pixel = bands[i].first_pixel;
     to_band.sample_count = bands[i].pixel_count; // see light_splat.comp
     commands.bind(*sets_[i]);
-    commands.dispatch_indirect(kernels[kLightSplat], buffers_[kConnectionQueue],
-                               offsetof(gpu::ConnectionQueue, groups), &to_band);
+    commands.dispatch_indirect(kernels[kLightSplat], buffers_[kConnectionQueue], offsetof(gpu::ConnectionQueue, groups),
+                               &to_band);
   }
   commands.bind(*sets_[band]);
 }

@@ -48,7 +48,9 @@ constinit const IntegratorKind kWhitted = {
     .features = film_features,
     .start_kernels = start_kernels,
     .bytes_per_slot =
-        [](std::uint32_t features, const RenderSettings&) { return bytes_per_path(features, kStatesAlone) + sizeof(gpu::WhittedNode); },
+        [](std::uint32_t features, const RenderSettings&) {
+          return bytes_per_path(features, kStatesAlone) + sizeof(gpu::WhittedNode);
+        },
     .largest_record = [](const RenderSettings&) { return std::uint64_t{sizeof(gpu::WhittedNode)}; },
     .slots_per_pixel = tree_width,
     .bytes_per_pixel = [](const RenderSettings&) { return std::uint64_t{0}; },

@@ -65,7 +65,8 @@ void Workspace::change(const View& view, const RenderSettings& settings) {
 
 bool Workspace::fit(const RenderSettings& settings, std::uint32_t features) {
   const bool aovs = !settings.aovs.empty();
-  bool moved = film.fit(settings.width, settings.height, aovs, features & gpu::kFeatureAovs, settings.integrator->splats);
+  bool moved =
+      film.fit(settings.width, settings.height, aovs, features & gpu::kFeatureAovs, settings.integrator->splats);
   const std::uint64_t runs = features & gpu::kFeatureAdaptive ? run_count(film) : 0;
   moved |= make_room(device, runs_buffer_, runs * sizeof(std::uint32_t));
   frame_buffer_.write(&frame, sizeof(frame));
@@ -135,7 +136,8 @@ std::uint32_t choose_slots(const DeviceInfo& info, const PackedScene& scene, con
   slots = std::min(slots, info.max_storage_range / record);
   slots = std::min(slots, info.max_texel_elements / std::max<std::uint64_t>(record / 16, 4));
   slots = std::min<std::uint64_t>(slots, std::uint64_t{info.max_groups} * gpu::kWorkgroupSize);
-  slots = std::min(slots, std::max<std::uint64_t>(info.memory_bytes / 8 / kind.bytes_per_slot(scene.features, settings), 1024));
+  slots = std::min(
+      slots, std::max<std::uint64_t>(info.memory_bytes / 8 / kind.bytes_per_slot(scene.features, settings), 1024));
   return static_cast<std::uint32_t>(std::max(slots, least));
 }
 

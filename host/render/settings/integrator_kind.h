@@ -34,9 +34,9 @@ struct IntegratorKind {
   std::span<const std::string_view> settings{};
   std::span<const std::string_view> aovs{};       // values of --aov besides those of all
   std::span<const std::string_view> lacks_aovs{}; // values of --aov of all that it cannot give
-  bool finds_light = true;                  // false: its picture is the unoccluded share, whatever the lights
-  bool traces_paths = true;                 // false: a sample is a frame, which reaches the film as a whole
-  bool splats = false;             // it has light paths, which bring light to any pixel of the film
+  bool finds_light = true;                        // false: its picture is the unoccluded share, whatever the lights
+  bool traces_paths = true;                       // false: a sample is a frame, which reaches the film as a whole
+  bool splats = false;                            // it has light paths, which bring light to any pixel of the film
   bool measures_depth_cut = false; // the light beyond --max-depth is measured, and told in the first sentence of bias()
   // Stages that find the first hits, by whose time integrators are compared.
   std::span<const std::string_view> first_hit_stages{};

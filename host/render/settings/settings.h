@@ -44,8 +44,8 @@ struct RenderSettings {
   std::optional<glm::vec3> ambient; // radiance; empty = estimated from the direct light in the picture
   std::uint32_t branching = kBranchingTree;
   std::uint32_t techniques = gpu::kTechniquesAll; // kTechnique bits
-  double cutoff = 1.0 / 256.0;      // weight below which rays are not followed; biased unless it is 0
-  bool denoise = false;             // filter shadows and occlusion over space and time; biased
+  double cutoff = 1.0 / 256.0;                    // weight below which rays are not followed; biased unless it is 0
+  bool denoise = false;                           // filter shadows and occlusion over space and time; biased
   bool antialias_over_time = false; // joins every picture to those before it, for a camera in motion; biased
   bool adaptive = false;            // more samples where a pilot, which is thrown away, found more noise
   bool specialize = true;
