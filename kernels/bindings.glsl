@@ -33,7 +33,7 @@ layout(set = 0, binding = kBindLights) uniform usamplerBuffer light_texels;
 
 #ifdef BIND_ENVIRONMENT
 layout(set = 0, binding = kBindEnvironment) uniform samplerBuffer environment;
-layout(set = 0, binding = kBindEnvironmentAlias) uniform usamplerBuffer environment_alias;
+layout(set = 0, binding = kBindEnvironmentEnds) uniform usamplerBuffer environment_ends;
 #endif
 
 #ifdef BIND_COUNTERS

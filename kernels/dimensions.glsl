@@ -4,12 +4,11 @@
 #define WAVEPATH_DIMENSIONS_GLSL
 
 const uint kDimensionFilter = 0u;
-const uint kDimensionsPerBounce = 4u;
+const uint kDimensionsPerBounce = 3u;
 
 const uint kDimensionDirection = 0u; // of the scattered ray
 const uint kDimensionChoice = 1u;    // x: lobe, y: Russian roulette
-const uint kDimensionLight = 2u;     // point on the light
-const uint kDimensionLightPick = 3u; // which light
+const uint kDimensionLight = 2u;     // which light, and the point on it
 
 // Of occlusion rays: hybrid paths end before they could need these for another bounce.
 const uint kDimensionOcclusion = 1u + kDimensionsPerBounce;

@@ -21,6 +21,15 @@ float emission_weight(float bsdf_pdf, float light_pdf) {
   return kDirect == kDirectNee ? 0.0 : mis_weight(bsdf_pdf, light_pdf);
 }
 
+// Density per unit area with which next-event estimation picks the point of the hit; 0: not a light.
+float light_pdf_area(Surface surface, Hit hit) {
+  if (!has(kFeatureTriangleLights) || surface.light == kNone) return 0.0;
+  uint index = surface.light & kTriangleLightMask;
+  if (is_instanced()) index += floatBitsToUint(texelFetch(instances, int(hit.instance * kInstanceTexels + 6u)).w);
+  index += part_at(surface.light >> kPartLevelShift, vec2(hit.b1, hit.b2));
+  return uintBitsToFloat(texelFetch(light_texels, int(index * kLightTexels + 3u)).x);
+}
+
 // Radiance leaving the surface on the side that the viewer sees.
 vec3 surface_emission(Surface surface, Material material, bool front) {
   if (!has(kFeatureEmission)) return vec3(0.0);
@@ -69,7 +78,7 @@ struct LightSample {
 LightSample no_light() { return LightSample(vec3(0.0), 0.0, vec3(0.0), false, vec3(0.0), false, 0u); }
 
 LightSample sample_triangle_light(Light light, vec3 from, vec2 u) {
-  vec2 weights = warp_triangle(u);
+  vec2 weights = weights_in_part(light.part, warp_triangle(u));
   Surface surface = fetch_surface(Hit(light.triangle, light.instance, weights.x, weights.y));
   vec3 offset = surface.position - from;
   float distance_squared = dot(offset, offset);
@@ -80,7 +89,7 @@ LightSample sample_triangle_light(Light light, vec3 from, vec2 u) {
   Material material = fetch_material(surface.material);
   s.radiance = surface_emission(surface, material, cosine < 0.0);
   if (has(kFeatureAlpha)) s.radiance *= opacity(material, base_color(material, surface.uv, surface.color).a);
-  s.pdf = solid_angle_pdf(surface.light_pdf, offset, surface.geometric_normal);
+  s.pdf = solid_angle_pdf(light.pdf_area, offset, surface.geometric_normal);
   s.target = offset_ray_origin(surface.position, surface.position_error, surface.geometric_normal, -s.direction);
   return s;
 }
@@ -97,7 +106,7 @@ LightSample sample_punctual_light(Light light, vec3 from) {
   return s;
 }
 
-LightSample sample_environment(vec2 u) {
+LightSample sample_environment(uvec2 u) {
   LightSample s = no_light();
   s.distant = true;
   if (has_environment_map()) {
@@ -106,7 +115,7 @@ LightSample sample_environment(vec2 u) {
     vec3 d = environment_from_world(s.direction, frame.environment_rotation);
     s.radiance = frame.environment_radiance * environment_map_radiance(d);
   } else {
-    s.direction = warp_uniform_sphere(u);
+    s.direction = warp_uniform_sphere(unit_float(u));
     s.pdf = warp_uniform_sphere_pdf();
     s.radiance = frame.environment_radiance;
   }
@@ -114,14 +123,15 @@ LightSample sample_environment(vec2 u) {
   return s;
 }
 
-LightSample sample_light(vec3 from, vec2 u_pick, vec2 u) {
-  uint index = pick_light(u_pick);
+// A light, and what is left of u a point on it: both by one point of a net.
+LightSample sample_light(vec3 from, uvec2 u) {
+  uint index = pick_light(u);
   Light light = fetch_light(index);
   LightSample s = no_light();
   if (has(kFeatureEnvironment) && light.kind == kLightEnvironment)
     s = sample_environment(u);
   else if (has(kFeatureTriangleLights) && light.kind == kLightTriangle)
-    s = sample_triangle_light(light, from, u);
+    s = sample_triangle_light(light, from, unit_float(u));
   else if (has(kFeaturePunctualLights))
     s = sample_punctual_light(light, from);
   s.light = index;

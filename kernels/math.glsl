@@ -17,6 +17,10 @@ float max_component(vec3 v) { return max(v.x, max(v.y, v.z)); }
 bool is_finite(float x) { return (floatBitsToUint(x) & 0x7f800000u) != 0x7f800000u; }
 bool is_finite(vec3 v) { return is_finite(v.x) && is_finite(v.y) && is_finite(v.z); }
 
+// The top 24 bits as a multiple of 2^-24, so never 1.
+float unit_float(uint bits) { return float(bits >> 8u) * 5.9604645e-8; }
+vec2 unit_float(uvec2 bits) { return vec2(bits >> 8u) * 5.9604645e-8; }
+
 // v / |v|, or `fallback` where v has no direction. Scaled first: squares of components outside [1e-19, 1e19] leave the
 // float range.
 vec3 safe_normalize(vec3 v, vec3 fallback) {

@@ -51,23 +51,24 @@ Light fetch_light(uint index) {
   int texel = int(index * kLightTexels);
   uvec4 position_kind = texelFetch(light_texels, texel);
   vec4 direction_probability = uintBitsToFloat(texelFetch(light_texels, texel + 1));
-  vec4 intensity_threshold = uintBitsToFloat(texelFetch(light_texels, texel + 2));
+  uvec4 intensity_end = texelFetch(light_texels, texel + 2);
   uvec4 links = texelFetch(light_texels, texel + 3);
-  vec4 spot = uintBitsToFloat(texelFetch(light_texels, texel + 4));
+  uvec4 spot_part = texelFetch(light_texels, texel + 4);
   Light light;
   light.position = uintBitsToFloat(position_kind.xyz);
   light.kind = position_kind.w;
   light.direction = direction_probability.xyz;
   light.probability = direction_probability.w;
-  light.intensity = intensity_threshold.xyz;
-  light.threshold = intensity_threshold.w;
-  light.alias = links.x;
+  light.intensity = uintBitsToFloat(intensity_end.xyz);
+  light.end = intensity_end.w;
+  light.pdf_area = uintBitsToFloat(links.x);
   light.triangle = links.y;
   light.instance = links.z;
   light.triangle_id = links.w;
-  light.spot_scale = spot.x;
-  light.spot_offset = spot.y;
-  light.pad1 = light.pad2 = 0.0;
+  light.spot_scale = uintBitsToFloat(spot_part.x);
+  light.spot_offset = uintBitsToFloat(spot_part.y);
+  light.part = spot_part.z;
+  light.pad0 = 0.0;
   return light;
 }
 #endif

@@ -9,6 +9,7 @@
 
 #include "kernels/config.glsl"
 #include "kernels/frame_types.h"
+#include "kernels/math.glsl"
 
 struct Sampler {
   uint pixel;        // pixel index
@@ -31,10 +32,6 @@ uvec3 pcg3d(uvec3 v) {
   v.z += v.x * v.y;
   return v;
 }
-
-// The top 24 bits as a multiple of 2^-24, so never 1.
-float unit_float(uint bits) { return float(bits >> 8u) * 5.9604645e-8; }
-vec2 unit_float(uvec2 bits) { return vec2(bits >> 8u) * 5.9604645e-8; }
 
 Sampler make_sampler(uint seed, uint pixel, uint sample_, uint sample_total) {
   Sampler s;
@@ -74,10 +71,10 @@ uint sobol_reversed(uint i) {
 
 // Padding as Burley has it: each dimension pair gets the same 2-D net in a shuffled order, scrambled by seeds of its
 // own. In reversed bits the first Sobol coordinate is the index itself.
-vec2 sobol_2d(uint index, uvec3 seeds) {
+uvec2 sobol_2d(uint index, uvec3 seeds) {
   uint i = bitfieldReverse(scramble_reversed(bitfieldReverse(index), seeds.z));
   uvec2 point = uvec2(scramble_reversed(i, seeds.x), scramble_reversed(sobol_reversed(i), seeds.y));
-  return unit_float(bitfieldReverse(point));
+  return bitfieldReverse(point);
 }
 
 // ---- stratified -------------------------------------------------------------------------------------------------
@@ -101,25 +98,28 @@ uint permute(uint i, uint n, uvec3 seeds) {
 
 // One jittered point in each cell of a grid that is as square as `count` allows. Where the grid has more cells than
 // samples a random subset stays empty, which keeps every prefix unbiased. Beyond `count` a new grid starts.
-vec2 stratified_2d(uint index, uint count, uint scramble, uint dimension) {
+uvec2 stratified_2d(uint index, uint count, uint scramble, uint dimension) {
   uint columns = uint(ceil(sqrt(float(count))));
   uint rows = (count + columns - 1u) / columns;
   uint round_ = index / count;
   uvec3 seeds = pcg3d(uvec3(scramble, dimension, round_));
   uint cell = permute(index - round_ * count, columns * rows, seeds);
-  vec2 jitter = unit_float(pcg3d(uvec3(seeds.y, index, seeds.z)).xy);
-  vec2 corner = vec2(cell % columns, cell / columns);
-  return min((corner + jitter) / vec2(columns, rows), 0.99999994);
+  uvec2 jitter = pcg3d(uvec3(seeds.y, index, seeds.z)).xy;
+  uvec2 size = uvec2(columns, rows), corner = uvec2(cell % columns, cell / columns);
+  return corner * (0xffffffffu / size) + jitter / size;
 }
 
 // ---- interface --------------------------------------------------------------------------------------------------
 
-// Two numbers in [0, 1).
-vec2 sample_2d(Sampler s, uint dimension) {
-  if (kSampler == kSamplerIndependent) return unit_float(pcg3d(uvec3(s.scramble, s.index, dimension)).xy);
+// Two numbers in [0, 2^32), of which a choice can take what it needs and leave the rest (kernels/intervals.glsl).
+uvec2 sample_bits(Sampler s, uint dimension) {
+  if (kSampler == kSamplerIndependent) return pcg3d(uvec3(s.scramble, s.index, dimension)).xy;
   if (kSampler == kSamplerStratified) return stratified_2d(s.index, s.count, s.scramble, dimension);
   return sobol_2d(s.index, pcg3d(uvec3(s.scramble, dimension, 0x9e3779b9u)));
 }
+
+// Two numbers in [0, 1).
+vec2 sample_2d(Sampler s, uint dimension) { return unit_float(sample_bits(s, dimension)); }
 
 // A number in [0, 1) outside the dimensions, for decisions whose count is unknown (alpha tested along a ray).
 float hash_unit(Sampler s, uint a, uint b) {

@@ -26,7 +26,7 @@ GPU_CONSTANT uint kBindTexels = 10u;          // texels R32UI: one word a texel 
 GPU_CONSTANT uint kBindSrgbTable = 11u;       // texels R32F, 256: byte -> linear
 GPU_CONSTANT uint kBindLights = 12u;          // texels RGBA32UI, kLightTexels each: Light
 GPU_CONSTANT uint kBindEnvironment = 13u;     // texels RGBA32F: radiance, probability of the texel
-GPU_CONSTANT uint kBindEnvironmentAlias = 14u; // texels RG32UI: float bits of the threshold, alias
+GPU_CONSTANT uint kBindEnvironmentEnds = 14u; // texels R32UI: ends of the rows' intervals, then of every row's columns
 
 // ---- geometry -------------------------------------------------------------------------------------------------------
 GPU_CONSTANT uint kNodeTexels = 3u;     // 48 bytes, see bvh/wide.h
@@ -39,6 +39,9 @@ GPU_CONSTANT uint kInstanceTexels = 7u;
 GPU_CONSTANT uint kLeafBit = 0x80000000u;
 GPU_CONSTANT uint kLeafCountShift = 28u;
 GPU_CONSTANT uint kLeafFirstMask = 0x0fffffffu;
+
+// Bits of Triangle::light.
+GPU_CONSTANT uint kTriangleLightMask = 0x0fffffffu;
 
 // Bits of Triangle::surface; the rest is the index of its material.
 GPU_CONSTANT uint kTriangleSingleSided = 1u << 31; // invisible from behind
@@ -54,7 +57,8 @@ struct Triangle {
   vec3 v1;
   uint id; // among the triangles of its object, in the order of the source
   vec3 v2;
-  float light_pdf; // pdf per unit world area with which next-event estimation picks a point on it; 0 = not a light
+  uint light; // kNone: next-event estimation does not pick it. Else log2(n) << 28 | the first of its n * n lights,
+              // counted from Instance::first_light
 };
 GPU_CHECK(sizeof(Triangle) == 16 * kTriangleTexels);
 
@@ -62,10 +66,10 @@ GPU_CHECK(sizeof(Triangle) == 16 * kTriangleTexels);
 struct Instance {
   vec4 object_from_world[3];
   vec4 world_from_object[3];
-  uint root;    // node at which traversal of the object starts
-  uint flipped; // 0 or 1
-  uint id;      // in the order of the source
-  uint pad0;
+  uint root;        // node at which traversal of the object starts
+  uint flipped;     // 0 or 1
+  uint id;          // in the order of the source
+  uint first_light; // of its triangles; 0 in a scene without instances
 };
 GPU_CHECK(sizeof(Instance) == 16 * kInstanceTexels);
 
@@ -131,23 +135,22 @@ GPU_CONSTANT uint kLightSpot = 2u;
 GPU_CONSTANT uint kLightDirectional = 3u;
 GPU_CONSTANT uint kLightEnvironment = 4u;
 
-// A light, and its column of the power-weighted alias table (Walker 1977, Vose 1991): pick i = floor(u.x*n), keep it if
-// u.y < threshold, else take `alias`.
+// A light, and its interval of the 32-bit integers that it is picked by (host/scene/pack/intervals.h).
 struct Light {
   vec3 position; // punctual, device world space
   uint kind;
   vec3 direction;    // directional: towards the light. Spot: the axis, away from the light
   float probability; // of being picked
   vec3 intensity;    // candela (point, spot) or lux (directional)
-  float threshold;
-  uint alias;
-  uint triangle;    // kLightTriangle: one of its copies
-  uint instance;    // kLightTriangle; 0 where the scene is not instanced
-  uint triangle_id; // kLightTriangle
-  float spot_scale; // cosine falloff: clamp(cos*scale + offset, 0, 1)^2, as KHR_lights_punctual gives it
+  uint end;          // of its interval; it begins where that of the light before ends
+  float pdf_area;    // kLightTriangle: density of a point, per unit of world area, the choice of the light included
+  uint triangle;     // kLightTriangle: one of its copies
+  uint instance;     // kLightTriangle; 0 where the scene is not instanced
+  uint triangle_id;  // kLightTriangle
+  float spot_scale;  // cosine falloff: clamp(cos*scale + offset, 0, 1)^2, as KHR_lights_punctual gives it
   float spot_offset;
-  float pad1;
-  float pad2;
+  uint part; // kLightTriangle: of the triangle. log2(n) << 28 | row << 14 | column << 1 | whether it is inverted
+  float pad0;
 };
 GPU_CONSTANT uint kLightTexels = 5u;
 GPU_CHECK(sizeof(Light) == 16 * kLightTexels);

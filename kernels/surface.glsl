@@ -18,7 +18,7 @@ struct Surface {
   vec4 uv;               // TEXCOORD_0, TEXCOORD_1
   vec4 color;            // COLOR_0
   uint material;
-  float light_pdf; // per unit area, see Triangle
+  uint light; // see Triangle
 };
 
 // Compiled in, and there is data for it: generic kernels must not read streams that this scene left out.
@@ -83,7 +83,7 @@ Surface fetch_surface(Hit hit) {
   surface.geometric_normal = safe_normalize(cross(v1.xyz - v0.xyz, v2.xyz - v0.xyz), vec3(0.0, 0.0, 1.0));
   surface.vertex_normal = surface.geometric_normal;
   surface.material = floatBitsToUint(v0.w) & kTriangleMaterialMask;
-  surface.light_pdf = v2.w;
+  surface.light = floatBitsToUint(v2.w);
   surface.tangent = vec4(0.0);
   surface.uv = vec4(0.0);
   surface.color = vec4(1.0);

@@ -9,13 +9,14 @@
 #include <memory>
 #include <numbers>
 #include <random>
+#include <span>
 
 #include <OpenImageIO/imageio.h>
 #include <gtest/gtest.h>
 
 #include "host/base/error.h"
-#include "host/scene/pack/alias.h"
 #include "host/scene/pack/environment_light.h"
+#include "host/scene/pack/intervals.h"
 
 namespace wavepath {
 namespace {
@@ -180,14 +181,18 @@ TEST(Environment, InvertsTheConvention) {
   }
 }
 
-// The probabilities that the packed table really has, from its thresholds.
+// The probabilities that the packed texels really have, from the intervals of rows and columns.
 std::vector<double> table_probabilities(const PackedScene& packed) {
-  AliasTable table;
-  for (const glm::uvec2& entry : packed.environment_alias) {
-    table.threshold.push_back(std::bit_cast<float>(entry.x));
-    table.alias.push_back(entry.y);
-  }
-  return alias_probabilities(table);
+  const std::size_t width = packed.environment_width, height = packed.environment_height;
+  const std::span<const std::uint32_t> ends = packed.environment_ends;
+  std::vector<double> probabilities;
+  for (std::size_t y = 0; y < height; ++y)
+    for (std::size_t x = 0; x < width; ++x) {
+      const double row = interval_probability(ends.first(height), y);
+      const double column = interval_probability(ends.subspan(height + y * width, width), x);
+      probabilities.push_back(row > 0.0 ? row * column : 0.0);
+    }
+  return probabilities;
 }
 
 TEST(EnvironmentLight, WeighsTexelsByTentAndSolidAngle) {
@@ -198,7 +203,7 @@ TEST(EnvironmentLight, WeighsTexelsByTentAndSolidAngle) {
   environment.map.assign(32, glm::vec3(0.0f));
   environment.map[0] = glm::vec3(1.0f); // top left: its neighbours are across the seam, and itself beyond the pole
   PackedScene packed;
-  const double integral = pack_environment(environment, packed);
+  const double integral = pack_environment(environment, gpu::kDirectNee, packed);
   const double ring[] = {2 * kPi / 8 * (1 - std::sqrt(0.5)),
                          2 * kPi / 8 * std::sqrt(0.5)}; // of a texel in rows 0 and 1
   const double top = (4.0 + 2.0) / 16.0, side = (2.0 + 1.0) / 16.0, below = 2.0 / 16.0, corner = 1.0 / 16.0;
@@ -217,6 +222,30 @@ TEST(EnvironmentLight, WeighsTexelsByTentAndSolidAngle) {
   for (const std::size_t dark : {2u, 6u, 10u, 16u, 31u}) EXPECT_EQ(packed.environment[dark].w, 0.0f);
 }
 
+// With MIS dim texels get less than their share, and none gets nothing.
+TEST(EnvironmentLight, LeavesDimTexelsToBsdfSampling) {
+  Environment environment;
+  environment.radiance = glm::vec3(1.0f);
+  environment.width = 64;
+  environment.height = 32;
+  environment.map.assign(64 * 32, glm::vec3(0.1f));
+  for (std::size_t x = 0; x < 64; ++x)
+    for (std::size_t y = 8; y < 16; ++y) environment.map[y * 64 + x] = glm::vec3(5.0f);
+  PackedScene plain, compensated;
+  const double integral = pack_environment(environment, gpu::kDirectNee, plain);
+  EXPECT_EQ(pack_environment(environment, gpu::kDirectMis, compensated), integral);
+  const std::size_t dim = 25 * 64 + 3, bright = 12 * 64 + 3;
+  const double taken = 0.5 * integral / (4 * kPi);
+  const auto ratio = [&](std::size_t texel) { return compensated.environment[texel].w / plain.environment[texel].w; };
+  EXPECT_NEAR(ratio(dim) / ratio(bright), 0.125 / (1.0 - taken / 5.0), 1e-3);
+  double sum = 0.0;
+  for (const glm::vec4& texel : compensated.environment) {
+    EXPECT_GT(texel.w, 0.0f);
+    sum += texel.w;
+  }
+  EXPECT_NEAR(sum, 1.0, 1e-6);
+}
+
 TEST(EnvironmentLight, SumsToTheSphereAndToOne) {
   Environment environment;
   environment.radiance = glm::vec3(1.0f);
@@ -224,7 +253,7 @@ TEST(EnvironmentLight, SumsToTheSphereAndToOne) {
   environment.height = 32;
   environment.map.assign(64 * 32, glm::vec3(3.0f));
   PackedScene packed;
-  EXPECT_NEAR(pack_environment(environment, packed), 4 * kPi * 3.0, 1e-9);
+  EXPECT_NEAR(pack_environment(environment, gpu::kDirectNee, packed), 4 * kPi * 3.0, 1e-9);
   double sum = 0.0;
   for (const glm::vec4& texel : packed.environment) sum += texel.w;
   EXPECT_NEAR(sum, 1.0, 1e-6);
@@ -240,7 +269,7 @@ TEST(EnvironmentLight, FindsOneBrightTexelAmongMillions) {
   environment.map.assign(1024 * 512, glm::vec3(1e-3f));
   environment.map[256 * 1024 + 100] = glm::vec3(1e9f);
   PackedScene packed;
-  pack_environment(environment, packed);
+  pack_environment(environment, gpu::kDirectNee, packed);
   const std::vector<double> probability = table_probabilities(packed);
   EXPECT_NEAR(probability[256 * 1024 + 100], 0.25, 1e-4); // 4/16 of the tent
   EXPECT_NEAR(probability[256 * 1024 + 101], 0.125, 1e-4);
@@ -256,8 +285,8 @@ TEST(EnvironmentLight, TreatsBlackMapsAsNone) {
   environment.height = 2;
   environment.map.assign(8, glm::vec3(0.0f));
   PackedScene packed;
-  EXPECT_EQ(pack_environment(environment, packed), 0.0);
-  EXPECT_TRUE(packed.environment.empty() && packed.environment_alias.empty());
+  EXPECT_EQ(pack_environment(environment, gpu::kDirectNee, packed), 0.0);
+  EXPECT_TRUE(packed.environment.empty() && packed.environment_ends.empty());
   EXPECT_EQ(packed.environment_radiance, glm::vec3(0.0f));
   EXPECT_EQ(packed.environment_width, 0u);
 }

@@ -93,10 +93,10 @@ void compare(const std::string& name, std::size_t size, const Offsets& host) {
 TEST(Layout, Geometry) {
   compare("Triangle", sizeof(Triangle),
           {AT(Triangle, v0), AT(Triangle, surface), AT(Triangle, v1), AT(Triangle, id), AT(Triangle, v2),
-           AT(Triangle, light_pdf)});
+           AT(Triangle, light)});
   compare("Instance", sizeof(Instance),
           {AT(Instance, object_from_world), AT(Instance, world_from_object), AT(Instance, root), AT(Instance, flipped),
-           AT(Instance, id)});
+           AT(Instance, id), AT(Instance, first_light)});
 }
 
 TEST(Layout, Materials) {
@@ -117,8 +117,8 @@ TEST(Layout, Materials) {
 TEST(Layout, Lights) {
   compare("Light", sizeof(Light),
           {AT(Light, position), AT(Light, kind), AT(Light, direction), AT(Light, probability), AT(Light, intensity),
-           AT(Light, threshold), AT(Light, alias), AT(Light, triangle), AT(Light, instance), AT(Light, triangle_id),
-           AT(Light, spot_scale), AT(Light, spot_offset)});
+           AT(Light, end), AT(Light, pdf_area), AT(Light, triangle), AT(Light, instance), AT(Light, triangle_id),
+           AT(Light, spot_scale), AT(Light, spot_offset), AT(Light, part)});
 }
 
 TEST(Layout, Frame) {

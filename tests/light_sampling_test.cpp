@@ -21,30 +21,13 @@ struct Element {
   glm::vec4 a{0.0f}, b{0.0f};
 };
 
-// Walker's alias table: thresholds and aliases of a distribution.
-struct Alias {
-  std::vector<float> threshold;
-  std::vector<std::uint32_t> alias;
-};
-Alias make_alias(const std::vector<double>& probability) {
-  const std::size_t n = probability.size();
-  Alias table{std::vector<float>(n, 1.0f), std::vector<std::uint32_t>(n)};
-  std::vector<double> rest;
-  std::vector<std::size_t> small, large;
-  for (std::size_t i = 0; i < n; ++i) {
-    rest.push_back(probability[i] * double(n));
-    table.alias[i] = std::uint32_t(i);
-    (rest[i] < 1.0 ? small : large).push_back(i);
-  }
-  while (!small.empty() && !large.empty()) {
-    const std::size_t s = small.back(), l = large.back();
-    small.pop_back();
-    table.threshold[s] = float(rest[s]);
-    table.alias[s] = std::uint32_t(l);
-    rest[l] -= 1.0 - rest[s];
-    if (rest[l] < 1.0) large.pop_back(), small.push_back(l);
-  }
-  return table;
+// Ends of intervals of the 32-bit integers with these probabilities; none of them is the last but the last.
+std::vector<std::uint32_t> make_ends(const std::vector<double>& probability) {
+  double sum = 0.0, total = 0.0;
+  for (const double p : probability) total += p;
+  std::vector<std::uint32_t> ends;
+  for (const double p : probability) ends.push_back(std::uint32_t(std::min((sum += p) / total, 1.0) * 4294967295.0));
+  return ends;
 }
 
 class LightSamplingTest : public VulkanTest {
@@ -52,12 +35,12 @@ protected:
   std::vector<Element> run(std::uint32_t mode, std::vector<Element> elements) {
     const Buffer frame_buffer = upload(device(), std::vector<gpu::Frame>{frame_});
     const Buffer light_buffer = upload(device(), lights_);
-    const Buffer environment = upload(device(), environment_), alias = upload(device(), alias_);
+    const Buffer environment = upload(device(), environment_), ends = upload(device(), ends_);
     const Buffer element_buffer = upload(device(), elements);
     const std::vector<Binding> bindings{{gpu::kBindFrame, BindingKind::uniform, &frame_buffer},
                                         {gpu::kBindLights, BindingKind::texels_rgba32ui, &light_buffer},
                                         {gpu::kBindEnvironment, BindingKind::texels_rgba32f, &environment},
-                                        {gpu::kBindEnvironmentAlias, BindingKind::texels_rg32ui, &alias},
+                                        {gpu::kBindEnvironmentEnds, BindingKind::texels_r32ui, &ends},
                                         {gpu::kBindFilm, BindingKind::storage, &element_buffer}};
     const gpu::Wave wave{.pixel_count = std::uint32_t(elements.size()), .bounce = mode};
     const BindingSet set(device(), bindings, sizeof wave);
@@ -76,11 +59,15 @@ protected:
     double sum = 0.0;
     for (const double w : weights) sum += w;
     environment_.clear();
-    alias_.clear();
     for (double& w : weights) environment_.emplace_back(1.0f, 1.0f, 1.0f, w /= sum);
-    const Alias table = make_alias(weights);
-    for (std::size_t i = 0; i < weights.size(); ++i)
-      alias_.emplace_back(std::bit_cast<std::uint32_t>(table.threshold[i]), table.alias[i]);
+    std::vector<double> rows(height, 0.0);
+    for (std::size_t i = 0; i < weights.size(); ++i) rows[i / width] += weights[i];
+    ends_ = make_ends(rows);
+    for (std::uint32_t y = 0; y < height; ++y) {
+      const std::vector<std::uint32_t> columns =
+          make_ends({weights.begin() + y * width, weights.begin() + (y + 1) * width});
+      ends_.insert(ends_.end(), columns.begin(), columns.end());
+    }
   }
   void rotate(double degrees) {
     frame_.environment_rotation = {std::cos(degrees * kPi / 180.0), std::sin(degrees * kPi / 180.0)};
@@ -97,7 +84,7 @@ protected:
   gpu::Frame frame_{};
   std::vector<gpu::Light> lights_;
   std::vector<glm::vec4> environment_;
-  std::vector<glm::uvec2> alias_;
+  std::vector<std::uint32_t> ends_;
 
 private:
   std::uint64_t state_ = 1;
@@ -204,12 +191,9 @@ TEST_F(LightSamplingTest, EnvironmentDensityIntegratesToOne) {
 
 TEST_F(LightSamplingTest, LightsArePickedByTheirProbability) {
   const std::vector<double> probability{0.5, 0.001, 0.0, 0.199, 0.3};
-  const Alias table = make_alias(probability);
+  const std::vector<std::uint32_t> ends = make_ends(probability);
   lights_.assign(probability.size(), {});
-  for (std::size_t i = 0; i < probability.size(); ++i) {
-    lights_[i].threshold = table.threshold[i];
-    lights_[i].alias = table.alias[i];
-  }
+  for (std::size_t i = 0; i < probability.size(); ++i) lights_[i].end = ends[i];
   frame_.light_count = std::uint32_t(lights_.size());
   std::vector<Element> in;
   for (std::uint32_t i = 0; i < 1u << 20; ++i) { // Hammersley points: counts err by about log(n) / n
@@ -227,25 +211,53 @@ TEST_F(LightSamplingTest, LightsArePickedByTheirProbability) {
   }
   for (std::size_t i = 0; i < probability.size(); ++i) EXPECT_NEAR(counts[i] / double(in.size()), probability[i], 3e-5);
   for (const double n : rest)
-    EXPECT_NEAR(n / double(in.size()), 1.0 / 16.0, 1e-3); // what is left of u.y is uniform again
+    EXPECT_NEAR(n / double(in.size()), 1.0 / 16.0, 1e-3); // what is left of u.x is uniform again
 }
 
-// 24 bits do not reach every texel of a large map; the borrowed ones do.
-TEST_F(LightSamplingTest, LargeTablesAreReachedThroughout) {
-  const std::uint32_t n = 16384u * 8192u;
+// Of points that picked the same, what is left is as even as it was: it keeps its order and its full width.
+TEST_F(LightSamplingTest, WhatIsLeftOfAPickIsExact) {
   std::vector<Element> in;
-  for (int i = 0; i < 1 << 16; ++i) in.push_back({.a = {next(), next(), std::bit_cast<float>(n), 0}});
-  in.push_back({.a = {1.0f - 0x1p-24f, 1.0f - 0x1p-24f, std::bit_cast<float>(n), 0}});
-  std::vector<double> coarse(64), fine(8);
-  for (const Element& e : run(6, in)) {
-    const auto column = std::bit_cast<std::uint32_t>(e.b.x);
-    ASSERT_LT(column, n);
-    ASSERT_TRUE(e.b.y >= 0.0f && e.b.y < 1.0f);
-    coarse[column / (n / 64)] += 1.0;
-    fine[column % 8] += 1.0; // plain 24 bits would only give multiples of 8
+  const auto add = [&](std::uint32_t offset, std::uint32_t width) {
+    in.push_back({.a = {std::bit_cast<float>(offset), std::bit_cast<float>(width), 0, 0}});
+  };
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs = {{0, 1},
+                                                                {0, 5},
+                                                                {4, 5},
+                                                                {1, 3},
+                                                                {2, 3},
+                                                                {0, 0xffffffff},
+                                                                {0xfffffffe, 0xffffffff},
+                                                                {0x7fffffff, 0x80000001},
+                                                                {123456789, 123456790},
+                                                                {1, 0xffffffff}};
+  for (int i = 0; i < 20000; ++i) {
+    const std::uint32_t width = std::uint32_t(std::exp2(32.0 * double(next()))) | 1u;
+    pairs.emplace_back(std::uint32_t(double(next()) * width), width);
   }
-  EXPECT_GT(chi_square_uniform(coarse).p_value, 0.005);
-  EXPECT_GT(chi_square_uniform(fine).p_value, 0.005);
+  for (const auto& [offset, width] : pairs) add(offset, width);
+  const std::vector<Element> out = run(6, in);
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    const double exact = std::floor(double(pairs[i].first) * 4294967296.0 / pairs[i].second);
+    ASSERT_NEAR(double(std::bit_cast<std::uint32_t>(out[i].b.x)), exact, 2.0)
+        << pairs[i].first << " " << pairs[i].second;
+  }
+}
+
+// Parts of a triangle: a point of a part lies in the part that it is looked up in, and all parts are met.
+TEST_F(LightSamplingTest, PartsOfATriangleTileIt) {
+  for (const std::uint32_t level : {0u, 1u, 3u, 6u}) {
+    std::vector<Element> in;
+    const std::uint32_t n = 1u << level;
+    for (std::uint32_t row = 0; row < n; ++row)
+      for (std::uint32_t step = 0; step < 2 * (n - row) - 1; ++step)
+        in.push_back({.a = {std::bit_cast<float>(level << 28 | row << 14 | step), 0.05f + 0.4f * next(),
+                            0.05f + 0.4f * next(), 0}});
+    const std::vector<Element> out = run(7, in);
+    for (std::size_t i = 0; i < in.size(); ++i) {
+      EXPECT_TRUE(out[i].b.x >= 0.0f && out[i].b.y >= 0.0f && out[i].b.x + out[i].b.y <= 1.0f);
+      ASSERT_EQ(std::bit_cast<std::uint32_t>(out[i].b.z), i);
+    }
+  }
 }
 
 TEST_F(LightSamplingTest, PunctualLightsFollowTheirLaws) {

@@ -1,13 +1,14 @@
-// Lights: alias tables, weights by power, and densities on which estimation and sampling agree.
+// Lights: intervals, weights by power and group, and densities on which estimation and sampling agree.
 #include <cmath>
 #include <numbers>
 #include <random>
+#include <span>
 
 #include <gtest/gtest.h>
 #include <glm/gtc/matrix_transform.hpp>
 
-#include "host/scene/pack/alias.h"
 #include "host/scene/pack/emission.h"
+#include "host/scene/pack/intervals.h"
 #include "host/scene/pack/pack.h"
 #include "tests/scene_builder.h"
 
@@ -18,24 +19,30 @@ constexpr double kPi = std::numbers::pi;
 
 glm::dmat4 moved(double x, double y, double z) { return glm::translate(glm::dmat4(1.0), glm::dvec3(x, y, z)); }
 
-AliasTable table_of(const PackedScene& packed) {
-  AliasTable table;
-  for (const gpu::Light& light : packed.lights) {
-    table.threshold.push_back(light.threshold);
-    table.alias.push_back(light.alias);
-  }
-  return table;
+std::vector<std::uint32_t> ends_of(const PackedScene& packed) {
+  std::vector<std::uint32_t> ends;
+  for (const gpu::Light& light : packed.lights) ends.push_back(light.end);
+  return ends;
 }
 
-// `probability` of every light is what its table does, and all of them make one.
+// `probability` of every light is what its interval gives it, and all of them make one.
 void expect_consistent(const PackedScene& packed) {
-  const std::vector<double> exact = alias_probabilities(table_of(packed));
+  const std::vector<std::uint32_t> ends = ends_of(packed);
   double sum = 0.0;
-  for (std::size_t i = 0; i < exact.size(); ++i) {
-    EXPECT_EQ(packed.lights[i].probability, static_cast<float>(exact[i])) << i;
+  for (std::size_t i = 0; i < ends.size(); ++i) {
+    EXPECT_EQ(packed.lights[i].probability, static_cast<float>(interval_probability(ends, i))) << i;
     sum += packed.lights[i].probability;
   }
   EXPECT_NEAR(sum, 1.0, 1e-6);
+}
+
+// The lights of a triangle, by the copy that is at `item` and the instance.
+std::span<const gpu::Light> lights_of(const PackedScene& packed, std::uint32_t item, std::uint32_t instance = 0) {
+  const std::uint32_t light = packed.triangles[item].light;
+  if (light == gpu::kNone) return {};
+  const std::uint32_t first = packed.root_is_top ? packed.instances[instance].first_light : 0;
+  return std::span(packed.lights)
+      .subspan(first + (light & gpu::kTriangleLightMask), std::size_t{1} << 2 * (light >> 28));
 }
 
 double world_area(const PackedScene& packed, const gpu::Light& light) {
@@ -62,35 +69,34 @@ PunctualLight punctual(LightKind kind, float intensity) {
   return light;
 }
 
-TEST(Alias, ReproducesItsWeights) {
-  const std::vector<double> weights{1.0, 2.0, 3.0, 4.0, 0.0, 30.0};
-  const AliasTable table = build_alias_table(weights);
-  EXPECT_EQ(table.total, 40.0);
-  const std::vector<double> probability = alias_probabilities(table);
-  for (std::size_t i = 0; i < weights.size(); ++i) EXPECT_NEAR(probability[i], weights[i] / 40.0, 1e-7);
-  EXPECT_EQ(probability[4], 0.0); // never picked, not merely seldom
+TEST(Intervals, ReproduceTheirWeights) {
+  const std::vector<double> weights{0.0, 1.0, 2.0, 3.0, 4.0, 0.0, 30.0, 0.0};
+  const std::vector<std::uint32_t> ends = build_intervals(weights);
+  for (std::size_t i = 0; i < weights.size(); ++i) EXPECT_NEAR(interval_probability(ends, i), weights[i] / 40.0, 1e-8);
+  for (const std::size_t zero : {0u, 5u, 7u}) EXPECT_EQ(interval_probability(ends, zero), 0.0); // never, not seldom
+  EXPECT_EQ(ends.back(), 0xffffffffu);
 }
 
-TEST(Alias, HoldsExtremeRatiosAndManyEntries) {
+TEST(Intervals, LeaveNoWeightWithoutAnInteger) {
   std::mt19937 random(1);
   std::uniform_real_distribution<double> exponent(-12.0, 12.0);
   std::vector<double> weights(100000);
-  for (double& weight : weights) weight = std::pow(10.0, exponent(random));
-  const AliasTable table = build_alias_table(weights);
-  const std::vector<double> probability = alias_probabilities(table);
-  double sum = 0.0;
+  double total = 0.0, sum = 0.0;
+  for (double& weight : weights) total += weight = std::pow(10.0, exponent(random));
+  const std::vector<std::uint32_t> ends = build_intervals(weights);
   for (std::size_t i = 0; i < weights.size(); ++i) {
-    EXPECT_NEAR(probability[i] / (weights[i] / table.total), 1.0, 1e-6);
-    sum += probability[i];
+    const double probability = interval_probability(ends, i), share = weights[i] / total;
+    ASSERT_GT(probability, 0.0);
+    ASSERT_NEAR(probability, share, 2.4e-5 * share + 2.0 / 4294967295.0); // rounding, and the integer that each has
+    sum += probability;
   }
   EXPECT_NEAR(sum, 1.0, 1e-12);
 }
 
-TEST(Alias, IsEmptyWithoutWeight) {
-  EXPECT_TRUE(build_alias_table({}).threshold.empty());
-  EXPECT_TRUE(build_alias_table(std::vector<double>(3, 0.0)).threshold.empty());
-  const AliasTable one = build_alias_table(std::vector<double>{5.0});
-  EXPECT_EQ(one.threshold[0], 1.0f);
+TEST(Intervals, AreNoneWithoutWeight) {
+  EXPECT_TRUE(build_intervals({}).empty());
+  EXPECT_TRUE(build_intervals(std::vector<double>(3, 0.0)).empty());
+  EXPECT_EQ(build_intervals(std::vector<double>{5.0}), (std::vector<std::uint32_t>{0xffffffffu}));
 }
 
 TEST(Lights, AreWeightedByPower) {
@@ -112,8 +118,11 @@ TEST(Lights, AreWeightedByPower) {
     spot += 2 * kPi * ramp * ramp * 2.0 / steps;
   }
   const double powers[] = {2.0 * kPi * 0.5, 4 * kPi * 3.0, 5.0 * spot, 7.0 * kPi * 0.5};
-  const double total = powers[0] + powers[1] + powers[2] + powers[3];
-  for (int i = 0; i < 4; ++i) EXPECT_NEAR(packed.lights[i].probability, powers[i] / total, 1e-6) << i;
+  const double local = powers[0] + powers[1] + powers[2], total = local + powers[3];
+  // Half by power, half to the two groups alike.
+  for (int i = 0; i < 4; ++i)
+    EXPECT_NEAR(packed.lights[i].probability, 0.5 * powers[i] / total + 0.25 * (i < 3 ? powers[i] / local : 1.0), 1e-6)
+        << i;
   EXPECT_EQ(packed.features,
             gpu::kFeatureCull | gpu::kFeatureEmission | gpu::kFeatureTriangleLights | gpu::kFeaturePunctualLights);
 }
@@ -161,16 +170,19 @@ TEST(Lights, EveryBakedTriangleIsFoundWithTheDensityItCarries) {
   ASSERT_EQ(packed.lights.size(), 2u);
   expect_consistent(packed);
   for (const gpu::Light& light : packed.lights)
-    EXPECT_NEAR(light.probability / world_area(packed, light) / packed.triangles[light.triangle].light_pdf, 1.0, 1e-6);
-  for (const gpu::Triangle& t : packed.triangles) {
+    EXPECT_NEAR(light.probability / world_area(packed, light) / light.pdf_area, 1.0, 1e-6);
+  for (std::uint32_t i = 0; i < packed.triangles.size(); ++i) {
     const float power[] = {1.0f * 6.0f, 4.0f * 2.0f, 0.0f}; // radiance times area, both sides of the second
     const float area[] = {3.0f, 0.5f, 1.0f};
-    const std::uint32_t material = t.surface & gpu::kTriangleMaterialMask;
-    EXPECT_NEAR(t.light_pdf, power[material] / 2.0f / 7.0f / area[material], 1e-6f);
+    const std::uint32_t material = packed.triangles[i].surface & gpu::kTriangleMaterialMask;
+    const std::span<const gpu::Light> lights = lights_of(packed, i);
+    ASSERT_EQ(lights.size(), material < 2 ? 1u : 0u);
+    if (lights.empty()) continue;
+    EXPECT_NEAR(lights[0].pdf_area, power[material] / 2.0f / 7.0f / area[material], 1e-6f);
   }
 }
 
-TEST(Lights, InstancesShareOneDensityHoweverTheyAreScaled) {
+TEST(Lights, InstancesHaveLightsOfTheirOwn) {
   Scene scene;
   scene.materials = {emitter(1.0f), emitter(10.0f)};
   const std::uint32_t shared = add_mesh(scene, {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 0}, {0, 1, 0}, {0, 0, 1}});
@@ -186,7 +198,8 @@ TEST(Lights, InstancesShareOneDensityHoweverTheyAreScaled) {
   for (const gpu::Light& light : packed.lights) {
     if (light.kind != gpu::kLightTriangle) continue;
     const gpu::Triangle& triangle = packed.triangles[light.triangle];
-    EXPECT_NEAR(light.probability / world_area(packed, light) / triangle.light_pdf, 1.0, 1e-6);
+    EXPECT_NEAR(light.probability / world_area(packed, light) / light.pdf_area, 1.0, 1e-6);
+    EXPECT_EQ(&lights_of(packed, light.triangle, light.instance)[0], &light);
     total_area[triangle.surface & gpu::kTriangleMaterialMask] += world_area(packed, light);
   }
   const double power = kPi * (total_area[0] + 10.0 * total_area[1]) + 4 * kPi * 0.5;
@@ -199,7 +212,7 @@ TEST(Lights, LeaveUnlitAndDarkMaterialsAlone) {
   scene.materials[0].unlit = true;
   const PackedScene unlit = pack(scene);
   EXPECT_TRUE(unlit.lights.empty());
-  EXPECT_EQ(unlit.triangles[0].light_pdf, 0.0f);
+  EXPECT_EQ(unlit.triangles[0].light, gpu::kNone);
   EXPECT_EQ(unlit.features, gpu::kFeatureCull | gpu::kFeatureEmission);
   scene.materials[0] = plain_material();
   scene.lights = {punctual(LightKind::point, 0.0f)};
@@ -213,7 +226,7 @@ TEST(Lights, AreNotPackedForBsdfSampling) {
   scene.environment.radiance = glm::vec3(1.0f);
   const PackedScene packed = pack(scene, gpu::kDirectBsdf);
   EXPECT_TRUE(packed.lights.empty());
-  EXPECT_EQ(packed.triangles[0].light_pdf, 0.0f);
+  EXPECT_EQ(packed.triangles[0].light, gpu::kNone);
   EXPECT_EQ(packed.environment_probability, 0.0f);
   EXPECT_EQ(packed.environment_radiance, glm::vec3(1.0f)); // still shines on rays that leave
   EXPECT_EQ(packed.features, gpu::kFeatureCull | gpu::kFeatureEmission | gpu::kFeatureEnvironment);
@@ -241,7 +254,7 @@ TEST(Lights, SampleEnvironmentMapsByTheirPower) {
   ASSERT_EQ(packed.lights.size(), 2u);
   expect_consistent(packed);
   const double power = 4 * kPi * kPi * 0.5 * 1.0; // 4 pi^2 r^2 L
-  EXPECT_NEAR(packed.environment_probability, power / (power + 4 * kPi), 1e-6);
+  EXPECT_NEAR(packed.environment_probability, 0.25 + 0.5 * power / (power + 4 * kPi), 1e-6);
   EXPECT_EQ(packed.environment_probability, packed.lights[1].probability);
   EXPECT_EQ(packed.features, gpu::kFeaturePunctualLights | gpu::kFeatureEnvironment | gpu::kFeatureEnvironmentMap);
 }
@@ -266,8 +279,9 @@ Scene textured_strip(const std::vector<std::uint8_t>& grey, Wrap wrap = Wrap::cl
 // Which of the eight are lights, by their place.
 std::vector<float> pdf_by_place(const PackedScene& packed) {
   std::vector<float> pdf(8, 0.0f);
-  for (const gpu::Triangle& t : packed.triangles)
-    pdf[static_cast<std::size_t>(std::lround(t.v0.x + packed.origin.x))] = t.light_pdf;
+  for (std::uint32_t i = 0; i < packed.triangles.size(); ++i)
+    for (const gpu::Light& light : lights_of(packed, i))
+      pdf[static_cast<std::size_t>(std::lround(packed.triangles[i].v0.x + packed.origin.x))] = light.pdf_area;
   return pdf;
 }
 
@@ -335,6 +349,51 @@ TEST(TexturedLights, ReadMovedSecondCoordinatesInLinearLight) {
 TEST(TexturedLights, AreNoneIfTheTextureIsBlack) {
   Scene scene = textured_strip(std::vector<std::uint8_t>(64, 0));
   EXPECT_TRUE(pack(scene).lights.empty());
+}
+
+// Two triangles over a texture of 64 x 64 texels, of which 4 x 4 shine.
+Scene sign_with_one_lit_block() {
+  Scene scene;
+  scene.materials = {emitter(1.0f)};
+  scene.images.push_back({"sign", 64, 64, {}, {}});
+  for (int y = 0; y < 64; ++y)
+    for (int x = 0; x < 64; ++x) {
+      const std::uint8_t g = x / 4 == 9 && y / 4 == 5 ? 255 : 0;
+      scene.images[0].bytes.insert(scene.images[0].bytes.end(), {g, g, g, 255});
+    }
+  scene.materials[0].emission_texture.image = 0;
+  const std::vector<glm::vec3> positions = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 0, 0}, {1, 1, 0}, {0, 1, 0}};
+  add_instance(scene, add_mesh(scene, positions));
+  for (const glm::vec3& p : positions) scene.meshes[0].uvs[0].push_back({p.x, p.y});
+  return scene;
+}
+
+TEST(TexturedLights, AreCutWhereTheTextureVaries) {
+  Scene scene = sign_with_one_lit_block();
+  const PackedScene packed = pack(scene);
+  expect_consistent(packed);
+  ASSERT_GT(packed.lights.size(), 100u);
+  double near = 0.0;
+  for (const gpu::Light& light : packed.lights) {
+    if (light.probability == 0.0f) continue;
+    EXPECT_NEAR(light.probability / light.pdf_area, world_area(packed, light) * std::exp2(-2.0 * (light.part >> 28)),
+                1e-6);
+    // The first corner of the part, in the triangle's plane.
+    const double n = 1 << (light.part >> 28), inverted = light.part & 1;
+    const double b1 = ((light.part >> 1 & 0x1fff) + inverted) / n, b2 = ((light.part >> 14 & 0x3fff) + inverted) / n;
+    const gpu::Triangle& t = packed.triangles[light.triangle];
+    const glm::dvec3 p =
+        (1.0 - b1 - b2) * glm::dvec3(t.v0) + b1 * glm::dvec3(t.v1) + b2 * glm::dvec3(t.v2) + packed.origin;
+    const double reach = 2.0 / n + 2.0 / 64.0; // of a part around its corner, and of the bilinear taps
+    if (std::abs(p.x - 38.0 / 64.0) < reach && std::abs(p.y - 22.0 / 64.0) < reach) near += light.probability;
+  }
+  EXPECT_NEAR(near, 1.0, 1e-6); // the dark parts have no interval
+}
+
+TEST(TexturedLights, AreWholeWhereTheTextureIsEven) {
+  Scene scene = sign_with_one_lit_block();
+  for (std::uint8_t& byte : scene.images[0].bytes) byte = 200;
+  EXPECT_EQ(pack(scene).lights.size(), 2u);
 }
 
 } // namespace

@@ -23,7 +23,7 @@ std::uint64_t bytes(const std::vector<Item>& items) {
 std::uint64_t packed_bytes(const PackedScene& p) {
   return bytes(p.nodes) + bytes(p.triangles) + bytes(p.instances) + bytes(p.triangle_vertices) +
          bytes(p.vertex_normals) + bytes(p.vertex_uvs) + bytes(p.vertex_colors) + bytes(p.texels) + bytes(p.lights) +
-         bytes(p.environment) + bytes(p.environment_alias);
+         bytes(p.environment) + bytes(p.environment_ends);
 }
 
 // The kernels index with what they find here; every index must have something to point at.
@@ -41,10 +41,9 @@ void expect_indices_in_range(const PackedScene& p) {
     ASSERT_LE(t.first_texel + words, p.texels.size());
   }
   for (const gpu::Light& light : p.lights) {
-    ASSERT_LT(light.alias, p.lights.size());
     if (light.kind == gpu::kLightTriangle) {
       ASSERT_LT(light.triangle, p.triangles.size());
-      ASSERT_GT(p.triangles[light.triangle].light_pdf, 0.0f);
+      ASSERT_LT(p.triangles[light.triangle].light & gpu::kTriangleLightMask, p.lights.size());
       ASSERT_EQ(p.triangles[light.triangle].id, light.triangle_id);
       ASSERT_TRUE(p.root_is_top ? light.instance < p.instances.size() : light.instance == 0);
     }

@@ -28,9 +28,7 @@ layout(local_size_x = kWorkgroupSize) in;
 
 // Next-event estimation: true if there is a shadow ray worth tracing.
 bool connect_to_light(Vertex v, Sampler path_sampler, uint dimension, uint slot, vec3 throughput, out ShadowRay ray) {
-  vec2 u = sample_2d(path_sampler, dimension + kDimensionLight);
-  vec2 u_pick = sample_2d(path_sampler, dimension + kDimensionLightPick);
-  LightSample light = sample_light(v.surface.position, u_pick, u);
+  LightSample light = sample_light(v.surface.position, sample_bits(path_sampler, dimension + kDimensionLight));
   if (max_component(light.radiance) <= 0.0 || !(light.pdf > 0.0) || !sides_agree(v, light.direction)) return false;
 
   float bsdf_pdf;
@@ -122,7 +120,7 @@ void follow(Ray ray, Hit hit, inout PathState path, out bool wants_ray, out Ray 
   }
   vec3 emitted = surface_emission(surface, material, v.front);
   if (max_component(emitted) > 0.0) {
-    float light_pdf = solid_angle_pdf(surface.light_pdf, offset, surface.geometric_normal);
+    float light_pdf = solid_angle_pdf(light_pdf_area(surface, hit), offset, surface.geometric_normal);
     add_radiance(path, slot, path.throughput * emitted * emission_weight(path.bsdf_pdf, light_pdf));
   }
 

@@ -19,7 +19,7 @@ uint sample_slots() { return wave.pixel_count * wave.sample_count; }
 
 // First of the random numbers of a ray: two pairs for each shadow ray, one for the choice of a branch. They go by the place in the tree,
 // so that a branch that is cut off changes none of the others.
-uint node_dimension(uint path) { return 1u + path * (2u * whitted.shadow_rays + 1u); }
+uint node_dimension(uint path) { return 1u + path * (whitted.shadow_rays + 1u); }
 
 // Adds to a total of 64 bits.
 #define COUNT(total, n)                                                      \

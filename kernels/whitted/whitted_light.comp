@@ -26,18 +26,18 @@ layout(local_size_x = kWorkgroupSize) in;
 
 uint shadow_ray_count = 0u;
 
-LightSample sample_one_light(Light light, vec3 from, vec2 u) {
+LightSample sample_one_light(Light light, vec3 from, uvec2 u) {
   if (has(kFeatureEnvironment) && light.kind == kLightEnvironment) return sample_environment(u);
-  if (has(kFeatureTriangleLights) && light.kind == kLightTriangle) return sample_triangle_light(light, from, u);
+  if (has(kFeatureTriangleLights) && light.kind == kLightTriangle) return sample_triangle_light(light, from, unit_float(u));
   if (has(kFeaturePunctualLights)) return sample_punctual_light(light, from);
   return no_light();
 }
 
 // A sky of one colour, which is no light in the list: paths find it by the BSDF alone.
-LightSample sample_sky(vec2 u) {
+LightSample sample_sky(uvec2 u) {
   LightSample s = no_light();
   s.distant = true;
-  s.direction = warp_uniform_sphere(u);
+  s.direction = warp_uniform_sphere(unit_float(u));
   s.pdf = warp_uniform_sphere_pdf();
   s.radiance = frame.environment_radiance;
   return s;
@@ -45,11 +45,11 @@ LightSample sample_sky(vec2 u) {
 
 // Where shadow ray `number` goes, with the density of all such rays, and the triangle that it may end on.
 LightSample sample_for_ray(uint number, vec3 from, uint dimension, out uvec2 triangle) {
-  vec2 u_pick = sample_2d(path_sampler, dimension), u = sample_2d(path_sampler, dimension + 1u);
+  uvec2 u = sample_bits(path_sampler, dimension);
   triangle = uvec2(kNone, 0u);
   bool picks = has(kFeatureTriangleLights) && number < whitted.triangle_rays && whitted.triangle_rays < whitted.triangles;
   uint index = number < whitted.triangle_rays ? number : number - whitted.triangle_rays + whitted.triangles;
-  if (picks) index = pick_light(u_pick);
+  if (picks) index = pick_light(u);
   if (has(kFeatureEnvironment) && index >= frame.light_count) return sample_sky(u);
   Light light = fetch_light(index);
   LightSample s = sample_one_light(light, from, u);
@@ -62,7 +62,7 @@ LightSample sample_for_ray(uint number, vec3 from, uint dimension, out uvec2 tri
 // Light of one shadow ray that the surface sends along v.wo, by its lobes that are no mirror.
 vec3 lit_by(uint number, Vertex v, uint medium, uint path) {
   uvec2 triangle;
-  LightSample s = sample_for_ray(number, v.surface.position, node_dimension(path) + 2u * number, triangle);
+  LightSample s = sample_for_ray(number, v.surface.position, node_dimension(path) + number, triangle);
   precise float pdf = s.pdf;
   if (max_component(s.radiance) <= 0.0 || !(pdf > 0.0) || !sides_agree(v, s.direction)) return vec3(0.0);
   float bsdf_pdf;

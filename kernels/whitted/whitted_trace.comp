@@ -59,7 +59,7 @@ void branch(Vertex v, WhittedNode node, uint index) {
   uint width = node.width;
   if (reflects && refracts && width == 1u) {
     float q = reflect_probability(reflected.weight, refracted.weight);
-    reflects = sample_2d(path_sampler, node_dimension(node.path) + 2u * whitted.shadow_rays).x < q;
+    reflects = sample_2d(path_sampler, node_dimension(node.path) + whitted.shadow_rays).x < q;
     refracts = !reflects;
     reflected.weight /= q;
     refracted.weight /= 1.0 - q;

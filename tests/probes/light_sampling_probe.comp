@@ -13,6 +13,8 @@ struct Element {
 };
 layout(set = 0, binding = kBindFilm, std430) buffer Elements { Element elements[]; };
 
+uvec2 bits(vec2 u) { return uvec2(u * 4294967296.0); }
+
 void main() {
   uint i = gl_GlobalInvocationID.x;
   if (i >= wave.pixel_count) return;
@@ -25,13 +27,13 @@ void main() {
     e.b.w = environment_map_pdf(environment_texel(d));
   } else if (wave.bounce == 1u) { // u in a.xy -> a: direction, density; b: texel
     uvec2 texel;
-    e.a.xyz = sample_environment_map(e.a.xy, texel, e.a.w);
+    e.a.xyz = sample_environment_map(bits(e.a.xy), texel, e.a.w);
     e.b.xy = vec2(texel);
     e.b.zw = vec2(environment_texel(environment_from_world(e.a.xyz, frame.environment_rotation)));
-  } else if (wave.bounce == 2u) { // u in a.xy -> b: light, what is left of u.y
-    vec2 u = e.a.xy;
+  } else if (wave.bounce == 2u) { // u in a.xy -> b: light, what is left of u.x
+    uvec2 u = bits(e.a.xy);
     e.b.x = float(pick_light(u));
-    e.b.y = u.y;
+    e.b.y = unit_float(u.x);
   } else if (wave.bounce == 3u) { // texel a.xy of a map of the size in `frame`, u in a.zw -> b: direction, solid angle
     e.b.xyz = environment_texel_direction(uint(e.a.x), uint(e.a.y), width, height, e.a.zw);
     e.b.w = environment_texel_solid_angle(uint(e.a.y), width, height);
@@ -41,10 +43,12 @@ void main() {
     e.b.xyz = to_light;
   } else if (wave.bounce == 5u) { // pdf_area a.w, offset a.xyz, normal b.xyz -> b.w
     e.b.w = solid_angle_pdf(e.a.w, e.a.xyz, e.b.xyz);
-  } else { // u in a.xy, table size in the bits of a.z -> column in the bits of b.x
-    vec2 u = e.a.xy;
-    e.b.x = uintBitsToFloat(alias_column(u, floatBitsToUint(e.a.z)));
-    e.b.y = u.x;
+  } else if (wave.bounce == 6u) { // offset and width in the bits of a.xy -> bits of b.x
+    e.b.x = uintBitsToFloat(stretch(floatBitsToUint(e.a.x), floatBitsToUint(e.a.y)));
+  } else { // part in the bits of a.x, weights in it a.yz -> weights in the triangle b.xy, number of the part in the bits of b.z
+    uint part = floatBitsToUint(e.a.x);
+    e.b.xy = weights_in_part(part, e.a.yz);
+    e.b.z = uintBitsToFloat(part_at(part >> kPartLevelShift, e.b.xy));
   }
   elements[i] = e;
 }

@@ -74,7 +74,7 @@ DeviceScene upload_scene(Device& device, const PackedScene& scene) {
   result.srgb_table = upload(device, scene.textures.empty() ? std::vector<float>{} : srgb_decoding());
   result.lights = upload(device, scene.lights);
   result.environment = upload(device, scene.environment);
-  result.environment_alias = upload(device, scene.environment_alias);
+  result.environment_ends = upload(device, scene.environment_ends);
   return result;
 }
 
@@ -93,7 +93,7 @@ std::vector<Binding> DeviceScene::bindings() const {
           {gpu::kBindSrgbTable, texels_r32f, &srgb_table},
           {gpu::kBindLights, texels_rgba32ui, &lights},
           {gpu::kBindEnvironment, texels_rgba32f, &environment},
-          {gpu::kBindEnvironmentAlias, texels_rg32ui, &environment_alias}};
+          {gpu::kBindEnvironmentEnds, texels_r32ui, &environment_ends}};
 }
 
 std::uint64_t DeviceScene::bvh_bytes() const { return nodes.bytes() + triangles.bytes() + instances.bytes(); }
@@ -101,7 +101,7 @@ std::uint64_t DeviceScene::bvh_bytes() const { return nodes.bytes() + triangles.
 std::uint64_t DeviceScene::other_bytes() const {
   return triangle_vertices.bytes() + vertex_normals.bytes() + vertex_uvs.bytes() + vertex_colors.bytes() +
          materials.bytes() + textures.bytes() + texels.bytes() + srgb_table.bytes() + lights.bytes() +
-         environment.bytes() + environment_alias.bytes();
+         environment.bytes() + environment_ends.bytes();
 }
 
 } // namespace wavepath

@@ -14,9 +14,13 @@
 namespace wavepath {
 namespace {
 
-constexpr int kSubdivision = 8;         // 64 congruent parts of a triangle, one sample in the middle of each
-constexpr double kSmallestShare = 0.01; // of the texture's mean emission
-constexpr double kLargestUv = 1e6;      // beyond, the mean of the texture is used
+constexpr int kSubdivision = 8;                // 64 congruent parts of a triangle, one sample in the middle of each
+constexpr double kSmallestShare = 0.01;        // of the texture's mean emission
+constexpr double kLargestUv = 1e6;             // beyond, the mean of the texture is used
+constexpr double kTexelsPerPart = 16.0;        // that a part of a triangle covers, about
+constexpr std::uint32_t kMostLevels = 6;       // 4096 parts
+constexpr std::uint64_t kMostParts = 1u << 17; // of all triangles that are cut: 10 MiB of lights
+constexpr double kEven = 1.25;                 // parts that differ by less are not worth being told apart
 
 // The emission texture of one material, with the factor applied.
 struct EmissionMap {
@@ -125,10 +129,51 @@ double mean_emission(const EmissionMap& map, const glm::dvec2 (&uv)[3]) {
   return std::max(sum / (kSubdivision * kSubdivision), kSmallestShare * map.mean);
 }
 
+struct Uvs {
+  glm::dvec2 corner[3];
+};
+
+// Of part `index` of 4^level (see kernels/light_sampling.glsl), its corners in the triangle's order.
+Uvs part_of(const Uvs& whole, std::uint32_t level, std::uint32_t index) {
+  const std::uint32_t n = 1u << level;
+  std::uint32_t row = 0;
+  while (index >= 2 * (n - row) - 1) index -= 2 * (n - row) - 1, ++row;
+  const double inverted = index % 2, column = index / 2, side = inverted > 0.0 ? -1.0 : 1.0;
+  const auto at = [&](double b1, double b2) {
+    b1 /= n, b2 /= n;
+    return (1.0 - b1 - b2) * whole.corner[0] + b1 * whole.corner[1] + b2 * whole.corner[2];
+  };
+  const double b1 = column + inverted, b2 = row + inverted;
+  return {{at(b1, b2), at(b1 + side, b2), at(b1, b2 + side)}};
+}
+
+// Levels at which a part covers about kTexelsPerPart texels, or is as long as so many.
+std::uint32_t wanted_level(const gpu::Texture& texture, const Uvs& uvs) {
+  const glm::dvec2 size(texture.width, texture.height);
+  const glm::dvec2 a = (uvs.corner[1] - uvs.corner[0]) * size, b = (uvs.corner[2] - uvs.corner[0]) * size;
+  const double texels =
+      std::max({0.5 * std::abs(a.x * b.y - a.y * b.x), glm::length(a), glm::length(b), glm::length(a - b)});
+  std::uint32_t level = 0;
+  while (level < kMostLevels && texels > kTexelsPerPart * std::exp2(2.0 * level)) ++level;
+  return level;
+}
+
+std::vector<double> part_means(const EmissionMap& map, const Uvs& uvs, std::uint32_t level) {
+  std::vector<double> means(std::size_t{1} << 2 * level);
+  for (std::uint32_t part = 0; part < means.size(); ++part)
+    means[part] = mean_emission(map, part_of(uvs, level, part).corner);
+  return means;
+}
+
+bool is_even(const std::vector<double>& means) {
+  const auto [lo, hi] = std::ranges::minmax(means);
+  return hi <= kEven * lo;
+}
+
 } // namespace
 
-std::vector<double> emission_densities(const PackedScene& packed) {
-  std::vector<double> constant(packed.materials.size(), 0.0); // luminance of the factor
+Emission find_emission(const PackedScene& packed) {
+  std::vector<double> constant(packed.materials.size(), 0.0); // luminance of the factor, of both sides
   std::vector<std::optional<EmissionMap>> maps(packed.materials.size());
   bool any = false;
   for (std::size_t m = 0; m < packed.materials.size(); ++m) {
@@ -140,20 +185,53 @@ std::vector<double> emission_densities(const PackedScene& packed) {
   }
   if (!any) return {};
 
-  std::vector<double> densities(packed.triangles.size(), 0.0);
-  tbb::parallel_for(std::size_t{0}, packed.triangles.size(), [&](std::size_t t) {
-    const std::uint32_t m = packed.triangles[t].surface & gpu::kTriangleMaterialMask;
-    double mean = constant[m];
-    if (maps[m]) {
-      const glm::uvec4 vertices = packed.triangle_vertices[t];
-      glm::dvec2 uv[3];
-      for (int k = 0; k < 3; ++k) uv[k] = texture_uv(maps[m]->texture, packed.vertex_uvs[vertices[k]]);
-      mean = mean_emission(*maps[m], uv);
-    }
-    const double sides = packed.materials[m].flags & gpu::kMaterialDoubleSided ? 2.0 : 1.0;
-    densities[t] = std::numbers::pi * mean * sides;
+  const std::size_t count = packed.triangles.size();
+  const auto material_of = [&](std::size_t t) { return packed.triangles[t].surface & gpu::kTriangleMaterialMask; };
+  const auto uvs_of = [&](std::size_t t, const EmissionMap& map) {
+    Uvs uvs;
+    for (int k = 0; k < 3; ++k)
+      uvs.corner[k] = texture_uv(map.texture, packed.vertex_uvs[packed.triangle_vertices[t][k]]);
+    return uvs;
+  };
+
+  Emission emission{std::vector<std::uint8_t>(count, 0), std::vector<std::uint64_t>(count, Emission::kDark), {}};
+  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t t) {
+    const std::optional<EmissionMap>& map = maps[material_of(t)];
+    if (!map) return;
+    const Uvs uvs = uvs_of(t, *map);
+    const std::uint32_t level = wanted_level(map->texture, uvs);
+    if (level > 0 && mean_emission(*map, uvs.corner) > 0.0 && !is_even(part_means(*map, uvs, level)))
+      emission.levels[t] = static_cast<std::uint8_t>(level);
   });
-  return densities;
+  // What is too much for all is taken from the finest.
+  for (std::uint32_t most = kMostLevels; most > 0; --most) {
+    std::uint64_t parts = 0;
+    for (const std::uint8_t level : emission.levels) parts += level > 0 ? std::uint64_t{1} << 2 * level : 0;
+    if (parts <= kMostParts) break;
+    for (std::uint8_t& level : emission.levels)
+      level = std::min<std::uint8_t>(level, static_cast<std::uint8_t>(most - 1));
+  }
+
+  std::uint64_t parts = 0;
+  for (std::size_t t = 0; t < count; ++t)
+    if (constant[material_of(t)] > 0.0) {
+      emission.firsts[t] = parts;
+      parts += std::uint64_t{1} << 2 * emission.levels[t];
+    }
+  emission.densities.resize(parts);
+  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t t) {
+    if (emission.firsts[t] == Emission::kDark) return;
+    const std::uint32_t m = material_of(t);
+    const double sides = packed.materials[m].flags & gpu::kMaterialDoubleSided ? 2.0 : 1.0;
+    double* const densities = emission.densities.data() + emission.firsts[t];
+    *densities = constant[m];
+    if (maps[m]) std::ranges::copy(part_means(*maps[m], uvs_of(t, *maps[m]), emission.levels[t]), densities);
+    double sum = 0.0;
+    for (std::size_t part = 0; part < std::size_t{1} << 2 * emission.levels[t]; ++part)
+      sum += densities[part] *= std::numbers::pi * sides;
+    if (!(sum > 0.0)) emission.firsts[t] = Emission::kDark;
+  });
+  return emission;
 }
 
 } // namespace wavepath

@@ -133,7 +133,8 @@ Object append_object(const Scene& scene, std::span<const Part> parts, bool with_
     const TriangleSource& source = sources[tree.order[i]];
     const Part& part = parts[source.part];
     const Corners c = find_corners(scene, part, source.first_index);
-    packed.triangles[first + i] = {c.position[0], part.surface, c.position[1], tree.order[i], c.position[2], 0.0f};
+    packed.triangles[first + i] = {c.position[0], part.surface,  c.position[1],
+                                   tree.order[i], c.position[2], gpu::kNone};
     if (with_vertices)
       packed.triangle_vertices[first + i] = {part.first_vertex + c.vertex[0], part.first_vertex + c.vertex[1],
                                              part.first_vertex + c.vertex[2], 0u};

@@ -36,7 +36,7 @@ struct Object {
 
 // Appends the triangles of `parts` and the tree over them to `packed` (nodes, triangles, triangle_vertices if
 // `with_vertices`). Triangles that are not finite or have exactly no area are left out and counted in
-// packed.dropped_triangles, `times` each (the number of its instances). light_pdf is left 0. Throws Error
+// packed.dropped_triangles, `times` each (the number of its instances). `light` is left at kNone. Throws Error
 // if there are more items or nodes than traversal can index.
 Object append_object(const Scene& scene, std::span<const Part> parts, bool with_vertices, std::uint64_t times,
                      bvh::Quality quality, PackedScene& packed);

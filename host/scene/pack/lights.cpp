@@ -1,15 +1,16 @@
-// Lists lights, weighs them by power and builds their alias table; see lights.h.
+// Lists lights, weighs them by power and deals out the intervals that they are picked by; see lights.h.
 #include "host/scene/pack/lights.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
 #include <tbb/parallel_sort.h>
 
 #include "host/base/error.h"
-#include "host/scene/pack/alias.h"
 #include "host/scene/pack/emission.h"
+#include "host/scene/pack/intervals.h"
 
 namespace wavepath {
 namespace {
@@ -17,16 +18,22 @@ namespace {
 constexpr std::size_t kMostLights = std::size_t{1} << 26; // 5 GiB
 constexpr double kPi = std::numbers::pi;
 
+// Lights of one kind of reach, whose powers can be compared with each other. Those of two groups cannot: what a lamp
+// does to a point goes by its distance, which an environment does not have.
+enum Group : std::size_t { kLocal, kDirectional, kEnvironment, kGroupCount };
+
 struct LightList {
-  std::vector<gpu::Light> lights;
-  std::vector<double> powers;
+  std::vector<gpu::Light> lights;              // by group
+  std::vector<double> powers, areas;           // of triangles; areas of other lights are 0
+  std::array<std::size_t, kGroupCount> ends{}; // of the groups in `lights`
 };
 
-void add_light(const Scene& scene, LightList& list, const gpu::Light& light, double power) {
+void add_light(const Scene& scene, LightList& list, const gpu::Light& light, double power, double area = 0.0) {
   if (list.lights.size() == kMostLights)
     throw Error(scene.path, "has more than 67108864 lights", "use --direct bsdf, or fewer emissive triangles");
   list.lights.push_back(light);
   list.powers.push_back(power);
+  list.areas.push_back(area);
 }
 
 double world_area(const gpu::Triangle& triangle, const gpu::Instance* instance) {
@@ -54,9 +61,9 @@ std::uint64_t place_on_curve(const gpu::Triangle& triangle, const Object& object
 
 // Emissive items of the object, one copy of each triangle, sorted along a Z-curve: stratified random numbers then pick
 // stratified lights (in the order of the source, a sphere of 3,968 triangles has 1.9 times the noise). The order does
-// not depend on the tree, so neither does the picture.
-std::vector<std::uint32_t> list_shining(const Object& object, const std::vector<double>& densities,
-                                        const PackedScene& packed) {
+// not depend on the tree, so neither does the picture. Sets Triangle::light of all copies.
+std::vector<std::uint32_t> list_shining(const Object& object, const Emission& emission,
+                                        std::vector<gpu::Triangle>& triangles) {
   struct Shining {
     std::uint64_t place;
     std::uint32_t id, item;
@@ -64,32 +71,58 @@ std::vector<std::uint32_t> list_shining(const Object& object, const std::vector<
   };
   std::vector<Shining> all;
   for (std::uint32_t item = object.first_item; item < object.first_item + object.item_count; ++item) {
-    const gpu::Triangle& triangle = packed.triangles[item];
-    if (densities[item] > 0.0) all.push_back({place_on_curve(triangle, object), triangle.id, item});
+    const gpu::Triangle& triangle = triangles[item];
+    if (emission.firsts[item] != Emission::kDark) all.push_back({place_on_curve(triangle, object), triangle.id, item});
   }
   tbb::parallel_sort(all.begin(), all.end());
   std::vector<std::uint32_t> items;
-  for (std::size_t i = 0; i < all.size(); ++i)
-    if (i == 0 || all[i].id != all[i - 1].id) items.push_back(all[i].item);
+  std::uint64_t first = 0, end = 0;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const std::uint32_t item = all[i].item, level = emission.levels[item];
+    if (i == 0 || all[i].id != all[i - 1].id) {
+      items.push_back(item);
+      first = end;
+      end += std::uint64_t{1} << 2 * level;
+    }
+    triangles[item].light = level << 28 | static_cast<std::uint32_t>(first);
+  }
   return items;
 }
 
+// Light::part of parts 0, 1, ... of a triangle in n * n.
+struct PartCounter {
+  std::uint32_t n, row = 0, step = 0;
+  std::uint32_t next(std::uint32_t level) {
+    const std::uint32_t part = level << 28 | row << 14 | step; // the step along a row: column << 1 | inverted
+    if (++step == 2 * (n - row) - 1) ++row, step = 0;
+    return part;
+  }
+};
+
 void add_triangles(const Scene& scene, std::span<const Object> objects, std::span<const std::uint32_t> object_of,
-                   const std::vector<double>& densities, const PackedScene& packed, LightList& list) {
+                   const Emission& emission, PackedScene& packed, LightList& list) {
   std::vector<std::vector<std::uint32_t>> shining;
-  for (const Object& object : objects) shining.push_back(list_shining(object, densities, packed));
+  for (const Object& object : objects) shining.push_back(list_shining(object, emission, packed.triangles));
   std::vector<std::uint32_t> placed(packed.root_is_top ? object_of.size() : 1); // by the order of the source
   for (std::uint32_t i = 0; i < packed.instances.size(); ++i) placed[packed.instances[i].id] = i;
-  for (const std::uint32_t i : placed)
+  for (const std::uint32_t i : placed) {
+    if (packed.root_is_top) packed.instances[i].first_light = static_cast<std::uint32_t>(list.lights.size());
+    const gpu::Instance* instance = packed.root_is_top ? &packed.instances[i] : nullptr;
     for (const std::uint32_t item : shining[packed.root_is_top ? object_of[i] : 0]) {
       gpu::Light light{};
       light.kind = gpu::kLightTriangle;
       light.triangle = item;
       light.instance = i;
       light.triangle_id = packed.triangles[item].id;
-      const gpu::Instance* instance = packed.root_is_top ? &packed.instances[i] : nullptr;
-      add_light(scene, list, light, densities[item] * world_area(packed.triangles[item], instance));
+      const std::uint32_t level = emission.levels[item];
+      PartCounter parts{1u << level};
+      const double area = world_area(packed.triangles[item], instance) * std::exp2(-2.0 * level);
+      for (std::uint32_t part = 0; part < 1u << 2 * level; ++part) {
+        light.part = parts.next(level);
+        add_light(scene, list, light, emission.densities[emission.firsts[item] + part] * area, area);
+      }
     }
+  }
 }
 
 // KHR_lights_punctual's cosine falloff, clamp(cos * scale + offset, 0, 1)^2; returns its integral over the sphere.
@@ -104,8 +137,9 @@ double set_spot_falloff(const PunctualLight& source, gpu::Light& light) {
 }
 
 // KHR_lights_punctual's `range` is ignored: it is a hint for culling, and physical falloff has no limit.
-void add_punctual(const Scene& scene, const PackedScene& packed, double radius, LightList& list) {
+void add_punctual(const Scene& scene, const PackedScene& packed, bool directional, double radius, LightList& list) {
   for (const PunctualLight& source : scene.lights) {
+    if ((source.kind == LightKind::directional) != directional) continue;
     gpu::Light light{};
     light.intensity = source.intensity;
     light.position = source.position - packed.origin;
@@ -131,6 +165,24 @@ void add_punctual(const Scene& scene, const PackedScene& packed, double radius, 
   }
 }
 
+// Half of the picks go to the groups alike, half by power through the scene's bounding sphere: a distant light never
+// starves a lamp, however large the scene.
+std::vector<double> weigh(const LightList& list) {
+  std::array<double, kGroupCount> power{};
+  for (std::size_t i = 0, group = 0; i < list.powers.size(); ++i) {
+    while (i >= list.ends[group]) ++group;
+    power[group] += list.powers[i];
+  }
+  double total = 0.0, present = 0.0;
+  for (const double p : power) total += p, present += p > 0.0;
+  std::vector<double> weights = list.powers;
+  for (std::size_t i = 0, group = 0; i < weights.size(); ++i) {
+    while (i >= list.ends[group]) ++group;
+    if (weights[i] > 0.0) weights[i] *= 0.5 / total + 0.5 / (present * power[group]);
+  }
+  return weights;
+}
+
 } // namespace
 
 void pack_lights(Scene& scene, std::span<const Object> objects, std::span<const std::uint32_t> object_of,
@@ -142,9 +194,12 @@ void pack_lights(Scene& scene, std::span<const Object> objects, std::span<const 
   }
   const double radius = packed.radius > 0.0 ? packed.radius : 1.0;
   LightList list;
-  const std::vector<double> densities = emission_densities(packed);
-  if (!densities.empty()) add_triangles(scene, objects, object_of, densities, packed, list);
-  add_punctual(scene, packed, radius, list);
+  const Emission emission = find_emission(packed);
+  if (!emission.empty()) add_triangles(scene, objects, object_of, emission, packed, list);
+  add_punctual(scene, packed, false, radius, list);
+  list.ends[kLocal] = list.lights.size();
+  add_punctual(scene, packed, true, radius, list);
+  list.ends[kDirectional] = list.lights.size();
   const bool sample_environment =
       environment_integral > 0.0 && (!packed.environment.empty() || direct == gpu::kDirectNee);
   if (sample_environment) {
@@ -152,19 +207,18 @@ void pack_lights(Scene& scene, std::span<const Object> objects, std::span<const 
     light.kind = gpu::kLightEnvironment;
     add_light(scene, list, light, kPi * radius * radius * environment_integral);
   }
+  list.ends[kEnvironment] = list.lights.size();
 
-  const AliasTable table = build_alias_table(list.powers);
-  if (table.threshold.empty()) return;
-  const std::vector<double> probability = alias_probabilities(table);
+  const std::vector<std::uint32_t> ends = build_intervals(weigh(list));
+  if (ends.empty()) return;
   for (std::size_t i = 0; i < list.lights.size(); ++i) {
-    list.lights[i].probability = static_cast<float>(probability[i]);
-    list.lights[i].threshold = table.threshold[i];
-    list.lights[i].alias = table.alias[i];
+    const double probability = interval_probability(ends, i);
+    list.lights[i].probability = static_cast<float>(probability);
+    list.lights[i].end = ends[i];
+    if (list.areas[i] > 0.0) list.lights[i].pdf_area = static_cast<float>(probability / list.areas[i]);
   }
   if (sample_environment) packed.environment_probability = list.lights.back().probability;
   packed.lights = std::move(list.lights);
-  for (std::size_t t = 0; t < densities.size(); ++t)
-    packed.triangles[t].light_pdf = static_cast<float>(densities[t] / table.total);
 }
 
 } // namespace wavepath

@@ -146,7 +146,7 @@ PackedScene pack(Scene& scene, std::uint32_t direct, bvh::Quality quality, const
                        packed.dropped_triangles);
 
   pack_vertices(scene, layout.usage, streams, packed);
-  pack_lights(scene, objects, object_of, pack_environment(scene.environment, packed), direct, packed);
+  pack_lights(scene, objects, object_of, pack_environment(scene.environment, direct, packed), direct, packed);
   packed.features = find_features(scene, layout.usage, packed);
   packed.left_out = list_left_out(layout.usage, packed, direct);
   return packed;

@@ -1,5 +1,5 @@
-// The arrays that the kernels read: geometry in BVH leaf order around an origin near the eye, lights with their alias
-// table, texels, and the features that this scene needs.
+// The arrays that the kernels read: geometry in BVH leaf order around an origin near the eye, lights with their
+// intervals, texels, and the features that this scene needs.
 #pragma once
 
 #include <cstdint>
@@ -54,8 +54,8 @@ struct PackedScene {
   float environment_probability = 0.0f;
   double environment_rotation = 0.0;
   std::uint32_t environment_width = 0, environment_height = 0;
-  std::vector<glm::vec4> environment;        // radiance, probability of the texel
-  std::vector<glm::uvec2> environment_alias; // bits of the threshold, alias
+  std::vector<glm::vec4> environment;          // radiance, probability of the texel
+  std::vector<std::uint32_t> environment_ends; // intervals of the rows, then of the columns of each (see intervals.h)
 
   std::uint32_t features = 0; // kFeature bits
   std::vector<LeftOut> left_out;

@@ -49,7 +49,8 @@ Plan plan(const Scene& scene, bvh::Quality quality) {
   plan.node_bytes = nodes + placed;
   plan.vertex_bytes = streams.count() * stream;
   plan.texel_bytes = materials.textures.word_count * sizeof(std::uint32_t);
-  plan.environment_bytes = environment + environment / 2; // and its alias table
+  plan.environment_bytes =
+      environment + environment / 4 + scene.environment.height * sizeof(std::uint32_t); // and its distribution
   plan.light_bytes = (count_emitters(scene, usage) + scene.lights.size() + 1) * sizeof(gpu::Light);
   plan.largest_buffer = std::max(
       {triangles, corners, nodes, placed, streams.any() ? stream : 0, plan.texel_bytes, environment, plan.light_bytes});

@@ -1,0 +1,18 @@
+// Discrete distributions as intervals of the 32-bit integers, which kernels/intervals.glsl picks from.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace wavepath {
+
+// Ends of the intervals, in the order of the weights: u picks the first entry with u < end. The last one ends at
+// 2^32 - 1, where u is at most 2^32 - 2. An entry of weight zero has an empty interval and is never picked; every other
+// one has at least one integer. `weights`: finite, none negative, fewer than 2^31. Empty if they sum to zero.
+std::vector<std::uint32_t> build_intervals(std::span<const double> weights);
+
+// With which entry i is picked: exactly its share of the integers.
+double interval_probability(std::span<const std::uint32_t> ends, std::size_t i);
+
+} // namespace wavepath
