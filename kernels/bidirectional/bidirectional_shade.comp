@@ -48,14 +48,12 @@ float hit_weight(PathWeights weights, float connect_pdf, float start_pdf) {
 // Next-event estimation: true if there is a shadow ray worth tracing.
 bool connect_to_light(Vertex v, Sampler path_sampler, uint dimension, uint slot, vec3 throughput, PathWeights weights,
                       out ShadowRay ray) {
-  vec2 u = sample_2d(path_sampler, dimension + kDimensionLight);
-  vec2 u_pick = sample_2d(path_sampler, dimension + kDimensionLightPick);
-  LightSample light = sample_light(v.surface.position, u_pick, u);
+  LightSample light = sample_light(v.surface.position, sample_bits(path_sampler, dimension + kDimensionLight));
   if (max_component(light.radiance) <= 0.0 || !(light.pdf > 0.0)) return false;
   float forward, reverse;
   vec3 value = scatter_value(v, light.direction, forward, reverse);
   if (!(max_component(value) > 0.0)) return false;
-  float found = light_pdf_area(light, v.surface.position, surface_cosine(v, light.direction));
+  float found = start_pdf_area(light, v.surface.position, surface_cosine(v, light.direction));
   float by_chance = light.delta || !uses_technique(kTechniqueHit) ? 0.0 : square(forward / light.pdf);
   float weight = 1.0 / (1.0 + by_chance + nearer(weights, found, reverse, connects_behind()));
   ray.contribution = throughput * value * light.radiance * (weight / light.pdf);
@@ -93,8 +91,9 @@ vec3 connect_to_vertex(Vertex v, LightVertex at, uint slot, PathWeights weights,
 
 // Picks one of the slot's light vertices in proportion to what it would give (Talbot 2005), so that one ray does for all: true
 // if there is one worth tracing.
-bool connect_to_light_path(Vertex v, uint slot, uint dimension, vec3 throughput, PathWeights weights, out Connection c) {
-  float u = sample_2d(light_sampler(slot), dimension + kDimensionLightPick).x;
+bool connect_to_light_path(Vertex v, uint slot, vec3 throughput, PathWeights weights, out Connection c) {
+  uint dimension = bounce_dimension(frame.max_depth + 1u + wave.bounce); // beyond those of the light path itself
+  float u = sample_2d(light_sampler(slot), dimension).x;
   float total = 0.0, picked = 0.0;
   Surface target;
   uint count = light_counts[slot];
@@ -205,7 +204,8 @@ void follow(Ray ray, Hit hit, inout PathState path, out Wants wants, out Ray nex
   PathWeights weights = arrive(ray, offset, cosine);
   vec3 emitted = surface_emission(surface, material, v.front);
   if (hits && max_component(emitted) > 0.0) {
-    float weight = hit_weight(weights, surface.light_pdf, surface.light_pdf * triangle_direction_pdf(material, cosine));
+    float pdf = light_pdf_area(surface, hit);
+    float weight = hit_weight(weights, pdf, pdf * triangle_direction_pdf(material, cosine));
     add_radiance(path, slot, path.throughput * emitted * weight);
   }
 
@@ -216,7 +216,7 @@ void follow(Ray ray, Hit hit, inout PathState path, out Wants wants, out Ray nex
     if (uses_technique(kTechniqueLight))
       wants.shadow = connect_to_light(v, path_sampler, dimension, slot, path.throughput, weights, shadow);
     if (uses_technique(kTechniqueConnect))
-      wants.connection = connect_to_light_path(v, slot, dimension, path.throughput, weights, connection);
+      wants.connection = connect_to_light_path(v, slot, path.throughput, weights, connection);
   }
   wants.ray = scatter(v, path_sampler, dimension, slot, path, weights, next);
   store_weights(slot, weights);

@@ -35,7 +35,7 @@ float cone_pdf(Light light) { return 0.5 * kInvPi / (1.0 - cone_cosine(light)); 
 float disk_pdf() { return kInvPi / square(bidirectional.scene_radius); }
 
 void start_on_triangle(Light light, vec2 u_place, vec2 u_direction, inout LightStart start) {
-  vec2 weights = warp_triangle(u_place);
+  vec2 weights = weights_in_part(light.part, warp_triangle(u_place));
   Surface surface = fetch_surface(Hit(light.triangle, light.instance, weights.x, weights.y));
   Material material = fetch_material(surface.material);
   bool both = (material.flags & kMaterialDoubleSided) != 0u;
@@ -49,8 +49,8 @@ void start_on_triangle(Light light, vec2 u_place, vec2 u_direction, inout LightS
   start.origin = offset_ray_origin(surface.position, surface.position_error, surface.geometric_normal, start.direction);
   vec3 radiance = surface_emission(surface, material, front);
   if (has(kFeatureAlpha)) radiance *= opacity(material, base_color(material, surface.uv, surface.color).a);
-  start.light = radiance * (cosine / (surface.light_pdf * direction_pdf));
-  start.weights = PathWeights(1.0 / square(direction_pdf), square(cosine / (surface.light_pdf * direction_pdf)));
+  start.light = radiance * (cosine / (light.pdf_area * direction_pdf));
+  start.weights = PathWeights(1.0 / square(direction_pdf), square(cosine / (light.pdf_area * direction_pdf)));
 }
 
 void start_at_point(Light light, vec2 u_direction, inout LightStart start) {
@@ -79,29 +79,25 @@ void start_at_infinity(vec3 to_light, vec2 u_place, inout LightStart start) {
   start.weights = PathWeights(1.0 / square(disk_pdf()), 0.0);
 }
 
-uint pick_light_to_start(Sampler path_sampler) {
-  vec2 u = sample_2d(path_sampler, kDimensionLightPick);
-  return pick_light(u);
-}
-
 // False if the path begins without light.
 bool start_light_path(Sampler path_sampler, out LightStart start) {
   start = LightStart(vec3(0.0), vec3(0.0, 0.0, 1.0), vec3(0.0), PathWeights(0.0, 0.0), false);
-  vec2 u_place = sample_2d(path_sampler, kDimensionLight), u_direction = sample_2d(path_sampler, kDimensionDirection);
-  Light light = fetch_light(pick_light_to_start(path_sampler));
+  uvec2 u_light = sample_bits(path_sampler, kDimensionLight);
+  vec2 u = sample_2d(path_sampler, kDimensionDirection); // of the direction; where that is the light's, of the place
+  Light light = fetch_light(pick_light(u_light));
   if (has(kFeatureEnvironment) && light.kind == kLightEnvironment) {
-    LightSample s = sample_environment(u_direction);
-    start_at_infinity(s.direction, u_place, start);
+    LightSample s = sample_environment(u_light);
+    start_at_infinity(s.direction, u, start);
     start.light = s.radiance / (s.pdf * disk_pdf());
     start.weights.others = 1.0 / square(s.pdf * disk_pdf());
     if (!(s.pdf > 0.0)) return false;
   } else if (has(kFeatureTriangleLights) && light.kind == kLightTriangle) {
-    start_on_triangle(light, u_place, u_direction, start);
+    start_on_triangle(light, unit_float(u_light), u, start);
   } else if (has(kFeaturePunctualLights) && light.kind == kLightDirectional) {
-    start_at_infinity(light.direction, u_place, start);
+    start_at_infinity(light.direction, u, start);
     start.light = light.intensity / (light.probability * disk_pdf());
   } else if (has(kFeaturePunctualLights)) {
-    start_at_point(light, u_direction, start);
+    start_at_point(light, u, start);
   }
   if (!uses_technique(kTechniqueLight)) start.weights.connect = 0.0;
   if (!uses_technique(kTechniqueHit)) start.weights.others = 0.0;
@@ -110,7 +106,7 @@ bool start_light_path(Sampler path_sampler, out LightStart start) {
 }
 
 // Density per area, at a surface with the given cosine, with which a light path that begins where `s` ends would find it.
-float light_pdf_area(LightSample s, vec3 from, float cosine) {
+float start_pdf_area(LightSample s, vec3 from, float cosine) {
   if (s.distant) return disk_pdf() * cosine;
   Light light = fetch_light(s.light);
   vec3 offset = light.position - from;
