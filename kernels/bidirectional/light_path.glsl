@@ -7,10 +7,20 @@
 #include "kernels/emission.glsl"
 #include "kernels/pixel.glsl"
 
-// Light paths draw from dimensions of their own: those of a sampler with another seed.
+// Light paths draw from dimensions of their own: those of a sampler with another seed. As they do not belong to their pixels,
+// those of a whole picture share one Sobol sequence for each replicate: what they bring to a pixel is stratified however few a
+// pixel's own are.
 Sampler light_sampler(uint slot) {
   uvec2 pixel = slot_pixel(slot);
-  return make_sampler(frame.seed ^ 0x4c494748u, pixel.y * frame.width + pixel.x, slot_sample(slot), frame.sample_total);
+  uint seed = frame.seed ^ 0x4c494748u;
+  Sampler s = make_sampler(seed, pixel.y * frame.width + pixel.x, slot_sample(slot), frame.sample_total);
+  if (kSampler == kSamplerSobol) {
+    uint high, low, carry;
+    umulExtended(s.index, frame.width * frame.height, high, low);
+    s.index = uaddCarry(low, wave_pixel(slot % wave.pixel_count), carry);
+    s.scramble = pcg3d(uvec3(seed, high + carry, s.replicate + 0x80000000u)).x; // another sequence after 2^32 paths
+  }
+  return s;
 }
 
 struct LightStart {
