@@ -20,14 +20,11 @@ Sampler path_sampler;
 
 layout(local_size_x = kWorkgroupSize) in;
 
-// Rays of camera paths pass single-sided surfaces from behind. Light that goes the other way and meets such a front is seen
-// both there and by what lies behind it; so it passes at random.
+// Light that meets the front of a single-sided surface is seen both there and by what lies behind it; so it passes at random.
 const float kPassing = 1.0 / 8.0;
 
 bool is_passable(Hit hit, Surface surface, vec3 direction) {
-  if (hit.triangle == kNone) return false;
-  uint flags = floatBitsToUint(texelFetch(triangles, int(hit.triangle * kTriangleTexels)).w);
-  return (flags & kTriangleSingleSided) != 0u && dot(surface.geometric_normal, direction) < 0.0;
+  return is_single_sided(hit) && dot(surface.geometric_normal, direction) < 0.0;
 }
 
 void main() {

@@ -23,6 +23,11 @@ Sampler light_sampler(uint slot) {
   return s;
 }
 
+// Rays of camera paths pass single-sided surfaces from behind.
+bool is_single_sided(Hit hit) {
+  return has(kFeatureCull) && (floatBitsToUint(texelFetch(triangles, int(hit.triangle * kTriangleTexels)).w) & kTriangleSingleSided) != 0u;
+}
+
 struct LightStart {
   vec3 origin;
   vec3 direction;

@@ -147,6 +147,7 @@ void follow(Ray ray, Hit hit, inout PathState path, out bool wants_ray, out Ray 
   if (!(cosine > 0.0) || (has(kFeatureEmission) && (material.flags & kMaterialUnlit) != 0u)) return;
   vec3 offset = surface.position - ray.origin;
   Vertex v = make_vertex(surface, material, ray.direction);
+  if (!v.front && is_single_sided(hit)) return; // no camera path sees this side
   if (has(kFeatureVolume)) { // inside, whatever the path met before: a lamp may hang in the glass
     uint medium = !v.front && !v.bsdf.thin ? surface.material : path_media[ray.slot];
     path.throughput *= medium_transmittance(medium, length(offset));
