@@ -109,8 +109,8 @@ def count_processor(points):
 
 
 def measure(renderers, references, folder, reps, seconds, processor):
-    """One series a renderer: 1, 2, 4 ... samples a pixel, taking turns, till the last target or the limit, which is of the
-    processor's seconds where these count."""
+    """One series a renderer: 1, 2, 4 ... samples a pixel, taking turns, till the last target or the limit, which is of
+    the processor's seconds where these count."""
     binary = renderers[0].binary
 
     def relmse(picture, reference):
