@@ -134,15 +134,15 @@ def measure(renderers, references, folder, reps, seconds, processor):
             point = {"spp": spp, "seconds": statistics.median(r["seconds"] for r in done),
                      "relmse": statistics.fmean(r["relmse"] for r in done), "runs": done}
             if point["relmse"] < between[name] / 4:  # half the references' own error: too rough to tell less
-                print(f"  {name:9} {spp:5} spp: its references are too rough for more samples", file=sys.stderr)
-                running.discard(name)
-                if len(series[name]) >= 2:
-                    continue
                 point["relmse"] = between[name] / 4
+                if len(series[name]) >= 2:  # a slope needs two
+                    print(f"  {name:9} {spp:5} spp: its references are too rough for more samples", file=sys.stderr)
+                    running.discard(name)
+                    continue
             series[name].append(point)
             print(f"  {name:9} {spp:5} spp {point['seconds']:8.3f} s  relMSE {point['relmse']:.3e}", file=sys.stderr)
             took = min(r["processor"] for r in done) / os.cpu_count() if processor else point["seconds"]
-            if spp > 1 and (point["relmse"] < TARGETS[-1] or took > seconds):  # a slope needs two
+            if spp > 1 and (point["relmse"] < TARGETS[-1] or took > seconds):
                 running.discard(name)
         spp *= 2
     return series
