@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 
+#include "host/integrators/automatic/kind.h"
 #include "host/integrators/bidirectional/kind.h"
 #include "host/integrators/hybrid/kind.h"
 #include "host/integrators/path/kind.h"
@@ -11,7 +12,7 @@
 namespace wavepath {
 
 std::span<const IntegratorKind* const> integrators() {
-  static constexpr std::array kAll = {&kPath, &kBidirectional, &kHybrid, &kAo, &kWhitted};
+  static const std::array kAll = {&kPath, &automatic_integrator(), &kBidirectional, &kHybrid, &kAo, &kWhitted};
   return kAll;
 }
 

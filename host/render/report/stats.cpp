@@ -164,6 +164,17 @@ Json light_selection_json(const Run& run) {
   return selection;
 }
 
+// What --integrator auto tried, and took.
+Json choice_json(const IntegratorChoice& choice) {
+  Json trials = Json::array();
+  for (const Trial& trial : choice.trials)
+    trials.push_back({{"flags", trial.flags},
+                      {"cost", trial.cost},
+                      {"cost_ci95", {trial.lo, trial.hi}},
+                      {"missing_light", trial.missing}});
+  return {{"taken", choice.trials[choice.taken].flags}, {"seconds", choice.seconds}, {"trials", trials}};
+}
+
 Json stats_document(const Run& run) {
   const RenderResult& result = run.result;
   const RenderSettings& settings = run.settings;
@@ -184,6 +195,7 @@ Json stats_document(const Run& run) {
       {"seed", settings.seed},
       {"sampler", kSamplerNames[settings.sampler]},
       {"integrator", settings.integrator->name},
+      {"choice", run.choice ? choice_json(*run.choice) : Json()},
       {"max_depth", settings.max_depth},
       {"settings", settings_json(settings)},
       {"hybrid", settings.integrator->stats(settings, run.packed, result)},

@@ -183,7 +183,9 @@ std::vector<Setting> transport_rows() {
        .offered = kByRenderAndView | kByBench},
   };
   for (Setting& row : rows)
-    if (row.name == "integrator") row.study = choices_of(row);
+    if (row.name == "integrator")
+      for (const IntegratorKind* kind : integrators())
+        if (!kind->candidates) row.study.push_back(kind->name);
   return rows;
 }
 
