@@ -232,6 +232,7 @@ TEST_P(AnalyticBidirectional, FindsIt) {
   const Oracle oracle = read_oracle(GetParam());
   const std::vector<std::string> flags = oracle.render + std::vector<std::string>{"--integrator", "bidirectional"};
   const Picture first = render_scene(device(), GetParam(), flags + std::vector<std::string>{"--seed", "1"}).picture;
+  if (oracle.expected[0] == 0.0) return expect_every_pixel(first, oracle);
   expect_mean(first, render_scene(device(), GetParam(), flags + std::vector<std::string>{"--seed", "2"}).picture,
               oracle);
 }
