@@ -14,10 +14,9 @@
 #include "kernels/path/records.glsl"
 #include "kernels/pixel.glsl"
 #include "kernels/records.glsl"
-#include "kernels/surface.glsl"
+#include "kernels/shadow.glsl"
 
-Sampler path_sampler;
-#define ALPHA_TEST(hit) is_hole(hit, path_sampler, kHashConnect)
+#define ALPHA_TEST(hit) lets_light_through(hit)
 #define ANY_HIT
 #include "kernels/bvh.glsl"
 
@@ -27,12 +26,12 @@ void main() {
   uint index = gl_GlobalInvocationID.x;
   if (index >= connections.count) return;
   Connection ray = fetch_connection(index);
-  if (has(kFeatureAlpha)) path_sampler = slot_sampler(ray.slot);
+  begin_shadow();
   uint id = floatBitsToUint(texelFetch(triangles, int(ray.triangle * kTriangleTexels + 1u)).w);
   if (trace(ray.origin, ray.direction, 1.0, id, ray.instance).triangle != kNone) return;
   PathState path = fetch_path(ray.slot);
   if (!is_finite(path.radiance)) return; // another kernel has counted it
-  path.radiance += ray.contribution;
+  path.radiance += ray.contribution * light_passed();
   if (!is_finite(path.radiance)) count_nonfinite(kMakerConnect, ray.slot);
   store_radiance(ray.slot, path);
 }

@@ -9,6 +9,7 @@
 #define BIND_PATHS
 #define BIND_RAYS
 #define BIND_QUEUES
+#define SEES_UNLIT false // they take no light
 #include "kernels/bidirectional/bindings.glsl"
 #include "kernels/bidirectional/light_path.glsl"
 #include "kernels/path/records.glsl"

@@ -15,9 +15,10 @@
 #include "kernels/bidirectional/records.glsl"
 #include "kernels/film/splat.glsl"
 #include "kernels/path/nonfinite.glsl"
+#define SHADOW_SEES_UNLIT true
+#include "kernels/shadow.glsl"
 
-Sampler path_sampler;
-#define ALPHA_TEST(hit) is_hole(hit, path_sampler, kHashConnect)
+#define ALPHA_TEST(hit) lets_light_through(hit)
 #define ANY_HIT
 #include "kernels/bvh.glsl"
 
@@ -29,11 +30,12 @@ void main() {
   Connection ray = fetch_connection(index);
   uint pixel = ray.pixel - wave.first_film_pixel, band_pixels = wave.sample_count;
   if (pixel >= band_pixels) return;
-  if (has(kFeatureAlpha)) path_sampler = light_sampler(ray.slot);
+  begin_shadow();
   uint id = floatBitsToUint(texelFetch(triangles, int(ray.triangle * kTriangleTexels + 1u)).w);
   if (trace(ray.origin, ray.direction, 1.0, id, ray.instance).triangle != kNone) return;
-  if (max_component(ray.contribution) < kLargestSplat)
-    splat(pixel * kReplicates + slot_sample(ray.slot) % kReplicates, ray.contribution);
+  vec3 light = ray.contribution * light_passed();
+  if (max_component(light) < kLargestSplat)
+    splat(pixel * kReplicates + slot_sample(ray.slot) % kReplicates, light);
   else
     count_nonfinite(kMakerConnect, ray.slot);
 }

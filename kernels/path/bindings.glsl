@@ -13,6 +13,15 @@ layout(set = 0, binding = kBindPathMedia, std430) buffer PathMediaBlock { uint p
 layout(set = 0, binding = kBindPathAovs, std430) buffer PathAovBlock { PathAovs path_aovs[]; };
 #endif
 
+#ifdef BIND_RECEIVERS
+layout(set = 0, binding = kBindReceivers, std430) writeonly buffer ReceiverBlock { uvec4 receiver_words[]; };
+layout(set = 0, binding = kBindReceiverTexels) uniform usamplerBuffer receiver_texels;
+#endif
+
+#ifdef BIND_LIGHT_SUMS
+layout(set = 0, binding = kBindLightSums, std430) buffer LightSumBlock { uint light_sums[]; };
+#endif
+
 #ifdef BIND_RAYS
 layout(set = 0, binding = kBindRays, std430) writeonly buffer RayBlock { uvec4 ray_words[]; };
 layout(set = 0, binding = kBindRayTexels) uniform samplerBuffer ray_texels;
@@ -27,6 +36,12 @@ layout(set = 0, binding = kBindShadowRayTexels) uniform usamplerBuffer shadow_ra
 
 #ifdef BIND_QUEUES
 layout(set = 0, binding = kBindQueues, std430) buffer QueueBlock { Queues queues; };
+#endif
+
+#ifdef BIND_GUIDE
+layout(set = 0, binding = kBindGuideTree) uniform usamplerBuffer guide_tree;
+layout(set = 0, binding = kBindGuideMaps) uniform samplerBuffer guide_maps;
+layout(set = 0, binding = kBindGuideRecords, std430) buffer GuideRecordBlock { vec4 guide_records[]; };
 #endif
 
 #ifdef BIND_SEEN

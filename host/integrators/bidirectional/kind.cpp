@@ -41,6 +41,7 @@ constinit const IntegratorKind kBidirectional = {
     .summary = "paths from the camera and from the lights, joined in every way",
     .settings = kSettings,
     .lacks_aovs = kLackedAovs,
+    .walks_light_tree = false,
     .splats = true,
     .measures_depth_cut = true,
     .first_hit_stages = kFirstHitStages,

@@ -3,11 +3,14 @@
 #include <array>
 #include <cstddef>
 
+#include "host/integrators/path/guiding.h"
+#include "host/integrators/path/light_rows.h"
 #include "kernels/path/accumulate.spv.h"
 #include "kernels/path/advance.spv.h"
 #include "kernels/path/connect.spv.h"
 #include "kernels/path/extend.spv.h"
 #include "kernels/path/generate.spv.h"
+#include "kernels/path/guide_note.spv.h"
 #include "kernels/path/shade.spv.h"
 
 namespace wavepath {
@@ -18,11 +21,12 @@ const std::array<KernelCode, kPathStageCount> kStages = {{{"generate", wavepath_
                                                           {"extend", wavepath_extend_spv},
                                                           {"shade", wavepath_shade_spv},
                                                           {"connect", wavepath_connect_spv},
-                                                          {"accumulate", wavepath_accumulate_spv}}};
+                                                          {"accumulate", wavepath_accumulate_spv},
+                                                          {"guide note", wavepath_guide_note_spv}}};
 
 // Shade takes as long to compile as all others together.
-constexpr std::array<std::size_t, kPathStageCount> kCompileOrder = {kShade,    kExtend,     kConnect,
-                                                                    kGenerate, kAccumulate, kAdvance};
+constexpr std::array<std::size_t, kPathStageCount> kCompileOrder = {kShade,      kExtend,  kConnect,  kGenerate,
+                                                                    kAccumulate, kAdvance, kGuideNote};
 
 using enum BindingKind;
 
@@ -31,6 +35,15 @@ const std::vector<BufferRule> kRules = {
     {"path states",
      [](const Extent& e) { return e.slots * sizeof(gpu::PathState); },
      {{gpu::kBindPaths, storage}, {gpu::kBindPathTexels, texels_rgba32f}}},
+    {"receivers of light",
+     [](const Extent& e) { return e.features & gpu::kFeatureLightTree ? e.slots * sizeof(glm::uvec4) : 0; },
+     {{gpu::kBindReceivers, storage}, {gpu::kBindReceiverTexels, texels_rgba32ui}}},
+    {"learned shares of lights",
+     [](const Extent& e) { return e.features & gpu::kFeatureLightRows ? kLightRowBytes : 0; },
+     {{gpu::kBindLightRows, texels_r32ui}}},
+    {"sums of the light pilot",
+     [](const Extent& e) { return e.options & kRoomForLightSums ? kLightSumBytes : 0; },
+     {{gpu::kBindLightSums, storage}}},
     {"path media",
      [](const Extent& e) { return e.features & gpu::kFeatureVolume ? e.slots * sizeof(std::uint32_t) : 0; },
      {{gpu::kBindPathMedia, storage}}},
@@ -52,11 +65,21 @@ const std::vector<BufferRule> kRules = {
     {"light seen directly",
      [](const Extent& e) { return e.options & kRoomForSeen ? e.pixels * sizeof(gpu::vec4) : 0; },
      {{gpu::kBindSeen, storage}}},
+    {"guide tree",
+     [](const Extent& e) { return e.options & kRoomForGuide ? kGuideTreeBytes : 0; },
+     {{gpu::kBindGuideTree, texels_rgba32ui}}},
+    {"guide maps",
+     [](const Extent& e) { return e.options & kRoomForGuide ? kGuideMapBytes : 0; },
+     {{gpu::kBindGuideMaps, texels_rgba32f}}},
+    {"guide records",
+     [](const Extent& e) { return e.options & kRoomForGuideRecords ? kGuideRecordBytes : 0; },
+     {{gpu::kBindGuideRecords, storage}}},
 };
 
 } // namespace
 
 const KernelProgram kPathProgram = {kStages, kCompileOrder, path_layout};
+const KernelProgram kGuidePilotProgram = {kStages, kCompileOrder, path_layout};
 
 std::vector<Binding> path_layout() {
   std::vector<Binding> layout = workspace_layout();
@@ -72,9 +95,13 @@ std::uint32_t film_features(const RenderSettings& settings) { return settings.ao
 
 std::uint64_t bytes_per_path(std::uint32_t features, std::uint32_t options) {
   std::uint64_t bytes = 0;
-  for (const BufferRule& rule : kRules)
-    bytes += rule.bytes({.pixels = 0, .slots = 1, .features = features, .options = options});
-  return bytes - sizeof(gpu::Queues);
+  for (const BufferRule& rule : kRules) {
+    const auto of = [&](std::uint64_t slots) {
+      return rule.bytes({.pixels = 0, .slots = slots, .features = features, .options = options});
+    };
+    bytes += of(1) - of(0);
+  }
+  return bytes;
 }
 
 Paths::Paths(Workspace& workspace, KernelCompiler& kernels)

@@ -39,6 +39,8 @@ gpu::Frame make_frame(const PackedScene& scene, const View& view, const RenderSe
   frame.sample_total = settings.sample_total > 0 ? settings.sample_total : settings.last_sample;
   frame.slot_count = slots;
   frame.scene_features = scene.features;
+  if (settings.lights == gpu::kLightsPower) frame.scene_features &= ~gpu::kFeatureLightTree;
+  frame.local_light_count = scene.local_light_count;
   return frame;
 }
 
@@ -79,10 +81,7 @@ bool Workspace::fit(const RenderSettings& settings, std::uint32_t features) {
   return moved;
 }
 
-void Workspace::set_seed(std::uint32_t seed) {
-  frame.seed = seed;
-  frame_buffer_.write(&frame, sizeof(frame));
-}
+void Workspace::send_frame() { frame_buffer_.write(&frame, sizeof(frame)); }
 
 void Workspace::set_runs(std::vector<std::uint32_t> runs) {
   runs_ = std::move(runs);

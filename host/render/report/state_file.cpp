@@ -1,5 +1,6 @@
 // Layout: magic, then the length of a JSON document and the document, the film's pixels, its AOVs, its splats, and the
-// hash of all before it. Numbers are as the machine has them (little-endian on everything that Vulkan drivers exist for).
+// hash of all before it. Numbers are as the machine has them (little-endian on everything that Vulkan drivers exist
+// for).
 #include "host/render/report/state_file.h"
 
 #include <array>

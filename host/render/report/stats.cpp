@@ -99,6 +99,12 @@ Json json(const Setting& row, const RenderSettings& settings) {
   return is_number ? Json::parse(text) : Json(text);
 }
 
+Json guide_json(const std::optional<GuideReport>& guide) {
+  if (!guide) return nullptr;
+  return {{"used", guide->used},     {"variance", guide->variance}, {"probability", guide->probability},
+          {"leaves", guide->leaves}, {"bytes", guide->bytes},       {"pilot_paths", guide->pilot_paths}};
+}
+
 // Every row of the table by its name with '_' for '-'; null where it is not set, or not taken by the integrator.
 Json settings_json(const RenderSettings& settings) {
   Json object = Json::object();
@@ -139,6 +145,25 @@ Json bvh_json(const PackedScene& packed) {
            static_cast<double>(bytes) / static_cast<double>(std::max<std::uint64_t>(packed.triangles_stored, 1))}};
 }
 
+// How next-event estimation chose among lights; null where it samples none.
+Json light_selection_json(const Run& run) {
+  const PackedScene& packed = run.packed;
+  if (packed.lights.empty()) return nullptr;
+  const RenderSettings& settings = run.settings;
+  const bool tree =
+      !packed.light_tree.empty() && takes(*settings.integrator, "lights") && settings.lights != gpu::kLightsPower;
+  if (!tree) return {{"by", "power"}};
+  Json selection = {{"by", run.result.light_pilot.rows > 0 ? "learned" : "tree"},
+                    {"nodes", packed.local_light_count - 1},
+                    {"depth", packed.light_tree_depth},
+                    {"bytes", packed.light_tree.size() * sizeof(packed.light_tree[0])}};
+  if (run.result.light_pilot.rows > 0)
+    selection.update({{"cells", run.result.light_pilot.rows},
+                      {"pilot_paths", run.result.light_pilot.paths},
+                      {"pilot_seconds", run.result.light_pilot.seconds}});
+  return selection;
+}
+
 Json stats_document(const Run& run) {
   const RenderResult& result = run.result;
   const RenderSettings& settings = run.settings;
@@ -162,12 +187,14 @@ Json stats_document(const Run& run) {
       {"max_depth", settings.max_depth},
       {"settings", settings_json(settings)},
       {"hybrid", settings.integrator->stats(settings, run.packed, result)},
+      {"guide", guide_json(result.guide)},
       {"device",
        {{"name", run.device.name}, {"driver", run.device.driver}, {"type", run.device.type}, {"api", run.device.api}}},
       {"size", {settings.width, settings.height}},
       {"spp", result.spp},
       {"triangles", run.packed.triangle_count},
       {"lights", run.packed.lights.size()},
+      {"light_selection", light_selection_json(run)},
       {"seconds", seconds_json(run)},
       {"bvh", bvh_json(run.packed)},
       {"rays", to_json(result.rays)},
