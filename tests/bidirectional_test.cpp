@@ -74,9 +74,10 @@ void add_shining_quad(Scene& scene, float size = 1.0f) {
   Material shining = plain_material();
   shining.emission = {6.0f, 5.0f, 4.0f};
   scene.materials.push_back(shining);
-  add_instance(scene,
-               add_mesh(scene, quad({-0.4f * size, 1.4f, 0.2f}, {0.3f * size, 1.4f, 0.2f}, {0.3f * size, 1.6f, 0.8f * size}, {-0.4f * size, 1.6f, 0.8f * size}),
-                        static_cast<std::uint32_t>(scene.materials.size() - 1)));
+  add_instance(scene, add_mesh(scene,
+                               quad({-0.4f * size, 1.4f, 0.2f}, {0.3f * size, 1.4f, 0.2f},
+                                    {0.3f * size, 1.6f, 0.8f * size}, {-0.4f * size, 1.6f, 0.8f * size}),
+                               static_cast<std::uint32_t>(scene.materials.size() - 1)));
 }
 
 void add_box(Scene& scene, glm::vec3 lo, glm::vec3 hi, std::uint32_t material) {
@@ -124,8 +125,9 @@ std::array<double, kParts> parts_of(const Picture& picture) {
   std::array<double, kParts> parts{};
   for (std::uint32_t i = 0; i < picture.width * picture.height; ++i) {
     const std::uint32_t x = i % picture.width * 3 / picture.width, y = i / picture.width * 2 / picture.height;
-    const double value = (picture.channels[0].values[i] + picture.channels[1].values[i] + picture.channels[2].values[i]) /
-                         (picture.width * picture.height);
+    const double value =
+        (picture.channels[0].values[i] + picture.channels[1].values[i] + picture.channels[2].values[i]) /
+        (picture.width * picture.height);
     parts[0] += value;
     parts[1 + 3 * y + x] += 6.0 * value;
   }
@@ -173,7 +175,6 @@ protected:
       const double error = std::sqrt(a.variance[i] + b.variance[i]);
       EXPECT_NEAR(a.mean[i], b.mean[i], 4.6 * error + 1e-5 * b.mean[i]) << "part " << i << ", error " << error;
       EXPECT_LT(error, noise * b.mean[i]) << "part " << i << ": too much noise to tell";
-
     }
   }
   // Each set of techniques gives what path tracing gives.
@@ -198,7 +199,7 @@ TEST_F(BidirectionalTest, FindsTheLightOfTheCornellBoxInEveryWay) {
 // What none but its own technique can find: the others are left out one by one.
 TEST_F(BidirectionalTest, FindsTheLightOfAQuad) {
   Scene scene = corner();
-  add_shining_quad(scene);
+  add_shining_quad(scene, 2.5f);
   expect_path_light(std::move(scene), 3, {gpu::kTechniquesAll, kHit, kHit | kLight | kSplat, kHit | kConnect | kSplat});
 }
 
@@ -227,7 +228,7 @@ TEST_F(BidirectionalTest, FindsTheLightOfManyLightsAtOnce) {
 
 TEST_F(BidirectionalTest, AnOrthographicCameraSeesTheSameLight) {
   Scene scene = corner(true);
-  add_shining_quad(scene);
+  add_shining_quad(scene, 2.5f);
   expect_path_light(std::move(scene), 3, {gpu::kTechniquesAll, kHit | kSplat, kHit | kConnect | kLight});
 }
 
