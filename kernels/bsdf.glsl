@@ -215,25 +215,29 @@ bool sample_facets(Bsdf b, Lobes l, vec3 wo, float u_lobe, vec2 u, inout BsdfSam
   return refract_direction(wo, h, l.surface.eta, s.wi) && s.wi.z < 0.0;
 }
 
-// Draws wi; false if the path ends here (absorbed, or scattered into the wrong side by a single bounce between
-// microfacets).
+// Draws wi from the lobes of which there are any; false if the path ends here (absorbed, or scattered into the wrong
+// side by a single bounce between microfacets). `delta`: the lobe is a delta lobe; only then are s.pdf and s.weight set.
+bool bsdf_sample_direction(Bsdf b, Lobes l, vec3 wo, float u_lobe, vec2 u, out BsdfSample s, out bool delta) {
+  s = BsdfSample(vec3(0.0, 0.0, 1.0), vec3(0.0), 0.0, 1.0, false);
+  delta = false;
+  if (l.diffuse_probability + l.facet_probability == 0.0) return false;
+  if (!kMicrofacets || u_lobe >= l.facet_probability) {
+    s.wi = kHemisphere == kHemisphereUniform ? warp_uniform_hemisphere(u) : warp_cosine_hemisphere(u);
+    return true;
+  }
+  if (!sample_facets(b, l, wo, min(u_lobe / l.facet_probability, kOneMinusEpsilon), u, s, delta)) return false;
+  if (delta) s.pdf = -1.0;
+  return true;
+}
+
+// Draws wi; false if the path ends here.
 bool bsdf_sample(Bsdf b, vec3 wo, float u_lobe, vec2 u, out BsdfSample s) {
   s = BsdfSample(vec3(0.0, 0.0, 1.0), vec3(0.0), 0.0, 1.0, false);
   if (!(wo.z > 0.0)) return false;
   Lobes l = lobes_of(b, wo);
-  if (l.diffuse_probability + l.facet_probability == 0.0) return false;
-
-  if (!kMicrofacets || u_lobe >= l.facet_probability) {
-    s.wi = kHemisphere == kHemisphereUniform ? warp_uniform_hemisphere(u) : warp_cosine_hemisphere(u);
-  } else {
-    bool delta = false;
-    bool valid = sample_facets(b, l, wo, min(u_lobe / l.facet_probability, kOneMinusEpsilon), u, s, delta);
-    if (!valid) return false;
-    if (delta) {
-      s.pdf = -1.0;
-      return true;
-    }
-  }
+  bool delta;
+  if (!bsdf_sample_direction(b, l, wo, u_lobe, u, s, delta)) return false;
+  if (delta) return true;
   vec3 value = eval_lobes(b, l, wo, s.wi, s.pdf);
   if (!(s.pdf > 0.0) || !is_finite(s.pdf)) return false;
   bool cancels = is_lambert(b) && kHemisphere == kHemisphereCosine; // f cos / pdf, with no need to round

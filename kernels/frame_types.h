@@ -38,7 +38,7 @@ struct Frame {
   uint slot_count;     // capacity of one ray queue
   uint scene_features; // kFeature bits that the scene has data for, whatever the kernels were compiled with
   uint local_light_count; // triangles, points and spots, which come first among the lights
-  float light_sum_scale;  // radiance to units of the sums of a pilot (kFeatureLightPilot)
+  float light_sum_scale;  // radiance to units of the sums of a pilot (kFeatureLearning)
   uint pad0;
   uint pad1;
   uint pad2;

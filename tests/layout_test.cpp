@@ -166,6 +166,10 @@ TEST(Layout, PathsAndQueues) {
   compare("ShadowRay", sizeof(ShadowRay),
           {AT(ShadowRay, origin), AT(ShadowRay, slot), AT(ShadowRay, direction), AT(ShadowRay, t_max),
            AT(ShadowRay, contribution), AT(ShadowRay, light)});
+  compare("GuideRecord", sizeof(GuideRecord),
+          {AT(GuideRecord, position), AT(GuideRecord, pdf), AT(GuideRecord, direction), AT(GuideRecord, bsdf_pdf),
+           AT(GuideRecord, throughput), AT(GuideRecord, before), AT(GuideRecord, after), AT(GuideRecord, share)});
+  compare("GuideNode", sizeof(GuideNode), {AT(GuideNode, splits), AT(GuideNode, links)});
   compare("Queues", sizeof(Queues),
           {AT(Queues, ray_count), AT(Queues, shadow_count), AT(Queues, extend_groups), AT(Queues, connect_groups)});
   compare("Counters", sizeof(Counters),

@@ -27,7 +27,7 @@ namespace {
 std::map<std::string, std::string> members(const RenderSettings& settings) {
   const auto& [integrator, width, height, first_sample, last_sample, sample_total, time_limit, target_error, max_depth,
                sampler, hemisphere, direct, filter, seed, shadow_samples, ao_samples, ao_radius, ambient, branching,
-               cutoff, denoise, antialias_over_time, lights, adaptive, specialize, aovs, added_features,
+               cutoff, denoise, antialias_over_time, lights, adaptive, guide, specialize, aovs, added_features,
                removed_features, room_for_shadow_rays, wave_slots] = settings;
   const auto text = [](const auto& value) { return fmt::format("{}", value); };
   return {{"integrator", std::string(integrator->name)},
@@ -54,6 +54,7 @@ std::map<std::string, std::string> members(const RenderSettings& settings) {
           {"antialias_over_time", text(antialias_over_time)},
           {"lights", text(lights)},
           {"adaptive", text(adaptive)},
+          {"guide", text(guide)},
           {"specialize", text(specialize)},
           {"aovs", fmt::format("{}", fmt::join(aovs, ","))},
           {"added_features", text(added_features)},

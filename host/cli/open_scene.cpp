@@ -48,9 +48,11 @@ void require_memory_for(const std::string& path, const RenderSettings& settings,
   const std::uint64_t pixels = std::uint64_t{settings.width} * settings.height;
   const std::uint64_t film =
       pixels * (gpu::kReplicates * sizeof(gpu::FilmPixel) + (settings.aovs.empty() ? 0 : sizeof(gpu::FilmAovs)));
-  const std::uint64_t frames = pixels * settings.integrator->bytes_per_pixel(settings);
+  const IntegratorKind& kind = *settings.integrator;
+  const std::uint64_t extra = kind.extra_bytes ? kind.extra_bytes(settings) : 0;
+  const std::uint64_t frames = pixels * kind.bytes_per_pixel(settings) + extra;
   const bool learns = plan.light_tree_bytes > 0 && (features_of(settings) & gpu::kFeatureLightRows) != 0;
-  const std::uint64_t lesson = learns ? settings.integrator->light_lesson_bytes : 0;
+  const std::uint64_t lesson = learns ? kind.light_lesson_bytes : 0;
   const std::uint64_t picture = pixels * sizeof(float) * (4 + 3 * settings.aovs.size());
   const std::uint64_t copies = device.type == "cpu" ? 2 : 1;
   require_memory(path, fmt::format("rendering it at {}x{}", settings.width, settings.height),

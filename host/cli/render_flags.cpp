@@ -217,6 +217,8 @@ void check_replay(const RenderRequest& request) {
   if (request.pixel.has_value() != request.sample.has_value())
     throw UsageError(request.pixel ? "--pixel" : "--sample", "names no path alone", "give --pixel X,Y and --sample N");
   if (!request.pixel) return;
+  if (settings.guide)
+    throw UsageError("--pixel", "replays paths without a guiding field, which are others", "leave out --guide");
   if (request.pixel->x >= settings.width || request.pixel->y >= settings.height)
     throw UsageError(
         "--pixel",

@@ -38,6 +38,12 @@ layout(set = 0, binding = kBindShadowRayTexels) uniform usamplerBuffer shadow_ra
 layout(set = 0, binding = kBindQueues, std430) buffer QueueBlock { Queues queues; };
 #endif
 
+#ifdef BIND_GUIDE
+layout(set = 0, binding = kBindGuideTree) uniform usamplerBuffer guide_tree;
+layout(set = 0, binding = kBindGuideMaps) uniform samplerBuffer guide_maps;
+layout(set = 0, binding = kBindGuideRecords, std430) buffer GuideRecordBlock { vec4 guide_records[]; };
+#endif
+
 #ifdef BIND_SEEN
 layout(set = 0, binding = kBindSeen, std430) buffer SeenBlock { vec4 seen[]; };
 #endif

@@ -64,7 +64,7 @@ void main() {
     target_instance = light.instance;
   }
   bool blocked = trace(ray.origin, ray.direction, ray.t_max, target, target_instance).triangle != kNone;
-  if (has(kFeatureLightPilot)) tally(ray, blocked);
+  if (has(kFeatureLearning)) tally(ray, blocked);
   if (blocked) return;
   // One shadow ray a path and bounce: no other lane writes this slot.
   PathState path = fetch_path(ray.slot);

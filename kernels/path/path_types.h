@@ -25,6 +25,9 @@ GPU_CONSTANT uint kBindShadowRayTexels = 30u; // texels RGBA32UI
 GPU_CONSTANT uint kBindReceivers = 59u;      // storage uvec4[], one a slot (kFeatureLightTree): position and packed normal of
                                              // the vertex that the path was scattered at
 GPU_CONSTANT uint kBindReceiverTexels = 60u; // texels RGBA32UI
+GPU_CONSTANT uint kBindGuideTree = 61u;    // texels RGBA32UI: nodes of the tree over space (kFeatureGuide)
+GPU_CONSTANT uint kBindGuideMaps = 62u;    // texels RGBA32F: densities of its leaves
+GPU_CONSTANT uint kBindGuideRecords = 63u; // storage vec4[]: GuideRecord[] (kFeatureLearning)
 
 struct PathState {
   vec3 throughput;
@@ -55,6 +58,37 @@ struct Queues {
   uint pad2;
 };
 GPU_CHECK(sizeof(Queues) == 48);
+
+// ---- guiding: kernels/path/guide.glsl -------------------------------------------------------------------------------
+
+// A vertex at which a path of the pilot scattered.
+struct GuideRecord {
+  vec3 position;
+  float pdf; // of the direction, by all techniques; negative: a delta lobe; 0: the path ended here, nothing else is set
+  vec3 direction;
+  float bsdf_pdf;   // by the BSDF alone
+  float throughput; // luminance, the scattering included
+  float before;     // luminance that the path had gathered when it arrived at its next vertex
+  float after;      // luminance that the whole path gathered
+  float share;      // of the BSDF that can be guided
+};
+GPU_CHECK(sizeof(GuideRecord) == 48);
+GPU_CONSTANT uint kGuideBounces = 8u; // that are noted of a path; record of bounce b of path p: p * kGuideBounces + b
+
+// Two levels of a binary tree, read with one fetch: the first split, that of its lower half and that of its upper half;
+// their axes in pairs of bits of `links`, and above those the index of the first of four children. Where the first axis
+// is kGuideLeafAxis it is a leaf: its number stands there instead, and splits.x is the probability of guiding.
+struct GuideNode {
+  vec3 splits;
+  uint links;
+};
+GPU_CHECK(sizeof(GuideNode) == 16);
+GPU_CONSTANT uint kGuideLeafAxis = 3u, kGuideLinkShift = 6u;
+
+// The map of a leaf is a pyramid: level l has 4^l quads, each with the densities per solid angle of its 2x2 cells.
+GPU_CONSTANT uint kGuideLevels = 5u;
+GPU_CONSTANT uint kGuideMapQuads = ((1u << (2u * kGuideLevels)) - 1u) / 3u;
+GPU_CONSTANT uint kGuideSide = 1u << kGuideLevels; // cells along an edge of the finest level
 
 #ifdef __cplusplus
 } // namespace wavepath::gpu

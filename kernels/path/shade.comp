@@ -15,9 +15,11 @@
 #define BIND_QUEUES
 #define BIND_COUNTERS
 #define BIND_SEEN
+#define BIND_GUIDE
 #include "kernels/path/bindings.glsl"
 #include "kernels/dimensions.glsl"
 #include "kernels/emission.glsl"
+#include "kernels/path/guide.glsl"
 #include "kernels/path/nonfinite.glsl"
 #include "kernels/path/queue.glsl"
 #include "kernels/path/records.glsl"
@@ -26,6 +28,8 @@
 #include "kernels/vertex.glsl"
 
 layout(local_size_x = kWorkgroupSize) in;
+
+Guide guide; // of the vertex being shaded
 
 // Next-event estimation: true if there is a shadow ray worth tracing.
 bool connect_to_light(Vertex v, Receiver receiver, Sampler path_sampler, uint dimension, uint slot, vec3 throughput,
@@ -36,6 +40,7 @@ bool connect_to_light(Vertex v, Receiver receiver, Sampler path_sampler, uint di
   float bsdf_pdf;
   vec3 wo = to_local(v.wo, v.tangent, v.bitangent, v.normal);
   vec3 scattered = bsdf_eval(v.bsdf, wo, to_local(light.direction, v.tangent, v.bitangent, v.normal), bsdf_pdf);
+  if (has(kFeatureGuide)) bsdf_pdf = guided_pdf(guide, bsdf_pdf, light.direction);
   float weight = light.delta || kDirect == kDirectNee ? 1.0 : mis_weight(light.pdf, bsdf_pdf);
   ray.contribution = throughput * scattered * light.radiance * (weight / light.pdf);
   if (has(kFeatureVolume)) {
@@ -58,23 +63,31 @@ bool scatter(Vertex v, Sampler path_sampler, uint dimension, uint slot, inout Pa
   vec2 u = sample_2d(path_sampler, dimension + kDimensionDirection);
   vec2 u_choice = sample_2d(path_sampler, dimension + kDimensionChoice);
   BsdfSample s;
-  if (!bsdf_sample(v.bsdf, to_local(v.wo, v.tangent, v.bitangent, v.normal), u_choice.x, u, s)) return false;
+  vec3 wo = to_local(v.wo, v.tangent, v.bitangent, v.normal);
+  float bsdf_pdf;
+  if (has(kFeatureGuide)) {
+    if (!guided_sample(v.bsdf, guide, wo, v.tangent, v.bitangent, v.normal, u_choice.x, u, s, bsdf_pdf)) return false;
+  } else if (!bsdf_sample(v.bsdf, wo, u_choice.x, u, s)) return false;
   vec3 wi = normalize(to_world(s.wi, v.tangent, v.bitangent, v.normal));
   if (!sides_agree(v, wi)) return false;
 
   path.throughput *= s.weight;
   path.bsdf_pdf = s.pdf;
   path.eta_scale *= s.eta_scale;
+  // Roulette goes by the throughput that the BSDF alone would give: a guided path towards the light has little of it.
+  if (has(kFeatureGuide)) path.eta_scale *= s.pdf < 0.0 ? 1.0 - guide.probability : s.pdf / max(bsdf_pdf, 1e-6 * s.pdf);
   // Russian roulette from the third bounce on, by the root of what the path can still carry. By the plain value and
   // from the second on, as pbrt-v4 has it (section 13.2.1), it ends paths that have cost much and would still bring
   // light: time times relMSE is 0.82 of that on a Cornell box, 0.74 on Sponza, 0.2 on DamagedHelmet under a studio
   // environment (llvmpipe).
   float survival = sqrt(max_component(path.throughput) * path.eta_scale);
-  if (survival < 1.0 && wave.bounce > 1u) {
+  if (survival < 1.0 && wave.bounce > 1u && !has(kFeatureLearning)) {
     if (!(u_choice.y < survival)) return false;
     path.throughput /= survival;
   }
   if (!(max_component(path.throughput) > 0.0)) return false;
+  if (has(kFeatureLearning))
+    note_scattering(wave.first_pixel + slot, wave.bounce, guide, v.surface.position, wi, s.pdf, bsdf_pdf, path.throughput);
 
   if (has(kFeatureVolume) && s.transmitted && !v.bsdf.thin) path_media[slot] = medium_behind(v);
   ray = Ray(offset_ray_origin(v.surface.position, v.surface.position_error, v.surface.geometric_normal, wi), slot, wi, kFar);
@@ -153,6 +166,7 @@ void follow(Ray ray, Hit hit, inout PathState path, out bool wants_ray, out Ray 
   }
 
   if (wave.bounce < frame.max_depth) {
+    if (has(kFeatureGuide)) guide = bsdf_has_smooth(v.bsdf) ? find_guide(v.bsdf, to_local(v.wo, v.tangent, v.bitangent, v.normal), v.surface.position) : no_guide();
     Sampler path_sampler = slot_sampler(slot);
     uint dimension = bounce_dimension(wave.bounce);
     if (kDirect != kDirectBsdf && frame.light_count > 0u && bsdf_has_smooth(v.bsdf))
@@ -170,7 +184,9 @@ void shade(uint index, out bool wants_ray, out Ray next, out bool wants_shadow, 
   Ray ray = fetch_ray((wave.bounce & 1u) * frame.slot_count + index);
   PathState path = fetch_path(ray.slot);
   if (!is_finite(path.radiance)) return; // another kernel has counted it
+  if (has(kFeatureLearning)) note_arrival(wave.first_pixel + ray.slot, wave.bounce, path.radiance);
   follow(ray, fetch_hit(index), path, wants_ray, next, wants_shadow, shadow);
+  if (has(kFeatureLearning) && !wants_ray) note_end(wave.first_pixel + ray.slot, wave.bounce);
   if (!is_sound(path) || (wants_ray && !is_sound(next))) {
     path.radiance = spoilt(path.radiance);
     count_nonfinite(kMakerShade, ray.slot);

@@ -307,10 +307,11 @@ std::optional<Pilot> Hybrid::pilot() {
   return pilot;
 }
 
-void Hybrid::learn() {
+bool Hybrid::learn() {
   frame_.ambient = enclosed_light();
   frame_.ao_radius = ray_length(occlusion_radius(workspace_.scene, settings_));
   jitters_.clear();
+  return false;
 }
 
 // The light inside an integrating sphere: of the light that surfaces send out, the share that meets surfaces again is

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "host/integrators/path/guiding.h"
 #include "host/integrators/path/light_rows.h"
 #include "host/integrators/path/path_tracer.h"
 #include "host/render/render.h"
@@ -13,7 +14,7 @@
 namespace wavepath {
 namespace {
 
-constexpr std::array<std::string_view, 5> kSettings = {"hemisphere", "direct", "lights", "adaptive", "pixel"};
+constexpr std::array<std::string_view, 6> kSettings = {"hemisphere", "direct", "lights", "adaptive", "guide", "pixel"};
 constexpr std::array<std::string_view, 2> kFirstHitStages = {"generate", "extend"};
 
 void start_kernels(KernelCompiler& kernels, const DeviceInfo& device, std::uint32_t features,
@@ -27,6 +28,13 @@ void start_kernels(KernelCompiler& kernels, const DeviceInfo& device, std::uint3
 
 std::vector<std::string> bias(const RenderSettings& settings, const RenderResult&) {
   return {fmt::format("light paths end after {} bounces (--max-depth)", settings.max_depth)};
+}
+
+std::uint64_t guide_bytes(const RenderSettings& settings) { return settings.guide ? kGuideBytes : 0; }
+
+std::vector<OmittedStage> omitted(const RenderSettings& settings) {
+  if (settings.guide) return {};
+  return {{"guiding field, its pilot and its kernels", "--guide was not given"}};
 }
 
 } // namespace
@@ -44,9 +52,10 @@ constinit const IntegratorKind kPath = {
     .largest_record = std::max(2 * sizeof(gpu::Ray), sizeof(gpu::PathAovs)),
     .slots_per_pixel = [](const RenderSettings&) { return 1u; },
     .bytes_per_pixel = [](const RenderSettings&) { return std::uint64_t{0}; },
+    .extra_bytes = guide_bytes,
     .is_biased = [](const RenderSettings&) { return false; },
     .bias = bias,
-    .omitted = [](const RenderSettings&) { return std::vector<OmittedStage>(); },
+    .omitted = omitted,
     .stats = [](const RenderSettings&, const PackedScene&, const RenderResult&) { return nlohmann::ordered_json(); },
     .make = [](Workspace& workspace, KernelCompiler& kernels) -> std::unique_ptr<Integrator> {
       return std::make_unique<PathTracer>(workspace, kernels);

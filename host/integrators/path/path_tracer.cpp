@@ -18,69 +18,137 @@ bool learns_lights(const PackedScene& scene, const RenderSettings& settings) {
 
 } // namespace
 
+std::uint32_t PathTracer::rooms() const {
+  return (learns_lights_ ? kRoomForLightSums : 0) | (settings_.guide ? kRoomForGuide : 0) |
+         (guide_pilot_ ? kRoomForGuideRecords : 0);
+}
+
+// The plain kernels as well where guiding is asked for: the pilot may find that it does not pay.
 void PathTracer::change(const View&, const RenderSettings& settings, Past) {
-  learns_ = learns_lights(workspace_.scene, settings);
-  if (learns_) workspace_.frame.scene_features |= gpu::kFeatureLightRows;
+  settings_ = settings;
+  learns_lights_ = learns_lights(workspace_.scene, settings);
+  light_pilot_ = {};
+  guide_report_.reset();
+  guide_pilot_.reset();
+  if (settings.guide) guide_pilot_.emplace(settings.width, settings.height);
+  lesson_ = learns_lights_ ? Lesson::lights : settings.guide ? Lesson::guide : Lesson::none;
+  if (learns_lights_) workspace_.frame.scene_features |= gpu::kFeatureLightRows;
   workspace_.frame.light_sum_scale = static_cast<float>(light_sum_scale(workspace_.scene));
-  paths_.change(settings, kAllPathStages, learns_ ? kRoomForLightSums : 0);
-  exploring_ = false;
-  pilot_ = {};
-  if (!learns_) return;
-  pilot_need_ = {&kPathProgram, stage_bits({kAdvance, kConnect}), paths_.config()};
-  pilot_need_.config.features |= gpu::kFeatureLightPilot;
-  kernels_.start(pilot_need_);
+  paths_.change(settings, kAllPathStages, rooms());
+  if (learns_lights_) {
+    light_pilot_need_ = {&kPathProgram, stage_bits({kAdvance, kConnect}), paths_.config()};
+    light_pilot_need_.config.features |= gpu::kFeatureLearning;
+    kernels_.start(light_pilot_need_);
+  }
+  if (settings.guide) {
+    guided_need_ = {&kPathProgram, stage_bits({kShade}), paths_.config()};
+    guided_need_.config.features |= gpu::kFeatureGuide;
+    guide_pilot_need_ = {&kGuidePilotProgram, stage_bits({kShade, kGuideNote}), guided_need_.config};
+    guide_pilot_need_.config.features |= gpu::kFeatureLearning;
+    kernels_.start(guide_pilot_need_);
+    kernels_.start(guided_need_);
+    use_field(guide_pilot_->field());
+  }
 }
 
 bool PathTracer::is_ready() {
-  const bool paths = paths_.is_ready(); // asks for both, so that both are begun
-  return (!learns_ || kernels_.ready(pilot_need_)) && paths;
+  bool ready = paths_.is_ready(); // asks for all, so that all are begun
+  if (learns_lights_) ready = kernels_.ready(light_pilot_need_) && ready;
+  if (settings_.guide) ready = kernels_.ready(guide_pilot_need_) && kernels_.ready(guided_need_) && ready;
+  return ready;
 }
 
 double PathTracer::get_ready() {
-  const double pilot = learns_ ? kernels_.best(pilot_need_).seconds() : 0.0;
-  return pilot + paths_.get_ready();
+  double seconds = paths_.get_ready();
+  if (learns_lights_) seconds = std::max(seconds, kernels_.best(light_pilot_need_).seconds());
+  if (settings_.guide)
+    for (const KernelNeed* need : {&guide_pilot_need_, &guided_need_})
+      seconds = std::max(seconds, kernels_.best(*need).seconds());
+  return seconds;
 }
 
 std::optional<Pilot> PathTracer::pilot() {
-  if (!learns_) return std::nullopt;
-  exploring_ = true;
+  switch (lesson_) {
+    case Lesson::lights:
+      return begin_light_pilot();
+    case Lesson::guide:
+      return guide_pilot_->next();
+    default:
+      return std::nullopt;
+  }
+}
+
+bool PathTracer::learn() {
+  if (lesson_ == Lesson::lights) {
+    learn_lights();
+    lesson_ = guide_pilot_ ? Lesson::guide : Lesson::none;
+  } else {
+    learn_guide();
+  }
+  return lesson_ != Lesson::none;
+}
+
+Pilot PathTracer::begin_light_pilot() {
   const std::vector<std::uint32_t> shares = unlearned_light_rows(workspace_.scene);
   paths_.buffers[kLightShares].write(shares.data(), kLightRowBytes);
   paths_.buffers[kLightSums].fill_zero();
   const std::uint64_t pixels = workspace_.film.pixels();
   const auto samples = static_cast<std::uint32_t>(std::max<std::uint64_t>(kPilotPaths / pixels, 1));
-  pilot_.paths = samples * pixels;
-  pilot_start_ = Clock::now();
-  return Pilot{even_segments(workspace_.film.bands()), samples, kLightPilotSeed};
+  light_pilot_.paths = samples * pixels;
+  light_pilot_start_ = Clock::now();
+  return {even_segments(workspace_.film.bands()), samples, kLightPilotSeed};
 }
 
-void PathTracer::learn() {
-  exploring_ = false;
+void PathTracer::learn_lights() {
   const auto sums = download<std::uint32_t>(paths_.buffers[kLightSums], kLightSumBytes / sizeof(std::uint32_t));
   const LightLesson lesson = learn_light_rows(workspace_.scene, sums);
   paths_.buffers[kLightShares].write(lesson.ends.data(), kLightRowBytes);
-  pilot_.rows = lesson.rows;
-  pilot_.seconds = seconds_since(pilot_start_);
+  light_pilot_.rows = lesson.rows;
+  light_pilot_.seconds = seconds_since(light_pilot_start_);
 }
 
-void PathTracer::describe(RenderResult& result) const { result.light_pilot = pilot_; }
+void PathTracer::learn_guide() {
+  if (guide_pilot_->take(paths_.buffers[kGuideRecords])) use_field(guide_pilot_->field());
+  if (!guide_pilot_->is_done()) return;
+  guide_report_ = guide_pilot_->report();
+  guide_pilot_.reset();
+  lesson_ = Lesson::none;
+  paths_.buffers[kGuideRecords] = Buffer(); // a place holder takes its place
+  paths_.change(settings_, kAllPathStages, rooms());
+}
+
+void PathTracer::use_field(const GuideField& field) {
+  paths_.buffers[kGuideTree].write(field.nodes.data(), field.nodes.size() * sizeof(gpu::GuideNode));
+  paths_.buffers[kGuideMaps].write(field.maps.data(), field.maps.size() * sizeof(gpu::vec4));
+}
+
+void PathTracer::describe(RenderResult& result) const {
+  result.light_pilot = light_pilot_;
+  result.guide = guide_report_;
+}
 
 std::uint32_t PathTracer::timed_dispatches() const { return std::min(2 + (workspace_.frame.max_depth + 1) * 5, 1024u); }
 
 void PathTracer::record_wave(Commands& commands, std::size_t band, const gpu::Wave& wave) {
   const KernelSet& kernels = paths_.kernels();
+  const bool notes = lesson_ == Lesson::guide, guided = guide_report_ && guide_report_->used;
+  const KernelSet& shading = notes    ? kernels_.best(guide_pilot_need_)
+                             : guided ? kernels_.best(guided_need_)
+                                      : kernels;
+  const KernelSet& connecting = lesson_ == Lesson::lights ? kernels_.best(light_pilot_need_) : kernels;
   const std::uint32_t bounces = workspace_.frame.max_depth + 1;
   const bool connects = workspace_.frame.light_count > 0;
   commands.bind(paths_.bindings(band));
   commands.dispatch(kernels[kGenerate], groups_for(std::uint64_t{wave.pixel_count} * wave.sample_count), &wave);
   for (std::uint32_t bounce = 0; bounce < bounces; ++bounce) {
     paths_.extend(commands, kernels, wave, bounce);
-    paths_.shade(commands, kernels, wave, bounce);
+    paths_.shade(commands, shading, wave, bounce);
     if (connects && bounce + 1 < bounces)
-      paths_.connect(commands, exploring_ ? kernels_.best(pilot_need_) : kernels, wave, bounce); // the last one only collects emission
+      paths_.connect(commands, connecting, wave, bounce); // the last one only collects emission
   }
   commands.barrier();
-  commands.dispatch(kernels[kAccumulate], groups_for(wave.pixel_count), &wave);
+  const Kernel& last = notes ? shading[kGuideNote] : kernels[kAccumulate];
+  commands.dispatch(last, groups_for(wave.pixel_count), &wave);
 }
 
 } // namespace wavepath

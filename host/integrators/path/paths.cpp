@@ -3,12 +3,14 @@
 #include <array>
 #include <cstddef>
 
+#include "host/integrators/path/guiding.h"
 #include "host/integrators/path/light_rows.h"
 #include "kernels/path/accumulate.spv.h"
 #include "kernels/path/advance.spv.h"
 #include "kernels/path/connect.spv.h"
 #include "kernels/path/extend.spv.h"
 #include "kernels/path/generate.spv.h"
+#include "kernels/path/guide_note.spv.h"
 #include "kernels/path/shade.spv.h"
 
 namespace wavepath {
@@ -19,11 +21,12 @@ const std::array<KernelCode, kPathStageCount> kStages = {{{"generate", wavepath_
                                                           {"extend", wavepath_extend_spv},
                                                           {"shade", wavepath_shade_spv},
                                                           {"connect", wavepath_connect_spv},
-                                                          {"accumulate", wavepath_accumulate_spv}}};
+                                                          {"accumulate", wavepath_accumulate_spv},
+                                                          {"guide note", wavepath_guide_note_spv}}};
 
 // Shade takes as long to compile as all others together.
-constexpr std::array<std::size_t, kPathStageCount> kCompileOrder = {kShade,    kExtend,     kConnect,
-                                                                    kGenerate, kAccumulate, kAdvance};
+constexpr std::array<std::size_t, kPathStageCount> kCompileOrder = {kShade,      kExtend,  kConnect,  kGenerate,
+                                                                    kAccumulate, kAdvance, kGuideNote};
 
 using enum BindingKind;
 
@@ -62,11 +65,21 @@ const std::vector<BufferRule> kRules = {
     {"light seen directly",
      [](const Extent& e) { return e.options & kRoomForSeen ? e.pixels * sizeof(gpu::vec4) : 0; },
      {{gpu::kBindSeen, storage}}},
+    {"guide tree",
+     [](const Extent& e) { return e.options & kRoomForGuide ? kGuideTreeBytes : 0; },
+     {{gpu::kBindGuideTree, texels_rgba32ui}}},
+    {"guide maps",
+     [](const Extent& e) { return e.options & kRoomForGuide ? kGuideMapBytes : 0; },
+     {{gpu::kBindGuideMaps, texels_rgba32f}}},
+    {"guide records",
+     [](const Extent& e) { return e.options & kRoomForGuideRecords ? kGuideRecordBytes : 0; },
+     {{gpu::kBindGuideRecords, storage}}},
 };
 
 } // namespace
 
 const KernelProgram kPathProgram = {kStages, kCompileOrder, path_layout};
+const KernelProgram kGuidePilotProgram = {kStages, kCompileOrder, path_layout};
 
 std::vector<Binding> path_layout() {
   std::vector<Binding> layout = workspace_layout();

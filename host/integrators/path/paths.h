@@ -15,7 +15,16 @@
 
 namespace wavepath {
 
-enum PathStage : std::size_t { kGenerate, kAdvance, kExtend, kShade, kConnect, kAccumulate, kPathStageCount };
+enum PathStage : std::size_t {
+  kGenerate,
+  kAdvance,
+  kExtend,
+  kShade,
+  kConnect,
+  kAccumulate,
+  kGuideNote,
+  kPathStageCount
+};
 constexpr std::uint32_t stage_bits(std::initializer_list<PathStage> stages) {
   std::uint32_t bits = 0;
   for (const PathStage stage : stages) bits |= 1u << stage;
@@ -23,16 +32,34 @@ constexpr std::uint32_t stage_bits(std::initializer_list<PathStage> stages) {
 }
 inline constexpr std::uint32_t kLightingStages =
     stage_bits({kAdvance, kExtend, kShade, kConnect}); // from a first hit on
-inline constexpr std::uint32_t kAllPathStages = (1u << kPathStageCount) - 1;
+inline constexpr std::uint32_t kAllPathStages =
+    stage_bits({kGenerate, kAdvance, kExtend, kShade, kConnect, kAccumulate}); // of a path tracer that is not learning
 
 extern const KernelProgram kPathProgram;
+extern const KernelProgram kGuidePilotProgram; // the same stages; a set of one never stands in for one of the other
 
 // Buffers of Paths, by place.
-enum PathBuffer : std::size_t { kStates, kReceivers, kLightShares, kLightSums, kMedia, kPathAovs, kRays, kHits, kShadowRays, kQueues, kSeen };
+enum PathBuffer : std::size_t {
+  kStates,
+  kReceivers,
+  kLightShares,
+  kLightSums,
+  kMedia,
+  kPathAovs,
+  kRays,
+  kHits,
+  kShadowRays,
+  kQueues,
+  kSeen,
+  kGuideTree,
+  kGuideMaps,
+  kGuideRecords
+};
 
 // Bits of Extent::options.
 inline constexpr std::uint32_t kRoomForShadowRays = 1u << 0, kRoomForSeen = 1u << 1,
-                               kRoomForLightSums = 1u << 3, kStatesAlone = 1u << 2; // another kernel traces the rays: no queues between stages
+                               kStatesAlone = 1u << 2, // another kernel traces the rays: no queues between stages
+    kRoomForLightSums = 1u << 3, kRoomForGuide = 1u << 4, kRoomForGuideRecords = 1u << 5;
 
 class Paths {
 public:

@@ -15,9 +15,10 @@ KernelConfig kernel_config(std::uint32_t features, std::uint32_t stack_size, con
   // Traversal marks the bottom of its stack, and stores one entry beyond what it keeps.
   const std::uint32_t stack = (stack_size + 2 + kStackStep - 1) / kStackStep * kStackStep;
   if (!settings.specialize) features = gpu::kFeaturesAll;
-  // Generic kernels, too, leave out AOVs, lists of runs and shared first hits that the settings do not ask for.
-  features &= ~(gpu::kFeatureAovs | gpu::kFeatureAdaptive | gpu::kFeatureSharedFirstHit | gpu::kFeatureLightRows) |
-              features_of(settings);
+  // Generic kernels, too, leave out what the settings do not ask for.
+  constexpr std::uint32_t kByRequest = gpu::kFeatureAovs | gpu::kFeatureAdaptive | gpu::kFeatureSharedFirstHit |
+                                       gpu::kFeatureLightRows | gpu::kFeatureGuide;
+  features &= ~kByRequest | features_of(settings);
   if (settings.lights == gpu::kLightsPower) features &= ~gpu::kFeatureLightTree;
   if (!(features & gpu::kFeatureLightTree)) features &= ~gpu::kFeatureLightRows;
   features = (features | settings.added_features) & ~settings.removed_features;

@@ -80,8 +80,7 @@ bool Workspace::fit(const RenderSettings& settings, std::uint32_t features) {
   return moved;
 }
 
-void Workspace::set_seed(std::uint32_t seed) {
-  frame.seed = seed;
+void Workspace::send_frame() {
   frame_buffer_.write(&frame, sizeof(frame));
 }
 

@@ -26,8 +26,8 @@ public:
   // Makes room for the film and the list of runs. `features`: kFeature bits of all kernels that may run. Sends `frame`
   // to the device. Returns whether a buffer that kernels are bound to was replaced.
   bool fit(const RenderSettings& settings, std::uint32_t features);
-  // Nothing may be in flight.
-  void set_seed(std::uint32_t seed);
+  // Sends `frame` as it was changed. Nothing may be in flight.
+  void send_frame();
   // The runs of kRunPixels pixels that places in a wave stand for, of an adaptive render. At first each stands for
   // itself. A run cut short by the end of the picture comes last in its wave.
   void set_runs(std::vector<std::uint32_t> runs);

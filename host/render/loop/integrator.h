@@ -30,11 +30,13 @@ struct Pilot {
   std::vector<Segment> segments;
   std::uint32_t samples = 1;
   std::uint32_t seed = 0; // by exclusive or with the render's own
+  std::uint32_t first_sample = 0;
+  std::uint32_t width = 0, height = 0; // of a picture of its own, not larger than the render's; 0 = the render's
 };
 
 // An integrator on a device. The render loop cuts passes into waves and calls, in this order: change(), get_ready(),
-// the pilot's pass and learn() if there is a pilot, then for every pass begin_pass(), record_wave() for all its waves,
-// end_pass(). What the integrator records is executed in that order.
+// the pilot's pass and learn() while there is a pilot, then for every pass begin_pass(), record_wave() for all its
+// waves, end_pass(). What the integrator records is executed in that order.
 class Integrator {
 public:
   virtual ~Integrator() = default;
@@ -49,7 +51,8 @@ public:
 
   virtual std::optional<Pilot> pilot() { return std::nullopt; }
   // After the pilot's waves were rendered and waited for. Nothing is in flight.
-  virtual void learn() {}
+  // Returns whether to go on with another pilot().
+  virtual bool learn() { return false; }
 
   // Paths that a pixel of a wave counts for, when it gets so many samples.
   virtual std::uint32_t paths_per_pixel(std::uint32_t samples) const { return samples; }

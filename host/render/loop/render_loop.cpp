@@ -135,9 +135,10 @@ void RenderLoop::begin() {
   begun_ = true;
   result_.compile_seconds = integrator_->get_ready();
   resume_clock();
-  if (const auto pilot = integrator_->pilot()) {
-    explore(*pilot);
-    if (!stopped_) integrator_->learn();
+  for (bool goes_on = true; goes_on;) {
+    const auto pilot = integrator_->pilot();
+    if (pilot) explore(*pilot);
+    goes_on = pilot && !stopped_ && integrator_->learn();
   }
   if (hooks_.resume) restore(*hooks_.resume);
   last_save_ = Clock::now();
@@ -174,14 +175,18 @@ bool RenderLoop::is_look_due() const {
 // Renders the pilot, whose samples do not reach the picture.
 void RenderLoop::explore(const Pilot& pilot) {
   exploring_ = true;
-  workspace_.set_seed(settings_.seed ^ pilot.seed);
+  const gpu::Frame frame = workspace_.frame;
+  workspace_.frame.seed ^= pilot.seed;
+  if (pilot.width > 0) workspace_.frame.width = pilot.width, workspace_.frame.height = pilot.height;
+  workspace_.send_frame();
   integrator_->begin_pass(queue_, 0);
   for (const Segment& segment : pilot.segments)
     for (std::uint32_t done = 0; done < segment.pixel_count && !stopped_;)
-      done += submit_wave(segment, done, 0, pilot.samples);
+      done += submit_wave(segment, done, pilot.first_sample, pilot.samples);
   queue_.drain();
   exploring_ = false;
-  workspace_.set_seed(settings_.seed);
+  workspace_.frame = frame;
+  workspace_.send_frame();
   queue_.totals.nonfinite = {};
 }
 

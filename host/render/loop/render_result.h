@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include <glm/glm.hpp>
@@ -27,6 +28,16 @@ struct LightPilot {
 
 enum class StopReason { samples, time, target_error, interrupted };
 
+// What a pilot has learned of where light comes from (--guide).
+struct GuideReport {
+  bool used = false;        // it promised a gain
+  double variance = 1.0;    // of a sample, guided over unguided, as the pilot foretells it
+  double probability = 0.0; // of guiding at a vertex, on average
+  std::uint32_t leaves = 0; // parts of space, each with a density over the sphere
+  std::uint64_t bytes = 0;  // of the field
+  std::uint64_t pilot_paths = 0;
+};
+
 struct RenderResult {
   Picture picture;
   std::shared_ptr<const Film> film; // the exact sums that it was developed from
@@ -47,6 +58,7 @@ struct RenderResult {
   Nonfinite nonfinite;
   LightPilot light_pilot;
   glm::vec3 ambient{0.0f}; // radiance that a hybrid render used
+  std::optional<GuideReport> guide;
 };
 
 } // namespace wavepath

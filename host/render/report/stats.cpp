@@ -99,6 +99,16 @@ Json json(const Setting& row, const RenderSettings& settings) {
   return is_number ? Json::parse(text) : Json(text);
 }
 
+Json guide_json(const std::optional<GuideReport>& guide) {
+  if (!guide) return nullptr;
+  return {{"used", guide->used},
+          {"variance", guide->variance},
+          {"probability", guide->probability},
+          {"leaves", guide->leaves},
+          {"bytes", guide->bytes},
+          {"pilot_paths", guide->pilot_paths}};
+}
+
 // Every row of the table by its name with '_' for '-'; null where it is not set, or not taken by the integrator.
 Json settings_json(const RenderSettings& settings) {
   Json object = Json::object();
@@ -181,6 +191,7 @@ Json stats_document(const Run& run) {
       {"max_depth", settings.max_depth},
       {"settings", settings_json(settings)},
       {"hybrid", settings.integrator->stats(settings, run.packed, result)},
+      {"guide", guide_json(result.guide)},
       {"device",
        {{"name", run.device.name}, {"driver", run.device.driver}, {"type", run.device.type}, {"api", run.device.api}}},
       {"size", {settings.width, settings.height}},

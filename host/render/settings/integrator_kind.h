@@ -19,6 +19,7 @@ class KernelCompiler;
 class Workspace;
 struct DeviceInfo;
 struct PackedScene;
+struct RayCounts;
 struct RenderResult;
 
 // A stage or buffer that the integrator leaves out, and why, for the report.
@@ -53,6 +54,8 @@ struct IntegratorKind {
   std::uint32_t (*slots_per_pixel)(const RenderSettings& settings) = nullptr;
   // Device memory that a pixel takes besides paths and film.
   std::uint64_t (*bytes_per_pixel)(const RenderSettings& settings) = nullptr;
+  // Device memory besides, whatever the size of the picture; null = none.
+  std::uint64_t (*extra_bytes)(const RenderSettings& settings) = nullptr;
   // Whether the picture converges to something else than the light of all paths up to --max-depth.
   bool (*is_biased)(const RenderSettings& settings) = nullptr;
   // What of the light is approximated or missing, a sentence each; the first one is about long paths.
@@ -62,6 +65,12 @@ struct IntegratorKind {
   nlohmann::ordered_json (*stats)(const RenderSettings& settings, const PackedScene& scene,
                                   const RenderResult& result) = nullptr;
   std::unique_ptr<Integrator> (*make)(Workspace& workspace, KernelCompiler& kernels) = nullptr;
+
+  // Of a kind that stands for the best of others (host/render/integrator_choice.h): what it chooses from, the one to be
+  // taken without a trial first. Null for all others.
+  std::vector<RenderSettings> (*candidates)(const RenderSettings& settings, const PackedScene& scene) = nullptr;
+  // Of such a candidate: what these rays cost, on a CPU device or another; camera rays of path tracing are the unit.
+  double (*work)(const RenderSettings& settings, const RayCounts& rays, bool cpu) = nullptr;
 };
 
 // All of them, the default first. Defined by host/integrators/factory.cpp, which alone knows their names.

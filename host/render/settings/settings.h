@@ -47,6 +47,7 @@ struct RenderSettings {
   bool antialias_over_time = false; // joins every picture to those before it, for a camera in motion; biased
   std::uint32_t lights = gpu::kLightsAuto; // how next-event estimation chooses among them
   bool adaptive = false;            // more samples where a pilot, which is thrown away, found more noise
+  bool guide = false;               // directions are also drawn from a field that a pilot learned
   bool specialize = true;
   std::vector<std::string> aovs; // values of --aov
 

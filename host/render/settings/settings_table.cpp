@@ -141,6 +141,13 @@ std::vector<Setting> transport_rows() {
        .takers = Takers::listed_else_ignored,
        .offered = kByRenderAndView | kByBench,
        .study = {"uniform", "cosine"}},
+      {.name = "guide",
+       .value = SwitchValue{&S::guide},
+       .meaning = "path guiding: a pilot learns where light comes from, and paths go there more often; unguided where "
+                  "that promises no gain. Unbiased: the pilot is thrown away",
+       .takers = Takers::listed_else_refused,
+       .offered = kByRender,
+       .study = {"off", "on"}},
       {.name = "max-depth",
        .value = WholeValue{&S::max_depth, 0, kDeepest},
        .meaning = "longest path in bounces: 0 = emission seen directly, 1 = direct light, ...",

@@ -1,0 +1,55 @@
+// Learning the field that guides paths from a pilot of fixed length, in iterations of which each is guided by the one
+// before.
+//
+// The pilot is a small picture of the same view, whose samples are thrown away. Its records come in the order of its
+// paths, however waves were cut, so that what is learned depends on the scene, the view and the seed alone: parts of a
+// render and resumed ones learn the same field.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "host/gpu/buffer.h"
+#include "host/integrators/path/guide_field.h"
+#include "host/render/loop/integrator.h"
+#include "host/render/loop/render_result.h"
+
+namespace wavepath {
+
+inline constexpr std::uint32_t kGuidePilotPixels = 1u << 15; // at most
+inline constexpr std::uint64_t kGuideRecordBytes =
+    std::uint64_t{kGuidePilotPixels} * gpu::kGuideBounces * sizeof(gpu::GuideRecord);
+
+inline constexpr std::uint64_t kGuideBytes = kGuideMapBytes + kGuideTreeBytes + kGuideRecordBytes; // at most
+
+class GuidePilot {
+public:
+  // For a picture of this size.
+  GuidePilot(std::uint32_t width, std::uint32_t height);
+
+  Pilot next() const; // one sample of every pixel of the small picture
+  // Takes in the records of that sample. True if they were the last of an iteration: field() is a new one.
+  bool take(const Buffer& records);
+  bool is_done() const { return done_; }
+  GuideReport report() const;
+  const GuideField& field() const { return field_; }
+
+private:
+  std::uint32_t pixels() const { return width_ * height_; }
+  std::uint32_t iteration_end(std::uint32_t iteration) const;
+  double guidable_share() const;
+
+  std::uint32_t width_, height_;
+  std::uint32_t sample_ = 0, iteration_ = 0;
+  bool done_ = false;
+  std::vector<GuideVertex> vertices_; // of this iteration
+  struct Sample {
+    float all, scattered; // luminance gathered; of that, from the first direction that could be guided
+  };
+  std::vector<Sample> samples_; // of this iteration, one picture after the other
+  std::vector<float> sums_;     // by pixel, over all iterations
+  double promise_ = 1.0;        // variance of a sample, guided over unguided
+  GuideField field_ = no_field();
+};
+
+} // namespace wavepath

@@ -1,0 +1,330 @@
+// Path guiding: its densities are what its samples follow, the picture stays the same and gets less noise where light
+// is hidden, and the bits depend neither on how the work is cut up nor on interrupts.
+#include <cmath>
+#include <fstream>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "host/film/picture_io.h"
+#include "host/integrators/path/guide_field.h"
+#include "host/integrators/path/guiding.h"
+#include "host/render/device/kernel_compiler.h"
+#include "host/render/render.h"
+#include "host/scene/gltf/gltf.h"
+#include "host/scene/pack/pack.h"
+#include "host/scene/view.h"
+#include "tests/gltf_builder.h"
+#include "tests/probe.h"
+#include "tests/run_wavepath.h"
+#include "tests/statistics.h"
+
+#include "kernels/film/film_types.h"
+#include "tests/probes/guide_probe.spv.h"
+
+namespace wavepath::test {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+class Random {
+public:
+  float next() { return float((state_ = state_ * 6364136223846793005u + 1442695040888963407u) >> 40) * 0x1p-24f; }
+  glm::vec3 direction() {
+    const double y = 2.0 * next() - 1.0, phi = 2.0 * kPi * next(), r = std::sqrt(1.0 - y * y);
+    return {r * std::cos(phi), y, r * std::sin(phi)};
+  }
+
+private:
+  std::uint64_t state_ = 1;
+};
+
+// Vertices on a square whose light comes from a small lamp above it, and a little from everywhere.
+const glm::vec3 kLamp(0.3f, 1.0f, 0.2f);
+std::vector<GuideVertex> vertices_below_a_lamp(std::size_t count) {
+  Random random;
+  std::vector<GuideVertex> vertices;
+  for (std::size_t i = 0; i < count; ++i) {
+    GuideVertex v{.position = {random.next(), 0.0f, random.next()}, .direction = random.direction(), .share = 1.0f};
+    v.pdf = v.bsdf_pdf = static_cast<float>(0.25 / kPi);
+    const bool lamp = glm::dot(v.direction, glm::normalize(kLamp - v.position)) > 0.97f;
+    v.radiance = lamp ? 50.0f : 0.1f;
+    v.contribution = v.radiance;
+    v.odd = i & 1;
+    vertices.push_back(v);
+  }
+  return vertices;
+}
+
+double integral(const GuideField& field, std::uint32_t leaf, std::uint32_t level) {
+  const double cell = 4.0 * kPi / double(4u << (2 * level));
+  double sum = 0.0;
+  const std::size_t first = std::size_t{leaf} * gpu::kGuideMapQuads + ((1u << (2 * level)) - 1) / 3;
+  for (std::size_t quad = 0; quad < std::size_t{1} << (2 * level); ++quad)
+    for (int k = 0; k < 4; ++k) sum += cell * field.maps[first + quad][k];
+  return sum;
+}
+
+TEST(GuideField, DensitiesIntegrateToOneAtEveryLevel) {
+  const GuideField field = build_field(vertices_below_a_lamp(20000));
+  ASSERT_GT(field.leaves(), 16u);
+  for (std::uint32_t leaf = 0; leaf < field.leaves(); ++leaf)
+    for (std::uint32_t level = 0; level < gpu::kGuideLevels; ++level)
+      ASSERT_NEAR(integral(field, leaf, level), 1.0, 1e-5) << leaf << " " << level;
+  EXPECT_LT(field.gain, 0.3);
+  EXPECT_GT(field.probability, 0.4);
+}
+
+TEST(GuideField, EqualLightEverywherePromisesNoGain) {
+  std::vector<GuideVertex> vertices = vertices_below_a_lamp(20000);
+  for (GuideVertex& v : vertices) v.radiance = v.contribution = 1.0f;
+  const GuideField field = build_field(vertices);
+  EXPECT_GT(field.gain, 0.99);
+  EXPECT_EQ(build_field({}).leaves(), 1u);
+}
+
+TEST(GuideField, ManyVerticesOfOnePlaceEndInOneLeaf) {
+  std::vector<GuideVertex> vertices = vertices_below_a_lamp(5000);
+  for (GuideVertex& v : vertices) v.position = glm::vec3(1.0f);
+  EXPECT_EQ(build_field(vertices).leaves(), 1u);
+}
+
+TEST(GuideField, StaysWithinItsRoom) {
+  const GuideField field = build_field(vertices_below_a_lamp(3'000'000));
+  EXPECT_LE(field.leaves(), kMostGuideLeaves);
+  EXPECT_GT(field.leaves(), kMostGuideLeaves / 4);
+  EXPECT_LE(field.nodes.size() * sizeof(gpu::GuideNode), kGuideTreeBytes);
+  EXPECT_LE(kGuideMapBytes + kGuideTreeBytes, 64u << 20);
+}
+
+struct Element {
+  glm::vec4 a{0.0f}, b{0.0f};
+};
+
+class GuideProbe : public VulkanTest {
+protected:
+  std::vector<Element> run(const GuideField& field, std::uint32_t mode, const std::vector<Element>& elements) {
+    const Buffer frame = upload(device(), std::vector<gpu::Frame>(1)), runs = upload(device(), std::vector<int>(1));
+    const Buffer tree = upload(device(), field.nodes), maps = upload(device(), field.maps);
+    const Buffer records = upload(device(), std::vector<glm::vec4>(1)), in_out = upload(device(), elements);
+    const std::vector<Binding> bindings{{gpu::kBindFrame, BindingKind::uniform, &frame},
+                                        {gpu::kBindRuns, BindingKind::texels_r32ui, &runs},
+                                        {gpu::kBindGuideTree, BindingKind::texels_rgba32ui, &tree},
+                                        {gpu::kBindGuideMaps, BindingKind::texels_rgba32f, &maps},
+                                        {gpu::kBindGuideRecords, BindingKind::storage, &records},
+                                        {gpu::kBindFilm, BindingKind::storage, &in_out}};
+    const gpu::Wave wave{.pixel_count = std::uint32_t(elements.size()), .bounce = mode};
+    const BindingSet set(device(), bindings, sizeof wave);
+    const Kernel kernel(device(), "guide_probe", wavepath_guide_probe_spv, set, {});
+    Commands commands(device());
+    commands.bind(set);
+    commands.dispatch(kernel, (wave.pixel_count + gpu::kWorkgroupSize - 1) / gpu::kWorkgroupSize, &wave);
+    commands.submit_and_wait();
+    return download<Element>(in_out, elements.size());
+  }
+};
+
+TEST_F(GuideProbe, SamplesFollowTheDensity) {
+  const GuideField field = build_field(vertices_below_a_lamp(20000));
+  Random random;
+  for (const glm::vec3 place : {glm::vec3(0.1f, 0.0f, 0.9f), glm::vec3(0.8f, 0.0f, 0.2f)}) {
+    // Expected counts by a grid in (azimuth, height) that is no multiple of the maps' own.
+    constexpr int kColumns = 24, kRows = 12, kFine = 32;
+    std::vector<Element> grid;
+    for (int row = 0; row < kRows * kFine; ++row)
+      for (int column = 0; column < kColumns * kFine; ++column) {
+        const double y = 2.0 * (row + 0.5) / (kRows * kFine) - 1.0, r = std::sqrt(1.0 - y * y);
+        const double phi = 2.0 * kPi * (column + 0.5) / (kColumns * kFine) - kPi;
+        grid.push_back({glm::vec4(place, 0), {r * std::cos(phi), y, r * std::sin(phi), 0}});
+      }
+    const auto densities = run(field, 0, grid);
+    double total = 0.0;
+    constexpr std::size_t kSamples = 1 << 19;
+    std::vector<double> expected(kColumns * kRows), counts(kColumns * kRows);
+    for (std::size_t i = 0; i < grid.size(); ++i) {
+      const std::size_t row = i / (kColumns * kFine) / kFine, column = i % (kColumns * kFine) / kFine;
+      const double share = densities[i].b.w * 4.0 * kPi / double(grid.size());
+      total += share;
+      expected[row * kColumns + column] += share * double(kSamples);
+    }
+    EXPECT_NEAR(total, 1.0, 1e-4);
+    std::vector<Element> in(kSamples, {glm::vec4(place, 0), {}});
+    for (Element& e : in) e.b = {random.next(), random.next(), 0, 0};
+    Mean inverse;
+    for (const Element& e : run(field, 1, in)) {
+      const glm::dvec3 d(e.b);
+      ASSERT_NEAR(glm::length(d), 1.0, 1e-6);
+      const int column = int((std::atan2(d.z, d.x) + kPi) / (2.0 * kPi) * kColumns),
+                row = int((d.y + 1.0) / 2.0 * kRows);
+      counts[std::size_t(std::min(row, kRows - 1) * kColumns + std::min(column, kColumns - 1))] += 1.0;
+      inverse.add(1.0 / e.b.w);
+      ASSERT_EQ(e.a.w, densities[0].a.w) << "another leaf";
+    }
+    EXPECT_GT(chi_square(counts, expected).p_value, 0.005);
+    EXPECT_NEAR(inverse.mean(), 4.0 * kPi, 4.0 * inverse.error());
+  }
+}
+
+// Two chambers, a slit between them; the lamp hangs where the one with the camera hardly sees it.
+std::string slit_room() {
+  GltfBuilder builder;
+  const auto material = [&](std::vector<double> color, double emission) {
+    nlohmann::json json = {{"doubleSided", emission == 0.0},
+                           {"pbrMetallicRoughness", {{"baseColorFactor", color}, {"metallicFactor", 0}}},
+                           {"extensions", {{"KHR_materials_specular", {{"specularFactor", 0}}}}}};
+    if (emission > 0.0) {
+      json["emissiveFactor"] = {1, 1, 1};
+      json["extensions"]["KHR_materials_emissive_strength"] = {{"emissiveStrength", emission}};
+    }
+    return builder.add("materials", json);
+  };
+  const int white = material({0.7, 0.7, 0.7, 1.0}, 0.0), lamp = material({0.0, 0.0, 0.0, 1.0}, 40.0);
+  std::vector<float> walls, light;
+  // A rectangle from `a` along u and v.
+  const auto add = [](std::vector<float>& to, const glm::vec3& a, const glm::vec3& u, const glm::vec3& v) {
+    for (const glm::vec3& p : {a, a + u, a + u + v, a, a + u + v, a + v}) to.insert(to.end(), {p.x, p.y, p.z});
+  };
+  const glm::vec3 x(4, 0, 0), y(0, 2, 0), z(0, 0, 2), corner(0, 0, -1);
+  add(walls, corner, x, z), add(walls, corner + y, x, z);
+  add(walls, corner, x, y), add(walls, corner + z, x, y);
+  add(walls, corner, y, z), add(walls, corner + x, y, z);
+  for (const float side : {-1.0f, 0.08f}) add(walls, {2.2f, 0.0f, side}, y, {0, 0, 0.92f});
+  add(light, {2.4f, 1.98f, 0.6f}, {0.3f, 0, 0}, {0, 0, 0.3f});
+  builder.mesh_node({{"POSITION", builder.floats("VEC3", walls)}}, {{"material", white}});
+  builder.mesh_node({{"POSITION", builder.floats("VEC3", light)}}, {{"material", lamp}});
+  builder.root["extensionsUsed"] = {"KHR_materials_specular", "KHR_materials_emissive_strength"};
+  return builder.json();
+}
+
+class GuideTest : public VulkanTest {
+protected:
+  static RenderSettings settings(std::uint32_t spp) {
+    RenderSettings settings;
+    settings.width = 32, settings.height = 24;
+    settings.last_sample = spp;
+    settings.max_depth = 6;
+    return settings;
+  }
+  void SetUp() override {
+    VulkanTest::SetUp();
+    Scene scene = load_gltf(folder_.write("slit.gltf", slit_room()).string(), {});
+    const ViewRequest view{.eye = glm::dvec3(0.1, 1.0, 0.6), .look_at = glm::dvec3(2.2, 0.9, -0.5), .yfov = 1.2};
+    view_ = resolve_view(scene, view, 32, 24);
+    packed_ = pack(scene);
+  }
+  RenderResult render(const RenderSettings& settings) {
+    static KernelCompiler kernels(device()); // compiles each of them once
+    return wavepath::render(device(), packed_, view_, settings, RenderHooks{}, kernels);
+  }
+  static void expect_same_bits(const Picture& a, const Picture& b) {
+    for (std::size_t c = 0; c < 3; ++c) EXPECT_EQ(a.channels[c].values, b.channels[c].values);
+  }
+
+  TempFolder folder_;
+  PackedScene packed_;
+  View view_;
+};
+
+TEST_F(GuideTest, SamePictureWithLessNoise) {
+  constexpr std::uint32_t kRenders = 8;
+  struct Pixel {
+    Mean plain, guided;
+  };
+  std::vector<Pixel> pixels(32 * 24);
+  Mean plain, guided;
+  for (std::uint32_t seed = 0; seed < kRenders; ++seed)
+    for (const bool guide : {false, true}) {
+      RenderSettings asked = settings(64);
+      asked.seed = seed;
+      asked.guide = guide;
+      const RenderResult result = render(asked);
+      ASSERT_EQ(result.guide.has_value(), guide);
+      if (guide) {
+        EXPECT_TRUE(result.guide->used);
+        EXPECT_LT(result.guide->variance, 0.8);
+        EXPECT_GT(result.guide->leaves, 100u);
+      }
+      double sum = 0.0;
+      for (std::size_t i = 0; i < pixels.size(); ++i) {
+        const double value = result.picture.channels[1].values[i];
+        (guide ? pixels[i].guided : pixels[i].plain).add(value);
+        sum += value / double(pixels.size());
+      }
+      (guide ? guided : plain).add(sum);
+    }
+  EXPECT_NEAR(guided.mean(), plain.mean(), 4.0 * std::hypot(guided.error(), plain.error()));
+  double plain_error = 0.0, guided_error = 0.0;
+  std::size_t far = 0;
+  for (const Pixel& pixel : pixels) {
+    const double variance = std::pow(pixel.plain.error(), 2) + std::pow(pixel.guided.error(), 2);
+    far += std::abs(pixel.plain.mean() - pixel.guided.mean()) > 4.0 * std::sqrt(variance);
+    plain_error += std::pow(pixel.plain.error(), 2), guided_error += std::pow(pixel.guided.error(), 2);
+  }
+  EXPECT_LT(far, pixels.size() / 50); // Student's t with about 14 degrees of freedom: 0.1 %
+  EXPECT_LT(guided_error, 0.6 * plain_error);
+}
+
+TEST_F(GuideTest, BitsDependNeitherOnWavesNorOnGenericKernels) {
+  RenderSettings asked = settings(8);
+  asked.guide = true;
+  const RenderResult whole = render(asked);
+  ASSERT_TRUE(whole.guide->used);
+  asked.wave_slots = 300;
+  expect_same_bits(render(asked).picture, whole.picture);
+  asked.wave_slots = 0;
+  asked.specialize = false;
+  expect_same_bits(render(asked).picture, whole.picture);
+  asked.specialize = true;
+  asked.guide = false;
+  EXPECT_NE(render(asked).picture.channels[0].values, whole.picture.channels[0].values);
+}
+
+// Where the pilot finds that guiding would not pay, the picture is that of unguided paths.
+TEST_F(GuideTest, PilotDecides) {
+  Scene furnace = load_gltf(std::string(WAVEPATH_SOURCE_DIR) + "/scenes/analytic/inside_glowing_cube.gltf", {});
+  packed_ = pack(furnace);
+  view_ = resolve_view(furnace, {}, 32, 24);
+  RenderSettings asked = settings(8);
+  const RenderResult plain = render(asked);
+  asked.guide = true;
+  const RenderResult guided = render(asked);
+  ASSERT_TRUE(guided.guide.has_value());
+  EXPECT_FALSE(guided.guide->used);
+  expect_same_bits(guided.picture, plain.picture);
+}
+
+// The command line: the field is learned anew when a render is resumed, and by every part of one.
+TEST_F(GuideTest, ResumedAndMergedPicturesAreThoseOfTheWhole) {
+  const auto wavepath = [&](std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), WAVEPATH_BINARY);
+    RunOptions options;
+    options.folder = folder_.path().string();
+    const Outcome outcome = run_program(arguments, options);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  };
+  const auto render_as = [&](const std::string& output, std::vector<std::string> flags) {
+    std::vector<std::string> all{"render",      "slit.gltf", "--guide",      "--size", "32x24", "--spp", "12", "--eye",
+                                 "0.1,1.0,0.6", "--look-at", "2.2,0.9,-0.5", "--yfov", "69",    "-q",    "-o", output};
+    all.insert(all.end(), flags.begin(), flags.end());
+    wavepath(all);
+  };
+  const auto picture = [&](const std::string& name) { return read_picture((folder_.path() / name).string()); };
+  render_as("whole.exr", {"--stats", "whole.json"});
+  const auto stats = nlohmann::json::parse(std::ifstream(folder_.path() / "whole.json"));
+  EXPECT_EQ(stats["guide"]["used"], true);
+  EXPECT_GT(stats["guide"]["bytes"], 1000);
+  EXPECT_EQ(stats["settings"]["guide"], true);
+  render_as("part.exr", {"--checkpoint", "state", "--spp", "5"});
+  render_as("part.exr", {"--checkpoint", "state", "--resume"});
+  expect_same_bits(picture("part.exr"), picture("whole.exr"));
+  render_as("a.exr", {"--samples", "0:5"});
+  render_as("b.exr", {"--samples", "5:12"});
+  wavepath({"merge", "b.exr", "a.exr", "-o", "merged.exr"});
+  expect_same_bits(picture("merged.exr"), picture("whole.exr"));
+}
+
+} // namespace
+} // namespace wavepath::test

@@ -1,0 +1,32 @@
+// Evaluates kernels/path/guide.glsl on a field: one function by mode (wave.bounce).
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#define BIND_GUIDE
+#include "kernels/path/bindings.glsl"
+#include "kernels/path/guide.glsl"
+
+layout(local_size_x = kWorkgroupSize) in;
+struct Element {
+  vec4 a, b;
+};
+layout(set = 0, binding = kBindFilm, std430) buffer Elements { Element elements[]; };
+
+// A black body has no lobes: what is asked for here is the leaf alone.
+Guide leaf_at(vec3 position) {
+  return find_guide(Bsdf(vec3(0.0), 0.0, vec3(0.0), 0.0, 1.0, 0.0, 1.5, true, true), vec3(0.0, 0.0, 1.0), position);
+}
+
+void main() {
+  uint i = gl_GlobalInvocationID.x;
+  if (i >= wave.pixel_count) return;
+  Element e = elements[i];
+  Guide guide = leaf_at(e.a.xyz);
+  if (wave.bounce == 0u) { // place a.xyz, direction b.xyz -> b.w: density
+    e.b.w = guide_pdf(guide, e.b.xyz);
+  } else { // place a.xyz, u in b.xy -> b: direction, density
+    e.b.xyz = sample_guide(guide, e.b.xy);
+    e.b.w = guide_pdf(guide, e.b.xyz);
+  }
+  e.a.w = float(guide.map / kGuideMapQuads);
+  elements[i] = e;
+}
