@@ -48,8 +48,10 @@ constinit const IntegratorKind kPath = {
     .first_hit_stages = kFirstHitStages,
     .features = film_features,
     .start_kernels = start_kernels,
-    .bytes_per_slot = [](std::uint32_t features) { return bytes_per_path(features, kRoomForShadowRays); },
-    .largest_record = std::max(2 * sizeof(gpu::Ray), sizeof(gpu::PathAovs)),
+    .bytes_per_slot = [](std::uint32_t features,
+                         const RenderSettings&) { return bytes_per_path(features, kRoomForShadowRays); },
+    .largest_record =
+        [](const RenderSettings&) { return std::uint64_t{std::max(2 * sizeof(gpu::Ray), sizeof(gpu::PathAovs))}; },
     .slots_per_pixel = [](const RenderSettings&) { return 1u; },
     .bytes_per_pixel = [](const RenderSettings&) { return std::uint64_t{0}; },
     .extra_bytes = guide_bytes,

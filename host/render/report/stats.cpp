@@ -101,12 +101,8 @@ Json json(const Setting& row, const RenderSettings& settings) {
 
 Json guide_json(const std::optional<GuideReport>& guide) {
   if (!guide) return nullptr;
-  return {{"used", guide->used},
-          {"variance", guide->variance},
-          {"probability", guide->probability},
-          {"leaves", guide->leaves},
-          {"bytes", guide->bytes},
-          {"pilot_paths", guide->pilot_paths}};
+  return {{"used", guide->used},     {"variance", guide->variance}, {"probability", guide->probability},
+          {"leaves", guide->leaves}, {"bytes", guide->bytes},       {"pilot_paths", guide->pilot_paths}};
 }
 
 // Every row of the table by its name with '_' for '-'; null where it is not set, or not taken by the integrator.
@@ -154,7 +150,8 @@ Json light_selection_json(const Run& run) {
   const PackedScene& packed = run.packed;
   if (packed.lights.empty()) return nullptr;
   const RenderSettings& settings = run.settings;
-  const bool tree = !packed.light_tree.empty() && takes(*settings.integrator, "lights") && settings.lights != gpu::kLightsPower;
+  const bool tree =
+      !packed.light_tree.empty() && takes(*settings.integrator, "lights") && settings.lights != gpu::kLightsPower;
   if (!tree) return {{"by", "power"}, {"places", packed.light_places}};
   Json selection = {{"by", run.result.light_pilot.rows > 0 ? "learned" : "tree"},
                     {"places", packed.light_places},

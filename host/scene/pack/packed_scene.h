@@ -30,6 +30,7 @@ struct Draw {
 struct PackedScene {
   glm::dvec3 origin{0.0}; // world position of the device's origin
   double radius = 0.0;    // of the geometry's bounding sphere, metres
+  glm::vec3 centre{0.0f}; // of that sphere, in the device's world
 
   std::vector<bvh::WideNode> nodes;
   std::uint32_t root = 0; // node
