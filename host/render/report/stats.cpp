@@ -152,8 +152,9 @@ Json light_selection_json(const Run& run) {
   const RenderSettings& settings = run.settings;
   const bool tree =
       !packed.light_tree.empty() && takes(*settings.integrator, "lights") && settings.lights != gpu::kLightsPower;
-  if (!tree) return {{"by", "power"}};
+  if (!tree) return {{"by", "power"}, {"places", packed.light_places}};
   Json selection = {{"by", run.result.light_pilot.rows > 0 ? "learned" : "tree"},
+                    {"places", packed.light_places},
                     {"nodes", packed.local_light_count - 1},
                     {"depth", packed.light_tree_depth},
                     {"bytes", packed.light_tree.size() * sizeof(packed.light_tree[0])}};
