@@ -37,16 +37,19 @@ def add_camera(view):
     bpy.context.scene.camera = camera
 
 
-def add_environment(path, intensity):
+def add_environment(light, intensity):
+    """`light`: a file, three numbers, or none."""
     world = bpy.data.worlds.new("environment")
     bpy.context.scene.world = world
     world.use_nodes = True
     background = world.node_tree.nodes["Background"]
     background.inputs["Color"].default_value = (0, 0, 0, 1)
     background.inputs["Strength"].default_value = intensity
-    if path:
+    if light and light[0].isdigit():
+        background.inputs["Color"].default_value = (*map(float, light.split(",")), 1)
+    elif light:
         image = world.node_tree.nodes.new("ShaderNodeTexEnvironment")
-        image.image = bpy.data.images.load(path)
+        image.image = bpy.data.images.load(light)
         world.node_tree.links.new(image.outputs["Color"], background.inputs["Color"])
 
 
@@ -70,6 +73,15 @@ def make_lambert(material):
     tree.links.new(diffuse.outputs["BSDF"], output.inputs["Surface"])
 
 
+def is_lambert(material, told):
+    """`told`: "all" of a scene, or those whose file sets the specular factor to 0."""
+    node = principled(material)
+    if node is None or shines(material):
+        return False
+    value = {name: node.inputs[name].default_value for name in ("Specular", "Metallic", "Transmission")}
+    return told == "all" or (told == "told" and max(value.values()) == 0)
+
+
 def shield(lamp):
     """A black back. Cycles shines to both sides, glTF to one only: behind the Cornell box's lamp the ceiling would
     catch so much light that its fireflies, not the picture, would be measured."""
@@ -88,15 +100,18 @@ def shield(lamp):
 
 def set_up(view):
     bpy.ops.wm.read_factory_settings(use_empty=True)
-    bpy.ops.import_scene.gltf(filepath=view["scene"])
+    bpy.ops.import_scene.gltf(filepath=view["scene"], convert_lighting_mode="COMPAT")  # 1 cd = 1 W/sr
     scene = bpy.context.scene
-    for thing in [o for o in scene.objects if o.type in ("CAMERA", "LIGHT")]:
+    for thing in [o for o in scene.objects if o.type == "CAMERA" or (o.type == "LIGHT" and not view["punctual"])]:
         bpy.data.objects.remove(thing)
-    if view["lambert"]:
+    for light in bpy.data.lights:
+        if light.type in ("POINT", "SPOT"):
+            light.shadow_soft_size = 0
+    if view["lambert"] != "none":
         for lamp in [o for o in scene.objects if o.type == "MESH" and shines(o.data.materials[0])]:
             shield(lamp)
         for material in bpy.data.materials:
-            if not shines(material):
+            if is_lambert(material, view["lambert"]):
                 make_lambert(material)
     add_camera(view)
     add_environment(view["environment"], view["intensity"])

@@ -6,6 +6,12 @@ import statistics
 TARGETS = [1e-2, 1e-3]  # relMSE
 
 
+def net_error(errors, between):
+    """Of a picture whose relMSE against two references is `errors`; theirs against each other is `between`. Squares of
+    independent errors add up, so half of that is what each reference contributes."""
+    return statistics.fmean(errors) - between / 2
+
+
 def slope(points):
     """Of log relMSE against log seconds, by least squares over the last four points; independent samples give -1."""
     x = [math.log(p["seconds"]) for p in points[-4:]]

@@ -4,6 +4,7 @@ import json
 import os
 import pathlib
 import re
+import resource
 import shutil
 import subprocess
 
@@ -17,6 +18,17 @@ def run(command):
     if result.returncode != 0:
         raise PeerError(result.stderr.strip() or f"{command[0]} ended with exit code {result.returncode}")
     return result.stdout
+
+
+def processor_seconds_of_children():
+    usage = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return usage.ru_utime + usage.ru_stime
+
+
+def processor_seconds(process):
+    """Of one that runs."""
+    fields = pathlib.Path(f"/proc/{process.pid}/stat").read_text().rpartition(")")[2].split()
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
 
 def compare(wavepath, picture, reference):
@@ -42,9 +54,11 @@ class Wavepath:
             self.command += ["--env", view["environment"], "--env-intensity", view["intensity"]]
 
     def render(self, spp, seed, output):
+        before = processor_seconds_of_children()
         stats = json.loads(run(self.command + ["--spp", spp, "--seed", seed, "-o", output]))
         self.device = stats["device"]
-        return {"seconds": stats["seconds"]["render"], "mrays_per_second": stats["mrays_per_second"]}
+        return {"seconds": stats["seconds"]["render"], "mrays_per_second": stats["mrays_per_second"],
+                "processor": processor_seconds_of_children() - before}
 
 
 class Cycles:
@@ -84,5 +98,7 @@ class Cycles:
         raise PeerError("Blender ended: " + "".join(lines[-4:]).strip())
 
     def render(self, spp, seed, output):
+        before = processor_seconds(self.process)
         told = "".join(self.ask({"spp": spp, "seed": seed, "output": str(output.resolve())}))
-        return {"seconds": float(re.search(r"Render time \(without synchronization\): ([\d.]+)", told).group(1))}
+        return {"seconds": float(re.search(r"Render time \(without synchronization\): ([\d.]+)", told).group(1)),
+                "processor": processor_seconds(self.process) - before}

@@ -207,7 +207,9 @@ bool Builder::divide_space(const Work& work, const Slabs& slabs, const SpatialCu
     side.centroids.merge(item.centroid_bound());
   };
   for (const Primitive& item : work.items()) {
-    const Pieces pieces = wavepath::bvh::divide(item, triangles[item.index()], spatial_slabs, cut, slabs.inverse_size);
+    const bool whole = !config.whole.empty() && config.whole[item.index()] != 0;
+    const Pieces pieces =
+        wavepath::bvh::divide(item, triangles[item.index()], whole, spatial_slabs, cut, slabs.inverse_size);
     if (pieces.in_left) put(left, pieces.left);
     if (pieces.in_right) put(right, pieces.right);
   }

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 
 #include "bvh/wide.h"
 
@@ -15,11 +16,12 @@ inline constexpr std::size_t kMaxItems = kMaxLeafItems - kMaxLeafSize;
 enum class Quality { fast, balanced, best };
 
 struct BuildConfig {
-  Quality quality = Quality::fast; // of trees over triangles
-  double max_copies = 0.3;         // that spatial splits may make, per triangle
-  std::uint32_t max_leaf_size = 3; // 1 .. kMaxLeafSize
-  std::uint32_t bin_count = 32;    // 2 .. 32 candidate slabs an axis
-  float node_cost = 1.0f;          // of visiting a binary node, relative to testing an item
+  Quality quality = Quality::fast;       // of trees over triangles
+  double max_copies = 0.3;               // that spatial splits may make, per triangle
+  std::uint32_t max_leaf_size = 3;       // 1 .. kMaxLeafSize
+  std::uint32_t bin_count = 32;          // 2 .. 32 candidate slabs an axis
+  float node_cost = 1.0f;                // of visiting a binary node, relative to testing an item
+  std::span<const std::uint8_t> whole{}; // by triangle: 1 = spatial splits make no copy of it; empty: of none
 };
 
 struct BuildReport {

@@ -117,8 +117,8 @@ SpatialCut SpatialBins::best_cut(const SpatialSlabs& slabs, float inverse_size, 
   return best;
 }
 
-Pieces divide(const Primitive& primitive, const Triangle& triangle, const SpatialSlabs& slabs, const SpatialCut& cut,
-              float inverse_size) {
+Pieces divide(const Primitive& primitive, const Triangle& triangle, bool whole, const SpatialSlabs& slabs,
+              const SpatialCut& cut, float inverse_size) {
   const bool in_left = slabs.first(primitive, cut.axis) < cut.slab,
              in_right = slabs.last(primitive, cut.axis) >= cut.slab;
   Pieces pieces{primitive, primitive, in_left, in_right};
@@ -141,7 +141,7 @@ Pieces divide(const Primitive& primitive, const Triangle& triangle, const Spatia
   const float split = left_area * left_count + right_area * right_count;
   const float only_left = area_with(cut.left) * left_count + right_area * (right_count - 1);
   const float only_right = left_area * (left_count - 1) + area_with(cut.right) * right_count;
-  if (std::min(only_left, only_right) < split) {
+  if (whole || std::min(only_left, only_right) < split) {
     (only_left < only_right ? pieces.in_right : pieces.in_left) = false;
     return pieces;
   }

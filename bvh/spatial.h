@@ -49,7 +49,8 @@ struct Pieces {
   Primitive left, right;
   bool in_left, in_right;
 };
-Pieces divide(const Primitive& primitive, const Triangle& triangle, const SpatialSlabs& slabs, const SpatialCut& cut,
-              float inverse_size);
+// `whole`: on one side only.
+Pieces divide(const Primitive& primitive, const Triangle& triangle, bool whole, const SpatialSlabs& slabs,
+              const SpatialCut& cut, float inverse_size);
 
 } // namespace wavepath::bvh

@@ -4,6 +4,7 @@
 #define WAVEPATH_BINDINGS_GLSL
 
 #include "kernels/frame_types.h"
+#include "kernels/light_tree_types.h"
 #include "kernels/scene_types.h"
 
 layout(set = 0, binding = kBindFrame, std140) uniform FrameBlock { Frame frame; };
@@ -29,6 +30,11 @@ layout(set = 0, binding = kBindSrgbTable) uniform samplerBuffer srgb_table;
 
 #ifdef BIND_LIGHTS
 layout(set = 0, binding = kBindLights) uniform usamplerBuffer light_texels;
+#endif
+
+#ifdef BIND_LIGHT_TREE
+layout(set = 0, binding = kBindLightTree) uniform usamplerBuffer light_tree;
+layout(set = 0, binding = kBindLightRows) uniform usamplerBuffer light_rows;
 #endif
 
 #ifdef BIND_ENVIRONMENT

@@ -15,7 +15,7 @@ const uint kDimensionOcclusion = 1u + kDimensionsPerBounce;
 
 uint bounce_dimension(uint bounce) { return 1u + bounce * kDimensionsPerBounce; }
 
-// Keys of the hashed numbers for stochastic alpha: shadow rays draw others than the path's own rays.
+// Keys of the hashed numbers for stochastic alpha: occlusion rays draw others than the path's own rays.
 const uint kHashExtend = 0u;
 const uint kHashConnect = 1u;
 uint alpha_key(uint bounce, uint kind) { return 2u * bounce + kind; }

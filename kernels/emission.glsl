@@ -5,6 +5,9 @@
 #define WAVEPATH_EMISSION_GLSL
 
 #include "kernels/light_sampling.glsl"
+#ifdef BIND_LIGHT_TREE
+#include "kernels/light_selection.glsl"
+#endif
 #include "kernels/surface.glsl"
 
 // Weight of a technique with density `pdf` against another that would have had `other` (power heuristic, Veach 1997).
@@ -21,13 +24,18 @@ float emission_weight(float bsdf_pdf, float light_pdf) {
   return kDirect == kDirectNee ? 0.0 : mis_weight(bsdf_pdf, light_pdf);
 }
 
-// Density per unit area with which next-event estimation picks the point of the hit; 0: not a light.
-float light_pdf_area(Surface surface, Hit hit) {
-  if (!has(kFeatureTriangleLights) || surface.light == kNone) return 0.0;
+// Light that the point of the hit is on; kNone: none.
+uint light_at(Surface surface, Hit hit) {
+  if (!has(kFeatureTriangleLights) || surface.light == kNone) return kNone;
   uint index = surface.light & kTriangleLightMask;
   if (is_instanced()) index += floatBitsToUint(texelFetch(instances, int(hit.instance * kInstanceTexels + 6u)).w);
-  index += part_at(surface.light >> kPartLevelShift, vec2(hit.b1, hit.b2));
-  return uintBitsToFloat(texelFetch(light_texels, int(index * kLightTexels + 3u)).x);
+  return index + part_at(surface.light >> kPartLevelShift, vec2(hit.b1, hit.b2));
+}
+
+// Density per unit area with which next-event estimation picks the point of the hit by power; 0: not a light.
+float light_pdf_area(Surface surface, Hit hit) {
+  uint index = light_at(surface, hit);
+  return index == kNone ? 0.0 : uintBitsToFloat(texelFetch(light_texels, int(index * kLightTexels + 3u)).x);
 }
 
 // Radiance leaving the surface on the side that the viewer sees.
@@ -123,9 +131,8 @@ LightSample sample_environment(uvec2 u) {
   return s;
 }
 
-// A light, and what is left of u a point on it: both by one point of a net.
-LightSample sample_light(vec3 from, uvec2 u) {
-  uint index = pick_light(u);
+// A point on a light that was picked by power, by what the pick left of u: both by one point of a net.
+LightSample sample_picked_light(uint index, vec3 from, uvec2 u) {
   Light light = fetch_light(index);
   LightSample s = no_light();
   if (has(kFeatureEnvironment) && light.kind == kLightEnvironment)
@@ -137,5 +144,22 @@ LightSample sample_light(vec3 from, uvec2 u) {
   s.light = index;
   return s;
 }
+
+LightSample sample_light(vec3 from, uvec2 u) {
+  uint index = pick_light(u);
+  return sample_picked_light(index, from, u);
+}
+
+#ifdef BIND_LIGHT_TREE
+// By the best selection that there is for the receiver.
+LightSample sample_light(Receiver receiver, uvec2 u) {
+  float ratio;
+  uint index = pick_light_for(receiver, u, ratio);
+  if (index == kNone) return no_light();
+  LightSample s = sample_picked_light(index, receiver.position, u);
+  s.pdf *= ratio;
+  return s;
+}
+#endif
 
 #endif

@@ -12,7 +12,7 @@ namespace wavepath::gpu {
 // A clear bit removes the code; the host then also leaves out the data. Setting a bit that the scene does not need
 // changes no result, only speed ("generic kernels").
 GPU_CONSTANT uint kFeatureInstances = 1u << 0; // a top-level tree over instances
-GPU_CONSTANT uint kFeatureAlpha = 1u << 1;     // MASK or BLEND triangles, tested during traversal
+GPU_CONSTANT uint kFeatureAlpha = 1u << 1;     // MASK, BLEND or unlit triangles, tested during traversal
 GPU_CONSTANT uint kFeatureCull = 1u << 2;      // single-sided triangles are invisible from behind
 GPU_CONSTANT uint kFeatureTextures = 1u << 3;  // any material texture
 GPU_CONSTANT uint kFeatureTextureTransform = 1u << 4;
@@ -39,9 +39,11 @@ GPU_CONSTANT uint kFeatureNearestTextures = 1u << 24; // unfiltered look-ups
 GPU_CONSTANT uint kFeatureAdaptive = 1u << 25;        // waves follow a list of runs of pixels
 GPU_CONSTANT uint kFeatureSharedFirstHit =
     1u << 26; // all paths of a pixel in a wave begin at one first hit and belong to one replicate
-GPU_CONSTANT uint kFeatureGuide = 1u << 27;         // directions are also drawn from a learned field
-GPU_CONSTANT uint kFeatureGuideTraining = 1u << 28; // paths are noted for learning that field
-GPU_CONSTANT uint kFeaturesAll = (1u << 29) - 1u;
+GPU_CONSTANT uint kFeatureLightTree = 1u << 27; // many local lights: picked by a walk down a tree
+GPU_CONSTANT uint kFeatureLightRows = 1u << 28; // in shares that a pilot has learned
+GPU_CONSTANT uint kFeatureGuide = 1u << 29;     // directions are also drawn from a learned field
+GPU_CONSTANT uint kFeaturesAll = (1u << 30) - 1u;
+GPU_CONSTANT uint kFeatureLearning = 1u << 31; // of pilots alone: their kernels note what light rows and guide learn from
 
 // ---- specialization constants ---------------------------------------------------------------------------------------
 GPU_CONSTANT uint kSpecFeatures = 0u;
@@ -56,6 +58,7 @@ GPU_CONSTANT uint kSpecCount = 7u;
 GPU_CONSTANT uint kSamplerIndependent = 0u, kSamplerStratified = 1u, kSamplerSobol = 2u;
 GPU_CONSTANT uint kDirectMis = 0u, kDirectNee = 1u, kDirectBsdf = 2u;
 GPU_CONSTANT uint kHemisphereCosine = 0u, kHemisphereUniform = 1u;
+GPU_CONSTANT uint kLightsAuto = 0u, kLightsPower = 1u, kLightsTree = 2u, kLightsLearned = 3u;
 GPU_CONSTANT uint kStackArray = 0u, kStackRegisters = 1u;
 GPU_CONSTANT uint kFilterBox = 0u, kFilterGaussian = 1u, kFilterBlackmanHarris = 2u;
 

@@ -37,9 +37,13 @@ struct Frame {
   uint sample_total;   // samples a pixel that the stratified sampler spreads over
   uint slot_count;     // capacity of one ray queue
   uint scene_features; // kFeature bits that the scene has data for, whatever the kernels were compiled with
+  uint local_light_count; // triangles, points and spots, which come first among the lights
+  float light_sum_scale;  // radiance to units of the sums of a pilot (kFeatureLearning)
   uint pad0;
+  uint pad1;
+  uint pad2;
 };
-GPU_CHECK(sizeof(Frame) == 128);
+GPU_CHECK(sizeof(Frame) == 144);
 
 // Sample s belongs to replicate s % kReplicates; replicates are scrambled independently, so that their spread measures
 // the error of any sampler.

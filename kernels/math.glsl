@@ -65,6 +65,29 @@ float atan2_exact(float y, float x) {
 // Angle in [0, pi] whose cosine is x; x beyond [-1, 1] is clamped.
 float acos_exact(float x) { return atan2_exact(sqrt(max(0.0, (1.0 - x) * (1.0 + x))), x); }
 
+// ---- powers of two ----------------------------------------------------------------------------------------------
+
+// -log2(x) of x in (0, 1]: from the mantissa by the series of atanh, error below 2e-7 of the result or 1e-7.
+float minus_log2(float x) {
+  uint bits = floatBitsToUint(max(x, 1.17549435e-38));
+  int exponent = int(bits >> 23u) - 127;
+  float m = uintBitsToFloat((bits & 0x7fffffu) | 0x3f800000u);
+  if (m > 1.41421356) {
+    m *= 0.5;
+    ++exponent;
+  }
+  float s = (m - 1.0) / (m + 1.0), q = s * s;
+  return -(float(exponent) + 2.88539008 * s * (1.0 + q * (0.333333333 + q * (0.2 + q * (0.142857143 + q * 0.111111111)))));
+}
+
+// 2^-(whole + part) for part in [0, 1), error below 2e-7 of the result: a Taylor series about 1/2.
+float exp2_minus(uint whole, float part) {
+  float x = (0.5 - part) * 0.693147181;
+  float power = 0.707106781 * (1.0 + x * (1.0 + x * (0.5 + x * (0.166666667 + x * (0.0416666667 + x * (0.00833333333 +
+                    x * (0.00138888889 + x * 0.000198412698)))))));
+  return whole < 126u ? power * uintBitsToFloat((127u - whole) << 23u) : 0.0;
+}
+
 // ---- local bases ------------------------------------------------------------------------------------------------
 
 // Tangent and bitangent of the unit vector n, without a branch and without a singularity (Duff et al., JCGT 2017).

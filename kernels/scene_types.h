@@ -45,7 +45,7 @@ GPU_CONSTANT uint kTriangleLightMask = 0x0fffffffu;
 
 // Bits of Triangle::surface; the rest is the index of its material.
 GPU_CONSTANT uint kTriangleSingleSided = 1u << 31; // invisible from behind
-GPU_CONSTANT uint kTriangleAlpha = 1u << 30;       // its material is MASK or BLEND
+GPU_CONSTANT uint kTriangleAlpha = 1u << 30;       // its material is MASK, BLEND or unlit
 GPU_CONSTANT uint kTriangleSmooth = 1u << 29;      // has vertex normals
 GPU_CONSTANT uint kTriangleMaterialMask = kTriangleSmooth - 1u;
 

@@ -120,23 +120,31 @@ float opacity(Material material, float alpha) {
   return 1.0;
 }
 
-// Opacity where a ray meets a triangle.
-float hit_opacity(Hit hit) {
+// Whether the ray that is traced shows unlit surfaces: kernels whose rays may not define it.
+#ifndef SEES_UNLIT
+#define SEES_UNLIT true
+#endif
+
+// Opacity where a ray meets a triangle. Unlit surfaces are there for some rays only, see is_hole().
+float hit_opacity(Hit hit, bool sees_unlit) {
   uint triangle = hit.triangle;
   vec3 weights = vec3(1.0 - hit.b1 - hit.b2, hit.b1, hit.b2);
   uint packed = floatBitsToUint(texelFetch(triangles, int(triangle * kTriangleTexels)).w);
   Material material = fetch_material(packed & kTriangleMaterialMask);
+  if ((material.flags & kMaterialUnlit) != 0u && !sees_unlit) return 0.0;
   vec4 uv = uses(kFeatureTextures) ? surface_uv(triangle, weights) : vec4(0.0);
   vec4 color = uses(kFeatureVertexColors) ? surface_color(triangle, weights) : vec4(1.0);
   return opacity(material, base_color(material, uv, color).a);
 }
 
 // Whether this path passes through the hit: decided by a number of its own for every placed triangle and kind of ray.
+// Unlit surfaces (KHR_materials_unlit) are what the eye and mirrors see, and nothing else: like the viewers of glTF, and
+// like Blender's importer, the path tracer has them neither give light nor take it.
 bool is_hole(Hit hit, Sampler path_sampler, uint kind) {
   uint placed = floatBitsToUint(texelFetch(triangles, int(hit.triangle * kTriangleTexels + 1u)).w);
   if (is_instanced()) // golden ratio: spreads instances over the words
     placed += floatBitsToUint(texelFetch(instances, int(hit.instance * kInstanceTexels + 6u)).z) * 0x9e3779b9u;
-  return hash_unit(path_sampler, alpha_key(wave.bounce, kind), placed) >= hit_opacity(hit);
+  return hash_unit(path_sampler, alpha_key(wave.bounce, kind), placed) >= hit_opacity(hit, (kind & 1u) == kHashExtend && SEES_UNLIT);
 }
 
 // Shading normal on the side of `wo`: interpolated, bent by the normal map, and bent back where it would face away from the

@@ -1,12 +1,16 @@
 #!/usr/bin/env python3
 """Writes the scenes of this folder; `--check` compares instead, and fails if a file differs."""
 
+import json
 import pathlib
 import sys
 
 import analytic
 import analytic_surfaces
+import caustic_pictures
+import caustics
 import pictures
+import rooms
 import showcase
 
 HERE = pathlib.Path(__file__).resolve().parent
@@ -19,6 +23,15 @@ def files():
     yield "showcase.glb", showcase.showcase().binary()
     for name, scene in [*analytic.scenes(), *analytic_surfaces.scenes()]:
         yield f"analytic/{name}.gltf", scene.text()
+    for build in (rooms.slit_room, rooms.door_ajar, rooms.hundred_lights):
+        yield f"rooms/{build.__name__}.glb", build().binary()
+    answers = {}
+    for name, scene in caustics.scenes():
+        answers[name] = scene.answer
+        yield f"caustics/{name}.glb", scene.binary()
+    for name, scene in caustic_pictures.scenes():
+        yield f"caustics/{name}.glb", scene.binary()
+    yield "caustics/expected.json", (json.dumps(answers, indent=1) + "\n").encode()
 
 
 def main():

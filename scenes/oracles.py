@@ -42,6 +42,14 @@ def schlick(f0, cosine):
     return f0 + (1 - f0) * (1 - cosine) ** 5
 
 
+def fresnel(cosine, ior):
+    """Of unpolarized light that enters a body of that ior."""
+    inside = math.sqrt(1 - (1 - cosine * cosine) / (ior * ior))
+    s = (cosine - ior * inside) / (cosine + ior * inside)
+    p = (ior * cosine - inside) / (ior * cosine + inside)
+    return (s * s + p * p) / 2
+
+
 def slab(f, transmittance=1.0):
     """Transmittance of a slab with reflectance f at each face, all internal reflections summed."""
     return (1 - f) ** 2 * transmittance / (1 - (f * transmittance) ** 2)

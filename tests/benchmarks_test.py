@@ -2,6 +2,7 @@
 """The benchmark scripts' own arithmetic, on numbers with known answers, and that they start at all. No renderer is run.
 Usage: benchmarks_test.py SOURCE_DIR"""
 
+import os
 import pathlib
 import subprocess
 import sys
@@ -11,7 +12,9 @@ BENCHMARKS = pathlib.Path(sys.argv[1]) / "benchmarks"
 sys.path.insert(0, str(BENCHMARKS))
 
 import error_time  # noqa: E402
+import light_table  # noqa: E402
 import old_new  # noqa: E402
+import peer_cycles  # noqa: E402
 import scaling  # noqa: E402
 
 # relMSE = 0.2 / seconds: what independent samples give.
@@ -55,8 +58,25 @@ class Benchmarks(unittest.TestCase):
         self.assertEqual((row["old"], row["new"], row["ratio"], row["render"]), (2, 3, 1.5, 1.5))
         self.assertEqual((row["least"], row["most"], row["fastest"]), (1, 2, 2))
 
+    def test_the_references_own_error_is_taken_off(self):
+        # Squares of independent errors add up: 4 of the picture, 1 of each reference.
+        self.assertAlmostEqual(error_time.net_error([5.0, 5.0], 2.0), 4.0)
+
+    def test_a_row_holds_error_and_seconds_over_the_first_ones(self):
+        measured = {("old", 16): {"error": 0.02, "seconds": 4.0}, ("new", 16): {"error": 0.005, "seconds": 6.0}}
+        old, new = light_table.rows("cornell", "sobol", measured, ["old", "new"], [16])
+        self.assertEqual(old, "| cornell | sobol | 16 | old | 2.000e-02 | 4.00 |  |  |  |")
+        self.assertEqual(new, "| cornell | sobol | 16 | new | 5.000e-03 | 6.00 | 0.250 | 1.50 | **0.375** |")
+
+    def test_processor_seconds_leave_out_what_one_sample_takes_to_prepare(self):
+        points = [{"spp": n, "seconds": 9.0, "runs": [{"processor": 5.0 + 0.5 * n}]} for n in (1, 2, 4, 8)]
+        peer_cycles.count_processor(points)
+        for p in points:
+            self.assertAlmostEqual(p["seconds"], 0.5 * p["spp"] / os.cpu_count())
+            self.assertEqual(p["clock_seconds"], 9.0)
+
     def test_scripts_explain_themselves(self):
-        for script in ("peer_cycles.py", "scaling.py", "old_new.py"):
+        for script in ("peer_cycles.py", "scaling.py", "old_new.py", "light_table.py"):
             with self.subTest(script=script):
                 result = subprocess.run([sys.executable, BENCHMARKS / script, "--help"], capture_output=True, text=True)
                 self.assertEqual(result.returncode, 0, result.stderr)

@@ -18,6 +18,7 @@
 #include "kernels/frame_types.h"
 #include "kernels/hybrid/filter_types.h"
 #include "kernels/hybrid/hybrid_types.h"
+#include "kernels/light_tree_types.h"
 #include "kernels/path/path_types.h"
 #include "kernels/scene_types.h"
 #include "kernels/whitted/whitted_types.h"
@@ -120,6 +121,14 @@ TEST(Layout, Lights) {
            AT(Light, spot_scale), AT(Light, spot_offset), AT(Light, part)});
 }
 
+TEST(Layout, LightTree) {
+  compare("LightCluster", sizeof(LightCluster),
+          {AT(LightCluster, lo), AT(LightCluster, link), AT(LightCluster, hi), AT(LightCluster, depth)});
+  compare("LightTreeChild", sizeof(LightTreeChild),
+          {AT(LightTreeChild, box0), AT(LightTreeChild, box1), AT(LightTreeChild, emission), AT(LightTreeChild, link)});
+  compare("LightTreeNode", sizeof(LightTreeNode), {AT(LightTreeNode, child)});
+}
+
 TEST(Layout, Frame) {
   compare("Frame", sizeof(Frame),
           {AT(Frame, camera_position),
@@ -141,7 +150,9 @@ TEST(Layout, Frame) {
            AT(Frame, orthographic),
            AT(Frame, sample_total),
            AT(Frame, slot_count),
-           AT(Frame, scene_features)});
+           AT(Frame, scene_features),
+           AT(Frame, local_light_count),
+           AT(Frame, light_sum_scale)});
   compare("Wave", sizeof(Wave),
           {AT(Wave, first_pixel), AT(Wave, pixel_count), AT(Wave, first_sample), AT(Wave, sample_count),
            AT(Wave, bounce), AT(Wave, first_film_pixel)});

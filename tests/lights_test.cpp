@@ -213,7 +213,7 @@ TEST(Lights, LeaveUnlitAndDarkMaterialsAlone) {
   const PackedScene unlit = pack(scene);
   EXPECT_TRUE(unlit.lights.empty());
   EXPECT_EQ(unlit.triangles[0].light, gpu::kNone);
-  EXPECT_EQ(unlit.features, gpu::kFeatureCull | gpu::kFeatureEmission);
+  EXPECT_EQ(unlit.features, gpu::kFeatureCull | gpu::kFeatureEmission | gpu::kFeatureAlpha);
   scene.materials[0] = plain_material();
   scene.lights = {punctual(LightKind::point, 0.0f)};
   EXPECT_TRUE(pack(scene).lights.empty());

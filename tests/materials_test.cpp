@@ -198,6 +198,8 @@ TEST(TriangleFlags, KnowWhereAlphaCanMatter) {
   EXPECT_EQ(flags_of(m, {255, 255, 255, 130}, 0.9f), gpu::kTriangleAlpha);
   m.alpha_mode = AlphaMode::opaque;
   EXPECT_EQ(flags_of(m, {0, 0, 0, 0}, 0.0f), 0u); // alpha is ignored
+  m.unlit = true;
+  EXPECT_EQ(flags_of(m), gpu::kTriangleAlpha); // rays pass, except the eye's
 }
 
 TEST(TriangleFlags, CullOnlySingleSidedOpaqueSurfaces) {
@@ -224,7 +226,7 @@ TEST(Features, FollowTheMaterialsInUse) {
   m = plain;
   m.unlit = true;
   m.specular = m.transmission = 1.0f;
-  EXPECT_EQ(features_of(m), gpu::kFeatureEmission); // unlit surfaces only shine
+  EXPECT_EQ(features_of(m), gpu::kFeatureEmission | gpu::kFeatureAlpha); // seen by the eye alone; nothing else counts
   m = plain;
   m.transmission = 1.0f;
   m.volume = true;

@@ -27,8 +27,8 @@ namespace {
 std::map<std::string, std::string> members(const RenderSettings& settings) {
   const auto& [integrator, width, height, first_sample, last_sample, sample_total, time_limit, target_error, max_depth,
                sampler, hemisphere, direct, filter, seed, shadow_samples, ao_samples, ao_radius, ambient, branching,
-               cutoff, denoise, antialias_over_time, adaptive, guide, specialize, aovs, added_features, removed_features,
-               room_for_shadow_rays, wave_slots] = settings;
+               cutoff, denoise, antialias_over_time, lights, adaptive, guide, specialize, aovs, added_features,
+               removed_features, room_for_shadow_rays, wave_slots] = settings;
   const auto text = [](const auto& value) { return fmt::format("{}", value); };
   return {{"integrator", std::string(integrator->name)},
           {"width", text(width)},
@@ -52,6 +52,7 @@ std::map<std::string, std::string> members(const RenderSettings& settings) {
           {"cutoff", text(cutoff)},
           {"denoise", text(denoise)},
           {"antialias_over_time", text(antialias_over_time)},
+          {"lights", text(lights)},
           {"adaptive", text(adaptive)},
           {"guide", text(guide)},
           {"specialize", text(specialize)},

@@ -98,6 +98,7 @@ Json describe(const std::string& path, const Scene& scene, const Plan& planned, 
             {"texels", planned.texel_bytes},
             {"environment", planned.environment_bytes},
             {"lights", planned.light_bytes},
+            {"light tree", planned.light_tree_bytes},
             {"total", planned.total()}}},
           {"left_out", left_out},
           {"warnings", warnings}};

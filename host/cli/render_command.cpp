@@ -197,7 +197,7 @@ Prepared prepare(const Request& request) {
     if (origin) prepared.identity += fmt::format(";origin={:a},{:a},{:a}", origin->x, origin->y, origin->z);
   }
   prepared.view = view;
-  prepared.packed = pack(open.scene, settings.direct, quality, origin.value_or(view.position));
+  prepared.packed = pack(open.scene, settings.direct, quality, origin.value_or(view.position), settings.lights);
   prepared.warnings = open.scene.warnings;
   prepared.load_seconds = loading.seconds() - prepared.packed.bvh_seconds;
   return prepared;

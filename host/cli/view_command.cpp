@@ -82,7 +82,9 @@ public:
     packed_ = pack(open_.scene, gpu::kDirectMis, quality_, request.render.origin.value_or(view.position));
     print_warnings(open_.scene.warnings);
     environment_ = {request.scene.environment, request.scene.environment_intensity, request.scene.environment_degrees};
-    progressive_ = std::make_unique<Progressive>(*open_.device, packed_, view, settings, *open_.kernels);
+    RenderSettings shown = settings; // a window begins anew whenever the camera moves: no pilot unless asked for
+    if (shown.lights == gpu::kLightsAuto) shown.lights = gpu::kLightsTree;
+    progressive_ = std::make_unique<Progressive>(*open_.device, packed_, view, shown, *open_.kernels);
   }
 
   int run() {

@@ -38,4 +38,15 @@ Usage find_usage(const Scene& scene) {
   return usage;
 }
 
+std::uint64_t count_emitters(const Scene& scene, const Usage& usage) {
+  std::uint64_t emitters = 0;
+  for (std::size_t m = 0; m < scene.meshes.size(); ++m)
+    for (const Primitive& primitive : scene.meshes[m].primitives) {
+      const Material& material = scene.materials[primitive.material];
+      const bool shines = !material.unlit && glm::any(glm::greaterThan(material.emission, glm::vec3(0.0f)));
+      if (shines) emitters += std::uint64_t{primitive.index_count / 3} * usage.mesh_instances[m];
+    }
+  return emitters;
+}
+
 } // namespace wavepath

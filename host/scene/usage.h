@@ -27,4 +27,7 @@ struct Usage {
 // vertices.
 Usage find_usage(const Scene& scene);
 
+// Triangles that may become lights, instances counted.
+std::uint64_t count_emitters(const Scene& scene, const Usage& usage);
+
 } // namespace wavepath

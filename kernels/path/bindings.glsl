@@ -13,6 +13,15 @@ layout(set = 0, binding = kBindPathMedia, std430) buffer PathMediaBlock { uint p
 layout(set = 0, binding = kBindPathAovs, std430) buffer PathAovBlock { PathAovs path_aovs[]; };
 #endif
 
+#ifdef BIND_RECEIVERS
+layout(set = 0, binding = kBindReceivers, std430) writeonly buffer ReceiverBlock { uvec4 receiver_words[]; };
+layout(set = 0, binding = kBindReceiverTexels) uniform usamplerBuffer receiver_texels;
+#endif
+
+#ifdef BIND_LIGHT_SUMS
+layout(set = 0, binding = kBindLightSums, std430) buffer LightSumBlock { uint light_sums[]; };
+#endif
+
 #ifdef BIND_RAYS
 layout(set = 0, binding = kBindRays, std430) writeonly buffer RayBlock { uvec4 ray_words[]; };
 layout(set = 0, binding = kBindRayTexels) uniform samplerBuffer ray_texels;

@@ -4,12 +4,17 @@
 
 #define BIND_GEOMETRY
 #define BIND_SURFACES
+#define BIND_PATHS
 #define BIND_RAYS
 #define BIND_QUEUES
 #include "kernels/path/bindings.glsl"
 #include "kernels/dimensions.glsl"
 #include "kernels/path/records.glsl"
 #include "kernels/pixel.glsl"
+
+uint path_slot;
+// From the eye, or from a lobe of one direction (see PathState::bsdf_pdf).
+#define SEES_UNLIT (wave.bounce == 0u || texelFetch(path_texels, int(2u * path_slot)).w < 0.0)
 #include "kernels/surface.glsl"
 
 Sampler path_sampler;
@@ -23,6 +28,7 @@ void main() {
   uint queue = wave.bounce & 1u;
   if (index >= queues.ray_count[queue]) return;
   Ray ray = fetch_ray(queue * frame.slot_count + index);
+  path_slot = ray.slot;
   if (has(kFeatureAlpha)) path_sampler = slot_sampler(ray.slot);
   store_hit(index, trace(ray.origin, ray.direction, ray.t_max));
 }

@@ -6,6 +6,8 @@
 #define BIND_GEOMETRY
 #define BIND_SURFACES
 #define BIND_LIGHTS
+#define BIND_LIGHT_TREE
+#define BIND_RECEIVERS
 #define BIND_ENVIRONMENT
 #define BIND_PATHS
 #define BIND_RAYS
@@ -30,8 +32,9 @@ layout(local_size_x = kWorkgroupSize) in;
 Guide guide; // of the vertex being shaded
 
 // Next-event estimation: true if there is a shadow ray worth tracing.
-bool connect_to_light(Vertex v, Sampler path_sampler, uint dimension, uint slot, vec3 throughput, out ShadowRay ray) {
-  LightSample light = sample_light(v.surface.position, sample_bits(path_sampler, dimension + kDimensionLight));
+bool connect_to_light(Vertex v, Receiver receiver, Sampler path_sampler, uint dimension, uint slot, vec3 throughput,
+                      out ShadowRay ray) {
+  LightSample light = sample_light(receiver, sample_bits(path_sampler, dimension + kDimensionLight));
   if (max_component(light.radiance) <= 0.0 || !(light.pdf > 0.0) || !sides_agree(v, light.direction)) return false;
 
   float bsdf_pdf;
@@ -78,12 +81,12 @@ bool scatter(Vertex v, Sampler path_sampler, uint dimension, uint slot, inout Pa
   // light: time times relMSE is 0.82 of that on a Cornell box, 0.74 on Sponza, 0.2 on DamagedHelmet under a studio
   // environment (llvmpipe).
   float survival = sqrt(max_component(path.throughput) * path.eta_scale);
-  if (survival < 1.0 && wave.bounce > 1u && !has(kFeatureGuideTraining)) {
+  if (survival < 1.0 && wave.bounce > 1u && !has(kFeatureLearning)) {
     if (!(u_choice.y < survival)) return false;
     path.throughput /= survival;
   }
   if (!(max_component(path.throughput) > 0.0)) return false;
-  if (has(kFeatureGuideTraining))
+  if (has(kFeatureLearning))
     note_scattering(wave.first_pixel + slot, wave.bounce, guide, v.surface.position, wi, s.pdf, bsdf_pdf, path.throughput);
 
   if (has(kFeatureVolume) && s.transmitted && !v.bsdf.thin) path_media[slot] = medium_behind(v);
@@ -112,6 +115,21 @@ void add_radiance(inout PathState path, uint slot, vec3 radiance) {
   }
 }
 
+// The vertex as it receives light, stored for the weight of what the scattered ray may hit.
+Receiver store_receiver(uint slot, Vertex v) {
+  if (!uses_light_tree()) return Receiver(v.surface.position, vec3(0.0));
+  uvec4 words = uvec4(floatBitsToUint(v.surface.position), v.bsdf.transmission > 0.0 ? 0u : pack_normal(v.normal));
+  receiver_words[slot] = words;
+  return unpack_receiver(words);
+}
+
+Receiver fetch_receiver(uint slot) {
+  if (!uses_light_tree()) return Receiver(vec3(0.0), vec3(0.0));
+  return unpack_receiver(texelFetch(receiver_texels, int(slot)));
+}
+
+bool wants_light_weight(PathState path) { return kDirect == kDirectMis && path.bsdf_pdf >= 0.0; }
+
 // Follows the path of one ray to its next vertex. Returns which of the two rays it wants traced.
 void follow(Ray ray, Hit hit, inout PathState path, out bool wants_ray, out Ray next, out bool wants_shadow,
             out ShadowRay shadow) {
@@ -122,6 +140,7 @@ void follow(Ray ray, Hit hit, inout PathState path, out bool wants_ray, out Ray 
     if (has(kFeatureVolume)) path.throughput *= medium_transmittance(path_media[slot], kFarAway);
     float light_pdf;
     vec3 radiance = environment_emission(ray.direction, light_pdf);
+    if (wants_light_weight(path) && light_pdf > 0.0) light_pdf *= environment_ratio(fetch_receiver(slot));
     add_radiance(path, slot, path.throughput * radiance * emission_weight(path.bsdf_pdf, light_pdf));
     return;
   }
@@ -141,6 +160,8 @@ void follow(Ray ray, Hit hit, inout PathState path, out bool wants_ray, out Ray 
   vec3 emitted = surface_emission(surface, material, v.front);
   if (max_component(emitted) > 0.0) {
     float light_pdf = solid_angle_pdf(light_pdf_area(surface, hit), offset, surface.geometric_normal);
+    if (wants_light_weight(path) && light_pdf > 0.0)
+      light_pdf *= local_light_ratio(fetch_receiver(slot), light_at(surface, hit));
     add_radiance(path, slot, path.throughput * emitted * emission_weight(path.bsdf_pdf, light_pdf));
   }
 
@@ -149,7 +170,7 @@ void follow(Ray ray, Hit hit, inout PathState path, out bool wants_ray, out Ray 
     Sampler path_sampler = slot_sampler(slot);
     uint dimension = bounce_dimension(wave.bounce);
     if (kDirect != kDirectBsdf && frame.light_count > 0u && bsdf_has_smooth(v.bsdf))
-      wants_shadow = connect_to_light(v, path_sampler, dimension, slot, path.throughput, shadow);
+      wants_shadow = connect_to_light(v, store_receiver(slot, v), path_sampler, dimension, slot, path.throughput, shadow);
     wants_ray = scatter(v, path_sampler, dimension, slot, path, next);
   }
 }
@@ -163,9 +184,9 @@ void shade(uint index, out bool wants_ray, out Ray next, out bool wants_shadow, 
   Ray ray = fetch_ray((wave.bounce & 1u) * frame.slot_count + index);
   PathState path = fetch_path(ray.slot);
   if (!is_finite(path.radiance)) return; // another kernel has counted it
-  if (has(kFeatureGuideTraining)) note_arrival(wave.first_pixel + ray.slot, wave.bounce, path.radiance);
+  if (has(kFeatureLearning)) note_arrival(wave.first_pixel + ray.slot, wave.bounce, path.radiance);
   follow(ray, fetch_hit(index), path, wants_ray, next, wants_shadow, shadow);
-  if (has(kFeatureGuideTraining) && !wants_ray) note_end(wave.first_pixel + ray.slot, wave.bounce);
+  if (has(kFeatureLearning) && !wants_ray) note_end(wave.first_pixel + ray.slot, wave.bounce);
   if (!is_sound(path) || (wants_ray && !is_sound(next))) {
     path.radiance = spoilt(path.radiance);
     count_nonfinite(kMakerShade, ray.slot);

@@ -13,12 +13,12 @@
 #include "kernels/emission.glsl"
 #include "kernels/path/records.glsl"
 #include "kernels/pixel.glsl"
+#include "kernels/shadow.glsl"
 #include "kernels/vertex.glsl"
 #include "kernels/whitted/whitted.glsl"
 
 Sampler path_sampler;
-uint alpha_kind; // see alpha_key(): one for every ray of the tree
-#define ALPHA_TEST(hit) is_hole(hit, path_sampler, alpha_kind)
+#define ALPHA_TEST(hit) lets_light_through(hit)
 #define ANY_HIT
 #include "kernels/bvh.glsl"
 
@@ -76,9 +76,10 @@ vec3 lit_by(uint number, Vertex v, uint medium, uint path) {
   if (is_finite(value) && max_component(value) <= 0.0) return vec3(0.0);
   vec3 origin = offset_ray_origin(v.surface.position, v.surface.position_error, v.surface.geometric_normal, s.direction);
   ++shadow_ray_count;
+  begin_shadow();
   bool blocked = trace(origin, s.distant ? s.direction : s.target - origin, s.distant ? kFar : 1.0,
                        triangle.x, triangle.y).triangle != kNone;
-  return blocked ? vec3(0.0) : value;
+  return blocked ? vec3(0.0) : value * light_passed();
 }
 
 void main() {
@@ -88,7 +89,6 @@ void main() {
   if (node.hit_depth != wave.bounce) return; // the surface of an earlier depth has been lit
   uint slot = index % sample_slots();
   path_sampler = slot_sampler(slot);
-  alpha_kind = alpha_key(node.hit_path, kHashConnect);
   Surface surface = fetch_surface(node.hit);
   Vertex v = make_vertex(surface, fetch_material(surface.material), node.arrival);
   precise vec3 sum = vec3(0.0);

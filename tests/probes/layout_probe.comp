@@ -5,6 +5,7 @@
 #include "kernels/frame_types.h"
 #include "kernels/hybrid/filter_types.h"
 #include "kernels/hybrid/hybrid_types.h"
+#include "kernels/light_tree_types.h"
 #include "kernels/path/path_types.h"
 #include "kernels/scene_types.h"
 #include "kernels/whitted/whitted_types.h"
@@ -17,6 +18,9 @@ layout(set = 0, binding = 2, std430) buffer Instances { Instance instances[]; };
 layout(set = 0, binding = 3, std430) buffer Materials { Material materials[]; };
 layout(set = 0, binding = 4, std430) buffer Textures { Texture textures[]; };
 layout(set = 0, binding = 5, std430) buffer Lights { Light lights[]; };
+layout(set = 0, binding = 29, std430) buffer LightClusters { LightCluster light_clusters[]; };
+layout(set = 0, binding = 30, std430) buffer LightTreeChildren { LightTreeChild light_tree_children[]; };
+layout(set = 0, binding = 31, std430) buffer LightTreeNodes { LightTreeNode light_tree_nodes[]; };
 layout(set = 0, binding = 6, std430) buffer Paths { PathState paths[]; };
 layout(set = 0, binding = 7, std430) buffer Rays { Ray rays[]; };
 layout(set = 0, binding = 8, std430) buffer Hits { Hit hits[]; };

@@ -17,7 +17,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::array<std::string_view, 7> kHybridSettings = {"hemisphere", "direct",  "shadow-samples", "ao-samples",
+constexpr std::array<std::string_view, 8> kHybridSettings = {"hemisphere", "direct",  "lights",  "shadow-samples", "ao-samples",
                                                              "ao-radius",  "ambient", "denoise"};
 constexpr std::array<std::string_view, 3> kAoSettings = {"ao-samples", "ao-radius", "denoise"};
 constexpr std::array<std::string_view, 1> kAovs = {"ao"};

@@ -7,13 +7,14 @@
 #include <nlohmann/json.hpp>
 
 #include "host/integrators/path/guiding.h"
+#include "host/integrators/path/light_rows.h"
 #include "host/integrators/path/path_tracer.h"
 #include "host/render/render.h"
 
 namespace wavepath {
 namespace {
 
-constexpr std::array<std::string_view, 5> kSettings = {"hemisphere", "direct", "adaptive", "guide", "pixel"};
+constexpr std::array<std::string_view, 6> kSettings = {"hemisphere", "direct", "lights", "adaptive", "guide", "pixel"};
 constexpr std::array<std::string_view, 2> kFirstHitStages = {"generate", "extend"};
 
 void start_kernels(KernelCompiler& kernels, const DeviceInfo& device, std::uint32_t features,
@@ -42,6 +43,7 @@ constinit const IntegratorKind kPath = {
     .name = "path",
     .summary = "path tracing",
     .settings = kSettings,
+    .light_lesson_bytes = kLightRowBytes + kLightSumBytes,
     .measures_depth_cut = true,
     .first_hit_stages = kFirstHitStages,
     .features = film_features,

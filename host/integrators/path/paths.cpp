@@ -4,6 +4,7 @@
 #include <cstddef>
 
 #include "host/integrators/path/guiding.h"
+#include "host/integrators/path/light_rows.h"
 #include "kernels/path/accumulate.spv.h"
 #include "kernels/path/advance.spv.h"
 #include "kernels/path/connect.spv.h"
@@ -34,6 +35,15 @@ const std::vector<BufferRule> kRules = {
     {"path states",
      [](const Extent& e) { return e.slots * sizeof(gpu::PathState); },
      {{gpu::kBindPaths, storage}, {gpu::kBindPathTexels, texels_rgba32f}}},
+    {"receivers of light",
+     [](const Extent& e) { return e.features & gpu::kFeatureLightTree ? e.slots * sizeof(glm::uvec4) : 0; },
+     {{gpu::kBindReceivers, storage}, {gpu::kBindReceiverTexels, texels_rgba32ui}}},
+    {"learned shares of lights",
+     [](const Extent& e) { return e.features & gpu::kFeatureLightRows ? kLightRowBytes : 0; },
+     {{gpu::kBindLightRows, texels_r32ui}}},
+    {"sums of the light pilot",
+     [](const Extent& e) { return e.options & kRoomForLightSums ? kLightSumBytes : 0; },
+     {{gpu::kBindLightSums, storage}}},
     {"path media",
      [](const Extent& e) { return e.features & gpu::kFeatureVolume ? e.slots * sizeof(std::uint32_t) : 0; },
      {{gpu::kBindPathMedia, storage}}},
@@ -85,9 +95,13 @@ std::uint32_t film_features(const RenderSettings& settings) { return settings.ao
 
 std::uint64_t bytes_per_path(std::uint32_t features, std::uint32_t options) {
   std::uint64_t bytes = 0;
-  for (const BufferRule& rule : kRules)
-    bytes += rule.bytes({.pixels = 0, .slots = 1, .features = features, .options = options});
-  return bytes - sizeof(gpu::Queues);
+  for (const BufferRule& rule : kRules) {
+    const auto of = [&](std::uint64_t slots) {
+      return rule.bytes({.pixels = 0, .slots = slots, .features = features, .options = options});
+    };
+    bytes += of(1) - of(0);
+  }
+  return bytes;
 }
 
 Paths::Paths(Workspace& workspace, KernelCompiler& kernels)

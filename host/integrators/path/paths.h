@@ -41,6 +41,9 @@ extern const KernelProgram kGuidePilotProgram; // the same stages; a set of one 
 // Buffers of Paths, by place.
 enum PathBuffer : std::size_t {
   kStates,
+  kReceivers,
+  kLightShares,
+  kLightSums,
   kMedia,
   kPathAovs,
   kRays,
@@ -56,7 +59,7 @@ enum PathBuffer : std::size_t {
 // Bits of Extent::options.
 inline constexpr std::uint32_t kRoomForShadowRays = 1u << 0, kRoomForSeen = 1u << 1,
                                kStatesAlone = 1u << 2, // another kernel traces the rays: no queues between stages
-    kRoomForGuide = 1u << 3, kRoomForGuideRecords = 1u << 4;
+    kRoomForLightSums = 1u << 3, kRoomForGuide = 1u << 4, kRoomForGuideRecords = 1u << 5;
 
 class Paths {
 public:

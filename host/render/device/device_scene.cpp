@@ -4,6 +4,7 @@
 
 #include "host/base/error.h"
 #include "host/scene/pack/textures.h"
+#include "kernels/light_tree_types.h"
 #include "kernels/scene_types.h"
 
 namespace wavepath {
@@ -50,10 +51,11 @@ DeviceScene upload_scene(Device& device, const PackedScene& scene) {
   check_fits(info, "textures", bytes_of(scene.texels), word);
   check_fits(info, "environment texels", bytes_of(scene.environment), wide);
   check_fits(info, "lights", bytes_of(scene.lights), wide);
+  check_fits(info, "light tree", bytes_of(scene.light_tree), wide);
   const std::uint64_t total = bytes_of(scene.nodes) + bytes_of(scene.triangles) + bytes_of(scene.triangle_vertices) +
                               bytes_of(scene.vertex_normals) + bytes_of(scene.vertex_uvs) +
                               bytes_of(scene.vertex_colors) + bytes_of(scene.texels) + bytes_of(scene.environment) +
-                              bytes_of(scene.lights);
+                              bytes_of(scene.lights) + bytes_of(scene.light_tree);
   if (total > info.memory_bytes)
     throw Error(info.name,
                 fmt::format("the scene takes {:.0f} MiB, the device has {:.0f} MiB", total / 1048576.0,
@@ -73,6 +75,7 @@ DeviceScene upload_scene(Device& device, const PackedScene& scene) {
   result.texels = upload(device, scene.texels);
   result.srgb_table = upload(device, scene.textures.empty() ? std::vector<float>{} : srgb_decoding());
   result.lights = upload(device, scene.lights);
+  result.light_tree = upload(device, scene.light_tree);
   result.environment = upload(device, scene.environment);
   result.environment_ends = upload(device, scene.environment_ends);
   return result;
@@ -92,6 +95,7 @@ std::vector<Binding> DeviceScene::bindings() const {
           {gpu::kBindTexels, texels_r32ui, &texels},
           {gpu::kBindSrgbTable, texels_r32f, &srgb_table},
           {gpu::kBindLights, texels_rgba32ui, &lights},
+          {gpu::kBindLightTree, texels_rgba32ui, &light_tree},
           {gpu::kBindEnvironment, texels_rgba32f, &environment},
           {gpu::kBindEnvironmentEnds, texels_r32ui, &environment_ends}};
 }
@@ -100,7 +104,7 @@ std::uint64_t DeviceScene::bvh_bytes() const { return nodes.bytes() + triangles.
 
 std::uint64_t DeviceScene::other_bytes() const {
   return triangle_vertices.bytes() + vertex_normals.bytes() + vertex_uvs.bytes() + vertex_colors.bytes() +
-         materials.bytes() + textures.bytes() + texels.bytes() + srgb_table.bytes() + lights.bytes() +
+         materials.bytes() + textures.bytes() + texels.bytes() + srgb_table.bytes() + lights.bytes() + light_tree.bytes() +
          environment.bytes() + environment_ends.bytes();
 }
 

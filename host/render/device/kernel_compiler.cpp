@@ -17,14 +17,18 @@ KernelConfig kernel_config(std::uint32_t features, std::uint32_t stack_size, con
   if (!settings.specialize) features = gpu::kFeaturesAll;
   // Generic kernels, too, leave out what the settings do not ask for.
   constexpr std::uint32_t kByRequest = gpu::kFeatureAovs | gpu::kFeatureAdaptive | gpu::kFeatureSharedFirstHit |
-                                       gpu::kFeatureGuide | gpu::kFeatureGuideTraining;
+                                       gpu::kFeatureLightRows | gpu::kFeatureGuide;
   features &= ~kByRequest | features_of(settings);
+  if (settings.lights == gpu::kLightsPower) features &= ~gpu::kFeatureLightTree;
+  if (!(features & gpu::kFeatureLightTree)) features &= ~gpu::kFeatureLightRows;
   features = (features | settings.added_features) & ~settings.removed_features;
   return {features, stack, settings.sampler, settings.direct, settings.hemisphere, settings.filter};
 }
 
 std::uint32_t features_of(const RenderSettings& settings) {
   std::uint32_t features = settings.adaptive ? gpu::kFeatureAdaptive : 0;
+  const bool learned = settings.lights == gpu::kLightsLearned || settings.lights == gpu::kLightsAuto;
+  if (learned && settings.integrator->light_lesson_bytes > 0) features |= gpu::kFeatureLightRows;
   return features | settings.integrator->features(settings);
 }
 

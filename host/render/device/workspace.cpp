@@ -39,6 +39,8 @@ gpu::Frame make_frame(const PackedScene& scene, const View& view, const RenderSe
   frame.sample_total = settings.sample_total > 0 ? settings.sample_total : settings.last_sample;
   frame.slot_count = slots;
   frame.scene_features = scene.features;
+  if (settings.lights == gpu::kLightsPower) frame.scene_features &= ~gpu::kFeatureLightTree;
+  frame.local_light_count = scene.local_light_count;
   return frame;
 }
 

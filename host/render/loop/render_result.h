@@ -19,6 +19,13 @@ struct MemoryUse { // bytes on the device
   std::uint64_t total() const { return scene + bvh + paths + film; }
 };
 
+// What a pilot cost that learned the choice of lights, and the cells of space that it learned of.
+struct LightPilot {
+  std::uint64_t paths = 0;
+  double seconds = 0.0;
+  std::uint32_t rows = 0;
+};
+
 enum class StopReason { samples, time, target_error, interrupted };
 
 // What a pilot has learned of where light comes from (--guide).
@@ -49,6 +56,7 @@ struct RenderResult {
   std::vector<StageTime> stages;
   MemoryUse memory;
   Nonfinite nonfinite;
+  LightPilot light_pilot;
   glm::vec3 ambient{0.0f}; // radiance that a hybrid render used
   std::optional<GuideReport> guide;
 };

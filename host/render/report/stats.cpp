@@ -149,6 +149,24 @@ Json bvh_json(const PackedScene& packed) {
            static_cast<double>(bytes) / static_cast<double>(std::max<std::uint64_t>(packed.triangles_stored, 1))}};
 }
 
+// How next-event estimation chose among lights; null where it samples none.
+Json light_selection_json(const Run& run) {
+  const PackedScene& packed = run.packed;
+  if (packed.lights.empty()) return nullptr;
+  const RenderSettings& settings = run.settings;
+  const bool tree = !packed.light_tree.empty() && takes(*settings.integrator, "lights") && settings.lights != gpu::kLightsPower;
+  if (!tree) return {{"by", "power"}};
+  Json selection = {{"by", run.result.light_pilot.rows > 0 ? "learned" : "tree"},
+                    {"nodes", packed.local_light_count - 1},
+                    {"depth", packed.light_tree_depth},
+                    {"bytes", packed.light_tree.size() * sizeof(packed.light_tree[0])}};
+  if (run.result.light_pilot.rows > 0)
+    selection.update({{"cells", run.result.light_pilot.rows},
+                      {"pilot_paths", run.result.light_pilot.paths},
+                      {"pilot_seconds", run.result.light_pilot.seconds}});
+  return selection;
+}
+
 Json stats_document(const Run& run) {
   const RenderResult& result = run.result;
   const RenderSettings& settings = run.settings;
@@ -179,6 +197,7 @@ Json stats_document(const Run& run) {
       {"spp", result.spp},
       {"triangles", run.packed.triangle_count},
       {"lights", run.packed.lights.size()},
+      {"light_selection", light_selection_json(run)},
       {"seconds", seconds_json(run)},
       {"bvh", bvh_json(run.packed)},
       {"rays", to_json(result.rays)},

@@ -19,6 +19,7 @@ class KernelCompiler;
 class Workspace;
 struct DeviceInfo;
 struct PackedScene;
+struct RayCounts;
 struct RenderResult;
 
 // A stage or buffer that the integrator leaves out, and why, for the report.
@@ -35,6 +36,7 @@ struct IntegratorKind {
   std::span<const std::string_view> aovs{}; // values of --aov besides those of all
   bool finds_light = true;                  // false: its picture is the unoccluded share, whatever the lights
   bool traces_paths = true;                 // false: a sample is a frame, which reaches the film as a whole
+  std::uint64_t light_lesson_bytes = 0; // of a pilot that teaches it the choice of lights; 0 = it has none
   bool measures_depth_cut = false; // the light beyond --max-depth is measured, and told in the first sentence of bias()
   // Stages that find the first hits, by whose time integrators are compared.
   std::span<const std::string_view> first_hit_stages{};
@@ -63,6 +65,12 @@ struct IntegratorKind {
   nlohmann::ordered_json (*stats)(const RenderSettings& settings, const PackedScene& scene,
                                   const RenderResult& result) = nullptr;
   std::unique_ptr<Integrator> (*make)(Workspace& workspace, KernelCompiler& kernels) = nullptr;
+
+  // Of a kind that stands for the best of others (host/render/integrator_choice.h): what it chooses from, the one to be
+  // taken without a trial first. Null for all others.
+  std::vector<RenderSettings> (*candidates)(const RenderSettings& settings, const PackedScene& scene) = nullptr;
+  // Of such a candidate: what these rays cost, on a CPU device or another; camera rays of path tracing are the unit.
+  double (*work)(const RenderSettings& settings, const RayCounts& rays, bool cpu) = nullptr;
 };
 
 // All of them, the default first. Defined by host/integrators/factory.cpp, which alone knows their names.

@@ -45,6 +45,7 @@ struct RenderSettings {
   double cutoff = 1.0 / 256.0;      // weight below which rays are not followed; biased unless it is 0
   bool denoise = false;             // filter shadows and occlusion over space and time; biased
   bool antialias_over_time = false; // joins every picture to those before it, for a camera in motion; biased
+  std::uint32_t lights = gpu::kLightsAuto; // how next-event estimation chooses among them
   bool adaptive = false;            // more samples where a pilot, which is thrown away, found more noise
   bool guide = false;               // directions are also drawn from a field that a pilot learned
   bool specialize = true;

@@ -12,6 +12,7 @@ namespace wavepath {
 
 // By the values of the kSampler..., kDirect..., kHemisphere..., kFilter... and kBranching... constants.
 inline constexpr std::string_view kSamplerNames[] = {"independent", "stratified", "sobol"};
+inline constexpr std::string_view kLightSelectionNames[] = {"auto", "power", "tree", "learned"};
 inline constexpr std::string_view kDirectNames[] = {"mis", "nee", "bsdf"};
 inline constexpr std::string_view kHemisphereNames[] = {"cosine", "uniform"};
 inline constexpr std::string_view kFilterNames[] = {"box", "gaussian", "blackman-harris"};

@@ -5,6 +5,8 @@
 #include <string>
 
 #include "host/base/overloaded.h"
+#include "host/scene/pack/light_tree.h"
+#include "host/scene/pack/lights.h"
 
 namespace wavepath {
 namespace {
@@ -73,7 +75,8 @@ std::uint32_t light_features(const PackedScene& packed) {
   }
   features |=
       bit_if(glm::any(glm::greaterThan(packed.environment_radiance, glm::vec3(0.0f))), gpu::kFeatureEnvironment);
-  return features | bit_if(!packed.environment.empty(), gpu::kFeatureEnvironmentMap);
+  return features | bit_if(!packed.environment.empty(), gpu::kFeatureEnvironmentMap) |
+         bit_if(!packed.light_tree.empty(), gpu::kFeatureLightTree);
 }
 
 } // namespace
@@ -102,12 +105,14 @@ std::uint32_t expected_features(const Scene& scene, std::uint32_t direct) {
   const bool sampled = direct != gpu::kDirectBsdf;
   const bool lit = scene.environment.present();
   return material_features(scene, usage) | bit_if(usage.two_level(), gpu::kFeatureInstances) |
-         bit_if(any([](const Material& m) { return m.alpha_mode != AlphaMode::opaque; }), gpu::kFeatureAlpha) |
+         bit_if(any([](const Material& m) { return m.unlit || m.alpha_mode != AlphaMode::opaque; }),
+                gpu::kFeatureAlpha) |
          bit_if(any([](const Material& m) { return !m.double_sided && !(m.transmission > 0.0f); }), gpu::kFeatureCull) |
          bit_if(usage.smooth, gpu::kFeatureSmoothNormals) | bit_if(usage.colored, gpu::kFeatureVertexColors) |
          bit_if(any(transforms_texture), gpu::kFeatureTextureTransform) |
          bit_if(any(has_unfiltered_texture), gpu::kFeatureNearestTextures) |
          bit_if(sampled && any([](const Material& m) { return !m.unlit && shines(m); }), gpu::kFeatureTriangleLights) |
+         bit_if(sampled && count_emitters(scene, usage) + scene.lights.size() > kFewLights, gpu::kFeatureLightTree) |
          bit_if(sampled && lights, gpu::kFeaturePunctualLights) | bit_if(lit, gpu::kFeatureEnvironment) |
          bit_if(lit && !scene.environment.map.empty(), gpu::kFeatureEnvironmentMap);
 }
@@ -136,6 +141,8 @@ std::vector<LeftOut> list_left_out(const Usage& usage, const PackedScene& packed
       {"surface emission", "no material in use shines", 0, gpu::kFeatureEmission},
       {"triangle lights", no_sampling ? not_sampled : "no triangle shines", 0, gpu::kFeatureTriangleLights},
       {"punctual lights", no_sampling ? not_sampled : "the scene has none that shines", 0, gpu::kFeaturePunctualLights},
+      {"light tree", no_sampling ? not_sampled : "lights are few enough to pick by power", light_tree_bytes(packed.local_light_count),
+       gpu::kFeatureLightTree},
       {"environment", "it is black", 0, gpu::kFeatureEnvironment},
       {"environment map", "the environment is constant or black", 0, gpu::kFeatureEnvironmentMap},
   };

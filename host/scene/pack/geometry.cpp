@@ -80,6 +80,20 @@ std::vector<bvh::Triangle> list_valid(const Scene& scene, std::span<const Part> 
   return triangles;
 }
 
+// Which triangles the tree must hold once: shadow rays take the share that a BLEND surface stops each time that they
+// meet it. Empty if there is none.
+std::vector<std::uint8_t> list_whole(const Scene& scene, std::span<const Part> parts,
+                                     const std::vector<TriangleSource>& sources) {
+  const auto blends = [&](const Part& part) {
+    const Primitive& primitive = scene.meshes[part.mesh].primitives[part.primitive];
+    return scene.materials[primitive.material].alpha_mode == AlphaMode::blend;
+  };
+  if (std::ranges::none_of(parts, blends)) return {};
+  std::vector<std::uint8_t> whole;
+  for (const TriangleSource& source : sources) whole.push_back(blends(parts[source.part]) ? 1 : 0);
+  return whole;
+}
+
 // A leaf refers to its items by an index of limited width.
 void require_items(const Scene& scene, std::size_t count) {
   if (count > bvh::kMaxItems)
@@ -117,7 +131,9 @@ Object append_object(const Scene& scene, std::span<const Part> parts, bool with_
     object.lo = {whole.lo.x, whole.lo.y, whole.lo.z};
     object.hi = {whole.hi.x, whole.hi.y, whole.hi.z};
   }
-  const bvh::WideTree tree = bvh::build(std::span<const bvh::Triangle>(triangles), {.quality = quality});
+  const std::vector<std::uint8_t> whole = list_whole(scene, parts, sources);
+  const bvh::WideTree tree =
+      bvh::build(std::span<const bvh::Triangle>(triangles), {.quality = quality, .whole = whole});
   triangles = {};
   require_items(scene, first + tree.order.size());
   if (packed.nodes.size() + tree.nodes.size() > bvh::kMaxNodes)

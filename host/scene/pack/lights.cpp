@@ -6,11 +6,13 @@
 #include <cmath>
 #include <numbers>
 
+#include <tbb/parallel_for.h>
 #include <tbb/parallel_sort.h>
 
 #include "host/base/error.h"
 #include "host/scene/pack/emission.h"
 #include "host/scene/pack/intervals.h"
+#include "host/scene/pack/light_tree.h"
 
 namespace wavepath {
 namespace {
@@ -183,10 +185,53 @@ std::vector<double> weigh(const LightList& list) {
   return weights;
 }
 
+// Barycentric weights, within its triangle, of a point of a part that has these within the part; as
+// kernels/light_sampling.glsl has it.
+glm::dvec2 weights_in_part(std::uint32_t part, const glm::dvec2& weights) {
+  const double n = 1u << (part >> 28);
+  if (n == 1.0) return weights;
+  const glm::dvec2 corner(part >> 1 & 0x1fffu, part >> 14 & 0x3fffu);
+  return (part & 1u ? corner + 1.0 - weights : corner + weights) / n;
+}
+
+LightBounds bounds_of(const gpu::Light& light, double power, double area, const PackedScene& packed) {
+  if (light.kind == gpu::kLightPoint) return point_light_bounds(light.position, power / (4.0 * kPi));
+  if (light.kind == gpu::kLightSpot) {
+    const double outer = std::acos(std::clamp(-double{light.spot_offset} / light.spot_scale, -1.0, 1.0));
+    return spot_light_bounds(light.position, light.direction, outer, luminance(light.intensity), power);
+  }
+  const gpu::Triangle& triangle = packed.triangles[light.triangle];
+  const bool two_sided = (packed.materials[triangle.surface & gpu::kTriangleMaterialMask].flags &
+                          gpu::kMaterialDoubleSided) != 0;
+  glm::vec3 corners[3];
+  for (int k = 0; k < 3; ++k) {
+    const glm::dvec2 b = weights_in_part(light.part, {k == 1 ? 1.0 : 0.0, k == 2 ? 1.0 : 0.0});
+    const glm::dvec3 p = (1.0 - b.x - b.y) * glm::dvec3(triangle.v0) + b.x * glm::dvec3(triangle.v1) +
+                         b.y * glm::dvec3(triangle.v2);
+    corners[k] = glm::vec3(p);
+    if (!packed.root_is_top) continue;
+    const auto& rows = packed.instances[light.instance].world_from_object;
+    for (int row = 0; row < 3; ++row) corners[k][row] = static_cast<float>(glm::dot(glm::dvec4(rows[row]), glm::dvec4(p, 1.0)));
+  }
+  // Normals keep to the front of a mirrored object, whose corners are then met clockwise.
+  if (packed.root_is_top && packed.instances[light.instance].flipped) std::swap(corners[1], corners[2]);
+  return triangle_light_bounds(corners, power / (kPi * area * (two_sided ? 2.0 : 1.0)), two_sided);
+}
+
+void pack_light_tree(const LightList& list, PackedScene& packed) {
+  std::vector<LightBounds> bounds(list.ends[kLocal]);
+  tbb::parallel_for(std::size_t{0}, bounds.size(), [&](std::size_t i) {
+    bounds[i] = bounds_of(list.lights[i], list.powers[i], list.areas[i], packed);
+  });
+  const LightTree tree = build_light_tree(bounds);
+  packed.light_tree = light_tree_words(tree);
+  packed.light_tree_depth = tree.depth;
+}
+
 } // namespace
 
 void pack_lights(Scene& scene, std::span<const Object> objects, std::span<const std::uint32_t> object_of,
-                 double environment_integral, std::uint32_t direct, PackedScene& packed) {
+                 double environment_integral, std::uint32_t direct, std::uint32_t selection, PackedScene& packed) {
   if (direct == gpu::kDirectBsdf) {
     if (!scene.lights.empty())
       scene.warnings.add("punctual lights cannot be met by rays and are dark with --direct bsdf", scene.lights.size());
@@ -218,6 +263,12 @@ void pack_lights(Scene& scene, std::span<const Object> objects, std::span<const 
     if (list.areas[i] > 0.0) list.lights[i].pdf_area = static_cast<float>(probability / list.areas[i]);
   }
   if (sample_environment) packed.environment_probability = list.lights.back().probability;
+  packed.local_light_count = static_cast<std::uint32_t>(list.ends[kLocal]);
+  double power = 0.0; // as if all shone into the scene's sphere
+  for (const double p : list.powers) power += p;
+  packed.typical_radiance = power / (4.0 * kPi * kPi * radius * radius);
+  const std::size_t least = selection == gpu::kLightsAuto ? kFewLights + 1 : 1;
+  if (selection != gpu::kLightsPower && list.ends[kLocal] >= least) pack_light_tree(list, packed);
   packed.lights = std::move(list.lights);
 }
 

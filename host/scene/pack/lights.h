@@ -17,8 +17,10 @@ namespace wavepath {
 // environment. A group gets its share of the power, but never less than half of an equal share of the picks; within a
 // group lights go by power. A constant environment is sampled only with kDirectNee: with MIS, BSDF sampling alone has
 // less noise. With kDirectBsdf nothing is packed; punctual lights then have no effect, and a warning says so. Throws
-// Error if the lights do not fit into 2^26 entries.
+// Error if the lights do not fit into 2^26 entries. `selection`: a kLights constant; unless it is by power, the local
+// lights get a tree, with kLightsAuto only if there are more than kFewLights of them.
+inline constexpr std::size_t kFewLights = 8;
 void pack_lights(Scene& scene, std::span<const Object> objects, std::span<const std::uint32_t> object_of,
-                 double environment_integral, std::uint32_t direct, PackedScene& packed);
+                 double environment_integral, std::uint32_t direct, std::uint32_t selection, PackedScene& packed);
 
 } // namespace wavepath

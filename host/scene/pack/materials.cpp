@@ -83,7 +83,8 @@ std::vector<std::uint32_t> triangle_flags(const Scene& scene, const Mesh& mesh, 
     const float texture_alpha = m.base_color_texture.present() ? image_alpha[m.base_color_texture.image] : 1.0f;
     // A transmissive surface is never culled: rays inside the body leave through its back faces.
     if (!m.double_sided && !(m.transmission > 0.0f)) flags[p] |= gpu::kTriangleSingleSided;
-    if (lets_rays_through(m, m.base_color.a * texture_alpha * color_alpha)) flags[p] |= gpu::kTriangleAlpha;
+    // Unlit surfaces are there for the eye alone; traversal has to ask.
+    if (m.unlit || lets_rays_through(m, m.base_color.a * texture_alpha * color_alpha)) flags[p] |= gpu::kTriangleAlpha;
     if (mesh.primitives[p].has_normals && !mesh.normals.empty()) flags[p] |= gpu::kTriangleSmooth;
   }
   return flags;

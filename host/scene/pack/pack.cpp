@@ -101,7 +101,8 @@ void place_origin(const Scene& scene, const std::optional<glm::dvec3>& eye, Pack
 
 } // namespace
 
-PackedScene pack(Scene& scene, std::uint32_t direct, bvh::Quality quality, const std::optional<glm::dvec3>& eye) {
+PackedScene pack(Scene& scene, std::uint32_t direct, bvh::Quality quality, const std::optional<glm::dvec3>& eye,
+                 std::uint32_t lights) {
   PackedScene packed;
   packed.bvh_quality = quality;
   place_origin(scene, eye, packed);
@@ -145,7 +146,8 @@ PackedScene pack(Scene& scene, std::uint32_t direct, bvh::Quality quality, const
                        packed.dropped_triangles);
 
   pack_vertices(scene, layout.usage, streams, packed);
-  pack_lights(scene, objects, object_of, pack_environment(scene.environment, direct, packed), direct, packed);
+  const double environment = pack_environment(scene.environment, direct, packed);
+  pack_lights(scene, objects, object_of, environment, direct, lights, packed);
   packed.features = find_features(scene, layout.usage, packed);
   packed.left_out = list_left_out(layout.usage, packed, direct);
   return packed;

@@ -13,8 +13,8 @@ namespace wavepath {
 
 // `direct` (kDirect*): with kDirectBsdf no light is packed for sampling. `eye`: the point around which single precision
 // should be finest: the origin is the point of the geometry's box nearest to it, or the box's centre. Adds warnings
-// about dropped triangles and instances to scene.warnings.
+// about dropped triangles and instances to scene.warnings. `lights` (kLights*): how they are selected, see lights.h.
 PackedScene pack(Scene& scene, std::uint32_t direct = gpu::kDirectMis, bvh::Quality quality = bvh::Quality::fast,
-                 const std::optional<glm::dvec3>& eye = {});
+                 const std::optional<glm::dvec3>& eye = {}, std::uint32_t lights = gpu::kLightsAuto);
 
 } // namespace wavepath

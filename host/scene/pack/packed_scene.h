@@ -49,6 +49,11 @@ struct PackedScene {
   std::vector<std::uint32_t> texels;
 
   std::vector<gpu::Light> lights; // that next-event estimation samples, the environment included
+  std::uint32_t local_light_count = 0; // of those that have a place; they come first
+  // The light tree as kernels/light_tree_types.h has it, empty where lights are picked by power; and its columns.
+  std::vector<glm::uvec4> light_tree;
+  std::uint32_t light_tree_depth = 0;
+  double typical_radiance = 0.0; // that all lights together bring to a surface, by order of magnitude
   glm::vec3 environment_radiance{0.0f};
   float environment_probability = 0.0f;
   double environment_rotation = 0.0;

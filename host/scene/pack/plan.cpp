@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "host/scene/pack/light_tree.h"
+#include "host/scene/pack/lights.h"
 #include "host/scene/pack/materials.h"
 #include "host/scene/pack/vertices.h"
 
@@ -12,18 +14,6 @@ namespace {
 // of their own, so that a node holds two of them, its other children being nodes.
 std::uint64_t triangle_node_bytes(std::uint64_t triangles) { return (2 * triangles / 7 + 1) * sizeof(bvh::WideNode); }
 std::uint64_t instance_node_bytes(std::uint64_t instances) { return (instances / 2 + 1) * sizeof(bvh::WideNode); }
-
-// Triangles that may become lights, instances counted.
-std::uint64_t count_emitters(const Scene& scene, const Usage& usage) {
-  std::uint64_t emitters = 0;
-  for (std::size_t m = 0; m < scene.meshes.size(); ++m)
-    for (const Primitive& primitive : scene.meshes[m].primitives) {
-      const Material& material = scene.materials[primitive.material];
-      const bool shines = !material.unlit && glm::any(glm::greaterThan(material.emission, glm::vec3(0.0f)));
-      if (shines) emitters += std::uint64_t{primitive.index_count / 3} * usage.mesh_instances[m];
-    }
-  return emitters;
-}
 
 } // namespace
 
@@ -51,7 +41,9 @@ Plan plan(const Scene& scene, bvh::Quality quality) {
   plan.texel_bytes = materials.textures.word_count * sizeof(std::uint32_t);
   plan.environment_bytes =
       environment + environment / 4 + scene.environment.height * sizeof(std::uint32_t); // and its distribution
-  plan.light_bytes = (count_emitters(scene, usage) + scene.lights.size() + 1) * sizeof(gpu::Light);
+  const std::uint64_t local_lights = count_emitters(scene, usage) + scene.lights.size();
+  plan.light_bytes = (local_lights + 1) * sizeof(gpu::Light);
+  if (local_lights > kFewLights) plan.light_tree_bytes = light_tree_bytes(local_lights);
   plan.largest_buffer = std::max(
       {triangles, corners, nodes, placed, streams.any() ? stream : 0, plan.texel_bytes, environment, plan.light_bytes});
   return plan;

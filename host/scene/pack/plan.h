@@ -12,11 +12,12 @@ namespace wavepath {
 // though most may prove black) and spatial splits (the largest number of copies).
 struct Plan {
   std::uint64_t triangle_bytes = 0, node_bytes = 0, vertex_bytes = 0, texel_bytes = 0, environment_bytes = 0,
-                light_bytes = 0;
+                light_bytes = 0, light_tree_bytes = 0;
   std::uint64_t triangles_stored = 0, triangles_seen = 0, instances = 0;
   std::uint64_t largest_buffer = 0; // bytes of the largest single array
   std::uint64_t total() const {
-    return triangle_bytes + node_bytes + vertex_bytes + texel_bytes + environment_bytes + light_bytes;
+    return triangle_bytes + node_bytes + vertex_bytes + texel_bytes + environment_bytes + light_bytes +
+           light_tree_bytes;
   }
 };
 Plan plan(const Scene& scene, bvh::Quality quality = bvh::Quality::fast);

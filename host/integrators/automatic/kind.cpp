@@ -1,0 +1,39 @@
+#include "host/integrators/automatic/kind.h"
+
+#include <array>
+
+#include "host/integrators/bidirectional/kind.h"
+#include "host/integrators/path/kind.h"
+
+namespace wavepath {
+namespace {
+
+constexpr std::array<std::string_view, 2> kSettings = {"hemisphere", "direct"};
+
+std::vector<RenderSettings> candidates(const RenderSettings& settings, const PackedScene&) {
+  RenderSettings path = settings;
+  path.integrator = &kPath;
+  RenderSettings guided = path;
+  guided.guide = true;
+  RenderSettings bidirectional = settings;
+  bidirectional.integrator = &kBidirectional;
+  std::vector<RenderSettings> all = {path, guided};
+  if (settings.aovs.empty()) all.push_back(bidirectional);
+  return all;
+}
+
+} // namespace
+
+const IntegratorKind& automatic_integrator() {
+  static const IntegratorKind kAutomatic = [] {
+    IntegratorKind kind = kPath;
+    kind.name = "auto";
+    kind.summary = "measures short pilots of path, path --guide and bidirectional, and takes the best";
+    kind.settings = kSettings;
+    kind.candidates = candidates;
+    return kind;
+  }();
+  return kAutomatic;
+}
+
+} // namespace wavepath

@@ -1,0 +1,151 @@
+#include "host/render/integrator_choice.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "host/base/clock.h"
+#include "host/film/film.h"
+#include "host/gpu/device.h"
+#include "host/render/settings/settings_table.h"
+#include "host/scene/view.h"
+
+namespace wavepath {
+namespace {
+
+constexpr std::uint32_t kLongestSide = 48, kSamples = 16; // of a pilot
+constexpr double kWholeOverPilots = 20.0;
+// A trial that lacks more light than this, beyond four standard errors, does not find all of it, however smooth it is.
+constexpr double kMissing = 0.01, kSure = 4.0;
+// Paths a second, for renders that are bounded by time: orders of magnitude, so that the choice depends on no clock.
+constexpr double kCpuPaths = 1e5, kGpuPaths = 1e8;
+
+RenderSettings pilot_of(const RenderSettings& settings) {
+  RenderSettings small = settings;
+  const std::uint32_t longest = std::max(settings.width, settings.height);
+  small.width = std::max(1u, settings.width * std::min(kLongestSide, longest) / longest);
+  small.height = std::max(1u, settings.height * std::min(kLongestSide, longest) / longest);
+  small.first_sample = 0, small.last_sample = kSamples, small.sample_total = 0;
+  small.time_limit = small.target_error = 0.0;
+  small.adaptive = false;
+  small.aovs.clear();
+  small.seed = settings.seed ^ 0x9e3779b9u;
+  return small;
+}
+
+double paths_of(const RenderSettings& settings) {
+  const std::uint32_t samples = settings.sample_total > 0 ? settings.sample_total : settings.last_sample;
+  return static_cast<double>(settings.width) * settings.height * samples;
+}
+
+bool pays(const RenderSettings& settings, std::size_t candidates, bool cpu) {
+  double whole = paths_of(settings);
+  if (settings.time_limit > 0.0) whole = std::min(whole, settings.time_limit * (cpu ? kCpuPaths : kGpuPaths));
+  return whole >= kWholeOverPilots * static_cast<double>(candidates) * paths_of(pilot_of(settings));
+}
+
+// All light of a picture, and the standard error of that.
+struct Light {
+  double sum = 0.0, variance = 0.0;
+};
+
+Light light_of(const Film& film) {
+  Light light;
+  for (std::size_t i = 0; i < std::size_t{film.width} * film.height; ++i) {
+    const PixelStatistics pixel = statistics(film, i);
+    for (int c = 0; c < 3; ++c) light.sum += pixel.mean[c], light.variance += pixel.variance[c];
+  }
+  return light;
+}
+
+std::string flags_text(const RenderSettings& settings) {
+  std::string text(settings.integrator->name);
+  for (const Setting& row : settings_table())
+    if (row.decides == Decides::picture && row.takers != Takers::all && is_taken(row, *settings.integrator) &&
+        !is_default(row, settings))
+      text += " " + flag_text(row, settings);
+  return text;
+}
+
+struct Pilot {
+  RenderSettings settings;
+  RenderResult result;
+  Light light;
+  double work = 0.0;
+};
+
+// Squared error times work for the error to be told: `bound` is the error itself or an end of its interval.
+double cost_of(const Pilot& pilot, double bound) { return bound * bound * pilot.work; }
+
+std::vector<Trial> judge(const std::vector<Pilot>& pilots) {
+  const Light& brightest = std::ranges::max_element(pilots, {}, [](const Pilot& p) { return p.light.sum; })->light;
+  const ErrorEstimate& first = pilots.front().result.error;
+  std::vector<Trial> trials;
+  for (const Pilot& pilot : pilots) {
+    Trial trial{.flags = flags_text(pilot.settings)};
+    const ErrorEstimate& error = pilot.result.error;
+    trial.cost = cost_of(pilot, error.relative_rms) / cost_of(pilots.front(), first.relative_rms);
+    trial.lo = cost_of(pilot, error.ci95[0]) / cost_of(pilots.front(), first.ci95[1]);
+    trial.hi = cost_of(pilot, error.ci95[1]) / std::max(cost_of(pilots.front(), first.ci95[0]), 1e-300);
+    const double gap = brightest.sum - pilot.light.sum;
+    if (gap > kSure * std::sqrt(brightest.variance + pilot.light.variance) && gap > kMissing * brightest.sum)
+      trial.missing = gap / brightest.sum;
+    trials.push_back(trial);
+  }
+  return trials;
+}
+
+// The cheapest of those that find all light. The first one is left only for one that is surely better.
+std::size_t best_of(const std::vector<Trial>& trials) {
+  std::size_t best = 0;
+  for (std::size_t i = 1; i < trials.size(); ++i) {
+    const Trial &trial = trials[i], &so_far = trials[best];
+    if (trial.missing > 0.0) continue;
+    const bool surely = best > 0 || trial.hi < 1.0;
+    if (so_far.missing > 0.0 || (surely && trial.cost < so_far.cost)) best = i;
+  }
+  return best;
+}
+
+} // namespace
+
+Choice choose_integrator(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings,
+                         KernelCompiler& kernels) {
+  if (!settings.integrator->candidates) return {.settings = settings};
+  const Clock::time_point start = Clock::now();
+  const std::vector<RenderSettings> candidates = settings.integrator->candidates(settings, scene);
+  const bool cpu = device.info().type == "cpu";
+  Choice choice{.settings = candidates.front()};
+  if (candidates.size() < 2 || !pays(settings, candidates.size(), cpu)) return choice;
+  std::vector<Pilot> pilots;
+  for (const RenderSettings& candidate : candidates) {
+    Pilot pilot{.settings = candidate};
+    pilot.result = render(device, scene, view, pilot_of(candidate), RenderHooks{}, kernels);
+    pilot.light = light_of(*pilot.result.film);
+    pilot.work = candidate.integrator->work(candidate, pilot.result.rays, cpu);
+    pilots.push_back(std::move(pilot));
+  }
+  choice.trials = judge(pilots);
+  choice.taken = best_of(choice.trials);
+  choice.settings = candidates[choice.taken];
+  choice.seconds = seconds_since(start);
+  return choice;
+}
+
+std::string choice_text(const Choice& choice) {
+  if (choice.trials.empty())
+    return fmt::format("auto took {} without a trial: the render is short", flags_text(choice.settings));
+  const Trial &taken = choice.trials[choice.taken], &first = choice.trials.front();
+  if (choice.taken > 0 && first.missing > 0.0)
+    return fmt::format("auto took {}: {} lacks {:.3g} % of the light", taken.flags, first.flags, 100.0 * first.missing);
+  if (choice.taken > 0)
+    return fmt::format("auto took {}: a given error costs {:.2g} ({:.2g} to {:.2g}) of the work of {}", taken.flags,
+                       taken.cost, taken.lo, taken.hi, first.flags);
+  const auto second = std::min_element(choice.trials.begin() + 1, choice.trials.end(),
+                                       [](const Trial& a, const Trial& b) { return a.cost < b.cost; });
+  return fmt::format("auto took {}: a given error costs {} {:.2g} ({:.2g} to {:.2g}) times the work", taken.flags,
+                     second->flags, second->cost, second->lo, second->hi);
+}
+
+} // namespace wavepath

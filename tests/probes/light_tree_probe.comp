@@ -1,0 +1,42 @@
+// Walks a light tree with kernels/light_tree.glsl: one element an invocation.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "kernels/light_tree_types.h"
+
+layout(set = 0, binding = 0) uniform usamplerBuffer light_tree;
+#include "kernels/light_tree.glsl"
+
+layout(local_size_x = kWorkgroupSize) in;
+
+struct Element {
+  vec3 position;
+  uint bits;   // of the pick
+  vec3 normal;
+  uint trail;  // of the light whose probability is asked for, or of a column
+  uint light;  // picked
+  float probability, below_column, remainder;
+  float asked, asked_below_column; // of the light at the end of `trail`
+  uint in_column;                  // 1: draw from the column that `trail` leads to
+  uint pad0;
+};
+layout(set = 0, binding = 1, std430) buffer Elements { Element elements[]; };
+layout(push_constant) uniform Push { uint count; };
+
+void main() {
+  uint i = gl_GlobalInvocationID.x;
+  if (i >= count) return;
+  Element e = elements[i];
+  Receiver receiver = Receiver(e.position, e.normal);
+  Draw draw = make_draw(e.bits);
+  LightWalk drawn;
+  if (e.in_column != 0u) drawn = draw_from_column(receiver, e.trail, draw);
+  else drawn = draw_from_tree(receiver, draw);
+  e.light = drawn.light;
+  e.probability = drawn.probability;
+  e.below_column = drawn.below_column;
+  e.remainder = remainder_of(draw);
+  LightWalk asked = walk_to(receiver, e.trail);
+  e.asked = asked.probability;
+  e.asked_below_column = asked.below_column;
+  elements[i] = e;
+}
