@@ -246,7 +246,8 @@ class Caustic : public VulkanTest, public ::testing::WithParamInterface<std::str
 
 std::vector<std::string> list_caustics() {
   std::vector<std::string> names;
-  for (const auto& [name, answer] : nlohmann::json::parse(std::ifstream(kScenes / "caustics/expected.json")).items())
+  const nlohmann::json answers = nlohmann::json::parse(std::ifstream(kScenes / "caustics/expected.json"));
+  for (const auto& [name, answer] : answers.items())
     if (answer.at("seen") != "specular") names.push_back(name);
   return names;
 }
@@ -265,7 +266,7 @@ TEST_P(Caustic, LightPathsFindIt) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Scenes, Caustic, ::testing::ValuesIn(list_caustics()),
-                         [](const auto& info) { return info.param; });
+                         [](const ::testing::TestParamInfo<std::string>& caustic) { return caustic.param; });
 
 class AnyScene : public VulkanTest {
 protected:
