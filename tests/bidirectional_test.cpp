@@ -246,6 +246,19 @@ TEST_F(BidirectionalTest, LightPassesWhatTheCameraSeesThrough) {
   expect_path_light(std::move(scene), 3, {gpu::kTechniquesAll, kSplat, kLight | kConnect}, 64);
 }
 
+// Unlit surfaces are there for the eye and for mirrors: light passes them, but what a mirror shows them hide.
+TEST_F(BidirectionalTest, LightPassesUnlitSurfacesButNotTowardsMirrors) {
+  Scene scene = corner();
+  scene.materials[1].roughness = 0.0f;
+  add_shining_quad(scene, 2.5f);
+  Material unlit = plain_material();
+  unlit.unlit = true;
+  scene.materials.push_back(unlit);
+  add_instance(scene, add_mesh(scene, quad({-1, 0.5f, 0.8f}, {0.3f, 0.5f, 0.8f}, {0.3f, 0.5f, 0.0f}, {-1, 0.5f, 0.0f}),
+                               static_cast<std::uint32_t>(scene.materials.size() - 1)));
+  expect_path_light(std::move(scene), 3, {gpu::kTechniquesAll, kHit | kSplat, kHit | kConnect | kLight}, 128);
+}
+
 // Clear glass: of the light behind it path tracing finds that of the quad alone.
 TEST_F(BidirectionalTest, FindsTheLightBehindGlass) {
   Scene scene = corner();

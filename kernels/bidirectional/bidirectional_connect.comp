@@ -9,7 +9,6 @@
 #define BIND_CONNECTIONS
 #include "kernels/bidirectional/bindings.glsl"
 #include "kernels/bidirectional/records.glsl"
-#include "kernels/dimensions.glsl"
 #include "kernels/path/nonfinite.glsl"
 #include "kernels/path/records.glsl"
 #include "kernels/pixel.glsl"

@@ -144,7 +144,7 @@ bool scatter(Vertex v, Sampler path_sampler, uint dimension, uint slot, inout Pa
   else
     weights = scattered(weights, cosine, s.pdf, reverse_pdf(v, wi), connects_behind());
   path.throughput *= s.weight;
-  path.bsdf_pdf = s.pdf;
+  path.bsdf_pdf = s.pdf; // extend asks whether it is that of a delta lobe
   path.eta_scale *= s.eta_scale;
   float survival = sqrt(max_component(path.throughput) * path.eta_scale); // as in path/shade.comp
   if (survival < 1.0 && wave.bounce > 1u) {

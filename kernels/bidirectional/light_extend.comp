@@ -9,13 +9,22 @@
 #define BIND_PATHS
 #define BIND_RAYS
 #define BIND_QUEUES
-#define SEES_UNLIT false // they take no light
+#define SEES_UNLIT false
 #include "kernels/bidirectional/bindings.glsl"
 #include "kernels/bidirectional/light_path.glsl"
 #include "kernels/path/records.glsl"
 
 Sampler path_sampler;
-#define ALPHA_TEST(hit) is_hole(hit, path_sampler, kHashExtend)
+float nearest_unlit; // that the ray has met
+
+// Light passes unlit surfaces; but those on the way to a mirror are seen in it, and hide the light.
+bool passes(Hit hit, float t) {
+  uint packed = floatBitsToUint(texelFetch(triangles, int(hit.triangle * kTriangleTexels)).w);
+  if ((fetch_material(packed & kTriangleMaterialMask).flags & kMaterialUnlit) != 0u) nearest_unlit = min(nearest_unlit, t);
+  return is_hole(hit, path_sampler, kHashExtend);
+}
+
+#define ALPHA_TEST(hit) passes(hit, t_pending)
 #define SEES_BACKS
 #include "kernels/bvh.glsl"
 
@@ -34,24 +43,29 @@ void main() {
   if (index >= queues.ray_count[queue]) return;
   Ray ray = fetch_ray(queue * frame.slot_count + index);
   if (has(kFeatureAlpha) || has(kFeatureCull)) path_sampler = light_sampler(ray.slot);
+  nearest_unlit = kFar;
   Hit hit = trace(ray.origin, ray.direction, ray.t_max);
+  bool met_unlit = nearest_unlit < t_best;
+  float weight = 1.0;
   if (has(kFeatureCull)) {
-    float weight = 1.0;
-    bool passes = true;
-    for (uint passed = 0u; passes && hit.triangle != kNone; ++passed) {
+    bool goes_on = true;
+    for (uint passed = 0u; goes_on && hit.triangle != kNone; ++passed) {
       Surface surface = fetch_surface(hit);
       if (!is_passable(hit, surface, ray.direction)) break;
-      passes = hash_unit(path_sampler, alpha_key(wave.bounce, kHashConnect), passed) < kPassing;
-      weight /= passes ? kPassing : 1.0 - kPassing;
-      if (!passes) break;
+      goes_on = hash_unit(path_sampler, alpha_key(wave.bounce, kHashConnect), passed) < kPassing;
+      weight /= goes_on ? kPassing : 1.0 - kPassing;
+      if (!goes_on) break;
       vec3 origin = offset_ray_origin(surface.position, surface.position_error, surface.geometric_normal, ray.direction);
+      nearest_unlit = kFar;
       hit = trace(origin, ray.direction, ray.t_max);
+      met_unlit = met_unlit || nearest_unlit < t_best;
     }
-    if (weight != 1.0) {
-      PathState path = fetch_path(ray.slot);
-      path.throughput *= weight;
-      store_path(ray.slot, path);
-    }
+  }
+  if (weight != 1.0 || met_unlit) {
+    PathState path = fetch_path(ray.slot);
+    path.throughput *= weight;
+    path.eta_scale = met_unlit ? -1.0 : 1.0;
+    store_path(ray.slot, path);
   }
   store_hit(index, hit);
 }

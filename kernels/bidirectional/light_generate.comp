@@ -19,7 +19,8 @@
 layout(local_size_x = kWorkgroupSize) in;
 
 // Light paths count their surfaces from 1, so that their rays begin in the second queue. In a light path's state, `radiance`
-// is what it began with, `throughput` what is left of it, and a `bsdf_pdf` of 0 says that its ray comes from infinity.
+// is what it began with, `throughput` what is left of it, a `bsdf_pdf` of 0 says that its ray comes from infinity, and a
+// negative `eta_scale` that its latest ray has met an unlit surface.
 void main() {
   uint slot = gl_GlobalInvocationID.x;
   if (slot == 0u) queues.ray_count[1] = wave.pixel_count * wave.sample_count;

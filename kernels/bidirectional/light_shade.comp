@@ -114,6 +114,8 @@ bool scatter(Vertex v, Sampler path_sampler, uint dimension, uint slot, inout Pa
   float out_cosine = surface_cosine(v, w), in_cosine = surface_cosine(v, v.wo);
   if (!(out_cosine > 0.0) || !sides_agree(seen, v.wo)) return false;
 
+  if (s.pdf < 0.0 && path.eta_scale < 0.0) return false; // a mirror shows the unlit surface instead
+  path.eta_scale = 1.0;
   if (s.pdf < 0.0) { // flux is not scaled by refraction as radiance is
     float bend = abs(local.z) / abs(s.wi.z);
     path.throughput *= s.weight * (s.eta_scale * bend * out_cosine / in_cosine);
@@ -144,7 +146,7 @@ void follow(Ray ray, Hit hit, inout PathState path, out bool wants_ray, out Ray 
   Surface surface = fetch_surface(hit);
   Material material = fetch_material(surface.material);
   float cosine = abs(dot(surface.geometric_normal, ray.direction));
-  if (!(cosine > 0.0) || (has(kFeatureEmission) && (material.flags & kMaterialUnlit) != 0u)) return;
+  if (!(cosine > 0.0)) return;
   vec3 offset = surface.position - ray.origin;
   Vertex v = make_vertex(surface, material, ray.direction);
   if (!v.front && is_single_sided(hit)) return; // no camera path sees this side

@@ -5,16 +5,15 @@
 
 #define BIND_GEOMETRY
 #define BIND_SURFACES
-#define BIND_LIGHTS
-#define BIND_ENVIRONMENT
 #define BIND_COUNTERS
 #define BIND_CONNECTIONS
 #define BIND_SPLATS
 #include "kernels/bidirectional/bindings.glsl"
-#include "kernels/bidirectional/light_path.glsl"
 #include "kernels/bidirectional/records.glsl"
 #include "kernels/film/splat.glsl"
 #include "kernels/path/nonfinite.glsl"
+#include "kernels/pixel.glsl"
+#include "kernels/records.glsl"
 #define SHADOW_SEES_UNLIT true
 #include "kernels/shadow.glsl"
 
