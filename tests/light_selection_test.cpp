@@ -15,6 +15,7 @@
 #include "host/integrators/path/kind.h"
 #include "host/integrators/path/light_rows.h"
 #include "host/render/device/kernel_compiler.h"
+#include "host/render/loop/render_state.h"
 #include "host/render/render.h"
 #include "host/scene/gltf/gltf.h"
 #include "host/scene/pack/lights.h"
