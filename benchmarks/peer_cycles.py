@@ -108,8 +108,9 @@ def count_processor(points):
     points[0]["seconds"] = points[1]["seconds"] / 2
 
 
-def measure(renderers, references, folder, reps, seconds):
-    """One series a renderer: 1, 2, 4 ... samples a pixel, taking turns, till the last target or the limit."""
+def measure(renderers, references, folder, reps, seconds, processor):
+    """One series a renderer: 1, 2, 4 ... samples a pixel, taking turns, till the last target or the limit, which is of
+    the processor's seconds where these count."""
     binary = renderers[0].binary
 
     def relmse(picture, reference):
@@ -127,14 +128,21 @@ def measure(renderers, references, folder, reps, seconds):
                     picture = folder / f"{renderer.name}.exr"
                     run = renderer.render(spp, 1 + rep, picture)
                     errors = [relmse(picture, r) for r in references[renderer.name]]
-                    run["relmse"] = max(net_error(errors, between[renderer.name]), 1e-9)
+                    run["relmse"] = net_error(errors, between[renderer.name])
                     runs[renderer.name].append(run)
         for name, done in runs.items():
             point = {"spp": spp, "seconds": statistics.median(r["seconds"] for r in done),
                      "relmse": statistics.fmean(r["relmse"] for r in done), "runs": done}
+            if point["relmse"] < between[name] / 4:  # half the references' own error: too rough to tell less
+                point["relmse"] = between[name] / 4
+                if len(series[name]) >= 2:  # a slope needs two
+                    print(f"  {name:9} {spp:5} spp: its references are too rough for more samples", file=sys.stderr)
+                    running.discard(name)
+                    continue
             series[name].append(point)
             print(f"  {name:9} {spp:5} spp {point['seconds']:8.3f} s  relMSE {point['relmse']:.3e}", file=sys.stderr)
-            if spp > 1 and (point["relmse"] < TARGETS[-1] or point["seconds"] > seconds):  # a slope needs two
+            took = min(r["processor"] for r in done) / os.cpu_count() if processor else point["seconds"]
+            if spp > 1 and (point["relmse"] < TARGETS[-1] or took > seconds):
                 running.discard(name)
         spp *= 2
     return series
@@ -189,7 +197,7 @@ def main():
         with Cycles(args.blender, view, args.work / "blender.log") as cycles:
             spp = max(SCENES[name]["reference"] // share // 2, 1)  # of each of both
             references = {r.name: references_of(r, view, spp, args.work, args.fresh) for r in (ours, cycles)}
-            series = measure([ours, cycles], references, args.work, reps, seconds)
+            series = measure([ours, cycles], references, args.work, reps, seconds, args.processor)
             if args.processor:
                 for points in series.values():
                     count_processor(points)

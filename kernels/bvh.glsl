@@ -1,6 +1,7 @@
 // Traversal of the 4-wide BVH, one ray a lane: the same algorithm and order as bvh/traverse.h, which describes them.
 // Boxes: the padded slab test of Ize 2013. Triangles: triangle.glsl. Include bindings.glsl with BIND_GEOMETRY first;
-// where alpha is tested, define ALPHA_TEST(hit) as "this point is a hole".
+// where alpha is tested, define ALPHA_TEST(hit) as "this point is a hole"; SEES_BACKS for rays that single-sided triangles
+// stop on both sides.
 #ifndef WAVEPATH_BVH_GLSL
 #define WAVEPATH_BVH_GLSL
 
@@ -214,7 +215,9 @@ bool is_better(float t, uint id, uint flags, bool front) {
   bool first = instance_id < best_ids.x || (instance_id == best_ids.x && id < best_ids.y);
   better = t < t_best || (t == t_best && first);
 #endif
+#ifndef SEES_BACKS
   if (has(kFeatureCull)) better = better && (front || (flags & kTriangleSingleSided) == 0u);
+#endif
   return better;
 }
 

@@ -41,4 +41,14 @@ vec2 sample_filter(vec2 u) {
   return kFilterRadius * clamp(bell, -1.0, 1.0);
 }
 
+// The density itself along one axis, at distance d from the pixel's centre.
+float filter_density(float d) {
+  if (kFilter == kFilterBox) return abs(d) <= 0.5 ? 1.0 : 0.0;
+  if (abs(d) >= kFilterRadius) return 0.0;
+  if (kFilter == kFilterGaussian) return exp(-2.0 * d * d) * 0.800044545;
+  float c = cos_sin_turns(d / (2.0 * kFilterRadius)).x; // cosines of multiples of the angle by Chebyshev's polynomials
+  float window = 0.35875 + c * 0.48829 + (2.0 * c * c - 1.0) * 0.14128 + (4.0 * c * c - 3.0) * c * 0.01168;
+  return max(window, 0.0) / (2.0 * kFilterRadius * 0.35875);
+}
+
 #endif

@@ -13,9 +13,14 @@ uint shadow_depth;
 
 void begin_shadow() { shadow_depth = 0u; }
 
+// Whether the ray shows unlit surfaces, as the eye does: define it for rays that lead to the eye.
+#ifndef SHADOW_SEES_UNLIT
+#define SHADOW_SEES_UNLIT false
+#endif
+
 // Traversal asks this of a surface that may let light through (ALPHA_TEST): whether it goes on behind it.
 bool lets_light_through(Hit hit) {
-  float passed = 1.0 - hit_opacity(hit, false);
+  float passed = 1.0 - hit_opacity(hit, SHADOW_SEES_UNLIT);
   if (!(passed > 0.0)) return false;
   shadow_depth += uint(minus_log2(passed) * float(kShadowSteps) + 0.5);
   return shadow_depth < kOpaqueShadow;

@@ -147,10 +147,9 @@ bool is_hole(Hit hit, Sampler path_sampler, uint kind) {
   return hash_unit(path_sampler, alpha_key(wave.bounce, kind), placed) >= hit_opacity(hit, (kind & 1u) == kHashExtend && SEES_UNLIT);
 }
 
-// Shading normal on the side of `wo`: interpolated, bent by the normal map, and bent back where it would face away from the
-// viewer (such a direction cannot be seen on a real bumpy surface; leaving it would render black). Which of its two signs is
-// meant follows from the side that is seen, so that meshes whose normals disagree with their winding are shaded all the same.
-vec3 shading_normal(Surface surface, Material material, bool front, vec3 wo) {
+// Shading normal on one side of the surface: interpolated, and bent by the normal map. Which of its two signs is meant follows
+// from the side, so that meshes whose normals disagree with their winding are shaded all the same.
+vec3 bumped_normal(Surface surface, Material material, bool front) {
   vec3 facing = front ? surface.geometric_normal : -surface.geometric_normal;
   vec3 n = surface.vertex_normal;
   bool reversed = dot(n, facing) < 0.0;
@@ -161,10 +160,19 @@ vec3 shading_normal(Surface surface, Material material, bool front, vec3 wo) {
     vec3 b = cross(n, t) * surface.tangent.w;
     n = safe_normalize(t * mapped.x + b * mapped.y + n * mapped.z, n);
   }
-  if (reversed) n = -n;
+  return reversed ? -n : n;
+}
+
+// Bent back where it would face away from the viewer: such a direction cannot be seen on a real bumpy surface; leaving it
+// would render black.
+vec3 held_normal(vec3 n, vec3 wo) {
   const float kGrazing = 1e-3; // cosine at which the normal is held
   float cosine = dot(n, wo);
   return cosine < kGrazing ? normalize(n + wo * (kGrazing - cosine)) : n;
+}
+
+vec3 shading_normal(Surface surface, Material material, bool front, vec3 wo) {
+  return held_normal(bumped_normal(surface, material, front), wo);
 }
 
 #endif

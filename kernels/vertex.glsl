@@ -12,7 +12,8 @@ struct Vertex {
   Material material;
   bool front;
   vec3 wo;
-  vec3 normal; // shading normal on wo's side
+  vec3 bumped; // shading normal on wo's side
+  vec3 normal; // the same, held towards wo
   vec3 tangent, bitangent;
   Bsdf bsdf;
 };
@@ -49,7 +50,8 @@ Vertex make_vertex(Surface surface, Material material, vec3 direction) {
   v.material = material;
   v.wo = -direction;
   v.front = dot(surface.geometric_normal, v.wo) >= 0.0;
-  v.normal = shading_normal(surface, material, v.front, v.wo);
+  v.bumped = bumped_normal(surface, material, v.front);
+  v.normal = held_normal(v.bumped, v.wo);
   make_basis(v.normal, v.tangent, v.bitangent);
   vec3 base = base_color(material, surface.uv, surface.color).rgb;
   v.bsdf = make_bsdf(material, surface.uv, base, v.front);

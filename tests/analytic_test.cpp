@@ -225,6 +225,20 @@ std::vector<fs::path> scenes_for_whitted() {
 
 INSTANTIATE_TEST_SUITE_P(Scenes, AnalyticWhitted, ::testing::ValuesIn(scenes_for_whitted()), name_of);
 
+// Bidirectional path tracing finds all of it.
+class AnalyticBidirectional : public Analytic {};
+
+TEST_P(AnalyticBidirectional, FindsIt) {
+  const Oracle oracle = read_oracle(GetParam());
+  const std::vector<std::string> flags = oracle.render + std::vector<std::string>{"--integrator", "bidirectional"};
+  const Picture first = render_scene(device(), GetParam(), flags + std::vector<std::string>{"--seed", "1"}).picture;
+  if (oracle.expected[0] == 0.0) return expect_every_pixel(first, oracle);
+  expect_mean(first, render_scene(device(), GetParam(), flags + std::vector<std::string>{"--seed", "2"}).picture,
+              oracle);
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenes, AnalyticBidirectional, ::testing::ValuesIn(list_scenes(true)), name_of);
+
 class AnyScene : public VulkanTest {
 protected:
   void expect_same_bits(const RenderResult& a, const RenderResult& b) {

@@ -14,6 +14,7 @@
 
 #include "host/base/overloaded.h"
 #include "host/scene/material.h"
+#include "kernels/bidirectional/bidirectional_types.h"
 #include "kernels/film/film_types.h"
 #include "kernels/frame_types.h"
 #include "kernels/hybrid/filter_types.h"
@@ -197,6 +198,24 @@ TEST(Layout, Hybrid) {
            AT(HybridFrame, ao_samples), AT(HybridFrame, flags)});
   compare("GbufferPixel", sizeof(GbufferPixel),
           {AT(GbufferPixel, normal), AT(GbufferPixel, depth), AT(GbufferPixel, albedo), AT(GbufferPixel, surface)});
+}
+
+TEST(Layout, Bidirectional) {
+  compare(
+      "BidirectionalFrame", sizeof(BidirectionalFrame),
+      {AT(BidirectionalFrame, scene_centre), AT(BidirectionalFrame, scene_radius), AT(BidirectionalFrame, pixel_area),
+       AT(BidirectionalFrame, light_paths), AT(BidirectionalFrame, techniques)});
+  compare("PathWeights", sizeof(PathWeights), {AT(PathWeights, connect), AT(PathWeights, others)});
+  compare("LightVertex", sizeof(LightVertex),
+          {AT(LightVertex, direction), AT(LightVertex, bounce), AT(LightVertex, light), AT(LightVertex, connect),
+           AT(LightVertex, triangle), AT(LightVertex, instance), AT(LightVertex, b1), AT(LightVertex, b2),
+           AT(LightVertex, others)});
+  compare("Connection", sizeof(Connection),
+          {AT(Connection, origin), AT(Connection, slot), AT(Connection, direction), AT(Connection, triangle),
+           AT(Connection, contribution), AT(Connection, instance), AT(Connection, pixel)});
+  compare("ConnectionQueue", sizeof(ConnectionQueue), {AT(ConnectionQueue, count), AT(ConnectionQueue, groups)});
+  compare("SplatPixel", sizeof(SplatPixel),
+          {AT(SplatPixel, red), AT(SplatPixel, green), AT(SplatPixel, blue), AT(SplatPixel, largest)});
 }
 
 TEST(Layout, Whitted) {

@@ -1,6 +1,8 @@
 // Choosing among many lights: power, tree and learned shares give the same picture by every estimator of direct light,
 // bits do not depend on how the work is cut up, and scenes with few lights pay nothing.
 #include <cmath>
+#include <memory>
+#include <optional>
 #include <random>
 #include <string>
 #include <vector>
@@ -15,6 +17,7 @@
 #include "host/render/device/kernel_compiler.h"
 #include "host/render/render.h"
 #include "host/scene/gltf/gltf.h"
+#include "host/scene/pack/lights.h"
 #include "host/scene/pack/pack.h"
 #include "host/scene/view.h"
 #include "kernels/light_tree_types.h"
@@ -87,6 +90,9 @@ struct Subject {
 
 class LightSelection : public VulkanTest {
 protected:
+  static void TearDownTestSuite() { kernels_.reset(); }
+  static inline std::unique_ptr<KernelCompiler> kernels_; // of all tests: compiles each of them once
+
   static RenderSettings settings(std::uint32_t lights, std::uint32_t direct, std::uint32_t spp = 64) {
     RenderSettings settings;
     settings.width = 24, settings.height = 16;
@@ -104,9 +110,9 @@ protected:
     return {pack(scene, settings.direct, bvh::Quality::fast, request.eye, settings.lights),
             resolve_view(scene, request, settings.width, settings.height)};
   }
-  RenderResult render(const Subject& subject, const RenderSettings& settings) {
-    static KernelCompiler kernels(device());
-    return wavepath::render(device(), subject.packed, subject.view, settings, RenderHooks{}, kernels);
+  RenderResult render(const Subject& subject, const RenderSettings& settings, const RenderHooks& hooks = {}) {
+    if (!kernels_) kernels_ = std::make_unique<KernelCompiler>(device());
+    return wavepath::render(device(), subject.packed, subject.view, settings, hooks, *kernels_);
   }
   struct Average {
     std::vector<double> mean, variance;
@@ -197,6 +203,28 @@ TEST_F(LightSelection, BitsDoNotDependOnHowTheWorkIsCut) {
   EXPECT_TRUE(*render(rooms, generic).film == *expected.film);
 }
 
+// Every part, and every render that is resumed, learns the same anew.
+TEST_F(LightSelection, PartsJoinToTheWhole) {
+  const RenderSettings whole = settings(gpu::kLightsAuto, gpu::kDirectMis, 16);
+  const Subject rooms = subject(two_rooms(40, true), whole);
+  const RenderResult expected = render(rooms, whole);
+  RenderSettings first = whole, second = whole;
+  first.last_sample = second.first_sample = 8;
+  Film joined = *render(rooms, first).film;
+  join(joined, *render(rooms, second).film);
+  EXPECT_TRUE(joined == *expected.film);
+
+  std::optional<RenderState> state;
+  RenderHooks hooks;
+  hooks.progress = [](const Progress& now) { return now.spp_done < 8; };
+  hooks.save = [&](const RenderState& saved) { state = saved; };
+  hooks.save_interval = 1e9; // at the end alone
+  ASSERT_EQ(render(rooms, whole, hooks).stop, StopReason::interrupted);
+  RenderHooks again;
+  again.resume = &state.value();
+  EXPECT_TRUE(*render(rooms, whole, again).film == *expected.film);
+}
+
 TEST_F(LightSelection, FewLightsNeedNoTree) {
   const RenderSettings automatic = settings(gpu::kLightsAuto, gpu::kDirectMis, 8);
   RenderSettings power = automatic;
@@ -215,6 +243,23 @@ TEST_F(LightSelection, FewLightsNeedNoTree) {
   RenderSettings generic = automatic;
   generic.specialize = false;
   EXPECT_TRUE(*render(cornell, generic).film == *result.film);
+}
+
+// Many lights in few places, such as one lamp of many triangles, are as well picked by power.
+TEST_F(LightSelection, LightsInFewPlacesNeedNoTree) {
+  Scene scene = two_rooms(0, false);
+  scene.lights.clear();
+  const std::uint32_t lamp = add_mesh(scene, quad({-0.5f, 0, -0.5f}, {1, 0, 0}, {0, 0, 1}), 1);
+  for (int i = 0; i < 50; ++i)
+    add_instance(scene, lamp, glm::scale(glm::translate(glm::dmat4(1.0), glm::dvec3(1.0 + 0.004 * i, 0.5, 0)), glm::dvec3(0.003)));
+  const PackedScene one_place = pack(scene);
+  EXPECT_EQ(one_place.local_light_count, 100u);
+  EXPECT_LT(one_place.light_places, 3.0);
+  EXPECT_TRUE(one_place.light_tree.empty());
+  Scene rooms = two_rooms(40, false);
+  const PackedScene many_places = pack(rooms);
+  EXPECT_GT(many_places.light_places, kManyPlaces);
+  EXPECT_FALSE(many_places.light_tree.empty());
 }
 
 TEST_F(LightSelection, LearnsSharesFromSums) {

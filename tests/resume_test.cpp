@@ -220,6 +220,27 @@ TEST_F(Resume, PartsJoinToTheWhole) {
   }
 }
 
+// Light paths bring light to pixels of other waves, of other parts and of what was rendered before the interrupt.
+TEST_F(Resume, LightPathsJoinToTheWhole) {
+  const std::vector<std::string> all{"--integrator", "bidirectional", "--max-depth", "4", "--spp", "24"};
+  const auto with = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), all.begin(), all.end());
+    return more;
+  };
+  ASSERT_EQ(render("whole.exr", with({"--mergeable"})).exit_code, 0);
+  ASSERT_FALSE(read_film(path("whole.exr"))->splats.empty());
+  ASSERT_EQ(render("part.exr", with({"--checkpoint", "state", "--time", "0.05"})).exit_code, 0);
+  ASSERT_EQ(render("part.exr", with({"--checkpoint", "state", "--resume", "--mergeable"})).exit_code, 0);
+  expect_same_bits("part.exr", "whole.exr");
+  EXPECT_TRUE(*read_film(path("part.exr")) == *read_film(path("whole.exr")));
+  ASSERT_EQ(render("a.exr", with({"--samples", "0:5"})).exit_code, 0);
+  ASSERT_EQ(render("b.exr", with({"--samples", "5:24"})).exit_code, 0);
+  ASSERT_EQ(wavepath({"merge", "b.exr", "a.exr", "-o", "merged.exr"}).exit_code, 0);
+  expect_same_bits("merged.exr", "whole.exr");
+  EXPECT_TRUE(*read_film(path("merged.exr")) == *read_film(path("whole.exr")));
+  EXPECT_EQ(read_number(path("merged.exr"), "wavepath.error"), read_number(path("whole.exr"), "wavepath.error"));
+}
+
 // Far from the origin floats are coarse: a place that is found by subtracting them is millimetres off.
 TEST_F(Resume, MergedPositionsAreThoseOfTheWhole) {
   std::ifstream file(kCornell);

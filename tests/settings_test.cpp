@@ -27,8 +27,8 @@ namespace {
 std::map<std::string, std::string> members(const RenderSettings& settings) {
   const auto& [integrator, width, height, first_sample, last_sample, sample_total, time_limit, target_error, max_depth,
                sampler, hemisphere, direct, filter, seed, shadow_samples, ao_samples, ao_radius, ambient, branching,
-               cutoff, denoise, antialias_over_time, lights, adaptive, guide, specialize, aovs, added_features,
-               removed_features, room_for_shadow_rays, wave_slots] = settings;
+               techniques, cutoff, denoise, antialias_over_time, lights, adaptive, guide, specialize, aovs,
+               added_features, removed_features, room_for_shadow_rays, wave_slots] = settings;
   const auto text = [](const auto& value) { return fmt::format("{}", value); };
   return {{"integrator", std::string(integrator->name)},
           {"width", text(width)},
@@ -49,6 +49,7 @@ std::map<std::string, std::string> members(const RenderSettings& settings) {
           {"ao_radius", ao_radius ? text(*ao_radius) : "none"},
           {"ambient", ambient ? fmt::format("{},{},{}", ambient->r, ambient->g, ambient->b) : "none"},
           {"branching", text(branching)},
+          {"techniques", text(techniques)},
           {"cutoff", text(cutoff)},
           {"denoise", text(denoise)},
           {"antialias_over_time", text(antialias_over_time)},
@@ -91,6 +92,7 @@ std::string other_value(const Setting& row, const RenderSettings& settings) {
   if (row.name == "size") return differing({"33x17", "640x480"});
   if (row.name == "samples") return differing({"3:5", "4:6"});
   if (row.name == "aov") return differing({"albedo,depth", "normal"});
+  if (row.name == "techniques") return differing({"hit", "light,splat"});
   return differing({"0.1", "0.2"}); // numbers
 }
 

@@ -165,7 +165,7 @@ void measure_renders(WarmLoop& warm, const RenderSettings& settings, const Packe
   tracing.seconds = summarize(seconds);
   tracing.mrays_per_second = 1e-6 * static_cast<double>(time.rays.total()) / tracing.seconds.median;
   tracing.traversal_share = all > 0.0 ? traversal / all : 0.0;
-  tracing.bytes_per_path = settings.integrator->bytes_per_slot(scene.features);
+  tracing.bytes_per_path = settings.integrator->bytes_per_slot(scene.features, settings);
 }
 
 } // namespace

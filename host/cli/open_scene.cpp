@@ -47,7 +47,8 @@ void require_memory_for(const std::string& path, const RenderSettings& settings,
                         const DeviceInfo& device) {
   const std::uint64_t pixels = std::uint64_t{settings.width} * settings.height;
   const std::uint64_t film =
-      pixels * (gpu::kReplicates * sizeof(gpu::FilmPixel) + (settings.aovs.empty() ? 0 : sizeof(gpu::FilmAovs)));
+      pixels * (gpu::kReplicates * sizeof(gpu::FilmPixel) + (settings.aovs.empty() ? 0 : sizeof(gpu::FilmAovs)) +
+                (settings.integrator->splats ? gpu::kReplicates * sizeof(gpu::SplatPixel) : 0));
   const IntegratorKind& kind = *settings.integrator;
   const std::uint64_t extra = kind.extra_bytes ? kind.extra_bytes(settings) : 0;
   const std::uint64_t frames = pixels * kind.bytes_per_pixel(settings) + extra;

@@ -23,6 +23,7 @@
 #include "host/gpu/pipeline_cache.h"
 #include "host/render/bvh_choice.h"
 #include "host/render/depth_cut.h"
+#include "host/render/integrator_choice.h"
 #include "host/render/report/diagnosis.h"
 #include "host/render/settings/identity.h"
 #include "host/render/settings/integrator_kind.h"
@@ -174,10 +175,13 @@ struct Prepared {
   std::unique_ptr<KernelCompiler> kernels;
   View view;
   PackedScene packed;
-  std::string identity; // empty where nothing needs it
+  std::uint64_t scene_hash = 0; // where the identity needs it
+  std::string identity;         // empty where nothing needs it
   Warnings warnings;
   double load_seconds = 0.0; // without building the BVH
 };
+
+bool needs_identity(const Request& request) { return request.render.mergeable || !request.render.state.file.empty(); }
 
 Prepared prepare(const Request& request) {
   const RenderSettings& settings = request.render.settings;
@@ -192,15 +196,27 @@ Prepared prepare(const Request& request) {
       request.render.bvh.value_or(choose_quality(settings, plan(open.scene).triangles_stored, device));
   require_memory_for(request.scene.path, settings, plan(open.scene, quality), device);
   const std::optional<glm::dvec3>& origin = request.render.origin;
-  if (request.render.mergeable || !request.render.state.file.empty()) {
-    prepared.identity = identity_of(hash_scene(open.scene), view, settings);
-    if (origin) prepared.identity += fmt::format(";origin={:a},{:a},{:a}", origin->x, origin->y, origin->z);
-  }
+  if (needs_identity(request)) prepared.scene_hash = hash_scene(open.scene);
   prepared.view = view;
   prepared.packed = pack(open.scene, settings.direct, quality, origin.value_or(view.position), settings.lights);
   prepared.warnings = open.scene.warnings;
   prepared.load_seconds = loading.seconds() - prepared.packed.bvh_seconds;
   return prepared;
+}
+
+// What --integrator auto comes to, and who the render then is. A resumed render chooses again, and alike.
+IntegratorChoice settle_integrator(Request& request, Prepared& prepared) {
+  RenderSettings& settings = request.render.settings;
+  const bool chooses = settings.integrator->candidates != nullptr;
+  IntegratorChoice choice =
+      choose_integrator(*prepared.device, prepared.packed, prepared.view, settings, *prepared.kernels);
+  settings = choice.settings;
+  if (chooses && !request.output.quiet) fmt::print(stderr, "wavepath: {}\n", choice_text(choice));
+  if (!needs_identity(request)) return choice;
+  prepared.identity = identity_of(prepared.scene_hash, prepared.view, settings);
+  if (const std::optional<glm::dvec3>& origin = request.render.origin)
+    prepared.identity += fmt::format(";origin={:a},{:a},{:a}", origin->x, origin->y, origin->z);
+  return choice;
 }
 
 // Prints the trace of one path. Writes no file.
@@ -272,12 +288,14 @@ int finish(const Request& request, Prepared& prepared, Run& run) {
 int run_render(Request& request) {
   const std::optional<Picture> reference = check(request);
   Prepared prepared = prepare(request);
+  const IntegratorChoice choice = settle_integrator(request, prepared);
   if (request.render.pixel) return replay(request, prepared);
 
   const RenderSettings& settings = request.render.settings;
   std::vector<TrueError> true_errors;
   const RenderResult result = render_prepared(request, prepared, reference, true_errors);
   Run run{request.scene.path, request.command_line, prepared.device->info(), settings, prepared.packed, result};
+  if (!choice.trials.empty()) run.choice = &choice;
   run.bias = list_bias(settings, result, depth_cut(request, prepared, result));
   run.true_errors = align(std::move(true_errors), result.checkpoints.size());
   run.diagnosis = diagnose(result, run.true_errors, run.bias);

@@ -202,6 +202,10 @@ void check_integrator(const RenderRequest& request) {
   for (const std::string& aov : settings.aovs)
     if (const std::string takers = aov_takers_text(aov); !takers.empty() && std::ranges::count(kind.aovs, aov) == 0)
       refuse_not_taken("--aov " + aov, settings, takers);
+  for (const std::string_view aov : kind.lacks_aovs)
+    if (std::ranges::count(settings.aovs, aov) > 0)
+      throw UsageError(fmt::format("--aov {}", aov), fmt::format("cannot be told apart by --integrator {}", kind.name),
+                       "leave it out, or use --integrator path");
   if (request.pixel && !takes(kind, "pixel")) refuse_not_taken("--pixel", settings, takers_text("pixel"));
   if (request.strict && kind.is_biased(settings))
     throw UsageError(

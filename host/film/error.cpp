@@ -1,6 +1,7 @@
 #include "host/film/error.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <vector>
@@ -68,7 +69,16 @@ double largest_alone(const Film& film, std::size_t index, const glm::dvec3& pixe
   double sample = 0.0;
   for (std::uint32_t r = 0; r < gpu::kReplicates; ++r)
     sample = std::max(sample, film.pixels[index * gpu::kReplicates + r].largest / 3.0);
-  const double alone = sample / std::max(sample_count(film, index), 1u);
+  double alone = sample / std::max(sample_count(film, index), 1u);
+  if (!film.splats.empty()) {
+    double splat = 0.0, paths = 0.0;
+    for (std::uint32_t r = 0; r < gpu::kReplicates; ++r) {
+      const std::uint32_t largest = film.splats[index * gpu::kReplicates + r].largest;
+      splat = std::max(splat, std::bit_cast<float>(largest) / 3.0);
+      paths += static_cast<double>(film.light_paths[r]);
+    }
+    alone = std::max(alone, splat / std::max(paths, 1.0));
+  }
   return alone * alone * mean_of(pixel_weight);
 }
 

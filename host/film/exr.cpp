@@ -97,25 +97,36 @@ Imath::M44f to_matrix(const std::array<float, 16>& values) {
   return m;
 }
 
-// The words of a film, one channel each: kReplicates times FilmPixel, then FilmAovs if there are any.
+// The words of a film, one channel each: kReplicates times FilmPixel, then FilmAovs and kReplicates times SplatPixel if
+// there are any.
 constexpr std::size_t kPixelWords = gpu::kReplicates * sizeof(gpu::FilmPixel) / 4,
-                      kAovWords = sizeof(gpu::FilmAovs) / 4;
+                      kAovWords = sizeof(gpu::FilmAovs) / 4, kSplatWords = gpu::kReplicates * gpu::kSplatWords;
 constexpr const char* kFilmPrefix = "film.";
 
-std::size_t film_words(const Film& film) { return kPixelWords + (film.aovs.empty() ? 0 : kAovWords); }
 std::string film_channel(std::size_t word) { return fmt::format("{}{:02}", kFilmPrefix, word); }
+std::string splat_channel(std::size_t word) { return fmt::format("{}splat.{:02}", kFilmPrefix, word); }
+std::vector<std::string> film_channels(const Film& film) {
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < kPixelWords + (film.aovs.empty() ? 0 : kAovWords); ++i) names.push_back(film_channel(i));
+  for (std::size_t i = 0; i < (film.splats.empty() ? 0 : kSplatWords); ++i) names.push_back(splat_channel(i));
+  return names;
+}
 bool is_film_channel(const std::string& name) { return name.starts_with(kFilmPrefix); }
 
 // Points OpenEXR at the words where they lie, for reading and writing alike.
 void insert_film(Imf::FrameBuffer& pixels, Film& film) {
-  const auto insert = [&](std::size_t channel, void* first, std::size_t words) {
+  const auto insert = [&](const std::string& channel, void* first, std::size_t words) {
     const std::size_t stride = 4 * words;
-    pixels.insert(film_channel(channel), Imf::Slice(Imf::UINT, static_cast<char*>(first), stride, stride * film.width));
+    pixels.insert(channel, Imf::Slice(Imf::UINT, static_cast<char*>(first), stride, stride * film.width));
   };
   auto* words = reinterpret_cast<std::uint32_t*>(film.pixels.data());
-  for (std::size_t i = 0; i < kPixelWords; ++i) insert(i, words + i, kPixelWords);
+  for (std::size_t i = 0; i < kPixelWords; ++i) insert(film_channel(i), words + i, kPixelWords);
   auto* aovs = reinterpret_cast<std::uint32_t*>(film.aovs.data());
-  for (std::size_t i = 0; i < (film.aovs.empty() ? 0 : kAovWords); ++i) insert(kPixelWords + i, aovs + i, kAovWords);
+  for (std::size_t i = 0; i < (film.aovs.empty() ? 0 : kAovWords); ++i)
+    insert(film_channel(kPixelWords + i), aovs + i, kAovWords);
+  auto* splats = reinterpret_cast<std::uint32_t*>(film.splats.data());
+  for (std::size_t i = 0; i < (film.splats.empty() ? 0 : kSplatWords); ++i)
+    insert(splat_channel(i), splats + i, kSplatWords);
 }
 
 Imf::Header make_header(const Picture& picture, const PictureInfo& info, bool half) {
@@ -141,8 +152,8 @@ Imf::Header make_header(const Picture& picture, const PictureInfo& info, bool ha
     add_text("wavepath.identity", info.identity);
     add_text("wavepath.device", info.device);
     header.insert("wavepath.origin", Imf::V3dAttribute({info.origin.x, info.origin.y, info.origin.z}));
-    for (std::size_t i = 0; i < film_words(*info.film); ++i)
-      header.channels().insert(film_channel(i), Imf::Channel(Imf::UINT));
+    for (const std::string& channel : film_channels(*info.film))
+      header.channels().insert(channel, Imf::Channel(Imf::UINT));
   }
   header.insert("samplesPerPixel", Imf::IntAttribute(static_cast<int>(info.spp)));
   header.insert("renderTimeSeconds", Imf::FloatAttribute(static_cast<float>(info.seconds)));
@@ -300,20 +311,24 @@ std::shared_ptr<const Film> read_film(const std::string& path) try {
   const std::uint64_t pixel_count = std::uint64_t{film->width} * film->height;
   if (window.min.x != 0 || window.min.y != 0 || pixel_count > kMostPixels)
     throw Error(path, "holds no film that this version can read", "render it again");
-  const bool aovs = channels.findChannel(film_channel(kPixelWords)) != nullptr;
-  require_memory(path, "reading its sums", pixel_count * 4 * (kPixelWords + (aovs ? kAovWords : 0)),
+  const bool aovs = channels.findChannel(film_channel(kPixelWords)) != nullptr,
+             splats = channels.findChannel(splat_channel(0)) != nullptr;
+  require_memory(path, "reading its sums",
+                 pixel_count * 4 * (kPixelWords + (aovs ? kAovWords : 0) + (splats ? kSplatWords : 0)),
                  "use a smaller picture");
   film->pixels.resize(pixel_count * gpu::kReplicates);
   film->aovs.resize(aovs ? pixel_count : 0);
-  for (std::size_t i = 0; i < film_words(*film); ++i) {
-    const Imf::Channel* channel = channels.findChannel(film_channel(i));
+  film->splats.resize(splats ? pixel_count * gpu::kReplicates : 0);
+  for (const std::string& name : film_channels(*film)) {
+    const Imf::Channel* channel = channels.findChannel(name);
     if (!channel || channel->type != Imf::UINT)
-      throw Error(path, fmt::format("lacks channel {}", film_channel(i)), "render it again");
+      throw Error(path, fmt::format("lacks channel {}", name), "render it again");
   }
   Imf::FrameBuffer pixels;
   insert_film(pixels, *film);
   input.setFrameBuffer(pixels);
   input.readPixels(window.min.y, window.max.y);
+  count_light_paths(*film);
   return film;
 } catch (...) {
   explain_reading(path);

@@ -1,6 +1,7 @@
 #include "host/film/film.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <limits>
 
@@ -51,6 +52,52 @@ void join(gpu::FilmAovs& mean, const gpu::FilmAovs& other) {
   mix(mean.unoccluded, other.unoccluded, mean.hits, other.hits);
   mean.count += other.count;
   mean.hits += other.hits;
+}
+
+void join(std::uint32_t sum[4], const std::uint32_t other[4]) {
+  std::uint64_t carry = 0;
+  for (int word = 0; word < 4; ++word) {
+    carry += std::uint64_t{sum[word]} + other[word];
+    sum[word] = static_cast<std::uint32_t>(carry);
+    carry >>= 32;
+  }
+}
+
+void join(gpu::SplatPixel& pixel, const gpu::SplatPixel& other) {
+  join(pixel.red, other.red);
+  join(pixel.green, other.green);
+  join(pixel.blue, other.blue);
+  pixel.largest = std::max(pixel.largest, other.largest); // positive floats are ordered as their bits
+}
+
+// Rounded to 53 bits, a pure function of the sum.
+double value_of(const std::uint32_t sum[4]) {
+  __extension__ using Wide = unsigned __int128;
+  Wide value = 0;
+  for (int word = 3; word >= 0; --word) value = value << 32 | sum[word];
+  return std::ldexp(static_cast<double>(value), -static_cast<int>(gpu::kSplatFraction));
+}
+
+glm::dvec3 total_of(const gpu::SplatPixel& pixel) {
+  return {value_of(pixel.red), value_of(pixel.green), value_of(pixel.blue)};
+}
+
+// Mean light that the light paths of one replicate brought to a pixel.
+glm::dvec3 mean_splat(const Film& film, std::size_t pixel, std::uint32_t replicate) {
+  const std::uint64_t paths = film.light_paths[replicate];
+  if (film.splats.empty() || paths == 0) return glm::dvec3(0.0);
+  return total_of(film.splats[pixel * gpu::kReplicates + replicate]) / static_cast<double>(paths);
+}
+
+glm::dvec3 mean_splat(const Film& film, std::size_t pixel) {
+  if (film.splats.empty()) return glm::dvec3(0.0);
+  gpu::SplatPixel all = film.splats[pixel * gpu::kReplicates];
+  std::uint64_t paths = film.light_paths[0];
+  for (std::uint32_t r = 1; r < gpu::kReplicates; ++r) {
+    join(all, film.splats[pixel * gpu::kReplicates + r]);
+    paths += film.light_paths[r];
+  }
+  return paths > 0 ? total_of(all) / static_cast<double>(paths) : glm::dvec3(0.0);
 }
 
 template <class T>
@@ -108,12 +155,20 @@ void add_aov(Picture& picture, const Film& film, const std::string& name, const 
 
 bool Film::operator==(const Film& other) const {
   return width == other.width && height == other.height && same_bytes(pixels, other.pixels) &&
-         same_bytes(aovs, other.aovs);
+         same_bytes(aovs, other.aovs) && same_bytes(splats, other.splats) && light_paths == other.light_paths;
 }
 
 void join(Film& film, const Film& other) {
   for (std::size_t i = 0; i < film.pixels.size(); ++i) join(film.pixels[i], other.pixels[i]);
   for (std::size_t i = 0; i < film.aovs.size(); ++i) join(film.aovs[i], other.aovs[i]);
+  for (std::size_t i = 0; i < film.splats.size(); ++i) join(film.splats[i], other.splats[i]);
+  for (std::size_t r = 0; r < gpu::kReplicates; ++r) film.light_paths[r] += other.light_paths[r];
+}
+
+void count_light_paths(Film& film) {
+  film.light_paths = {};
+  if (film.splats.empty()) return;
+  for (std::size_t i = 0; i < film.pixels.size(); ++i) film.light_paths[i % gpu::kReplicates] += film.pixels[i].count;
 }
 
 std::uint32_t sample_count(const Film& film, std::size_t pixel) {
@@ -125,7 +180,8 @@ std::uint32_t sample_count(const Film& film, std::size_t pixel) {
 glm::dvec3 mean_radiance(const Film& film, std::size_t pixel) {
   gpu::FilmPixel all = film.pixels[pixel * gpu::kReplicates];
   for (std::uint32_t r = 1; r < gpu::kReplicates; ++r) join(all, film.pixels[pixel * gpu::kReplicates + r]);
-  return all.count > 0 ? total_of(all) / static_cast<double>(all.count) : glm::dvec3(0.0);
+  const glm::dvec3 mean = all.count > 0 ? total_of(all) / static_cast<double>(all.count) : glm::dvec3(0.0);
+  return mean + mean_splat(film, pixel);
 }
 
 // From two replicates a, b of n and m samples: (a - b)^2 nm / (n + m)^2, which is (a - b)^2 / 4 where n = m.
@@ -134,8 +190,9 @@ PixelStatistics statistics(const Film& film, std::size_t pixel) {
   const gpu::FilmPixel &a = film.pixels[pixel * 2], &b = film.pixels[pixel * 2 + 1];
   const double n = a.count, m = b.count;
   if (n == 0.0 || m == 0.0) return {mean_radiance(film, pixel), glm::dvec3(std::numeric_limits<double>::quiet_NaN())};
-  const glm::dvec3 sum_a = total_of(a), sum_b = total_of(b), difference = sum_a / n - sum_b / m;
-  return {(sum_a + sum_b) / (n + m), difference * difference * (n * m / ((n + m) * (n + m)))};
+  const glm::dvec3 sum_a = total_of(a), sum_b = total_of(b);
+  const glm::dvec3 difference = sum_a / n - sum_b / m + mean_splat(film, pixel, 0) - mean_splat(film, pixel, 1);
+  return {(sum_a + sum_b) / (n + m) + mean_splat(film, pixel), difference * difference * (n * m / ((n + m) * (n + m)))};
 }
 
 glm::dvec3 mean_variance(const Film& film, std::size_t pixel) { return statistics(film, pixel).variance; }

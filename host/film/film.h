@@ -1,6 +1,7 @@
 // The film on the host: joins the sums that the device accumulated, and develops them into a picture.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -9,6 +10,7 @@
 
 #include "host/film/picture.h"
 #include "kernels/film/film_types.h"
+#include "kernels/frame_types.h"
 
 namespace wavepath {
 
@@ -16,8 +18,11 @@ namespace wavepath {
 // loss.
 struct Film {
   std::uint32_t width = 0, height = 0;
-  std::vector<gpu::FilmPixel> pixels; // kReplicates each
-  std::vector<gpu::FilmAovs> aovs;    // empty unless the render has AOVs
+  std::vector<gpu::FilmPixel> pixels;  // kReplicates each
+  std::vector<gpu::FilmAovs> aovs;     // empty unless the render has AOVs
+  std::vector<gpu::SplatPixel> splats; // kReplicates each; empty unless the integrator has light paths
+  // Samples of all pixels, by replicate: each traced a light path, which may have brought light to any pixel.
+  std::array<std::uint64_t, gpu::kReplicates> light_paths{};
 
   bool operator==(const Film& other) const; // bit by bit
 };
@@ -26,7 +31,10 @@ struct Film {
 // in floats, and join to within their rounding. Both have one size.
 void join(Film& film, const Film& other);
 
-// Samples of a pixel that count, and their mean; zero without any.
+// Sets light_paths from the samples of all pixels, where there are splats.
+void count_light_paths(Film& film);
+
+// Samples of a pixel that count, and their mean with the light that was splatted; zero without any.
 std::uint32_t sample_count(const Film& film, std::size_t pixel);
 glm::dvec3 mean_radiance(const Film& film, std::size_t pixel);
 

@@ -2,6 +2,8 @@
 #include <algorithm>
 #include <array>
 
+#include "host/integrators/automatic/kind.h"
+#include "host/integrators/bidirectional/kind.h"
 #include "host/integrators/hybrid/kind.h"
 #include "host/integrators/path/kind.h"
 #include "host/integrators/whitted/kind.h"
@@ -10,7 +12,7 @@
 namespace wavepath {
 
 std::span<const IntegratorKind* const> integrators() {
-  static constexpr std::array kAll = {&kPath, &kHybrid, &kAo, &kWhitted};
+  static const std::array kAll = {&kPath, &automatic_integrator(), &kBidirectional, &kHybrid, &kAo, &kWhitted};
   return kAll;
 }
 

@@ -14,7 +14,7 @@ DepthCut measure_depth_cut(Device& device, const PackedScene& scene, const View&
   small.height = std::max(1u, settings.height * std::min(kLongestSide, longest) / longest);
   small.first_sample = 0, small.last_sample = kSamples, small.sample_total = 0;
   small.time_limit = small.target_error = 0.0;
-  small.guide = false; // the pilot would take longer
+  small.guide = false;    // the pilot would take longer
   small.adaptive = false; // pilots of two depths choose other levels, and the paths would no longer be the same
   const Picture cut = render(device, scene, view, small, RenderHooks{}, kernels).picture;
   small.max_depth = settings.max_depth * 4 + 16;

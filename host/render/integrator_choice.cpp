@@ -18,6 +18,7 @@ constexpr std::uint32_t kLongestSide = 48, kSamples = 16; // of a pilot
 constexpr double kWholeOverPilots = 20.0;
 // A trial that lacks more light than this, beyond four standard errors, does not find all of it, however smooth it is.
 constexpr double kMissing = 0.01, kSure = 4.0;
+constexpr double kNever = 1e30; // a cost that no other exceeds
 // Paths a second, for renders that are bounded by time: orders of magnitude, so that the choice depends on no clock.
 constexpr double kCpuPaths = 1e5, kGpuPaths = 1e8;
 
@@ -68,26 +69,47 @@ std::string flags_text(const RenderSettings& settings) {
   return text;
 }
 
-struct Pilot {
+struct PilotRender {
   RenderSettings settings;
   RenderResult result;
   Light light;
   double work = 0.0;
 };
 
-// Squared error times work for the error to be told: `bound` is the error itself or an end of its interval.
-double cost_of(const Pilot& pilot, double bound) { return bound * bound * pilot.work; }
+RayCounts minus(RayCounts a, const RayCounts& b) {
+  a.camera -= b.camera, a.bounce -= b.bounce, a.shadow -= b.shadow, a.occlusion -= b.occlusion;
+  return a;
+}
 
-std::vector<Trial> judge(const std::vector<Pilot>& pilots) {
-  const Light& brightest = std::ranges::max_element(pilots, {}, [](const Pilot& p) { return p.light.sum; })->light;
+// Work for the samples of the pilot picture, and its share of what the integrator learns from before the first of them:
+// that is paid once in the whole render, and told apart by comparing the two halves of the samples.
+double work_of(const RenderSettings& settings, const RenderResult& result, double pilot_share, bool cpu) {
+  const auto work = [&](const RayCounts& rays) { return settings.integrator->work(settings, rays, cpu); };
+  const std::size_t count = result.checkpoints.size();
+  const double total = work(result.rays);
+  if (count < 2) return total;
+  const double steady = 2.0 * work(minus(result.rays, result.checkpoints[count - 2].rays));
+  return steady + std::max(0.0, total - steady) * pilot_share;
+}
+
+// Squared error times work for the error to be told: `bound` is the error itself or an end of its interval.
+double cost_of(const PilotRender& pilot, double bound) { return bound * bound * pilot.work; }
+
+std::vector<Trial> judge(const std::vector<PilotRender>& pilots) {
+  const Light& brightest =
+      std::ranges::max_element(pilots, {}, [](const PilotRender& p) { return p.light.sum; })->light;
   const ErrorEstimate& first = pilots.front().result.error;
   std::vector<Trial> trials;
-  for (const Pilot& pilot : pilots) {
+  for (const PilotRender& pilot : pilots) {
     Trial trial{.flags = flags_text(pilot.settings)};
     const ErrorEstimate& error = pilot.result.error;
-    trial.cost = cost_of(pilot, error.relative_rms) / cost_of(pilots.front(), first.relative_rms);
-    trial.lo = cost_of(pilot, error.ci95[0]) / cost_of(pilots.front(), first.ci95[1]);
-    trial.hi = cost_of(pilot, error.ci95[1]) / std::max(cost_of(pilots.front(), first.ci95[0]), 1e-300);
+    const auto over_first = [&](double bound, double first_bound) { // 0 over 0: a black picture is as good as another
+      const double ours = cost_of(pilot, bound), theirs = cost_of(pilots.front(), first_bound);
+      return theirs > 0.0 ? ours / theirs : ours > 0.0 ? kNever : 1.0;
+    };
+    trial.cost = over_first(error.relative_rms, first.relative_rms);
+    trial.lo = over_first(error.ci95[0], first.ci95[1]);
+    trial.hi = over_first(error.ci95[1], first.ci95[0]);
     const double gap = brightest.sum - pilot.light.sum;
     if (gap > kSure * std::sqrt(brightest.variance + pilot.light.variance) && gap > kMissing * brightest.sum)
       trial.missing = gap / brightest.sum;
@@ -110,20 +132,20 @@ std::size_t best_of(const std::vector<Trial>& trials) {
 
 } // namespace
 
-Choice choose_integrator(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings,
-                         KernelCompiler& kernels) {
+IntegratorChoice choose_integrator(Device& device, const PackedScene& scene, const View& view,
+                                   const RenderSettings& settings, KernelCompiler& kernels) {
   if (!settings.integrator->candidates) return {.settings = settings};
   const Clock::time_point start = Clock::now();
   const std::vector<RenderSettings> candidates = settings.integrator->candidates(settings, scene);
   const bool cpu = device.info().type == "cpu";
-  Choice choice{.settings = candidates.front()};
+  IntegratorChoice choice{.settings = candidates.front()};
   if (candidates.size() < 2 || !pays(settings, candidates.size(), cpu)) return choice;
-  std::vector<Pilot> pilots;
+  std::vector<PilotRender> pilots;
   for (const RenderSettings& candidate : candidates) {
-    Pilot pilot{.settings = candidate};
+    PilotRender pilot{.settings = candidate};
     pilot.result = render(device, scene, view, pilot_of(candidate), RenderHooks{}, kernels);
     pilot.light = light_of(*pilot.result.film);
-    pilot.work = candidate.integrator->work(candidate, pilot.result.rays, cpu);
+    pilot.work = work_of(candidate, pilot.result, paths_of(pilot_of(candidate)) / paths_of(candidate), cpu);
     pilots.push_back(std::move(pilot));
   }
   choice.trials = judge(pilots);
@@ -133,7 +155,7 @@ Choice choose_integrator(Device& device, const PackedScene& scene, const View& v
   return choice;
 }
 
-std::string choice_text(const Choice& choice) {
+std::string choice_text(const IntegratorChoice& choice) {
   if (choice.trials.empty())
     return fmt::format("auto took {} without a trial: the render is short", flags_text(choice.settings));
   const Trial &taken = choice.trials[choice.taken], &first = choice.trials.front();

@@ -10,14 +10,14 @@ namespace wavepath {
 
 // What a pilot told of one way to render.
 struct Trial {
-  std::string flags;   // "path", "path --guide": as the command line names it
-  double cost = 0.0;   // squared error times work, over that of the first trial
+  std::string flags;         // "path", "path --guide": as the command line names it
+  double cost = 0.0;         // squared error times work, over that of the first trial
   double lo = 0.0, hi = 0.0; // 95 % interval of `cost`, by those of both errors
   double missing = 0.0;      // share of the brightest trial's light that this one lacks beyond noise
 };
 
-struct Choice {
-  RenderSettings settings; // never of an integrator that has candidates
+struct IntegratorChoice {
+  RenderSettings settings;   // never of an integrator that has candidates
   std::vector<Trial> trials; // empty where none were made
   std::size_t taken = 0;     // its place in `trials`
   double seconds = 0.0;      // that the pilots took, compiling included
@@ -28,10 +28,10 @@ struct Choice {
 // another is surely better. Work is counted (rays by kind, weighed by constants of the type of device), never timed, so
 // that the choice depends on the device's type, the scene, the view and the settings alone. Where the whole render is
 // less than twenty times the pilots, the first candidate is taken without any.
-Choice choose_integrator(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings,
-                         KernelCompiler& kernels);
+IntegratorChoice choose_integrator(Device& device, const PackedScene& scene, const View& view,
+                                   const RenderSettings& settings, KernelCompiler& kernels);
 
 // "auto took bidirectional: a given error costs 0.21 (0.15 to 0.29) of the work of path".
-std::string choice_text(const Choice& choice);
+std::string choice_text(const IntegratorChoice& choice);
 
 } // namespace wavepath

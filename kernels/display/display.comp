@@ -13,6 +13,7 @@ layout(local_size_x = kWorkgroupSize) in;
 layout(push_constant) uniform JobBlock { DisplayJob job; };
 layout(set = 0, binding = kBindFilmTexels) uniform usamplerBuffer film_texels;
 layout(set = 0, binding = kBindFilmAovs) uniform samplerBuffer film_aov_texels;
+layout(set = 0, binding = kBindSplats, std430) readonly buffer SplatBlock { uint splat_words[]; };
 layout(set = 0, binding = kBindScreen, std430) writeonly buffer ScreenBlock { uint screen[]; };
 
 float power_of_two(int exponent) { return uintBitsToFloat(uint(exponent + 127) << 23u); }
@@ -25,13 +26,24 @@ float value_of(uvec4 sum, uint top) {
   return (high * 4294967296.0 + low) * power_of_two(half_of_it) * power_of_two(exponent - half_of_it);
 }
 
+// What light paths brought to one replicate of a pixel, for each of them that a sample of this pixel stands for.
+vec3 fetch_splats(uint index) {
+  vec3 sum = vec3(0.0);
+  for (uint word = 0u; word < 12u; ++word)
+    sum[word / 4u] += float(splat_words[index * kSplatWords + word]) * power_of_two(int(32u * (word % 4u)) - int(kSplatFraction));
+  return sum / (float(job.film_width) * float(job.film_height));
+}
+
 // The samples of one replicate of a pixel: their sum and, in w, how many they are.
 vec4 fetch_sum(uint pixel, uint replicate) {
-  int texel = int(4u * (pixel * kReplicates + replicate));
+  uint index = pixel * kReplicates + replicate;
+  int texel = int(4u * index);
   uvec2 count_tops = texelFetch(film_texels, texel + 3).xy;
-  return vec4(value_of(texelFetch(film_texels, texel), count_tops.y & 0xffu),
-              value_of(texelFetch(film_texels, texel + 1), (count_tops.y >> 8u) & 0xffu),
-              value_of(texelFetch(film_texels, texel + 2), (count_tops.y >> 16u) & 0xffu), float(count_tops.x));
+  vec3 sum = vec3(value_of(texelFetch(film_texels, texel), count_tops.y & 0xffu),
+                  value_of(texelFetch(film_texels, texel + 1), (count_tops.y >> 8u) & 0xffu),
+                  value_of(texelFetch(film_texels, texel + 2), (count_tops.y >> 16u) & 0xffu));
+  if (job.splats != 0u) sum += fetch_splats(index);
+  return vec4(sum, float(count_tops.x));
 }
 
 // Black, purple, orange, pale yellow, as sRGB: the colours of host/render/error_map.cpp.

@@ -29,6 +29,7 @@ struct DisplayJob {
   uint shown;
   uint tonemap;
   uint bgra;   // order of the bytes: 1 = B G R A
+  uint splats; // 1: the film has some
   float gain;  // on radiance
   float range; // what is shown brightest where that is no radiance
 };

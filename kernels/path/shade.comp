@@ -19,6 +19,7 @@
 #include "kernels/path/bindings.glsl"
 #include "kernels/dimensions.glsl"
 #include "kernels/emission.glsl"
+#include "kernels/path/first_hit.glsl"
 #include "kernels/path/guide.glsl"
 #include "kernels/path/nonfinite.glsl"
 #include "kernels/path/queue.glsl"
@@ -92,14 +93,6 @@ bool scatter(Vertex v, Sampler path_sampler, uint dimension, uint slot, inout Pa
   if (has(kFeatureVolume) && s.transmitted && !v.bsdf.thin) path_media[slot] = medium_behind(v);
   ray = Ray(offset_ray_origin(v.surface.position, v.surface.position_error, v.surface.geometric_normal, wi), slot, wi, kFar);
   return true;
-}
-
-void record_first_hit(uint slot, Vertex v, vec3 origin) {
-  path_aovs[slot].albedo = v.bsdf.base_color;
-  path_aovs[slot].normal = v.normal;
-  path_aovs[slot].position = v.surface.position;
-  path_aovs[slot].depth = dot(v.surface.position - origin, frame.camera_forward);
-  path_aovs[slot].hit = 1.0;
 }
 
 void add_radiance(inout PathState path, uint slot, vec3 radiance) {

@@ -1,6 +1,7 @@
 // Declares every struct that host and kernels share, so that its SPIR-V says where the shader compiler put each member.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#include "kernels/bidirectional/bidirectional_types.h"
 #include "kernels/film/film_types.h"
 #include "kernels/frame_types.h"
 #include "kernels/hybrid/filter_types.h"
@@ -39,5 +40,12 @@ layout(set = 0, binding = 22, std430) buffer Reprojections { Reprojection reproj
 layout(set = 0, binding = 29, std430) buffer GuideRecords { GuideRecord guide_records[]; };
 layout(set = 0, binding = 30, std430) buffer GuideNodes { GuideNode guide_nodes[]; };
 layout(set = 0, binding = 23, std430) buffer Bands { FilterBand filter_bands[]; };
+
+layout(set = 0, binding = 29, std140) uniform BidirectionalBlock { BidirectionalFrame bidirectional; };
+layout(set = 0, binding = 30, std430) buffer Weights { PathWeights weights[]; };
+layout(set = 0, binding = 31, std430) buffer LightVertices { LightVertex light_vertices[]; };
+layout(set = 0, binding = 32, std430) buffer Connections { Connection connections[]; };
+layout(set = 0, binding = 33, std430) buffer ConnectionQueues { ConnectionQueue connection_queues[]; };
+layout(set = 0, binding = 34, std430) buffer Splats { SplatPixel splats[]; };
 
 void main() {}

@@ -17,8 +17,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::array<std::string_view, 8> kHybridSettings = {"hemisphere", "direct",  "lights",  "shadow-samples", "ao-samples",
-                                                             "ao-radius",  "ambient", "denoise"};
+constexpr std::array<std::string_view, 8> kHybridSettings = {"hemisphere", "direct",    "lights",  "shadow-samples",
+                                                             "ao-samples", "ao-radius", "ambient", "denoise"};
 constexpr std::array<std::string_view, 3> kAoSettings = {"ao-samples", "ao-radius", "denoise"};
 constexpr std::array<std::string_view, 1> kAovs = {"ao"};
 constexpr std::array<std::string_view, 2> kFirstHitStages = {"raster", "resolve"};
@@ -102,8 +102,9 @@ constinit const IntegratorKind kHybrid = {
     .first_hit_stages = kFirstHitStages,
     .features = features,
     .start_kernels = start_path_kernels,
-    .bytes_per_slot = [](std::uint32_t features) { return bytes_per_path(features, kRoomForShadowRays); },
-    .largest_record = 2 * sizeof(gpu::Ray),
+    .bytes_per_slot = [](std::uint32_t features,
+                         const RenderSettings&) { return bytes_per_path(features, kRoomForShadowRays); },
+    .largest_record = [](const RenderSettings&) { return std::uint64_t{2 * sizeof(gpu::Ray)}; },
     .slots_per_pixel = [](const RenderSettings& settings) { return settings.shadow_samples; },
     .bytes_per_pixel = bytes_per_pixel,
     .is_biased = [](const RenderSettings& settings) { return settings.denoise || settings.max_depth > 1; },
@@ -123,8 +124,9 @@ constinit const IntegratorKind kAo = {
     .first_hit_stages = kFirstHitStages,
     .features = features,
     .start_kernels = [](KernelCompiler&, const DeviceInfo&, std::uint32_t, const RenderSettings&) {}, // it has no paths
-    .bytes_per_slot = [](std::uint32_t features) { return bytes_per_path(features, kRoomForShadowRays); },
-    .largest_record = 2 * sizeof(gpu::Ray),
+    .bytes_per_slot = [](std::uint32_t features,
+                         const RenderSettings&) { return bytes_per_path(features, kRoomForShadowRays); },
+    .largest_record = [](const RenderSettings&) { return std::uint64_t{2 * sizeof(gpu::Ray)}; },
     .slots_per_pixel = [](const RenderSettings&) { return 1u; },
     .bytes_per_pixel = bytes_per_pixel,
     .is_biased = [](const RenderSettings& settings) { return settings.denoise; },

@@ -13,7 +13,8 @@ constexpr std::uint32_t kLightPilotSeed = 0x6c8e9cf5u;
 
 bool learns_lights(const PackedScene& scene, const RenderSettings& settings) {
   return (kernel_config(scene.features | features_of(settings), scene.stack_size, settings).features &
-          gpu::kFeatureLightRows) != 0 && !scene.light_tree.empty();
+          gpu::kFeatureLightRows) != 0 &&
+         !scene.light_tree.empty();
 }
 
 } // namespace
@@ -132,9 +133,7 @@ std::uint32_t PathTracer::timed_dispatches() const { return std::min(2 + (worksp
 void PathTracer::record_wave(Commands& commands, std::size_t band, const gpu::Wave& wave) {
   const KernelSet& kernels = paths_.kernels();
   const bool notes = lesson_ == Lesson::guide, guided = guide_report_ && guide_report_->used;
-  const KernelSet& shading = notes    ? kernels_.best(guide_pilot_need_)
-                             : guided ? kernels_.best(guided_need_)
-                                      : kernels;
+  const KernelSet& shading = notes ? kernels_.best(guide_pilot_need_) : guided ? kernels_.best(guided_need_) : kernels;
   const KernelSet& connecting = lesson_ == Lesson::lights ? kernels_.best(light_pilot_need_) : kernels;
   const std::uint32_t bounces = workspace_.frame.max_depth + 1;
   const bool connects = workspace_.frame.light_count > 0;

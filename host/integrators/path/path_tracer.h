@@ -44,9 +44,9 @@ private:
   bool learns_lights_ = false;
   LightPilot light_pilot_;
   Clock::time_point light_pilot_start_{};
-  std::optional<GuidePilot> guide_pilot_;   // until it has learned
-  std::optional<GuideReport> guide_report_; // once it has learned
-  KernelNeed light_pilot_need_;             // its own connect kernel
+  std::optional<GuidePilot> guide_pilot_;     // until it has learned
+  std::optional<GuideReport> guide_report_;   // once it has learned
+  KernelNeed light_pilot_need_;               // its own connect kernel
   KernelNeed guided_need_, guide_pilot_need_; // their own shade kernels
 };
 

@@ -48,8 +48,10 @@ constinit const IntegratorKind kWhitted = {
     .features = film_features,
     .start_kernels = start_kernels,
     .bytes_per_slot =
-        [](std::uint32_t features) { return bytes_per_path(features, kStatesAlone) + sizeof(gpu::WhittedNode); },
-    .largest_record = sizeof(gpu::WhittedNode),
+        [](std::uint32_t features, const RenderSettings&) {
+          return bytes_per_path(features, kStatesAlone) + sizeof(gpu::WhittedNode);
+        },
+    .largest_record = [](const RenderSettings&) { return std::uint64_t{sizeof(gpu::WhittedNode)}; },
     .slots_per_pixel = tree_width,
     .bytes_per_pixel = [](const RenderSettings&) { return std::uint64_t{0}; },
     .is_biased = [](const RenderSettings&) { return true; },

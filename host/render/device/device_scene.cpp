@@ -104,8 +104,8 @@ std::uint64_t DeviceScene::bvh_bytes() const { return nodes.bytes() + triangles.
 
 std::uint64_t DeviceScene::other_bytes() const {
   return triangle_vertices.bytes() + vertex_normals.bytes() + vertex_uvs.bytes() + vertex_colors.bytes() +
-         materials.bytes() + textures.bytes() + texels.bytes() + srgb_table.bytes() + lights.bytes() + light_tree.bytes() +
-         environment.bytes() + environment_ends.bytes();
+         materials.bytes() + textures.bytes() + texels.bytes() + srgb_table.bytes() + lights.bytes() +
+         light_tree.bytes() + environment.bytes() + environment_ends.bytes();
 }
 
 } // namespace wavepath

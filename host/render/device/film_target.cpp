@@ -14,6 +14,7 @@ namespace wavepath {
 namespace {
 
 constexpr std::uint64_t kFilmPixelBytes = gpu::kReplicates * sizeof(gpu::FilmPixel);
+constexpr std::uint64_t kSplatPixelBytes = gpu::kReplicates * sizeof(gpu::SplatPixel);
 
 std::size_t row_major(std::uint32_t in_tile_order, const Film& film) {
   const glm::uvec2 at = gpu::pixel_in_tile_order(in_tile_order, film.width, film.height);
@@ -65,18 +66,19 @@ void write_rows(const FilmBand& band, Buffer& buffer, std::size_t each, const Fi
   });
 }
 
-Film empty_film(std::uint32_t width, std::uint32_t height, bool aovs) {
+Film empty_film(std::uint32_t width, std::uint32_t height, bool aovs, bool splats) {
   const std::size_t pixels = std::size_t{width} * height;
-  Film film{width, height, std::vector<gpu::FilmPixel>(pixels * gpu::kReplicates), {}};
+  Film film{width, height, std::vector<gpu::FilmPixel>(pixels * gpu::kReplicates), {}, {}};
   if (aovs) film.aovs.resize(pixels);
+  if (splats) film.splats.resize(pixels * gpu::kReplicates);
   return film;
 }
 
 } // namespace
 
 // A band is what one buffer may hold, written as storage and read as texels. Bands of a larger picture stay, empty.
-bool FilmTarget::fit(std::uint32_t width, std::uint32_t height, bool aovs, bool room_for_aovs) {
-  width_ = width, height_ = height, has_aovs_ = aovs;
+bool FilmTarget::fit(std::uint32_t width, std::uint32_t height, bool aovs, bool room_for_aovs, bool splats) {
+  width_ = width, height_ = height, has_aovs_ = aovs, has_splats_ = splats;
   const DeviceInfo& info = device_->info();
   const std::uint64_t range = std::min(info.max_storage_range, 16 * info.max_texel_elements);
   const std::uint64_t most = range / std::max(kFilmPixelBytes, sizeof(gpu::FilmAovs)) / gpu::kRunPixels *
@@ -91,6 +93,7 @@ bool FilmTarget::fit(std::uint32_t width, std::uint32_t height, bool aovs, bool 
     const std::uint64_t aov_bytes = aovs || room_for_aovs ? std::uint64_t{band.pixel_count} * sizeof(gpu::FilmAovs) : 0;
     moved |= make_room(*device_, band.film, band.pixel_count * kFilmPixelBytes);
     moved |= make_room(*device_, band.aovs, aov_bytes);
+    moved |= make_room(*device_, band.splats, splats ? band.pixel_count * kSplatPixelBytes : 0);
   }
   return moved;
 }
@@ -99,15 +102,18 @@ void FilmTarget::clear() {
   for (FilmBand& band : bands_) {
     band.film.fill_zero(band.pixel_count * kFilmPixelBytes);
     if (band.aovs.bytes()) band.aovs.fill_zero(band.pixel_count * sizeof(gpu::FilmAovs));
+    if (has_splats_) band.splats.fill_zero(band.pixel_count * kSplatPixelBytes);
   }
 }
 
 Film FilmTarget::download() const {
-  Film film = empty_film(width_, height_, has_aovs_);
+  Film film = empty_film(width_, height_, has_aovs_, has_splats_);
   for (const FilmBand& band : bands_) {
     read_rows(band, band.film, gpu::kReplicates, film, film.pixels);
     if (has_aovs_) read_rows(band, band.aovs, 1, film, film.aovs);
+    if (has_splats_) read_rows(band, band.splats, gpu::kReplicates, film, film.splats);
   }
+  count_light_paths(film);
   return film;
 }
 
@@ -115,17 +121,19 @@ void FilmTarget::upload(const Film& film) {
   for (FilmBand& band : bands_) {
     write_rows(band, band.film, gpu::kReplicates, film, film.pixels);
     if (!film.aovs.empty()) write_rows(band, band.aovs, 1, film, film.aovs);
+    if (!film.splats.empty()) write_rows(band, band.splats, gpu::kReplicates, film, film.splats);
   }
 }
 
 std::uint64_t FilmTarget::bytes() const {
   std::uint64_t sum = 0;
-  for (const FilmBand& band : bands_) sum += band.film.bytes() + band.aovs.bytes();
+  for (const FilmBand& band : bands_) sum += band.film.bytes() + band.aovs.bytes() + band.splats.bytes();
   return sum;
 }
 
 void FilmSnapshot::fit(Device& device, const FilmTarget& target) {
-  width_ = target.width(), height_ = target.height(), has_aovs_ = target.has_aovs();
+  width_ = target.width(), height_ = target.height();
+  has_aovs_ = target.has_aovs(), has_splats_ = target.has_splats();
   bands_.resize(target.bands().size());
   for (std::size_t i = 0; i < bands_.size(); ++i) {
     Band& band = bands_[i];
@@ -138,6 +146,7 @@ void FilmSnapshot::fit(Device& device, const FilmTarget& target) {
     };
     make(band.film, band.pixel_count * kFilmPixelBytes);
     if (has_aovs_) make(band.aovs, band.pixel_count * sizeof(gpu::FilmAovs));
+    if (has_splats_) make(band.splats, band.pixel_count * kSplatPixelBytes);
   }
 }
 
@@ -145,24 +154,28 @@ void FilmSnapshot::record(Commands& commands, const FilmTarget& target) const {
   for (std::size_t i = 0; i < bands_.size(); ++i) {
     const FilmBand& band = target.bands()[i];
     if (band.pixel_count == 0) continue;
-    commands.copy(band.film, bands_[i].film, band.pixel_count * kFilmPixelBytes, Commands::Order::unordered);
-    if (!has_aovs_) continue;
-    commands.copy(band.aovs, bands_[i].aovs, band.pixel_count * sizeof(gpu::FilmAovs), Commands::Order::unordered);
+    const auto copy = [&](const Buffer& from, const Buffer& to, std::uint64_t bytes) {
+      commands.copy(from, to, bytes, Commands::Order::unordered);
+    };
+    copy(band.film, bands_[i].film, band.pixel_count * kFilmPixelBytes);
+    if (has_aovs_) copy(band.aovs, bands_[i].aovs, band.pixel_count * sizeof(gpu::FilmAovs));
+    if (has_splats_) copy(band.splats, bands_[i].splats, band.pixel_count * kSplatPixelBytes);
   }
 }
 
 Film FilmSnapshot::read() const {
-  Film film = empty_film(width_, height_, has_aovs_);
+  Film film = empty_film(width_, height_, has_aovs_, has_splats_);
   for (const Band& band : bands_) {
     if (band.pixel_count == 0) continue;
-    band.film.invalidate();
-    to_rows(static_cast<const gpu::FilmPixel*>(band.film.mapped()), band.first_pixel, band.pixel_count,
-            gpu::kReplicates, film, film.pixels);
-    if (!has_aovs_) continue;
-    band.aovs.invalidate();
-    to_rows(static_cast<const gpu::FilmAovs*>(band.aovs.mapped()), band.first_pixel, band.pixel_count, 1, film,
-            film.aovs);
+    const auto read = [&]<class T>(const Buffer& buffer, std::size_t each, std::vector<T>& rows) {
+      buffer.invalidate();
+      to_rows(static_cast<const T*>(buffer.mapped()), band.first_pixel, band.pixel_count, each, film, rows);
+    };
+    read(band.film, gpu::kReplicates, film.pixels);
+    if (has_aovs_) read(band.aovs, 1, film.aovs);
+    if (has_splats_) read(band.splats, gpu::kReplicates, film.splats);
   }
+  count_light_paths(film);
   return film;
 }
 

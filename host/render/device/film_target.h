@@ -12,7 +12,7 @@ namespace wavepath {
 // Consecutive pixels, in tile order, whose film fits into one buffer of the device.
 struct FilmBand {
   std::uint32_t first_pixel = 0, pixel_count = 0;
-  Buffer film, aovs; // may have room for more
+  Buffer film, aovs, splats; // may have room for more
 };
 
 class FilmTarget {
@@ -20,9 +20,10 @@ public:
   explicit FilmTarget(Device& device) : device_(&device) {}
 
   // Takes up a picture of this size. `aovs`: the film has AOVs. `room_for_aovs`: kernels that write them may run.
+  // `splats`: light paths bring light to it.
   // Buffers of a larger picture stay. Returns whether any buffer was replaced. Throws Error if the device has no memory
   // for it.
-  bool fit(std::uint32_t width, std::uint32_t height, bool aovs, bool room_for_aovs);
+  bool fit(std::uint32_t width, std::uint32_t height, bool aovs, bool room_for_aovs, bool splats);
   // Sets all samples to none. Nothing may be in flight, here and below.
   void clear();
   Film download() const;
@@ -33,12 +34,13 @@ public:
   std::uint32_t height() const { return height_; }
   std::uint64_t pixels() const { return std::uint64_t{width_} * height_; }
   bool has_aovs() const { return has_aovs_; }
+  bool has_splats() const { return has_splats_; }
   std::uint64_t bytes() const;
 
 private:
   Device* device_;
   std::uint32_t width_ = 0, height_ = 0;
-  bool has_aovs_ = false;
+  bool has_aovs_ = false, has_splats_ = false;
   std::vector<FilmBand> bands_;
 };
 
@@ -54,10 +56,10 @@ public:
 private:
   struct Band {
     std::uint32_t first_pixel = 0, pixel_count = 0;
-    Buffer film, aovs;
+    Buffer film, aovs, splats;
   };
   std::uint32_t width_ = 0, height_ = 0;
-  bool has_aovs_ = false;
+  bool has_aovs_ = false, has_splats_ = false;
   std::vector<Band> bands_;
 };
 

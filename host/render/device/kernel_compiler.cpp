@@ -19,7 +19,8 @@ KernelConfig kernel_config(std::uint32_t features, std::uint32_t stack_size, con
   constexpr std::uint32_t kByRequest = gpu::kFeatureAovs | gpu::kFeatureAdaptive | gpu::kFeatureSharedFirstHit |
                                        gpu::kFeatureLightRows | gpu::kFeatureGuide;
   features &= ~kByRequest | features_of(settings);
-  if (settings.lights == gpu::kLightsPower) features &= ~gpu::kFeatureLightTree;
+  if (settings.lights == gpu::kLightsPower || !settings.integrator->walks_light_tree)
+    features &= ~gpu::kFeatureLightTree;
   if (!(features & gpu::kFeatureLightTree)) features &= ~gpu::kFeatureLightRows;
   features = (features | settings.added_features) & ~settings.removed_features;
   return {features, stack, settings.sampler, settings.direct, settings.hemisphere, settings.filter};

@@ -67,7 +67,8 @@ void Workspace::change(const View& view, const RenderSettings& settings) {
 
 bool Workspace::fit(const RenderSettings& settings, std::uint32_t features) {
   const bool aovs = !settings.aovs.empty();
-  bool moved = film.fit(settings.width, settings.height, aovs, features & gpu::kFeatureAovs);
+  bool moved =
+      film.fit(settings.width, settings.height, aovs, features & gpu::kFeatureAovs, settings.integrator->splats);
   const std::uint64_t runs = features & gpu::kFeatureAdaptive ? run_count(film) : 0;
   moved |= make_room(device, runs_buffer_, runs * sizeof(std::uint32_t));
   frame_buffer_.write(&frame, sizeof(frame));
@@ -80,9 +81,7 @@ bool Workspace::fit(const RenderSettings& settings, std::uint32_t features) {
   return moved;
 }
 
-void Workspace::send_frame() {
-  frame_buffer_.write(&frame, sizeof(frame));
-}
+void Workspace::send_frame() { frame_buffer_.write(&frame, sizeof(frame)); }
 
 void Workspace::set_runs(std::vector<std::uint32_t> runs) {
   runs_ = std::move(runs);
@@ -132,10 +131,12 @@ std::uint32_t choose_slots(const DeviceInfo& info, const PackedScene& scene, con
   const std::uint64_t least = kind.slots_per_pixel(settings); // that a wave takes at once
   slots = std::max(std::min(slots, pixels * samples), least);
   if (settings.adaptive) slots = std::max<std::uint64_t>(slots, kLargestRun);
-  slots = std::min(slots, info.max_storage_range / kind.largest_record);
-  slots = std::min(slots, info.max_texel_elements / 4);
+  const std::uint64_t record = kind.largest_record(settings);
+  slots = std::min(slots, info.max_storage_range / record);
+  slots = std::min(slots, info.max_texel_elements / std::max<std::uint64_t>(record / 16, 4));
   slots = std::min<std::uint64_t>(slots, std::uint64_t{info.max_groups} * gpu::kWorkgroupSize);
-  slots = std::min(slots, std::max<std::uint64_t>(info.memory_bytes / 8 / kind.bytes_per_slot(scene.features), 1024));
+  slots = std::min(
+      slots, std::max<std::uint64_t>(info.memory_bytes / 8 / kind.bytes_per_slot(scene.features, settings), 1024));
   return static_cast<std::uint32_t>(std::max(slots, least));
 }
 

@@ -13,9 +13,10 @@ namespace {
 constexpr std::uint32_t kDispatchPixels = 1u << 18;
 static_assert(kDispatchPixels % gpu::kWorkgroupSize == 0);
 
-std::vector<Binding> bindings_of(const Buffer& film, const Buffer& aovs, const Buffer& screen) {
+std::vector<Binding> bindings_of(const Buffer& film, const Buffer& aovs, const Buffer& splats, const Buffer& screen) {
   return {{gpu::kBindFilmTexels, BindingKind::texels_rgba32ui, &film},
           {gpu::kBindFilmAovs, BindingKind::texels_rgba32f, &aovs},
+          {gpu::kBindSplats, BindingKind::storage, &splats},
           {gpu::kBindScreen, BindingKind::storage, &screen}};
 }
 
@@ -40,7 +41,7 @@ std::vector<std::string> aovs_for(Shown shown) {
 
 Display::Display(Device& device) : device_(device), pixels_(device, 0) {
   const Buffer stand_in(device, 0);
-  const BindingSet bindings(device, bindings_of(stand_in, stand_in, stand_in), sizeof(gpu::DisplayJob));
+  const BindingSet bindings(device, bindings_of(stand_in, stand_in, stand_in, stand_in), sizeof(gpu::DisplayJob));
   kernel_.emplace(device, "display", wavepath_display_spv, bindings, std::span<const std::uint32_t>());
 }
 
@@ -58,6 +59,7 @@ void Display::draw(const Progressive& progressive, const DisplayOptions& options
   job.shown = static_cast<std::uint32_t>(shown);
   job.tonemap = static_cast<std::uint32_t>(options.tonemap);
   job.bgra = options.bgra ? 1 : 0;
+  job.splats = film.has_splats() ? 1 : 0;
   job.gain = static_cast<float>(std::exp2(options.exposure));
   job.range = static_cast<float>(options.range > 0.0 ? options.range : automatic_range(shown, progressive));
   for (const FilmBand& band : film.bands()) {
@@ -69,7 +71,7 @@ void Display::draw(const Progressive& progressive, const DisplayOptions& options
 }
 
 void Display::draw_band(const FilmBand& band, gpu::DisplayJob job) {
-  const BindingSet bindings(device_, bindings_of(band.film, band.aovs, pixels_), sizeof(gpu::DisplayJob));
+  const BindingSet bindings(device_, bindings_of(band.film, band.aovs, band.splats, pixels_), sizeof(gpu::DisplayJob));
   Commands commands(device_);
   commands.bind(bindings);
   const std::uint32_t pixels = width_ * height_;

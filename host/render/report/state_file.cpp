@@ -1,5 +1,6 @@
-// Layout: magic, then the length of a JSON document and the document, the film's pixels, its AOVs, and the hash of
-// all before it. Numbers are as the machine has them (little-endian on everything that Vulkan drivers exist for).
+// Layout: magic, then the length of a JSON document and the document, the film's pixels, its AOVs, its splats, and the
+// hash of all before it. Numbers are as the machine has them (little-endian on everything that Vulkan drivers exist
+// for).
 #include "host/render/report/state_file.h"
 
 #include <array>
@@ -18,7 +19,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::string_view kMagic = "wavepath state 3\n";
+constexpr std::string_view kMagic = "wavepath state 4\n";
 constexpr const char* kRemedy = "start again without --resume, or name another --checkpoint";
 
 Json to_json(const Checkpoint& c) {
@@ -83,7 +84,8 @@ Json describe(const std::string& identity, const std::string& device, const Rend
           {"levels", state.levels},
           {"next_check", state.next_check},
           {"size", {state.film.width, state.film.height}},
-          {"aovs", !state.film.aovs.empty()}};
+          {"aovs", !state.film.aovs.empty()},
+          {"splats", !state.film.splats.empty()}};
 }
 
 RenderState state_from(const Json& json) {
@@ -149,6 +151,7 @@ void write_state(const std::string& path, const std::string& identity, const std
   write(document.data(), document.size());
   write(state.film.pixels.data(), byte_count(state.film.pixels));
   write(state.film.aovs.data(), byte_count(state.film.aovs));
+  write(state.film.splats.data(), byte_count(state.film.splats));
   const std::uint64_t sum = checksum.value();
   file.write(&sum, sizeof(sum));
   file.commit();
@@ -170,13 +173,17 @@ StateRecord read_state(const std::string& path) try {
 
   Film& film = record.state.film;
   const std::uint64_t pixels = std::uint64_t{film.width} * film.height;
-  const bool aovs = json.at("aovs");
-  const std::uint64_t bytes = pixels * (gpu::kReplicates * sizeof(gpu::FilmPixel) + (aovs ? sizeof(gpu::FilmAovs) : 0));
+  const bool aovs = json.at("aovs"), splats = json.at("splats");
+  const std::uint64_t bytes = pixels * (gpu::kReplicates * sizeof(gpu::FilmPixel) + (aovs ? sizeof(gpu::FilmAovs) : 0) +
+                                        (splats ? gpu::kReplicates * sizeof(gpu::SplatPixel) : 0));
   if (reader.left() != bytes + sizeof(std::uint64_t)) throw Error(path, "is not complete", kRemedy);
   film.pixels.resize(pixels * gpu::kReplicates);
   film.aovs.resize(aovs ? pixels : 0);
+  film.splats.resize(splats ? pixels * gpu::kReplicates : 0);
   reader.read(film.pixels.data(), byte_count(film.pixels));
   reader.read(film.aovs.data(), byte_count(film.aovs));
+  reader.read(film.splats.data(), byte_count(film.splats));
+  count_light_paths(film);
   const std::uint64_t computed = reader.checksum();
   std::uint64_t recorded = 0;
   reader.read(&recorded, sizeof(recorded));

@@ -101,12 +101,8 @@ Json json(const Setting& row, const RenderSettings& settings) {
 
 Json guide_json(const std::optional<GuideReport>& guide) {
   if (!guide) return nullptr;
-  return {{"used", guide->used},
-          {"variance", guide->variance},
-          {"probability", guide->probability},
-          {"leaves", guide->leaves},
-          {"bytes", guide->bytes},
-          {"pilot_paths", guide->pilot_paths}};
+  return {{"used", guide->used},     {"variance", guide->variance}, {"probability", guide->probability},
+          {"leaves", guide->leaves}, {"bytes", guide->bytes},       {"pilot_paths", guide->pilot_paths}};
 }
 
 // Every row of the table by its name with '_' for '-'; null where it is not set, or not taken by the integrator.
@@ -154,9 +150,11 @@ Json light_selection_json(const Run& run) {
   const PackedScene& packed = run.packed;
   if (packed.lights.empty()) return nullptr;
   const RenderSettings& settings = run.settings;
-  const bool tree = !packed.light_tree.empty() && takes(*settings.integrator, "lights") && settings.lights != gpu::kLightsPower;
-  if (!tree) return {{"by", "power"}};
+  const bool tree =
+      !packed.light_tree.empty() && takes(*settings.integrator, "lights") && settings.lights != gpu::kLightsPower;
+  if (!tree) return {{"by", "power"}, {"places", packed.light_places}};
   Json selection = {{"by", run.result.light_pilot.rows > 0 ? "learned" : "tree"},
+                    {"places", packed.light_places},
                     {"nodes", packed.local_light_count - 1},
                     {"depth", packed.light_tree_depth},
                     {"bytes", packed.light_tree.size() * sizeof(packed.light_tree[0])}};
@@ -165,6 +163,17 @@ Json light_selection_json(const Run& run) {
                       {"pilot_paths", run.result.light_pilot.paths},
                       {"pilot_seconds", run.result.light_pilot.seconds}});
   return selection;
+}
+
+// What --integrator auto tried, and took.
+Json choice_json(const IntegratorChoice& choice) {
+  Json trials = Json::array();
+  for (const Trial& trial : choice.trials)
+    trials.push_back({{"flags", trial.flags},
+                      {"cost", trial.cost},
+                      {"cost_ci95", {trial.lo, trial.hi}},
+                      {"missing_light", trial.missing}});
+  return {{"taken", choice.trials[choice.taken].flags}, {"seconds", choice.seconds}, {"trials", trials}};
 }
 
 Json stats_document(const Run& run) {
@@ -187,6 +196,7 @@ Json stats_document(const Run& run) {
       {"seed", settings.seed},
       {"sampler", kSamplerNames[settings.sampler]},
       {"integrator", settings.integrator->name},
+      {"choice", run.choice ? choice_json(*run.choice) : Json()},
       {"max_depth", settings.max_depth},
       {"settings", settings_json(settings)},
       {"hybrid", settings.integrator->stats(settings, run.packed, result)},

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/gpu/device.h"
+#include "host/render/integrator_choice.h"
 #include "host/render/render.h"
 #include "host/render/report/true_error.h"
 #include "host/scene/pack/pack.h"
@@ -28,6 +29,7 @@ struct Run {
   std::vector<TrueError> true_errors{}; // one a checkpoint, or none
   std::vector<std::string> diagnosis{};
   std::vector<std::string> bias{};
+  const IntegratorChoice* choice = nullptr; // of --integrator auto
 };
 
 // The BVH: quality, seconds to build, expected cost, size, and copies of triangles made by spatial splits.

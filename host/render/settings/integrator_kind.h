@@ -33,10 +33,13 @@ struct IntegratorKind {
   std::string_view summary; // for --help: one clause
   // Names of the settings that it takes besides those that all take: a setting of no use to it is refused.
   std::span<const std::string_view> settings{};
-  std::span<const std::string_view> aovs{}; // values of --aov besides those of all
-  bool finds_light = true;                  // false: its picture is the unoccluded share, whatever the lights
-  bool traces_paths = true;                 // false: a sample is a frame, which reaches the film as a whole
-  std::uint64_t light_lesson_bytes = 0; // of a pilot that teaches it the choice of lights; 0 = it has none
+  std::span<const std::string_view> aovs{};       // values of --aov besides those of all
+  std::span<const std::string_view> lacks_aovs{}; // values of --aov of all that it cannot give
+  bool finds_light = true;                        // false: its picture is the unoccluded share, whatever the lights
+  bool traces_paths = true;                       // false: a sample is a frame, which reaches the film as a whole
+  bool walks_light_tree = true;                   // false: it picks lights by power, however many there are
+  bool splats = false;                            // it has light paths, which bring light to any pixel of the film
+  std::uint64_t light_lesson_bytes = 0;           // of a pilot that teaches it the choice of lights; 0 = it has none
   bool measures_depth_cut = false; // the light beyond --max-depth is measured, and told in the first sentence of bias()
   // Stages that find the first hits, by whose time integrators are compared.
   std::span<const std::string_view> first_hit_stages{};
@@ -48,8 +51,8 @@ struct IntegratorKind {
                         const RenderSettings& settings) = nullptr;
   // Device memory that a path in flight takes, for the kFeature bits given, and the largest record of one in any
   // buffer.
-  std::uint64_t (*bytes_per_slot)(std::uint32_t features) = nullptr;
-  std::uint64_t largest_record = 1;
+  std::uint64_t (*bytes_per_slot)(std::uint32_t features, const RenderSettings& settings) = nullptr;
+  std::uint64_t (*largest_record)(const RenderSettings& settings) = nullptr;
   // Paths that a pixel takes in every wave.
   std::uint32_t (*slots_per_pixel)(const RenderSettings& settings) = nullptr;
   // Device memory that a pixel takes besides paths and film.

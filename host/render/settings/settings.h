@@ -9,6 +9,7 @@
 
 #include <glm/glm.hpp>
 
+#include "kernels/bidirectional/bidirectional_types.h"
 #include "kernels/features.h"
 
 namespace wavepath {
@@ -42,12 +43,13 @@ struct RenderSettings {
   std::optional<double> ao_radius;
   std::optional<glm::vec3> ambient; // radiance; empty = estimated from the direct light in the picture
   std::uint32_t branching = kBranchingTree;
-  double cutoff = 1.0 / 256.0;      // weight below which rays are not followed; biased unless it is 0
-  bool denoise = false;             // filter shadows and occlusion over space and time; biased
-  bool antialias_over_time = false; // joins every picture to those before it, for a camera in motion; biased
+  std::uint32_t techniques = gpu::kTechniquesAll; // kTechnique bits
+  double cutoff = 1.0 / 256.0;                    // weight below which rays are not followed; biased unless it is 0
+  bool denoise = false;                           // filter shadows and occlusion over space and time; biased
+  bool antialias_over_time = false;        // joins every picture to those before it, for a camera in motion; biased
   std::uint32_t lights = gpu::kLightsAuto; // how next-event estimation chooses among them
-  bool adaptive = false;            // more samples where a pilot, which is thrown away, found more noise
-  bool guide = false;               // directions are also drawn from a field that a pilot learned
+  bool adaptive = false;                   // more samples where a pilot, which is thrown away, found more noise
+  bool guide = false;                      // directions are also drawn from a field that a pilot learned
   bool specialize = true;
   std::vector<std::string> aovs; // values of --aov
 

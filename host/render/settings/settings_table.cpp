@@ -80,6 +80,22 @@ std::string spp_identity(const S& settings) {
   return settings.sampler == gpu::kSamplerStratified ? fmt::format("{}", whole_samples(settings)) : "any";
 }
 
+// By kTechnique bit.
+constexpr std::array<std::string_view, 4> kTechniqueNames = {"hit", "light", "connect", "splat"};
+
+void read_techniques(const FlagValue& value, S& settings) {
+  settings.techniques = 0;
+  for (const std::string& name : value.list(kTechniqueNames))
+    settings.techniques |= 1u << (std::ranges::find(kTechniqueNames, name) - kTechniqueNames.begin());
+}
+
+std::string techniques_text(const S& settings) {
+  std::vector<std::string_view> names;
+  for (std::size_t i = 0; i < kTechniqueNames.size(); ++i)
+    if (settings.techniques >> i & 1u) names.push_back(kTechniqueNames[i]);
+  return names.size() == kTechniqueNames.size() ? "" : fmt::format("{}", fmt::join(names, ","));
+}
+
 std::vector<Setting> picture_rows() {
   return {
       {.name = "size",
@@ -167,7 +183,9 @@ std::vector<Setting> transport_rows() {
        .offered = kByRenderAndView | kByBench},
   };
   for (Setting& row : rows)
-    if (row.name == "integrator") row.study = choices_of(row);
+    if (row.name == "integrator")
+      for (const IntegratorKind* kind : integrators())
+        if (!kind->candidates) row.study.push_back(kind->name);
   return rows;
 }
 
@@ -252,6 +270,13 @@ std::vector<Setting> special_rows() {
        .takers = Takers::listed_else_refused,
        .label = "branching",
        .study = {"tree", "choice"}},
+      {.name = "techniques",
+       .value = SpecialValue{read_techniques, techniques_text},
+       .meaning = fmt::format("ways to find light, separated by commas: {}; light that none of them finds is missing",
+                              fmt::join(kTechniqueNames, ", ")),
+       .placeholder = "LIST",
+       .initial = "all",
+       .takers = Takers::listed_else_refused},
       {.name = "cutoff",
        .value = NumberValue{&S::cutoff, 0.0, 1.0},
        .meaning = "weight up to which rays are not followed; 0 = follow all",

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <unordered_map>
 
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_sort.h>
@@ -218,11 +219,28 @@ LightBounds bounds_of(const gpu::Light& light, double power, double area, const 
   return triangle_light_bounds(corners, power / (kPi * area * (two_sided ? 2.0 : 1.0)), two_sided);
 }
 
-void pack_light_tree(const LightList& list, PackedScene& packed) {
+// In how many places the local lights are: as many cubes, an eighth of the scene's radius wide, of equal power would vary
+// as much.
+double count_places(const std::vector<LightBounds>& lights, double radius) {
+  std::unordered_map<std::uint64_t, double> power;
+  double total = 0.0, squares = 0.0;
+  for (const LightBounds& light : lights) {
+    const glm::dvec3 centre = 0.5 * (glm::dvec3(light.lo) + glm::dvec3(light.hi));
+    const glm::i64vec3 cell(glm::floor(glm::clamp(centre * (8.0 / radius), -1e6, 1e6)));
+    power[static_cast<std::uint64_t>((cell.x & 0xfffff) | (cell.y & 0xfffff) << 20 | (cell.z & 0xfffff) << 40)] += light.power;
+    total += light.power;
+  }
+  for (const auto& [cell, p] : power) squares += p * p;
+  return squares > 0.0 ? total * total / squares : 0.0;
+}
+
+void pack_light_tree(const LightList& list, double radius, bool if_many, PackedScene& packed) {
   std::vector<LightBounds> bounds(list.ends[kLocal]);
   tbb::parallel_for(std::size_t{0}, bounds.size(), [&](std::size_t i) {
     bounds[i] = bounds_of(list.lights[i], list.powers[i], list.areas[i], packed);
   });
+  packed.light_places = count_places(bounds, radius);
+  if (if_many && packed.light_places < kManyPlaces) return;
   const LightTree tree = build_light_tree(bounds);
   packed.light_tree = light_tree_words(tree);
   packed.light_tree_depth = tree.depth;
@@ -268,7 +286,7 @@ void pack_lights(Scene& scene, std::span<const Object> objects, std::span<const 
   for (const double p : list.powers) power += p;
   packed.typical_radiance = power / (4.0 * kPi * kPi * radius * radius);
   const std::size_t least = selection == gpu::kLightsAuto ? kFewLights + 1 : 1;
-  if (selection != gpu::kLightsPower && list.ends[kLocal] >= least) pack_light_tree(list, packed);
+  if (selection != gpu::kLightsPower && list.ends[kLocal] >= least) pack_light_tree(list, radius, selection == gpu::kLightsAuto, packed);
   packed.lights = std::move(list.lights);
 }
 

@@ -20,6 +20,7 @@ namespace wavepath {
 // Error if the lights do not fit into 2^26 entries. `selection`: a kLights constant; unless it is by power, the local
 // lights get a tree, with kLightsAuto only if there are more than kFewLights of them.
 inline constexpr std::size_t kFewLights = 8;
+inline constexpr double kManyPlaces = 8.0;
 void pack_lights(Scene& scene, std::span<const Object> objects, std::span<const std::uint32_t> object_of,
                  double environment_integral, std::uint32_t direct, std::uint32_t selection, PackedScene& packed);
 

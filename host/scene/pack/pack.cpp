@@ -97,6 +97,7 @@ void place_origin(const Scene& scene, const std::optional<glm::dvec3>& eye, Pack
   const Bounds bounds = world_bounds(scene);
   packed.origin = eye && !bounds.empty() ? glm::clamp(*eye, bounds.lo, bounds.hi) : bounds.centre();
   packed.radius = bounds.radius();
+  packed.centre = glm::vec3(bounds.centre() - packed.origin);
 }
 
 } // namespace

@@ -30,6 +30,7 @@ struct Draw {
 struct PackedScene {
   glm::dvec3 origin{0.0}; // world position of the device's origin
   double radius = 0.0;    // of the geometry's bounding sphere, metres
+  glm::vec3 centre{0.0f}; // of that sphere, in the device's world
 
   std::vector<bvh::WideNode> nodes;
   std::uint32_t root = 0; // node
@@ -53,6 +54,7 @@ struct PackedScene {
   // The light tree as kernels/light_tree_types.h has it, empty where lights are picked by power; and its columns.
   std::vector<glm::uvec4> light_tree;
   std::uint32_t light_tree_depth = 0;
+  double light_places = 0.0; // in which its lights are, see lights.h
   double typical_radiance = 0.0; // that all lights together bring to a surface, by order of magnitude
   glm::vec3 environment_radiance{0.0f};
   float environment_probability = 0.0f;

@@ -1,0 +1,47 @@
+// Bidirectional path tracing: a light path and a camera path for every sample, and what joins them.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "host/integrators/path/paths.h"
+#include "kernels/bidirectional/bidirectional_types.h"
+
+namespace wavepath {
+
+class Bidirectional : public Integrator {
+public:
+  Bidirectional(Workspace& workspace, KernelCompiler& kernels);
+
+  void change(const View& view, const RenderSettings& settings, Past past) override;
+  bool is_ready() override;
+  double get_ready() override;
+  void begin_pass(WaveQueue&, std::uint32_t) override {}
+  void record_wave(Commands& commands, std::size_t band, const gpu::Wave& wave) override;
+  std::uint32_t timed_dispatches() const override;
+  std::uint64_t bytes() const override { return paths_.buffers.bytes() + buffers_.bytes(); }
+
+private:
+  void record_light_paths(Commands& commands, std::size_t band, const gpu::Wave& wave);
+  void record_splats(Commands& commands, std::size_t band, const gpu::Wave& wave, const KernelSet& kernels);
+  void record_camera_paths(Commands& commands, std::size_t band, const gpu::Wave& wave);
+
+  Workspace& workspace_;
+  KernelCompiler& kernels_;
+  Paths paths_; // of both kinds, one after the other
+  BufferSet buffers_;
+  KernelNeed need_;
+  std::uint32_t techniques_ = 0;
+  std::vector<std::unique_ptr<BindingSet>> sets_; // by band
+};
+
+extern const KernelProgram kBidirectionalProgram;
+inline constexpr std::uint32_t kBidirectionalStages = 0x7f; // all
+// Of Paths: all but shade.
+inline constexpr std::uint32_t kSharedPathStages = kAllPathStages & ~stage_bits({kShade});
+
+// Bytes of light vertices and connections that a slot takes.
+std::uint64_t light_bytes_per_slot(const RenderSettings& settings);
+std::uint64_t light_vertex_bytes_per_slot(const RenderSettings& settings);
+
+} // namespace wavepath

@@ -1,0 +1,76 @@
+#include "host/integrators/bidirectional/kind.h"
+
+#include <algorithm>
+#include <array>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "host/integrators/bidirectional/bidirectional.h"
+#include "host/render/loop/render_result.h"
+
+namespace wavepath {
+namespace {
+
+constexpr std::array<std::string_view, 2> kSettings = {"hemisphere", "techniques"};
+// Light splatted from a light path is not told apart by its bounces.
+constexpr std::array<std::string_view, 2> kLackedAovs = {"direct", "indirect"};
+constexpr std::array<std::string_view, 2> kFirstHitStages = {"generate", "extend"};
+
+void start_kernels(KernelCompiler& kernels, const DeviceInfo&, std::uint32_t features, const RenderSettings& settings) {
+  const KernelConfig config = kernel_config(features, kExpectedStack, settings);
+  kernels.start({&kBidirectionalProgram, kBidirectionalStages, config});
+  kernels.start({&kPathProgram, kSharedPathStages, config});
+}
+
+std::vector<std::string> bias(const RenderSettings& settings, const RenderResult&) {
+  std::vector<std::string> bias;
+  bias.push_back(fmt::format("light paths end after {} bounces (--max-depth)", settings.max_depth));
+  if (settings.techniques != gpu::kTechniquesAll)
+    bias.emplace_back("light that only other techniques find is left out (--techniques)");
+  return bias;
+}
+
+std::vector<OmittedStage> omitted(const RenderSettings&) {
+  return {{"path kernel shade", "its own kernels shade camera paths and light paths"}};
+}
+
+// 1.3 to 1.75 times what path tracing takes for as many rays (Cornell box, Sponza, showcase; llvmpipe).
+double work(const RenderSettings&, const RayCounts& rays, bool) {
+  return 1.4 * (static_cast<double>(rays.camera + rays.bounce) + 0.6 * static_cast<double>(rays.shadow));
+}
+
+} // namespace
+
+constinit const IntegratorKind kBidirectional = {
+    .name = "bidirectional",
+    .summary = "paths from the camera and from the lights, joined in every way",
+    .settings = kSettings,
+    .lacks_aovs = kLackedAovs,
+    .walks_light_tree = false,
+    .splats = true,
+    .measures_depth_cut = true,
+    .first_hit_stages = kFirstHitStages,
+    .features = film_features,
+    .start_kernels = start_kernels,
+    .bytes_per_slot =
+        [](std::uint32_t features, const RenderSettings& settings) {
+          return bytes_per_path(features, kRoomForShadowRays) + light_bytes_per_slot(settings);
+        },
+    .largest_record =
+        [](const RenderSettings& settings) {
+          return std::max<std::uint64_t>(light_vertex_bytes_per_slot(settings), sizeof(gpu::PathAovs));
+        },
+    .slots_per_pixel = [](const RenderSettings&) { return 1u; },
+    .bytes_per_pixel = [](const RenderSettings&) { return std::uint64_t{0}; },
+    .is_biased = [](const RenderSettings& settings) { return settings.techniques != gpu::kTechniquesAll; },
+    .bias = bias,
+    .omitted = omitted,
+    .stats = [](const RenderSettings&, const PackedScene&, const RenderResult&) { return nlohmann::ordered_json(); },
+    .make = [](Workspace& workspace, KernelCompiler& kernels) -> std::unique_ptr<Integrator> {
+      return std::make_unique<Bidirectional>(workspace, kernels);
+    },
+    .work = work,
+};
+
+} // namespace wavepath

@@ -1,0 +1,37 @@
+// Traces the rays that connect camera paths to vertices of light paths: a path gains their light unless they are blocked.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+
+#define BIND_GEOMETRY
+#define BIND_SURFACES
+#define BIND_PATHS
+#define BIND_COUNTERS
+#define BIND_CONNECTIONS
+#include "kernels/bidirectional/bindings.glsl"
+#include "kernels/bidirectional/records.glsl"
+#include "kernels/dimensions.glsl"
+#include "kernels/path/nonfinite.glsl"
+#include "kernels/path/records.glsl"
+#include "kernels/pixel.glsl"
+#include "kernels/records.glsl"
+#include "kernels/shadow.glsl"
+
+#define ALPHA_TEST(hit) lets_light_through(hit)
+#define ANY_HIT
+#include "kernels/bvh.glsl"
+
+layout(local_size_x = kWorkgroupSize) in;
+
+void main() {
+  uint index = gl_GlobalInvocationID.x;
+  if (index >= connections.count) return;
+  Connection ray = fetch_connection(index);
+  begin_shadow();
+  uint id = floatBitsToUint(texelFetch(triangles, int(ray.triangle * kTriangleTexels + 1u)).w);
+  if (trace(ray.origin, ray.direction, 1.0, id, ray.instance).triangle != kNone) return;
+  PathState path = fetch_path(ray.slot);
+  if (!is_finite(path.radiance)) return; // another kernel has counted it
+  path.radiance += ray.contribution * light_passed();
+  if (!is_finite(path.radiance)) count_nonfinite(kMakerConnect, ray.slot);
+  store_radiance(ray.slot, path);
+}

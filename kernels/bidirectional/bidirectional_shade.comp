@@ -1,0 +1,260 @@
+// Shades the hits of camera paths: light met by chance, one ray to a light, one to a vertex of the slot's light path, and the
+// next ray of the path, each weighted against all other ways to find the same light.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_KHR_shader_subgroup_ballot : require
+
+#define BIND_GEOMETRY
+#define BIND_SURFACES
+#define BIND_LIGHTS
+#define BIND_ENVIRONMENT
+#define BIND_PATHS
+#define BIND_RAYS
+#define BIND_SHADOW_RAYS
+#define BIND_QUEUES
+#define BIND_COUNTERS
+#define BIND_PATH_WEIGHTS
+#define BIND_LIGHT_VERTICES
+#define BIND_CONNECTIONS
+#include "kernels/bidirectional/bindings.glsl"
+#include "kernels/bidirectional/light_path.glsl"
+#include "kernels/bidirectional/records.glsl"
+#include "kernels/bidirectional/scattering.glsl"
+#include "kernels/path/first_hit.glsl"
+#include "kernels/path/nonfinite.glsl"
+#include "kernels/path/queue.glsl"
+#include "kernels/path/records.glsl"
+
+layout(local_size_x = kWorkgroupSize) in;
+
+// Whether the latest vertex of the camera path can be connected to the one before it: to the camera itself, or to a surface.
+bool connects_behind() { return uses_technique(wave.bounce == 0u ? kTechniqueSplat : kTechniqueConnect); }
+
+// Of the light that a segment from v carries when it leaves towards `wi`.
+vec3 transmittance(Vertex v, vec3 wi, uint slot, float distance_) {
+  if (!has(kFeatureVolume)) return vec3(1.0);
+  bool crossing = dot(wi, v.normal) < 0.0 && !v.bsdf.thin;
+  return medium_transmittance(crossing ? medium_behind(v) : path_media[slot], distance_);
+}
+
+// Weight of light that the path met by chance. `connect_pdf`: density with which the point, or the direction, is picked to
+// connect to; `start_pdf`: with which a light path begins there and takes the path's last edge.
+float hit_weight(PathWeights weights, float connect_pdf, float start_pdf) {
+  if (wave.bounce == 0u) return 1.0;
+  float to_light = uses_technique(kTechniqueLight) ? square(connect_pdf) * weights.connect : 0.0;
+  return 1.0 / (1.0 + to_light + square(start_pdf) * weights.others);
+}
+
+// Next-event estimation: true if there is a shadow ray worth tracing.
+bool connect_to_light(Vertex v, Sampler path_sampler, uint dimension, uint slot, vec3 throughput, PathWeights weights,
+                      out ShadowRay ray) {
+  LightSample light = sample_light(v.surface.position, sample_bits(path_sampler, dimension + kDimensionLight));
+  if (max_component(light.radiance) <= 0.0 || !(light.pdf > 0.0)) return false;
+  float forward, reverse;
+  vec3 value = scatter_value(v, light.direction, forward, reverse);
+  if (!(max_component(value) > 0.0)) return false;
+  float found = start_pdf_area(light, v.surface.position, surface_cosine(v, light.direction));
+  float by_chance = light.delta || !uses_technique(kTechniqueHit) ? 0.0 : square(forward / light.pdf);
+  float weight = 1.0 / (1.0 + by_chance + nearer(weights, found, reverse, connects_behind()));
+  ray.contribution = throughput * value * light.radiance * (weight / light.pdf);
+  ray.contribution *=
+      transmittance(v, light.direction, slot, light.distant ? kFarAway : length(light.target - v.surface.position));
+  if (is_finite(ray.contribution) && max_component(ray.contribution) <= 0.0) return false;
+
+  ray.slot = slot;
+  ray.light = light.light;
+  ray.origin = offset_ray_origin(v.surface.position, v.surface.position_error, v.surface.geometric_normal, light.direction);
+  ray.direction = light.distant ? light.direction : light.target - ray.origin;
+  ray.t_max = light.distant ? kFar : 1.0;
+  return true;
+}
+
+// What a light vertex gives the path through v unless something is between, and where it is.
+vec3 connect_to_vertex(Vertex v, LightVertex at, uint slot, PathWeights weights, out Surface target) {
+  target = fetch_surface(Hit(at.triangle, at.instance, at.b1, at.b2));
+  vec3 offset = target.position - v.surface.position;
+  float distance_squared = dot(offset, offset);
+  if (!(distance_squared > 0.0)) return vec3(0.0);
+  vec3 wi = offset / sqrt(distance_squared);
+  float forward, reverse;
+  vec3 value = scatter_value(v, wi, forward, reverse);
+  if (!(max_component(value) > 0.0)) return vec3(0.0);
+  Vertex light_end = make_vertex(target, fetch_material(target.material), wi); // seen from v
+  float light_forward, light_reverse;
+  vec3 light_value = scatter_value(light_end, at.direction, light_forward, light_reverse);
+  float cosine = surface_cosine(v, wi), light_cosine = surface_cosine(light_end, wi);
+  float others = nearer(weights, light_reverse * cosine / distance_squared, reverse, connects_behind()) +
+                 nearer(PathWeights(at.connect, at.others), forward * light_cosine / distance_squared, light_forward, true);
+  return value * light_value * at.light * transmittance(v, wi, slot, sqrt(distance_squared)) *
+         (light_cosine / (distance_squared * (1.0 + others)));
+}
+
+// Picks one of the slot's light vertices in proportion to what it would give (Talbot 2005), so that one ray does for all: true
+// if there is one worth tracing.
+bool connect_to_light_path(Vertex v, uint slot, vec3 throughput, PathWeights weights, out Connection c) {
+  uint dimension = bounce_dimension(frame.max_depth + 1u + wave.bounce); // beyond those of the light path itself
+  float u = sample_2d(light_sampler(slot), dimension).x;
+  float total = 0.0, picked = 0.0;
+  Surface target;
+  uint count = light_counts[slot];
+  for (uint k = 0u; k < count; ++k) {
+    LightVertex at = fetch_light_vertex(light_vertex_place(slot, k));
+    if (wave.bounce + 1u + at.bounce > frame.max_depth) break;
+    Surface candidate;
+    vec3 light = connect_to_vertex(v, at, slot, weights, candidate);
+    float share = luminance(light);
+    if (!(share > 0.0)) continue;
+    total += share;
+    float probability = share / total;
+    bool takes = u < probability;
+    u = min(takes ? u / probability : (u - probability) / (1.0 - probability), kOneMinusEpsilon);
+    if (takes) {
+      target = candidate;
+      picked = share;
+      c.contribution = light;
+      c.triangle = at.triangle;
+      c.instance = at.instance;
+    }
+  }
+  if (!(total > 0.0)) return false;
+  c.contribution *= throughput * (total / picked);
+  if (is_finite(c.contribution) && max_component(c.contribution) <= 0.0) return false;
+  vec3 to_target = target.position - v.surface.position;
+  c.origin = offset_ray_origin(v.surface.position, v.surface.position_error, v.surface.geometric_normal, to_target);
+  c.direction = offset_ray_origin(target.position, target.position_error, target.geometric_normal, -to_target) - c.origin;
+  c.slot = slot;
+  c.pixel = 0u;
+  return true;
+}
+
+// Scatters the path: true if it goes on with `ray`.
+bool scatter(Vertex v, Sampler path_sampler, uint dimension, uint slot, inout PathState path, inout PathWeights weights,
+             out Ray ray) {
+  vec2 u = sample_2d(path_sampler, dimension + kDimensionDirection);
+  vec2 u_choice = sample_2d(path_sampler, dimension + kDimensionChoice);
+  vec3 local = to_local(v, v.wo);
+  BsdfSample s;
+  if (!bsdf_sample(v.bsdf, local, u_choice.x, u, s)) return false;
+  vec3 wi = normalize(to_world(s.wi, v.tangent, v.bitangent, v.normal));
+  if (!sides_agree(v, wi)) return false;
+
+  float cosine = surface_cosine(v, wi);
+  if (s.pdf < 0.0)
+    weights = scattered_delta(weights, cosine, abs(local.z) / (abs(s.wi.z) * s.eta_scale));
+  else
+    weights = scattered(weights, cosine, s.pdf, reverse_pdf(v, wi), connects_behind());
+  path.throughput *= s.weight;
+  path.bsdf_pdf = s.pdf;
+  path.eta_scale *= s.eta_scale;
+  float survival = sqrt(max_component(path.throughput) * path.eta_scale); // as in path/shade.comp
+  if (survival < 1.0 && wave.bounce > 1u) {
+    if (!(u_choice.y < survival)) return false;
+    path.throughput /= survival;
+  }
+  if (!(max_component(path.throughput) > 0.0)) return false;
+
+  if (has(kFeatureVolume) && s.transmitted && !v.bsdf.thin) path_media[slot] = medium_behind(v);
+  ray = Ray(offset_ray_origin(v.surface.position, v.surface.position_error, v.surface.geometric_normal, wi), slot, wi, kFar);
+  return true;
+}
+
+void add_radiance(inout PathState path, uint slot, vec3 radiance) {
+  path.radiance += radiance;
+  if (has(kFeatureAovs) && wave.bounce == 0u) path_aovs[slot].emission += radiance;
+}
+
+// Sums of weights on arrival at the surface. A camera path begins with the density of the camera's own rays.
+PathWeights arrive(Ray ray, vec3 offset, float cosine) {
+  if (wave.bounce == 0u)
+    return bounded(PathWeights(square(bidirectional.light_paths / camera_pdf_area(offset, cosine)), 0.0));
+  return arrived(fetch_weights(ray.slot), dot(offset, offset), cosine);
+}
+
+struct Wants {
+  bool ray, shadow, connection;
+};
+
+// Follows the path of one ray to its next vertex. Returns which rays it wants traced.
+void follow(Ray ray, Hit hit, inout PathState path, out Wants wants, out Ray next, out ShadowRay shadow, out Connection connection) {
+  wants = Wants(false, false, false);
+  uint slot = ray.slot;
+  bool hits = wave.bounce == 0u || uses_technique(kTechniqueHit);
+
+  if (hit.triangle == kNone) {
+    if (!hits) return;
+    if (has(kFeatureVolume)) path.throughput *= medium_transmittance(path_media[slot], kFarAway);
+    float pdf;
+    vec3 radiance = environment_emission(ray.direction, pdf);
+    add_radiance(path, slot, path.throughput * radiance * hit_weight(fetch_weights(slot), pdf, pdf * disk_pdf()));
+    return;
+  }
+
+  Surface surface = fetch_surface(hit);
+  Material material = fetch_material(surface.material);
+  vec3 offset = surface.position - ray.origin;
+  if (has(kFeatureVolume)) path.throughput *= medium_transmittance(path_media[slot], length(offset));
+  Vertex v = make_vertex(surface, material, ray.direction);
+  if (has(kFeatureAovs) && wave.bounce == 0u) record_first_hit(slot, v, ray.origin);
+
+  if (has(kFeatureEmission) && (material.flags & kMaterialUnlit) != 0u) { // as in path/shade.comp: no light
+    if (hits) add_radiance(path, slot, path.throughput * v.bsdf.base_color);
+    return;
+  }
+  float cosine = surface_cosine(v, v.wo);
+  if (!(cosine > 0.0)) return;
+  PathWeights weights = arrive(ray, offset, cosine);
+  vec3 emitted = surface_emission(surface, material, v.front);
+  if (hits && max_component(emitted) > 0.0) {
+    float pdf = light_pdf_area(surface, hit);
+    float weight = hit_weight(weights, pdf, pdf * triangle_direction_pdf(material, cosine));
+    add_radiance(path, slot, path.throughput * emitted * weight);
+  }
+
+  if (wave.bounce >= frame.max_depth) return;
+  Sampler path_sampler = slot_sampler(slot);
+  uint dimension = bounce_dimension(wave.bounce);
+  if (frame.light_count > 0u && bsdf_has_smooth(v.bsdf)) {
+    if (uses_technique(kTechniqueLight))
+      wants.shadow = connect_to_light(v, path_sampler, dimension, slot, path.throughput, weights, shadow);
+    if (uses_technique(kTechniqueConnect))
+      wants.connection = connect_to_light_path(v, slot, path.throughput, weights, connection);
+  }
+  wants.ray = scatter(v, path_sampler, dimension, slot, path, weights, next);
+  store_weights(slot, weights);
+}
+
+bool is_sound(PathState path) { return is_finite(path.radiance) && is_finite(path.throughput); }
+bool is_sound(Ray ray) { return is_finite(ray.origin) && is_finite(ray.direction); }
+
+// The same for the ray at this place in the queue, whose path ends if it is no longer finite.
+void shade(uint index, out Wants wants, out Ray next, out ShadowRay shadow, out Connection connection) {
+  wants = Wants(false, false, false);
+  Ray ray = fetch_ray((wave.bounce & 1u) * frame.slot_count + index);
+  PathState path = fetch_path(ray.slot);
+  if (!is_finite(path.radiance)) return; // another kernel has counted it
+  follow(ray, fetch_hit(index), path, wants, next, shadow, connection);
+  if (!is_sound(path) || (wants.ray && !is_sound(next))) {
+    path.radiance = spoilt(path.radiance);
+    count_nonfinite(kMakerShade, ray.slot);
+    wants = Wants(false, false, false);
+  }
+  store_path(ray.slot, path);
+}
+
+void main() {
+  uint index = gl_GlobalInvocationID.x;
+  Wants wants = Wants(false, false, false);
+  Ray next;
+  ShadowRay shadow;
+  Connection connection;
+  if (index < queues.ray_count[wave.bounce & 1u]) shade(index, wants, next, shadow, connection);
+
+  uint next_queue = (wave.bounce + 1u) & 1u;
+  uint place;
+  APPEND(queues.ray_count[next_queue], wants.ray, place);
+  if (wants.ray) store_ray(next_queue * frame.slot_count + place, next);
+  APPEND(queues.shadow_count, wants.shadow, place);
+  if (wants.shadow) store_shadow_ray(place, shadow);
+  APPEND(connections.count, wants.connection, place);
+  if (wants.connection) store_connection(place, connection);
+}

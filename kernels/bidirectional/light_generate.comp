@@ -1,0 +1,36 @@
+// Starts a light path for every (pixel, sample) of a wave.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+
+#define BIND_GEOMETRY
+#define BIND_SURFACES
+#define BIND_LIGHTS
+#define BIND_ENVIRONMENT
+#define BIND_PATHS
+#define BIND_RAYS
+#define BIND_QUEUES
+#define BIND_PATH_WEIGHTS
+#define BIND_LIGHT_VERTICES
+#include "kernels/bidirectional/bindings.glsl"
+#include "kernels/bidirectional/light_path.glsl"
+#include "kernels/bidirectional/records.glsl"
+#include "kernels/path/records.glsl"
+
+layout(local_size_x = kWorkgroupSize) in;
+
+// Light paths count their surfaces from 1, so that their rays begin in the second queue. In a light path's state, `radiance`
+// is what it began with, `throughput` what is left of it, and a `bsdf_pdf` of 0 says that its ray comes from infinity.
+void main() {
+  uint slot = gl_GlobalInvocationID.x;
+  if (slot == 0u) queues.ray_count[1] = wave.pixel_count * wave.sample_count;
+  if (slot >= wave.pixel_count * wave.sample_count) return;
+  LightStart start;
+  bool shines = start_light_path(light_sampler(slot), start);
+  bool sound = is_finite(start.origin) && is_finite(start.direction) && is_finite(start.light);
+  float t_max = shines && sound ? kFar : 0.0; // which meets nothing
+  store_ray(frame.slot_count + slot, Ray(start.origin, slot, start.direction, t_max));
+  store_path(slot, PathState(vec3(1.0), start.distant ? 0.0 : 1.0, start.light, 1.0));
+  store_weights(slot, start.weights);
+  light_counts[slot] = 0u;
+  if (has(kFeatureVolume)) path_media[slot] = kNone;
+}

@@ -1,0 +1,203 @@
+// Shades the hits of light paths: stores their vertices, connects them to the camera, and sends the light on.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_KHR_shader_subgroup_ballot : require
+
+#define BIND_GEOMETRY
+#define BIND_SURFACES
+#define BIND_LIGHTS
+#define BIND_ENVIRONMENT
+#define BIND_PATHS
+#define BIND_RAYS
+#define BIND_QUEUES
+#define BIND_COUNTERS
+#define BIND_PATH_WEIGHTS
+#define BIND_LIGHT_VERTICES
+#define BIND_CONNECTIONS
+#include "kernels/bidirectional/bindings.glsl"
+#include "kernels/bidirectional/light_path.glsl"
+#include "kernels/bidirectional/records.glsl"
+#include "kernels/bidirectional/scattering.glsl"
+#include "kernels/filter.glsl"
+#include "kernels/path/nonfinite.glsl"
+#include "kernels/path/queue.glsl"
+#include "kernels/path/records.glsl"
+
+layout(local_size_x = kWorkgroupSize) in;
+
+// Where a point appears in the picture, in pixels from the top left corner, and the ray that shows it: `to_point` of unit
+// length. False if it is behind the camera.
+bool project(vec3 point, out vec2 position, out vec3 origin, out vec3 to_point) {
+  vec3 offset = point - frame.camera_position;
+  float depth = dot(offset, frame.camera_forward);
+  vec2 across = vec2(dot(offset, frame.camera_right) / dot(frame.camera_right, frame.camera_right),
+                     dot(offset, frame.camera_up) / dot(frame.camera_up, frame.camera_up));
+  origin = frame.camera_position;
+  to_point = normalize(offset);
+  if (is_orthographic()) {
+    origin = point - depth * frame.camera_forward;
+    to_point = frame.camera_forward;
+  } else {
+    across /= depth;
+  }
+  position = 0.5 * vec2(float(frame.width) * (1.0 + across.x), float(frame.height) * (1.0 - across.y));
+  return depth > 0.0;
+}
+
+// Density of the filter along one axis for the pixels before, at and after `cell`; none beyond the borders.
+vec3 axis_weights(float position, float cell, uint size) {
+  vec3 weights = vec3(0.0);
+  for (int i = 0; i < 3; ++i) {
+    float at = cell + float(i - 1);
+    if (at >= 0.0 && at < float(size)) weights[i] = filter_density(position - (at + 0.5));
+  }
+  return weights;
+}
+
+// Picks one of three in proportion to their weights.
+int pick_weighted(vec3 weights, float total, float u) {
+  float rest = u * total;
+  return rest < weights.x ? 0 : rest < weights.x + weights.y || weights.z <= 0.0 ? 1 : 2;
+}
+
+// One of the pixels whose filter reaches the position, and its filter over the probability of being picked; 0 for none.
+float pick_pixel(vec2 position, vec2 u, out uvec2 pixel) {
+  vec2 cell = floor(position);
+  vec3 x = axis_weights(position.x, cell.x, frame.width), y = axis_weights(position.y, cell.y, frame.height);
+  float total_x = x.x + x.y + x.z, total_y = y.x + y.y + y.z;
+  pixel = uvec2(0u);
+  if (!(total_x * total_y > 0.0)) return 0.0;
+  vec2 at = cell + vec2(pick_weighted(x, total_x, u.x), pick_weighted(y, total_y, u.y)) - 1.0;
+  pixel = uvec2(clamp(at, vec2(0.0), vec2(float(frame.width - 1u), float(frame.height - 1u))));
+  return total_x * total_y;
+}
+
+// Connects the vertex to the camera: true if there is a ray worth tracing. `light`: as LightVertex has it.
+bool connect_to_camera(Vertex v, Hit hit, uint slot, vec2 u, vec3 light, PathWeights weights, out Connection c) {
+  vec2 position;
+  vec3 origin, to_point;
+  uvec2 pixel;
+  if (!project(v.surface.position, position, origin, to_point)) return false;
+  float filter_weight = pick_pixel(position, u, pixel);
+  if (!(filter_weight > 0.0)) return false;
+
+  float cosine = surface_cosine(v, to_point);
+  Vertex seen = seen_from(v, -to_point);
+  float forward, reverse;
+  vec3 value = scatter_value(seen, v.wo, forward, reverse);
+  if (!(max_component(value) > 0.0)) return false;
+  float camera_pdf = camera_pdf_area(v.surface.position - origin, cosine);
+  bool connects = wave.bounce == 1u || uses_technique(kTechniqueConnect); // to the light itself: `connect` holds that
+  float weight = 1.0 / (1.0 + nearer(weights, camera_pdf / bidirectional.light_paths, forward, connects));
+  c.contribution = light * value * (camera_pdf * filter_weight * weight);
+  if (is_finite(c.contribution) && !(max_component(c.contribution) > 0.0)) return false;
+
+  c.origin = origin;
+  c.slot = slot;
+  c.direction = offset_ray_origin(v.surface.position, v.surface.position_error, v.surface.geometric_normal, -to_point) - origin;
+  c.triangle = hit.triangle;
+  c.instance = hit.instance;
+  c.pixel = tile_order_of(pixel, frame.width, frame.height);
+  return true;
+}
+
+// Sends the light on: true if it goes on with `ray`.
+bool scatter(Vertex v, Sampler path_sampler, uint dimension, uint slot, inout PathState path, inout PathWeights weights,
+             out Ray ray) {
+  vec2 u = sample_2d(path_sampler, dimension + kDimensionDirection);
+  vec2 u_choice = sample_2d(path_sampler, dimension + kDimensionChoice);
+  vec3 local = to_local(v, v.wo);
+  BsdfSample s;
+  if (!bsdf_sample(v.bsdf, local, u_choice.x, u, s)) return false;
+  vec3 w = normalize(to_world(s.wi, v.tangent, v.bitangent, v.normal));
+  Vertex seen = seen_from(v, w);
+  float out_cosine = surface_cosine(v, w), in_cosine = surface_cosine(v, v.wo);
+  if (!(out_cosine > 0.0) || !sides_agree(seen, v.wo)) return false;
+
+  if (s.pdf < 0.0) { // flux is not scaled by refraction as radiance is
+    float bend = abs(local.z) / abs(s.wi.z);
+    path.throughput *= s.weight * (s.eta_scale * bend * out_cosine / in_cosine);
+    weights = scattered_delta(weights, out_cosine, bend / s.eta_scale);
+  } else {
+    float forward;
+    vec3 value = bsdf_eval(seen.bsdf, to_local(seen, w), to_local(seen, v.wo), forward);
+    path.throughput *= value * (out_cosine / (in_cosine * s.pdf));
+    weights = scattered(weights, out_cosine, s.pdf, forward, wave.bounce == 1u || uses_technique(kTechniqueConnect));
+  }
+  path.bsdf_pdf = 1.0;
+  float survival = sqrt(max_component(path.throughput)); // as in path/shade.comp
+  if (survival < 1.0 && wave.bounce > 2u) {
+    if (!(u_choice.y < survival)) return false;
+    path.throughput /= survival;
+  }
+  if (!(max_component(path.throughput) > 0.0)) return false;
+
+  if (has(kFeatureVolume) && s.transmitted && !v.bsdf.thin) path_media[slot] = medium_behind(v);
+  ray = Ray(offset_ray_origin(v.surface.position, v.surface.position_error, v.surface.geometric_normal, w), slot, w, kFar);
+  return true;
+}
+
+// Follows a light path to its next vertex. Returns which of the two rays it wants traced.
+void follow(Ray ray, Hit hit, inout PathState path, out bool wants_ray, out Ray next, out bool wants_splat, out Connection splat) {
+  wants_ray = wants_splat = false;
+  if (hit.triangle == kNone) return;
+  Surface surface = fetch_surface(hit);
+  Material material = fetch_material(surface.material);
+  float cosine = abs(dot(surface.geometric_normal, ray.direction));
+  if (!(cosine > 0.0) || (has(kFeatureEmission) && (material.flags & kMaterialUnlit) != 0u)) return;
+  vec3 offset = surface.position - ray.origin;
+  Vertex v = make_vertex(surface, material, ray.direction);
+  if (!v.front && is_single_sided(hit)) return; // no camera path sees this side
+  if (has(kFeatureVolume)) { // inside, whatever the path met before: a lamp may hang in the glass
+    uint medium = !v.front && !v.bsdf.thin ? surface.material : path_media[ray.slot];
+    path.throughput *= medium_transmittance(medium, length(offset));
+  }
+  float distance_squared = path.bsdf_pdf > 0.0 ? dot(offset, offset) : 1.0;
+  PathWeights weights = arrived(fetch_weights(ray.slot), distance_squared, cosine);
+
+  Sampler path_sampler = light_sampler(ray.slot);
+  uint dimension = bounce_dimension(wave.bounce);
+  if (bsdf_has_smooth(v.bsdf)) {
+    vec3 light = path.radiance * path.throughput / cosine;
+    if (uses_technique(kTechniqueSplat))
+      wants_splat = connect_to_camera(v, hit, ray.slot, sample_2d(path_sampler, dimension + kDimensionLight), light, weights, splat);
+    if (wave.bounce < frame.max_depth && uses_technique(kTechniqueConnect)) {
+      uint place = light_counts[ray.slot]++;
+      store_light_vertex(light_vertex_place(ray.slot, place),
+                         LightVertex(v.wo, wave.bounce, light, weights.connect, hit.triangle, hit.instance, hit.b1, hit.b2,
+                                     weights.others, 0u, 0u, 0u));
+    }
+  }
+  if (wave.bounce < frame.max_depth) {
+    wants_ray = scatter(v, path_sampler, dimension, ray.slot, path, weights, next);
+    store_weights(ray.slot, weights);
+  }
+}
+
+void shade(uint index, out bool wants_ray, out Ray next, out bool wants_splat, out Connection splat) {
+  Ray ray = fetch_ray((wave.bounce & 1u) * frame.slot_count + index);
+  PathState path = fetch_path(ray.slot);
+  follow(ray, fetch_hit(index), path, wants_ray, next, wants_splat, splat);
+  bool sound = is_finite(path.throughput) && (!wants_ray || (is_finite(next.origin) && is_finite(next.direction))) &&
+               (!wants_splat || is_finite(splat.contribution));
+  if (!sound) {
+    count_nonfinite(kMakerShade, ray.slot);
+    wants_ray = wants_splat = false;
+  }
+  store_path(ray.slot, path);
+}
+
+void main() {
+  uint index = gl_GlobalInvocationID.x;
+  bool wants_ray = false, wants_splat = false;
+  Ray next;
+  Connection splat;
+  if (index < queues.ray_count[wave.bounce & 1u]) shade(index, wants_ray, next, wants_splat, splat);
+
+  uint next_queue = (wave.bounce + 1u) & 1u;
+  uint place;
+  APPEND(queues.ray_count[next_queue], wants_ray, place);
+  if (wants_ray) store_ray(next_queue * frame.slot_count + place, next);
+  APPEND(connections.count, wants_splat, place);
+  if (wants_splat) store_connection(place, splat);
+}

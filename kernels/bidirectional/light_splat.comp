@@ -1,0 +1,41 @@
+// Traces the rays from the camera to vertices of light paths: the film gains their light unless they are blocked. Dispatched
+// for every band of the film; push constants `first_film_pixel` and `sample_count` say which pixels it holds.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+
+#define BIND_GEOMETRY
+#define BIND_SURFACES
+#define BIND_LIGHTS
+#define BIND_ENVIRONMENT
+#define BIND_COUNTERS
+#define BIND_CONNECTIONS
+#define BIND_SPLATS
+#include "kernels/bidirectional/bindings.glsl"
+#include "kernels/bidirectional/light_path.glsl"
+#include "kernels/bidirectional/records.glsl"
+#include "kernels/film/splat.glsl"
+#include "kernels/path/nonfinite.glsl"
+#define SHADOW_SEES_UNLIT true
+#include "kernels/shadow.glsl"
+
+#define ALPHA_TEST(hit) lets_light_through(hit)
+#define ANY_HIT
+#include "kernels/bvh.glsl"
+
+layout(local_size_x = kWorkgroupSize) in;
+
+void main() {
+  uint index = gl_GlobalInvocationID.x;
+  if (index >= connections.count) return;
+  Connection ray = fetch_connection(index);
+  uint pixel = ray.pixel - wave.first_film_pixel, band_pixels = wave.sample_count;
+  if (pixel >= band_pixels) return;
+  begin_shadow();
+  uint id = floatBitsToUint(texelFetch(triangles, int(ray.triangle * kTriangleTexels + 1u)).w);
+  if (trace(ray.origin, ray.direction, 1.0, id, ray.instance).triangle != kNone) return;
+  vec3 light = ray.contribution * light_passed();
+  if (max_component(light) < kLargestSplat)
+    splat(pixel * kReplicates + slot_sample(ray.slot) % kReplicates, light);
+  else
+    count_nonfinite(kMakerConnect, ray.slot);
+}

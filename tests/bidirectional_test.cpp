@@ -1,0 +1,378 @@
+// Bidirectional path tracing: every technique alone and every set of them finds the light that path tracing finds, and
+// also what that cannot find; nothing depends on how the work is cut up.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "host/film/error.h"
+#include "host/film/film.h"
+#include "host/integrators/bidirectional/kind.h"
+#include "host/integrators/path/kind.h"
+#include "host/render/device/kernel_compiler.h"
+#include "host/render/device/workspace.h"
+#include "host/render/render.h"
+#include "host/scene/gltf/gltf.h"
+#include "host/scene/pack/pack.h"
+#include "host/scene/view.h"
+#include "tests/scene_builder.h"
+#include "tests/vulkan_device.h"
+
+namespace wavepath::test {
+namespace {
+
+constexpr std::uint32_t kHit = gpu::kTechniqueHit, kLight = gpu::kTechniqueLight, kConnect = gpu::kTechniqueConnect,
+                        kSplat = gpu::kTechniqueSplat;
+const std::string kScenes = std::string(WAVEPATH_SOURCE_DIR) + "/scenes/";
+
+std::vector<glm::vec3> quad(glm::vec3 a, glm::vec3 b, glm::vec3 c, glm::vec3 d) { return {a, b, c, a, c, d}; }
+
+// A camera at `eye` that looks at the origin, +Y up.
+Camera camera_at(const glm::dvec3& eye, bool orthographic = false) {
+  Camera camera;
+  const glm::dvec3 back = glm::normalize(eye), right = glm::normalize(glm::cross(glm::dvec3(0, 1, 0), back));
+  camera.world_from_camera =
+      glm::dmat4(glm::dvec4(right, 0), glm::dvec4(glm::cross(back, right), 0), glm::dvec4(back, 0), glm::dvec4(eye, 1));
+  camera.orthographic = orthographic;
+  camera.xmag = 1.2, camera.ymag = 0.8;
+  return camera;
+}
+
+// A floor, a wall and a glossy metal plate that leans between them; without lights.
+Scene corner(bool orthographic = false) {
+  Scene scene;
+  scene.path = "test";
+  scene.materials.push_back(plain_material());
+  Material gloss = plain_material();
+  gloss.metallic = 1.0f, gloss.roughness = 0.5f;
+  gloss.base_color = {0.9f, 0.7f, 0.4f, 1.0f};
+  scene.materials.push_back(gloss);
+  add_instance(scene, add_mesh(scene, quad({-2, -0.5f, 2}, {2, -0.5f, 2}, {2, -0.5f, -1}, {-2, -0.5f, -1})));
+  add_instance(scene, add_mesh(scene, quad({-2, -0.5f, -1}, {2, -0.5f, -1}, {2, 2, -1}, {-2, 2, -1})));
+  add_instance(
+      scene,
+      add_mesh(scene, quad({-0.6f, -0.5f, 0.2f}, {0.4f, -0.5f, 0.4f}, {0.4f, 0.3f, -0.2f}, {-0.6f, 0.3f, -0.4f}), 1));
+  scene.cameras.push_back(camera_at({0.4, 0.8, 3.5}, orthographic));
+  return scene;
+}
+
+void add_lamp(Scene& scene, LightKind kind) {
+  PunctualLight light;
+  light.kind = kind;
+  light.intensity = kind == LightKind::directional ? glm::vec3(2.0f, 1.5f, 1.0f) : glm::vec3(4.0f, 3.0f, 2.0f);
+  light.position = {0.8, 1.5, 1.0};
+  light.direction = glm::normalize(glm::dvec3(-0.4, -1.0, -0.5));
+  light.outer_cone = 0.9;
+  scene.lights.push_back(light);
+}
+
+void add_shining_quad(Scene& scene, float size = 1.0f) {
+  Material shining = plain_material();
+  shining.emission = {6.0f, 5.0f, 4.0f};
+  scene.materials.push_back(shining);
+  add_instance(scene, add_mesh(scene,
+                               quad({-0.4f * size, 1.4f, 0.2f}, {0.3f * size, 1.4f, 0.2f},
+                                    {0.3f * size, 1.6f, 0.8f * size}, {-0.4f * size, 1.6f, 0.8f * size}),
+                               static_cast<std::uint32_t>(scene.materials.size() - 1)));
+}
+
+void add_box(Scene& scene, glm::vec3 lo, glm::vec3 hi, std::uint32_t material) {
+  std::vector<glm::vec3> all;
+  for (int axis = 0; axis < 3; ++axis)
+    for (const bool upper : {false, true}) {
+      const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+      glm::vec3 corners[4];
+      for (int i = 0; i < 4; ++i) {
+        corners[i][axis] = upper ? hi[axis] : lo[axis];
+        corners[i][u] = (i == 1 || i == 2) == upper ? hi[u] : lo[u]; // counter-clockwise from outside
+        corners[i][v] = i >= 2 ? hi[v] : lo[v];
+      }
+      for (const glm::vec3& p : quad(corners[0], corners[1], corners[2], corners[3])) all.push_back(p);
+    }
+  add_instance(scene, add_mesh(scene, all, material));
+}
+
+void add_sky(Scene& scene) {
+  Environment& sky = scene.environment;
+  sky.radiance = glm::vec3(1.0f);
+  sky.width = 16, sky.height = 8;
+  for (std::uint32_t i = 0; i < sky.width * sky.height; ++i) {
+    const float across = static_cast<float>(i % sky.width) / 16.0f, down = static_cast<float>(i / sky.width) / 8.0f;
+    sky.map.emplace_back(1.5f - down, 1.0f, 0.3f + across * across + (down < 0.3f ? 1.0f : 0.0f));
+  }
+  sky.rotation = 0.7;
+}
+
+struct Subject {
+  PackedScene packed;
+  View view;
+
+  Subject(Scene scene, const RenderSettings& settings)
+      : packed(pack(scene)), view(resolve_view(scene, {}, settings.width, settings.height)) {}
+};
+
+// Mean luminance of the picture and of six parts of it, over independent renders, and the variance of that mean.
+constexpr std::size_t kParts = 7;
+struct Average {
+  std::array<double, kParts> mean{}, variance{};
+};
+
+std::array<double, kParts> parts_of(const Picture& picture) {
+  std::array<double, kParts> parts{};
+  for (std::uint32_t i = 0; i < picture.width * picture.height; ++i) {
+    const std::uint32_t x = i % picture.width * 3 / picture.width, y = i / picture.width * 2 / picture.height;
+    const double value =
+        (picture.channels[0].values[i] + picture.channels[1].values[i] + picture.channels[2].values[i]) /
+        (picture.width * picture.height);
+    parts[0] += value;
+    parts[1 + 3 * y + x] += 6.0 * value;
+  }
+  return parts;
+}
+
+class BidirectionalTest : public VulkanTest {
+protected:
+  static RenderSettings settings(std::uint32_t spp, std::uint32_t depth,
+                                 std::uint32_t techniques = gpu::kTechniquesAll) {
+    RenderSettings settings;
+    settings.width = 18, settings.height = 12;
+    settings.last_sample = spp;
+    settings.max_depth = depth;
+    settings.integrator = &kBidirectional;
+    settings.techniques = techniques;
+    return settings;
+  }
+  static RenderSettings path_settings(std::uint32_t spp, std::uint32_t depth) {
+    RenderSettings plain = settings(spp, depth);
+    plain.integrator = &kPath;
+    return plain;
+  }
+  RenderResult render(const Subject& subject, const RenderSettings& settings) {
+    static KernelCompiler kernels(device()); // compiles each of them once
+    RenderResult result = wavepath::render(device(), subject.packed, subject.view, settings, RenderHooks{}, kernels);
+    EXPECT_EQ(result.nonfinite.samples(), 0u);
+    return result;
+  }
+  Average average(const Subject& subject, RenderSettings settings) {
+    constexpr std::uint32_t kRenders = 8;
+    Average result;
+    for (settings.seed = 1; settings.seed <= kRenders; ++settings.seed) {
+      const auto parts = parts_of(render(subject, settings).picture);
+      for (std::size_t i = 0; i < kParts; ++i)
+        result.mean[i] += parts[i] / kRenders, result.variance[i] += parts[i] * parts[i] / kRenders;
+    }
+    for (std::size_t i = 0; i < kParts; ++i)
+      result.variance[i] = std::max(result.variance[i] - result.mean[i] * result.mean[i], 0.0) / (kRenders - 1);
+    return result;
+  }
+  // By t-tests of 14 degrees of freedom at most, which chance alone fails once in 3,000.
+  static void expect_same_mean(const Average& a, const Average& b, double noise = 0.05) {
+    for (std::size_t i = 0; i < kParts; ++i) {
+      const double error = std::sqrt(a.variance[i] + b.variance[i]);
+      EXPECT_NEAR(a.mean[i], b.mean[i], 4.6 * error + 1e-5 * b.mean[i]) << "part " << i << ", error " << error;
+      EXPECT_LT(error, noise * b.mean[i]) << "part " << i << ": too much noise to tell";
+    }
+  }
+  // Each set of techniques gives what path tracing gives.
+  void expect_path_light(Scene scene, std::uint32_t depth, const std::vector<std::uint32_t>& sets,
+                         std::uint32_t spp = 32) {
+    const RenderSettings path = path_settings(4 * spp, depth);
+    const Subject subject(std::move(scene), path);
+    const Average expected = average(subject, path);
+    for (const std::uint32_t techniques : sets) {
+      SCOPED_TRACE(techniques);
+      expect_same_mean(average(subject, settings(spp, depth, techniques)), expected);
+    }
+  }
+};
+
+TEST_F(BidirectionalTest, FindsTheLightOfTheCornellBoxInEveryWay) {
+  expect_path_light(
+      load_gltf(kScenes + "cornell_box.gltf", {}), 4,
+      {gpu::kTechniquesAll, kHit | kLight, kHit | kSplat, kHit | kConnect | kLight, kHit | kConnect | kSplat});
+}
+
+// What none but its own technique can find: the others are left out one by one.
+TEST_F(BidirectionalTest, FindsTheLightOfAQuad) {
+  Scene scene = corner();
+  add_shining_quad(scene, 2.5f);
+  expect_path_light(std::move(scene), 3, {gpu::kTechniquesAll, kHit, kHit | kLight | kSplat, kHit | kConnect | kSplat});
+}
+
+TEST_F(BidirectionalTest, FindsTheLightOfLamps) {
+  for (const LightKind kind : {LightKind::point, LightKind::spot, LightKind::directional}) {
+    SCOPED_TRACE(static_cast<int>(kind));
+    Scene scene = corner();
+    add_lamp(scene, kind);
+    expect_path_light(std::move(scene), 3, {gpu::kTechniquesAll, kSplat, kLight, kLight | kConnect});
+  }
+}
+
+TEST_F(BidirectionalTest, FindsTheLightOfASky) {
+  Scene scene = corner();
+  add_sky(scene);
+  expect_path_light(std::move(scene), 3, {gpu::kTechniquesAll, kHit | kSplat, kHit | kLight | kConnect}, 64);
+}
+
+TEST_F(BidirectionalTest, FindsTheLightOfManyLightsAtOnce) {
+  Scene scene = corner();
+  add_sky(scene);
+  add_shining_quad(scene);
+  add_lamp(scene, LightKind::spot);
+  expect_path_light(std::move(scene), 4, {gpu::kTechniquesAll, kHit | kLight | kSplat}, 64);
+}
+
+TEST_F(BidirectionalTest, AnOrthographicCameraSeesTheSameLight) {
+  Scene scene = corner(true);
+  add_shining_quad(scene, 2.5f);
+  expect_path_light(std::move(scene), 3, {gpu::kTechniquesAll, kHit | kSplat, kHit | kConnect | kLight});
+}
+
+// Single-sided surfaces let camera rays pass from behind; light passes them the other way.
+TEST_F(BidirectionalTest, LightPassesWhatTheCameraSeesThrough) {
+  Scene scene = corner();
+  add_lamp(scene, LightKind::point);
+  Material sheet = plain_material();
+  sheet.double_sided = false;
+  scene.materials.push_back(sheet);
+  const auto material = static_cast<std::uint32_t>(scene.materials.size() - 1);
+  // Its front faces the lamp: seen from below it is not there.
+  add_instance(scene,
+               add_mesh(scene, quad({-1, 0.6f, 1}, {1, 0.6f, 1}, {1, 0.6f, -0.5f}, {-1, 0.6f, -0.5f}), material));
+  expect_path_light(std::move(scene), 3, {gpu::kTechniquesAll, kSplat, kLight | kConnect}, 64);
+}
+
+// Clear glass: of the light behind it path tracing finds that of the quad alone.
+TEST_F(BidirectionalTest, FindsTheLightBehindGlass) {
+  Scene scene = corner();
+  add_shining_quad(scene, 2.5f);
+  Material glass = plain_material();
+  glass.transmission = 1.0f, glass.specular = 1.0f, glass.roughness = 0.0f;
+  glass.base_color = glm::vec4(1.0f);
+  glass.volume = true;
+  glass.attenuation = {0.5f, 0.1f, 1.0f};
+  scene.materials.push_back(glass);
+  const auto material = static_cast<std::uint32_t>(scene.materials.size() - 1);
+  add_box(scene, {-1, 0.5f, -0.5f}, {1, 0.7f, 1}, material);
+  expect_path_light(std::move(scene), 4, {gpu::kTechniquesAll, kHit | kSplat}, 64);
+}
+
+// A sun above a pane over a floor: paths from the camera cannot find it. At normal incidence each face lets 1 - ((n -
+// 1) / (n + 1))^2 pass, and in three bounces there is no other way.
+TEST_F(BidirectionalTest, SunThroughAPaneHasItsExactValue) {
+  Scene scene;
+  scene.path = "test";
+  scene.materials.push_back(plain_material());
+  Material glass = plain_material();
+  glass.transmission = 1.0f, glass.specular = 1.0f, glass.roughness = 0.0f;
+  glass.base_color = glm::vec4(1.0f);
+  glass.volume = true;
+  scene.materials.push_back(glass);
+  add_instance(scene, add_mesh(scene, quad({-0.6f, 0, 0.6f}, {0.6f, 0, 0.6f}, {0.6f, 0, -0.6f}, {-0.6f, 0, -0.6f})));
+  add_box(scene, {-0.8f, 1.1f, -0.8f}, {0.8f, 1.2f, 0.8f}, 1);
+  PunctualLight sun;
+  sun.kind = LightKind::directional;
+  sun.intensity = glm::vec3(3.0f, 2.0f, 1.0f);
+  sun.direction = {0.0, -1.0, 0.0};
+  scene.lights.push_back(sun);
+  scene.cameras.push_back(camera_at({0.0, 0.8, 0.6}));
+  scene.cameras.back().yfov = 0.4;
+  const RenderSettings all = settings(64, 3);
+  const Subject subject(std::move(scene), all);
+  const Average found = average(subject, all);
+  const double expected = 2.0 * 0.5 / std::numbers::pi * std::pow(1.0 - 0.2 * 0.2, 2.0); // R, G and B on average
+  EXPECT_NEAR(found.mean[0], 3.0 * expected, 4.6 * std::sqrt(found.variance[0]) + 1e-4 * expected);
+  EXPECT_LT(std::sqrt(found.variance[0]), 0.01 * expected);
+  const RenderResult path = render(subject, path_settings(16, 3));
+  for (const float value : path.picture.channels[0].values) EXPECT_EQ(value, 0.0f);
+}
+
+TEST_F(BidirectionalTest, EveryFilterGivesTheSameLight) {
+  for (const std::uint32_t filter : {gpu::kFilterBox, gpu::kFilterGaussian}) {
+    SCOPED_TRACE(filter);
+    Scene scene = corner();
+    add_lamp(scene, LightKind::point);
+    RenderSettings path = path_settings(128, 2), splats = settings(64, 2, kSplat);
+    path.filter = splats.filter = filter;
+    const Subject subject(std::move(scene), path);
+    expect_same_mean(average(subject, splats), average(subject, path));
+  }
+}
+
+TEST_F(BidirectionalTest, HowTheWorkIsCutUpDoesNotMatter) {
+  RenderSettings whole = settings(3, 5);
+  whole.aovs = {"albedo", "normal", "depth", "emission"};
+  Scene showcase = load_gltf(kScenes + "showcase.glb", {});
+  add_sky(showcase);
+  const Subject subject(std::move(showcase), whole);
+  const RenderResult expected = render(subject, whole);
+  ASSERT_FALSE(expected.film->splats.empty());
+  for (const std::uint32_t slots : {64u, 700u}) {
+    RenderSettings cut = whole;
+    cut.wave_slots = slots;
+    EXPECT_TRUE(*render(subject, cut).film == *expected.film) << slots << " slots";
+  }
+  RenderSettings generic = whole;
+  generic.specialize = false;
+  EXPECT_TRUE(*render(subject, generic).film == *expected.film) << "generic kernels";
+}
+
+// Halves of the samples, joined, are the whole: the light that paths of one bring to pixels of the other included.
+TEST_F(BidirectionalTest, FilmsJoinWithoutLoss) {
+  RenderSettings whole = settings(6, 3);
+  const Subject subject(load_gltf(kScenes + "cornell_box.gltf", {}), whole);
+  RenderSettings first = whole, second = whole;
+  first.last_sample = second.first_sample = 3;
+  first.sample_total = second.sample_total = 6;
+  Film film = *render(subject, second).film;
+  join(film, *render(subject, first).film);
+  EXPECT_TRUE(film == *render(subject, whole).film);
+}
+
+// The error is estimated from two replicates, of which each has the light of its own light paths.
+TEST_F(BidirectionalTest, TheEstimatedErrorCoversTheTrueOne) {
+  Scene scene = corner();
+  add_lamp(scene, LightKind::spot);
+  const RenderSettings path = path_settings(4096, 3);
+  const Subject subject(std::move(scene), path);
+  const Picture reference = render(subject, path).picture;
+  int covered = 0;
+  constexpr int kRenders = 16;
+  for (int i = 0; i < kRenders; ++i) {
+    RenderSettings splats = settings(32, 3, kSplat);
+    splats.seed = static_cast<std::uint32_t>(100 + i);
+    const RenderResult result = render(subject, splats);
+    double sum = 0.0;
+    const std::size_t n = result.picture.channels[0].values.size();
+    for (std::size_t k = 0; k < 3 * n; ++k) {
+      const double r = reference.channels[k / n].values[k % n], d = result.picture.channels[k / n].values[k % n] - r;
+      sum += d * d / (r * r + 0.01);
+    }
+    const double error = std::sqrt(sum / (3.0 * static_cast<double>(n)));
+    covered += result.error.ci95[0] <= error && error <= result.error.ci95[1];
+  }
+  EXPECT_GE(covered, 12) << "of " << kRenders;
+}
+
+// Nothing of light paths exists where they are not asked for, and what is asked for fits into an eighth of the device's
+// memory.
+TEST_F(BidirectionalTest, LightVerticesAreCounted) {
+  RenderSettings deep = settings(4, 9), shallow = settings(4, 1);
+  const std::uint64_t vertices = kBidirectional.bytes_per_slot(0, deep) - kBidirectional.bytes_per_slot(0, shallow);
+  EXPECT_EQ(vertices, 8 * sizeof(gpu::LightVertex));
+  EXPECT_LE(sizeof(gpu::LightVertex), 64u);
+  deep.width = 4096, deep.height = 4096;
+  const Subject subject(corner(), deep);
+  DeviceInfo small = device().info();
+  small.memory_bytes = std::uint64_t{64} << 20;
+  const std::uint64_t slots = choose_slots(small, subject.packed, deep);
+  EXPECT_LE(slots * kBidirectional.bytes_per_slot(subject.packed.features, deep), small.memory_bytes / 8);
+  EXPECT_TRUE(render(Subject(corner(), shallow), path_settings(1, 1)).film->splats.empty());
+}
+
+} // namespace
+} // namespace wavepath::test
