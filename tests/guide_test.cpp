@@ -168,8 +168,8 @@ TEST_F(GuideProbe, SamplesFollowTheDensity) {
   }
 }
 
-// Two chambers, a slit between them; the lamp shines away from the one with the camera.
-std::string slit_room() {
+// Two chambers, a hatch between them of a fiftieth of the wall; the lamp shines away from the one with the camera.
+std::string hatch_room() {
   GltfBuilder builder;
   const auto material = [&](std::vector<double> color, double emission) {
     nlohmann::json json = {{"doubleSided", emission == 0.0},
@@ -191,7 +191,8 @@ std::string slit_room() {
   add(walls, corner, x, z), add(walls, corner + y, x, z);
   add(walls, corner, x, y), add(walls, corner + z, x, y);
   add(walls, corner, y, z), add(walls, corner + x, y, z);
-  for (const float side : {-1.0f, 0.08f}) add(walls, {2.2f, 0.0f, side}, y, {0, 0, 0.92f});
+  for (const float side : {-1.0f, 0.15f}) add(walls, {2.2f, 0.0f, side}, y, {0, 0, 0.85f});
+  for (const float end : {0.0f, 1.15f}) add(walls, {2.2f, end, -0.15f}, {0, 0.85f, 0}, {0, 0, 0.3f});
   add(light, {2.25f, 0.8f, 0.3f}, {0, 0.4f, 0}, {0, 0, 0.4f}); // faces +x
   builder.mesh_node({{"POSITION", builder.floats("VEC3", walls)}}, {{"material", white}});
   builder.mesh_node({{"POSITION", builder.floats("VEC3", light)}}, {{"material", lamp}});
@@ -210,7 +211,7 @@ protected:
   }
   void SetUp() override {
     VulkanTest::SetUp();
-    Scene scene = load_gltf(folder_.write("slit.gltf", slit_room()).string(), {});
+    Scene scene = load_gltf(folder_.write("hatch.gltf", hatch_room()).string(), {});
     const ViewRequest view{.eye = glm::dvec3(0.1, 1.0, 0.6), .look_at = glm::dvec3(2.2, 0.9, -0.5), .yfov = 1.2};
     view_ = resolve_view(scene, view, 32, 24);
     packed_ = pack(scene);
@@ -306,8 +307,8 @@ TEST_F(GuideTest, ResumedAndMergedPicturesAreThoseOfTheWhole) {
     EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
   };
   const auto render_as = [&](const std::string& output, std::vector<std::string> flags) {
-    std::vector<std::string> all{"render",      "slit.gltf", "--guide",      "--size", "32x24", "--spp", "12", "--eye",
-                                 "0.1,1.0,0.6", "--look-at", "2.2,0.9,-0.5", "--yfov", "69",    "-q",    "-o", output};
+    std::vector<std::string> all{"render",      "hatch.gltf", "--guide",      "--size", "32x24", "--spp", "12", "--eye",
+                                 "0.1,1.0,0.6", "--look-at",  "2.2,0.9,-0.5", "--yfov", "69",    "-q",    "-o", output};
     all.insert(all.end(), flags.begin(), flags.end());
     wavepath(all);
   };

@@ -7,14 +7,15 @@
 #include <string>
 #include <vector>
 
-#include <glm/gtc/matrix_transform.hpp>
 #include <gtest/gtest.h>
+#include <glm/gtc/matrix_transform.hpp>
 
 #include "host/film/film.h"
 #include "host/integrators/hybrid/kind.h"
 #include "host/integrators/path/kind.h"
 #include "host/integrators/path/light_rows.h"
 #include "host/render/device/kernel_compiler.h"
+#include "host/render/loop/render_state.h"
 #include "host/render/render.h"
 #include "host/scene/gltf/gltf.h"
 #include "host/scene/pack/lights.h"
@@ -58,7 +59,8 @@ Scene two_rooms(int lamps, bool distant_lights) {
   for (int i = 0; i < lamps; ++i) {
     const glm::dvec3 place(-3.8 + 7.6 * unit(random), -0.6 + 1.5 * unit(random), -1.8 + 3.5 * unit(random));
     const double size = 0.02 + 0.1 * unit(random) * unit(random);
-    const glm::dmat4 turn = glm::rotate(glm::translate(glm::dmat4(1.0), place), 3.0 * unit(random), glm::dvec3(1, 2, 3));
+    const glm::dmat4 turn =
+        glm::rotate(glm::translate(glm::dmat4(1.0), place), 3.0 * unit(random), glm::dvec3(1, 2, 3));
     add_instance(scene, lamp, glm::scale(turn, glm::dvec3(i % 3 == 0 ? -size : size, size, 2.0 * size)));
   }
   for (int i = 0; i < 6; ++i) {
@@ -170,14 +172,17 @@ TEST_F(LightSelection, AllGiveTheSamePicture) {
 }
 
 TEST_F(LightSelection, HybridPicksByTheTree) {
-  RenderSettings power = settings(gpu::kLightsPower, gpu::kDirectMis, 64), tree = settings(gpu::kLightsAuto, gpu::kDirectMis, 64);
+  RenderSettings power = settings(gpu::kLightsPower, gpu::kDirectMis, 64),
+                 tree = settings(gpu::kLightsAuto, gpu::kDirectMis, 64);
   power.integrator = tree.integrator = &kHybrid;
   power.max_depth = tree.max_depth = 1;
-  expect_same_mean(average(subject(two_rooms(40, true), power), power), average(subject(two_rooms(40, true), tree), tree));
+  expect_same_mean(average(subject(two_rooms(40, true), power), power),
+                   average(subject(two_rooms(40, true), tree), tree));
 }
 
 TEST_F(LightSelection, LessNoiseThanByPower) {
-  const RenderSettings power = settings(gpu::kLightsPower, gpu::kDirectMis), tree = settings(gpu::kLightsTree, gpu::kDirectMis),
+  const RenderSettings power = settings(gpu::kLightsPower, gpu::kDirectMis),
+                       tree = settings(gpu::kLightsTree, gpu::kDirectMis),
                        learned = settings(gpu::kLightsAuto, gpu::kDirectMis);
   const auto noise = [&](const RenderSettings& s) {
     double sum = 0.0;
@@ -251,7 +256,8 @@ TEST_F(LightSelection, LightsInFewPlacesNeedNoTree) {
   scene.lights.clear();
   const std::uint32_t lamp = add_mesh(scene, quad({-0.5f, 0, -0.5f}, {1, 0, 0}, {0, 0, 1}), 1);
   for (int i = 0; i < 50; ++i)
-    add_instance(scene, lamp, glm::scale(glm::translate(glm::dmat4(1.0), glm::dvec3(1.0 + 0.004 * i, 0.5, 0)), glm::dvec3(0.003)));
+    add_instance(scene, lamp,
+                 glm::scale(glm::translate(glm::dmat4(1.0), glm::dvec3(1.0 + 0.004 * i, 0.5, 0)), glm::dvec3(0.003)));
   const PackedScene one_place = pack(scene);
   EXPECT_EQ(one_place.local_light_count, 100u);
   EXPECT_LT(one_place.light_places, 3.0);
@@ -270,10 +276,10 @@ TEST_F(LightSelection, LearnsSharesFromSums) {
   const auto word = [&](std::uint32_t row, std::uint32_t column, std::uint32_t i) -> std::uint32_t& {
     return sums[4 * (row * gpu::kLightColumns + column) + i];
   };
-  word(kRow, 2, 0) = 400, word(kRow, 2, 2) = 100;  // half of them visible: root of 400 * 100
-  word(kRow, 5, 0) = 1000;                         // hidden
-  word(kRow, 6, 1) = 1, word(kRow, 6, 3) = 1;      // beyond 32 bits
-  word(kRow, gpu::kTreeColumn, 0) = 1000000;       // picks: many enough to count alone
+  word(kRow, 2, 0) = 400, word(kRow, 2, 2) = 100; // half of them visible: root of 400 * 100
+  word(kRow, 5, 0) = 1000;                        // hidden
+  word(kRow, 6, 1) = 1, word(kRow, 6, 3) = 1;     // beyond 32 bits
+  word(kRow, gpu::kTreeColumn, 0) = 1000000;      // picks: many enough to count alone
   word(kRow, gpu::kTreeColumn, 1) = kAround + 1;
   const LightLesson lesson = learn_light_rows(packed, sums);
   const std::vector<std::uint32_t> before = unlearned_light_rows(packed);

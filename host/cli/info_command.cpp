@@ -9,6 +9,7 @@
 #include "host/cli/scene_flags.h"
 #include "host/gpu/device.h"
 #include "host/render/report/stats.h"
+#include "host/render/settings/integrator_kind.h"
 #include "host/scene/pack/plan.h"
 
 namespace wavepath {
@@ -66,6 +67,13 @@ int run_devices(const Request& request) {
   return kExitDone;
 }
 
+// What --guide takes besides, whatever the scene.
+std::uint64_t guide_bytes() {
+  RenderSettings guided;
+  guided.guide = true;
+  return guided.integrator->extra_bytes ? guided.integrator->extra_bytes(guided) : 0;
+}
+
 // What info tells of a scene, in the order in which it is printed.
 Json describe(const std::string& path, const Scene& scene, const Plan& planned, const PackedScene& packed) {
   Json cameras = Json::array(), left_out = Json::array(), warnings = Json::array();
@@ -100,6 +108,7 @@ Json describe(const std::string& path, const Scene& scene, const Plan& planned, 
             {"lights", planned.light_bytes},
             {"light tree", planned.light_tree_bytes},
             {"total", planned.total()}}},
+          {"guide_bytes", guide_bytes()},
           {"left_out", left_out},
           {"warnings", warnings}};
 }
@@ -128,6 +137,7 @@ void print_scene(const Json& about, const std::vector<std::string>& extensions) 
   fmt::print("  planned     {} on the device\n", to_size_text(number(bytes["total"])));
   for (const auto& [what, count] : bytes.items())
     if (what != "total" && number(count) > 0) fmt::print("    {:<12}{}\n", what, to_size_text(number(count)));
+  fmt::print("  --guide     {} more at most\n", to_size_text(number(about["guide_bytes"])));
   fmt::print("  left out{}\n", about["left_out"].empty() ? "    nothing" : "");
   for (const Json& entry : about["left_out"])
     fmt::print("    {}: {}{}\n", entry["what"].get<std::string>(), entry["why"].get<std::string>(),

@@ -250,13 +250,22 @@ RenderResult render_prepared(const Request& request, Prepared& prepared, const s
   return render_shown(request, *prepared.device, prepared.packed, prepared.view, *prepared.kernels, hooks);
 }
 
+bool reports_bias(const Request& request) {
+  return !request.output.stats.empty() || request.output.json || request.output.verbose;
+}
+
 // What the depth costs, where a report tells it. Of integrators whose paths it cuts.
 std::optional<DepthCut> depth_cut(const Request& request, Prepared& prepared, const RenderResult& result) {
   const RenderSettings& settings = request.render.settings;
-  const bool reported = !request.output.stats.empty() || request.output.json || request.output.verbose;
-  if (!reported || !settings.integrator->measures_depth_cut || result.stop == StopReason::interrupted)
+  if (!reports_bias(request) || !settings.integrator->measures_depth_cut || result.stop == StopReason::interrupted)
     return std::nullopt;
   return measure_depth_cut(*prepared.device, prepared.packed, prepared.view, settings, *prepared.kernels);
+}
+
+std::optional<LostLight> lost_light(const Request& request, Prepared& prepared, const RenderResult& result) {
+  if (!reports_bias(request) || result.stop == StopReason::interrupted) return std::nullopt;
+  return measure_lost_light(*prepared.device, prepared.packed, prepared.view, request.render.settings,
+                            *prepared.kernels);
 }
 
 // Writes the pictures, reports what the run measured, and returns the exit code. Throws Error.
@@ -296,7 +305,7 @@ int run_render(Request& request) {
   const RenderResult result = render_prepared(request, prepared, reference, true_errors);
   Run run{request.scene.path, request.command_line, prepared.device->info(), settings, prepared.packed, result};
   if (!choice.trials.empty()) run.choice = &choice;
-  run.bias = list_bias(settings, result, depth_cut(request, prepared, result));
+  run.bias = list_bias(settings, result, depth_cut(request, prepared, result), lost_light(request, prepared, result));
   run.true_errors = align(std::move(true_errors), result.checkpoints.size());
   run.diagnosis = diagnose(result, run.true_errors, run.bias);
   if (request.render.mergeable && !result.even)

@@ -60,11 +60,16 @@ void print_details(const Run& run) {
 } // namespace
 
 std::vector<std::string> list_bias(const RenderSettings& settings, const RenderResult& result,
-                                   const std::optional<DepthCut>& cut) {
+                                   const std::optional<DepthCut>& cut, const std::optional<LostLight>& lost) {
   std::vector<std::string> bias = settings.integrator->bias(settings, result);
   if (cut)
     bias.front() += fmt::format(": {:.2g} % +- {:.1g} % of the light is missing, measured to {} bounces",
                                 100.0 * cut->share, 100.0 * cut->standard_error, cut->deeper);
+  if (lost)
+    bias.push_back(
+        fmt::format("light of lamps and suns through smooth glass and off mirrors is missing: {:.2g} % +- {:.1g} "
+                    "% of all light; --integrator bidirectional finds it",
+                    100.0 * lost->share, 100.0 * lost->standard_error));
   if (result.nonfinite.first)
     bias.push_back(fmt::format("{} samples that were not finite are left out", result.nonfinite.samples()));
   return bias;

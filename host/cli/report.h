@@ -8,14 +8,15 @@
 #include "host/base/warnings.h"
 #include "host/cli/render_flags.h"
 #include "host/render/depth_cut.h"
+#include "host/render/lost_light.h"
 #include "host/render/report/stats.h"
 
 namespace wavepath {
 
 // Every reason why the expected picture is not the full light transport, a sentence each.
-// `cut`: what the depth costs, if that was measured.
+// `cut`: what the depth costs, `lost`: what paths from the camera cannot find, if those were measured.
 std::vector<std::string> list_bias(const RenderSettings& settings, const RenderResult& result,
-                                   const std::optional<DepthCut>& cut);
+                                   const std::optional<DepthCut>& cut, const std::optional<LostLight>& lost);
 
 // The first sample that was not finite and how to replay it. There must be one.
 std::string describe_first(const Nonfinite& nonfinite, const RenderSettings& settings);

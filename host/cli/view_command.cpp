@@ -100,7 +100,7 @@ public:
     window.target_error = request_.render.settings.target_error;
     window.frames = request_.frames;
     window.screenshot = request_.screenshot;
-    window.notes = [this](const RenderSettings& settings) { return list_bias(settings, so_far(), {}); };
+    window.notes = [this](const RenderSettings& settings) { return list_bias(settings, so_far(), {}, {}); };
     window.save = [this](const std::string& path, const DisplayOptions& display) { save(path, display); };
     window.set_environment = [this](const EnvironmentChoice& choice) { set_environment(choice); };
     const int code = run_window(*open_.device, *progressive_, window);
@@ -147,7 +147,7 @@ private:
     info.scene = request_.scene.path;
     info.command = request_.command_line;
     info.filter = kFilterNames[settings.filter];
-    info.bias = fmt::format("{}", fmt::join(list_bias(settings, so_far(), {}), "; "));
+    info.bias = fmt::format("{}", fmt::join(list_bias(settings, so_far(), {}, {}), "; "));
     info.view = progressive_->view();
     write_picture(path, progressive_->picture(), info, {.exposure = display.exposure, .tonemap = display.tonemap});
   }

@@ -1,21 +1,15 @@
 #include "host/render/depth_cut.h"
 
-#include <algorithm>
 #include <cmath>
+
+#include "host/render/small_picture.h"
 
 namespace wavepath {
 
 DepthCut measure_depth_cut(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings,
                            KernelCompiler& kernels) {
   constexpr std::uint32_t kLongestSide = 64, kSamples = 16;
-  RenderSettings small = settings;
-  const std::uint32_t longest = std::max(settings.width, settings.height);
-  small.width = std::max(1u, settings.width * std::min(kLongestSide, longest) / longest);
-  small.height = std::max(1u, settings.height * std::min(kLongestSide, longest) / longest);
-  small.first_sample = 0, small.last_sample = kSamples, small.sample_total = 0;
-  small.time_limit = small.target_error = 0.0;
-  small.guide = false;    // the pilot would take longer
-  small.adaptive = false; // pilots of two depths choose other levels, and the paths would no longer be the same
+  RenderSettings small = small_picture(settings, kLongestSide, kSamples);
   const Picture cut = render(device, scene, view, small, RenderHooks{}, kernels).picture;
   small.max_depth = settings.max_depth * 4 + 16;
   const Picture deep = render(device, scene, view, small, RenderHooks{}, kernels).picture;

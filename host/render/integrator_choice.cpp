@@ -6,15 +6,18 @@
 #include <fmt/format.h>
 
 #include "host/base/clock.h"
-#include "host/film/film.h"
 #include "host/gpu/device.h"
+#include "host/render/lost_light.h"
 #include "host/render/settings/settings_table.h"
+#include "host/render/small_picture.h"
 #include "host/scene/view.h"
 
 namespace wavepath {
 namespace {
 
-constexpr std::uint32_t kLongestSide = 48, kSamples = 16; // of a pilot
+constexpr std::uint32_t kLongestSide = 64, kSamples = 16; // of a pilot
+// Error of the first trial below which nothing else is tried: a scene that is easy pays for no other kernels.
+constexpr double kEasy = 0.2;
 constexpr double kWholeOverPilots = 20.0;
 // A trial that lacks more light than this, beyond four standard errors, does not find all of it, however smooth it is.
 constexpr double kMissing = 0.01, kSure = 4.0;
@@ -23,14 +26,7 @@ constexpr double kNever = 1e30; // a cost that no other exceeds
 constexpr double kCpuPaths = 1e5, kGpuPaths = 1e8;
 
 RenderSettings pilot_of(const RenderSettings& settings) {
-  RenderSettings small = settings;
-  const std::uint32_t longest = std::max(settings.width, settings.height);
-  small.width = std::max(1u, settings.width * std::min(kLongestSide, longest) / longest);
-  small.height = std::max(1u, settings.height * std::min(kLongestSide, longest) / longest);
-  small.first_sample = 0, small.last_sample = kSamples, small.sample_total = 0;
-  small.time_limit = small.target_error = 0.0;
-  small.adaptive = false;
-  small.aovs.clear();
+  RenderSettings small = small_picture(settings, kLongestSide, kSamples);
   small.seed = settings.seed ^ 0x9e3779b9u;
   return small;
 }
@@ -46,20 +42,6 @@ bool pays(const RenderSettings& settings, std::size_t candidates, bool cpu) {
   return whole >= kWholeOverPilots * static_cast<double>(candidates) * paths_of(pilot_of(settings));
 }
 
-// All light of a picture, and the standard error of that.
-struct Light {
-  double sum = 0.0, variance = 0.0;
-};
-
-Light light_of(const Film& film) {
-  Light light;
-  for (std::size_t i = 0; i < std::size_t{film.width} * film.height; ++i) {
-    const PixelStatistics pixel = statistics(film, i);
-    for (int c = 0; c < 3; ++c) light.sum += pixel.mean[c], light.variance += pixel.variance[c];
-  }
-  return light;
-}
-
 std::string flags_text(const RenderSettings& settings) {
   std::string text(settings.integrator->name);
   for (const Setting& row : settings_table())
@@ -72,7 +54,7 @@ std::string flags_text(const RenderSettings& settings) {
 struct PilotRender {
   RenderSettings settings;
   RenderResult result;
-  Light light;
+  PictureLight light;
   double work = 0.0;
 };
 
@@ -92,39 +74,39 @@ double work_of(const RenderSettings& settings, const RenderResult& result, doubl
   return steady + std::max(0.0, total - steady) * pilot_share;
 }
 
-// Squared error times work for the error to be told: `bound` is the error itself or an end of its interval.
-double cost_of(const PilotRender& pilot, double bound) { return bound * bound * pilot.work; }
-
-std::vector<Trial> judge(const std::vector<PilotRender>& pilots) {
-  const Light& brightest =
-      std::ranges::max_element(pilots, {}, [](const PilotRender& p) { return p.light.sum; })->light;
-  const ErrorEstimate& first = pilots.front().result.error;
-  std::vector<Trial> trials;
-  for (const PilotRender& pilot : pilots) {
-    Trial trial{.flags = flags_text(pilot.settings)};
-    const ErrorEstimate& error = pilot.result.error;
-    const auto over_first = [&](double bound, double first_bound) { // 0 over 0: a black picture is as good as another
-      const double ours = cost_of(pilot, bound), theirs = cost_of(pilots.front(), first_bound);
-      return theirs > 0.0 ? ours / theirs : ours > 0.0 ? kNever : 1.0;
-    };
-    trial.cost = over_first(error.relative_rms, first.relative_rms);
-    trial.lo = over_first(error.ci95[0], first.ci95[1]);
-    trial.hi = over_first(error.ci95[1], first.ci95[0]);
-    const double gap = brightest.sum - pilot.light.sum;
-    if (gap > kSure * std::sqrt(brightest.variance + pilot.light.variance) && gap > kMissing * brightest.sum)
-      trial.missing = gap / brightest.sum;
-    trials.push_back(trial);
-  }
-  return trials;
+double cost_of(const PilotRender& pilot) {
+  const double error = pilot.result.error.relative_rms;
+  return error * error * pilot.work;
 }
 
-// The cheapest of those that find all light. The first one is left only for one that is surely better.
+// Of the logarithm of the cost: half the width of its 95 % interval.
+double doubt_of(const PilotRender& pilot) {
+  const ErrorEstimate& error = pilot.result.error;
+  return error.relative_rms > 0.0 ? 2.0 * std::log(error.ci95[1] / error.relative_rms) : 0.0;
+}
+
+// Against the first and the brightest of the pilots.
+Trial judge(const PilotRender& pilot, const PilotRender& first, const PictureLight& brightest) {
+  Trial trial{.flags = flags_text(pilot.settings)};
+  const double ours = cost_of(pilot), theirs = cost_of(first);
+  trial.cost = theirs > 0.0 ? ours / theirs : ours > 0.0 ? kNever : 1.0; // a black picture is as good as another
+  const double doubt = &pilot == &first ? 0.0 : std::hypot(doubt_of(pilot), doubt_of(first));
+  trial.lo = trial.cost * std::exp(-doubt);
+  trial.hi = std::min(trial.cost * std::exp(doubt), kNever);
+  const double gap = brightest.sum - pilot.light.sum;
+  if (gap > kSure * std::sqrt(brightest.variance + pilot.light.variance) && gap > kMissing * brightest.sum)
+    trial.missing = gap / brightest.sum;
+  return trial;
+}
+
+// The cheapest of those that find all light. The first one is left only for one that is cheaper by more than a standard
+// error, half of the interval's.
 std::size_t best_of(const std::vector<Trial>& trials) {
   std::size_t best = 0;
   for (std::size_t i = 1; i < trials.size(); ++i) {
     const Trial &trial = trials[i], &so_far = trials[best];
     if (trial.missing > 0.0) continue;
-    const bool surely = best > 0 || trial.hi < 1.0;
+    const bool surely = std::sqrt(trial.cost * trial.hi) < 1.0;
     if (so_far.missing > 0.0 || (surely && trial.cost < so_far.cost)) best = i;
   }
   return best;
@@ -147,8 +129,11 @@ IntegratorChoice choose_integrator(Device& device, const PackedScene& scene, con
     pilot.light = light_of(*pilot.result.film);
     pilot.work = work_of(candidate, pilot.result, paths_of(pilot_of(candidate)) / paths_of(candidate), cpu);
     pilots.push_back(std::move(pilot));
+    if (pilots.size() == 1 && pilots[0].result.error.relative_rms < kEasy && !may_lose_light(scene)) break;
   }
-  choice.trials = judge(pilots);
+  const PictureLight& brightest =
+      std::ranges::max_element(pilots, {}, [](const auto& p) { return p.light.sum; })->light;
+  for (const PilotRender& pilot : pilots) choice.trials.push_back(judge(pilot, pilots.front(), brightest));
   choice.taken = best_of(choice.trials);
   choice.settings = candidates[choice.taken];
   choice.seconds = seconds_since(start);
@@ -164,6 +149,7 @@ std::string choice_text(const IntegratorChoice& choice) {
   if (choice.taken > 0)
     return fmt::format("auto took {}: a given error costs {:.2g} ({:.2g} to {:.2g}) of the work of {}", taken.flags,
                        taken.cost, taken.lo, taken.hi, first.flags);
+  if (choice.trials.size() == 1) return fmt::format("auto took {}: the scene is easy for it", taken.flags);
   const auto second = std::min_element(choice.trials.begin() + 1, choice.trials.end(),
                                        [](const Trial& a, const Trial& b) { return a.cost < b.cost; });
   return fmt::format("auto took {}: a given error costs {} {:.2g} ({:.2g} to {:.2g}) times the work", taken.flags,

@@ -12,7 +12,7 @@ namespace wavepath {
 struct Trial {
   std::string flags;         // "path", "path --guide": as the command line names it
   double cost = 0.0;         // squared error times work, over that of the first trial
-  double lo = 0.0, hi = 0.0; // 95 % interval of `cost`, by those of both errors
+  double lo = 0.0, hi = 0.0; // 95 % interval of `cost`, from those of both errors
   double missing = 0.0;      // share of the brightest trial's light that this one lacks beyond noise
 };
 
@@ -25,9 +25,11 @@ struct IntegratorChoice {
 
 // `settings` themselves, unless their integrator stands for the best of others (IntegratorKind::candidates). Then each
 // candidate renders a small picture; the one with the least squared error times work is taken, the first one unless
-// another is surely better. Work is counted (rays by kind, weighed by constants of the type of device), never timed, so
-// that the choice depends on the device's type, the scene, the view and the settings alone. Where the whole render is
-// less than twenty times the pilots, the first candidate is taken without any.
+// another is cheaper by more than a standard error or finds light that the first one lacks. Where the first is easy (20
+// % error at 16 samples) and cannot lack light, no other is tried, and no kernel compiled for it. Work is counted (rays
+// by kind, weighed by constants of the type of device), never timed, so that the choice depends on the device's type,
+// the scene, the view and the settings alone. Where the whole render is less than twenty times the pilots, the first
+// candidate is taken without any.
 IntegratorChoice choose_integrator(Device& device, const PackedScene& scene, const View& view,
                                    const RenderSettings& settings, KernelCompiler& kernels);
 

@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <numbers>
-#include <numeric>
 #include <span>
 
 #include <tbb/parallel_for.h>
@@ -31,45 +30,51 @@ struct Node {
   std::uint32_t first_leaf = 0, last_leaf = 0; // below it
 };
 
+// A vertex while space is divided, small enough that sorting stays in the caches.
+struct Point {
+  glm::vec3 position;
+  std::uint32_t vertex;
+};
+
 struct Tree {
-  std::vector<std::uint32_t> order;  // of vertices
+  std::vector<Point> order;
   std::vector<Node> nodes;           // the root first
   std::vector<std::uint32_t> leaves; // their nodes
 };
 
-// -1 if all vertices are in one place.
-int longest_axis(const std::vector<GuideVertex>& vertices, std::span<const std::uint32_t> part) {
-  glm::vec3 lo = vertices[part.front()].position, hi = lo;
-  for (const std::uint32_t i : part) lo = glm::min(lo, vertices[i].position), hi = glm::max(hi, vertices[i].position);
+// -1 if all points are in one place.
+int longest_axis(std::span<const Point> part) {
+  glm::vec3 lo = part.front().position, hi = lo;
+  for (const Point& p : part) lo = glm::min(lo, p.position), hi = glm::max(hi, p.position);
   const glm::vec3 size = hi - lo;
   const int axis = size.x >= size.y ? (size.x >= size.z ? 0 : 2) : (size.y >= size.z ? 1 : 2);
   return size[axis] > 0.0f ? axis : -1;
 }
 
 // Halves a part at the median, ties above it; false if that leaves one half empty.
-bool halve(const std::vector<GuideVertex>& vertices, std::span<std::uint32_t> part, Node& node, std::size_t& below) {
-  node.axis = longest_axis(vertices, part);
+bool halve(std::span<Point> part, Node& node, std::size_t& below) {
+  node.axis = longest_axis(part);
   if (node.axis < 0) return false;
-  const auto key = [&](std::uint32_t i) { return vertices[i].position[node.axis]; };
+  const auto key = [&](const Point& p) { return p.position[node.axis]; };
   const auto middle = part.begin() + static_cast<std::ptrdiff_t>(part.size() / 2);
   std::ranges::nth_element(part, middle, {}, key);
   node.plane = key(*middle);
-  const auto upper = std::partition(part.begin(), part.end(), [&](std::uint32_t i) { return key(i) < node.plane; });
+  const auto upper = std::partition(part.begin(), part.end(), [&](const Point& p) { return key(p) < node.plane; });
   below = static_cast<std::size_t>(upper - part.begin());
   return below > 0;
 }
 
-void split(const std::vector<GuideVertex>& vertices, std::size_t leaf_size, Tree& tree, std::uint32_t index) {
+void split(std::size_t leaf_size, Tree& tree, std::uint32_t index) {
   Node node = tree.nodes[index];
   node.first_leaf = static_cast<std::uint32_t>(tree.leaves.size());
-  const std::span<std::uint32_t> part(tree.order.data() + node.first, node.last - node.first);
+  const std::span<Point> part(tree.order.data() + node.first, node.last - node.first);
   std::size_t below = 0;
-  if (part.size() >= 2 * leaf_size && halve(vertices, part, node, below)) {
+  if (part.size() >= 2 * leaf_size && halve(part, node, below)) {
     node.child = static_cast<std::uint32_t>(tree.nodes.size());
     tree.nodes.push_back({.first = node.first, .last = node.first + below});
     tree.nodes.push_back({.first = node.first + below, .last = node.last});
-    split(vertices, leaf_size, tree, node.child);
-    split(vertices, leaf_size, tree, node.child + 1);
+    split(leaf_size, tree, node.child);
+    split(leaf_size, tree, node.child + 1);
   } else {
     node.axis = -1;
     tree.leaves.push_back(index);
@@ -80,11 +85,11 @@ void split(const std::vector<GuideVertex>& vertices, std::size_t leaf_size, Tree
 
 Tree make_tree(const std::vector<GuideVertex>& vertices) {
   Tree tree;
-  tree.order.resize(vertices.size());
-  std::iota(tree.order.begin(), tree.order.end(), 0u);
+  tree.order.reserve(vertices.size());
+  for (std::uint32_t i = 0; i < vertices.size(); ++i) tree.order.push_back({vertices[i].position, i});
   tree.nodes.push_back({.first = 0, .last = vertices.size()});
   // A leaf holds at least half of what a part may hold unsplit, but for ties at the median.
-  split(vertices, std::max(kLeafVertices, 2 * vertices.size() / kMostGuideLeaves), tree, 0);
+  split(std::max(kLeafVertices, 2 * vertices.size() / kMostGuideLeaves), tree, 0);
   return tree;
 }
 
@@ -217,11 +222,10 @@ public:
         judgements(over.leaves.size()),
         vertices_(of),
         tree_(over),
-        cells_(of.size()),
-        weights_(of.size()) {
+        directions_(of.size()) {
     tbb::parallel_for(std::size_t{0}, of.size(), [&](std::size_t i) {
-      cells_[i] = cell_of(of[i].direction);
-      weights_[i] = double{of[i].radiance} / of[i].pdf;
+      const GuideVertex& v = of[over.order[i].vertex];
+      directions_[i] = {double{v.radiance} / v.pdf, cell_of(v.direction), v.odd};
     });
     learn(0, {{even_map(), even_map()}, even_map()});
   }
@@ -232,10 +236,9 @@ public:
 private:
   void learn(std::uint32_t index, const Maps& larger) {
     const Node& node = tree_.nodes[index];
-    const std::span<const std::uint32_t> part(tree_.order.data() + node.first, node.last - node.first);
     Histogram halves[2];
-    for (const std::uint32_t v : part)
-      if (weights_[v] > 0.0) halves[vertices_[v].odd].add(cells_[v], weights_[v]);
+    for (std::size_t i = node.first; i < node.last; ++i)
+      if (directions_[i].weight > 0.0) halves[directions_[i].odd].add(directions_[i].cell, directions_[i].weight);
     Maps own;
     for (const int half : {0, 1}) own.half[half] = make_map(halves[half], larger.half[half]);
     halves[0].add(halves[1]);
@@ -245,13 +248,18 @@ private:
       return;
     }
     std::ranges::copy(own.both, maps.begin() + static_cast<std::ptrdiff_t>(node.first_leaf * gpu::kGuideMapQuads));
-    for (const std::uint32_t v : part) judgements[node.first_leaf].add(vertices_[v], own.half[!vertices_[v].odd]);
+    for (std::size_t i = node.first; i < node.last; ++i)
+      judgements[node.first_leaf].add(vertices_[tree_.order[i].vertex], own.half[!directions_[i].odd]);
   }
 
+  struct Direction {
+    double weight;
+    std::uint32_t cell;
+    bool odd;
+  };
   const std::vector<GuideVertex>& vertices_;
   const Tree& tree_;
-  std::vector<std::uint32_t> cells_;
-  std::vector<double> weights_; // of directions
+  std::vector<Direction> directions_; // in the order of the tree
 };
 
 } // namespace

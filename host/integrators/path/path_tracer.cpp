@@ -145,6 +145,7 @@ void PathTracer::record_wave(Commands& commands, std::size_t band, const gpu::Wa
     if (connects && bounce + 1 < bounces)
       paths_.connect(commands, connecting, wave, bounce); // the last one only collects emission
   }
+  if (lesson_ == Lesson::lights) return; // its samples do not reach the film
   commands.barrier();
   const Kernel& last = notes ? shading[kGuideNote] : kernels[kAccumulate];
   commands.dispatch(last, groups_for(wave.pixel_count), &wave);

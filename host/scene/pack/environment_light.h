@@ -9,7 +9,8 @@ namespace wavepath {
 // Fills the environment fields of `packed` except environment_probability; leaves them all at zero if the radiance is
 // zero. The weight of a texel covers what bilinear interpolation can return inside it: the luminance under a 3x3 tent
 // filter (u wraps, v clamps) times the solid angle of the texel, so that no direction with radiance has probability
-// zero. With kDirectMis, dim texels weigh less than that. Returns the integral of the luminance of the radiance over the sphere.
+// zero. With kDirectMis, dim texels weigh less than that. Returns the integral of the luminance of the radiance over
+// the sphere.
 double pack_environment(const Environment& environment, std::uint32_t direct, PackedScene& packed);
 
 } // namespace wavepath

@@ -202,32 +202,34 @@ LightBounds bounds_of(const gpu::Light& light, double power, double area, const 
     return spot_light_bounds(light.position, light.direction, outer, luminance(light.intensity), power);
   }
   const gpu::Triangle& triangle = packed.triangles[light.triangle];
-  const bool two_sided = (packed.materials[triangle.surface & gpu::kTriangleMaterialMask].flags &
-                          gpu::kMaterialDoubleSided) != 0;
+  const bool two_sided =
+      (packed.materials[triangle.surface & gpu::kTriangleMaterialMask].flags & gpu::kMaterialDoubleSided) != 0;
   glm::vec3 corners[3];
   for (int k = 0; k < 3; ++k) {
     const glm::dvec2 b = weights_in_part(light.part, {k == 1 ? 1.0 : 0.0, k == 2 ? 1.0 : 0.0});
-    const glm::dvec3 p = (1.0 - b.x - b.y) * glm::dvec3(triangle.v0) + b.x * glm::dvec3(triangle.v1) +
-                         b.y * glm::dvec3(triangle.v2);
+    const glm::dvec3 p =
+        (1.0 - b.x - b.y) * glm::dvec3(triangle.v0) + b.x * glm::dvec3(triangle.v1) + b.y * glm::dvec3(triangle.v2);
     corners[k] = glm::vec3(p);
     if (!packed.root_is_top) continue;
     const auto& rows = packed.instances[light.instance].world_from_object;
-    for (int row = 0; row < 3; ++row) corners[k][row] = static_cast<float>(glm::dot(glm::dvec4(rows[row]), glm::dvec4(p, 1.0)));
+    for (int row = 0; row < 3; ++row)
+      corners[k][row] = static_cast<float>(glm::dot(glm::dvec4(rows[row]), glm::dvec4(p, 1.0)));
   }
   // Normals keep to the front of a mirrored object, whose corners are then met clockwise.
   if (packed.root_is_top && packed.instances[light.instance].flipped) std::swap(corners[1], corners[2]);
   return triangle_light_bounds(corners, power / (kPi * area * (two_sided ? 2.0 : 1.0)), two_sided);
 }
 
-// In how many places the local lights are: as many cubes, an eighth of the scene's radius wide, of equal power would vary
-// as much.
+// In how many places the local lights are: as many cubes, an eighth of the scene's radius wide, of equal power would
+// vary as much.
 double count_places(const std::vector<LightBounds>& lights, double radius) {
   std::unordered_map<std::uint64_t, double> power;
   double total = 0.0, squares = 0.0;
   for (const LightBounds& light : lights) {
     const glm::dvec3 centre = 0.5 * (glm::dvec3(light.lo) + glm::dvec3(light.hi));
     const glm::i64vec3 cell(glm::floor(glm::clamp(centre * (8.0 / radius), -1e6, 1e6)));
-    power[static_cast<std::uint64_t>((cell.x & 0xfffff) | (cell.y & 0xfffff) << 20 | (cell.z & 0xfffff) << 40)] += light.power;
+    power[static_cast<std::uint64_t>((cell.x & 0xfffff) | (cell.y & 0xfffff) << 20 | (cell.z & 0xfffff) << 40)] +=
+        light.power;
     total += light.power;
   }
   for (const auto& [cell, p] : power) squares += p * p;
@@ -286,7 +288,8 @@ void pack_lights(Scene& scene, std::span<const Object> objects, std::span<const 
   for (const double p : list.powers) power += p;
   packed.typical_radiance = power / (4.0 * kPi * kPi * radius * radius);
   const std::size_t least = selection == gpu::kLightsAuto ? kFewLights + 1 : 1;
-  if (selection != gpu::kLightsPower && list.ends[kLocal] >= least) pack_light_tree(list, radius, selection == gpu::kLightsAuto, packed);
+  if (selection != gpu::kLightsPower && list.ends[kLocal] >= least)
+    pack_light_tree(list, radius, selection == gpu::kLightsAuto, packed);
   packed.lights = std::move(list.lights);
 }
 

@@ -1,0 +1,39 @@
+#include "host/render/lost_light.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "host/render/settings/integrator_kind.h"
+#include "host/render/small_picture.h"
+#include "host/scene/pack/packed_scene.h"
+
+namespace wavepath {
+namespace {
+
+constexpr std::uint32_t kLongestSide = 64, kSamples = 16;
+constexpr float kSmooth = 0.01f; // roughness below which kernels/bsdf.glsl has a lobe of one direction
+
+} // namespace
+
+bool may_lose_light(const PackedScene& scene) {
+  const bool smooth = std::ranges::any_of(scene.materials, [](const gpu::Material& m) {
+    return m.roughness < kSmooth && (m.transmission > 0.0f || m.metallic > 0.0f || m.specular > 0.0f);
+  });
+  return smooth && (scene.features & gpu::kFeaturePunctualLights) != 0;
+}
+
+std::optional<LostLight> measure_lost_light(Device& device, const PackedScene& scene, const View& view,
+                                            const RenderSettings& settings, KernelCompiler& kernels) {
+  const auto finder = std::ranges::find_if(integrators(), &IntegratorKind::splats);
+  const IntegratorKind& kind = *settings.integrator; // of those that claim all light up to their depth
+  if (!kind.measures_depth_cut || kind.splats || finder == integrators().end() || !may_lose_light(scene))
+    return std::nullopt;
+  RenderSettings small = small_picture(settings, kLongestSide, kSamples);
+  const PictureLight found = light_of(*render(device, scene, view, small, RenderHooks{}, kernels).film);
+  small.integrator = *finder;
+  const PictureLight all = light_of(*render(device, scene, view, small, RenderHooks{}, kernels).film);
+  if (!(all.sum > 0.0)) return LostLight{};
+  return LostLight{std::max(0.0, all.sum - found.sum) / all.sum, std::sqrt(all.variance + found.variance) / all.sum};
+}
+
+} // namespace wavepath

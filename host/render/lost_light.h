@@ -1,0 +1,24 @@
+// Light that paths from the camera cannot find: of lamps and suns, which they cannot meet, through smooth glass and off
+// mirrors, which shadow rays cannot cross.
+#pragma once
+
+#include <optional>
+
+#include "host/render/render.h"
+
+namespace wavepath {
+
+struct LostLight {
+  double share = 0.0;          // of all light, missing
+  double standard_error = 0.0; // of that
+};
+
+// Whether the scene has both such lights and a surface of a single direction.
+bool may_lose_light(const PackedScene& scene);
+
+// Renders a small picture with `settings`, and one by an integrator that has light paths; the difference of their light
+// is what the first one lacks. Nothing where no light can be lost, or the integrator has light paths itself.
+std::optional<LostLight> measure_lost_light(Device& device, const PackedScene& scene, const View& view,
+                                            const RenderSettings& settings, KernelCompiler& kernels);
+
+} // namespace wavepath

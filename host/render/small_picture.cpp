@@ -1,0 +1,28 @@
+#include "host/render/small_picture.h"
+
+#include <algorithm>
+
+namespace wavepath {
+
+RenderSettings small_picture(const RenderSettings& settings, std::uint32_t longest_side, std::uint32_t samples) {
+  RenderSettings small = settings;
+  const std::uint32_t longest = std::max(settings.width, settings.height), side = std::min(longest_side, longest);
+  small.width = std::max(1u, settings.width * side / longest);
+  small.height = std::max(1u, settings.height * side / longest);
+  small.first_sample = 0, small.last_sample = samples, small.sample_total = 0;
+  small.time_limit = small.target_error = 0.0;
+  small.adaptive = false;
+  small.aovs.clear();
+  return small;
+}
+
+PictureLight light_of(const Film& film) {
+  PictureLight light;
+  for (std::size_t i = 0; i < std::size_t{film.width} * film.height; ++i) {
+    const PixelStatistics pixel = statistics(film, i);
+    for (int c = 0; c < 3; ++c) light.sum += pixel.mean[c], light.variance += pixel.variance[c];
+  }
+  return light;
+}
+
+} // namespace wavepath

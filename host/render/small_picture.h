@@ -1,0 +1,20 @@
+// Small pictures that a render makes beside its own, to judge itself by.
+#pragma once
+
+#include "host/film/film.h"
+#include "host/render/settings/settings.h"
+
+namespace wavepath {
+
+// The same settings for a picture of the same shape, `longest_side` pixels at most and `samples` samples a pixel: no
+// part, no AOVs, stopped by nothing else. Not adaptive: pilots of two such pictures would choose other levels, and
+// their paths would no longer be comparable.
+RenderSettings small_picture(const RenderSettings& settings, std::uint32_t longest_side, std::uint32_t samples);
+
+// All light of a picture, over its pixels and channels, and an estimate of the variance of that.
+struct PictureLight {
+  double sum = 0.0, variance = 0.0;
+};
+PictureLight light_of(const Film& film);
+
+} // namespace wavepath

@@ -1,0 +1,85 @@
+// --integrator auto: what it takes, that it takes the same each time, and that short renders pay nothing for it.
+#include <gtest/gtest.h>
+
+#include "host/integrators/automatic/kind.h"
+#include "host/integrators/bidirectional/kind.h"
+#include "host/integrators/path/kind.h"
+#include "host/render/device/kernel_compiler.h"
+#include "host/render/integrator_choice.h"
+#include "host/scene/gltf/gltf.h"
+#include "host/scene/pack/pack.h"
+#include "host/scene/view.h"
+#include "tests/vulkan_device.h"
+
+namespace wavepath::test {
+namespace {
+
+const std::string kScenes = std::string(WAVEPATH_SOURCE_DIR) + "/scenes/";
+
+class IntegratorChoiceTest : public VulkanTest {
+protected:
+  IntegratorChoice choose(const std::string& file, RenderSettings settings) {
+    static KernelCompiler kernels(device());
+    Scene scene = load_gltf(kScenes + file);
+    const View view = resolve_view(scene, {}, settings.width, settings.height);
+    return choose_integrator(device(), pack(scene, gpu::kDirectMis, bvh::Quality::fast, view.position), view, settings,
+                             kernels);
+  }
+  static RenderSettings settings(std::uint32_t spp) {
+    RenderSettings settings;
+    settings.integrator = &automatic_integrator();
+    settings.last_sample = spp;
+    settings.max_depth = 5;
+    return settings;
+  }
+};
+
+TEST_F(IntegratorChoiceTest, TakesBidirectionalWhereALampIsBehindGlass) {
+  const IntegratorChoice first = choose("caustics/bulb_point.glb", settings(64));
+  ASSERT_EQ(first.trials.size(), 3u);
+  EXPECT_EQ(first.settings.integrator, &kBidirectional);
+  EXPECT_GT(first.trials[0].missing, 0.9); // path tracing finds next to nothing
+  EXPECT_EQ(first.trials[2].missing, 0.0);
+  EXPECT_NE(choice_text(first).find("auto took bidirectional: path lacks"), std::string::npos) << choice_text(first);
+  const IntegratorChoice again = choose("caustics/bulb_point.glb", settings(64));
+  for (std::size_t i = 0; i < first.trials.size(); ++i) {
+    EXPECT_EQ(first.trials[i].cost, again.trials[i].cost); // by counted work, not by the clock
+    EXPECT_EQ(first.trials[i].hi, again.trials[i].hi);
+  }
+}
+
+TEST_F(IntegratorChoiceTest, TriesNothingElseWhereTheSceneIsEasy) {
+  const IntegratorChoice choice = choose("cornell_box.gltf", settings(64));
+  EXPECT_EQ(choice.settings.integrator, &kPath);
+  EXPECT_FALSE(choice.settings.guide);
+  EXPECT_EQ(choice.trials.size(), 1u);
+}
+
+TEST_F(IntegratorChoiceTest, TriesNothingForAShortRender) {
+  RenderSettings small = settings(4);
+  small.width = 64, small.height = 48;
+  const IntegratorChoice choice = choose("caustics/bulb_point.glb", small);
+  EXPECT_EQ(choice.settings.integrator, &kPath);
+  EXPECT_TRUE(choice.trials.empty());
+  RenderSettings timed = settings(65536);
+  timed.time_limit = 1.0;
+  EXPECT_TRUE(choose("caustics/bulb_point.glb", timed).trials.empty());
+}
+
+// Parts of a render choose alike: by the samples of the whole, not by their own.
+TEST_F(IntegratorChoiceTest, PartsChooseAsTheWholeDoes) {
+  RenderSettings part = settings(64);
+  part.first_sample = 2, part.last_sample = 3, part.sample_total = 64;
+  EXPECT_EQ(choose("caustics/bulb_point.glb", part).settings.integrator, &kBidirectional);
+}
+
+TEST_F(IntegratorChoiceTest, LeavesOtherIntegratorsAlone) {
+  RenderSettings path = settings(64);
+  path.integrator = &kPath;
+  const IntegratorChoice choice = choose("cornell_box.gltf", path);
+  EXPECT_EQ(choice.settings.integrator, &kPath);
+  EXPECT_TRUE(choice.trials.empty());
+}
+
+} // namespace
+} // namespace wavepath::test
