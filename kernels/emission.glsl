@@ -27,15 +27,17 @@ float emission_weight(float bsdf_pdf, float light_pdf) {
 // Light that the point of the hit is on; kNone: none.
 uint light_at(Surface surface, Hit hit) {
   if (!has(kFeatureTriangleLights) || surface.light == kNone) return kNone;
-  uint index = surface.light & kTriangleLightMask;
-  if (is_instanced()) index += floatBitsToUint(texelFetch(instances, int(hit.instance * kInstanceTexels + 6u)).w);
-  return index + part_at(surface.light >> kPartLevelShift, vec2(hit.b1, hit.b2));
+  if (!is_instanced()) return surface.light;
+  return surface.light + floatBitsToUint(texelFetch(instances, int(hit.instance * kInstanceTexels + 6u)).w);
 }
 
 // Density per unit area with which next-event estimation picks the point of the hit by power; 0: not a light.
 float light_pdf_area(Surface surface, Hit hit) {
   uint index = light_at(surface, hit);
-  return index == kNone ? 0.0 : uintBitsToFloat(texelFetch(light_texels, int(index * kLightTexels + 3u)).x);
+  if (index == kNone) return 0.0;
+  float mean = uintBitsToFloat(texelFetch(light_texels, int(index * kLightTexels + 3u)).x);
+  if (!has(kFeatureEmissionTextures)) return mean;
+  return mean * light_triangle_density(texelFetch(light_texels, int(index * kLightTexels + 4u)).z, vec2(hit.b1, hit.b2));
 }
 
 // Radiance leaving the surface on the side that the viewer sees.
@@ -85,8 +87,9 @@ struct LightSample {
 
 LightSample no_light() { return LightSample(vec3(0.0), 0.0, vec3(0.0), false, vec3(0.0), false, 0u); }
 
-LightSample sample_triangle_light(Light light, vec3 from, vec2 u) {
-  vec2 weights = weights_in_part(light.part, warp_triangle(u));
+LightSample sample_triangle_light(Light light, vec3 from, uvec2 u) {
+  float density;
+  vec2 weights = sample_light_triangle(light.parts, u, density);
   Surface surface = fetch_surface(Hit(light.triangle, light.instance, weights.x, weights.y));
   vec3 offset = surface.position - from;
   float distance_squared = dot(offset, offset);
@@ -97,7 +100,7 @@ LightSample sample_triangle_light(Light light, vec3 from, vec2 u) {
   Material material = fetch_material(surface.material);
   s.radiance = surface_emission(surface, material, cosine < 0.0);
   if (has(kFeatureAlpha)) s.radiance *= opacity(material, base_color(material, surface.uv, surface.color).a);
-  s.pdf = solid_angle_pdf(light.pdf_area, offset, surface.geometric_normal);
+  s.pdf = solid_angle_pdf(light.pdf_area * density, offset, surface.geometric_normal);
   s.target = offset_ray_origin(surface.position, surface.position_error, surface.geometric_normal, -s.direction);
   return s;
 }
@@ -138,7 +141,7 @@ LightSample sample_picked_light(uint index, vec3 from, uvec2 u) {
   if (has(kFeatureEnvironment) && light.kind == kLightEnvironment)
     s = sample_environment(u);
   else if (has(kFeatureTriangleLights) && light.kind == kLightTriangle)
-    s = sample_triangle_light(light, from, unit_float(u));
+    s = sample_triangle_light(light, from, u);
   else if (has(kFeaturePunctualLights))
     s = sample_punctual_light(light, from);
   s.light = index;

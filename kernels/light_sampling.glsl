@@ -5,6 +5,7 @@
 #ifndef WAVEPATH_LIGHT_SAMPLING_GLSL
 #define WAVEPATH_LIGHT_SAMPLING_GLSL
 
+#include "kernels/config.glsl"
 #include "kernels/scene_types.h"
 #include "kernels/intervals.glsl"
 #include "kernels/math.glsl"
@@ -20,21 +21,22 @@ float solid_angle_pdf(float pdf_area, vec3 to_light, vec3 n) {
   return cosine > 0.0 ? pdf_area * d2 / cosine : 0.0;
 }
 
-// A triangle is one light, or n * n congruent ones where its emission texture varies: rows of upright and inverted
-// triangles in turn along its first edge, numbered row by row. `levels` and Light::part: log2(n) << 28.
-const uint kPartLevelShift = 28u, kPartRowShift = 14u, kPartColumnShift = 1u;
+// A triangle whose emission texture varies is cut into n * n congruent parts, each picked by an interval of its own: rows of
+// upright and inverted triangles in turn along its first edge, numbered row by row.
 
-// Barycentric weights of a point of the part that has these weights within the part.
-vec2 weights_in_part(uint part, vec2 weights) {
-  uint level = part >> kPartLevelShift;
-  if (level == 0u) return weights;
-  vec2 corner = vec2((part >> kPartColumnShift) & 0x1fffu, (part >> kPartRowShift) & 0x3fffu);
-  return ((part & 1u) != 0u ? corner + 1.0 - weights : corner + weights) / float(1u << level);
+// Barycentric weights of a point of a part that has these weights within the part.
+vec2 weights_in_part(uint level, uint part, vec2 weights) {
+  int n = 1 << level, index = int(part);
+  int row = clamp(n - int(sqrt(float(n * n - index)) + 0.5), 0, n - 1);
+  if (row * (2 * n - row) > index) --row; // the root is one off at most
+  if ((row + 1) * (2 * n - row - 1) <= index) ++row;
+  int step_ = index - row * (2 * n - row);
+  vec2 corner = vec2(step_ >> 1, row);
+  return ((step_ & 1) != 0 ? corner + 1.0 - weights : corner + weights) / float(n);
 }
 
 // Number of the part that has the point with these barycentric weights.
 uint part_at(uint level, vec2 weights) {
-  if (level == 0u) return 0u;
   int n = 1 << level;
   vec2 place = weights * float(n);
   int row = clamp(int(place.y), 0, n - 1), column = clamp(int(place.x), 0, n - 1 - row);
@@ -116,6 +118,38 @@ uint pick_light(inout uvec2 u) {
   PICK_INTERVAL(pick, frame.light_count, light_end, index, begin, end)
   u.x = stretch(pick - begin, end - begin);
   return index;
+}
+uint first_part; // of the triangle of which part_end tells
+uint part_end(uint part) {
+  uint word = first_part + part;
+  return texelFetch(light_texels, int(frame.light_count * kLightTexels + (word >> 2u)))[word & 3u];
+}
+
+// How many times denser the points of a part are picked than those of the triangle on average.
+float part_density(uint level, uint begin, uint end) {
+  return float(end - begin) * (1.0 / 4294967296.0) * float(1u << (2u * level));
+}
+
+// Barycentric weights of a point on a triangle light, and its density over the mean. `parts`: Light::parts.
+vec2 sample_light_triangle(uint parts, uvec2 u, out float density) {
+  density = 1.0;
+  uint level = parts >> kPartLevelShift;
+  if (!has(kFeatureEmissionTextures) || level == 0u) return warp_triangle(unit_float(u));
+  first_part = parts & kFirstPartMask;
+  uint part, begin, end, pick = min(u.x, kLargestPick);
+  PICK_INTERVAL(pick, 1u << (2u * level), part_end, part, begin, end)
+  u.x = stretch(pick - begin, end - begin);
+  density = part_density(level, begin, end);
+  return weights_in_part(level, part, warp_triangle(unit_float(u)));
+}
+
+// That density of a point with these weights.
+float light_triangle_density(uint parts, vec2 weights) {
+  uint level = parts >> kPartLevelShift;
+  if (!has(kFeatureEmissionTextures) || level == 0u) return 1.0;
+  first_part = parts & kFirstPartMask;
+  uint part = part_at(level, weights);
+  return part_density(level, part > 0u ? part_end(part - 1u) : 0u, part_end(part));
 }
 #endif
 

@@ -67,7 +67,7 @@ Light fetch_light(uint index) {
   light.triangle_id = links.w;
   light.spot_scale = uintBitsToFloat(spot_part.x);
   light.spot_offset = uintBitsToFloat(spot_part.y);
-  light.part = spot_part.z;
+  light.parts = spot_part.z;
   light.pad0 = 0.0;
   return light;
 }

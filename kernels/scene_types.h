@@ -40,9 +40,6 @@ GPU_CONSTANT uint kLeafBit = 0x80000000u;
 GPU_CONSTANT uint kLeafCountShift = 28u;
 GPU_CONSTANT uint kLeafFirstMask = 0x0fffffffu;
 
-// Bits of Triangle::light.
-GPU_CONSTANT uint kTriangleLightMask = 0x0fffffffu;
-
 // Bits of Triangle::surface; the rest is the index of its material.
 GPU_CONSTANT uint kTriangleSingleSided = 1u << 31; // invisible from behind
 GPU_CONSTANT uint kTriangleAlpha = 1u << 30;       // its material is MASK, BLEND or unlit
@@ -57,8 +54,7 @@ struct Triangle {
   vec3 v1;
   uint id; // among the triangles of its object, in the order of the source
   vec3 v2;
-  uint light; // kNone: next-event estimation does not pick it. Else log2(n) << 28 | the first of its n * n lights,
-              // counted from Instance::first_light
+  uint light; // its own, counted from Instance::first_light; kNone: next-event estimation does not pick it
 };
 GPU_CHECK(sizeof(Triangle) == 16 * kTriangleTexels);
 
@@ -143,16 +139,20 @@ struct Light {
   float probability; // of being picked
   vec3 intensity;    // candela (point, spot) or lux (directional)
   uint end;          // of its interval; it begins where that of the light before ends
-  float pdf_area;    // kLightTriangle: density of a point, per unit of world area, the choice of the light included
+  float pdf_area;    // kLightTriangle: mean density of its points, per unit of world area, the choice of the light included
   uint triangle;     // kLightTriangle: one of its copies
   uint instance;     // kLightTriangle; 0 where the scene is not instanced
   uint triangle_id;  // kLightTriangle
   float spot_scale;  // cosine falloff: clamp(cos*scale + offset, 0, 1)^2, as KHR_lights_punctual gives it
   float spot_offset;
-  uint part; // kLightTriangle: of the triangle. log2(n) << 28 | row << 14 | column << 1 | whether it is inverted
+  uint parts; // kLightTriangle, where its emission varies: log2(n) << kPartLevelShift | the first of its n * n parts
   float pad0;
 };
 GPU_CONSTANT uint kLightTexels = 5u;
+
+// Behind the lights stand the ends of the intervals of parts of triangles, four a texel. See kernels/light_sampling.glsl.
+GPU_CONSTANT uint kPartLevelShift = 28u;
+GPU_CONSTANT uint kFirstPartMask = 0x0fffffffu;
 GPU_CHECK(sizeof(Light) == 16 * kLightTexels);
 
 #ifdef __cplusplus

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <memory>
 #include <numbers>
 #include <string>
 #include <vector>
@@ -136,6 +137,10 @@ std::array<double, kParts> parts_of(const Picture& picture) {
 
 class BidirectionalTest : public VulkanTest {
 protected:
+  // Compiles each of them once, and waits for what is being compiled before the driver's own statics go.
+  static inline std::unique_ptr<KernelCompiler> kernels_;
+  static void TearDownTestSuite() { kernels_.reset(); }
+
   static RenderSettings settings(std::uint32_t spp, std::uint32_t depth,
                                  std::uint32_t techniques = gpu::kTechniquesAll) {
     RenderSettings settings;
@@ -152,8 +157,8 @@ protected:
     return plain;
   }
   RenderResult render(const Subject& subject, const RenderSettings& settings) {
-    static KernelCompiler kernels(device()); // compiles each of them once
-    RenderResult result = wavepath::render(device(), subject.packed, subject.view, settings, RenderHooks{}, kernels);
+    if (!kernels_) kernels_ = std::make_unique<KernelCompiler>(device());
+    RenderResult result = wavepath::render(device(), subject.packed, subject.view, settings, RenderHooks{}, *kernels_);
     EXPECT_EQ(result.nonfinite.samples(), 0u);
     return result;
   }

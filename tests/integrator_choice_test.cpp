@@ -1,5 +1,6 @@
 // --integrator auto: what it takes, that it takes the same each time, and that short renders pay nothing for it.
 #include <gtest/gtest.h>
+#include <memory>
 
 #include "host/integrators/automatic/kind.h"
 #include "host/integrators/bidirectional/kind.h"
@@ -18,12 +19,16 @@ const std::string kScenes = std::string(WAVEPATH_SOURCE_DIR) + "/scenes/";
 
 class IntegratorChoiceTest : public VulkanTest {
 protected:
+  // Compiles each of them once, and waits for what is being compiled before the driver's own statics go.
+  static inline std::unique_ptr<KernelCompiler> kernels_;
+  static void TearDownTestSuite() { kernels_.reset(); }
+
   IntegratorChoice choose(const std::string& file, RenderSettings settings) {
-    static KernelCompiler kernels(device());
+    if (!kernels_) kernels_ = std::make_unique<KernelCompiler>(device());
     Scene scene = load_gltf(kScenes + file);
     const View view = resolve_view(scene, {}, settings.width, settings.height);
     return choose_integrator(device(), pack(scene, gpu::kDirectMis, bvh::Quality::fast, view.position), view, settings,
-                             kernels);
+                             *kernels_);
   }
   static RenderSettings settings(std::uint32_t spp) {
     RenderSettings settings;

@@ -119,7 +119,7 @@ TEST(Layout, Lights) {
   compare("Light", sizeof(Light),
           {AT(Light, position), AT(Light, kind), AT(Light, direction), AT(Light, probability), AT(Light, intensity),
            AT(Light, end), AT(Light, pdf_area), AT(Light, triangle), AT(Light, instance), AT(Light, triangle_id),
-           AT(Light, spot_scale), AT(Light, spot_offset), AT(Light, part)});
+           AT(Light, spot_scale), AT(Light, spot_offset), AT(Light, parts)});
 }
 
 TEST(Layout, LightTree) {

@@ -248,10 +248,9 @@ TEST_F(LightSamplingTest, PartsOfATriangleTileIt) {
   for (const std::uint32_t level : {0u, 1u, 3u, 6u}) {
     std::vector<Element> in;
     const std::uint32_t n = 1u << level;
-    for (std::uint32_t row = 0; row < n; ++row)
-      for (std::uint32_t step = 0; step < 2 * (n - row) - 1; ++step)
-        in.push_back({.a = {std::bit_cast<float>(level << 28 | row << 14 | step), 0.05f + 0.4f * next(),
-                            0.05f + 0.4f * next(), 0}});
+    for (std::uint32_t part = 0; part < n * n; ++part)
+      in.push_back({.a = {std::bit_cast<float>(level << gpu::kPartLevelShift | part), 0.05f + 0.4f * next(),
+                          0.05f + 0.4f * next(), 0}});
     const std::vector<Element> out = run(7, in);
     for (std::size_t i = 0; i < in.size(); ++i) {
       EXPECT_TRUE(out[i].b.x >= 0.0f && out[i].b.y >= 0.0f && out[i].b.x + out[i].b.y <= 1.0f);

@@ -36,13 +36,11 @@ void expect_consistent(const PackedScene& packed) {
   EXPECT_NEAR(sum, 1.0, 1e-6);
 }
 
-// The lights of a triangle, by the copy that is at `item` and the instance.
-std::span<const gpu::Light> lights_of(const PackedScene& packed, std::uint32_t item, std::uint32_t instance = 0) {
+// The light of a triangle, by the copy that is at `item` and the instance; null if it has none.
+const gpu::Light* light_of(const PackedScene& packed, std::uint32_t item, std::uint32_t instance = 0) {
   const std::uint32_t light = packed.triangles[item].light;
-  if (light == gpu::kNone) return {};
-  const std::uint32_t first = packed.root_is_top ? packed.instances[instance].first_light : 0;
-  return std::span(packed.lights)
-      .subspan(first + (light & gpu::kTriangleLightMask), std::size_t{1} << 2 * (light >> 28));
+  if (light == gpu::kNone) return nullptr;
+  return &packed.lights[(packed.root_is_top ? packed.instances[instance].first_light : 0) + light];
 }
 
 double world_area(const PackedScene& packed, const gpu::Light& light) {
@@ -175,10 +173,10 @@ TEST(Lights, EveryBakedTriangleIsFoundWithTheDensityItCarries) {
     const float power[] = {1.0f * 6.0f, 4.0f * 2.0f, 0.0f}; // radiance times area, both sides of the second
     const float area[] = {3.0f, 0.5f, 1.0f};
     const std::uint32_t material = packed.triangles[i].surface & gpu::kTriangleMaterialMask;
-    const std::span<const gpu::Light> lights = lights_of(packed, i);
-    ASSERT_EQ(lights.size(), material < 2 ? 1u : 0u);
-    if (lights.empty()) continue;
-    EXPECT_NEAR(lights[0].pdf_area, power[material] / 2.0f / 7.0f / area[material], 1e-6f);
+    const gpu::Light* light = light_of(packed, i);
+    ASSERT_EQ(light != nullptr, material < 2);
+    if (light == nullptr) continue;
+    EXPECT_NEAR(light->pdf_area, power[material] / 2.0f / 7.0f / area[material], 1e-6f);
   }
 }
 
@@ -199,7 +197,7 @@ TEST(Lights, InstancesHaveLightsOfTheirOwn) {
     if (light.kind != gpu::kLightTriangle) continue;
     const gpu::Triangle& triangle = packed.triangles[light.triangle];
     EXPECT_NEAR(light.probability / world_area(packed, light) / light.pdf_area, 1.0, 1e-6);
-    EXPECT_EQ(&lights_of(packed, light.triangle, light.instance)[0], &light);
+    EXPECT_EQ(light_of(packed, light.triangle, light.instance), &light);
     total_area[triangle.surface & gpu::kTriangleMaterialMask] += world_area(packed, light);
   }
   const double power = kPi * (total_area[0] + 10.0 * total_area[1]) + 4 * kPi * 0.5;
@@ -280,8 +278,8 @@ Scene textured_strip(const std::vector<std::uint8_t>& grey, Wrap wrap = Wrap::cl
 std::vector<float> pdf_by_place(const PackedScene& packed) {
   std::vector<float> pdf(8, 0.0f);
   for (std::uint32_t i = 0; i < packed.triangles.size(); ++i)
-    for (const gpu::Light& light : lights_of(packed, i))
-      pdf[static_cast<std::size_t>(std::lround(packed.triangles[i].v0.x + packed.origin.x))] = light.pdf_area;
+    if (const gpu::Light* light = light_of(packed, i))
+      pdf[static_cast<std::size_t>(std::lround(packed.triangles[i].v0.x + packed.origin.x))] = light->pdf_area;
   return pdf;
 }
 
@@ -372,28 +370,37 @@ TEST(TexturedLights, AreCutWhereTheTextureVaries) {
   Scene scene = sign_with_one_lit_block();
   const PackedScene packed = pack(scene);
   expect_consistent(packed);
-  ASSERT_GT(packed.lights.size(), 100u);
+  ASSERT_EQ(packed.lights.size(), 1u); // the block lies in the first triangle alone
   double near = 0.0;
   for (const gpu::Light& light : packed.lights) {
-    if (light.probability == 0.0f) continue;
-    EXPECT_NEAR(light.probability / light.pdf_area, world_area(packed, light) * std::exp2(-2.0 * (light.part >> 28)),
-                1e-6);
-    // The first corner of the part, in the triangle's plane.
-    const double n = 1 << (light.part >> 28), inverted = light.part & 1;
-    const double b1 = ((light.part >> 1 & 0x1fff) + inverted) / n, b2 = ((light.part >> 14 & 0x3fff) + inverted) / n;
+    EXPECT_NEAR(light.probability / light.pdf_area, world_area(packed, light), 1e-6);
+    const std::uint32_t n = 1u << (light.parts >> gpu::kPartLevelShift);
+    ASSERT_GE(n, 16u);
+    const std::span ends = std::span(packed.light_part_ends).subspan(light.parts & gpu::kFirstPartMask, n * n);
     const gpu::Triangle& t = packed.triangles[light.triangle];
-    const glm::dvec3 p =
-        (1.0 - b1 - b2) * glm::dvec3(t.v0) + b1 * glm::dvec3(t.v1) + b2 * glm::dvec3(t.v2) + packed.origin;
-    const double reach = 2.0 / n + 2.0 / 64.0; // of a part around its corner, and of the bilinear taps
-    if (std::abs(p.x - 38.0 / 64.0) < reach && std::abs(p.y - 22.0 / 64.0) < reach) near += light.probability;
+    std::uint32_t part = 0;
+    for (std::uint32_t row = 0; row < n; ++row)
+      for (std::uint32_t step = 0; step < 2 * (n - row) - 1; ++step, ++part) {
+        const double probability = interval_probability(ends, part);
+        if (probability == 0.0) continue; // dark
+        // The first corner of the part, in the triangle's plane.
+        const double b1 = (step / 2 + step % 2) / double(n), b2 = (row + step % 2) / double(n);
+        const glm::dvec3 p =
+            (1.0 - b1 - b2) * glm::dvec3(t.v0) + b1 * glm::dvec3(t.v1) + b2 * glm::dvec3(t.v2) + packed.origin;
+        const double reach = 2.0 / n + 2.0 / 64.0; // of a part around its corner, and of the bilinear taps
+        if (std::abs(p.x - 38.0 / 64.0) < reach && std::abs(p.y - 22.0 / 64.0) < reach)
+          near += light.probability * probability;
+      }
   }
-  EXPECT_NEAR(near, 1.0, 1e-6); // the dark parts have no interval
+  EXPECT_NEAR(near, 1.0, 1e-6);
 }
 
 TEST(TexturedLights, AreWholeWhereTheTextureIsEven) {
   Scene scene = sign_with_one_lit_block();
   for (std::uint8_t& byte : scene.images[0].bytes) byte = 200;
-  EXPECT_EQ(pack(scene).lights.size(), 2u);
+  const PackedScene packed = pack(scene);
+  EXPECT_EQ(packed.lights.size(), 2u);
+  EXPECT_TRUE(packed.light_part_ends.empty());
 }
 
 } // namespace

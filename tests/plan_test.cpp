@@ -22,7 +22,7 @@ std::uint64_t bytes(const std::vector<Item>& items) {
 
 std::uint64_t packed_bytes(const PackedScene& p) {
   return bytes(p.nodes) + bytes(p.triangles) + bytes(p.instances) + bytes(p.triangle_vertices) +
-         bytes(p.vertex_normals) + bytes(p.vertex_uvs) + bytes(p.vertex_colors) + bytes(p.texels) + bytes(p.lights) + bytes(p.light_tree) +
+         bytes(p.vertex_normals) + bytes(p.vertex_uvs) + bytes(p.vertex_colors) + bytes(p.texels) + bytes(p.lights) + bytes(p.light_part_ends) + bytes(p.light_tree) +
          bytes(p.environment) + bytes(p.environment_ends);
 }
 
@@ -43,7 +43,7 @@ void expect_indices_in_range(const PackedScene& p) {
   for (const gpu::Light& light : p.lights) {
     if (light.kind == gpu::kLightTriangle) {
       ASSERT_LT(light.triangle, p.triangles.size());
-      ASSERT_LT(p.triangles[light.triangle].light & gpu::kTriangleLightMask, p.lights.size());
+      ASSERT_LT(p.triangles[light.triangle].light, p.lights.size());
       ASSERT_EQ(p.triangles[light.triangle].id, light.triangle_id);
       ASSERT_TRUE(p.root_is_top ? light.instance < p.instances.size() : light.instance == 0);
     }
@@ -66,7 +66,7 @@ TEST(Plan, CountsWhatIsShown) {
   EXPECT_EQ(p.instances, 3u);
   EXPECT_EQ(p.triangle_bytes, 2u * (48 + 16));
   EXPECT_EQ(p.vertex_bytes, 6u * 16);
-  EXPECT_EQ(p.environment_bytes, 32u * 24);
+  EXPECT_EQ(p.environment_bytes, 32u * 20 + 4 * 4);
   EXPECT_EQ(p.largest_buffer, 32u * 16);
 }
 

@@ -306,11 +306,11 @@ TEST_F(StudyCommand, TellsWhatTheHybridLoses) {
       EXPECT_EQ(point["full"].is_null(), configuration["shows"] == "ao");
       EXPECT_EQ(point["direct"].is_null(), configuration["shows"] == "ao");
       const Json& integrator = configuration["flags"]["integrator"];
-      EXPECT_EQ(point["ao"].is_null(), integrator == "path" || integrator == "whitted");
+      EXPECT_EQ(point["ao"].is_null(), integrator != "hybrid" && integrator != "ao");
     }
     first[configuration["name"]] = configuration["points"][0];
   }
-  EXPECT_EQ(first.size(), 6u); // path, whitted; hybrid and ao, with and without filter
+  EXPECT_EQ(first.size(), 7u); // path, bidirectional, whitted; hybrid and ao, with and without filter
   const auto mse = [&](const char* name, const char* signal) { return first[name][signal]["mse"].get<double>(); };
   EXPECT_LT(mse("hybrid", "ao"), 2.0 * mse("ao", "ao")); // what sees nothing is no error in either
   EXPECT_LT(mse("hybrid", "direct"), 2.0 * mse("path", "direct"));

@@ -83,7 +83,7 @@ public:
     print_warnings(open_.scene.warnings);
     environment_ = {request.scene.environment, request.scene.environment_intensity, request.scene.environment_degrees};
     RenderSettings shown = settings; // a window begins anew whenever the camera moves: no pilot unless asked for
-    if (shown.lights == gpu::kLightsAuto) shown.lights = gpu::kLightsTree;
+    if (shown.lights == gpu::kLightsAuto && !packed_.light_tree.empty()) shown.lights = gpu::kLightsTree;
     progressive_ = std::make_unique<Progressive>(*open_.device, packed_, view, shown, *open_.kernels);
   }
 

@@ -1,9 +1,27 @@
 // Counts instances, vertices and triangles of a scene; see usage.h.
 #include "host/scene/usage.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include "host/base/error.h"
 
 namespace wavepath {
+namespace {
+
+// Triangles that only reach into what shines count as well; as many as lie within this part of the image around a disk.
+constexpr double kLitBorder = 0.1;
+
+double lit_share(const Image& image) {
+  const std::size_t texels = std::size_t{image.width} * image.height;
+  std::size_t lit = 0;
+  for (std::size_t i = 0; i < 4 * texels; i += 4)
+    lit += image.floats.empty() ? (image.bytes[i] | image.bytes[i + 1] | image.bytes[i + 2]) != 0
+                                : image.floats[i] > 0.0f || image.floats[i + 1] > 0.0f || image.floats[i + 2] > 0.0f;
+  return static_cast<double>(lit) / static_cast<double>(std::max<std::size_t>(texels, 1));
+}
+
+} // namespace
 
 Usage find_usage(const Scene& scene) {
   Usage usage;
@@ -39,12 +57,22 @@ Usage find_usage(const Scene& scene) {
 }
 
 std::uint64_t count_emitters(const Scene& scene, const Usage& usage) {
+  std::vector<double> shares(scene.images.size(), -1.0); // by image, of its texels; negative: not counted yet
   std::uint64_t emitters = 0;
   for (std::size_t m = 0; m < scene.meshes.size(); ++m)
     for (const Primitive& primitive : scene.meshes[m].primitives) {
       const Material& material = scene.materials[primitive.material];
       const bool shines = !material.unlit && glm::any(glm::greaterThan(material.emission, glm::vec3(0.0f)));
-      if (shines) emitters += std::uint64_t{primitive.index_count / 3} * usage.mesh_instances[m];
+      if (!shines) continue;
+      double share = 1.0;
+      if (material.emission_texture.present()) {
+        double& counted = shares[material.emission_texture.image];
+        if (counted < 0.0) counted = lit_share(scene.images[material.emission_texture.image]);
+        share = std::min(1.0, counted + 2.0 * std::sqrt(counted) * kLitBorder);
+      }
+      const double triangles =
+          static_cast<double>(primitive.index_count / 3) * static_cast<double>(usage.mesh_instances[m]);
+      emitters += static_cast<std::uint64_t>(std::ceil(share * triangles));
     }
   return emitters;
 }

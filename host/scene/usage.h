@@ -27,7 +27,7 @@ struct Usage {
 // vertices.
 Usage find_usage(const Scene& scene);
 
-// Triangles that may become lights, instances counted.
+// About how many triangles will be lights, instances counted: of textured emitters, by what of the texture shines.
 std::uint64_t count_emitters(const Scene& scene, const Usage& usage);
 
 } // namespace wavepath

@@ -49,8 +49,10 @@ float cone_pdf(Light light) { return 0.5 * kInvPi / (1.0 - cone_cosine(light)); 
 // Per area of the disk across the scene from which light of infinity is sent.
 float disk_pdf() { return kInvPi / square(bidirectional.scene_radius); }
 
-void start_on_triangle(Light light, vec2 u_place, vec2 u_direction, inout LightStart start) {
-  vec2 weights = weights_in_part(light.part, warp_triangle(u_place));
+void start_on_triangle(Light light, uvec2 u_place, vec2 u_direction, inout LightStart start) {
+  float density;
+  vec2 weights = sample_light_triangle(light.parts, u_place, density);
+  float pdf_area = light.pdf_area * density;
   Surface surface = fetch_surface(Hit(light.triangle, light.instance, weights.x, weights.y));
   Material material = fetch_material(surface.material);
   bool both = (material.flags & kMaterialDoubleSided) != 0u;
@@ -64,8 +66,8 @@ void start_on_triangle(Light light, vec2 u_place, vec2 u_direction, inout LightS
   start.origin = offset_ray_origin(surface.position, surface.position_error, surface.geometric_normal, start.direction);
   vec3 radiance = surface_emission(surface, material, front);
   if (has(kFeatureAlpha)) radiance *= opacity(material, base_color(material, surface.uv, surface.color).a);
-  start.light = radiance * (cosine / (light.pdf_area * direction_pdf));
-  start.weights = PathWeights(1.0 / square(direction_pdf), square(cosine / (light.pdf_area * direction_pdf)));
+  start.light = radiance * (cosine / (pdf_area * direction_pdf));
+  start.weights = PathWeights(1.0 / square(direction_pdf), square(cosine / (pdf_area * direction_pdf)));
 }
 
 void start_at_point(Light light, vec2 u_direction, inout LightStart start) {
@@ -107,7 +109,7 @@ bool start_light_path(Sampler path_sampler, out LightStart start) {
     start.weights.others = 1.0 / square(s.pdf * disk_pdf());
     if (!(s.pdf > 0.0)) return false;
   } else if (has(kFeatureTriangleLights) && light.kind == kLightTriangle) {
-    start_on_triangle(light, unit_float(u_light), u, start);
+    start_on_triangle(light, u_light, u, start);
   } else if (has(kFeaturePunctualLights) && light.kind == kLightDirectional) {
     start_at_infinity(light.direction, u, start);
     start.light = light.intensity / (light.probability * disk_pdf());

@@ -28,7 +28,7 @@ uint shadow_ray_count = 0u;
 
 LightSample sample_one_light(Light light, vec3 from, uvec2 u) {
   if (has(kFeatureEnvironment) && light.kind == kLightEnvironment) return sample_environment(u);
-  if (has(kFeatureTriangleLights) && light.kind == kLightTriangle) return sample_triangle_light(light, from, unit_float(u));
+  if (has(kFeatureTriangleLights) && light.kind == kLightTriangle) return sample_triangle_light(light, from, u);
   if (has(kFeaturePunctualLights)) return sample_punctual_light(light, from);
   return no_light();
 }

@@ -45,10 +45,10 @@ void main() {
     e.b.w = solid_angle_pdf(e.a.w, e.a.xyz, e.b.xyz);
   } else if (wave.bounce == 6u) { // offset and width in the bits of a.xy -> bits of b.x
     e.b.x = uintBitsToFloat(stretch(floatBitsToUint(e.a.x), floatBitsToUint(e.a.y)));
-  } else { // part in the bits of a.x, weights in it a.yz -> weights in the triangle b.xy, number of the part in the bits of b.z
-    uint part = floatBitsToUint(e.a.x);
-    e.b.xy = weights_in_part(part, e.a.yz);
-    e.b.z = uintBitsToFloat(part_at(part >> kPartLevelShift, e.b.xy));
+  } else { // level and part in the bits of a.x, weights in it a.yz -> weights in the triangle b.xy, number of the part in the bits of b.z
+    uint level = floatBitsToUint(e.a.x) >> kPartLevelShift, part = floatBitsToUint(e.a.x) & kFirstPartMask;
+    e.b.xy = weights_in_part(level, part, e.a.yz);
+    e.b.z = uintBitsToFloat(part_at(level, e.b.xy));
   }
   elements[i] = e;
 }

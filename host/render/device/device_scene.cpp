@@ -1,5 +1,8 @@
 #include "host/render/device/device_scene.h"
 
+#include <algorithm>
+#include <cstring>
+
 #include <fmt/format.h>
 
 #include "host/base/error.h"
@@ -37,6 +40,15 @@ void check_fits(const DeviceInfo& info, const char* what, std::uint64_t bytes, s
                 "simplify the scene or choose another device with --device");
 }
 
+// Lights, and behind them the ends of the parts of their triangles.
+std::vector<std::uint32_t> light_words(const PackedScene& scene) {
+  constexpr std::size_t kWords = sizeof(gpu::Light) / sizeof(std::uint32_t);
+  std::vector<std::uint32_t> words(scene.lights.size() * kWords + (scene.light_part_ends.size() + 3) / 4 * 4);
+  if (!scene.lights.empty()) std::memcpy(words.data(), scene.lights.data(), scene.lights.size() * sizeof(gpu::Light));
+  std::ranges::copy(scene.light_part_ends, words.begin() + static_cast<std::ptrdiff_t>(scene.lights.size() * kWords));
+  return words;
+}
+
 } // namespace
 
 DeviceScene upload_scene(Device& device, const PackedScene& scene) {
@@ -50,12 +62,12 @@ DeviceScene upload_scene(Device& device, const PackedScene& scene) {
   check_fits(info, "vertex colours", bytes_of(scene.vertex_colors), wide);
   check_fits(info, "textures", bytes_of(scene.texels), word);
   check_fits(info, "environment texels", bytes_of(scene.environment), wide);
-  check_fits(info, "lights", bytes_of(scene.lights), wide);
+  check_fits(info, "lights", bytes_of(scene.lights) + bytes_of(scene.light_part_ends), wide);
   check_fits(info, "light tree", bytes_of(scene.light_tree), wide);
   const std::uint64_t total = bytes_of(scene.nodes) + bytes_of(scene.triangles) + bytes_of(scene.triangle_vertices) +
                               bytes_of(scene.vertex_normals) + bytes_of(scene.vertex_uvs) +
                               bytes_of(scene.vertex_colors) + bytes_of(scene.texels) + bytes_of(scene.environment) +
-                              bytes_of(scene.lights) + bytes_of(scene.light_tree);
+                              bytes_of(scene.lights) + bytes_of(scene.light_part_ends) + bytes_of(scene.light_tree);
   if (total > info.memory_bytes)
     throw Error(info.name,
                 fmt::format("the scene takes {:.0f} MiB, the device has {:.0f} MiB", total / 1048576.0,
@@ -74,7 +86,7 @@ DeviceScene upload_scene(Device& device, const PackedScene& scene) {
   result.textures = upload(device, scene.textures);
   result.texels = upload(device, scene.texels);
   result.srgb_table = upload(device, scene.textures.empty() ? std::vector<float>{} : srgb_decoding());
-  result.lights = upload(device, scene.lights);
+  result.lights = upload(device, light_words(scene));
   result.light_tree = upload(device, scene.light_tree);
   result.environment = upload(device, scene.environment);
   result.environment_ends = upload(device, scene.environment_ends);

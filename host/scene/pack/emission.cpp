@@ -19,7 +19,7 @@ constexpr double kSmallestShare = 0.01;        // of the texture's mean emission
 constexpr double kLargestUv = 1e6;             // beyond, the mean of the texture is used
 constexpr double kTexelsPerPart = 16.0;        // that a part of a triangle covers, about
 constexpr std::uint32_t kMostLevels = 6;       // 4096 parts
-constexpr std::uint64_t kMostParts = 1u << 17; // of all triangles that are cut: 10 MiB of lights
+constexpr std::uint64_t kMostParts = 1u << 18; // of all triangles that are cut: 1 MiB
 constexpr double kEven = 1.25;                 // parts that differ by less are not worth being told apart
 
 // The emission texture of one material, with the factor applied.
@@ -170,6 +170,8 @@ bool is_even(const std::vector<double>& means) {
   return hi <= kEven * lo;
 }
 
+bool is_dark(const std::vector<double>& means) { return std::ranges::max(means) == 0.0; }
+
 } // namespace
 
 Emission find_emission(const PackedScene& packed) {
@@ -195,13 +197,17 @@ Emission find_emission(const PackedScene& packed) {
   };
 
   Emission emission{std::vector<std::uint8_t>(count, 0), std::vector<std::uint64_t>(count, Emission::kDark), {}};
+  std::vector<std::uint8_t> dark(count, 0); // finer parts may show that nothing within the triangle shines
   tbb::parallel_for(std::size_t{0}, count, [&](std::size_t t) {
     const std::optional<EmissionMap>& map = maps[material_of(t)];
     if (!map) return;
     const Uvs uvs = uvs_of(t, *map);
     const std::uint32_t level = wanted_level(map->texture, uvs);
-    if (level > 0 && mean_emission(*map, uvs.corner) > 0.0 && !is_even(part_means(*map, uvs, level)))
-      emission.levels[t] = static_cast<std::uint8_t>(level);
+    dark[t] = !(mean_emission(*map, uvs.corner) > 0.0);
+    if (level == 0 || dark[t]) return;
+    const std::vector<double> means = part_means(*map, uvs, level);
+    dark[t] = is_dark(means);
+    if (!dark[t] && !is_even(means)) emission.levels[t] = static_cast<std::uint8_t>(level);
   });
   // What is too much for all is taken from the finest.
   for (std::uint32_t most = kMostLevels; most > 0; --most) {
@@ -214,7 +220,7 @@ Emission find_emission(const PackedScene& packed) {
 
   std::uint64_t parts = 0;
   for (std::size_t t = 0; t < count; ++t)
-    if (constant[material_of(t)] > 0.0) {
+    if (constant[material_of(t)] > 0.0 && !dark[t]) {
       emission.firsts[t] = parts;
       parts += std::uint64_t{1} << 2 * emission.levels[t];
     }

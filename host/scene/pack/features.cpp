@@ -141,8 +141,8 @@ std::vector<LeftOut> list_left_out(const Usage& usage, const PackedScene& packed
       {"surface emission", "no material in use shines", 0, gpu::kFeatureEmission},
       {"triangle lights", no_sampling ? not_sampled : "no triangle shines", 0, gpu::kFeatureTriangleLights},
       {"punctual lights", no_sampling ? not_sampled : "the scene has none that shines", 0, gpu::kFeaturePunctualLights},
-      {"light tree", no_sampling ? not_sampled : "lights are few enough to pick by power", light_tree_bytes(packed.local_light_count),
-       gpu::kFeatureLightTree},
+      {"light tree", no_sampling ? not_sampled : "lights are few enough to pick by power",
+       light_tree_bytes(packed.local_light_count), gpu::kFeatureLightTree},
       {"environment", "it is black", 0, gpu::kFeatureEnvironment},
       {"environment map", "the environment is constant or black", 0, gpu::kFeatureEnvironmentMap},
   };

@@ -5,6 +5,8 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <numeric>
+#include <span>
 #include <unordered_map>
 
 #include <tbb/parallel_for.h>
@@ -79,51 +81,52 @@ std::vector<std::uint32_t> list_shining(const Object& object, const Emission& em
   }
   tbb::parallel_sort(all.begin(), all.end());
   std::vector<std::uint32_t> items;
-  std::uint64_t first = 0, end = 0;
   for (std::size_t i = 0; i < all.size(); ++i) {
-    const std::uint32_t item = all[i].item, level = emission.levels[item];
-    if (i == 0 || all[i].id != all[i - 1].id) {
-      items.push_back(item);
-      first = end;
-      end += std::uint64_t{1} << 2 * level;
-    }
-    triangles[item].light = level << 28 | static_cast<std::uint32_t>(first);
+    if (i == 0 || all[i].id != all[i - 1].id) items.push_back(all[i].item);
+    triangles[all[i].item].light = static_cast<std::uint32_t>(items.size() - 1);
   }
   return items;
 }
 
-// Light::part of parts 0, 1, ... of a triangle in n * n.
-struct PartCounter {
-  std::uint32_t n, row = 0, step = 0;
-  std::uint32_t next(std::uint32_t level) {
-    const std::uint32_t part = level << 28 | row << 14 | step; // the step along a row: column << 1 | inverted
-    if (++step == 2 * (n - row) - 1) ++row, step = 0;
-    return part;
-  }
+// Of a triangle that shines, whatever its instance.
+struct ShiningTriangle {
+  std::uint32_t item = 0;
+  std::uint32_t parts = 0; // see Light::parts
+  double density = 0.0;    // mean of its parts, see Emission
 };
+
+ShiningTriangle cut_in_parts(std::uint32_t item, const Emission& emission, std::vector<std::uint32_t>& part_ends) {
+  const std::uint32_t level = emission.levels[item];
+  const std::span densities = std::span(emission.densities).subspan(emission.firsts[item], std::size_t{1} << 2 * level);
+  const double sum = std::accumulate(densities.begin(), densities.end(), 0.0);
+  ShiningTriangle shining{item, 0, sum / static_cast<double>(densities.size())};
+  if (level == 0) return shining;
+  shining.parts = level << gpu::kPartLevelShift | static_cast<std::uint32_t>(part_ends.size());
+  const std::vector<std::uint32_t> ends = build_intervals(densities);
+  part_ends.insert(part_ends.end(), ends.begin(), ends.end());
+  return shining;
+}
 
 void add_triangles(const Scene& scene, std::span<const Object> objects, std::span<const std::uint32_t> object_of,
                    const Emission& emission, PackedScene& packed, LightList& list) {
-  std::vector<std::vector<std::uint32_t>> shining;
-  for (const Object& object : objects) shining.push_back(list_shining(object, emission, packed.triangles));
+  std::vector<std::vector<ShiningTriangle>> shining(objects.size());
+  for (std::size_t i = 0; i < objects.size(); ++i)
+    for (const std::uint32_t item : list_shining(objects[i], emission, packed.triangles))
+      shining[i].push_back(cut_in_parts(item, emission, packed.light_part_ends));
   std::vector<std::uint32_t> placed(packed.root_is_top ? object_of.size() : 1); // by the order of the source
   for (std::uint32_t i = 0; i < packed.instances.size(); ++i) placed[packed.instances[i].id] = i;
   for (const std::uint32_t i : placed) {
     if (packed.root_is_top) packed.instances[i].first_light = static_cast<std::uint32_t>(list.lights.size());
     const gpu::Instance* instance = packed.root_is_top ? &packed.instances[i] : nullptr;
-    for (const std::uint32_t item : shining[packed.root_is_top ? object_of[i] : 0]) {
+    for (const ShiningTriangle& triangle : shining[packed.root_is_top ? object_of[i] : 0]) {
       gpu::Light light{};
       light.kind = gpu::kLightTriangle;
-      light.triangle = item;
+      light.triangle = triangle.item;
       light.instance = i;
-      light.triangle_id = packed.triangles[item].id;
-      const std::uint32_t level = emission.levels[item];
-      PartCounter parts{1u << level};
-      const double area = world_area(packed.triangles[item], instance) * std::exp2(-2.0 * level);
-      for (std::uint32_t part = 0; part < 1u << 2 * level; ++part) {
-        light.part = parts.next(level);
-        add_light(scene, list, light, emission.densities[emission.firsts[item] + part] * area, area);
-      }
+      light.triangle_id = packed.triangles[triangle.item].id;
+      light.parts = triangle.parts;
+      const double area = world_area(packed.triangles[triangle.item], instance);
+      add_light(scene, list, light, triangle.density * area, area);
     }
   }
 }
@@ -186,15 +189,6 @@ std::vector<double> weigh(const LightList& list) {
   return weights;
 }
 
-// Barycentric weights, within its triangle, of a point of a part that has these within the part; as
-// kernels/light_sampling.glsl has it.
-glm::dvec2 weights_in_part(std::uint32_t part, const glm::dvec2& weights) {
-  const double n = 1u << (part >> 28);
-  if (n == 1.0) return weights;
-  const glm::dvec2 corner(part >> 1 & 0x1fffu, part >> 14 & 0x3fffu);
-  return (part & 1u ? corner + 1.0 - weights : corner + weights) / n;
-}
-
 LightBounds bounds_of(const gpu::Light& light, double power, double area, const PackedScene& packed) {
   if (light.kind == gpu::kLightPoint) return point_light_bounds(light.position, power / (4.0 * kPi));
   if (light.kind == gpu::kLightSpot) {
@@ -206,9 +200,7 @@ LightBounds bounds_of(const gpu::Light& light, double power, double area, const 
       (packed.materials[triangle.surface & gpu::kTriangleMaterialMask].flags & gpu::kMaterialDoubleSided) != 0;
   glm::vec3 corners[3];
   for (int k = 0; k < 3; ++k) {
-    const glm::dvec2 b = weights_in_part(light.part, {k == 1 ? 1.0 : 0.0, k == 2 ? 1.0 : 0.0});
-    const glm::dvec3 p =
-        (1.0 - b.x - b.y) * glm::dvec3(triangle.v0) + b.x * glm::dvec3(triangle.v1) + b.y * glm::dvec3(triangle.v2);
+    const glm::dvec3 p = k == 0 ? triangle.v0 : k == 1 ? triangle.v1 : triangle.v2;
     corners[k] = glm::vec3(p);
     if (!packed.root_is_top) continue;
     const auto& rows = packed.instances[light.instance].world_from_object;
