@@ -8,8 +8,10 @@
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "host/scene/pack/emission.h"
+#include "host/scene/pack/features.h"
 #include "host/scene/pack/intervals.h"
 #include "host/scene/pack/pack.h"
+#include "host/scene/usage.h"
 #include "tests/scene_builder.h"
 
 namespace wavepath {
@@ -401,6 +403,19 @@ TEST(TexturedLights, AreWholeWhereTheTextureIsEven) {
   const PackedScene packed = pack(scene);
   EXPECT_EQ(packed.lights.size(), 2u);
   EXPECT_TRUE(packed.light_part_ends.empty());
+}
+
+// Kernels are guessed while images are still being decoded.
+TEST(TexturedLights, AreCountedByWhatIsKnownOfTheTexture) {
+  Scene scene = sign_with_one_lit_block();
+  const Usage usage = find_usage(scene);
+  for (std::uint8_t& byte : scene.images[0].bytes) byte = 0;
+  EXPECT_EQ(count_emitters(scene, usage), 0u);
+  scene.images[0].bytes.clear();
+  EXPECT_EQ(count_emitters(scene, usage), 2u);
+  scene.images.clear();
+  EXPECT_EQ(count_emitters(scene, find_usage(scene)), 2u);
+  EXPECT_NE(expected_features(scene, gpu::kDirectMis) & gpu::kFeatureTriangleLights, 0u);
 }
 
 } // namespace

@@ -13,6 +13,7 @@ namespace {
 constexpr double kLitBorder = 0.1;
 
 double lit_share(const Image& image) {
+  if (image.bytes.empty() && image.floats.empty()) return 1.0; // not decoded yet
   const std::size_t texels = std::size_t{image.width} * image.height;
   std::size_t lit = 0;
   for (std::size_t i = 0; i < 4 * texels; i += 4)
@@ -65,7 +66,7 @@ std::uint64_t count_emitters(const Scene& scene, const Usage& usage) {
       const bool shines = !material.unlit && glm::any(glm::greaterThan(material.emission, glm::vec3(0.0f)));
       if (!shines) continue;
       double share = 1.0;
-      if (material.emission_texture.present()) {
+      if (material.emission_texture.image < shares.size()) { // before images are read there is none
         double& counted = shares[material.emission_texture.image];
         if (counted < 0.0) counted = lit_share(scene.images[material.emission_texture.image]);
         share = std::min(1.0, counted + 2.0 * std::sqrt(counted) * kLitBorder);

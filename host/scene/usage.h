@@ -27,7 +27,8 @@ struct Usage {
 // vertices.
 Usage find_usage(const Scene& scene);
 
-// About how many triangles will be lights, instances counted: of textured emitters, by what of the texture shines.
+// About how many triangles will be lights, instances counted: of textured emitters, by what of the texture shines,
+// all of them while it is not decoded.
 std::uint64_t count_emitters(const Scene& scene, const Usage& usage);
 
 } // namespace wavepath
