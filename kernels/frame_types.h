@@ -34,9 +34,9 @@ struct Frame {
   uint root;        // node where traversal starts
   uint root_is_top; // 1: the root is that of the top-level tree, whose leaves hold instances
   uint orthographic;
-  uint sample_total;   // samples a pixel that the stratified sampler spreads over
-  uint slot_count;     // capacity of one ray queue
-  uint scene_features; // kFeature bits that the scene has data for, whatever the kernels were compiled with
+  uint sample_total;      // samples a pixel that the stratified sampler spreads over
+  uint slot_count;        // capacity of one ray queue
+  uint scene_features;    // kFeature bits that the scene has data for, whatever the kernels were compiled with
   uint local_light_count; // triangles, points and spots, which come first among the lights
   float light_sum_scale;  // radiance to units of the sums of a pilot (kFeatureLearning)
   uint pad0;

@@ -8,7 +8,8 @@
 namespace wavepath::gpu {
 #endif
 
-GPU_CONSTANT uint kBindLightTree = 56u; // texels RGBA32UI: root and nodes; by light trail and column; the columns' trails
+GPU_CONSTANT uint kBindLightTree =
+    56u; // texels RGBA32UI: root and nodes; by light trail and column; the columns' trails
 
 // A link is the record of an inner node, or with kLightLeaf the index of a light.
 GPU_CONSTANT uint kLightLeaf = 0x80000000u;
@@ -48,13 +49,14 @@ GPU_CONSTANT uint kLeastIntensityExponent = 127u - 62u;
 // A row for every cell of space, by hash; its columns share the light that comes there: subtrees of the light tree, the
 // environment, all directional lights, and the whole tree, which is chosen often enough that no light is left out.
 GPU_CONSTANT uint kBindLightRows = 57u; // texels R32UI: by row and column the end of the column's share of all integers
-GPU_CONSTANT uint kBindLightSums = 58u; // storage uint[], four a column (kFeatureLearning), see kernels/path/connect.comp
+GPU_CONSTANT uint kBindLightSums =
+    58u; // storage uint[], four a column (kFeatureLearning), see kernels/path/connect.comp
 GPU_CONSTANT uint kLightRows = 1u << 14;
 GPU_CONSTANT uint kLightColumns = 64u;
 GPU_CONSTANT uint kSubtreeColumns = 61u;
 GPU_CONSTANT uint kEnvironmentColumn = 61u, kDirectionalColumn = 62u, kTreeColumn = 63u;
 GPU_CONSTANT uint kLightCellLevels = 3u; // of cells four times as wide, from which a pilot learns where it saw little
-GPU_CONSTANT uint kLightCellShift = 2u; // a cell is a quarter to an eighth as wide as it is far
+GPU_CONSTANT uint kLightCellShift = 2u;  // a cell is a quarter to an eighth as wide as it is far
 
 #ifdef __cplusplus
 } // namespace wavepath::gpu

@@ -139,18 +139,20 @@ struct Light {
   float probability; // of being picked
   vec3 intensity;    // candela (point, spot) or lux (directional)
   uint end;          // of its interval; it begins where that of the light before ends
-  float pdf_area;    // kLightTriangle: mean density of its points, per unit of world area, the choice of the light included
-  uint triangle;     // kLightTriangle: one of its copies
-  uint instance;     // kLightTriangle; 0 where the scene is not instanced
-  uint triangle_id;  // kLightTriangle
-  float spot_scale;  // cosine falloff: clamp(cos*scale + offset, 0, 1)^2, as KHR_lights_punctual gives it
+  float
+      pdf_area;  // kLightTriangle: mean density of its points, per unit of world area, the choice of the light included
+  uint triangle; // kLightTriangle: one of its copies
+  uint instance; // kLightTriangle; 0 where the scene is not instanced
+  uint triangle_id; // kLightTriangle
+  float spot_scale; // cosine falloff: clamp(cos*scale + offset, 0, 1)^2, as KHR_lights_punctual gives it
   float spot_offset;
   uint parts; // kLightTriangle, where its emission varies: log2(n) << kPartLevelShift | the first of its n * n parts
   float pad0;
 };
 GPU_CONSTANT uint kLightTexels = 5u;
 
-// Behind the lights stand the ends of the intervals of parts of triangles, four a texel. See kernels/light_sampling.glsl.
+// Behind the lights stand the ends of the intervals of parts of triangles, four a texel. See
+// kernels/light_sampling.glsl.
 GPU_CONSTANT uint kPartLevelShift = 28u;
 GPU_CONSTANT uint kFirstPartMask = 0x0fffffffu;
 GPU_CHECK(sizeof(Light) == 16 * kLightTexels);

@@ -11,7 +11,7 @@ namespace wavepath::gpu {
 GPU_CONSTANT uint kBindFilm = 16u;       // storage FilmPixel[], kReplicates a pixel
 GPU_CONSTANT uint kBindFilmAovs = 17u;   // storage FilmAovs[], one a pixel (kFeatureAovs)
 GPU_CONSTANT uint kBindFilmTexels = 18u; // texels RGBA32UI
-GPU_CONSTANT uint kBindSplats = 41u;     // storage SplatPixel[], kReplicates a pixel: bound where an integrator has them
+GPU_CONSTANT uint kBindSplats = 41u; // storage SplatPixel[], kReplicates a pixel: bound where an integrator has them
 
 // ---- film -----------------------------------------------------------------------------------------------------------
 // The exact sum of many floats, in any order (after the reproducible sums of Demmel and Nguyen 2013, with integers).
@@ -34,9 +34,9 @@ struct FilmPixel {
 };
 GPU_CHECK(sizeof(FilmPixel) == 64);
 
-// Light that paths from lights brought to a pixel, wherever they began: sums in fixed point, in units of 2^-60, of 128 bits a
-// channel, lowest word first. Lanes add to them by integer atomics, so that no order matters; what is below the unit is
-// lost. One for each replicate, of renders whose integrator has light paths.
+// Light that paths from lights brought to a pixel, wherever they began: sums in fixed point, in units of 2^-60, of 128
+// bits a channel, lowest word first. Lanes add to them by integer atomics, so that no order matters; what is below the
+// unit is lost. One for each replicate, of renders whose integrator has light paths.
 struct SplatPixel {
   uint red[4], green[4], blue[4];
   uint largest; // bits of R + G + B of the largest splat

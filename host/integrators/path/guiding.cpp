@@ -6,7 +6,7 @@
 namespace wavepath {
 namespace {
 
-constexpr std::uint32_t kSeed = 0x6a09e667u; // by exclusive or with the render's own
+constexpr std::uint32_t kSeed = 0x6a09e667u;    // by exclusive or with the render's own
 constexpr std::uint32_t kFirstPaths = 1u << 16; // of the first two iterations; each later one has twice as many
 constexpr std::uint32_t kIterations = 4, kLeastIterations = 2;
 constexpr std::uint32_t kMostSamples = 64; // a pixel, in an iteration: small pictures learn from fewer paths

@@ -49,13 +49,13 @@ struct PackedScene {
   std::vector<gpu::Texture> textures;
   std::vector<std::uint32_t> texels;
 
-  std::vector<gpu::Light> lights; // that next-event estimation samples, the environment included
+  std::vector<gpu::Light> lights;             // that next-event estimation samples, the environment included
   std::vector<std::uint32_t> light_part_ends; // intervals of the parts of triangles that are cut, one after the other
-  std::uint32_t local_light_count = 0; // of those that have a place; they come first
+  std::uint32_t local_light_count = 0;        // of those that have a place; they come first
   // The light tree as kernels/light_tree_types.h has it, empty where lights are picked by power; and its columns.
   std::vector<glm::uvec4> light_tree;
   std::uint32_t light_tree_depth = 0;
-  double light_places = 0.0; // in which its lights are, see lights.h
+  double light_places = 0.0;     // in which its lights are, see lights.h
   double typical_radiance = 0.0; // that all lights together bring to a surface, by order of magnitude
   glm::vec3 environment_radiance{0.0f};
   float environment_probability = 0.0f;
