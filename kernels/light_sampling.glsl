@@ -119,6 +119,7 @@ uint pick_light(inout uvec2 u) {
   u.x = stretch(pick - begin, end - begin);
   return index;
 }
+
 uint first_part; // of the triangle of which part_end tells
 uint part_end(uint part) {
   uint word = first_part + part;

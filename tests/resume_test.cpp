@@ -220,6 +220,26 @@ TEST_F(Resume, PartsJoinToTheWhole) {
   }
 }
 
+// More samples would make auto choose anew, and otherwise: the file says what the render was begun as.
+TEST_F(Resume, WhatAutoChoseIsKept) {
+  const auto render_bulb = [&](const char* spp, std::vector<std::string> more) {
+    std::vector<std::string> all{"render",       std::string(WAVEPATH_SOURCE_DIR) + "/scenes/caustics/bulb_point.glb",
+                                 "--integrator", "auto",
+                                 "--size",       "16x12",
+                                 "--max-depth",  "5",
+                                 "--spp",        spp};
+    all.insert(all.end(), more.begin(), more.end());
+    return wavepath(all);
+  };
+  const Outcome begun = render_bulb("4", {"-o", "part.exr", "--checkpoint", "state"});
+  EXPECT_NE(begun.err.find("auto took path"), std::string::npos) << begun.err;
+  const Outcome fresh = render_bulb("1024", {"-o", "fresh.exr"});
+  EXPECT_NE(fresh.err.find("auto took bidirectional"), std::string::npos) << fresh.err;
+  const Outcome resumed = render_bulb("1024", {"-o", "part.exr", "--checkpoint", "state", "--resume", "--mergeable"});
+  ASSERT_EQ(resumed.exit_code, 0) << resumed.err;
+  EXPECT_TRUE(read_film(path("part.exr"))->splats.empty()); // path tracing has none
+}
+
 // Light paths bring light to pixels of other waves, of other parts and of what was rendered before the interrupt.
 TEST_F(Resume, LightPathsJoinToTheWhole) {
   const std::vector<std::string> all{"--integrator", "bidirectional", "--max-depth", "4", "--spp", "24"};

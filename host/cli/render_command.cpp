@@ -25,6 +25,7 @@
 #include "host/render/depth_cut.h"
 #include "host/render/integrator_choice.h"
 #include "host/render/report/diagnosis.h"
+#include "host/render/report/state_file.h"
 #include "host/render/settings/identity.h"
 #include "host/render/settings/integrator_kind.h"
 #include "host/render/settings/settings_table.h"
@@ -204,18 +205,39 @@ Prepared prepare(const Request& request) {
   return prepared;
 }
 
-// What --integrator auto comes to, and who the render then is. A resumed render chooses again, and alike.
+std::string identity_as(const Request& request, const Prepared& prepared, const RenderSettings& settings) {
+  std::string identity = identity_of(prepared.scene_hash, prepared.view, settings);
+  if (const std::optional<glm::dvec3>& origin = request.render.origin)
+    identity += fmt::format(";origin={:a},{:a},{:a}", origin->x, origin->y, origin->z);
+  return identity;
+}
+
+// What --integrator auto had come to when the file of --resume was begun, maybe for fewer samples. Empty if there is no
+// such file, or it is of another render.
+std::optional<RenderSettings> recorded_choice(const Request& request, const Prepared& prepared) {
+  const RenderSettings& settings = request.render.settings;
+  std::error_code error;
+  if (!request.render.state.resume || !std::filesystem::exists(request.render.state.file, error)) return std::nullopt;
+  const std::string recorded = read_state(request.render.state.file).identity;
+  for (const RenderSettings& candidate : settings.integrator->candidates(settings, prepared.packed))
+    if (identity_as(request, prepared, candidate) == recorded) return candidate;
+  return std::nullopt;
+}
+
+// What --integrator auto comes to, and who the render then is.
 IntegratorChoice settle_integrator(Request& request, Prepared& prepared) {
   RenderSettings& settings = request.render.settings;
-  const bool chooses = settings.integrator->candidates != nullptr;
-  IntegratorChoice choice =
-      choose_integrator(*prepared.device, prepared.packed, prepared.view, settings, *prepared.kernels);
-  settings = choice.settings;
-  if (chooses && !request.output.quiet) fmt::print(stderr, "wavepath: {}\n", choice_text(choice));
-  if (!needs_identity(request)) return choice;
-  prepared.identity = identity_of(prepared.scene_hash, prepared.view, settings);
-  if (const std::optional<glm::dvec3>& origin = request.render.origin)
-    prepared.identity += fmt::format(";origin={:a},{:a},{:a}", origin->x, origin->y, origin->z);
+  IntegratorChoice choice{.settings = settings};
+  if (settings.integrator->candidates) {
+    const std::optional<RenderSettings> recorded = recorded_choice(request, prepared);
+    if (recorded)
+      choice.settings = *recorded;
+    else
+      choice = choose_integrator(*prepared.device, prepared.packed, prepared.view, settings, *prepared.kernels);
+    if (!recorded && !request.output.quiet) fmt::print(stderr, "wavepath: {}\n", choice_text(choice));
+    settings = choice.settings;
+  }
+  if (needs_identity(request)) prepared.identity = identity_as(request, prepared, settings);
   return choice;
 }
 

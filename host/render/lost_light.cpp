@@ -31,6 +31,7 @@ std::optional<LostLight> measure_lost_light(Device& device, const PackedScene& s
   RenderSettings small = small_picture(settings, kLongestSide, kSamples);
   const PictureLight found = light_of(*render(device, scene, view, small, RenderHooks{}, kernels).film);
   small.integrator = *finder;
+  small.aovs.clear(); // of which it cannot give all
   const PictureLight all = light_of(*render(device, scene, view, small, RenderHooks{}, kernels).film);
   if (!(all.sum > 0.0)) return LostLight{};
   return LostLight{std::max(0.0, all.sum - found.sum) / all.sum, std::sqrt(all.variance + found.variance) / all.sum};
