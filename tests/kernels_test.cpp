@@ -11,6 +11,7 @@
 #include "kernels/features.h"
 #include "kernels/film/film_types.h"
 #include "kernels/frame_types.h"
+#include "kernels/light_tree_types.h"
 #include "kernels/path/accumulate.spv.h"
 #include "kernels/path/advance.spv.h"
 #include "kernels/path/connect.spv.h"
@@ -44,6 +45,8 @@ struct Bench {
         film(device_, kSlots * gpu::kReplicates * sizeof(gpu::FilmPixel)),
         film_aovs(device_, kSlots * sizeof(gpu::FilmAovs)),
         runs(device_, kSlots * 4),
+        receivers(device_, kSlots * 16),
+        light_sums(device_, 16),
         constants{features,
                   packed.stack_size + 2,
                   gpu::kSamplerSobol,
@@ -74,7 +77,10 @@ struct Bench {
                            {gpu::kBindFilmAovs, storage, &film_aovs},
                            {gpu::kBindRuns, texels_r32ui, &runs},
                            {gpu::kBindCounters, storage, &counters},
-                           {gpu::kBindSeen, storage, &film}});
+                           {gpu::kBindSeen, storage, &film},
+                           {gpu::kBindReceivers, storage, &receivers},
+                           {gpu::kBindReceiverTexels, texels_rgba32ui, &receivers},
+                           {gpu::kBindLightSums, storage, &light_sums}});
     bindings = std::make_unique<BindingSet>(device, all, static_cast<std::uint32_t>(sizeof(gpu::Wave)));
   }
 
@@ -93,7 +99,8 @@ struct Bench {
 
   Device& device;
   DeviceScene scene;
-  Buffer frame, paths, media, path_aovs, rays, hits, shadow_rays, queues, counters, film, film_aovs, runs;
+  Buffer frame, paths, media, path_aovs, rays, hits, shadow_rays, queues, counters, film, film_aovs, runs, receivers,
+      light_sums;
   std::array<std::uint32_t, gpu::kSpecCount> constants;
   std::unique_ptr<BindingSet> bindings;
 };
