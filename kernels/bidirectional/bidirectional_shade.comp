@@ -16,8 +16,10 @@
 #define BIND_PATH_WEIGHTS
 #define BIND_LIGHT_VERTICES
 #define BIND_CONNECTIONS
+#define BIND_MERGE_WEIGHTS
 #include "kernels/bidirectional/bindings.glsl"
 #include "kernels/bidirectional/light_path.glsl"
+#include "kernels/bidirectional/merging.glsl"
 #include "kernels/bidirectional/records.glsl"
 #include "kernels/bidirectional/scattering.glsl"
 #include "kernels/path/first_hit.glsl"
@@ -38,11 +40,11 @@ vec3 transmittance(Vertex v, vec3 wi, uint slot, float distance_) {
 }
 
 // Weight of light that the path met by chance. `connect_pdf`: density with which the point, or the direction, is picked to
-// connect to; `start_pdf`: with which a light path begins there and takes the path's last edge.
-float hit_weight(PathWeights weights, float connect_pdf, float start_pdf) {
+// connect to; `start_pdf`: with which a light path begins there and takes the path's last edge; `merged`: see merging.glsl.
+float hit_weight(PathWeights weights, float connect_pdf, float start_pdf, float merged) {
   if (wave.bounce == 0u) return 1.0;
   float to_light = uses_technique(kTechniqueLight) ? square(connect_pdf) * weights.connect : 0.0;
-  return 1.0 / (1.0 + to_light + square(start_pdf) * weights.others);
+  return 1.0 / (1.0 + to_light + square(start_pdf) * (weights.others + merged));
 }
 
 // Next-event estimation: true if there is a shadow ray worth tracing.
@@ -129,7 +131,7 @@ bool connect_to_light_path(Vertex v, uint slot, vec3 throughput, PathWeights wei
 
 // Scatters the path: true if it goes on with `ray`.
 bool scatter(Vertex v, Sampler path_sampler, uint dimension, uint slot, inout PathState path, inout PathWeights weights,
-             out Ray ray) {
+             inout float merge, out Ray ray) {
   vec2 u = sample_2d(path_sampler, dimension + kDimensionDirection);
   vec2 u_choice = sample_2d(path_sampler, dimension + kDimensionChoice);
   vec3 local = to_local(v, v.wo);
@@ -139,10 +141,14 @@ bool scatter(Vertex v, Sampler path_sampler, uint dimension, uint slot, inout Pa
   if (!sides_agree(v, wi)) return false;
 
   float cosine = surface_cosine(v, wi);
-  if (s.pdf < 0.0)
-    weights = scattered_delta(weights, cosine, abs(local.z) / (abs(s.wi.z) * s.eta_scale));
-  else
+  if (s.pdf < 0.0) {
+    float ratio = abs(local.z) / (abs(s.wi.z) * s.eta_scale);
+    weights = scattered_delta(weights, cosine, ratio);
+    merge = merge_scattered_delta(merge, cosine, ratio);
+  } else {
     weights = scattered(weights, cosine, s.pdf, reverse_pdf(v, wi), connects_behind());
+    merge = merge_scattered(merge, cosine, s.pdf);
+  }
   path.throughput *= s.weight;
   path.bsdf_pdf = s.pdf; // extend asks whether it is that of a delta lobe
   path.eta_scale *= s.eta_scale;
@@ -185,7 +191,8 @@ void follow(Ray ray, Hit hit, inout PathState path, out Wants wants, out Ray nex
     if (has(kFeatureVolume)) path.throughput *= medium_transmittance(path_media[slot], kFarAway);
     float pdf;
     vec3 radiance = environment_emission(ray.direction, pdf);
-    add_radiance(path, slot, path.throughput * radiance * hit_weight(fetch_weights(slot), pdf, pdf * disk_pdf()));
+    float merged = merge_met_light(fetch_merge(slot), path.bsdf_pdf);
+    add_radiance(path, slot, path.throughput * radiance * hit_weight(fetch_weights(slot), pdf, pdf * disk_pdf(), merged));
     return;
   }
 
@@ -203,10 +210,12 @@ void follow(Ray ray, Hit hit, inout PathState path, out Wants wants, out Ray nex
   float cosine = surface_cosine(v, v.wo);
   if (!(cosine > 0.0)) return;
   PathWeights weights = arrive(ray, offset, cosine);
+  float merge = merge_arrived(fetch_merge(slot), cosine);
   vec3 emitted = surface_emission(surface, material, v.front);
   if (hits && max_component(emitted) > 0.0) {
     float pdf = light_pdf_area(surface, hit);
-    float weight = hit_weight(weights, pdf, pdf * triangle_direction_pdf(material, cosine));
+    float merged = merge_met_light(merge, path.bsdf_pdf);
+    float weight = hit_weight(weights, pdf, pdf * triangle_direction_pdf(material, cosine), merged);
     add_radiance(path, slot, path.throughput * emitted * weight);
   }
 
@@ -219,8 +228,9 @@ void follow(Ray ray, Hit hit, inout PathState path, out Wants wants, out Ray nex
     if (uses_technique(kTechniqueConnect))
       wants.connection = connect_to_light_path(v, slot, path.throughput, weights, connection);
   }
-  wants.ray = scatter(v, path_sampler, dimension, slot, path, weights, next);
+  wants.ray = scatter(v, path_sampler, dimension, slot, path, weights, merge, next);
   store_weights(slot, weights);
+  store_merge(slot, merge);
 }
 
 bool is_sound(PathState path) { return is_finite(path.radiance) && is_finite(path.throughput); }

@@ -22,7 +22,8 @@ GPU_CONSTANT uint kTechniqueHit = 1u << 0;     // a camera path meets the light 
 GPU_CONSTANT uint kTechniqueLight = 1u << 1;   // it is connected to a point on a light (s = 1)
 GPU_CONSTANT uint kTechniqueConnect = 1u << 2; // it is connected to a vertex of a light path (s > 1)
 GPU_CONSTANT uint kTechniqueSplat = 1u << 3;   // a light path is connected to the camera (t = 1)
-GPU_CONSTANT uint kTechniquesAll = 15u;
+GPU_CONSTANT uint kTechniqueMerge = 1u << 4;   // it ends near a vertex of a light path (see photon_types.h)
+GPU_CONSTANT uint kTechniquesAll = 31u;
 
 struct BidirectionalFrame {
   vec3 scene_centre; // of a sphere that holds the geometry

@@ -3,10 +3,13 @@
 #define WAVEPATH_BIDIRECTIONAL_BINDINGS_GLSL
 
 #include "kernels/bidirectional/bidirectional_types.h"
+#include "kernels/bidirectional/photon_types.h"
 #include "kernels/film/film_types.h"
 #include "kernels/path/bindings.glsl"
 
 layout(set = 0, binding = kBindBidirectional, std140) uniform BidirectionalBlock { BidirectionalFrame bidirectional; };
+
+layout(set = 0, binding = kBindPhotonFrame, std140) uniform PhotonFrameBlock { PhotonFrame photon_frame; };
 
 #ifdef BIND_PATH_WEIGHTS
 layout(set = 0, binding = kBindPathWeights, std430) buffer PathWeightBlock { vec2 path_weights[]; };
@@ -22,6 +25,17 @@ layout(set = 0, binding = kBindLightCounts, std430) buffer LightCountBlock { uin
 layout(set = 0, binding = kBindConnections, std430) writeonly buffer ConnectionBlock { uvec4 connection_words[]; };
 layout(set = 0, binding = kBindConnectionTexels) uniform usamplerBuffer connection_texels;
 layout(set = 0, binding = kBindConnectionQueue, std430) buffer ConnectionQueueBlock { ConnectionQueue connections; };
+#endif
+
+#ifdef BIND_PHOTONS
+layout(set = 0, binding = kBindPhotons, std430) writeonly buffer PhotonBlock { uvec4 photon_words[]; };
+layout(set = 0, binding = kBindPhotonTexels) uniform usamplerBuffer photon_texels;
+layout(set = 0, binding = kBindPhotonCells, std430) buffer PhotonCellBlock { uvec2 photon_cells[]; };
+layout(set = 0, binding = kBindPhotonCellTexels) uniform usamplerBuffer photon_cell_texels;
+#endif
+
+#ifdef BIND_MERGE_WEIGHTS
+layout(set = 0, binding = kBindMergeWeights, std430) buffer MergeWeightBlock { float merge_weights[]; };
 #endif
 
 #ifdef BIND_SPLATS

@@ -10,14 +10,28 @@
 // Light paths draw from dimensions of their own: those of a sampler with another seed. As they do not belong to their pixels,
 // those of a whole picture share one Sobol sequence for each replicate: what they bring to a pixel is stratified however few a
 // pixel's own are.
+//
+// Those of photons belong to no pixel at all: a wave of them counts its paths by `first_pixel`, and has a sample number for each
+// map and replicate.
+bool traces_photons() { return wave.first_film_pixel == kNone; }
+
 Sampler light_sampler(uint slot) {
-  uvec2 pixel = slot_pixel(slot);
-  uint seed = frame.seed ^ 0x4c494748u;
-  Sampler s = make_sampler(seed, pixel.y * frame.width + pixel.x, slot_sample(slot), frame.sample_total);
+  uint seed = frame.seed ^ 0x4c494748u, owner, path, paths; // `paths`: of one sample of all pixels
+  if (traces_photons()) {
+    seed ^= 0x50484f54u;
+    owner = path = wave.first_pixel + slot;
+    paths = photon_frame.path_count;
+  } else {
+    uvec2 pixel = slot_pixel(slot);
+    owner = pixel.y * frame.width + pixel.x;
+    path = wave_pixel(slot % wave.pixel_count);
+    paths = frame.width * frame.height;
+  }
+  Sampler s = make_sampler(seed, owner, slot_sample(slot), frame.sample_total);
   if (kSampler == kSamplerSobol) {
     uint high, low, carry;
-    umulExtended(s.index, frame.width * frame.height, high, low);
-    s.index = uaddCarry(low, wave_pixel(slot % wave.pixel_count), carry);
+    umulExtended(s.index, paths, high, low);
+    s.index = uaddCarry(low, path, carry);
     s.scramble = pcg3d(uvec3(seed, high + carry, s.replicate + 0x80000000u)).x; // another sequence after 2^32 paths
   }
   return s;

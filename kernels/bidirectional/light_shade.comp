@@ -15,13 +15,10 @@
 #define BIND_LIGHT_VERTICES
 #define BIND_CONNECTIONS
 #include "kernels/bidirectional/bindings.glsl"
-#include "kernels/bidirectional/light_path.glsl"
-#include "kernels/bidirectional/records.glsl"
-#include "kernels/bidirectional/scattering.glsl"
+#include "kernels/bidirectional/light_step.glsl"
 #include "kernels/filter.glsl"
 #include "kernels/path/nonfinite.glsl"
 #include "kernels/path/queue.glsl"
-#include "kernels/path/records.glsl"
 
 layout(local_size_x = kWorkgroupSize) in;
 
@@ -114,48 +111,24 @@ bool scatter(Vertex v, Sampler path_sampler, uint dimension, uint slot, inout Pa
   float out_cosine = surface_cosine(v, w), in_cosine = surface_cosine(v, v.wo);
   if (!(out_cosine > 0.0) || !sides_agree(seen, v.wo)) return false;
 
-  if (s.pdf < 0.0 && path.eta_scale < 0.0) return false; // a mirror shows the unlit surface instead
-  path.eta_scale = 1.0;
-  if (s.pdf < 0.0) { // flux is not scaled by refraction as radiance is
-    float bend = abs(local.z) / abs(s.wi.z);
-    path.throughput *= s.weight * (s.eta_scale * bend * out_cosine / in_cosine);
-    weights = scattered_delta(weights, out_cosine, bend / s.eta_scale);
+  if (s.pdf < 0.0) {
+    if (!light_passes_delta(v, local, s, w, path, weights)) return false;
   } else {
     float forward;
     vec3 value = bsdf_eval(seen.bsdf, to_local(seen, w), to_local(seen, v.wo), forward);
     path.throughput *= value * (out_cosine / (in_cosine * s.pdf));
     weights = scattered(weights, out_cosine, s.pdf, forward, wave.bounce == 1u || uses_technique(kTechniqueConnect));
   }
-  path.bsdf_pdf = 1.0;
-  float survival = sqrt(max_component(path.throughput)); // as in path/shade.comp
-  if (survival < 1.0 && wave.bounce > 2u) {
-    if (!(u_choice.y < survival)) return false;
-    path.throughput /= survival;
-  }
-  if (!(max_component(path.throughput) > 0.0)) return false;
-
-  if (has(kFeatureVolume) && s.transmitted && !v.bsdf.thin) path_media[slot] = medium_behind(v);
-  ray = Ray(offset_ray_origin(v.surface.position, v.surface.position_error, v.surface.geometric_normal, w), slot, w, kFar);
-  return true;
+  return light_departs(v, s.transmitted, w, u_choice.y, slot, path, ray);
 }
 
 // Follows a light path to its next vertex. Returns which of the two rays it wants traced.
 void follow(Ray ray, Hit hit, inout PathState path, out bool wants_ray, out Ray next, out bool wants_splat, out Connection splat) {
   wants_ray = wants_splat = false;
-  if (hit.triangle == kNone) return;
-  Surface surface = fetch_surface(hit);
-  Material material = fetch_material(surface.material);
-  float cosine = abs(dot(surface.geometric_normal, ray.direction));
-  if (!(cosine > 0.0)) return;
-  vec3 offset = surface.position - ray.origin;
-  Vertex v = make_vertex(surface, material, ray.direction);
-  if (!v.front && is_single_sided(hit)) return; // no camera path sees this side
-  if (has(kFeatureVolume)) { // inside, whatever the path met before: a lamp may hang in the glass
-    uint medium = !v.front && !v.bsdf.thin ? surface.material : path_media[ray.slot];
-    path.throughput *= medium_transmittance(medium, length(offset));
-  }
-  float distance_squared = path.bsdf_pdf > 0.0 ? dot(offset, offset) : 1.0;
-  PathWeights weights = arrived(fetch_weights(ray.slot), distance_squared, cosine);
+  Vertex v;
+  float cosine;
+  PathWeights weights;
+  if (!light_arrives(ray, hit, path, v, cosine, weights)) return;
 
   Sampler path_sampler = light_sampler(ray.slot);
   uint dimension = bounce_dimension(wave.bounce);

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 
+#include "host/render/device/wave_queue.h"
 #include "kernels/bidirectional/bidirectional_connect.spv.h"
 #include "kernels/bidirectional/bidirectional_shade.spv.h"
 #include "kernels/bidirectional/connection_advance.spv.h"
@@ -11,6 +12,10 @@
 #include "kernels/bidirectional/light_generate.spv.h"
 #include "kernels/bidirectional/light_shade.spv.h"
 #include "kernels/bidirectional/light_splat.spv.h"
+#include "kernels/bidirectional/photon_clear.spv.h"
+#include "kernels/bidirectional/photon_gather.spv.h"
+#include "kernels/bidirectional/photon_link.spv.h"
+#include "kernels/bidirectional/photon_shade.spv.h"
 
 namespace wavepath {
 namespace {
@@ -23,6 +28,10 @@ enum Stage : std::size_t {
   kCameraShade,
   kCameraConnect,
   kConnectionAdvance,
+  kPhotonClear,
+  kPhotonShade,
+  kPhotonLink,
+  kPhotonGather,
   kStageCount
 };
 const std::array<KernelCode, kStageCount> kStages = {{{"light generate", wavepath_light_generate_spv},
@@ -31,12 +40,32 @@ const std::array<KernelCode, kStageCount> kStages = {{{"light generate", wavepat
                                                       {"light splat", wavepath_light_splat_spv},
                                                       {"bidirectional shade", wavepath_bidirectional_shade_spv},
                                                       {"bidirectional connect", wavepath_bidirectional_connect_spv},
-                                                      {"connection advance", wavepath_connection_advance_spv}}};
+                                                      {"connection advance", wavepath_connection_advance_spv},
+                                                      {"photon clear", wavepath_photon_clear_spv},
+                                                      {"photon shade", wavepath_photon_shade_spv},
+                                                      {"photon link", wavepath_photon_link_spv},
+                                                      {"photon gather", wavepath_photon_gather_spv}}};
 constexpr std::array<std::size_t, kStageCount> kCompileOrder = {
-    kCameraShade, kLightShade, kLightExtend, kLightSplat, kCameraConnect, kLightGenerate, kConnectionAdvance};
+    kCameraShade,       kLightShade,   kLightExtend, kLightSplat, kCameraConnect, kLightGenerate,
+    kConnectionAdvance, kPhotonGather, kPhotonShade, kPhotonLink, kPhotonClear};
+// Once there are photons.
+constexpr std::uint32_t kPhotonWave = 1u << 16; // light paths that are followed at once
+constexpr std::uint32_t kPhotonStages =
+    1u << kPhotonClear | 1u << kPhotonShade | 1u << kPhotonLink | 1u << kPhotonGather;
 
-// `options` of the extents: light vertices that a path stores at most.
-enum OwnBuffer : std::size_t { kConstants, kWeights, kVertices, kCounts, kConnections, kConnectionQueue };
+// `options` of the extents: light vertices that a path stores at most. `pixels`: of a picture with photons, else 0.
+enum OwnBuffer : std::size_t {
+  kConstants,
+  kWeights,
+  kVertices,
+  kCounts,
+  kConnections,
+  kConnectionQueue,
+  kPhotonConstants,
+  kPhotons,
+  kPhotonCells,
+  kMergeWeights
+};
 const std::vector<BufferRule> kRules = {
     {"constants",
      [](const Extent&) { return std::uint64_t{sizeof(gpu::BidirectionalFrame)}; },
@@ -56,6 +85,18 @@ const std::vector<BufferRule> kRules = {
     {"connection queue",
      [](const Extent&) { return std::uint64_t{sizeof(gpu::ConnectionQueue)}; },
      {{gpu::kBindConnectionQueue, BindingKind::storage}}},
+    {"photon constants",
+     [](const Extent&) { return std::uint64_t{sizeof(gpu::PhotonFrame)}; },
+     {{gpu::kBindPhotonFrame, BindingKind::uniform}}},
+    {"photons",
+     [](const Extent& e) { return e.pixels ? plan_photons(e.pixels).photons() * sizeof(gpu::Photon) : 0; },
+     {{gpu::kBindPhotons, BindingKind::storage}, {gpu::kBindPhotonTexels, BindingKind::texels_rgba32ui}}},
+    {"photon cells",
+     [](const Extent& e) { return e.pixels ? plan_photons(e.pixels).cell_count * sizeof(gpu::PhotonCell) : 0; },
+     {{gpu::kBindPhotonCells, BindingKind::storage}, {gpu::kBindPhotonCellTexels, BindingKind::texels_rg32ui}}},
+    {"merge weights",
+     [](const Extent& e) { return e.pixels ? e.slots * sizeof(float) : 0; },
+     {{gpu::kBindMergeWeights, BindingKind::storage}}},
 };
 
 std::vector<Binding> layout() {
@@ -86,26 +127,44 @@ std::uint64_t light_vertex_bytes_per_slot(const RenderSettings& settings) {
   return stored_vertices(settings) * sizeof(gpu::LightVertex);
 }
 
-std::uint64_t light_bytes_per_slot(const RenderSettings& settings) {
+std::uint64_t light_bytes_per_slot(const RenderSettings& settings, bool merges) {
   std::uint64_t bytes = 0;
-  for (const BufferRule& rule : kRules) bytes += rule.bytes({.slots = 1, .options = stored_vertices(settings)});
-  return bytes - sizeof(gpu::BidirectionalFrame) - sizeof(gpu::ConnectionQueue);
+  for (const BufferRule& rule : kRules) {
+    const auto of = [&](std::uint64_t slots) {
+      return rule.bytes({.pixels = merges ? 1u : 0u, .slots = slots, .options = stored_vertices(settings)});
+    };
+    bytes += of(1) - of(0);
+  }
+  return bytes;
 }
 
 const KernelProgram kBidirectionalProgram = {kStages, kCompileOrder, layout};
 
 Bidirectional::Bidirectional(Workspace& workspace, KernelCompiler& kernels)
-    : workspace_(workspace), kernels_(kernels), paths_(workspace, kernels), buffers_(workspace.device, kRules) {}
+    : workspace_(workspace),
+      kernels_(kernels),
+      paths_(workspace, kernels),
+      buffers_(workspace.device, kRules),
+      delta_surfaces_(find_delta_surfaces(workspace.scene)) {}
 
 void Bidirectional::change(const View& view, const RenderSettings& settings, Past) {
   const PackedScene& scene = workspace_.scene;
   need_ = {&kBidirectionalProgram, kBidirectionalStages,
            kernel_config(needed_features(scene, view, settings), scene.stack_size, settings)};
   kernels_.start(need_);
-  techniques_ = settings.techniques;
+  const bool merges = asks_for_photons(settings) && delta_surfaces_.area > 0.0 && workspace_.frame.light_count > 0;
+  techniques_ = merges ? settings.techniques : settings.techniques & ~gpu::kTechniqueMerge;
+  photons_ = merges ? plan_photons(std::uint64_t{settings.width} * settings.height) : PhotonPlan{};
+  first_radius_ = merges ? first_radius(workspace_.frame, delta_surfaces_) : 0.0f;
+  block_.reset();
+  photon_need_ = need_;
+  photon_need_.stages = kPhotonStages;
+  if (merges) kernels_.start(photon_need_);
   const std::uint32_t features = kernels_.features(kBidirectionalProgram);
   bool moved = paths_.change(settings, kSharedPathStages, kRoomForShadowRays, features);
-  moved |= buffers_.fit({.slots = workspace_.slots, .options = stored_vertices(settings)});
+  const std::uint64_t photon_pixels = merges ? std::uint64_t{settings.width} * settings.height : 0;
+  moved |=
+      buffers_.fit({.pixels = photon_pixels, .slots = workspace_.slots, .options = stored_vertices(settings)});
   const gpu::BidirectionalFrame frame = make_frame(scene, workspace_.frame, techniques_);
   buffers_[kConstants].write(&frame, sizeof(frame));
   if (!moved && !sets_.empty()) return;
@@ -122,10 +181,71 @@ void Bidirectional::change(const View& view, const RenderSettings& settings, Pas
 
 bool Bidirectional::is_ready() {
   const bool paths = paths_.is_ready(); // asks for both, so that both are begun
-  return kernels_.ready(need_) && paths;
+  const bool photons = !merges() || kernels_.ready(photon_need_);
+  return kernels_.ready(need_) && paths && photons;
 }
 
-double Bidirectional::get_ready() { return kernels_.best(need_).seconds() + paths_.get_ready(); }
+double Bidirectional::get_ready() {
+  const double photons = merges() ? kernels_.best(photon_need_).seconds() : 0.0;
+  return kernels_.best(need_).seconds() + paths_.get_ready() + photons;
+}
+
+// Passes end where blocks do, so that all samples of a wave share a map.
+std::uint32_t Bidirectional::most_samples(std::uint32_t first_sample) const {
+  const std::uint32_t most = Integrator::most_samples(first_sample);
+  return merges() ? std::min(most, photons_.block - first_sample % photons_.block) : most;
+}
+
+void Bidirectional::begin_pass(WaveQueue& queue, std::uint32_t first_sample) {
+  if (!merges() || block_ == first_sample / photons_.block) return;
+  block_ = first_sample / photons_.block;
+  const gpu::PhotonFrame map = photon_frame(photons_, radius_of_block(first_radius_, photons_, *block_));
+  queue.submit([&](Commands& commands) { record_empty_map(commands, map); }, {.timed_dispatches = 1});
+  const std::uint32_t most = std::min(workspace_.slots, kPhotonWave);
+  gpu::Wave wave{.sample_count = 1, .first_film_pixel = gpu::kNone}; // see traces_photons()
+  for (std::uint32_t replicate = 0; replicate < gpu::kReplicates; ++replicate) {
+    wave.first_sample = *block_ * gpu::kReplicates + replicate;
+    for (wave.first_pixel = 0; wave.first_pixel < photons_.path_count; wave.first_pixel += wave.pixel_count) {
+      wave.pixel_count = std::min(most, photons_.path_count - wave.first_pixel);
+      queue.submit([&](Commands& commands) { record_photons(commands, wave); },
+                   {.timed_dispatches = timed_dispatches()});
+    }
+  }
+  queue.submit([&](Commands& commands) { record_links(commands, wave); }, {.timed_dispatches = 1});
+}
+
+void Bidirectional::record_empty_map(Commands& commands, const gpu::PhotonFrame& map) {
+  const gpu::Wave wave{};
+  commands.write(buffers_[kPhotonConstants], &map, sizeof(map));
+  commands.bind(*sets_[0]);
+  commands.dispatch(kernels_.best(photon_need_)[kPhotonClear], groups_for(photons_.cell_count), &wave);
+}
+
+void Bidirectional::record_photons(Commands& commands, const gpu::Wave& wave) {
+  const KernelSet &kernels = kernels_.best(need_), &photon_kernels = kernels_.best(photon_need_);
+  commands.bind(*sets_[0]);
+  commands.dispatch(kernels[kLightGenerate], groups_for(wave.pixel_count), &wave);
+  gpu::Wave step = wave;
+  for (std::uint32_t bounce = 1; bounce < workspace_.frame.max_depth; ++bounce) {
+    commands.barrier();
+    commands.bind(paths_.bindings(0));
+    step.bounce = 2 * bounce;
+    commands.dispatch(paths_.kernels()[kAdvance], 1, &step);
+    commands.bind(*sets_[0]);
+    commands.barrier();
+    step.bounce = bounce;
+    commands.dispatch_indirect(kernels[kLightExtend], paths_.buffers[kQueues], offsetof(gpu::Queues, extend_groups),
+                               &step);
+    commands.barrier();
+    commands.dispatch_indirect(photon_kernels[kPhotonShade], paths_.buffers[kQueues],
+                               offsetof(gpu::Queues, extend_groups), &step);
+  }
+}
+
+void Bidirectional::record_links(Commands& commands, const gpu::Wave& wave) {
+  commands.bind(*sets_[0]);
+  commands.dispatch(kernels_.best(photon_need_)[kPhotonLink], groups_for(photons_.photons()), &wave);
+}
 
 std::uint32_t Bidirectional::timed_dispatches() const {
   return std::min(4 + (workspace_.frame.max_depth + 1) * 16, 1024u);
@@ -200,6 +320,11 @@ void Bidirectional::record_camera_paths(Commands& commands, std::size_t band, co
     commands.dispatch(kernels[kConnectionAdvance], 1, &step);
     commands.barrier();
     step.bounce = bounce;
+    if (merges() && bounce > 0 && bounce + 2 <= workspace_.frame.max_depth) { // a photon has met two surfaces
+      commands.dispatch_indirect(kernels_.best(photon_need_)[kPhotonGather], paths_.buffers[kQueues],
+                                 offsetof(gpu::Queues, extend_groups), &step);
+      commands.barrier();
+    }
     commands.dispatch_indirect(kernels[kCameraShade], paths_.buffers[kQueues], offsetof(gpu::Queues, extend_groups),
                                &step);
     if (bounce + 1 < bounces && lights && techniques_ & gpu::kTechniqueConnect) {

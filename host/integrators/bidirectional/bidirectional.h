@@ -2,8 +2,10 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
+#include "host/integrators/bidirectional/photon_map.h"
 #include "host/integrators/path/paths.h"
 #include "kernels/bidirectional/bidirectional_types.h"
 
@@ -16,12 +18,17 @@ public:
   void change(const View& view, const RenderSettings& settings, Past past) override;
   bool is_ready() override;
   double get_ready() override;
-  void begin_pass(WaveQueue&, std::uint32_t) override {}
+  std::uint32_t most_samples(std::uint32_t first_sample) const override;
+  void begin_pass(WaveQueue& queue, std::uint32_t first_sample) override;
   void record_wave(Commands& commands, std::size_t band, const gpu::Wave& wave) override;
   std::uint32_t timed_dispatches() const override;
   std::uint64_t bytes() const override { return paths_.buffers.bytes() + buffers_.bytes(); }
 
 private:
+  bool merges() const { return photons_.path_count > 0; }
+  void record_empty_map(Commands& commands, const gpu::PhotonFrame& map);
+  void record_photons(Commands& commands, const gpu::Wave& wave);
+  void record_links(Commands& commands, const gpu::Wave& wave);
   void record_light_paths(Commands& commands, std::size_t band, const gpu::Wave& wave);
   void record_splats(Commands& commands, std::size_t band, const gpu::Wave& wave, const KernelSet& kernels);
   void record_camera_paths(Commands& commands, std::size_t band, const gpu::Wave& wave);
@@ -31,7 +38,12 @@ private:
   Paths paths_; // of both kinds, one after the other
   BufferSet buffers_;
   KernelNeed need_;
-  std::uint32_t techniques_ = 0;
+  std::uint32_t techniques_ = 0; // those that the scene has use for
+  const DeltaSurfaces delta_surfaces_;
+  PhotonPlan photons_; // no paths where nothing merges
+  float first_radius_ = 0.0f;
+  std::optional<std::uint32_t> block_; // that the map is of
+  KernelNeed photon_need_;
   std::vector<std::unique_ptr<BindingSet>> sets_; // by band
 };
 
@@ -40,8 +52,8 @@ inline constexpr std::uint32_t kBidirectionalStages = 0x7f; // all
 // Of Paths: all but shade.
 inline constexpr std::uint32_t kSharedPathStages = kAllPathStages & ~stage_bits({kShade});
 
-// Bytes of light vertices and connections that a slot takes.
-std::uint64_t light_bytes_per_slot(const RenderSettings& settings);
+// Bytes of light vertices and connections that a slot takes. `merges`: where there are photons.
+std::uint64_t light_bytes_per_slot(const RenderSettings& settings, bool merges);
 std::uint64_t light_vertex_bytes_per_slot(const RenderSettings& settings);
 
 } // namespace wavepath

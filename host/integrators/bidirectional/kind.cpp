@@ -26,7 +26,7 @@ void start_kernels(KernelCompiler& kernels, const DeviceInfo&, std::uint32_t fea
 std::vector<std::string> bias(const RenderSettings& settings, const RenderResult&) {
   std::vector<std::string> bias;
   bias.push_back(fmt::format("light paths end after {} bounces (--max-depth)", settings.max_depth));
-  if (settings.techniques != gpu::kTechniquesAll)
+  if ((settings.techniques | gpu::kTechniqueMerge) != gpu::kTechniquesAll)
     bias.emplace_back("light that only other techniques find is left out (--techniques)");
   return bias;
 }
@@ -55,7 +55,7 @@ constinit const IntegratorKind kBidirectional = {
     .start_kernels = start_kernels,
     .bytes_per_slot =
         [](std::uint32_t features, const RenderSettings& settings) {
-          return bytes_per_path(features, kRoomForShadowRays) + light_bytes_per_slot(settings);
+          return bytes_per_path(features, kRoomForShadowRays) + light_bytes_per_slot(settings, asks_for_photons(settings));
         },
     .largest_record =
         [](const RenderSettings& settings) {

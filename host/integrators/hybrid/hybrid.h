@@ -37,7 +37,7 @@ public:
   bool learn() override;
 
   std::uint32_t paths_per_pixel(std::uint32_t samples) const override;
-  std::uint32_t most_samples() const override { return 1; }
+  std::uint32_t most_samples(std::uint32_t) const override { return 1; }
   void begin_pass(WaveQueue& queue, std::uint32_t first_sample) override;
   gpu::Wave wave(const FilmBand& band, std::uint32_t first_place, std::uint32_t pixel_count, std::uint32_t first_sample,
                  std::uint32_t count) const override;

@@ -56,8 +56,10 @@ public:
 
   // Paths that a pixel of a wave counts for, when it gets so many samples.
   virtual std::uint32_t paths_per_pixel(std::uint32_t samples) const { return samples; }
-  // Samples of a pass at most.
-  virtual std::uint32_t most_samples() const { return 4096; } // kernels loop over them; Mesa 22.3 ends loops at 65,535
+  // Samples at most of a pass that begins with sample `first_sample`.
+  virtual std::uint32_t most_samples(std::uint32_t /*first_sample*/) const {
+    return 4096; // kernels loop over them; Mesa 22.3 ends loops at 65,535
+  }
   // A pass covers all pixels, beginning with sample `first_sample`.
   virtual void begin_pass(WaveQueue& queue, std::uint32_t first_sample) = 0;
   // What a wave's kernels are told: `count` samples from `first_sample` on of pixels at places from `first_place` on.

@@ -81,7 +81,7 @@ std::string spp_identity(const S& settings) {
 }
 
 // By kTechnique bit.
-constexpr std::array<std::string_view, 4> kTechniqueNames = {"hit", "light", "connect", "splat"};
+constexpr std::array<std::string_view, 5> kTechniqueNames = {"hit", "light", "connect", "splat", "merge"};
 
 void read_techniques(const FlagValue& value, S& settings) {
   settings.techniques = 0;

@@ -1,0 +1,56 @@
+// One step of a light path: arrival at a surface, and departure from it. Include bindings.glsl with BIND_GEOMETRY,
+// BIND_SURFACES, BIND_PATHS and BIND_PATH_WEIGHTS first.
+#ifndef WAVEPATH_LIGHT_STEP_GLSL
+#define WAVEPATH_LIGHT_STEP_GLSL
+
+#include "kernels/bidirectional/light_path.glsl"
+#include "kernels/bidirectional/records.glsl"
+#include "kernels/bidirectional/scattering.glsl"
+#include "kernels/path/records.glsl"
+
+// Where the ray met a surface; `cosine` to it. False if no camera path would find the light there.
+bool light_arrives(Ray ray, Hit hit, inout PathState path, out Vertex v, out float cosine, out PathWeights weights) {
+  if (hit.triangle == kNone) return false;
+  Surface surface = fetch_surface(hit);
+  Material material = fetch_material(surface.material);
+  cosine = abs(dot(surface.geometric_normal, ray.direction));
+  if (!(cosine > 0.0)) return false;
+  vec3 offset = surface.position - ray.origin;
+  v = make_vertex(surface, material, ray.direction);
+  if (!v.front && is_single_sided(hit)) return false; // no camera path sees this side
+  if (has(kFeatureVolume)) { // inside, whatever the path met before: a lamp may hang in the glass
+    uint medium = !v.front && !v.bsdf.thin ? surface.material : path_media[ray.slot];
+    path.throughput *= medium_transmittance(medium, length(offset));
+  }
+  float distance_squared = path.bsdf_pdf > 0.0 ? dot(offset, offset) : 1.0;
+  weights = arrived(fetch_weights(ray.slot), distance_squared, cosine);
+  return true;
+}
+
+// Through a delta lobe, towards `w`: flux is not scaled by refraction as radiance is. False where a mirror shows an unlit surface
+// instead of the light.
+bool light_passes_delta(Vertex v, vec3 local, BsdfSample s, vec3 w, inout PathState path, inout PathWeights weights) {
+  if (path.eta_scale < 0.0) return false;
+  float out_cosine = surface_cosine(v, w), in_cosine = surface_cosine(v, v.wo), bend = abs(local.z) / abs(s.wi.z);
+  path.throughput *= s.weight * (s.eta_scale * bend * out_cosine / in_cosine);
+  weights = scattered_delta(weights, out_cosine, bend / s.eta_scale);
+  return true;
+}
+
+// Departure towards `w`: false if Russian roulette ends the path.
+bool light_departs(Vertex v, bool transmitted, vec3 w, float u, uint slot, inout PathState path, out Ray ray) {
+  path.eta_scale = 1.0;
+  path.bsdf_pdf = 1.0;
+  float survival = sqrt(max_component(path.throughput)); // as in path/shade.comp
+  if (survival < 1.0 && wave.bounce > 2u) {
+    if (!(u < survival)) return false;
+    path.throughput /= survival;
+  }
+  if (!(max_component(path.throughput) > 0.0)) return false;
+
+  if (has(kFeatureVolume) && transmitted && !v.bsdf.thin) path_media[slot] = medium_behind(v);
+  ray = Ray(offset_ray_origin(v.surface.position, v.surface.position_error, v.surface.geometric_normal, w), slot, w, kFar);
+  return true;
+}
+
+#endif

@@ -1,0 +1,25 @@
+// Puts the photons of a map into the lists of their cells, and thins out those of crowded cells: which ones stay is a function
+// of the photon alone.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+
+#define BIND_PHOTONS
+#include "kernels/bidirectional/bindings.glsl"
+#include "kernels/bidirectional/photons.glsl"
+
+layout(local_size_x = kWorkgroupSize) in;
+
+void main() {
+  uint place = gl_GlobalInvocationID.x;
+  if (place >= kReplicates * photon_frame.path_count) return;
+  Photon photon = fetch_photon(place);
+  if (photon.link == 0u) return;
+  uint cell = cell_place(cell_of(photon.position), replicate_of_photon(place));
+  float probability = float(kMostInCell) / float(photon_cells[cell].x);
+  if (probability < 1.0) {
+    if (!(unit_float(pcg3d(uvec3(frame.seed, place, wave.first_sample)).x) < probability)) return;
+    photon_words[3u * place + 2u] = uvec4(floatBitsToUint(photon.light / probability), floatBitsToUint(photon.others));
+  }
+  uint next = atomicExchange(photon_cells[cell].y, place + 1u);
+  photon_words[3u * place + 1u].w = photon.link | next;
+}
