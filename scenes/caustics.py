@@ -203,6 +203,27 @@ def mirror_seen():
                   LUX * cosine * passed(cosine, GLASS) ** 2, 4, "specular", tint=gold(math.sqrt(0.5)))
 
 
+def bulb_seen():
+    """As mirror_seen, under a lamp in a bulb that stands aside of the mirror's shadow."""
+    g = Gltf("point light in a glass bulb, the floor seen in a mirror")
+    lambert_floor(g, 1.5)
+    aside, above, half = 0.8, 1.0, 0.15
+    shell(g, (aside, above, 0.0), 0.2, 0.15)
+    m = 0.2
+    g.mesh("mirror", quad((-m, 0.5 - m, m), (m, 0.5 + m, m), (m, 0.5 + m, -m), (-m, 0.5 - m, -m)).flipped(),
+           g.material("gold", GOLD, metallic=1.0, roughness=0.0, doubleSided=True))
+    g.light("point", LUX, COLOR_UNIT, (aside, above, 0.0))
+    g.camera((1.0, 0.5, 0.0), (0.0, 0.5, 0.0), extent=half)
+    steps, mean = 32, 0.0
+    for i in range(steps):
+        for j in range(steps):
+            x, z = (((2 * k + 1) / steps - 1) * half for k in (i, j))
+            d2 = (x - aside) ** 2 + above ** 2 + z ** 2
+            mean += above / d2 ** 1.5 / steps ** 2
+    return answer(g, "E = I (1 - F(0))^2 cos/d^2 (midpoint rule), seen at 45 degrees by Schlick's F of gold",
+                  LUX * passed(1.0, GLASS) ** 2 * mean, 4, "specular", 1e-4, gold(math.sqrt(0.5)))
+
+
 def wedge(apex, side, depth):
     """A glass prism along z, one edge up at `apex`, its other two faces below at 30 degrees to the vertical."""
     x, y = apex
@@ -251,5 +272,5 @@ def prism_beam():
 def scenes():
     """File stem, scene; its `answer` goes to expected.json."""
     for build in (water_flat, water_flat_from_above, water_wavy, slab_sun, panes, bulb, bulb_in_sphere, mirror_sun,
-                  mirror_seen, prism_beam):
+                  mirror_seen, bulb_seen, prism_beam):
         yield build.__name__, build()
