@@ -15,6 +15,7 @@
 #include "host/base/overloaded.h"
 #include "host/scene/material.h"
 #include "kernels/bidirectional/bidirectional_types.h"
+#include "kernels/bidirectional/photon_types.h"
 #include "kernels/film/film_types.h"
 #include "kernels/frame_types.h"
 #include "kernels/hybrid/filter_types.h"
@@ -214,6 +215,13 @@ TEST(Layout, Bidirectional) {
           {AT(Connection, origin), AT(Connection, slot), AT(Connection, direction), AT(Connection, triangle),
            AT(Connection, contribution), AT(Connection, instance), AT(Connection, pixel)});
   compare("ConnectionQueue", sizeof(ConnectionQueue), {AT(ConnectionQueue, count), AT(ConnectionQueue, groups)});
+  compare("PhotonFrame", sizeof(PhotonFrame),
+          {AT(PhotonFrame, path_count), AT(PhotonFrame, cell_count), AT(PhotonFrame, radius), AT(PhotonFrame, density),
+           AT(PhotonFrame, cells_per_metre)});
+  compare("Photon", sizeof(Photon),
+          {AT(Photon, position), AT(Photon, normal), AT(Photon, direction), AT(Photon, link), AT(Photon, light),
+           AT(Photon, others)});
+  compare("PhotonCell", sizeof(PhotonCell), {AT(PhotonCell, count), AT(PhotonCell, first)});
   compare("SplatPixel", sizeof(SplatPixel),
           {AT(SplatPixel, red), AT(SplatPixel, green), AT(SplatPixel, blue), AT(SplatPixel, largest)});
 }

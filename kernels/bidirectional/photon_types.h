@@ -1,5 +1,6 @@
-// Photons: the ends of light paths that nothing but mirrors and smooth glass has scattered, and the grid that finds those near
-// a point. Camera paths that have met nothing but mirrors and smooth glass either end there (kTechniqueMerge).
+// Photons: the ends of light paths that nothing but mirrors and smooth glass has scattered, and the grid that finds
+// those near a point. Camera paths that have met nothing but mirrors and smooth glass either end there
+// (kTechniqueMerge).
 #ifndef WAVEPATH_PHOTON_TYPES_H
 #define WAVEPATH_PHOTON_TYPES_H
 
@@ -21,7 +22,8 @@ struct PhotonFrame {
   uint path_count; // light paths of each replicate
   uint cell_count; // a power of two
   float radius;
-  float density; // pi radius^2 path_count: of photons that are found from a point, over the density per area of one path
+  float
+      density; // pi radius^2 path_count: of photons that are found from a point, over the density per area of one path
   float cells_per_metre;
   uint pad0;
   uint pad1;
@@ -33,9 +35,10 @@ struct Photon {
   vec3 position;
   uint normal;    // of the geometry, packSnorm4x8
   vec3 direction; // back along the light path, unit length
-  uint link;      // surfaces met, this one included, << kPhotonBounceShift | place of the next photon of the cell + 1; 0 = none
-  vec3 light;     // arriving, over the density of the light path and the cosine to the surface
-  float others;   // PathWeights
+  uint link;  // surfaces met, this one included, << kPhotonBounceShift | place of the next photon of the cell + 1; 0 =
+              // none
+  vec3 light; // arriving, over the density of the light path and the cosine to the surface
+  float others; // PathWeights
 };
 GPU_CHECK(sizeof(Photon) == 48);
 GPU_CONSTANT uint kPhotonBounceShift = 20u, kPhotonPlaceMask = (1u << kPhotonBounceShift) - 1u;
@@ -47,8 +50,8 @@ struct PhotonCell {
 };
 GPU_CHECK(sizeof(PhotonCell) == 8);
 
-// Where more photons share a cell, so many are kept on average, each by chance and brighter: it bounds the work for a point, and
-// keeps below 65,535 trips of loops, after which Mesa 22.3 ends them all.
+// Where more photons share a cell, so many are kept on average, each by chance and brighter: it bounds the work for a
+// point, and keeps below 65,535 trips of loops, after which Mesa 22.3 ends them all.
 GPU_CONSTANT uint kMostInCell = 512u;
 
 #ifdef __cplusplus

@@ -2,6 +2,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "kernels/bidirectional/bidirectional_types.h"
+#include "kernels/bidirectional/photon_types.h"
 #include "kernels/film/film_types.h"
 #include "kernels/frame_types.h"
 #include "kernels/hybrid/filter_types.h"
@@ -47,5 +48,8 @@ layout(set = 0, binding = 31, std430) buffer LightVertices { LightVertex light_v
 layout(set = 0, binding = 32, std430) buffer Connections { Connection connections[]; };
 layout(set = 0, binding = 33, std430) buffer ConnectionQueues { ConnectionQueue connection_queues[]; };
 layout(set = 0, binding = 34, std430) buffer Splats { SplatPixel splats[]; };
+layout(set = 0, binding = 35, std140) uniform PhotonFrameBlock { PhotonFrame photon_frame; };
+layout(set = 0, binding = 36, std430) buffer Photons { Photon photons[]; };
+layout(set = 0, binding = 37, std430) buffer PhotonCells { PhotonCell photon_cells[]; };
 
 void main() {}

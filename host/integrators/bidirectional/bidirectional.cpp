@@ -5,6 +5,7 @@
 #include <cstddef>
 
 #include "host/render/device/wave_queue.h"
+#include "host/render/loop/render_result.h"
 #include "kernels/bidirectional/bidirectional_connect.spv.h"
 #include "kernels/bidirectional/bidirectional_shade.spv.h"
 #include "kernels/bidirectional/connection_advance.spv.h"
@@ -156,6 +157,7 @@ void Bidirectional::change(const View& view, const RenderSettings& settings, Pas
   techniques_ = merges ? settings.techniques : settings.techniques & ~gpu::kTechniqueMerge;
   photons_ = merges ? plan_photons(std::uint64_t{settings.width} * settings.height) : PhotonPlan{};
   first_radius_ = merges ? first_radius(workspace_.frame, delta_surfaces_) : 0.0f;
+  first_block_ = merges ? std::optional(settings.first_sample / photons_.block) : std::nullopt;
   block_.reset();
   photon_need_ = need_;
   photon_need_.stages = kPhotonStages;
@@ -163,8 +165,7 @@ void Bidirectional::change(const View& view, const RenderSettings& settings, Pas
   const std::uint32_t features = kernels_.features(kBidirectionalProgram);
   bool moved = paths_.change(settings, kSharedPathStages, kRoomForShadowRays, features);
   const std::uint64_t photon_pixels = merges ? std::uint64_t{settings.width} * settings.height : 0;
-  moved |=
-      buffers_.fit({.pixels = photon_pixels, .slots = workspace_.slots, .options = stored_vertices(settings)});
+  moved |= buffers_.fit({.pixels = photon_pixels, .slots = workspace_.slots, .options = stored_vertices(settings)});
   const gpu::BidirectionalFrame frame = make_frame(scene, workspace_.frame, techniques_);
   buffers_[kConstants].write(&frame, sizeof(frame));
   if (!moved && !sets_.empty()) return;
@@ -212,6 +213,15 @@ void Bidirectional::begin_pass(WaveQueue& queue, std::uint32_t first_sample) {
     }
   }
   queue.submit([&](Commands& commands) { record_links(commands, wave); }, {.timed_dispatches = 1});
+}
+
+void Bidirectional::describe(RenderResult& result) const {
+  if (!merges() || !block_) return;
+  result.merging = {.first_radius = radius_of_block(first_radius_, photons_, *first_block_),
+                    .last_radius = radius_of_block(first_radius_, photons_, *block_),
+                    .photon_paths = photons_.path_count,
+                    .block = photons_.block,
+                    .bytes = photons_.bytes()};
 }
 
 void Bidirectional::record_empty_map(Commands& commands, const gpu::PhotonFrame& map) {

@@ -23,6 +23,7 @@ public:
   void record_wave(Commands& commands, std::size_t band, const gpu::Wave& wave) override;
   std::uint32_t timed_dispatches() const override;
   std::uint64_t bytes() const override { return paths_.buffers.bytes() + buffers_.bytes(); }
+  void describe(RenderResult& result) const override;
 
 private:
   bool merges() const { return photons_.path_count > 0; }
@@ -42,7 +43,7 @@ private:
   const DeltaSurfaces delta_surfaces_;
   PhotonPlan photons_; // no paths where nothing merges
   float first_radius_ = 0.0f;
-  std::optional<std::uint32_t> block_; // that the map is of
+  std::optional<std::uint32_t> first_block_, block_; // of the render, and that the map is of
   KernelNeed photon_need_;
   std::vector<std::unique_ptr<BindingSet>> sets_; // by band
 };

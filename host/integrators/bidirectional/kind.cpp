@@ -23,16 +23,28 @@ void start_kernels(KernelCompiler& kernels, const DeviceInfo&, std::uint32_t fea
   kernels.start({&kPathProgram, kSharedPathStages, config});
 }
 
-std::vector<std::string> bias(const RenderSettings& settings, const RenderResult&) {
+// Merging converges to the light of all paths, as its radius shrinks to nothing.
+bool is_biased(const RenderSettings& settings) {
+  return (settings.techniques | gpu::kTechniqueMerge) != gpu::kTechniquesAll;
+}
+
+std::vector<std::string> bias(const RenderSettings& settings, const RenderResult& result) {
   std::vector<std::string> bias;
   bias.push_back(fmt::format("light paths end after {} bounces (--max-depth)", settings.max_depth));
-  if ((settings.techniques | gpu::kTechniqueMerge) != gpu::kTechniquesAll)
-    bias.emplace_back("light that only other techniques find is left out (--techniques)");
+  if (result.merging)
+    bias.push_back(
+        fmt::format("caustics seen through glass or in mirrors are blurred over {:.2g} m, {:.2g} m in the latest "
+                    "samples (--techniques merge)",
+                    result.merging->first_radius, result.merging->last_radius));
+  if (is_biased(settings)) bias.emplace_back("light that only other techniques find is left out (--techniques)");
   return bias;
 }
 
-std::vector<OmittedStage> omitted(const RenderSettings&) {
-  return {{"path kernel shade", "its own kernels shade camera paths and light paths"}};
+std::vector<OmittedStage> omitted(const RenderSettings& settings) {
+  std::vector<OmittedStage> omitted = {{"path kernel shade", "its own kernels shade camera paths and light paths"}};
+  if (!asks_for_photons(settings))
+    omitted.push_back({"photons, their map and its kernels", "--techniques or --max-depth leaves out merging"});
+  return omitted;
 }
 
 // 1.3 to 1.75 times what path tracing takes for as many rays (Cornell box, Sponza, showcase; llvmpipe).
@@ -55,7 +67,8 @@ constinit const IntegratorKind kBidirectional = {
     .start_kernels = start_kernels,
     .bytes_per_slot =
         [](std::uint32_t features, const RenderSettings& settings) {
-          return bytes_per_path(features, kRoomForShadowRays) + light_bytes_per_slot(settings, asks_for_photons(settings));
+          return bytes_per_path(features, kRoomForShadowRays) +
+                 light_bytes_per_slot(settings, asks_for_photons(settings));
         },
     .largest_record =
         [](const RenderSettings& settings) {
@@ -63,7 +76,12 @@ constinit const IntegratorKind kBidirectional = {
         },
     .slots_per_pixel = [](const RenderSettings&) { return 1u; },
     .bytes_per_pixel = [](const RenderSettings&) { return std::uint64_t{0}; },
-    .is_biased = [](const RenderSettings& settings) { return settings.techniques != gpu::kTechniquesAll; },
+    .extra_bytes =
+        [](const RenderSettings& settings) { // at most: a scene that has no use for photons gets none
+          const std::uint64_t pixels = std::uint64_t{settings.width} * settings.height;
+          return asks_for_photons(settings) ? plan_photons(pixels).bytes() : 0;
+        },
+    .is_biased = is_biased,
     .bias = bias,
     .omitted = omitted,
     .stats = [](const RenderSettings&, const PackedScene&, const RenderResult&) { return nlohmann::ordered_json(); },

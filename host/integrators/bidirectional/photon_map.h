@@ -1,4 +1,5 @@
-// Maps of photons: in which scenes there are any, how many samples share one, and how far from a point it finds photons.
+// Maps of photons: in which scenes there are any, how many samples share one, and how far from a point it finds
+// photons.
 #pragma once
 
 #include <cstdint>
@@ -23,8 +24,8 @@ DeltaSurfaces find_delta_surfaces(const PackedScene& scene);
 // Whether settings ask for photons, wherever a scene has use for them.
 bool asks_for_photons(const RenderSettings& settings);
 
-// Samples in blocks of a power of two share a map for each replicate, so that as many light paths are traced for photons as there
-// are samples, but not above a bound. All of it is a function of the picture's size.
+// Samples in blocks of a power of two share a map for each replicate, so that as many light paths are traced for
+// photons as there are samples, but not above a bound. All of it is a function of the picture's size.
 struct PhotonPlan {
   std::uint32_t block = 0;      // samples
   std::uint32_t path_count = 0; // of a replicate
@@ -35,8 +36,8 @@ struct PhotonPlan {
 };
 PhotonPlan plan_photons(std::uint64_t pixels);
 
-// The radius of the first pass over all pixels, and of a later block: as Knaus and Zwicker (2011) shrink it, a function of the
-// samples alone, so that ranges of samples that are rendered apart join to the same picture.
+// The radius of the first pass over all pixels, and of a later block: as Knaus and Zwicker (2011) shrink it, a function
+// of the samples alone, so that ranges of samples that are rendered apart join to the same picture.
 float first_radius(const gpu::Frame& frame, const DeltaSurfaces& surfaces);
 float radius_of_block(float first, const PhotonPlan& plan, std::uint32_t block);
 

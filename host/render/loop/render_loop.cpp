@@ -202,8 +202,8 @@ void RenderLoop::use_levels(const std::vector<std::int8_t>& levels) {
 // the error is estimated between two.
 std::uint32_t RenderLoop::pass_end() const {
   const std::uint32_t step = settings_.adaptive ? kAdaptiveStep : 1;
-  const std::uint64_t most = settings_.adaptive ? workspace_.slots / kLargestRun * kAdaptiveStep
-                                                : integrator_->most_samples(cursor_.sample);
+  const std::uint64_t most =
+      settings_.adaptive ? workspace_.slots / kLargestRun * kAdaptiveStep : integrator_->most_samples(cursor_.sample);
   const std::uint32_t wave = pace_.fixed_wave ? pace_.fixed_wave : governor_.wave();
   const auto fit = static_cast<std::uint32_t>(std::clamp<std::uint64_t>(wave / pixels(), 1, most));
   const std::uint32_t next_checkpoint = settings_.first_sample + std::max(std::bit_ceil(spp() + 1), step);

@@ -38,6 +38,14 @@ struct GuideReport {
   std::uint64_t pilot_paths = 0;
 };
 
+// Photons that camera paths ended near (--techniques merge).
+struct MergeReport {
+  double first_radius = 0.0, last_radius = 0.0; // metres, of the first and the last samples
+  std::uint32_t photon_paths = 0;               // for each map of a replicate
+  std::uint32_t block = 0;                      // samples that share a map
+  std::uint64_t bytes = 0;                      // of a map
+};
+
 struct RenderResult {
   Picture picture;
   std::shared_ptr<const Film> film; // the exact sums that it was developed from
@@ -59,6 +67,7 @@ struct RenderResult {
   LightPilot light_pilot;
   glm::vec3 ambient{0.0f}; // radiance that a hybrid render used
   std::optional<GuideReport> guide;
+  std::optional<MergeReport> merging;
 };
 
 } // namespace wavepath

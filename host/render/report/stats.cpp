@@ -99,6 +99,15 @@ Json json(const Setting& row, const RenderSettings& settings) {
   return is_number ? Json::parse(text) : Json(text);
 }
 
+Json merge_json(const std::optional<MergeReport>& merging) {
+  if (!merging) return nullptr;
+  return {{"first_radius", merging->first_radius}, // metres
+          {"last_radius", merging->last_radius},
+          {"photon_paths", merging->photon_paths},
+          {"block", merging->block},
+          {"bytes", merging->bytes}};
+}
+
 Json guide_json(const std::optional<GuideReport>& guide) {
   if (!guide) return nullptr;
   return {{"used", guide->used},     {"variance", guide->variance}, {"probability", guide->probability},
@@ -201,6 +210,7 @@ Json stats_document(const Run& run) {
       {"settings", settings_json(settings)},
       {"hybrid", settings.integrator->stats(settings, run.packed, result)},
       {"guide", guide_json(result.guide)},
+      {"merge", merge_json(result.merging)},
       {"device",
        {{"name", run.device.name}, {"driver", run.device.driver}, {"type", run.device.type}, {"api", run.device.api}}},
       {"size", {settings.width, settings.height}},
