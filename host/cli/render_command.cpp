@@ -162,6 +162,7 @@ std::vector<TrueError> align(std::vector<TrueError> errors, std::size_t checkpoi
 std::optional<Picture> check(Request& request) {
   settle_samples(request.render);
   check_integrator(request.render);
+  settle_strict(request.render);
   check_replay(request.render);
   if (request.render.pixel)
     require_file(request.scene.path);

@@ -91,7 +91,9 @@ void add_stop_flags(CLI::App& app, RenderRequest& request) {
              request.state.resume);
   add_switch(app, group,
              {"--strict", "",
-              "refuse anything biased but the depth asked for; exit code 1 if any sample was not finite", "off"},
+              "refuse anything biased but the depth asked for, and leave out merging; exit code 1 if any sample was "
+              "not finite",
+              "off"},
              request.strict);
 }
 
@@ -214,6 +216,10 @@ void check_integrator(const RenderRequest& request) {
   if (settings.denoise && (request.mergeable || !request.state.file.empty()))
     throw UsageError("--denoise", "makes every sample depend on those before, and no file keeps that history",
                      "leave it out, or --checkpoint, --samples and --mergeable");
+}
+
+void settle_strict(RenderRequest& request) {
+  if (request.strict) request.settings.techniques &= ~gpu::kTechniqueMerge;
 }
 
 void check_replay(const RenderRequest& request) {
