@@ -146,8 +146,9 @@ bool scatter(Vertex v, Sampler path_sampler, uint dimension, uint slot, inout Pa
     weights = scattered_delta(weights, cosine, ratio);
     merge = merge_scattered_delta(merge, cosine, ratio);
   } else {
-    weights = scattered(weights, cosine, s.pdf, reverse_pdf(v, wi), connects_behind());
-    merge = merge_scattered(merge, cosine, s.pdf);
+    float reverse = reverse_pdf(v, wi);
+    weights = scattered(weights, cosine, s.pdf, reverse, connects_behind());
+    merge = merge_scattered(merge, cosine, s.pdf, reverse, path.bsdf_pdf < 0.0);
   }
   path.throughput *= s.weight;
   path.bsdf_pdf = s.pdf; // extend asks whether it is that of a delta lobe

@@ -18,7 +18,7 @@ void main() {
   float probability = float(kMostInCell) / float(photon_cells[cell].x);
   if (probability < 1.0) {
     if (!(unit_float(pcg3d(uvec3(frame.seed, place, wave.first_sample)).x) < probability)) return;
-    photon_words[3u * place + 2u] = uvec4(floatBitsToUint(photon.light / probability), floatBitsToUint(photon.others));
+    store_photon_light(place, photon.light / probability, photon.others);
   }
   uint next = atomicExchange(photon_cells[cell].y, place + 1u);
   photon_words[3u * place + 1u].w = photon.link | next;

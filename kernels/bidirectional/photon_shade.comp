@@ -1,5 +1,6 @@
-// Shades the hits of light paths that photons come from: they go on through delta lobes alone, and leave a photon where they are
-// scattered otherwise, unless that is the first surface: what lamps light directly is found without photons.
+// Shades the hits of light paths that photons come from. A path leaves a photon where it is scattered by other than a delta lobe,
+// and has come there from one; then it goes on, but only as long as delta lobes and others take turns, and a delta lobe was first:
+// all other light is found without photons.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_KHR_shader_subgroup_ballot : require
@@ -13,6 +14,7 @@
 #define BIND_QUEUES
 #define BIND_PATH_WEIGHTS
 #define BIND_PHOTONS
+#define BIND_MERGE_WEIGHTS
 #include "kernels/bidirectional/bindings.glsl"
 #include "kernels/bidirectional/light_step.glsl"
 #include "kernels/bidirectional/photons.glsl"
@@ -20,9 +22,24 @@
 
 layout(local_size_x = kWorkgroupSize) in;
 
-void keep_photon(uint slot, Photon photon) {
-  uint replicate = wave.first_sample % kReplicates;
-  store_photon(replicate * photon_frame.path_count + wave.first_pixel + slot, photon);
+// A path keeps one photon of all that it leaves, picked in proportion to their light, and as bright as all: so photons are as
+// bright as each other, and lie where the light is. `merge_weights` has the sum so far.
+void keep_photon(uint slot, Photon photon, float u) {
+  uint replicate = wave.first_sample % kReplicates, place = replicate * photon_frame.path_count + wave.first_pixel + slot;
+  float share = luminance(photon.light), before = merge_weights[slot], total = before + share;
+  merge_weights[slot] = total;
+  if (!(share > 0.0)) return;
+  bool replaces = u * total >= before;
+  if (before > 0.0) {
+    Photon earlier = fetch_photon(place);
+    if (replaces)
+      atomicAdd(photon_cells[cell_place(cell_of(earlier.position), replicate)].x, 0xffffffffu); // one less
+    else
+      store_photon_light(place, earlier.light * (total / before), earlier.others);
+  }
+  if (!replaces) return;
+  photon.light *= total / share;
+  store_photon(place, photon);
   atomicAdd(photon_cells[cell_place(cell_of(photon.position), replicate)].x, 1u);
 }
 
@@ -34,13 +51,40 @@ float go_probability(Vertex v, Lobes lobes) {
   return lobes.delta_reflection ? lobes.facet_probability : lobes.delta_transmission ? 0.5 : 0.0;
 }
 
+// Scatters the path by a lobe that is not delta. `u_lobe`: what the choice to do so has left of its number.
+bool scatter(Vertex v, vec3 local, float u_lobe, vec2 u, inout PathState path, inout PathWeights weights, out vec3 w, out BsdfSample s) {
+  if (!bsdf_sample(v.bsdf, local, u_lobe, u, s) || s.pdf < 0.0) return false;
+  w = normalize(to_world(s.wi, v.tangent, v.bitangent, v.normal));
+  Vertex seen = seen_from(v, w);
+  float out_cosine = surface_cosine(v, w), forward;
+  if (!(out_cosine > 0.0) || !sides_agree(seen, v.wo)) return false;
+  vec3 value = bsdf_eval(seen.bsdf, to_local(seen, w), to_local(seen, v.wo), forward);
+  path.throughput *= value * (out_cosine / (surface_cosine(v, v.wo) * s.pdf));
+  weights = scattered(weights, out_cosine, s.pdf, forward, false);
+  return true;
+}
+
+// Sends the path on through a delta lobe. `u_facet`: as above.
+bool pass(Vertex v, vec3 local, Lobes lobes, float go, float u_facet, vec2 u, inout PathState path, inout PathWeights weights,
+          out vec3 w, out BsdfSample s) {
+  s = BsdfSample(vec3(0.0, 0.0, 1.0), vec3(0.0), -1.0, 1.0, false);
+  bool delta;
+  if (!sample_facets(v.bsdf, lobes, local, u_facet, u, s, delta) || !delta) return false;
+  s.weight *= lobes.facet_probability / go;
+  w = normalize(to_world(s.wi, v.tangent, v.bitangent, v.normal));
+  if (!(surface_cosine(v, w) > 0.0) || !sides_agree(seen_from(v, w), v.wo)) return false;
+  return light_passes_delta(v, local, s, w, path, weights);
+}
+
 // Follows a light path to its next vertex. Returns whether it goes on with `next`.
 bool follow(Ray ray, Hit hit, inout PathState path, out Ray next) {
+  if (wave.bounce == 1u) merge_weights[ray.slot] = 0.0;
+  bool after_delta = wave.bounce > 1u && fetch_weights(ray.slot).connect == 0.0; // see scattered_delta()
   Vertex v;
   float cosine;
   PathWeights weights;
   if (!light_arrives(ray, hit, path, v, cosine, weights)) return false;
-  vec3 local = to_local(v, v.wo);
+  vec3 local = to_local(v, v.wo), w;
   if (!(local.z > 0.0)) return false;
   Sampler path_sampler = light_sampler(ray.slot);
   uint dimension = bounce_dimension(wave.bounce);
@@ -48,20 +92,25 @@ bool follow(Ray ray, Hit hit, inout PathState path, out Ray next) {
   vec2 u_choice = sample_2d(path_sampler, dimension + kDimensionChoice);
   Lobes lobes = lobes_of(v.bsdf, local);
   float go = go_probability(v, lobes);
-  if (u_choice.x >= go) {
+  BsdfSample s;
+  bool goes_on;
+  if (u_choice.x < go) {
+    goes_on = pass(v, local, lobes, go, min(u_choice.x / go, kOneMinusEpsilon), u, path, weights, w, s);
+  } else {
+    if (!after_delta || !bsdf_has_smooth(v.bsdf) || wave.bounce > kMostPhotonBounces) return false;
     vec3 light = path.radiance * path.throughput / (cosine * (1.0 - go));
-    if (wave.bounce > 1u && bsdf_has_smooth(v.bsdf) && is_finite(light) && max_component(light) > 0.0 && wave.bounce <= kMostPhotonBounces)
-      keep_photon(ray.slot, Photon(v.surface.position, packSnorm4x8(vec4(v.surface.geometric_normal, 0.0)), v.wo,
-                                   wave.bounce << kPhotonBounceShift, light, weights.others));
-    return false;
+    if (!is_finite(light)) return false;
+    keep_photon(ray.slot,
+                Photon(v.surface.position, packSnorm4x8(vec4(v.surface.geometric_normal, 0.0)), v.wo,
+                       wave.bounce << kPhotonBounceShift, light, weights.others),
+                sample_2d(path_sampler, dimension + kDimensionLight).x);
+    if (!lobes.delta_reflection) { // else bsdf_sample() makes the same choice by the same number
+      path.throughput /= 1.0 - go;
+      u_choice.x = min((u_choice.x - go) / (1.0 - go), kOneMinusEpsilon);
+    }
+    goes_on = scatter(v, local, u_choice.x, u, path, weights, w, s);
   }
-  BsdfSample s = BsdfSample(vec3(0.0, 0.0, 1.0), vec3(0.0), -1.0, 1.0, false);
-  bool delta;
-  if (!sample_facets(v.bsdf, lobes, local, min(u_choice.x / go, kOneMinusEpsilon), u, s, delta) || !delta) return false;
-  s.weight *= lobes.facet_probability / go;
-  vec3 w = normalize(to_world(s.wi, v.tangent, v.bitangent, v.normal));
-  if (!(surface_cosine(v, w) > 0.0) || !sides_agree(seen_from(v, w), v.wo)) return false;
-  if (!light_passes_delta(v, local, s, w, path, weights)) return false;
+  if (!goes_on) return false;
   store_weights(ray.slot, weights);
   return light_departs(v, s.transmitted, w, u_choice.y, ray.slot, path, next);
 }

@@ -17,6 +17,9 @@ void store_photon(uint place, Photon p) {
   photon_words[3u * place + 1u] = uvec4(floatBitsToUint(p.direction), p.link);
   photon_words[3u * place + 2u] = uvec4(floatBitsToUint(p.light), floatBitsToUint(p.others));
 }
+void store_photon_light(uint place, vec3 light, float others) {
+  photon_words[3u * place + 2u] = uvec4(floatBitsToUint(light), floatBitsToUint(others));
+}
 
 ivec3 cell_of(vec3 position) { return ivec3(floor(position * photon_frame.cells_per_metre)); }
 
