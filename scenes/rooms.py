@@ -71,7 +71,7 @@ def door_ajar():
 
 
 def glazed_room():
-    """A sun shines through a window of thin tinted glass; with `--env sky` the sky does, too."""
+    """A sun shines through a window of thin tinted glass; with `--env` a sky does, too."""
     g = Gltf("room behind a glazed window")
     white, oak = g.lambert("white", (0.75, 0.75, 0.72)), g.lambert("oak", (0.45, 0.3, 0.18))
     width, height, depth = 4.6, 2.7, 3.6
