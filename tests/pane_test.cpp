@@ -138,7 +138,7 @@ protected:
       for (const float v : picture.channels[static_cast<std::size_t>(c)].values) ASSERT_NEAR(v, value[c], tolerance);
   }
 
-  // Means of pictures by several estimators agree within 4.5 standard errors, which are below 2 %.
+  // Means of pictures by several estimators agree within 4.5 standard errors, which are below 3 %.
   void expect_agreement(const Scene& scene, std::uint32_t depth,
                         const std::vector<std::function<void(RenderSettings&)>>& variants, bool upwards = false) {
     constexpr int kRenders = 8;
@@ -157,7 +157,7 @@ protected:
       }
       const double variance = std::max(squares - sum * sum, 0.0) / (kRenders - 1);
       ASSERT_GT(sum, 0.0);
-      EXPECT_LT(std::sqrt(variance), 0.02 * sum) << "variant " << v;
+      EXPECT_LT(std::sqrt(variance), 0.03 * sum) << "variant " << v;
       if (v == 0)
         first_mean = sum, first_variance = variance;
       else
@@ -199,12 +199,11 @@ TEST_F(PaneTest, EveryPaneCostsABounce) {
   expect_even(render(sunny_floor({glass()}), one_bounce), glm::dvec3(0.0), 0.0);
 }
 
-TEST_F(PaneTest, OtherGlassStopsShadowRays) {
-  Material rough = glass(), thick = glass();
-  rough.roughness = 0.011f;
+// Rough glass as well: PaneFeature.
+TEST_F(PaneTest, ThickGlassStopsShadowRays) {
+  Material thick = glass();
   thick.volume = true;
-  for (const Material& material : {rough, thick})
-    expect_even(render(sunny_floor({material}), settings(2, 2)), glm::dvec3(0.0), 0.0);
+  expect_even(render(sunny_floor({thick}), settings(2, 2)), glm::dvec3(0.0), 0.0);
   Material barely = glass();
   barely.roughness = 0.009f;
   expect_even(render(sunny_floor({barely}), settings(2, 2)), glm::dvec3(kPassed), 2e-6);
@@ -217,7 +216,8 @@ TEST_F(PaneTest, BlendAndTransmissionCombine) {
   half.base_color.a = 0.5f;
   const auto mean = [&](std::uint32_t depth) {
     double sum = 0.0;
-    for (const float v : render(sunny_floor({half}), settings(1024, depth)).channels[0].values) sum += v / 64.0;
+    const Picture picture = render(sunny_floor({half}), settings(1024, depth));
+    for (const float v : picture.channels[0].values) sum += v / 64.0;
     return sum;
   };
   const double error = 0.5 / std::sqrt(1024.0 * 64.0); // of a coin
