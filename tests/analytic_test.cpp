@@ -258,7 +258,7 @@ std::vector<std::string> list_caustics(const std::vector<std::string>& seen) {
   std::vector<std::string> names;
   const nlohmann::json answers = nlohmann::json::parse(std::ifstream(kScenes / "caustics/expected.json"));
   for (const auto& [name, answer] : answers.items())
-    if (std::ranges::find(seen, answer.at("seen")) != seen.end()) names.push_back(name);
+    if (std::ranges::find(seen, answer.at("seen").get<std::string>()) != seen.end()) names.push_back(name);
   return names;
 }
 
