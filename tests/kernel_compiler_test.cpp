@@ -61,8 +61,8 @@ TEST(KernelConfig, FollowsSceneAndSettings) {
   settings.adaptive = true;
   EXPECT_EQ(kernel_config(0, 5, settings).features, scenes | gpu::kFeatureAovs | gpu::kFeatureAdaptive);
   settings.adaptive = false;
-  settings.integrator = &kHybrid; // has its AOVs from the G-buffer
-  EXPECT_EQ(kernel_config(0, 5, settings).features, scenes | gpu::kFeatureSharedFirstHit);
+  settings.integrator = &kHybrid; // has its AOVs from the G-buffer, and no bounce left behind panes
+  EXPECT_EQ(kernel_config(0, 5, settings).features, (scenes & ~gpu::kFeaturePanes) | gpu::kFeatureSharedFirstHit);
 }
 
 class KernelCompilerTest : public VulkanTest {

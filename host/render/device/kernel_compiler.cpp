@@ -22,6 +22,7 @@ KernelConfig kernel_config(std::uint32_t features, std::uint32_t stack_size, con
   if (settings.lights == gpu::kLightsPower || !settings.integrator->walks_light_tree)
     features &= ~gpu::kFeatureLightTree;
   if (!(features & gpu::kFeatureLightTree)) features &= ~gpu::kFeatureLightRows;
+  if (!passes_panes(settings)) features &= ~gpu::kFeaturePanes;
   features = (features | settings.added_features) & ~settings.removed_features;
   return {features, stack, settings.sampler, settings.direct, settings.hemisphere, settings.filter};
 }
@@ -31,6 +32,10 @@ std::uint32_t features_of(const RenderSettings& settings) {
   const bool learned = settings.lights == gpu::kLightsLearned || settings.lights == gpu::kLightsAuto;
   if (learned && settings.integrator->light_lesson_bytes > 0) features |= gpu::kFeatureLightRows;
   return features | settings.integrator->features(settings);
+}
+
+bool passes_panes(const RenderSettings& settings) {
+  return settings.integrator->passes_panes && settings.direct != gpu::kDirectBsdf && settings.max_depth > 1;
 }
 
 bool generic_first(const DeviceInfo& device) { return device.type != "cpu"; }
