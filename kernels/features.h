@@ -42,7 +42,8 @@ GPU_CONSTANT uint kFeatureSharedFirstHit =
 GPU_CONSTANT uint kFeatureLightTree = 1u << 27; // many local lights: picked by a walk down a tree
 GPU_CONSTANT uint kFeatureLightRows = 1u << 28; // in shares that a pilot has learned
 GPU_CONSTANT uint kFeatureGuide = 1u << 29;     // directions are also drawn from a learned field
-GPU_CONSTANT uint kFeaturesAll = (1u << 30) - 1u;
+GPU_CONSTANT uint kFeatureWholeNets = 1u << 30; // one net a pixel, and a second one on measured pixels (net_layout.h)
+GPU_CONSTANT uint kFeaturesAll = (1u << 31) - 1u;
 GPU_CONSTANT uint kFeatureLearning =
     1u << 31; // of pilots alone: their kernels note what light rows and guide learn from
 

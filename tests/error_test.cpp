@@ -148,6 +148,50 @@ INSTANTIATE_TEST_SUITE_P(Scenes, Coverage,
                            return name;
                          });
 
+// Where one pixel in sixteen measures the error of its block.
+class WholeNetsCoverage : public VulkanTest, public ::testing::WithParamInterface<Case> {};
+
+TEST_P(WholeNetsCoverage, TheIntervalHoldsTheTrueError) {
+  const Case& c = GetParam();
+  // 576 measured pixels, a seventh of what the smallest picture has whose nets stay whole by themselves.
+  constexpr std::uint32_t kSide = 96, kSamples = 16, kRuns = 100, kReference = 64;
+  RenderSettings settings = small(kSide, kSamples);
+  settings.sampler = c.sampler;
+  settings.whole_nets_from = 0;
+  Subject subject(device(), c.scene, settings, c.environment);
+  const Picture reference = subject.render(1000000, kSamples * kReference).picture;
+  std::uint32_t covered = 0;
+  Mean ratio, half_width; // estimate over truth, and half of the interval over the estimate
+  for (std::uint32_t seed = 0; seed < kRuns; ++seed) {
+    const RenderResult result = subject.render(seed);
+    const double truth = std::sqrt(compare_pictures(result.picture, reference).relmse);
+    const auto& [low, high] = result.error.ci95;
+    covered += truth >= low && truth <= high;
+    ratio.add(result.error.relative_rms / truth);
+    half_width.add(0.5 * (high - low) / result.error.relative_rms);
+  }
+  const double scatter = ratio.error() * std::sqrt(double{kRuns}); // of a single estimate
+  EXPECT_GE(covered, 90u);
+  EXPECT_NEAR(ratio.mean(), 1.0, 0.05) << "its own noise is " << ratio.error();
+  EXPECT_LT(half_width.mean(), 1.4 * 1.96 * std::hypot(scatter, 0.025));
+  RecordProperty("covered", static_cast<int>(covered));
+  RecordProperty("estimate_over_truth", std::to_string(ratio.mean()));
+  RecordProperty("scatter", std::to_string(scatter));
+  RecordProperty("half_width", std::to_string(half_width.mean()));
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenes, WholeNetsCoverage,
+                         ::testing::Values(Case{"cornell_box.gltf", gpu::kSamplerSobol, 0.0f},
+                                           Case{"cornell_box.gltf", gpu::kSamplerIndependent, 0.0f},
+                                           Case{"showcase.glb", gpu::kSamplerSobol, 1.0f},
+                                           Case{"analytic/occlusion_by_wall.gltf", gpu::kSamplerSobol, 1.0f}),
+                         [](const auto& test) {
+                           std::string name = std::to_string(test.index) + "_" + test.param.scene;
+                           std::replace_if(
+                               name.begin(), name.end(), [](char x) { return !std::isalnum(x); }, '_');
+                           return name;
+                         });
+
 TEST_F(ErrorTest, StoppingAtATargetDoesNotMoveTheMean) {
   constexpr std::uint32_t kSide = 8, kRuns = 256;
   RenderSettings settings = corner(kSide, 4096);

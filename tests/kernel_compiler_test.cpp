@@ -52,9 +52,11 @@ TEST(KernelConfig, FollowsSceneAndSettings) {
   EXPECT_GE(kernel_config(0, 1000, settings).stack_size, 1002u) << "a deep tree gets what it needs";
   settings.specialize = false;
   const std::uint32_t settings_alone = gpu::kFeatureAovs | gpu::kFeatureAdaptive | gpu::kFeatureSharedFirstHit |
-                                       gpu::kFeatureLightRows | gpu::kFeatureGuide;
+                                       gpu::kFeatureLightRows | gpu::kFeatureGuide | gpu::kFeatureWholeNets;
   settings.lights = gpu::kLightsTree; // without a pilot
   const std::uint32_t scenes = gpu::kFeaturesAll & ~settings_alone;
+  EXPECT_EQ(kernel_config(0, 5, settings).features, scenes | gpu::kFeatureWholeNets);
+  settings.width = settings.height = 16;
   EXPECT_EQ(kernel_config(0, 5, settings).features, scenes);
   settings.aovs = {"albedo"};
   EXPECT_EQ(kernel_config(0, 5, settings).features, scenes | gpu::kFeatureAovs);

@@ -187,7 +187,7 @@ TEST_F(ProgressiveTest, FramesInMotionAreAntialiasedOverTime) {
     const Picture moving = progressive.picture();
     RenderSettings fine = progressive.settings();
     fine.last_sample = 64;
-    fine.width = progressive.film_target().width(), fine.height = progressive.film_target().height();
+    fine.width = progressive.film_target().shape().width, fine.height = progressive.film_target().shape().height;
     const Picture truth = render(device(), packed_, view_, fine).picture;
     double squares = 0.0;
     for (std::size_t i = 0; i < truth.channels[1].values.size(); ++i)

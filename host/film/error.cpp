@@ -66,10 +66,7 @@ glm::dvec3 weight(const Rows& rows, std::size_t index) {
 
 // What a pixel's largest sample, as a mean over R G B, contributes to its mean: squared, and weighed as relMSE does.
 double largest_alone(const Film& film, std::size_t index, const glm::dvec3& pixel_weight) {
-  double sample = 0.0;
-  for (std::uint32_t r = 0; r < gpu::kReplicates; ++r)
-    sample = std::max(sample, film.pixels[index * gpu::kReplicates + r].largest / 3.0);
-  double alone = sample / std::max(sample_count(film, index), 1u);
+  double alone = largest_sample(film, index) / 3.0 / std::max(sample_count(film, index), 1u);
   if (!film.splats.empty()) {
     double splat = 0.0, paths = 0.0;
     for (std::uint32_t r = 0; r < gpu::kReplicates; ++r) {
@@ -85,16 +82,36 @@ double largest_alone(const Film& film, std::size_t index, const glm::dvec3& pixe
 // Of squared errors of pixels, weighed.
 struct Sums {
   double sum = 0.0, sum_of_squares = 0.0, largest_alone = 0.0;
+  // `pixels` of that squared error on average.
+  void add(double squared, double pixels) {
+    sum += squared * pixels;
+    sum_of_squares += squared * squared * pixels;
+  }
 };
 
+// The pixels of a block, and how many times the squared error of its measured pixel, which has two nets, they have all
+// together. The weight of that pixel stands for all weights: each had the same chance to be measured, so that the sum
+// over blocks is right on average, whatever the pixels of a block have in common.
+struct BlockShare {
+  double pixels = 0.0, times = 0.0;
+};
+BlockShare share_of(const Film& film, std::size_t measured) {
+  const auto side = [](std::size_t at, std::uint32_t size) { return std::min<std::size_t>(4, size - at / 4 * 4); };
+  const auto pixels =
+      static_cast<double>(side(measured % film.width, film.width) * side(measured / film.width, film.height));
+  const double both = sample_count(film, measured), first = film.pixels[measured].count;
+  return {pixels, 1.0 + (pixels - 1.0) * both / std::max(first, 1.0)};
+}
+
 Sums row_sums(const Rows& rows, std::size_t row) {
+  const Film& film = rows.film;
   Sums sums;
-  for (std::size_t i = row * rows.film.width; i < (row + 1) * rows.film.width; ++i) {
+  for (std::size_t i = row * film.width; i < (row + 1) * film.width; ++i) {
     const glm::dvec3 w = weight(rows, i);
-    const double squared = mean_of(rows[i].variance * w);
-    sums.sum += squared;
-    sums.sum_of_squares += squared * squared;
-    sums.largest_alone = std::max(sums.largest_alone, largest_alone(rows.film, i, w));
+    sums.largest_alone = std::max(sums.largest_alone, largest_alone(film, i, w));
+    if (film.whole_nets && measured_pixel(film, block_of(film, i)) != i) continue;
+    const BlockShare share = film.whole_nets ? share_of(film, i) : BlockShare{1.0, 1.0};
+    sums.add(mean_of(rows[i].variance * w) * share.times / share.pixels, share.pixels);
   }
   return sums;
 }
@@ -116,12 +133,13 @@ ErrorEstimate estimate_error(const Film& film) {
     largest = std::max(largest, row.largest_alone);
   }
   const double n = static_cast<double>(pixel_count), mean = sum / n;
-  // The interval is of this picture's error, not of its expectation: both the estimate and what it estimates scatter,
-  // alike and independently (the sum and the difference of two replicates are independent where they are normal), hence
-  // the 2. The weights are known less well: over scenes and sample counts they left the squared error 0.91 to 1.0 of
-  // the true one.
+  // The interval is of this picture's error, not of its expectation: both the estimate, over the measured pixels, and
+  // what it estimates, over all, scatter, alike and independently (the sum and the difference of two replicates are
+  // independent where they are normal). The weights are known less well: over scenes and sample counts they left the
+  // squared error 0.91 to 1.0 of the true one.
   constexpr double kWeights = 0.05; // standard deviation of that
-  const double scatter = 2.0 * std::max(0.0, sum_of_squares / n - mean * mean) / n;
+  const double measured = film.whole_nets ? static_cast<double>(film.shape().second_nets()) : n;
+  const double scatter = std::max(0.0, sum_of_squares / n - mean * mean) * (1.0 / measured + 1.0 / n);
   const double spread = std::sqrt(scatter + kWeights * kWeights * mean * mean);
   constexpr double kNormal95 = 1.959964;
   return {std::sqrt(mean),

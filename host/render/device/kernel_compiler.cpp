@@ -1,6 +1,7 @@
 #include "host/render/device/kernel_compiler.h"
 
 #include "host/render/settings/integrator_kind.h"
+#include "host/render/settings/whole_nets.h"
 
 namespace wavepath {
 namespace {
@@ -17,7 +18,7 @@ KernelConfig kernel_config(std::uint32_t features, std::uint32_t stack_size, con
   if (!settings.specialize) features = gpu::kFeaturesAll;
   // Generic kernels, too, leave out what the settings do not ask for.
   constexpr std::uint32_t kByRequest = gpu::kFeatureAovs | gpu::kFeatureAdaptive | gpu::kFeatureSharedFirstHit |
-                                       gpu::kFeatureLightRows | gpu::kFeatureGuide;
+                                       gpu::kFeatureLightRows | gpu::kFeatureGuide | gpu::kFeatureWholeNets;
   features &= ~kByRequest | features_of(settings);
   if (settings.lights == gpu::kLightsPower || !settings.integrator->walks_light_tree)
     features &= ~gpu::kFeatureLightTree;
@@ -30,6 +31,7 @@ std::uint32_t features_of(const RenderSettings& settings) {
   std::uint32_t features = settings.adaptive ? gpu::kFeatureAdaptive : 0;
   const bool learned = settings.lights == gpu::kLightsLearned || settings.lights == gpu::kLightsAuto;
   if (learned && settings.integrator->light_lesson_bytes > 0) features |= gpu::kFeatureLightRows;
+  if (has_whole_nets(settings)) features |= gpu::kFeatureWholeNets;
   return features | settings.integrator->features(settings);
 }
 

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "host/film/error.h"
+#include "host/film/film.h"
 #include "host/render/bvh_choice.h"
 #include "host/render/report/diagnosis.h"
 #include "host/render/settings/integrator_kind.h"
@@ -67,17 +68,19 @@ Json next_halving_json(const RenderResult& result) {
 
 Json error_json(const Run& run) {
   const RenderResult& result = run.result;
-  Json json{
-      {"relative_rms", nullptr},
-      {"ci95", nullptr},
-      {"method", fmt::format("spread of the means of {} independently scrambled replicates a pixel", gpu::kReplicates)},
-      {"slope", result.slope},
-      {"slope_spp", fit_slope(result.checkpoints, Against::spp)},
-      {"next_halving", nullptr},
-      {"largest_sample_share", nullptr},
-      {"trusted", is_trusted(result)},
-      {"diagnosis", run.diagnosis},
-      {"estimate_seconds", result.estimate_seconds}};
+  Json json{{"relative_rms", nullptr},
+            {"ci95", nullptr},
+            {"method",
+             result.film && result.film->whole_nets
+                 ? "one whole net a pixel; spread of the means of two independently scrambled ones on one pixel in 16"
+                 : "spread of the means of 2 independently scrambled halves of the samples of every pixel"},
+            {"slope", result.slope},
+            {"slope_spp", fit_slope(result.checkpoints, Against::spp)},
+            {"next_halving", nullptr},
+            {"largest_sample_share", nullptr},
+            {"trusted", is_trusted(result)},
+            {"diagnosis", run.diagnosis},
+            {"estimate_seconds", result.estimate_seconds}};
   if (has_estimate(result.spp, result.error)) {
     json["relative_rms"] = result.error.relative_rms;
     json["ci95"] = {result.error.ci95[0], result.error.ci95[1]};
@@ -119,9 +122,10 @@ Json settings_json(const RenderSettings& settings) {
 Json nonfinite_json(const Nonfinite& nonfinite, const RenderSettings& settings) {
   Json first = nullptr, by_kernel = Json::object();
   if (nonfinite.first) {
-    const glm::uvec2 at = gpu::pixel_in_tile_order(nonfinite.first->pixel, settings.width, settings.height);
+    const glm::uvec2 at = gpu::pixel_in_tile_order(nonfinite.first->at.pixel, settings.width, settings.height);
     first = {{"pixel", {at.x, at.y}},
              {"sample", nonfinite.first->sample},
+             {"net", nonfinite.first->at.net},
              {"seed", settings.seed},
              {"kernel", kMakerNames[nonfinite.first->maker]}};
   }
