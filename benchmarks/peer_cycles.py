@@ -154,6 +154,7 @@ def arguments():
     parser.add_argument("--assets", type=pathlib.Path, help="folder that has Sponza, DamagedHelmet and env")
     parser.add_argument("--wavepath", type=pathlib.Path, default=ROOT / "build/host/wavepath",
                         help="the program [default: build/host/wavepath]")
+    parser.add_argument("--flags", default="", help="of `wavepath render`, besides those of the view: --flags=--guide")
     parser.add_argument("--blender", default="blender", help="[default: blender]")
     parser.add_argument("--reps", type=int, default=3, help="runs of each, by turns; the median counts [default: 3]")
     parser.add_argument("--max-seconds", type=float, default=30,
@@ -197,12 +198,13 @@ def main():
         with Cycles(args.blender, view, args.work / "blender.log") as cycles:
             spp = max(SCENES[name]["reference"] // share // 2, 1)  # of each of both
             references = {r.name: references_of(r, view, spp, args.work, args.fresh) for r in (ours, cycles)}
+            ours.flags = args.flags.split()  # all integrators have one picture, so that the references serve them all
             series = measure([ours, cycles], references, args.work, reps, seconds, args.processor)
             if args.processor:
                 for points in series.values():
                     count_processor(points)
             results[name] = summarize(without_folders(view), series)
-            results[name]["reference_spp"] = spp
+            results[name]["reference_spp"], results[name]["flags"] = spp, args.flags
             results[name]["cycles_version"], results[name]["device"] = cycles.version, ours.device
             # Of the two pictures themselves: view, light and depth agree if these are near 1.
             between = compare(args.wavepath, references["wavepath"][0], references["cycles"][0])

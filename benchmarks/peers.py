@@ -41,6 +41,7 @@ class Wavepath:
 
     def __init__(self, binary, view):
         self.binary = binary
+        self.flags = []  # besides those of the view
         self.version = run([binary, "--version"]).strip()
         self.device = None
 
@@ -55,7 +56,7 @@ class Wavepath:
 
     def render(self, spp, seed, output):
         before = processor_seconds_of_children()
-        stats = json.loads(run(self.command + ["--spp", spp, "--seed", seed, "-o", output]))
+        stats = json.loads(run(self.command + self.flags + ["--spp", spp, "--seed", seed, "-o", output]))
         self.device = stats["device"]
         return {"seconds": stats["seconds"]["render"], "mrays_per_second": stats["mrays_per_second"],
                 "processor": processor_seconds_of_children() - before}
