@@ -1,5 +1,5 @@
-// Whole nets: which pixel of every block of 4x4 is measured, that is, has a second net of samples. Compiled by kernels and
-// host alike.
+// Whole nets: which pixel of every block is measured, that is, has a second net of samples. Compiled by kernels and host
+// alike.
 //
 // A pixel's error is the less the more samples its net has: two halves of a net cost up to twice the squared error of the
 // whole. So pixels keep their nets whole, and one in a block has a second one, scrambled independently, whose difference
@@ -20,10 +20,17 @@ using glm::uvec2;
 #define GPU_FUNCTION
 #endif
 
-// Blocks in a row, where `pixels` is the width, or in a column; the last one may be cut off by the border.
-GPU_FUNCTION uint net_blocks(uint pixels) { return (pixels + 3u) / 4u; }
+// Pixels of a block's side. From 262,144 pixels on larger blocks have 4,096 measured pixels as well, as many as the error
+// of a picture takes (docs/error-and-stopping.md), for 1.6 % more samples instead of 6.3 %.
+GPU_FUNCTION uint net_side(uint width, uint height) { return width * height < 1u << 18u ? 4u : 8u; }
 
-GPU_FUNCTION uint net_block_of(uvec2 pixel, uint width) { return pixel.y / 4u * net_blocks(width) + pixel.x / 4u; }
+// Blocks in a row, where `pixels` is the width, or in a column; the last one may be cut off by the border.
+GPU_FUNCTION uint net_blocks(uint pixels, uint side) { return (pixels + side - 1u) / side; }
+
+GPU_FUNCTION uint net_block_of(uvec2 pixel, uint width, uint height) {
+  uint side = net_side(width, height);
+  return pixel.y / side * net_blocks(width, side) + pixel.x / side;
+}
 
 // Of one word, in which every bit of it tells on every bit of the result: multiply, shift, twice.
 GPU_FUNCTION uint net_hash(uint word) {
@@ -34,8 +41,9 @@ GPU_FUNCTION uint net_hash(uint word) {
 
 // The pixel of a block that has the second net: each with the same chance.
 GPU_FUNCTION uvec2 measured_pixel(uint block, uint width, uint height, uint seed) {
-  uint across = net_blocks(width), left = block % across * 4u, top = block / across * 4u;
-  uint columns = width - left < 4u ? width - left : 4u, rows = height - top < 4u ? height - top : 4u;
+  uint side = net_side(width, height), across = net_blocks(width, side);
+  uint left = block % across * side, top = block / across * side;
+  uint columns = width - left < side ? width - left : side, rows = height - top < side ? height - top : side;
   uint random = net_hash(block + net_hash(seed)) >> 16u;
   uint place = random * (columns * rows) >> 16u;
   return uvec2(left + place % columns, top + place / columns);

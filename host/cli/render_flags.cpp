@@ -137,7 +137,7 @@ void add_replay_flags(CLI::App& app, RenderRequest& request) {
            });
   add_flag(app, group, {"--sample", "N", "which path of the pixel; all other flags as in the render it belongs to"},
            [&](const FlagValue& value) { request.sample = value.whole_number(0, kLargestIndex); });
-  add_flag(app, group, {"--net", "N", "0, or 1 for the second net of samples, which one pixel in 16 has", "0"},
+  add_flag(app, group, {"--net", "N", "0, or 1 for the second net of samples, which measured pixels have", "0"},
            [&](const FlagValue& value) { request.net = value.whole_number(0, 1); });
 }
 

@@ -96,7 +96,8 @@ struct BlockShare {
   double pixels = 0.0, times = 0.0;
 };
 BlockShare share_of(const Film& film, std::size_t measured) {
-  const auto side = [](std::size_t at, std::uint32_t size) { return std::min<std::size_t>(4, size - at / 4 * 4); };
+  const std::size_t whole = gpu::net_side(film.width, film.height);
+  const auto side = [&](std::size_t at, std::uint32_t size) { return std::min(whole, size - at / whole * whole); };
   const auto pixels =
       static_cast<double>(side(measured % film.width, film.width) * side(measured / film.width, film.height));
   const double both = sample_count(film, measured), first = film.pixels[measured].count;

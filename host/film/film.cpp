@@ -181,7 +181,7 @@ Film make_film(const FilmShape& shape) {
 
 std::size_t block_of(const Film& film, std::size_t pixel) {
   const auto x = static_cast<std::uint32_t>(pixel % film.width), y = static_cast<std::uint32_t>(pixel / film.width);
-  return gpu::net_block_of({x, y}, film.width);
+  return gpu::net_block_of({x, y}, film.width, film.height);
 }
 
 std::size_t measured_pixel(const Film& film, std::size_t block) {

@@ -24,7 +24,8 @@ struct FilmShape {
 
   std::uint64_t pixels() const { return std::uint64_t{width} * height; }
   std::uint64_t second_nets() const {
-    return whole_nets ? std::uint64_t{gpu::net_blocks(width)} * gpu::net_blocks(height) : 0;
+    const std::uint32_t side = gpu::net_side(width, height);
+    return whole_nets ? std::uint64_t{gpu::net_blocks(width, side)} * gpu::net_blocks(height, side) : 0;
   }
   std::uint64_t places() const { return pixels() + second_nets(); } // with AOVs of their own
   std::uint64_t nets() const { return whole_nets ? places() : gpu::kReplicates * pixels(); }

@@ -96,7 +96,7 @@ void main() {
   if (pixel >= job.film_pixel_count) return; // in another band
   vec4 a, b, sum;
   if (job.whole_nets != 0u) {
-    uint block = net_block_of(film_at, job.film_width);
+    uint block = net_block_of(film_at, job.film_width, job.film_height);
     uvec2 measured_at = measured_pixel(block, job.film_width, job.film_height, job.seed);
     uint measured = tile_order_of(measured_at, job.film_width, job.film_height) - job.first_film_pixel;
     a = fetch_sum(measured);

@@ -95,9 +95,10 @@ bool FilmTarget::fit(const FilmShape& shape, bool room_for_aovs) {
       range / std::max<std::uint64_t>(nets_each(shape) * sizeof(gpu::FilmPixel), sizeof(gpu::FilmAovs));
   std::uint64_t step = gpu::kRunPixels; // no run lies in two
   std::uint64_t most = most_places;
-  if (shape.whole_nets) { // nor does a block: bands are whole rows of tiles, of which each has two rows of blocks
+  const std::uint32_t side = gpu::net_side(shape.width, shape.height), across = gpu::net_blocks(shape.width, side);
+  if (shape.whole_nets) { // nor does a block: bands are whole rows of tiles, which hold whole rows of blocks
     step = 8 * std::uint64_t{shape.width};
-    most = most_places / (step + 2 * gpu::net_blocks(shape.width)) * step;
+    most = most_places / (step + 8 / side * across) * step;
   }
   most = std::max(most / step, std::uint64_t{1}) * step;
   bands_.resize(std::max<std::size_t>(bands_.size(), (pixels() + most - 1) / most));
@@ -109,7 +110,7 @@ bool FilmTarget::fit(const FilmShape& shape, bool room_for_aovs) {
     first += band.pixel_count;
     const std::uint64_t rows = shape.whole_nets ? (first + shape.width - 1) / shape.width : 0; // up to its end
     band.first_second = static_cast<std::uint32_t>(first_second);
-    band.second_count = static_cast<std::uint32_t>((rows + 3) / 4 * gpu::net_blocks(shape.width) - first_second);
+    band.second_count = static_cast<std::uint32_t>((rows + side - 1) / side * across - first_second);
     first_second += band.second_count;
     band.picture_pixels = static_cast<std::uint32_t>(pixels());
     moved |= make_room(*device_, band.film, film_bytes(band, shape));

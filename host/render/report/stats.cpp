@@ -68,19 +68,20 @@ Json next_halving_json(const RenderResult& result) {
 
 Json error_json(const Run& run) {
   const RenderResult& result = run.result;
-  Json json{{"relative_rms", nullptr},
-            {"ci95", nullptr},
-            {"method",
-             result.film && result.film->whole_nets
-                 ? "one whole net a pixel; spread of the means of two independently scrambled ones on one pixel in 16"
-                 : "spread of the means of 2 independently scrambled halves of the samples of every pixel"},
-            {"slope", result.slope},
-            {"slope_spp", fit_slope(result.checkpoints, Against::spp)},
-            {"next_halving", nullptr},
-            {"largest_sample_share", nullptr},
-            {"trusted", is_trusted(result)},
-            {"diagnosis", run.diagnosis},
-            {"estimate_seconds", result.estimate_seconds}};
+  Json json{
+      {"relative_rms", nullptr},
+      {"ci95", nullptr},
+      {"method",
+       result.film && result.film->whole_nets
+           ? "one whole net a pixel; spread of the means of two independently scrambled ones on one pixel of each block"
+           : "spread of the means of 2 independently scrambled halves of the samples of every pixel"},
+      {"slope", result.slope},
+      {"slope_spp", fit_slope(result.checkpoints, Against::spp)},
+      {"next_halving", nullptr},
+      {"largest_sample_share", nullptr},
+      {"trusted", is_trusted(result)},
+      {"diagnosis", run.diagnosis},
+      {"estimate_seconds", result.estimate_seconds}};
   if (has_estimate(result.spp, result.error)) {
     json["relative_rms"] = result.error.relative_rms;
     json["ci95"] = {result.error.ci95[0], result.error.ci95[1]};
