@@ -2,7 +2,9 @@
 // neither stopping at a target nor adaptive sampling moves the mean.
 #include <cmath>
 #include <cstdint>
+#include <random>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -270,6 +272,45 @@ TEST_F(ErrorTest, DepthCutIsMeasuredByTheSamePaths) {
   EXPECT_GT(even.share, 0.0);
   EXPECT_EQ(adaptive.share, even.share);
   EXPECT_EQ(adaptive.standard_error, even.standard_error);
+}
+
+// Red, green and blue alike.
+void set_samples(gpu::FilmPixel& pixel, std::uint32_t count, double mean, double largest) {
+  const auto units = static_cast<std::uint32_t>(std::lround(mean * count * 0x1p21));
+  for (gpu::ExactSum* sum : {&pixel.red, &pixel.green, &pixel.blue}) sum->low[0] = units;
+  pixel.tops = 5 | 5 << 8 | 5 << 16; // digits of which bit 0 of the lower one weighs 2^-21
+  pixel.count = count;
+  pixel.largest = static_cast<float>(3.0 * largest);
+}
+
+// Whether its pixel is one of the few that are measured or not, it shows.
+TEST(WholeNetsEstimate, AFireflyIsSeenWhereverItIs) {
+  constexpr std::uint32_t kSide = 64, kCount = 16;
+  constexpr double kMean = 0.5, kNoise = 0.01, kFirefly = 100.0, kWeight = 1.0 / (kMean * kMean + 0.01);
+  Film film = make_film({.width = kSide, .height = kSide, .whole_nets = true, .seed = 3});
+  std::mt19937 random(1);
+  std::normal_distribution<double> noise(0.0, kNoise);
+  for (gpu::FilmPixel& pixel : film.pixels) set_samples(pixel, kCount, kMean + noise(random), 0.6);
+  const double quiet = kNoise * kNoise * kWeight;
+  const ErrorEstimate even = estimate_error(film);
+  EXPECT_NEAR(even.relative_rms * even.relative_rms, quiet, 0.25 * quiet);
+  EXPECT_LT(even.largest_sample_share, 0.1);
+
+  const std::size_t block = 100, measured = measured_pixel(film, block), other = measured ^ 1;
+  ASSERT_EQ(block_of(film, other), block);
+  const double alone = std::pow(kFirefly / kCount, 2.0) * kWeight / (kSide * kSide); // added to the squared error
+  const std::tuple<const char*, std::size_t, double> cases[] = {{"not measured", other, alone},
+                                                                {"first net", measured, 0.25 * alone},
+                                                                {"second net", kSide * kSide + block, 0.25 * alone}};
+  for (const auto& [where, place, expected] : cases) {
+    SCOPED_TRACE(where);
+    Film spoilt = film;
+    set_samples(spoilt.pixels[place], kCount, kMean + kFirefly / kCount, kFirefly);
+    const ErrorEstimate error = estimate_error(spoilt);
+    EXPECT_GT(error.ci95[1] * error.ci95[1], 0.95 * expected);
+    EXPECT_LT(error.ci95[0] * error.ci95[0], expected);
+    EXPECT_GT(error.largest_sample_share, 0.9);
+  }
 }
 
 TEST(Levels, GiveNoisyRunsMoreAndKeepTheTotal) {
