@@ -110,7 +110,7 @@ protected:
           continue;
         }
         ++expected.by_maker[*trace.maker];
-        const NonfiniteSample found{sample, place, *trace.maker};
+        const NonfiniteSample found{sample, {place, 0}, *trace.maker};
         if (!expected.first || found < *expected.first) expected.first = found;
       }
       EXPECT_EQ(counts.values[pixel.y * width + pixel.x], static_cast<float>(finite)) << pixel.x << ", " << pixel.y;

@@ -425,6 +425,33 @@ TEST_F(DisplayTest, ShowsWhatElseIsKnown) {
   });
 }
 
+// The mean of both nets of measured pixels, and everywhere the variance that the two tell.
+TEST_F(DisplayTest, ShowsWholeNets) {
+  open("cornell_box.gltf");
+  settings_.whole_nets_from = 0;
+  settings_.aovs = {"albedo", "direct", "indirect", "emission"};
+  Progressive progressive = begin();
+  expect_as_rendered(progressive);
+  const Film film = progressive.film();
+  ASSERT_TRUE(film.whole_nets);
+  Film first = film; // without second nets
+  for (std::size_t i = film.shape().pixels(); i < first.pixels.size(); ++i) first.pixels[i] = {};
+  const auto toned = [](const glm::vec3& radiance) {
+    const glm::vec3 linear = tonemap(Tonemap::neutral, radiance);
+    return glm::vec3(to_srgb(linear.r), to_srgb(linear.g), to_srgb(linear.b));
+  };
+  Display display(device());
+  const auto view = [&](Shown what, double range = 0.0) {
+    return shown(display, progressive, {.shown = what, .range = range});
+  };
+  expect_shown(view(Shown::color), [&](std::size_t i) { return toned(glm::vec3(mean_radiance(film, i))); });
+  expect_shown(view(Shown::samples, 12.0), [&](std::size_t i) { return glm::vec3(sample_count(film, i) / 12.0f); });
+  expect_shown(view(Shown::variance), [&](std::size_t i) { return toned(glm::vec3(mean_variance(film, i))); });
+  expect_shown(view(Shown::indirect), [&](std::size_t i) {
+    return toned(glm::vec3(mean_radiance(first, i)) - film.aovs[i].direct - film.aovs[i].emission);
+  });
+}
+
 TEST_F(DisplayTest, KeepsWhatItShowedUntilThereIsMore) {
   open("cornell_box.gltf");
   Progressive progressive = begin();
