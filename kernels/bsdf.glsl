@@ -16,6 +16,7 @@
 #include "kernels/fresnel.glsl"
 #include "kernels/math.glsl"
 #include "kernels/microfacet.glsl"
+#include "kernels/scene_types.h"
 
 struct Bsdf {
   vec3 base_color; // [0, 1]
@@ -37,7 +38,6 @@ struct BsdfSample {
   bool transmitted;
 };
 
-const float kMinAlpha = 1e-4;
 // Closer to 1 than this, rough refraction bends by less than 1e-3 alpha and its half vector is lost in rounding: it
 // passes as delta.
 const float kMinEtaStep = 1e-3;
@@ -70,6 +70,12 @@ vec3 facet_transmittance(Bsdf b, Interface surface, float c) {
   float passed = (1.0 - b.metallic) * b.transmission * (1.0 - max_component(fresnel_dielectric(surface, c)));
   return passed * b.base_color;
 }
+
+// A thin smooth pane: light that it transmits goes straight on, so that shadow rays may pass.
+bool is_pane(Bsdf b) { return has(kFeatureTransmission) && b.thin && b.alpha < kMinAlpha && b.transmission > 0.0; }
+
+// What passes it at this cosine: the throughput of the delta lobe that sample_facets() draws, over all its draws.
+vec3 pane_transmittance(Bsdf b, float c) { return facet_transmittance(b, surface_of(b), c); }
 
 // Probability of reflecting rather than transmitting at the microfacet.
 float reflect_probability(vec3 reflectance, vec3 transmittance) {

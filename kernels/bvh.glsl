@@ -17,6 +17,12 @@ const uint kMissedKey = 0xffffffffu;
 #define ALPHA_TEST(hit) false
 #endif
 
+// Triangles that ALPHA_TEST is asked of, and the features of which scenes with such triangles have one.
+#ifndef TESTED_TRIANGLES
+#define TESTED_FEATURES kFeatureAlpha
+#define TESTED_TRIANGLES kTriangleAlpha
+#endif
+
 // ---- the stack ------------------------------------------------------------------------------------------------------
 // A stack entry is a group of siblings: the index of the first one, and the children still to be visited. For a closest
 // hit these are ordered by distance, three of two bits, the last one repeated; for any hit they are a mask, the highest
@@ -231,7 +237,7 @@ bool test_triangle(uint item, float t_max) {
   Candidate candidate = intersect_triangle(local_ray, v0.xyz, v1.xyz, v2.xyz);
   bool accepted = candidate.hit && candidate.t < t_max && is_better(candidate.t, id, flags, candidate.front);
   Hit found = Hit(item, instance, candidate.b1, candidate.b2);
-  bool needs_alpha = has(kFeatureAlpha) && accepted && (flags & kTriangleAlpha) != 0u;
+  bool needs_alpha = has(TESTED_FEATURES) && accepted && (flags & TESTED_TRIANGLES) != 0u;
   if (needs_alpha) {
     pending = found;
     pending_ids = uvec2(instance_id, id);
@@ -252,7 +258,7 @@ void test_leaves(float t_max) {
   while (testing) {
     bool needs_alpha = test_triangle(item, t_max);
     ++item;
-    if (has(kFeatureAlpha)) leaves.x = needs_alpha ? leaf_word(item, end - item) : leaves.x; // the rest of the leaf waits
+    if (has(TESTED_FEATURES)) leaves.x = needs_alpha ? leaf_word(item, end - item) : leaves.x; // the rest of the leaf waits
     if (item == end) {
       take_leaf();
       item = leaf_first(leaves.x);
@@ -333,7 +339,7 @@ Hit traverse(vec3 origin, vec3 direction, float t_max) {
       if (has_levels()) change_level(origin, direction);
       done = is_over();
     }
-    if (has(kFeatureAlpha)) {
+    if (has(TESTED_FEATURES)) {
       look_up_alpha();
 #ifdef ANY_HIT
       done = done || best.triangle != kNone;

@@ -39,9 +39,9 @@ struct Frame {
   uint scene_features;    // kFeature bits that the scene has data for, whatever the kernels were compiled with
   uint local_light_count; // triangles, points and spots, which come first among the lights
   float light_sum_scale;  // radiance to units of the sums of a pilot (kFeatureLearning)
+  uint whole_nets;        // 1: pixels have whole nets (net_layout.h)
   uint pad0;
   uint pad1;
-  uint pad2;
 };
 GPU_CHECK(sizeof(Frame) == 144);
 

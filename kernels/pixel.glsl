@@ -8,7 +8,7 @@
 #include "kernels/tile_order.h"
 
 // Kernels made for whole nets may serve a render of halved ones.
-bool has_whole_nets() { return has(kFeatureWholeNets) && (frame.scene_features & kFeatureWholeNets) != 0u; }
+bool has_whole_nets() { return kNets == kNetsWhole && frame.whole_nets != 0u; }
 
 // The pixel, in tile order, that has place `local` in the wave; of second nets the place after all pixels.
 uint wave_pixel(uint local) {

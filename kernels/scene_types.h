@@ -44,7 +44,8 @@ GPU_CONSTANT uint kLeafFirstMask = 0x0fffffffu;
 GPU_CONSTANT uint kTriangleSingleSided = 1u << 31; // invisible from behind
 GPU_CONSTANT uint kTriangleAlpha = 1u << 30;       // its material is MASK, BLEND or unlit
 GPU_CONSTANT uint kTriangleSmooth = 1u << 29;      // has vertex normals
-GPU_CONSTANT uint kTriangleMaterialMask = kTriangleSmooth - 1u;
+GPU_CONSTANT uint kTrianglePane = 1u << 28;        // its material may be a thin smooth pane, which light passes unbent
+GPU_CONSTANT uint kTriangleMaterialMask = kTrianglePane - 1u;
 
 // Object space for instanced meshes, device world space for everything else. A tree with spatial splits holds copies of
 // a triangle; all that chooses between triangles goes by `id`, so that no picture depends on how the tree was built.
@@ -75,6 +76,8 @@ GPU_CONSTANT uint kMaterialMask = 1u << 1;
 GPU_CONSTANT uint kMaterialBlend = 1u << 2;
 GPU_CONSTANT uint kMaterialUnlit = 1u << 3;
 GPU_CONSTANT uint kMaterialVolume = 1u << 4; // a closed volume: refracts; otherwise transmission is thin-walled
+
+GPU_CONSTANT float kMinAlpha = 1e-4f; // smoother microfacets (alpha = roughness^2) are a mirror: see kernels/bsdf.glsl
 
 // Factors of glTF 2.0 and its extensions; texture fields index Texture[] or are kNone.
 struct Material {

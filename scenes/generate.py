@@ -23,7 +23,7 @@ def files():
     yield "showcase.glb", showcase.showcase().binary()
     for name, scene in [*analytic.scenes(), *analytic_surfaces.scenes()]:
         yield f"analytic/{name}.gltf", scene.text()
-    for build in (rooms.slit_room, rooms.door_ajar, rooms.hundred_lights):
+    for build in (rooms.slit_room, rooms.door_ajar, rooms.glazed_room, rooms.hundred_lights):
         yield f"rooms/{build.__name__}.glb", build().binary()
     answers = {}
     for name, scene in caustics.scenes():

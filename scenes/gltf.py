@@ -204,6 +204,12 @@ class Gltf:
                     KHR_materials_ior={"ior": ior}, KHR_materials_volume=volume)
         return index
 
+    def pane(self, name, color=(1.0, 1.0, 1.0), roughness=0.0):
+        """Thin glass, which light passes unbent."""
+        index = self.material(name, color, roughness=roughness, doubleSided=True)
+        self.extend(self.doc["materials"][index], KHR_materials_transmission={"transmissionFactor": 1.0})
+        return index
+
     def camera(self, eye, look_at, up=(0.0, 1.0, 0.0), yfov=None, extent=None, aspect=None):
         """Perspective with `yfov` radians, or orthographic with the half width and height `extent` metres."""
         z = normalize(sub(eye, look_at))

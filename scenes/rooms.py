@@ -70,6 +70,30 @@ def door_ajar():
     return g
 
 
+def glazed_room():
+    """A sun shines through a window of thin tinted glass; with `--env` a sky does, too."""
+    g = Gltf("room behind a glazed window")
+    white, oak = g.lambert("white", (0.75, 0.75, 0.72)), g.lambert("oak", (0.45, 0.3, 0.18))
+    width, height, depth = 4.6, 2.7, 3.6
+    end = (width + WALL, depth + WALL)
+    g.mesh("floor", box((-WALL, -WALL, -WALL), (end[0], 0.0, end[1])), oak)
+    g.mesh("ceiling", box((-WALL, height, -WALL), (end[0], height + WALL, end[1])), white)
+    walls = wall_x(-WALL / 2, -WALL, end[1], height) + wall_z(-WALL / 2, 0.0, width, height)
+    walls += wall_z(depth + WALL / 2, 0.0, width, height)
+    walls += wall_x(width + WALL / 2, -WALL, end[1], height, opening=(0.9, 2.5, 0.8, 2.2))
+    g.mesh("walls", join(walls), white)
+    x = width + WALL / 2
+    g.mesh("pane", quad((x, 0.75, 0.85), (x, 0.75, 2.55), (x, 2.25, 2.55), (x, 2.25, 0.85)),
+           g.pane("glass", (0.9, 0.96, 0.93)))
+    g.mesh("sill", box((width - 0.1, 0.74, 0.85), (width + 0.03, 0.8, 2.55)), oak)
+    g.mesh("table", box((1.9, 0.0, 1.1), (2.9, 0.72, 2.3)), oak)
+    g.mesh("ball", sphere(24), g.lambert("blue", (0.15, 0.25, 0.6)), translation=[2.4, 0.98, 1.6], scale=[0.26] * 3)
+    g.mesh("block", box((0.6, 0.0, 0.4), (1.1, 1.3, 0.9)), g.lambert("red", (0.6, 0.12, 0.08)))
+    g.light("directional", 40.0, (1.0, 0.92, 0.8), direction=(-1.0, -0.75, 0.2))
+    g.camera((0.25, 1.6, 3.3), (2.9, 1.0, 1.3), yfov=1.05, aspect=4 / 3)
+    return g
+
+
 # ---- many lights ----------------------------------------------------------------------------------------------------
 
 SIDE, HEIGHT, YARD = 4.0, 3.0, 6.0  # metres: of a room, and around the house

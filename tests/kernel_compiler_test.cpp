@@ -30,6 +30,10 @@ TEST(KernelConfig, CoversWhatNeedsNoMore) {
   EXPECT_FALSE(need.covers(generic));
   need.config.stack_size = 65;
   EXPECT_FALSE(generic.covers(need));
+  KernelNeed whole = generic;
+  whole.config.nets = gpu::kNetsWhole; // the frame says whether nets are whole
+  EXPECT_TRUE(whole.covers(generic));
+  EXPECT_FALSE(generic.covers(whole));
   KernelNeed fewer = generic;
   fewer.stages = kLightingStages;
   EXPECT_FALSE(fewer.covers(generic));
@@ -52,19 +56,20 @@ TEST(KernelConfig, FollowsSceneAndSettings) {
   EXPECT_GE(kernel_config(0, 1000, settings).stack_size, 1002u) << "a deep tree gets what it needs";
   settings.specialize = false;
   const std::uint32_t settings_alone = gpu::kFeatureAovs | gpu::kFeatureAdaptive | gpu::kFeatureSharedFirstHit |
-                                       gpu::kFeatureLightRows | gpu::kFeatureGuide | gpu::kFeatureWholeNets;
+                                       gpu::kFeatureLightRows | gpu::kFeatureGuide;
   settings.lights = gpu::kLightsTree; // without a pilot
   const std::uint32_t scenes = gpu::kFeaturesAll & ~settings_alone;
-  EXPECT_EQ(kernel_config(0, 5, settings).features, scenes | gpu::kFeatureWholeNets);
-  settings.width = settings.height = 16;
   EXPECT_EQ(kernel_config(0, 5, settings).features, scenes);
+  EXPECT_EQ(kernel_config(0, 5, settings).nets, gpu::kNetsWhole);
+  settings.width = settings.height = 16;
+  EXPECT_EQ(kernel_config(0, 5, settings).nets, gpu::kNetsHalved);
   settings.aovs = {"albedo"};
   EXPECT_EQ(kernel_config(0, 5, settings).features, scenes | gpu::kFeatureAovs);
   settings.adaptive = true;
   EXPECT_EQ(kernel_config(0, 5, settings).features, scenes | gpu::kFeatureAovs | gpu::kFeatureAdaptive);
   settings.adaptive = false;
-  settings.integrator = &kHybrid; // has its AOVs from the G-buffer
-  EXPECT_EQ(kernel_config(0, 5, settings).features, scenes | gpu::kFeatureSharedFirstHit);
+  settings.integrator = &kHybrid; // has its AOVs from the G-buffer, and no bounce left behind panes
+  EXPECT_EQ(kernel_config(0, 5, settings).features, (scenes & ~gpu::kFeaturePanes) | gpu::kFeatureSharedFirstHit);
 }
 
 class KernelCompilerTest : public VulkanTest {

@@ -211,6 +211,24 @@ TEST(TriangleFlags, CullOnlySingleSidedOpaqueSurfaces) {
   EXPECT_EQ(flags_of(m), 0u);
 }
 
+TEST(TriangleFlags, FindThinSmoothGlass) {
+  Material pane = plain_material();
+  pane.transmission = 0.1f, pane.metallic = 0.9f, pane.roughness = 0.009f;
+  EXPECT_EQ(flags_of(pane), gpu::kTrianglePane);
+  Material m = pane;
+  m.roughness = 0.011f;
+  EXPECT_EQ(flags_of(m), 0u);
+  m = pane;
+  m.volume = true;
+  EXPECT_EQ(flags_of(m), 0u);
+  m = pane;
+  m.metallic = 1.0f;
+  EXPECT_EQ(flags_of(m), 0u);
+  m = pane;
+  m.unlit = true;
+  EXPECT_EQ(flags_of(m), gpu::kTriangleAlpha);
+}
+
 TEST(Features, FollowTheMaterialsInUse) {
   const Material plain = plain_material();
   EXPECT_EQ(features_of(plain), 0u);

@@ -206,9 +206,9 @@ TEST_F(WholeNetsRender, HowTheWorkIsCutUpDoesNotMatter) {
 // Kernels made for whole nets serve another render until its own are ready.
 TEST_F(WholeNetsRender, TheirKernelsRenderHalvedNetsAsWell) {
   const RenderSettings settings = halved(settings_of(43, 37, 4));
-  RenderSettings with_feature = settings;
-  with_feature.added_features = gpu::kFeatureWholeNets;
-  EXPECT_TRUE(*render(with_feature).film == *render(settings).film);
+  RenderSettings with_room = settings;
+  with_room.room_for_whole_nets = true;
+  EXPECT_TRUE(*render(with_room).film == *render(settings).film);
 }
 
 TEST_F(WholeNetsRender, FilmsJoinWithoutLoss) {

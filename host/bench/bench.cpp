@@ -116,11 +116,11 @@ double agreement(Kind kind, const PackedScene& scene, RayReplay& replay, const R
   return agreement(replay.distances(scene, set), theirs);
 }
 
-// Embree tests neither alpha nor facing, so the kernels that it is compared with leave that out too.
+// Embree tests neither alpha, panes nor facing, so the kernels that it is compared with leave that out too.
 void compare_with_embree(Device& device, const PackedScene& scene, const View& view, const BenchSettings& settings,
                          const RaySets& rays, BenchResult& result) {
   RenderSettings opaque = settings.render;
-  opaque.removed_features = gpu::kFeatureAlpha | gpu::kFeatureCull;
+  opaque.removed_features = gpu::kFeatureAlpha | gpu::kFeaturePanes | gpu::kFeatureCull;
   KernelCompiler kernels(device);
   RayReplay replay(device, scene, view, opaque, kernels);
   const EmbreeScene fast(scene, false), robust(scene, true);

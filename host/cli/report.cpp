@@ -67,7 +67,7 @@ std::vector<std::string> list_bias(const RenderSettings& settings, const RenderR
                                 100.0 * cut->share, 100.0 * cut->standard_error, cut->deeper);
   if (lost)
     bias.push_back(
-        fmt::format("light of lamps and suns through smooth glass and off mirrors is missing: {:.2g} % +- {:.1g} "
+        fmt::format("light of lamps and suns through thick smooth glass and off mirrors is missing: {:.2g} % +- {:.1g} "
                     "% of all light; --integrator bidirectional finds it",
                     100.0 * lost->share, 100.0 * lost->standard_error));
   if (result.nonfinite.first)

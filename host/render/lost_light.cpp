@@ -11,13 +11,13 @@ namespace wavepath {
 namespace {
 
 constexpr std::uint32_t kLongestSide = 64, kSamples = 16;
-constexpr float kSmooth = 0.01f; // roughness below which kernels/bsdf.glsl has a lobe of one direction
 
 } // namespace
 
 bool may_lose_light(const PackedScene& scene) {
   const bool smooth = std::ranges::any_of(scene.materials, [](const gpu::Material& m) {
-    return m.roughness < kSmooth && (m.transmission > 0.0f || m.metallic > 0.0f || m.specular > 0.0f);
+    return m.roughness * m.roughness < gpu::kMinAlpha &&
+           (m.transmission > 0.0f || m.metallic > 0.0f || m.specular > 0.0f);
   });
   return smooth && (scene.features & gpu::kFeaturePunctualLights) != 0;
 }

@@ -19,6 +19,9 @@
 #include "kernels/path/records.glsl"
 #include "kernels/pixel.glsl"
 #include "kernels/records.glsl"
+
+Sampler path_sampler;
+#define SHADOW_PASSES_PANES
 #include "kernels/shadow.glsl"
 
 #define ALPHA_TEST(hit) lets_light_through(hit)
@@ -56,7 +59,8 @@ void main() {
   uint index = gl_GlobalInvocationID.x;
   if (index >= queues.shadow_count) return;
   ShadowRay ray = fetch_shadow_ray(index);
-  begin_shadow();
+  if (has(kFeaturePanes) && has(kFeatureAlpha)) path_sampler = slot_sampler(ray.slot);
+  begin_shadow(ray.direction);
   uint target = kNone, target_instance = 0u;
   if (has(kFeatureTriangleLights)) {
     Light light = fetch_light(ray.light);
@@ -72,5 +76,6 @@ void main() {
   path.radiance += contribution;
   if (!is_finite(path.radiance)) count_nonfinite(kMakerConnect, ray.slot); // it was finite, or shade had sent no ray
   store_radiance(ray.slot, path);
-  if (has(kFeatureAovs) && wave.bounce == 0u) path_aovs[ray.slot].direct += contribution;
+  bool is_direct = wave.bounce == 0u && pane_count == 0u; // a pane is a bounce
+  if (has(kFeatureAovs) && is_direct) path_aovs[ray.slot].direct += contribution;
 }

@@ -59,8 +59,10 @@ bool connect_to_light(Vertex v, Receiver receiver, Sampler path_sampler, uint di
   return true;
 }
 
-// Scatters the path: true if it goes on with `ray`.
-bool scatter(Vertex v, Sampler path_sampler, uint dimension, uint slot, inout PathState path, out Ray ray) {
+// Scatters the path: true if it goes on with `ray`. `passed`: straight through a pane, as shadow rays do.
+bool scatter(Vertex v, Sampler path_sampler, uint dimension, uint slot, inout PathState path, out Ray ray,
+             out bool passed) {
+  passed = false;
   vec2 u = sample_2d(path_sampler, dimension + kDimensionDirection);
   vec2 u_choice = sample_2d(path_sampler, dimension + kDimensionChoice);
   BsdfSample s;
@@ -69,11 +71,13 @@ bool scatter(Vertex v, Sampler path_sampler, uint dimension, uint slot, inout Pa
   if (has(kFeatureGuide)) {
     if (!guided_sample(v.bsdf, guide, wo, v.tangent, v.bitangent, v.normal, u_choice.x, u, s, bsdf_pdf)) return false;
   } else if (!bsdf_sample(v.bsdf, wo, u_choice.x, u, s)) return false;
-  vec3 wi = normalize(to_world(s.wi, v.tangent, v.bitangent, v.normal));
+  passed = uses(kFeaturePanes) && is_pane(v.bsdf) && s.pdf < 0.0 && s.transmitted;
+  vec3 wi = passed ? -v.wo : normalize(to_world(s.wi, v.tangent, v.bitangent, v.normal));
   if (!sides_agree(v, wi)) return false;
 
   path.throughput *= s.weight;
-  path.bsdf_pdf = s.pdf;
+  // What lies behind a pane is found by the shadow rays of the vertex before it, too; so the direction keeps its density.
+  if (!passed) path.bsdf_pdf = s.pdf;
   path.eta_scale *= s.eta_scale;
   // Roulette goes by the throughput that the BSDF alone would give: a guided path towards the light has little of it.
   if (has(kFeatureGuide)) path.eta_scale *= s.pdf < 0.0 ? 1.0 - guide.probability : s.pdf / max(bsdf_pdf, 1e-6 * s.pdf);
@@ -108,16 +112,20 @@ void add_radiance(inout PathState path, uint slot, vec3 radiance) {
   }
 }
 
+// Whether a ray that a vertex scatters must know it when it arrives: for the choice of the light, or because panes between
+// make the ray begin elsewhere.
+bool keeps_receivers() { return uses_light_tree() || (uses(kFeaturePanes) && has(kFeatureTriangleLights)); }
+
 // The vertex as it receives light, stored for the weight of what the scattered ray may hit.
 Receiver store_receiver(uint slot, Vertex v) {
-  if (!uses_light_tree()) return Receiver(v.surface.position, vec3(0.0));
+  if (!keeps_receivers()) return Receiver(v.surface.position, vec3(0.0));
   uvec4 words = uvec4(floatBitsToUint(v.surface.position), v.bsdf.transmission > 0.0 ? 0u : pack_normal(v.normal));
   receiver_words[slot] = words;
   return unpack_receiver(words);
 }
 
 Receiver fetch_receiver(uint slot) {
-  if (!uses_light_tree()) return Receiver(vec3(0.0), vec3(0.0));
+  if (!keeps_receivers()) return Receiver(vec3(0.0), vec3(0.0));
   return unpack_receiver(texelFetch(receiver_texels, int(slot)));
 }
 
@@ -152,9 +160,11 @@ void follow(Ray ray, Hit hit, inout PathState path, out bool wants_ray, out Ray 
   }
   vec3 emitted = surface_emission(surface, material, v.front);
   if (max_component(emitted) > 0.0) {
-    float light_pdf = solid_angle_pdf(light_pdf_area(surface, hit), offset, surface.geometric_normal);
-    if (wants_light_weight(path) && light_pdf > 0.0)
-      light_pdf *= local_light_ratio(fetch_receiver(slot), light_at(surface, hit));
+    float pdf_area = light_pdf_area(surface, hit);
+    bool weighs = wants_light_weight(path) && pdf_area > 0.0;
+    if (weighs && uses(kFeaturePanes)) offset = surface.position - fetch_receiver(slot).position;
+    float light_pdf = solid_angle_pdf(pdf_area, offset, surface.geometric_normal);
+    if (weighs && light_pdf > 0.0) light_pdf *= local_light_ratio(fetch_receiver(slot), light_at(surface, hit));
     add_radiance(path, slot, path.throughput * emitted * emission_weight(path.bsdf_pdf, light_pdf));
   }
 
@@ -162,9 +172,15 @@ void follow(Ray ray, Hit hit, inout PathState path, out bool wants_ray, out Ray 
     if (has(kFeatureGuide)) guide = bsdf_has_smooth(v.bsdf) ? find_guide(v.bsdf, to_local(v.wo, v.tangent, v.bitangent, v.normal), v.surface.position) : no_guide();
     Sampler path_sampler = slot_sampler(slot);
     uint dimension = bounce_dimension(wave.bounce);
-    if (kDirect != kDirectBsdf && frame.light_count > 0u && bsdf_has_smooth(v.bsdf))
+    bool is_receiver = kDirect != kDirectBsdf && frame.light_count > 0u && bsdf_has_smooth(v.bsdf), passed;
+    uvec4 earlier = uvec4(0u);
+    if (uses(kFeaturePanes) && keeps_receivers()) earlier = texelFetch(receiver_texels, int(slot));
+    if (is_receiver)
       wants_shadow = connect_to_light(v, store_receiver(slot, v), path_sampler, dimension, slot, path.throughput, shadow);
-    wants_ray = scatter(v, path_sampler, dimension, slot, path, next);
+    wants_ray = scatter(v, path_sampler, dimension, slot, path, next, passed);
+    // A pane with a diffuse share receives light, too, but what goes straight on comes from the vertex before it. (A pilot
+    // that learns counts the pane's own shadow ray for that vertex: it makes shares less apt, never wrong.)
+    if (passed && is_receiver && keeps_receivers()) receiver_words[slot] = earlier;
   }
 }
 

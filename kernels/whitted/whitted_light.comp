@@ -13,11 +13,13 @@
 #include "kernels/emission.glsl"
 #include "kernels/path/records.glsl"
 #include "kernels/pixel.glsl"
-#include "kernels/shadow.glsl"
 #include "kernels/vertex.glsl"
 #include "kernels/whitted/whitted.glsl"
 
 Sampler path_sampler;
+#define SHADOW_PASSES_PANES
+#include "kernels/shadow.glsl"
+
 #define ALPHA_TEST(hit) lets_light_through(hit)
 #define ANY_HIT
 #include "kernels/bvh.glsl"
@@ -76,9 +78,9 @@ vec3 lit_by(uint number, Vertex v, uint medium, uint path) {
   if (is_finite(value) && max_component(value) <= 0.0) return vec3(0.0);
   vec3 origin = offset_ray_origin(v.surface.position, v.surface.position_error, v.surface.geometric_normal, s.direction);
   ++shadow_ray_count;
-  begin_shadow();
-  bool blocked = trace(origin, s.distant ? s.direction : s.target - origin, s.distant ? kFar : 1.0,
-                       triangle.x, triangle.y).triangle != kNone;
+  vec3 direction = s.distant ? s.direction : s.target - origin;
+  begin_shadow(direction);
+  bool blocked = trace(origin, direction, s.distant ? kFar : 1.0, triangle.x, triangle.y).triangle != kNone;
   return blocked ? vec3(0.0) : value * light_passed();
 }
 

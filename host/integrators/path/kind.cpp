@@ -50,6 +50,7 @@ constinit const IntegratorKind kPath = {
     .name = "path",
     .summary = "path tracing",
     .settings = kSettings,
+    .passes_panes = true,
     .light_lesson_bytes = kLightRowBytes + kLightSumBytes,
     .measures_depth_cut = true,
     .first_hit_stages = kFirstHitStages,

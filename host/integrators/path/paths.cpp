@@ -28,6 +28,13 @@ const std::array<KernelCode, kPathStageCount> kStages = {{{"generate", wavepath_
 constexpr std::array<std::size_t, kPathStageCount> kCompileOrder = {kShade,      kExtend,  kConnect,  kGenerate,
                                                                     kAccumulate, kAdvance, kGuideNote};
 
+// Whether paths know the vertex that they were scattered at: see the function of this name in kernels/path/shade.comp.
+bool keeps_receivers(const Extent& e) {
+  const auto has = [&](std::uint32_t feature) { return (e.features & feature) != 0; };
+  const bool through_panes = has(gpu::kFeaturePanes) && has(gpu::kFeatureTriangleLights);
+  return !(e.options & kStatesAlone) && (has(gpu::kFeatureLightTree) || through_panes);
+}
+
 using enum BindingKind;
 
 // By PathBuffer.
@@ -36,7 +43,7 @@ const std::vector<BufferRule> kRules = {
      [](const Extent& e) { return e.slots * sizeof(gpu::PathState); },
      {{gpu::kBindPaths, storage}, {gpu::kBindPathTexels, texels_rgba32f}}},
     {"receivers of light",
-     [](const Extent& e) { return e.features & gpu::kFeatureLightTree ? e.slots * sizeof(glm::uvec4) : 0; },
+     [](const Extent& e) { return keeps_receivers(e) ? e.slots * sizeof(glm::uvec4) : 0; },
      {{gpu::kBindReceivers, storage}, {gpu::kBindReceiverTexels, texels_rgba32ui}}},
     {"learned shares of lights",
      [](const Extent& e) { return e.features & gpu::kFeatureLightRows ? kLightRowBytes : 0; },

@@ -44,6 +44,7 @@ constinit const IntegratorKind kWhitted = {
     .name = "whitted",
     .summary = "Whitted's ray tracer: direct light, mirrors and glass",
     .settings = kSettings,
+    .passes_panes = true,
     .first_hit_stages = kFirstHitStages,
     .features = film_features,
     .start_kernels = start_kernels,

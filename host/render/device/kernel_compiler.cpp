@@ -18,21 +18,27 @@ KernelConfig kernel_config(std::uint32_t features, std::uint32_t stack_size, con
   if (!settings.specialize) features = gpu::kFeaturesAll;
   // Generic kernels, too, leave out what the settings do not ask for.
   constexpr std::uint32_t kByRequest = gpu::kFeatureAovs | gpu::kFeatureAdaptive | gpu::kFeatureSharedFirstHit |
-                                       gpu::kFeatureLightRows | gpu::kFeatureGuide | gpu::kFeatureWholeNets;
+                                       gpu::kFeatureLightRows | gpu::kFeatureGuide;
   features &= ~kByRequest | features_of(settings);
   if (settings.lights == gpu::kLightsPower || !settings.integrator->walks_light_tree)
     features &= ~gpu::kFeatureLightTree;
   if (!(features & gpu::kFeatureLightTree)) features &= ~gpu::kFeatureLightRows;
+  if (!passes_panes(settings)) features &= ~gpu::kFeaturePanes;
   features = (features | settings.added_features) & ~settings.removed_features;
-  return {features, stack, settings.sampler, settings.direct, settings.hemisphere, settings.filter};
+  const std::uint32_t nets =
+      has_whole_nets(settings) || settings.room_for_whole_nets ? gpu::kNetsWhole : gpu::kNetsHalved;
+  return {features, stack, settings.sampler, settings.direct, settings.hemisphere, settings.filter, nets};
 }
 
 std::uint32_t features_of(const RenderSettings& settings) {
   std::uint32_t features = settings.adaptive ? gpu::kFeatureAdaptive : 0;
   const bool learned = settings.lights == gpu::kLightsLearned || settings.lights == gpu::kLightsAuto;
   if (learned && settings.integrator->light_lesson_bytes > 0) features |= gpu::kFeatureLightRows;
-  if (has_whole_nets(settings)) features |= gpu::kFeatureWholeNets;
   return features | settings.integrator->features(settings);
+}
+
+bool passes_panes(const RenderSettings& settings) {
+  return settings.integrator->passes_panes && settings.direct != gpu::kDirectBsdf && settings.max_depth > 1;
 }
 
 bool generic_first(const DeviceInfo& device) { return device.type != "cpu"; }

@@ -27,6 +27,9 @@ bool generic_first(const DeviceInfo& device);
 // kFeature bits that the settings ask of kernels, whatever the scene.
 std::uint32_t features_of(const RenderSettings& settings);
 
+// Whether shadow rays pass thin smooth panes where a scene has some: a pane costs them a bounce.
+bool passes_panes(const RenderSettings& settings);
+
 class KernelCompiler {
 public:
   explicit KernelCompiler(Device& device) : device_(device) {}

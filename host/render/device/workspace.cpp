@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "host/base/clock.h"
+#include "host/render/device/kernel_compiler.h"
 #include "host/render/device/levels.h"
 #include "host/render/device/resources.h"
 #include "host/render/settings/integrator_kind.h"
@@ -43,7 +44,8 @@ gpu::Frame make_frame(const PackedScene& scene, const View& view, const RenderSe
   frame.slot_count = slots;
   frame.scene_features = scene.features;
   if (settings.lights == gpu::kLightsPower) frame.scene_features &= ~gpu::kFeatureLightTree;
-  if (has_whole_nets(settings)) frame.scene_features |= gpu::kFeatureWholeNets;
+  if (!passes_panes(settings)) frame.scene_features &= ~gpu::kFeaturePanes;
+  frame.whole_nets = has_whole_nets(settings) ? 1u : 0u;
   frame.local_light_count = scene.local_light_count;
   return frame;
 }

@@ -180,9 +180,13 @@ void RenderLoop::explore(const Pilot& pilot) {
   if (pilot.width > 0) workspace_.frame.width = pilot.width, workspace_.frame.height = pilot.height;
   workspace_.send_frame();
   integrator_->begin_pass(queue_, 0);
+  // A small picture's pilot may have more samples of a pixel than there is room for.
+  const std::uint32_t room = std::max(workspace_.slots / integrator_->paths_per_pixel(1), 1u);
+  const std::uint32_t end = pilot.first_sample + pilot.samples;
   for (const Segment& segment : pilot.segments)
-    for (std::uint32_t done = 0; done < segment.pixel_count && !stopped_;)
-      done += submit_wave(segment, done, pilot.first_sample, pilot.samples);
+    for (std::uint32_t first = pilot.first_sample; first < end; first += std::min(room, end - first))
+      for (std::uint32_t done = 0; done < segment.pixel_count && !stopped_;)
+        done += submit_wave(segment, done, first, std::min(room, end - first));
   queue_.drain();
   exploring_ = false;
   workspace_.frame = frame;

@@ -21,7 +21,7 @@ RenderSettings open_ended(RenderSettings settings) {
   settings.adaptive = false;
   settings.time_limit = settings.target_error = 0.0;
   // Coarse pictures are too small for whole nets, and are rendered by the kernels of the others.
-  if (has_whole_nets(settings)) settings.added_features |= gpu::kFeatureWholeNets;
+  settings.room_for_whole_nets = has_whole_nets(settings);
   return settings;
 }
 

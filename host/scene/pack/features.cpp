@@ -7,6 +7,7 @@
 #include "host/base/overloaded.h"
 #include "host/scene/pack/light_tree.h"
 #include "host/scene/pack/lights.h"
+#include "host/scene/pack/materials.h"
 
 namespace wavepath {
 namespace {
@@ -88,6 +89,7 @@ std::uint32_t find_features(const Scene& scene, const Usage& usage, const Packed
   for (const gpu::Texture& texture : packed.textures) texture_flags |= texture.flags;
   return material_features(scene, usage) | light_features(packed) | bit_if(packed.root_is_top, gpu::kFeatureInstances) |
          bit_if(flags & gpu::kTriangleAlpha, gpu::kFeatureAlpha) |
+         bit_if((flags & gpu::kTrianglePane) && !packed.lights.empty(), gpu::kFeaturePanes) |
          bit_if(flags & gpu::kTriangleSingleSided, gpu::kFeatureCull) |
          bit_if(flags & gpu::kTriangleSmooth, gpu::kFeatureSmoothNormals) |
          bit_if(!packed.vertex_colors.empty(), gpu::kFeatureVertexColors) |
@@ -107,6 +109,7 @@ std::uint32_t expected_features(const Scene& scene, std::uint32_t direct) {
   return material_features(scene, usage) | bit_if(usage.two_level(), gpu::kFeatureInstances) |
          bit_if(any([](const Material& m) { return m.unlit || m.alpha_mode != AlphaMode::opaque; }),
                 gpu::kFeatureAlpha) |
+         bit_if(sampled && any(may_be_pane), gpu::kFeaturePanes) |
          bit_if(any([](const Material& m) { return !m.double_sided && !(m.transmission > 0.0f); }), gpu::kFeatureCull) |
          bit_if(usage.smooth, gpu::kFeatureSmoothNormals) | bit_if(usage.colored, gpu::kFeatureVertexColors) |
          bit_if(any(transforms_texture), gpu::kFeatureTextureTransform) |
@@ -126,6 +129,8 @@ std::vector<LeftOut> list_left_out(const Usage& usage, const PackedScene& packed
       {"two-level BVH", "no mesh is shown more than once", sizeof(gpu::Instance) + sizeof(bvh::WideNode),
        gpu::kFeatureInstances},
       {"alpha test", "no surface lets rays through by its alpha", 0, gpu::kFeatureAlpha},
+      {"shadow rays through panes", no_sampling ? not_sampled : "no light, or no thin smooth glass", 0,
+       gpu::kFeaturePanes},
       {"culling of back faces", "every surface is double-sided or transmissive", 0, gpu::kFeatureCull},
       {"textures", "no material in use has a texture", packed.vertex_uvs.empty() ? stream : 0, gpu::kFeatureTextures},
       {"textures of floats", "all texels in use are bytes", 0, gpu::kFeatureFloatTextures},

@@ -80,17 +80,18 @@ std::vector<bvh::Triangle> list_valid(const Scene& scene, std::span<const Part> 
   return triangles;
 }
 
-// Which triangles the tree must hold once: shadow rays take the share that a BLEND surface stops each time that they
-// meet it. Empty if there is none.
+// Which triangles the tree must hold once: shadow rays take the share that a BLEND surface or a pane stops each time
+// that they meet it. Empty if there is none.
 std::vector<std::uint8_t> list_whole(const Scene& scene, std::span<const Part> parts,
                                      const std::vector<TriangleSource>& sources) {
-  const auto blends = [&](const Part& part) {
+  const auto dims = [&](const Part& part) {
     const Primitive& primitive = scene.meshes[part.mesh].primitives[part.primitive];
-    return scene.materials[primitive.material].alpha_mode == AlphaMode::blend;
+    return scene.materials[primitive.material].alpha_mode == AlphaMode::blend ||
+           (part.surface & gpu::kTrianglePane) != 0;
   };
-  if (std::ranges::none_of(parts, blends)) return {};
+  if (std::ranges::none_of(parts, dims)) return {};
   std::vector<std::uint8_t> whole;
-  for (const TriangleSource& source : sources) whole.push_back(blends(parts[source.part]) ? 1 : 0);
+  for (const TriangleSource& source : sources) whole.push_back(dims(parts[source.part]) ? 1 : 0);
   return whole;
 }
 

@@ -46,6 +46,13 @@ bool lets_rays_through(const Material& m, float alpha) {
 
 } // namespace
 
+bool may_be_pane(const Material& m) {
+  const bool transmits = !m.unlit && m.transmission > 0.0f && !m.volume;
+  const bool metal = m.metallic == 1.0f && !m.metallic_roughness_texture.present();
+  const bool smooth = m.roughness * m.roughness < gpu::kMinAlpha || m.metallic_roughness_texture.present();
+  return transmits && !metal && smooth;
+}
+
 MaterialTable pack_materials(const Scene& scene, const Usage& usage) {
   MaterialTable table;
   table.packed_index.assign(scene.materials.size(), kNoIndex);
@@ -85,6 +92,7 @@ std::vector<std::uint32_t> triangle_flags(const Scene& scene, const Mesh& mesh, 
     if (!m.double_sided && !(m.transmission > 0.0f)) flags[p] |= gpu::kTriangleSingleSided;
     // Unlit surfaces are there for the eye alone; traversal has to ask.
     if (m.unlit || lets_rays_through(m, m.base_color.a * texture_alpha * color_alpha)) flags[p] |= gpu::kTriangleAlpha;
+    if (may_be_pane(m)) flags[p] |= gpu::kTrianglePane;
     if (mesh.primitives[p].has_normals && !mesh.normals.empty()) flags[p] |= gpu::kTriangleSmooth;
   }
   return flags;

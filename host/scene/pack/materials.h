@@ -20,6 +20,9 @@ struct MaterialTable {
 // Texture indices point into the table's own textures; no texel is touched.
 MaterialTable pack_materials(const Scene& scene, const Usage& usage);
 
+// Whether the surface is a thin smooth pane (is_pane() of kernels/bsdf.glsl), at some texels at least.
+bool may_be_pane(const Material& material);
+
 // The kTriangle flags of each primitive of a mesh. A MASK or BLEND surface whose alpha can never let a ray through, by
 // factor, texture and vertex colours, counts as opaque. `image_alpha`: see smallest_image_alpha().
 std::vector<std::uint32_t> triangle_flags(const Scene& scene, const Mesh& mesh, const std::vector<float>& image_alpha);

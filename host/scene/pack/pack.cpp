@@ -118,7 +118,7 @@ PackedScene pack(Scene& scene, std::uint32_t direct, bvh::Quality quality, const
   for (std::size_t m = 0; m < scene.materials.size(); ++m)
     if (layout.material_index[m] != kNoIndex) packed.material_names.push_back(scene.materials[m].name);
   if (packed.materials.size() > gpu::kTriangleMaterialMask)
-    throw Error(scene.path, "has more than 536870911 materials", "merge materials that are equal");
+    throw Error(scene.path, "has more than 268435455 materials", "merge materials that are equal");
   packed.textures = materials.textures.textures;
   packed.texels = pack_texels(materials.textures, scene);
 
