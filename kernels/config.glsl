@@ -11,6 +11,7 @@ layout(constant_id = kSpecStack) const uint kStack = kStackArray;
 layout(constant_id = kSpecSampler) const uint kSampler = kSamplerSobol;
 layout(constant_id = kSpecDirect) const uint kDirect = kDirectMis;
 layout(constant_id = kSpecHemisphere) const uint kHemisphere = kHemisphereCosine;
+layout(constant_id = kSpecNets) const uint kNets = kNetsWhole;
 layout(constant_id = kSpecFilter) const uint kFilter = kFilterBlackmanHarris;
 
 const bool kStackInRegisters = kStack == kStackRegisters;

@@ -55,12 +55,14 @@ GPU_CONSTANT uint kSpecDirect = 3u;
 GPU_CONSTANT uint kSpecHemisphere = 4u;
 GPU_CONSTANT uint kSpecFilter = 5u;
 GPU_CONSTANT uint kSpecStack = 6u; // where the traversal stack lives; changes no result
-GPU_CONSTANT uint kSpecCount = 7u;
+GPU_CONSTANT uint kSpecNets = 7u;  // whether pixels may have whole nets; gpu::Frame says whether they have
+GPU_CONSTANT uint kSpecCount = 8u;
 
 GPU_CONSTANT uint kSamplerIndependent = 0u, kSamplerStratified = 1u, kSamplerSobol = 2u;
 GPU_CONSTANT uint kDirectMis = 0u, kDirectNee = 1u, kDirectBsdf = 2u;
 GPU_CONSTANT uint kHemisphereCosine = 0u, kHemisphereUniform = 1u;
 GPU_CONSTANT uint kLightsAuto = 0u, kLightsPower = 1u, kLightsTree = 2u, kLightsLearned = 3u;
+GPU_CONSTANT uint kNetsHalved = 0u, kNetsWhole = 1u; // see kernels/net_layout.h
 GPU_CONSTANT uint kStackArray = 0u, kStackRegisters = 1u;
 GPU_CONSTANT uint kFilterBox = 0u, kFilterGaussian = 1u, kFilterBlackmanHarris = 2u;
 

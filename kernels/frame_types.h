@@ -39,14 +39,15 @@ struct Frame {
   uint scene_features;    // kFeature bits that the scene has data for, whatever the kernels were compiled with
   uint local_light_count; // triangles, points and spots, which come first among the lights
   float light_sum_scale;  // radiance to units of the sums of a pilot (kFeatureLearning)
+  uint whole_nets;        // 1: pixels have whole nets (net_layout.h)
   uint pad0;
   uint pad1;
-  uint pad2;
 };
 GPU_CHECK(sizeof(Frame) == 144);
 
-// Sample s belongs to replicate s % kReplicates; replicates are scrambled independently, so that their spread measures
-// the error of any sampler.
+// Halved nets: sample s belongs to replicate s % kReplicates. Whole nets: all samples of a pixel belong to replicate 0,
+// and measured pixels have as many of replicate 1 (net_layout.h). Replicates are scrambled independently, so that their
+// spread measures the error of any sampler.
 GPU_CONSTANT uint kReplicates = 2u;
 
 GPU_CONSTANT uint kRunPixels =
@@ -55,12 +56,12 @@ GPU_CONSTANT uint kRunPixels =
 // Push constants: the wave of (pixel, sample) pairs that a dispatch works on. Slot = local sample * pixel_count + local
 // pixel.
 struct Wave {
-  uint first_pixel; // in tile order; where runs are listed, in the order of their list
+  uint first_pixel; // in tile order; where runs are listed, in the order of their list; second nets after all pixels
   uint pixel_count;
   uint first_sample;
   uint sample_count;
   uint bounce;           // 0 = camera rays
-  uint first_film_pixel; // pixel, in tile order, of the film's first entry
+  uint first_film_pixel; // pixel, in tile order, of the film's first entry; for second nets, what their place exceeds it by
 };
 
 struct Ray {

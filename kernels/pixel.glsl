@@ -3,18 +3,27 @@
 #define WAVEPATH_PIXEL_GLSL
 
 #include "kernels/frame_types.h"
+#include "kernels/net_layout.h"
 #include "kernels/sampler.glsl"
 #include "kernels/tile_order.h"
 
-// The pixel, in tile order, that has place `local` in the wave.
+// Kernels made for whole nets may serve a render of halved ones.
+bool has_whole_nets() { return kNets == kNetsWhole && frame.whole_nets != 0u; }
+
+// The pixel, in tile order, that has place `local` in the wave; of second nets the place after all pixels.
 uint wave_pixel(uint local) {
   uint place = wave.first_pixel + local;
   if (!has(kFeatureAdaptive)) return place;
   return texelFetch(run_texels, int(place / kRunPixels)).x * kRunPixels + place % kRunPixels;
 }
 
+bool is_second_net(uint place) { return has_whole_nets() && place >= frame.width * frame.height; }
+
 uvec2 slot_pixel(uint slot) {
-  return pixel_in_tile_order(wave_pixel(slot % wave.pixel_count), frame.width, frame.height);
+  uint place = wave_pixel(slot % wave.pixel_count);
+  if (is_second_net(place))
+    return measured_pixel(place - frame.width * frame.height, frame.width, frame.height, frame.seed);
+  return pixel_in_tile_order(place, frame.width, frame.height);
 }
 // The light samples of a hybrid frame share its replicate, as they share its entry in the film.
 uint slot_sample(uint slot) {
@@ -22,8 +31,11 @@ uint slot_sample(uint slot) {
 }
 
 Sampler slot_sampler(uint slot) {
-  uvec2 pixel = slot_pixel(slot);
-  return make_sampler(frame.seed, pixel.y * frame.width + pixel.x, slot_sample(slot), frame.sample_total);
+  uvec2 at = slot_pixel(slot);
+  uint pixel = at.y * frame.width + at.x, sample_ = slot_sample(slot);
+  if (!has_whole_nets()) return make_sampler(frame.seed, pixel, sample_, frame.sample_total);
+  uint replicate = is_second_net(wave_pixel(slot % wave.pixel_count)) ? 1u : 0u;
+  return make_net_sampler(frame.seed, pixel, replicate, sample_, frame.sample_total);
 }
 
 #endif

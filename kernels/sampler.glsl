@@ -1,9 +1,9 @@
 // Random numbers as a pure function of (seed, pixel, sample, dimension): independent, stratified, or Owen-scrambled
 // Sobol.
 //
-// A dimension is a pair of numbers. Samples of a pixel are dealt to kReplicates replicates in turn; each replicate is
-// an independent randomization of the same point set, so that the spread of their means measures the error of any
-// sampler.
+// A dimension is a pair of numbers. Samples of a pixel are dealt to kReplicates replicates in turn, or all make one net
+// (net_layout.h); each replicate is an independent randomization of the same point set, so that the spread of their means
+// measures the error of any sampler.
 #ifndef WAVEPATH_SAMPLER_GLSL
 #define WAVEPATH_SAMPLER_GLSL
 
@@ -12,8 +12,7 @@
 #include "kernels/math.glsl"
 
 struct Sampler {
-  uint pixel;        // pixel index
-  uint sample_index; // of the pixel
+  uint pixel; // pixel index
   uint replicate;
   uint index;    // of the sample in its replicate
   uint count;    // samples that the replicate will get, at least 1 (stratified)
@@ -33,15 +32,16 @@ uvec3 pcg3d(uvec3 v) {
   return v;
 }
 
+// Point `index` of one replicate.
+Sampler make_net_sampler(uint seed, uint pixel, uint replicate, uint index, uint count) {
+  return Sampler(pixel, replicate, index, max(1u, count), pcg3d(uvec3(seed, pixel, replicate)).x);
+}
+
+// Sample `sample_` of halved nets.
 Sampler make_sampler(uint seed, uint pixel, uint sample_, uint sample_total) {
-  Sampler s;
-  s.pixel = pixel;
-  s.sample_index = sample_;
-  s.replicate = sample_ % kReplicates;
-  s.index = sample_ / kReplicates;
-  s.count = max(1u, (sample_total + kReplicates - 1u - s.replicate) / kReplicates);
-  s.scramble = pcg3d(uvec3(seed, pixel, s.replicate)).x;
-  return s;
+  uint replicate = sample_ % kReplicates;
+  return make_net_sampler(seed, pixel, replicate, sample_ / kReplicates,
+                          (sample_total + kReplicates - 1u - replicate) / kReplicates);
 }
 
 // ---- Owen-scrambled Sobol ---------------------------------------------------------------------------------------

@@ -2,7 +2,9 @@
 // neither stopping at a target nor adaptive sampling moves the mean.
 #include <cmath>
 #include <cstdint>
+#include <random>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -148,6 +150,47 @@ INSTANTIATE_TEST_SUITE_P(Scenes, Coverage,
                            return name;
                          });
 
+// Where one pixel measures the error of its block.
+struct SampledCase {
+  Case subject;
+  std::uint32_t samples;
+};
+class WholeNetsCoverage : public VulkanTest, public ::testing::WithParamInterface<SampledCase> {};
+
+TEST_P(WholeNetsCoverage, TheIntervalHoldsTheTrueError) {
+  const Case& c = GetParam().subject;
+  // 1024 measured pixels, a quarter of what pictures have whose nets stay whole by themselves.
+  constexpr std::uint32_t kSide = 128, kRuns = 100, kReference = 64;
+  RenderSettings settings = small(kSide, GetParam().samples);
+  settings.sampler = c.sampler;
+  settings.whole_nets_from = 0;
+  Subject subject(device(), c.scene, settings, c.environment);
+  const Picture reference = subject.render(1000000, GetParam().samples * kReference).picture;
+  std::uint32_t covered = 0;
+  Mean ratio, half_width; // estimate over truth, and half of the interval over the estimate
+  for (std::uint32_t seed = 0; seed < kRuns; ++seed) {
+    const RenderResult result = subject.render(seed);
+    const double truth = std::sqrt(compare_pictures(result.picture, reference).relmse);
+    const auto& [low, high] = result.error.ci95;
+    covered += truth >= low && truth <= high;
+    ratio.add(result.error.relative_rms / truth);
+    half_width.add(0.5 * (high - low) / result.error.relative_rms);
+  }
+  const double scatter = ratio.error() * std::sqrt(double{kRuns}); // of a single estimate
+  EXPECT_GE(covered, 90u);
+  EXPECT_NEAR(ratio.mean(), 1.0, 0.05) << "its own noise is " << ratio.error();
+  EXPECT_LT(half_width.mean(), 1.4 * 1.96 * std::hypot(scatter, 0.025));
+  RecordProperty("covered", static_cast<int>(covered));
+  RecordProperty("estimate_over_truth", std::to_string(ratio.mean()));
+  RecordProperty("scatter", std::to_string(scatter));
+  RecordProperty("half_width", std::to_string(half_width.mean()));
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenes, WholeNetsCoverage,
+                         ::testing::Values(SampledCase{{"cornell_box.gltf", gpu::kSamplerSobol, 0.0f}, 8},
+                                           SampledCase{{"analytic/occlusion_by_wall.gltf", gpu::kSamplerSobol, 1.0f},
+                                                       16}));
+
 TEST_F(ErrorTest, StoppingAtATargetDoesNotMoveTheMean) {
   constexpr std::uint32_t kSide = 8, kRuns = 256;
   RenderSettings settings = corner(kSide, 4096);
@@ -227,6 +270,45 @@ TEST_F(ErrorTest, DepthCutIsMeasuredByTheSamePaths) {
   EXPECT_GT(even.share, 0.0);
   EXPECT_EQ(adaptive.share, even.share);
   EXPECT_EQ(adaptive.standard_error, even.standard_error);
+}
+
+// Red, green and blue alike.
+void set_samples(gpu::FilmPixel& pixel, std::uint32_t count, double mean, double largest) {
+  const auto units = static_cast<std::uint32_t>(std::lround(mean * count * 0x1p21));
+  for (gpu::ExactSum* sum : {&pixel.red, &pixel.green, &pixel.blue}) sum->low[0] = units;
+  pixel.tops = 5 | 5 << 8 | 5 << 16; // digits of which bit 0 of the lower one weighs 2^-21
+  pixel.count = count;
+  pixel.largest = static_cast<float>(3.0 * largest);
+}
+
+// Whether its pixel is one of the few that are measured or not, it shows.
+TEST(WholeNetsEstimate, AFireflyIsSeenWhereverItIs) {
+  constexpr std::uint32_t kSide = 64, kCount = 16;
+  constexpr double kMean = 0.5, kNoise = 0.01, kFirefly = 100.0, kWeight = 1.0 / (kMean * kMean + 0.01);
+  Film film = make_film({.width = kSide, .height = kSide, .whole_nets = true, .seed = 3});
+  std::mt19937 random(1);
+  std::normal_distribution<double> noise(0.0, kNoise);
+  for (gpu::FilmPixel& pixel : film.pixels) set_samples(pixel, kCount, kMean + noise(random), 0.6);
+  const double quiet = kNoise * kNoise * kWeight;
+  const ErrorEstimate even = estimate_error(film);
+  EXPECT_NEAR(even.relative_rms * even.relative_rms, quiet, 0.25 * quiet);
+  EXPECT_LT(even.largest_sample_share, 0.1);
+
+  const std::size_t block = 100, measured = measured_pixel(film, block), other = measured ^ 1;
+  ASSERT_EQ(block_of(film, other), block);
+  const double alone = std::pow(kFirefly / kCount, 2.0) * kWeight / (kSide * kSide); // added to the squared error
+  const std::tuple<const char*, std::size_t, double> cases[] = {{"not measured", other, alone},
+                                                                {"first net", measured, 0.25 * alone},
+                                                                {"second net", kSide * kSide + block, 0.25 * alone}};
+  for (const auto& [where, place, expected] : cases) {
+    SCOPED_TRACE(where);
+    Film spoilt = film;
+    set_samples(spoilt.pixels[place], kCount, kMean + kFirefly / kCount, kFirefly);
+    const ErrorEstimate error = estimate_error(spoilt);
+    EXPECT_GT(error.ci95[1] * error.ci95[1], 0.95 * expected);
+    EXPECT_LT(error.ci95[0] * error.ci95[0], expected);
+    EXPECT_GT(error.largest_sample_share, 0.9);
+  }
 }
 
 TEST(Levels, GiveNoisyRunsMoreAndKeepTheTotal) {

@@ -30,6 +30,10 @@ TEST(KernelConfig, CoversWhatNeedsNoMore) {
   EXPECT_FALSE(need.covers(generic));
   need.config.stack_size = 65;
   EXPECT_FALSE(generic.covers(need));
+  KernelNeed whole = generic;
+  whole.config.nets = gpu::kNetsWhole; // the frame says whether nets are whole
+  EXPECT_TRUE(whole.covers(generic));
+  EXPECT_FALSE(generic.covers(whole));
   KernelNeed fewer = generic;
   fewer.stages = kLightingStages;
   EXPECT_FALSE(fewer.covers(generic));
@@ -56,6 +60,9 @@ TEST(KernelConfig, FollowsSceneAndSettings) {
   settings.lights = gpu::kLightsTree; // without a pilot
   const std::uint32_t scenes = gpu::kFeaturesAll & ~settings_alone;
   EXPECT_EQ(kernel_config(0, 5, settings).features, scenes);
+  EXPECT_EQ(kernel_config(0, 5, settings).nets, gpu::kNetsWhole);
+  settings.width = settings.height = 16;
+  EXPECT_EQ(kernel_config(0, 5, settings).nets, gpu::kNetsHalved);
   settings.aovs = {"albedo"};
   EXPECT_EQ(kernel_config(0, 5, settings).features, scenes | gpu::kFeatureAovs);
   settings.adaptive = true;

@@ -110,7 +110,7 @@ protected:
           continue;
         }
         ++expected.by_maker[*trace.maker];
-        const NonfiniteSample found{sample, place, *trace.maker};
+        const NonfiniteSample found{sample, {place, 0}, *trace.maker};
         if (!expected.first || found < *expected.first) expected.first = found;
       }
       EXPECT_EQ(counts.values[pixel.y * width + pixel.x], static_cast<float>(finite)) << pixel.x << ", " << pixel.y;
@@ -168,7 +168,7 @@ TEST_F(NonfiniteTest, AnAdaptiveRenderNamesThePixelOfItsFirst) {
   RenderHooks hooks;
   hooks.save = [&](const RenderState& state) { levels = state.levels; };
   const RenderResult result = render(device(), shot.packed, shot.view, shot.settings, hooks, kernels);
-  const std::uint32_t run = even.first->pixel / gpu::kRunPixels;
+  const std::uint32_t run = even.first->at.pixel / gpu::kRunPixels;
   ASSERT_LT(run, levels.size());
   ASSERT_NE(std::ranges::count_if(levels, [&](std::int8_t level) { return level < levels[run]; }) +
                 std::count(levels.begin(), levels.begin() + run, levels[run]),
@@ -177,7 +177,7 @@ TEST_F(NonfiniteTest, AnAdaptiveRenderNamesThePixelOfItsFirst) {
 
   ASSERT_TRUE(result.nonfinite.first);
   EXPECT_EQ(*result.nonfinite.first, *even.first);
-  const glm::uvec2 pixel = gpu::pixel_in_tile_order(result.nonfinite.first->pixel, 43, 37);
+  const glm::uvec2 pixel = gpu::pixel_in_tile_order(result.nonfinite.first->at.pixel, 43, 37);
   EXPECT_EQ(replay.trace(pixel, 0).maker, result.nonfinite.first->maker);
   double finite = 0.0, rendered = 0.0;
   for (const float count : result.picture.channels.back().values) finite += count;

@@ -187,7 +187,7 @@ TEST_F(ProgressiveTest, FramesInMotionAreAntialiasedOverTime) {
     const Picture moving = progressive.picture();
     RenderSettings fine = progressive.settings();
     fine.last_sample = 64;
-    fine.width = progressive.film_target().width(), fine.height = progressive.film_target().height();
+    fine.width = progressive.film_target().shape().width, fine.height = progressive.film_target().shape().height;
     const Picture truth = render(device(), packed_, view_, fine).picture;
     double squares = 0.0;
     for (std::size_t i = 0; i < truth.channels[1].values.size(); ++i)
@@ -422,6 +422,33 @@ TEST_F(DisplayTest, ShowsWhatElseIsKnown) {
   const Picture map = error_map(film.width, film.height, errors, 0.5);
   expect_shown(view(Shown::error), [&](std::size_t i) {
     return srgb({map.channels[0].values[i], map.channels[1].values[i], map.channels[2].values[i]});
+  });
+}
+
+// The mean of both nets of measured pixels, and everywhere the variance that the two tell.
+TEST_F(DisplayTest, ShowsWholeNets) {
+  open("cornell_box.gltf");
+  settings_.whole_nets_from = 0;
+  settings_.aovs = {"albedo", "direct", "indirect", "emission"};
+  Progressive progressive = begin();
+  expect_as_rendered(progressive);
+  const Film film = progressive.film();
+  ASSERT_TRUE(film.whole_nets);
+  Film first = film; // without second nets
+  for (std::size_t i = film.shape().pixels(); i < first.pixels.size(); ++i) first.pixels[i] = {};
+  const auto toned = [](const glm::vec3& radiance) {
+    const glm::vec3 linear = tonemap(Tonemap::neutral, radiance);
+    return glm::vec3(to_srgb(linear.r), to_srgb(linear.g), to_srgb(linear.b));
+  };
+  Display display(device());
+  const auto view = [&](Shown what, double range = 0.0) {
+    return shown(display, progressive, {.shown = what, .range = range});
+  };
+  expect_shown(view(Shown::color), [&](std::size_t i) { return toned(glm::vec3(mean_radiance(film, i))); });
+  expect_shown(view(Shown::samples, 12.0), [&](std::size_t i) { return glm::vec3(sample_count(film, i) / 12.0f); });
+  expect_shown(view(Shown::variance), [&](std::size_t i) { return toned(glm::vec3(mean_variance(film, i))); });
+  expect_shown(view(Shown::indirect), [&](std::size_t i) {
+    return toned(glm::vec3(mean_radiance(first, i)) - film.aovs[i].direct - film.aovs[i].emission);
   });
 }
 

@@ -28,7 +28,8 @@ std::map<std::string, std::string> members(const RenderSettings& settings) {
   const auto& [integrator, width, height, first_sample, last_sample, sample_total, time_limit, target_error, max_depth,
                sampler, hemisphere, direct, filter, seed, shadow_samples, ao_samples, ao_radius, ambient, branching,
                techniques, cutoff, denoise, antialias_over_time, lights, adaptive, guide, specialize, aovs,
-               added_features, removed_features, room_for_shadow_rays, wave_slots] = settings;
+               added_features, removed_features, room_for_shadow_rays, room_for_whole_nets, whole_nets_from,
+               wave_slots] = settings;
   const auto text = [](const auto& value) { return fmt::format("{}", value); };
   return {{"integrator", std::string(integrator->name)},
           {"width", text(width)},
@@ -61,6 +62,9 @@ std::map<std::string, std::string> members(const RenderSettings& settings) {
           {"added_features", text(added_features)},
           {"removed_features", text(removed_features)},
           {"room_for_shadow_rays", text(room_for_shadow_rays)},
+          {"room_for_whole_nets", text(room_for_whole_nets)},
+          {"room_for_whole_nets", "for windows, whose coarse pictures are small; the picture is the same"},
+          {"whole_nets_from", text(whole_nets_from)},
           {"wave_slots", text(wave_slots)}};
 }
 
@@ -70,6 +74,7 @@ const std::map<std::string, std::string> kExempt = {
     {"added_features", "for measurements of kernels; the picture is the same"},
     {"removed_features", "for measurements of kernels"},
     {"room_for_shadow_rays", "for measurements of memory; the picture is the same"},
+    {"whole_nets_from", "for tests of small pictures; the identity says what comes of it"},
     {"wave_slots", "for tests of short waves; the picture is the same"},
 };
 

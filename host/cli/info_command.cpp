@@ -8,6 +8,7 @@
 #include "host/cli/flags.h"
 #include "host/cli/scene_flags.h"
 #include "host/gpu/device.h"
+#include "host/render/device/workspace.h"
 #include "host/render/report/stats.h"
 #include "host/render/settings/integrator_kind.h"
 #include "host/scene/pack/plan.h"
@@ -74,6 +75,17 @@ std::uint64_t guide_bytes() {
   return guided.integrator->extra_bytes ? guided.integrator->extra_bytes(guided) : 0;
 }
 
+// Of the film of a picture of the usual size, with whole and with halved nets.
+Json film_bytes() {
+  RenderSettings whole, halved;
+  halved.aovs = {"variance"};
+  FilmShape parted = film_shape(halved);
+  parted.aovs = false;
+  return {{"size", {whole.width, whole.height}},
+          {"whole_nets", film_shape(whole).bytes()},
+          {"halved_nets", parted.bytes()}};
+}
+
 // What info tells of a scene, in the order in which it is printed.
 Json describe(const std::string& path, const Scene& scene, const Plan& planned, const PackedScene& packed) {
   Json cameras = Json::array(), left_out = Json::array(), warnings = Json::array();
@@ -109,6 +121,7 @@ Json describe(const std::string& path, const Scene& scene, const Plan& planned, 
             {"light tree", planned.light_tree_bytes},
             {"total", planned.total()}}},
           {"guide_bytes", guide_bytes()},
+          {"film_bytes", film_bytes()},
           {"left_out", left_out},
           {"warnings", warnings}};
 }
@@ -138,6 +151,10 @@ void print_scene(const Json& about, const std::vector<std::string>& extensions) 
   for (const auto& [what, count] : bytes.items())
     if (what != "total" && number(count) > 0) fmt::print("    {:<12}{}\n", what, to_size_text(number(count)));
   fmt::print("  --guide     {} more at most\n", to_size_text(number(about["guide_bytes"])));
+  const Json& film = about["film_bytes"];
+  fmt::print("  film        {} at {}x{}; {} where nets are halved, as for --adaptive\n",
+             to_size_text(number(film["whole_nets"])), number(film["size"][0]), number(film["size"][1]),
+             to_size_text(number(film["halved_nets"])));
   fmt::print("  left out{}\n", about["left_out"].empty() ? "    nothing" : "");
   for (const Json& entry : about["left_out"])
     fmt::print("    {}: {}{}\n", entry["what"].get<std::string>(), entry["why"].get<std::string>(),

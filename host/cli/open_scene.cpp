@@ -7,6 +7,7 @@
 
 #include "host/base/error.h"
 #include "host/base/memory.h"
+#include "host/render/device/workspace.h"
 #include "host/render/settings/integrator_kind.h"
 #include "host/scene/pack/features.h"
 
@@ -46,9 +47,7 @@ void require_file(const std::string& path) {
 void require_memory_for(const std::string& path, const RenderSettings& settings, const Plan& plan,
                         const DeviceInfo& device) {
   const std::uint64_t pixels = std::uint64_t{settings.width} * settings.height;
-  const std::uint64_t film =
-      pixels * (gpu::kReplicates * sizeof(gpu::FilmPixel) + (settings.aovs.empty() ? 0 : sizeof(gpu::FilmAovs)) +
-                (settings.integrator->splats ? gpu::kReplicates * sizeof(gpu::SplatPixel) : 0));
+  const std::uint64_t film = film_shape(settings).bytes();
   const IntegratorKind& kind = *settings.integrator;
   const std::uint64_t extra = kind.extra_bytes ? kind.extra_bytes(settings) : 0;
   const std::uint64_t frames = pixels * kind.bytes_per_pixel(settings) + extra;

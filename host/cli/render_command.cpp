@@ -247,7 +247,7 @@ int replay(const Request& request, Prepared& prepared) {
   const RenderSettings& settings = request.render.settings;
   Device& device = *prepared.device;
   PathReplay replay(device, prepared.packed, prepared.view, settings, *prepared.kernels);
-  const PathTrace trace = replay.trace(*request.render.pixel, *request.render.sample);
+  const PathTrace trace = replay.trace(*request.render.pixel, *request.render.sample, request.render.net);
   device.pipeline_cache().save();
   print_warnings(prepared.warnings);
   const nlohmann::ordered_json document = trace_document(trace, prepared.packed, settings);

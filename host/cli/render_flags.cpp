@@ -139,6 +139,8 @@ void add_replay_flags(CLI::App& app, RenderRequest& request) {
            });
   add_flag(app, group, {"--sample", "N", "which path of the pixel; all other flags as in the render it belongs to"},
            [&](const FlagValue& value) { request.sample = value.whole_number(0, kLargestIndex); });
+  add_flag(app, group, {"--net", "N", "0, or 1 for the second net of samples, which measured pixels have", "0"},
+           [&](const FlagValue& value) { request.net = value.whole_number(0, 1); });
 }
 
 void add_tone_flags(CLI::App& app, WriteOptions& options) {
@@ -226,7 +228,10 @@ void check_replay(const RenderRequest& request) {
   const RenderSettings& settings = request.settings;
   if (request.pixel.has_value() != request.sample.has_value())
     throw UsageError(request.pixel ? "--pixel" : "--sample", "names no path alone", "give --pixel X,Y and --sample N");
-  if (!request.pixel) return;
+  if (!request.pixel) {
+    if (request.net != 0) throw UsageError("--net", "names no path alone", "give --pixel X,Y and --sample N as well");
+    return;
+  }
   if (settings.guide)
     throw UsageError("--pixel", "replays paths without a guiding field, which are others", "leave out --guide");
   if (request.pixel->x >= settings.width || request.pixel->y >= settings.height)

@@ -41,6 +41,7 @@ struct RenderRequest {
   StateRequest state;
   std::optional<glm::uvec2> pixel;     // replay this one's
   std::optional<std::uint32_t> sample; // instead of rendering
+  std::uint32_t net = 0;               // of which net of the pixel
 };
 
 bool is_given(const RenderRequest& request, std::string_view setting);

@@ -77,11 +77,13 @@ std::vector<std::string> list_bias(const RenderSettings& settings, const RenderR
 
 std::string describe_first(const Nonfinite& nonfinite, const RenderSettings& settings) {
   const NonfiniteSample& first = nonfinite.first.value();
-  const glm::uvec2 at = gpu::pixel_in_tile_order(first.pixel, settings.width, settings.height);
+  const glm::uvec2 at = gpu::pixel_in_tile_order(first.at.pixel, settings.width, settings.height);
   return fmt::format(
-      "the first in pixel {},{}, sample {}, seed {}, made by {}; these flags and --pixel {},{} --sample {} --seed {} "
+      "the first in pixel {},{}, sample {}{}, seed {}, made by {}; these flags and --pixel {},{} --sample {}{} --seed "
+      "{} "
       "replay it",
-      at.x, at.y, first.sample, settings.seed, kMakerNames[first.maker], at.x, at.y, first.sample, settings.seed);
+      at.x, at.y, first.sample, first.at.net ? " of its second net" : "", settings.seed, kMakerNames[first.maker], at.x,
+      at.y, first.sample, first.at.net ? " --net 1" : "", settings.seed);
 }
 
 TrueError measure_true_error(const Picture& picture, const Picture& reference) {

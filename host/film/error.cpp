@@ -39,8 +39,8 @@ struct Rows {
 // chance raises it along with the spread, and so hides its own error (up to a third of it, where noise is strong). So r
 // comes from the eight neighbours, and from the pixel itself only as far as it stands out from them by more than noise
 // explains, at an edge; of that and the pixel's own mean, the one that weighs more counts, because neighbours across an
-// edge may be far brighter.
-glm::dvec3 weight(const Rows& rows, std::size_t index) {
+// edge may be far brighter. `least_noise`: variance that the pixel's mean has at least.
+glm::dvec3 weight(const Rows& rows, std::size_t index, double least_noise) {
   const int width = static_cast<int>(rows.film.width), height = static_cast<int>(rows.film.height);
   const int x = static_cast<int>(index % rows.film.width), y = static_cast<int>(index / rows.film.width);
   glm::dvec3 around(0.0), noise(0.0);
@@ -56,7 +56,7 @@ glm::dvec3 weight(const Rows& rows, std::size_t index) {
   const PixelStatistics& own = rows[index];
   if (count == 0.0) return 1.0 / (own.mean * own.mean + 0.01);
   around /= count;
-  noise = glm::max(noise / (count + 1.0), own.variance);
+  noise = glm::max(glm::max(noise / (count + 1.0), own.variance), least_noise);
   const glm::dvec3 apart = own.mean - around, edge = glm::max(apart * apart - noise, 0.0);
   glm::dvec3 r = own.mean;
   for (int c = 0; c < 3; ++c)
@@ -64,37 +64,57 @@ glm::dvec3 weight(const Rows& rows, std::size_t index) {
   return 1.0 / (glm::min(r * r, own.mean * own.mean) + 0.01);
 }
 
-// What a pixel's largest sample, as a mean over R G B, contributes to its mean: squared, and weighed as relMSE does.
-double largest_alone(const Film& film, std::size_t index, const glm::dvec3& pixel_weight) {
-  double sample = 0.0;
-  for (std::uint32_t r = 0; r < gpu::kReplicates; ++r)
-    sample = std::max(sample, film.pixels[index * gpu::kReplicates + r].largest / 3.0);
-  double alone = sample / std::max(sample_count(film, index), 1u);
-  if (!film.splats.empty()) {
-    double splat = 0.0, paths = 0.0;
-    for (std::uint32_t r = 0; r < gpu::kReplicates; ++r) {
-      const std::uint32_t largest = film.splats[index * gpu::kReplicates + r].largest;
-      splat = std::max(splat, std::bit_cast<float>(largest) / 3.0);
-      paths += static_cast<double>(film.light_paths[r]);
-    }
-    alone = std::max(alone, splat / std::max(paths, 1.0));
+// What a pixel's largest sample, as a mean over R G B, contributes to its mean.
+double largest_alone(const Film& film, std::size_t index) {
+  const double alone = largest_sample(film, index) / 3.0 / std::max(sample_count(film, index), 1u);
+  if (film.splats.empty()) return alone;
+  double splat = 0.0, paths = 0.0;
+  for (std::uint32_t r = 0; r < gpu::kReplicates; ++r) {
+    const std::uint32_t largest = film.splats[index * gpu::kReplicates + r].largest;
+    splat = std::max(splat, std::bit_cast<float>(largest) / 3.0);
+    paths += static_cast<double>(film.light_paths[r]);
   }
-  return alone * alone * mean_of(pixel_weight);
+  return std::max(alone, splat / std::max(paths, 1.0));
 }
 
 // Of squared errors of pixels, weighed.
 struct Sums {
   double sum = 0.0, sum_of_squares = 0.0, largest_alone = 0.0;
+
+  // `pixels` of that squared error on average.
+  void add(double squared, double pixels) {
+    sum += squared * pixels;
+    sum_of_squares += squared * squared * pixels;
+  }
 };
 
+// The pixels of a block, and how many times the squared error of its measured pixel, which has two nets, they have all
+// together. The weight of that pixel stands for all weights: each had the same chance to be measured, so that the sum
+// over blocks is right on average, whatever the pixels of a block have in common.
+struct BlockShare {
+  double pixels = 0.0, times = 0.0;
+};
+BlockShare share_of(const Film& film, std::size_t measured) {
+  const std::size_t whole = gpu::net_side(film.width, film.height);
+  const auto side = [&](std::size_t at, std::uint32_t size) { return std::min(whole, size - at / whole * whole); };
+  const auto pixels =
+      static_cast<double>(side(measured % film.width, film.width) * side(measured / film.width, film.height));
+  const double both = sample_count(film, measured), first = film.pixels[measured].count;
+  return {pixels, 1.0 + (pixels - 1.0) * both / std::max(first, 1.0)};
+}
+
 Sums row_sums(const Rows& rows, std::size_t row) {
+  const Film& film = rows.film;
   Sums sums;
-  for (std::size_t i = row * rows.film.width; i < (row + 1) * rows.film.width; ++i) {
-    const glm::dvec3 w = weight(rows, i);
-    const double squared = mean_of(rows[i].variance * w);
-    sums.sum += squared;
-    sums.sum_of_squares += squared * squared;
-    sums.largest_alone = std::max(sums.largest_alone, largest_alone(rows.film, i, w));
+  for (std::size_t i = row * film.width; i < (row + 1) * film.width; ++i) {
+    const bool measured = !film.whole_nets || measured_pixel(film, block_of(film, i)) == i;
+    const double largest = largest_alone(film, i), alone = largest * largest;
+    // A pixel that is not measured has the variance of one that did not get its bright sample.
+    const glm::dvec3 w = weight(rows, i, measured ? 0.0 : alone);
+    const BlockShare share = film.whole_nets && measured ? share_of(film, i) : BlockShare{1.0, 1.0};
+    sums.largest_alone = std::max(sums.largest_alone, alone * mean_of(w) * share.times);
+    if (!measured) continue;
+    sums.add(mean_of(rows[i].variance * w) * share.times / share.pixels, share.pixels);
   }
   return sums;
 }
@@ -116,17 +136,21 @@ ErrorEstimate estimate_error(const Film& film) {
     largest = std::max(largest, row.largest_alone);
   }
   const double n = static_cast<double>(pixel_count), mean = sum / n;
-  // The interval is of this picture's error, not of its expectation: both the estimate and what it estimates scatter,
-  // alike and independently (the sum and the difference of two replicates are independent where they are normal), hence
-  // the 2. The weights are known less well: over scenes and sample counts they left the squared error 0.91 to 1.0 of
-  // the true one.
+  // The interval is of this picture's error, not of its expectation: both the estimate, over the measured pixels, and
+  // what it estimates, over all, scatter, alike and independently (the sum and the difference of two replicates are
+  // independent where they are normal). The weights are known less well: over scenes and sample counts they left the
+  // squared error 0.91 to 1.0 of the true one.
   constexpr double kWeights = 0.05; // standard deviation of that
-  const double scatter = 2.0 * std::max(0.0, sum_of_squares / n - mean * mean) / n;
+  const double measured = film.whole_nets ? static_cast<double>(film.shape().second_nets()) : n;
+  const double scatter = std::max(0.0, sum_of_squares / n - mean * mean) * (1.0 / measured + 1.0 / n);
   const double spread = std::sqrt(scatter + kWeights * kWeights * mean * mean);
   constexpr double kNormal95 = 1.959964;
-  return {std::sqrt(mean),
-          {std::sqrt(std::max(0.0, mean - kNormal95 * spread)), std::sqrt(mean + kNormal95 * spread)},
-          sum > 0.0 ? largest / sum : 0.0};
+  double high = mean + kNormal95 * spread, share = sum > 0.0 ? largest / sum : 0.0;
+  if (film.whole_nets) { // the largest sample may lie where nothing is measured
+    high = std::max(high, mean + largest / n);
+    share = std::min(share, 1.0);
+  }
+  return {std::sqrt(mean), {std::sqrt(std::max(0.0, mean - kNormal95 * spread)), std::sqrt(high)}, share};
 }
 
 bool has_estimate(std::uint32_t spp, const ErrorEstimate& error) {

@@ -32,12 +32,12 @@ struct Checkpoint { // at powers of two of spp, and at the end
 };
 
 // sqrt of the relMSE of the mean image, with a 95 % interval that covers the true one. Each pixel's squared error is
-// estimated by the spread of its two replicates, which is right for any sampler because they are scrambled
-// independently; per-sample variance would overstate Owen-scrambled Sobol's error up to 12 times. Not a number while a
-// pixel lacks samples in either replicate.
+// estimated by the spread of two replicates, its own or those of its block's measured pixel, which is right for any
+// sampler because they are scrambled independently; per-sample variance would overstate Owen-scrambled Sobol's error up
+// to 12 times. Not a number while a replicate lacks samples.
 ErrorEstimate estimate_error(const Film& film);
 
-// Whether there is an estimate: the spread needs a sample in every replicate of every pixel.
+// Whether there is an estimate: the spread needs a sample in every replicate.
 bool has_estimate(std::uint32_t spp, const ErrorEstimate& error);
 
 // Of log error against log seconds, or against log spp, by least squares over the last octaves; -1/2, Monte Carlo's,

@@ -82,6 +82,17 @@ glm::dvec3 total_of(const gpu::SplatPixel& pixel) {
   return {value_of(pixel.red), value_of(pixel.green), value_of(pixel.blue)};
 }
 
+// The nets of a pixel; the second is null where a whole net is not measured.
+struct PixelNets {
+  const gpu::FilmPixel *first, *second;
+};
+PixelNets nets_of(const Film& film, std::size_t pixel) {
+  if (!film.whole_nets) return {&film.pixels[2 * pixel], &film.pixels[2 * pixel + 1]};
+  const std::size_t block = block_of(film, pixel);
+  const bool measured = measured_pixel(film, block) == pixel;
+  return {&film.pixels[pixel], measured ? &film.pixels[film.shape().pixels() + block] : nullptr};
+}
+
 // Mean light that the light paths of one replicate brought to a pixel.
 glm::dvec3 mean_splat(const Film& film, std::size_t pixel, std::uint32_t replicate) {
   const std::uint64_t paths = film.light_paths[replicate];
@@ -118,7 +129,8 @@ void add_channels(Picture& picture, const std::string& prefix, const std::string
 
 void add_aov(Picture& picture, const Film& film, const std::string& name, const glm::dvec3& origin) {
   constexpr float kNothing = 1e10f; // depth where nothing was hit, as other renderers write it
-  const auto& aovs = film.aovs;
+  std::vector<gpu::FilmAovs> aovs(film.aovs.empty() ? 0 : film.shape().pixels());
+  for (std::size_t i = 0; i < aovs.size(); ++i) aovs[i] = mean_aovs(film, i);
   if (name == "albedo") {
     add_channels(picture, "albedo.", "RGB", [&](std::size_t i, int c) { return aovs[i].albedo[c]; });
   } else if (name == "normal") {
@@ -155,7 +167,26 @@ void add_aov(Picture& picture, const Film& film, const std::string& name, const 
 
 bool Film::operator==(const Film& other) const {
   return width == other.width && height == other.height && same_bytes(pixels, other.pixels) &&
-         same_bytes(aovs, other.aovs) && same_bytes(splats, other.splats) && light_paths == other.light_paths;
+         same_bytes(aovs, other.aovs) && same_bytes(splats, other.splats) && light_paths == other.light_paths &&
+         whole_nets == other.whole_nets && (!whole_nets || seed == other.seed);
+}
+
+Film make_film(const FilmShape& shape) {
+  Film film{shape.width, shape.height, std::vector<gpu::FilmPixel>(shape.nets()), {}, {}};
+  if (shape.aovs) film.aovs.resize(shape.places());
+  if (shape.splats) film.splats.resize(gpu::kReplicates * shape.pixels());
+  film.whole_nets = shape.whole_nets, film.seed = shape.seed;
+  return film;
+}
+
+std::size_t block_of(const Film& film, std::size_t pixel) {
+  const auto x = static_cast<std::uint32_t>(pixel % film.width), y = static_cast<std::uint32_t>(pixel / film.width);
+  return gpu::net_block_of({x, y}, film.width, film.height);
+}
+
+std::size_t measured_pixel(const Film& film, std::size_t block) {
+  const glm::uvec2 at = gpu::measured_pixel(static_cast<std::uint32_t>(block), film.width, film.height, film.seed);
+  return std::size_t{at.y} * film.width + at.x;
 }
 
 void join(Film& film, const Film& other) {
@@ -172,27 +203,45 @@ void count_light_paths(Film& film) {
 }
 
 std::uint32_t sample_count(const Film& film, std::size_t pixel) {
-  std::uint32_t count = 0;
-  for (std::uint32_t r = 0; r < gpu::kReplicates; ++r) count += film.pixels[pixel * gpu::kReplicates + r].count;
-  return count;
+  const auto [a, b] = nets_of(film, pixel);
+  return a->count + (b ? b->count : 0);
+}
+
+float largest_sample(const Film& film, std::size_t pixel) {
+  const auto [a, b] = nets_of(film, pixel);
+  return std::max(a->largest, b ? b->largest : 0.0f);
 }
 
 glm::dvec3 mean_radiance(const Film& film, std::size_t pixel) {
-  gpu::FilmPixel all = film.pixels[pixel * gpu::kReplicates];
-  for (std::uint32_t r = 1; r < gpu::kReplicates; ++r) join(all, film.pixels[pixel * gpu::kReplicates + r]);
+  const auto [a, b] = nets_of(film, pixel);
+  gpu::FilmPixel all = *a;
+  if (b) join(all, *b);
   const glm::dvec3 mean = all.count > 0 ? total_of(all) / static_cast<double>(all.count) : glm::dvec3(0.0);
   return mean + mean_splat(film, pixel);
 }
 
-// From two replicates a, b of n and m samples: (a - b)^2 nm / (n + m)^2, which is (a - b)^2 / 4 where n = m.
+gpu::FilmAovs mean_aovs(const Film& film, std::size_t pixel) {
+  gpu::FilmAovs mean = film.aovs[pixel];
+  if (!film.whole_nets) return mean;
+  const std::size_t block = block_of(film, pixel);
+  if (measured_pixel(film, block) == pixel) join(mean, film.aovs[film.shape().pixels() + block]);
+  return mean;
+}
+
+// Two nets a, b of n and m samples each vary by v / n and v / m, where (a - b)^2 estimates the sum of the two; so a
+// mean of k samples varies by v / k = (a - b)^2 nm / (n + m) / k, which is (a - b)^2 / 4 for that of both where n = m.
 PixelStatistics statistics(const Film& film, std::size_t pixel) {
   static_assert(gpu::kReplicates == 2);
-  const gpu::FilmPixel &a = film.pixels[pixel * 2], &b = film.pixels[pixel * 2 + 1];
-  const double n = a.count, m = b.count;
-  if (n == 0.0 || m == 0.0) return {mean_radiance(film, pixel), glm::dvec3(std::numeric_limits<double>::quiet_NaN())};
-  const glm::dvec3 sum_a = total_of(a), sum_b = total_of(b);
-  const glm::dvec3 difference = sum_a / n - sum_b / m + mean_splat(film, pixel, 0) - mean_splat(film, pixel, 1);
-  return {(sum_a + sum_b) / (n + m) + mean_splat(film, pixel), difference * difference * (n * m / ((n + m) * (n + m)))};
+  const std::size_t measured = film.whole_nets ? measured_pixel(film, block_of(film, pixel)) : pixel;
+  const auto [a, b] = nets_of(film, measured);
+  const double n = a->count, m = b->count;
+  const double count = pixel == measured ? n + m : film.pixels[pixel].count;
+  if (n == 0.0 || m == 0.0 || count == 0.0)
+    return {mean_radiance(film, pixel), glm::dvec3(std::numeric_limits<double>::quiet_NaN())};
+  const glm::dvec3 sum_a = total_of(*a), sum_b = total_of(*b);
+  const glm::dvec3 difference = sum_a / n - sum_b / m + mean_splat(film, measured, 0) - mean_splat(film, measured, 1);
+  const glm::dvec3 sum = pixel == measured ? sum_a + sum_b : total_of(film.pixels[pixel]);
+  return {sum / count + mean_splat(film, pixel), difference * difference * (n * m / ((n + m) * count))};
 }
 
 glm::dvec3 mean_variance(const Film& film, std::size_t pixel) { return statistics(film, pixel).variance; }

@@ -11,21 +11,53 @@
 #include "host/film/picture.h"
 #include "kernels/film/film_types.h"
 #include "kernels/frame_types.h"
+#include "kernels/net_layout.h"
 
 namespace wavepath {
+
+// What decides how many sums a film has, and which pixels they belong to.
+struct FilmShape {
+  std::uint32_t width = 0, height = 0;
+  bool aovs = false, splats = false;
+  bool whole_nets = false; // see kernels/net_layout.h
+  std::uint32_t seed = 0;  // of the render: it picks the measured pixels of whole nets
+
+  std::uint64_t pixels() const { return std::uint64_t{width} * height; }
+  std::uint64_t second_nets() const {
+    const std::uint32_t side = gpu::net_side(width, height);
+    return whole_nets ? std::uint64_t{gpu::net_blocks(width, side)} * gpu::net_blocks(height, side) : 0;
+  }
+  std::uint64_t places() const { return pixels() + second_nets(); } // with AOVs of their own
+  std::uint64_t nets() const { return whole_nets ? places() : gpu::kReplicates * pixels(); }
+  // Of all sums.
+  std::uint64_t bytes() const {
+    return nets() * sizeof(gpu::FilmPixel) + (aovs ? places() * sizeof(gpu::FilmAovs) : 0) +
+           (splats ? gpu::kReplicates * pixels() * sizeof(gpu::SplatPixel) : 0);
+  }
+};
 
 // The exact sums of a render, row-major from the top left. Two films of different samples of one picture join without
 // loss.
 struct Film {
   std::uint32_t width = 0, height = 0;
-  std::vector<gpu::FilmPixel> pixels;  // kReplicates each
-  std::vector<gpu::FilmAovs> aovs;     // empty unless the render has AOVs
+  std::vector<gpu::FilmPixel> pixels;  // kReplicates each; of whole nets one each, then second nets by block
+  std::vector<gpu::FilmAovs> aovs;     // empty unless the render has AOVs; second nets have their own
   std::vector<gpu::SplatPixel> splats; // kReplicates each; empty unless the integrator has light paths
   // Samples of all pixels, by replicate: each traced a light path, which may have brought light to any pixel.
   std::array<std::uint64_t, gpu::kReplicates> light_paths{};
+  bool whole_nets = false;
+  std::uint32_t seed = 0; // see FilmShape
 
+  FilmShape shape() const { return {width, height, !aovs.empty(), !splats.empty(), whole_nets, seed}; }
   bool operator==(const Film& other) const; // bit by bit
 };
+
+// Without samples.
+Film make_film(const FilmShape& shape);
+
+// Whole nets: the block of a pixel, which is the place of its second net among them, and the pixel of it that has it.
+std::size_t block_of(const Film& film, std::size_t pixel);
+std::size_t measured_pixel(const Film& film, std::size_t block);
 
 // The sums over both sets of samples, bit for bit those of one render of them all. AOVs of first hits are running means
 // in floats, and join to within their rounding. Both have one size.
@@ -34,15 +66,22 @@ void join(Film& film, const Film& other);
 // Sets light_paths from the samples of all pixels, where there are splats.
 void count_light_paths(Film& film);
 
-// Samples of a pixel that count, and their mean with the light that was splatted; zero without any.
+// Samples of a pixel that count, of all its nets, and their mean with the light that was splatted; zero without any.
 std::uint32_t sample_count(const Film& film, std::size_t pixel);
 glm::dvec3 mean_radiance(const Film& film, std::size_t pixel);
 
 // Channels R G B A, then those of `aovs` (values of --aov). `origin` is added back to positions.
 Picture develop(const Film& film, const std::vector<std::string>& aovs, const glm::dvec3& origin);
 
+// The means of a pixel's AOVs over the samples of all its nets.
+gpu::FilmAovs mean_aovs(const Film& film, std::size_t pixel);
+
+// The largest sample of a pixel, R + G + B.
+float largest_sample(const Film& film, std::size_t pixel);
+
 // The mean of a pixel to within rounding, and an estimate of the variance of that mean; not a number while the pixel
-// lacks samples in any replicate.
+// lacks samples in any replicate. Where nets are whole the difference of the two nets of the block's measured pixel
+// gives the variance of all its pixels.
 struct PixelStatistics {
   glm::dvec3 mean, variance;
 };

@@ -7,6 +7,7 @@
 #include "kernels/display/tonemap.glsl"
 #include "kernels/film/film_types.h"
 #include "kernels/frame_types.h"
+#include "kernels/net_layout.h"
 #include "kernels/tile_order.h"
 
 layout(local_size_x = kWorkgroupSize) in;
@@ -26,7 +27,7 @@ float value_of(uvec4 sum, uint top) {
   return (high * 4294967296.0 + low) * power_of_two(half_of_it) * power_of_two(exponent - half_of_it);
 }
 
-// What light paths brought to one replicate of a pixel, for each of them that a sample of this pixel stands for.
+// What light paths brought to one net of a pixel, for each of them that a sample of this pixel stands for.
 vec3 fetch_splats(uint index) {
   vec3 sum = vec3(0.0);
   for (uint word = 0u; word < 12u; ++word)
@@ -34,9 +35,8 @@ vec3 fetch_splats(uint index) {
   return sum / (float(job.film_width) * float(job.film_height));
 }
 
-// The samples of one replicate of a pixel: their sum and, in w, how many they are.
-vec4 fetch_sum(uint pixel, uint replicate) {
-  uint index = pixel * kReplicates + replicate;
+// The samples of one net: their sum and, in w, how many they are.
+vec4 fetch_sum(uint index) {
   int texel = int(4u * index);
   uvec2 count_tops = texelFetch(film_texels, texel + 3).xy;
   vec3 sum = vec3(value_of(texelFetch(film_texels, texel), count_tops.y & 0xffu),
@@ -55,15 +55,15 @@ vec3 map_color(float value) {
   return mix(kStops[first], kStops[first + 1], position - float(first));
 }
 
-// Encoded colour of a pixel whose replicates sum to a and b, of one of them at least.
-vec3 encoded(uint pixel, vec4 a, vec4 b) {
-  vec3 mean = (a.rgb + b.rgb) / (a.w + b.w);
+// Encoded colour of a pixel whose samples sum to `sum`, one at least; a and b are the two nets that measure its error.
+vec3 encoded(uint pixel, vec4 sum, vec4 a, vec4 b) {
+  vec3 mean = sum.rgb / sum.w;
   int aov = int(5u * pixel); // first of its texels
-  if (job.shown == kShowSamples) return vec3((a.w + b.w) / job.range);
+  if (job.shown == kShowSamples) return vec3(sum.w / job.range);
   if (job.shown == kShowVariance || job.shown == kShowError) {
     if (a.w == 0.0 || b.w == 0.0) return vec3(0.0);
     vec3 difference = a.rgb / a.w - b.rgb / b.w;
-    vec3 variance = difference * difference * (a.w * b.w / ((a.w + b.w) * (a.w + b.w)));
+    vec3 variance = difference * difference * (a.w * b.w / ((a.w + b.w) * sum.w)); // as statistics() of host/film has it
     if (job.shown == kShowVariance) return to_srgb(tonemap(job.tonemap, variance * job.gain));
     vec3 relative = variance / (mean * mean + 0.01); // as relMSE weighs it
     return map_color(sqrt((relative.r + relative.g + relative.b) / 3.0) / job.range);
@@ -84,6 +84,8 @@ vec3 encoded(uint pixel, vec4 a, vec4 b) {
   return to_srgb(tonemap(job.tonemap, radiance * job.gain));
 }
 
+bool shows_aov() { return job.shown >= kShowAlbedo && job.shown <= kShowEmission; }
+
 void main() {
   uint place = job.first + gl_GlobalInvocationID.x;
   if (place >= job.width * job.height) return;
@@ -92,9 +94,21 @@ void main() {
   uvec2 film_at = min(uvec2(at * film_size / vec2(job.width, job.height)), uvec2(film_size) - 1u);
   uint pixel = tile_order_of(film_at, job.film_width, job.film_height) - job.first_film_pixel;
   if (pixel >= job.film_pixel_count) return; // in another band
-  vec4 a = fetch_sum(pixel, 0u), b = fetch_sum(pixel, 1u);
-  if (a.w + b.w == 0.0) return;
-  uvec3 bytes = uvec3(clamp(encoded(pixel, a, b), 0.0, 1.0) * 255.0 + 0.5);
+  vec4 a, b, sum;
+  if (job.whole_nets != 0u) {
+    uint block = net_block_of(film_at, job.film_width, job.film_height);
+    uvec2 measured_at = measured_pixel(block, job.film_width, job.film_height, job.seed);
+    uint measured = tile_order_of(measured_at, job.film_width, job.film_height) - job.first_film_pixel;
+    a = fetch_sum(measured);
+    b = fetch_sum(job.film_pixel_count + block - job.first_second);
+    sum = measured != pixel ? fetch_sum(pixel) : shows_aov() ? a : a + b; // AOVs are shown of first nets alone
+  } else {
+    a = fetch_sum(pixel * kReplicates);
+    b = fetch_sum(pixel * kReplicates + 1u);
+    sum = a + b;
+  }
+  if (sum.w == 0.0) return;
+  uvec3 bytes = uvec3(clamp(encoded(pixel, sum, a, b), 0.0, 1.0) * 255.0 + 0.5);
   if (job.bgra != 0u) bytes = bytes.bgr;
   screen[place] = bytes.r | bytes.g << 8u | bytes.b << 16u | 0xff000000u;
 }

@@ -26,6 +26,9 @@ struct DisplayJob {
   uint film_height;
   uint first_film_pixel; // in tile order, of the band that is bound
   uint film_pixel_count; // of that band
+  uint whole_nets;       // 1: the film has whole nets (net_layout.h)
+  uint first_second;     // block of the band's first second net
+  uint seed;             // of the render
   uint shown;
   uint tonemap;
   uint bgra;   // order of the bytes: 1 = B G R A

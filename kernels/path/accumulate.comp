@@ -17,24 +17,29 @@
 
 layout(local_size_x = kWorkgroupSize) in;
 
-// Adds the wave's samples of one replicate to one pixel: read once, written once.
-void accumulate_replicate(uint local, uint film_index, uint replicate) {
-  uint first = (replicate + kReplicates - wave.first_sample % kReplicates) % kReplicates;
+// Adds the wave's samples first, first + step, ... to one entry of the film: read once, written once.
+void accumulate_net(uint local, uint entry, uint first, uint step_) {
   if (first >= wave.sample_count) return;
-  FilmPixel pixel = fetch_film_pixel(film_index * kReplicates + replicate);
-  for (uint s = first; s < wave.sample_count; s += kReplicates) {
+  FilmPixel pixel = fetch_film_pixel(entry);
+  for (uint s = first; s < wave.sample_count; s += step_) {
     uint slot = s * wave.pixel_count + local;
     vec3 radiance = fetch_path(slot).radiance;
     if (is_finite(radiance)) add_sample(pixel, radiance);
   }
-  store_film_pixel(film_index * kReplicates + replicate, pixel);
+  store_film_pixel(entry, pixel);
 }
 
 void main() {
   uint local = gl_GlobalInvocationID.x;
   if (local >= wave.pixel_count) return;
   uint film_index = wave_pixel(local) - wave.first_film_pixel;
-  for (uint replicate = 0u; replicate < kReplicates; ++replicate) accumulate_replicate(local, film_index, replicate);
+  if (has_whole_nets()) {
+    accumulate_net(local, film_index, 0u, 1u);
+  } else {
+    for (uint replicate = 0u; replicate < kReplicates; ++replicate)
+      accumulate_net(local, film_index * kReplicates + replicate,
+                     (replicate + kReplicates - wave.first_sample % kReplicates) % kReplicates, kReplicates);
+  }
   if (!has(kFeatureAovs)) return;
   for (uint s = 0u; s < wave.sample_count; ++s) {
     uint slot = s * wave.pixel_count + local;

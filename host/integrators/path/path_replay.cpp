@@ -2,8 +2,14 @@
 #include "host/integrators/path/path_replay.h"
 
 #include <cmath>
+#include <limits>
 
+#include <fmt/format.h>
+
+#include "host/base/error.h"
+#include "host/render/settings/whole_nets.h"
 #include "kernels/frame_types.h"
+#include "kernels/net_layout.h"
 #include "kernels/path/path_types.h"
 #include "kernels/scene_types.h"
 #include "kernels/tile_order.h"
@@ -14,6 +20,7 @@ namespace {
 bool is_finite(const glm::vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 
 RenderSettings without_extras(RenderSettings settings) {
+  settings.whole_nets_from = has_whole_nets(settings) ? 0 : std::numeric_limits<std::uint32_t>::max();
   settings.aovs.clear();
   return settings;
 }
@@ -81,9 +88,18 @@ PathEnd PathReplay::reason(std::uint32_t bounce, const PathVertex& vertex, gpu::
   return queues().ray_count[(bounce + 1) & 1] > 0 ? PathEnd::roulette : PathEnd::absorbed;
 }
 
-PathTrace PathReplay::trace(glm::uvec2 pixel, std::uint32_t sample) {
+std::uint32_t PathReplay::place_of(glm::uvec2 pixel, std::uint32_t net) const {
   const gpu::Frame& frame = workspace_.frame;
-  const std::uint32_t place = gpu::tile_order_of(pixel, frame.width, frame.height);
+  if (net == 0) return gpu::tile_order_of(pixel, frame.width, frame.height);
+  const FilmShape& shape = workspace_.film.shape();
+  const std::uint32_t block = gpu::net_block_of(pixel, frame.width, frame.height);
+  if (!shape.whole_nets || gpu::measured_pixel(block, frame.width, frame.height, shape.seed) != pixel)
+    throw Error("--net", fmt::format("pixel {},{} has no second net", pixel.x, pixel.y), "leave it out");
+  return frame.width * frame.height + block;
+}
+
+PathTrace PathReplay::trace(glm::uvec2 pixel, std::uint32_t sample, std::uint32_t net) {
+  const std::uint32_t place = place_of(pixel, net);
   wave_ = {place, 1, sample, 1, 0, place};
   PathTrace trace{pixel, sample};
   const auto note = [&](const glm::vec3& radiance, std::uint32_t maker) {

@@ -44,9 +44,11 @@ public:
              KernelCompiler& kernels);
 
   // The path has the bits that it has in a render with the same settings.
-  PathTrace trace(glm::uvec2 pixel, std::uint32_t sample);
+  // `net`: 1 is the second one of a measured pixel; throws Error if the pixel has none.
+  PathTrace trace(glm::uvec2 pixel, std::uint32_t sample, std::uint32_t net = 0);
 
 private:
+  std::uint32_t place_of(glm::uvec2 pixel, std::uint32_t net) const;
   void run(PathStage stage, std::uint32_t bounce);
   gpu::Queues queues() const;
   gpu::PathState state() const;

@@ -13,8 +13,16 @@
 namespace wavepath {
 namespace {
 
-constexpr std::uint64_t kFilmPixelBytes = gpu::kReplicates * sizeof(gpu::FilmPixel);
-constexpr std::uint64_t kSplatPixelBytes = gpu::kReplicates * sizeof(gpu::SplatPixel);
+// Sums of one place: of halved nets those of a pixel.
+std::size_t nets_each(const FilmShape& shape) { return shape.whole_nets ? 1 : gpu::kReplicates; }
+
+std::uint64_t film_bytes(const FilmBand& band, const FilmShape& shape) {
+  return band.places() * nets_each(shape) * sizeof(gpu::FilmPixel);
+}
+std::uint64_t aov_bytes(const FilmBand& band) { return band.places() * sizeof(gpu::FilmAovs); }
+std::uint64_t splat_bytes(const FilmBand& band) {
+  return std::uint64_t{band.pixel_count} * gpu::kReplicates * sizeof(gpu::SplatPixel);
+}
 
 std::size_t row_major(std::uint32_t in_tile_order, const Film& film) {
   const glm::uvec2 at = gpu::pixel_in_tile_order(in_tile_order, film.width, film.height);
@@ -44,14 +52,22 @@ void to_rows(const T* values, std::uint32_t first, std::uint32_t count, std::siz
           [&](std::uint32_t i) { std::copy_n(&values[i * each], each, &rows[row_major(first + i, film) * each]); });
 }
 
+// Where those of a band's second nets lie, which need no sorting.
 template <class T>
-void read_rows(const FilmBand& band, const Buffer& buffer, std::size_t each, const Film& film, std::vector<T>& rows) {
+auto* second_nets(const FilmBand& band, const Film& film, T& rows) {
+  return rows.data() + film.shape().pixels() + band.first_second;
+}
+
+template <class T>
+void read_rows(const FilmBand& band, const Buffer& buffer, std::size_t each, Film& film, std::vector<T>& rows) {
   std::vector<T> values;
   in_pieces(band.pixel_count, [&](std::uint32_t first, std::uint32_t count) {
     values.resize(count * each);
     buffer.read(values.data(), values.size() * sizeof(T), first * each * sizeof(T));
     to_rows(values.data(), band.first_pixel + first, count, each, film, rows);
   });
+  if (band.second_count > 0)
+    buffer.read(second_nets(band, film, rows), band.second_count * sizeof(T), band.pixel_count * sizeof(T));
 }
 
 template <class T>
@@ -64,54 +80,60 @@ void write_rows(const FilmBand& band, Buffer& buffer, std::size_t each, const Fi
     });
     buffer.write(values.data(), values.size() * sizeof(T), first * each * sizeof(T));
   });
-}
-
-Film empty_film(std::uint32_t width, std::uint32_t height, bool aovs, bool splats) {
-  const std::size_t pixels = std::size_t{width} * height;
-  Film film{width, height, std::vector<gpu::FilmPixel>(pixels * gpu::kReplicates), {}, {}};
-  if (aovs) film.aovs.resize(pixels);
-  if (splats) film.splats.resize(pixels * gpu::kReplicates);
-  return film;
+  if (band.second_count > 0)
+    buffer.write(second_nets(band, film, rows), band.second_count * sizeof(T), band.pixel_count * sizeof(T));
 }
 
 } // namespace
 
 // A band is what one buffer may hold, written as storage and read as texels. Bands of a larger picture stay, empty.
-bool FilmTarget::fit(std::uint32_t width, std::uint32_t height, bool aovs, bool room_for_aovs, bool splats) {
-  width_ = width, height_ = height, has_aovs_ = aovs, has_splats_ = splats;
+bool FilmTarget::fit(const FilmShape& shape, bool room_for_aovs) {
+  shape_ = shape;
   const DeviceInfo& info = device_->info();
   const std::uint64_t range = std::min(info.max_storage_range, 16 * info.max_texel_elements);
-  const std::uint64_t most = range / std::max(kFilmPixelBytes, sizeof(gpu::FilmAovs)) / gpu::kRunPixels *
-                             gpu::kRunPixels; // no run lies in two
+  const std::uint64_t most_places =
+      range / std::max<std::uint64_t>(nets_each(shape) * sizeof(gpu::FilmPixel), sizeof(gpu::FilmAovs));
+  std::uint64_t step = gpu::kRunPixels; // no run lies in two
+  std::uint64_t most = most_places;
+  const std::uint32_t side = gpu::net_side(shape.width, shape.height), across = gpu::net_blocks(shape.width, side);
+  if (shape.whole_nets) { // nor does a block: bands are whole rows of tiles, which hold whole rows of blocks
+    step = 8 * std::uint64_t{shape.width};
+    most = most_places / (step + 8 / side * across) * step;
+  }
+  most = std::max(most / step, std::uint64_t{1}) * step;
   bands_.resize(std::max<std::size_t>(bands_.size(), (pixels() + most - 1) / most));
   bool moved = false;
-  std::uint64_t first = 0;
+  std::uint64_t first = 0, first_second = 0;
   for (FilmBand& band : bands_) {
     band.first_pixel = static_cast<std::uint32_t>(first);
     band.pixel_count = static_cast<std::uint32_t>(std::min(most, pixels() - first));
     first += band.pixel_count;
-    const std::uint64_t aov_bytes = aovs || room_for_aovs ? std::uint64_t{band.pixel_count} * sizeof(gpu::FilmAovs) : 0;
-    moved |= make_room(*device_, band.film, band.pixel_count * kFilmPixelBytes);
-    moved |= make_room(*device_, band.aovs, aov_bytes);
-    moved |= make_room(*device_, band.splats, splats ? band.pixel_count * kSplatPixelBytes : 0);
+    const std::uint64_t rows = shape.whole_nets ? (first + shape.width - 1) / shape.width : 0; // up to its end
+    band.first_second = static_cast<std::uint32_t>(first_second);
+    band.second_count = static_cast<std::uint32_t>((rows + side - 1) / side * across - first_second);
+    first_second += band.second_count;
+    band.picture_pixels = static_cast<std::uint32_t>(pixels());
+    moved |= make_room(*device_, band.film, film_bytes(band, shape));
+    moved |= make_room(*device_, band.aovs, shape.aovs || room_for_aovs ? aov_bytes(band) : 0);
+    moved |= make_room(*device_, band.splats, shape.splats ? splat_bytes(band) : 0);
   }
   return moved;
 }
 
 void FilmTarget::clear() {
   for (FilmBand& band : bands_) {
-    band.film.fill_zero(band.pixel_count * kFilmPixelBytes);
-    if (band.aovs.bytes()) band.aovs.fill_zero(band.pixel_count * sizeof(gpu::FilmAovs));
-    if (has_splats_) band.splats.fill_zero(band.pixel_count * kSplatPixelBytes);
+    band.film.fill_zero(film_bytes(band, shape_));
+    if (band.aovs.bytes()) band.aovs.fill_zero(aov_bytes(band));
+    if (shape_.splats) band.splats.fill_zero(splat_bytes(band));
   }
 }
 
 Film FilmTarget::download() const {
-  Film film = empty_film(width_, height_, has_aovs_, has_splats_);
+  Film film = make_film(shape_);
   for (const FilmBand& band : bands_) {
-    read_rows(band, band.film, gpu::kReplicates, film, film.pixels);
-    if (has_aovs_) read_rows(band, band.aovs, 1, film, film.aovs);
-    if (has_splats_) read_rows(band, band.splats, gpu::kReplicates, film, film.splats);
+    read_rows(band, band.film, nets_each(shape_), film, film.pixels);
+    if (shape_.aovs) read_rows(band, band.aovs, 1, film, film.aovs);
+    if (shape_.splats) read_rows(band, band.splats, gpu::kReplicates, film, film.splats);
   }
   count_light_paths(film);
   return film;
@@ -119,7 +141,7 @@ Film FilmTarget::download() const {
 
 void FilmTarget::upload(const Film& film) {
   for (FilmBand& band : bands_) {
-    write_rows(band, band.film, gpu::kReplicates, film, film.pixels);
+    write_rows(band, band.film, nets_each(shape_), film, film.pixels);
     if (!film.aovs.empty()) write_rows(band, band.aovs, 1, film, film.aovs);
     if (!film.splats.empty()) write_rows(band, band.splats, gpu::kReplicates, film, film.splats);
   }
@@ -132,21 +154,21 @@ std::uint64_t FilmTarget::bytes() const {
 }
 
 void FilmSnapshot::fit(Device& device, const FilmTarget& target) {
-  width_ = target.width(), height_ = target.height();
-  has_aovs_ = target.has_aovs(), has_splats_ = target.has_splats();
+  shape_ = target.shape();
   bands_.resize(target.bands().size());
   for (std::size_t i = 0; i < bands_.size(); ++i) {
-    Band& band = bands_[i];
-    band.first_pixel = target.bands()[i].first_pixel;
-    band.pixel_count = target.bands()[i].pixel_count;
+    FilmBand& band = bands_[i];
+    const FilmBand& from = target.bands()[i];
+    band.first_pixel = from.first_pixel, band.pixel_count = from.pixel_count;
+    band.first_second = from.first_second, band.second_count = from.second_count;
     const auto make = [&](Buffer& buffer, std::uint64_t bytes) {
       if (buffer.handle() && buffer.bytes() >= bytes) return;
       buffer = Buffer();
       buffer = Buffer(device, bytes, BufferHome::readback);
     };
-    make(band.film, band.pixel_count * kFilmPixelBytes);
-    if (has_aovs_) make(band.aovs, band.pixel_count * sizeof(gpu::FilmAovs));
-    if (has_splats_) make(band.splats, band.pixel_count * kSplatPixelBytes);
+    make(band.film, film_bytes(band, shape_));
+    if (shape_.aovs) make(band.aovs, aov_bytes(band));
+    if (shape_.splats) make(band.splats, splat_bytes(band));
   }
 }
 
@@ -157,23 +179,25 @@ void FilmSnapshot::record(Commands& commands, const FilmTarget& target) const {
     const auto copy = [&](const Buffer& from, const Buffer& to, std::uint64_t bytes) {
       commands.copy(from, to, bytes, Commands::Order::unordered);
     };
-    copy(band.film, bands_[i].film, band.pixel_count * kFilmPixelBytes);
-    if (has_aovs_) copy(band.aovs, bands_[i].aovs, band.pixel_count * sizeof(gpu::FilmAovs));
-    if (has_splats_) copy(band.splats, bands_[i].splats, band.pixel_count * kSplatPixelBytes);
+    copy(band.film, bands_[i].film, film_bytes(band, shape_));
+    if (shape_.aovs) copy(band.aovs, bands_[i].aovs, aov_bytes(band));
+    if (shape_.splats) copy(band.splats, bands_[i].splats, splat_bytes(band));
   }
 }
 
 Film FilmSnapshot::read() const {
-  Film film = empty_film(width_, height_, has_aovs_, has_splats_);
-  for (const Band& band : bands_) {
+  Film film = make_film(shape_);
+  for (const FilmBand& band : bands_) {
     if (band.pixel_count == 0) continue;
     const auto read = [&]<class T>(const Buffer& buffer, std::size_t each, std::vector<T>& rows) {
       buffer.invalidate();
-      to_rows(static_cast<const T*>(buffer.mapped()), band.first_pixel, band.pixel_count, each, film, rows);
+      const T* values = static_cast<const T*>(buffer.mapped());
+      to_rows(values, band.first_pixel, band.pixel_count, each, film, rows);
+      std::copy_n(values + band.pixel_count * each, band.second_count, second_nets(band, film, rows));
     };
-    read(band.film, gpu::kReplicates, film.pixels);
-    if (has_aovs_) read(band.aovs, 1, film.aovs);
-    if (has_splats_) read(band.splats, gpu::kReplicates, film.splats);
+    read(band.film, nets_each(shape_), film.pixels);
+    if (shape_.aovs) read(band.aovs, 1, film.aovs);
+    if (shape_.splats) read(band.splats, gpu::kReplicates, film.splats);
   }
   count_light_paths(film);
   return film;

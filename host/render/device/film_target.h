@@ -9,38 +9,43 @@
 
 namespace wavepath {
 
-// Consecutive pixels, in tile order, whose film fits into one buffer of the device.
+// Consecutive pixels, in tile order, and their second nets, whose film fits into one buffer of the device: entries of
+// the pixels come first.
 struct FilmBand {
   std::uint32_t first_pixel = 0, pixel_count = 0;
-  Buffer film, aovs, splats; // may have room for more
+  std::uint32_t first_second = 0, second_count = 0; // second nets, by block
+  std::uint32_t picture_pixels = 0;                 // of all bands: the place of the first second net
+  Buffer film, aovs, splats;                        // may have room for more
+
+  std::uint32_t places() const { return pixel_count + second_count; }
+  // Where the sums of a place of the band lie in it.
+  std::uint32_t entry_of(std::uint32_t place) const {
+    const bool is_second = second_count > 0 && place >= picture_pixels;
+    return is_second ? pixel_count + place - picture_pixels - first_second : place - first_pixel;
+  }
 };
 
 class FilmTarget {
 public:
   explicit FilmTarget(Device& device) : device_(&device) {}
 
-  // Takes up a picture of this size. `aovs`: the film has AOVs. `room_for_aovs`: kernels that write them may run.
-  // `splats`: light paths bring light to it.
+  // Takes up a film of this shape. `room_for_aovs`: kernels that write AOVs may run.
   // Buffers of a larger picture stay. Returns whether any buffer was replaced. Throws Error if the device has no memory
   // for it.
-  bool fit(std::uint32_t width, std::uint32_t height, bool aovs, bool room_for_aovs, bool splats);
+  bool fit(const FilmShape& shape, bool room_for_aovs);
   // Sets all samples to none. Nothing may be in flight, here and below.
   void clear();
   Film download() const;
   void upload(const Film& film);
 
   const std::vector<FilmBand>& bands() const { return bands_; }
-  std::uint32_t width() const { return width_; }
-  std::uint32_t height() const { return height_; }
-  std::uint64_t pixels() const { return std::uint64_t{width_} * height_; }
-  bool has_aovs() const { return has_aovs_; }
-  bool has_splats() const { return has_splats_; }
+  const FilmShape& shape() const { return shape_; }
+  std::uint64_t pixels() const { return shape_.pixels(); }
   std::uint64_t bytes() const;
 
 private:
   Device* device_;
-  std::uint32_t width_ = 0, height_ = 0;
-  bool has_aovs_ = false, has_splats_ = false;
+  FilmShape shape_;
   std::vector<FilmBand> bands_;
 };
 
@@ -54,13 +59,8 @@ public:
   Film read() const;
 
 private:
-  struct Band {
-    std::uint32_t first_pixel = 0, pixel_count = 0;
-    Buffer film, aovs, splats;
-  };
-  std::uint32_t width_ = 0, height_ = 0;
-  bool has_aovs_ = false, has_splats_ = false;
-  std::vector<Band> bands_;
+  FilmShape shape_;
+  std::vector<FilmBand> bands_;
 };
 
 // The bindings of a band of the film, without buffers, and with those of one band.

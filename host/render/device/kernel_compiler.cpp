@@ -1,6 +1,7 @@
 #include "host/render/device/kernel_compiler.h"
 
 #include "host/render/settings/integrator_kind.h"
+#include "host/render/settings/whole_nets.h"
 
 namespace wavepath {
 namespace {
@@ -24,7 +25,9 @@ KernelConfig kernel_config(std::uint32_t features, std::uint32_t stack_size, con
   if (!(features & gpu::kFeatureLightTree)) features &= ~gpu::kFeatureLightRows;
   if (!passes_panes(settings)) features &= ~gpu::kFeaturePanes;
   features = (features | settings.added_features) & ~settings.removed_features;
-  return {features, stack, settings.sampler, settings.direct, settings.hemisphere, settings.filter};
+  const std::uint32_t nets =
+      has_whole_nets(settings) || settings.room_for_whole_nets ? gpu::kNetsWhole : gpu::kNetsHalved;
+  return {features, stack, settings.sampler, settings.direct, settings.hemisphere, settings.filter, nets};
 }
 
 std::uint32_t features_of(const RenderSettings& settings) {

@@ -28,14 +28,17 @@ bool KernelNeed::covers(const KernelNeed& need) const {
   KernelNeed reduced = *this;
   reduced.config.features = need.config.features;
   reduced.config.stack_size = need.config.stack_size;
+  reduced.config.nets = need.config.nets;
   reduced.stages = need.stages;
   return reduced == need && (config.features & need.config.features) == need.config.features &&
-         (stages & need.stages) == need.stages && config.stack_size >= need.config.stack_size;
+         (stages & need.stages) == need.stages && config.stack_size >= need.config.stack_size &&
+         config.nets >= need.config.nets;
 }
 
 std::array<std::uint32_t, gpu::kSpecCount> specialization(const KernelConfig& config, const DeviceInfo& device) {
   const std::uint32_t stack = device.type == "cpu" ? gpu::kStackRegisters : gpu::kStackArray;
-  return {config.features, config.stack_size, config.sampler, config.direct, config.hemisphere, config.filter, stack};
+  return {config.features,   config.stack_size, config.sampler, config.direct,
+          config.hemisphere, config.filter,     stack,          config.nets};
 }
 
 KernelSet::KernelSet(Device& device, const KernelNeed& need)

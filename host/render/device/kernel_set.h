@@ -25,6 +25,7 @@ struct KernelConfig {
   std::uint32_t features = 0;   // kFeature bits
   std::uint32_t stack_size = 0; // entries of the traversal stack
   std::uint32_t sampler = 0, direct = 0, hemisphere = 0, filter = 0;
+  std::uint32_t nets = gpu::kNetsHalved;
 
   bool operator==(const KernelConfig&) const = default;
 };

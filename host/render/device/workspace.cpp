@@ -9,8 +9,11 @@
 #include "host/render/device/levels.h"
 #include "host/render/device/resources.h"
 #include "host/render/settings/integrator_kind.h"
+#include "host/render/settings/whole_nets.h"
 #include "kernels/features.h"
 #include "kernels/frame_types.h"
+#include "kernels/net_layout.h"
+#include "kernels/tile_order.h"
 
 namespace wavepath {
 namespace {
@@ -42,11 +45,21 @@ gpu::Frame make_frame(const PackedScene& scene, const View& view, const RenderSe
   frame.scene_features = scene.features;
   if (settings.lights == gpu::kLightsPower) frame.scene_features &= ~gpu::kFeatureLightTree;
   if (!passes_panes(settings)) frame.scene_features &= ~gpu::kFeaturePanes;
+  frame.whole_nets = has_whole_nets(settings) ? 1u : 0u;
   frame.local_light_count = scene.local_light_count;
   return frame;
 }
 
 } // namespace
+
+FilmShape film_shape(const RenderSettings& settings) {
+  return {.width = settings.width,
+          .height = settings.height,
+          .aovs = !settings.aovs.empty(),
+          .splats = settings.integrator->splats,
+          .whole_nets = has_whole_nets(settings),
+          .seed = settings.seed};
+}
 
 Workspace::Workspace(Device& device_, const PackedScene& scene_, std::uint32_t slots_,
                      std::shared_ptr<const DeviceScene> uploaded)
@@ -68,9 +81,7 @@ void Workspace::change(const View& view, const RenderSettings& settings) {
 }
 
 bool Workspace::fit(const RenderSettings& settings, std::uint32_t features) {
-  const bool aovs = !settings.aovs.empty();
-  bool moved =
-      film.fit(settings.width, settings.height, aovs, features & gpu::kFeatureAovs, settings.integrator->splats);
+  bool moved = film.fit(film_shape(settings), features & gpu::kFeatureAovs);
   const std::uint64_t runs = features & gpu::kFeatureAdaptive ? run_count(film) : 0;
   moved |= make_room(device, runs_buffer_, runs * sizeof(std::uint32_t));
   frame_buffer_.write(&frame, sizeof(frame));
@@ -90,8 +101,14 @@ void Workspace::set_runs(std::vector<std::uint32_t> runs) {
   runs_buffer_.write(runs_.data(), runs_.size() * sizeof(std::uint32_t));
 }
 
-std::uint32_t Workspace::pixel_at(std::uint32_t place) const {
-  return runs_.empty() ? place : runs_[place / gpu::kRunPixels] * gpu::kRunPixels + place % gpu::kRunPixels;
+PixelNet Workspace::pixel_at(std::uint32_t place) const {
+  const FilmShape& shape = film.shape();
+  if (shape.whole_nets && place >= shape.pixels()) {
+    const auto block = place - static_cast<std::uint32_t>(shape.pixels());
+    const glm::uvec2 at = gpu::measured_pixel(block, shape.width, shape.height, shape.seed);
+    return {gpu::tile_order_of(at, shape.width, shape.height), 1};
+  }
+  return {runs_.empty() ? place : runs_[place / gpu::kRunPixels] * gpu::kRunPixels + place % gpu::kRunPixels, 0};
 }
 
 std::vector<Binding> Workspace::bindings(const FilmBand& band) const {

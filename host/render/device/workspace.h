@@ -7,6 +7,7 @@
 
 #include "host/render/device/device_scene.h"
 #include "host/render/device/film_target.h"
+#include "host/render/device/nonfinite.h"
 #include "host/render/settings/settings.h"
 #include "host/scene/view.h"
 #include "kernels/frame_types.h"
@@ -31,8 +32,8 @@ public:
   // The runs of kRunPixels pixels that places in a wave stand for, of an adaptive render. At first each stands for
   // itself. A run cut short by the end of the picture comes last in its wave.
   void set_runs(std::vector<std::uint32_t> runs);
-  // The pixel, in tile order, that has a place in waves.
-  std::uint32_t pixel_at(std::uint32_t place) const;
+  // The pixel that has a place in waves, and which of its nets.
+  PixelNet pixel_at(std::uint32_t place) const;
 
   // What every kernel may be bound to; the film's is that of `band`.
   std::vector<Binding> bindings(const FilmBand& band) const;
@@ -59,6 +60,9 @@ std::vector<Binding> workspace_layout();
 
 // One binding set for every band of the film: the workspace's bindings and those of `own`.
 std::vector<std::unique_ptr<BindingSet>> bind_bands(const Workspace& workspace, const std::vector<Binding>& own);
+
+// The film of a render.
+FilmShape film_shape(const RenderSettings& settings);
 
 // Paths in flight: as many as the render has, within an eighth of the device's memory, one storage buffer, and what a
 // dispatch may hold. A CPU gains nothing from more than fill its caches; a GPU needs millions to hide latency.

@@ -18,10 +18,11 @@ struct View;
 // Whether coming frames use what an integrator learned from earlier ones: a camera in motion, or a cut.
 enum class Past { forget, keep };
 
-// Pixels that a pass treats alike: a band of the film, or in an adaptive render the runs of one level within a band.
+// Pixels that a pass treats alike: a band of the film, or in an adaptive render the runs of one level within a band. A
+// second net counts as a pixel.
 struct Segment {
   std::size_t band = 0;
-  std::uint32_t first_place = 0, pixel_count = 0; // in tile order, or in the order of the list of runs
+  std::uint32_t first_place = 0, pixel_count = 0; // as in gpu::Wave
   int level = 0;
 };
 

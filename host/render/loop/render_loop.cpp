@@ -77,7 +77,7 @@ void RenderLoop::restart(const View& view, const RenderSettings& settings, Past 
   workspace_.film.clear();
   queue_.totals = {};
   pass_began_busy_ = 0.0;
-  segments_ = even_segments(workspace_.film.bands());
+  segments_ = net_segments(workspace_.film);
   levels_.clear();
   mean_factor_ = 1.0;
   cursor_ = {settings_.first_sample, 0, 0, 0};
@@ -209,7 +209,7 @@ std::uint32_t RenderLoop::pass_end() const {
   const std::uint64_t most =
       settings_.adaptive ? workspace_.slots / kLargestRun * kAdaptiveStep : integrator_->most_samples(cursor_.sample);
   const std::uint32_t wave = pace_.fixed_wave ? pace_.fixed_wave : governor_.wave();
-  const auto fit = static_cast<std::uint32_t>(std::clamp<std::uint64_t>(wave / pixels(), 1, most));
+  const auto fit = static_cast<std::uint32_t>(std::clamp<std::uint64_t>(wave / places(), 1, most));
   const std::uint32_t next_checkpoint = settings_.first_sample + std::max(std::bit_ceil(spp() + 1), step);
   std::uint32_t end =
       std::min({cursor_.sample + (fit + step - 1) / step * step, next_checkpoint, settings_.last_sample});
@@ -272,7 +272,7 @@ Progress RenderLoop::progress() const {
   Progress progress;
   progress.spp_done = spp();
   progress.spp_planned = planned();
-  progress.fraction = (spp() + cursor_.pass_samples * done / static_cast<double>(pixels())) / progress.spp_planned;
+  progress.fraction = (spp() + cursor_.pass_samples * done / static_cast<double>(places())) / progress.spp_planned;
   progress.seconds = seconds();
   const double rays = static_cast<double>(queue_.totals.rays.total());
   progress.mrays_per_second = progress.seconds > 0.0 ? rays * 1e-6 / progress.seconds : 0.0;

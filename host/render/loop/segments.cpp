@@ -13,6 +13,22 @@ std::vector<Segment> even_segments(const std::vector<FilmBand>& bands) {
   return segments;
 }
 
+std::vector<Segment> net_segments(const FilmTarget& film) {
+  std::vector<Segment> segments;
+  const auto pixels = static_cast<std::uint32_t>(film.pixels());
+  for (std::size_t i = 0; i < film.bands().size(); ++i) {
+    const FilmBand& band = film.bands()[i];
+    if (band.pixel_count == 0) continue;
+    segments.push_back({i, band.first_pixel, band.pixel_count, 0});
+    const std::uint32_t first_second = pixels + band.first_second;
+    if (first_second == band.first_pixel + band.pixel_count) // in a picture of one band: one segment holds all
+      segments.back().pixel_count += band.second_count;
+    else if (band.second_count > 0)
+      segments.push_back({i, first_second, band.second_count, 0});
+  }
+  return segments;
+}
+
 std::vector<Segment> level_segments(const std::vector<FilmBand>& bands, const std::vector<std::int8_t>& levels,
                                     std::vector<std::uint32_t>& runs) {
   std::vector<Segment> segments;

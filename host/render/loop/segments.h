@@ -9,7 +9,11 @@
 
 namespace wavepath {
 
+// All pixels, without second nets.
 std::vector<Segment> even_segments(const std::vector<FilmBand>& bands);
+
+// All nets of the film.
+std::vector<Segment> net_segments(const FilmTarget& film);
 
 // Sorts the runs of each band by level; `runs` becomes the list that places refer to.
 std::vector<Segment> level_segments(const std::vector<FilmBand>& bands, const std::vector<std::int8_t>& levels,

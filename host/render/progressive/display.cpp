@@ -49,23 +49,26 @@ void Display::draw(const Progressive& progressive, const DisplayOptions& options
   const RenderSettings& settings = progressive.settings();
   if (settings.width != width_ || settings.height != height_) resize(settings.width, settings.height);
   const FilmTarget& film = progressive.film_target();
-  const bool has_aovs = film.has_aovs();
-  const Shown shown = needs_aovs(options.shown) && !has_aovs ? Shown::color : options.shown;
+  const FilmShape& shape = film.shape();
+  const Shown shown = needs_aovs(options.shown) && !shape.aovs ? Shown::color : options.shown;
   gpu::DisplayJob job{};
   job.width = width_;
   job.height = height_;
-  job.film_width = film.width();
-  job.film_height = film.height();
+  job.film_width = shape.width;
+  job.film_height = shape.height;
   job.shown = static_cast<std::uint32_t>(shown);
   job.tonemap = static_cast<std::uint32_t>(options.tonemap);
   job.bgra = options.bgra ? 1 : 0;
-  job.splats = film.has_splats() ? 1 : 0;
+  job.splats = shape.splats ? 1 : 0;
+  job.whole_nets = shape.whole_nets ? 1 : 0;
+  job.seed = shape.seed;
   job.gain = static_cast<float>(std::exp2(options.exposure));
   job.range = static_cast<float>(options.range > 0.0 ? options.range : automatic_range(shown, progressive));
   for (const FilmBand& band : film.bands()) {
     if (band.pixel_count == 0) continue;
     job.first_film_pixel = band.first_pixel;
     job.film_pixel_count = band.pixel_count;
+    job.first_second = band.first_second;
     draw_band(band, job);
   }
 }

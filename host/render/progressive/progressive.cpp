@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "host/film/error.h"
+#include "host/render/settings/whole_nets.h"
 
 namespace wavepath {
 namespace {
@@ -19,6 +20,8 @@ double pixels_of(const RenderSettings& settings) { return static_cast<double>(se
 RenderSettings open_ended(RenderSettings settings) {
   settings.adaptive = false;
   settings.time_limit = settings.target_error = 0.0;
+  // Coarse pictures are too small for whole nets, and are rendered by the kernels of the others.
+  settings.room_for_whole_nets = has_whole_nets(settings);
   return settings;
 }
 

@@ -19,7 +19,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::string_view kMagic = "wavepath state 4\n";
+constexpr std::string_view kMagic = "wavepath state 5\n";
 constexpr const char* kRemedy = "start again without --resume, or name another --checkpoint";
 
 Json to_json(const Checkpoint& c) {
@@ -52,7 +52,8 @@ Checkpoint checkpoint_from(const Json& j) {
 
 Json to_json(const Nonfinite& nonfinite) {
   Json first = nullptr;
-  if (nonfinite.first) first = {nonfinite.first->sample, nonfinite.first->pixel, nonfinite.first->maker};
+  if (nonfinite.first)
+    first = {nonfinite.first->sample, nonfinite.first->at.pixel, nonfinite.first->at.net, nonfinite.first->maker};
   return {{"by_maker", nonfinite.by_maker}, {"first", first}};
 }
 
@@ -60,7 +61,7 @@ Nonfinite nonfinite_from(const Json& json) {
   Nonfinite nonfinite;
   nonfinite.by_maker = json.at("by_maker").get<decltype(nonfinite.by_maker)>();
   const Json& first = json.at("first");
-  if (!first.is_null()) nonfinite.first = {first.at(0), first.at(1), first.at(2)};
+  if (!first.is_null()) nonfinite.first = {first.at(0), {first.at(1), first.at(2)}, first.at(3)};
   return nonfinite;
 }
 
@@ -85,7 +86,9 @@ Json describe(const std::string& identity, const std::string& device, const Rend
           {"next_check", state.next_check},
           {"size", {state.film.width, state.film.height}},
           {"aovs", !state.film.aovs.empty()},
-          {"splats", !state.film.splats.empty()}};
+          {"splats", !state.film.splats.empty()},
+          {"whole_nets", state.film.whole_nets},
+          {"seed", state.film.seed}};
 }
 
 RenderState state_from(const Json& json) {
@@ -102,8 +105,6 @@ RenderState state_from(const Json& json) {
   for (const Json& c : json.at("checkpoints")) state.checkpoints.push_back(checkpoint_from(c));
   state.levels = json.at("levels").get<std::vector<std::int8_t>>();
   state.next_check = json.at("next_check");
-  state.film.width = json.at("size").at(0);
-  state.film.height = json.at("size").at(1);
   return state;
 }
 
@@ -171,15 +172,11 @@ StateRecord read_state(const std::string& path) try {
   const Json json = Json::parse(document);
   StateRecord record{json.at("identity"), json.at("device"), state_from(json)};
 
+  const FilmShape shape{json.at("size").at(0), json.at("size").at(1), json.at("aovs"),
+                        json.at("splats"),     json.at("whole_nets"), json.at("seed")};
+  if (reader.left() != shape.bytes() + sizeof(std::uint64_t)) throw Error(path, "is not complete", kRemedy);
   Film& film = record.state.film;
-  const std::uint64_t pixels = std::uint64_t{film.width} * film.height;
-  const bool aovs = json.at("aovs"), splats = json.at("splats");
-  const std::uint64_t bytes = pixels * (gpu::kReplicates * sizeof(gpu::FilmPixel) + (aovs ? sizeof(gpu::FilmAovs) : 0) +
-                                        (splats ? gpu::kReplicates * sizeof(gpu::SplatPixel) : 0));
-  if (reader.left() != bytes + sizeof(std::uint64_t)) throw Error(path, "is not complete", kRemedy);
-  film.pixels.resize(pixels * gpu::kReplicates);
-  film.aovs.resize(aovs ? pixels : 0);
-  film.splats.resize(splats ? pixels * gpu::kReplicates : 0);
+  film = make_film(shape);
   reader.read(film.pixels.data(), byte_count(film.pixels));
   reader.read(film.aovs.data(), byte_count(film.aovs));
   reader.read(film.splats.data(), byte_count(film.splats));

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "host/film/error.h"
+#include "host/film/film.h"
 #include "host/render/bvh_choice.h"
 #include "host/render/report/diagnosis.h"
 #include "host/render/settings/integrator_kind.h"
@@ -70,7 +71,10 @@ Json error_json(const Run& run) {
   Json json{
       {"relative_rms", nullptr},
       {"ci95", nullptr},
-      {"method", fmt::format("spread of the means of {} independently scrambled replicates a pixel", gpu::kReplicates)},
+      {"method",
+       result.film && result.film->whole_nets
+           ? "one whole net a pixel; spread of the means of two independently scrambled ones on one pixel of each block"
+           : "spread of the means of 2 independently scrambled halves of the samples of every pixel"},
       {"slope", result.slope},
       {"slope_spp", fit_slope(result.checkpoints, Against::spp)},
       {"next_halving", nullptr},
@@ -128,9 +132,10 @@ Json settings_json(const RenderSettings& settings) {
 Json nonfinite_json(const Nonfinite& nonfinite, const RenderSettings& settings) {
   Json first = nullptr, by_kernel = Json::object();
   if (nonfinite.first) {
-    const glm::uvec2 at = gpu::pixel_in_tile_order(nonfinite.first->pixel, settings.width, settings.height);
+    const glm::uvec2 at = gpu::pixel_in_tile_order(nonfinite.first->at.pixel, settings.width, settings.height);
     first = {{"pixel", {at.x, at.y}},
              {"sample", nonfinite.first->sample},
+             {"net", nonfinite.first->at.net},
              {"seed", settings.seed},
              {"kernel", kMakerNames[nonfinite.first->maker]}};
   }

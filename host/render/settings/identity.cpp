@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "host/render/settings/settings_table.h"
+#include "host/render/settings/whole_nets.h"
 
 namespace wavepath {
 namespace {
@@ -29,6 +30,7 @@ std::string identity_of(std::uint64_t scene_hash, const View& view, const Render
     const std::string text = text_of(row, settings);
     identity += fmt::format(";{}={}", row.name, text.empty() ? "default" : text);
   }
+  identity += fmt::format(";nets={}", has_whole_nets(settings) ? "whole" : "halved");
   return identity + ";camera=" + camera_text(view);
 }
 
@@ -47,6 +49,9 @@ std::optional<std::string> first_difference(const std::string& identity, const s
     const std::string key = ours.substr(0, split);
     if (key == "scene") return "the scene is another";
     if (key == "camera") return "the camera is another";
+    if (key == "nets") // what else decides that was compared before
+      return fmt::format("its pixels have {} nets of samples, not {} ones (--aov variance halves them)",
+                         ours.substr(split + 1), theirs.substr(split + 1));
     return fmt::format("{} is {}, not {}", key, ours.substr(split + 1), theirs.substr(split + 1));
   }
 }

@@ -1,0 +1,16 @@
+#include "host/render/settings/whole_nets.h"
+
+#include <algorithm>
+
+#include "host/render/settings/integrator_kind.h"
+
+namespace wavepath {
+
+bool has_whole_nets(const RenderSettings& settings) {
+  const IntegratorKind& kind = *settings.integrator;
+  return kind.traces_paths && !kind.splats && !settings.adaptive &&
+         std::ranges::find(settings.aovs, "variance") == settings.aovs.end() &&
+         std::uint64_t{settings.width} * settings.height >= settings.whole_nets_from;
+}
+
+} // namespace wavepath

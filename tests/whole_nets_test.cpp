@@ -1,0 +1,301 @@
+// Whole nets: which renders have them, which pixels are measured, what the film then holds, and that it is the same
+// however a render is cut up, stopped, stored or joined.
+#include <cstdint>
+#include <limits>
+#include <map>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "host/film/error.h"
+#include "host/film/exr.h"
+#include "host/film/film.h"
+#include "host/film/picture_io.h"
+#include "host/integrators/path/path_replay.h"
+#include "host/render/device/kernel_compiler.h"
+#include "host/render/device/workspace.h"
+#include "host/render/render.h"
+#include "host/render/report/state_file.h"
+#include "host/render/settings/identity.h"
+#include "host/render/settings/integrator_kind.h"
+#include "host/render/settings/whole_nets.h"
+#include "host/scene/gltf/gltf.h"
+#include "host/scene/pack/pack.h"
+#include "host/scene/view.h"
+#include "tests/probe.h"
+#include "tests/statistics.h"
+#include "tests/temporary_folder.h"
+
+namespace wavepath::test {
+namespace {
+
+const std::string kScenes = std::string(WAVEPATH_SOURCE_DIR) + "/scenes/";
+
+TEST(WholeNets, AreForLargePicturesOfPathsThatStandForThemselves) {
+  RenderSettings settings;
+  settings.width = settings.height = 256;
+  EXPECT_TRUE(has_whole_nets(settings));
+  settings.width = 255;
+  EXPECT_FALSE(has_whole_nets(settings));
+  settings.width = 4096;
+  settings.aovs = {"albedo", "samples"};
+  EXPECT_TRUE(has_whole_nets(settings));
+  settings.aovs.emplace_back("variance");
+  EXPECT_FALSE(has_whole_nets(settings));
+  settings.aovs.clear();
+  settings.adaptive = true;
+  EXPECT_FALSE(has_whole_nets(settings));
+  settings.adaptive = false;
+  const std::map<std::string, bool> expected{
+      {"path", true}, {"whitted", true}, {"bidirectional", false}, {"hybrid", false}};
+  for (const auto& [name, whole] : expected) {
+    settings.integrator = find_integrator(name);
+    ASSERT_TRUE(settings.integrator) << name;
+    EXPECT_EQ(has_whole_nets(settings), whole) << name;
+  }
+}
+
+TEST(WholeNets, DecideTheIdentity) {
+  RenderSettings whole, halved;
+  halved.aovs = {"variance"}, whole.aovs = {"albedo"};
+  const std::string a = identity_of(1, View{}, whole), b = identity_of(1, View{}, halved);
+  EXPECT_EQ(first_difference(a, a), std::nullopt);
+  EXPECT_EQ(first_difference(a, b),
+            "its pixels have whole nets of samples, not halved ones (--aov variance halves them)");
+}
+
+// As many pixels as the error of a picture takes, and no more.
+TEST(WholeNets, MeasureFourThousandPixelsOrMore) {
+  for (const auto& [width, height, second] : {std::tuple{256u, 256u, 4096u},
+                                              {320u, 240u, 4800u},
+                                              {512u, 512u, 4096u},
+                                              {511u, 511u, 16384u},
+                                              {1280u, 720u, 14400u},
+                                              {1281u, 721u, 161u * 91}}) {
+    const FilmShape shape{.width = width, .height = height, .whole_nets = true};
+    EXPECT_EQ(shape.second_nets(), second);
+  }
+  std::vector<int> places(64);
+  for (std::uint32_t block = 0; block < 4096; ++block) {
+    const glm::uvec2 at = gpu::measured_pixel(block, 512, 512, 3);
+    ASSERT_EQ(gpu::net_block_of(at, 512, 512), block);
+    ++places[at.y % 8 * 8 + at.x % 8];
+  }
+  for (const int times : places) EXPECT_NEAR(times, 64, 5 * 8) << "of 64 places of a block";
+}
+
+// Every pixel of a block, cut off or not, is measured for as many seeds; so are pairs of neighbouring blocks.
+TEST(WholeNets, AnyPixelOfABlockMayBeMeasured) {
+  constexpr std::uint32_t kSeeds = 1 << 15, kWidth = 11, kHeight = 7; // last blocks of 3x4, 4x3 and 3x3
+  const double level = sidak(0.01, 7);
+  ASSERT_EQ(gpu::net_blocks(kWidth, gpu::net_side(kWidth, kHeight)), 3u);
+  for (std::uint32_t block = 0; block < 6; ++block) {
+    std::map<std::pair<std::uint32_t, std::uint32_t>, double> counts;
+    for (std::uint32_t seed = 0; seed < kSeeds; ++seed) {
+      const glm::uvec2 at = gpu::measured_pixel(block, kWidth, kHeight, seed);
+      ASSERT_TRUE(at.x < kWidth && at.y < kHeight);
+      ASSERT_EQ(gpu::net_block_of(at, kWidth, kHeight), block);
+      counts[{at.x, at.y}] += 1.0;
+    }
+    EXPECT_EQ(counts.size(), (block % 3 == 2 ? 3u : 4u) * (block / 3 == 1 ? 3u : 4u));
+    std::vector<double> histogram;
+    for (const auto& [pixel, count] : counts) histogram.push_back(count);
+    EXPECT_GT(chi_square_uniform(histogram).p_value, level) << block;
+  }
+  std::vector<double> pairs(256);
+  for (std::uint32_t block = 0; block + 1 < 256 * 63; ++block) {
+    const auto place = [&](std::uint32_t b) {
+      const glm::uvec2 at = gpu::measured_pixel(b, 1024, 255, 7);
+      return at.y % 4 * 4 + at.x % 4;
+    };
+    pairs[place(block) * 16 + place(block + 1)] += 1.0;
+  }
+  EXPECT_GT(chi_square_uniform(pairs).p_value, level);
+}
+
+TEST(WholeNets, TakeLessMemoryThanHalvedOnes) {
+  FilmShape halved{.width = 1280, .height = 720}, whole = halved;
+  whole.whole_nets = true;
+  EXPECT_EQ(halved.bytes(), 1280u * 720 * 128);
+  EXPECT_EQ(whole.bytes(), 1280u * 720 * 64 + 160u * 90 * 64);
+  whole.aovs = halved.aovs = true;
+  EXPECT_LT(whole.bytes(), halved.bytes());
+}
+
+RenderSettings settings_of(std::uint32_t width, std::uint32_t height, std::uint32_t spp) {
+  RenderSettings settings;
+  settings.width = width, settings.height = height;
+  settings.last_sample = spp;
+  settings.max_depth = 3;
+  settings.whole_nets_from = 0;
+  return settings;
+}
+
+class WholeNetsRender : public VulkanTest {
+protected:
+  RenderResult render(const RenderSettings& settings, const RenderHooks& hooks = {}, const char* integrator = "path") {
+    RenderSettings all = settings;
+    all.integrator = find_integrator(integrator);
+    const View view = resolve_view(scene_, {}, settings.width, settings.height);
+    return wavepath::render(device(), packed_, view, all, hooks, kernels());
+  }
+  KernelCompiler& kernels() {
+    static KernelCompiler all(device()); // compiles each of them once
+    return all;
+  }
+  static bool same(const gpu::FilmPixel& a, const gpu::FilmPixel& b) { return std::memcmp(&a, &b, sizeof(a)) == 0; }
+
+  Scene scene_ = load_gltf(kScenes + "cornell_box.gltf", {});
+  PackedScene packed_ = pack(scene_);
+};
+
+RenderSettings halved(RenderSettings settings) {
+  settings.whole_nets_from = std::numeric_limits<std::uint32_t>::max();
+  return settings;
+}
+
+// A whole net of n samples is what a halved one of twice as many samples has: with as many points, and the same ones.
+TEST_F(WholeNetsRender, EachNetIsOneOverAllSamples) {
+  const std::pair<const char*, std::uint32_t> cases[] = {
+      {"path", gpu::kSamplerSobol}, {"path", gpu::kSamplerStratified}, {"whitted", gpu::kSamplerSobol}};
+  for (const auto& [integrator, sampler] : cases) {
+    SCOPED_TRACE(std::string(integrator) + ", sampler " + std::to_string(sampler));
+    RenderSettings settings = settings_of(43, 37, 8), twice = halved(settings_of(43, 37, 16));
+    settings.sampler = twice.sampler = sampler;
+    const auto whole = render(settings, {}, integrator).film, expected = render(twice, {}, integrator).film;
+    ASSERT_EQ(whole->pixels.size(), 43u * 37 + 11 * 10);
+    for (std::size_t i = 0; i < 43 * 37; ++i) ASSERT_TRUE(same(whole->pixels[i], expected->pixels[2 * i])) << i;
+    for (std::size_t block = 0; block < 11 * 10; ++block)
+      ASSERT_TRUE(same(whole->pixels[43 * 37 + block], expected->pixels[2 * measured_pixel(*whole, block) + 1]));
+  }
+}
+
+TEST_F(WholeNetsRender, MeasuredPixelsShowTheMeanOfBothNets) {
+  RenderSettings settings = settings_of(43, 37, 8);
+  settings.aovs = {"samples", "albedo", "direct", "indirect", "emission"};
+  const RenderResult result = render(settings);
+  const Picture& picture = result.picture;
+  const auto channel = [&](const char* name) { return find_channel(picture, name)->values; };
+  const auto red = channel("R"), samples = channel("samples");
+  const auto direct = channel("direct.R"), indirect = channel("indirect.R"), emission = channel("emission.R");
+  std::size_t measured = 0;
+  for (std::size_t i = 0; i < red.size(); ++i) {
+    const bool is_measured = measured_pixel(*result.film, block_of(*result.film, i)) == i;
+    measured += is_measured;
+    ASSERT_EQ(samples[i], is_measured ? 16.0f : 8.0f);
+    ASSERT_NEAR(direct[i] + indirect[i] + emission[i], red[i], 1e-5f * std::max(red[i], 1.0f));
+    ASSERT_GE(indirect[i], -1e-5f * std::max(red[i], 1.0f)) << "light of other samples was taken off";
+  }
+  EXPECT_EQ(measured, 11u * 10);
+}
+
+TEST_F(WholeNetsRender, HowTheWorkIsCutUpDoesNotMatter) {
+  RenderSettings settings = settings_of(43, 37, 5);
+  settings.aovs = {"albedo", "normal", "depth", "direct"};
+  const RenderResult expected = render(settings);
+  for (const std::uint32_t slots : {64u, 700u, 1600u}) { // 1591 pixels: waves end within pixels, and within second nets
+    settings.wave_slots = slots;
+    EXPECT_TRUE(*render(settings).film == *expected.film) << slots << " slots";
+  }
+  settings.wave_slots = 0;
+  settings.specialize = false;
+  EXPECT_TRUE(*render(settings).film == *expected.film) << "generic kernels";
+}
+
+// Kernels made for whole nets serve another render until its own are ready.
+TEST_F(WholeNetsRender, TheirKernelsRenderHalvedNetsAsWell) {
+  const RenderSettings settings = halved(settings_of(43, 37, 4));
+  RenderSettings with_room = settings;
+  with_room.room_for_whole_nets = true;
+  EXPECT_TRUE(*render(with_room).film == *render(settings).film);
+}
+
+TEST_F(WholeNetsRender, FilmsJoinWithoutLoss) {
+  const RenderSettings whole = settings_of(43, 37, 7);
+  RenderSettings first = whole, second = whole;
+  first.last_sample = second.first_sample = 3;
+  first.sample_total = second.sample_total = 7;
+  Film film = *render(second).film;
+  join(film, *render(first).film);
+  EXPECT_TRUE(film == *render(whole).film);
+}
+
+TEST_F(WholeNetsRender, GoOnWithinSecondNetsToTheSameBits) {
+  RenderSettings settings = settings_of(43, 37, 8);
+  const RenderResult whole = render(settings);
+  settings.wave_slots = 100; // many waves a pass
+  std::optional<RenderState> state;
+  RenderHooks stopping, resuming;
+  stopping.progress = [](const Progress& now) { return now.fraction < 4.93 / 8; };
+  stopping.save = [&](const RenderState& saved) { state = saved; };
+  stopping.save_interval = 1e9; // at the end alone
+  ASSERT_EQ(render(settings, stopping).stop, StopReason::interrupted);
+  ASSERT_GT(state->cursor.pixels_done, 43u * 37) << "stopped before the second nets";
+  const TemporaryFolder folder;
+  write_state(folder.file("state"), "identity", "device", *state);
+  const StateRecord record = read_state(folder.file("state"));
+  EXPECT_TRUE(record.state.film == state->film);
+  resuming.resume = &record.state;
+  EXPECT_TRUE(*render(settings, resuming).film == *whole.film);
+}
+
+TEST_F(WholeNetsRender, FilesHoldTheWholeFilm) {
+  RenderSettings settings = settings_of(43, 37, 4);
+  settings.seed = 5;
+  for (const bool aovs : {false, true}) {
+    if (aovs) settings.aovs = {"albedo", "depth"};
+    const RenderResult result = render(settings);
+    const TemporaryFolder folder;
+    PictureInfo info;
+    info.seed = settings.seed;
+    info.film = result.film;
+    write_exr(folder.file("film.exr"), result.picture, info, false);
+    EXPECT_TRUE(*read_film(folder.file("film.exr")) == *result.film) << "aovs " << aovs;
+  }
+}
+
+// More sums than one buffer of this device holds: bands, whose second nets follow their pixels.
+TEST_F(WholeNetsRender, InSeveralBandsTheyAreTheSame) {
+  const std::uint64_t limit = device().info().max_storage_range;
+  if (limit > std::uint64_t{1} << 28) GTEST_SKIP() << "would take much memory";
+  const auto height = static_cast<std::uint32_t>(limit / sizeof(gpu::FilmPixel) / 1026 + 37);
+  RenderSettings settings = settings_of(1026, height, 1), twice = halved(settings_of(1026, height, 2));
+  settings.max_depth = twice.max_depth = 0;
+  const auto whole = render(settings).film, expected = render(twice).film;
+  const std::size_t pixels = std::size_t{1026} * height;
+  ASSERT_GT(pixels * sizeof(gpu::FilmPixel), limit);
+  std::size_t differing = 0;
+  for (std::size_t i = 0; i < pixels; ++i) differing += !same(whole->pixels[i], expected->pixels[2 * i]);
+  EXPECT_EQ(differing, 0u);
+  for (std::size_t block = 0; block < whole->shape().second_nets(); ++block)
+    differing += !same(whole->pixels[pixels + block], expected->pixels[2 * measured_pixel(*whole, block) + 1]);
+  EXPECT_EQ(differing, 0u);
+  FilmTarget target(device());
+  target.fit(film_shape(settings), false);
+  std::size_t bands = 0;
+  for (const FilmBand& band : target.bands()) bands += band.second_count > 0;
+  EXPECT_GT(bands, 1u);
+  target.upload(*whole);
+  EXPECT_TRUE(target.download() == *whole);
+}
+
+// One path of a second net can be followed like any other.
+TEST_F(WholeNetsRender, PathsOfSecondNetsAreReplayed) {
+  const RenderSettings settings = settings_of(43, 37, 1);
+  const RenderResult result = render(settings);
+  const View view = resolve_view(scene_, {}, 43, 37);
+  PathReplay replay(device(), packed_, view, settings, kernels());
+  for (const std::uint32_t block : {37u, 49u, 60u}) {
+    const glm::uvec2 at = gpu::measured_pixel(block, 43, 37, settings.seed);
+    const glm::dvec3 both = mean_radiance(*result.film, std::size_t{at.y} * 43 + at.x);
+    const glm::dvec3 first = replay.trace(at, 0, 0).radiance, second = replay.trace(at, 0, 1).radiance;
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(both[c], 0.5 * (first[c] + second[c]), 1e-6 * both[c]);
+    EXPECT_NE(first, second) << "both nets have the same points";
+  }
+  const glm::uvec2 other = gpu::measured_pixel(0, 43, 37, settings.seed) ^ glm::uvec2(1, 0);
+  EXPECT_THROW(replay.trace(other, 0, 1), Error);
+}
+
+} // namespace
+} // namespace wavepath::test
