@@ -61,7 +61,8 @@ struct Wave {
   uint first_sample;
   uint sample_count;
   uint bounce;           // 0 = camera rays
-  uint first_film_pixel; // pixel, in tile order, of the film's first entry; for second nets, what their place exceeds it by
+  uint first_film_pixel; // pixel, in tile order, of the film's first entry; for second nets, what their place exceeds
+                         // it by
 };
 
 struct Ray {

@@ -1,12 +1,13 @@
-// Whole nets: which pixel of every block is measured, that is, has a second net of samples. Compiled by kernels and host
-// alike.
+// Whole nets: which pixel of every block is measured, that is, has a second net of samples. Compiled by kernels and
+// host alike.
 //
-// A pixel's error is the less the more samples its net has: two halves of a net cost up to twice the squared error of the
-// whole. So pixels keep their nets whole, and one in a block has a second one, scrambled independently, whose difference
-// from the first measures the error of the block. A hash picks it, so that no pattern of the picture can hide from it.
+// A pixel's error is the less the more samples its net has: two halves of a net cost up to twice the squared error of
+// the whole. So pixels keep their nets whole, and one in a block has a second one, scrambled independently, whose
+// difference from the first measures the error of the block. A hash picks it, so that no pattern of the picture can
+// hide from it.
 //
-// Places in waves, and so entries of the film, are those of all pixels in tile order, then those of second nets, block by
-// block from the top left.
+// Places in waves, and so entries of the film, are those of all pixels in tile order, then those of second nets, block
+// by block from the top left.
 #ifndef WAVEPATH_NET_LAYOUT_H
 #define WAVEPATH_NET_LAYOUT_H
 
@@ -20,8 +21,8 @@ using glm::uvec2;
 #define GPU_FUNCTION
 #endif
 
-// Pixels of a block's side. From 262,144 pixels on larger blocks have 4,096 measured pixels as well, as many as the error
-// of a picture takes (docs/error-and-stopping.md), for 1.6 % more samples instead of 6.3 %.
+// Pixels of a block's side. From 262,144 pixels on larger blocks have 4,096 measured pixels as well, as many as the
+// error of a picture takes (docs/error-and-stopping.md), for 1.6 % more samples instead of 6.3 %.
 GPU_FUNCTION uint net_side(uint width, uint height) { return width * height < 1u << 18u ? 4u : 8u; }
 
 // Blocks in a row, where `pixels` is the width, or in a column; the last one may be cut off by the border.

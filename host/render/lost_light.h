@@ -1,5 +1,5 @@
-// Light that paths from the camera cannot find: of lamps and suns, which they cannot meet, through thick smooth glass and
-// off mirrors, which shadow rays cannot cross.
+// Light that paths from the camera cannot find: of lamps and suns, which they cannot meet, through thick smooth glass
+// and off mirrors, which shadow rays cannot cross.
 #pragma once
 
 #include <optional>

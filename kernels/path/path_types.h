@@ -22,7 +22,7 @@ GPU_CONSTANT uint kBindHitTexels = 29u;  // texels RGBA32UI
 GPU_CONSTANT uint kBindSeen = 31u;       // storage vec4[], one a pixel, row-major (kFeatureSharedFirstHit): light that
                                          // reaches the eye without a bounce, share of the albedo that is no mirror
 GPU_CONSTANT uint kBindShadowRayTexels = 30u; // texels RGBA32UI
-GPU_CONSTANT uint kBindReceivers = 59u; // storage uvec4[], one a slot (kFeatureLightTree, or kFeaturePanes with
+GPU_CONSTANT uint kBindReceivers = 59u;       // storage uvec4[], one a slot (kFeatureLightTree, or kFeaturePanes with
                                         // triangle lights): position and packed normal of the vertex that the path
                                         // was scattered at, panes that it passed straight not counted
 GPU_CONSTANT uint kBindReceiverTexels = 60u; // texels RGBA32UI
@@ -32,8 +32,8 @@ GPU_CONSTANT uint kBindGuideRecords = 63u;   // storage vec4[]: GuideRecord[] (k
 
 struct PathState {
   vec3 throughput;
-  float bsdf_pdf; // of the direction being traced; negative after a delta lobe (no next-event estimation could find it),
-                  // but kept where the path goes straight through a pane, which shadow rays pass
+  float bsdf_pdf; // of the direction being traced; negative after a delta lobe (no next-event estimation could find
+                  // it), but kept where the path goes straight through a pane, which shadow rays pass
   vec3 radiance;
   float eta_scale; // product of squared relative iors crossed, undone for Russian roulette
 };
