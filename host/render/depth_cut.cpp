@@ -10,6 +10,7 @@ DepthCut measure_depth_cut(Device& device, const PackedScene& scene, const View&
                            KernelCompiler& kernels) {
   constexpr std::uint32_t kLongestSide = 64, kSamples = 16;
   RenderSettings small = small_picture(settings, kLongestSide, kSamples);
+  small.guide = false; // the same picture, without the seconds that learning a field for each of the two takes
   const Picture cut = render(device, scene, view, small, RenderHooks{}, kernels).picture;
   small.max_depth = settings.max_depth * 4 + 16;
   const Picture deep = render(device, scene, view, small, RenderHooks{}, kernels).picture;
