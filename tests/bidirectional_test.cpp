@@ -196,6 +196,17 @@ protected:
     EXPECT_EQ(result.nonfinite.samples(), 0u);
     return result;
   }
+  // Whatever the waves are long, and with generic kernels.
+  void expect_same_film_however_cut(const Subject& subject, const RenderSettings& whole, const Film& expected) {
+    for (const std::uint32_t slots : {64u, 700u}) {
+      RenderSettings cut = whole;
+      cut.wave_slots = slots;
+      EXPECT_TRUE(*render(subject, cut).film == expected) << slots << " slots";
+    }
+    RenderSettings generic = whole;
+    generic.specialize = false;
+    EXPECT_TRUE(*render(subject, generic).film == expected) << "generic kernels";
+  }
   Average average(const Subject& subject, RenderSettings settings) {
     constexpr std::uint32_t kRenders = 8;
     Average result;
@@ -389,14 +400,7 @@ TEST_F(BidirectionalTest, HowTheWorkIsCutUpDoesNotMatter) {
   const Subject subject(std::move(showcase), whole);
   const RenderResult expected = render(subject, whole);
   ASSERT_FALSE(expected.film->splats.empty());
-  for (const std::uint32_t slots : {64u, 700u}) {
-    RenderSettings cut = whole;
-    cut.wave_slots = slots;
-    EXPECT_TRUE(*render(subject, cut).film == *expected.film) << slots << " slots";
-  }
-  RenderSettings generic = whole;
-  generic.specialize = false;
-  EXPECT_TRUE(*render(subject, generic).film == *expected.film) << "generic kernels";
+  expect_same_film_however_cut(subject, whole, *expected.film);
 }
 
 TEST_F(BidirectionalTest, HowMergingIsCutUpDoesNotMatter) {
@@ -407,14 +411,7 @@ TEST_F(BidirectionalTest, HowMergingIsCutUpDoesNotMatter) {
   const Subject subject(std::move(scene), whole);
   const RenderResult expected = render(subject, whole);
   ASSERT_TRUE(expected.merging);
-  for (const std::uint32_t slots : {64u, 700u}) {
-    RenderSettings cut = whole;
-    cut.wave_slots = slots;
-    EXPECT_TRUE(*render(subject, cut).film == *expected.film) << slots << " slots";
-  }
-  RenderSettings generic = whole;
-  generic.specialize = false;
-  EXPECT_TRUE(*render(subject, generic).film == *expected.film) << "generic kernels";
+  expect_same_film_however_cut(subject, whole, *expected.film);
 }
 
 // Ranges of samples that begin and end within a block have its map and its radius.

@@ -122,6 +122,8 @@ TEST(Usage, WhatAnIntegratorCannotDoIsRefused) {
           "--adaptive: is not taken by --integrator hybrid; use --integrator path");
   refused({"--integrator", "hybrid", "--strict"}, "--integrator hybrid: is biased, which --strict refuses");
   refused({"--integrator", "ao", "--strict", "--denoise"}, "leave out --denoise");
+  refused({"--integrator", "bidirectional", "--strict", "--techniques", "hit,light,connect,splat,merge"},
+          "--strict: refuses merging");
   refused({"--integrator", "ao", "--denoise", "--mergeable"}, "--denoise: makes every sample depend on those before");
   refused({"--integrator", "ao", "--pixel", "1,1", "--sample", "0"},
           "--pixel: is not taken by --integrator ao; use --integrator path");

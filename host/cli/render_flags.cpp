@@ -221,7 +221,10 @@ void check_integrator(const RenderRequest& request) {
 }
 
 void settle_strict(RenderRequest& request) {
-  if (request.strict) request.settings.techniques &= ~gpu::kTechniqueMerge;
+  if (!request.strict) return;
+  if (is_given(request, "techniques") && request.settings.techniques & gpu::kTechniqueMerge)
+    throw UsageError("--strict", "refuses merging, which blurs", "leave merge out of --techniques");
+  request.settings.techniques &= ~gpu::kTechniqueMerge;
 }
 
 void check_replay(const RenderRequest& request) {

@@ -74,7 +74,7 @@ void add_tone_flags(CLI::App& app, WriteOptions& options);
 
 // Works out the sample range once all flags are known. Throws UsageError where --spp and --samples disagree.
 void settle_samples(RenderRequest& request);
-// Leaves out what --strict refuses where no flag has asked for it.
+// Leaves out what --strict refuses. Throws UsageError where a flag has asked for it.
 void settle_strict(RenderRequest& request);
 
 // To be called after it. Throws UsageError for settings and flags that the chosen integrator does not take.
