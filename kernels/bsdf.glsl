@@ -1,5 +1,7 @@
-// The surface model of glTF 2.0: metallic-roughness with KHR_materials_specular, _ior, _transmission and _volume.
+// The surface model of glTF 2.0: metallic-roughness with KHR_materials_specular, _ior, _transmission, _volume,
+// _clearcoat, _sheen, _anisotropy, _iridescence and _diffuse_transmission.
 //
+// coat over (sheen over f); what a layer lets pass is in coat.glsl and sheen.glsl.
 // f = metallic * conductor + (1 - metallic) * dielectric, where the dielectric is an interface over a mix of a diffuse
 // base and transmission. What the interface reflects at a microfacet, the transmission below it lacks: (1 - max
 // F(v.h)), as in glTF's appendix B. The diffuse base is coupled by T(o) T(i) / mean T instead, T = 1 - albedo of the
@@ -12,11 +14,15 @@
 #ifndef WAVEPATH_BSDF_GLSL
 #define WAVEPATH_BSDF_GLSL
 
+#include "kernels/coat.glsl"
 #include "kernels/config.glsl"
 #include "kernels/fresnel.glsl"
 #include "kernels/math.glsl"
 #include "kernels/microfacet.glsl"
+#include "kernels/multiple.glsl"
 #include "kernels/scene_types.h"
+#include "kernels/sheen.glsl"
+#include "kernels/thin_film.glsl"
 
 struct Bsdf {
   vec3 base_color; // [0, 1]
@@ -28,6 +34,16 @@ struct Bsdf {
   float ior;     // of the body against vacuum; 0 = infinite
   bool entering; // wo is outside of the body; ignored where thin
   bool thin;     // no volume behind the surface: light passes unbent
+
+  // Each in kernels that have its lobe alone.
+  Coat coat;
+  Sheen sheen;
+  Film film;
+  vec2 stretched_alpha;                // along the tangent and the bitangent; both alpha where there is no anisotropy
+  vec3 diffuse_through;                // albedo of the diffuse base towards the other side
+  float diffuse_transmission;          // share of the diffuse base that scatters there
+  uint ggx_table, glass_table;         // of albedo
+  bool disperses;                      // `ior` is that of one channel
 };
 
 struct BsdfSample {
@@ -46,33 +62,83 @@ const float kMinEtaStep = 1e-3;
 struct Lobes {
   Interface surface;
   vec3 diffuse; // albedo of the base with the coupling of wo and the mean; that of wi is still missing
+  float base_coupling; // the same of a white base
   float diffuse_probability;
-  float facet_probability; // of both together, either 0 + 0 or summing to 1
+  float facet_probability; // of all lobes together, either 0 or summing to 1
   bool delta_reflection;
   bool delta_transmission;
+
+  // Each in kernels that have its lobe alone.
+  float coat_probability;
+  float sheen_passed; // along wo
+  float coat_passed;  // along wo, and on average
+  float coat_passed_mean;
+  vec3 multiple, multiple_through; // (1 - albedo along wo) / (pi * mean), coloured, to either side
+  float through; // share of the diffuse draws, which serve all wide lobes, that go to the other side
 };
 
 const bool kMicrofacets = (kFeatures & (kFeatureSpecular | kFeatureTransmission)) != 0u;
+const bool kThrough = (kLobes & kLobeDiffuseTransmission) != 0u ||
+                      ((kLobes & kLobeMultiple) != 0u && (kFeatures & kFeatureTransmission) != 0u);
+
+bool is_coated(Bsdf b) { return has_lobe(kLobeCoat) && b.coat.weight > 0.0; }
+bool has_sheen(Bsdf b) { return has_lobe(kLobeSheen) && max_component(b.sheen.color) > 0.0; }
+bool is_stretched(Bsdf b) { return has_lobe(kLobeAnisotropy) && b.stretched_alpha.x != b.stretched_alpha.y; }
+bool is_mirror(Bsdf b) { return b.alpha < kMinAlpha && !is_stretched(b); }
+
+// The layers are on the outside; a thin wall has two of them.
+bool is_outside(Bsdf b, float side) { return b.thin || (side > 0.0) == b.entering; }
+
+// ---- microfacets, stretched or not ----------------------------------------------------------------------------------
+
+float facet_distribution(Bsdf b, vec3 h) {
+  return is_stretched(b) ? ggx_distribution(h, b.stretched_alpha) : ggx_distribution(h, b.alpha);
+}
+float facet_visibility(Bsdf b, vec3 wo, vec3 wi) {
+  return is_stretched(b) ? smith_visibility(wo, wi, b.stretched_alpha) : smith_visibility(wo, wi, b.alpha);
+}
+float facet_reflected_pdf(Bsdf b, vec3 wo, vec3 h) {
+  return is_stretched(b) ? ggx_reflected_pdf(wo, h, b.stretched_alpha) : ggx_reflected_pdf(wo, h, b.alpha);
+}
+vec3 sample_facet(Bsdf b, vec3 wo, vec2 u) {
+  return ggx_sample_visible_normal(wo, is_stretched(b) ? b.stretched_alpha : vec2(b.alpha), u);
+}
 
 // Only materials that transmit light have an inside.
 Interface surface_of(Bsdf b) {
   return make_interface(b.ior, b.specular_color, b.specular, b.thin || b.entering || b.transmission == 0.0);
 }
 
+// The film's share of what a base of normal reflectance f0 reflects. From inside a body, the film is met at the angle at
+// which the light leaves, so that both ways have one reflectance.
+vec3 with_film(Bsdf b, Interface surface, vec3 f0, vec3 plain, float c) {
+  if (!has_lobe(kLobeIridescence) || b.film.weight == 0.0) return plain;
+  float outside2 = surface.eta < 1.0 ? 1.0 - (1.0 - c * c) / (surface.eta * surface.eta) : c * c;
+  if (outside2 <= 0.0) return plain;
+  return mix(plain, film_reflectance(b.film, f0, sqrt(outside2)), b.film.weight);
+}
+
+vec3 dielectric_reflectance(Bsdf b, Interface surface, float c) {
+  return with_film(b, surface, surface.f0, fresnel_dielectric(surface, c), c);
+}
+
 // Fraction reflected at a microfacet that wo meets with cosine c.
 vec3 facet_reflectance(Bsdf b, Interface surface, float c) {
-  return fresnel_dielectric(surface, c) * (1.0 - b.metallic) + fresnel_conductor(b.base_color, c) * b.metallic;
+  vec3 conductor = with_film(b, surface, b.base_color, fresnel_conductor(b.base_color, c), c);
+  return dielectric_reflectance(b, surface, c) * (1.0 - b.metallic) + conductor * b.metallic;
 }
 
 // Fraction transmitted there, before the 1/eta^2 of radiance.
 vec3 facet_transmittance(Bsdf b, Interface surface, float c) {
   if (!has(kFeatureTransmission)) return vec3(0.0);
-  float passed = (1.0 - b.metallic) * b.transmission * (1.0 - max_component(fresnel_dielectric(surface, c)));
+  float passed = (1.0 - b.metallic) * b.transmission * (1.0 - max_component(dielectric_reflectance(b, surface, c)));
   return passed * b.base_color;
 }
 
 // A thin smooth pane: light that it transmits goes straight on, so that shadow rays may pass.
-bool is_pane(Bsdf b) { return has(kFeatureTransmission) && b.thin && b.alpha < kMinAlpha && b.transmission > 0.0; }
+bool is_pane(Bsdf b) {
+  return has(kFeatureTransmission) && b.thin && is_mirror(b) && b.transmission > 0.0 && !is_coated(b) && !has_sheen(b);
+}
 
 // What passes it at this cosine: the throughput of the delta lobe that sample_facets() draws, over all its draws.
 vec3 pane_transmittance(Bsdf b, float c) { return facet_transmittance(b, surface_of(b), c); }
@@ -84,24 +150,99 @@ float reflect_probability(vec3 reflectance, vec3 transmittance) {
 }
 
 bool is_lambert(Bsdf b) {
+  if (is_coated(b) || has_sheen(b) || (has_lobe(kLobeDiffuseTransmission) && b.diffuse_transmission > 0.0)) return false;
   return !kMicrofacets || (b.metallic == 0.0 && b.transmission == 0.0 && (b.specular == 0.0 || b.ior == 1.0));
 }
+
+// Share of light along a direction that gets to the diffuse base, or from it.
+float base_passes(Bsdf b, Interface surface, float mu) {
+  float passes = interface_transmittance(surface, mu, b.alpha);
+  if (has_lobe(kLobeIridescence) && b.film.weight > 0.0)
+    passes = min(passes, 1.0 - max_component(dielectric_reflectance(b, surface, mu)));
+  return passes;
+}
+
+// The table of what the microfacets lack on wo's side, and on the other.
+bool is_body(Bsdf b) { return has(kFeatureTransmission) && !b.thin && b.transmission > 0.0 && b.metallic < 1.0; }
+uint own_table(Bsdf b) { return !is_body(b) ? b.ggx_table : b.glass_table + (b.entering ? 0u : kTableTexels); }
+uint other_table(Bsdf b) { return !is_body(b) ? b.ggx_table : b.glass_table + (b.entering ? kTableTexels : 0u); }
+
+// The lobes of light that scatters more than once, for wo; see multiple.glsl.
+void set_multiple(Bsdf b, vec3 wo, inout Lobes l) {
+  if (l.delta_reflection) return;
+  vec4 average = table_average(own_table(b), sqrt(b.alpha));
+  float missing = average.x, missing_there = is_body(b) ? average.y : missing;
+  if (missing <= kLeastMissing || missing_there <= kLeastMissing) return;
+  float lacking = facets_lack(own_table(b), wo, b.alpha);
+  float glass = has(kFeatureTransmission) ? (1.0 - b.metallic) * b.transmission : 0.0;
+  float passes = 0.0;
+  if (glass > 0.0) {
+    float ior = max(b.ior, 1.0);
+    passes = b.thin ? 1.0 - interface_mean(l.surface, 0.0) : body_passes(average, b.entering ? 1.0 : ior, b.entering ? ior : 1.0);
+  }
+  vec3 returned = b.metallic * metal_returns(b.base_color, missing) + glass * (1.0 - passes);
+  l.multiple = returned * (lacking / (kPi * missing));
+  l.multiple_through = b.base_color * (glass * passes * lacking / (kPi * missing_there));
+}
+
+// Of the lobes beyond metallic-roughness: what they pass, how likely they are drawn. `facets`, `diffuse`: luminance of
+// the shares of light that the lobes of the base scatter.
+void share_with_layers(Bsdf b, vec3 wo, float facets, float diffuse, inout Lobes l) {
+  float reflected = diffuse, through = 0.0;
+  if (has_lobe(kLobeDiffuseTransmission)) {
+    through = diffuse * b.diffuse_transmission * luminance(b.diffuse_through) / max(luminance(b.base_color), 1e-6);
+    reflected *= 1.0 - b.diffuse_transmission;
+  }
+  if (has_lobe(kLobeMultiple) && max_component(l.multiple + l.multiple_through) > 0.0) {
+    vec4 average = table_average(own_table(b), sqrt(b.alpha));
+    reflected += luminance(l.multiple) * kPi * average.x;
+    through += luminance(l.multiple_through) * kPi * (is_body(b) ? average.y : average.x);
+  }
+  bool outside = is_outside(b, 1.0);
+  l.sheen_passed = l.coat_passed = l.coat_passed_mean = 1.0;
+  if (has_sheen(b) && outside) {
+    l.sheen_passed = sheen_passes(b.sheen, wo);
+    facets *= l.sheen_passed;
+    reflected = reflected * l.sheen_passed + luminance(b.sheen.color) * (1.0 - l.sheen_passed) /
+                                                 max_component(b.sheen.color);
+    through *= l.sheen_passed;
+  }
+  float coat = 0.0;
+  if (is_coated(b)) {
+    l.coat_passed_mean = coat_passes_mean(b.coat);
+    if (outside) {
+      l.coat_passed = coat_passes(b.coat, wo);
+      facets *= l.coat_passed, reflected *= l.coat_passed, through *= l.coat_passed;
+      coat = 1.0 - l.coat_passed;
+    }
+  }
+  float wide = reflected + through, all = coat + facets + wide;
+  l.coat_probability = all > 0.0 ? coat / all : 0.0;
+  l.facet_probability = all > 0.0 ? (wide > 0.0 ? facets / all : 1.0 - l.coat_probability) : 0.0;
+  l.diffuse_probability = wide > 0.0 ? max(1.0 - l.coat_probability - l.facet_probability, 0.0) : 0.0;
+  l.through = wide > 0.0 ? through / wide : 0.0;
+}
+
+const bool kLayers = (kLobes & (kLobeCoat | kLobeSheen | kLobeDiffuseTransmission | kLobeMultiple)) != 0u;
 
 Lobes lobes_of(Bsdf b, vec3 wo) {
   Lobes l;
   l.diffuse = b.base_color;
   l.diffuse_probability = luminance(b.base_color) > 0.0 ? 1.0 : 0.0;
-  l.facet_probability = 0.0;
+  l.facet_probability = l.coat_probability = l.through = 0.0;
+  l.multiple = l.multiple_through = vec3(0.0);
+  l.sheen_passed = l.coat_passed = l.coat_passed_mean = 1.0;
   l.delta_reflection = l.delta_transmission = false;
   if (!kMicrofacets) return l;
 
   l.surface = surface_of(b);
-  l.delta_reflection = b.alpha < kMinAlpha;
+  l.delta_reflection = is_mirror(b);
   l.delta_transmission = l.delta_reflection || (!b.thin && abs(l.surface.eta - 1.0) < kMinEtaStep);
-  float below = interface_transmittance(l.surface, wo.z, b.alpha);
+  float below = base_passes(b, l.surface, wo.z);
   float base = (1.0 - b.metallic) * (1.0 - b.transmission);
   float mean = l.surface.eta < 1.0 ? 0.0 : interface_mean(l.surface, b.alpha);
-  l.diffuse = b.base_color * (base * below / max(1.0 - mean, 1e-6));
+  l.base_coupling = base * below / max(1.0 - mean, 1e-6);
+  l.diffuse = b.base_color * l.base_coupling;
   float facets = luminance(facet_reflectance(b, l.surface, wo.z)) + luminance(facet_transmittance(b, l.surface, wo.z));
   float diffuse = luminance(b.base_color) * base * below;
   if (diffuse + facets > 0.0) {
@@ -110,7 +251,24 @@ Lobes lobes_of(Bsdf b, vec3 wo) {
   } else {
     l.diffuse_probability = 0.0;
   }
+  if (has_lobe(kLobeMultiple)) set_multiple(b, wo, l);
+  if (kLayers) share_with_layers(b, wo, facets, diffuse, l);
   return l;
+}
+
+// What the layers pass of light that the facets send from wo to wi, and of light that the diffuse base sends. A body's
+// directions inside are below the layers.
+float layers_pass(Bsdf b, Lobes l, vec3 wi) {
+  float passed = 1.0;
+  bool outside = is_outside(b, wi.z);
+  if (has_sheen(b)) passed = outside ? min(l.sheen_passed, sheen_passes(b.sheen, wi)) : l.sheen_passed;
+  if (is_coated(b)) passed *= outside ? min(l.coat_passed, coat_passes(b.coat, wi)) : l.coat_passed;
+  return passed;
+}
+float layers_pass_diffuse(Bsdf b, Lobes l, vec3 wi) {
+  if (!is_coated(b) || !is_outside(b, 1.0)) return layers_pass(b, l, wi);
+  float passed = l.coat_passed * coat_passes(b.coat, wi) / l.coat_passed_mean;
+  return has_sheen(b) ? passed * min(l.sheen_passed, sheen_passes(b.sheen, wi)) : passed;
 }
 
 // ---- evaluation -------------------------------------------------------------------------------------------------
@@ -118,15 +276,38 @@ Lobes lobes_of(Bsdf b, vec3 wo) {
 vec3 eval_diffuse(Bsdf b, Lobes l, vec3 wi, out float pdf) {
   pdf = kHemisphere == kHemisphereUniform ? warp_uniform_hemisphere_pdf() : warp_cosine_hemisphere_pdf(wi.z);
   vec3 value = l.diffuse * (kInvPi * wi.z);
-  return kMicrofacets ? value * interface_transmittance(l.surface, wi.z, b.alpha) : value;
+  if (has_lobe(kLobeDiffuseTransmission)) value *= 1.0 - b.diffuse_transmission;
+  return kMicrofacets ? value * base_passes(b, l.surface, wi.z) : value;
+}
+
+// Of the lobes that go through the surface diffusely: KHR_materials_diffuse_transmission, and rough glass.
+vec3 eval_through(Bsdf b, Lobes l, vec3 wi, out float pdf) {
+  vec3 mirrored = vec3(wi.xy, -wi.z), value = vec3(0.0);
+  pdf = kHemisphere == kHemisphereUniform ? warp_uniform_hemisphere_pdf() : warp_cosine_hemisphere_pdf(mirrored.z);
+  if (has_lobe(kLobeDiffuseTransmission) && b.diffuse_transmission > 0.0) {
+    // The base's own colour is replaced; the coupling at both interfaces is that of reflection.
+    float coupling = l.base_coupling * base_passes(b, l.surface, mirrored.z);
+    value = b.diffuse_through * (b.diffuse_transmission * coupling * kInvPi * mirrored.z);
+  }
+  if (has_lobe(kLobeMultiple) && max_component(l.multiple_through) > 0.0) {
+    float scale = b.thin ? 1.0 : 1.0 / (l.surface.eta * l.surface.eta); // of radiance
+    value += l.multiple_through * (facets_lack(other_table(b), wi, b.alpha) * mirrored.z * scale);
+  }
+  return value;
+}
+
+// Light that the microfacets reflect after more than one bounce.
+vec3 eval_multiple(Bsdf b, Lobes l, vec3 wi) {
+  if (max_component(l.multiple) <= 0.0) return vec3(0.0);
+  return l.multiple * (facets_lack(own_table(b), wi, b.alpha) * wi.z);
 }
 
 vec3 eval_reflection(Bsdf b, Interface surface, vec3 wo, vec3 wi, out float pdf) {
   vec3 h = normalize(wo + wi);
   float c = dot(wo, h);
   vec3 reflectance = facet_reflectance(b, surface, c);
-  pdf = ggx_reflected_pdf(wo, h, b.alpha) * reflect_probability(reflectance, facet_transmittance(b, surface, c));
-  return reflectance * (ggx_distribution(h, b.alpha) * smith_visibility(wo, wi, b.alpha) * wi.z);
+  pdf = facet_reflected_pdf(b, wo, h) * reflect_probability(reflectance, facet_transmittance(b, surface, c));
+  return reflectance * (facet_distribution(b, h) * facet_visibility(b, wo, wi) * wi.z);
 }
 
 // Thin walls scatter as reflection does, then mirrored to the other side (KHR_materials_transmission).
@@ -136,8 +317,8 @@ vec3 eval_thin_transmission(Bsdf b, Interface surface, vec3 wo, vec3 wi, out flo
   float c = dot(wo, h);
   vec3 transmittance = facet_transmittance(b, surface, c);
   float reflected = reflect_probability(facet_reflectance(b, surface, c), transmittance);
-  pdf = ggx_reflected_pdf(wo, h, b.alpha) * (1.0 - reflected);
-  return transmittance * (ggx_distribution(h, b.alpha) * smith_visibility(wo, wi, b.alpha) * mirrored.z);
+  pdf = facet_reflected_pdf(b, wo, h) * (1.0 - reflected);
+  return transmittance * (facet_distribution(b, h) * facet_visibility(b, wo, wi) * mirrored.z);
 }
 
 // Walter et al. 2007. The half vector points to wo's side whichever is denser; eta (wi.h) = -(refracted cosine) * eta.
@@ -152,8 +333,8 @@ vec3 eval_refraction(Bsdf b, Interface surface, vec3 wo, vec3 wi, out float pdf)
   float s = o + eta * i;
   float jacobian = 4.0 * o * -i / max(s * s, 1e-30); // of h, over the mirror's 1 / (4 o) and over eta^2
   float reflected = reflect_probability(facet_reflectance(b, surface, o), transmittance);
-  pdf = ggx_reflected_pdf(wo, h, b.alpha) * (1.0 - reflected) * jacobian * eta * eta;
-  return transmittance * (ggx_distribution(h, b.alpha) * smith_visibility(wo, wi, b.alpha) * -wi.z * jacobian);
+  pdf = facet_reflected_pdf(b, wo, h) * (1.0 - reflected) * jacobian * eta * eta;
+  return transmittance * (facet_distribution(b, h) * facet_visibility(b, wo, wi) * -wi.z * jacobian);
 }
 
 // f |cos(wi)| of all lobes that are not delta, and the density with which bsdf_sample draws wi from them.
@@ -164,14 +345,38 @@ vec3 eval_lobes(Bsdf b, Lobes l, vec3 wo, vec3 wi, out float pdf) {
   if (wi.z > 0.0) {
     value = eval_diffuse(b, l, wi, lobe_pdf);
     pdf = l.diffuse_probability * lobe_pdf;
+    if (kThrough) pdf *= 1.0 - l.through;
+    if (kLayers) value *= layers_pass_diffuse(b, l, wi);
+    vec3 facets = vec3(0.0);
     if (kMicrofacets && !l.delta_reflection) {
-      value += eval_reflection(b, l.surface, wo, wi, lobe_pdf);
+      facets = eval_reflection(b, l.surface, wo, wi, lobe_pdf);
       pdf += l.facet_probability * lobe_pdf;
+      if (has_lobe(kLobeMultiple)) facets += eval_multiple(b, l, wi);
     }
-  } else if (has(kFeatureTransmission) && wi.z < 0.0 && b.transmission > 0.0 && !l.delta_transmission) {
-    value = b.thin ? eval_thin_transmission(b, l.surface, wo, wi, lobe_pdf)
-                   : eval_refraction(b, l.surface, wo, wi, lobe_pdf);
-    pdf = l.facet_probability * lobe_pdf;
+    if (kLayers) facets *= layers_pass(b, l, wi);
+    value += facets;
+    if (is_outside(b, 1.0)) {
+      float coat_passed = 1.0;
+      if (is_coated(b)) {
+        coat_passed = min(l.coat_passed, coat_passes(b.coat, wi));
+        if (b.coat.alpha >= kMinAlpha) {
+          value += eval_coat(b.coat, wo, wi, lobe_pdf);
+          pdf += l.coat_probability * lobe_pdf;
+        }
+      }
+      if (has_sheen(b)) value += b.sheen.color * (coat_passed * eval_sheen(b.sheen.roughness, wo, wi));
+    }
+  } else if (wi.z < 0.0) {
+    if (has(kFeatureTransmission) && b.transmission > 0.0 && !l.delta_transmission) {
+      value = b.thin ? eval_thin_transmission(b, l.surface, wo, wi, lobe_pdf)
+                     : eval_refraction(b, l.surface, wo, wi, lobe_pdf);
+      pdf = l.facet_probability * lobe_pdf;
+    }
+    if (kThrough && l.through > 0.0) {
+      value += eval_through(b, l, wi, lobe_pdf);
+      pdf += l.diffuse_probability * l.through * lobe_pdf;
+    }
+    if (kLayers) value *= layers_pass(b, l, wi);
   }
   return value;
 }
@@ -196,7 +401,7 @@ bool refract_direction(vec3 wo, vec3 h, float eta, out vec3 wi) {
 // A direction from the microfacet lobes. `delta`: the lobe is a delta lobe; only then does s.weight hold f |cos| /
 // pdf.
 bool sample_facets(Bsdf b, Lobes l, vec3 wo, float u_lobe, vec2 u, inout BsdfSample s, out bool delta) {
-  vec3 h = l.delta_reflection ? vec3(0.0, 0.0, 1.0) : ggx_sample_visible_normal(wo, b.alpha, u);
+  vec3 h = l.delta_reflection ? vec3(0.0, 0.0, 1.0) : sample_facet(b, wo, u);
   float c = dot(wo, h);
   vec3 reflectance = facet_reflectance(b, l.surface, c);
   vec3 transmittance = facet_transmittance(b, l.surface, c);
@@ -207,6 +412,7 @@ bool sample_facets(Bsdf b, Lobes l, vec3 wo, float u_lobe, vec2 u, inout BsdfSam
     s.wi = mirrored;
     delta = l.delta_reflection;
     s.weight = reflectance / (q * l.facet_probability);
+    if (kLayers && delta) s.weight *= layers_pass(b, l, s.wi);
     return s.wi.z > 0.0;
   }
   delta = l.delta_transmission;
@@ -214,11 +420,14 @@ bool sample_facets(Bsdf b, Lobes l, vec3 wo, float u_lobe, vec2 u, inout BsdfSam
   s.weight = transmittance / ((1.0 - q) * l.facet_probability);
   if (b.thin) {
     s.wi = delta ? -wo : vec3(mirrored.xy, -mirrored.z);
+    if (kLayers && delta) s.weight *= layers_pass(b, l, s.wi);
     return s.wi.z < 0.0;
   }
   s.eta_scale = l.surface.eta * l.surface.eta;
   s.weight /= s.eta_scale;
-  return refract_direction(wo, h, l.surface.eta, s.wi) && s.wi.z < 0.0;
+  if (!refract_direction(wo, h, l.surface.eta, s.wi)) return false;
+  if (kLayers && delta) s.weight *= layers_pass(b, l, s.wi);
+  return s.wi.z < 0.0;
 }
 
 // Draws wi from the lobes of which there are any; false if the path ends here (absorbed, or scattered into the wrong
@@ -226,9 +435,24 @@ bool sample_facets(Bsdf b, Lobes l, vec3 wo, float u_lobe, vec2 u, inout BsdfSam
 bool bsdf_sample_direction(Bsdf b, Lobes l, vec3 wo, float u_lobe, vec2 u, out BsdfSample s, out bool delta) {
   s = BsdfSample(vec3(0.0, 0.0, 1.0), vec3(0.0), 0.0, 1.0, false);
   delta = false;
-  if (l.diffuse_probability + l.facet_probability == 0.0) return false;
+  if (l.diffuse_probability + l.facet_probability + l.coat_probability == 0.0) return false;
+  if (has_lobe(kLobeCoat)) {
+    if (u_lobe < l.coat_probability) {
+      delta = b.coat.alpha < kMinAlpha;
+      if (delta) s.pdf = -1.0;
+      if (!sample_coat(b.coat, wo, u, delta, s.wi) || !(s.wi.z > 0.0)) return false;
+      if (delta) s.weight = vec3(coat_fresnel(b.coat, dot(wo, b.coat.normal)) / l.coat_probability);
+      return true;
+    }
+    u_lobe -= l.coat_probability;
+  }
   if (!kMicrofacets || u_lobe >= l.facet_probability) {
     s.wi = kHemisphere == kHemisphereUniform ? warp_uniform_hemisphere(u) : warp_cosine_hemisphere(u);
+    if (kThrough && u_lobe - l.facet_probability < l.through * l.diffuse_probability) {
+      s.wi.z = -s.wi.z;
+      s.transmitted = true;
+      if (!b.thin) s.eta_scale = l.surface.eta * l.surface.eta;
+    }
     return true;
   }
   if (!sample_facets(b, l, wo, min(u_lobe / l.facet_probability, kOneMinusEpsilon), u, s, delta)) return false;
@@ -254,8 +478,9 @@ bool bsdf_sample(Bsdf b, vec3 wo, float u_lobe, vec2 u, out BsdfSample s) {
 // Whether any lobe is not delta; otherwise next-event estimation finds nothing.
 bool bsdf_has_smooth(Bsdf b) {
   if (!kMicrofacets) return true;
+  if ((is_coated(b) && b.coat.alpha >= kMinAlpha) || has_sheen(b)) return true;
   bool diffuse = b.metallic < 1.0 && b.transmission < 1.0 && max_component(b.base_color) > 0.0;
-  bool facets = b.alpha >= kMinAlpha && (b.metallic > 0.0 || b.specular > 0.0 || b.transmission > 0.0);
+  bool facets = !is_mirror(b) && (b.metallic > 0.0 || b.specular > 0.0 || b.transmission > 0.0);
   return diffuse || facets;
 }
 

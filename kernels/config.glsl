@@ -6,6 +6,7 @@
 #include "kernels/features.h"
 
 layout(constant_id = kSpecFeatures) const uint kFeatures = kFeaturesAll;
+layout(constant_id = kSpecLobes) const uint kLobes = kLobesAll;
 layout(constant_id = kSpecStackSize) const uint kStackSize = 160u;
 layout(constant_id = kSpecStack) const uint kStack = kStackArray;
 layout(constant_id = kSpecSampler) const uint kSampler = kSamplerSobol;
@@ -16,5 +17,6 @@ layout(constant_id = kSpecFilter) const uint kFilter = kFilterBlackmanHarris;
 
 const bool kStackInRegisters = kStack == kStackRegisters;
 bool has(uint feature) { return (kFeatures & feature) != 0u; }
+bool has_lobe(uint lobe) { return (kLobes & lobe) != 0u; }
 
 #endif

@@ -8,44 +8,65 @@
 namespace wavepath::gpu {
 #endif
 
-// ---- what a scene needs: the bits of the specialization constant kFeatures ------------------------------------------
+// ---- what a scene needs: the bits of the specialization constants kFeatures and kLobes ------------------------------
 // A clear bit removes the code; the host then also leaves out the data. Setting a bit that the scene does not need
-// changes no result, only speed ("generic kernels").
-GPU_CONSTANT uint kFeatureInstances = 1u << 0; // a top-level tree over instances
-GPU_CONSTANT uint kFeatureAlpha = 1u << 1;     // MASK, BLEND or unlit triangles, tested during traversal
-GPU_CONSTANT uint kFeatureCull = 1u << 2;      // single-sided triangles are invisible from behind
-GPU_CONSTANT uint kFeatureTextures = 1u << 3;  // any material texture
-GPU_CONSTANT uint kFeatureTextureTransform = 1u << 4;
-GPU_CONSTANT uint kFeatureNormalMaps = 1u << 5;
-GPU_CONSTANT uint kFeatureSmoothNormals = 1u << 6; // vertex normals
-GPU_CONSTANT uint kFeatureVertexColors = 1u << 7;
-GPU_CONSTANT uint kFeatureSpecular = 1u << 8; // any reflection besides Lambert's
-GPU_CONSTANT uint kFeatureTransmission = 1u << 9;
-GPU_CONSTANT uint kFeatureVolume = 1u << 10;         // attenuation; adds a medium to the path state
-GPU_CONSTANT uint kFeatureEmission = 1u << 11;       // emissive surfaces, unlit ones included
-GPU_CONSTANT uint kFeatureTriangleLights = 1u << 12; // emissive triangles that next-event estimation samples
-GPU_CONSTANT uint kFeaturePunctualLights = 1u << 13;
-GPU_CONSTANT uint kFeatureEnvironment = 1u << 14;    // any environment radiance
-GPU_CONSTANT uint kFeatureEnvironmentMap = 1u << 15; // a lat-long image rather than a constant
-GPU_CONSTANT uint kFeatureAovs = 1u << 16;           // extra output channels
-GPU_CONSTANT uint kFeatureOrthographic = 1u << 17;
-GPU_CONSTANT uint kFeatureBaseColorTextures = 1u << 18;
-GPU_CONSTANT uint kFeatureMetallicRoughnessTextures = 1u << 19;
-GPU_CONSTANT uint kFeatureSpecularTextures = 1u << 20; // of the specular factor or its colour
-GPU_CONSTANT uint kFeatureTransmissionTextures = 1u << 21;
-GPU_CONSTANT uint kFeatureEmissionTextures = 1u << 22;
-GPU_CONSTANT uint kFeatureFloatTextures = 1u << 23;   // texels of four floats
-GPU_CONSTANT uint kFeatureNearestTextures = 1u << 24; // unfiltered look-ups
-GPU_CONSTANT uint kFeatureAdaptive = 1u << 25;        // waves follow a list of runs of pixels
-GPU_CONSTANT uint kFeatureSharedFirstHit =
+// changes no result, only speed ("generic kernels"). The host keeps both words in one: lobes are its upper half.
+#ifdef __cplusplus
+using Feature = std::uint64_t;
+#define GPU_LOBE(n) (std::uint64_t{1} << (32 + (n)))
+#else
+#define Feature uint
+#define GPU_LOBE(n) (1u << (n))
+#endif
+
+GPU_CONSTANT Feature kFeatureInstances = 1u << 0; // a top-level tree over instances
+GPU_CONSTANT Feature kFeatureAlpha = 1u << 1;     // MASK, BLEND or unlit triangles, tested during traversal
+GPU_CONSTANT Feature kFeatureCull = 1u << 2;      // single-sided triangles are invisible from behind
+GPU_CONSTANT Feature kFeatureTextures = 1u << 3;  // any material texture
+GPU_CONSTANT Feature kFeatureTextureTransform = 1u << 4;
+GPU_CONSTANT Feature kFeatureNormalMaps = 1u << 5; // and whatever else has tangents
+GPU_CONSTANT Feature kFeatureSmoothNormals = 1u << 6; // vertex normals
+GPU_CONSTANT Feature kFeatureVertexColors = 1u << 7;
+GPU_CONSTANT Feature kFeatureSpecular = 1u << 8; // any reflection besides Lambert's
+GPU_CONSTANT Feature kFeatureTransmission = 1u << 9;
+GPU_CONSTANT Feature kFeatureVolume = 1u << 10;         // attenuation; adds a medium to the path state
+GPU_CONSTANT Feature kFeatureEmission = 1u << 11;       // emissive surfaces, unlit ones included
+GPU_CONSTANT Feature kFeatureTriangleLights = 1u << 12; // emissive triangles that next-event estimation samples
+GPU_CONSTANT Feature kFeaturePunctualLights = 1u << 13;
+GPU_CONSTANT Feature kFeatureEnvironment = 1u << 14;    // any environment radiance
+GPU_CONSTANT Feature kFeatureEnvironmentMap = 1u << 15; // a lat-long image rather than a constant
+GPU_CONSTANT Feature kFeatureAovs = 1u << 16;           // extra output channels
+GPU_CONSTANT Feature kFeatureOrthographic = 1u << 17;
+GPU_CONSTANT Feature kFeatureBaseColorTextures = 1u << 18;
+GPU_CONSTANT Feature kFeatureMetallicRoughnessTextures = 1u << 19;
+GPU_CONSTANT Feature kFeatureSpecularTextures = 1u << 20; // of the specular factor or its colour
+GPU_CONSTANT Feature kFeatureTransmissionTextures = 1u << 21;
+GPU_CONSTANT Feature kFeatureEmissionTextures = 1u << 22;
+GPU_CONSTANT Feature kFeatureFloatTextures = 1u << 23;   // texels of four floats
+GPU_CONSTANT Feature kFeatureNearestTextures = 1u << 24; // unfiltered look-ups
+GPU_CONSTANT Feature kFeatureAdaptive = 1u << 25;        // waves follow a list of runs of pixels
+GPU_CONSTANT Feature kFeatureSharedFirstHit =
     1u << 26; // all paths of a pixel in a wave begin at one first hit and belong to one replicate
-GPU_CONSTANT uint kFeatureLightTree = 1u << 27; // many local lights: picked by a walk down a tree
-GPU_CONSTANT uint kFeatureLightRows = 1u << 28; // in shares that a pilot has learned
-GPU_CONSTANT uint kFeatureGuide = 1u << 29;     // directions are also drawn from a learned field
-GPU_CONSTANT uint kFeaturePanes = 1u << 30;     // thin smooth panes that shadow rays pass
-GPU_CONSTANT uint kFeaturesAll = (1u << 31) - 1u;
-GPU_CONSTANT uint kFeatureLearning =
+GPU_CONSTANT Feature kFeatureLightTree = 1u << 27; // many local lights: picked by a walk down a tree
+GPU_CONSTANT Feature kFeatureLightRows = 1u << 28; // in shares that a pilot has learned
+GPU_CONSTANT Feature kFeatureGuide = 1u << 29;     // directions are also drawn from a learned field
+GPU_CONSTANT Feature kFeaturePanes = 1u << 30;     // thin smooth panes that shadow rays pass
+GPU_CONSTANT Feature kFeaturesAll = (1u << 31) - 1u;
+GPU_CONSTANT Feature kFeatureLearning =
     1u << 31; // of pilots alone: their kernels note what light rows and guide learn from
+
+// What a material may have beyond glTF's metallic-roughness model: kernels/layers.glsl.
+GPU_CONSTANT Feature kLobeCoat = GPU_LOBE(0);
+GPU_CONSTANT Feature kLobeSheen = GPU_LOBE(1);
+GPU_CONSTANT Feature kLobeAnisotropy = GPU_LOBE(2);
+GPU_CONSTANT Feature kLobeIridescence = GPU_LOBE(3);
+GPU_CONSTANT Feature kLobeDiffuseTransmission = GPU_LOBE(4);
+GPU_CONSTANT Feature kLobeDispersion = GPU_LOBE(5);
+GPU_CONSTANT Feature kLobeScattering = GPU_LOBE(6); // in volumes
+GPU_CONSTANT Feature kLobeNested = GPU_LOBE(7);     // bodies that overlap
+GPU_CONSTANT Feature kLobeMultiple = GPU_LOBE(8);   // light that scatters more than once between rough microfacets
+GPU_CONSTANT Feature kLobesAll = GPU_LOBE(9) - GPU_LOBE(0);
+GPU_CONSTANT Feature kLobesOfRecords = GPU_LOBE(7) - GPU_LOBE(0); // those that read MaterialLayers
 
 // ---- specialization constants ---------------------------------------------------------------------------------------
 GPU_CONSTANT uint kSpecFeatures = 0u;
@@ -56,7 +77,8 @@ GPU_CONSTANT uint kSpecHemisphere = 4u;
 GPU_CONSTANT uint kSpecFilter = 5u;
 GPU_CONSTANT uint kSpecStack = 6u; // where the traversal stack lives; changes no result
 GPU_CONSTANT uint kSpecNets = 7u;  // whether pixels may have whole nets; gpu::Frame says whether they have
-GPU_CONSTANT uint kSpecCount = 8u;
+GPU_CONSTANT uint kSpecLobes = 8u;
+GPU_CONSTANT uint kSpecCount = 9u;
 
 GPU_CONSTANT uint kSamplerIndependent = 0u, kSamplerStratified = 1u, kSamplerSobol = 2u;
 GPU_CONSTANT uint kDirectMis = 0u, kDirectNee = 1u, kDirectBsdf = 2u;

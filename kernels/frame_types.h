@@ -40,8 +40,8 @@ struct Frame {
   uint local_light_count; // triangles, points and spots, which come first among the lights
   float light_sum_scale;  // radiance to units of the sums of a pilot (kFeatureLearning)
   uint whole_nets;        // 1: pixels have whole nets (net_layout.h)
-  uint pad0;
-  uint pad1;
+  uint scene_lobes;       // kLobe bits, likewise
+  uint first_layers;      // texel of the first MaterialLayers
 };
 GPU_CHECK(sizeof(Frame) == 144);
 

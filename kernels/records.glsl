@@ -37,6 +37,13 @@ Material fetch_material(uint index) {
   return m;
 }
 
+// Of a material's layers, one texel.
+uvec4 fetch_layers(uint material, uint row) {
+  return texelFetch(material_texels, int(frame.first_layers + material * kLayerTexels + row));
+}
+
+vec4 fetch_table(uint texel) { return uintBitsToFloat(texelFetch(material_texels, int(texel))); }
+
 Texture fetch_texture(uint index) {
   int texel = int(index * kTextureTexels);
   uvec4 image = texelFetch(texture_texels, texel);

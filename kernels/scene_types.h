@@ -20,7 +20,7 @@ GPU_CONSTANT uint kBindVertexNormals = 4u;    // texels RGBA32F, one a vertex: n
 GPU_CONSTANT uint kBindVertexUvs = 5u;        // texels RGBA32F, one a vertex: TEXCOORD_0, TEXCOORD_1
 GPU_CONSTANT uint kBindVertexColors = 6u;     // texels RGBA32F, one a vertex: COLOR_0, linear
 GPU_CONSTANT uint kBindInstances = 7u;        // texels RGBA32F, kInstanceTexels each: Instance
-GPU_CONSTANT uint kBindMaterials = 8u;        // texels RGBA32UI, kMaterialTexels each: Material
+GPU_CONSTANT uint kBindMaterials = 8u;        // texels RGBA32UI: Material, MaterialLayers, albedo tables
 GPU_CONSTANT uint kBindTextures = 9u;         // texels RGBA32UI, kTextureTexels each: Texture
 GPU_CONSTANT uint kBindTexels = 10u;          // texels R32UI: one word a texel (RGBA8) or four (RGBA32F)
 GPU_CONSTANT uint kBindSrgbTable = 11u;       // texels R32F, 256: byte -> linear
@@ -77,6 +77,7 @@ GPU_CONSTANT uint kMaterialBlend = 1u << 2;
 GPU_CONSTANT uint kMaterialUnlit = 1u << 3;
 GPU_CONSTANT uint kMaterialVolume = 1u << 4; // a closed volume: refracts; otherwise transmission is thin-walled
 
+GPU_CONSTANT float kMinSheenAlpha = 1e-3f; // finer fibres would be a spike at grazing angles that nothing samples
 GPU_CONSTANT float kMinAlpha = 1e-4f; // smoother microfacets (alpha = roughness^2) are a mirror: see kernels/bsdf.glsl
 
 // Factors of glTF 2.0 and its extensions; texture fields index Texture[] or are kNone.
@@ -103,6 +104,49 @@ struct Material {
 };
 GPU_CONSTANT uint kMaterialTexels = 7u;
 GPU_CHECK(sizeof(Material) == 16 * kMaterialTexels);
+
+// What a material has beyond that, by the lobes that the scene uses (kLobe bits). Stored behind all materials, one for
+// each, where any material has any of it; a field is fetched by the kernels that have its lobe alone.
+struct MaterialLayers {
+  vec3 sheen_color;
+  float sheen_roughness;
+  float coat; // clearcoatFactor
+  float coat_roughness;
+  float coat_normal_scale;
+  uint coat_texture;
+  uint coat_roughness_texture;
+  uint coat_normal_texture;
+  uint sheen_color_texture;
+  uint sheen_roughness_texture;
+  float anisotropy;
+  float anisotropy_rotation; // radians, counter-clockwise from the tangent
+  uint anisotropy_texture;
+  uint pad0;
+  float iridescence;
+  float film_ior;
+  float film_lo; // thickness in nanometres where the texture is 0
+  float film_hi; // and where it is 1, or there is none
+  uint iridescence_texture;
+  uint film_texture; // G
+  float dispersion;
+  float scattering_anisotropy;
+  vec3 diffuse_transmission_color;
+  float diffuse_transmission;
+  vec3 scattering; // 1/metre: coefficient of scattering, of the extinction Material::attenuation
+  uint diffuse_transmission_texture;
+  uint diffuse_transmission_color_texture;
+  uint ggx_table; // first texels of albedo tables
+  uint sheen_table;
+  uint glass_table; // of rough glass of this ior, from outside; behind it that from inside
+};
+GPU_CONSTANT uint kLayerTexels = 9u;
+GPU_CHECK(sizeof(MaterialLayers) == 16 * kLayerTexels);
+
+// Albedo tables stand behind the layers (host/scene/pack/albedo_tables.h): kTableCells^2 texels, each with the values at
+// the four corners of a cell (those of the lower roughness first, the lower cosine first), then kTableCells + 1 texels of
+// averages, by roughness. Rows go by roughness, columns by the root of the cosine, both from 0 to 1.
+GPU_CONSTANT uint kTableCells = 32u;
+GPU_CONSTANT uint kTableTexels = kTableCells * kTableCells + kTableCells + 1u;
 
 GPU_CONSTANT uint kWrapRepeat = 0u, kWrapClamp = 1u, kWrapMirror = 2u;
 GPU_CONSTANT uint kTextureWrapUShift = 0u; // two bits each

@@ -23,6 +23,7 @@ struct Surface {
 
 // Compiled in, and there is data for it: generic kernels must not read streams that this scene left out.
 bool uses(uint feature) { return has(feature) && (frame.scene_features & feature) != 0u; }
+bool uses_lobe(uint lobe) { return has_lobe(lobe) && (frame.scene_lobes & lobe) != 0u; }
 bool is_instanced() { return has(kFeatureInstances) && frame.root_is_top != 0u; }
 
 // Inverse of pack_tangent in host/scene/pack/vertices.h. Zero where there is none.
@@ -147,19 +148,25 @@ bool is_hole(Hit hit, Sampler path_sampler, uint kind) {
   return hash_unit(path_sampler, alpha_key(wave.bounce, kind), placed) >= hit_opacity(hit, (kind & 1u) == kHashExtend && SEES_UNLIT);
 }
 
+// A normal that a map bends, in world space.
+vec3 mapped_normal(Surface surface, vec3 n, uint texture_, float scale) {
+  vec3 mapped = sample_texture(texture_, surface.uv).xyz * 2.0 - 1.0;
+  mapped.xy *= scale;
+  vec3 t = safe_normalize(surface.tangent.xyz - n * dot(n, surface.tangent.xyz), vec3(0.0));
+  vec3 b = cross(n, t) * surface.tangent.w;
+  return safe_normalize(t * mapped.x + b * mapped.y + n * mapped.z, n);
+}
+
+bool has_tangent(Surface surface) { return dot(surface.tangent.xyz, surface.tangent.xyz) > 0.0; }
+
 // Shading normal on one side of the surface: interpolated, and bent by the normal map. Which of its two signs is meant follows
 // from the side, so that meshes whose normals disagree with their winding are shaded all the same.
 vec3 bumped_normal(Surface surface, Material material, bool front) {
   vec3 facing = front ? surface.geometric_normal : -surface.geometric_normal;
   vec3 n = surface.vertex_normal;
   bool reversed = dot(n, facing) < 0.0;
-  if (has(kFeatureNormalMaps) && material.normal_texture != kNone && dot(surface.tangent.xyz, surface.tangent.xyz) > 0.0) {
-    vec3 mapped = sample_texture(material.normal_texture, surface.uv).xyz * 2.0 - 1.0;
-    mapped.xy *= material.normal_scale;
-    vec3 t = safe_normalize(surface.tangent.xyz - n * dot(n, surface.tangent.xyz), vec3(0.0));
-    vec3 b = cross(n, t) * surface.tangent.w;
-    n = safe_normalize(t * mapped.x + b * mapped.y + n * mapped.z, n);
-  }
+  if (has(kFeatureNormalMaps) && material.normal_texture != kNone && has_tangent(surface))
+    n = mapped_normal(surface, n, material.normal_texture, material.normal_scale);
   return reversed ? -n : n;
 }
 

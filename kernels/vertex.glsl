@@ -6,6 +6,10 @@
 #include "kernels/bsdf.glsl"
 #include "kernels/surface.glsl"
 
+// Of the path that is being shaded: 0, 1, 2 = its light is red, green, blue once it has met glass that disperses. Kernels
+// that do not set it see all glass with the middle ior.
+uint path_channel = 1u;
+
 // Everything about the point that scattering needs.
 struct Vertex {
   Surface surface;
@@ -16,6 +20,8 @@ struct Vertex {
   vec3 normal; // the same, held towards wo
   vec3 tangent, bitangent;
   Bsdf bsdf;
+  vec3 coat_normal; // world, on wo's side (kLobeCoat)
+  vec3 grain;       // world: the direction along which microfacets are stretched, zero if they are not (kLobeAnisotropy)
 };
 
 Bsdf make_bsdf(Material material, vec4 uv, vec3 base, bool front) {
@@ -41,7 +47,104 @@ Bsdf make_bsdf(Material material, vec4 uv, vec3 base, bool front) {
   b.ior = material.ior;
   b.entering = front;
   b.thin = (material.flags & kMaterialVolume) == 0u;
+  b.coat = Coat(0.0, 0.0, vec3(0.0, 0.0, 1.0));
+  b.sheen = Sheen(vec3(0.0), 0.0, 0u);
+  b.film = Film(0.0, 1.0, 0.0);
+  b.stretched_alpha = vec2(b.alpha);
+  b.diffuse_through = vec3(0.0);
+  b.diffuse_transmission = 0.0;
+  b.ggx_table = b.glass_table = 0u;
+  b.disperses = false;
   return b;
+}
+
+vec4 layer_texture(uint index, vec4 uv) { return index == kNone ? vec4(1.0) : sample_texture(index, uv); }
+
+// Fills in what the material has beyond metallic-roughness: rows of MaterialLayers.
+void read_layers(inout Vertex v) {
+  uint m = v.surface.material;
+  vec4 uv = v.surface.uv;
+  if (uses_lobe(kLobeCoat)) {
+    vec4 factors = uintBitsToFloat(fetch_layers(m, 1u));
+    uvec4 maps = fetch_layers(m, 2u);
+    if (factors.x > 0.0) {
+      v.bsdf.coat.weight = factors.x * layer_texture(floatBitsToUint(factors.w), uv).r;
+      float roughness = factors.y * layer_texture(maps.x, uv).g;
+      v.bsdf.coat.alpha = roughness * roughness;
+      vec3 n = v.surface.vertex_normal;
+      bool reversed = dot(n, v.front ? v.surface.geometric_normal : -v.surface.geometric_normal) < 0.0;
+      if (maps.y != kNone && has(kFeatureNormalMaps) && has_tangent(v.surface)) n = mapped_normal(v.surface, n, maps.y, factors.z);
+      v.coat_normal = reversed ? -n : n;
+    }
+  }
+  if (uses_lobe(kLobeSheen)) {
+    vec4 sheen = uintBitsToFloat(fetch_layers(m, 0u));
+    if (max_component(sheen.rgb) > 0.0) {
+      uvec4 maps = fetch_layers(m, 2u);
+      v.bsdf.sheen.color = sheen.rgb * layer_texture(maps.z, uv).rgb;
+      v.bsdf.sheen.roughness = sheen.a * layer_texture(maps.w, uv).a;
+      v.bsdf.sheen.table = fetch_layers(m, 8u).z;
+    }
+  }
+  if (uses_lobe(kLobeAnisotropy)) {
+    uvec4 words = fetch_layers(m, 3u);
+    float strength = uintBitsToFloat(words.x), rotation = uintBitsToFloat(words.y);
+    if (strength > 0.0 && has_tangent(v.surface)) {
+      vec2 direction = vec2(1.0, 0.0);
+      if (words.z != kNone) {
+        vec4 map = sample_texture(words.z, uv);
+        direction = map.xy * 2.0 - 1.0;
+        strength *= map.z;
+      }
+      direction = mat2(cos(rotation), sin(rotation), -sin(rotation), cos(rotation)) * direction;
+      vec3 n = v.surface.vertex_normal;
+      vec3 t = safe_normalize(v.surface.tangent.xyz - n * dot(n, v.surface.tangent.xyz), vec3(0.0));
+      v.grain = t * direction.x + cross(n, t) * (v.surface.tangent.w * direction.y);
+      float across = max(v.bsdf.alpha, kMinAlpha);
+      v.bsdf.stretched_alpha = vec2(mix(across, 1.0, strength * strength), across);
+    }
+  }
+  if (uses_lobe(kLobeIridescence)) {
+    vec4 film = uintBitsToFloat(fetch_layers(m, 4u));
+    if (film.x > 0.0) {
+      uvec4 maps = fetch_layers(m, 5u);
+      float weight = film.x * layer_texture(maps.x, uv).r;
+      v.bsdf.film = Film(weight, film.y, mix(film.z, film.w, layer_texture(maps.y, uv).g));
+      if (v.bsdf.film.nanometres <= 0.0) v.bsdf.film.weight = 0.0;
+    }
+  }
+  if (uses_lobe(kLobeDispersion) && !v.bsdf.thin && v.bsdf.ior > 1.0) {
+    // The ior falls linearly from blue to red, by (ior - 1) / Abbe number over the range, as KHR_materials_dispersion has it.
+    float dispersion = uintBitsToFloat(fetch_layers(m, 5u).z);
+    v.bsdf.disperses = dispersion > 0.0 && v.bsdf.transmission > 0.0;
+    float half_spread = 0.025 * dispersion * (v.bsdf.ior - 1.0);
+    if (v.bsdf.disperses) v.bsdf.ior = max(v.bsdf.ior + (float(path_channel) - 1.0) * half_spread, 1.0);
+  }
+  if (uses_lobe(kLobeDiffuseTransmission)) {
+    vec4 through = uintBitsToFloat(fetch_layers(m, 6u));
+    if (through.w > 0.0) {
+      uint share_map = fetch_layers(m, 7u).w, color_map = fetch_layers(m, 8u).x;
+      v.bsdf.diffuse_through = through.rgb * layer_texture(color_map, uv).rgb;
+      v.bsdf.diffuse_transmission = through.w * layer_texture(share_map, uv).a;
+    }
+  }
+  if (uses_lobe(kLobeMultiple)) {
+    uvec4 tables = fetch_layers(m, 8u);
+    v.bsdf.ggx_table = tables.y;
+    v.bsdf.glass_table = tables.w;
+  }
+}
+
+// The local basis for wo, and what the BSDF has in it.
+void set_basis(inout Vertex v) {
+  v.normal = held_normal(v.bumped, v.wo);
+  make_basis(v.normal, v.tangent, v.bitangent);
+  if (has_lobe(kLobeAnisotropy) && is_stretched(v.bsdf)) {
+    v.tangent = safe_normalize(v.grain - v.normal * dot(v.normal, v.grain), v.tangent);
+    v.bitangent = cross(v.normal, v.tangent);
+  }
+  if (has_lobe(kLobeCoat) && v.bsdf.coat.weight > 0.0)
+    v.bsdf.coat.normal = to_local(held_normal(v.coat_normal, v.wo), v.tangent, v.bitangent, v.normal);
 }
 
 Vertex make_vertex(Surface surface, Material material, vec3 direction) {
@@ -51,10 +154,12 @@ Vertex make_vertex(Surface surface, Material material, vec3 direction) {
   v.wo = -direction;
   v.front = dot(surface.geometric_normal, v.wo) >= 0.0;
   v.bumped = bumped_normal(surface, material, v.front);
-  v.normal = held_normal(v.bumped, v.wo);
-  make_basis(v.normal, v.tangent, v.bitangent);
   vec3 base = base_color(material, surface.uv, surface.color).rgb;
   v.bsdf = make_bsdf(material, surface.uv, base, v.front);
+  v.coat_normal = v.bumped;
+  v.grain = vec3(0.0);
+  if (kLobes != 0u) read_layers(v);
+  set_basis(v);
   return v;
 }
 

@@ -39,7 +39,7 @@ class ChiSquareTest : public VulkanTest {
 protected:
   // Integral of the density over each cell, by 4x4 Gauss-Legendre on the device.
   std::vector<double> integrate(const std::vector<Config>& configs, const std::vector<Cell>& cells,
-                                std::uint32_t hemisphere) {
+                                const DrawSettings& settings) {
     constexpr GaussLegendre4 rule;
     std::vector<Frame> frames;
     for (const Config& c : configs) frames.push_back(frame_of(glm::dvec3(c.window)));
@@ -55,7 +55,7 @@ protected:
         pairs.push_back({glm::vec3(c.wo), cell.config, glm::vec4(w, 0.0f)});
       }
     }
-    const auto values = evaluate(device(), configs, pairs, hemisphere);
+    const auto values = evaluate(device(), configs, pairs, settings.hemisphere, settings.features);
     std::vector<double> result(cells.size());
     for (std::size_t i = 0; i < values.size(); ++i) result[i / 16] += weights[i] * values[i].w;
     return result;
@@ -63,7 +63,7 @@ protected:
 
   // Probability of every bin of every config, refined where a cell and its quarters disagree, or where samples fell.
   std::vector<double> probabilities(const std::vector<Config>& configs, const std::vector<std::uint32_t>& histogram,
-                                    std::uint32_t hemisphere) {
+                                    const DrawSettings& settings) {
     std::vector<double> result(histogram.size());
     std::vector<Cell> cells;
     for (std::uint32_t i = 0; i < histogram.size(); ++i) {
@@ -71,7 +71,7 @@ protected:
       const double size = 1.0 / kBins;
       cells.push_back({i / (kBins * kBins), i, (bin / kBins) * size, (bin % kBins) * size, size, 0.0});
     }
-    const std::vector<double> first = integrate(configs, cells, hemisphere);
+    const std::vector<double> first = integrate(configs, cells, settings);
     for (std::size_t i = 0; i < cells.size(); ++i) cells[i].integral = first[i];
     for (int level = 0; level < 9 && !cells.empty(); ++level) {
       std::vector<Cell> quarters;
@@ -79,7 +79,7 @@ protected:
         for (int q = 0; q < 4; ++q)
           quarters.push_back({cell.config, cell.bin, cell.x + 0.5 * cell.size * (q & 1),
                               cell.y + 0.5 * cell.size * (q >> 1), 0.5 * cell.size, 0.0});
-      const std::vector<double> finer = integrate(configs, quarters, hemisphere);
+      const std::vector<double> finer = integrate(configs, quarters, settings);
       std::vector<Cell> next;
       for (std::size_t i = 0; i < cells.size(); ++i) {
         const double sum = finer[4 * i] + finer[4 * i + 1] + finer[4 * i + 2] + finer[4 * i + 3];
@@ -100,7 +100,7 @@ protected:
 
   void check(const std::vector<Config>& configs, const DrawSettings& settings, double level) {
     const DrawResult draws = draw(device(), configs, settings);
-    const std::vector<double> expected = probabilities(configs, draws.histogram, settings.hemisphere);
+    const std::vector<double> expected = probabilities(configs, draws.histogram, settings);
     for (std::size_t c = 0; c < configs.size(); ++c) {
       const Drawn& d = draws.drawn[c];
       std::vector<double> o, e;
@@ -177,6 +177,26 @@ TEST_F(ChiSquareTest, UniformHemisphereToo) {
   settings.hemisphere = gpu::kHemisphereUniform;
   const auto configs = seen_from({{.specular = 0.0f}, {.alpha = 0.3f}}, {0.9, 0.3});
   check(configs, settings, sidak(0.01, int(configs.size())));
+}
+
+// What a material has beyond metallic-roughness.
+TEST_F(ChiSquareTest, LayersToo) {
+  DrawSettings settings = kDraws;
+  settings.features = gpu::kFeaturesAll | gpu::kLobesAll;
+  std::vector<Config> layered{
+      {.alpha = 0.3f, .coat_normal = glm::normalize(glm::vec3(0.1f, 0.2f, 1.0f)), .coat = 1.0f, .coat_alpha = 0.1f},
+      {.metallic = 1.0f, .alpha = 0.5f, .coat = 0.8f, .coat_alpha = 0.0f},
+      {.base_color = glm::vec3(.5f), .alpha = 0.5f, .sheen_color = glm::vec3(1.0f), .sheen_roughness = 0.5f},
+      {.metallic = 1.0f, .alpha = 0.1f, .stretched_alpha = {0.5f, 0.1f}},
+      {.alpha = 0.3f, .film = 1.0f},
+      {.alpha = 0.5f, .diffuse_through = {.5f, .9f, .2f}, .diffuse_transmission = 0.4f},
+      {.metallic = 1.0f, .alpha = 1.0f}};
+  for (const std::uint32_t flags : {kEntering, 0u, kThin})
+    layered.push_back({.alpha = 0.7f, .transmission = 1.0f, .flags = flags});
+  const auto configs = seen_from(layered, {0.9, 0.2});
+  const double level = sidak(0.01, int(configs.size()));
+  for (std::size_t first = 0; first < configs.size(); first += 10)
+    check({configs.begin() + long(first), configs.begin() + long(std::min(first + 10, configs.size()))}, settings, level);
 }
 
 // Lobes far narrower than a bin of the sphere, under a magnifying window around their centre.

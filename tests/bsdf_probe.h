@@ -9,6 +9,7 @@
 #include "tests/probe.h"
 #include "tests/statistics.h"
 
+#include "host/scene/pack/albedo_tables.h"
 #include "kernels/features.h"
 #include "tests/probes/bsdf_eval_probe.spv.h"
 #include "tests/probes/bsdf_sample_probe.spv.h"
@@ -26,9 +27,39 @@ struct Config {
   float alpha = 1.0f, transmission = 0.0f, ior = 1.5f;
   std::uint32_t flags = kEntering | kThin;
   glm::vec4 wo{0.0f, 0.0f, 1.0f, 0.0f};
+  glm::vec3 sheen_color{0.0f};
+  float sheen_roughness = 0.0f;
+  glm::vec3 coat_normal{0.0f, 0.0f, 1.0f};
+  float coat = 0.0f, coat_alpha = 0.0f;
+  float film = 0.0f, film_ior = 1.3f, film_nanometres = 400.0f;
+  glm::vec3 diffuse_through{1.0f};
+  float diffuse_transmission = 0.0f;
+  glm::vec2 stretched_alpha{0.0f}; // 0: alpha
+  glm::vec2 pad{0.0f};
   glm::vec4 window{0.0f};
 };
-static_assert(sizeof(Config) == 80);
+static_assert(sizeof(Config) == 160);
+
+// GGX, sheen, glass of this ior from outside and from inside: as probes/bsdf_config.glsl expects them.
+inline ProbeBuffer albedo_tables(double glass_ior = 1.5) {
+  std::vector<glm::vec4> all = ggx_albedo_table();
+  for (const std::vector<glm::vec4>& table : {sheen_albedo_table(), glass_albedo_tables(glass_ior)})
+    all.insert(all.end(), table.begin(), table.end());
+  return to_probe(all);
+}
+
+// The specialization constants of probes.
+inline std::array<std::uint32_t, gpu::kSpecCount> probe_constants(gpu::Feature features, std::uint32_t sampler,
+                                                                  std::uint32_t hemisphere) {
+  std::array<std::uint32_t, gpu::kSpecCount> constants{};
+  constants[gpu::kSpecFeatures] = static_cast<std::uint32_t>(features);
+  constants[gpu::kSpecLobes] = static_cast<std::uint32_t>(features >> 32);
+  constants[gpu::kSpecStackSize] = 96;
+  constants[gpu::kSpecSampler] = sampler;
+  constants[gpu::kSpecDirect] = gpu::kDirectMis;
+  constants[gpu::kSpecHemisphere] = hemisphere;
+  return constants;
+}
 
 struct Pair {
   glm::vec3 wo;
@@ -54,7 +85,8 @@ struct DrawSettings {
   std::uint32_t bins = 1;
   std::uint32_t sampler = gpu::kSamplerSobol; // low noise; chi-square needs independent
   std::uint32_t hemisphere = gpu::kHemisphereCosine;
-  std::uint32_t features = gpu::kFeaturesAll;
+  gpu::Feature features = gpu::kFeaturesAll;
+  double glass_ior = 1.5; // of the albedo tables
 };
 
 struct DrawResult {
@@ -76,8 +108,9 @@ inline DrawResult draw(Device& device, const std::vector<Config>& configs, const
   const std::uint32_t invocations = std::uint32_t(configs.size()) * s.batches;
   std::vector<ProbeBuffer> buffers{
       to_probe(configs), to_probe(std::vector<std::uint32_t>{s.seed, s.batches, s.batch_size, s.bins}),
-      ProbeBuffer(invocations * sizeof(Batch)), ProbeBuffer(configs.size() * s.bins * s.bins * 4)};
-  const std::array<std::uint32_t, 5> constants{s.features, 96, s.sampler, gpu::kDirectMis, s.hemisphere};
+      ProbeBuffer(invocations * sizeof(Batch)), ProbeBuffer(configs.size() * s.bins * s.bins * 4),
+      s.features & gpu::kLobesAll ? albedo_tables(s.glass_ior) : ProbeBuffer(16)};
+  const auto constants = probe_constants(s.features, s.sampler, s.hemisphere);
   run_probe(device, wavepath_bsdf_sample_probe_spv, invocations, buffers, constants);
   const auto batches = from_probe<Batch>(buffers[2]);
   DrawResult result{{}, from_probe<std::uint32_t>(buffers[3]), buffers[2]};
@@ -109,9 +142,10 @@ inline DrawResult draw(Device& device, const std::vector<Config>& configs, const
 inline std::vector<glm::vec4> evaluate(Device& device, const std::vector<Config>& configs,
                                        const std::vector<Pair>& pairs,
                                        std::uint32_t hemisphere = gpu::kHemisphereCosine,
-                                       std::uint32_t features = gpu::kFeaturesAll) {
-  std::vector<ProbeBuffer> buffers{to_probe(configs), to_probe(pairs), ProbeBuffer(pairs.size() * sizeof(glm::vec4))};
-  const std::array<std::uint32_t, 5> constants{features, 96, gpu::kSamplerSobol, gpu::kDirectMis, hemisphere};
+                                       gpu::Feature features = gpu::kFeaturesAll) {
+  std::vector<ProbeBuffer> buffers{to_probe(configs), to_probe(pairs), ProbeBuffer(pairs.size() * sizeof(glm::vec4)),
+                                   features & gpu::kLobesAll ? albedo_tables() : ProbeBuffer(16)};
+  const auto constants = probe_constants(features, gpu::kSamplerSobol, hemisphere);
   run_probe(device, wavepath_bsdf_eval_probe_spv, std::uint32_t(pairs.size()), buffers, constants);
   return from_probe<glm::vec4>(buffers[2]);
 }

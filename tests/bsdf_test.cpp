@@ -337,9 +337,9 @@ TEST_F(BsdfTest, IsReciprocal) {
 
 // Kernels without a feature give the bits of those with it, for materials that do not need it.
 TEST_F(BsdfTest, LeavingFeaturesOutChangesNoBit) {
-  const std::uint32_t none = gpu::kFeaturesAll & ~(gpu::kFeatureSpecular | gpu::kFeatureTransmission);
-  const std::uint32_t opaque = gpu::kFeaturesAll & ~gpu::kFeatureTransmission;
-  const auto same = [&](const std::vector<Config>& materials, std::uint32_t features) {
+  const gpu::Feature none = gpu::kFeaturesAll & ~(gpu::kFeatureSpecular | gpu::kFeatureTransmission);
+  const gpu::Feature opaque = gpu::kFeaturesAll & ~gpu::kFeatureTransmission;
+  const auto same = [&](const std::vector<Config>& materials, gpu::Feature features) {
     const auto configs = from_all_sides(materials);
     for (const std::uint32_t hemisphere : {gpu::kHemisphereCosine, gpu::kHemisphereUniform}) {
       const DrawSettings all{.batches = 4, .bins = 8, .hemisphere = hemisphere};

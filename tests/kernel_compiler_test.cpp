@@ -55,10 +55,10 @@ TEST(KernelConfig, FollowsSceneAndSettings) {
             kernel_config(gpu::kFeatureAlpha, kExpectedStack, settings));
   EXPECT_GE(kernel_config(0, 1000, settings).stack_size, 1002u) << "a deep tree gets what it needs";
   settings.specialize = false;
-  const std::uint32_t settings_alone = gpu::kFeatureAovs | gpu::kFeatureAdaptive | gpu::kFeatureSharedFirstHit |
+  const gpu::Feature settings_alone = gpu::kFeatureAovs | gpu::kFeatureAdaptive | gpu::kFeatureSharedFirstHit |
                                        gpu::kFeatureLightRows | gpu::kFeatureGuide;
   settings.lights = gpu::kLightsTree; // without a pilot
-  const std::uint32_t scenes = gpu::kFeaturesAll & ~settings_alone;
+  const gpu::Feature scenes = gpu::kFeaturesAll & ~settings_alone;
   EXPECT_EQ(kernel_config(0, 5, settings).features, scenes);
   EXPECT_EQ(kernel_config(0, 5, settings).nets, gpu::kNetsWhole);
   settings.width = settings.height = 16;
@@ -83,7 +83,7 @@ protected:
     view_ = resolve_view(scene, {}, settings_.width, settings_.height);
     packed_ = pack(scene, settings_.direct);
   }
-  KernelNeed need(std::uint32_t features) const {
+  KernelNeed need(gpu::Feature features) const {
     return {&kPathProgram, kAllPathStages, kernel_config(features, packed_.stack_size, settings_)};
   }
   // Renders with whatever `kernels` has, and with the scene's own from the second wave on.

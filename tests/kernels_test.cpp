@@ -29,7 +29,7 @@ constexpr std::uint32_t kSlots = 1 << 14;
 
 // All bindings of the path tracer, with memory that a test can fill and read.
 struct Bench {
-  Bench(Device& device_, const PackedScene& packed, std::uint32_t features, const gpu::Frame& frame_,
+  Bench(Device& device_, const PackedScene& packed, gpu::Feature features, const gpu::Frame& frame_,
         std::uint32_t stack = gpu::kStackRegisters)
       : device(device_),
         scene(upload_scene(device_, packed)),
@@ -178,7 +178,7 @@ TEST_F(Kernels, ExtendEqualsReference) {
   const auto rays = random_rays(kSlots, 2);
   const auto triangles = triangles_of(packed);
   const bvh::WideTree tree = tree_of(packed);
-  const std::uint32_t all = gpu::kFeaturesAll & ~gpu::kFeatureAovs & ~gpu::kFeatureAdaptive;
+  const gpu::Feature all = gpu::kFeaturesAll & ~gpu::kFeatureAovs & ~gpu::kFeatureAdaptive;
   for (const auto& [features, stack] : {std::pair{packed.features, gpu::kStackRegisters},
                                         {packed.features, gpu::kStackArray},
                                         {all, gpu::kStackRegisters},

@@ -19,7 +19,7 @@ Image byte_image(std::uint32_t width, std::uint32_t height, const std::vector<st
   return {"bytes", width, height, bytes, {}};
 }
 
-std::uint32_t features_of(const Material& material) {
+gpu::Feature features_of(const Material& material) {
   Scene scene = triangle_scene();
   scene.images.push_back(byte_image(1, 1, {10, 20, 30, 255}));
   scene.materials[0] = material;

@@ -115,7 +115,7 @@ public:
   const Buffer& frame() const { return frame_; }
   const Buffer& hybrid() const { return hybrid_; }
   const DeviceScene& scene() const { return scene_; }
-  std::uint32_t features() const { return features_; }
+  gpu::Feature features() const { return features_; }
 
   Shot compare(const Visibility& visibility) {
     std::vector<Binding> bindings = path_layout();

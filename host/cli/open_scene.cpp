@@ -17,7 +17,7 @@ namespace {
 // Compiles the kernels that the scene will most likely need. A wrong guess costs only time.
 void begin_kernels(KernelCompiler& kernels, const DeviceInfo& device, const Scene& scene,
                    const RenderSettings& settings) {
-  std::uint32_t features = expected_features(scene, settings.direct) | features_of(settings);
+  gpu::Feature features = expected_features(scene, settings.direct) | features_of(settings);
   for (const Camera& camera : scene.cameras)
     if (camera.orthographic) features |= gpu::kFeatureOrthographic;
   settings.integrator->start_kernels(kernels, device, features, settings);

@@ -52,15 +52,52 @@ struct Material {
   glm::vec3 attenuation{0.0f}; // absorption coefficient, 1/m
   TextureSlot base_color_texture, metallic_roughness_texture, normal_texture, emission_texture;
   TextureSlot specular_texture, specular_color_texture, transmission_texture; // specular: A; transmission: R
+
+  // Layers: gpu::MaterialLayers.
+  float coat = 0.0f, coat_roughness = 0.0f, coat_normal_scale = 1.0f;
+  glm::vec3 sheen_color{0.0f};
+  float sheen_roughness = 0.0f;
+  float anisotropy = 0.0f, anisotropy_rotation = 0.0f; // radians
+  float iridescence = 0.0f, film_ior = 1.3f;
+  float film_lo = 100.0f, film_hi = 400.0f; // nanometres
+  float dispersion = 0.0f;                  // 20 / Abbe number
+  float diffuse_transmission = 0.0f;
+  glm::vec3 diffuse_transmission_color{1.0f};
+  glm::vec3 scattering{0.0f}; // coefficient, 1/m; part of `attenuation`
+  float scattering_anisotropy = 0.0f;
+  TextureSlot coat_texture, coat_roughness_texture, coat_normal_texture; // R; G
+  TextureSlot sheen_color_texture, sheen_roughness_texture;              // RGB; A
+  TextureSlot anisotropy_texture;                                        // direction in RG, strength in B
+  TextureSlot iridescence_texture, film_texture;                         // R; thickness in G
+  TextureSlot diffuse_transmission_texture, diffuse_transmission_color_texture; // A; RGB
+};
+
+// Whether a surface is shaded in directions that its texture coordinates give it, and which of them.
+inline bool needs_tangents(const Material& m) {
+  return m.normal_texture.present() || m.coat_normal_texture.present() || m.anisotropy > 0.0f;
+}
+inline std::uint32_t tangent_uv_set(const Material& m) {
+  for (const TextureSlot* slot : {&m.normal_texture, &m.coat_normal_texture, &m.anisotropy_texture})
+    if (slot->present()) return slot->uv_set;
+  return 0;
+}
+
+// Where the kernels read a field: in one of the two records.
+template <class T>
+struct PackedField {
+  T gpu::Material::*material = nullptr;
+  T gpu::MaterialLayers::*layers = nullptr;
+  constexpr PackedField(T gpu::Material::*m) : material(m) {}
+  constexpr PackedField(T gpu::MaterialLayers::*m) : layers(m) {}
 };
 
 // Rows. `gltf` is the property's path in a glTF material; where it is empty, gltf/material.cpp computes the field.
-// A number or a colour is copied to the member of gpu::Material that has the same name.
+// A number or a colour is copied to the member of gpu::Material or gpu::MaterialLayers that has the same name.
 template <class T>
 struct MaterialFactor {
   const char* name;
   T Material::*field;
-  T gpu::Material::*packed;
+  PackedField<T> packed;
   const char* gltf;
   double lo = 0.0, hi = 1.0; // values outside are clamped
   bool or_zero = false;      // 0 is valid as well
@@ -79,10 +116,10 @@ struct MaterialChoice {
 struct MaterialTexture {
   const char* name;
   TextureSlot Material::*field;
-  std::uint32_t gpu::Material::*packed;
+  PackedField<std::uint32_t> packed;
   const char* gltf;
   bool srgb;
-  std::uint32_t feature;                      // kFeature bit of the kernel code that reads it
+  gpu::Feature feature;                       // kFeature or kLobe bit of the kernel code that reads it
   const char* plural;                         // what a scene without that feature leaves out
   bool (*visible)(const Material&) = nullptr; // false: its factor is zero, so that it is not loaded
 };
@@ -91,6 +128,7 @@ struct MaterialTexture {
 template <class Visit>
 constexpr void visit_material_fields(Visit&& visit) {
 #define WAVEPATH_FIELD(member) #member, &Material::member, &gpu::Material::member
+#define WAVEPATH_LAYER(member) #member, &Material::member, &gpu::MaterialLayers::member
   using Number = MaterialFactor<float>;
   using Color = MaterialFactor<glm::vec3>;
   visit(MaterialFactor<glm::vec4>{WAVEPATH_FIELD(base_color), "pbrMetallicRoughness.baseColorFactor"});
@@ -104,6 +142,26 @@ constexpr void visit_material_fields(Visit&& visit) {
   visit(Color{WAVEPATH_FIELD(specular_color), "extensions.KHR_materials_specular.specularColorFactor", 0.0, 1e6});
   visit(Number{WAVEPATH_FIELD(transmission), "extensions.KHR_materials_transmission.transmissionFactor"});
   visit(Color{WAVEPATH_FIELD(attenuation), ""}); // of a colour and a distance
+  visit(Number{WAVEPATH_LAYER(coat), "extensions.KHR_materials_clearcoat.clearcoatFactor"});
+  visit(Number{WAVEPATH_LAYER(coat_roughness), "extensions.KHR_materials_clearcoat.clearcoatRoughnessFactor"});
+  visit(Number{WAVEPATH_LAYER(coat_normal_scale), "extensions.KHR_materials_clearcoat.clearcoatNormalTexture.scale",
+               -1e30, 1e30});
+  visit(Color{WAVEPATH_LAYER(sheen_color), "extensions.KHR_materials_sheen.sheenColorFactor"});
+  visit(Number{WAVEPATH_LAYER(sheen_roughness), "extensions.KHR_materials_sheen.sheenRoughnessFactor"});
+  visit(Number{WAVEPATH_LAYER(anisotropy), "extensions.KHR_materials_anisotropy.anisotropyStrength"});
+  visit(Number{WAVEPATH_LAYER(anisotropy_rotation), "extensions.KHR_materials_anisotropy.anisotropyRotation", -1e4, 1e4});
+  visit(Number{WAVEPATH_LAYER(iridescence), "extensions.KHR_materials_iridescence.iridescenceFactor"});
+  visit(Number{WAVEPATH_LAYER(film_ior), "extensions.KHR_materials_iridescence.iridescenceIor", 1.0, 1e3});
+  visit(Number{WAVEPATH_LAYER(film_lo), "extensions.KHR_materials_iridescence.iridescenceThicknessMinimum", 0.0, 1e6});
+  visit(Number{WAVEPATH_LAYER(film_hi), "extensions.KHR_materials_iridescence.iridescenceThicknessMaximum", 0.0, 1e6});
+  visit(Number{WAVEPATH_LAYER(dispersion), "extensions.KHR_materials_dispersion.dispersion", 0.0, 1e3});
+  visit(Number{WAVEPATH_LAYER(diffuse_transmission),
+               "extensions.KHR_materials_diffuse_transmission.diffuseTransmissionFactor"});
+  visit(Color{WAVEPATH_LAYER(diffuse_transmission_color),
+              "extensions.KHR_materials_diffuse_transmission.diffuseTransmissionColorFactor"});
+  visit(Color{WAVEPATH_LAYER(scattering), ""}); // of an albedo and the extinction
+  visit(Number{WAVEPATH_LAYER(scattering_anisotropy), "extensions.KHR_materials_volume_scatter.scatterAnisotropy",
+               -0.99, 0.99});
   visit(MaterialChoice<AlphaMode>{
       "alpha_mode", &Material::alpha_mode, {0u, gpu::kMaterialMask, gpu::kMaterialBlend}, "alphaMode"});
   visit(MaterialChoice<bool>{"double_sided", &Material::double_sided, {0u, gpu::kMaterialDoubleSided}, "doubleSided"});
@@ -128,7 +186,37 @@ constexpr void visit_material_fields(Visit&& visit) {
                         "extensions.KHR_materials_transmission.transmissionTexture", kLinear,
                         gpu::kFeatureTransmissionTextures, "transmission textures",
                         [](const Material& m) { return m.transmission > 0.0f; }});
+  const auto coated = [](const Material& m) { return m.coat > 0.0f; };
+  const auto has_sheen = [](const Material& m) { return m.sheen_color != glm::vec3(0.0f); };
+  const auto iridesces = [](const Material& m) { return m.iridescence > 0.0f; };
+  const auto transmits_diffusely = [](const Material& m) { return m.diffuse_transmission > 0.0f; };
+  visit(MaterialTexture{WAVEPATH_LAYER(coat_texture), "extensions.KHR_materials_clearcoat.clearcoatTexture", kLinear,
+                        gpu::kLobeCoat, "clear coats", coated});
+  visit(MaterialTexture{WAVEPATH_LAYER(coat_roughness_texture),
+                        "extensions.KHR_materials_clearcoat.clearcoatRoughnessTexture", kLinear, gpu::kLobeCoat,
+                        "clear coats", coated});
+  visit(MaterialTexture{WAVEPATH_LAYER(coat_normal_texture), "extensions.KHR_materials_clearcoat.clearcoatNormalTexture",
+                        kLinear, gpu::kLobeCoat, "clear coats", coated});
+  visit(MaterialTexture{WAVEPATH_LAYER(sheen_color_texture), "extensions.KHR_materials_sheen.sheenColorTexture", kSrgb,
+                        gpu::kLobeSheen, "sheen", has_sheen});
+  visit(MaterialTexture{WAVEPATH_LAYER(sheen_roughness_texture), "extensions.KHR_materials_sheen.sheenRoughnessTexture",
+                        kLinear, gpu::kLobeSheen, "sheen", has_sheen});
+  visit(MaterialTexture{WAVEPATH_LAYER(anisotropy_texture), "extensions.KHR_materials_anisotropy.anisotropyTexture",
+                        kLinear, gpu::kLobeAnisotropy, "anisotropy",
+                        [](const Material& m) { return m.anisotropy > 0.0f; }});
+  visit(MaterialTexture{WAVEPATH_LAYER(iridescence_texture), "extensions.KHR_materials_iridescence.iridescenceTexture",
+                        kLinear, gpu::kLobeIridescence, "iridescence", iridesces});
+  visit(MaterialTexture{WAVEPATH_LAYER(film_texture),
+                        "extensions.KHR_materials_iridescence.iridescenceThicknessTexture", kLinear,
+                        gpu::kLobeIridescence, "iridescence", iridesces});
+  visit(MaterialTexture{WAVEPATH_LAYER(diffuse_transmission_texture),
+                        "extensions.KHR_materials_diffuse_transmission.diffuseTransmissionTexture", kLinear,
+                        gpu::kLobeDiffuseTransmission, "diffuse transmission", transmits_diffusely});
+  visit(MaterialTexture{WAVEPATH_LAYER(diffuse_transmission_color_texture),
+                        "extensions.KHR_materials_diffuse_transmission.diffuseTransmissionColorTexture", kSrgb,
+                        gpu::kLobeDiffuseTransmission, "diffuse transmission", transmits_diffusely});
 #undef WAVEPATH_FIELD
+#undef WAVEPATH_LAYER
 }
 
 // Calls `visit` with each property of a slot.

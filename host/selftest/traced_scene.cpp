@@ -19,14 +19,22 @@ std::unique_ptr<BindingSet> bind_path_tracer(Device& device, std::span<const Bin
   return std::make_unique<BindingSet>(device, bindings, static_cast<std::uint32_t>(sizeof(gpu::Wave)));
 }
 
-const Kernel& KernelCache::get(std::span<const std::uint32_t> spirv, std::uint32_t features, std::uint32_t stack_size,
+const Kernel& KernelCache::get(std::span<const std::uint32_t> spirv, gpu::Feature features, std::uint32_t stack_size,
                                const BindingSet& bindings) {
   const KernelConfig config = kernel_config(features, stack_size, RenderSettings{});
   const auto key = std::tuple(spirv.data(), config.features, config.stack_size);
   if (const auto found = kernels_.find(key); found != kernels_.end()) return found->second;
   const std::uint32_t stack = device_.info().type == "cpu" ? gpu::kStackRegisters : gpu::kStackArray;
   const std::array<std::uint32_t, gpu::kSpecCount> constants = {
-      config.features, config.stack_size, config.sampler, config.direct, config.hemisphere, config.filter, stack};
+      static_cast<std::uint32_t>(config.features),
+      config.stack_size,
+      config.sampler,
+      config.direct,
+      config.hemisphere,
+      config.filter,
+      stack,
+      config.nets,
+      static_cast<std::uint32_t>(config.features >> 32)};
   return kernels_.try_emplace(key, device_, "selftest", spirv, bindings, constants).first->second;
 }
 
@@ -46,7 +54,9 @@ TracedScene::TracedScene(Device& device, KernelCache& kernels, PackedScene packe
   frame.width = frame.height = 256;
   frame.root = packed_.root;
   frame.root_is_top = packed_.root_is_top ? 1u : 0u;
-  frame.scene_features = packed_.features;
+  frame.scene_features = static_cast<std::uint32_t>(packed_.features);
+  frame.scene_lobes = static_cast<std::uint32_t>(packed_.features >> 32);
+  frame.first_layers = static_cast<std::uint32_t>(packed_.materials.size() * gpu::kMaterialTexels);
   frame.slot_count = kSlots;
   frame_.write(&frame, sizeof(frame));
 

@@ -23,7 +23,7 @@ class KernelCache {
 public:
   explicit KernelCache(Device& device) : device_(device) {}
 
-  const Kernel& get(std::span<const std::uint32_t> spirv, std::uint32_t features, std::uint32_t stack_size,
+  const Kernel& get(std::span<const std::uint32_t> spirv, gpu::Feature features, std::uint32_t stack_size,
                     const BindingSet& bindings);
 
 private:

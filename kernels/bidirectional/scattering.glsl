@@ -13,11 +13,10 @@ float surface_cosine(Vertex v, vec3 direction) { return abs(dot(v.surface.geomet
 // The same point, seen from another direction.
 Vertex seen_from(Vertex v, vec3 wo) {
   bool front = dot(v.surface.geometric_normal, wo) >= 0.0;
-  if (front != v.front) v.bumped = -v.bumped;
+  if (front != v.front) v.bumped = -v.bumped, v.coat_normal = -v.coat_normal;
   v.wo = wo;
   v.front = v.bsdf.entering = front;
-  v.normal = held_normal(v.bumped, wo);
-  make_basis(v.normal, v.tangent, v.bitangent);
+  set_basis(v);
   return v;
 }
 

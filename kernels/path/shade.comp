@@ -21,6 +21,7 @@
 #include "kernels/emission.glsl"
 #include "kernels/path/first_hit.glsl"
 #include "kernels/path/guide.glsl"
+#include "kernels/path/medium.glsl"
 #include "kernels/path/nonfinite.glsl"
 #include "kernels/path/queue.glsl"
 #include "kernels/path/records.glsl"
@@ -85,7 +86,7 @@ bool scatter(Vertex v, Sampler path_sampler, uint dimension, uint slot, inout Pa
   // from the second on, as pbrt-v4 has it (section 13.2.1), it ends paths that have cost much and would still bring
   // light: time times relMSE is 0.82 of that on a Cornell box, 0.74 on Sponza, 0.2 on DamagedHelmet under a studio
   // environment (llvmpipe).
-  float survival = sqrt(max_component(path.throughput) * path.eta_scale);
+  float survival = sqrt(max_component(path.throughput) * abs(path.eta_scale));
   if (survival < 1.0 && wave.bounce > 1u && !has(kFeatureLearning)) {
     if (!(u_choice.y < survival)) return false;
     path.throughput /= survival;
@@ -131,13 +132,51 @@ Receiver fetch_receiver(uint slot) {
 
 bool wants_light_weight(PathState path) { return kDirect == kDirectMis && path.bsdf_pdf >= 0.0; }
 
+// From the first glass that disperses on, the path carries one channel alone, three times as strong. A negative eta_scale
+// says that it does.
+void carry_one_channel(inout PathState path) {
+  if (path.eta_scale < 0.0) return;
+  path.throughput *= vec3(path_channel == 0u, path_channel == 1u, path_channel == 2u) * 3.0;
+  path.eta_scale = -path.eta_scale;
+}
+
+// Scatters the path within the body that it is in, before it arrives at `end` metres. False: it arrives.
+bool scatter_in_medium(Ray ray, float end, inout PathState path, out Ray next) {
+  Sampler path_sampler = slot_sampler(ray.slot);
+  uint medium = path_media[ray.slot];
+  float distance_ = travel(medium, end, path_sampler, path.throughput);
+  if (!(distance_ < end)) return false;
+  uint dimension = bounce_dimension(wave.bounce);
+  float g = uintBitsToFloat(fetch_layers(medium, 5u).w);
+  vec3 wi = sample_phase(g, ray.direction, sample_2d(path_sampler, dimension + kDimensionDirection));
+  path.bsdf_pdf = -1.0; // no light sample: the surface of the body would stop it
+  next = Ray(ray.origin + distance_ * ray.direction, ray.slot, wi, kFar);
+  return true;
+}
+
+// Russian roulette within a body, where paths are long.
+bool survives_medium(uint slot, inout PathState path) {
+  float survival = sqrt(max_component(path.throughput) * abs(path.eta_scale));
+  if (survival < 1.0 && wave.bounce > 1u) {
+    if (!(sample_2d(slot_sampler(slot), bounce_dimension(wave.bounce) + kDimensionChoice).y < survival)) return false;
+    path.throughput /= survival;
+  }
+  return max_component(path.throughput) > 0.0;
+}
+
 // Follows the path of one ray to its next vertex. Returns which of the two rays it wants traced.
 void follow(Ray ray, Hit hit, inout PathState path, out bool wants_ray, out Ray next, out bool wants_shadow,
             out ShadowRay shadow) {
   wants_ray = wants_shadow = false;
   uint slot = ray.slot;
+  if (uses_lobe(kLobeDispersion)) path_channel = (slot_sample(slot) + slot_sampler(slot).scramble % 3u) % 3u;
+  bool scatters = uses_lobe(kLobeScattering) && path_media[slot] != kNone;
 
   if (hit.triangle == kNone) {
+    if (scatters) { // out of an open mesh; what scatters there is lost
+      path.throughput = vec3(0.0);
+      return;
+    }
     if (has(kFeatureVolume)) path.throughput *= medium_transmittance(path_media[slot], kFarAway);
     float light_pdf;
     vec3 radiance = environment_emission(ray.direction, light_pdf);
@@ -149,9 +188,17 @@ void follow(Ray ray, Hit hit, inout PathState path, out bool wants_ray, out Ray 
   Surface surface = fetch_surface(hit);
   Material material = fetch_material(surface.material);
   vec3 offset = surface.position - ray.origin;
-  if (has(kFeatureVolume)) path.throughput *= medium_transmittance(path_media[slot], length(offset));
+  if (scatters) {
+    if (scatter_in_medium(ray, length(offset), path, next)) {
+      wants_ray = wave.bounce < frame.max_depth && survives_medium(slot, path);
+      return;
+    }
+  } else if (has(kFeatureVolume)) {
+    path.throughput *= medium_transmittance(path_media[slot], length(offset));
+  }
   Vertex v = make_vertex(surface, material, ray.direction);
   if (has(kFeatureAovs) && wave.bounce == 0u) record_first_hit(slot, v, ray.origin);
+  if (has_lobe(kLobeDispersion) && v.bsdf.disperses) carry_one_channel(path);
 
   if (has(kFeatureEmission) && (material.flags & kMaterialUnlit) != 0u) {
     // KHR_materials_unlit: the surface shows its base colour; it is never sampled as a light.

@@ -44,12 +44,22 @@ void branch(Vertex v, WhittedNode node, uint index) {
   vec3 wo = to_local(v.wo, v.tangent, v.bitangent, v.normal);
   if (!kMicrofacets || !(wo.z > 0.0)) return;
   Lobes lobes = lobes_of(v.bsdf, wo);
-  WhittedNode reflected = child(v, node, vec3(-wo.xy, wo.z), facet_reflectance(v.bsdf, lobes.surface, wo.z), false);
-  bool reflects = lobes.delta_reflection && is_worth_following(reflected);
+  vec3 mirrored = vec3(-wo.xy, wo.z), reflectance = facet_reflectance(v.bsdf, lobes.surface, wo.z);
+  bool mirrors = lobes.delta_reflection;
+  if (kLayers && mirrors) reflectance *= layers_pass(v.bsdf, lobes, mirrored);
+  if (is_coated(v.bsdf) && v.bsdf.coat.alpha < kMinAlpha && is_outside(v.bsdf, 1.0)) { // one ray shows both
+    float c = dot(wo, v.bsdf.coat.normal);
+    reflectance = (mirrors ? reflectance : vec3(0.0)) + coat_fresnel(v.bsdf.coat, c);
+    if (!mirrors) mirrored = 2.0 * c * v.bsdf.coat.normal - wo;
+    mirrors = mirrored.z > 0.0;
+  }
+  WhittedNode reflected = child(v, node, mirrored, reflectance, false);
+  bool reflects = mirrors && is_worth_following(reflected);
   WhittedNode refracted = reflected;
   bool refracts = false;
   if (has(kFeatureTransmission) && lobes.delta_transmission) {
     vec3 transmittance = facet_transmittance(v.bsdf, lobes.surface, wo.z), local = -wo;
+    if (kLayers) transmittance *= layers_pass(v.bsdf, lobes, local);
     float eta = lobes.surface.eta;
     bool passes = v.bsdf.thin || refract_direction(wo, vec3(0.0, 0.0, 1.0), eta, local); // else total internal reflection
     precise vec3 scaled = transmittance / (eta * eta); // radiance where it enters a denser body

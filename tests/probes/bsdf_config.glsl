@@ -5,6 +5,10 @@
 
 #include "kernels/bsdf.glsl"
 
+// Bound by the probe: albedo tables, GGX first, then sheen, then glass from outside and inside.
+layout(set = 0, binding = BIND_TABLES, std430) readonly buffer Tables { vec4 tables[]; };
+vec4 fetch_table(uint texel) { return tables[texel]; }
+
 struct Config {
   vec3 base_color;
   float metallic;
@@ -15,12 +19,28 @@ struct Config {
   float ior;
   uint flags; // 1: entering, 2: thin
   vec4 wo;
+  vec3 sheen_color;
+  float sheen_roughness;
+  vec3 coat_normal;
+  float coat;
+  float coat_alpha;
+  float film; // weight
+  float film_ior;
+  float film_nanometres;
+  vec3 diffuse_through;
+  float diffuse_transmission;
+  vec2 stretched_alpha; // 0: alpha
+  vec2 pad;
   vec4 window; // axis and half width of a square window around it; zero width: the whole sphere
 };
 
 Bsdf bsdf_of(Config c) {
+  Coat coat = Coat(c.coat, c.coat_alpha, c.coat_normal);
+  Sheen sheen = Sheen(c.sheen_color, c.sheen_roughness, kTableTexels);
+  vec2 stretched = c.stretched_alpha.x > 0.0 ? c.stretched_alpha : vec2(c.alpha);
   return Bsdf(c.base_color, c.metallic, c.specular_color, c.specular, c.alpha, c.transmission, c.ior,
-              (c.flags & 1u) != 0u, (c.flags & 2u) != 0u);
+              (c.flags & 1u) != 0u, (c.flags & 2u) != 0u, coat, sheen, Film(c.film, c.film_ior, c.film_nanometres),
+              stretched, c.diffuse_through, c.diffuse_transmission, 0u, 2u * kTableTexels, false);
 }
 
 // Position of a direction in the region, in [0,1)^2; false if it lies outside.

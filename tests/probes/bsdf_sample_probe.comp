@@ -2,6 +2,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "kernels/sampler.glsl"
+#define BIND_TABLES 4
 #include "tests/probes/bsdf_config.glsl"
 
 layout(local_size_x = kWorkgroupSize) in;

@@ -2,6 +2,7 @@
 
 #include <array>
 
+#include "host/integrators/bidirectional/bidirectional.h"
 #include "host/integrators/bidirectional/kind.h"
 #include "host/integrators/path/kind.h"
 
@@ -10,7 +11,7 @@ namespace {
 
 constexpr std::array<std::string_view, 2> kSettings = {"hemisphere", "direct"};
 
-std::vector<RenderSettings> candidates(const RenderSettings& settings, const PackedScene&) {
+std::vector<RenderSettings> candidates(const RenderSettings& settings, const PackedScene& scene) {
   RenderSettings path = settings;
   path.integrator = &kPath;
   RenderSettings guided = path;
@@ -18,7 +19,7 @@ std::vector<RenderSettings> candidates(const RenderSettings& settings, const Pac
   RenderSettings bidirectional = settings;
   bidirectional.integrator = &kBidirectional;
   std::vector<RenderSettings> all = {path, guided};
-  if (settings.aovs.empty()) all.push_back(bidirectional);
+  if (settings.aovs.empty() && !(scene.features & kBidirectionalLacks)) all.push_back(bidirectional);
   return all;
 }
 

@@ -6,6 +6,7 @@
 
 #include "host/render/device/wave_queue.h"
 #include "host/render/loop/render_result.h"
+#include "host/scene/pack/features.h"
 #include "kernels/bidirectional/bidirectional_connect.spv.h"
 #include "kernels/bidirectional/bidirectional_shade.spv.h"
 #include "kernels/bidirectional/connection_advance.spv.h"
@@ -150,10 +151,13 @@ Bidirectional::Bidirectional(Workspace& workspace, KernelCompiler& kernels)
 
 void Bidirectional::change(const View& view, const RenderSettings& settings, Past) {
   const PackedScene& scene = workspace_.scene;
+  refuse_lobes(scene, kBidirectionalLacks, "bidirectional");
   need_ = {&kBidirectionalProgram, kBidirectionalStages,
            kernel_config(needed_features(scene, view, settings), scene.stack_size, settings)};
   kernels_.start(need_);
-  const bool merges = asks_for_photons(settings) && delta_surfaces_.area > 0.0 && workspace_.frame.light_count > 0;
+  // Photons pass smooth surfaces, not smooth coats; what only one of the two finds must not be shared.
+  const bool coated = (scene.features & gpu::kLobeCoat) != 0;
+  const bool merges = asks_for_photons(settings) && !coated && delta_surfaces_.area > 0.0 && workspace_.frame.light_count > 0;
   techniques_ = merges ? settings.techniques : settings.techniques & ~gpu::kTechniqueMerge;
   photons_ = merges ? plan_photons(std::uint64_t{settings.width} * settings.height) : PhotonPlan{};
   first_radius_ = merges ? first_radius(workspace_.frame, delta_surfaces_) : 0.0f;
@@ -162,7 +166,7 @@ void Bidirectional::change(const View& view, const RenderSettings& settings, Pas
   photon_need_ = need_;
   photon_need_.stages = kPhotonStages;
   if (merges) kernels_.start(photon_need_);
-  const std::uint32_t features = kernels_.features(kBidirectionalProgram);
+  const gpu::Feature features = kernels_.features(kBidirectionalProgram);
   bool moved = paths_.change(settings, kSharedPathStages, kRoomForShadowRays, features);
   const std::uint64_t photon_pixels = merges ? std::uint64_t{settings.width} * settings.height : 0;
   moved |= buffers_.fit({.pixels = photon_pixels, .slots = workspace_.slots, .options = stored_vertices(settings)});

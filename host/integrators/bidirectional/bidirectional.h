@@ -11,6 +11,9 @@
 
 namespace wavepath {
 
+// What its light paths do not have.
+inline constexpr gpu::Feature kBidirectionalLacks = gpu::kLobeDispersion | gpu::kLobeScattering;
+
 class Bidirectional : public Integrator {
 public:
   Bidirectional(Workspace& workspace, KernelCompiler& kernels);

@@ -17,7 +17,7 @@ constexpr std::array<std::string_view, 2> kSettings = {"hemisphere", "techniques
 constexpr std::array<std::string_view, 2> kLackedAovs = {"direct", "indirect"};
 constexpr std::array<std::string_view, 2> kFirstHitStages = {"generate", "extend"};
 
-void start_kernels(KernelCompiler& kernels, const DeviceInfo&, std::uint32_t features, const RenderSettings& settings) {
+void start_kernels(KernelCompiler& kernels, const DeviceInfo&, gpu::Feature features, const RenderSettings& settings) {
   const KernelConfig config = kernel_config(features, kExpectedStack, settings);
   kernels.start({&kBidirectionalProgram, kBidirectionalStages, config});
   kernels.start({&kPathProgram, kSharedPathStages, config});
@@ -66,7 +66,7 @@ constinit const IntegratorKind kBidirectional = {
     .features = film_features,
     .start_kernels = start_kernels,
     .bytes_per_slot =
-        [](std::uint32_t features, const RenderSettings& settings) {
+        [](gpu::Feature features, const RenderSettings& settings) {
           return bytes_per_path(features, kRoomForShadowRays) +
                  light_bytes_per_slot(settings, asks_for_photons(settings));
         },

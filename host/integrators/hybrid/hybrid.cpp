@@ -111,17 +111,17 @@ void Hybrid::make_room(const View& view, Past past) {
   const PackedScene& scene = workspace_.scene;
   need_ = {&kHybridProgram, stages_of(frame_.flags),
            kernel_config(needed_features(scene, view, settings_), scene.stack_size, settings_)};
-  const std::uint32_t path_features = need_.config.features;
+  const gpu::Feature path_features = need_.config.features;
   if (!settings_.aovs.empty()) need_.config.features |= gpu::kFeatureAovs; // which come from the G-buffer
   kernels_.start(need_);
   const std::uint32_t path_stages = lights() ? kLightingStages : 0;
   const std::uint32_t options = lights() || settings_.antialias_over_time ? kRoomForSeen : 0;
   bool moved = paths_.change(settings_, path_stages, options, kernels_.features(kHybridProgram));
   moved |= buffers_.fit({.pixels = workspace_.film.pixels()});
-  const glm::uvec3 made_for(settings_.width, settings_.height, path_features);
+  const glm::u64vec3 made_for(settings_.width, settings_.height, path_features);
   if (made_for != visibility_made_for_ || moved) {
     visibility_.reset(); // the device may not hold both at once
-    visibility_made_for_ = glm::uvec3(0);
+    visibility_made_for_ = glm::u64vec3(0);
     visibility_ =
         std::make_unique<Visibility>(workspace_.device, scene, *workspace_.on_device, workspace_.frame_buffer(),
                                      buffers_[kFrame], path_features, settings_.width, settings_.height);

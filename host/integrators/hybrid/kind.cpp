@@ -26,9 +26,9 @@ constexpr std::array<std::string_view, 2> kFirstHitStages = {"raster", "resolve"
 constexpr const char* kFiltered = "direct light and occlusion are filtered over space and time (--denoise)";
 
 // AOVs come from the G-buffer, not from the path tracer's kernels.
-std::uint32_t features(const RenderSettings&) { return gpu::kFeatureSharedFirstHit; }
+gpu::Feature features(const RenderSettings&) { return gpu::kFeatureSharedFirstHit; }
 
-void start_path_kernels(KernelCompiler& kernels, const DeviceInfo& device, std::uint32_t features,
+void start_path_kernels(KernelCompiler& kernels, const DeviceInfo& device, gpu::Feature features,
                         const RenderSettings& settings) {
   const auto start = [&](std::uint32_t bits) {
     kernels.start({&kPathProgram, kLightingStages, kernel_config(bits, kExpectedStack, settings)});
@@ -102,7 +102,7 @@ constinit const IntegratorKind kHybrid = {
     .first_hit_stages = kFirstHitStages,
     .features = features,
     .start_kernels = start_path_kernels,
-    .bytes_per_slot = [](std::uint32_t features,
+    .bytes_per_slot = [](gpu::Feature features,
                          const RenderSettings&) { return bytes_per_path(features, kRoomForShadowRays); },
     .largest_record = [](const RenderSettings&) { return std::uint64_t{2 * sizeof(gpu::Ray)}; },
     .slots_per_pixel = [](const RenderSettings& settings) { return settings.shadow_samples; },
@@ -124,7 +124,7 @@ constinit const IntegratorKind kAo = {
     .first_hit_stages = kFirstHitStages,
     .features = features,
     .start_kernels = [](KernelCompiler&, const DeviceInfo&, std::uint32_t, const RenderSettings&) {}, // it has no paths
-    .bytes_per_slot = [](std::uint32_t features,
+    .bytes_per_slot = [](gpu::Feature features,
                          const RenderSettings&) { return bytes_per_path(features, kRoomForShadowRays); },
     .largest_record = [](const RenderSettings&) { return std::uint64_t{2 * sizeof(gpu::Ray)}; },
     .slots_per_pixel = [](const RenderSettings&) { return 1u; },

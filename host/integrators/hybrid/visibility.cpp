@@ -127,7 +127,7 @@ bool edges_hold(const PackedScene& scene, const View& view, std::uint32_t width,
 }
 
 Visibility::Visibility(Device& device, const PackedScene& scene, const DeviceScene& gpu_scene, const Buffer& frame,
-                       const Buffer& hybrid, std::uint32_t features, std::uint32_t width, std::uint32_t height)
+                       const Buffer& hybrid, gpu::Feature features, std::uint32_t width, std::uint32_t height)
     : device_(device),
       constants_(specialization(kernel_config(features, scene.stack_size, {}), device.info())),
       width_(width),

@@ -37,7 +37,7 @@ public:
   // outlive this. `features`: kFeature bits that the path tracer's kernels have. Throws Error if the device cannot
   // rasterize, or no picture of this size.
   Visibility(Device& device, const PackedScene& scene, const DeviceScene& gpu_scene, const Buffer& frame,
-             const Buffer& hybrid, std::uint32_t features, std::uint32_t width, std::uint32_t height);
+             const Buffer& hybrid, gpu::Feature features, std::uint32_t width, std::uint32_t height);
 
   // Submits drawing of what `camera`, the frame's own, may see; what `prepare` records comes first.
   void render(WaveQueue& queue, const gpu::CameraView& camera, const std::function<void(Commands&)>& prepare);

@@ -17,7 +17,7 @@ namespace {
 constexpr std::array<std::string_view, 6> kSettings = {"hemisphere", "direct", "lights", "adaptive", "guide", "pixel"};
 constexpr std::array<std::string_view, 2> kFirstHitStages = {"generate", "extend"};
 
-void start_kernels(KernelCompiler& kernels, const DeviceInfo& device, std::uint32_t features,
+void start_kernels(KernelCompiler& kernels, const DeviceInfo& device, gpu::Feature features,
                    const RenderSettings& settings) {
   const auto start = [&](std::uint32_t bits) {
     kernels.start({&kPathProgram, kAllPathStages, kernel_config(bits, kExpectedStack, settings)});
@@ -56,7 +56,7 @@ constinit const IntegratorKind kPath = {
     .first_hit_stages = kFirstHitStages,
     .features = film_features,
     .start_kernels = start_kernels,
-    .bytes_per_slot = [](std::uint32_t features,
+    .bytes_per_slot = [](gpu::Feature features,
                          const RenderSettings&) { return bytes_per_path(features, kRoomForShadowRays); },
     .largest_record =
         [](const RenderSettings&) { return std::uint64_t{std::max(2 * sizeof(gpu::Ray), sizeof(gpu::PathAovs))}; },

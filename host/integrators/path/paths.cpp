@@ -30,7 +30,7 @@ constexpr std::array<std::size_t, kPathStageCount> kCompileOrder = {kShade,     
 
 // Whether paths know the vertex that they were scattered at: see the function of this name in kernels/path/shade.comp.
 bool keeps_receivers(const Extent& e) {
-  const auto has = [&](std::uint32_t feature) { return (e.features & feature) != 0; };
+  const auto has = [&](gpu::Feature feature) { return (e.features & feature) != 0; };
   const bool through_panes = has(gpu::kFeaturePanes) && has(gpu::kFeatureTriangleLights);
   return !(e.options & kStatesAlone) && (has(gpu::kFeatureLightTree) || through_panes);
 }
@@ -94,13 +94,13 @@ std::vector<Binding> path_layout() {
   return layout;
 }
 
-std::uint32_t needed_features(const PackedScene& scene, const View& view, const RenderSettings& settings) {
+gpu::Feature needed_features(const PackedScene& scene, const View& view, const RenderSettings& settings) {
   return scene.features | (view.orthographic ? gpu::kFeatureOrthographic : 0) | features_of(settings);
 }
 
-std::uint32_t film_features(const RenderSettings& settings) { return settings.aovs.empty() ? 0 : gpu::kFeatureAovs; }
+gpu::Feature film_features(const RenderSettings& settings) { return settings.aovs.empty() ? 0 : gpu::kFeatureAovs; }
 
-std::uint64_t bytes_per_path(std::uint32_t features, std::uint32_t options) {
+std::uint64_t bytes_per_path(gpu::Feature features, std::uint32_t options) {
   std::uint64_t bytes = 0;
   for (const BufferRule& rule : kRules) {
     const auto of = [&](std::uint64_t slots) {
@@ -115,14 +115,14 @@ Paths::Paths(Workspace& workspace, KernelCompiler& kernels)
     : buffers(workspace.device, kRules), workspace_(workspace), kernels_(kernels) {}
 
 bool Paths::change(const RenderSettings& settings, std::uint32_t stages, std::uint32_t options,
-                   std::uint32_t film_features) {
+                   gpu::Feature film_features) {
   const PackedScene& scene = workspace_.scene;
   const std::uint32_t camera = workspace_.frame.orthographic ? gpu::kFeatureOrthographic : 0;
   need_ = {&kPathProgram, stages,
            kernel_config(scene.features | camera | features_of(settings), scene.stack_size, settings)};
   if (stages) kernels_.start(need_);
   // Kernels that were begun for other settings may run until these are ready.
-  const std::uint32_t features = need_.config.features | kernels_.features(kPathProgram);
+  const gpu::Feature features = need_.config.features | kernels_.features(kPathProgram);
   if (!(options & kStatesAlone) && (workspace_.frame.light_count > 0 || settings.room_for_shadow_rays))
     options |= kRoomForShadowRays;
   bool moved = workspace_.fit(settings, features | film_features);

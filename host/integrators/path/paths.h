@@ -68,7 +68,7 @@ public:
   // Takes up settings and the workspace's frame: begins compiling `stages` and makes room. `options`: see above.
   // `film_features`: kFeature bits that other kernels of the integrator have. Returns whether buffers were replaced.
   bool change(const RenderSettings& settings, std::uint32_t stages, std::uint32_t options,
-              std::uint32_t film_features = 0);
+              gpu::Feature film_features = 0);
   bool is_ready() { return kernels_.ready(need_); }
   double get_ready() { return kernels_.best(need_).seconds(); }
   const KernelConfig& config() const { return need_.config; }
@@ -94,12 +94,12 @@ private:
 std::vector<Binding> path_layout();
 
 // kFeature bits that a view and settings ask for in this scene.
-std::uint32_t needed_features(const PackedScene& scene, const View& view, const RenderSettings& settings);
+gpu::Feature needed_features(const PackedScene& scene, const View& view, const RenderSettings& settings);
 
 // kFeature bits of kernels that fill the film: those of the AOVs asked for.
-std::uint32_t film_features(const RenderSettings& settings);
+gpu::Feature film_features(const RenderSettings& settings);
 
 // Bytes of path state and queues that one path in flight takes, for the features given.
-std::uint64_t bytes_per_path(std::uint32_t features, std::uint32_t options);
+std::uint64_t bytes_per_path(gpu::Feature features, std::uint32_t options);
 
 } // namespace wavepath

@@ -14,7 +14,7 @@ namespace {
 constexpr std::array<std::string_view, 4> kSettings = {"adaptive", "ambient", "branching", "cutoff"};
 constexpr std::array<std::string_view, 2> kFirstHitStages = {"whitted begin", "whitted trace"};
 
-void start_kernels(KernelCompiler& kernels, const DeviceInfo&, std::uint32_t features, const RenderSettings& settings) {
+void start_kernels(KernelCompiler& kernels, const DeviceInfo&, gpu::Feature features, const RenderSettings& settings) {
   const KernelConfig config = kernel_config(features, kExpectedStack, settings);
   kernels.start({&kWhittedProgram, kWhittedStages, config});
   kernels.start({&kPathProgram, stage_bits({kAccumulate}), config});
@@ -49,7 +49,7 @@ constinit const IntegratorKind kWhitted = {
     .features = film_features,
     .start_kernels = start_kernels,
     .bytes_per_slot =
-        [](std::uint32_t features, const RenderSettings&) {
+        [](gpu::Feature features, const RenderSettings&) {
           return bytes_per_path(features, kStatesAlone) + sizeof(gpu::WhittedNode);
         },
     .largest_record = [](const RenderSettings&) { return std::uint64_t{sizeof(gpu::WhittedNode)}; },

@@ -1,4 +1,5 @@
 #include "host/integrators/whitted/whitted.h"
+#include "host/scene/pack/features.h"
 
 #include <algorithm>
 #include <array>
@@ -59,10 +60,11 @@ Whitted::Whitted(Workspace& workspace, KernelCompiler& kernels)
 
 void Whitted::change(const View& view, const RenderSettings& settings, Past) {
   const PackedScene& scene = workspace_.scene;
+  refuse_lobes(scene, gpu::kLobeDispersion | gpu::kLobeScattering, "whitted");
   need_ = {&kWhittedProgram, kWhittedStages,
            kernel_config(needed_features(scene, view, settings), scene.stack_size, settings)};
   kernels_.start(need_);
-  const std::uint32_t features = kernels_.features(kWhittedProgram);
+  const gpu::Feature features = kernels_.features(kWhittedProgram);
   bool moved = paths_.change(settings, stage_bits({kAccumulate}), kStatesAlone, features);
   moved |= buffers_.fit({.slots = workspace_.slots});
   const gpu::WhittedFrame frame = make_frame(scene, settings);

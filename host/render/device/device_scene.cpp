@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <span>
 
 #include <fmt/format.h>
 
@@ -49,6 +50,17 @@ std::vector<std::uint32_t> light_words(const PackedScene& scene) {
   return words;
 }
 
+// Materials, behind them their layers, behind these the albedo tables.
+std::vector<std::byte> material_bytes(const PackedScene& scene) {
+  std::vector<std::byte> all;
+  const auto add = [&](const auto& records) {
+    const auto bytes = std::as_bytes(std::span(records));
+    all.insert(all.end(), bytes.begin(), bytes.end());
+  };
+  add(scene.materials), add(scene.layers), add(scene.albedo_tables);
+  return all;
+}
+
 } // namespace
 
 DeviceScene upload_scene(Device& device, const PackedScene& scene) {
@@ -82,7 +94,7 @@ DeviceScene upload_scene(Device& device, const PackedScene& scene) {
   result.vertex_uvs = upload(device, scene.vertex_uvs);
   result.vertex_colors = upload(device, scene.vertex_colors);
   result.instances = upload(device, scene.instances);
-  result.materials = upload(device, scene.materials);
+  result.materials = upload(device, material_bytes(scene));
   result.textures = upload(device, scene.textures);
   result.texels = upload(device, scene.texels);
   result.srgb_table = upload(device, scene.textures.empty() ? std::vector<float>{} : srgb_decoding());

@@ -12,12 +12,12 @@ constexpr std::uint32_t kStackStep = 64;
 
 } // namespace
 
-KernelConfig kernel_config(std::uint32_t features, std::uint32_t stack_size, const RenderSettings& settings) {
+KernelConfig kernel_config(gpu::Feature features, std::uint32_t stack_size, const RenderSettings& settings) {
   // Traversal marks the bottom of its stack, and stores one entry beyond what it keeps.
   const std::uint32_t stack = (stack_size + 2 + kStackStep - 1) / kStackStep * kStackStep;
-  if (!settings.specialize) features = gpu::kFeaturesAll;
+  if (!settings.specialize) features = gpu::kFeaturesAll | gpu::kLobesAll;
   // Generic kernels, too, leave out what the settings do not ask for.
-  constexpr std::uint32_t kByRequest = gpu::kFeatureAovs | gpu::kFeatureAdaptive | gpu::kFeatureSharedFirstHit |
+  constexpr gpu::Feature kByRequest = gpu::kFeatureAovs | gpu::kFeatureAdaptive | gpu::kFeatureSharedFirstHit |
                                        gpu::kFeatureLightRows | gpu::kFeatureGuide;
   features &= ~kByRequest | features_of(settings);
   if (settings.lights == gpu::kLightsPower || !settings.integrator->walks_light_tree)
@@ -30,8 +30,8 @@ KernelConfig kernel_config(std::uint32_t features, std::uint32_t stack_size, con
   return {features, stack, settings.sampler, settings.direct, settings.hemisphere, settings.filter, nets};
 }
 
-std::uint32_t features_of(const RenderSettings& settings) {
-  std::uint32_t features = settings.adaptive ? gpu::kFeatureAdaptive : 0;
+gpu::Feature features_of(const RenderSettings& settings) {
+  gpu::Feature features = settings.adaptive ? gpu::kFeatureAdaptive : 0;
   const bool learned = settings.lights == gpu::kLightsLearned || settings.lights == gpu::kLightsAuto;
   if (learned && settings.integrator->light_lesson_bytes > 0) features |= gpu::kFeatureLightRows;
   return features | settings.integrator->features(settings);
@@ -91,7 +91,7 @@ bool KernelCompiler::ready(const KernelNeed& need) {
 
 std::uint32_t KernelCompiler::features(const KernelProgram& program) const {
   const std::lock_guard lock(mutex_);
-  std::uint32_t features = 0;
+  gpu::Feature features = 0;
   for (const Entry& entry : entries_)
     if (entry.made_for.program == &program) features |= entry.made_for.config.features;
   return features;

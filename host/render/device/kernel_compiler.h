@@ -17,7 +17,7 @@ struct RenderSettings;
 inline constexpr std::uint32_t kExpectedStack = 62;
 
 // The configuration for a scene of these features whose tree needs `stack_size` entries, under these settings.
-KernelConfig kernel_config(std::uint32_t features, std::uint32_t stack_size, const RenderSettings& settings);
+KernelConfig kernel_config(gpu::Feature features, std::uint32_t stack_size, const RenderSettings& settings);
 
 // Where a set for many scenes may be at hand sooner than the one for this scene (as on GPUs, whose drivers take seconds
 // for new kernels but none for those in the pipeline cache), rendering begins with that. CPU drivers compile at the
@@ -25,7 +25,7 @@ KernelConfig kernel_config(std::uint32_t features, std::uint32_t stack_size, con
 bool generic_first(const DeviceInfo& device);
 
 // kFeature bits that the settings ask of kernels, whatever the scene.
-std::uint32_t features_of(const RenderSettings& settings);
+gpu::Feature features_of(const RenderSettings& settings);
 
 // Whether shadow rays pass thin smooth panes where a scene has some: a pane costs them a bounce.
 bool passes_panes(const RenderSettings& settings);
@@ -46,7 +46,7 @@ public:
   bool ready(const KernelNeed& need);
 
   // kFeature bits of all sets of the program that were begun: what buffers have to be there for.
-  std::uint32_t features(const KernelProgram& program) const;
+  gpu::Feature features(const KernelProgram& program) const;
 
 private:
   struct Entry {

@@ -37,8 +37,15 @@ bool KernelNeed::covers(const KernelNeed& need) const {
 
 std::array<std::uint32_t, gpu::kSpecCount> specialization(const KernelConfig& config, const DeviceInfo& device) {
   const std::uint32_t stack = device.type == "cpu" ? gpu::kStackRegisters : gpu::kStackArray;
-  return {config.features,   config.stack_size, config.sampler, config.direct,
-          config.hemisphere, config.filter,     stack,          config.nets};
+  return {static_cast<std::uint32_t>(config.features),
+          config.stack_size,
+          config.sampler,
+          config.direct,
+          config.hemisphere,
+          config.filter,
+          stack,
+          config.nets,
+          static_cast<std::uint32_t>(config.features >> 32)};
 }
 
 KernelSet::KernelSet(Device& device, const KernelNeed& need)

@@ -14,7 +14,7 @@ namespace wavepath {
 struct Extent {
   std::uint64_t pixels = 0;
   std::uint64_t slots = 0;    // paths in flight
-  std::uint32_t features = 0; // kFeature bits of all kernels that may run
+  gpu::Feature features = 0; // kFeature bits of all kernels that may run
   std::uint32_t options = 0;  // bits whose meaning the owner of the buffers defines
 };
 

@@ -42,7 +42,9 @@ gpu::Frame make_frame(const PackedScene& scene, const View& view, const RenderSe
   frame.root_is_top = scene.root_is_top ? 1u : 0u;
   frame.sample_total = settings.sample_total > 0 ? settings.sample_total : settings.last_sample;
   frame.slot_count = slots;
-  frame.scene_features = scene.features;
+  frame.scene_features = static_cast<std::uint32_t>(scene.features);
+  frame.scene_lobes = static_cast<std::uint32_t>(scene.features >> 32);
+  frame.first_layers = static_cast<std::uint32_t>(scene.materials.size() * gpu::kMaterialTexels);
   if (settings.lights == gpu::kLightsPower) frame.scene_features &= ~gpu::kFeatureLightTree;
   if (!passes_panes(settings)) frame.scene_features &= ~gpu::kFeaturePanes;
   frame.whole_nets = has_whole_nets(settings) ? 1u : 0u;
@@ -80,7 +82,7 @@ void Workspace::change(const View& view, const RenderSettings& settings) {
   frame = make_frame(scene, view, settings, slots);
 }
 
-bool Workspace::fit(const RenderSettings& settings, std::uint32_t features) {
+bool Workspace::fit(const RenderSettings& settings, gpu::Feature features) {
   bool moved = film.fit(film_shape(settings), features & gpu::kFeatureAovs);
   const std::uint64_t runs = features & gpu::kFeatureAdaptive ? run_count(film) : 0;
   moved |= make_room(device, runs_buffer_, runs * sizeof(std::uint32_t));

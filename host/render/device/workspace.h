@@ -26,7 +26,7 @@ public:
   void change(const View& view, const RenderSettings& settings);
   // Makes room for the film and the list of runs. `features`: kFeature bits of all kernels that may run. Sends `frame`
   // to the device. Returns whether a buffer that kernels are bound to was replaced.
-  bool fit(const RenderSettings& settings, std::uint32_t features);
+  bool fit(const RenderSettings& settings, gpu::Feature features);
   // Sends `frame` as it was changed. Nothing may be in flight.
   void send_frame();
   // The runs of kRunPixels pixels that places in a wave stand for, of an adaptive render. At first each stands for

@@ -46,13 +46,13 @@ struct IntegratorKind {
   std::span<const std::string_view> first_hit_stages{};
 
   // kFeature bits of its kernels, besides those of the scene and of RenderSettings::adaptive.
-  std::uint32_t (*features)(const RenderSettings& settings) = nullptr;
+  gpu::Feature (*features)(const RenderSettings& settings) = nullptr;
   // Begins compiling for a scene of these kFeature bits, before the scene is there. A wrong guess costs time alone.
-  void (*start_kernels)(KernelCompiler& kernels, const DeviceInfo& device, std::uint32_t features,
+  void (*start_kernels)(KernelCompiler& kernels, const DeviceInfo& device, gpu::Feature features,
                         const RenderSettings& settings) = nullptr;
   // Device memory that a path in flight takes, for the kFeature bits given, and the largest record of one in any
   // buffer.
-  std::uint64_t (*bytes_per_slot)(std::uint32_t features, const RenderSettings& settings) = nullptr;
+  std::uint64_t (*bytes_per_slot)(gpu::Feature features, const RenderSettings& settings) = nullptr;
   std::uint64_t (*largest_record)(const RenderSettings& settings) = nullptr;
   // Paths that a pixel takes in every wave.
   std::uint32_t (*slots_per_pixel)(const RenderSettings& settings) = nullptr;

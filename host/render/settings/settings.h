@@ -56,7 +56,7 @@ struct RenderSettings {
   std::uint32_t guide_iterations = 4; // in which the field is learned, at most; trials make do with fewer
 
   // For measurements. kFeature bits compiled in though the scene leaves them out, and left out though it needs them.
-  std::uint32_t added_features = 0, removed_features = 0;
+  gpu::Feature added_features = 0, removed_features = 0;
   bool room_for_shadow_rays = false;        // even where no light is sampled
   bool room_for_whole_nets = false;         // in kernels, even where the picture is too small
   std::uint32_t whole_nets_from = 1u << 16; // pixels of a picture whose nets may stay whole (whole_nets.h)

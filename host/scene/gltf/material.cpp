@@ -95,6 +95,44 @@ void read_volume(Reader& reader) {
   }
 }
 
+// KHR_materials_volume_scatter: what a deep body of the medium reflects (multiscatterColor) gives the albedo of a single
+// event (Kulla and Conty Estevez 2017, with the similarity relation for anisotropy).
+void read_scattering(Reader& reader) {
+  const json* scatter = find_property(reader.source, "extensions.KHR_materials_volume_scatter");
+  if (!scatter || !reader.material.volume) return;
+  const auto color = scatter->value("multiscatterColor", std::vector<double>(3, 0.0));
+  if (std::ranges::any_of(color, [](double c) { return c < 0.0 || c > 1.0; })) warn_of_range(reader, "multiscatterColor");
+  const double g = reader.material.scattering_anisotropy;
+  for (int i = 0; i < 3; ++i) {
+    const double rho = std::clamp(color[static_cast<std::size_t>(i)], 0.0, 1.0);
+    const double s = 4.09712 + 4.20863 * rho - std::sqrt(9.59217 + 41.6808 * rho + 17.7126 * rho * rho);
+    const double albedo = std::clamp((1.0 - s * s) / (1.0 - g * s * s), 0.0, 1.0);
+    reader.material.scattering[i] = static_cast<float>(albedo * reader.material.attenuation[i]);
+  }
+}
+
+// KHR_materials_pbrSpecularGlossiness, as the properties of metallic-roughness and KHR_materials_specular that look the
+// same: a dielectric whose F0 is the specular colour (of infinite ior, so that Schlick's curve rises from it), above the
+// diffuse colour that is left. Factors alone: its textures have no counterpart, and are named in a warning.
+json converted_glossiness(const json& source, Warnings& warnings) {
+  const json* old = find_property(source, "extensions.KHR_materials_pbrSpecularGlossiness");
+  if (!old) return source;
+  json material = source;
+  json& pbr = material["pbrMetallicRoughness"] = json::object();
+  pbr["baseColorFactor"] = old->value("diffuseFactor", std::vector<double>(4, 1.0));
+  if (old->contains("diffuseTexture")) pbr["baseColorTexture"] = (*old)["diffuseTexture"];
+  pbr["metallicFactor"] = 0.0;
+  pbr["roughnessFactor"] = 1.0 - old->value("glossinessFactor", 1.0);
+  json& extensions = material["extensions"];
+  extensions["KHR_materials_ior"] = {{"ior", 0.0}};
+  extensions["KHR_materials_specular"] = {{"specularColorFactor", old->value("specularFactor", std::vector<double>(3, 1.0))}};
+  if (old->contains("specularGlossinessTexture")) {
+    extensions["KHR_materials_specular"]["specularColorTexture"] = (*old)["specularGlossinessTexture"];
+    warnings.add("glossiness of a specular-glossiness texture ignored: its colour and the factor are read");
+  }
+  return material;
+}
+
 // What a material with KHR_materials_unlit keeps: its base colour, alpha and facing.
 json unlit_part(const json& source) {
   json part = json::object();
@@ -108,7 +146,7 @@ json unlit_part(const json& source) {
 
 Material read_material(const Document& document, ImageMap& images, Warnings& warnings, json source) {
   const bool unlit = find_property(source, "extensions.KHR_materials_unlit") != nullptr;
-  if (unlit) source = unlit_part(source);
+  source = unlit ? unlit_part(source) : converted_glossiness(source, warnings);
   Reader reader{document, source, warnings, {}};
   Material& material = reader.material;
   material.name = source.value("name", "");
@@ -118,6 +156,7 @@ Material read_material(const Document& document, ImageMap& images, Warnings& war
                                    [](const MaterialTexture&) {}});
   apply_emissive_strength(reader);
   read_volume(reader);
+  read_scattering(reader);
   visit_material_fields(Overloaded{[](const auto&) {},
                                    [&](const MaterialTexture& row) {
                                      const json* info = find_property(source, row.gltf);

@@ -45,7 +45,7 @@ Elements open_attribute(Document& document, const std::map<std::string, int>& at
 }
 
 bool uses_uv_set(const Material& material, std::uint32_t set) {
-  bool used = false;
+  bool used = needs_tangents(material) && tangent_uv_set(material) == set;
   visit_textures(material, [&](const MaterialTexture&, const TextureSlot& slot) { used |= slot.uv_set == set; });
   return used;
 }
@@ -61,7 +61,7 @@ Attributes open_attributes(Document& document, Scene& scene, const tinygltf::Pri
   result.position = open("POSITION", 3);
   result.normal = open("NORMAL", 3);
   // Tangents without normals must be ignored; they would not be orthogonal to the flat ones.
-  if (material.normal_texture.present() && result.normal.present()) result.tangent = open("TANGENT", 4);
+  if (needs_tangents(material) && result.normal.present()) result.tangent = open("TANGENT", 4);
   for (std::uint32_t set = 0; set < 2; ++set) {
     if (!uses_uv_set(material, set)) continue;
     result.uvs[set] = open("TEXCOORD_" + std::to_string(set), 2);
@@ -212,10 +212,10 @@ Mesh read_primitive(Document& document, Scene& scene, MaterialMap& map, const ti
     if (const auto count = repair_normals(part))
       scene.warnings.add("vertex normal of no length replaced by that of its faces", count);
   }
-  if (material.normal_texture.present()) {
+  if (needs_tangents(material)) {
     const std::size_t count = part.tangents.empty() ? 0 : repair_tangents(part);
     if (count) scene.warnings.add("vertex tangent of no length replaced by an arbitrary one", count);
-    if (part.tangents.empty()) generate_tangents(part, part.uvs[material.normal_texture.uv_set]);
+    if (part.tangents.empty()) generate_tangents(part, part.uvs[tangent_uv_set(material)]);
   }
   part.primitives = {{0, static_cast<std::uint32_t>(part.indices.size()), material_index, has_normals}};
   return part;

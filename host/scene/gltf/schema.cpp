@@ -200,6 +200,10 @@ std::vector<Rule> material_rules() {
       {extensions + "volume.thicknessFactor", Kind::number},
       {extensions + "volume.attenuationDistance", Kind::number},
       {extensions + "volume.attenuationColor", Kind::numbers, false, {}, 3},
+      {extensions + "volume_scatter.multiscatterColor", Kind::numbers, false, {}, 3},
+      {extensions + "pbrSpecularGlossiness.diffuseFactor", Kind::numbers, false, {}, 4},
+      {extensions + "pbrSpecularGlossiness.specularFactor", Kind::numbers, false, {}, 3},
+      {extensions + "pbrSpecularGlossiness.glossinessFactor", Kind::number},
   };
   const auto add_value = [&]<class T>(const char* path, T Material::*) {
     if (*path) rules.push_back(material_rule<T>(material + path));
@@ -207,6 +211,8 @@ std::vector<Rule> material_rules() {
   visit_material_fields(Overloaded{[&](const auto& row) { add_value(row.gltf, row.field); },
                                    [&](const MaterialTexture& row) { add_texture_rules(rules, material + row.gltf); }});
   add_texture_rules(rules, material + "occlusionTexture");
+  for (const char* name : {"diffuseTexture", "specularGlossinessTexture"})
+    add_texture_rules(rules, extensions + "pbrSpecularGlossiness." + name);
   return rules;
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <string>
 
+#include "host/base/error.h"
 #include "host/base/overloaded.h"
 #include "host/scene/pack/light_tree.h"
 #include "host/scene/pack/lights.h"
@@ -12,7 +13,7 @@
 namespace wavepath {
 namespace {
 
-std::uint32_t bit_if(bool condition, std::uint32_t bit) { return condition ? bit : 0u; }
+gpu::Feature bit_if(bool condition, gpu::Feature bit) { return condition ? bit : 0u; }
 
 template <typename Predicate>
 bool any_used_material(const Scene& scene, const Usage& usage, Predicate predicate) {
@@ -21,22 +22,24 @@ bool any_used_material(const Scene& scene, const Usage& usage, Predicate predica
   return false;
 }
 
+bool has_grain(const Material& m) { return !m.unlit && m.anisotropy > 0.0f; }
+
 bool transmits(const Material& m) { return !m.unlit && m.transmission > 0.0f; }
 
 // KHR_materials_specular scales F0 and F90 alike, so that a factor of 0 leaves Lambert's base alone.
 bool reflects_specularly(const Material& m) {
-  return !m.unlit && (m.metallic > 0.0f || m.specular > 0.0f || transmits(m));
+  return !m.unlit && (m.metallic > 0.0f || m.specular > 0.0f || transmits(m) || layer_lobes(m) != 0);
 }
 
 bool attenuates(const Material& m) {
-  return transmits(m) && m.volume && glm::any(glm::greaterThan(m.attenuation, glm::vec3(0.0f)));
+  return !m.unlit && (m.transmission > 0.0f || m.diffuse_transmission > 0.0f) && m.volume && glm::any(glm::greaterThan(m.attenuation, glm::vec3(0.0f)));
 }
 
 bool shines(const Material& m) { return m.unlit || glm::any(glm::greaterThan(m.emission, glm::vec3(0.0f))); }
 
 // The code that reads the material's textures. Filtering and transforms are decided by what is packed, see below.
-std::uint32_t texture_features(const Material& m) {
-  std::uint32_t features = 0;
+gpu::Feature texture_features(const Material& m) {
+  gpu::Feature features = 0;
   visit_textures(
       m, [&](const MaterialTexture& row, const TextureSlot&) { features |= gpu::kFeatureTextures | row.feature; });
   return features;
@@ -54,20 +57,20 @@ bool has_unfiltered_texture(const Material& m) {
   return found;
 }
 
-std::uint32_t material_features(const Scene& scene, const Usage& usage) {
-  std::uint32_t features = 0;
+gpu::Feature material_features(const Scene& scene, const Usage& usage) {
+  gpu::Feature features = 0;
   for (std::size_t i = 0; i < scene.materials.size(); ++i) {
     if (!usage.material_used[i]) continue;
     const Material& m = scene.materials[i];
     features |= texture_features(m) | bit_if(reflects_specularly(m), gpu::kFeatureSpecular) |
                 bit_if(transmits(m), gpu::kFeatureTransmission) | bit_if(attenuates(m), gpu::kFeatureVolume) |
-                bit_if(shines(m), gpu::kFeatureEmission);
+                bit_if(shines(m), gpu::kFeatureEmission) | bit_if(has_grain(m), gpu::kFeatureNormalMaps) | layer_lobes(m);
   }
   return features;
 }
 
-std::uint32_t light_features(const PackedScene& packed) {
-  std::uint32_t features = 0;
+gpu::Feature light_features(const PackedScene& packed) {
+  gpu::Feature features = 0;
   for (const gpu::Light& light : packed.lights) {
     if (light.kind == gpu::kLightTriangle)
       features |= gpu::kFeatureTriangleLights;
@@ -82,7 +85,7 @@ std::uint32_t light_features(const PackedScene& packed) {
 
 } // namespace
 
-std::uint32_t find_features(const Scene& scene, const Usage& usage, const PackedScene& packed) {
+gpu::Feature find_features(const Scene& scene, const Usage& usage, const PackedScene& packed) {
   std::uint32_t flags = 0;
   for (const gpu::Triangle& triangle : packed.triangles) flags |= triangle.surface;
   std::uint32_t texture_flags = 0;
@@ -98,7 +101,7 @@ std::uint32_t find_features(const Scene& scene, const Usage& usage, const Packed
          bit_if(texture_flags & gpu::kTextureNearest, gpu::kFeatureNearestTextures);
 }
 
-std::uint32_t expected_features(const Scene& scene, std::uint32_t direct) {
+gpu::Feature expected_features(const Scene& scene, std::uint32_t direct) {
   const Usage usage = find_usage(scene);
   const auto any = [&](auto predicate) { return any_used_material(scene, usage, predicate); };
   const bool lights = std::any_of(scene.lights.begin(), scene.lights.end(), [](const PunctualLight& light) {
@@ -110,7 +113,7 @@ std::uint32_t expected_features(const Scene& scene, std::uint32_t direct) {
          bit_if(any([](const Material& m) { return m.unlit || m.alpha_mode != AlphaMode::opaque; }),
                 gpu::kFeatureAlpha) |
          bit_if(sampled && any(may_be_pane), gpu::kFeaturePanes) |
-         bit_if(any([](const Material& m) { return !m.double_sided && !(m.transmission > 0.0f); }), gpu::kFeatureCull) |
+         bit_if(any([](const Material& m) { return !m.double_sided && !(m.transmission > 0.0f) && !(m.diffuse_transmission > 0.0f); }), gpu::kFeatureCull) |
          bit_if(usage.smooth, gpu::kFeatureSmoothNormals) | bit_if(usage.colored, gpu::kFeatureVertexColors) |
          bit_if(any(transforms_texture), gpu::kFeatureTextureTransform) |
          bit_if(any(has_unfiltered_texture), gpu::kFeatureNearestTextures) |
@@ -125,6 +128,7 @@ std::vector<LeftOut> list_left_out(const Usage& usage, const PackedScene& packed
   const std::uint64_t stream = usage.vertex_count * sizeof(glm::vec4);
   const std::uint64_t corners = packed.triangle_vertices.empty() ? packed.triangles.size() * sizeof(glm::uvec4) : 0;
   const std::string not_sampled = "--direct bsdf samples no light";
+  const char* kNoMaterial = "no material in use has it";
   std::vector<LeftOut> all = {
       {"two-level BVH", "no mesh is shown more than once", sizeof(gpu::Instance) + sizeof(bvh::WideNode),
        gpu::kFeatureInstances},
@@ -148,10 +152,18 @@ std::vector<LeftOut> list_left_out(const Usage& usage, const PackedScene& packed
       {"punctual lights", no_sampling ? not_sampled : "the scene has none that shines", 0, gpu::kFeaturePunctualLights},
       {"light tree", no_sampling ? not_sampled : "lights are few enough to pick by power",
        light_tree_bytes(packed.local_light_count), gpu::kFeatureLightTree},
+      {"clear coats", kNoMaterial, 0, gpu::kLobeCoat},
+      {"sheen", kNoMaterial, 0, gpu::kLobeSheen},
+      {"anisotropy", kNoMaterial, 0, gpu::kLobeAnisotropy},
+      {"iridescence", kNoMaterial, 0, gpu::kLobeIridescence},
+      {"diffuse transmission", kNoMaterial, 0, gpu::kLobeDiffuseTransmission},
+      {"dispersion", kNoMaterial, 0, gpu::kLobeDispersion},
+      {"scattering in volumes", kNoMaterial, 0, gpu::kLobeScattering},
+      {"multiple scattering between microfacets", "no rough metal or rough glass is in use", 0, gpu::kLobeMultiple},
       {"environment", "it is black", 0, gpu::kFeatureEnvironment},
       {"environment map", "the environment is constant or black", 0, gpu::kFeatureEnvironmentMap},
   };
-  std::uint32_t listed = 0; // two slots may share a bit
+  gpu::Feature listed = gpu::kLobesAll; // two slots may share a bit, and lobes stand above
   visit_material_fields(Overloaded{[](const auto&) {},
                                    [&](const MaterialTexture& row) {
                                      if (!(listed & row.feature))
@@ -163,6 +175,14 @@ std::vector<LeftOut> list_left_out(const Usage& usage, const PackedScene& packed
     all.push_back(
         {"vertex indices", "no surface has vertex normals, texture coordinates or colours to look up", corners});
   return all;
+}
+
+void refuse_lobes(const PackedScene& packed, gpu::Feature lacked, std::string_view integrator) {
+  const gpu::Feature found = packed.features & lacked;
+  if (!found) return;
+  const char* what = found & gpu::kLobeDispersion ? "glass that disperses light" : "volumes that scatter light";
+  throw Error("--integrator " + std::string(integrator), std::string("cannot render ") + what + ", which the scene has",
+              "use --integrator path");
 }
 
 } // namespace wavepath

@@ -11,13 +11,16 @@ namespace wavepath {
 
 // The kFeature bits of a scene whose arrays are all packed. Those that depend on the picture rather than the scene
 // (kFeatureAovs, kFeatureOrthographic) are left clear.
-std::uint32_t find_features(const Scene& scene, const Usage& usage, const PackedScene& packed);
+gpu::Feature find_features(const Scene& scene, const Usage& usage, const PackedScene& packed);
 
 // An estimate of find_features() from everything but the contents of images and the sizes of triangles, so that kernels
 // can be compiled while the scene is packed. A bit too many costs speed; a bit too few costs a second compilation.
-std::uint32_t expected_features(const Scene& scene, std::uint32_t direct);
+gpu::Feature expected_features(const Scene& scene, std::uint32_t direct);
 
 // One entry for every clear bit of packed.features: the reason, and the bytes that its data would have taken.
+// Throws Error if the scene has lobes of `lacked`, which `integrator` cannot render.
+void refuse_lobes(const PackedScene& packed, gpu::Feature lacked, std::string_view integrator);
+
 std::vector<LeftOut> list_left_out(const Usage& usage, const PackedScene& packed, std::uint32_t direct);
 
 } // namespace wavepath

@@ -8,13 +8,19 @@
 namespace wavepath {
 namespace {
 
-gpu::Material convert(const Material& m, const Scene& scene, TextureTable& textures) {
-  gpu::Material out{};
+void convert(const Material& m, const Scene& scene, MaterialTable& table) {
+  gpu::Material& out = table.materials.emplace_back();
+  gpu::MaterialLayers& layers = table.layers.emplace_back();
+  const auto put = [&]<class T>(const PackedField<T>& place, const T& value) {
+    if (place.material)
+      out.*place.material = value;
+    else
+      layers.*place.layers = value;
+  };
   visit_material_fields(Overloaded{
-      [&]<class T>(const MaterialFactor<T>& row) { out.*row.packed = m.*row.field; },
+      [&]<class T>(const MaterialFactor<T>& row) { put(row.packed, m.*row.field); },
       [&]<class T>(const MaterialChoice<T>& row) { out.flags |= row.bits[static_cast<std::size_t>(m.*row.field)]; },
-      [&](const MaterialTexture& row) { out.*row.packed = add_texture(textures, scene, m.*row.field); }});
-  return out;
+      [&](const MaterialTexture& row) { put(row.packed, add_texture(table.textures, scene, m.*row.field)); }});
 }
 
 float smallest_alpha(const Image& image) {
@@ -46,9 +52,22 @@ bool lets_rays_through(const Material& m, float alpha) {
 
 } // namespace
 
+gpu::Feature layer_lobes(const Material& m) {
+  if (m.unlit) return 0;
+  const auto bit_if = [](bool condition, gpu::Feature bit) { return condition ? bit : 0; };
+  const bool rough = m.roughness * m.roughness >= gpu::kMinAlpha;
+  return bit_if(m.coat > 0.0f, gpu::kLobeCoat) | bit_if(m.sheen_color != glm::vec3(0.0f), gpu::kLobeSheen) |
+         bit_if(m.anisotropy > 0.0f, gpu::kLobeAnisotropy) | bit_if(m.iridescence > 0.0f, gpu::kLobeIridescence) |
+         bit_if(m.diffuse_transmission > 0.0f, gpu::kLobeDiffuseTransmission) |
+         bit_if(m.dispersion > 0.0f && m.volume && m.transmission > 0.0f, gpu::kLobeDispersion) |
+         bit_if(m.scattering != glm::vec3(0.0f), gpu::kLobeScattering) |
+         bit_if(rough && (m.metallic > 0.0f || m.transmission > 0.0f), gpu::kLobeMultiple);
+}
+
 bool may_be_pane(const Material& m) {
   const bool transmits = !m.unlit && m.transmission > 0.0f && !m.volume;
   const bool metal = m.metallic == 1.0f && !m.metallic_roughness_texture.present();
+  if (m.coat > 0.0f || m.sheen_color != glm::vec3(0.0f)) return false;
   const bool smooth = m.roughness * m.roughness < gpu::kMinAlpha || m.metallic_roughness_texture.present();
   return transmits && !metal && smooth;
 }
@@ -59,7 +78,7 @@ MaterialTable pack_materials(const Scene& scene, const Usage& usage) {
   for (std::size_t m = 0; m < scene.materials.size(); ++m) {
     if (!usage.material_used[m]) continue;
     table.packed_index[m] = static_cast<std::uint32_t>(table.materials.size());
-    table.materials.push_back(convert(scene.materials[m], scene, table.textures));
+    convert(scene.materials[m], scene, table);
   }
   return table;
 }
@@ -89,7 +108,7 @@ std::vector<std::uint32_t> triangle_flags(const Scene& scene, const Mesh& mesh, 
     const Material& m = scene.materials[mesh.primitives[p].material];
     const float texture_alpha = m.base_color_texture.present() ? image_alpha[m.base_color_texture.image] : 1.0f;
     // A transmissive surface is never culled: rays inside the body leave through its back faces.
-    if (!m.double_sided && !(m.transmission > 0.0f)) flags[p] |= gpu::kTriangleSingleSided;
+    if (!m.double_sided && !(m.transmission > 0.0f) && !(m.diffuse_transmission > 0.0f)) flags[p] |= gpu::kTriangleSingleSided;
     // Unlit surfaces are there for the eye alone; traversal has to ask.
     if (m.unlit || lets_rays_through(m, m.base_color.a * texture_alpha * color_alpha)) flags[p] |= gpu::kTriangleAlpha;
     if (may_be_pane(m)) flags[p] |= gpu::kTrianglePane;

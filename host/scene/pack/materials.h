@@ -13,12 +13,16 @@ namespace wavepath {
 
 struct MaterialTable {
   std::vector<gpu::Material> materials;
+  std::vector<gpu::MaterialLayers> layers;
   std::vector<std::uint32_t> packed_index; // by scene material; kNoIndex where unused
   TextureTable textures;
 };
 
 // Texture indices point into the table's own textures; no texel is touched.
 MaterialTable pack_materials(const Scene& scene, const Usage& usage);
+
+// The kLobe bits of what the material has beyond metallic-roughness.
+gpu::Feature layer_lobes(const Material& material);
 
 // Whether the surface is a thin smooth pane (is_pane() of kernels/bsdf.glsl), at some texels at least.
 bool may_be_pane(const Material& material);

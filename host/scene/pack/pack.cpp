@@ -8,6 +8,7 @@
 #include "host/base/clock.h"
 #include "host/base/error.h"
 #include "host/scene/bounds.h"
+#include "host/scene/pack/albedo_tables.h"
 #include "host/scene/pack/environment_light.h"
 #include "host/scene/pack/features.h"
 #include "host/scene/pack/geometry.h"
@@ -150,6 +151,13 @@ PackedScene pack(Scene& scene, std::uint32_t direct, bvh::Quality quality, const
   const double environment = pack_environment(scene.environment, direct, packed);
   pack_lights(scene, objects, object_of, environment, direct, lights, packed);
   packed.features = find_features(scene, layout.usage, packed);
+  if (const gpu::Feature lobes = packed.features & gpu::kLobesAll) {
+    packed.layers = std::move(materials.layers);
+    const std::size_t texels =
+        packed.materials.size() * gpu::kMaterialTexels + packed.layers.size() * gpu::kLayerTexels;
+    packed.albedo_tables =
+        make_albedo_tables(packed.materials, packed.layers, lobes, static_cast<std::uint32_t>(texels));
+  }
   packed.left_out = list_left_out(layout.usage, packed, direct);
   return packed;
 }

@@ -18,7 +18,7 @@ namespace wavepath {
 struct LeftOut {
   std::string what, why;
   std::uint64_t bytes = 0;   // that it would have cost on the device
-  std::uint32_t feature = 0; // kFeature bit of the code that goes with it; 0 = data alone
+  gpu::Feature feature = 0; // kFeature bit of the code that goes with it; 0 = data alone
 };
 
 // A run of PackedScene::triangles, drawn once for each of a run of PackedScene::instances.
@@ -45,6 +45,9 @@ struct PackedScene {
   std::vector<glm::vec4> vertex_normals, vertex_uvs, vertex_colors;
 
   std::vector<gpu::Material> materials;
+  // By material, and the albedo tables that they refer to; empty where no lobe (kLobe bits) is in use.
+  std::vector<gpu::MaterialLayers> layers;
+  std::vector<glm::vec4> albedo_tables;
   std::vector<std::string> material_names; // for messages
   std::vector<gpu::Texture> textures;
   std::vector<std::uint32_t> texels;
@@ -64,7 +67,7 @@ struct PackedScene {
   std::vector<glm::vec4> environment;          // radiance, probability of the texel
   std::vector<std::uint32_t> environment_ends; // intervals of the rows, then of the columns of each (see intervals.h)
 
-  std::uint32_t features = 0; // kFeature bits
+  gpu::Feature features = 0; // kFeature and kLobe bits
   std::vector<LeftOut> left_out;
   std::uint64_t triangle_count = 0;    // as seen: instances counted
   std::uint64_t dropped_triangles = 0; // non-finite or degenerate

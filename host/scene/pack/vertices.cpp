@@ -80,7 +80,7 @@ Streams needed_streams(const Scene& scene, const Usage& usage) {
   streams.colors = usage.colored;
   for (std::size_t m = 0; m < scene.materials.size(); ++m) {
     if (!usage.material_used[m]) continue;
-    streams.normals = streams.normals || scene.materials[m].normal_texture.present();
+    streams.normals = streams.normals || needs_tangents(scene.materials[m]);
     visit_textures(scene.materials[m], [&](const MaterialTexture&, const TextureSlot&) { streams.uvs = true; });
   }
   return streams;
