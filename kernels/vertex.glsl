@@ -20,6 +20,7 @@ struct Vertex {
   vec3 normal; // the same, held towards wo
   vec3 tangent, bitangent;
   Bsdf bsdf;
+  vec3 plane;       // the normal before a map bent it, on wo's side (kFeatureNormalMaps)
   vec3 coat_normal; // world, on wo's side (kLobeCoat)
   vec3 grain;       // world: the direction along which microfacets are stretched, zero if they are not (kLobeAnisotropy)
 };
@@ -156,7 +157,11 @@ Vertex make_vertex(Surface surface, Material material, vec3 direction) {
   v.bumped = bumped_normal(surface, material, v.front);
   vec3 base = base_color(material, surface.uv, surface.color).rgb;
   v.bsdf = make_bsdf(material, surface.uv, base, v.front);
-  v.coat_normal = v.bumped;
+  v.plane = v.coat_normal = v.bumped;
+  if (has(kFeatureNormalMaps)) {
+    vec3 n = surface.vertex_normal;
+    v.plane = dot(n, v.front ? surface.geometric_normal : -surface.geometric_normal) < 0.0 ? -n : n;
+  }
   v.grain = vec3(0.0);
   if (kLobes != 0u) read_layers(v);
   set_basis(v);
@@ -167,6 +172,68 @@ Vertex make_vertex(Surface surface, Material material, vec3 direction) {
 bool sides_agree(Vertex v, vec3 wi) {
   vec3 facing = v.front ? v.surface.geometric_normal : -v.surface.geometric_normal;
   return (dot(wi, facing) > 0.0) == (dot(wi, v.normal) > 0.0);
+}
+
+// ---- scattering in world space --------------------------------------------------------------------------------------
+// Half of what a bent normal scatters may head below the surface that the map stands for, where no light is. It is mirrored
+// up at that surface: value and density of a direction are those of the BSDF for it and for its mirror image, so that a
+// white surface returns all light whatever its map (cutting these directions off returned 57 % in a strong map). Mirrors
+// are left as they are: what is folded could not be followed back from the light.
+
+vec3 to_local(Vertex v, vec3 direction) { return to_local(direction, v.tangent, v.bitangent, v.normal); }
+
+// The mirror image of wi, if the BSDF sends light on wi's side there.
+bool has_image(Vertex v, vec3 wi, out vec3 image) {
+  if (!has(kFeatureNormalMaps)) return false;
+  image = to_local(v, wi - 2.0 * dot(wi, v.plane) * v.plane);
+  return (image.z > 0.0) == (dot(wi, v.plane) > 0.0) && v.plane != v.normal;
+}
+
+// f |cos| for light that the vertex sends to v.wo, and its density. wi must lie on the side that sides_agree() asks for.
+vec3 vertex_eval(Vertex v, Lobes l, vec3 wi, out float pdf) {
+  vec3 wo = to_local(v, v.wo), image;
+  vec3 value = eval_lobes(v.bsdf, l, wo, to_local(v, wi), pdf);
+  if (has_image(v, wi, image)) {
+    float image_pdf;
+    value += eval_lobes(v.bsdf, l, wo, image, image_pdf);
+    pdf += image_pdf;
+  }
+  return value;
+}
+
+vec3 vertex_eval(Vertex v, vec3 wi, out float pdf) {
+  pdf = 0.0;
+  vec3 wo = to_local(v, v.wo);
+  if (!(wo.z > 0.0)) return vec3(0.0);
+  return vertex_eval(v, lobes_of(v.bsdf, wo), wi, pdf);
+}
+
+// A direction drawn in world space from the BSDF: the sampled one, or its image where it heads below.
+vec3 drawn_direction(Vertex v, BsdfSample s) {
+  vec3 wi = normalize(to_world(s.wi, v.tangent, v.bitangent, v.normal));
+  bool below = has(kFeatureNormalMaps) && s.pdf >= 0.0 && (dot(wi, v.plane) > 0.0) != (s.wi.z > 0.0);
+  return below ? normalize(wi - 2.0 * dot(wi, v.plane) * v.plane) : wi;
+}
+
+// Draws a direction; false if the path ends here.
+bool vertex_sample(Vertex v, float u_lobe, vec2 u, out BsdfSample s, out vec3 wi) {
+  if (!has(kFeatureNormalMaps)) {
+    if (!bsdf_sample(v.bsdf, to_local(v, v.wo), u_lobe, u, s)) return false;
+    wi = normalize(to_world(s.wi, v.tangent, v.bitangent, v.normal));
+    return true;
+  }
+  s = BsdfSample(vec3(0.0, 0.0, 1.0), vec3(0.0), 0.0, 1.0, false);
+  vec3 wo = to_local(v, v.wo);
+  if (!(wo.z > 0.0)) return false;
+  Lobes l = lobes_of(v.bsdf, wo);
+  bool delta;
+  if (!bsdf_sample_direction(v.bsdf, l, wo, u_lobe, u, s, delta)) return false;
+  wi = drawn_direction(v, s);
+  if (delta) return true;
+  vec3 value = vertex_eval(v, l, wi, s.pdf);
+  if (!(s.pdf > 0.0) || !is_finite(s.pdf)) return false;
+  s.weight = value / s.pdf;
+  return true;
 }
 
 // The medium that a ray is in after it crossed the surface of a volume.

@@ -103,14 +103,22 @@ TEST(Layout, Geometry) {
 
 TEST(Layout, Materials) {
   Offsets offsets = {AT(Material, flags)};
+  Offsets layer_offsets = {AT(MaterialLayers, ggx_table), AT(MaterialLayers, sheen_table),
+                           AT(MaterialLayers, glass_table)};
   const Material material{};
+  const MaterialLayers layers{};
+  const auto distance = [](const auto* from, const auto* to) {
+    return static_cast<std::size_t>(reinterpret_cast<const char*>(to) - reinterpret_cast<const char*>(from));
+  };
   const auto add = [&](const auto& row) {
-    const auto* member = &(material.*row.packed);
-    offsets[row.name] =
-        static_cast<std::size_t>(reinterpret_cast<const char*>(member) - reinterpret_cast<const char*>(&material));
+    if (row.packed.material)
+      offsets[row.name] = distance(&material, &(material.*row.packed.material));
+    else
+      layer_offsets[row.name] = distance(&layers, &(layers.*row.packed.layers));
   };
   visit_material_fields(Overloaded{add, []<class T>(const MaterialChoice<T>&) {}}); // choices are bits of `flags`
   compare("Material", sizeof(Material), offsets);
+  compare("MaterialLayers", sizeof(MaterialLayers), layer_offsets);
   compare("Texture", sizeof(Texture),
           {AT(Texture, first_texel), AT(Texture, width), AT(Texture, height), AT(Texture, flags),
            AT(Texture, uv_matrix), AT(Texture, uv_offset)});
@@ -155,7 +163,7 @@ TEST(Layout, Frame) {
            AT(Frame, scene_features),
            AT(Frame, local_light_count),
            AT(Frame, light_sum_scale),
-           AT(Frame, whole_nets)});
+           AT(Frame, whole_nets), AT(Frame, scene_lobes), AT(Frame, first_layers)});
   compare("Wave", sizeof(Wave),
           {AT(Wave, first_pixel), AT(Wave, pixel_count), AT(Wave, first_sample), AT(Wave, sample_count),
            AT(Wave, bounce), AT(Wave, first_film_pixel)});

@@ -237,6 +237,8 @@ TEST(Features, FollowTheMaterialsInUse) {
   EXPECT_EQ(features_of(m), gpu::kFeatureCull);
   m = plain;
   m.metallic = 0.1f;
+  EXPECT_EQ(features_of(m), gpu::kFeatureSpecular | gpu::kLobeMultiple);
+  m.roughness = 0.0f; // a mirror has no second bounce
   EXPECT_EQ(features_of(m), gpu::kFeatureSpecular);
   m = plain;
   m.specular = 1.0f;
@@ -248,13 +250,15 @@ TEST(Features, FollowTheMaterialsInUse) {
   m = plain;
   m.transmission = 1.0f;
   m.volume = true;
+  EXPECT_EQ(features_of(m) & gpu::kLobesAll, gpu::kLobeMultiple);
+  m.roughness = 0.0f;
   EXPECT_EQ(features_of(m), gpu::kFeatureSpecular | gpu::kFeatureTransmission); // clear glass needs no medium
   m.attenuation = {0.0f, 1.0f, 0.0f};
   EXPECT_EQ(features_of(m), gpu::kFeatureSpecular | gpu::kFeatureTransmission | gpu::kFeatureVolume);
   m = plain;
   m.normal_texture.image = 0;
   EXPECT_EQ(features_of(m), gpu::kFeatureTextures | gpu::kFeatureNormalMaps);
-  const std::pair<TextureSlot Material::*, std::uint32_t> slots[] = {
+  const std::pair<TextureSlot Material::*, gpu::Feature> slots[] = {
       {&Material::base_color_texture, gpu::kFeatureBaseColorTextures},
       {&Material::metallic_roughness_texture, gpu::kFeatureMetallicRoughnessTextures},
       {&Material::specular_texture, gpu::kFeatureSpecularTextures},

@@ -136,8 +136,8 @@ bool scatter(Vertex v, Sampler path_sampler, uint dimension, uint slot, inout Pa
   vec2 u_choice = sample_2d(path_sampler, dimension + kDimensionChoice);
   vec3 local = to_local(v, v.wo);
   BsdfSample s;
-  if (!bsdf_sample(v.bsdf, local, u_choice.x, u, s)) return false;
-  vec3 wi = normalize(to_world(s.wi, v.tangent, v.bitangent, v.normal));
+  vec3 wi;
+  if (!vertex_sample(v, u_choice.x, u, s, wi)) return false;
   if (!sides_agree(v, wi)) return false;
 
   float cosine = surface_cosine(v, wi);

@@ -105,8 +105,8 @@ bool scatter(Vertex v, Sampler path_sampler, uint dimension, uint slot, inout Pa
   vec2 u_choice = sample_2d(path_sampler, dimension + kDimensionChoice);
   vec3 local = to_local(v, v.wo);
   BsdfSample s;
-  if (!bsdf_sample(v.bsdf, local, u_choice.x, u, s)) return false;
-  vec3 w = normalize(to_world(s.wi, v.tangent, v.bitangent, v.normal));
+  vec3 w;
+  if (!vertex_sample(v, u_choice.x, u, s, w)) return false;
   Vertex seen = seen_from(v, w);
   float out_cosine = surface_cosine(v, w), in_cosine = surface_cosine(v, v.wo);
   if (!(out_cosine > 0.0) || !sides_agree(seen, v.wo)) return false;
@@ -115,7 +115,7 @@ bool scatter(Vertex v, Sampler path_sampler, uint dimension, uint slot, inout Pa
     if (!light_passes_delta(v, local, s, w, path, weights)) return false;
   } else {
     float forward;
-    vec3 value = bsdf_eval(seen.bsdf, to_local(seen, w), to_local(seen, v.wo), forward);
+    vec3 value = vertex_eval(seen, v.wo, forward);
     path.throughput *= value * (out_cosine / (in_cosine * s.pdf));
     weights = scattered(weights, out_cosine, s.pdf, forward, wave.bounce == 1u || uses_technique(kTechniqueConnect));
   }

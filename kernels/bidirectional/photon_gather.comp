@@ -35,7 +35,7 @@ bool is_near(Vertex v, Photon photon) {
 vec3 light_of(Vertex v, Photon photon) {
   if (!sides_agree(v, photon.direction)) return vec3(0.0);
   float forward;
-  vec3 value = bsdf_eval(v.bsdf, to_local(v, v.wo), to_local(v, photon.direction), forward);
+  vec3 value = vertex_eval(v, photon.direction, forward);
   return value * photon.light * photon_weight(photon, forward);
 }
 

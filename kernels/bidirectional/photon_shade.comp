@@ -53,12 +53,11 @@ float go_probability(Vertex v, Lobes lobes) {
 
 // Scatters the path by a lobe that is not delta. `u_lobe`: what the choice to do so has left of its number.
 bool scatter(Vertex v, vec3 local, float u_lobe, vec2 u, inout PathState path, inout PathWeights weights, out vec3 w, out BsdfSample s) {
-  if (!bsdf_sample(v.bsdf, local, u_lobe, u, s) || s.pdf < 0.0) return false;
-  w = normalize(to_world(s.wi, v.tangent, v.bitangent, v.normal));
+  if (!vertex_sample(v, u_lobe, u, s, w) || s.pdf < 0.0) return false;
   Vertex seen = seen_from(v, w);
   float out_cosine = surface_cosine(v, w), forward;
   if (!(out_cosine > 0.0) || !sides_agree(seen, v.wo)) return false;
-  vec3 value = bsdf_eval(seen.bsdf, to_local(seen, w), to_local(seen, v.wo), forward);
+  vec3 value = vertex_eval(seen, v.wo, forward);
   path.throughput *= value * (out_cosine / (surface_cosine(v, v.wo) * s.pdf));
   weights = scattered(weights, out_cosine, s.pdf, forward, false);
   return true;

@@ -7,13 +7,12 @@
 
 #include "kernels/vertex.glsl"
 
-vec3 to_local(Vertex v, vec3 direction) { return to_local(direction, v.tangent, v.bitangent, v.normal); }
 float surface_cosine(Vertex v, vec3 direction) { return abs(dot(v.surface.geometric_normal, direction)); }
 
 // The same point, seen from another direction.
 Vertex seen_from(Vertex v, vec3 wo) {
   bool front = dot(v.surface.geometric_normal, wo) >= 0.0;
-  if (front != v.front) v.bumped = -v.bumped, v.coat_normal = -v.coat_normal;
+  if (front != v.front) v.bumped = -v.bumped, v.plane = -v.plane, v.coat_normal = -v.coat_normal;
   v.wo = wo;
   v.front = v.bsdf.entering = front;
   set_basis(v);
@@ -24,7 +23,7 @@ Vertex seen_from(Vertex v, vec3 wo) {
 float reverse_pdf(Vertex v, vec3 wi) {
   Vertex turned = seen_from(v, wi);
   float pdf;
-  bsdf_eval(turned.bsdf, to_local(turned, wi), to_local(turned, v.wo), pdf);
+  vertex_eval(turned, v.wo, pdf);
   return pdf;
 }
 
@@ -32,7 +31,7 @@ float reverse_pdf(Vertex v, vec3 wi) {
 vec3 scatter_value(Vertex v, vec3 wi, out float forward, out float reverse) {
   forward = reverse = 0.0;
   if (!sides_agree(v, wi)) return vec3(0.0);
-  vec3 value = bsdf_eval(v.bsdf, to_local(v, v.wo), to_local(v, wi), forward);
+  vec3 value = vertex_eval(v, wi, forward);
   if (max_component(value) > 0.0) reverse = reverse_pdf(v, wi);
   return value;
 }

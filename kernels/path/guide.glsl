@@ -89,36 +89,6 @@ float guided_pdf(Guide guide, float bsdf_pdf, vec3 direction) {
   return mix(bsdf_pdf, guide_pdf(guide, direction), guide.probability);
 }
 
-// As bsdf_sample(), by both techniques; wi is a unit vector of the world as well. `bsdf_pdf`: of the BSDF alone.
-bool guided_sample(Bsdf b, Guide guide, vec3 wo, vec3 tangent, vec3 bitangent, vec3 normal, float u_choice, vec2 u,
-                   out BsdfSample s, out float bsdf_pdf) {
-  bool delta = false;
-  bsdf_pdf = 0.0;
-  if (!(wo.z > 0.0)) return false;
-  Lobes l = lobes_of(b, wo);
-  bool guided = u_choice < guide.probability;
-  vec3 wi;
-  if (guided) {
-    wi = sample_guide(guide, u);
-    s = BsdfSample(to_local(wi, tangent, bitangent, normal), vec3(0.0), 0.0, 1.0, false);
-    s.transmitted = s.wi.z < 0.0;
-    if (has(kFeatureTransmission) && s.transmitted && !b.thin) s.eta_scale = l.surface.eta * l.surface.eta;
-  } else {
-    float u_lobe = min((u_choice - guide.probability) / (1.0 - guide.probability), kOneMinusEpsilon);
-    if (!bsdf_sample_direction(b, l, wo, u_lobe, u, s, delta)) return false;
-    if (delta) {
-      s.weight /= 1.0 - guide.probability;
-      return true;
-    }
-    wi = to_world(s.wi, tangent, bitangent, normal);
-  }
-  vec3 value = eval_lobes(b, l, wo, s.wi, bsdf_pdf);
-  s.pdf = guided_pdf(guide, bsdf_pdf, wi);
-  if (!(s.pdf > 0.0) || !is_finite(s.pdf)) return false;
-  s.weight = value / s.pdf;
-  return true;
-}
-
 // ---- what the pilot notes ---------------------------------------------------------------------------------------
 
 uint guide_record(uint path, uint bounce) { return 3u * (path * kGuideBounces + bounce); }

@@ -20,7 +20,7 @@
 #include "kernels/dimensions.glsl"
 #include "kernels/emission.glsl"
 #include "kernels/path/first_hit.glsl"
-#include "kernels/path/guide.glsl"
+#include "kernels/path/guided.glsl"
 #include "kernels/path/medium.glsl"
 #include "kernels/path/nonfinite.glsl"
 #include "kernels/path/queue.glsl"
@@ -40,8 +40,7 @@ bool connect_to_light(Vertex v, Receiver receiver, Sampler path_sampler, uint di
   if (max_component(light.radiance) <= 0.0 || !(light.pdf > 0.0) || !sides_agree(v, light.direction)) return false;
 
   float bsdf_pdf;
-  vec3 wo = to_local(v.wo, v.tangent, v.bitangent, v.normal);
-  vec3 scattered = bsdf_eval(v.bsdf, wo, to_local(light.direction, v.tangent, v.bitangent, v.normal), bsdf_pdf);
+  vec3 scattered = vertex_eval(v, light.direction, bsdf_pdf);
   if (has(kFeatureGuide)) bsdf_pdf = guided_pdf(guide, bsdf_pdf, light.direction);
   float weight = light.delta || kDirect == kDirectNee ? 1.0 : mis_weight(light.pdf, bsdf_pdf);
   ray.contribution = throughput * scattered * light.radiance * (weight / light.pdf);
@@ -67,13 +66,13 @@ bool scatter(Vertex v, Sampler path_sampler, uint dimension, uint slot, inout Pa
   vec2 u = sample_2d(path_sampler, dimension + kDimensionDirection);
   vec2 u_choice = sample_2d(path_sampler, dimension + kDimensionChoice);
   BsdfSample s;
-  vec3 wo = to_local(v.wo, v.tangent, v.bitangent, v.normal);
+  vec3 wi;
   float bsdf_pdf;
   if (has(kFeatureGuide)) {
-    if (!guided_sample(v.bsdf, guide, wo, v.tangent, v.bitangent, v.normal, u_choice.x, u, s, bsdf_pdf)) return false;
-  } else if (!bsdf_sample(v.bsdf, wo, u_choice.x, u, s)) return false;
+    if (!guided_sample(v, guide, u_choice.x, u, s, wi, bsdf_pdf)) return false;
+  } else if (!vertex_sample(v, u_choice.x, u, s, wi)) return false;
   passed = uses(kFeaturePanes) && is_pane(v.bsdf) && s.pdf < 0.0 && s.transmitted;
-  vec3 wi = passed ? -v.wo : normalize(to_world(s.wi, v.tangent, v.bitangent, v.normal));
+  if (passed) wi = -v.wo;
   if (!sides_agree(v, wi)) return false;
 
   path.throughput *= s.weight;

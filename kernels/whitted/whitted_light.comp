@@ -68,8 +68,7 @@ vec3 lit_by(uint number, Vertex v, uint medium, uint path) {
   precise float pdf = s.pdf;
   if (max_component(s.radiance) <= 0.0 || !(pdf > 0.0) || !sides_agree(v, s.direction)) return vec3(0.0);
   float bsdf_pdf;
-  vec3 wo = to_local(v.wo, v.tangent, v.bitangent, v.normal), wi = to_local(s.direction, v.tangent, v.bitangent, v.normal);
-  precise vec3 value = bsdf_eval(v.bsdf, wo, wi, bsdf_pdf) * s.radiance / pdf;
+  precise vec3 value = vertex_eval(v, s.direction, bsdf_pdf) * s.radiance / pdf;
   if (has(kFeatureVolume)) {
     bool crossing = dot(s.direction, v.normal) < 0.0 && !v.bsdf.thin;
     value *= medium_transmittance(crossing ? medium_behind(v) : medium,

@@ -18,6 +18,7 @@ layout(set = 0, binding = 0, std140) uniform FrameBlock { Frame frame; };
 layout(set = 0, binding = 1, std430) buffer Triangles { Triangle triangles[]; };
 layout(set = 0, binding = 2, std430) buffer Instances { Instance instances[]; };
 layout(set = 0, binding = 3, std430) buffer Materials { Material materials[]; };
+layout(set = 0, binding = 38, std430) buffer Layers { MaterialLayers layers[]; };
 layout(set = 0, binding = 4, std430) buffer Textures { Texture textures[]; };
 layout(set = 0, binding = 5, std430) buffer Lights { Light lights[]; };
 layout(set = 0, binding = 29, std430) buffer LightClusters { LightCluster light_clusters[]; };

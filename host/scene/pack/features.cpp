@@ -22,8 +22,6 @@ bool any_used_material(const Scene& scene, const Usage& usage, Predicate predica
   return false;
 }
 
-bool has_grain(const Material& m) { return !m.unlit && m.anisotropy > 0.0f; }
-
 bool transmits(const Material& m) { return !m.unlit && m.transmission > 0.0f; }
 
 // KHR_materials_specular scales F0 and F90 alike, so that a factor of 0 leaves Lambert's base alone.
@@ -64,7 +62,7 @@ gpu::Feature material_features(const Scene& scene, const Usage& usage) {
     const Material& m = scene.materials[i];
     features |= texture_features(m) | bit_if(reflects_specularly(m), gpu::kFeatureSpecular) |
                 bit_if(transmits(m), gpu::kFeatureTransmission) | bit_if(attenuates(m), gpu::kFeatureVolume) |
-                bit_if(shines(m), gpu::kFeatureEmission) | bit_if(has_grain(m), gpu::kFeatureNormalMaps) | layer_lobes(m);
+                bit_if(shines(m), gpu::kFeatureEmission) | bit_if(!m.unlit && needs_tangents(m), gpu::kFeatureNormalMaps) | layer_lobes(m);
   }
   return features;
 }
