@@ -78,8 +78,7 @@ struct Lobes {
 };
 
 const bool kMicrofacets = (kFeatures & (kFeatureSpecular | kFeatureTransmission)) != 0u;
-const bool kThrough = (kLobes & kLobeDiffuseTransmission) != 0u ||
-                      ((kLobes & kLobeMultiple) != 0u && (kFeatures & kFeatureTransmission) != 0u);
+const bool kThrough = (kLobes & (kLobeDiffuseTransmission | kLobeMultiple)) != 0u; // no &&: glslang makes a branch of it
 
 bool is_coated(Bsdf b) { return has_lobe(kLobeCoat) && b.coat.weight > 0.0; }
 bool has_sheen(Bsdf b) { return has_lobe(kLobeSheen) && max_component(b.sheen.color) > 0.0; }
@@ -158,7 +157,8 @@ bool is_lambert(Bsdf b) {
 float base_passes(Bsdf b, Interface surface, float mu) {
   float passes = interface_transmittance(surface, mu, b.alpha);
   if (has_lobe(kLobeIridescence) && b.film.weight > 0.0)
-    passes = min(passes, 1.0 - max_component(dielectric_reflectance(b, surface, mu)));
+    passes = min(passes, 1.0 - max_component(dielectric_reflectance(
+                                   b, surface, is_blurred(surface, b.alpha) ? blurred_cosine(surface, mu, b.alpha) : mu)));
   return passes;
 }
 
@@ -169,7 +169,7 @@ uint other_table(Bsdf b) { return !is_body(b) ? b.ggx_table : b.glass_table + (b
 
 // The lobes of light that scatters more than once, for wo; see multiple.glsl.
 void set_multiple(Bsdf b, vec3 wo, inout Lobes l) {
-  if (l.delta_reflection) return;
+  if (l.delta_reflection || is_stretched(b)) return; // no table has stretched facets: any round one returns too much
   vec4 average = table_average(own_table(b), sqrt(b.alpha));
   float missing = average.x, missing_there = is_body(b) ? average.y : missing;
   if (missing <= kLeastMissing || missing_there <= kLeastMissing) return;

@@ -61,14 +61,20 @@ vec3 fresnel_dielectric(Interface i, float c) {
 // 1.1: 0.88) and 1.001 of the light, for any roughness, direction and ior <= 3. From ior 2 + sqrt(3) on the curve dips
 // below f0 near Brewster's angle; a rough interface mixes directions from all around the dip, so it is filled (left in,
 // a white base returned up to 1.12 within 3 degrees of grazing at ior 10). Seen from inside there is no blur.
-float interface_transmittance(Interface i, float mu, float alpha) {
+float blurred_cosine(Interface i, float mu, float alpha) {
   float r = sqrt(max(i.f0_exact, 0.0));
   float low = 1.0 - min(r / 0.15, 1.0);
   float height = 0.75 * pow(max(alpha, 1e-4), 2.0 / 3.0) / (1.0 + 0.7 * alpha);
   height *= (1.0 - low * low * low) * min(1.0, 1.45 - 1.15 * r);
   float blur = height * pow(max(1.0 - mu, 1e-10), 0.3 / max(alpha, 1e-4) + 1.2 - 1.1 * alpha);
-  bool blurred = i.eta >= 1.0 && alpha >= 1e-4;
-  vec3 reflectance = fresnel_dielectric(i, blurred ? min(mu + blur, 1.0) : mu);
+  return min(mu + blur, 1.0);
+}
+
+bool is_blurred(Interface i, float alpha) { return i.eta >= 1.0 && alpha >= 1e-4; }
+
+float interface_transmittance(Interface i, float mu, float alpha) {
+  bool blurred = is_blurred(i, alpha);
+  vec3 reflectance = fresnel_dielectric(i, blurred ? blurred_cosine(i, mu, alpha) : mu);
   return 1.0 - max_component(blurred ? max(reflectance, i.f0) : reflectance);
 }
 

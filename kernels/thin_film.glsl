@@ -1,6 +1,7 @@
 // KHR_materials_iridescence: a film of nanometres on a surface, by Belcour and Barla, "A Practical Extension to Microfacet
-// Theory for the Modeling of Varying Iridescence" (2017), with Schlick's curve at both interfaces as glTF's appendix has
-// it.
+// Theory for the Modeling of Varying Iridescence" (2017), with Schlick's curve for the base as glTF's appendix has it. The
+// film's own interface is exact: by Schlick's curve, a film of no thickness would still reflect all light at grazing
+// angles.
 #ifndef WAVEPATH_THIN_FILM_GLSL
 #define WAVEPATH_THIN_FILM_GLSL
 
@@ -35,8 +36,7 @@ vec3 film_reflectance(Film film, vec3 f0, float c) {
   float cosine2 = 1.0 - (1.0 - c * c) / (ior * ior); // squared, within the film
   if (cosine2 < 0.0) return vec3(1.0);
   float inside = sqrt(cosine2);
-  float r = (ior - 1.0) / (ior + 1.0);
-  float above = schlick(vec3(r * r), c).x, through = 1.0 - above;
+  float above = fresnel_exact(c, ior), through = 1.0 - above;
   vec3 root = sqrt(min(f0, vec3(0.9999)));
   vec3 base_ior = (1.0 + root) / (1.0 - root);
   vec3 step_ = (base_ior - ior) / (base_ior + ior);

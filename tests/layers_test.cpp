@@ -83,21 +83,21 @@ TEST_F(LayersTest, SamplesAreSoundAgreeWithEvalAndKeepEnergy) {
 
 // Rough metal, rough glass and rough panes in a white furnace, seen from either side: at most 1 % is lost.
 TEST_F(LayersTest, RoughMicrofacetsReturnAllLight) {
-  for (const float ior : {1.1f, 1.5f, 2.4f}) {
+  for (const float ior : {1.5f, 2.4f}) {
     std::vector<Config> materials;
-    for (const float roughness : {0.05f, 0.2f, 0.35f, 0.5f, 0.7f, 0.85f, 1.0f}) {
+    for (const float roughness : {0.05f, 0.35f, 0.7f, 1.0f}) {
       const float alpha = roughness * roughness;
       if (ior == 1.5f) materials.push_back({.metallic = 1.0f, .alpha = alpha});
       for (const std::uint32_t flags : {kEntering, 0u, kThin})
         materials.push_back({.alpha = alpha, .transmission = 1.0f, .ior = ior, .flags = flags});
     }
     const std::vector<Config> configs = from_all_sides(materials);
-    const auto all = drawn(configs, {.batches = 128, .glass_ior = ior});
+    const auto all = drawn(configs, {.glass_ior = ior});
     for (std::size_t i = 0; i < configs.size(); ++i) {
       const std::string what = fmt::format("alpha {} ior {} flags {} cos {}", configs[i].alpha, ior, configs[i].flags,
                                            configs[i].wo.z);
       EXPECT_GE(all[i].weight.y, 0.99) << what;
-      EXPECT_LE(all[i].weight.y, 1.004) << what;
+      EXPECT_LE(all[i].weight.y, 1.002 + 3.0 * all[i].weight_error) << what;
     }
   }
 }
@@ -114,8 +114,8 @@ TEST_F(LayersTest, ColoursDeepen) {
   const glm::vec3 gold(1.0f, 0.5f, 0.1f);
   const Drawn d = drawn({seen_from({.base_color = gold, .metallic = 1.0f, .alpha = 1.0f}, 0.9)})[0];
   EXPECT_NEAR(d.weight.x, 1.0, 0.01);
-  EXPECT_LT(d.weight.y, 0.5);
-  EXPECT_GT(d.weight.y, 0.3);
+  // 0.36 of the light bounces once, at 0.52 on average; 0.64 is left, of which metal_returns() gives 0.163.
+  EXPECT_NEAR(d.weight.y, 0.36 * 0.52 + 0.64 * 0.163, 0.02);
   EXPECT_LT(d.weight.z / d.weight.y, 0.25);
 }
 
@@ -164,55 +164,57 @@ TEST_F(LayersTest, AreReciprocal) {
 // A smooth coat of ior 1.5 above black reflects 4 % at normal incidence.
 TEST_F(LayersTest, ACoatReflectsAsFresnelSays) {
   const Config black{.base_color = glm::vec3(0.0f), .specular = 0.0f, .coat = 0.5f};
-  const Drawn d = drawn({seen_from(black, 1.0)})[0];
-  EXPECT_NEAR(d.weight.x, 0.5 * 0.04, 1e-4);
-  EXPECT_EQ(d.delta, 1.0);
+  const auto all = drawn({seen_from(black, 1.0), seen_from(black, 0.5)}, {.batches = 4});
+  EXPECT_NEAR(all[0].weight.x, 0.5 * 0.04, 1e-4);
+  EXPECT_EQ(all[0].delta, 1.0);
   const double c = 0.5, g = std::sqrt(c * c + 1.25), s = (g - c) / (g + c), p = (c * (g + c) - 1.0) / (c * (g - c) + 1.0);
-  EXPECT_NEAR(drawn({seen_from(black, c)})[0].weight.x, 0.5 * 0.5 * s * s * (1.0 + p * p), 1e-4);
+  EXPECT_NEAR(all[1].weight.x, 0.5 * 0.5 * s * s * (1.0 + p * p), 1e-4);
 }
 
 // Below a white coat of any roughness, a white diffuse base returns nearly all light.
 TEST_F(LayersTest, WhiteUnderACoatReturnsNearlyAll) {
-  for (const float alpha : {0.0f, 0.1f, 0.5f}) {
-    const auto all = drawn(from_all_sides({{.specular = 0.0f, .coat = 1.0f, .coat_alpha = alpha}}));
-    for (const Drawn& d : all) EXPECT_GE(d.weight.y, 0.93) << alpha;
-  }
+  std::vector<Config> materials;
+  for (const float alpha : {0.0f, 0.1f, 0.5f}) materials.push_back({.specular = 0.0f, .coat = 1.0f, .coat_alpha = alpha});
+  for (const Drawn& d : drawn(from_all_sides(materials))) EXPECT_GE(d.weight.y, 0.93);
 }
 
-// Fibres of the roughness 1 have D = 3 sin / 2 pi; white sheen above white loses nothing at normal incidence but what the
-// smaller of the two directions' shares leaves out.
+// Sheen shines at the rim; the table holds its albedo.
 TEST_F(LayersTest, SheenIsBrightestAtTheRim) {
-  const Config cloth{.base_color = glm::vec3(0.0f), .specular = 0.0f, .sheen_color = glm::vec3(1.0f), .sheen_roughness = 0.4f};
-  const auto all = drawn(from_all_sides({cloth}));
-  EXPECT_GT(all[4].weight.y, 4.0 * all[0].weight.y);
-  std::vector<glm::vec4> table = sheen_albedo_table();
-  // The table is the albedo: at a node, cosine 0.25 = (16 / 32)^2 and roughness 0.5 = 16 / 32.
-  const Config node{.base_color = glm::vec3(0.0f), .specular = 0.0f, .sheen_color = glm::vec3(1.0f), .sheen_roughness = 0.5f};
-  EXPECT_NEAR(drawn({seen_from(node, 0.25)}, {.batches = 256})[0].weight.y, table[16 * gpu::kTableCells + 16].x, 5e-3);
+  const Config cloth{.base_color = glm::vec3(0.0f), .specular = 0.0f, .sheen_color = glm::vec3(1.0f), .sheen_roughness = 0.5f};
+  const auto all = drawn({seen_from(cloth, 1.0), seen_from(cloth, 0.05), seen_from(cloth, 0.25)}, {.batches = 256});
+  EXPECT_GT(all[1].weight.y, 4.0 * all[0].weight.y);
+  // A node: cosine 0.25 = (16 / 32)^2, roughness 0.5 = 16 / 32.
+  EXPECT_NEAR(all[2].weight.y, sheen_albedo_table()[16 * gpu::kTableCells + 16].x, 5e-3);
 }
 
 // A film thicker than the coherence of daylight shows the plain sum of all reflections, one of no thickness none.
 TEST_F(LayersTest, FilmsHaveTheirLimits) {
-  const auto reflectance = [&](float nanometres, double cosine) {
-    const Config c{.base_color = glm::vec3(0.3f), .metallic = 1.0f, .alpha = 0.0f, .film = 1.0f, .film_ior = 1.5f,
-                   .film_nanometres = nanometres};
-    return drawn({seen_from(c, cosine)})[0].weight;
-  };
+  const double cosines[] = {1.0, 0.6, 0.3};
+  std::vector<Config> configs;
+  for (const float nanometres : {5e4f, 1e-6f, 400.0f})
+    for (const double cosine : cosines)
+      configs.push_back(seen_from({.base_color = glm::vec3(0.3f), .metallic = 1.0f, .alpha = 0.0f, .film = 1.0f,
+                                   .film_ior = 1.5f, .film_nanometres = nanometres},
+                                  cosine));
+  const auto all = drawn(configs, {.batches = 8});
   const auto schlick = [](double f0, double c) { return f0 + (1.0 - f0) * std::pow(1.0 - c, 5.0); };
+  const auto exact = [](double c, double eta) {
+    const double g = std::sqrt(c * c + eta * eta - 1.0), s = (g - c) / (g + c);
+    const double p = (c * (g + c) - 1.0) / (c * (g - c) + 1.0);
+    return 0.5 * s * s * (1.0 + p * p);
+  };
   const double root = std::sqrt(0.3), base_ior = (1.0 + root) / (1.0 - root);
   const double step = (base_ior - 1.5) / (base_ior + 1.5);
-  for (const double cosine : {1.0, 0.6, 0.3}) {
-    const double inside = std::sqrt(1.0 - (1.0 - cosine * cosine) / 2.25);
-    const double above = schlick(0.04, cosine), below = schlick(step * step, inside);
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double cosine = cosines[i], inside = std::sqrt(1.0 - (1.0 - cosine * cosine) / 2.25);
+    const double above = exact(cosine, 1.5), below = schlick(step * step, inside);
     const double sum = above + (1.0 - above) * (1.0 - above) * below / (1.0 - above * below);
     for (int k = 0; k < 3; ++k) {
-      EXPECT_NEAR(reflectance(5e4f, cosine)[k], sum, 2e-3) << cosine;
-      EXPECT_NEAR(reflectance(1e-6f, cosine)[k], schlick(0.3, cosine), 2e-2) << cosine;
+      EXPECT_NEAR(all[i].weight[k], sum, 2e-3) << cosine;
+      EXPECT_NEAR(all[i + 3].weight[k], schlick(0.3, cosine), 2e-2) << cosine;
     }
   }
-  // 400 nm of ior 1.5 at normal incidence: path difference 1200 nm, a minimum at 480 and maxima at 400 and 600 nm or, with
-  // the phase jump of the denser base, the reverse; the colours must differ.
-  const glm::dvec3 coloured = reflectance(400.0f, 1.0);
+  const glm::dvec3 coloured = all[6].weight; // a path difference of two wavelengths of some colours
   EXPECT_GT(std::max({coloured.x, coloured.y, coloured.z}) - std::min({coloured.x, coloured.y, coloured.z}), 0.05);
 }
 

@@ -30,7 +30,7 @@ gpu::Feature features(const RenderSettings&) { return gpu::kFeatureSharedFirstHi
 
 void start_path_kernels(KernelCompiler& kernels, const DeviceInfo& device, gpu::Feature features,
                         const RenderSettings& settings) {
-  const auto start = [&](std::uint32_t bits) {
+  const auto start = [&](gpu::Feature bits) {
     kernels.start({&kPathProgram, kLightingStages, kernel_config(bits, kExpectedStack, settings)});
   };
   start(features);
@@ -123,7 +123,7 @@ constinit const IntegratorKind kAo = {
     .traces_paths = false,
     .first_hit_stages = kFirstHitStages,
     .features = features,
-    .start_kernels = [](KernelCompiler&, const DeviceInfo&, std::uint32_t, const RenderSettings&) {}, // it has no paths
+    .start_kernels = [](KernelCompiler&, const DeviceInfo&, gpu::Feature, const RenderSettings&) {}, // it has no paths
     .bytes_per_slot = [](gpu::Feature features,
                          const RenderSettings&) { return bytes_per_path(features, kRoomForShadowRays); },
     .largest_record = [](const RenderSettings&) { return std::uint64_t{2 * sizeof(gpu::Ray)}; },

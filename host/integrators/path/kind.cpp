@@ -19,7 +19,7 @@ constexpr std::array<std::string_view, 2> kFirstHitStages = {"generate", "extend
 
 void start_kernels(KernelCompiler& kernels, const DeviceInfo& device, gpu::Feature features,
                    const RenderSettings& settings) {
-  const auto start = [&](std::uint32_t bits) {
+  const auto start = [&](gpu::Feature bits) {
     kernels.start({&kPathProgram, kAllPathStages, kernel_config(bits, kExpectedStack, settings)});
   };
   start(features);

@@ -117,7 +117,7 @@ Paths::Paths(Workspace& workspace, KernelCompiler& kernels)
 bool Paths::change(const RenderSettings& settings, std::uint32_t stages, std::uint32_t options,
                    gpu::Feature film_features) {
   const PackedScene& scene = workspace_.scene;
-  const std::uint32_t camera = workspace_.frame.orthographic ? gpu::kFeatureOrthographic : 0;
+  const gpu::Feature camera = workspace_.frame.orthographic ? gpu::kFeatureOrthographic : 0;
   need_ = {&kPathProgram, stages,
            kernel_config(scene.features | camera | features_of(settings), scene.stack_size, settings)};
   if (stages) kernels_.start(need_);

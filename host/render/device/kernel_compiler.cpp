@@ -89,7 +89,7 @@ bool KernelCompiler::ready(const KernelNeed& need) {
   return choose(need) != nullptr;
 }
 
-std::uint32_t KernelCompiler::features(const KernelProgram& program) const {
+gpu::Feature KernelCompiler::features(const KernelProgram& program) const {
   const std::lock_guard lock(mutex_);
   gpu::Feature features = 0;
   for (const Entry& entry : entries_)

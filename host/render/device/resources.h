@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "host/gpu/kernel.h"
+#include "kernels/features.h"
 
 namespace wavepath {
 
