@@ -104,7 +104,13 @@ json material_with(const std::string& path, const json& value) {
   std::replace(pointer.begin(), pointer.end(), '.', '/');
   json material;
   material[json::json_pointer(pointer)] = value;
-  if (path == "normalTexture.scale") material["normalTexture"]["index"] = 0;
+  constexpr std::string_view kScale = ".scale"; // of a texture, which must have an index
+  if (path.ends_with("Texture.scale")) {
+    const std::string texture = pointer.substr(0, pointer.size() - kScale.size());
+    material[json::json_pointer(texture)]["index"] = 0;
+  }
+  if (path.find("clearcoatNormalTexture") != std::string::npos)
+    material["extensions"]["KHR_materials_clearcoat"]["clearcoatFactor"] = 1;
   return material;
 }
 
@@ -144,7 +150,13 @@ TEST(GltfMaterial, EveryTextureIsReadAndChecked) {
                                      ++count;
                                      json material = material_with(row.gltf, {{"index", 0}, {"texCoord", 1}});
                                      material["emissiveFactor"] = {1, 1, 1};
-                                     material["extensions"]["KHR_materials_transmission"]["transmissionFactor"] = 1;
+                                     json& extensions = material["extensions"];
+                                     extensions["KHR_materials_transmission"]["transmissionFactor"] = 1;
+                                     extensions["KHR_materials_clearcoat"]["clearcoatFactor"] = 1;
+                                     extensions["KHR_materials_sheen"]["sheenColorFactor"] = {1, 1, 1};
+                                     extensions["KHR_materials_anisotropy"]["anisotropyStrength"] = 1;
+                                     extensions["KHR_materials_iridescence"]["iridescenceFactor"] = 1;
+                                     extensions["KHR_materials_diffuse_transmission"]["diffuseTransmissionFactor"] = 1;
                                      const Material read = load(with_texture(material)).materials.at(0);
                                      const TextureSlot& slot = read.*row.field;
                                      EXPECT_TRUE(slot.present()) << row.name;
@@ -178,6 +190,43 @@ TEST(GltfMaterial, VolumeAttenuation) {
   EXPECT_EQ(clear.attenuation, glm::vec3(0));
   EXPECT_FALSE(volume({{"attenuationDistance", 1}, {"attenuationColor", {0, 0, 0}}}).volume); // thin
   EXPECT_THROW(volume({{"thicknessFactor", 1}, {"attenuationDistance", 0}}), Error);
+}
+
+// What a deep body reflects is inverted to the albedo of one event: 1 stays 1, 0 stays 0, in between it is higher.
+TEST(GltfMaterial, VolumeScattering) {
+  const Material m = only_material(
+      {{"extensions",
+        {{"KHR_materials_volume",
+          {{"thicknessFactor", 1}, {"attenuationDistance", 0.5}, {"attenuationColor", {0.1, 0.1, 0.1}}}},
+         {"KHR_materials_volume_scatter", {{"multiscatterColor", {1.0, 0.5, 0.0}}, {"scatterAnisotropy", 0.2}}}}}});
+  const float extinction = m.attenuation.x;
+  EXPECT_NEAR(extinction, std::log(10.0) / 0.5, 1e-5);
+  EXPECT_NEAR(m.scattering.x / extinction, 1.0, 1e-3);
+  EXPECT_GT(m.scattering.y / extinction, 0.8);
+  EXPECT_LT(m.scattering.y / extinction, 1.0);
+  EXPECT_NEAR(m.scattering.z / extinction, 0.0, 2e-2);
+  EXPECT_EQ(m.scattering_anisotropy, 0.2f);
+  const Material hollow = only_material(
+      {{"extensions", {{"KHR_materials_volume_scatter", {{"multiscatterColor", {1.0, 1.0, 1.0}}}}}}});
+  EXPECT_EQ(hollow.scattering, glm::vec3(0.0f)) << "there is no volume";
+}
+
+TEST(GltfMaterial, SpecularGlossinessIsConverted) {
+  const Material m = load(with_texture({{"extensions",
+                                         {{"KHR_materials_pbrSpecularGlossiness",
+                                           {{"diffuseFactor", {0.1, 0.2, 0.3, 0.4}},
+                                            {"specularFactor", {0.5, 0.6, 0.7}},
+                                            {"glossinessFactor", 0.8},
+                                            {"diffuseTexture", {{"index", 0}}}}}}}}))
+                         .materials.at(0);
+  EXPECT_EQ(m.base_color, glm::vec4(0.1f, 0.2f, 0.3f, 0.4f));
+  EXPECT_EQ(m.metallic, 0.0f);
+  EXPECT_NEAR(m.roughness, 0.2f, 1e-6f);
+  EXPECT_EQ(m.ior, 0.0f) << "F0 is the specular colour itself";
+  EXPECT_EQ(m.specular_color, glm::vec3(0.5f, 0.6f, 0.7f));
+  EXPECT_TRUE(m.base_color_texture.present());
+  EXPECT_THROW(only_material({{"extensions", {{"KHR_materials_pbrSpecularGlossiness", {{"glossinessFactor", "x"}}}}}}),
+               Error);
 }
 
 TEST(GltfMaterial, UnlitKeepsOnlyTheBaseColor) {
@@ -294,11 +343,11 @@ TEST(GltfTexture, FallbackOfABasisTexture) {
 // --- extensions ---
 
 TEST(GltfExtensions, UnknownUsedOnesAreOneWarning) {
-  GltfBuilder b = with_material({{"extensions", {{"KHR_materials_clearcoat", {{"clearcoatFactor", 1}}}}}});
-  b.root["extensionsUsed"] = {"KHR_materials_clearcoat", "EXT_mystery", "KHR_xmp_json_ld", "KHR_materials_variants"};
+  GltfBuilder b = with_material({{"extensions", {{"KHR_materials_retroreflection", {{"factor", 1}}}}}});
+  b.root["extensionsUsed"] = {"KHR_materials_retroreflection", "EXT_mystery", "KHR_xmp_json_ld", "KHR_materials_variants"};
   const Scene scene = load(b);
   ASSERT_EQ(scene.warnings.counts().size(), 1u);
-  EXPECT_NE(scene.warnings.counts().begin()->first.find("KHR_materials_clearcoat, EXT_mystery"), std::string::npos);
+  EXPECT_NE(scene.warnings.counts().begin()->first.find("KHR_materials_retroreflection, EXT_mystery"), std::string::npos);
   EXPECT_EQ(scene.warnings.counts().begin()->first.find("xmp"), std::string::npos);
   EXPECT_EQ(scene.extensions_used.size(), 4u);
 }

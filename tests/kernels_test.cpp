@@ -47,13 +47,15 @@ struct Bench {
         runs(device_, kSlots * 4),
         receivers(device_, kSlots * 16),
         light_sums(device_, 16),
-        constants{features,
+        constants{static_cast<std::uint32_t>(features),
                   packed.stack_size + 2,
                   gpu::kSamplerSobol,
                   gpu::kDirectMis,
                   gpu::kHemisphereCosine,
                   gpu::kFilterBox,
-                  stack} {
+                  stack,
+                  gpu::kNetsHalved,
+                  static_cast<std::uint32_t>(features >> 32)} {
     frame.write(&frame_, sizeof(frame_));
     for (Buffer* buffer : {&paths, &media, &path_aovs, &film, &film_aovs}) buffer->fill_zero();
     set_queues({});
@@ -109,7 +111,9 @@ gpu::Frame frame_of(const PackedScene& packed, std::uint32_t width = 64, std::ui
   gpu::Frame frame{};
   frame.root = packed.root;
   frame.root_is_top = packed.root_is_top;
-  frame.scene_features = packed.features;
+  frame.scene_features = static_cast<std::uint32_t>(packed.features);
+  frame.scene_lobes = static_cast<std::uint32_t>(packed.features >> 32);
+  frame.first_layers = static_cast<std::uint32_t>(packed.materials.size() * gpu::kMaterialTexels);
   frame.slot_count = kSlots;
   frame.width = width;
   frame.height = height;

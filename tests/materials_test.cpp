@@ -89,6 +89,33 @@ TEST(Materials, CarryEveryField) {
     EXPECT_EQ(texture, gpu::kNone);
 }
 
+TEST(Materials, LayersStandBehindTheMaterialsThatHaveThem) {
+  Scene scene = triangle_scene();
+  EXPECT_TRUE(pack(scene).layers.empty());
+  EXPECT_TRUE(pack(scene).albedo_tables.empty());
+  scene.materials[0].coat = 0.5f;
+  PackedScene packed = pack(scene);
+  ASSERT_EQ(packed.layers.size(), packed.materials.size());
+  EXPECT_EQ(packed.layers[0].coat, 0.5f);
+  EXPECT_EQ(packed.layers[0].coat_texture, gpu::kNone);
+  EXPECT_EQ(packed.features & gpu::kLobesAll, gpu::kLobeCoat);
+  EXPECT_TRUE(packed.albedo_tables.empty());
+
+  scene.materials[0].sheen_color = {0.1f, 0.2f, 0.3f};
+  packed = pack(scene);
+  EXPECT_EQ(packed.features & gpu::kLobesAll, gpu::kLobeCoat | gpu::kLobeSheen);
+  EXPECT_EQ(packed.albedo_tables.size(), gpu::kTableTexels);
+  EXPECT_EQ(packed.layers[0].sheen_table, gpu::kMaterialTexels + gpu::kLayerTexels);
+
+  // Rough glass has its tables by ior, behind that of microfacets.
+  scene.materials[0] = plain_material();
+  scene.materials[0].transmission = 1.0f, scene.materials[0].volume = true, scene.materials[0].roughness = 0.5f;
+  packed = pack(scene);
+  EXPECT_EQ(packed.features & gpu::kLobesAll, gpu::kLobeMultiple);
+  EXPECT_EQ(packed.albedo_tables.size(), 3 * gpu::kTableTexels);
+  EXPECT_EQ(packed.layers[0].glass_table, packed.layers[0].ggx_table + gpu::kTableTexels);
+}
+
 TEST(Materials, PointEverySlotAtItsOwnTexture) {
   Scene scene = triangle_scene();
   Material& m = scene.materials[0];

@@ -71,7 +71,7 @@ gpu::Frame frame_of(const PackedScene& packed, const View& view, const FrameSett
   frame.root_is_top = packed.root_is_top ? 1u : 0u;
   frame.sample_total = 16;
   frame.slot_count = settings.width * settings.height;
-  frame.scene_features = packed.features;
+  frame.scene_features = static_cast<std::uint32_t>(packed.features);
   return frame;
 }
 
