@@ -142,9 +142,9 @@ struct MaterialLayers {
 GPU_CONSTANT uint kLayerTexels = 9u;
 GPU_CHECK(sizeof(MaterialLayers) == 16 * kLayerTexels);
 
-// Albedo tables stand behind the layers (host/scene/pack/albedo_tables.h): kTableCells^2 texels, each with the values at
-// the four corners of a cell (those of the lower roughness first, the lower cosine first), then kTableCells + 1 texels of
-// averages, by roughness. Rows go by roughness, columns by the root of the cosine, both from 0 to 1.
+// Albedo tables stand behind the layers (host/scene/pack/albedo_tables.h): kTableCells^2 texels, each with the values
+// at the four corners of a cell (those of the lower roughness first, the lower cosine first), then kTableCells + 1
+// texels of averages, by roughness. Rows go by roughness, columns by the root of the cosine, both from 0 to 1.
 GPU_CONSTANT uint kTableCells = 32u;
 GPU_CONSTANT uint kTableTexels = kTableCells * kTableCells + kTableCells + 1u;
 

@@ -196,7 +196,8 @@ TEST_F(ChiSquareTest, LayersToo) {
   const auto configs = seen_from(layered, {0.4});
   const double level = sidak(0.01, int(configs.size()));
   for (std::size_t first = 0; first < configs.size(); first += 10)
-    check({configs.begin() + long(first), configs.begin() + long(std::min(first + 10, configs.size()))}, settings, level);
+    check({configs.begin() + long(first), configs.begin() + long(std::min(first + 10, configs.size()))}, settings,
+          level);
 }
 
 // Lobes far narrower than a bin of the sphere, under a magnifying window around their centre.

@@ -36,14 +36,15 @@ std::vector<Config> zoo() {
     configs.push_back({.alpha = 0.5f, .sheen_color = glm::vec3(1.0f), .sheen_roughness = roughness});
     configs.push_back({.specular = 0.0f, .sheen_color = {1.0f, 0.2f, 0.5f}, .sheen_roughness = roughness});
   }
-  configs.push_back({.alpha = 0.5f,
-                     .sheen_color = glm::vec3(0.5f),
-                     .sheen_roughness = 0.4f,
-                     .coat = 1.0f,
-                     .coat_alpha = 0.01f});
+  configs.push_back(
+      {.alpha = 0.5f, .sheen_color = glm::vec3(0.5f), .sheen_roughness = 0.4f, .coat = 1.0f, .coat_alpha = 0.01f});
   for (const float nanometres : {100.0f, 400.0f, 800.0f}) {
     configs.push_back({.alpha = 0.2f, .film = 1.0f, .film_nanometres = nanometres});
-    configs.push_back({.base_color = glm::vec3(0.9f), .metallic = 1.0f, .alpha = 0.2f, .film = 1.0f, .film_ior = 1.8f,
+    configs.push_back({.base_color = glm::vec3(0.9f),
+                       .metallic = 1.0f,
+                       .alpha = 0.2f,
+                       .film = 1.0f,
+                       .film_ior = 1.8f,
                        .film_nanometres = nanometres});
   }
   configs.push_back({.metallic = 1.0f, .alpha = 0.1f, .stretched_alpha = {0.6f, 0.1f}});
@@ -94,8 +95,8 @@ TEST_F(LayersTest, RoughMicrofacetsReturnAllLight) {
     const std::vector<Config> configs = from_all_sides(materials);
     const auto all = drawn(configs, {.glass_ior = ior});
     for (std::size_t i = 0; i < configs.size(); ++i) {
-      const std::string what = fmt::format("alpha {} ior {} flags {} cos {}", configs[i].alpha, ior, configs[i].flags,
-                                           configs[i].wo.z);
+      const std::string what =
+          fmt::format("alpha {} ior {} flags {} cos {}", configs[i].alpha, ior, configs[i].flags, configs[i].wo.z);
       EXPECT_GE(all[i].weight.y, 0.99) << what;
       EXPECT_LE(all[i].weight.y, 1.002 + 3.0 * all[i].weight_error) << what;
     }
@@ -154,8 +155,8 @@ TEST_F(LayersTest, AreReciprocal) {
       const double a = f[i][k] / std::abs(there[i].wi.z), b = ratio * g[i][k] / std::abs(back[i].wi.z);
       through_count += through && a > 0.0;
       ASSERT_NEAR(a, b, 2e-3 * std::max(a, b) + 1e-6)
-          << "config " << there[i].config << " alpha " << c.alpha << " flags " << c.flags << " from "
-          << there[i].wo.z << " to " << there[i].wi.z;
+          << "config " << there[i].config << " alpha " << c.alpha << " flags " << c.flags << " from " << there[i].wo.z
+          << " to " << there[i].wi.z;
     }
   }
   EXPECT_GT(through_count, 100);
@@ -167,20 +168,23 @@ TEST_F(LayersTest, ACoatReflectsAsFresnelSays) {
   const auto all = drawn({seen_from(black, 1.0), seen_from(black, 0.5)}, {.batches = 4});
   EXPECT_NEAR(all[0].weight.x, 0.5 * 0.04, 1e-4);
   EXPECT_EQ(all[0].delta, 1.0);
-  const double c = 0.5, g = std::sqrt(c * c + 1.25), s = (g - c) / (g + c), p = (c * (g + c) - 1.0) / (c * (g - c) + 1.0);
+  const double c = 0.5, g = std::sqrt(c * c + 1.25), s = (g - c) / (g + c),
+               p = (c * (g + c) - 1.0) / (c * (g - c) + 1.0);
   EXPECT_NEAR(all[1].weight.x, 0.5 * 0.5 * s * s * (1.0 + p * p), 1e-4);
 }
 
 // Below a white coat of any roughness, a white diffuse base returns nearly all light.
 TEST_F(LayersTest, WhiteUnderACoatReturnsNearlyAll) {
   std::vector<Config> materials;
-  for (const float alpha : {0.0f, 0.1f, 0.5f}) materials.push_back({.specular = 0.0f, .coat = 1.0f, .coat_alpha = alpha});
+  for (const float alpha : {0.0f, 0.1f, 0.5f})
+    materials.push_back({.specular = 0.0f, .coat = 1.0f, .coat_alpha = alpha});
   for (const Drawn& d : drawn(from_all_sides(materials))) EXPECT_GE(d.weight.y, 0.93);
 }
 
 // Sheen shines at the rim; the table holds its albedo.
 TEST_F(LayersTest, SheenIsBrightestAtTheRim) {
-  const Config cloth{.base_color = glm::vec3(0.0f), .specular = 0.0f, .sheen_color = glm::vec3(1.0f), .sheen_roughness = 0.5f};
+  const Config cloth{
+      .base_color = glm::vec3(0.0f), .specular = 0.0f, .sheen_color = glm::vec3(1.0f), .sheen_roughness = 0.5f};
   const auto all = drawn({seen_from(cloth, 1.0), seen_from(cloth, 0.05), seen_from(cloth, 0.25)}, {.batches = 256});
   EXPECT_GT(all[1].weight.y, 4.0 * all[0].weight.y);
   // A node: cosine 0.25 = (16 / 32)^2, roughness 0.5 = 16 / 32.
@@ -193,8 +197,12 @@ TEST_F(LayersTest, FilmsHaveTheirLimits) {
   std::vector<Config> configs;
   for (const float nanometres : {5e4f, 1e-6f, 400.0f})
     for (const double cosine : cosines)
-      configs.push_back(seen_from({.base_color = glm::vec3(0.3f), .metallic = 1.0f, .alpha = 0.0f, .film = 1.0f,
-                                   .film_ior = 1.5f, .film_nanometres = nanometres},
+      configs.push_back(seen_from({.base_color = glm::vec3(0.3f),
+                                   .metallic = 1.0f,
+                                   .alpha = 0.0f,
+                                   .film = 1.0f,
+                                   .film_ior = 1.5f,
+                                   .film_nanometres = nanometres},
                                   cosine));
   const auto all = drawn(configs, {.batches = 8});
   const auto schlick = [](double f0, double c) { return f0 + (1.0 - f0) * std::pow(1.0 - c, 5.0); };
@@ -238,8 +246,7 @@ TEST_F(LayersTest, EqualStretchIsRound) {
   std::vector<Pair> pairs;
   for (std::uint32_t c = 0; c < 2; ++c)
     for (int k = 1; k < 20; ++k) pairs.push_back({glm::vec3(configs[c].wo), c, direction(k / 20.0, 0.3 * k)});
-  const auto values = evaluate(device(), configs, pairs, gpu::kHemisphereCosine,
-                               kAll & ~gpu::kLobeMultiple);
+  const auto values = evaluate(device(), configs, pairs, gpu::kHemisphereCosine, kAll & ~gpu::kLobeMultiple);
   for (std::size_t i = 0; i < pairs.size() / 2; ++i)
     EXPECT_NEAR(values[i].x, values[i + pairs.size() / 2].x, 1e-4 * values[i].x);
 }

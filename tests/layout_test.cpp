@@ -163,7 +163,9 @@ TEST(Layout, Frame) {
            AT(Frame, scene_features),
            AT(Frame, local_light_count),
            AT(Frame, light_sum_scale),
-           AT(Frame, whole_nets), AT(Frame, scene_lobes), AT(Frame, first_layers)});
+           AT(Frame, whole_nets),
+           AT(Frame, scene_lobes),
+           AT(Frame, first_layers)});
   compare("Wave", sizeof(Wave),
           {AT(Wave, first_pixel), AT(Wave, pixel_count), AT(Wave, first_sample), AT(Wave, sample_count),
            AT(Wave, bounce), AT(Wave, first_film_pixel)});

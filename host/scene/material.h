@@ -65,10 +65,10 @@ struct Material {
   glm::vec3 diffuse_transmission_color{1.0f};
   glm::vec3 scattering{0.0f}; // coefficient, 1/m; part of `attenuation`
   float scattering_anisotropy = 0.0f;
-  TextureSlot coat_texture, coat_roughness_texture, coat_normal_texture; // R; G
-  TextureSlot sheen_color_texture, sheen_roughness_texture;              // RGB; A
-  TextureSlot anisotropy_texture;                                        // direction in RG, strength in B
-  TextureSlot iridescence_texture, film_texture;                         // R; thickness in G
+  TextureSlot coat_texture, coat_roughness_texture, coat_normal_texture;        // R; G
+  TextureSlot sheen_color_texture, sheen_roughness_texture;                     // RGB; A
+  TextureSlot anisotropy_texture;                                               // direction in RG, strength in B
+  TextureSlot iridescence_texture, film_texture;                                // R; thickness in G
   TextureSlot diffuse_transmission_texture, diffuse_transmission_color_texture; // A; RGB
 };
 
@@ -149,7 +149,8 @@ constexpr void visit_material_fields(Visit&& visit) {
   visit(Color{WAVEPATH_LAYER(sheen_color), "extensions.KHR_materials_sheen.sheenColorFactor"});
   visit(Number{WAVEPATH_LAYER(sheen_roughness), "extensions.KHR_materials_sheen.sheenRoughnessFactor"});
   visit(Number{WAVEPATH_LAYER(anisotropy), "extensions.KHR_materials_anisotropy.anisotropyStrength"});
-  visit(Number{WAVEPATH_LAYER(anisotropy_rotation), "extensions.KHR_materials_anisotropy.anisotropyRotation", -1e4, 1e4});
+  visit(
+      Number{WAVEPATH_LAYER(anisotropy_rotation), "extensions.KHR_materials_anisotropy.anisotropyRotation", -1e4, 1e4});
   visit(Number{WAVEPATH_LAYER(iridescence), "extensions.KHR_materials_iridescence.iridescenceFactor"});
   visit(Number{WAVEPATH_LAYER(film_ior), "extensions.KHR_materials_iridescence.iridescenceIor", 1.0, 1e3});
   visit(Number{WAVEPATH_LAYER(film_lo), "extensions.KHR_materials_iridescence.iridescenceThicknessMinimum", 0.0, 1e6});
@@ -195,8 +196,9 @@ constexpr void visit_material_fields(Visit&& visit) {
   visit(MaterialTexture{WAVEPATH_LAYER(coat_roughness_texture),
                         "extensions.KHR_materials_clearcoat.clearcoatRoughnessTexture", kLinear, gpu::kLobeCoat,
                         "clear coats", coated});
-  visit(MaterialTexture{WAVEPATH_LAYER(coat_normal_texture), "extensions.KHR_materials_clearcoat.clearcoatNormalTexture",
-                        kLinear, gpu::kLobeCoat, "clear coats", coated});
+  visit(MaterialTexture{WAVEPATH_LAYER(coat_normal_texture),
+                        "extensions.KHR_materials_clearcoat.clearcoatNormalTexture", kLinear, gpu::kLobeCoat,
+                        "clear coats", coated});
   visit(MaterialTexture{WAVEPATH_LAYER(sheen_color_texture), "extensions.KHR_materials_sheen.sheenColorTexture", kSrgb,
                         gpu::kLobeSheen, "sheen", has_sheen});
   visit(MaterialTexture{WAVEPATH_LAYER(sheen_roughness_texture), "extensions.KHR_materials_sheen.sheenRoughnessTexture",

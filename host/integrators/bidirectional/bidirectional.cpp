@@ -157,7 +157,8 @@ void Bidirectional::change(const View& view, const RenderSettings& settings, Pas
   kernels_.start(need_);
   // Photons pass smooth surfaces, not smooth coats; what only one of the two finds must not be shared.
   const bool coated = (scene.features & gpu::kLobeCoat) != 0;
-  const bool merges = asks_for_photons(settings) && !coated && delta_surfaces_.area > 0.0 && workspace_.frame.light_count > 0;
+  const bool merges =
+      asks_for_photons(settings) && !coated && delta_surfaces_.area > 0.0 && workspace_.frame.light_count > 0;
   techniques_ = merges ? settings.techniques : settings.techniques & ~gpu::kTechniqueMerge;
   photons_ = merges ? plan_photons(std::uint64_t{settings.width} * settings.height) : PhotonPlan{};
   first_radius_ = merges ? first_radius(workspace_.frame, delta_surfaces_) : 0.0f;

@@ -18,7 +18,7 @@ KernelConfig kernel_config(gpu::Feature features, std::uint32_t stack_size, cons
   if (!settings.specialize) features = gpu::kFeaturesAll | gpu::kLobesAll;
   // Generic kernels, too, leave out what the settings do not ask for.
   constexpr gpu::Feature kByRequest = gpu::kFeatureAovs | gpu::kFeatureAdaptive | gpu::kFeatureSharedFirstHit |
-                                       gpu::kFeatureLightRows | gpu::kFeatureGuide;
+                                      gpu::kFeatureLightRows | gpu::kFeatureGuide;
   features &= ~kByRequest | features_of(settings);
   if (settings.lights == gpu::kLightsPower || !settings.integrator->walks_light_tree)
     features &= ~gpu::kFeatureLightTree;

@@ -22,7 +22,7 @@ struct KernelProgram {
 // What kernels are specialized for. Whatever they are compiled for beyond what a scene needs, the picture has the same
 // bits.
 struct KernelConfig {
-  gpu::Feature features = 0;   // kFeature bits
+  gpu::Feature features = 0;    // kFeature bits
   std::uint32_t stack_size = 0; // entries of the traversal stack
   std::uint32_t sampler = 0, direct = 0, hemisphere = 0, filter = 0;
   std::uint32_t nets = gpu::kNetsHalved;

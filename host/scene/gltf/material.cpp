@@ -95,13 +95,14 @@ void read_volume(Reader& reader) {
   }
 }
 
-// KHR_materials_volume_scatter: what a deep body of the medium reflects (multiscatterColor) gives the albedo of a single
-// event (Kulla and Conty Estevez 2017, with the similarity relation for anisotropy).
+// KHR_materials_volume_scatter: what a deep body of the medium reflects (multiscatterColor) gives the albedo of a
+// single event (Kulla and Conty Estevez 2017, with the similarity relation for anisotropy).
 void read_scattering(Reader& reader) {
   const json* scatter = find_property(reader.source, "extensions.KHR_materials_volume_scatter");
   if (!scatter || !reader.material.volume) return;
   const auto color = scatter->value("multiscatterColor", std::vector<double>(3, 0.0));
-  if (std::ranges::any_of(color, [](double c) { return c < 0.0 || c > 1.0; })) warn_of_range(reader, "multiscatterColor");
+  if (std::ranges::any_of(color, [](double c) { return c < 0.0 || c > 1.0; }))
+    warn_of_range(reader, "multiscatterColor");
   const double g = reader.material.scattering_anisotropy;
   for (int i = 0; i < 3; ++i) {
     const double rho = std::clamp(color[static_cast<std::size_t>(i)], 0.0, 1.0);
@@ -112,8 +113,8 @@ void read_scattering(Reader& reader) {
 }
 
 // KHR_materials_pbrSpecularGlossiness, as the properties of metallic-roughness and KHR_materials_specular that look the
-// same: a dielectric whose F0 is the specular colour (of infinite ior, so that Schlick's curve rises from it), above the
-// diffuse colour that is left. Factors alone: its textures have no counterpart, and are named in a warning.
+// same: a dielectric whose F0 is the specular colour (of infinite ior, so that Schlick's curve rises from it), above
+// the diffuse colour that is left. Factors alone: its textures have no counterpart, and are named in a warning.
 json converted_glossiness(const json& source, Warnings& warnings) {
   const json* old = find_property(source, "extensions.KHR_materials_pbrSpecularGlossiness");
   if (!old) return source;
@@ -125,7 +126,8 @@ json converted_glossiness(const json& source, Warnings& warnings) {
   pbr["roughnessFactor"] = 1.0 - old->value("glossinessFactor", 1.0);
   json& extensions = material["extensions"];
   extensions["KHR_materials_ior"] = {{"ior", 0.0}};
-  extensions["KHR_materials_specular"] = {{"specularColorFactor", old->value("specularFactor", std::vector<double>(3, 1.0))}};
+  extensions["KHR_materials_specular"] = {
+      {"specularColorFactor", old->value("specularFactor", std::vector<double>(3, 1.0))}};
   if (old->contains("specularGlossinessTexture")) {
     extensions["KHR_materials_specular"]["specularColorTexture"] = (*old)["specularGlossinessTexture"];
     warnings.add("glossiness of a specular-glossiness texture ignored: its colour and the factor are read");

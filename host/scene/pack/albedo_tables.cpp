@@ -12,7 +12,7 @@ namespace wavepath {
 namespace {
 
 constexpr std::size_t kNodes = gpu::kTableCells + 1;
-constexpr int kSide = 32; // strata of microfacets a direction, each way
+constexpr int kSide = 32;                                    // strata of microfacets a direction, each way
 using Grid = std::array<std::array<double, kNodes>, kNodes>; // [roughness][root of cosine]
 
 double alpha_at(std::size_t row) {
@@ -148,13 +148,15 @@ void append(const Grid& grid, Average average, std::vector<glm::vec4>& table) {
 std::vector<glm::vec4> ggx_albedo_table() {
   const Grid grid = fill(ggx_albedo);
   std::vector<glm::vec4> table;
-  append(grid, [&](std::size_t row) { return glm::vec4(1.0 - mean_of_row(grid[row]), 0.0, 0.0, 0.0); }, table);
+  append(
+      grid, [&](std::size_t row) { return glm::vec4(1.0 - mean_of_row(grid[row]), 0.0, 0.0, 0.0); }, table);
   return table;
 }
 
 std::vector<glm::vec4> sheen_albedo_table() {
   std::vector<glm::vec4> table;
-  append(fill(sheen_albedo), [](std::size_t) { return glm::vec4(0.0f); }, table);
+  append(
+      fill(sheen_albedo), [](std::size_t) { return glm::vec4(0.0f); }, table);
   return table;
 }
 
@@ -169,8 +171,10 @@ std::vector<glm::vec4> glass_albedo_tables(double ior) {
   }
   std::vector<glm::vec4> tables;
   const auto missing = [](const Grid& grid, std::size_t row) { return 1.0 - mean_of_row(grid[row]); };
-  append(outside, [&](std::size_t r) { return glm::vec4(missing(outside, r), missing(inside, r), passes, 0.0); }, tables);
-  append(inside, [&](std::size_t r) { return glm::vec4(missing(inside, r), missing(outside, r), passes, 0.0); }, tables);
+  append(
+      outside, [&](std::size_t r) { return glm::vec4(missing(outside, r), missing(inside, r), passes, 0.0); }, tables);
+  append(
+      inside, [&](std::size_t r) { return glm::vec4(missing(inside, r), missing(outside, r), passes, 0.0); }, tables);
   return tables;
 }
 

@@ -30,7 +30,8 @@ bool reflects_specularly(const Material& m) {
 }
 
 bool attenuates(const Material& m) {
-  return !m.unlit && (m.transmission > 0.0f || m.diffuse_transmission > 0.0f) && m.volume && glm::any(glm::greaterThan(m.attenuation, glm::vec3(0.0f)));
+  return !m.unlit && (m.transmission > 0.0f || m.diffuse_transmission > 0.0f) && m.volume &&
+         glm::any(glm::greaterThan(m.attenuation, glm::vec3(0.0f)));
 }
 
 bool shines(const Material& m) { return m.unlit || glm::any(glm::greaterThan(m.emission, glm::vec3(0.0f))); }
@@ -62,7 +63,8 @@ gpu::Feature material_features(const Scene& scene, const Usage& usage) {
     const Material& m = scene.materials[i];
     features |= texture_features(m) | bit_if(reflects_specularly(m), gpu::kFeatureSpecular) |
                 bit_if(transmits(m), gpu::kFeatureTransmission) | bit_if(attenuates(m), gpu::kFeatureVolume) |
-                bit_if(shines(m), gpu::kFeatureEmission) | bit_if(!m.unlit && needs_tangents(m), gpu::kFeatureNormalMaps) | layer_lobes(m);
+                bit_if(shines(m), gpu::kFeatureEmission) |
+                bit_if(!m.unlit && needs_tangents(m), gpu::kFeatureNormalMaps) | layer_lobes(m);
   }
   return features;
 }
@@ -111,7 +113,10 @@ gpu::Feature expected_features(const Scene& scene, std::uint32_t direct) {
          bit_if(any([](const Material& m) { return m.unlit || m.alpha_mode != AlphaMode::opaque; }),
                 gpu::kFeatureAlpha) |
          bit_if(sampled && any(may_be_pane), gpu::kFeaturePanes) |
-         bit_if(any([](const Material& m) { return !m.double_sided && !(m.transmission > 0.0f) && !(m.diffuse_transmission > 0.0f); }), gpu::kFeatureCull) |
+         bit_if(any([](const Material& m) {
+                  return !m.double_sided && !(m.transmission > 0.0f) && !(m.diffuse_transmission > 0.0f);
+                }),
+                gpu::kFeatureCull) |
          bit_if(usage.smooth, gpu::kFeatureSmoothNormals) | bit_if(usage.colored, gpu::kFeatureVertexColors) |
          bit_if(any(transforms_texture), gpu::kFeatureTextureTransform) |
          bit_if(any(has_unfiltered_texture), gpu::kFeatureNearestTextures) |

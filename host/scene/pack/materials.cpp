@@ -108,7 +108,8 @@ std::vector<std::uint32_t> triangle_flags(const Scene& scene, const Mesh& mesh, 
     const Material& m = scene.materials[mesh.primitives[p].material];
     const float texture_alpha = m.base_color_texture.present() ? image_alpha[m.base_color_texture.image] : 1.0f;
     // A transmissive surface is never culled: rays inside the body leave through its back faces.
-    if (!m.double_sided && !(m.transmission > 0.0f) && !(m.diffuse_transmission > 0.0f)) flags[p] |= gpu::kTriangleSingleSided;
+    if (!m.double_sided && !(m.transmission > 0.0f) && !(m.diffuse_transmission > 0.0f))
+      flags[p] |= gpu::kTriangleSingleSided;
     // Unlit surfaces are there for the eye alone; traversal has to ask.
     if (m.unlit || lets_rays_through(m, m.base_color.a * texture_alpha * color_alpha)) flags[p] |= gpu::kTriangleAlpha;
     if (may_be_pane(m)) flags[p] |= gpu::kTrianglePane;

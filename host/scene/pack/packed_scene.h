@@ -17,7 +17,7 @@ namespace wavepath {
 // A feature or an array that this scene does not need.
 struct LeftOut {
   std::string what, why;
-  std::uint64_t bytes = 0;   // that it would have cost on the device
+  std::uint64_t bytes = 0;  // that it would have cost on the device
   gpu::Feature feature = 0; // kFeature bit of the code that goes with it; 0 = data alone
 };
 
