@@ -42,7 +42,7 @@ struct Bsdf {
   vec2 stretched_alpha;                // along the tangent and the bitangent; both alpha where there is no anisotropy
   vec3 diffuse_through;                // albedo of the diffuse base towards the other side
   float diffuse_transmission;          // share of the diffuse base that scatters there
-  uint ggx_table, glass_table;         // of albedo
+  uint ggx_table, glass_table;         // of albedo; kNone: the scene has none
   bool disperses;                      // `ior` is that of one channel
 };
 
@@ -169,7 +169,8 @@ uint other_table(Bsdf b) { return !is_body(b) ? b.ggx_table : b.glass_table + (b
 
 // The lobes of light that scatters more than once, for wo; see multiple.glsl.
 void set_multiple(Bsdf b, vec3 wo, inout Lobes l) {
-  if (l.delta_reflection || is_stretched(b)) return; // no table has stretched facets: any round one returns too much
+  if (l.delta_reflection || b.ggx_table == kNone) return;
+  if (is_stretched(b)) return; // no table has stretched facets: any round one returns too much
   vec4 average = table_average(own_table(b), sqrt(b.alpha));
   float missing = average.x, missing_there = is_body(b) ? average.y : missing;
   if (missing <= kLeastMissing || missing_there <= kLeastMissing) return;

@@ -54,7 +54,7 @@ Bsdf make_bsdf(Material material, vec4 uv, vec3 base, bool front) {
   b.stretched_alpha = vec2(b.alpha);
   b.diffuse_through = vec3(0.0);
   b.diffuse_transmission = 0.0;
-  b.ggx_table = b.glass_table = 0u;
+  b.ggx_table = b.glass_table = kNone;
   b.disperses = false;
   return b;
 }
