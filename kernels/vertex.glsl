@@ -182,17 +182,19 @@ bool sides_agree(Vertex v, vec3 wi) {
 
 vec3 to_local(Vertex v, vec3 direction) { return to_local(direction, v.tangent, v.bitangent, v.normal); }
 
+bool is_bent(Vertex v) { return has(kFeatureNormalMaps) && v.material.normal_texture != kNone; }
+
 // The mirror image of wi, if the BSDF sends light on wi's side there.
 bool has_image(Vertex v, vec3 wi, out vec3 image) {
-  if (!has(kFeatureNormalMaps)) return false;
+  if (!is_bent(v)) return false;
   image = to_local(v, wi - 2.0 * dot(wi, v.plane) * v.plane);
   return (image.z > 0.0) == (dot(wi, v.plane) > 0.0) && v.plane != v.normal;
 }
 
 // f |cos| for light that the vertex sends to v.wo, and its density. wi must lie on the side that sides_agree() asks for.
-vec3 vertex_eval(Vertex v, Lobes l, vec3 wi, out float pdf) {
+vec3 vertex_eval(Vertex v, Lobes l, vec3 wi, vec3 local, out float pdf) {
   vec3 wo = to_local(v, v.wo), image;
-  vec3 value = eval_lobes(v.bsdf, l, wo, to_local(v, wi), pdf);
+  vec3 value = eval_lobes(v.bsdf, l, wo, local, pdf);
   if (has_image(v, wi, image)) {
     float image_pdf;
     value += eval_lobes(v.bsdf, l, wo, image, image_pdf);
@@ -200,6 +202,8 @@ vec3 vertex_eval(Vertex v, Lobes l, vec3 wi, out float pdf) {
   }
   return value;
 }
+
+vec3 vertex_eval(Vertex v, Lobes l, vec3 wi, out float pdf) { return vertex_eval(v, l, wi, to_local(v, wi), pdf); }
 
 vec3 vertex_eval(Vertex v, vec3 wi, out float pdf) {
   pdf = 0.0;
@@ -209,10 +213,13 @@ vec3 vertex_eval(Vertex v, vec3 wi, out float pdf) {
 }
 
 // A direction drawn in world space from the BSDF: the sampled one, or its image where it heads below.
-vec3 drawn_direction(Vertex v, BsdfSample s) {
+vec3 drawn_direction(Vertex v, inout BsdfSample s) {
   vec3 wi = normalize(to_world(s.wi, v.tangent, v.bitangent, v.normal));
-  bool below = has(kFeatureNormalMaps) && s.pdf >= 0.0 && (dot(wi, v.plane) > 0.0) != (s.wi.z > 0.0);
-  return below ? normalize(wi - 2.0 * dot(wi, v.plane) * v.plane) : wi;
+  bool below = is_bent(v) && s.pdf >= 0.0 && (dot(wi, v.plane) > 0.0) != (s.wi.z > 0.0);
+  if (!below) return wi;
+  wi = normalize(wi - 2.0 * dot(wi, v.plane) * v.plane);
+  s.wi = to_local(v, wi);
+  return wi;
 }
 
 // Draws a direction; false if the path ends here.
@@ -230,9 +237,10 @@ bool vertex_sample(Vertex v, float u_lobe, vec2 u, out BsdfSample s, out vec3 wi
   if (!bsdf_sample_direction(v.bsdf, l, wo, u_lobe, u, s, delta)) return false;
   wi = drawn_direction(v, s);
   if (delta) return true;
-  vec3 value = vertex_eval(v, l, wi, s.pdf);
+  vec3 image, value = vertex_eval(v, l, wi, s.wi, s.pdf);
   if (!(s.pdf > 0.0) || !is_finite(s.pdf)) return false;
-  s.weight = value / s.pdf;
+  bool cancels = is_lambert(v.bsdf) && kHemisphere == kHemisphereCosine && !has_image(v, wi, image); // see bsdf_sample()
+  s.weight = cancels ? v.bsdf.base_color : value / s.pdf;
   return true;
 }
 
