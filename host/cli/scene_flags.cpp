@@ -5,12 +5,14 @@
 #include <filesystem>
 #include <limits>
 
+#include <fmt/format.h>
 #include <glm/gtc/constants.hpp>
 
 #include "host/base/error.h"
 #include "host/cli/flags.h"
+#include "host/scene/default_light.h"
 #include "host/scene/environment.h"
-#include "host/scene/usage.h"
+#include "host/scene/ground.h"
 
 namespace wavepath {
 namespace {
@@ -25,6 +27,16 @@ void read_environment(const FlagValue& value, SceneRequest& request) {
   if (radiance && glm::any(glm::lessThan(value.triple(), glm::dvec3(0.0))))
     value.refuse("is negative", "give radiance of zero or more");
   request.environment = value.text;
+}
+
+Environment load_environment(const SceneRequest& request) {
+  return load_environment(request.environment, request.environment_intensity,
+                          glm::radians(request.environment_degrees));
+}
+
+Environment load_environment(SceneRequest request, DefaultLight light) {
+  request.environment = environment_name(light);
+  return load_environment(request);
 }
 
 } // namespace
@@ -42,16 +54,23 @@ void add_scene_flags(CLI::App& app, SceneRequest& request, bool required) {
            [&](const FlagValue& value) { request.load.at = value.number(-kLargest, kLargest); });
   add_flag(
       app, group,
-      {"--env", "FILE|R,G,B",
-       "environment: lat-long .exr or .hdr, its centre along world +X and three quarters across along +Z, or constant "
-       "radiance",
-       "black if the scene has any light, else 1,1,1"},
+      {"--env", "FILE|R,G,B|studio|sky|black|white",
+       "environment: lat-long .exr or .hdr, its centre along world +X and three quarters across along +Z; constant "
+       "radiance; soft boxes of a studio, or a clear sky with the sun, under both of which a white floor has radiance 1",
+       "a file with punctual lights, or with a camera and lamps, is lit as authored (black); anything else is an asset "
+       "and gets studio, an interior sky"},
       [&](const FlagValue& value) { read_environment(value, request); });
   add_flag(app, group, {"--env-intensity", "X", "factor on the environment's radiance", "1"},
            [&](const FlagValue& value) { request.environment_intensity = value.number(0.0, kLargest); });
   add_flag(app, group,
            {"--env-rotation", "DEG", "turn the environment about +Y, degrees counter-clockwise from above", "0"},
            [&](const FlagValue& value) { request.environment_degrees = value.number(-1e6, 1e6); });
+  add_switch(app, group,
+             {"--ground", "",
+              "a matte floor under the lowest point that catches shadows, bright as what the environment has below the "
+              "horizon, and fading out",
+              "off"},
+             request.ground);
 }
 
 void add_view_flags(CLI::App& app, ViewRequest& request) {
@@ -61,7 +80,8 @@ void add_view_flags(CLI::App& app, ViewRequest& request) {
   };
   add_flag(
       app, group,
-      {"--camera", "NAME|INDEX", "glTF camera; without any camera in the file the scene is framed automatically", "0"},
+      {"--camera", "NAME|INDEX",
+       "glTF camera; without any in the file an object is framed from the front, and an interior seen from within", "0"},
       [&](const FlagValue& value) { request.camera = value.text; });
   add_flag(app, group,
            {"--eye", "X,Y,Z", "position of a camera of your own, world units (metres)", "the chosen camera's"},
@@ -78,33 +98,36 @@ void add_view_flags(CLI::App& app, ViewRequest& request) {
            });
 }
 
-Scene load_scene(const SceneRequest& request, const SceneDescribed& described) {
+LoadedScene load_scene(const SceneRequest& request, const SceneDescribed& described) {
+  LoadedScene loaded;
   // Read first, so that an unreadable map is refused before the time of reading the scene is spent.
   std::optional<Environment> environment;
-  if (!request.environment.empty()) environment = find_environment(request, {});
-  return load_gltf(request.path, request.load, [&](Scene& scene) {
-    scene.environment = environment ? *std::move(environment) : find_environment(request, scene);
+  if (!request.environment.empty()) environment = load_environment(request);
+  loaded.scene = load_gltf(request.path, request.load, [&](Scene& scene) {
+    const bool by_rule = !environment, unlit = by_rule && choose_light(scene, false) != DefaultLight::authored;
+    if (unlit || request.ground || is_framed(scene, request.view)) loaded.framing = find_framing(scene);
+    const DefaultLight light = choose_light(scene, loaded.framing.inside.has_value());
+    scene.environment = by_rule ? load_environment(request, light) : *std::move(environment);
+    if (by_rule) loaded.light = reason(light);
+    if (request.ground) add_ground(scene, loaded.framing.bounds);
     if (described) described(scene);
   });
+  return loaded;
 }
 
-Environment find_environment(const SceneRequest& request, const Scene& scene) {
-  if (!request.environment.empty())
-    return load_environment(request.environment, request.environment_intensity,
-                            glm::radians(request.environment_degrees));
-  Environment environment = default_environment(scene);
-  environment.radiance *= static_cast<float>(request.environment_intensity);
-  return environment;
+void print_light(const LoadedScene& loaded) {
+  if (!loaded.light.empty()) fmt::print(stderr, "wavepath: light: {}\n", loaded.light);
 }
 
-Environment default_environment(const Scene& scene) {
-  Environment environment;
-  const Usage usage = find_usage(scene);
-  bool lit = !scene.lights.empty();
-  for (std::size_t i = 0; i < scene.materials.size(); ++i)
-    lit |= usage.material_used[i] && scene.materials[i].emission != glm::vec3(0.0f);
-  environment.radiance = glm::vec3(lit ? 0.0f : 1.0f);
-  return environment;
+void relight(const SceneRequest& request, LoadedScene& loaded) {
+  Scene& scene = loaded.scene;
+  if (request.environment.empty()) {
+    if (loaded.framing.bounds.empty()) loaded.framing = find_framing(scene);
+    scene.environment = load_environment(request, choose_light(scene, loaded.framing.inside.has_value()));
+  } else {
+    scene.environment = load_environment(request);
+  }
+  if (request.ground) relight_ground(scene);
 }
 
 } // namespace wavepath
