@@ -109,7 +109,8 @@ TEST_F(StudioTest, OfTheGroundOnlyTheShadowIsSeen) {
     RenderSettings asked = settings(kSide, 256);
     asked.integrator = kind;
     asked.max_depth = 4;
-    const Picture without = render(ball(false), from_the_front, asked), with = render(ball(true), from_the_front, asked);
+    const Picture without = render(ball(false), from_the_front, asked),
+                  with = render(ball(true), from_the_front, asked);
     const auto pixel = [](std::uint32_t x, std::uint32_t y) { return std::size_t{y} * kSide + x; };
     const std::size_t shadow = pixel(kSide / 2 + 4, 33), corner = pixel(2, kSide - 4);
     EXPECT_LT(luminance(with, shadow), 0.6 * luminance(without, shadow)) << kind->name << " under the ball";

@@ -72,7 +72,8 @@ int run_bench(Request& request) {
   LoadedScene loaded = built_in ? LoadedScene{builtin_scene(), {}, {}} : load_scene(request.scene);
   Scene& scene = loaded.scene;
   if (!request.quiet) print_light(loaded);
-  const View view = resolve_view(scene, loaded.framing, request.scene.view, settings.render.width, settings.render.height);
+  const View view =
+      resolve_view(scene, loaded.framing, request.scene.view, settings.render.width, settings.render.height);
   const bvh::Quality quality = request.render.bvh.value_or(bvh::Quality::best);
   const PackedScene packed = pack(scene, settings.render.direct, quality, view.position);
   const std::string path = scene.path;

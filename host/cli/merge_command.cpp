@@ -154,8 +154,7 @@ void read_common(const std::string& part, PictureInfo& info) {
   info.world_to_ndc = read_matrix(part, "worldToNDC");
 }
 
-void print_merged(const Request& request, const Picture& picture, const PictureInfo& info,
-                  const ErrorEstimate& error) {
+void print_merged(const Request& request, const Picture& picture, const PictureInfo& info, const ErrorEstimate& error) {
   fmt::print(stderr, "wavepath: {}: samples {} of {} parts{}\n", written_text(request.output, picture), info.samples,
              request.parts.size(),
              info.error ? fmt::format(", estimated error {:.3g} % ({:.3g} to {:.3g})", 100.0 * *info.error,

@@ -195,8 +195,7 @@ Prepared prepare(const Request& request) {
   const DeviceInfo& device = prepared.device->info();
   Scene& scene = open.loaded.scene;
   if (!request.output.quiet) print_light(open.loaded);
-  const View view =
-      resolve_view(scene, open.loaded.framing, request.scene.view, settings.width, settings.height);
+  const View view = resolve_view(scene, open.loaded.framing, request.scene.view, settings.width, settings.height);
   const bvh::Quality quality =
       request.render.bvh.value_or(choose_quality(settings, plan(scene).triangles_stored, device));
   require_memory_for(request.scene.path, settings, plan(scene, quality), device);

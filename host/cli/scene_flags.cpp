@@ -56,7 +56,8 @@ void add_scene_flags(CLI::App& app, SceneRequest& request, bool required) {
       app, group,
       {"--env", "FILE|R,G,B|studio|sky|black|white",
        "environment: lat-long .exr or .hdr, its centre along world +X and three quarters across along +Z; constant "
-       "radiance; soft boxes of a studio, or a clear sky with the sun, under both of which a white floor has radiance 1",
+       "radiance; soft boxes of a studio, or a clear sky with the sun, under both of which a white floor has radiance "
+       "1",
        "a file with punctual lights, or with a camera and lamps, is lit as authored (black); anything else is an asset "
        "and gets studio, an interior sky"},
       [&](const FlagValue& value) { read_environment(value, request); });
@@ -78,11 +79,11 @@ void add_view_flags(CLI::App& app, ViewRequest& request) {
   const auto triple = [](std::optional<glm::dvec3>& target) {
     return [&target](const FlagValue& value) { target = value.triple(); };
   };
-  add_flag(
-      app, group,
-      {"--camera", "NAME|INDEX",
-       "glTF camera; without any in the file an object is framed from the front, and an interior seen from within", "0"},
-      [&](const FlagValue& value) { request.camera = value.text; });
+  add_flag(app, group,
+           {"--camera", "NAME|INDEX",
+            "glTF camera; without any in the file an object is framed from the front, and an interior seen from within",
+            "0"},
+           [&](const FlagValue& value) { request.camera = value.text; });
   add_flag(app, group,
            {"--eye", "X,Y,Z", "position of a camera of your own, world units (metres)", "the chosen camera's"},
            triple(request.eye));

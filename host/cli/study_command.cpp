@@ -136,8 +136,8 @@ private:
 StudyScene pack_scene(LoadedScene& loaded, const Request& request, bvh::Quality quality) {
   StudyScene study;
   Scene& scene = loaded.scene;
-  study.view = resolve_view(scene, loaded.framing, request.scene.view, request.study.render.width,
-                            request.study.render.height);
+  study.view =
+      resolve_view(scene, loaded.framing, request.scene.view, request.study.render.width, request.study.render.height);
   Warnings all = scene.warnings;
   const auto pack_for = [&](std::uint32_t direct) {
     if (study.packed.contains(direct)) return;

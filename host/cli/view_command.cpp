@@ -69,11 +69,12 @@ void check(Request& request) {
 class Viewing {
 public:
   explicit Viewing(const Request& request)
-      : request_(request), open_(open_scene(request.scene, request.render, window_extensions())), scene_(open_.loaded.scene) {
+      : request_(request),
+        open_(open_scene(request.scene, request.render, window_extensions())),
+        scene_(open_.loaded.scene) {
     const RenderSettings& settings = request.render.settings;
     print_light(open_.loaded);
-    const View view =
-        resolve_view(scene_, open_.loaded.framing, request.scene.view, settings.width, settings.height);
+    const View view = resolve_view(scene_, open_.loaded.framing, request.scene.view, settings.width, settings.height);
     RenderSettings expected = settings;
     expected.last_sample = std::min(settings.last_sample, kExpectedSamples);
     const DeviceInfo& device = open_.device->info();

@@ -13,7 +13,7 @@
 namespace wavepath {
 
 struct WriteOptions {
-  bool half = false; // EXR: 16-bit floats
+  bool half = false;                    // EXR: 16-bit floats
   std::optional<double> exposure = 0.0; // PNG, JPG: radiance is scaled by 2^exposure; empty = auto_exposure()
   Tonemap tonemap = Tonemap::neutral;
 };

@@ -141,8 +141,7 @@ Environment load_environment(const std::string& source, double intensity, double
     environment.radiance *= *rgb;
     for (int c = 0; c < 3; ++c)
       if (!std::isfinite(environment.radiance[c]) || environment.radiance[c] < 0.0f)
-        throw UsageError("--env", "radiance " + source + " must be finite and not negative",
-                         "give R,G,B of 0 or more");
+        throw UsageError("--env", "radiance " + source + " must be finite and not negative", "give R,G,B of 0 or more");
     return environment;
   }
   if (std::ranges::count(kEnvironmentNames, source) > 0) {
@@ -153,7 +152,8 @@ Environment load_environment(const std::string& source, double intensity, double
   }
   const std::string extension = lower_extension(source);
   if (extension != ".exr" && extension != ".hdr")
-    throw UsageError("--env", "'" + source + "' is neither R,G,B nor a .exr or .hdr file, nor studio, sky, black or white",
+    throw UsageError("--env",
+                     "'" + source + "' is neither R,G,B nor a .exr or .hdr file, nor studio, sky, black or white",
                      "give one of these names, a constant such as 1,1,1, or a lat-long image of one of these types");
   read_map(source, environment);
   return environment;

@@ -45,7 +45,7 @@ double zenith_luminance() {
 
 double zenith_chroma(const double (&rows)[3][4]) { // rows: of T^2, T and 1; columns: of the sun's angle cubed and so on
   const double s = kSunZenith;
-  const auto polynomial = [&](const double (&r)[4]) { return ((r[0] * s + r[1]) * s + r[2]) * s + r[3]; };
+  const auto polynomial = [&](const double(&r)[4]) { return ((r[0] * s + r[1]) * s + r[2]) * s + r[3]; };
   return kT * kT * polynomial(rows[0]) + kT * polynomial(rows[1]) + polynomial(rows[2]);
 }
 
@@ -57,10 +57,10 @@ constexpr double kZenithY[3][4] = {
 // CIE xyY to linear sRGB; what lies outside of its gamut is cut.
 glm::dvec3 rgb_of(double x, double y, double luminance) {
   const double X = x / y * luminance, Y = luminance, Z = (1.0 - x - y) / y * luminance;
-  return glm::max(glm::dvec3(3.2404542 * X - 1.5371385 * Y - 0.4985314 * Z, //
-                             -0.9692660 * X + 1.8760108 * Y + 0.0415560 * Z,
-                             0.0556434 * X - 0.2040259 * Y + 1.0572252 * Z),
-                  0.0);
+  return glm::max(
+      glm::dvec3(3.2404542 * X - 1.5371385 * Y - 0.4985314 * Z, //
+                 -0.9692660 * X + 1.8760108 * Y + 0.0415560 * Z, 0.0556434 * X - 0.2040259 * Y + 1.0572252 * Z),
+      0.0);
 }
 
 glm::dvec3 sun_direction() {

@@ -12,11 +12,11 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 constexpr std::uint32_t kSectors = 96;
-constexpr std::uint32_t kRings = 24;  // of the part that fades
-constexpr double kOpaque = 1.2;       // radii of the asset's footprint that are opaque,
-constexpr double kFaded = 4.0;        // and at which nothing is left of the disc
-constexpr double kSunk = 1e-4;        // of the asset's radius: clear of surfaces that lie at the lowest point
-constexpr double kBrightest = 0.9;    // albedo
+constexpr std::uint32_t kRings = 24; // of the part that fades
+constexpr double kOpaque = 1.2;      // radii of the asset's footprint that are opaque,
+constexpr double kFaded = 4.0;       // and at which nothing is left of the disc
+constexpr double kSunk = 1e-4;       // of the asset's radius: clear of surfaces that lie at the lowest point
+constexpr double kBrightest = 0.9;   // albedo
 
 // Mean radiance where a camera sees a floor: 3 to 30 degrees below the horizon.
 glm::dvec3 radiance_below_horizon(const Environment& environment) {
@@ -56,8 +56,10 @@ Mesh make_disc(double radius, std::uint32_t material) {
     const double r = radius * (kOpaque + (kFaded - kOpaque) * t);
     for (std::uint32_t sector = 0; sector < kSectors; ++sector) {
       const double angle = 2.0 * kPi * sector / kSectors;
-      disc.positions.push_back(glm::vec3(r * std::cos(angle), 0.0, -r * std::sin(angle))); // counter-clockwise from above
-      disc.colors.push_back({1.0f, 1.0f, 1.0f, ring == kRings ? 0.0f : static_cast<float>(0.5 + 0.5 * std::cos(kPi * t))});
+      disc.positions.push_back(
+          glm::vec3(r * std::cos(angle), 0.0, -r * std::sin(angle))); // counter-clockwise from above
+      disc.colors.push_back(
+          {1.0f, 1.0f, 1.0f, ring == kRings ? 0.0f : static_cast<float>(0.5 + 0.5 * std::cos(kPi * t))});
     }
   }
   const auto vertex = [](std::uint32_t ring, std::uint32_t sector) { return 1 + ring * kSectors + sector % kSectors; };
