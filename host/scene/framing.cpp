@@ -6,6 +6,7 @@
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_reduce.h>
+#include <glm/gtc/matrix_transform.hpp>
 
 #include "host/scene/interior.h"
 #include "host/scene/usage.h"

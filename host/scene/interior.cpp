@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include <glm/gtc/matrix_transform.hpp>
+
 #include "bvh/build.h"
 #include "bvh/traverse.h"
 #include "host/scene/usage.h"
@@ -13,13 +15,17 @@ namespace wavepath {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr std::uint64_t kMostTriangles = std::uint64_t{1} << 23; // more are not looked through
+constexpr std::uint64_t kMostTriangles = std::uint64_t{1} << 24; // more are not looked through,
+constexpr std::uint64_t kMostAsTheyAre = std::uint64_t{1} << 14; // and more are simplified
 
 // The probes: points in the box, each with directions all round.
 constexpr int kProbesAcross = 6, kProbesUp = 3, kDirections = 64;
-constexpr double kEnclosed = 0.8;   // of a probe's rays that meet a surface which faces it
-constexpr double kBackFacing = 0.1; // and at most so many that meet a back
-constexpr double kRoomShare = 0.4;  // of all probes that are enclosed
+// Measured on 66 files: of rooms 0.60 of the probes and more are enclosed, of boxes without a front 0.44 and less, of
+// other objects 0.1 and less.
+constexpr double kEnclosed = 0.9;       // of a probe's rays that meet a surface which faces it
+constexpr double kBackFacing = 0.1;     // and at most so many that meet a back
+constexpr double kRoomShare = 0.5;      // of all probes that are enclosed
+constexpr double kRoughRoomShare = 0.1; // with thin walls merged
 
 // Opaque triangles in single precision around `origin`, and the tree over them.
 struct Geometry {
@@ -36,25 +42,72 @@ bool is_opening(const Material& material) {
   return material.transmission > 0.0f || material.alpha_mode == AlphaMode::blend;
 }
 
-Geometry gather(const Scene& scene, const glm::dvec3& origin, std::uint64_t triangle_count) {
-  Geometry geometry{origin, {}, {}};
-  std::vector<bvh::Triangle> triangles;
-  triangles.reserve(triangle_count);
-  const glm::dmat4 centred = glm::translate(glm::dmat4(1.0), -origin);
+// Calls `visit` with the corners of each opaque triangle, counter-clockwise seen from where it faces.
+template <class Visit>
+void visit_triangles(const Scene& scene, Visit&& visit) {
   for (const Instance& instance : scene.instances) {
     const Mesh& mesh = scene.meshes[instance.mesh];
-    const glm::dmat4 transform = centred * instance.world_from_object;
+    const glm::dmat4& transform = instance.world_from_object;
     const bool mirrored = glm::determinant(glm::dmat3(transform)) < 0.0;
     for (const Primitive& primitive : mesh.primitives) {
       if (is_opening(scene.materials[primitive.material])) continue;
       for (std::uint32_t i = 0; i + 2 < primitive.index_count; i += 3) {
         const std::uint32_t* index = mesh.indices.data() + primitive.first_index + i;
-        bvh::Vec3 p[3];
-        for (int k = 0; k < 3; ++k) p[k] = vec3(transform_point(transform, mesh.positions[index[k]]));
+        glm::dvec3 p[3];
+        for (int k = 0; k < 3; ++k) p[k] = transform_point(transform, mesh.positions[index[k]]);
+        if (!finite_point(p[0]) || !finite_point(p[1]) || !finite_point(p[2])) continue;
         if (mirrored) std::swap(p[1], p[2]);
-        triangles.push_back({p[0], p[1], p[2]});
+        visit(p);
       }
     }
+  }
+}
+
+// Clusters vertices in the cells of a grid over the box: what has three cells remains, once. Surfaces stay closed and
+// keep their shape to within half a cell, and a tree over the rest is built in a fraction of the time.
+std::vector<bvh::Triangle> simplified(const Scene& scene, const Bounds& bounds, int cell_count) {
+  constexpr int kCellBits = 7, kKeyBits = 3 * kCellBits;
+  constexpr std::uint64_t kCellMask = (1u << kCellBits) - 1;
+  const glm::dvec3 cell = glm::max(bounds.hi - bounds.lo, glm::dvec3(1e-300)) / static_cast<double>(cell_count);
+  std::vector<std::uint64_t> keys;
+  visit_triangles(scene, [&](const glm::dvec3(&p)[3]) {
+    std::uint64_t cells[3];
+    for (int k = 0; k < 3; ++k) {
+      const glm::ivec3 at =
+          glm::clamp(glm::ivec3((p[k] - bounds.lo) / cell), glm::ivec3(0), glm::ivec3(cell_count - 1));
+      cells[k] = static_cast<std::uint64_t>((at.z << 2 * kCellBits) | (at.y << kCellBits) | at.x);
+    }
+    if (cells[0] == cells[1] || cells[1] == cells[2] || cells[2] == cells[0]) return;
+    std::rotate(cells, std::min_element(cells, cells + 3), cells + 3);
+    keys.push_back(cells[0] << 2 * kKeyBits | cells[1] << kKeyBits | cells[2]);
+  });
+  std::sort(keys.begin(), keys.end());
+  keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
+
+  std::vector<bvh::Triangle> triangles;
+  triangles.reserve(keys.size());
+  for (const std::uint64_t key : keys) {
+    bvh::Vec3 p[3];
+    for (int k = 0; k < 3; ++k) {
+      const std::uint64_t at = key >> (2 - k) * kKeyBits;
+      const glm::dvec3 middle(at & kCellMask, at >> kCellBits & kCellMask, at >> 2 * kCellBits & kCellMask);
+      p[k] = vec3(bounds.lo + (middle + 0.5) * cell - bounds.centre());
+    }
+    triangles.push_back({p[0], p[1], p[2]});
+  }
+  return triangles;
+}
+
+// `cell_count`: along each side of the box, of the grid to simplify with; 0 = the triangles as they are.
+Geometry gather(const Scene& scene, const Bounds& bounds, int cell_count) {
+  Geometry geometry{bounds.centre(), {}, {}};
+  std::vector<bvh::Triangle> triangles;
+  if (cell_count > 0) {
+    triangles = simplified(scene, bounds, cell_count);
+  } else {
+    visit_triangles(scene, [&](const glm::dvec3(&p)[3]) {
+      triangles.push_back({vec3(p[0] - geometry.origin), vec3(p[1] - geometry.origin), vec3(p[2] - geometry.origin)});
+    });
   }
   geometry.tree = bvh::build(std::span<const bvh::Triangle>(triangles));
   geometry.triangles.reserve(geometry.tree.order.size());
@@ -100,13 +153,14 @@ glm::dvec3 cell_middle(const Bounds& bounds, const glm::ivec3& cell, const glm::
   return bounds.lo + (bounds.hi - bounds.lo) * ((glm::dvec3(cell) + 0.5) / glm::dvec3(cells));
 }
 
-bool is_interior(const Geometry& geometry, const Bounds& bounds) {
+// The share of the probes that are enclosed.
+double enclosed_share(const Geometry& geometry, const Bounds& bounds) {
   const glm::ivec3 cells(kProbesAcross, kProbesUp, kProbesAcross);
   int enclosed = 0;
   for (int z = 0; z < cells.z; ++z)
     for (int y = 0; y < cells.y; ++y)
       for (int x = 0; x < cells.x; ++x) enclosed += is_enclosed(geometry, cell_middle(bounds, {x, y, z}, cells));
-  return enclosed >= kRoomShare * cells.x * cells.y * cells.z;
+  return static_cast<double>(enclosed) / (cells.x * cells.y * cells.z);
 }
 
 // The free way from `eye` within some degrees of `azimuth`: the second shortest of a few rays, so that it is as wide as
@@ -123,6 +177,23 @@ double free_way(const Geometry& geometry, const glm::dvec3& eye, double azimuth,
   return ways[1];
 }
 
+struct Way {
+  double length = 0.0, azimuth = 0.0;
+};
+
+// The longest that begins at `eye`; none where the eye is close to a wall.
+Way longest_way(const Geometry& geometry, const glm::dvec3& eye, double longest) {
+  constexpr int kAzimuths = 48;
+  const double clearance = 0.02 * longest; // all round
+  Way way;
+  for (int a = 0; a < kAzimuths; ++a) {
+    const double azimuth = 2.0 * kPi * a / kAzimuths, length = free_way(geometry, eye, azimuth, longest);
+    if (length < clearance) return {};
+    if (length > way.length) way = {length, azimuth};
+  }
+  return way;
+}
+
 // How high an eye is over the floor of a room of this height: of a person, where the numbers can be metres.
 double eye_height(double room_height) {
   constexpr double kEye = 1.6, kLowest = 2.0, kHighest = 40.0;
@@ -134,35 +205,33 @@ double eye_height(double room_height) {
 std::optional<Standpoint> find_standpoint(const Scene& scene, const Bounds& bounds) {
   const Usage usage = find_usage(scene);
   if (usage.triangles_seen == 0 || usage.triangles_seen > kMostTriangles || bounds.empty()) return std::nullopt;
-  const Geometry geometry = gather(scene, bounds.centre(), usage.triangles_seen);
-  if (geometry.triangles.empty() || !is_interior(geometry, bounds)) return std::nullopt;
+  // Most scenes are objects, which a rough look tells at little cost.
+  const bool large = usage.triangles_seen > kMostAsTheyAre;
+  if (large && enclosed_share(gather(scene, bounds, 32), bounds) < kRoughRoomShare) return std::nullopt;
+  const Geometry geometry = gather(scene, bounds, large ? 128 : 0);
+  if (enclosed_share(geometry, bounds) < kRoomShare) return std::nullopt;
 
-  constexpr int kPlaces = 12, kAzimuths = 48;
   const glm::dvec3 size = bounds.hi - bounds.lo;
   const double longest = glm::length(glm::dvec2(size.x, size.z));
-  const double clearance = 0.02 * longest; // all round
   double best = 0.0;
   std::optional<Standpoint> found;
-  for (int z = 0; z < kPlaces; ++z)
-    for (int x = 0; x < kPlaces; ++x) {
-      const glm::dvec3 middle = cell_middle(bounds, {x, 0, z}, {kPlaces, 1, kPlaces});
-      const Sight floor = look(geometry, middle, {0.0, -1.0, 0.0}), ceiling = look(geometry, middle, {0.0, 1.0, 0.0});
-      if (std::isinf(floor.distance) || !floor.front) continue;
-      const double height = floor.distance + std::min(ceiling.distance, bounds.hi.y - middle.y);
-      glm::dvec3 eye = middle;
-      eye.y += eye_height(height) - floor.distance;
-      if (!is_enclosed(geometry, eye)) continue;
-      double ways[kAzimuths], nearest = longest;
-      for (int a = 0; a < kAzimuths; ++a) {
-        ways[a] = free_way(geometry, eye, 2.0 * kPi * a / kAzimuths, longest);
-        nearest = std::min(nearest, ways[a]);
-      }
-      if (nearest < clearance) continue;
-      for (int a = 0; a < kAzimuths; ++a) {
-        if (ways[a] <= best) continue;
-        best = ways[a];
-        const double azimuth = 2.0 * kPi * a / kAzimuths;
-        found = Standpoint{eye, eye + ways[a] * glm::dvec3(std::sin(azimuth), 0.0, std::cos(azimuth))};
+  const glm::ivec3 places(12, 4, 12);
+  for (int z = 0; z < places.z; ++z)
+    for (int x = 0; x < places.x; ++x) {
+      std::optional<double> last_floor; // several starts over one floor are one place
+      for (int y = 0; y < places.y; ++y) {
+        const glm::dvec3 middle = cell_middle(bounds, {x, y, z}, places);
+        const Sight floor = look(geometry, middle, {0.0, -1.0, 0.0}), ceiling = look(geometry, middle, {0.0, 1.0, 0.0});
+        if (std::isinf(floor.distance) || !floor.front) continue;
+        const double floor_y = middle.y - floor.distance;
+        if (last_floor && std::abs(floor_y - *last_floor) < 1e-3 * size.y) continue;
+        last_floor = floor_y;
+        const double height = floor.distance + std::min(ceiling.distance, bounds.hi.y - middle.y);
+        const glm::dvec3 eye(middle.x, floor_y + eye_height(height), middle.z);
+        const Way way = longest_way(geometry, eye, longest);
+        if (way.length <= best || !is_enclosed(geometry, eye)) continue;
+        best = way.length;
+        found = Standpoint{eye, eye + way.length * glm::dvec3(std::sin(way.azimuth), 0.0, std::cos(way.azimuth))};
       }
     }
   return found;
