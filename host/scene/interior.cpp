@@ -23,6 +23,7 @@ constexpr int kProbesAcross = 6, kProbesUp = 3, kDirections = 64;
 // Measured on 66 files: of rooms 0.60 of the probes and more are enclosed, of boxes without a front 0.44 and less, of
 // other objects 0.1 and less.
 constexpr double kEnclosed = 0.9;       // of a probe's rays that meet a surface which faces it
+constexpr double kCovered = 0.7;        // and of a place to stand: under an open roof, at a window
 constexpr double kBackFacing = 0.1;     // and at most so many that meet a back
 constexpr double kRoomShare = 0.5;      // of all probes that are enclosed
 constexpr double kRoughRoomShare = 0.1; // with thin walls merged
@@ -138,14 +139,14 @@ glm::dvec3 lattice_direction(int i, int count) {
   return {r * std::cos(phi), y, r * std::sin(phi)};
 }
 
-bool is_enclosed(const Geometry& geometry, const glm::dvec3& place) {
+bool is_enclosed(const Geometry& geometry, const glm::dvec3& place, double least) {
   int front = 0, back = 0;
   for (int i = 0; i < kDirections; ++i) {
     const Sight sight = look(geometry, place, lattice_direction(i, kDirections));
     if (std::isinf(sight.distance)) continue;
     ++(sight.front ? front : back);
   }
-  return front >= kEnclosed * kDirections && back <= kBackFacing * kDirections;
+  return front >= least * kDirections && back <= kBackFacing * kDirections;
 }
 
 // The middle of cell (x, y, z) of a grid over the box.
@@ -159,39 +160,35 @@ double enclosed_share(const Geometry& geometry, const Bounds& bounds) {
   int enclosed = 0;
   for (int z = 0; z < cells.z; ++z)
     for (int y = 0; y < cells.y; ++y)
-      for (int x = 0; x < cells.x; ++x) enclosed += is_enclosed(geometry, cell_middle(bounds, {x, y, z}, cells));
+      for (int x = 0; x < cells.x; ++x)
+        enclosed += is_enclosed(geometry, cell_middle(bounds, {x, y, z}, cells), kEnclosed);
   return static_cast<double>(enclosed) / (cells.x * cells.y * cells.z);
-}
-
-// The free way from `eye` within some degrees of `azimuth`: the second shortest of a few rays, so that it is as wide as
-// a person, but one chair leg does not end it. Only up to surfaces that face the eye: what leads out is no way.
-double free_way(const Geometry& geometry, const glm::dvec3& eye, double azimuth, double longest) {
-  constexpr double kAside[5] = {-8.0, -4.0, 0.0, 4.0, 8.0};
-  double ways[5];
-  for (int i = 0; i < 5; ++i) {
-    const double a = azimuth + glm::radians(kAside[i]);
-    const Sight sight = look(geometry, eye, {std::sin(a), 0.0, std::cos(a)});
-    ways[i] = std::isinf(sight.distance) ? 0.5 * longest : sight.front ? sight.distance : 0.0;
-  }
-  std::sort(ways, ways + 5);
-  return ways[1];
 }
 
 struct Way {
   double length = 0.0, azimuth = 0.0;
 };
 
-// The longest that begins at `eye`; none where the eye is close to a wall.
-Way longest_way(const Geometry& geometry, const glm::dvec3& eye, double longest) {
-  constexpr int kAzimuths = 48;
-  const double clearance = 0.02 * longest; // all round
-  Way way;
+// The longest free way that begins at `eye`; none where a wall is close on any side. Its length is the second shortest
+// of a few rays side by side, so that it is as wide as a person, but one chair leg does not end it. What leads out, or
+// to a back that may not be seen, is no way.
+Way longest_way(const Geometry& geometry, const glm::dvec3& eye, double clearance) {
+  constexpr int kAzimuths = 96, kAside = 2; // rays to either side, 7.5 degrees in all
+  double ways[kAzimuths];
   for (int a = 0; a < kAzimuths; ++a) {
-    const double azimuth = 2.0 * kPi * a / kAzimuths, length = free_way(geometry, eye, azimuth, longest);
-    if (length < clearance) return {};
-    if (length > way.length) way = {length, azimuth};
+    const double azimuth = 2.0 * kPi * a / kAzimuths;
+    const Sight sight = look(geometry, eye, {std::sin(azimuth), 0.0, std::cos(azimuth)});
+    if (sight.distance < clearance) return {};
+    ways[a] = std::isinf(sight.distance) || !sight.front ? 0.0 : sight.distance;
   }
-  return way;
+  Way longest;
+  for (int a = 0; a < kAzimuths; ++a) {
+    double near[2 * kAside + 1];
+    for (int i = 0; i <= 2 * kAside; ++i) near[i] = ways[(a + i - kAside + kAzimuths) % kAzimuths];
+    std::nth_element(near, near + 1, std::end(near));
+    if (near[1] > longest.length) longest = {near[1], 2.0 * kPi * a / kAzimuths};
+  }
+  return longest;
 }
 
 // How high an eye is over the floor of a room of this height: of a person, where the numbers can be metres.
@@ -212,7 +209,7 @@ std::optional<Standpoint> find_standpoint(const Scene& scene, const Bounds& boun
   if (enclosed_share(geometry, bounds) < kRoomShare) return std::nullopt;
 
   const glm::dvec3 size = bounds.hi - bounds.lo;
-  const double longest = glm::length(glm::dvec2(size.x, size.z));
+  const double clearance = 0.02 * glm::length(glm::dvec2(size.x, size.z)); // from all walls
   double best = 0.0;
   std::optional<Standpoint> found;
   const glm::ivec3 places(12, 4, 12);
@@ -228,8 +225,8 @@ std::optional<Standpoint> find_standpoint(const Scene& scene, const Bounds& boun
         last_floor = floor_y;
         const double height = floor.distance + std::min(ceiling.distance, bounds.hi.y - middle.y);
         const glm::dvec3 eye(middle.x, floor_y + eye_height(height), middle.z);
-        const Way way = longest_way(geometry, eye, longest);
-        if (way.length <= best || !is_enclosed(geometry, eye)) continue;
+        const Way way = longest_way(geometry, eye, clearance);
+        if (way.length <= best || !is_enclosed(geometry, eye, kCovered)) continue;
         best = way.length;
         found = Standpoint{eye, eye + way.length * glm::dvec3(std::sin(way.azimuth), 0.0, std::cos(way.azimuth))};
       }
