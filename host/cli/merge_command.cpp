@@ -10,6 +10,7 @@
 #include "host/cli/commands.h"
 #include "host/cli/flags.h"
 #include "host/cli/render_flags.h"
+#include "host/cli/report.h"
 #include "host/film/error.h"
 #include "host/film/film.h"
 #include "host/film/picture_io.h"

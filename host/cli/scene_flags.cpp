@@ -29,14 +29,14 @@ void read_environment(const FlagValue& value, SceneRequest& request) {
   request.environment = value.text;
 }
 
-Environment load_environment(const SceneRequest& request) {
+Environment requested_environment(const SceneRequest& request) {
   return load_environment(request.environment, request.environment_intensity,
                           glm::radians(request.environment_degrees));
 }
 
-Environment load_environment(SceneRequest request, DefaultLight light) {
+Environment requested_environment(SceneRequest request, DefaultLight light) {
   request.environment = environment_name(light);
-  return load_environment(request);
+  return requested_environment(request);
 }
 
 } // namespace
@@ -103,12 +103,12 @@ LoadedScene load_scene(const SceneRequest& request, const SceneDescribed& descri
   LoadedScene loaded;
   // Read first, so that an unreadable map is refused before the time of reading the scene is spent.
   std::optional<Environment> environment;
-  if (!request.environment.empty()) environment = load_environment(request);
+  if (!request.environment.empty()) environment = requested_environment(request);
   loaded.scene = load_gltf(request.path, request.load, [&](Scene& scene) {
     const bool by_rule = !environment, unlit = by_rule && choose_light(scene, false) != DefaultLight::authored;
     if (unlit || request.ground || is_framed(scene, request.view)) loaded.framing = find_framing(scene);
     const DefaultLight light = choose_light(scene, loaded.framing.inside.has_value());
-    scene.environment = by_rule ? load_environment(request, light) : *std::move(environment);
+    scene.environment = by_rule ? requested_environment(request, light) : *std::move(environment);
     if (by_rule) loaded.light = reason(light);
     if (request.ground) add_ground(scene, loaded.framing.bounds);
     if (described) described(scene);
@@ -124,9 +124,9 @@ void relight(const SceneRequest& request, LoadedScene& loaded) {
   Scene& scene = loaded.scene;
   if (request.environment.empty()) {
     if (loaded.framing.bounds.empty()) loaded.framing = find_framing(scene);
-    scene.environment = load_environment(request, choose_light(scene, loaded.framing.inside.has_value()));
+    scene.environment = requested_environment(request, choose_light(scene, loaded.framing.inside.has_value()));
   } else {
-    scene.environment = load_environment(request);
+    scene.environment = requested_environment(request);
   }
   if (request.ground) relight_ground(scene);
 }
