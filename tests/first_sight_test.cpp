@@ -433,11 +433,24 @@ TEST(Ground, LiesUnderTheLowestPointAndFadesOut) {
   EXPECT_EQ(mesh.colors.front().a, 1.0f);
   EXPECT_EQ(mesh.colors.back().a, 0.0f);
   EXPECT_EQ(scene.materials.back().alpha_mode, AlphaMode::blend);
-  // Its unshaded radiance is the environment's below the horizon, which in the studio is even.
-  const glm::dvec3 lit = glm::dvec3(scene.materials.back().base_color) * floor_irradiance(scene.environment) / kPi;
-  const Environment& studio = scene.environment;
-  const glm::vec3 below = studio.map[(studio.height * 6 / 10) * studio.width + studio.width / 4]; // 18 degrees, behind
-  EXPECT_NEAR(lit.x, below.x, 0.02 * below.x);
+  // Unshaded it looks as what lies behind it: exactly where that is even, about so where it is not.
+  const auto unshaded = [&] {
+    return glm::dvec3(scene.materials.back().base_color) * floor_irradiance(scene.environment) / kPi;
+  };
+  const auto behind = [&] {
+    const Environment& map = scene.environment;
+    const glm::dvec3 forward = framing_forward();
+    const glm::dvec2 uv = environment_uv({forward.x, -0.25, forward.z}, 0.0);
+    return glm::dvec3(
+        map.map[static_cast<std::size_t>(uv.y * map.height) * map.width + static_cast<std::size_t>(uv.x * map.width)]);
+  };
+  EXPECT_NEAR(unshaded().x / behind().x, 1.0, 0.25);
+  scene.environment = sky_environment();
+  relight_ground(scene);
+  for (int c = 0; c < 3; ++c) EXPECT_NEAR(unshaded()[c] / behind()[c], 1.0, 1e-3);
+  EXPECT_NEAR(scene.materials.back().base_color.g, 0.2f, 1e-3f); // the albedo of the ground under that sky
+  scene.environment = studio_environment();
+  relight_ground(scene);
   const glm::vec4 in_studio = scene.materials.back().base_color;
   scene.environment = load_environment("white");
   relight_ground(scene);

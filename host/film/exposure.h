@@ -12,6 +12,6 @@ namespace wavepath {
 // black.
 double auto_exposure(const Picture& picture);
 
-inline constexpr double kMiddle = 0.3, kBright = 1.0;
+inline constexpr double kMiddle = 0.38, kBright = 1.0;
 
 } // namespace wavepath

@@ -23,11 +23,11 @@ struct SoftBox {
 
 // In units of the white floor's radiance, but for a common factor.
 constexpr SoftBox kBoxes[] = {
-    {-48.0, 42.0, 24.0, 20.0, 9.0}, // key
-    {68.0, 22.0, 26.0, 24.0, 1.6},  // fill
-    {0.0, 84.0, 34.0, 20.0, 3.0},   // overhead
-    {-112.0, 28.0, 5.0, 30.0, 8.0}, // edge, left
-    {128.0, 34.0, 5.0, 30.0, 8.0},  // edge, right
+    {-48.0, 42.0, 24.0, 20.0, 11.0}, // key
+    {68.0, 22.0, 26.0, 24.0, 1.6},   // fill
+    {0.0, 84.0, 34.0, 20.0, 2.5},    // overhead
+    {-112.0, 28.0, 5.0, 30.0, 8.0},  // edge, left
+    {128.0, 34.0, 5.0, 30.0, 8.0},   // edge, right
 };
 constexpr double kSoftEdge = 2.0; // degrees over which a box begins
 
@@ -55,15 +55,18 @@ double shine(const SoftBox& box, const glm::dvec3& d) {
   return inside * (1.0 - (x * x + y * y) / 6.0);
 }
 
-// The room without its lamps: an even floor that bends up into a backdrop, a dim ceiling, and darkness behind the
-// camera, which gives reflections their contrast.
+// The room without its lamps: a floor that bends up into a backdrop, on which a light falls behind the subject; a dim
+// ceiling; and darkness around the camera, which gives reflections their contrast.
 double backdrop(const glm::dvec3& d) {
-  constexpr double kFloor = 0.62, kBack = 0.82, kFront = 0.16, kCeiling = 0.22;
+  constexpr double kFloor = 0.75, kBack = 0.75, kFront = 0.15, kCeiling = 0.25;
+  constexpr double kGlow = 1.0, kGlowAzimuth = -150.0, kGlowElevation = -6.0, kGlowWidth = 22.0; // degrees
   const double elevation = glm::degrees(std::asin(std::clamp(d.y, -1.0, 1.0)));
-  const double behind = smooth_step(-0.6, 0.6, -d.z); // the subject: 1 at the backdrop, 0 at the camera's side
-  const double wall = glm::mix(kFront, kBack, behind);
-  const double low = glm::mix(kFloor, wall, smooth_step(-12.0, 12.0, elevation));
-  return glm::mix(low, kCeiling, smooth_step(18.0, 70.0, elevation));
+  const double wall = glm::mix(kFront, kBack, smooth_step(-0.7, 0.5, -d.z)); // from the camera's side to the backdrop
+  const double low = glm::mix(glm::mix(kFloor, wall, 0.5), wall, smooth_step(-60.0, 10.0, elevation));
+  const double from_glow =
+      glm::degrees(std::acos(std::clamp(glm::dot(d, direction_of(kGlowAzimuth, kGlowElevation)), -1.0, 1.0)));
+  const double glow = kGlow * std::exp(-0.5 * from_glow * from_glow / (kGlowWidth * kGlowWidth));
+  return glm::mix(low, kCeiling, smooth_step(20.0, 70.0, elevation)) + glow;
 }
 
 } // namespace

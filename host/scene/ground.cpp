@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "host/scene/environment.h"
+#include "host/scene/framing.h"
 
 namespace wavepath {
 namespace {
@@ -13,35 +14,41 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 constexpr std::uint32_t kSectors = 96;
 constexpr std::uint32_t kRings = 24; // of the part that fades
-constexpr double kOpaque = 1.2;      // radii of the asset's footprint that are opaque,
-constexpr double kFaded = 4.0;       // and at which nothing is left of the disc
+constexpr double kOpaque = 1.0;      // radii of the asset's footprint that are opaque,
+constexpr double kFaded = 3.5;       // and at which nothing is left of the disc
 constexpr double kSunk = 1e-4;       // of the asset's radius: clear of surfaces that lie at the lowest point
 constexpr double kBrightest = 0.9;   // albedo
 
-// Mean radiance where a camera sees a floor: 3 to 30 degrees below the horizon.
-glm::dvec3 radiance_below_horizon(const Environment& environment) {
+// Mean radiance where the framing camera sees the floor's far parts: 3 to 30 degrees below the horizon, 30 to either
+// side.
+glm::dvec3 radiance_behind(const Environment& environment) {
   const glm::dvec3 scale(environment.radiance);
   if (environment.map.empty()) return scale;
-  const double height = environment.height;
-  const auto first = static_cast<std::size_t>(height * (0.5 + 3.0 / 180.0)),
-             last = std::max(static_cast<std::size_t>(height * (0.5 + 30.0 / 180.0)), first + 1);
+  constexpr int kSteps = 64; // each way
+  const glm::dvec3 forward = framing_forward();
+  const double ahead = std::atan2(forward.z, forward.x);
   glm::dvec3 sum(0.0);
   double weight = 0.0;
-  for (std::size_t y = first; y < std::min<std::size_t>(last, environment.height); ++y) {
-    const double solid_angle = texel_solid_angle(y, environment.width, environment.height);
-    for (std::size_t x = 0; x < environment.width; ++x)
-      sum += solid_angle * glm::dvec3(environment.map[y * environment.width + x]);
-    weight += solid_angle * environment.width;
+  for (int i = 0; i < kSteps * kSteps; ++i) {
+    const double azimuth = ahead + glm::radians(-30.0 + 60.0 * (i % kSteps + 0.5) / kSteps),
+                 depression = glm::radians(3.0 + 27.0 * (i / kSteps + 0.5) / kSteps);
+    const glm::dvec3 d(std::cos(azimuth) * std::cos(depression), -std::sin(depression),
+                       std::sin(azimuth) * std::cos(depression));
+    const glm::dvec2 uv = environment_uv(d, environment.rotation);
+    const auto x = std::min(static_cast<std::uint32_t>(uv.x * environment.width), environment.width - 1),
+               y = std::min(static_cast<std::uint32_t>(uv.y * environment.height), environment.height - 1);
+    sum += std::cos(depression) * glm::dvec3(environment.map[std::size_t{y} * environment.width + x]);
+    weight += std::cos(depression);
   }
-  return weight > 0.0 ? scale * sum / weight : glm::dvec3(0.0);
+  return scale * sum / weight;
 }
 
 // Without an environment, in the dark around lamps: a grey of 0.2.
 glm::vec3 albedo_under(const Environment& environment) {
-  const glm::dvec3 irradiance = floor_irradiance(environment), below = radiance_below_horizon(environment);
+  const glm::dvec3 irradiance = floor_irradiance(environment), behind = radiance_behind(environment);
   glm::vec3 albedo;
   for (int c = 0; c < 3; ++c)
-    albedo[c] = irradiance[c] > 0.0 ? static_cast<float>(std::min(kPi * below[c] / irradiance[c], kBrightest)) : 0.2f;
+    albedo[c] = irradiance[c] > 0.0 ? static_cast<float>(std::min(kPi * behind[c] / irradiance[c], kBrightest)) : 0.2f;
   return albedo;
 }
 

@@ -167,26 +167,31 @@ double enclosed_share(const Geometry& geometry, const Bounds& bounds) {
 
 struct Way {
   double length = 0.0, azimuth = 0.0;
+  double worth = 0.0; // its length times the middle distance across the picture
 };
 
-// The longest free way that begins at `eye`; none where a wall is close on any side. Its length is the second shortest
-// of a few rays side by side, so that it is as wide as a person, but one chair leg does not end it. What leads out, or
-// to a back that may not be seen, is no way.
+// The worthiest free way that begins at `eye`; none where a wall is close on any side. Its length is the second
+// shortest of a few rays side by side, so that it is as wide as a person, but one chair leg does not end it. What leads
+// out, or to a back that may not be seen, is no way.
 Way longest_way(const Geometry& geometry, const glm::dvec3& eye, double clearance) {
-  constexpr int kAzimuths = 96, kAside = 2; // rays to either side, 7.5 degrees in all
-  double ways[kAzimuths];
+  constexpr int kAzimuths = 96, kAside = 2, kWide = 10; // rays to either side: of 15 degrees in all, of 75
+  double ways[kAzimuths], seen[kAzimuths];
   for (int a = 0; a < kAzimuths; ++a) {
     const double azimuth = 2.0 * kPi * a / kAzimuths;
     const Sight sight = look(geometry, eye, {std::sin(azimuth), 0.0, std::cos(azimuth)});
     if (sight.distance < clearance) return {};
+    seen[a] = std::isinf(sight.distance) ? clearance : sight.distance;
     ways[a] = std::isinf(sight.distance) || !sight.front ? 0.0 : sight.distance;
   }
   Way longest;
   for (int a = 0; a < kAzimuths; ++a) {
-    double near[2 * kAside + 1];
+    double near[2 * kAside + 1], wide = 0.0;
     for (int i = 0; i <= 2 * kAside; ++i) near[i] = ways[(a + i - kAside + kAzimuths) % kAzimuths];
     std::nth_element(near, near + 1, std::end(near));
-    if (near[1] > longest.length) longest = {near[1], 2.0 * kPi * a / kAzimuths};
+    for (int i = -kWide; i <= kWide; ++i)
+      wide += std::log(std::max(seen[(a + i + kAzimuths) % kAzimuths], clearance)) / (2 * kWide + 1);
+    const double worth = near[1] * std::exp(wide);
+    if (worth > longest.worth) longest = {near[1], 2.0 * kPi * a / kAzimuths, worth};
   }
   return longest;
 }
@@ -226,8 +231,10 @@ std::optional<Standpoint> find_standpoint(const Scene& scene, const Bounds& boun
         const double height = floor.distance + std::min(ceiling.distance, bounds.hi.y - middle.y);
         const glm::dvec3 eye(middle.x, floor_y + eye_height(height), middle.z);
         const Way way = longest_way(geometry, eye, clearance);
-        if (way.length <= best || !is_enclosed(geometry, eye, kCovered)) continue;
-        best = way.length;
+        if (way.worth == 0.0) continue;
+        y = places.y; // the lowest floor to stand on; others are roofs and galleries
+        if (way.worth <= best || !is_enclosed(geometry, eye, kCovered)) continue;
+        best = way.worth;
         found = Standpoint{eye, eye + way.length * glm::dvec3(std::sin(way.azimuth), 0.0, std::cos(way.azimuth))};
       }
     }
