@@ -58,8 +58,8 @@ double shine(const SoftBox& box, const glm::dvec3& d) {
 // The room without its lamps: a floor that bends up into a backdrop, on which a light falls behind the subject; a dim
 // ceiling; and darkness around the camera, which gives reflections their contrast.
 double backdrop(const glm::dvec3& d) {
-  constexpr double kFloor = 0.75, kBack = 0.75, kFront = 0.15, kCeiling = 0.25;
-  constexpr double kGlow = 1.0, kGlowAzimuth = -150.0, kGlowElevation = -6.0, kGlowWidth = 22.0; // degrees
+  constexpr double kFloor = 0.95, kBack = 0.95, kFront = 0.15, kCeiling = 0.25;
+  constexpr double kGlow = 0.7, kGlowAzimuth = -156.0, kGlowElevation = -6.0, kGlowWidth = 27.0; // degrees
   const double elevation = glm::degrees(std::asin(std::clamp(d.y, -1.0, 1.0)));
   const double wall = glm::mix(kFront, kBack, smooth_step(-0.7, 0.5, -d.z)); // from the camera's side to the backdrop
   const double low = glm::mix(glm::mix(kFloor, wall, 0.5), wall, smooth_step(-60.0, 10.0, elevation));
