@@ -36,9 +36,9 @@ ASSETS = [
 
 def choices(stderr):
     """The words of wavepath that say what it chose: light and exposure."""
-    light = re.search(r"light: (?:--env (\w+)|as authored)", stderr)
+    light = re.search(r"light: (?:--env (\w+)|(as authored|a lamp))", stderr)
     exposure = re.search(r"\(exposure ([+-][\d.]+)\)", stderr)
-    return (light.group(1) or "as authored" if light else "?", exposure.group(1) if exposure else "?")
+    return (light.group(1) or light.group(2) if light else "?", exposure.group(1) if exposure else "?")
 
 
 def refusal(stderr):

@@ -52,29 +52,37 @@ Material shining(float radiance, bool textured = false) {
 TEST(DefaultLight, IsAuthoredWhereSomebodyLitTheScene) {
   Scene lit = triangle_scene();
   lit.lights.emplace_back();
-  EXPECT_EQ(choose_light(lit, false), DefaultLight::authored);
-  EXPECT_EQ(choose_light(lit, true), DefaultLight::authored);
-  EXPECT_EQ(choose_light(with_material(shining(0.5f), true), false), DefaultLight::authored);
-  EXPECT_EQ(choose_light(with_material(shining(4.0f, true), true), false), DefaultLight::authored);
+  EXPECT_EQ(choose_light(lit, {}), DefaultLight::authored);
+  EXPECT_EQ(choose_light(lit, Standpoint{}), DefaultLight::authored);
+  EXPECT_EQ(choose_light(with_material(shining(0.5f), true), {}), DefaultLight::authored);
+  EXPECT_EQ(choose_light(with_material(shining(4.0f, true), true), {}), DefaultLight::authored);
 }
 
 TEST(DefaultLight, IsTheStudioForAssets) {
-  EXPECT_EQ(choose_light(triangle_scene(), false), DefaultLight::studio);
-  EXPECT_EQ(choose_light(with_material(plain_material(), true), false), DefaultLight::studio);
-  EXPECT_EQ(choose_light(with_material(shining(4.0f), false), false), DefaultLight::studio) << "no camera";
-  EXPECT_EQ(choose_light(with_material(shining(1.0f, true), true), false), DefaultLight::studio) << "a display";
+  EXPECT_EQ(choose_light(triangle_scene(), {}), DefaultLight::studio);
+  EXPECT_EQ(choose_light(with_material(plain_material(), true), {}), DefaultLight::studio);
+  EXPECT_EQ(choose_light(with_material(shining(4.0f), false), {}), DefaultLight::studio) << "no camera";
+  EXPECT_EQ(choose_light(with_material(shining(1.0f, true), true), {}), DefaultLight::studio) << "a display";
   Material unlit = shining(4.0f);
   unlit.unlit = true;
-  EXPECT_EQ(choose_light(with_material(unlit, true), false), DefaultLight::studio);
+  EXPECT_EQ(choose_light(with_material(unlit, true), {}), DefaultLight::studio);
   Scene unused = with_material(plain_material(), true);
   unused.materials.push_back(shining(4.0f));
-  EXPECT_EQ(choose_light(unused, false), DefaultLight::studio);
+  EXPECT_EQ(choose_light(unused, {}), DefaultLight::studio);
   Scene dark = triangle_scene();
   dark.lights.emplace_back().intensity = glm::vec3(0.0f);
-  EXPECT_EQ(choose_light(dark, false), DefaultLight::studio);
+  EXPECT_EQ(choose_light(dark, {}), DefaultLight::studio);
 }
 
-TEST(DefaultLight, IsTheSkyForInteriors) { EXPECT_EQ(choose_light(triangle_scene(), true), DefaultLight::sky); }
+TEST(DefaultLight, IsTheSkyForInteriorsAndALampForClosedOnes) {
+  Standpoint inside;
+  EXPECT_EQ(choose_light(triangle_scene(), inside), DefaultLight::sky);
+  inside.lamp = glm::dvec3(1, 2, 3);
+  inside.lamp_height = 2.0;
+  EXPECT_EQ(choose_light(triangle_scene(), inside), DefaultLight::lamp);
+  EXPECT_EQ(room_lamp(inside).position, glm::dvec3(1, 2, 3));
+  EXPECT_NEAR(room_lamp(inside).intensity.g / 4.0 / kPi, 1.0, 1e-6); // lux over pi: of a white floor below
+}
 
 // ---- Environments
 
@@ -308,6 +316,17 @@ TEST(Interior, TheCameraStandsInARoomAndLooksAlongIt) {
   EXPECT_GT(std::abs(view.forward.x), 0.8) << "along the longer side";
   EXPECT_LT(view.position.x * view.forward.x, 0.0) << "with the way before it";
   EXPECT_EQ(view.forward.y, 0.0);
+}
+
+TEST(Interior, AClosedRoomHasAPlaceForALamp) {
+  EXPECT_FALSE(find_framing(room()).inside->lamp);
+  const Scene closed = scene_of({box({4.0f, 1.5f, 2.5f}, true)}); // its floor at -1.5
+  const Standpoint inside = find_framing(closed).inside.value();
+  ASSERT_TRUE(inside.lamp);
+  EXPECT_NEAR(inside.lamp->y, 0.1 + 0.8 * 1.4, 1e-6); // the eye at 1.6 over the floor, the ceiling 1.4 above it
+  EXPECT_NEAR(inside.lamp_height, inside.lamp->y + 1.5, 1e-6);
+  EXPECT_LT(std::abs(inside.lamp->x), 4.0);
+  EXPECT_LT(std::abs(inside.lamp->z), 2.5);
 }
 
 TEST(Interior, IsFoundAtAnyScaleAndAgain) {

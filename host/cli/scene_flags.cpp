@@ -39,6 +39,15 @@ Environment requested_environment(SceneRequest request, DefaultLight light) {
   return requested_environment(request);
 }
 
+// `scene` is, or will be, that of `loaded`.
+void light_by_rule(const SceneRequest& request, Scene& scene, LoadedScene& loaded) {
+  const DefaultLight light = choose_light(scene, loaded.framing.inside);
+  scene.environment = requested_environment(request, light);
+  loaded.light = reason(light);
+  loaded.room_lamp = light == DefaultLight::lamp;
+  if (loaded.room_lamp) scene.lights.push_back(room_lamp(*loaded.framing.inside));
+}
+
 } // namespace
 
 void add_scene_flags(CLI::App& app, SceneRequest& request, bool required) {
@@ -59,7 +68,7 @@ void add_scene_flags(CLI::App& app, SceneRequest& request, bool required) {
        "radiance; soft boxes of a studio, or a clear sky with the sun, under both of which a white floor has radiance "
        "1",
        "a file with punctual lights, or with a camera and lamps, is lit as authored (black); anything else is an asset "
-       "and gets studio, an interior sky"},
+       "and gets studio, an interior sky, or a lamp where it is closed"},
       [&](const FlagValue& value) { read_environment(value, request); });
   add_flag(app, group, {"--env-intensity", "X", "factor on the environment's radiance", "1"},
            [&](const FlagValue& value) { request.environment_intensity = value.number(0.0, kLargest); });
@@ -105,11 +114,12 @@ LoadedScene load_scene(const SceneRequest& request, const SceneDescribed& descri
   std::optional<Environment> environment;
   if (!request.environment.empty()) environment = requested_environment(request);
   loaded.scene = load_gltf(request.path, request.load, [&](Scene& scene) {
-    const bool by_rule = !environment, unlit = by_rule && choose_light(scene, false) != DefaultLight::authored;
+    const bool unlit = !environment && choose_light(scene, {}) != DefaultLight::authored;
     if (unlit || request.ground || is_framed(scene, request.view)) loaded.framing = find_framing(scene);
-    const DefaultLight light = choose_light(scene, loaded.framing.inside.has_value());
-    scene.environment = by_rule ? requested_environment(request, light) : *std::move(environment);
-    if (by_rule) loaded.light = reason(light);
+    if (environment)
+      scene.environment = *std::move(environment);
+    else
+      light_by_rule(request, scene, loaded);
     if (request.ground) add_ground(scene, loaded.framing.bounds);
     if (described) described(scene);
   });
@@ -122,11 +132,15 @@ void print_light(const LoadedScene& loaded) {
 
 void relight(const SceneRequest& request, LoadedScene& loaded) {
   Scene& scene = loaded.scene;
-  if (request.environment.empty()) {
-    if (loaded.framing.bounds.empty()) loaded.framing = find_framing(scene);
-    scene.environment = requested_environment(request, choose_light(scene, loaded.framing.inside.has_value()));
+  std::optional<Environment> environment;
+  if (!request.environment.empty()) environment = requested_environment(request);
+  if (loaded.room_lamp) scene.lights.pop_back();
+  loaded.room_lamp = false;
+  if (environment) {
+    scene.environment = *std::move(environment);
   } else {
-    scene.environment = requested_environment(request);
+    if (loaded.framing.bounds.empty()) loaded.framing = find_framing(scene);
+    light_by_rule(request, scene, loaded);
   }
   if (request.ground) relight_ground(scene);
 }

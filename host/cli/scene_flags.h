@@ -31,8 +31,9 @@ void add_view_flags(CLI::App& app, ViewRequest& request);
 // A scene that is lit and can be framed.
 struct LoadedScene {
   Scene scene;
-  Framing framing;   // where it has no camera; without --ground
-  std::string light; // what lights it and why, in a line; empty where --env says it
+  Framing framing;        // where it has no camera; without --ground
+  std::string light;      // what lights it and why, in a line; empty where --env says it
+  bool room_lamp = false; // its last light is room_lamp()
 };
 
 // Reads the scene, puts its environment in, and the ground that was asked for; `described` as in load_gltf(), with

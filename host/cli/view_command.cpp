@@ -166,6 +166,8 @@ private:
     wanted.environment_degrees = choice.rotation_degrees;
     const Environment before = scene_.environment;
     const std::vector<Material> materials = scene_.materials; // of which that of the ground follows the environment
+    const std::vector<PunctualLight> lights = scene_.lights;
+    const bool room_lamp = open_.loaded.room_lamp;
     const View view = progressive_->view();
     PackedScene other;
     try {
@@ -174,6 +176,8 @@ private:
     } catch (...) {
       scene_.environment = before;
       scene_.materials = materials;
+      scene_.lights = lights;
+      open_.loaded.room_lamp = room_lamp;
       throw;
     }
     std::swap(packed_, other);
@@ -183,6 +187,8 @@ private:
       std::swap(packed_, other);
       scene_.environment = before;
       scene_.materials = materials;
+      scene_.lights = lights;
+      open_.loaded.room_lamp = room_lamp;
       progressive_->set_scene(packed_, view);
       throw;
     }

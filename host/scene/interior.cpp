@@ -202,6 +202,27 @@ double eye_height(double room_height) {
   return room_height >= kLowest && room_height <= kHighest ? kEye : 0.6 * room_height;
 }
 
+// Whether no ray that begins at an enclosed probe gets out.
+bool is_closed(const Geometry& geometry, const Bounds& bounds) {
+  const glm::ivec3 cells(kProbesAcross, kProbesUp, kProbesAcross);
+  for (int i = 0; i < cells.x * cells.y * cells.z; ++i) {
+    const glm::dvec3 place = cell_middle(bounds, {i % cells.x, i / cells.x % cells.y, i / (cells.x * cells.y)}, cells);
+    if (!is_enclosed(geometry, place, kEnclosed)) continue;
+    for (int k = 0; k < kDirections; ++k)
+      if (std::isinf(look(geometry, place, lattice_direction(k, kDirections)).distance)) return false;
+  }
+  return true;
+}
+
+// A third of the way before the eye, a fifth of the way up to the ceiling below it.
+void hang_lamp(const Geometry& geometry, Standpoint& standpoint) {
+  const glm::dvec3 below = glm::mix(standpoint.eye, standpoint.target, 1.0 / 3.0);
+  const Sight ceiling = look(geometry, below, {0.0, 1.0, 0.0}), floor = look(geometry, below, {0.0, -1.0, 0.0});
+  if (std::isinf(ceiling.distance) || std::isinf(floor.distance)) return;
+  standpoint.lamp = below + glm::dvec3(0.0, 0.8 * ceiling.distance, 0.0);
+  standpoint.lamp_height = 0.8 * ceiling.distance + floor.distance;
+}
+
 } // namespace
 
 std::optional<Standpoint> find_standpoint(const Scene& scene, const Bounds& bounds) {
@@ -238,6 +259,7 @@ std::optional<Standpoint> find_standpoint(const Scene& scene, const Bounds& boun
         found = Standpoint{eye, eye + way.length * glm::dvec3(std::sin(way.azimuth), 0.0, std::cos(way.azimuth))};
       }
     }
+  if (found && is_closed(geometry, bounds)) hang_lamp(geometry, *found);
   return found;
 }
 
