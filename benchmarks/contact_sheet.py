@@ -3,7 +3,7 @@
 
 Renders each asset as `wavepath render ASSET --size 320x240 --spp 64 -o TILE.png`, without any other flag, and puts the
 pictures on one sheet, each with its name, the seconds it took and the light and exposure that were chosen. What cannot be
-rendered says why. FOLDER holds the scenes of ASSETS below. Needs openimageio-tools (oiiotool)."""
+rendered says why. FOLDER holds the scenes of ASSETS below. Needs openimageio-tools (oiiotool) and fonts-dejavu-core."""
 
 import argparse
 import pathlib
@@ -16,6 +16,7 @@ import time
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 SIZE = (320, 240)
 COLUMNS, CAPTION, GAP = 6, 38, 4  # tiles; pixels
+FONT = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf"
 ASSETS = [
     "DamagedHelmet/glTF-Binary/DamagedHelmet.glb", "FlightHelmet/FlightHelmet.gltf", "ToyCar/glTF/ToyCar.gltf",
     "WaterBottle/glTF/WaterBottle.gltf", "StanfordDragon/dragon-plain.glb", "IridescenceSuzanne/glTF-Binary/IridescenceSuzanne.glb",
@@ -62,8 +63,8 @@ def captioned(picture, name, words, out):
     width, height = SIZE
     blank = ["--pattern", "constant:color=0.01,0.01,0.01", f"{width}x{height + CAPTION}", "3"]
     layers = [str(picture), "--ch", "R,G,B", *blank, "--paste", "+0+0"] if picture else blank
-    text = [f"--text:x=6:y={height + 15}:size=14:color=0.8,0.8,0.8", name,
-            f"--text:x=6:y={height + 31}:size=12:color=0.4,0.4,0.4", words[:52]]
+    text = [f"--text:x=6:y={height + 15}:size=14:font={FONT}:color=0.8,0.8,0.8", name,
+            f"--text:x=6:y={height + 31}:size=12:font={FONT}:color=0.4,0.4,0.4", words[:52]]
     subprocess.run(["oiiotool", *layers, *text, "-d", "uint8", "-o", str(out)], check=True, stdout=subprocess.DEVNULL)
 
 
