@@ -75,7 +75,7 @@ RenderResult render_scene(Device& device, const fs::path& path, std::vector<std:
   settle_samples(request);
   request.settings.wave_slots = wave_slots;
 
-  Scene scene = load_scene(scene_request);
+  Scene scene = load_scene(scene_request).scene;
   const View view = resolve_view(scene, {}, request.settings.width, request.settings.height);
   const PackedScene packed = pack(scene, request.settings.direct, request.bvh.value_or(bvh::Quality::fast));
   static KernelCompiler kernels(device); // compiles each of them once

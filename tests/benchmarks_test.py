@@ -11,6 +11,7 @@ import unittest
 BENCHMARKS = pathlib.Path(sys.argv[1]) / "benchmarks"
 sys.path.insert(0, str(BENCHMARKS))
 
+import contact_sheet  # noqa: E402
 import error_time  # noqa: E402
 import light_table  # noqa: E402
 import old_new  # noqa: E402
@@ -74,6 +75,14 @@ class Benchmarks(unittest.TestCase):
         for p in points:
             self.assertAlmostEqual(p["seconds"], 0.5 * p["spp"] / os.cpu_count())
             self.assertEqual(p["clock_seconds"], 9.0)
+
+    def test_the_contact_sheet_tells_what_was_chosen_and_what_was_refused(self):
+        told = "wavepath: light: --env sky, as for an interior\nwavepath: a.png (exposure -0.52): 64 spp in 1.0 s\n"
+        self.assertEqual(contact_sheet.choices(told), ("sky", "-0.52"))
+        self.assertEqual(contact_sheet.choices("wavepath: light: as authored, by\nwavepath: a.png (exposure +3.00): 4 spp"),
+                         ("as authored", "+3.00"))
+        self.assertEqual(contact_sheet.refusal("wavepath: warning: x\nwavepath: error: /a/b.glb: needs X; do Y\n"), "needs X; do Y")
+        self.assertEqual(len(set(contact_sheet.ASSETS)), 30)
 
     def test_scripts_explain_themselves(self):
         for script in ("peer_cycles.py", "scaling.py", "old_new.py", "light_table.py"):

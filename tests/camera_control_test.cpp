@@ -20,11 +20,11 @@ void expect_near(const glm::dvec3& a, const glm::dvec3& b, double tolerance = 1e
       << a.x << " " << a.y << " " << a.z << " instead of " << b.x << " " << b.y << " " << b.z;
 }
 
-Bounds unit_bounds() {
-  Bounds bounds;
-  bounds.add(glm::dvec3(-1.0));
-  bounds.add(glm::dvec3(1.0));
-  return bounds;
+Framing unit_framing() {
+  Framing framing;
+  framing.bounds.add(glm::dvec3(-1.0));
+  framing.bounds.add(glm::dvec3(1.0));
+  return framing;
 }
 
 // From (0, 0, 4) along -Z, at the middle of a box of half extent 1.
@@ -36,7 +36,7 @@ CameraControl front_camera() {
   second.name = "0";
   second.orthographic = true;
   scene.cameras = {camera, second};
-  return CameraControl(scene, unit_bounds(), {});
+  return CameraControl(scene, unit_framing(), {});
 }
 
 TEST(CameraControl, OrbitsAboutTheTarget) {

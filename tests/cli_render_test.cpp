@@ -2,11 +2,13 @@
 #include <csignal>
 #include <filesystem>
 #include <fstream>
+#include <numeric>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
 #include "host/film/picture_io.h"
+#include "host/film/tonemap.h"
 #include "host/gpu/device.h"
 #include "tests/run_wavepath.h"
 #include "tests/small_disk.h"
@@ -231,6 +233,25 @@ TEST_F(CliRenderTest, VerboseNamesWhatIsLeftOut) {
   const Outcome outcome = render({"-o", exr_, "--spp", "1", "-v"});
   for (const char* word : {"device", "memory", "seconds", "left out", "extend"})
     EXPECT_NE(outcome.err.find(word), std::string::npos) << word;
+}
+
+TEST_F(CliRenderTest, TellsTheLightAndTheExposureItChose) {
+  const std::string png = folder_.file("a.png"), again = folder_.file("b.png");
+  const Outcome outcome = render({"-o", png, "--spp", "4"});
+  EXPECT_NE(outcome.err.find("wavepath: light: as authored"), std::string::npos) << outcome.err;
+  const std::string before = png + " (exposure ";
+  const std::size_t at = outcome.err.find(before);
+  ASSERT_NE(at, std::string::npos) << outcome.err;
+  const std::string value = outcome.err.substr(at + before.size(), outcome.err.find(')', at) - at - before.size());
+  const Outcome repeated = render({"-o", again, "--spp", "4", "--exposure", value, "--env", "black"});
+  EXPECT_EQ(repeated.err.find("wavepath: light:"), std::string::npos) << "the user said it";
+  EXPECT_EQ(read_picture(png).channels[1].values, read_picture(again).channels[1].values);
+  // Not dark: the mean of the Cornell box is near the middle of the scale.
+  const std::vector<float> green = read_picture(png).channels[1].values;
+  const double mean = std::accumulate(green.begin(), green.end(), 0.0) / static_cast<double>(green.size());
+  EXPECT_GT(to_srgb(static_cast<float>(mean)), 0.4);
+  const Outcome linear = render({"-o", exr_, "--spp", "4"});
+  EXPECT_EQ(linear.err.find("exposure"), std::string::npos) << "of no linear output";
 }
 
 } // namespace

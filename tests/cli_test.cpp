@@ -211,14 +211,25 @@ TEST(Info, TellsWhatASceneHolds) {
   EXPECT_NE(text.out.find("triangles   36 seen"), std::string::npos) << text.out;
 }
 
-TEST(Info, TheEnvironmentIsWhiteOnlyWithoutLights) {
-  const auto lit = [](const std::vector<std::string>& extra) {
-    std::vector<std::string> arguments = {"info", scene_file("furnace_lambert.gltf"), "--json"};
+TEST(Info, TellsWhatLightsTheSceneByRule) {
+  const auto lights = [](const char* scene, const std::vector<std::string>& extra = {}) {
+    std::vector<std::string> arguments = {"info", scene_file(scene), "--json"};
     arguments.insert(arguments.end(), extra.begin(), extra.end());
-    return nlohmann::json::parse(run_wavepath(arguments).out)["lights"]["environment"].get<bool>();
+    return nlohmann::json::parse(run_wavepath(arguments).out)["lights"];
   };
-  EXPECT_TRUE(lit({}));
-  EXPECT_FALSE(lit({"--env", "0,0,0"}));
+  const auto starts_with = [](const nlohmann::json& rule, const std::string& words) {
+    return rule.get<std::string>().rfind(words, 0) == 0;
+  };
+  EXPECT_TRUE(lights("furnace_lambert.gltf")["environment"]);
+  EXPECT_TRUE(starts_with(lights("furnace_lambert.gltf")["by_rule"], "--env studio"));
+  EXPECT_FALSE(lights("cornell_box.gltf")["environment"]);
+  EXPECT_TRUE(starts_with(lights("cornell_box.gltf")["by_rule"], "as authored"));
+  EXPECT_FALSE(lights("rooms/glazed_room.glb")["environment"]);
+  for (const char* black : {"0,0,0", "black"}) {
+    EXPECT_FALSE(lights("furnace_lambert.gltf", {"--env", black})["environment"]);
+    EXPECT_EQ(lights("furnace_lambert.gltf", {"--env", black})["by_rule"], "");
+  }
+  expect_error({"info", kBox, "--env", "studoi"}, 2, "nor studio, sky, black or white");
 }
 
 class CompareTest : public ::testing::Test {

@@ -152,6 +152,8 @@ TEST_F(Resume, RefusesWhatIsNotItsOwn) {
   refused({"--size", "32x32"}, "size is 32x32, not 64x48");
   refused({"--yfov", "30"}, "the camera is another");
   refused({"--env", "1,1,1"}, "the scene is another");
+  refused({"--env", "studio"}, "the scene is another");
+  refused({"--ground"}, "the scene is another");
   refused({"--adaptive"}, "adaptive is on, not off");
   refused({"--spp", "4"}, "has come to sample 8, beyond 4");
   const Outcome unasked = render("x.exr", {"--checkpoint", "state"});

@@ -126,7 +126,7 @@ std::string identity(const RenderSettings& settings) { return identity_of(1, Vie
 
 std::string line_of(const RenderSettings& settings) {
 #ifdef WAVEPATH_VIEWER
-  return render_line("scene.gltf", {}, settings, {}, "");
+  return render_line("scene.gltf", {}, settings, {.auto_exposure = true}, "");
 #else
   return "wavepath render scene.gltf" + flags_of(settings);
 #endif

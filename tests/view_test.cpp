@@ -117,30 +117,6 @@ TEST(View, RefusesDegenerateRequests) {
   EXPECT_THROW(resolve_view(flat, {}, 1, 1), Error);
 }
 
-// The share of the image's half extent that the bounding sphere takes along `axis` (right or up, with their half
-// extents).
-double sphere_extent(const View& view, const glm::dvec3& centre, double radius, const glm::dvec3& axis) {
-  const double distance = glm::length(centre - view.position);
-  return std::tan(std::asin(radius / distance)) / glm::length(axis);
-}
-
-TEST(View, FramesScenesWithoutCamera) {
-  Scene scene = triangle_scene();
-  scene.instances[0].world_from_object = glm::translate(glm::dmat4(1.0), glm::dvec3(1e6, 0, -1e6));
-  const glm::dvec3 centre(1e6 + 0.5, 0.5, -1e6);
-  const double radius = std::sqrt(0.5);
-  for (const std::uint32_t width : {50u, 100u, 300u}) {
-    const View view = resolve_view(scene, {}, width, 100);
-    EXPECT_LT(glm::length(glm::cross(glm::normalize(centre - view.position), view.forward)), 1e-6);
-    EXPECT_GT(view.position.x, centre.x); // to the right,
-    EXPECT_GT(view.position.y, centre.y); // above
-    EXPECT_GT(view.position.z, centre.z); // and in front
-    const double across = sphere_extent(view, centre, radius, view.right),
-                 upwards = sphere_extent(view, centre, radius, view.up);
-    EXPECT_NEAR(std::max(across, upwards), 1.0, 1e-6);
-  }
-}
-
 TEST(View, LooksAtTheMiddleFromAnEyeOfTheUsersOwn) {
   ViewRequest request;
   request.eye = glm::dvec3(0.5, 0.5, 10.0);

@@ -69,8 +69,11 @@ int run_bench(Request& request) {
 
   BenchSettings settings{request.render.settings, request.repetitions, request.ablate};
   const bool built_in = request.scene.path.empty();
-  Scene scene = built_in ? builtin_scene() : load_scene(request.scene);
-  const View view = resolve_view(scene, request.scene.view, settings.render.width, settings.render.height);
+  LoadedScene loaded = built_in ? LoadedScene{builtin_scene(), {}, {}} : load_scene(request.scene);
+  Scene& scene = loaded.scene;
+  if (!request.quiet) print_light(loaded);
+  const View view =
+      resolve_view(scene, loaded.framing, request.scene.view, settings.render.width, settings.render.height);
   const bvh::Quality quality = request.render.bvh.value_or(bvh::Quality::best);
   const PackedScene packed = pack(scene, settings.render.direct, quality, view.position);
   const std::string path = scene.path;

@@ -141,6 +141,7 @@ void print_scene(const Json& about, const std::vector<std::string>& extensions) 
   fmt::print("  lights      {} punctual, {} emissive triangles, {}\n", number(lights["punctual"]),
              number(lights["emissive_triangles"]),
              lights["environment"].get<bool>() ? "an environment" : "no environment");
+  if (const auto rule = lights["by_rule"].get<std::string>(); !rule.empty()) fmt::print("  lit         {}\n", rule);
   std::vector<std::string> cameras;
   for (const Json& camera : about["cameras"])
     cameras.push_back(fmt::format("{} '{}' ({})", cameras.size(), camera["name"].get<std::string>(),
@@ -162,11 +163,13 @@ void print_scene(const Json& about, const std::vector<std::string>& extensions) 
 }
 
 int run_scene(const Request& request) {
-  Scene scene = load_scene(request.scene);
+  LoadedScene loaded = load_scene(request.scene);
+  Scene& scene = loaded.scene;
   const Plan planned = plan(scene);
   require_memory(request.scene.path, "packing it", planned.total(), "use a simpler scene");
   const PackedScene packed = pack(scene);
-  const Json about = describe(request.scene.path, scene, planned, packed);
+  Json about = describe(request.scene.path, scene, planned, packed);
+  about["lights"]["by_rule"] = loaded.light;
   if (request.json) {
     fmt::print("{}", to_text(about));
   } else {

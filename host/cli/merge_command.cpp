@@ -10,6 +10,7 @@
 #include "host/cli/commands.h"
 #include "host/cli/flags.h"
 #include "host/cli/render_flags.h"
+#include "host/cli/report.h"
 #include "host/film/error.h"
 #include "host/film/film.h"
 #include "host/film/picture_io.h"
@@ -154,8 +155,8 @@ void read_common(const std::string& part, PictureInfo& info) {
   info.world_to_ndc = read_matrix(part, "worldToNDC");
 }
 
-void print_merged(const Request& request, const PictureInfo& info, const ErrorEstimate& error) {
-  fmt::print(stderr, "wavepath: {}: samples {} of {} parts{}\n", fmt::join(request.output.pictures, ", "), info.samples,
+void print_merged(const Request& request, const Picture& picture, const PictureInfo& info, const ErrorEstimate& error) {
+  fmt::print(stderr, "wavepath: {}: samples {} of {} parts{}\n", written_text(request.output, picture), info.samples,
              request.parts.size(),
              info.error ? fmt::format(", estimated error {:.3g} % ({:.3g} to {:.3g})", 100.0 * *info.error,
                                       100.0 * error.ci95[0], 100.0 * error.ci95[1])
@@ -185,7 +186,7 @@ int run_merge(const Request& request) {
     if (clamped > 0) warnings.add(path + ": value clamped to what the format holds", clamped);
   }
   print_warnings(warnings);
-  if (!request.output.quiet) print_merged(request, info, error);
+  if (!request.output.quiet) print_merged(request, picture, info, error);
   return kExitDone;
 }
 

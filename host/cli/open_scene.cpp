@@ -30,7 +30,7 @@ OpenScene open_scene(const SceneRequest& scene, const RenderRequest& render,
   OpenScene open;
   auto opening =
       std::async(std::launch::async, [&] { return std::make_unique<Device>(render.device, window_extensions); });
-  open.scene = load_scene(scene, [&](const Scene& described) {
+  open.loaded = load_scene(scene, [&](const Scene& described) {
     open.device = opening.get();
     open.kernels = std::make_unique<KernelCompiler>(*open.device);
     begin_kernels(*open.kernels, open.device->info(), described, render.settings);

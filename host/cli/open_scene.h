@@ -17,7 +17,7 @@ namespace wavepath {
 struct OpenScene {
   std::unique_ptr<Device> device;
   std::unique_ptr<KernelCompiler> kernels; // compiling what the scene will most likely need
-  Scene scene;
+  LoadedScene loaded;
 };
 
 // The device opens while the scene is read; kernels compile from the moment the scene's needs can be foreseen.

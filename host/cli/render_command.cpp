@@ -194,15 +194,17 @@ Prepared prepare(const Request& request) {
   prepared.device = std::move(open.device);
   prepared.kernels = std::move(open.kernels);
   const DeviceInfo& device = prepared.device->info();
-  const View view = resolve_view(open.scene, request.scene.view, settings.width, settings.height);
+  Scene& scene = open.loaded.scene;
+  if (!request.output.quiet) print_light(open.loaded);
+  const View view = resolve_view(scene, open.loaded.framing, request.scene.view, settings.width, settings.height);
   const bvh::Quality quality =
-      request.render.bvh.value_or(choose_quality(settings, plan(open.scene).triangles_stored, device));
-  require_memory_for(request.scene.path, settings, plan(open.scene, quality), device);
+      request.render.bvh.value_or(choose_quality(settings, plan(scene).triangles_stored, device));
+  require_memory_for(request.scene.path, settings, plan(scene, quality), device);
   const std::optional<glm::dvec3>& origin = request.render.origin;
-  if (needs_identity(request)) prepared.scene_hash = hash_scene(open.scene);
+  if (needs_identity(request)) prepared.scene_hash = hash_scene(scene);
   prepared.view = view;
-  prepared.packed = pack(open.scene, settings.direct, quality, origin.value_or(view.position), settings.lights);
-  prepared.warnings = open.scene.warnings;
+  prepared.packed = pack(scene, settings.direct, quality, origin.value_or(view.position), settings.lights);
+  prepared.warnings = scene.warnings;
   prepared.load_seconds = loading.seconds() - prepared.packed.bvh_seconds;
   return prepared;
 }

@@ -148,8 +148,15 @@ void add_replay_flags(CLI::App& app, RenderRequest& request) {
 
 void add_tone_flags(CLI::App& app, WriteOptions& options) {
   const char* group = "Output";
-  add_flag(app, group, {"--exposure", "EV", "brighten tonemapped outputs by this many stops", "0"},
-           [&](const FlagValue& value) { options.exposure = value.number(-64.0, 64.0); });
+  options.exposure.reset();
+  add_flag(app, group,
+           {"--exposure", "EV|auto",
+            "brighten tonemapped outputs by this many stops; auto brings the picture's middle to a middle grey, keeps "
+            "highlights, and tells the value",
+            "auto"},
+           [&](const FlagValue& value) {
+             options.exposure = value.text == "auto" ? std::nullopt : std::optional(value.number(-64.0, 64.0));
+           });
   add_flag(app, group, {"--tonemap", "none|aces|agx|neutral", "tone curve of .png and .jpg outputs", "neutral"},
            [&](const FlagValue& value) { options.tonemap = static_cast<Tonemap>(value.choice(kTonemapNames)); });
 }

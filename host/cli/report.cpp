@@ -1,6 +1,7 @@
 // Reports a finished render to the user.
 #include "host/cli/report.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <numeric>
@@ -32,7 +33,7 @@ void print_summary(const Run& run, const OutputRequest& output) {
     error = fmt::format(", estimated error {:.3g} % ({:.3g} to {:.3g})", 100.0 * *estimate,
                         100.0 * result.error.ci95[0], 100.0 * result.error.ci95[1]) +
             halving_text(result);
-  fmt::print(stderr, "wavepath: {}: {} spp in {:.2f} s, {:.2f} Mrays/s{}\n", fmt::join(output.pictures, ", "),
+  fmt::print(stderr, "wavepath: {}: {} spp in {:.2f} s, {:.2f} Mrays/s{}\n", written_text(output, result.picture),
              result.spp, result.seconds, speed, error);
 }
 
@@ -84,6 +85,20 @@ std::string describe_first(const Nonfinite& nonfinite, const RenderSettings& set
       "replay it",
       at.x, at.y, first.sample, first.at.net ? " of its second net" : "", settings.seed, kMakerNames[first.maker], at.x,
       at.y, first.sample, first.at.net ? " --net 1" : "", settings.seed);
+}
+
+std::string written_text(const OutputRequest& output, const Picture& picture) {
+  const auto is_tonemapped = [](const std::string& path) {
+    const std::optional<PictureFormat> format = picture_format(path);
+    return format == PictureFormat::png || format == PictureFormat::jpg;
+  };
+  const std::string exposure = std::ranges::any_of(output.pictures, is_tonemapped)
+                                   ? fmt::format(" (exposure {:+.2f})", exposure_of(picture, output.write))
+                                   : "";
+  std::string text;
+  for (const std::string& path : output.pictures)
+    text += (text.empty() ? "" : ", ") + path + (is_tonemapped(path) ? exposure : "");
+  return text;
 }
 
 TrueError measure_true_error(const Picture& picture, const Picture& reference) {

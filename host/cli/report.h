@@ -23,6 +23,9 @@ std::string describe_first(const Nonfinite& nonfinite, const RenderSettings& set
 
 TrueError measure_true_error(const Picture& picture, const Picture& reference);
 
+// The pictures written, separated by commas, those that are tonemapped with their exposure.
+std::string written_text(const OutputRequest& output, const Picture& picture);
+
 // Writes the stats file and, as asked for, the document to stdout, and warnings and a summary to stderr.
 void report(const Run& run, const OutputRequest& output, Warnings warnings);
 

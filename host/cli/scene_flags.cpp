@@ -5,12 +5,14 @@
 #include <filesystem>
 #include <limits>
 
+#include <fmt/format.h>
 #include <glm/gtc/constants.hpp>
 
 #include "host/base/error.h"
 #include "host/cli/flags.h"
+#include "host/scene/default_light.h"
 #include "host/scene/environment.h"
-#include "host/scene/usage.h"
+#include "host/scene/ground.h"
 
 namespace wavepath {
 namespace {
@@ -25,6 +27,25 @@ void read_environment(const FlagValue& value, SceneRequest& request) {
   if (radiance && glm::any(glm::lessThan(value.triple(), glm::dvec3(0.0))))
     value.refuse("is negative", "give radiance of zero or more");
   request.environment = value.text;
+}
+
+Environment requested_environment(const SceneRequest& request) {
+  return load_environment(request.environment, request.environment_intensity,
+                          glm::radians(request.environment_degrees));
+}
+
+Environment requested_environment(SceneRequest request, DefaultLight light) {
+  request.environment = environment_name(light);
+  return requested_environment(request);
+}
+
+// `scene` is, or will be, that of `loaded`.
+void light_by_rule(const SceneRequest& request, Scene& scene, LoadedScene& loaded) {
+  const DefaultLight light = choose_light(scene, loaded.framing.inside);
+  scene.environment = requested_environment(request, light);
+  loaded.light = reason(light);
+  loaded.room_lamp = light == DefaultLight::lamp;
+  if (loaded.room_lamp) scene.lights.push_back(room_lamp(*loaded.framing.inside));
 }
 
 } // namespace
@@ -42,16 +63,24 @@ void add_scene_flags(CLI::App& app, SceneRequest& request, bool required) {
            [&](const FlagValue& value) { request.load.at = value.number(-kLargest, kLargest); });
   add_flag(
       app, group,
-      {"--env", "FILE|R,G,B",
-       "environment: lat-long .exr or .hdr, its centre along world +X and three quarters across along +Z, or constant "
-       "radiance",
-       "black if the scene has any light, else 1,1,1"},
+      {"--env", "FILE|R,G,B|studio|sky|black|white",
+       "environment: lat-long .exr or .hdr, its centre along world +X and three quarters across along +Z; constant "
+       "radiance; soft boxes of a studio, or a clear sky with the sun, under both of which a white floor has radiance "
+       "1",
+       "a file with punctual lights, or with a camera and lamps, is lit as authored (black); anything else is an asset "
+       "and gets studio, an interior sky, or a lamp where it is closed"},
       [&](const FlagValue& value) { read_environment(value, request); });
   add_flag(app, group, {"--env-intensity", "X", "factor on the environment's radiance", "1"},
            [&](const FlagValue& value) { request.environment_intensity = value.number(0.0, kLargest); });
   add_flag(app, group,
            {"--env-rotation", "DEG", "turn the environment about +Y, degrees counter-clockwise from above", "0"},
            [&](const FlagValue& value) { request.environment_degrees = value.number(-1e6, 1e6); });
+  add_switch(app, group,
+             {"--ground", "",
+              "a matte floor under the lowest point that catches shadows, bright as what the environment has below the "
+              "horizon, and fading out",
+              "off"},
+             request.ground);
 }
 
 void add_view_flags(CLI::App& app, ViewRequest& request) {
@@ -59,10 +88,11 @@ void add_view_flags(CLI::App& app, ViewRequest& request) {
   const auto triple = [](std::optional<glm::dvec3>& target) {
     return [&target](const FlagValue& value) { target = value.triple(); };
   };
-  add_flag(
-      app, group,
-      {"--camera", "NAME|INDEX", "glTF camera; without any camera in the file the scene is framed automatically", "0"},
-      [&](const FlagValue& value) { request.camera = value.text; });
+  add_flag(app, group,
+           {"--camera", "NAME|INDEX",
+            "glTF camera; without any in the file an object is framed from the front, and an interior seen from within",
+            "0"},
+           [&](const FlagValue& value) { request.camera = value.text; });
   add_flag(app, group,
            {"--eye", "X,Y,Z", "position of a camera of your own, world units (metres)", "the chosen camera's"},
            triple(request.eye));
@@ -78,33 +108,41 @@ void add_view_flags(CLI::App& app, ViewRequest& request) {
            });
 }
 
-Scene load_scene(const SceneRequest& request, const SceneDescribed& described) {
+LoadedScene load_scene(const SceneRequest& request, const SceneDescribed& described) {
+  LoadedScene loaded;
   // Read first, so that an unreadable map is refused before the time of reading the scene is spent.
   std::optional<Environment> environment;
-  if (!request.environment.empty()) environment = find_environment(request, {});
-  return load_gltf(request.path, request.load, [&](Scene& scene) {
-    scene.environment = environment ? *std::move(environment) : find_environment(request, scene);
+  if (!request.environment.empty()) environment = requested_environment(request);
+  loaded.scene = load_gltf(request.path, request.load, [&](Scene& scene) {
+    const bool unlit = !environment && choose_light(scene, {}) != DefaultLight::authored;
+    if (unlit || request.ground || is_framed(scene, request.view)) loaded.framing = find_framing(scene);
+    if (environment)
+      scene.environment = *std::move(environment);
+    else
+      light_by_rule(request, scene, loaded);
+    if (request.ground) add_ground(scene, loaded.framing.bounds);
     if (described) described(scene);
   });
+  return loaded;
 }
 
-Environment find_environment(const SceneRequest& request, const Scene& scene) {
-  if (!request.environment.empty())
-    return load_environment(request.environment, request.environment_intensity,
-                            glm::radians(request.environment_degrees));
-  Environment environment = default_environment(scene);
-  environment.radiance *= static_cast<float>(request.environment_intensity);
-  return environment;
+void print_light(const LoadedScene& loaded) {
+  if (!loaded.light.empty()) fmt::print(stderr, "wavepath: light: {}\n", loaded.light);
 }
 
-Environment default_environment(const Scene& scene) {
-  Environment environment;
-  const Usage usage = find_usage(scene);
-  bool lit = !scene.lights.empty();
-  for (std::size_t i = 0; i < scene.materials.size(); ++i)
-    lit |= usage.material_used[i] && scene.materials[i].emission != glm::vec3(0.0f);
-  environment.radiance = glm::vec3(lit ? 0.0f : 1.0f);
-  return environment;
+void relight(const SceneRequest& request, LoadedScene& loaded) {
+  Scene& scene = loaded.scene;
+  std::optional<Environment> environment;
+  if (!request.environment.empty()) environment = requested_environment(request);
+  if (loaded.room_lamp) scene.lights.pop_back();
+  loaded.room_lamp = false;
+  if (environment) {
+    scene.environment = *std::move(environment);
+  } else {
+    if (loaded.framing.bounds.empty()) loaded.framing = find_framing(scene);
+    light_by_rule(request, scene, loaded);
+  }
+  if (request.ground) relight_ground(scene);
 }
 
 } // namespace wavepath

@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "host/scene/framing.h"
 #include "host/scene/gltf/gltf.h"
 #include "host/scene/view.h"
 
@@ -17,22 +18,33 @@ struct SceneRequest {
   std::string path;
   LoadOptions load;
   ViewRequest view;
-  std::string environment; // as load_environment takes it; empty = by the rule of default_environment
+  std::string environment; // as load_environment takes it; empty = by the rule of choose_light()
   double environment_intensity = 1.0;
   double environment_degrees = 0.0; // of rotation
+  bool ground = false;
 };
 
 // `request` must outlive the parsing of `app`. SCENE itself may be left out where `required` is false.
 void add_scene_flags(CLI::App& app, SceneRequest& request, bool required);
 void add_view_flags(CLI::App& app, ViewRequest& request);
 
-// Reads the scene and puts its environment in; `described` as in load_gltf(), the environment included. Throws Error.
-Scene load_scene(const SceneRequest& request, const SceneDescribed& described = {});
+// A scene that is lit and can be framed.
+struct LoadedScene {
+  Scene scene;
+  Framing framing;        // where it has no camera; without --ground
+  std::string light;      // what lights it and why, in a line; empty where --env says it
+  bool room_lamp = false; // its last light is room_lamp()
+};
 
-// The environment of the request: what load_scene() puts in. Throws Error.
-Environment find_environment(const SceneRequest& request, const Scene& scene);
+// Reads the scene, puts its environment in, and the ground that was asked for; `described` as in load_gltf(), with
+// these. Throws Error.
+LoadedScene load_scene(const SceneRequest& request, const SceneDescribed& described = {});
 
-// Black if the scene has a light of its own (punctual, or an emissive surface in use), else white of radiance 1.
-Environment default_environment(const Scene& scene);
+// Tells what lights the scene on stderr, where the user did not say it.
+void print_light(const LoadedScene& loaded);
+
+// Lights the scene of a request anew, which has changed in nothing but its environment. Throws Error; then it is as it
+// was.
+void relight(const SceneRequest& request, LoadedScene& loaded);
 
 } // namespace wavepath

@@ -133,9 +133,11 @@ private:
 };
 
 // Packs the scene for every light strategy of the grid, and tells each warning once.
-StudyScene pack_scene(Scene& scene, const Request& request, bvh::Quality quality) {
+StudyScene pack_scene(LoadedScene& loaded, const Request& request, bvh::Quality quality) {
   StudyScene study;
-  study.view = resolve_view(scene, request.scene.view, request.study.render.width, request.study.render.height);
+  Scene& scene = loaded.scene;
+  study.view =
+      resolve_view(scene, loaded.framing, request.scene.view, request.study.render.width, request.study.render.height);
   Warnings all = scene.warnings;
   const auto pack_for = [&](std::uint32_t direct) {
     if (study.packed.contains(direct)) return;
@@ -157,13 +159,14 @@ int run_study_command(const CLI::App& app, Request& request) {
   std::optional<StudyReference> reference = read_reference(request);
 
   Device device(request.render.device);
-  Scene scene = load_scene(request.scene);
+  LoadedScene loaded = load_scene(request.scene);
+  if (!request.quiet) print_light(loaded);
   RenderSettings whole = settings.render;
   whole.last_sample = 1 << 16;
   whole.time_limit = settings.budget;
-  const bvh::Quality quality = choose_quality(whole, plan(scene).triangles_stored, device.info());
-  const StudyScene packed = pack_scene(scene, request, quality);
-  scene = Scene{};
+  const bvh::Quality quality = choose_quality(whole, plan(loaded.scene).triangles_stored, device.info());
+  const StudyScene packed = pack_scene(loaded, request, quality);
+  loaded = LoadedScene{};
   // All configurations use the default radius of hybrid, so that one reference of occlusion serves them all.
   RenderSettings hybrid = settings.render;
   hybrid.integrator = &kHybrid;

@@ -17,7 +17,6 @@
 #include "host/render/progressive/display.h"
 #include "host/render/progressive/progressive.h"
 #include "host/render/settings/settings_table.h"
-#include "host/scene/bounds.h"
 #include "host/scene/environment.h"
 #ifdef WAVEPATH_VIEWER
 #include "host/view/window.h"
@@ -70,17 +69,20 @@ void check(Request& request) {
 class Viewing {
 public:
   explicit Viewing(const Request& request)
-      : request_(request), open_(open_scene(request.scene, request.render, window_extensions())) {
+      : request_(request),
+        open_(open_scene(request.scene, request.render, window_extensions())),
+        scene_(open_.loaded.scene) {
     const RenderSettings& settings = request.render.settings;
-    const View view = resolve_view(open_.scene, request.scene.view, settings.width, settings.height);
+    print_light(open_.loaded);
+    const View view = resolve_view(scene_, open_.loaded.framing, request.scene.view, settings.width, settings.height);
     RenderSettings expected = settings;
     expected.last_sample = std::min(settings.last_sample, kExpectedSamples);
     const DeviceInfo& device = open_.device->info();
-    quality_ = request.render.bvh.value_or(choose_quality(expected, plan(open_.scene).triangles_stored, device));
-    require_memory_for(request.scene.path, settings, plan(open_.scene, quality_), device);
+    quality_ = request.render.bvh.value_or(choose_quality(expected, plan(scene_).triangles_stored, device));
+    require_memory_for(request.scene.path, settings, plan(scene_, quality_), device);
     // Lights are packed even for --direct bsdf, because the panel can change that setting.
-    packed_ = pack(open_.scene, gpu::kDirectMis, quality_, request.render.origin.value_or(view.position));
-    print_warnings(open_.scene.warnings);
+    packed_ = pack(scene_, gpu::kDirectMis, quality_, request.render.origin.value_or(view.position));
+    print_warnings(scene_.warnings);
     environment_ = {request.scene.environment, request.scene.environment_intensity, request.scene.environment_degrees};
     RenderSettings shown = settings; // a window begins anew whenever the camera moves: no pilot unless asked for
     if (shown.lights == gpu::kLightsAuto && !packed_.light_tree.empty()) shown.lights = gpu::kLightsTree;
@@ -90,12 +92,15 @@ public:
   int run() {
     WindowRequest window;
     window.title = std::filesystem::path(request_.scene.path).filename().string() + " - wavepath";
-    window.scene = &open_.scene;
+    window.scene = &scene_;
     window.packed = &packed_;
-    window.bounds = world_bounds(open_.scene);
+    window.framing = open_.loaded.framing.bounds.empty() ? find_framing(scene_, false) : open_.loaded.framing;
     window.view = request_.scene.view;
     window.more_flags = [this] { return flags(); };
-    window.display = {.shown = request_.shown, .exposure = request_.tone.exposure, .tonemap = request_.tone.tonemap};
+    window.display = {.shown = request_.shown,
+                      .exposure = request_.tone.exposure.value_or(0.0),
+                      .auto_exposure = !request_.tone.exposure,
+                      .tonemap = request_.tone.tonemap};
     window.environment = environment_;
     window.target_error = request_.render.settings.target_error;
     window.frames = request_.frames;
@@ -122,6 +127,7 @@ private:
     add("--env", environment_.source);
     if (environment_.intensity != 1.0) add("--env-intensity", fmt::format("{}", environment_.intensity));
     if (environment_.rotation_degrees != 0.0) add("--env-rotation", fmt::format("{}", environment_.rotation_degrees));
+    if (request_.scene.ground) flags += " --ground";
     add("--origin", fmt::format("{},{},{}", packed_.origin.x, packed_.origin.y, packed_.origin.z));
     add("--device", request_.render.device);
     return flags;
@@ -149,7 +155,8 @@ private:
     info.filter = kFilterNames[settings.filter];
     info.bias = fmt::format("{}", fmt::join(list_bias(settings, so_far(), {}, {}), "; "));
     info.view = progressive_->view();
-    write_picture(path, progressive_->picture(), info, {.exposure = display.exposure, .tonemap = display.tonemap});
+    const std::optional<double> exposure = display.auto_exposure ? std::nullopt : std::optional(display.exposure);
+    write_picture(path, progressive_->picture(), info, {.exposure = exposure, .tonemap = display.tonemap});
   }
 
   void set_environment(const EnvironmentChoice& choice) {
@@ -157,14 +164,20 @@ private:
     wanted.environment = choice.source;
     wanted.environment_intensity = choice.intensity;
     wanted.environment_degrees = choice.rotation_degrees;
-    const Environment before = open_.scene.environment;
+    const Environment before = scene_.environment;
+    const std::vector<Material> materials = scene_.materials; // of which that of the ground follows the environment
+    const std::vector<PunctualLight> lights = scene_.lights;
+    const bool room_lamp = open_.loaded.room_lamp;
     const View view = progressive_->view();
     PackedScene other;
     try {
-      open_.scene.environment = find_environment(wanted, open_.scene);
-      other = pack(open_.scene, gpu::kDirectMis, quality_, packed_.origin);
+      relight(wanted, open_.loaded);
+      other = pack(scene_, gpu::kDirectMis, quality_, packed_.origin);
     } catch (...) {
-      open_.scene.environment = before;
+      scene_.environment = before;
+      scene_.materials = materials;
+      scene_.lights = lights;
+      open_.loaded.room_lamp = room_lamp;
       throw;
     }
     std::swap(packed_, other);
@@ -172,7 +185,10 @@ private:
       progressive_->set_scene(packed_, view);
     } catch (...) { // the new scene does not fit on the device; the old one does
       std::swap(packed_, other);
-      open_.scene.environment = before;
+      scene_.environment = before;
+      scene_.materials = materials;
+      scene_.lights = lights;
+      open_.loaded.room_lamp = room_lamp;
       progressive_->set_scene(packed_, view);
       throw;
     }
@@ -181,6 +197,7 @@ private:
 
   const Request& request_;
   OpenScene open_;
+  Scene& scene_; // of it
   bvh::Quality quality_{};
   PackedScene packed_;
   EnvironmentChoice environment_;

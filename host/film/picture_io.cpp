@@ -12,6 +12,7 @@
 #include "host/base/atomic_file.h"
 #include "host/base/error.h"
 #include "host/base/memory.h"
+#include "host/film/exposure.h"
 
 namespace wavepath {
 namespace {
@@ -75,7 +76,7 @@ std::uint64_t write_hdr(const std::string& path, const Picture& picture) {
 }
 
 void write_display(const std::string& path, const Picture& picture, const WriteOptions& options) {
-  const float scale = static_cast<float>(std::exp2(options.exposure));
+  const float scale = static_cast<float>(std::exp2(exposure_of(picture, options)));
   std::vector<std::uint8_t> rgb(3 * picture.channels[0].values.size());
   for (std::size_t i = 0; i < rgb.size() / 3; ++i) {
     const glm::vec3 radiance(picture.channels[0].values[i], picture.channels[1].values[i],
@@ -125,6 +126,10 @@ std::uint64_t write_picture(const std::string& path, const Picture& picture, con
   if (*format == PictureFormat::hdr) return write_hdr(path, picture);
   write_display(path, picture, options);
   return 0;
+}
+
+double exposure_of(const Picture& picture, const WriteOptions& options) {
+  return options.exposure ? *options.exposure : auto_exposure(picture);
 }
 
 Picture read_picture(const std::string& path) {

@@ -13,8 +13,8 @@
 namespace wavepath {
 
 struct WriteOptions {
-  bool half = false;     // EXR: 16-bit floats
-  double exposure = 0.0; // PNG, JPG: radiance is scaled by 2^exposure
+  bool half = false;                    // EXR: 16-bit floats
+  std::optional<double> exposure = 0.0; // PNG, JPG: radiance is scaled by 2^exposure; empty = auto_exposure()
   Tonemap tonemap = Tonemap::neutral;
 };
 
@@ -22,6 +22,9 @@ struct WriteOptions {
 // values were clamped because the format ends before them. Throws Error; then `path` is as it was.
 std::uint64_t write_picture(const std::string& path, const Picture& picture, const PictureInfo& info,
                             const WriteOptions& options);
+
+// The exposure with which a picture is written to a PNG or JPG.
+double exposure_of(const Picture& picture, const WriteOptions& options);
 
 // Linear values of a file, R G B first; grey is spread to three channels, 8 and 16 bit images count as sRGB. Throws
 // Error.

@@ -14,6 +14,8 @@
 #include <OpenImageIO/imageio.h>
 
 #include "host/base/error.h"
+#include "host/scene/environment_sky.h"
+#include "host/scene/environment_studio.h"
 
 namespace wavepath {
 namespace {
@@ -110,9 +112,24 @@ void read_map(const std::string& file, Environment& environment) {
   }
 }
 
+Environment make_builtin(const std::string& name) {
+  if (name == "studio") return studio_environment();
+  if (name == "sky") return sky_environment();
+  Environment constant;
+  constant.radiance = glm::vec3(name == "white" ? 1.0f : 0.0f);
+  return constant;
+}
+
+// To 12 bits, ties away from zero.
+float rounded(double value) {
+  int exponent = 0;
+  const double mantissa = std::frexp(value, &exponent);
+  return static_cast<float>(std::ldexp(std::round(std::ldexp(mantissa, 12)), exponent - 12));
+}
+
 } // namespace
 
-Environment load_environment(const std::string& file_or_rgb, double intensity, double rotation) {
+Environment load_environment(const std::string& source, double intensity, double rotation) {
   if (!std::isfinite(intensity) || intensity < 0.0)
     throw UsageError("--env-intensity", "must be a finite number that is not negative", "give 0 or more");
   if (!std::isfinite(rotation)) throw UsageError("--env-rotation", "must be a finite angle", "give degrees");
@@ -120,20 +137,59 @@ Environment load_environment(const std::string& file_or_rgb, double intensity, d
   Environment environment;
   environment.rotation = rotation;
   environment.radiance = glm::vec3(static_cast<float>(intensity));
-  if (const std::optional<glm::vec3> rgb = parse_rgb(file_or_rgb)) {
+  if (const std::optional<glm::vec3> rgb = parse_rgb(source)) {
     environment.radiance *= *rgb;
     for (int c = 0; c < 3; ++c)
       if (!std::isfinite(environment.radiance[c]) || environment.radiance[c] < 0.0f)
-        throw UsageError("--env", "radiance " + file_or_rgb + " must be finite and not negative",
-                         "give R,G,B of 0 or more");
+        throw UsageError("--env", "radiance " + source + " must be finite and not negative", "give R,G,B of 0 or more");
     return environment;
   }
-  const std::string extension = lower_extension(file_or_rgb);
+  if (std::ranges::count(kEnvironmentNames, source) > 0) {
+    Environment builtin = make_builtin(source);
+    builtin.radiance *= environment.radiance;
+    builtin.rotation = rotation;
+    return builtin;
+  }
+  const std::string extension = lower_extension(source);
   if (extension != ".exr" && extension != ".hdr")
-    throw UsageError("--env", "'" + file_or_rgb + "' is neither R,G,B nor a .exr or .hdr file",
-                     "give a constant such as 1,1,1 or a lat-long image of one of these types");
-  read_map(file_or_rgb, environment);
+    throw UsageError("--env",
+                     "'" + source + "' is neither R,G,B nor a .exr or .hdr file, nor studio, sky, black or white",
+                     "give one of these names, a constant such as 1,1,1, or a lat-long image of one of these types");
+  read_map(source, environment);
   return environment;
+}
+
+double texel_solid_angle(std::size_t y, std::size_t width, std::size_t height) {
+  const auto polar = [&](std::size_t row) {
+    return std::cos(std::numbers::pi * static_cast<double>(row) / static_cast<double>(height));
+  };
+  return 2.0 * std::numbers::pi / static_cast<double>(width) * (polar(y) - polar(y + 1));
+}
+
+glm::dvec3 floor_irradiance(const Environment& environment) {
+  const glm::dvec3 scale(environment.radiance);
+  if (environment.map.empty()) return std::numbers::pi * scale;
+  const std::size_t width = environment.width, height = environment.height;
+  glm::dvec3 sum(0.0);
+  for (std::size_t y = 0; y < (height + 1) / 2; ++y) {
+    // Of a row, the integral of the cosine is half the difference of the squared sines of its edges.
+    const double upper = std::numbers::pi * static_cast<double>(y) / static_cast<double>(height),
+                 lower = std::min(std::numbers::pi * static_cast<double>(y + 1) / static_cast<double>(height),
+                                  0.5 * std::numbers::pi);
+    const double cosines = std::numbers::pi / static_cast<double>(width) *
+                           (std::sin(lower) * std::sin(lower) - std::sin(upper) * std::sin(upper));
+    glm::dvec3 row(0.0);
+    for (std::size_t x = 0; x < width; ++x) row += glm::dvec3(environment.map[y * width + x]);
+    sum += cosines * row;
+  }
+  return scale * sum;
+}
+
+void expose_for_white_floor(Environment& environment) {
+  const glm::dvec3 irradiance = floor_irradiance(environment) / glm::dvec3(environment.radiance);
+  const double luminance = 0.2126 * irradiance.x + 0.7152 * irradiance.y + 0.0722 * irradiance.z;
+  for (glm::vec3& texel : environment.map)
+    for (int c = 0; c < 3; ++c) texel[c] = rounded(std::numbers::pi / luminance * static_cast<double>(texel[c]));
 }
 
 glm::dvec2 environment_uv(const glm::dvec3& d, double rotation) {

@@ -1,4 +1,4 @@
-// Chooses a camera, overrides parts of it, or derives one from the scene's bounds; see view.h.
+// Chooses a camera, overrides parts of it, or frames the scene; see view.h.
 #include "host/scene/view.h"
 
 #include <charconv>
@@ -10,7 +10,8 @@
 namespace wavepath {
 namespace {
 
-constexpr double kFramingYfov = 45.0 / 180.0 * std::numbers::pi;
+// Long enough a lens that objects look as they are; wide enough that a room shows its walls.
+constexpr double kObjectYfov = 30.0 / 180.0 * std::numbers::pi, kInteriorYfov = 60.0 / 180.0 * std::numbers::pi;
 
 // A camera before the image's shape is known. `forward` and `up` of any length.
 struct Pose {
@@ -50,17 +51,23 @@ Pose pose_of(const Camera& camera) {
   return pose;
 }
 
-// The bounding sphere touches the nearer pair of image edges.
-Pose frame_scene(const Bounds& bounds, double aspect) {
+// With the angle that the user wants, if any.
+Pose frame_scene(const Framing& framing, const std::optional<double>& yfov, double aspect) {
   Pose pose;
-  const double half_yfov = 0.5 * kFramingYfov;
-  const double half_xfov = std::atan(std::tan(half_yfov) * aspect);
-  const double radius = bounds.radius() > 0.0 ? bounds.radius() : 1.0;
-  const glm::dvec3 to_eye = glm::normalize(glm::dvec3(0.5, 0.4, 1.0)); // a little above and to the right of +Z
-  pose.position = bounds.centre() + to_eye * (radius / std::sin(std::min(half_yfov, half_xfov)));
-  pose.forward = -to_eye;
-  pose.half_height = std::tan(half_yfov);
+  pose.half_height = std::tan(0.5 * yfov.value_or(framing.inside ? kInteriorYfov : kObjectYfov));
+  if (framing.inside) {
+    pose.position = framing.inside->eye;
+    pose.forward = framing.inside->target - framing.inside->eye;
+    return pose;
+  }
+  pose.position = framing_eye(framing, pose.half_height * aspect, pose.half_height);
+  pose.forward = framing_forward();
   return pose;
+}
+
+void check_angle(const std::optional<double>& yfov) {
+  if (yfov && !(*yfov > 0.0 && *yfov < std::numbers::pi))
+    throw UsageError("--yfov", "must lie between 0 and 180 degrees", "give for example 45");
 }
 
 // A level camera stays level when it is turned: its up vector becomes the world's.
@@ -92,8 +99,6 @@ void apply_request(const ViewRequest& request, const std::optional<glm::dvec3>& 
   }
   if (request.up) pose.up = *request.up;
   if (request.yfov) {
-    if (!(*request.yfov > 0.0 && *request.yfov < std::numbers::pi))
-      throw UsageError("--yfov", "must lie between 0 and 180 degrees", "give for example 45");
     pose.orthographic = false;
     pose.half_height = std::tan(0.5 * *request.yfov);
   }
@@ -101,19 +106,23 @@ void apply_request(const ViewRequest& request, const std::optional<glm::dvec3>& 
 
 } // namespace
 
-View resolve_view(const Scene& scene, const ViewRequest& request, std::uint32_t width, std::uint32_t height) {
-  const bool framed = scene.cameras.empty() && request.camera.empty();
-  return resolve_view(scene, framed ? world_bounds(scene) : Bounds{}, request, width, height);
+bool is_framed(const Scene& scene, const ViewRequest& request) {
+  return scene.cameras.empty() && request.camera.empty();
 }
 
-View resolve_view(const Scene& scene, const Bounds& bounds, const ViewRequest& request, std::uint32_t width,
+View resolve_view(const Scene& scene, const ViewRequest& request, std::uint32_t width, std::uint32_t height) {
+  return resolve_view(scene, is_framed(scene, request) ? find_framing(scene) : Framing{}, request, width, height);
+}
+
+View resolve_view(const Scene& scene, const Framing& framing, const ViewRequest& request, std::uint32_t width,
                   std::uint32_t height) {
   const double aspect = static_cast<double>(width) / static_cast<double>(height);
+  check_angle(request.yfov);
   Pose pose;
   std::optional<glm::dvec3> default_target; // without a camera, --eye looks at the centre of the scene
-  if (scene.cameras.empty() && request.camera.empty()) {
-    pose = frame_scene(bounds, aspect);
-    default_target = bounds.centre();
+  if (is_framed(scene, request)) {
+    pose = frame_scene(framing, request.yfov, aspect);
+    default_target = framing.bounds.centre();
   } else {
     pose = pose_of(find_camera(scene, request.camera));
   }

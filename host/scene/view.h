@@ -7,7 +7,7 @@
 
 #include <glm/glm.hpp>
 
-#include "host/scene/bounds.h"
+#include "host/scene/framing.h"
 #include "host/scene/scene.h"
 
 namespace wavepath {
@@ -30,14 +30,17 @@ struct ViewRequest {
 };
 
 // Throws Error if the named camera does not exist or the request is degenerate. A perspective camera keeps its vertical
-// angle, an orthographic one its height; the width follows from the image. A scene without a camera is framed: the
-// bounding sphere of its geometry fills the image, seen from a little above and to the right of +Z; with --eye the
-// camera looks at the centre of that sphere. A level camera stays level when only its eye or target is moved. `yfov`
-// makes any camera perspective.
+// angle, an orthographic one its height; the width follows from the image. A scene without a camera is framed: an
+// object is seen from the front and its right, and fills kFramedShare of the image; in an interior the camera stands
+// where find_standpoint() says. With --eye it looks at the middle of the scene's box. A level camera stays level when
+// only its eye or target is moved. `yfov` makes any camera perspective.
 View resolve_view(const Scene& scene, const ViewRequest& request, std::uint32_t width, std::uint32_t height);
 
-// The same with the known world box of the geometry; reads only the cameras of `scene`.
-View resolve_view(const Scene& scene, const Bounds& bounds, const ViewRequest& request, std::uint32_t width,
+// The same with what find_framing() found; reads only the cameras of `scene`.
+View resolve_view(const Scene& scene, const Framing& framing, const ViewRequest& request, std::uint32_t width,
                   std::uint32_t height);
+
+// Whether the view depends on the framing.
+bool is_framed(const Scene& scene, const ViewRequest& request);
 
 } // namespace wavepath

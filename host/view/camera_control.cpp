@@ -41,20 +41,20 @@ std::string triple(const glm::dvec3& v) { return fmt::format("{},{},{}", v.x, v.
 
 } // namespace
 
-CameraControl::CameraControl(const Scene& scene, const Bounds& bounds, const ViewRequest& initial)
-    : bounds_(bounds), initial_(initial), request_(initial) {
+CameraControl::CameraControl(const Scene& scene, const Framing& framing, const ViewRequest& initial)
+    : framing_(framing), initial_(initial), request_(initial) {
   cameras_.path = scene.path;
   cameras_.cameras = scene.cameras;
 }
 
-double CameraControl::radius() const { return bounds_.radius() > 0.0 ? bounds_.radius() : 1.0; }
+double CameraControl::radius() const { return framing_.bounds.radius() > 0.0 ? framing_.bounds.radius() : 1.0; }
 
 // What is left open in the request comes from the view that it gives: the target as far away as the middle of the
 // scene, a level camera's up from the world.
 CameraControl::Pose CameraControl::pose() const {
   const View now = view();
   Pose pose{now.position, now.position, glm::normalize(now.up)};
-  const double along = glm::dot(bounds_.centre() - now.position, now.forward);
+  const double along = glm::dot(framing_.bounds.centre() - now.position, now.forward);
   pose.target = request_.look_at.value_or(now.position + now.forward * std::max(along, 0.1 * radius()));
   const bool level =
       std::abs(now.right.y) <= 1e-6 * glm::length(now.right) && now.up.y > kNearestPole * glm::length(now.up);
@@ -129,7 +129,7 @@ void CameraControl::frame_scene() {
   const double half_angle = std::atan(std::min(glm::length(now.up), glm::length(now.right)));
   Pose p = pose();
   const glm::dvec3 forward = glm::normalize(p.target - p.eye);
-  p.target = bounds_.centre();
+  p.target = framing_.bounds.centre();
   p.eye = p.target - forward * (radius() / std::sin(half_angle));
   set(p);
 }

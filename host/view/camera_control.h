@@ -7,18 +7,18 @@
 
 #include <glm/glm.hpp>
 
-#include "host/scene/bounds.h"
+#include "host/scene/framing.h"
 #include "host/scene/view.h"
 
 namespace wavepath {
 
 class CameraControl {
 public:
-  // `scene`: its cameras and path are kept, its geometry only as `bounds`.
-  CameraControl(const Scene& scene, const Bounds& bounds, const ViewRequest& initial);
+  // `scene`: its cameras and path are kept, its geometry only as `framing`.
+  CameraControl(const Scene& scene, const Framing& framing, const ViewRequest& initial);
 
   const ViewRequest& request() const { return request_; }
-  View view() const { return resolve_view(cameras_, bounds_, request_, width_, height_); }
+  View view() const { return resolve_view(cameras_, framing_, request_, width_, height_); }
   // Of the picture; a square until then.
   void resize(std::uint32_t width, std::uint32_t height) { width_ = width, height_ = height; }
 
@@ -49,7 +49,7 @@ private:
   double radius() const;
 
   Scene cameras_; // nothing else of the scene
-  Bounds bounds_;
+  Framing framing_;
   ViewRequest initial_, request_;
   std::uint32_t width_ = 1, height_ = 1;
 };

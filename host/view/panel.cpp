@@ -89,7 +89,13 @@ void show_view(PanelState& state) {
   choice("show", kShownNames, display.shown);
   label("exposure, stops");
   auto exposure = static_cast<float>(display.exposure);
-  if (ImGui::SliderFloat("##exposure", &exposure, -10.0f, 10.0f, "%.2f")) display.exposure = exposure;
+  ImGui::SetNextItemWidth(-ImGui::GetFontSize() * 4.0f);
+  if (ImGui::SliderFloat("##exposure", &exposure, -10.0f, 10.0f, "%.2f")) {
+    display.exposure = exposure;
+    display.auto_exposure = false;
+  }
+  ImGui::SameLine();
+  ImGui::Checkbox("auto##exposure", &display.auto_exposure);
   choice("tone curve", kTonemapNames, display.tonemap);
 }
 

@@ -13,7 +13,7 @@ std::string render_line(const std::string& scene, const ViewRequest& camera, con
                         const DisplayOptions& display, const std::string& more) {
   std::string line =
       fmt::format("wavepath render {}{}{}", shell_quoted(scene), camera_flags(camera), flags_of(settings));
-  if (display.exposure != 0.0) line += fmt::format(" --exposure {}", display.exposure);
+  if (!display.auto_exposure) line += fmt::format(" --exposure {}", display.exposure);
   if (display.tonemap != WriteOptions{}.tonemap)
     line += fmt::format(" --tonemap {}", kTonemapNames[static_cast<std::size_t>(display.tonemap)]);
   return line + more;

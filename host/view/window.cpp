@@ -1,11 +1,13 @@
 #include "host/view/window.h"
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 
 #include <fmt/format.h>
 
 #include "host/base/error.h"
+#include "host/film/exposure.h"
 #include "host/view/camera_control.h"
 #include "host/view/glfw.h"
 #include "host/view/overlay.h"
@@ -22,6 +24,7 @@ namespace {
 constexpr double kPicturePause = 1.0 / 60.0; // between pictures while the user gives input,
 constexpr double kRenderPause = 1.0 / 15.0;  // and while only the render goes on
 constexpr double kIdlePause = 0.25;          // until the estimate of the error is looked for again
+constexpr double kAdaption = 0.15;           // in which the automatic exposure does two thirds of its way
 constexpr double kRest = 0.15;               // without a move, after which the picture is rendered in full
 constexpr int kSettling = 3;                 // pictures after an event until widgets show what came of it
 
@@ -60,6 +63,8 @@ private:
   void act(const PanelWishes& wishes);
   void save(const char* extension);
   void copy();
+  void choose_exposure();
+  void adapt_exposure(double seconds);
   void show_title();
   PanelFacts facts() const;
   bool target_reached() const;
@@ -80,6 +85,9 @@ private:
   ProgressiveStatus status_, shown_;
   EnvironmentChoice environment_; // in use
   std::string title_;
+  double exposure_ = 0.0;         // that the picture asks for
+  std::uint32_t exposed_spp_ = 0; // samples a pixel that it was chosen at; 0 = not since the render began anew
+  bool exposed_ = false;          // it was chosen at all
   int redraws_ = kSettling;
   bool worked_ = false, drawn_done_ = false;
   double last_draw_ = 0.0, last_move_ = 0.0;
@@ -90,7 +98,7 @@ private:
 Viewer::Viewer(Device& device, Progressive& progressive, const WindowRequest& request)
     : request_(request),
       progressive_(progressive),
-      camera_(*request.scene, request.bounds, request.view),
+      camera_(*request.scene, request.framing, request.view),
       window_(request.title, progressive.settings().width, progressive.settings().height),
       presenter_(device, window_),
       overlay_(device, window_, presenter_.swapchain(), Presenter::kPresentationsInFlight),
@@ -109,6 +117,7 @@ int Viewer::run() {
   while (!window_.should_close()) {
     wait_for_events();
     status_ = progressive_.status();
+    choose_exposure();
     if (const double now = glfwGetTime(); must_draw(now)) draw(now);
     worked_ =
         (has_work() || status_.done) && progressive_.step(); // once done, it takes in the last estimate of the error
@@ -145,6 +154,7 @@ void Viewer::draw(double now) {
   fit_size();
   if (progressive_.moving() && !window_.dragging() && now - last_move_ >= kRest) progressive_.rest();
   status_ = progressive_.status();
+  adapt_exposure(now - last_draw_);
   const PanelWishes wishes = show_panel(panel_, facts());
   overlay_.end();
   act(wishes);
@@ -303,6 +313,28 @@ void Viewer::copy() {
   fmt::print("{}\n", line);
   std::fflush(stdout);
   panel_.message = "copied: " + line;
+}
+
+// Chosen when a render that began anew has a sample of every pixel, and a few times more while it converges: at eight
+// times the samples, and when it is done. While the camera moves it stays.
+void Viewer::choose_exposure() {
+  if (status_.spp < exposed_spp_ || status_.spp == 0) exposed_spp_ = 0;
+  if (!panel_.display.auto_exposure || status_.spp == 0 || (exposed_ && status_.coarse > 1)) return;
+  const bool due = status_.spp >= 8 * exposed_spp_ || (status_.done && status_.spp > exposed_spp_);
+  if (!due) return;
+  exposure_ = auto_exposure(progressive_.picture());
+  if (!exposed_) panel_.display.exposure = exposure_;
+  exposed_ = true;
+  exposed_spp_ = status_.coarse > 1 ? 0 : status_.spp;
+}
+
+// Goes to the exposure without a jump.
+void Viewer::adapt_exposure(double seconds) {
+  double& shown = panel_.display.exposure;
+  if (!panel_.display.auto_exposure || shown == exposure_) return;
+  shown = exposure_ + (shown - exposure_) * std::exp(-std::max(seconds, 0.0) / kAdaption);
+  if (scripted() || std::abs(shown - exposure_) < 0.01) shown = exposure_;
+  redraws_ = std::max(redraws_, 1);
 }
 
 // Of the window: how far the render is, which task bars show of minimised windows too.

@@ -8,7 +8,7 @@
 
 #include "host/render/progressive/display.h"
 #include "host/render/progressive/progressive.h"
-#include "host/scene/bounds.h"
+#include "host/scene/framing.h"
 #include "host/scene/pack/pack.h"
 #include "host/scene/scene.h"
 #include "host/scene/view.h"
@@ -20,7 +20,7 @@ struct WindowRequest {
   std::string title;
   const Scene* scene = nullptr;        // its path, cameras and warnings; geometry may be gone by now
   const PackedScene* packed = nullptr; // for the point that was clicked
-  Bounds bounds;                       // of the geometry
+  Framing framing;                     // of the geometry
   ViewRequest view;                    // what the command line said
   // What the copied command needs besides the scene's path, camera and settings, so that render makes the same bits.
   std::function<std::string()> more_flags;

@@ -39,7 +39,8 @@ std::vector<std::string> aovs_for(Shown shown);
 
 struct DisplayOptions {
   Shown shown = Shown::color;
-  double exposure = 0.0; // stops; of colour, direct, indirect, emission
+  double exposure = 0.0;      // stops; of colour, direct, indirect, emission
+  bool auto_exposure = false; // the window chooses the exposure from the picture
   Tonemap tonemap = Tonemap::neutral;
   bool bgra = false; // order of the bytes in a word: B first, else R first; A is 255
   double range =

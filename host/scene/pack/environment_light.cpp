@@ -9,19 +9,12 @@
 
 #include <tbb/parallel_for.h>
 
+#include "host/scene/environment.h"
 #include "host/scene/pack/emission.h"
 #include "host/scene/pack/intervals.h"
 
 namespace wavepath {
 namespace {
-
-// Of one texel of row y.
-double texel_solid_angle(std::size_t y, std::size_t width, std::size_t height) {
-  const auto polar = [&](std::size_t row) {
-    return std::cos(std::numbers::pi * static_cast<double>(row) / static_cast<double>(height));
-  };
-  return 2.0 * std::numbers::pi / static_cast<double>(width) * (polar(y) - polar(y + 1));
-}
 
 // Luminance under the weights 1 2 1 / 2 4 2 / 1 2 1.
 double tent_luminance(const Environment& map, std::size_t x, std::size_t y) {
