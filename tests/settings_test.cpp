@@ -254,8 +254,8 @@ void expect_refused(const std::string& flags, const std::string& message) {
 }
 
 TEST(Settings, WhatWouldChangeThePictureIsRefusedWhereItIsNotTaken) {
-  expect_refused("--denoise",
-                 "--denoise: is not taken by --integrator path; use --integrator hybrid or ao, or leave it out");
+  expect_refused("--branching choice",
+                 "--branching: is not taken by --integrator path; use --integrator whitted, or leave it out");
   expect_refused("--ambient 1,1,1", "--ambient: is not taken by --integrator path; use --integrator hybrid");
   expect_refused("--ao-radius 2", "--ao-radius: is not taken by --integrator path");
   expect_refused("--integrator ao --ambient 1,1,1", "--ambient: is not taken by --integrator ao");

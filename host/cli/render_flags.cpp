@@ -7,6 +7,8 @@
 #include <fmt/format.h>
 
 #include "host/base/error.h"
+#include "host/film/oidn.h"
+#include "host/render/settings/denoising.h"
 #include "host/render/settings/settings_table.h"
 
 namespace wavepath {
@@ -30,11 +32,12 @@ Flag flag_of(const Setting& row, Offer command, const Wording* wording) {
   const std::vector<std::string_view> names = choices_of(row);
   const bool is_switch = std::holds_alternative<SwitchValue>(row.value);
   Flag flag{fmt::format("--{}", row.name),
-            is_switch       ? ""
-            : names.empty() ? row.placeholder
-                            : fmt::format("{}", fmt::join(names, "|")),
+            is_switch                                   ? ""
+            : names.empty() || !row.placeholder.empty() ? row.placeholder
+                                                        : fmt::format("{}", fmt::join(names, "|")),
             wording && wording->meaning ? wording->meaning : row.meaning,
             row.initial.empty() ? text_of(row, RenderSettings{}) : row.initial};
+  if (const auto* choice = std::get_if<ChoiceValue>(&row.value)) flag.bare = choice->bare;
   if (wording && wording->initial) flag.initial = wording->initial;
   if (row.takers != Takers::all && (setting_named("integrator").offered & command))
     flag.meaning += fmt::format("; only with --integrator {}", takers_text(row.name));
@@ -215,9 +218,16 @@ void check_integrator(const RenderRequest& request) {
     throw UsageError(
         fmt::format("--integrator {}", kind.name), "is biased, which --strict refuses",
         settings.denoise ? "leave out --denoise" : "use --integrator path, or --max-depth 1 for direct light");
-  if (settings.denoise && (request.mergeable || !request.state.file.empty()))
+  if (settings.denoise != kDenoiseOff && !denoises_film(settings) && (request.mergeable || !request.state.file.empty()))
     throw UsageError("--denoise", "makes every sample depend on those before, and no file keeps that history",
                      "leave it out, or --checkpoint, --samples and --mergeable");
+  if (request.strict && denoises_film(settings))
+    throw UsageError("--denoise", "is biased, which --strict refuses", "leave out --denoise");
+  if (settings.denoise != kDenoiseOidn) return;
+  if (!denoises_film(settings))
+    throw UsageError("--denoise oidn", fmt::format("filters no frames, of which --integrator {} is made", kind.name),
+                     "use --denoise alone, or --integrator path");
+  require_oidn();
 }
 
 void settle_strict(RenderRequest& request) {
