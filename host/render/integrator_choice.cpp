@@ -16,9 +16,17 @@ namespace wavepath {
 namespace {
 
 constexpr std::uint32_t kLongestSide = 64, kSamples = 16; // of a pilot
-// Error of the first trial below which nothing else is tried: a scene that is easy pays for no other kernels.
-constexpr double kEasy = 0.2;
-constexpr double kWholeOverPilots = 20.0;
+// Iterations of a guiding pilot in a trial: enough to see that it does not pay; where it does, the field of the whole
+// render, which learns for longer, is better still.
+constexpr std::uint32_t kGuideIterations = 2;
+constexpr double kWholeOverPilots = 20.0; // in paths; below that, not even the first is tried
+// Errors of the first trial. Below the one, nothing else is tried; above the other, trials may cost a fifth of the
+// render, because such scenes gain by factors, and in between a twentieth.
+constexpr double kEasy = 0.1, kHard = 1.0;
+constexpr double kWholeOverTrials = 20.0, kWholeOverTrialsIfHard = 5.0;
+// The other trials: in work of the first one, that of guiding counting for what it learns from; and compiling their
+// kernels, in camera rays: some 3 seconds.
+constexpr double kTrialsOverFirst = 8.0, kCpuKernels = 4e6, kGpuKernels = 1e9;
 // A trial that lacks more light than this, beyond four standard errors, does not find all of it, however smooth it is.
 constexpr double kMissing = 0.01, kSure = 4.0;
 constexpr double kNever = 1e30; // a cost that no other exceeds
@@ -28,6 +36,7 @@ constexpr double kCpuPaths = 1e5, kGpuPaths = 1e8;
 RenderSettings pilot_of(const RenderSettings& settings) {
   RenderSettings small = small_picture(settings, kLongestSide, kSamples);
   small.seed = settings.seed ^ 0x9e3779b9u;
+  small.guide_iterations = kGuideIterations;
   return small;
 }
 
@@ -36,10 +45,11 @@ double paths_of(const RenderSettings& settings) {
   return static_cast<double>(settings.width) * settings.height * samples;
 }
 
-bool pays(const RenderSettings& settings, std::size_t candidates, bool cpu) {
+// How many times the paths of a pilot the whole render has.
+double length_of(const RenderSettings& settings, bool cpu) {
   double whole = paths_of(settings);
   if (settings.time_limit > 0.0) whole = std::min(whole, settings.time_limit * (cpu ? kCpuPaths : kGpuPaths));
-  return whole >= kWholeOverPilots * static_cast<double>(candidates) * paths_of(pilot_of(settings));
+  return whole / paths_of(pilot_of(settings));
 }
 
 std::string flags_text(const RenderSettings& settings) {
@@ -63,15 +73,31 @@ RayCounts minus(RayCounts a, const RayCounts& b) {
   return a;
 }
 
-// Work for the samples of the pilot picture, and its share of what the integrator learns from before the first of them:
-// that is paid once in the whole render, and told apart by comparing the two halves of the samples.
-double work_of(const RenderSettings& settings, const RenderResult& result, double pilot_share, bool cpu) {
+// Of the work from which a trial learned, what the samples of the trial have to bear: a whole render learns once, and
+// of guiding that pays for longer, since each iteration after the second has twice as many paths.
+double learning_share(const RenderSettings& settings, const RenderResult& trial) {
+  const bool longer = trial.guide && trial.guide->used;
+  const double length = longer ? std::exp2(static_cast<double>(settings.guide_iterations - kGuideIterations)) : 1.0;
+  return length * paths_of(pilot_of(settings)) / paths_of(settings);
+}
+
+// Work for the samples of the pilot picture, and a share of what the integrator learned from before the first of them,
+// which is told apart by comparing the two halves of the samples.
+double work_of(const RenderSettings& settings, const RenderResult& result, double learning_share, bool cpu) {
   const auto work = [&](const RayCounts& rays) { return settings.integrator->work(settings, rays, cpu); };
   const std::size_t count = result.checkpoints.size();
   const double total = work(result.rays);
   if (count < 2) return total;
   const double steady = 2.0 * work(minus(result.rays, result.checkpoints[count - 2].rays));
-  return steady + std::max(0.0, total - steady) * pilot_share;
+  return steady + std::max(0.0, total - steady) * learning_share;
+}
+
+// Whether to try the others after the first, in a render `length` times as long as a pilot.
+bool tries_others(const PilotRender& first, double length, bool may_lack_light, bool cpu) {
+  const double error = first.result.error.relative_rms;
+  if (may_lack_light || error < kEasy) return may_lack_light;
+  const double trials = kTrialsOverFirst * first.work + (cpu ? kCpuKernels : kGpuKernels);
+  return length * first.work >= (error > kHard ? kWholeOverTrialsIfHard : kWholeOverTrials) * trials;
 }
 
 double cost_of(const PilotRender& pilot) {
@@ -121,15 +147,16 @@ IntegratorChoice choose_integrator(Device& device, const PackedScene& scene, con
   const std::vector<RenderSettings> candidates = settings.integrator->candidates(settings, scene);
   const bool cpu = device.info().type == "cpu";
   IntegratorChoice choice{.settings = candidates.front()};
-  if (candidates.size() < 2 || !pays(settings, candidates.size(), cpu)) return choice;
+  const double length = length_of(settings, cpu);
+  if (candidates.size() < 2 || length < kWholeOverPilots * static_cast<double>(candidates.size())) return choice;
   std::vector<PilotRender> pilots;
   for (const RenderSettings& candidate : candidates) {
     PilotRender pilot{.settings = candidate};
     pilot.result = render(device, scene, view, pilot_of(candidate), RenderHooks{}, kernels);
     pilot.light = light_of(*pilot.result.film);
-    pilot.work = work_of(candidate, pilot.result, paths_of(pilot_of(candidate)) / paths_of(candidate), cpu);
+    pilot.work = work_of(candidate, pilot.result, learning_share(candidate, pilot.result), cpu);
     pilots.push_back(std::move(pilot));
-    if (pilots.size() == 1 && pilots[0].result.error.relative_rms < kEasy && !may_lose_light(scene)) break;
+    if (pilots.size() == 1 && !tries_others(pilots[0], length, may_lose_light(scene), cpu)) break;
   }
   const PictureLight& brightest =
       std::ranges::max_element(pilots, {}, [](const auto& p) { return p.light.sum; })->light;
@@ -149,7 +176,8 @@ std::string choice_text(const IntegratorChoice& choice) {
   if (choice.taken > 0)
     return fmt::format("auto took {}: a given error costs {:.2g} ({:.2g} to {:.2g}) of the work of {}", taken.flags,
                        taken.cost, taken.lo, taken.hi, first.flags);
-  if (choice.trials.size() == 1) return fmt::format("auto took {}: the scene is easy for it", taken.flags);
+  if (choice.trials.size() == 1)
+    return fmt::format("auto took {}: the others would cost more than they may gain", taken.flags);
   const auto second = std::min_element(choice.trials.begin() + 1, choice.trials.end(),
                                        [](const Trial& a, const Trial& b) { return a.cost < b.cost; });
   return fmt::format("auto took {}: a given error costs {} {:.2g} ({:.2g} to {:.2g}) times the work", taken.flags,

@@ -8,7 +8,7 @@ namespace {
 
 constexpr std::uint32_t kSeed = 0x6a09e667u;    // by exclusive or with the render's own
 constexpr std::uint32_t kFirstPaths = 1u << 16; // of the first two iterations; each later one has twice as many
-constexpr std::uint32_t kIterations = 4, kLeastIterations = 2;
+constexpr std::uint32_t kLeastIterations = 2;
 constexpr std::uint32_t kMostSamples = 64; // a pixel, in an iteration: small pictures learn from fewer paths
 
 // Foretold variance below which the picture is guided, and above which the pilot ends early. A guided sample costs
@@ -35,7 +35,8 @@ float add_vertices(const gpu::GuideRecord* notes, float scale, bool odd, std::ve
 
 } // namespace
 
-GuidePilot::GuidePilot(std::uint32_t width, std::uint32_t height) : width_(width), height_(height) {
+GuidePilot::GuidePilot(std::uint32_t width, std::uint32_t height, std::uint32_t most_iterations)
+    : width_(width), height_(height), most_iterations_(most_iterations) {
   const double scale = std::sqrt(kGuidePilotPixels / (static_cast<double>(width) * height));
   if (scale >= 1.0) return;
   width_ = std::clamp(static_cast<std::uint32_t>(width * scale), 1u, kGuidePilotPixels);
@@ -106,7 +107,7 @@ bool GuidePilot::take(const Buffer& records) {
   samples_.clear();
   ++iteration_;
   const bool hopeless = iteration_ >= kLeastIterations && promise_ > kHopeless;
-  done_ = hopeless || iteration_ == kIterations;
+  done_ = hopeless || iteration_ >= most_iterations_;
   return true;
 }
 

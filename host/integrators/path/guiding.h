@@ -25,7 +25,7 @@ inline constexpr std::uint64_t kGuideBytes = kGuideMapBytes + kGuideTreeBytes + 
 class GuidePilot {
 public:
   // For a picture of this size.
-  GuidePilot(std::uint32_t width, std::uint32_t height);
+  GuidePilot(std::uint32_t width, std::uint32_t height, std::uint32_t most_iterations);
 
   Pilot next() const; // one sample of every pixel of the small picture
   // Takes in the records of that sample. True if they were the last of an iteration: field() is a new one.
@@ -39,7 +39,7 @@ private:
   std::uint32_t iteration_end(std::uint32_t iteration) const;
   double guidable_share() const;
 
-  std::uint32_t width_, height_;
+  std::uint32_t width_, height_, most_iterations_;
   std::uint32_t sample_ = 0, iteration_ = 0;
   bool done_ = false;
   std::vector<GuideVertex> vertices_; // of this iteration

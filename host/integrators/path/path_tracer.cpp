@@ -31,7 +31,7 @@ void PathTracer::change(const View&, const RenderSettings& settings, Past) {
   light_pilot_ = {};
   guide_report_.reset();
   guide_pilot_.reset();
-  if (settings.guide) guide_pilot_.emplace(settings.width, settings.height);
+  if (settings.guide) guide_pilot_.emplace(settings.width, settings.height, settings.guide_iterations);
   lesson_ = learns_lights_ ? Lesson::lights : settings.guide ? Lesson::guide : Lesson::none;
   if (learns_lights_) workspace_.frame.scene_features |= gpu::kFeatureLightRows;
   workspace_.frame.light_sum_scale = static_cast<float>(light_sum_scale(workspace_.scene));

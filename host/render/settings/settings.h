@@ -56,6 +56,8 @@ struct RenderSettings {
   bool specialize = true;
   std::vector<std::string> aovs; // values of --aov
 
+  std::uint32_t guide_iterations = 4; // in which the field is learned, at most; trials make do with fewer
+
   // For measurements. kFeature bits compiled in though the scene leaves them out, and left out though it needs them.
   std::uint32_t added_features = 0, removed_features = 0;
   bool room_for_shadow_rays = false;        // even where no light is sampled
