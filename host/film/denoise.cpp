@@ -18,8 +18,11 @@ using glm::vec3;
 constexpr float kAlbedoFloor = 0.1f;
 // A pixel that may be bright by chance has at most so many times the light of its neighbours.
 constexpr float kRare = 4.0f;
-constexpr float kSure = 2.0f;        // standard errors; what is bright by more is no chance
-constexpr int kNear = 2;             // neighbours are pixels up to so far away
+// Standard errors beyond that bound up to which it is chance; twice as many are none. A few samples are no normal
+// distribution, and the estimate of the error is as rough.
+constexpr float kChance = 4.0f;
+constexpr int kNear = 3;             // neighbours are pixels up to so far away
+constexpr int kVarianceReach = 2;    // and for their variance
 constexpr int kSpreadIterations = 7; // of a 3x3 filter with holes: 52 pixels of standard deviation
 
 // The picture as it is filtered.
@@ -78,37 +81,45 @@ void demodulate(Layers& layers) {
 // light kept from the neighbours that it stands for.
 void dim_outliers(Layers& layers) {
   const std::vector<vec3> light = layers.light;
+  const std::vector<float> known_variance = layers.variance;
   each_pixel(layers.picture, [&](std::size_t i) {
-    float around = 0.0f, squares = 0.0f, count = 0.0f;
+    float around = 0.0f, squares = 0.0f, count = 0.0f, most = 0.0f;
     each_around(layers.picture, i, kNear, 1, [&](std::size_t other, int, int) {
       if (other == i || !layers.is_seen(other)) return;
       const float value = std::abs(sum_of(light[other]));
       around += value, squares += value * value, count += 1.0f;
+      most = std::max(most, known_variance[other]); // the pixel's own may be small by chance
     });
     if (count == 0.0f || !layers.is_seen(i)) return;
     around /= count;
     float& variance = layers.variance[i];
     const bool known = variance == variance;
-    const float own = sum_of(light[i]), deviation = known ? std::sqrt(variance) : own;
-    const float bound = std::max(kRare * around, own - kSure * deviation);
-    const float share = own > bound ? bound / own : 1.0f;
+    const float own = sum_of(light[i]), deviation = known ? std::sqrt(std::max(variance, most)) : own;
+    const float excess = own - kRare * around;
+    const float chance = excess > 0.0f ? std::clamp(2.0f * kChance * deviation / excess - 1.0f, 0.0f, 1.0f) : 0.0f;
+    const float share = excess > 0.0f ? 1.0f - chance * excess / own : 1.0f;
     layers.light[i] = share * light[i];
     // Where nothing measured the variance, it is that of the neighbours.
     variance = share * share * (known ? variance : std::max(0.0f, squares / count - around * around));
   });
 }
 
-// The variance of a pixel comes from two values, so that it says little by itself.
+// The variance of a pixel comes from two values, so that it says little by itself: those of neighbours are added that
+// may have the same mean. Where bright samples are rare, most pixels have none and next to no variance.
 void smooth_variance(Layers& layers) {
   const std::vector<float> variance = layers.variance;
   each_pixel(layers.picture, [&](std::size_t i) {
-    constexpr double kMost = 1e30; // its reciprocal is a float, too
-    double sum = 0.0, count = 0.0;
-    each_around(layers.picture, i, kNear, 1, [&](std::size_t other, int, int) {
+    constexpr float kMost = 1e30f, kLeast = 1e-30f; // reciprocals are floats, too
+    float sum = 0.0f, weights = 0.0f;
+    const float own = std::min(variance[i], kMost);
+    each_around(layers.picture, i, kVarianceReach, 1, [&](std::size_t other, int, int) {
       if (!layers.is_seen(other)) return;
-      sum += std::min<double>(variance[other], kMost), count += 1.0;
+      const vec3 change = layers.light[other] - layers.light[i];
+      const float theirs = std::min(variance[other], kMost);
+      const float weight = falloff(glm::dot(change, change) / (4.0f * (own + theirs) + kLeast));
+      sum += weight * theirs, weights += weight;
     });
-    layers.variance[i] = count > 0.0 ? static_cast<float>(sum / count) : 0.0f;
+    layers.variance[i] = weights > 0.0f ? sum / weights : 0.0f;
   });
 }
 
