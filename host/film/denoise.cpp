@@ -134,8 +134,8 @@ float likeness(const SurfaceGuide& a, const SurfaceGuide& b, glm::vec2 offset) {
   return falloff(kNormalScale * turned + 0.5f * off);
 }
 
-// Every pixel hands all of its light out, in proportion to likeness and albedo: the sum stays, to within rounding.
-void spread(const Layers& layers, std::vector<vec3>& light, int step) {
+// Every pixel hands all of its light out, in proportion to likeness and `shares`: the sum stays, to within rounding.
+void spread(const Layers& layers, const std::vector<vec3>& shares, std::vector<vec3>& light, int step) {
   const auto each_tap = [&](std::size_t pixel, auto body) {
     each_around(layers.picture, pixel, 1, step, [&](std::size_t other, int x, int y) {
       const float binomial = 1.0f / static_cast<float>(1 << (std::abs(x) + std::abs(y)));
@@ -147,13 +147,13 @@ void spread(const Layers& layers, std::vector<vec3>& light, int step) {
   std::vector<vec3> portions(light.size());
   each_pixel(layers.picture, [&](std::size_t i) {
     vec3 taken(0.0f);
-    each_tap(i, [&](std::size_t other, float weight) { taken += weight * layers.albedo[other]; });
+    each_tap(i, [&](std::size_t other, float weight) { taken += weight * shares[other]; });
     portions[i] = light[i] / taken; // the pixel itself takes, too
   });
   each_pixel(layers.picture, [&](std::size_t i) {
     vec3 given(0.0f);
     each_tap(i, [&](std::size_t other, float weight) { given += weight * portions[other]; });
-    light[i] = layers.albedo[i] * given;
+    light[i] = shares[i] * given;
   });
 }
 
@@ -167,10 +167,14 @@ std::vector<vec3> denoise(const NoisyPicture& picture) {
   const std::vector<vec3> filtered = non_local_means(picture.width, layers.light, layers.variance, layers.guides);
 
   // What was taken from pixels, or added to them, goes back to where it was, far spread: of so many pixels the noise is
-  // next to nothing, and the light as a whole stays.
-  std::vector<vec3> change(picture.pixels());
-  each_pixel(picture, [&](std::size_t i) { change[i] = layers.reflected(i) - filtered[i] * layers.albedo[i]; });
-  for (int i = 0; i < kSpreadIterations; ++i) spread(layers, change, 1 << i);
+  // next to nothing, and the light as a whole stays. The bright ones get most of it, so that the dark surroundings of a
+  // highlight stay dark.
+  std::vector<vec3> change(picture.pixels()), shares(picture.pixels());
+  each_pixel(picture, [&](std::size_t i) {
+    change[i] = layers.reflected(i) - filtered[i] * layers.albedo[i];
+    shares[i] = layers.albedo[i] * std::clamp(sum_of(filtered[i]), 1e-6f, 1e12f);
+  });
+  for (int i = 0; i < kSpreadIterations; ++i) spread(layers, shares, change, 1 << i);
 
   std::vector<vec3> out(picture.pixels());
   each_pixel(picture, [&](std::size_t i) {

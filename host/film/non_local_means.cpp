@@ -13,8 +13,8 @@ namespace {
 
 constexpr int kReach = 10; // pixels are compared with those of a window of 21 x 21,
 constexpr int kPatch = 3;  // by their surroundings of 7 x 7
-// Weight of the variance in the scale of distances: 0.45 squared, as in Rousselle et al. 2012.
-constexpr float kVarianceScale = 0.2f;
+// Weight of the variance in the scale of distances: a little less than the 0.45 squared of Rousselle et al. 2012.
+constexpr float kVarianceScale = 0.1f;
 // Squared, what share of its value a pixel may differ by and count as alike: below what is seen.
 constexpr float kUnseen = 1e-5f;
 constexpr float kBlack = 1e-10f;
@@ -51,6 +51,9 @@ enum Value {
   kNormalY,
   kNormalZ,
   kSpread,
+  kAlbedoRed,
+  kAlbedoGreen,
+  kAlbedoBlue,
   kDisparity,
   kSlopeX,
   kSlopeY,
@@ -91,6 +94,9 @@ Planes make_planes(std::size_t width, const std::vector<glm::vec3>& color, const
           guide.normal.y,
           guide.normal.z,
           guide.spread,
+          guide.albedo.r,
+          guide.albedo.g,
+          guide.albedo.b,
           guide.disparity,
           guide.slope.x,
           guide.slope.y,
@@ -148,10 +154,13 @@ void add_neighbours(const Planes& planes, Tile& tile, int row, std::size_t first
     const Four nx = here(kNormalX) - there(kNormalX), ny = here(kNormalY) - there(kNormalY),
                nz = here(kNormalZ) - there(kNormalZ);
     const Four spread = here(kSpread), turned = nx * nx + ny * ny + nz * nz - (spread + min(spread, there(kSpread)));
+    const Four red = here(kAlbedoRed) - there(kAlbedoRed), green = here(kAlbedoGreen) - there(kAlbedoGreen),
+               blue = here(kAlbedoBlue) - there(kAlbedoBlue), painted = red * red + green * green + blue * blue;
     const Four rise = here(kSlopeX) * static_cast<float>(dx) + here(kSlopeY) * static_cast<float>(dy);
     const Four off =
         abs(there(kDisparity) - here(kDisparity) - rise) / (abs(rise) + kDisparitySlack * here(kDisparity) + 1e-30f);
-    const Four weight = there(kSeen) * falloff(max(sum / kPixels, 0.0f) + kNormalScale * max(turned, 0.0f) + off);
+    const Four weight = there(kSeen) * falloff(max(sum / kPixels, 0.0f) + kNormalScale * max(turned, 0.0f) +
+                                               kAlbedoScale * painted + off);
     for (int c = 0; c < 3; ++c)
       store(tile.sums[c][row] + x, load(tile.sums[c][row] + x) + weight * there(static_cast<Value>(kRed + c)));
     store(tile.weights[row] + x, load(tile.weights[row] + x) + weight);

@@ -27,6 +27,7 @@ std::vector<SurfaceGuide> surface_guides(const NoisyPicture& picture) {
       guide.disparity = disparity(i);
       if (!(guide.disparity > 0.0f)) continue;
       guide.normal = picture.normal[i];
+      guide.albedo = picture.albedo[i];
       guide.spread = std::max(0.0f, 1.0f - glm::dot(guide.normal, guide.normal));
       const auto slope = [&](std::size_t before, bool has_before, std::size_t after, bool has_after) {
         const float a = has_before ? disparity(before) : 0.0f, b = has_after ? disparity(after) : 0.0f;

@@ -9,6 +9,7 @@ namespace wavepath {
 
 struct SurfaceGuide {
   glm::vec3 normal{0.0f}; // mean over samples
+  glm::vec3 albedo{0.0f};
   float spread = 0.0f;    // of the normals of the samples: mean squared distance from their mean
   float disparity = 0.0f; // 1 / depth, linear across the picture of a plane; 0 = nothing is seen
   glm::vec2 slope{0.0f};  // its change from pixel to pixel, to the right and downwards
@@ -18,6 +19,9 @@ std::vector<SurfaceGuide> surface_guides(const NoisyPicture& picture);
 
 // Squared difference of normals at which two surfaces count as one standard deviation apart, twice: 14 degrees.
 inline constexpr float kNormalScale = 8.0f;
+// Squared difference of albedos that counts as one standard deviation, twice. Light is divided by the albedo, but what
+// is painted differently often mirrors differently as well.
+inline constexpr float kAlbedoScale = 40.0f;
 // What the disparity of a plane may differ by, from what its slope foretells, before it counts as another plane.
 inline constexpr float kDisparitySlack = 5e-3f;
 

@@ -8,6 +8,7 @@
 #include "kernels/hybrid/denoise_spread.spv.h"
 #include "kernels/hybrid/denoise_temporal.spv.h"
 #include "kernels/hybrid/denoise_variance.spv.h"
+#include "kernels/hybrid/hybrid_types.h"
 
 namespace wavepath {
 namespace {
