@@ -17,6 +17,7 @@ std::vector<RenderSettings> candidates(const RenderSettings& settings, const Pac
   guided.guide = true;
   RenderSettings bidirectional = settings;
   bidirectional.integrator = &kBidirectional;
+  bidirectional.techniques &= ~gpu::kTechniqueMerge; // what is taken without being asked for is not biased
   std::vector<RenderSettings> all = {path, guided};
   if (settings.aovs.empty()) all.push_back(bidirectional);
   return all;
