@@ -28,7 +28,7 @@ std::map<std::string, std::string> members(const RenderSettings& settings) {
   const auto& [integrator, width, height, first_sample, last_sample, sample_total, time_limit, target_error, max_depth,
                sampler, hemisphere, direct, filter, seed, shadow_samples, ao_samples, ao_radius, ambient, branching,
                techniques, cutoff, denoise, antialias_over_time, lights, adaptive, guide, specialize, aovs,
-               added_features, removed_features, room_for_shadow_rays, room_for_whole_nets, whole_nets_from,
+               guide_iterations, added_features, removed_features, room_for_shadow_rays, room_for_whole_nets, whole_nets_from,
                wave_slots] = settings;
   const auto text = [](const auto& value) { return fmt::format("{}", value); };
   return {{"integrator", std::string(integrator->name)},
@@ -59,6 +59,7 @@ std::map<std::string, std::string> members(const RenderSettings& settings) {
           {"guide", text(guide)},
           {"specialize", text(specialize)},
           {"aovs", fmt::format("{}", fmt::join(aovs, ","))},
+          {"guide_iterations", text(guide_iterations)},
           {"added_features", text(added_features)},
           {"removed_features", text(removed_features)},
           {"room_for_shadow_rays", text(room_for_shadow_rays)},
@@ -70,6 +71,7 @@ std::map<std::string, std::string> members(const RenderSettings& settings) {
 // Members that no row sets, and why.
 const std::map<std::string, std::string> kExempt = {
     {"antialias_over_time", "the window sets it while the camera moves; such pictures are never kept"},
+    {"guide_iterations", "for trials of integrators, whose pictures are thrown away"},
     {"added_features", "for measurements of kernels; the picture is the same"},
     {"removed_features", "for measurements of kernels"},
     {"room_for_shadow_rays", "for measurements of memory; the picture is the same"},
