@@ -75,9 +75,9 @@ TEST_F(CliRenderTest, TheDenoisedPictureIsALayer) {
     EXPECT_EQ(picture.channels.size(), 7u); // R G B A, and the layer
     EXPECT_NEAR(total(picture, "denoised.") / total(picture, ""), 1.0, 0.01);
     EXPECT_NE(find_channel(picture, "denoised.R")->values, find_channel(picture, "R")->values);
-    if (integrator == std::string("path"))
-      for (std::size_t c = 0; c < 3; ++c)
-        EXPECT_EQ(picture.channels[c].values, read_picture(plain).channels[c].values) << c;
+    for (std::size_t c = 0; c < (integrator == std::string("path") ? 3 : 0); ++c) {
+      EXPECT_EQ(picture.channels[c].values, read_picture(plain).channels[c].values) << c;
+    }
     const Picture shown = read_picture(hdr);
     for (std::size_t i = 0; i < shown.channels[1].values.size(); ++i)
       EXPECT_NEAR(shown.channels[1].values[i], find_channel(picture, "denoised.G")->values[i],
@@ -89,8 +89,7 @@ TEST_F(CliRenderTest, TheDenoisedPictureIsALayer) {
     EXPECT_NE(json["bias"].dump().find("--denoise"), std::string::npos);
     EXPECT_NE(read_attribute(exr_, "wavepath.bias").find("--denoise"), std::string::npos);
   }
-  const double noisy = read_picture(png).channels[0].values[0];
-  EXPECT_TRUE(std::isfinite(noisy));
+  EXPECT_EQ(read_picture(png).width, 48u);
 }
 
 TEST_F(CliRenderTest, DenoisingLowersTheError) {
