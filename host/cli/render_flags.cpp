@@ -204,8 +204,11 @@ void settle_samples(RenderRequest& request) {
 }
 
 void settle_integrator_kind(RenderRequest& request) {
-  if (is_given(request, "integrator") || request.pixel) return;
-  const auto kind = std::ranges::find_if(integrators(), [](const IntegratorKind* k) { return k->candidates != nullptr; });
+  const auto is_special = [](const std::string& aov) { return !aov_takers_text(aov).empty(); };
+  if (is_given(request, "integrator") || request.pixel || std::ranges::any_of(request.settings.aovs, is_special))
+    return;
+  const auto kind =
+      std::ranges::find_if(integrators(), [](const IntegratorKind* k) { return k->candidates != nullptr; });
   const bool takes_all = std::ranges::all_of(settings_table(), [&](const Setting& row) {
     return row.takers == Takers::all || !is_given(request, row.name) || is_taken(row, **kind);
   });
