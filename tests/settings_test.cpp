@@ -28,8 +28,8 @@ std::map<std::string, std::string> members(const RenderSettings& settings) {
   const auto& [integrator, width, height, first_sample, last_sample, sample_total, time_limit, target_error, max_depth,
                sampler, hemisphere, direct, filter, seed, shadow_samples, ao_samples, ao_radius, ambient, branching,
                techniques, cutoff, denoise, antialias_over_time, lights, adaptive, guide, specialize, aovs,
-               guide_iterations, added_features, removed_features, room_for_shadow_rays, room_for_whole_nets, whole_nets_from,
-               wave_slots] = settings;
+               guide_iterations, added_features, removed_features, room_for_shadow_rays, room_for_whole_nets,
+               whole_nets_from, wave_slots] = settings;
   const auto text = [](const auto& value) { return fmt::format("{}", value); };
   return {{"integrator", std::string(integrator->name)},
           {"width", text(width)},
@@ -144,8 +144,10 @@ RenderSettings parsed(const std::string& line) {
   add_transport_flags(*command, kByRender, request);
   std::istringstream words(line);
   std::vector<std::string> arguments;
-  for (std::string word; words >> word;) arguments.insert(arguments.begin(), word); // the parser wants them reversed
-  arguments.pop_back();                                                             // the program
+  for (std::string word; words >> word;) arguments.push_back(word);
+  arguments = spelled_out(arguments);
+  std::ranges::reverse(arguments); // as the parser wants them
+  arguments.pop_back();            // the program
   app.parse(arguments);
   settle_samples(request);
   check_integrator(request);

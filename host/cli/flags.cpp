@@ -16,13 +16,12 @@ CLI::Option* add_flag(CLI::App& app, const char* group, const Flag& flag, std::f
                       bool repeatable) {
   const std::string& names = flag.names;
   const std::string shown = names.substr(names.find_last_of(',') + 1);
-  const auto read_all = [shown, read, bare = flag.bare](const CLI::results_t& texts) {
-    for (const std::string& text : texts)
-      read({shown, !bare.empty() && (text.empty() || text == "true") ? bare : text}); // CLI11's words for no value
+  const auto read_all = [shown, read](const CLI::results_t& texts) {
+    for (const std::string& text : texts) read({shown, text});
     return true;
   };
   CLI::Option* option = app.add_option(names, read_all, flag.meaning);
-  option->type_name(flag.placeholder)->expected(flag.bare.empty() ? 1 : 0, 1)->group(group)->default_str(flag.initial);
+  option->type_name(flag.placeholder)->expected(1)->group(group)->default_str(flag.initial);
   option->multi_option_policy(repeatable ? CLI::MultiOptionPolicy::TakeAll : CLI::MultiOptionPolicy::TakeLast);
   if (repeatable && shown.front() != '-') option->allow_extra_args();
   return option;

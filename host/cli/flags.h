@@ -19,7 +19,6 @@ struct Flag {
   std::string placeholder; // of the value in help: "FILE"; empty for a switch
   std::string meaning;     // one clause with the unit
   std::string initial{};   // the default in words; empty = none
-  std::string bare{};      // the value that is meant where none is given; empty = there must be one
 };
 
 // A command of `app`, with --help. `footer`: what its help ends with, if not as that of `app`.

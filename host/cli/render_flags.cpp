@@ -37,7 +37,6 @@ Flag flag_of(const Setting& row, Offer command, const Wording* wording) {
                                                         : fmt::format("{}", fmt::join(names, "|")),
             wording && wording->meaning ? wording->meaning : row.meaning,
             row.initial.empty() ? text_of(row, RenderSettings{}) : row.initial};
-  if (const auto* choice = std::get_if<ChoiceValue>(&row.value)) flag.bare = choice->bare;
   if (wording && wording->initial) flag.initial = wording->initial;
   if (row.takers != Takers::all && (setting_named("integrator").offered & command))
     flag.meaning += fmt::format("; only with --integrator {}", takers_text(row.name));
@@ -50,6 +49,18 @@ Flag flag_of(const Setting& row, Offer command, const Wording* wording) {
 }
 
 } // namespace
+
+std::vector<std::string> spelled_out(std::vector<std::string> words) {
+  for (const Setting& row : settings_table()) {
+    const auto* kind = std::get_if<ChoiceValue>(&row.value);
+    if (!kind || kind->bare.empty()) continue;
+    const std::string flag = fmt::format("--{}", row.name);
+    for (std::size_t i = 0; i < words.size(); ++i)
+      if (words[i] == flag && (i + 1 == words.size() || std::ranges::count(kind->names, words[i + 1]) == 0))
+        words[i] += fmt::format("={}", kind->bare);
+  }
+  return words;
+}
 
 bool is_given(const RenderRequest& request, std::string_view setting) {
   return std::ranges::count(request.given, setting) > 0;

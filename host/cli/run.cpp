@@ -11,7 +11,7 @@
 #include "host/cli/commands.h"
 #include "host/cli/flags.h"
 #include "host/cli/interrupt.h"
-#include "host/render/settings/settings_table.h"
+#include "host/cli/render_flags.h"
 
 namespace wavepath {
 namespace {
@@ -35,21 +35,6 @@ std::vector<std::string> flag_names(const CLI::App& app) {
   for (const CLI::Option* option : app.get_options())
     for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
   return names;
-}
-
-// A flag that may stand without its value would take the word behind it, whatever that is: what it stands for then is
-// spelled out.
-std::vector<std::string> spelled_out(int count, const char* const* arguments) {
-  std::vector<std::string> words(arguments, arguments + count);
-  for (const Setting& row : settings_table()) {
-    const auto* kind = std::get_if<ChoiceValue>(&row.value);
-    if (!kind || kind->bare.empty()) continue;
-    const std::string flag = fmt::format("--{}", row.name);
-    for (std::size_t i = 0; i < words.size(); ++i)
-      if (words[i] == flag && (i + 1 == words.size() || std::ranges::count(kind->names, words[i + 1]) == 0))
-        words[i] += fmt::format("={}", kind->bare);
-  }
-  return words;
 }
 
 // Throws UsageError for unknown flags and commands, with the nearest known name.
@@ -94,7 +79,7 @@ int run(int argument_count, const char* const* arguments) {
                                                    {"selftest", add_selftest(app)},   {"study", add_study(app, line)}};
 
   try {
-    std::vector<std::string> words = spelled_out(argument_count, arguments);
+    std::vector<std::string> words = spelled_out({arguments, arguments + argument_count});
     std::reverse(words.begin(), words.end()); // as CLI11 wants them
     words.pop_back();                         // the program
     app.parse(words);
