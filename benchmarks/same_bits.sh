@@ -76,6 +76,7 @@ hybrid                  | render scenes/cornell_box.gltf --integrator hybrid --m
 hybrid, all AOVs        | render scenes/showcase.glb --integrator hybrid --aov $aovs,ao
 hybrid, generic kernels | render scenes/showcase.glb --integrator hybrid --specialize off --aov $aovs,ao
 hybrid, depth 0 and 1   | render scenes/showcase.glb --integrator hybrid --max-depth 0 ; render scenes/showcase.glb --integrator hybrid --max-depth 1 -o @1.exr
+path, denoised          | render scenes/showcase.glb --integrator path --denoise --spp 5
 hybrid, denoised        | render scenes/showcase.glb --integrator hybrid --denoise --spp 5 --aov ao
 hybrid, many rays       | render scenes/showcase.glb --integrator hybrid --shadow-samples 4 --ao-samples 4 --sampler stratified
 hybrid, waves           | render scenes/showcase.glb --integrator hybrid --size 400x300 --spp 2 --shadow-samples 4 --ao-samples 2

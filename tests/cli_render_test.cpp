@@ -1,9 +1,12 @@
 // `wavepath render` from the command line, on the device that there is.
+#include <cmath>
 #include <csignal>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <numeric>
 
+#include <dlfcn.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
@@ -52,6 +55,93 @@ TEST_F(CliRenderTest, WritesEveryOutput) {
   for (const std::string& path : {exr_, hdr, png, jpg}) EXPECT_EQ(read_picture(path).width, 48u) << path;
   EXPECT_EQ(read_attribute(exr_, "wavepath.samples"), "0:4");
   EXPECT_EQ(file_count(), 4u);
+}
+
+double total(const Picture& picture, const std::string& prefix) {
+  double sum = 0.0;
+  for (const char* channel : {"R", "G", "B"})
+    for (const float value : find_channel(picture, prefix + channel)->values) sum += value;
+  return sum;
+}
+
+// The rendered picture stays what it is without the filter; the filtered one is beside it, and is what a PNG shows.
+TEST_F(CliRenderTest, TheDenoisedPictureIsALayer) {
+  const std::string plain = folder_.file("plain.exr"), png = folder_.file("a.png"), hdr = folder_.file("a.hdr");
+  ASSERT_EQ(render({"-o", plain, "--spp", "8", "-q"}).exit_code, 0);
+  for (const char* integrator : {"path", "bidirectional", "whitted"}) {
+    SCOPED_TRACE(integrator);
+    const Outcome outcome = render({"--denoise", "-o", exr_, "-o", png, "-o", hdr, "--spp", "8", "--stats", stats_,
+                                    "--integrator", integrator, "--reference", plain});
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    const Picture picture = read_picture(exr_);
+    EXPECT_EQ(picture.channels.size(), 7u); // R G B A, and the layer
+    EXPECT_NEAR(total(picture, "denoised.") / total(picture, ""), 1.0, 0.01);
+    EXPECT_NE(find_channel(picture, "denoised.R")->values, find_channel(picture, "R")->values);
+    for (std::size_t c = 0; c < (integrator == std::string("path") ? 3 : 0); ++c) {
+      EXPECT_EQ(picture.channels[c].values, read_picture(plain).channels[c].values) << c;
+    }
+    const Picture shown = read_picture(hdr);
+    for (std::size_t i = 0; i < shown.channels[1].values.size(); ++i)
+      EXPECT_NEAR(shown.channels[1].values[i], find_channel(picture, "denoised.G")->values[i],
+                  0.01 + 0.01 * shown.channels[1].values[i]);
+    const Json json = Json::parse(std::ifstream(stats_));
+    EXPECT_EQ(json["denoise"]["filter"], "own");
+    EXPECT_NEAR(json["denoise"]["light_ratio"].get<double>(), 1.0, 0.01);
+    EXPECT_GT(json["denoise"]["relmse"].get<double>(), 0.0);
+    EXPECT_NE(json["bias"].dump().find("--denoise"), std::string::npos);
+    EXPECT_NE(read_attribute(exr_, "wavepath.bias").find("--denoise"), std::string::npos);
+  }
+  EXPECT_EQ(read_picture(png).width, 48u);
+}
+
+TEST_F(CliRenderTest, DenoisingLowersTheError) {
+  const std::string reference = folder_.file("reference.exr");
+  ASSERT_EQ(render({"-o", reference, "--spp", "1024", "--seed", "7", "-q"}).exit_code, 0);
+  ASSERT_EQ(
+      render({"--denoise", "-o", exr_, "--spp", "4", "-q", "--stats", stats_, "--reference", reference}).exit_code, 0);
+  const Json json = Json::parse(std::ifstream(stats_));
+  const Json &noisy = json["checkpoints"].back(), &clean = json["denoise"];
+  EXPECT_LT(clean["relmse"].get<double>(), 0.85 * noisy["relmse"].get<double>()); // the rest: borders of the lamp
+  EXPECT_LT(clean["flip"].get<double>(), 0.85 * noisy["flip"].get<double>());
+}
+
+// A word behind the flag that is no value of it is the next argument.
+TEST_F(CliRenderTest, TheFlagOfTheFilterNeedsNoValue) {
+  const Outcome outcome = run_wavepath(
+      {"render", "--denoise", scene_file("cornell_box.gltf"), "--size", "16x16", "--spp", "2", "-o", exr_, "-q"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_TRUE(find_channel(read_picture(exr_), "denoised.R"));
+}
+
+// Intel's library, or what stands for it in tests: a filter that turns light into albedo plus normal.
+TEST_F(CliRenderTest, OpenImageDenoiseIsOpenedAtRunTime) {
+  RunOptions options;
+  options.in_child = [] { setenv("LD_LIBRARY_PATH", WAVEPATH_OIDN_FOLDER, 1); };
+  const Outcome outcome = render(
+      {"--denoise", "oidn", "--aov", "albedo,normal", "-o", exr_, "--spp", "2", "-q", "--stats", stats_}, options);
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const Picture picture = read_picture(exr_);
+  const auto value = [&](const char* name, std::size_t i) { return find_channel(picture, name)->values[i]; };
+  for (std::size_t i = 0; i < 48 * 32; ++i)
+    EXPECT_EQ(value("denoised.G", i), value("albedo.G", i) + value("N.Y", i) + value("G", i)) << i;
+  EXPECT_EQ(Json::parse(std::ifstream(stats_))["denoise"]["filter"], "oidn");
+  options.in_child = [] {
+    setenv("LD_LIBRARY_PATH", WAVEPATH_OIDN_FOLDER, 1);
+    setenv("OIDN_STUB_FAILS", "1", 1);
+  };
+  const Outcome failure = render({"--denoise", "oidn", "-o", exr_, "--spp", "2", "-q"}, options);
+  EXPECT_EQ(failure.exit_code, 1);
+  EXPECT_NE(failure.err.find("Open Image Denoise failed (as the test wants it)"), std::string::npos) << failure.err;
+}
+
+TEST_F(CliRenderTest, WithoutOpenImageDenoiseAnErrorSaysWhatToDo) {
+  for (const char* name : {"libOpenImageDenoise.so.2", "libOpenImageDenoise.so.1", "libOpenImageDenoise.so"})
+    if (dlopen(name, RTLD_LAZY)) GTEST_SKIP() << "it is installed here";
+  const Outcome outcome = render({"--denoise", "oidn", "-o", exr_, "-q"});
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_NE(outcome.err.find("--denoise oidn: Open Image Denoise is not installed"), std::string::npos) << outcome.err;
+  EXPECT_NE(outcome.err.find("or use --denoise alone"), std::string::npos) << outcome.err;
+  EXPECT_EQ(file_count(), 0u);
 }
 
 TEST_F(CliRenderTest, TheDefaultOutputIsNamedAfterTheScene) {

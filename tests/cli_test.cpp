@@ -115,8 +115,10 @@ TEST(Usage, WhatAnIntegratorCannotDoIsRefused) {
     expect_error(flags, 2, why);
   };
   refused({"--integrator", "hybird"}, "did you mean hybrid?");
-  refused({"--denoise"},
-          "--denoise: is not taken by --integrator path; use --integrator hybrid or ao, or leave it out");
+  refused({"--branching", "choice"},
+          "--branching: is not taken by --integrator path; use --integrator whitted, or leave it out");
+  refused({"--denoise", "--strict"}, "--denoise: is biased, which --strict refuses; leave out --denoise");
+  refused({"--denoise", "oidn", "--integrator", "hybrid"}, "--denoise oidn: filters no frames");
   refused({"--aov", "ao"}, "--aov ao: is not taken by --integrator path; use --integrator hybrid or ao");
   refused({"--integrator", "hybrid", "--adaptive"},
           "--adaptive: is not taken by --integrator hybrid; use --integrator path");

@@ -60,6 +60,26 @@ protected:
   TemporaryFolder folder_;
 };
 
+// The filtered picture is made from the sums: of a resumed render it has the same bits, and parts that are joined are
+// filtered anew. Their first hits join to within rounding.
+TEST_F(Resume, FilteredPicturesFollowTheSums) {
+  ASSERT_EQ(render("whole.exr", {"--denoise"}).exit_code, 0);
+  ASSERT_EQ(render("part.exr", {"--denoise", "--spp", "20", "--checkpoint", "state"}).exit_code, 0);
+  ASSERT_EQ(render("part.exr", {"--denoise", "--checkpoint", "state", "--resume"}).exit_code, 0);
+  expect_same_bits("part.exr", "whole.exr");
+
+  ASSERT_EQ(render("a.exr", {"--denoise", "--samples", "0:20"}).exit_code, 0);
+  ASSERT_EQ(render("b.exr", {"--denoise", "--samples", "20:48"}).exit_code, 0);
+  ASSERT_EQ(wavepath({"merge", "a.exr", "b.exr", "-o", "joined.exr", "-q"}).exit_code, 0);
+  const Picture joined = read_picture(path("joined.exr")), whole = read_picture(path("whole.exr"));
+  for (const char* name : {"R", "G", "B"})
+    EXPECT_EQ(find_channel(joined, name)->values, find_channel(whole, name)->values) << name;
+  const Channel *ours = find_channel(joined, "denoised.G"), *theirs = find_channel(whole, "denoised.G");
+  ASSERT_TRUE(ours && theirs);
+  for (std::size_t i = 0; i < ours->values.size(); ++i)
+    EXPECT_NEAR(ours->values[i], theirs->values[i], 1e-3f * (0.1f + theirs->values[i])) << i;
+}
+
 TEST_F(Resume, SurvivesBeingKilledAtAnyMoment) {
   const std::vector<std::string> flags{"--aov", "albedo,depth,variance,samples"};
   ASSERT_EQ(render("whole.exr", flags).exit_code, 0);

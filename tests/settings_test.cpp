@@ -144,8 +144,10 @@ RenderSettings parsed(const std::string& line) {
   add_transport_flags(*command, kByRender, request);
   std::istringstream words(line);
   std::vector<std::string> arguments;
-  for (std::string word; words >> word;) arguments.insert(arguments.begin(), word); // the parser wants them reversed
-  arguments.pop_back();                                                             // the program
+  for (std::string word; words >> word;) arguments.push_back(word);
+  arguments = spelled_out(arguments);
+  std::ranges::reverse(arguments); // as the parser wants them
+  arguments.pop_back();            // the program
   app.parse(arguments);
   settle_samples(request);
   check_integrator(request);
@@ -256,8 +258,8 @@ void expect_refused(const std::string& flags, const std::string& message) {
 }
 
 TEST(Settings, WhatWouldChangeThePictureIsRefusedWhereItIsNotTaken) {
-  expect_refused("--denoise",
-                 "--denoise: is not taken by --integrator path; use --integrator hybrid or ao, or leave it out");
+  expect_refused("--branching choice",
+                 "--branching: is not taken by --integrator path; use --integrator whitted, or leave it out");
   expect_refused("--ambient 1,1,1", "--ambient: is not taken by --integrator path; use --integrator hybrid");
   expect_refused("--ao-radius 2", "--ao-radius: is not taken by --integrator path");
   expect_refused("--integrator ao --ambient 1,1,1", "--ambient: is not taken by --integrator ao");

@@ -62,7 +62,7 @@ TEST(WholeNets, DecideTheIdentity) {
   const std::string a = identity_of(1, View{}, whole), b = identity_of(1, View{}, halved);
   EXPECT_EQ(first_difference(a, a), std::nullopt);
   EXPECT_EQ(first_difference(a, b),
-            "its pixels have whole nets of samples, not halved ones (--aov variance halves them)");
+            "its pixels have whole nets of samples, not halved ones (--aov variance and --denoise halve them)");
 }
 
 // As many pixels as the error of a picture takes, and no more.

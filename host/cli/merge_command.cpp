@@ -14,6 +14,7 @@
 #include "host/film/error.h"
 #include "host/film/film.h"
 #include "host/film/picture_io.h"
+#include "host/render/denoised.h"
 #include "host/render/settings/identity.h"
 
 namespace wavepath {
@@ -173,7 +174,10 @@ int run_merge(const Request& request) {
 
   Warnings warnings;
   const std::shared_ptr<Film> film = join_films(request.parts, info, warnings);
-  const Picture picture = develop(*film, aovs_of(read_picture(first)), info.origin);
+  const Picture part = read_picture(first);
+  Picture picture = develop(*film, aovs_of(part), info.origin);
+  if (find_channel(part, std::string(kShownPrefix) + "R") && !film->aovs.empty())
+    add_denoised(picture, *film, kDenoiseOn); // filtered pictures do not add up: the sums are filtered anew
   const ErrorEstimate error = estimate_error(*film);
   for (const Range& range : ranges) info.spp += range.end - range.first;
   if (has_estimate(info.spp, error)) info.error = error.relative_rms;

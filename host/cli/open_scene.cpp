@@ -7,7 +7,9 @@
 
 #include "host/base/error.h"
 #include "host/base/memory.h"
+#include "host/film/denoise.h"
 #include "host/render/device/workspace.h"
+#include "host/render/settings/denoising.h"
 #include "host/render/settings/integrator_kind.h"
 #include "host/scene/pack/features.h"
 
@@ -55,8 +57,9 @@ void require_memory_for(const std::string& path, const RenderSettings& settings,
   const std::uint64_t lesson = learns ? kind.light_lesson_bytes : 0;
   const std::uint64_t picture = pixels * sizeof(float) * (4 + 3 * settings.aovs.size());
   const std::uint64_t copies = device.type == "cpu" ? 2 : 1;
+  const std::uint64_t filter = denoises_film(settings) ? pixels * kDenoiseBytesPerPixel : 0;
   require_memory(path, fmt::format("rendering it at {}x{}", settings.width, settings.height),
-                 copies * (plan.total() + film) + frames + lesson + picture,
+                 copies * (plan.total() + film) + frames + lesson + picture + filter,
                  "use a smaller --size, fewer --aov or a simpler scene");
 }
 

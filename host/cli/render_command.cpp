@@ -22,6 +22,7 @@
 #include "host/cli/trace_report.h"
 #include "host/gpu/pipeline_cache.h"
 #include "host/render/bvh_choice.h"
+#include "host/render/denoised.h"
 #include "host/render/depth_cut.h"
 #include "host/render/integrator_choice.h"
 #include "host/render/report/diagnosis.h"
@@ -329,10 +330,12 @@ int run_render(Request& request) {
 
   const RenderSettings& settings = request.render.settings;
   std::vector<TrueError> true_errors;
-  const RenderResult result = render_prepared(request, prepared, reference, true_errors);
+  RenderResult result = render_prepared(request, prepared, reference, true_errors);
+  denoise_if_asked(result, settings);
   Run run{request.scene.path, request.command_line, prepared.device->info(), settings, prepared.packed, result};
   if (!choice.trials.empty()) run.choice = &choice;
   run.bias = list_bias(settings, result, depth_cut(request, prepared, result), lost_light(request, prepared, result));
+  if (reference && result.denoised) run.denoised_error = measure_true_error(shown_picture(result.picture), *reference);
   run.true_errors = align(std::move(true_errors), result.checkpoints.size());
   run.diagnosis = diagnose(result, run.true_errors, run.bias);
   if (request.render.mergeable && !result.even)

@@ -7,6 +7,8 @@
 #include <fmt/format.h>
 
 #include "host/base/error.h"
+#include "host/film/oidn.h"
+#include "host/render/settings/denoising.h"
 #include "host/render/settings/settings_table.h"
 
 namespace wavepath {
@@ -30,9 +32,9 @@ Flag flag_of(const Setting& row, Offer command, const Wording* wording) {
   const std::vector<std::string_view> names = choices_of(row);
   const bool is_switch = std::holds_alternative<SwitchValue>(row.value);
   Flag flag{fmt::format("--{}", row.name),
-            is_switch       ? ""
-            : names.empty() ? row.placeholder
-                            : fmt::format("{}", fmt::join(names, "|")),
+            is_switch                                   ? ""
+            : names.empty() || !row.placeholder.empty() ? row.placeholder
+                                                        : fmt::format("{}", fmt::join(names, "|")),
             wording && wording->meaning ? wording->meaning : row.meaning,
             row.initial.empty() ? text_of(row, RenderSettings{}) : row.initial};
   if (wording && wording->initial) flag.initial = wording->initial;
@@ -47,6 +49,18 @@ Flag flag_of(const Setting& row, Offer command, const Wording* wording) {
 }
 
 } // namespace
+
+std::vector<std::string> spelled_out(std::vector<std::string> words) {
+  for (const Setting& row : settings_table()) {
+    const auto* kind = std::get_if<ChoiceValue>(&row.value);
+    if (!kind || kind->bare.empty()) continue;
+    const std::string flag = fmt::format("--{}", row.name);
+    for (std::size_t i = 0; i < words.size(); ++i)
+      if (words[i] == flag && (i + 1 == words.size() || std::ranges::count(kind->names, words[i + 1]) == 0))
+        words[i] += fmt::format("={}", kind->bare);
+  }
+  return words;
+}
 
 bool is_given(const RenderRequest& request, std::string_view setting) {
   return std::ranges::count(request.given, setting) > 0;
@@ -237,9 +251,16 @@ void check_integrator(const RenderRequest& request) {
     throw UsageError(
         fmt::format("--integrator {}", kind.name), "is biased, which --strict refuses",
         settings.denoise ? "leave out --denoise" : "use --integrator path, or --max-depth 1 for direct light");
-  if (settings.denoise && (request.mergeable || !request.state.file.empty()))
+  if (settings.denoise != kDenoiseOff && !denoises_film(settings) && (request.mergeable || !request.state.file.empty()))
     throw UsageError("--denoise", "makes every sample depend on those before, and no file keeps that history",
                      "leave it out, or --checkpoint, --samples and --mergeable");
+  if (request.strict && denoises_film(settings))
+    throw UsageError("--denoise", "is biased, which --strict refuses", "leave out --denoise");
+  if (settings.denoise != kDenoiseOidn) return;
+  if (!denoises_film(settings))
+    throw UsageError("--denoise oidn", fmt::format("filters no frames, of which --integrator {} is made", kind.name),
+                     "use --denoise alone, or --integrator path");
+  require_oidn();
 }
 
 void settle_strict(RenderRequest& request) {

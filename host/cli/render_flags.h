@@ -44,6 +44,10 @@ struct RenderRequest {
   std::uint32_t net = 0;               // of which net of the pixel
 };
 
+// The words of a command line for the parser. A flag that may stand without its value would take the word behind it,
+// whatever that is: the value that it stands for then is spelled out.
+std::vector<std::string> spelled_out(std::vector<std::string> words);
+
 bool is_given(const RenderRequest& request, std::string_view setting);
 
 // What a command says otherwise about a setting than the table does.

@@ -13,6 +13,7 @@
 #include "host/cli/commands.h"
 #include "host/cli/progress.h"
 #include "host/film/error.h"
+#include "host/render/settings/denoising.h"
 #include "host/render/settings/integrator_kind.h"
 #include "kernels/tile_order.h"
 
@@ -71,6 +72,10 @@ std::vector<std::string> list_bias(const RenderSettings& settings, const RenderR
         fmt::format("light of lamps and suns through thick smooth glass and off mirrors is missing: {:.2g} % +- {:.1g} "
                     "% of all light; --integrator bidirectional finds it",
                     100.0 * lost->share, 100.0 * lost->standard_error));
+  if (denoises_film(settings))
+    bias.emplace_back(
+        "the channels denoised.R,G,B of .exr files, and all of other files, are filtered: detail that is "
+        "smaller than the noise is lost (--denoise)");
   if (result.nonfinite.first)
     bias.push_back(fmt::format("{} samples that were not finite are left out", result.nonfinite.samples()));
   return bias;
@@ -127,6 +132,11 @@ void report(const Run& run, const OutputRequest& output, Warnings warnings) {
   if (last && last->metrics.finite())
     fmt::print(stderr, "wavepath: against {}: relMSE {:.6g}, MSE {:.6g}, MRSE {:.6g}, FLIP {:.4f}\n", output.reference,
                last->metrics.relmse, last->metrics.mse, last->metrics.mrse, last->flip);
+  if (result.denoised) fmt::print(stderr, "wavepath: denoised in {:.2f} s\n", result.denoised->seconds);
+  if (run.denoised_error && run.denoised_error->metrics.finite())
+    fmt::print(stderr, "wavepath: denoised, against {}: relMSE {:.6g}, MSE {:.6g}, MRSE {:.6g}, FLIP {:.4f}\n",
+               output.reference, run.denoised_error->metrics.relmse, run.denoised_error->metrics.mse,
+               run.denoised_error->metrics.mrse, run.denoised_error->flip);
   for (const std::string& sentence : run.diagnosis) fmt::print(stderr, "wavepath: note: {}\n", sentence);
   if (output.verbose) print_details(run);
 }

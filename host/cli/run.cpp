@@ -1,4 +1,5 @@
 // Parses the command line and runs the command.
+#include <algorithm>
 #include <map>
 #include <vector>
 
@@ -10,6 +11,7 @@
 #include "host/cli/commands.h"
 #include "host/cli/flags.h"
 #include "host/cli/interrupt.h"
+#include "host/cli/render_flags.h"
 
 namespace wavepath {
 namespace {
@@ -77,7 +79,10 @@ int run(int argument_count, const char* const* arguments) {
                                                    {"selftest", add_selftest(app)},   {"study", add_study(app, line)}};
 
   try {
-    app.parse(argument_count, arguments);
+    std::vector<std::string> words = spelled_out({arguments, arguments + argument_count});
+    std::reverse(words.begin(), words.end()); // as CLI11 wants them
+    words.pop_back();                         // the program
+    app.parse(words);
   } catch (const CLI::CallForHelp&) {
     fmt::print("{}", app.help());
     return kExitDone;

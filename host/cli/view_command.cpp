@@ -16,6 +16,7 @@
 #include "host/render/bvh_choice.h"
 #include "host/render/progressive/display.h"
 #include "host/render/progressive/progressive.h"
+#include "host/render/settings/denoising.h"
 #include "host/render/settings/settings_table.h"
 #include "host/scene/environment.h"
 #ifdef WAVEPATH_VIEWER
@@ -50,6 +51,9 @@ void check(Request& request) {
   for (const std::string& aov : aovs_for(request.shown))
     if (std::ranges::count(settings.aovs, aov) == 0) settings.aovs.push_back(aov);
   check_integrator(request.render);
+  if (denoises_film(settings))
+    throw UsageError("--denoise", "filters finished pictures of paths, and a window shows none",
+                     "use --integrator hybrid, or wavepath render");
   require_file(request.scene.path);
   const std::string& screenshot = request.screenshot;
   if (screenshot.empty()) return;

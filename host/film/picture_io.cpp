@@ -41,8 +41,9 @@ void write_encoded(const std::string& path, const Picture& picture, OIIO::TypeDe
 }
 
 std::vector<float> interleave(const Picture& picture) {
+  const std::array<const Channel*, 3> shown = shown_channels(picture);
   std::vector<float> rgb(3 * picture.channels[0].values.size());
-  for (std::size_t i = 0; i < rgb.size(); ++i) rgb[i] = picture.channels[i % 3].values[i / 3];
+  for (std::size_t i = 0; i < rgb.size(); ++i) rgb[i] = shown[i % 3]->values[i / 3];
   return rgb;
 }
 
@@ -77,10 +78,10 @@ std::uint64_t write_hdr(const std::string& path, const Picture& picture) {
 
 void write_display(const std::string& path, const Picture& picture, const WriteOptions& options) {
   const float scale = static_cast<float>(std::exp2(exposure_of(picture, options)));
+  const std::array<const Channel*, 3> channels = shown_channels(picture);
   std::vector<std::uint8_t> rgb(3 * picture.channels[0].values.size());
   for (std::size_t i = 0; i < rgb.size() / 3; ++i) {
-    const glm::vec3 radiance(picture.channels[0].values[i], picture.channels[1].values[i],
-                             picture.channels[2].values[i]);
+    const glm::vec3 radiance(channels[0]->values[i], channels[1]->values[i], channels[2]->values[i]);
     const glm::vec3 shown = tonemap(options.tonemap, scale * radiance);
     for (int c = 0; c < 3; ++c)
       rgb[3 * i + static_cast<std::size_t>(c)] = static_cast<std::uint8_t>(std::lround(255.0f * to_srgb(shown[c])));
@@ -144,6 +145,22 @@ Picture read_picture(const std::string& path) {
   if (!find_channel(picture, "R") || !find_channel(picture, "G") || !find_channel(picture, "B"))
     throw Error(path, "has no channels R, G and B", "choose a picture with colour");
   return picture;
+}
+
+std::array<const Channel*, 3> shown_channels(const Picture& picture) {
+  std::array<const Channel*, 3> channels{};
+  for (std::size_t c = 0; c < 3; ++c) {
+    const Channel* filtered = find_channel(picture, std::string(kShownPrefix) + "RGB"[c]);
+    channels[c] = filtered ? filtered : &picture.channels[c];
+  }
+  return channels;
+}
+
+Picture shown_picture(const Picture& picture) {
+  Picture shown{picture.width, picture.height, {}};
+  for (std::size_t c = 0; c < 3; ++c)
+    shown.channels.push_back({std::string(1, "RGB"[c]), shown_channels(picture)[c]->values});
+  return shown;
 }
 
 const Channel* find_channel(const Picture& picture, const std::string& name) {

@@ -1,6 +1,7 @@
 // Pictures to and from files: EXR and HDR linear, PNG and JPG tonemapped; written whole or not at all.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -18,8 +19,16 @@ struct WriteOptions {
   Tonemap tonemap = Tonemap::neutral;
 };
 
-// Writes the format that the extension of `path` names: all channels to EXR, R G B to the others. Returns how many
-// values were clamped because the format ends before them. Throws Error; then `path` is as it was.
+// Of the channels that hold the filtered picture, "denoised.R" and so on, where there is one.
+inline constexpr const char* kShownPrefix = "denoised.";
+
+// The channels that files of three channels show: the filtered picture where there is one, else R G B.
+std::array<const Channel*, 3> shown_channels(const Picture& picture);
+// Those as R G B of a picture of their own.
+Picture shown_picture(const Picture& picture);
+
+// Writes the format that the extension of `path` names: all channels to EXR, those shown to the others. Returns how
+// many values were clamped because the format ends before them. Throws Error; then `path` is as it was.
 std::uint64_t write_picture(const std::string& path, const Picture& picture, const PictureInfo& info,
                             const WriteOptions& options);
 

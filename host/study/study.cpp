@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "host/film/picture_io.h"
+#include "host/render/denoised.h"
 #include "host/render/device/kernel_compiler.h"
 #include "host/render/report/stats.h"
 #include "host/render/settings/integrator_kind.h"
@@ -77,7 +78,7 @@ private:
     settings.sampler = gpu::kSamplerSobol;
     settings.integrator = *std::ranges::find(integrators(), false, &IntegratorKind::finds_light);
     settings.ao_samples = 16;
-    settings.denoise = false;
+    settings.denoise = kDenoiseOff;
     settings.aovs = {"ao"}; // which is 1 where nothing is hit; the picture is black there
     settings.time_limit = 2.0 * kOcclusionShare * settings_.budget; // a frame is never cut short
     KernelCompiler kernels(device_);
@@ -129,7 +130,7 @@ private:
     hybrid.last_sample = kFrames;
     RenderSettings traced = hybrid;
     traced.integrator = &default_integrator();
-    traced.denoise = false;
+    traced.denoise = kDenoiseOff;
     traced.max_depth = 0;
     return {frame_ms(hybrid), frame_ms(traced), kFrames};
   }
@@ -170,8 +171,11 @@ private:
     if (study_.interrupted) return;
     const Picture& reference = study_.reference_of(series).picture;
     StudyPoint point{result.spp, settings.seed, result.seconds, result.gpu_seconds, result.rays.total()};
-    point.metrics = compare_pictures(result.picture, reference);
-    std::vector<float> flip = hdr_flip(result.picture, reference);
+    denoise_if_asked(result, settings);
+    if (result.denoised) point.seconds += result.denoised->seconds;
+    const Picture shown = shown_picture(result.picture);
+    point.metrics = compare_pictures(shown, reference);
+    std::vector<float> flip = hdr_flip(shown, reference);
     point.flip = std::accumulate(flip.begin(), flip.end(), 0.0) / static_cast<double>(flip.size());
     point.estimated_error = estimated_error(result);
     if (by_signal_) measure_signals(series, settings, point, kernels);

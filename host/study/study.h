@@ -10,6 +10,7 @@
 #include "host/film/metrics.h"
 #include "host/gpu/device.h"
 #include "host/render/render.h"
+#include "host/render/settings/denoising.h"
 #include "host/render/settings/integrator_kind.h"
 #include "host/scene/pack/pack.h"
 #include "host/scene/view.h"
@@ -73,7 +74,10 @@ struct Series {
 
   bool shows_occlusion() const { return !configuration.settings.integrator->finds_light; }
   // It converges to something else than the reference.
-  bool is_biased() const { return configuration.settings.integrator->is_biased(configuration.settings); }
+  bool is_biased() const {
+    return configuration.settings.integrator->is_biased(configuration.settings) ||
+           denoises_film(configuration.settings);
+  }
 };
 
 // What it costs to find the first hits, in milliseconds a frame on the device: rasterized and

@@ -8,6 +8,7 @@
 #include <imgui.h>
 #include <imgui_stdlib.h>
 
+#include "host/render/settings/denoising.h"
 #include "host/render/settings/settings_table.h"
 
 namespace wavepath {
@@ -99,8 +100,20 @@ void show_view(PanelState& state) {
   choice("tone curve", kTonemapNames, display.tonemap);
 }
 
+// A window filters frames; the filter of finished pictures is not for it.
+bool is_shown(const Setting& row, const IntegratorKind& kind) {
+  return row.label && is_taken(row, kind) && !(row.name == "denoise" && kind.traces_paths);
+}
+
 // The widget of a setting, by the kind of its value. True if it was changed.
 bool widget(const Setting& row, RenderSettings& settings) {
+  if (const auto* kind = std::get_if<ChoiceValue>(&row.value); kind && !kind->bare.empty()) {
+    bool on = settings.*kind->member != 0;
+    label(row.label);
+    if (!ImGui::Checkbox(fmt::format("##{}", row.label).c_str(), &on)) return false;
+    read_setting(row, on ? std::string(kind->bare) : text_of(row, RenderSettings{}), settings);
+    return true;
+  }
   if (const std::vector<std::string_view> names = choices_of(row); !names.empty()) {
     auto index = std::ranges::find(names, text_of(row, settings)) - names.begin();
     if (!choice(row.label, names, index)) return false;
@@ -121,7 +134,8 @@ void show_transport(PanelState& state, PanelWishes& wishes) {
   RenderSettings& settings = state.settings;
   const std::uint32_t planned = settings.sample_total;
   for (const Setting& row : settings_table())
-    if (row.label && is_taken(row, *settings.integrator)) wishes.settings |= widget(row, settings);
+    if (is_shown(row, *settings.integrator)) wishes.settings |= widget(row, settings);
+  if (denoises_film(settings)) settings.denoise = kDenoiseOff; // the integrator has become another
   if (settings.sample_total != planned) settings.last_sample = settings.sample_total;
   label("target error, %");
   auto percent = static_cast<float>(100.0 * state.target_error);

@@ -18,6 +18,11 @@ const bool kWantOcclusion = (kWanted & kHybridAmbient) != 0u;
 
 layout(set = 0, binding = kFilterColorIn) uniform samplerBuffer color_in;
 
+// Larger signals count as not finite, because their squares must fit into floats.
+const float kLargestSignal = 1e18;
+bool usable(float x) { return is_finite(x) && abs(x) <= kLargestSignal; }
+bool usable(vec3 color) { return usable(color.x) && usable(color.y) && usable(color.z); }
+
 // ---- shape ----------------------------------------------------------------------------------------------------------------
 
 // Octahedral (Meyer et al. 2010), 16 bits each.
@@ -36,6 +41,28 @@ vec3 unpack_normal(uint word) {
 float to_disparity(float depth) { return frames.now.orthographic != 0u ? depth : 1.0 / depth; }
 float disparity(uvec4 shape) { return uintBitsToFloat(shape.y); }
 bool seen(uvec4 shape) { return shape.y != 0u; }
+
+uvec4 shape_of(int index) {
+  uvec4 seen_here = texelFetch(gbuffer_texels, 2 * index);
+  float depth = uintBitsToFloat(seen_here.w);
+  if (!(depth > 0.0)) return uvec4(0u);
+  return uvec4(pack_normal(uintBitsToFloat(seen_here.xyz)), floatBitsToUint(to_disparity(depth)),
+               texelFetch(gbuffer_texels, 2 * index + 1).w, 0u);
+}
+
+// Change of disparity over one pixel along `axis`: the smaller one of both sides, because one may be across an edge.
+float slope_along(ivec2 pixel, ivec2 axis, uvec4 here) {
+  float slope = kFar;
+  for (int side = -1; side <= 1; side += 2) {
+    ivec2 there = pixel + side * axis;
+    int index = pixel_index(there);
+    float depth = seen_depth(index);
+    bool same = in_picture(there) && depth > 0.0 && texelFetch(gbuffer_texels, 2 * index + 1).w == here.z;
+    float rise = float(side) * (to_disparity(depth) - disparity(here));
+    if (same && abs(rise) < abs(slope)) slope = rise;
+  }
+  return slope == kFar ? 0.0 : slope;
+}
 
 // What the disparity of a plane may differ by from one pixel to the next before it counts as another plane: that of a
 // curved surface does, and slopes are estimates.

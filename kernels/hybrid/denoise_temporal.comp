@@ -18,32 +18,6 @@ layout(set = 0, binding = kFilterSlopes, std430) writeonly buffer SlopeBlock { v
 const uint kMovingLength = 5u;
 const uint kStillLength = 65535u;
 
-// Larger signals count as not finite, because their squares must fit into floats.
-const float kLargestSignal = 1e18;
-bool usable(float x) { return is_finite(x) && abs(x) <= kLargestSignal; }
-
-uvec4 shape_of(int index) {
-  uvec4 seen_here = texelFetch(gbuffer_texels, 2 * index);
-  float depth = uintBitsToFloat(seen_here.w);
-  if (!(depth > 0.0)) return uvec4(0u);
-  return uvec4(pack_normal(uintBitsToFloat(seen_here.xyz)), floatBitsToUint(to_disparity(depth)),
-               texelFetch(gbuffer_texels, 2 * index + 1).w, 0u);
-}
-
-// Change of disparity over one pixel along `axis`: the smaller one of both sides, because one may be across an edge.
-float slope_along(ivec2 pixel, ivec2 axis, uvec4 here) {
-  float slope = kFar;
-  for (int side = -1; side <= 1; side += 2) {
-    ivec2 there = pixel + side * axis;
-    int index = pixel_index(there);
-    float depth = seen_depth(index);
-    bool same = in_picture(there) && depth > 0.0 && texelFetch(gbuffer_texels, 2 * index + 1).w == here.z;
-    float rise = float(side) * (to_disparity(depth) - disparity(here));
-    if (same && abs(rise) < abs(slope)) slope = rise;
-  }
-  return slope == kFar ? 0.0 : slope;
-}
-
 // The history found for a pixel, as weighted sums; direct light and unoccluded share may have different ones.
 struct Past {
   vec4 color;
@@ -104,7 +78,7 @@ void main() {
   Past past = find_past(pixel, here, slope);
 
   vec4 signal = texelFetch(color_in, index);
-  bvec2 present = bvec2(usable(signal.x) && usable(signal.y) && usable(signal.z), usable(signal.w));
+  bvec2 present = bvec2(usable(signal.xyz), usable(signal.w));
   if (!present.x) signal.xyz = vec3(0.0);
   if (!present.y) signal.w = 0.0;
   vec2 known = max(past.weights, 1e-30);

@@ -1,5 +1,6 @@
 // SVGF: the variance of each pixel's mean over frames. While there are too few frames, its neighbours give the
-// estimate.
+// estimate, and it counts for more than it says: neighbours of a rare bright sample hold none themselves and have next to
+// no variance, so that they would refuse its light, which is theirs as well (Schied et al. 2017: times 4 / frames).
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
@@ -46,6 +47,7 @@ void main() {
   vec2 slope = uintBitsToFloat(texelFetch(slope_texels, index).xy);
   vec2 spatial = spatial_variance(pixel, here, moments, slope, seen(here) && any(young));
   // Of the mean: s^2 / n, where s^2 is unbiased with n - 1 frames.
-  vec2 variance = mix(moments.yw / vec2(max(lengths, 2u) - 1u), spatial / vec2(max(lengths, 1u)), young);
+  vec2 frames_known = vec2(max(lengths, 1u));
+  vec2 variance = mix(moments.yw / vec2(max(lengths, 2u) - 1u), spatial / frames_known * (4.0 / frames_known), young);
   guide_out[index] = uvec4(here.xyz, pack_errors(sqrt(variance), greaterThan(lengths, uvec2(0u))));
 }

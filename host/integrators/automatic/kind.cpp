@@ -9,7 +9,7 @@
 namespace wavepath {
 namespace {
 
-constexpr std::array<std::string_view, 2> kSettings = {"hemisphere", "direct"};
+constexpr std::array<std::string_view, 3> kSettings = {"hemisphere", "direct", "denoise"};
 
 std::vector<RenderSettings> candidates(const RenderSettings& settings, const PackedScene& scene) {
   RenderSettings path = settings;

@@ -3,20 +3,42 @@
 #include <span>
 
 #include "kernels/hybrid/denoise_atrous.spv.h"
+#include "kernels/hybrid/denoise_return.spv.h"
+#include "kernels/hybrid/denoise_split.spv.h"
+#include "kernels/hybrid/denoise_spread.spv.h"
 #include "kernels/hybrid/denoise_temporal.spv.h"
 #include "kernels/hybrid/denoise_variance.spv.h"
+#include "kernels/hybrid/hybrid_types.h"
 
 namespace wavepath {
 namespace {
 
 constexpr std::uint32_t kPushBytes = sizeof(gpu::FilterBand);
 
+// Frames of a still camera after which rare bright samples are split no more: the mean over frames has fewer of them
+// then, and the picture converges to the unfiltered one.
+constexpr std::uint32_t kSplitFrames = 16;
+// Iterations of the 3x3 filter that spreads them: 26 pixels of standard deviation.
+constexpr std::uint32_t kSpreadIterations = 6;
+
 std::uint64_t texels(const Extent& e) { return e.pixels * sizeof(gpu::vec4); }
+std::uint64_t texels_of_light(const Extent& e) { return e.options & gpu::kHybridLights ? texels(e) : 0; }
 
 using enum BindingKind;
 
 // From kPast on in pairs, of this frame and of the one before in turns; the guides take turns within a frame.
-enum FilterBuffer { kReprojection, kSlopes, kFirstOutput, kFiltered, kPast, kMoments = 6, kHistory = 8, kGuide = 10 };
+enum FilterBuffer {
+  kReprojection,
+  kSlopes,
+  kFirstOutput,
+  kFiltered,
+  kPast,
+  kMoments = 6,
+  kHistory = 8,
+  kGuide = 10,
+  kExcess = 12,
+  kSpreading
+};
 // By FilterBuffer. What has no view is bound by bindings(), because its role changes.
 const std::vector<BufferRule> kRules = {
     {"reprojection",
@@ -35,22 +57,31 @@ const std::vector<BufferRule> kRules = {
     {"history 1", texels, {}},
     {"guide 0", texels, {}},
     {"guide 1", texels, {}},
+    {"excess", texels_of_light, {}},
+    {"excess being spread", texels_of_light, {}},
 };
 
 } // namespace
 
 std::uint64_t Denoiser::bytes_per_pixel() {
   std::uint64_t bytes = 0;
-  for (const BufferRule& rule : kRules) bytes += rule.bytes({.pixels = 1}) - rule.bytes({});
+  for (const BufferRule& rule : kRules)
+    bytes += rule.bytes({.pixels = 1, .options = gpu::kHybridLights}) - rule.bytes({});
   return bytes;
 }
 
 Denoiser::Denoiser(Device& device, std::uint32_t width, std::uint32_t height, const Buffer& gbuffer,
                    const Buffer& signals, std::uint32_t wanted)
-    : width_(width), height_(height), bands_(device, width, height), gbuffer_(gbuffer), buffers_(device, kRules) {
-  buffers_.fit({.pixels = std::uint64_t{width} * height});
+    : width_(width),
+      height_(height),
+      splits_((wanted & gpu::kHybridLights) != 0),
+      bands_(device, width, height),
+      gbuffer_(gbuffer),
+      buffers_(device, kRules) {
+  buffers_.fit({.pixels = std::uint64_t{width} * height, .options = wanted});
   const Buffer *first = &buffers_[kFirstOutput], *filtered = &buffers_[kFiltered];
   const Buffer *a = &buffers_[kGuide], *b = &buffers_[kGuide + 1];
+  const Buffer *excess = &buffers_[kExcess], *spreading = &buffers_[kSpreading];
   for (std::uint32_t turn = 0; turn < 2; ++turn) {
     const Buffer *plain = &buffers_[kHistory + turn], *plain_before = &buffers_[kHistory + 1 - turn];
     // In motion the history is the output of the first iteration, as in the paper; each frame counts for little then.
@@ -60,8 +91,13 @@ Denoiser::Denoiser(Device& device, std::uint32_t width, std::uint32_t height, co
                                                  {plain_before, plain, first, a, b},
                                                  {plain_before, first, filtered, b, a},
                                                  {plain_before, filtered, &signals, a, b},
-                                                 {plain_before, &signals, filtered, b, a}}};
-    for (std::size_t i = 0; i < kFlowCount; ++i)
+                                                 {plain_before, &signals, filtered, b, a},
+                                                 {first, &signals, excess, a, b},
+                                                 {first, excess, spreading, b, a},
+                                                 {first, spreading, filtered, b, a},
+                                                 {first, filtered, spreading, b, a},
+                                                 {excess, filtered, &signals, b, a}}};
+    for (std::size_t i = 0; i < (splits_ ? kFlowCount : kSplitFlow); ++i)
       sets_[turn][i] = std::make_unique<BindingSet>(device, bindings(turn, flows[i]), kPushBytes);
   }
   const auto add = [&](const char* name, std::span<const std::uint32_t> spirv) {
@@ -70,6 +106,10 @@ Denoiser::Denoiser(Device& device, std::uint32_t width, std::uint32_t height, co
   add("denoise_temporal", wavepath_denoise_temporal_spv);
   add("denoise_variance", wavepath_denoise_variance_spv);
   add("denoise_atrous", wavepath_denoise_atrous_spv);
+  if (!splits_) return;
+  add("denoise_split", wavepath_denoise_split_spv);
+  add("denoise_spread", wavepath_denoise_spread_spv);
+  add("denoise_return", wavepath_denoise_return_spv);
 }
 
 std::vector<Binding> Denoiser::bindings(std::uint32_t turn, const Flow& flow) const {
@@ -100,6 +140,13 @@ void Denoiser::record(Commands& commands, const gpu::CameraView& now) {
     commands.bind(*sets_[turn_][flow]);
     bands_.run(commands, kernels_[stage], step);
   };
+  still_frames_ = frames.still ? still_frames_ + 1 : 0;
+  if (splits_ && still_frames_ < kSplitFrames) {
+    run(kSplit, kSplitFlow, 0);
+    for (std::uint32_t i = 0; i < kSpreadIterations; ++i)
+      run(kSpread, i == 0 ? kSpreadFirst : i % 2 ? kSpreadForth : kSpreadBack, 1u << i);
+    run(kReturn, kReturnFlow, 0);
+  }
   const FlowName join = frames.still ? kStanding : kMoving;
   run(kTemporal, join, 0);
   run(kVariance, join, 0);
@@ -111,7 +158,7 @@ void Denoiser::record(Commands& commands, const gpu::CameraView& now) {
 void Denoiser::forget() { remembers_ = false; }
 
 std::uint32_t Denoiser::dispatches() const {
-  return static_cast<std::uint32_t>(2 + kIterations.size()) * bands_.count();
+  return static_cast<std::uint32_t>(2 + kIterations.size() + (splits_ ? 2 + kSpreadIterations : 0)) * bands_.count();
 }
 
 } // namespace wavepath

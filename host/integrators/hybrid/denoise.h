@@ -32,13 +32,26 @@ public:
 
   static std::uint64_t bytes_per_pixel(); // of device memory, as is the next
   std::uint64_t bytes() const { return buffers_.bytes(); }
-  std::uint32_t dispatches() const; // that record() records
+  std::uint32_t dispatches() const; // that record() records at most
 
 private:
-  enum Stage { kTemporal, kVariance, kAtrous };
+  enum Stage { kTemporal, kVariance, kAtrous, kSplit, kSpread, kReturn };
   // What each dispatch reads and writes: temporal and variance, after motion or without; the iterations of the a-trous
-  // filter.
-  enum FlowName { kMoving, kStanding, kFirst, kSecond, kBack, kForth, kFlowCount };
+  // filter; rare bright samples, split from the light, spread and added back.
+  enum FlowName {
+    kMoving,
+    kStanding,
+    kFirst,
+    kSecond,
+    kBack,
+    kForth,
+    kSplitFlow,
+    kSpreadFirst,
+    kSpreadForth,
+    kSpreadBack,
+    kReturnFlow,
+    kFlowCount
+  };
   // Five iterations, as in the paper: 125 pixels across.
   static constexpr std::array<FlowName, 5> kIterations = {kFirst, kSecond, kBack, kForth, kBack};
   struct Flow {
@@ -47,6 +60,7 @@ private:
   std::vector<Binding> bindings(std::uint32_t turn, const Flow& flow) const;
 
   std::uint32_t width_, height_;
+  bool splits_; // there is light whose rare bright samples are split
   FilterBands bands_;
   const Buffer& gbuffer_;
   BufferSet buffers_;
@@ -55,6 +69,7 @@ private:
   gpu::CameraView before_{};
   bool remembers_ = false; // there is a frame before
   std::uint32_t turn_ = 0;
+  std::uint32_t still_frames_ = 0; // since the camera moved
 };
 
 } // namespace wavepath

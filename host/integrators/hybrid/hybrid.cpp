@@ -140,7 +140,7 @@ void Hybrid::make_room(const View& view, Past past) {
 
 // Memory and kernels stay, unless size or buffers are others.
 void Hybrid::remake_filters(bool moved, Past past) {
-  const std::uint32_t which = (settings_.denoise ? 1u : 0u) | (settings_.antialias_over_time ? 2u : 0u);
+  const std::uint32_t which = (settings_.denoise != kDenoiseOff ? 1u : 0u) | (settings_.antialias_over_time ? 2u : 0u);
   const glm::uvec4 made_for =
       which ? glm::uvec4(settings_.width, settings_.height, frame_.flags, which) : glm::uvec4(0);
   if (made_for == filters_made_for_ && !moved) {
@@ -153,7 +153,7 @@ void Hybrid::remake_filters(bool moved, Past past) {
   taa_.reset();
   filters_made_for_ = glm::uvec4(0);
   const Buffer& gbuffer = buffers_[kGbuffer];
-  if (settings_.denoise)
+  if (settings_.denoise != kDenoiseOff)
     denoiser_ = std::make_unique<Denoiser>(workspace_.device, settings_.width, settings_.height, gbuffer,
                                            buffers_[kSignals], frame_.flags);
   if (settings_.antialias_over_time)

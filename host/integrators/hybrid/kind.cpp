@@ -40,7 +40,7 @@ void start_path_kernels(KernelCompiler& kernels, const DeviceInfo& device, gpu::
 std::uint64_t bytes_per_pixel(const RenderSettings& settings) {
   constexpr std::uint64_t kIds = 2 * sizeof(std::uint32_t), kDepth = sizeof(float); // drawn, and copied once
   return sizeof(gpu::GbufferPixel) + 2 * sizeof(gpu::vec4) + 2 * kIds + kDepth +
-         (settings.denoise ? Denoiser::bytes_per_pixel() : 0);
+         (settings.denoise != kDenoiseOff ? Denoiser::bytes_per_pixel() : 0);
 }
 
 std::vector<std::string> hybrid_bias(const RenderSettings& settings, const RenderResult& result) {
@@ -52,18 +52,18 @@ std::vector<std::string> hybrid_bias(const RenderSettings& settings, const Rende
         fmt::format("light of more than one bounce, what mirrors and glass show of it included, is an ambient "
                     "term of radiance {:.3g},{:.3g},{:.3g} (--integrator hybrid, --ambient)",
                     result.ambient.r, result.ambient.g, result.ambient.b));
-  if (settings.denoise) bias.emplace_back(kFiltered);
+  if (settings.denoise != kDenoiseOff) bias.emplace_back(kFiltered);
   return bias;
 }
 
 std::vector<std::string> ao_bias(const RenderSettings& settings, const RenderResult&) {
-  return settings.denoise ? std::vector<std::string>{kFiltered} : std::vector<std::string>();
+  return settings.denoise != kDenoiseOff ? std::vector<std::string>{kFiltered} : std::vector<std::string>();
 }
 
 std::vector<OmittedStage> always_omitted(const RenderSettings& settings) {
   std::vector<OmittedStage> omitted = {
       {"path kernels generate and accumulate", "hybrid frames begin with rasterization and end with composite"}};
-  if (!settings.denoise) omitted.push_back({"filters over space and time", "--denoise is off"});
+  if (settings.denoise == kDenoiseOff) omitted.push_back({"filters over space and time", "--denoise is off"});
   return omitted;
 }
 
@@ -84,7 +84,7 @@ Json stats(const RenderSettings& settings, const PackedScene& scene, const Rende
           {"ao_samples", settings.ao_samples},
           {"ao_radius", occlusion_radius(scene, settings)},
           {"ambient", {result.ambient.r, result.ambient.g, result.ambient.b}},
-          {"denoise", settings.denoise}};
+          {"denoise", settings.denoise != kDenoiseOff}};
 }
 
 std::unique_ptr<Integrator> make(Workspace& workspace, KernelCompiler& kernels) {
@@ -107,7 +107,8 @@ constinit const IntegratorKind kHybrid = {
     .largest_record = [](const RenderSettings&) { return std::uint64_t{2 * sizeof(gpu::Ray)}; },
     .slots_per_pixel = [](const RenderSettings& settings) { return settings.shadow_samples; },
     .bytes_per_pixel = bytes_per_pixel,
-    .is_biased = [](const RenderSettings& settings) { return settings.denoise || settings.max_depth > 1; },
+    .is_biased =
+        [](const RenderSettings& settings) { return settings.denoise != kDenoiseOff || settings.max_depth > 1; },
     .bias = hybrid_bias,
     .omitted = hybrid_omitted,
     .stats = stats,
@@ -129,7 +130,7 @@ constinit const IntegratorKind kAo = {
     .largest_record = [](const RenderSettings&) { return std::uint64_t{2 * sizeof(gpu::Ray)}; },
     .slots_per_pixel = [](const RenderSettings&) { return 1u; },
     .bytes_per_pixel = bytes_per_pixel,
-    .is_biased = [](const RenderSettings& settings) { return settings.denoise; },
+    .is_biased = [](const RenderSettings& settings) { return settings.denoise != kDenoiseOff; },
     .bias = ao_bias,
     .omitted = ao_omitted,
     .stats = stats,

@@ -5,6 +5,7 @@
 
 #include "host/integrators/path/guiding.h"
 #include "host/integrators/path/light_rows.h"
+#include "host/render/settings/denoising.h"
 #include "kernels/path/accumulate.spv.h"
 #include "kernels/path/advance.spv.h"
 #include "kernels/path/connect.spv.h"
@@ -98,7 +99,7 @@ gpu::Feature needed_features(const PackedScene& scene, const View& view, const R
   return scene.features | (view.orthographic ? gpu::kFeatureOrthographic : 0) | features_of(settings);
 }
 
-gpu::Feature film_features(const RenderSettings& settings) { return settings.aovs.empty() ? 0 : gpu::kFeatureAovs; }
+gpu::Feature film_features(const RenderSettings& settings) { return records_aovs(settings) ? gpu::kFeatureAovs : 0; }
 
 std::uint64_t bytes_per_path(gpu::Feature features, std::uint32_t options) {
   std::uint64_t bytes = 0;

@@ -11,7 +11,7 @@
 namespace wavepath {
 namespace {
 
-constexpr std::array<std::string_view, 4> kSettings = {"adaptive", "ambient", "branching", "cutoff"};
+constexpr std::array<std::string_view, 5> kSettings = {"adaptive", "ambient", "branching", "cutoff", "denoise"};
 constexpr std::array<std::string_view, 2> kFirstHitStages = {"whitted begin", "whitted trace"};
 
 void start_kernels(KernelCompiler& kernels, const DeviceInfo&, gpu::Feature features, const RenderSettings& settings) {

@@ -8,6 +8,7 @@
 #include "host/render/device/kernel_compiler.h"
 #include "host/render/device/levels.h"
 #include "host/render/device/resources.h"
+#include "host/render/settings/denoising.h"
 #include "host/render/settings/integrator_kind.h"
 #include "host/render/settings/whole_nets.h"
 #include "kernels/features.h"
@@ -57,7 +58,7 @@ gpu::Frame make_frame(const PackedScene& scene, const View& view, const RenderSe
 FilmShape film_shape(const RenderSettings& settings) {
   return {.width = settings.width,
           .height = settings.height,
-          .aovs = !settings.aovs.empty(),
+          .aovs = records_aovs(settings),
           .splats = settings.integrator->splats,
           .whole_nets = has_whole_nets(settings),
           .seed = settings.seed};

@@ -46,6 +46,13 @@ struct MergeReport {
   std::uint64_t bytes = 0;                      // of a map
 };
 
+// The filter of the finished picture (--denoise).
+struct DenoiseReport {
+  const char* filter = "";
+  double seconds = 0.0;
+  double light = 1.0; // of the filtered picture, over that of the one before
+};
+
 struct RenderResult {
   Picture picture;
   std::shared_ptr<const Film> film; // the exact sums that it was developed from
@@ -68,6 +75,7 @@ struct RenderResult {
   glm::vec3 ambient{0.0f}; // radiance that a hybrid render used
   std::optional<GuideReport> guide;
   std::optional<MergeReport> merging;
+  std::optional<DenoiseReport> denoised;
 };
 
 } // namespace wavepath

@@ -118,6 +118,18 @@ Json guide_json(const std::optional<GuideReport>& guide) {
           {"leaves", guide->leaves}, {"bytes", guide->bytes},       {"pilot_paths", guide->pilot_paths}};
 }
 
+Json denoise_json(const Run& run) {
+  const std::optional<DenoiseReport>& report = run.result.denoised;
+  if (!report) return nullptr;
+  Json json = {{"filter", report->filter}, {"seconds", report->seconds}, {"light_ratio", report->light}};
+  if (run.denoised_error && run.denoised_error->metrics.finite())
+    json.update({{"mse", run.denoised_error->metrics.mse},
+                 {"relmse", run.denoised_error->metrics.relmse},
+                 {"mrse", run.denoised_error->metrics.mrse},
+                 {"flip", run.denoised_error->flip}});
+  return json;
+}
+
 // Every row of the table by its name with '_' for '-'; null where it is not set, or not taken by the integrator.
 Json settings_json(const RenderSettings& settings) {
   Json object = Json::object();
@@ -216,6 +228,7 @@ Json stats_document(const Run& run) {
       {"hybrid", settings.integrator->stats(settings, run.packed, result)},
       {"guide", guide_json(result.guide)},
       {"merge", merge_json(result.merging)},
+      {"denoise", denoise_json(run)},
       {"device",
        {{"name", run.device.name}, {"driver", run.device.driver}, {"type", run.device.type}, {"api", run.device.api}}},
       {"size", {settings.width, settings.height}},

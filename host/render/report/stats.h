@@ -25,8 +25,9 @@ struct Run {
   double load_seconds = 0.0, write_seconds = 0.0;
   double total_seconds = 0.0; // from the start of the process
   std::uint64_t peak_bytes = 0;
-  std::string kernel_cache{};           // what PipelineCache::describe() says
-  std::vector<TrueError> true_errors{}; // one a checkpoint, or none
+  std::string kernel_cache{};                // what PipelineCache::describe() says
+  std::vector<TrueError> true_errors{};      // one a checkpoint, or none
+  std::optional<TrueError> denoised_error{}; // of the filtered picture
   std::vector<std::string> diagnosis{};
   std::vector<std::string> bias{};
   const IntegratorChoice* choice = nullptr; // of --integrator auto

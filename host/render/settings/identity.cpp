@@ -50,7 +50,7 @@ std::optional<std::string> first_difference(const std::string& identity, const s
     if (key == "scene") return "the scene is another";
     if (key == "camera") return "the camera is another";
     if (key == "nets") // what else decides that was compared before
-      return fmt::format("its pixels have {} nets of samples, not {} ones (--aov variance halves them)",
+      return fmt::format("its pixels have {} nets of samples, not {} ones (--aov variance and --denoise halve them)",
                          ours.substr(split + 1), theirs.substr(split + 1));
     return fmt::format("{} is {}, not {}", key, ours.substr(split + 1), theirs.substr(split + 1));
   }

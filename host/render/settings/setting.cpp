@@ -108,8 +108,10 @@ std::string text_of(const Setting& setting, const RenderSettings& settings) {
 
 std::string flag_text(const Setting& setting, const RenderSettings& settings) {
   const std::string value = text_of(setting, settings);
-  const bool is_switch = std::holds_alternative<SwitchValue>(setting.value);
-  if (value.empty() || (is_switch && value == "off")) return "";
+  const auto* choice = std::get_if<ChoiceValue>(&setting.value);
+  const bool may_be_bare = choice && !choice->bare.empty();
+  const bool is_switch = std::holds_alternative<SwitchValue>(setting.value) || (may_be_bare && value == choice->bare);
+  if (value.empty() || ((is_switch || may_be_bare) && value == "off")) return "";
   return is_switch ? fmt::format("--{}", setting.name) : fmt::format("--{} {}", setting.name, value);
 }
 

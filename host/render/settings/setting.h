@@ -19,6 +19,7 @@ namespace wavepath {
 struct ChoiceValue { // --NAME ONE-OF-NAMES; the member is the index
   std::uint32_t RenderSettings::*member = nullptr;
   std::span<const std::string_view> names{};
+  std::string_view bare{}; // what --NAME alone stands for; empty = it needs a value
 };
 struct OnOffValue { // --NAME on|off
   bool RenderSettings::*member = nullptr;

@@ -17,6 +17,9 @@ namespace wavepath {
 // Which rays of a smooth interface Whitted's ray tracer follows: reflection and refraction, or one of them at random.
 inline constexpr std::uint32_t kBranchingTree = 0, kBranchingChoice = 1;
 
+// How noise is filtered: by filters of our own, or finished pictures by Intel's Open Image Denoise.
+inline constexpr std::uint32_t kDenoiseOff = 0, kDenoiseOn = 1, kDenoiseOidn = 2;
+
 struct IntegratorKind; // host/render/settings/integrator_kind.h
 const IntegratorKind& default_integrator();
 
@@ -45,7 +48,7 @@ struct RenderSettings {
   std::uint32_t branching = kBranchingTree;
   std::uint32_t techniques = gpu::kTechniquesAll; // kTechnique bits
   double cutoff = 1.0 / 256.0;                    // weight below which rays are not followed; biased unless it is 0
-  bool denoise = false;                           // filter shadows and occlusion over space and time; biased
+  std::uint32_t denoise = kDenoiseOff;            // filter every frame, or the finished picture (denoising.h); biased
   bool antialias_over_time = false;        // joins every picture to those before it, for a camera in motion; biased
   std::uint32_t lights = gpu::kLightsAuto; // how next-event estimation chooses among them
   bool adaptive = false;                   // more samples where a pilot, which is thrown away, found more noise

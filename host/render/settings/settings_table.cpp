@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "host/base/error.h"
+#include "host/render/settings/denoising.h"
 
 namespace wavepath {
 namespace {
@@ -17,6 +18,7 @@ constexpr std::uint32_t kLargestSide = 65536;
 constexpr std::uint32_t kMostSamples = std::numeric_limits<std::int32_t>::max(); // the largest that EXR attributes hold
 constexpr std::uint32_t kDeepest = 4096;
 constexpr double kFarthest = 1e30;
+constexpr std::array<std::string_view, 3> kDenoiseNames = {"off", "on", "oidn"};
 constexpr double kMostRadiance = 1e30; // sums with direct light stay finite
 constexpr unsigned kByAll = kByRender | kByView | kByStudy | kByBench;
 constexpr unsigned kByRenderAndView = kByRender | kByView;
@@ -120,7 +122,7 @@ std::vector<Setting> picture_rows() {
        .group = SettingGroup::picture,
        .decides = Decides::channels,
        .offered = kByRenderAndView,
-       .identity = [](const S& s) { return std::string(s.aovs.empty() ? "no" : "yes"); }},
+       .identity = [](const S& s) { return std::string(records_aovs(s) ? "yes" : "no"); }},
   };
 }
 
@@ -285,11 +287,16 @@ std::vector<Setting> special_rows() {
        .initial = "0.00390625 (1/256)",
        .takers = Takers::listed_else_refused},
       {.name = "denoise",
-       .value = SwitchValue{&S::denoise},
-       .meaning = "filter direct light and occlusion over space and time (SVGF); fast, and biased",
+       .value = ChoiceValue{&S::denoise, kDenoiseNames, "on"},
+       .meaning = "filter noise, which is biased: of hybrid and ao every frame, over space and time; of others the "
+                  "finished picture, which an EXR then holds as channels denoised.R,G,B beside R,G,B. oidn: by Intel's "
+                  "Open Image Denoise, if it is installed",
+       .placeholder = "[oidn]",
        .takers = Takers::listed_else_refused,
        .label = "denoise",
-       .study = {"off", "on"}},
+       .study = {"off", "on"},
+       // Filters of finished pictures change no sum of the film.
+       .identity = [](const S& s) { return std::string(s.integrator->traces_paths ? "" : kDenoiseNames[s.denoise]); }},
   };
   for (Setting& row : rows) {
     row.group = SettingGroup::special;

@@ -2,13 +2,14 @@
 
 #include <algorithm>
 
+#include "host/render/settings/denoising.h"
 #include "host/render/settings/integrator_kind.h"
 
 namespace wavepath {
 
 bool has_whole_nets(const RenderSettings& settings) {
   const IntegratorKind& kind = *settings.integrator;
-  return kind.traces_paths && !kind.splats && !settings.adaptive &&
+  return kind.traces_paths && !kind.splats && !settings.adaptive && !denoises_film(settings) &&
          std::ranges::find(settings.aovs, "variance") == settings.aovs.end() &&
          std::uint64_t{settings.width} * settings.height >= settings.whole_nets_from;
 }

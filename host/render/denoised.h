@@ -1,0 +1,18 @@
+// --denoise of a finished picture: the filtered radiance as channels beside those that were rendered.
+#pragma once
+
+#include "host/film/film.h"
+#include "host/film/picture.h"
+#include "host/render/loop/render_result.h"
+#include "host/render/settings/settings.h"
+
+namespace wavepath {
+
+// Adds the channels of kShownPrefix (picture_io.h) to a picture that was developed from `film`. `how`: kDenoiseOn or
+// kDenoiseOidn. Throws Error where the filter cannot run.
+DenoiseReport add_denoised(Picture& picture, const Film& film, std::uint32_t how);
+
+// The same for the result of a render, if its settings ask for it.
+void denoise_if_asked(RenderResult& result, const RenderSettings& settings);
+
+} // namespace wavepath

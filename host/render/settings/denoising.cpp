@@ -1,0 +1,13 @@
+#include "host/render/settings/denoising.h"
+
+#include "host/render/settings/integrator_kind.h"
+
+namespace wavepath {
+
+bool denoises_film(const RenderSettings& settings) {
+  return settings.denoise != kDenoiseOff && settings.integrator->traces_paths;
+}
+
+bool records_aovs(const RenderSettings& settings) { return !settings.aovs.empty() || denoises_film(settings); }
+
+} // namespace wavepath
