@@ -12,7 +12,7 @@ inline constexpr double kSunRadius = 0.004653; // radians, as seen from the eart
 // The sun is in the map, as a disc of its true size, rather than a light of its own: mirrors show it, shadows have its
 // penumbra, and the light sampling of maps finds it. Below the horizon lies level matte ground of albedo 0.2, as bright
 // as this sky lights it. All scaled so that a white matte floor has radiance 1: in nature that would be some
-// 27,000 cd/m^2.
+// 25,000 cd/m^2.
 Environment sky_environment();
 
 } // namespace wavepath
