@@ -144,7 +144,7 @@ TEST(BuiltinEnvironments, TheSunIsADiscOfItsTrueSizeWithAllItsLight) {
     }
   EXPECT_NEAR(near_sun / kSunRadius / kSunRadius, brightest * kPi * sun.y, 0.03 * brightest * kPi * sun.y);
   EXPECT_NEAR(disc, disc_solid_angle, 0.25 * disc_solid_angle); // in whole texels
-  EXPECT_NEAR(near_sun / (near_sun + elsewhere), 0.65, 0.01); // 51 of 79 klx on level ground
+  EXPECT_NEAR(near_sun / (near_sun + elsewhere), 0.65, 0.01);   // 51 of 79 klx on level ground
 }
 
 TEST(BuiltinEnvironments, AreImportanceSampled) {

@@ -7,7 +7,7 @@
 
 #include <tbb/parallel_for.h>
 
-#include "host/scene/environment.h"
+#include "host/scene/lat_long.h"
 
 namespace wavepath {
 namespace {

@@ -8,7 +8,6 @@
 #include <tbb/parallel_reduce.h>
 #include <glm/gtc/matrix_transform.hpp>
 
-#include "host/scene/interior.h"
 #include "host/scene/usage.h"
 
 namespace wavepath {

@@ -7,16 +7,10 @@
 #include <glm/glm.hpp>
 
 #include "host/scene/bounds.h"
+#include "host/scene/interior.h"
 #include "host/scene/scene.h"
 
 namespace wavepath {
-
-// Where the camera stands in an interior, and what it looks at.
-struct Standpoint {
-  glm::dvec3 eye{0.0}, target{0.0, 0.0, -1.0};
-  std::optional<glm::dvec3> lamp; // of an interior that no light from outside reaches: a place under its ceiling
-  double lamp_height = 0.0;       // of that, over the floor
-};
 
 struct Framing {
   Bounds bounds;
