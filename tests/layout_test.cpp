@@ -120,7 +120,7 @@ TEST(Layout, Lights) {
   compare("Light", sizeof(Light),
           {AT(Light, position), AT(Light, kind), AT(Light, direction), AT(Light, probability), AT(Light, intensity),
            AT(Light, end), AT(Light, pdf_area), AT(Light, triangle), AT(Light, instance), AT(Light, triangle_id),
-           AT(Light, spot_scale), AT(Light, spot_offset), AT(Light, parts)});
+           AT(Light, spot_scale), AT(Light, spot_offset), AT(Light, parts), AT(Light, inverse_range)});
 }
 
 TEST(Layout, LightTree) {
@@ -155,7 +155,11 @@ TEST(Layout, Frame) {
            AT(Frame, scene_features),
            AT(Frame, local_light_count),
            AT(Frame, light_sum_scale),
-           AT(Frame, whole_nets)});
+           AT(Frame, whole_nets),
+           AT(Frame, lens_radius),
+           AT(Frame, focus_distance),
+           AT(Frame, motion_texel),
+           AT(Frame, end_normals)});
   compare("Wave", sizeof(Wave),
           {AT(Wave, first_pixel), AT(Wave, pixel_count), AT(Wave, first_sample), AT(Wave, sample_count),
            AT(Wave, bounce), AT(Wave, first_film_pixel)});

@@ -8,7 +8,8 @@
 namespace wavepath {
 namespace {
 
-constexpr std::array<std::string_view, 2> kSettings = {"hemisphere", "direct"};
+constexpr std::array<std::string_view, 6> kSettings = {"hemisphere", "direct", "aperture",
+                                                       "focus",      "blades", "shutter"};
 
 std::vector<RenderSettings> candidates(const RenderSettings& settings, const PackedScene&) {
   RenderSettings path = settings;
@@ -19,7 +20,7 @@ std::vector<RenderSettings> candidates(const RenderSettings& settings, const Pac
   bidirectional.integrator = &kBidirectional;
   bidirectional.techniques &= ~gpu::kTechniqueMerge; // what is taken without being asked for is not biased
   std::vector<RenderSettings> all = {path, guided};
-  if (settings.aovs.empty()) all.push_back(bidirectional);
+  if (settings.aovs.empty() && !settings.moving) all.push_back(bidirectional);
   return all;
 }
 

@@ -12,7 +12,7 @@
 namespace wavepath {
 namespace {
 
-constexpr std::array<std::string_view, 2> kSettings = {"hemisphere", "techniques"};
+constexpr std::array<std::string_view, 5> kSettings = {"hemisphere", "techniques", "aperture", "focus", "blades"};
 // Light splatted from a light path is not told apart by its bounces.
 constexpr std::array<std::string_view, 2> kLackedAovs = {"direct", "indirect"};
 constexpr std::array<std::string_view, 2> kFirstHitStages = {"generate", "extend"};

@@ -14,7 +14,8 @@
 namespace wavepath {
 namespace {
 
-constexpr std::array<std::string_view, 6> kSettings = {"hemisphere", "direct", "lights", "adaptive", "guide", "pixel"};
+constexpr std::array<std::string_view, 10> kSettings = {"hemisphere", "direct",   "lights", "adaptive", "guide",
+                                                        "pixel",      "aperture", "focus",  "blades",   "shutter"};
 constexpr std::array<std::string_view, 2> kFirstHitStages = {"generate", "extend"};
 
 void start_kernels(KernelCompiler& kernels, const DeviceInfo& device, std::uint32_t features,

@@ -11,7 +11,8 @@
 namespace wavepath {
 namespace {
 
-constexpr std::array<std::string_view, 4> kSettings = {"adaptive", "ambient", "branching", "cutoff"};
+constexpr std::array<std::string_view, 7> kSettings = {"adaptive", "ambient", "branching", "cutoff",
+                                                       "aperture", "focus",   "blades"};
 constexpr std::array<std::string_view, 2> kFirstHitStages = {"whitted begin", "whitted trace"};
 
 void start_kernels(KernelCompiler& kernels, const DeviceInfo&, std::uint32_t features, const RenderSettings& settings) {

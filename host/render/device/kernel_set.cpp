@@ -37,8 +37,19 @@ bool KernelNeed::covers(const KernelNeed& need) const {
 
 std::array<std::uint32_t, gpu::kSpecCount> specialization(const KernelConfig& config, const DeviceInfo& device) {
   const std::uint32_t stack = device.type == "cpu" ? gpu::kStackRegisters : gpu::kStackArray;
-  return {config.features,   config.stack_size, config.sampler, config.direct,
-          config.hemisphere, config.filter,     stack,          config.nets};
+  std::array<std::uint32_t, gpu::kSpecCount> constants{};
+  constants[gpu::kSpecFeatures] = config.features;
+  constants[gpu::kSpecStackSize] = config.stack_size;
+  constants[gpu::kSpecSampler] = config.sampler;
+  constants[gpu::kSpecDirect] = config.direct;
+  constants[gpu::kSpecHemisphere] = config.hemisphere;
+  constants[gpu::kSpecFilter] = config.filter;
+  constants[gpu::kSpecStack] = stack;
+  constants[gpu::kSpecNets] = config.nets;
+  constants[gpu::kSpecLens] = config.lens;
+  constants[gpu::kSpecCull] = config.cull;
+  constants[gpu::kSpecMotion] = config.motion;
+  return constants;
 }
 
 KernelSet::KernelSet(Device& device, const KernelNeed& need)
