@@ -1,12 +1,13 @@
 // Traversal of the 4-wide BVH, one ray a lane: the same algorithm and order as bvh/traverse.h, which describes them.
 // Boxes: the padded slab test of Ize 2013. Triangles: triangle.glsl. Include bindings.glsl with BIND_GEOMETRY first;
-// where alpha is tested, define ALPHA_TEST(hit) as "this point is a hole"; SEES_BACKS for rays that single-sided triangles
-// stop on both sides.
+// where alpha is tested, define ALPHA_TEST(hit) as "this point is a hole"; CAMERA_RAYS as "the rays traced are the camera's",
+// which pass single-sided triangles from behind; SEES_BACKS for rays that never do.
 #ifndef WAVEPATH_BVH_GLSL
 #define WAVEPATH_BVH_GLSL
 
 #include "kernels/config.glsl"
 #include "kernels/math.glsl"
+#include "kernels/motion.glsl"
 #include "kernels/triangle.glsl"
 
 const float kSlabPadding = 1.0 + 1.90734863e-6; // 2^-19, derived in bvh/intersect.h
@@ -15,6 +16,15 @@ const uint kMissedKey = 0xffffffffu;
 
 #ifndef ALPHA_TEST
 #define ALPHA_TEST(hit) false
+#endif
+
+#ifndef CAMERA_RAYS
+#define CAMERA_RAYS false
+#endif
+#ifdef SEES_BACKS
+#define PASSES_BACKS false
+#else
+#define PASSES_BACKS (CULLS_ALL_BACKS || CAMERA_RAYS)
 #endif
 
 // Triangles that ALPHA_TEST is asked of, and the features of which scenes with such triangles have one.
@@ -189,6 +199,7 @@ void visit(TraversalRay ray, float t_best, inout uint current) {
 Hit best; // so far
 uvec2 best_ids; // of its instance and triangle
 float t_best;
+uint passed_sides; // kTriangleSingleSided where the ray passes such triangles from behind, else 0
 TraversalRay local_ray; // in the space of `instance`, or of the world in the top level
 uint current, instance, instance_id;
 bool in_top_level;
@@ -221,9 +232,7 @@ bool is_better(float t, uint id, uint flags, bool front) {
   bool first = instance_id < best_ids.x || (instance_id == best_ids.x && id < best_ids.y);
   better = t < t_best || (t == t_best && first);
 #endif
-#ifndef SEES_BACKS
-  if (has(kFeatureCull)) better = better && (front || (flags & kTriangleSingleSided) == 0u);
-#endif
+  if (CULLS_BACKS) better = better && (front || (flags & passed_sides) == 0u);
   return better;
 }
 
@@ -234,7 +243,7 @@ bool test_triangle(uint item, float t_max) {
   vec4 v1 = texelFetch(triangles, texel + 1);
   vec4 v2 = texelFetch(triangles, texel + 2);
   uint flags = floatBitsToUint(v0.w), id = floatBitsToUint(v1.w);
-  Candidate candidate = intersect_triangle(local_ray, v0.xyz, v1.xyz, v2.xyz);
+  Candidate candidate = intersect_triangle(local_ray, moved(v0.xyz, texel), moved(v1.xyz, texel + 1), moved(v2.xyz, texel + 2));
   bool accepted = candidate.hit && candidate.t < t_max && is_better(candidate.t, id, flags, candidate.front);
   Hit found = Hit(item, instance, candidate.b1, candidate.b2);
   bool needs_alpha = has(TESTED_FEATURES) && accepted && (flags & TESTED_TRIANGLES) != 0u;
@@ -321,6 +330,7 @@ Hit traverse(vec3 origin, vec3 direction, float t_max) {
   bool valid = all(lessThanEqual(abs(origin), vec3(kMaxCoordinate))) &&
                all(lessThanEqual(abs(direction), vec3(kMaxCoordinate))); // false for NaN
   clear_waiting();
+  if (CULLS_BACKS) passed_sides = PASSES_BACKS ? kTriangleSingleSided : 0u;
   best = pending = none;
   best_ids = pending_ids = uvec2(kNone);
   t_best = t_max;

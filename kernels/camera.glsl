@@ -3,6 +3,9 @@
 #define WAVEPATH_CAMERA_GLSL
 
 #include "kernels/config.glsl"
+#include "kernels/dimensions.glsl"
+#include "kernels/math.glsl"
+#include "kernels/sampler.glsl"
 
 bool is_orthographic() { return has(kFeatureOrthographic) && frame.orthographic != 0u; }
 
@@ -18,6 +21,34 @@ void camera_ray(vec2 position, out vec3 origin, out vec3 direction) {
     direction = frame.camera_forward;
   }
   direction = normalize(direction);
+}
+
+// ---- a thin lens ----------------------------------------------------------------------------------------------------
+// Pharr, Jakob, Humphreys, "Physically Based Rendering", section 5.2.3: all rays of one place in the picture meet in one point
+// of the plane of focus, wherever they pass the aperture; a pinhole is its middle.
+
+// A point of the unit disc, or of the regular polygon in it with a corner at the top; uniform over the area.
+vec2 sample_aperture(vec2 u) {
+  if (kLens == kLensDisc) return warp_disk(u);
+  float blade = floor(u.x * float(kLens)), share = u.x * float(kLens) - blade;
+  vec2 first = cos_sin_turns(fract(0.25 + blade / float(kLens))), second = cos_sin_turns(fract(0.25 + (blade + 1.0) / float(kLens)));
+  return sqrt(u.y) * mix(first, second, share);
+}
+
+// From the middle of the lens.
+vec3 sample_lens(vec2 u) {
+  vec2 place = frame.lens_radius * sample_aperture(u);
+  return place.x * normalize(frame.camera_right) + place.y * normalize(frame.camera_up);
+}
+
+// The camera ray through a place in the picture, of a sample that draws its own point on the lens where there is one.
+void camera_ray(vec2 position, Sampler path_sampler, out vec3 origin, out vec3 direction) {
+  camera_ray(position, origin, direction);
+  if (kLens == kLensPinhole) return;
+  vec3 lens = sample_lens(sample_2d(path_sampler, kDimensionLens));
+  float along = dot(direction, frame.camera_forward); // of the ray through the middle
+  direction = normalize(direction * (frame.focus_distance / along) - lens);
+  origin += lens;
 }
 
 #endif

@@ -13,9 +13,15 @@ layout(constant_id = kSpecSampler) const uint kSampler = kSamplerSobol;
 layout(constant_id = kSpecDirect) const uint kDirect = kDirectMis;
 layout(constant_id = kSpecHemisphere) const uint kHemisphere = kHemisphereCosine;
 layout(constant_id = kSpecNets) const uint kNets = kNetsWhole;
+layout(constant_id = kSpecLens) const uint kLens = kLensPinhole;
+layout(constant_id = kSpecCull) const uint kCull = kCullCamera;
+layout(constant_id = kSpecMotion) const uint kMotion = 0u;
 layout(constant_id = kSpecFilter) const uint kFilter = kFilterBlackmanHarris;
 
 const bool kStackInRegisters = kStack == kStackRegisters;
+// Whether there are rays that single-sided surfaces let pass from behind, and whether only those of the camera are.
+#define CULLS_BACKS (has(kFeatureCull) && kCull != kCullNone)
+#define CULLS_ALL_BACKS (has(kFeatureCull) && kCull == kCullAll)
 bool has(uint feature) { return (kFeatures & feature) != 0u; }
 bool has_lobe(uint lobe) { return (kLobes & lobe) != 0u; }
 

@@ -10,6 +10,12 @@ const uint kDimensionDirection = 0u; // of the scattered ray
 const uint kDimensionChoice = 1u;    // x: lobe, y: Russian roulette
 const uint kDimensionLight = 2u;     // which light, and the point on it
 
+// Of the point on the camera's lens, and of that which a light vertex is seen from; beyond those of any bounce, so that a lens
+// changes no other number.
+const uint kDimensionLens = 0x80000000u;
+// x: of the moment at which a path sees the scene.
+const uint kDimensionTime = 0x40000000u;
+
 // Of occlusion rays: hybrid paths end before they could need these for another bounce.
 const uint kDimensionOcclusion = 1u + kDimensionsPerBounce;
 

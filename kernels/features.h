@@ -21,7 +21,7 @@ using Feature = std::uint64_t;
 
 GPU_CONSTANT Feature kFeatureInstances = 1u << 0; // a top-level tree over instances
 GPU_CONSTANT Feature kFeatureAlpha = 1u << 1;     // MASK, BLEND or unlit triangles, tested during traversal
-GPU_CONSTANT Feature kFeatureCull = 1u << 2;      // single-sided triangles are invisible from behind
+GPU_CONSTANT Feature kFeatureCull = 1u << 2;      // single-sided triangles, which rays may pass from behind (kSpecCull)
 GPU_CONSTANT Feature kFeatureTextures = 1u << 3;  // any material texture
 GPU_CONSTANT Feature kFeatureTextureTransform = 1u << 4;
 GPU_CONSTANT Feature kFeatureNormalMaps = 1u << 5;    // and whatever else has tangents
@@ -75,10 +75,13 @@ GPU_CONSTANT uint kSpecSampler = 2u;
 GPU_CONSTANT uint kSpecDirect = 3u;
 GPU_CONSTANT uint kSpecHemisphere = 4u;
 GPU_CONSTANT uint kSpecFilter = 5u;
-GPU_CONSTANT uint kSpecStack = 6u; // where the traversal stack lives; changes no result
-GPU_CONSTANT uint kSpecNets = 7u;  // whether pixels may have whole nets; gpu::Frame says whether they have
-GPU_CONSTANT uint kSpecLobes = 8u;
-GPU_CONSTANT uint kSpecCount = 9u;
+GPU_CONSTANT uint kSpecStack = 6u;   // where the traversal stack lives; changes no result
+GPU_CONSTANT uint kSpecNets = 7u;    // whether pixels may have whole nets; gpu::Frame says whether they have
+GPU_CONSTANT uint kSpecLobes = 8u;   // kLobe bits
+GPU_CONSTANT uint kSpecLens = 9u;    // shape of the camera's aperture: kLensPinhole, kLensDisc, or a number of blades
+GPU_CONSTANT uint kSpecCull = 10u;   // which rays single-sided surfaces let pass from behind (kFeatureCull)
+GPU_CONSTANT uint kSpecMotion = 11u; // 1: corners of triangles move while the shutter is open (gpu::Frame)
+GPU_CONSTANT uint kSpecCount = 12u;
 
 GPU_CONSTANT uint kSamplerIndependent = 0u, kSamplerStratified = 1u, kSamplerSobol = 2u;
 GPU_CONSTANT uint kDirectMis = 0u, kDirectNee = 1u, kDirectBsdf = 2u;
@@ -86,6 +89,8 @@ GPU_CONSTANT uint kHemisphereCosine = 0u, kHemisphereUniform = 1u;
 GPU_CONSTANT uint kLightsAuto = 0u, kLightsPower = 1u, kLightsTree = 2u, kLightsLearned = 3u;
 GPU_CONSTANT uint kNetsHalved = 0u, kNetsWhole = 1u; // see kernels/net_layout.h
 GPU_CONSTANT uint kStackArray = 0u, kStackRegisters = 1u;
+GPU_CONSTANT uint kLensPinhole = 0u, kLensDisc = 1u; // from 3 on: a regular polygon of so many corners
+GPU_CONSTANT uint kCullCamera = 0u, kCullAll = 1u, kCullNone = 2u;
 GPU_CONSTANT uint kFilterBox = 0u, kFilterGaussian = 1u, kFilterBlackmanHarris = 2u;
 
 #ifdef __cplusplus

@@ -15,7 +15,8 @@ GPU_CONSTANT uint kBindCounters = 15u; // storage Counters
 // ---- one render -----------------------------------------------------------------------------------------------------
 // Constants of a render. Camera rays: origin = camera_position (+ x*camera_right + y*camera_up, orthographic),
 // direction = camera_forward (+ x*camera_right + y*camera_up, perspective), with x, y in [-1,1], y upwards; right and
-// up carry the image's half extent.
+// up carry the image's half extent. A lens moves the origin over its aperture and turns the ray about its point in the
+// plane of focus (camera.glsl).
 struct Frame {
   vec3 camera_position;
   uint width;
@@ -42,8 +43,12 @@ struct Frame {
   uint whole_nets;        // 1: pixels have whole nets (net_layout.h)
   uint scene_lobes;       // kLobe bits, likewise
   uint first_layers;      // texel of the first MaterialLayers
+  float lens_radius;      // metres, of the circle that holds the aperture (kSpecLens)
+  float focus_distance;   // along the view axis, to the plane that is sharp
+  uint motion_texel;      // of the triangles: where the displacements of their corners begin (kSpecMotion)
+  uint end_normals;       // vertices from one's normal to that when the shutter closes
 };
-GPU_CHECK(sizeof(Frame) == 144);
+GPU_CHECK(sizeof(Frame) == 160);
 
 // Halved nets: sample s belongs to replicate s % kReplicates. Whole nets: all samples of a pixel belong to replicate 0,
 // and measured pixels have as many of replicate 1 (net_layout.h). Replicates are scrambled independently, so that their

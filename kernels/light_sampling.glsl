@@ -46,6 +46,12 @@ uint part_at(uint level, vec2 weights) {
 
 // ---- punctual lights --------------------------------------------------------------------------------------------
 
+// What KHR_lights_punctual has for lights with a `range`, at the square of a distance: 1 near the light, 0 from the range on.
+float range_window(float inverse_range, float distance_squared) {
+  float share = distance_squared * (inverse_range * inverse_range);
+  return clamp(1.0 - share * share, 0.0, 1.0);
+}
+
 // Irradiance that a point, spot or directional light gives a surface at p which faces it. to_light: to the light itself
 // for points and spots (not normalized), a unit vector for directional ones.
 vec3 punctual_irradiance(Light light, vec3 p, out vec3 to_light) {
@@ -59,7 +65,7 @@ vec3 punctual_irradiance(Light light, vec3 p, out vec3 to_light) {
     falloff = clamp(c * light.spot_scale + light.spot_offset, 0.0, 1.0);
     falloff *= falloff;
   }
-  return light.intensity * (falloff / d2);
+  return light.intensity * (falloff * range_window(light.inverse_range, d2) / d2);
 }
 
 // ---- environment ------------------------------------------------------------------------------------------------

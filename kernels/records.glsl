@@ -75,7 +75,7 @@ Light fetch_light(uint index) {
   light.spot_scale = uintBitsToFloat(spot_part.x);
   light.spot_offset = uintBitsToFloat(spot_part.y);
   light.parts = spot_part.z;
-  light.pad0 = 0.0;
+  light.inverse_range = uintBitsToFloat(spot_part.w);
   return light;
 }
 #endif

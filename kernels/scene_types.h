@@ -194,7 +194,7 @@ struct Light {
   float spot_scale; // cosine falloff: clamp(cos*scale + offset, 0, 1)^2, as KHR_lights_punctual gives it
   float spot_offset;
   uint parts; // kLightTriangle, where its emission varies: log2(n) << kPartLevelShift | the first of its n * n parts
-  float pad0;
+  float inverse_range; // 1/metre: where a point or spot light has faded to nothing; 0 = nowhere
 };
 GPU_CONSTANT uint kLightTexels = 5u;
 

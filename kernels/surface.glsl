@@ -6,6 +6,7 @@
 #include "kernels/config.glsl"
 #include "kernels/dimensions.glsl"
 #include "kernels/math.glsl"
+#include "kernels/motion.glsl"
 #include "kernels/sampler.glsl"
 #include "kernels/texture.glsl"
 
@@ -73,9 +74,24 @@ void to_world(uint instance, inout Surface surface) {
   surface.tangent.w = flipped ? -surface.tangent.w : surface.tangent.w;
 }
 
+// Normal and tangent of a vertex at the moment of the path; the tangent only where there are normal maps.
+void fetch_normal(uint vertex, out vec3 normal, out vec4 tangent) {
+  vec4 texel = texelFetch(vertex_normals, int(vertex));
+  normal = texel.xyz;
+  tangent = uses(kFeatureNormalMaps) ? unpack_tangent(texel.w) : vec4(0.0);
+  if (kMoves) {
+    texel = texelFetch(vertex_normals, int(vertex + frame.end_normals));
+    normal = mix(normal, texel.xyz, shutter_time);
+    if (uses(kFeatureNormalMaps)) tangent.xyz = mix(tangent.xyz, unpack_tangent(texel.w).xyz, shutter_time);
+  }
+}
+
 Surface fetch_surface(Hit hit) {
   int texel = int(hit.triangle * kTriangleTexels);
   vec4 v0 = texelFetch(triangles, texel), v1 = texelFetch(triangles, texel + 1), v2 = texelFetch(triangles, texel + 2);
+  v0.xyz = moved(v0.xyz, texel);
+  v1.xyz = moved(v1.xyz, texel + 1);
+  v2.xyz = moved(v2.xyz, texel + 2);
   vec3 weights = vec3(1.0 - hit.b1 - hit.b2, hit.b1, hit.b2);
   Surface surface;
   surface.position = weights.x * v0.xyz + weights.y * v1.xyz + weights.z * v2.xyz;
@@ -91,16 +107,16 @@ Surface fetch_surface(Hit hit) {
 
   if (uses(kFeatureSmoothNormals | kFeatureNormalMaps)) {
     uvec3 vertex = texelFetch(triangle_vertices, int(hit.triangle)).xyz;
-    vec4 n0 = texelFetch(vertex_normals, int(vertex.x));
-    vec4 n1 = texelFetch(vertex_normals, int(vertex.y));
-    vec4 n2 = texelFetch(vertex_normals, int(vertex.z));
+    vec3 n0, n1, n2;
+    vec4 t0, t1, t2;
+    fetch_normal(vertex.x, n0, t0);
+    fetch_normal(vertex.y, n1, t1);
+    fetch_normal(vertex.z, n2, t2);
     if ((floatBitsToUint(v0.w) & kTriangleSmooth) != 0u)
       surface.vertex_normal =
-          safe_normalize(weights.x * n0.xyz + weights.y * n1.xyz + weights.z * n2.xyz, surface.geometric_normal);
+          safe_normalize(weights.x * n0 + weights.y * n1 + weights.z * n2, surface.geometric_normal);
     if (uses(kFeatureNormalMaps)) {
-      vec4 t0 = unpack_tangent(n0.w);
-      surface.tangent = vec4(weights.x * t0.xyz + weights.y * unpack_tangent(n1.w).xyz + weights.z * unpack_tangent(n2.w).xyz,
-                             t0.w);
+      surface.tangent = vec4(weights.x * t0.xyz + weights.y * t1.xyz + weights.z * t2.xyz, t0.w);
     }
   }
   if (uses(kFeatureTextures)) surface.uv = surface_uv(hit.triangle, weights);

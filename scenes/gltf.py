@@ -225,11 +225,14 @@ class Gltf:
         return self.node(name="camera", camera=self.append("cameras", tidy(camera)),
                          matrix=[*x, 0.0, *y, 0.0, *z, 0.0, *eye, 1.0])
 
-    def light(self, kind, intensity, color=(1.0, 1.0, 1.0), position=(0.0, 0.0, 0.0), direction=None, spot=None):
-        """Candela (point, spot) or lux (directional); `direction` in which it shines; `spot`: half angles."""
+    def light(self, kind, intensity, color=(1.0, 1.0, 1.0), position=(0.0, 0.0, 0.0), direction=None, spot=None,
+              range=None):
+        """Candela (point, spot) or lux (directional); `direction` in which it shines; `spot`: half angles; `range`: where it ends."""
         light = {"type": kind, "intensity": intensity, "color": list(color)}
         if spot:
             light["spot"] = {"innerConeAngle": spot[0], "outerConeAngle": spot[1]}
+        if range:
+            light["range"] = range
         lights = self.doc.setdefault("extensions", {}).setdefault("KHR_lights_punctual", {"lights": []})["lights"]
         lights.append(tidy(light))
         properties = {"name": kind, "translation": list(position)}

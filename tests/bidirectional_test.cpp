@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <memory>
 #include <numbers>
 #include <string>
@@ -227,15 +228,18 @@ protected:
       EXPECT_LT(error, noise * b.mean[i]) << "part " << i << ": too much noise to tell";
     }
   }
-  // Each set of techniques gives what path tracing gives.
+  // Each set of techniques gives what path tracing gives. `adjust`: other settings, of both.
   void expect_path_light(Scene scene, std::uint32_t depth, const std::vector<std::uint32_t>& sets,
-                         std::uint32_t spp = 32) {
-    const RenderSettings path = path_settings(4 * spp, depth);
+                         std::uint32_t spp = 32, const std::function<void(RenderSettings&)>& adjust = {}) {
+    RenderSettings path = path_settings(4 * spp, depth);
+    if (adjust) adjust(path);
     const Subject subject(std::move(scene), path);
     const Average expected = average(subject, path);
     for (const std::uint32_t techniques : sets) {
       SCOPED_TRACE(techniques);
-      expect_same_mean(average(subject, settings(spp, depth, techniques)), expected);
+      RenderSettings asked = settings(spp, depth, techniques);
+      if (adjust) adjust(asked);
+      expect_same_mean(average(subject, asked), expected);
     }
   }
 };
@@ -283,18 +287,47 @@ TEST_F(BidirectionalTest, AnOrthographicCameraSeesTheSameLight) {
   expect_path_light(std::move(scene), 3, {gpu::kTechniquesAll, kHit | kSplat, kHit | kConnect | kLight});
 }
 
-// Single-sided surfaces let camera rays pass from behind; light passes them the other way.
-TEST_F(BidirectionalTest, LightPassesWhatTheCameraSeesThrough) {
+// Out of focus, so that every point is seen by way of all of the lens.
+TEST_F(BidirectionalTest, ALensSeesTheSameLight) {
+  for (const bool orthographic : {false, true})
+    for (const std::uint32_t blades : {0u, 5u}) {
+      SCOPED_TRACE(testing::Message() << (orthographic ? "orthographic, " : "perspective, ") << blades << " blades");
+      Scene scene = corner(orthographic);
+      add_shining_quad(scene, 2.5f);
+      add_lamp(scene, LightKind::point);
+      expect_path_light(std::move(scene), 3, {gpu::kTechniquesAll, kSplat | kHit, kHit | kConnect | kLight}, 64,
+                        [&](RenderSettings& asked) { asked.aperture = 0.6, asked.focus = 2.0, asked.blades = blades; });
+    }
+}
+
+TEST_F(BidirectionalTest, LightFadesWithinItsRange) {
+  for (const LightKind kind : {LightKind::point, LightKind::spot}) {
+    Scene scene = corner();
+    add_lamp(scene, kind);
+    scene.lights[0].range = 4.5;
+    expect_path_light(std::move(scene), 3, {gpu::kTechniquesAll, kSplat, kLight | kConnect});
+  }
+}
+
+// Single-sided surfaces let rays of the camera pass from behind, or all rays of paths, which light then passes the
+// other way.
+class BidirectionalSides : public BidirectionalTest, public testing::WithParamInterface<std::uint32_t> {};
+INSTANTIATE_TEST_SUITE_P(Cull, BidirectionalSides, testing::Values(gpu::kCullCamera, gpu::kCullAll, gpu::kCullNone));
+
+TEST_P(BidirectionalSides, HideTheSameLightFromBothEnds) {
   Scene scene = corner();
   add_lamp(scene, LightKind::point);
   Material sheet = plain_material();
   sheet.double_sided = false;
   scene.materials.push_back(sheet);
   const auto material = static_cast<std::uint32_t>(scene.materials.size() - 1);
-  // Its front faces the lamp: seen from below it is not there.
+  // One faces the lamp, the other one the floor: the first lets the camera see through from below, the second from
+  // above.
   add_instance(scene,
-               add_mesh(scene, quad({-1, 0.6f, 1}, {1, 0.6f, 1}, {1, 0.6f, -0.5f}, {-1, 0.6f, -0.5f}), material));
-  expect_path_light(std::move(scene), 3, {gpu::kTechniquesAll, kSplat, kLight | kConnect}, 64);
+               add_mesh(scene, quad({-1, 0.6f, 1}, {0, 0.6f, 1}, {0, 0.6f, -0.5f}, {-1, 0.6f, -0.5f}), material));
+  add_instance(scene, add_mesh(scene, quad({1, 0.1f, 1}, {0, 0.1f, 1}, {0, 0.1f, -0.5f}, {1, 0.1f, -0.5f}), material));
+  expect_path_light(std::move(scene), 3, {gpu::kTechniquesAll, kSplat, kLight | kConnect}, 64,
+                    [](RenderSettings& asked) { asked.cull = GetParam(); });
 }
 
 // Unlit surfaces are there for the eye and for mirrors: light passes them, but what a mirror shows them hide.

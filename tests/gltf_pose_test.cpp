@@ -75,6 +75,63 @@ glm::dvec3 moved(const GltfBuilder& builder, double seconds, const glm::dvec4& p
   return load(builder, {"", "move", seconds}).instances.at(0).world_from_object * point;
 }
 
+// Motion while the shutter is open: the same vertices at both moments, in the space of the mesh.
+TEST(GltfPose, ShutterMovesNodes) {
+  GltfBuilder b = animated("translation", "LINEAR");
+  b.floats("VEC3", {2, 0, 0, 6, 0, 8});
+  b.root["nodes"][0]["scale"] = {2, 2, 2};
+  b.add("nodes", {{"mesh", 0}}); // the same mesh, which stands still
+  LoadOptions options{"", "move", 0.0};
+  options.shutter = {1.5, 2.0};
+  const Scene scene = load(b, options);
+  ASSERT_EQ(scene.instances.size(), 2u);
+  EXPECT_NE(scene.instances[0].mesh, scene.instances[1].mesh) << "what stands still shares no mesh with what moves";
+  EXPECT_FALSE(scene.meshes[scene.instances[1].mesh].moves());
+  const Mesh& mesh = scene.meshes[scene.instances[0].mesh];
+  ASSERT_TRUE(mesh.moves());
+  expect_near(glm::dvec3(scene.instances[0].world_from_object * glm::dvec4(mesh.positions[0], 1.0)), {3, 0, 2}, 1e-6);
+  expect_near(glm::dvec3(scene.instances[0].world_from_object * glm::dvec4(mesh.end_positions[0], 1.0)), {4, 0, 4},
+              1e-6);
+  options.shutter = {5.0, 6.0}; // after the last key
+  EXPECT_FALSE(load(b, options).meshes[0].moves());
+}
+
+TEST(GltfPose, ShutterTurnsNormals) {
+  GltfBuilder b = animated("rotation", "LINEAR");
+  const float h = std::sqrt(0.5f);
+  b.floats("VEC4", {0, 0, 0, 1, 0, h, 0, h}); // a quarter turn about +Y
+  b.primitive()["attributes"]["NORMAL"] = b.floats("VEC3", {0, 0, 1, 0, 0, 1, 0, 0, 1});
+  LoadOptions options{"", "move", 0.0};
+  options.shutter = {1.0, 3.0};
+  const Mesh mesh = load(b, options).meshes[0];
+  ASSERT_EQ(mesh.end_normals.size(), 3u);
+  expect_near(mesh.end_normals[0], {1, 0, 0}, 1e-6);
+  expect_near(mesh.end_positions[1], {0, 0, -1}, 1e-6);
+}
+
+TEST(GltfPose, ShutterMovesSkinsAndMorphTargets) {
+  GltfBuilder skin = skinned();
+  skin.add(
+      "animations",
+      {{"name", "move"},
+       {"samplers", {{{"input", skin.floats("SCALAR", {0, 1})}, {"output", skin.floats("VEC3", {0, 0, 5, 0, 3, 5})}}}},
+       {"channels", {{{"sampler", 0}, {"target", {{"node", 1}, {"path", "translation"}}}}}}});
+  LoadOptions options{"", "move", 0.0};
+  options.shutter = {0.0, 1.0};
+  const Mesh mesh = load(skin, options).meshes[0];
+  ASSERT_TRUE(mesh.moves());
+  for (int i = 0; i < 3; ++i) expect_near(mesh.end_positions[i] - mesh.positions[i], {0, 3, 0}, 1e-5);
+
+  GltfBuilder morph = animated("weights", "LINEAR");
+  morph.floats("SCALAR", {0, 1});
+  morph.primitive()["targets"] = {{{"POSITION", morph.floats("VEC3", {0, 0, 2, 0, 0, 0, 0, 0, 0})}}};
+  options.shutter = {1.0, 2.0};
+  const Mesh shaped = load(morph, options).meshes[0];
+  ASSERT_TRUE(shaped.moves());
+  expect_near(shaped.end_positions[0], {0, 0, 1}, 1e-6);
+  expect_near(shaped.end_positions[1], {1, 0, 0}, 1e-6);
+}
+
 TEST(GltfPose, LinearAndStepAnimation) {
   GltfBuilder linear = animated("translation", "LINEAR");
   linear.floats("VEC3", {2, 0, 0, 6, 0, 8});

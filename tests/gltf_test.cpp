@@ -171,6 +171,14 @@ TEST(Gltf, ColorsOfFloatsAndShortsWithAlpha) {
   EXPECT_EQ(scene.meshes[1].colors[0], glm::vec4(1, 0, 0.2f, 1));
 }
 
+TEST(Gltf, ColorsAreClamped) {
+  GltfBuilder b = GltfBuilder::triangle();
+  b.primitive()["attributes"]["COLOR_0"] = b.floats("VEC4", {2, -1, 0.5, 3, 0, 0, 0, 0, 1, 1, 1, -0.25});
+  const Scene scene = load(b);
+  EXPECT_EQ(scene.meshes[0].colors[0], glm::vec4(1, 0, 0.5, 1));
+  EXPECT_EQ(scene.meshes[0].colors[2], glm::vec4(1, 1, 1, 0));
+}
+
 TEST(Gltf, NormalsWithoutLengthAreRepaired) {
   GltfBuilder b = GltfBuilder::triangle();
   b.primitive()["attributes"]["NORMAL"] = b.floats("VEC3", {0, 0, 0, NAN, 0, 1, 3, 0, 4});
@@ -279,8 +287,8 @@ TEST(Gltf, PunctualLights) {
   const double h = std::sqrt(0.5);
   b.root["extensions"]["KHR_lights_punctual"]["lights"] = {
       {{"type", "point"}, {"color", {1, 0.5, 0}}, {"intensity", 10}},
-      {{"type", "spot"}, {"spot", {{"innerConeAngle", 0.2}, {"outerConeAngle", 0.4}}}},
-      {{"type", "directional"}, {"intensity", 3}, {"name", "sun"}}};
+      {{"type", "spot"}, {"range", 7}, {"spot", {{"innerConeAngle", 0.2}, {"outerConeAngle", 0.4}}}},
+      {{"type", "directional"}, {"intensity", 3}, {"range", 7}, {"name", "sun"}}};
   for (int i = 0; i < 3; ++i)
     b.add("nodes", {{"extensions", {{"KHR_lights_punctual", {{"light", i}}}}}, {"translation", {0, i, 0}}});
   b.root["nodes"][2]["rotation"] = {-h, 0, 0, h}; // from -z down to -y
@@ -292,6 +300,9 @@ TEST(Gltf, PunctualLights) {
   EXPECT_EQ(scene.lights[1].kind, LightKind::spot);
   EXPECT_EQ(scene.lights[1].inner_cone, 0.2);
   EXPECT_EQ(scene.lights[1].outer_cone, 0.4);
+  EXPECT_EQ(scene.lights[0].range, 0.0);
+  EXPECT_EQ(scene.lights[1].range, 7.0);
+  EXPECT_EQ(scene.lights[2].range, 0.0) << "suns have none";
   expect_near(scene.lights[1].position, {0, 1, 0});
   EXPECT_EQ(scene.lights[2].kind, LightKind::directional);
   EXPECT_EQ(scene.lights[2].name, "sun");

@@ -42,9 +42,10 @@ TEST(KernelConfig, CoversWhatNeedsNoMore) {
   elsewhere.program = &another;
   EXPECT_FALSE(generic.covers(elsewhere));
   for (std::uint32_t KernelConfig::*setting :
-       {&KernelConfig::sampler, &KernelConfig::direct, &KernelConfig::hemisphere, &KernelConfig::filter}) {
+       {&KernelConfig::sampler, &KernelConfig::direct, &KernelConfig::hemisphere, &KernelConfig::filter,
+        &KernelConfig::lens, &KernelConfig::cull, &KernelConfig::motion}) {
     KernelNeed other = generic;
-    other.config.*setting = 0;
+    other.config.*setting += 1;
     EXPECT_FALSE(generic.covers(other));
   }
 }

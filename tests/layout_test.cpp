@@ -128,7 +128,7 @@ TEST(Layout, Lights) {
   compare("Light", sizeof(Light),
           {AT(Light, position), AT(Light, kind), AT(Light, direction), AT(Light, probability), AT(Light, intensity),
            AT(Light, end), AT(Light, pdf_area), AT(Light, triangle), AT(Light, instance), AT(Light, triangle_id),
-           AT(Light, spot_scale), AT(Light, spot_offset), AT(Light, parts)});
+           AT(Light, spot_scale), AT(Light, spot_offset), AT(Light, parts), AT(Light, inverse_range)});
 }
 
 TEST(Layout, LightTree) {
@@ -165,7 +165,11 @@ TEST(Layout, Frame) {
            AT(Frame, light_sum_scale),
            AT(Frame, whole_nets),
            AT(Frame, scene_lobes),
-           AT(Frame, first_layers)});
+           AT(Frame, first_layers),
+           AT(Frame, lens_radius),
+           AT(Frame, focus_distance),
+           AT(Frame, motion_texel),
+           AT(Frame, end_normals)});
   compare("Wave", sizeof(Wave),
           {AT(Wave, first_pixel), AT(Wave, pixel_count), AT(Wave, first_sample), AT(Wave, sample_count),
            AT(Wave, bounce), AT(Wave, first_film_pixel)});

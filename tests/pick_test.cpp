@@ -1,9 +1,10 @@
 // The point under the pointer: in a scene of one object, in one of instances, and where there is nothing.
-#include "host/view/pick.h"
+#include "host/scene/pack/pick.h"
 
 #include <gtest/gtest.h>
 #include <glm/gtc/matrix_transform.hpp>
 
+#include "host/scene/pack/pack.h"
 #include "kernels/features.h"
 #include "tests/scene_builder.h"
 
@@ -44,6 +45,28 @@ TEST(Pick, FindsTheNearestInstance) {
         glm::translate(glm::dmat4(1.0), glm::dvec3(-1.0, -1.0, z)) * glm::scale(glm::dmat4(1.0), glm::dvec3(4.0));
   }
   expect_picked(scene, front_view(), {50, 50}, {0.25, 0.25, 2.0});
+}
+
+// A single-sided triangle in front of another one, its back to the eye.
+TEST(Pick, SeesThroughBacks) {
+  Scene scene = triangle_scene();
+  scene.materials.push_back(plain_material());
+  scene.materials[1].double_sided = false;
+  add_instance(scene, add_mesh(scene, {{0, 0, 1}, {0, 1, 1}, {1, 0, 1}}, 1));
+  expect_picked(scene, front_view(), {50, 50}, {0.25, 0.25, 0.0});
+  const PackedScene packed = pack(scene);
+  EXPECT_NEAR(depth_of_middle(packed, front_view()), 5.0, 1e-5);
+  EXPECT_NEAR(depth_of_middle(packed, front_view(), false), 4.0, 1e-5);
+}
+
+TEST(Pick, MiddleOfTheSceneWhereThePictureShowsNothing) {
+  Scene scene = triangle_scene();
+  View view = front_view();
+  view.position = {3.0, 3.0, 5.0};
+  const PackedScene packed = pack(scene);
+  EXPECT_NEAR(depth_of_middle(packed, view), 5.0, 1e-5);
+  view.position.z = -5.0; // behind the camera: some distance all the same
+  EXPECT_GT(depth_of_middle(packed, view), 0.0);
 }
 
 TEST(Pick, FindsNothingWhereNothingIs) {

@@ -26,10 +26,10 @@ namespace {
 // well, in a row of the table or among the exemptions.
 std::map<std::string, std::string> members(const RenderSettings& settings) {
   const auto& [integrator, width, height, first_sample, last_sample, sample_total, time_limit, target_error, max_depth,
-               sampler, hemisphere, direct, filter, seed, shadow_samples, ao_samples, ao_radius, ambient, branching,
-               techniques, cutoff, denoise, antialias_over_time, lights, adaptive, guide, specialize, aovs,
-               guide_iterations, added_features, removed_features, room_for_shadow_rays, room_for_whole_nets,
-               whole_nets_from, wave_slots] = settings;
+               sampler, hemisphere, direct, filter, seed, cull, aperture, focus, blades, shadow_samples, ao_samples,
+               ao_radius, ambient, branching, techniques, cutoff, denoise, antialias_over_time, lights, adaptive, guide,
+               moving, specialize, aovs, guide_iterations, added_features, removed_features, room_for_shadow_rays,
+               room_for_whole_nets, whole_nets_from, wave_slots] = settings;
   const auto text = [](const auto& value) { return fmt::format("{}", value); };
   return {{"integrator", std::string(integrator->name)},
           {"width", text(width)},
@@ -45,6 +45,10 @@ std::map<std::string, std::string> members(const RenderSettings& settings) {
           {"direct", text(direct)},
           {"filter", text(filter)},
           {"seed", text(seed)},
+          {"cull", text(cull)},
+          {"aperture", text(aperture)},
+          {"focus", focus ? text(*focus) : "none"},
+          {"blades", text(blades)},
           {"shadow_samples", text(shadow_samples)},
           {"ao_samples", text(ao_samples)},
           {"ao_radius", ao_radius ? text(*ao_radius) : "none"},
@@ -57,6 +61,7 @@ std::map<std::string, std::string> members(const RenderSettings& settings) {
           {"lights", text(lights)},
           {"adaptive", text(adaptive)},
           {"guide", text(guide)},
+          {"moving", text(moving)},
           {"specialize", text(specialize)},
           {"aovs", fmt::format("{}", fmt::join(aovs, ","))},
           {"guide_iterations", text(guide_iterations)},
@@ -71,6 +76,7 @@ std::map<std::string, std::string> members(const RenderSettings& settings) {
 // Members that no row sets, and why.
 const std::map<std::string, std::string> kExempt = {
     {"antialias_over_time", "the window sets it while the camera moves; such pictures are never kept"},
+    {"moving", "follows from the scene, whose hash says what moves"},
     {"guide_iterations", "for trials of integrators, whose pictures are thrown away"},
     {"added_features", "for measurements of kernels; the picture is the same"},
     {"removed_features", "for measurements of kernels"},
@@ -99,6 +105,7 @@ std::string other_value(const Setting& row, const RenderSettings& settings) {
   if (row.name == "size") return differing({"33x17", "640x480"});
   if (row.name == "samples") return differing({"3:5", "4:6"});
   if (row.name == "aov") return differing({"albedo,depth", "normal"});
+  if (row.name == "blades") return differing({"5", "6"});
   if (row.name == "techniques") return differing({"hit", "light,splat"});
   return differing({"0.1", "0.2"}); // numbers
 }
@@ -221,12 +228,13 @@ TEST(Settings, NumbersAreExact) {
 }
 
 TEST(Settings, ARowIsNamedOnceAndListedByWhoTakesIt) {
+  const std::set<std::string_view> kOthers = {"pixel", "shutter"}; // flags of the replay and of the scene
   std::set<std::string_view> names, listed;
   for (const Setting& row : settings_table()) EXPECT_TRUE(names.insert(row.name).second) << row.name;
   for (const IntegratorKind* kind : integrators())
     for (const std::string_view name : kind->settings) {
       listed.insert(name);
-      EXPECT_TRUE(names.contains(name) || name == "pixel") << kind->name << " lists " << name; // pixel: of the replay
+      EXPECT_TRUE(names.contains(name) || kOthers.contains(name)) << kind->name << " lists " << name;
     }
   for (const Setting& row : settings_table()) {
     EXPECT_EQ(row.takers != Takers::all, listed.contains(row.name)) << row.name;
@@ -243,7 +251,7 @@ TEST(Settings, AxesAndWidgetsFit) {
       EXPECT_EQ(text_of(row, settings), value) << row.name;
     }
     EXPECT_TRUE(!row.label || !choices_of(row).empty() || std::holds_alternative<WholeValue>(row.value) ||
-                std::holds_alternative<SwitchValue>(row.value))
+                std::holds_alternative<NumberValue>(row.value) || std::holds_alternative<SwitchValue>(row.value))
         << row.name;
   }
 }
@@ -261,6 +269,11 @@ TEST(Settings, WhatWouldChangeThePictureIsRefusedWhereItIsNotTaken) {
   expect_refused("--branching choice",
                  "--branching: is not taken by --integrator path; use --integrator whitted, or leave it out");
   expect_refused("--ambient 1,1,1", "--ambient: is not taken by --integrator path; use --integrator hybrid");
+  expect_refused(
+      "--integrator hybrid --aperture 0.1",
+      "--aperture: is not taken by --integrator hybrid; use --integrator path, auto, bidirectional or whitted");
+  expect_refused("--blades 2", "is no polygon");
+  expect_refused("--focus -1", "is not a number above zero");
   expect_refused("--ao-radius 2", "--ao-radius: is not taken by --integrator path");
   expect_refused("--integrator ao --ambient 1,1,1", "--ambient: is not taken by --integrator ao");
   expect_refused("--aov ao", "--aov ao: is not taken by --integrator path; use --integrator hybrid or ao");

@@ -51,7 +51,8 @@ std::array<std::size_t, kind_count> counts(const RaySets& rays) {
 
 Contestant replaying(RayReplay& replay, const RaySets& rays) {
   return {[&](Kind kind) {
-    return kind == shadow ? replay.connect(rays.shadow) : replay.extend(kind == camera ? rays.camera : rays.bounce);
+    if (kind == shadow) return replay.connect(rays.shadow);
+    return replay.extend(kind == camera ? rays.camera : rays.bounce, kind == camera);
   }};
 }
 
@@ -111,7 +112,7 @@ double agreement(Kind kind, const PackedScene& scene, RayReplay& replay, const R
   }
   const std::vector<gpu::Ray>& set = kind == camera ? rays.camera : rays.bounce;
   std::vector<float> theirs;
-  replay.extend(set);
+  replay.extend(set, kind == camera);
   embree.intersect(set, &theirs);
   return agreement(replay.distances(scene, set), theirs);
 }

@@ -58,8 +58,9 @@ RaySets RayReplay::capture() {
 }
 
 // Timed by the device where its queue has timestamps.
-double RayReplay::time(PathStage stage, std::size_t count) {
-  const gpu::Wave wave = first_wave();
+double RayReplay::time(PathStage stage, std::size_t count, std::uint32_t bounce) {
+  gpu::Wave wave = first_wave();
+  wave.bounce = bounce;
   const KernelSet& kernels = paths_.kernels();
   Commands commands(workspace_.device, 1);
   commands.bind(paths_.bindings(0));
@@ -71,12 +72,12 @@ double RayReplay::time(PathStage stage, std::size_t count) {
   return device > 0.0 ? device : wall;
 }
 
-double RayReplay::extend(std::span<const gpu::Ray> rays) {
+double RayReplay::extend(std::span<const gpu::Ray> rays, bool from_camera) {
   gpu::Queues queues{};
   queues.ray_count[0] = static_cast<std::uint32_t>(rays.size());
   paths_.buffers[kQueues].write(&queues, sizeof(queues));
   paths_.buffers[kRays].write(rays.data(), rays.size_bytes());
-  return time(kExtend, rays.size());
+  return time(kExtend, rays.size(), from_camera ? 0 : 2); // even: in the first queue
 }
 
 std::vector<gpu::Hit> RayReplay::hits(std::size_t count) const {
@@ -100,7 +101,7 @@ double RayReplay::connect(std::span<const gpu::ShadowRay> rays) {
   paths_.buffers[kQueues].write(&queues, sizeof(queues));
   paths_.buffers[kShadowRays].write(rays.data(), rays.size_bytes());
   paths_.buffers[kStates].fill_zero();
-  return time(kConnect, rays.size());
+  return time(kConnect, rays.size(), 0);
 }
 
 std::vector<bool> RayReplay::blocked(std::span<const gpu::ShadowRay> rays) const {

@@ -27,7 +27,7 @@ public:
   RaySets capture();
 
   // Seconds on the device that finding the closest hits takes; at most slots() rays.
-  double extend(std::span<const gpu::Ray> rays);
+  double extend(std::span<const gpu::Ray> rays, bool from_camera);
   std::vector<gpu::Hit> hits(std::size_t count) const; // of the last extend
   // Distances to the hits of the last extend, infinite for a miss. `scene` is what this was made of.
   std::vector<float> distances(const PackedScene& scene, std::span<const gpu::Ray> rays) const;
@@ -38,7 +38,7 @@ public:
 
 private:
   gpu::Wave first_wave() const; // of the first sample of as many pixels as there are slots
-  double time(PathStage stage, std::size_t count);
+  double time(PathStage stage, std::size_t count, std::uint32_t bounce);
 
   Workspace workspace_;
   Paths paths_;

@@ -164,6 +164,7 @@ std::optional<Picture> check(Request& request) {
   settle_samples(request.render);
   settle_integrator_kind(request.render);
   check_integrator(request.render);
+  check_shutter(request.scene, request.render.settings);
   settle_strict(request.render);
   check_replay(request.render);
   if (request.render.pixel)
@@ -325,6 +326,7 @@ int finish(const Request& request, Prepared& prepared, Run& run) {
 int run_render(Request& request) {
   const std::optional<Picture> reference = check(request);
   Prepared prepared = prepare(request);
+  request.render.settings.moving = prepared.packed.moves(); // else the shutter would cost something
   const IntegratorChoice choice = settle_integrator(request, prepared);
   if (request.render.pixel) return replay(request, prepared);
 
@@ -334,7 +336,8 @@ int run_render(Request& request) {
   denoise_if_asked(result, settings);
   Run run{request.scene.path, request.command_line, prepared.device->info(), settings, prepared.packed, result};
   if (!choice.trials.empty()) run.choice = &choice;
-  run.bias = list_bias(settings, result, depth_cut(request, prepared, result), lost_light(request, prepared, result));
+  run.bias = list_bias(settings, prepared.packed, result, depth_cut(request, prepared, result),
+                       lost_light(request, prepared, result));
   if (reference && result.denoised) run.denoised_error = measure_true_error(shown_picture(result.picture), *reference);
   run.true_errors = align(std::move(true_errors), result.checkpoints.size());
   run.diagnosis = diagnose(result, run.true_errors, run.bias);
@@ -352,6 +355,7 @@ Command add_render(CLI::App& app, const std::string& command_line) {
   add_output_flags(*command, request->output);
   add_picture_flags(*command, kByRender, request->render);
   add_scene_flags(*command, request->scene, true);
+  add_shutter_flag(*command, request->scene);
   add_view_flags(*command, request->scene.view);
   add_stop_flags(*command, request->render);
   add_transport_flags(*command, kByRender, request->render);

@@ -61,7 +61,7 @@ void print_details(const Run& run) {
 
 } // namespace
 
-std::vector<std::string> list_bias(const RenderSettings& settings, const RenderResult& result,
+std::vector<std::string> list_bias(const RenderSettings& settings, const PackedScene& scene, const RenderResult& result,
                                    const std::optional<DepthCut>& cut, const std::optional<LostLight>& lost) {
   std::vector<std::string> bias = settings.integrator->bias(settings, result);
   if (cut)
@@ -72,6 +72,14 @@ std::vector<std::string> list_bias(const RenderSettings& settings, const RenderR
         fmt::format("light of lamps and suns through thick smooth glass and off mirrors is missing: {:.2g} % +- {:.1g} "
                     "% of all light; --integrator bidirectional finds it",
                     100.0 * lost->share, 100.0 * lost->standard_error));
+  if (std::ranges::any_of(scene.lights, [](const gpu::Light& light) { return light.inverse_range > 0.0f; }))
+    bias.emplace_back(
+        "light of lamps with a `range` fades to nothing there, as viewers of glTF have it (KHR_lights_punctual)");
+  if (settings.moving && takes(*settings.integrator, "shutter"))
+    bias.emplace_back(
+        "vertices move along straight lines while the shutter is open; camera and lamps stay (--shutter)");
+  if (settings.cull == gpu::kCullAll && scene.features & gpu::kFeatureCull)
+    bias.emplace_back("light passes single-sided surfaces from behind (--cull all)");
   if (denoises_film(settings))
     bias.emplace_back(
         "the channels denoised.R,G,B of .exr files, and all of other files, are filtered: detail that is "

@@ -13,9 +13,9 @@
 
 namespace wavepath {
 
-// Every reason why the expected picture is not the full light transport, a sentence each.
+// Every reason why the expected picture is not the full light transport of the scene, a sentence each.
 // `cut`: what the depth costs, `lost`: what paths from the camera cannot find, if those were measured.
-std::vector<std::string> list_bias(const RenderSettings& settings, const RenderResult& result,
+std::vector<std::string> list_bias(const RenderSettings& settings, const PackedScene& scene, const RenderResult& result,
                                    const std::optional<DepthCut>& cut, const std::optional<LostLight>& lost);
 
 // The first sample that was not finite and how to replay it. There must be one.

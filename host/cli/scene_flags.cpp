@@ -10,6 +10,7 @@
 
 #include "host/base/error.h"
 #include "host/cli/flags.h"
+#include "host/render/settings/setting.h"
 #include "host/scene/default_light.h"
 #include "host/scene/environment.h"
 #include "host/scene/ground.h"
@@ -81,6 +82,30 @@ void add_scene_flags(CLI::App& app, SceneRequest& request, bool required) {
               "horizon, and fading out",
               "off"},
              request.ground);
+}
+
+void add_shutter_flag(CLI::App& app, SceneRequest& request) {
+  add_flag(app, "Scene",
+           {"--shutter", "OPEN,CLOSE",
+            "motion blur: seconds in the animation between which light falls on the film; vertices move along straight "
+            "lines, camera and lamps stay",
+            "none: the moment --at"},
+           [&](const FlagValue& value) {
+             const auto [open, close] = value.split(',', "write it as OPEN,CLOSE, such as 0.5,0.52");
+             request.load.shutter = {open.number(-kLargest, kLargest), close.number(-kLargest, kLargest)};
+             if (request.load.shutter->second < request.load.shutter->first)
+               value.refuse("closes before it opens", "give the earlier moment first");
+           });
+}
+
+void check_shutter(const SceneRequest& request, RenderSettings& settings) {
+  settings.moving = request.load.shutter.has_value();
+  if (!settings.moving) return;
+  if (request.load.animation.empty())
+    throw UsageError("--shutter", "has no animation to show", "choose one with --animation");
+  if (!takes(*settings.integrator, "shutter"))
+    throw UsageError("--shutter", fmt::format("cannot be shown by --integrator {}", settings.integrator->name),
+                     fmt::format("use --integrator {}", takers_text("shutter")));
 }
 
 void add_view_flags(CLI::App& app, ViewRequest& request) {

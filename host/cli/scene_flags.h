@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "host/render/settings/settings.h"
 #include "host/scene/framing.h"
 #include "host/scene/gltf/gltf.h"
 #include "host/scene/view.h"
@@ -26,6 +27,10 @@ struct SceneRequest {
 
 // `request` must outlive the parsing of `app`. SCENE itself may be left out where `required` is false.
 void add_scene_flags(CLI::App& app, SceneRequest& request, bool required);
+// --shutter, for commands whose integrators can see motion.
+void add_shutter_flag(CLI::App& app, SceneRequest& request);
+// Refuses a shutter that the integrator cannot show, or that opens on nothing; tells the settings of it.
+void check_shutter(const SceneRequest& request, RenderSettings& settings);
 void add_view_flags(CLI::App& app, ViewRequest& request);
 
 // A scene that is lit and can be framed.

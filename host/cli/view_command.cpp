@@ -54,6 +54,7 @@ void check(Request& request) {
   if (denoises_film(settings))
     throw UsageError("--denoise", "filters finished pictures of paths, and a window shows none",
                      "use --integrator hybrid, or wavepath render");
+  check_shutter(request.scene, request.render.settings);
   require_file(request.scene.path);
   const std::string& screenshot = request.screenshot;
   if (screenshot.empty()) return;
@@ -90,6 +91,7 @@ public:
     environment_ = {request.scene.environment, request.scene.environment_intensity, request.scene.environment_degrees};
     RenderSettings shown = settings; // a window begins anew whenever the camera moves: no pilot unless asked for
     if (shown.lights == gpu::kLightsAuto && !packed_.light_tree.empty()) shown.lights = gpu::kLightsTree;
+    shown.moving = packed_.moves();
     progressive_ = std::make_unique<Progressive>(*open_.device, packed_, view, shown, *open_.kernels);
   }
 
@@ -109,7 +111,7 @@ public:
     window.target_error = request_.render.settings.target_error;
     window.frames = request_.frames;
     window.screenshot = request_.screenshot;
-    window.notes = [this](const RenderSettings& settings) { return list_bias(settings, so_far(), {}, {}); };
+    window.notes = [this](const RenderSettings& settings) { return list_bias(settings, packed_, so_far(), {}, {}); };
     window.save = [this](const std::string& path, const DisplayOptions& display) { save(path, display); };
     window.set_environment = [this](const EnvironmentChoice& choice) { set_environment(choice); };
     const int code = run_window(*open_.device, *progressive_, window);
@@ -127,6 +129,7 @@ private:
     };
     add("--scene", load.scene);
     add("--animation", load.animation);
+    if (load.shutter) add("--shutter", fmt::format("{},{}", load.shutter->first, load.shutter->second));
     if (load.at != 0.0) add("--at", fmt::format("{}", load.at));
     add("--env", environment_.source);
     if (environment_.intensity != 1.0) add("--env-intensity", fmt::format("{}", environment_.intensity));
@@ -157,7 +160,7 @@ private:
     info.scene = request_.scene.path;
     info.command = request_.command_line;
     info.filter = kFilterNames[settings.filter];
-    info.bias = fmt::format("{}", fmt::join(list_bias(settings, so_far(), {}, {}), "; "));
+    info.bias = fmt::format("{}", fmt::join(list_bias(settings, packed_, so_far(), {}, {}), "; "));
     info.view = progressive_->view();
     const std::optional<double> exposure = display.auto_exposure ? std::nullopt : std::optional(display.exposure);
     write_picture(path, progressive_->picture(), info, {.exposure = exposure, .tonemap = display.tonemap});
@@ -255,6 +258,7 @@ Command add_view(CLI::App& app, const std::string& command_line) {
   add_tone_flags(*command, request->tone);
   add_picture_flags(*command, kByView, request->render);
   add_scene_flags(*command, request->scene, true);
+  add_shutter_flag(*command, request->scene);
   add_view_flags(*command, request->scene.view);
   add_transport_flags(*command, kByView, request->render);
   return [request] { return run_view(*request); };

@@ -18,6 +18,10 @@ Bounds mesh_bounds(const Mesh& mesh, const glm::dmat4& transform) {
         for (int k = 0; k < 3; ++k) p[k] = transform_point(transform, mesh.positions[indices[3 * t + k]]);
         if (!finite_point(p[0]) || !finite_point(p[1]) || !finite_point(p[2])) continue;
         for (const glm::dvec3& point : p) bounds.add(point);
+        if (!mesh.moves()) continue;
+        for (int k = 0; k < 3; ++k) p[k] = transform_point(transform, mesh.end_positions[indices[3 * t + k]]);
+        if (finite_point(p[0]) && finite_point(p[1]) && finite_point(p[2]))
+          for (const glm::dvec3& point : p) bounds.add(point);
       }
       return bounds;
     };

@@ -40,6 +40,12 @@ struct Mesh {
   std::vector<glm::vec4> colors; // COLOR_0, linear RGBA
   std::vector<std::uint32_t> indices;
   std::vector<Primitive> primitives;
+  // What moves while the shutter is open: the same vertices when it closes, in the space of the others. Empty = as they
+  // are.
+  std::vector<glm::vec3> end_positions, end_normals;
+  std::vector<glm::vec4> end_tangents;
+
+  bool moves() const { return !end_positions.empty(); }
 };
 
 struct Instance {
@@ -65,6 +71,7 @@ struct PunctualLight {
   glm::dvec3 position{0.0};
   glm::dvec3 direction{0.0, 0.0, -1.0};                     // of emission, unit length
   double inner_cone = 0.0, outer_cone = 0.7853981633974483; // radians, half angles
+  double range = 0.0; // metres at which a point or spot light has faded to nothing; 0 = nowhere
 };
 
 // Radiance from infinity. `map` is lat-long, RGB, top row = +Y, centre column = +X (see environment.h); empty =

@@ -54,7 +54,8 @@ void add(Hash& hash, const Primitive& primitive) {
 }
 
 void add(Hash& hash, const Mesh& mesh) {
-  const auto& [name, positions, normals, tangents, uvs, colors, indices, primitives] = mesh;
+  const auto& [name, positions, normals, tangents, uvs, colors, indices, primitives, end_positions, end_normals,
+               end_tangents] = mesh;
   hash.add_all(positions);
   hash.add_all(normals);
   hash.add_all(tangents);
@@ -63,6 +64,9 @@ void add(Hash& hash, const Mesh& mesh) {
   hash.add_all(indices);
   hash.add(primitives.size());
   for (const Primitive& primitive : primitives) add(hash, primitive);
+  hash.add_all(end_positions);
+  hash.add_all(end_normals);
+  hash.add_all(end_tangents);
 }
 
 void add(Hash& hash, const Instance& instance) {
@@ -72,13 +76,14 @@ void add(Hash& hash, const Instance& instance) {
 }
 
 void add(Hash& hash, const PunctualLight& light) {
-  const auto& [name, kind, intensity, position, direction, inner_cone, outer_cone] = light;
+  const auto& [name, kind, intensity, position, direction, inner_cone, outer_cone, range] = light;
   hash.add(kind);
   hash.add(intensity);
   hash.add(position);
   hash.add(direction);
   hash.add(inner_cone);
   hash.add(outer_cone);
+  hash.add(range);
 }
 
 void add(Hash& hash, const Environment& environment) {

@@ -127,6 +127,14 @@ bool widget(const Setting& row, RenderSettings& settings) {
     return true;
   }
   label(row.label);
+  if (const auto* number = std::get_if<NumberValue>(&row.value)) {
+    double value = settings.*number->member;
+    if (!ImGui::InputDouble(fmt::format("##{}", row.label).c_str(), &value, 0.0, 0.0, "%.4g",
+                            ImGuiInputTextFlags_EnterReturnsTrue))
+      return false;
+    settings.*number->member = std::clamp(value, number->lowest, number->highest);
+    return true;
+  }
   return ImGui::Checkbox(fmt::format("##{}", row.label).c_str(), &(settings.*std::get<SwitchValue>(row.value).member));
 }
 

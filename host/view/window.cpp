@@ -8,11 +8,11 @@
 
 #include "host/base/error.h"
 #include "host/film/exposure.h"
+#include "host/scene/pack/pick.h"
 #include "host/view/camera_control.h"
 #include "host/view/glfw.h"
 #include "host/view/overlay.h"
 #include "host/view/panel.h"
-#include "host/view/pick.h"
 #include "host/view/presenter.h"
 #include "host/view/render_line.h"
 #include "host/view/steering.h"
@@ -232,8 +232,14 @@ void Viewer::press(const KeyPress& key) {
 void Viewer::focus() {
   const auto place = window_.pointer();
   if (!request_.packed) return;
-  const auto point = pick(*request_.packed, camera_.view(), place, glm::dvec2(window_.size()));
-  if (point && camera_.focus(*point)) move_camera();
+  const bool passes_backs = panel_.settings.cull != gpu::kCullNone;
+  const auto point = pick(*request_.packed, camera_.view(), place, glm::dvec2(window_.size()), passes_backs);
+  if (!point || !camera_.focus(*point)) return;
+  if (panel_.settings.focus) { // else the lens follows what the middle of the picture shows, which this is now
+    panel_.settings.focus = depth_of(camera_.view(), *point);
+    take_settings();
+  }
+  move_camera();
 }
 
 // The picture follows the window once its edges have come to rest. That of a scripted window has the size asked for.

@@ -30,7 +30,8 @@ bool passes(Hit hit, float t) {
 
 layout(local_size_x = kWorkgroupSize) in;
 
-// Light that meets the front of a single-sided surface is seen both there and by what lies behind it; so it passes at random.
+// Where all rays of camera paths pass single-sided surfaces from behind (--cull all), light that meets the front of one is seen
+// both there and by what lies behind it; so it passes at random.
 const float kPassing = 1.0 / 8.0;
 
 bool is_passable(Hit hit, Surface surface, vec3 direction) {
@@ -42,12 +43,12 @@ void main() {
   uint queue = wave.bounce & 1u;
   if (index >= queues.ray_count[queue]) return;
   Ray ray = fetch_ray(queue * frame.slot_count + index);
-  if (has(kFeatureAlpha) || has(kFeatureCull)) path_sampler = light_sampler(ray.slot);
+  if (has(kFeatureAlpha) || CULLS_ALL_BACKS) path_sampler = light_sampler(ray.slot);
   nearest_unlit = kFar;
   Hit hit = trace(ray.origin, ray.direction, ray.t_max);
   bool met_unlit = nearest_unlit < t_best;
   float weight = 1.0;
-  if (has(kFeatureCull)) {
+  if (CULLS_ALL_BACKS) {
     bool goes_on = true;
     for (uint passed = 0u; goes_on && hit.triangle != kNone; ++passed) {
       Surface surface = fetch_surface(hit);

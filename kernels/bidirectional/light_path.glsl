@@ -37,7 +37,6 @@ Sampler light_sampler(uint slot) {
   return s;
 }
 
-// Rays of camera paths pass single-sided surfaces from behind.
 bool is_single_sided(Hit hit) {
   return has(kFeatureCull) && (floatBitsToUint(texelFetch(triangles, int(hit.triangle * kTriangleTexels)).w) & kTriangleSingleSided) != 0u;
 }
@@ -46,6 +45,7 @@ struct LightStart {
   vec3 origin;
   vec3 direction;
   vec3 light; // radiance times cosine (or intensity, or irradiance) over the density of all choices
+  float inverse_range; // of the light, see range_window()
   PathWeights weights;
   bool distant;
 };
@@ -92,6 +92,8 @@ void start_at_point(Light light, vec2 u_direction, inout LightStart start) {
   vec2 rim = sqrt(max(height * (2.0 - height), 0.0)) * cos_sin_turns(u_direction.y);
   start.direction = normalize(to_world(vec3(rim, 1.0 - height), tangent, bitangent, axis));
   start.origin = light.position;
+  start.inverse_range = light.inverse_range;
+  light.inverse_range = 0.0; // it dims what arrives
   light.position = vec3(0.0); // irradiance at unit distance is intensity
   vec3 ignored;
   start.light = punctual_irradiance(light, start.direction, ignored) / (light.probability * cone_pdf(light));
@@ -112,7 +114,7 @@ void start_at_infinity(vec3 to_light, vec2 u_place, inout LightStart start) {
 
 // False if the path begins without light.
 bool start_light_path(Sampler path_sampler, out LightStart start) {
-  start = LightStart(vec3(0.0), vec3(0.0, 0.0, 1.0), vec3(0.0), PathWeights(0.0, 0.0), false);
+  start = LightStart(vec3(0.0), vec3(0.0, 0.0, 1.0), vec3(0.0), 0.0, PathWeights(0.0, 0.0), false);
   uvec2 u_light = sample_bits(path_sampler, kDimensionLight);
   vec2 u = sample_2d(path_sampler, kDimensionDirection); // of the direction; where that is the light's, of the place
   Light light = fetch_light(pick_light(u_light));

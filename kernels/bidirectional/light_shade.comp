@@ -23,10 +23,16 @@
 layout(local_size_x = kWorkgroupSize) in;
 
 // Where a point appears in the picture, in pixels from the top left corner, and the ray that shows it: `to_point` of unit
-// length. False if it is behind the camera.
-bool project(vec3 point, out vec2 position, out vec3 origin, out vec3 to_point) {
+// length. `lens`: the point of the aperture that the ray passes, from its middle. False if it is behind the camera.
+bool project(vec3 point, vec3 lens, out vec2 position, out vec3 origin, out vec3 to_point) {
   vec3 offset = point - frame.camera_position;
   float depth = dot(offset, frame.camera_forward);
+  if (kLens != kLensPinhole) { // the middle of the lens sees in the same place where the ray meets the plane of focus
+    if (is_orthographic())
+      offset -= lens * (1.0 - depth / frame.focus_distance);
+    else
+      offset = lens + (offset - lens) * (frame.focus_distance / depth);
+  }
   vec2 across = vec2(dot(offset, frame.camera_right) / dot(frame.camera_right, frame.camera_right),
                      dot(offset, frame.camera_up) / dot(frame.camera_up, frame.camera_up));
   origin = frame.camera_position;
@@ -35,7 +41,12 @@ bool project(vec3 point, out vec2 position, out vec3 origin, out vec3 to_point) 
     origin = point - depth * frame.camera_forward;
     to_point = frame.camera_forward;
   } else {
-    across /= depth;
+    across /= dot(offset, frame.camera_forward);
+  }
+  if (kLens != kLensPinhole) {
+    origin = frame.camera_position + lens;
+    if (is_orthographic()) origin += across.x * frame.camera_right + across.y * frame.camera_up;
+    to_point = normalize(point - origin);
   }
   position = 0.5 * vec2(float(frame.width) * (1.0 + across.x), float(frame.height) * (1.0 - across.y));
   return depth > 0.0;
@@ -70,16 +81,17 @@ float pick_pixel(vec2 position, vec2 u, out uvec2 pixel) {
 }
 
 // Connects the vertex to the camera: true if there is a ray worth tracing. `light`: as LightVertex has it.
-bool connect_to_camera(Vertex v, Hit hit, uint slot, vec2 u, vec3 light, PathWeights weights, out Connection c) {
+bool connect_to_camera(Vertex v, Hit hit, uint slot, vec2 u, vec3 lens, vec3 light, PathWeights weights, out Connection c) {
   vec2 position;
   vec3 origin, to_point;
   uvec2 pixel;
-  if (!project(v.surface.position, position, origin, to_point)) return false;
+  if (!project(v.surface.position, lens, position, origin, to_point)) return false;
   float filter_weight = pick_pixel(position, u, pixel);
   if (!(filter_weight > 0.0)) return false;
 
   float cosine = surface_cosine(v, to_point);
   Vertex seen = seen_from(v, -to_point);
+  if (CULLS_BACKS && !seen.front && is_single_sided(hit)) return false; // the camera looks through this side
   float forward, reverse;
   vec3 value = scatter_value(seen, v.wo, forward, reverse);
   if (!(max_component(value) > 0.0)) return false;
@@ -134,8 +146,12 @@ void follow(Ray ray, Hit hit, inout PathState path, out bool wants_ray, out Ray 
   uint dimension = bounce_dimension(wave.bounce);
   if (bsdf_has_smooth(v.bsdf)) {
     vec3 light = path.radiance * path.throughput / cosine;
-    if (uses_technique(kTechniqueSplat))
-      wants_splat = connect_to_camera(v, hit, ray.slot, sample_2d(path_sampler, dimension + kDimensionLight), light, weights, splat);
+    if (uses_technique(kTechniqueSplat)) {
+      vec3 lens = vec3(0.0);
+      if (kLens != kLensPinhole) lens = sample_lens(sample_2d(path_sampler, kDimensionLens + wave.bounce));
+      vec2 u = sample_2d(path_sampler, dimension + kDimensionLight);
+      wants_splat = connect_to_camera(v, hit, ray.slot, u, lens, light, weights, splat);
+    }
     if (wave.bounce < frame.max_depth && uses_technique(kTechniqueConnect)) {
       uint place = light_counts[ray.slot]++;
       store_light_vertex(light_vertex_place(ray.slot, place),

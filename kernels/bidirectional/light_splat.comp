@@ -19,6 +19,7 @@
 
 #define ALPHA_TEST(hit) lets_light_through(hit)
 #define ANY_HIT
+#define CAMERA_RAYS true
 #include "kernels/bvh.glsl"
 
 layout(local_size_x = kWorkgroupSize) in;

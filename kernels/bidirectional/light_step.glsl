@@ -17,12 +17,13 @@ bool light_arrives(Ray ray, Hit hit, inout PathState path, out Vertex v, out flo
   if (!(cosine > 0.0)) return false;
   vec3 offset = surface.position - ray.origin;
   v = make_vertex(surface, material, ray.direction);
-  if (!v.front && is_single_sided(hit)) return false; // no camera path sees this side
+  if (CULLS_ALL_BACKS && !v.front && is_single_sided(hit)) return false; // no camera path sees this side
   if (has(kFeatureVolume)) { // inside, whatever the path met before: a lamp may hang in the glass
     uint medium = !v.front && !v.bsdf.thin ? surface.material : path_media[ray.slot];
     path.throughput *= medium_transmittance(medium, length(offset));
   }
-  float distance_squared = path.bsdf_pdf > 0.0 ? dot(offset, offset) : 1.0;
+  float distance_squared = path.bsdf_pdf != 0.0 ? dot(offset, offset) : 1.0;
+  if (path.bsdf_pdf < 0.0) path.throughput *= range_window(path.bsdf_pdf, distance_squared);
   weights = arrived(fetch_weights(ray.slot), distance_squared, cosine);
   return true;
 }

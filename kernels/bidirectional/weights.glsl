@@ -40,10 +40,12 @@ float nearer(PathWeights w, float density, float reverse, bool connects) {
   return square(density) * ((connects ? w.connect : 0.0) + w.others * square(reverse));
 }
 
-// Density per area at a surface that a camera path finds it with, at `offset` from the camera, for one path a pixel.
+// Density per area at a surface that a camera path finds it with, at `offset` from the camera, for one path a pixel. With a lens,
+// from its point that the path begins at: that has the same density whichever end found the path, and cancels.
 float camera_pdf_area(vec3 offset, float cosine) {
-  if (is_orthographic()) return cosine / bidirectional.pixel_area;
+  if (is_orthographic() && kLens == kLensPinhole) return cosine / bidirectional.pixel_area;
   float depth = dot(offset, frame.camera_forward); // the density per solid angle is distance^3 / (depth^3 pixel_area)
+  if (is_orthographic()) return cosine * sqrt(dot(offset, offset)) / (depth * bidirectional.pixel_area); // a slanted beam
   return cosine * sqrt(dot(offset, offset)) / (depth * depth * depth * bidirectional.pixel_area);
 }
 

@@ -14,6 +14,7 @@ layout(set = 0, binding = kBindVisibility, std430) writeonly buffer VisibilityBl
 
 Sampler path_sampler;
 #define ALPHA_TEST(hit) is_hole(hit, path_sampler, kHashExtend)
+#define CAMERA_RAYS true
 #include "kernels/bvh.glsl"
 
 layout(local_size_x = kWorkgroupSize) in;

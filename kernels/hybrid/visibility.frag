@@ -16,7 +16,7 @@ layout(location = 2) flat in uint hidden_sides; // 1: the clockwise one, 2: the 
 layout(location = 0) out uvec2 seen;
 
 // Which side is seen is known without the ray: it is the same for the whole triangle, but for those seen edge-on.
-bool is_hidden() { return has(kFeatureCull) && (hidden_sides & (gl_FrontFacing ? 2u : 1u)) != 0u; }
+bool is_hidden() { return CULLS_BACKS && (hidden_sides & (gl_FrontFacing ? 2u : 1u)) != 0u; }
 
 bool is_passed_through() {
   if (!has(kFeatureAlpha)) return false;
@@ -31,6 +31,6 @@ bool is_passed_through() {
 
 void main() {
   // Folds away where a scene has neither, so that depth is tested before shading.
-  if (has(kFeatureAlpha | kFeatureCull) && (is_hidden() || is_passed_through())) discard;
+  if ((has(kFeatureAlpha) || CULLS_BACKS) && (is_hidden() || is_passed_through())) discard;
   seen = uvec2(triangle, instance);
 }

@@ -19,7 +19,7 @@ void main() {
   triangle = corner / 3u;
   instance = uint(gl_InstanceIndex);
   hidden_sides = 0u;
-  if (has(kFeatureCull)) {
+  if (CULLS_BACKS) {
     // A transform that mirrors shows the back counter-clockwise.
     bool mirrors = has(kFeatureInstances) && frame.root_is_top != 0u &&
                    floatBitsToUint(texelFetch(instances, int(instance * kInstanceTexels + 6u)).y) != 0u;

@@ -60,6 +60,7 @@ void main() {
   if (index >= queues.shadow_count) return;
   ShadowRay ray = fetch_shadow_ray(index);
   if (has(kFeaturePanes) && has(kFeatureAlpha)) path_sampler = slot_sampler(ray.slot);
+  if (kMoves) open_shutter(slot_sampler(ray.slot));
   begin_shadow(ray.direction);
   uint target = kNone, target_instance = 0u;
   if (has(kFeatureTriangleLights)) {

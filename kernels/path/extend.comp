@@ -19,6 +19,7 @@ uint path_slot;
 
 Sampler path_sampler;
 #define ALPHA_TEST(hit) is_hole(hit, path_sampler, kHashExtend)
+#define CAMERA_RAYS (wave.bounce == 0u)
 #include "kernels/bvh.glsl"
 
 layout(local_size_x = kWorkgroupSize) in;
@@ -30,5 +31,6 @@ void main() {
   Ray ray = fetch_ray(queue * frame.slot_count + index);
   path_slot = ray.slot;
   if (has(kFeatureAlpha)) path_sampler = slot_sampler(ray.slot);
+  if (kMoves) open_shutter(slot_sampler(ray.slot));
   store_hit(index, trace(ray.origin, ray.direction, ray.t_max));
 }

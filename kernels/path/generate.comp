@@ -23,9 +23,10 @@ void main() {
   if (slot >= wave.pixel_count * wave.sample_count) return;
 
   uvec2 pixel = slot_pixel(slot);
-  vec2 u = sample_2d(slot_sampler(slot), kDimensionFilter);
+  Sampler path_sampler = slot_sampler(slot);
+  vec2 u = sample_2d(path_sampler, kDimensionFilter);
   vec3 origin, direction;
-  camera_ray(vec2(pixel) + 0.5 + sample_filter(u), origin, direction);
+  camera_ray(vec2(pixel) + 0.5 + sample_filter(u), path_sampler, origin, direction);
   Ray ray = Ray(origin, slot, direction, kFar);
   PathState path = PathState(vec3(1.0), -1.0, vec3(0.0), 1.0);
   if (!is_finite(ray.origin) || !is_finite(ray.direction)) {

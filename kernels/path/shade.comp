@@ -239,6 +239,7 @@ void shade(uint index, out bool wants_ray, out Ray next, out bool wants_shadow, 
   Ray ray = fetch_ray((wave.bounce & 1u) * frame.slot_count + index);
   PathState path = fetch_path(ray.slot);
   if (!is_finite(path.radiance)) return; // another kernel has counted it
+  if (kMoves) open_shutter(slot_sampler(ray.slot));
   if (has(kFeatureLearning)) note_arrival(wave.first_pixel + ray.slot, wave.bounce, path.radiance);
   follow(ray, fetch_hit(index), path, wants_ray, next, wants_shadow, shadow);
   if (has(kFeatureLearning) && !wants_ray) note_end(wave.first_pixel + ray.slot, wave.bounce);

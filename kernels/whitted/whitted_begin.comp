@@ -21,8 +21,10 @@ void main() {
   nodes_of_trees[index].hit_depth = kNone;
   uint slot = index;
   if (slot >= sample_slots()) return;
+  Sampler path_sampler = slot_sampler(slot);
+  vec2 u = sample_2d(path_sampler, kDimensionFilter);
   vec3 origin, direction;
-  camera_ray(vec2(slot_pixel(slot)) + 0.5 + sample_filter(sample_2d(slot_sampler(slot), kDimensionFilter)), origin, direction);
+  camera_ray(vec2(slot_pixel(slot)) + 0.5 + sample_filter(u), path_sampler, origin, direction);
   nodes_of_trees[index].origin = origin;
   nodes_of_trees[index].direction = direction;
   nodes_of_trees[index].weight = vec3(1.0);

@@ -12,7 +12,8 @@
 namespace wavepath {
 namespace {
 
-constexpr std::array<std::string_view, 3> kSettings = {"hemisphere", "techniques", "denoise"};
+constexpr std::array<std::string_view, 6> kSettings = {"hemisphere", "techniques", "aperture",
+                                                       "focus",      "blades",     "denoise"};
 // Light splatted from a light path is not told apart by its bounces.
 constexpr std::array<std::string_view, 2> kLackedAovs = {"direct", "indirect"};
 constexpr std::array<std::string_view, 2> kFirstHitStages = {"generate", "extend"};

@@ -118,13 +118,13 @@ void Hybrid::make_room(const View& view, Past past) {
   const std::uint32_t options = lights() || settings_.antialias_over_time ? kRoomForSeen : 0;
   bool moved = paths_.change(settings_, path_stages, options, kernels_.features(kHybridProgram));
   moved |= buffers_.fit({.pixels = workspace_.film.pixels()});
-  const glm::u64vec3 made_for(settings_.width, settings_.height, path_features);
+  const glm::u64vec4 made_for(settings_.width, settings_.height, path_features, settings_.cull);
   if (made_for != visibility_made_for_ || moved) {
     visibility_.reset(); // the device may not hold both at once
-    visibility_made_for_ = glm::u64vec3(0);
-    visibility_ =
-        std::make_unique<Visibility>(workspace_.device, scene, *workspace_.on_device, workspace_.frame_buffer(),
-                                     buffers_[kFrame], path_features, settings_.width, settings_.height);
+    visibility_made_for_ = glm::u64vec4(0);
+    visibility_ = std::make_unique<Visibility>(workspace_.device, scene, *workspace_.on_device,
+                                               workspace_.frame_buffer(), buffers_[kFrame], path_features,
+                                               settings_.width, settings_.height, settings_.cull);
     visibility_made_for_ = made_for;
     moved = true;
   }

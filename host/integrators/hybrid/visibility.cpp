@@ -127,9 +127,10 @@ bool edges_hold(const PackedScene& scene, const View& view, std::uint32_t width,
 }
 
 Visibility::Visibility(Device& device, const PackedScene& scene, const DeviceScene& gpu_scene, const Buffer& frame,
-                       const Buffer& hybrid, gpu::Feature features, std::uint32_t width, std::uint32_t height)
+                       const Buffer& hybrid, gpu::Feature features, std::uint32_t width, std::uint32_t height,
+                       std::uint32_t cull)
     : device_(device),
-      constants_(specialization(kernel_config(features, scene.stack_size, {}), device.info())),
+      constants_(specialization(kernel_config(features, scene.stack_size, {.cull = cull}), device.info())),
       width_(width),
       height_(height),
       target_(device, width, height, kAttachments),

@@ -35,9 +35,10 @@ class Visibility {
 public:
   // `frame` and `hybrid` hold a gpu::Frame and a gpu::HybridFrame, which every render reads anew; with `gpu_scene` they
   // outlive this. `features`: kFeature bits that the path tracer's kernels have. Throws Error if the device cannot
-  // rasterize, or no picture of this size.
+  // rasterize, or no picture of this size. `cull` (kCull*): whether single-sided surfaces are there from behind.
   Visibility(Device& device, const PackedScene& scene, const DeviceScene& gpu_scene, const Buffer& frame,
-             const Buffer& hybrid, gpu::Feature features, std::uint32_t width, std::uint32_t height);
+             const Buffer& hybrid, gpu::Feature features, std::uint32_t width, std::uint32_t height,
+             std::uint32_t cull = gpu::kCullCamera);
 
   // Submits drawing of what `camera`, the frame's own, may see; what `prepare` records comes first.
   void render(WaveQueue& queue, const gpu::CameraView& camera, const std::function<void(Commands&)>& prepare);

@@ -14,8 +14,8 @@
 namespace wavepath {
 namespace {
 
-constexpr std::array<std::string_view, 7> kSettings = {"hemisphere", "direct",  "lights", "adaptive",
-                                                       "guide",      "denoise", "pixel"};
+constexpr std::array<std::string_view, 11> kSettings = {"hemisphere", "direct", "lights", "adaptive", "guide", "denoise",
+                                                        "pixel",      "aperture", "focus", "blades", "shutter"};
 constexpr std::array<std::string_view, 2> kFirstHitStages = {"generate", "extend"};
 
 void start_kernels(KernelCompiler& kernels, const DeviceInfo& device, gpu::Feature features,

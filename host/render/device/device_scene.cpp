@@ -41,6 +41,13 @@ void check_fits(const DeviceInfo& info, const char* what, std::uint64_t bytes, s
                 "simplify the scene or choose another device with --device");
 }
 
+// Triangles, and behind them how far their corners move, where any do.
+std::vector<gpu::Triangle> with_motions(const PackedScene& scene) {
+  std::vector<gpu::Triangle> all = scene.triangles;
+  all.insert(all.end(), scene.motions.begin(), scene.motions.end());
+  return all;
+}
+
 // Lights, and behind them the ends of the parts of their triangles.
 std::vector<std::uint32_t> light_words(const PackedScene& scene) {
   constexpr std::size_t kWords = sizeof(gpu::Light) / sizeof(std::uint32_t);
@@ -67,7 +74,7 @@ DeviceScene upload_scene(Device& device, const PackedScene& scene) {
   const DeviceInfo& info = device.info();
   const std::uint64_t wide = info.max_texel_elements * 16, word = info.max_texel_elements * 4;
   check_fits(info, "BVH nodes", bytes_of(scene.nodes), wide);
-  check_fits(info, "triangles", bytes_of(scene.triangles), wide);
+  check_fits(info, "triangles", bytes_of(scene.triangles) + bytes_of(scene.motions), wide);
   check_fits(info, "triangle indices", bytes_of(scene.triangle_vertices), wide);
   check_fits(info, "vertices", bytes_of(scene.vertex_normals), wide);
   check_fits(info, "vertex coordinates", bytes_of(scene.vertex_uvs), wide);
@@ -76,10 +83,11 @@ DeviceScene upload_scene(Device& device, const PackedScene& scene) {
   check_fits(info, "environment texels", bytes_of(scene.environment), wide);
   check_fits(info, "lights", bytes_of(scene.lights) + bytes_of(scene.light_part_ends), wide);
   check_fits(info, "light tree", bytes_of(scene.light_tree), wide);
-  const std::uint64_t total = bytes_of(scene.nodes) + bytes_of(scene.triangles) + bytes_of(scene.triangle_vertices) +
-                              bytes_of(scene.vertex_normals) + bytes_of(scene.vertex_uvs) +
-                              bytes_of(scene.vertex_colors) + bytes_of(scene.texels) + bytes_of(scene.environment) +
-                              bytes_of(scene.lights) + bytes_of(scene.light_part_ends) + bytes_of(scene.light_tree);
+  const std::uint64_t total = bytes_of(scene.nodes) + bytes_of(scene.triangles) + bytes_of(scene.motions) +
+                              bytes_of(scene.triangle_vertices) + bytes_of(scene.vertex_normals) +
+                              bytes_of(scene.vertex_uvs) + bytes_of(scene.vertex_colors) + bytes_of(scene.texels) +
+                              bytes_of(scene.environment) + bytes_of(scene.lights) + bytes_of(scene.light_part_ends) +
+                              bytes_of(scene.light_tree);
   if (total > info.memory_bytes)
     throw Error(info.name,
                 fmt::format("the scene takes {:.0f} MiB, the device has {:.0f} MiB", total / 1048576.0,
@@ -88,7 +96,7 @@ DeviceScene upload_scene(Device& device, const PackedScene& scene) {
 
   DeviceScene result;
   result.nodes = upload(device, scene.nodes);
-  result.triangles = upload(device, scene.triangles);
+  result.triangles = scene.moves() ? upload(device, with_motions(scene)) : upload(device, scene.triangles);
   result.triangle_vertices = upload(device, scene.triangle_vertices);
   result.vertex_normals = upload(device, scene.vertex_normals);
   result.vertex_uvs = upload(device, scene.vertex_uvs);

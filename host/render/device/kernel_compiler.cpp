@@ -10,6 +10,11 @@ namespace {
 // measured (33 to 128 entries, llvmpipe).
 constexpr std::uint32_t kStackStep = 64;
 
+std::uint32_t lens_of(const RenderSettings& settings) {
+  if (!(settings.aperture > 0.0) || !takes(*settings.integrator, "aperture")) return gpu::kLensPinhole;
+  return settings.blades > 0 ? settings.blades : gpu::kLensDisc;
+}
+
 } // namespace
 
 KernelConfig kernel_config(gpu::Feature features, std::uint32_t stack_size, const RenderSettings& settings) {
@@ -27,7 +32,9 @@ KernelConfig kernel_config(gpu::Feature features, std::uint32_t stack_size, cons
   features = (features | settings.added_features) & ~settings.removed_features;
   const std::uint32_t nets =
       has_whole_nets(settings) || settings.room_for_whole_nets ? gpu::kNetsWhole : gpu::kNetsHalved;
-  return {features, stack, settings.sampler, settings.direct, settings.hemisphere, settings.filter, nets};
+  const std::uint32_t motion = settings.moving && takes(*settings.integrator, "shutter") ? 1u : 0u;
+  return {features,        stack, settings.sampler,  settings.direct, settings.hemisphere,
+          settings.filter, nets,  lens_of(settings), settings.cull,   motion};
 }
 
 gpu::Feature features_of(const RenderSettings& settings) {

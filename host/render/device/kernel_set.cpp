@@ -37,15 +37,20 @@ bool KernelNeed::covers(const KernelNeed& need) const {
 
 std::array<std::uint32_t, gpu::kSpecCount> specialization(const KernelConfig& config, const DeviceInfo& device) {
   const std::uint32_t stack = device.type == "cpu" ? gpu::kStackRegisters : gpu::kStackArray;
-  return {static_cast<std::uint32_t>(config.features),
-          config.stack_size,
-          config.sampler,
-          config.direct,
-          config.hemisphere,
-          config.filter,
-          stack,
-          config.nets,
-          static_cast<std::uint32_t>(config.features >> 32)};
+  std::array<std::uint32_t, gpu::kSpecCount> constants{};
+  constants[gpu::kSpecFeatures] = static_cast<std::uint32_t>(config.features);
+  constants[gpu::kSpecLobes] = static_cast<std::uint32_t>(config.features >> 32);
+  constants[gpu::kSpecStackSize] = config.stack_size;
+  constants[gpu::kSpecSampler] = config.sampler;
+  constants[gpu::kSpecDirect] = config.direct;
+  constants[gpu::kSpecHemisphere] = config.hemisphere;
+  constants[gpu::kSpecFilter] = config.filter;
+  constants[gpu::kSpecStack] = stack;
+  constants[gpu::kSpecNets] = config.nets;
+  constants[gpu::kSpecLens] = config.lens;
+  constants[gpu::kSpecCull] = config.cull;
+  constants[gpu::kSpecMotion] = config.motion;
+  return constants;
 }
 
 KernelSet::KernelSet(Device& device, const KernelNeed& need)

@@ -11,6 +11,7 @@
 #include "host/render/settings/denoising.h"
 #include "host/render/settings/integrator_kind.h"
 #include "host/render/settings/whole_nets.h"
+#include "host/scene/pack/pick.h"
 #include "kernels/features.h"
 #include "kernels/frame_types.h"
 #include "kernels/net_layout.h"
@@ -50,6 +51,14 @@ gpu::Frame make_frame(const PackedScene& scene, const View& view, const RenderSe
   if (!passes_panes(settings)) frame.scene_features &= ~gpu::kFeaturePanes;
   frame.whole_nets = has_whole_nets(settings) ? 1u : 0u;
   frame.local_light_count = scene.local_light_count;
+  frame.motion_texel = static_cast<std::uint32_t>(scene.triangles.size()) * gpu::kTriangleTexels;
+  frame.end_normals = scene.end_normals;
+  if (settings.aperture > 0.0) {
+    const bool passes_backs = settings.cull != gpu::kCullNone;
+    frame.lens_radius = static_cast<float>(0.5 * settings.aperture);
+    frame.focus_distance =
+        static_cast<float>(settings.focus ? *settings.focus : depth_of_middle(scene, view, passes_backs));
+  }
   return frame;
 }
 

@@ -39,7 +39,11 @@ struct RenderSettings {
   std::uint32_t direct = gpu::kDirectMis;
   std::uint32_t filter = gpu::kFilterBlackmanHarris;
   std::uint32_t seed = 0;
+  std::uint32_t cull = gpu::kCullCamera; // rays that single-sided surfaces let pass from behind
   // Taken by some integrators only.
+  double aperture = 0.0;            // metres across the lens; 0 = a pinhole
+  std::optional<double> focus;      // metres along the view axis; empty = to what the middle of the picture shows
+  std::uint32_t blades = 0;         // of the aperture, a regular polygon; 0 = a disc
   std::uint32_t shadow_samples = 1; // light samples for every sample of a pixel
   std::uint32_t ao_samples = 1;     // occlusion rays for every sample of a pixel
   // Metres, 0 = unlimited; empty: unlimited for ao, a tenth of the scene's radius for hybrid.
@@ -53,6 +57,7 @@ struct RenderSettings {
   std::uint32_t lights = gpu::kLightsAuto; // how next-event estimation chooses among them
   bool adaptive = false;                   // more samples where a pilot, which is thrown away, found more noise
   bool guide = false;                      // directions are also drawn from a field that a pilot learned
+  bool moving = false;                     // the scene was loaded with motion, which the kernels are to see
   bool specialize = true;
   std::vector<std::string> aovs; // values of --aov
 

@@ -19,6 +19,8 @@ constexpr std::uint32_t kMostSamples = std::numeric_limits<std::int32_t>::max();
 constexpr std::uint32_t kDeepest = 4096;
 constexpr double kFarthest = 1e30;
 constexpr std::array<std::string_view, 3> kDenoiseNames = {"off", "on", "oidn"};
+constexpr double kFarthestFocus = 1e15; // metres: squares of what a camera ray is made of stay finite
+constexpr std::uint32_t kMostBlades = 64;
 constexpr double kMostRadiance = 1e30; // sums with direct light stay finite
 constexpr unsigned kByAll = kByRender | kByView | kByStudy | kByBench;
 constexpr unsigned kByRenderAndView = kByRender | kByView;
@@ -96,6 +98,51 @@ std::string techniques_text(const S& settings) {
   for (std::size_t i = 0; i < kTechniqueNames.size(); ++i)
     if (settings.techniques >> i & 1u) names.push_back(kTechniqueNames[i]);
   return names.size() == kTechniqueNames.size() ? "" : fmt::format("{}", fmt::join(names, ","));
+}
+
+void read_focus(const FlagValue& value, S& settings) {
+  settings.focus.reset();
+  if (value.text == "auto") return;
+  if (!(value.positive_number() <= kFarthestFocus)) value.refuse("is too far", "give at most 1e15, or auto");
+  settings.focus = value.positive_number();
+}
+
+void read_blades(const FlagValue& value, S& settings) {
+  settings.blades = value.whole_number(0, kMostBlades);
+  if (settings.blades == 1 || settings.blades == 2)
+    value.refuse("is no polygon", fmt::format("give 3 to {}, or 0 for a disc", kMostBlades));
+}
+
+// A lens in front of the film.
+std::vector<Setting> lens_rows() {
+  std::vector<Setting> rows = {
+      {.name = "aperture",
+       .value = NumberValue{&S::aperture, 0.0, kFarthestFocus},
+       .meaning =
+           "diameter of a thin lens in metres of the scene (an f-number N at focal length f is f / N); what is out "
+           "of focus is blurred; 0 = a pinhole, all is sharp",
+       .placeholder = "METRES",
+       .label = "aperture, metres"},
+      {.name = "focus",
+       .value =
+           SpecialValue{read_focus, [](const S& s) { return s.focus ? fmt::format("{}", *s.focus) : std::string(); }},
+       .meaning = "distance along the view axis to what --aperture keeps sharp; auto: that of what the middle of the "
+                  "picture shows",
+       .placeholder = "METRES|auto",
+       .initial = "auto"},
+      {.name = "blades",
+       .value = SpecialValue{read_blades, [](const S& s) { return fmt::format("{}", s.blades); }},
+       .meaning = "shape of the aperture: a regular polygon of so many corners, --aperture being the diameter of the "
+                  "circle through them; 0 = a disc",
+       .placeholder = "N",
+       .initial = "0"},
+  };
+  for (Setting& row : rows) {
+    row.group = SettingGroup::picture;
+    row.takers = Takers::listed_else_refused;
+    row.offered = kByAll;
+  }
+  return rows;
 }
 
 std::vector<Setting> picture_rows() {
@@ -179,6 +226,12 @@ std::vector<Setting> transport_rows() {
        .placeholder = "N",
        .offered = kByAll,
        .label = "seed"},
+      {.name = "cull",
+       .value = ChoiceValue{&S::cull, kCullNames},
+       .meaning = "rays that pass single-sided surfaces from behind: those of the camera; all, so that such surfaces "
+                  "throw no shadow backwards; or none",
+       .offered = kByAll,
+       .label = "pass backs"},
       {.name = "specialize",
        .value = OnOffValue{&S::specialize},
        .meaning = "leave out what the scene does not need; off gives the same image, slower",
@@ -308,7 +361,7 @@ std::vector<Setting> special_rows() {
 // The order is that of --help within each group, of copied commands and of the panel.
 std::vector<Setting> all_rows() {
   std::vector<Setting> rows;
-  for (std::vector<Setting> part : {picture_rows(), transport_rows(), stop_rows(), special_rows()})
+  for (std::vector<Setting> part : {picture_rows(), lens_rows(), transport_rows(), stop_rows(), special_rows()})
     for (Setting& row : part) rows.push_back(std::move(row));
   return rows;
 }

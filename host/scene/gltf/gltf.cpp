@@ -14,6 +14,7 @@
 #include "host/scene/gltf/instancing.h"
 #include "host/scene/gltf/material.h"
 #include "host/scene/gltf/mesh.h"
+#include "host/scene/gltf/motion.h"
 #include "host/scene/gltf/nodes.h"
 #include "host/scene/gltf/pose.h"
 #include "host/scene/gltf/uri.h"
@@ -130,8 +131,8 @@ void place_light(Import& import, const tinygltf::Node& node, const glm::dmat4& w
   if (glm::any(glm::lessThan(color, glm::dvec3(0.0))) || source.intensity < 0.0) {
     import.scene.warnings.add("negative light clamped to zero");
   }
-  if (source.range > 0.0)
-    import.scene.warnings.add("light range ignored: light falls off with the square of the distance");
+  if (light.kind != LightKind::directional && source.range > 0.0 && std::isfinite(source.range))
+    light.range = source.range;
   if (light.kind == LightKind::spot) set_cone(import, source, light);
   if (!is_usable(world) || !glm::all(glm::lessThan(light.intensity, glm::vec3(1e30f)))) {
     import.scene.warnings.add(
@@ -143,21 +144,22 @@ void place_light(Import& import, const tinygltf::Node& node, const glm::dmat4& w
   import.scene.lights.push_back(light);
 }
 
-} // namespace
-
-Scene load_gltf(const std::filesystem::path& path, const LoadOptions& options, const SceneDescribed& described) {
+// The scene at one moment. `decode`: its images too.
+Scene load_moment(const std::filesystem::path& path, const LoadOptions& options, double seconds, bool decode,
+                  const SceneDescribed& described) {
   Document document = gltf::open_document(path);
   Scene scene;
   scene.path = path.string();
   scene.extensions_used = document.model.extensionsUsed;
   gltf::warn_of_unsupported_extensions(scene.extensions_used, scene.warnings);
-  if (!options.animation.empty()) gltf::pose(document, scene.warnings, options.animation, options.at);
+  if (!options.animation.empty()) gltf::pose(document, scene.warnings, options.animation, seconds);
   Import import{document, scene, gltf::world_matrices(document), {}, {}};
   const std::vector<int> nodes = gltf::scene_nodes(document, options.scene);
   for (const int node_index : nodes)
     convert_materials(import, document.model.nodes[static_cast<std::size_t>(node_index)]);
-  auto images =
-      std::async(std::launch::async, gltf::decode_images, gltf::image_files(document, import.materials.images));
+  std::future<std::vector<Image>> images;
+  if (decode)
+    images = std::async(std::launch::async, gltf::decode_images, gltf::image_files(document, import.materials.images));
   for (const int node_index : nodes) {
     const tinygltf::Node& node = document.model.nodes[static_cast<std::size_t>(node_index)];
     const glm::dmat4& world = import.world[static_cast<std::size_t>(node_index)];
@@ -166,7 +168,17 @@ Scene load_gltf(const std::filesystem::path& path, const LoadOptions& options, c
     place_light(import, node, world);
   }
   if (described) described(scene);
-  scene.images = images.get();
+  if (decode) scene.images = images.get();
+  return scene;
+}
+
+} // namespace
+
+Scene load_gltf(const std::filesystem::path& path, const LoadOptions& options, const SceneDescribed& described) {
+  if (!options.shutter) return load_moment(path, options, options.at, true, described);
+  const auto& [open, close] = *options.shutter;
+  Scene scene = load_moment(path, options, open, true, described);
+  if (close != open) gltf::add_motion(scene, load_moment(path, options, close, false, {}));
   return scene;
 }
 

@@ -3,7 +3,9 @@
 
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
+#include <utility>
 
 #include "host/scene/scene.h"
 
@@ -16,6 +18,8 @@ struct LoadOptions {
   std::string scene;     // name or index; empty = the file's default scene, else its first one
   std::string animation; // name or index; empty = the pose at rest
   double at = 0.0;       // seconds into the animation, clamped to its key frames
+  // Instead of `at`: when the shutter opens and closes. Cameras and lights stay as they are when it opens.
+  std::optional<std::pair<double, double>> shutter{};
 };
 
 // Throws Error that names the file, what is wrong with it and what to do. What is ignored or repaired is counted in

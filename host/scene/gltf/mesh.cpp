@@ -149,6 +149,7 @@ void gather_vertices(const Attributes& attributes, const std::vector<std::uint32
   gather(attributes.tangent, used, part.tangents);
   for (int set = 0; set < 2; ++set) gather(attributes.uvs[set], used, part.uvs[set]);
   gather(attributes.color, used, part.colors, 1.0f);
+  for (glm::vec4& color : part.colors) color = glm::clamp(color, 0.0f, 1.0f); // as the specification asks
   for (const Target& target : attributes.targets) {
     displace(target.position, target.weight, used, part.positions);
     displace(target.normal, target.weight, used, part.normals);

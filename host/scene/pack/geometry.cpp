@@ -18,9 +18,9 @@ struct TriangleSource {
 };
 
 struct Corners {
-  glm::vec3 position[3];
-  std::uint32_t vertex[3]; // of the mesh
-  bool valid;              // finite, with an area
+  glm::vec3 position[3], end[3]; // when the shutter opens, and when it closes
+  std::uint32_t vertex[3];       // of the mesh
+  bool valid;                    // finite, with an area at either moment
 };
 
 bvh::Vec3 to_bvh(const glm::vec3& v) { return {v.x, v.y, v.z}; }
@@ -42,8 +42,12 @@ Corners find_corners(const Scene& scene, const Part& part, std::uint32_t first_i
     const glm::dvec3 p = transform_point(part.device_from_object, mesh.positions[corners.vertex[slot]]);
     corners.position[slot] = p;
     corners.valid = corners.valid && finite_point(p);
+    const glm::dvec3 end =
+        mesh.moves() ? transform_point(part.device_from_object, mesh.end_positions[corners.vertex[slot]]) : p;
+    corners.end[slot] = end;
+    corners.valid = corners.valid && finite_point(end);
   }
-  corners.valid = corners.valid && has_area(corners.position);
+  corners.valid = corners.valid && (has_area(corners.position) || has_area(corners.end));
   return corners;
 }
 
@@ -78,6 +82,26 @@ std::vector<bvh::Triangle> list_valid(const Scene& scene, std::span<const Part> 
   sources.resize(kept);
   triangles.resize(kept);
   return triangles;
+}
+
+bool moves(const Scene& scene, std::span<const Part> parts) {
+  return std::ranges::any_of(parts, [&](const Part& part) { return scene.meshes[part.mesh].moves(); });
+}
+
+// Boxes that hold the triangles all the way, padded as bvh::bounds() pads those of triangles, and twice: the corner of
+// a moment is rounded, too.
+std::vector<bvh::Box> list_motion_boxes(const Scene& scene, std::span<const Part> parts,
+                                        std::span<const TriangleSource> sources) {
+  std::vector<bvh::Box> boxes(sources.size());
+  tbb::parallel_for(std::size_t{0}, sources.size(), [&](std::size_t i) {
+    const Corners c = find_corners(scene, parts[sources[i].part], sources[i].first_index);
+    bvh::Box box;
+    for (int k = 0; k < 3; ++k) box = bvh::merge(bvh::merge(box, to_bvh(c.position[k])), to_bvh(c.end[k]));
+    const float size = bvh::max_component(box.hi - box.lo) * 0x1p-19f;
+    const bvh::Vec3 pad = bvh::max(bvh::abs(box.lo), bvh::abs(box.hi)) * 0x1p-21f + bvh::Vec3{size, size, size};
+    boxes[i] = {box.lo - pad, box.hi + pad};
+  });
+  return boxes;
 }
 
 // Which triangles the tree must hold once: shadow rays take the share that a BLEND surface or a pane stops each time
@@ -119,6 +143,8 @@ Object append_object(const Scene& scene, std::span<const Part> parts, bool with_
   std::vector<TriangleSource> sources = list_sources(scene, parts);
   const std::size_t listed = sources.size();
   std::vector<bvh::Triangle> triangles = list_valid(scene, parts, sources);
+  const bool moving = moves(scene, parts);
+  const std::vector<bvh::Box> boxes = moving ? list_motion_boxes(scene, parts, sources) : std::vector<bvh::Box>{};
   packed.dropped_triangles += (listed - sources.size()) * times;
 
   const std::size_t first = packed.triangles.size();
@@ -129,12 +155,14 @@ Object append_object(const Scene& scene, std::span<const Part> parts, bool with_
   if (!triangles.empty()) {
     bvh::Box whole;
     for (const bvh::Triangle& triangle : triangles) whole = bvh::merge(whole, bvh::bounds(triangle));
+    for (const bvh::Box& box : boxes) whole = bvh::merge(whole, box);
     object.lo = {whole.lo.x, whole.lo.y, whole.lo.z};
     object.hi = {whole.hi.x, whole.hi.y, whole.hi.z};
   }
   const std::vector<std::uint8_t> whole = list_whole(scene, parts, sources);
   const bvh::WideTree tree =
-      bvh::build(std::span<const bvh::Triangle>(triangles), {.quality = quality, .whole = whole});
+      moving ? bvh::build(std::span<const bvh::Box>(boxes))
+             : bvh::build(std::span<const bvh::Triangle>(triangles), {.quality = quality, .whole = whole});
   triangles = {};
   require_items(scene, first + tree.order.size());
   if (packed.nodes.size() + tree.nodes.size() > bvh::kMaxNodes)
@@ -146,12 +174,16 @@ Object append_object(const Scene& scene, std::span<const Part> parts, bool with_
 
   packed.triangles.resize(first + tree.order.size());
   if (with_vertices) packed.triangle_vertices.resize(first + tree.order.size());
+  if (moving) packed.motions.resize(first + tree.order.size());
   tbb::parallel_for(std::size_t{0}, tree.order.size(), [&](std::size_t i) {
     const TriangleSource& source = sources[tree.order[i]];
     const Part& part = parts[source.part];
     const Corners c = find_corners(scene, part, source.first_index);
     packed.triangles[first + i] = {c.position[0], part.surface,  c.position[1],
                                    tree.order[i], c.position[2], gpu::kNone};
+    if (moving)
+      packed.motions[first + i] = {c.end[0] - c.position[0], 0u, c.end[1] - c.position[1], 0u,
+                                   c.end[2] - c.position[2], 0u};
     if (with_vertices)
       packed.triangle_vertices[first + i] = {part.first_vertex + c.vertex[0], part.first_vertex + c.vertex[1],
                                              part.first_vertex + c.vertex[2], 0u};

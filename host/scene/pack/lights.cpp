@@ -64,10 +64,18 @@ std::uint64_t place_on_curve(const gpu::Triangle& triangle, const Object& object
   return place;
 }
 
+// The area of a triangle that moves may change, and with it the density of points on it: paths find its light by
+// chance.
+bool moves(const PackedScene& packed, std::uint32_t item) {
+  if (!packed.moves()) return false;
+  const gpu::Triangle& motion = packed.motions[item];
+  return motion.v0 != glm::vec3(0.0f) || motion.v1 != glm::vec3(0.0f) || motion.v2 != glm::vec3(0.0f);
+}
+
 // Emissive items of the object, one copy of each triangle, sorted along a Z-curve: stratified random numbers then pick
 // stratified lights (in the order of the source, a sphere of 3,968 triangles has 1.9 times the noise). The order does
 // not depend on the tree, so neither does the picture. Sets Triangle::light of all copies.
-std::vector<std::uint32_t> list_shining(const Object& object, const Emission& emission,
+std::vector<std::uint32_t> list_shining(const Object& object, const Emission& emission, const PackedScene& packed,
                                         std::vector<gpu::Triangle>& triangles) {
   struct Shining {
     std::uint64_t place;
@@ -77,7 +85,8 @@ std::vector<std::uint32_t> list_shining(const Object& object, const Emission& em
   std::vector<Shining> all;
   for (std::uint32_t item = object.first_item; item < object.first_item + object.item_count; ++item) {
     const gpu::Triangle& triangle = triangles[item];
-    if (emission.firsts[item] != Emission::kDark) all.push_back({place_on_curve(triangle, object), triangle.id, item});
+    const bool shines = emission.firsts[item] != Emission::kDark && !moves(packed, item);
+    if (shines) all.push_back({place_on_curve(triangle, object), triangle.id, item});
   }
   tbb::parallel_sort(all.begin(), all.end());
   std::vector<std::uint32_t> items;
@@ -111,7 +120,7 @@ void add_triangles(const Scene& scene, std::span<const Object> objects, std::spa
                    const Emission& emission, PackedScene& packed, LightList& list) {
   std::vector<std::vector<ShiningTriangle>> shining(objects.size());
   for (std::size_t i = 0; i < objects.size(); ++i)
-    for (const std::uint32_t item : list_shining(objects[i], emission, packed.triangles))
+    for (const std::uint32_t item : list_shining(objects[i], emission, packed, packed.triangles))
       shining[i].push_back(cut_in_parts(item, emission, packed.light_part_ends));
   std::vector<std::uint32_t> placed(packed.root_is_top ? object_of.size() : 1); // by the order of the source
   for (std::uint32_t i = 0; i < packed.instances.size(); ++i) placed[packed.instances[i].id] = i;
@@ -142,13 +151,15 @@ double set_spot_falloff(const PunctualLight& source, gpu::Light& light) {
   return 2.0 * kPi * (std::pow(top - outer, 3.0) * scale * scale / 3.0 + (1.0 - top));
 }
 
-// KHR_lights_punctual's `range` is ignored: it is a hint for culling, and physical falloff has no limit.
+// The `range` of KHR_lights_punctual dims light by distance, of which the powers here take no account: they decide the
+// noise.
 void add_punctual(const Scene& scene, const PackedScene& packed, bool directional, double radius, LightList& list) {
   for (const PunctualLight& source : scene.lights) {
     if ((source.kind == LightKind::directional) != directional) continue;
     gpu::Light light{};
     light.intensity = source.intensity;
     light.position = source.position - packed.origin;
+    light.inverse_range = !directional && source.range > 0.0 ? static_cast<float>(1.0 / source.range) : 0.0f;
     double power = luminance(source.intensity);
     switch (source.kind) {
       case LightKind::point:

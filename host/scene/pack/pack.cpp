@@ -139,6 +139,8 @@ PackedScene pack(Scene& scene, std::uint32_t direct, bvh::Quality quality, const
     packed.stack_size = objects[0].depth;
     packed.triangle_count = objects[0].triangle_count;
   }
+  if (packed.moves())
+    packed.motions.resize(packed.triangles.size(), gpu::Triangle{}); // objects after the first stand still
   packed.draws = list_draws(packed, objects, object_of);
   for (const Object& object : objects) packed.triangles_stored += object.triangle_count;
   packed.sah_cost = std::ranges::max_element(objects, {}, &Object::triangle_count)->sah_cost;

@@ -37,12 +37,16 @@ struct PackedScene {
   bool root_is_top = false;
   std::uint32_t stack_size = 0; // an upper bound on the traversal stack's entries
   std::vector<gpu::Triangle> triangles;
+  // By triangle, in place of its corners how far these move while the shutter is open; empty in a scene where nothing
+  // moves.
+  std::vector<gpu::Triangle> motions;
   std::vector<gpu::Instance> instances; // empty unless root_is_top
   std::vector<Draw> draws;              // together, every triangle that can be seen
 
   // Empty where no surface of the scene needs them (see the kFeature bits).
   std::vector<glm::uvec4> triangle_vertices;
   std::vector<glm::vec4> vertex_normals, vertex_uvs, vertex_colors;
+  std::uint32_t end_normals = 0; // where in vertex_normals those of a scene that moves stand when the shutter closes
 
   std::vector<gpu::Material> materials;
   // By material, and the albedo tables that they refer to; empty where no lobe (kLobe bits) is in use.
@@ -75,6 +79,8 @@ struct PackedScene {
   bvh::Quality bvh_quality = bvh::Quality::fast;
   std::uint64_t triangles_stored = 0; // without the copies of spatial splits
   double sah_cost = 0.0;              // of the tree over the most triangles, see bvh::Measure
+
+  bool moves() const { return !motions.empty(); }
 };
 
 } // namespace wavepath

@@ -29,7 +29,8 @@ Plan plan(const Scene& scene, bvh::Quality quality) {
   const double copies = quality == bvh::Quality::fast ? 0.0 : bvh::BuildConfig{}.max_copies;
   const std::uint64_t items =
       usage.triangles_stored + static_cast<std::uint64_t>(copies * static_cast<double>(usage.triangles_stored));
-  const std::uint64_t triangles = items * sizeof(gpu::Triangle);
+  const bool moving = std::ranges::any_of(scene.meshes, &Mesh::moves);
+  const std::uint64_t triangles = (moving ? 2 : 1) * items * sizeof(gpu::Triangle);
   const std::uint64_t corners = streams.any() ? items * sizeof(glm::uvec4) : 0;
   const std::uint64_t stream = usage.vertex_count * sizeof(glm::vec4);
   const std::uint64_t placed = plan.instances * sizeof(gpu::Instance);
@@ -37,7 +38,7 @@ Plan plan(const Scene& scene, bvh::Quality quality) {
   plan.triangle_bytes = triangles + corners;
   const std::uint64_t nodes = triangle_node_bytes(items) + (placed > 0 ? instance_node_bytes(plan.instances) : 0);
   plan.node_bytes = nodes + placed;
-  plan.vertex_bytes = streams.count() * stream;
+  plan.vertex_bytes = (streams.count() + (moving && streams.normals ? 1 : 0)) * stream;
   plan.texel_bytes = materials.textures.word_count * sizeof(std::uint32_t);
   plan.environment_bytes =
       environment + environment / 4 + scene.environment.height * sizeof(std::uint32_t); // and its distribution

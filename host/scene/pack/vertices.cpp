@@ -22,18 +22,20 @@ glm::dvec3 unit_or_zero(const glm::dvec3& v) {
   return length > 0.0 && std::isfinite(length) ? v / length : glm::dvec3(0.0);
 }
 
-void pack_normals(const Mesh& mesh, const glm::dmat3& linear, std::uint32_t first, std::vector<glm::vec4>& out) {
+// `normals` and `tangents`: of `count` vertices each, or empty.
+void pack_normals(const std::vector<glm::vec3>& normals, const std::vector<glm::vec4>& tangents, std::size_t count,
+                  const glm::dmat3& linear, std::uint32_t first, std::vector<glm::vec4>& out) {
   const glm::dmat3 normal_matrix = glm::transpose(glm::inverse(linear));
   // cross(M a, M b) = det(M) M^-T cross(a, b): where M mirrors, the bitangent cross(n, t) * w is kept only if w changes
   // sign.
   const float handedness = glm::determinant(linear) < 0.0 ? -1.0f : 1.0f;
-  tbb::parallel_for(std::size_t{0}, mesh.positions.size(), [&](std::size_t v) {
+  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t v) {
     const glm::vec3 normal =
-        mesh.normals.empty() ? glm::vec3(0.0f) : glm::vec3(unit_or_zero(normal_matrix * glm::dvec3(mesh.normals[v])));
+        normals.empty() ? glm::vec3(0.0f) : glm::vec3(unit_or_zero(normal_matrix * glm::dvec3(normals[v])));
     float tangent = 0.0f;
-    if (!mesh.tangents.empty()) {
-      const glm::dvec3 t = unit_or_zero(linear * glm::dvec3(glm::vec3(mesh.tangents[v])));
-      tangent = pack_tangent({glm::vec3(t), mesh.tangents[v].w * handedness});
+    if (!tangents.empty()) {
+      const glm::dvec3 t = unit_or_zero(linear * glm::dvec3(glm::vec3(tangents[v])));
+      tangent = pack_tangent({glm::vec3(t), tangents[v].w * handedness});
     }
     out[first + v] = {normal, tangent};
   });
@@ -91,7 +93,8 @@ void pack_vertices(Scene& scene, const Usage& usage, const Streams& streams, Pac
   for (const Instance& instance : scene.instances)
     if (usage.mesh_instances[instance.mesh] == 1) linear[instance.mesh] = glm::dmat3(instance.world_from_object);
 
-  if (streams.normals) packed.vertex_normals.assign(usage.vertex_count, glm::vec4(0.0f));
+  if (packed.moves()) packed.end_normals = static_cast<std::uint32_t>(usage.vertex_count);
+  if (streams.normals) packed.vertex_normals.assign(usage.vertex_count + packed.end_normals, glm::vec4(0.0f));
   if (streams.uvs) packed.vertex_uvs.assign(usage.vertex_count, glm::vec4(0.0f));
   if (streams.colors) packed.vertex_colors.assign(usage.vertex_count, glm::vec4(1.0f));
   std::size_t repaired = 0;
@@ -99,7 +102,13 @@ void pack_vertices(Scene& scene, const Usage& usage, const Streams& streams, Pac
     if (usage.mesh_instances[m] == 0) continue;
     const Mesh& mesh = scene.meshes[m];
     const std::uint32_t first = usage.first_vertex[m];
-    if (streams.normals) pack_normals(mesh, linear[m], first, packed.vertex_normals);
+    const std::size_t count = mesh.positions.size();
+    if (streams.normals) pack_normals(mesh.normals, mesh.tangents, count, linear[m], first, packed.vertex_normals);
+    if (streams.normals && packed.moves()) {
+      const auto& normals = mesh.moves() ? mesh.end_normals : mesh.normals;
+      const auto& tangents = mesh.moves() ? mesh.end_tangents : mesh.tangents;
+      pack_normals(normals, tangents, count, linear[m], first + packed.end_normals, packed.vertex_normals);
+    }
     if (streams.uvs) repaired += pack_uvs(mesh, first, packed.vertex_uvs);
     if (streams.colors) std::copy(mesh.colors.begin(), mesh.colors.end(), packed.vertex_colors.begin() + first);
   }

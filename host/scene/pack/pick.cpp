@@ -1,4 +1,6 @@
-#include "host/view/pick.h"
+#include "host/scene/pack/pick.h"
+
+#include <limits>
 
 #include "bvh/traverse.h"
 
@@ -12,7 +14,7 @@ bvh::Vec3 vec3(const glm::dvec3& v) {
 bvh::Vec3 vec3(const glm::vec3& v) { return {v.x, v.y, v.z}; }
 
 // Distance to the closest of the triangles below node `root`, or t_max.
-float nearest_triangle(const PackedScene& scene, std::uint32_t root, const bvh::Ray& ray) {
+float nearest_triangle(const PackedScene& scene, std::uint32_t root, const bvh::Ray& ray, bool passes_backs) {
   const bvh::PreparedRay prepared = bvh::prepare(ray);
   float nearest = ray.t_max;
   bvh::traverse(scene.nodes, root, prepared, bvh::Order::nearest_first,
@@ -20,8 +22,10 @@ float nearest_triangle(const PackedScene& scene, std::uint32_t root, const bvh::
                   for (std::uint32_t i = first; i < first + count; ++i) {
                     const gpu::Triangle& t = scene.triangles[i];
                     bvh::TriangleHit hit;
-                    if (bvh::intersect(prepared, {vec3(t.v0), vec3(t.v1), vec3(t.v2)}, hit) && hit.t < t_best)
-                      nearest = t_best = hit.t;
+                    if (!bvh::intersect(prepared, {vec3(t.v0), vec3(t.v1), vec3(t.v2)}, hit) || hit.t >= t_best)
+                      continue;
+                    const bool single_sided = (t.surface & gpu::kTriangleSingleSided) != 0;
+                    if (hit.front || !single_sided || !passes_backs) nearest = t_best = hit.t;
                   }
                   return false;
                 });
@@ -33,7 +37,8 @@ glm::dvec3 transformed(const glm::vec4 (&rows)[3], const glm::dvec4& v) {
 }
 
 // The direction is transformed as it is, so that distances mean the same in every object.
-float nearest_instance(const PackedScene& scene, const glm::dvec3& origin, const glm::dvec3& direction) {
+float nearest_instance(const PackedScene& scene, const glm::dvec3& origin, const glm::dvec3& direction,
+                       bool passes_backs) {
   const bvh::Ray ray{vec3(origin), vec3(direction)};
   float nearest = ray.t_max;
   bvh::traverse(scene.nodes, scene.root, bvh::prepare(ray), bvh::Order::nearest_first,
@@ -43,7 +48,7 @@ float nearest_instance(const PackedScene& scene, const glm::dvec3& origin, const
                     const bvh::Ray inside{vec3(transformed(instance.object_from_world, glm::dvec4(origin, 1.0))),
                                           vec3(transformed(instance.object_from_world, glm::dvec4(direction, 0.0))),
                                           t_best};
-                    nearest = t_best = nearest_triangle(scene, instance.root, inside);
+                    nearest = t_best = nearest_triangle(scene, instance.root, inside, passes_backs);
                   }
                   return false;
                 });
@@ -53,16 +58,25 @@ float nearest_instance(const PackedScene& scene, const glm::dvec3& origin, const
 } // namespace
 
 std::optional<glm::dvec3> pick(const PackedScene& scene, const View& view, const glm::dvec2& place,
-                               const glm::dvec2& size) {
+                               const glm::dvec2& size, bool passes_backs) {
   const glm::dvec2 at = glm::dvec2(2.0, -2.0) * place / size + glm::dvec2(-1.0, 1.0);
   const glm::dvec3 aside = at.x * view.right + at.y * view.up;
   const glm::dvec3 eye = view.orthographic ? view.position + aside : view.position;
   const glm::dvec3 direction = view.orthographic ? view.forward : view.forward + aside, origin = eye - scene.origin;
   if (scene.triangles.empty()) return std::nullopt;
-  const float t = scene.root_is_top ? nearest_instance(scene, origin, direction)
-                                    : nearest_triangle(scene, scene.root, {vec3(origin), vec3(direction)});
+  const float t = scene.root_is_top
+                      ? nearest_instance(scene, origin, direction, passes_backs)
+                      : nearest_triangle(scene, scene.root, {vec3(origin), vec3(direction)}, passes_backs);
   if (t == std::numeric_limits<float>::infinity()) return std::nullopt;
   return eye + static_cast<double>(t) * direction;
+}
+
+double depth_of(const View& view, const glm::dvec3& point) { return glm::dot(point - view.position, view.forward); }
+
+double depth_of_middle(const PackedScene& scene, const View& view, bool passes_backs) {
+  if (const auto point = pick(scene, view, {0.5, 0.5}, {1.0, 1.0}, passes_backs)) return depth_of(view, *point);
+  const double depth = depth_of(view, scene.origin + glm::dvec3(scene.centre));
+  return depth > 0.0 ? depth : scene.radius > 0.0 ? scene.radius : 1.0;
 }
 
 } // namespace wavepath

@@ -1,0 +1,47 @@
+#include "host/scene/gltf/motion.h"
+
+#include "host/base/error.h"
+
+namespace wavepath::gltf {
+namespace {
+
+[[noreturn]] void refuse(const Scene& scene) {
+  throw Error(scene.path, "shows other meshes when the shutter closes than when it opens",
+              "choose another --shutter, or leave it out");
+}
+
+bool moves(const Mesh& mesh, const glm::dmat4& place, const Mesh& end, const glm::dmat4& end_place) {
+  return place != end_place || mesh.positions != end.positions || mesh.normals != end.normals;
+}
+
+// `object_from_end`: from the object at the end to the object at the beginning, which is the space of the mesh.
+void set_motion(Mesh& mesh, const Mesh& end, const glm::dmat4& object_from_end) {
+  const glm::dmat3 linear(object_from_end), normal_matrix = glm::transpose(glm::inverse(linear));
+  const auto unit = [](const glm::dvec3& v) { return glm::vec3(v / std::max(glm::length(v), 1e-300)); };
+  for (const glm::vec3& p : end.positions) mesh.end_positions.emplace_back(object_from_end * glm::dvec4(p, 1.0));
+  for (const glm::vec3& n : end.normals) mesh.end_normals.push_back(unit(normal_matrix * glm::dvec3(n)));
+  for (const glm::vec4& t : end.tangents) mesh.end_tangents.emplace_back(unit(linear * glm::dvec3(glm::vec3(t))), t.w);
+}
+
+} // namespace
+
+void add_motion(Scene& scene, const Scene& end) {
+  if (scene.instances.size() != end.instances.size()) refuse(scene);
+  std::vector<std::uint32_t> uses(scene.meshes.size());
+  for (const Instance& instance : scene.instances) ++uses[instance.mesh];
+  for (std::size_t i = 0; i < scene.instances.size(); ++i) {
+    Instance& instance = scene.instances[i];
+    const glm::dmat4& end_place = end.instances[i].world_from_object;
+    const Mesh& end_mesh = end.meshes[end.instances[i].mesh];
+    if (scene.meshes[instance.mesh].positions.size() != end_mesh.positions.size()) refuse(scene);
+    if (!moves(scene.meshes[instance.mesh], instance.world_from_object, end_mesh, end_place)) continue;
+    if (--uses[instance.mesh] > 0) {
+      Mesh copy = scene.meshes[instance.mesh];
+      instance.mesh = static_cast<std::uint32_t>(scene.meshes.size());
+      scene.meshes.push_back(std::move(copy));
+    }
+    set_motion(scene.meshes[instance.mesh], end_mesh, glm::inverse(instance.world_from_object) * end_place);
+  }
+}
+
+} // namespace wavepath::gltf

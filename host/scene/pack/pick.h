@@ -1,0 +1,26 @@
+// What a place of the picture shows, by the tree on the host: the point under the pointer, and the distance to focus
+// on.
+#pragma once
+
+#include <optional>
+
+#include <glm/glm.hpp>
+
+#include "host/scene/pack/packed_scene.h"
+#include "host/scene/view.h"
+
+namespace wavepath {
+
+// The first hit of the camera ray through `place`, in world space. `place`: from the picture's top left
+// corner, in pixels; `size`: of the picture. Counts every triangle as a whole, cut-outs in its texture included.
+// `passes_backs`: single-sided triangles are not there from behind.
+std::optional<glm::dvec3> pick(const PackedScene& scene, const View& view, const glm::dvec2& place,
+                               const glm::dvec2& size, bool passes_backs = true);
+
+// Of a point in front of the camera, along the view axis; not positive behind it.
+double depth_of(const View& view, const glm::dvec3& point);
+
+// The depth of what the middle of the picture shows; of the middle of the scene where that is nothing.
+double depth_of_middle(const PackedScene& scene, const View& view, bool passes_backs = true);
+
+} // namespace wavepath
