@@ -28,8 +28,8 @@ std::map<std::string, std::string> members(const RenderSettings& settings) {
   const auto& [integrator, width, height, first_sample, last_sample, sample_total, time_limit, target_error, max_depth,
                sampler, hemisphere, direct, filter, seed, shadow_samples, ao_samples, ao_radius, ambient, branching,
                techniques, cutoff, denoise, antialias_over_time, lights, adaptive, guide, specialize, aovs,
-               guide_iterations, added_features, removed_features, room_for_shadow_rays, room_for_whole_nets, whole_nets_from,
-               wave_slots] = settings;
+               guide_iterations, added_features, removed_features, room_for_shadow_rays, room_for_whole_nets,
+               whole_nets_from, wave_slots] = settings;
   const auto text = [](const auto& value) { return fmt::format("{}", value); };
   return {{"integrator", std::string(integrator->name)},
           {"width", text(width)},
