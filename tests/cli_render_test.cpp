@@ -92,13 +92,13 @@ TEST_F(CliRenderTest, LongRendersMeasureWhichIntegratorSuits) {
     EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
     return Json::parse(std::ifstream(stats_)).value("choice", Json());
   };
-  const Json measured = choice({"--spp", "1024"});
+  const Json measured = choice({"--size", "16x16", "--spp", "3072"});
   ASSERT_TRUE(measured.is_object());
   EXPECT_EQ(measured["taken"], "path");
   EXPECT_EQ(measured["trials"][0]["flags"], "path");
   EXPECT_TRUE(choice({"--spp", "4"}).is_null());
-  EXPECT_TRUE(choice({"--spp", "1024", "--integrator", "path"}).is_null());
-  EXPECT_TRUE(choice({"--spp", "1024", "--lights", "power"}).is_null()) << "a flag of path";
+  EXPECT_TRUE(choice({"--size", "16x16", "--spp", "3072", "--integrator", "path"}).is_null());
+  EXPECT_TRUE(choice({"--size", "16x16", "--spp", "3072", "--lights", "power"}).is_null()) << "a flag of path";
 }
 
 TEST_F(CliRenderTest, StatsHaveTheDocumentedKeys) {
