@@ -83,24 +83,6 @@ TEST_F(CliRenderTest, StatsNameTheBiasOfEveryIntegrator) {
   EXPECT_EQ(hybrid.find("missing"), std::string::npos) << hybrid;
 }
 
-// Without --integrator, long renders measure which one suits the scene; short ones do not, nor where a flag is of one.
-TEST_F(CliRenderTest, LongRendersMeasureWhichIntegratorSuits) {
-  const auto choice = [&](const std::vector<std::string>& flags) {
-    std::vector<std::string> all = {"-q", "-o", exr_, "--stats", stats_, "--filter", "box"};
-    all.insert(all.end(), flags.begin(), flags.end());
-    const Outcome outcome = render(all);
-    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-    return Json::parse(std::ifstream(stats_)).value("choice", Json());
-  };
-  const Json measured = choice({"--size", "16x16", "--spp", "3072"});
-  ASSERT_TRUE(measured.is_object());
-  EXPECT_EQ(measured["taken"], "path");
-  EXPECT_EQ(measured["trials"][0]["flags"], "path");
-  EXPECT_TRUE(choice({"--spp", "4"}).is_null());
-  EXPECT_TRUE(choice({"--size", "16x16", "--spp", "3072", "--integrator", "path"}).is_null());
-  EXPECT_TRUE(choice({"--size", "16x16", "--spp", "3072", "--lights", "power"}).is_null()) << "a flag of path";
-}
-
 TEST_F(CliRenderTest, StatsHaveTheDocumentedKeys) {
   ASSERT_EQ(render({"-o", exr_, "--spp", "4", "--stats", stats_, "--seed", "3"}).exit_code, 0);
   const Json stats = Json::parse(std::ifstream(stats_));
