@@ -1,7 +1,6 @@
-// The surface model of glTF 2.0: metallic-roughness with KHR_materials_specular, _ior, _transmission, _volume,
-// _clearcoat, _sheen, _anisotropy, _iridescence and _diffuse_transmission.
+// The surface model of glTF 2.0: metallic-roughness with KHR_materials_specular, _ior, _transmission and _volume. What
+// _clearcoat, _sheen, _anisotropy, _iridescence and _diffuse_transmission add to it is in layers.glsl.
 //
-// coat over (sheen over f); what a layer lets pass is in coat.glsl and sheen.glsl.
 // f = metallic * conductor + (1 - metallic) * dielectric, where the dielectric is an interface over a mix of a diffuse
 // base and transmission. What the interface reflects at a microfacet, the transmission below it lacks: (1 - max
 // F(v.h)), as in glTF's appendix B. The diffuse base is coupled by T(o) T(i) / mean T instead, T = 1 - albedo of the
@@ -14,108 +13,15 @@
 #ifndef WAVEPATH_BSDF_GLSL
 #define WAVEPATH_BSDF_GLSL
 
-#include "kernels/coat.glsl"
-#include "kernels/config.glsl"
-#include "kernels/fresnel.glsl"
-#include "kernels/math.glsl"
-#include "kernels/microfacet.glsl"
+#include "kernels/bsdf_types.glsl"
 #include "kernels/multiple.glsl"
-#include "kernels/scene_types.h"
-#include "kernels/sheen.glsl"
-#include "kernels/thin_film.glsl"
+#ifdef LAYERED
+#include "kernels/layers.glsl"
+#else
+#include "kernels/no_layers.glsl"
+#endif
 
-struct Bsdf {
-  vec3 base_color; // [0, 1]
-  float metallic;
-  vec3 specular_color;
-  float specular;
-  float alpha; // roughness^2
-  float transmission;
-  float ior;     // of the body against vacuum; 0 = infinite
-  bool entering; // wo is outside of the body; ignored where thin
-  bool thin;     // no volume behind the surface: light passes unbent
-
-  // Each in kernels that have its lobe alone.
-  Coat coat;
-  Sheen sheen;
-  Film film;
-  vec2 stretched_alpha;                // along the tangent and the bitangent; both alpha where there is no anisotropy
-  vec3 diffuse_through;                // albedo of the diffuse base towards the other side
-  float diffuse_transmission;          // share of the diffuse base that scatters there
-  uint ggx_table, glass_table;         // of albedo; kNone: the scene has none
-  bool disperses;                      // `ior` is that of one channel
-};
-
-struct BsdfSample {
-  vec3 wi;
-  vec3 weight;     // f |cos| / pdf
-  float pdf;       // per solid angle, of all lobes together; negative: a delta lobe
-  float eta_scale; // squared relative ior crossed, 1 if none
-  bool transmitted;
-};
-
-// Closer to 1 than this, rough refraction bends by less than 1e-3 alpha and its half vector is lost in rounding: it
-// passes as delta.
-const float kMinEtaStep = 1e-3;
-
-// What eval and sample share: the material as seen from wo.
-struct Lobes {
-  Interface surface;
-  vec3 diffuse; // albedo of the base with the coupling of wo and the mean; that of wi is still missing
-  float base_coupling; // the same of a white base
-  float diffuse_probability;
-  float facet_probability; // of all lobes together, either 0 or summing to 1
-  bool delta_reflection;
-  bool delta_transmission;
-
-  // Each in kernels that have its lobe alone.
-  float coat_probability;
-  float sheen_passed; // along wo
-  float coat_passed;  // along wo, and on average
-  float coat_passed_mean;
-  vec3 multiple, multiple_through; // (1 - albedo along wo) / (pi * mean), coloured, to either side
-  float through; // share of the diffuse draws, which serve all wide lobes, that go to the other side
-};
-
-const bool kMicrofacets = (kFeatures & (kFeatureSpecular | kFeatureTransmission)) != 0u;
-const bool kThrough = (kLobes & (kLobeDiffuseTransmission | kLobeMultiple)) != 0u; // no &&: glslang makes a branch of it
-
-bool is_coated(Bsdf b) { return has_lobe(kLobeCoat) && b.coat.weight > 0.0; }
-bool has_sheen(Bsdf b) { return has_lobe(kLobeSheen) && max_component(b.sheen.color) > 0.0; }
-bool is_stretched(Bsdf b) { return has_lobe(kLobeAnisotropy) && b.stretched_alpha.x != b.stretched_alpha.y; }
-bool is_mirror(Bsdf b) { return b.alpha < kMinAlpha && !is_stretched(b); }
-
-// The layers are on the outside; a thin wall has two of them.
-bool is_outside(Bsdf b, float side) { return b.thin || (side > 0.0) == b.entering; }
-
-// ---- microfacets, stretched or not ----------------------------------------------------------------------------------
-
-float facet_distribution(Bsdf b, vec3 h) {
-  return is_stretched(b) ? ggx_distribution(h, b.stretched_alpha) : ggx_distribution(h, b.alpha);
-}
-float facet_visibility(Bsdf b, vec3 wo, vec3 wi) {
-  return is_stretched(b) ? smith_visibility(wo, wi, b.stretched_alpha) : smith_visibility(wo, wi, b.alpha);
-}
-float facet_reflected_pdf(Bsdf b, vec3 wo, vec3 h) {
-  return is_stretched(b) ? ggx_reflected_pdf(wo, h, b.stretched_alpha) : ggx_reflected_pdf(wo, h, b.alpha);
-}
-vec3 sample_facet(Bsdf b, vec3 wo, vec2 u) {
-  return ggx_sample_visible_normal(wo, is_stretched(b) ? b.stretched_alpha : vec2(b.alpha), u);
-}
-
-// Only materials that transmit light have an inside.
-Interface surface_of(Bsdf b) {
-  return make_interface(b.ior, b.specular_color, b.specular, b.thin || b.entering || b.transmission == 0.0);
-}
-
-// The film's share of what a base of normal reflectance f0 reflects. From inside a body, the film is met at the angle at
-// which the light leaves, so that both ways have one reflectance.
-vec3 with_film(Bsdf b, Interface surface, vec3 f0, vec3 plain, float c) {
-  if (!has_lobe(kLobeIridescence) || b.film.weight == 0.0) return plain;
-  float outside2 = surface.eta < 1.0 ? 1.0 - (1.0 - c * c) / (surface.eta * surface.eta) : c * c;
-  if (outside2 <= 0.0) return plain;
-  return mix(plain, film_reflectance(b.film, f0, sqrt(outside2)), b.film.weight);
-}
+const bool kThrough = (kLobes & (kLobeDiffuseTransmission | kLobeMultiple)) != 0u; // no ||: glslang makes a branch of it
 
 vec3 dielectric_reflectance(Bsdf b, Interface surface, float c) {
   return with_film(b, surface, surface.f0, fresnel_dielectric(surface, c), c);
@@ -136,7 +42,7 @@ vec3 facet_transmittance(Bsdf b, Interface surface, float c) {
 
 // A thin smooth pane: light that it transmits goes straight on, so that shadow rays may pass.
 bool is_pane(Bsdf b) {
-  return has(kFeatureTransmission) && b.thin && is_mirror(b) && b.transmission > 0.0 && !is_coated(b) && !has_sheen(b);
+  return has(kFeatureTransmission) && b.thin && is_mirror(b) && b.transmission > 0.0 && !has_cover(b);
 }
 
 // What passes it at this cosine: the throughput of the delta lobe that sample_facets() draws, over all its draws.
@@ -149,27 +55,25 @@ float reflect_probability(vec3 reflectance, vec3 transmittance) {
 }
 
 bool is_lambert(Bsdf b) {
-  if (is_coated(b) || has_sheen(b) || (has_lobe(kLobeDiffuseTransmission) && b.diffuse_transmission > 0.0)) return false;
+  if (has_wide_layers(b)) return false;
   return !kMicrofacets || (b.metallic == 0.0 && b.transmission == 0.0 && (b.specular == 0.0 || b.ior == 1.0));
 }
 
 // Share of light along a direction that gets to the diffuse base, or from it.
 float base_passes(Bsdf b, Interface surface, float mu) {
-  float passes = interface_transmittance(surface, mu, b.alpha);
-  if (has_lobe(kLobeIridescence) && b.film.weight > 0.0)
-    passes = min(passes, 1.0 - max_component(dielectric_reflectance(
-                                   b, surface, is_blurred(surface, b.alpha) ? blurred_cosine(surface, mu, b.alpha) : mu)));
-  return passes;
+  return film_passes(b, surface, mu, interface_transmittance(surface, mu, b.alpha));
 }
+
+// ---- more than one bounce between microfacets: see multiple.glsl ----------------------------------------------------
 
 // The table of what the microfacets lack on wo's side, and on the other.
 bool is_body(Bsdf b) { return has(kFeatureTransmission) && !b.thin && b.transmission > 0.0 && b.metallic < 1.0; }
 uint own_table(Bsdf b) { return !is_body(b) ? b.ggx_table : b.glass_table + (b.entering ? 0u : kTableTexels); }
 uint other_table(Bsdf b) { return !is_body(b) ? b.ggx_table : b.glass_table + (b.entering ? kTableTexels : 0u); }
 
-// The lobes of light that scatters more than once, for wo; see multiple.glsl.
-void set_multiple(Bsdf b, vec3 wo, inout Lobes l) {
-  if (l.delta_reflection || b.ggx_table == kNone) return;
+// Its lobes for wo.
+void add_multiple(Bsdf b, vec3 wo, inout Lobes l, inout Shares shares) {
+  if (!has_lobe(kLobeMultiple) || l.delta_reflection || b.ggx_table == kNone) return;
   if (is_stretched(b)) return; // no table has stretched facets: any round one returns too much
   vec4 average = table_average(own_table(b), sqrt(b.alpha));
   float missing = average.x, missing_there = is_body(b) ? average.y : missing;
@@ -184,55 +88,34 @@ void set_multiple(Bsdf b, vec3 wo, inout Lobes l) {
   vec3 returned = b.metallic * metal_returns(b.base_color, missing) + glass * (1.0 - passes);
   l.multiple = returned * (lacking / (kPi * missing));
   l.multiple_through = b.base_color * (glass * passes * lacking / (kPi * missing_there));
+  shares.reflected += luminance(l.multiple) * (kPi * missing);
+  shares.through += luminance(l.multiple_through) * (kPi * missing_there);
 }
 
-// Of the lobes beyond metallic-roughness: what they pass, how likely they are drawn. `facets`, `diffuse`: luminance of
-// the shares of light that the lobes of the base scatter.
-void share_with_layers(Bsdf b, vec3 wo, float facets, float diffuse, inout Lobes l) {
-  float reflected = diffuse, through = 0.0;
-  if (has_lobe(kLobeDiffuseTransmission)) {
-    through = diffuse * b.diffuse_transmission * luminance(b.diffuse_through) / max(luminance(b.base_color), 1e-6);
-    reflected *= 1.0 - b.diffuse_transmission;
-  }
-  if (has_lobe(kLobeMultiple) && max_component(l.multiple + l.multiple_through) > 0.0) {
-    vec4 average = table_average(own_table(b), sqrt(b.alpha));
-    reflected += luminance(l.multiple) * kPi * average.x;
-    through += luminance(l.multiple_through) * kPi * (is_body(b) ? average.y : average.x);
-  }
-  bool outside = is_outside(b, 1.0);
-  l.sheen_passed = l.coat_passed = l.coat_passed_mean = 1.0;
-  if (has_sheen(b) && outside) {
-    l.sheen_passed = sheen_passes(b.sheen, wo);
-    facets *= l.sheen_passed;
-    reflected = reflected * l.sheen_passed + luminance(b.sheen.color) * (1.0 - l.sheen_passed) /
-                                                 max_component(b.sheen.color);
-    through *= l.sheen_passed;
-  }
-  float coat = 0.0;
-  if (is_coated(b)) {
-    l.coat_passed_mean = coat_passes_mean(b.coat);
-    if (outside) {
-      l.coat_passed = coat_passes(b.coat, wo);
-      facets *= l.coat_passed, reflected *= l.coat_passed, through *= l.coat_passed;
-      coat = 1.0 - l.coat_passed;
-    }
-  }
-  float wide = reflected + through, all = coat + facets + wide;
-  l.coat_probability = all > 0.0 ? coat / all : 0.0;
-  l.facet_probability = all > 0.0 ? (wide > 0.0 ? facets / all : 1.0 - l.coat_probability) : 0.0;
+// Light that the microfacets reflect after more than one bounce.
+vec3 eval_multiple(Bsdf b, Lobes l, vec3 wi) {
+  if (!has_lobe(kLobeMultiple) || max_component(l.multiple) <= 0.0) return vec3(0.0);
+  return l.multiple * (facets_lack(own_table(b), wi, b.alpha) * wi.z);
+}
+
+// ---- the lobes ----------------------------------------------------------------------------------------------------------
+
+void set_probabilities(Shares shares, inout Lobes l) {
+  float wide = shares.reflected + shares.through, all_ = shares.coat + shares.facets + wide;
+  l.coat_probability = all_ > 0.0 ? shares.coat / all_ : 0.0;
+  l.facet_probability = all_ > 0.0 ? (wide > 0.0 ? shares.facets / all_ : 1.0 - l.coat_probability) : 0.0;
   l.diffuse_probability = wide > 0.0 ? max(1.0 - l.coat_probability - l.facet_probability, 0.0) : 0.0;
-  l.through = wide > 0.0 ? through / wide : 0.0;
+  l.through = wide > 0.0 ? shares.through / wide : 0.0;
 }
-
-const bool kLayers = (kLobes & (kLobeCoat | kLobeSheen | kLobeDiffuseTransmission | kLobeMultiple)) != 0u;
 
 Lobes lobes_of(Bsdf b, vec3 wo) {
   Lobes l;
   l.diffuse = b.base_color;
   l.diffuse_probability = luminance(b.base_color) > 0.0 ? 1.0 : 0.0;
   l.facet_probability = l.coat_probability = l.through = 0.0;
+  l.base_coupling = 1.0;
   l.multiple = l.multiple_through = vec3(0.0);
-  l.sheen_passed = l.coat_passed = l.coat_passed_mean = 1.0;
+  clear_layers(l);
   l.delta_reflection = l.delta_transmission = false;
   if (!kMicrofacets) return l;
 
@@ -246,30 +129,11 @@ Lobes lobes_of(Bsdf b, vec3 wo) {
   l.diffuse = b.base_color * l.base_coupling;
   float facets = luminance(facet_reflectance(b, l.surface, wo.z)) + luminance(facet_transmittance(b, l.surface, wo.z));
   float diffuse = luminance(b.base_color) * base * below;
-  if (diffuse + facets > 0.0) {
-    l.facet_probability = diffuse > 0.0 ? facets / (diffuse + facets) : 1.0;
-    l.diffuse_probability = 1.0 - l.facet_probability;
-  } else {
-    l.diffuse_probability = 0.0;
-  }
-  if (has_lobe(kLobeMultiple)) set_multiple(b, wo, l);
-  if (kLayers) share_with_layers(b, wo, facets, diffuse, l);
+  Shares shares = Shares(0.0, facets, diffuse, 0.0);
+  add_multiple(b, wo, l, shares);
+  add_layers(b, wo, diffuse, l, shares);
+  set_probabilities(shares, l);
   return l;
-}
-
-// What the layers pass of light that the facets send from wo to wi, and of light that the diffuse base sends. A body's
-// directions inside are below the layers.
-float layers_pass(Bsdf b, Lobes l, vec3 wi) {
-  float passed = 1.0;
-  bool outside = is_outside(b, wi.z);
-  if (has_sheen(b)) passed = outside ? min(l.sheen_passed, sheen_passes(b.sheen, wi)) : l.sheen_passed;
-  if (is_coated(b)) passed *= outside ? min(l.coat_passed, coat_passes(b.coat, wi)) : l.coat_passed;
-  return passed;
-}
-float layers_pass_diffuse(Bsdf b, Lobes l, vec3 wi) {
-  if (!is_coated(b) || !is_outside(b, 1.0)) return layers_pass(b, l, wi);
-  float passed = l.coat_passed * coat_passes(b.coat, wi) / l.coat_passed_mean;
-  return has_sheen(b) ? passed * min(l.sheen_passed, sheen_passes(b.sheen, wi)) : passed;
 }
 
 // ---- evaluation -------------------------------------------------------------------------------------------------
@@ -277,30 +141,22 @@ float layers_pass_diffuse(Bsdf b, Lobes l, vec3 wi) {
 vec3 eval_diffuse(Bsdf b, Lobes l, vec3 wi, out float pdf) {
   pdf = kHemisphere == kHemisphereUniform ? warp_uniform_hemisphere_pdf() : warp_cosine_hemisphere_pdf(wi.z);
   vec3 value = l.diffuse * (kInvPi * wi.z);
-  if (has_lobe(kLobeDiffuseTransmission)) value *= 1.0 - b.diffuse_transmission;
+  value *= diffuse_kept(b);
   return kMicrofacets ? value * base_passes(b, l.surface, wi.z) : value;
 }
 
-// Of the lobes that go through the surface diffusely: KHR_materials_diffuse_transmission, and rough glass.
+// Of the wide lobes that go through the surface: of a diffuse base, and of rough glass.
 vec3 eval_through(Bsdf b, Lobes l, vec3 wi, out float pdf) {
-  vec3 mirrored = vec3(wi.xy, -wi.z), value = vec3(0.0);
-  pdf = kHemisphere == kHemisphereUniform ? warp_uniform_hemisphere_pdf() : warp_cosine_hemisphere_pdf(mirrored.z);
-  if (has_lobe(kLobeDiffuseTransmission) && b.diffuse_transmission > 0.0) {
-    // The base's own colour is replaced; the coupling at both interfaces is that of reflection.
-    float coupling = l.base_coupling * base_passes(b, l.surface, mirrored.z);
-    value = b.diffuse_through * (b.diffuse_transmission * coupling * kInvPi * mirrored.z);
-  }
+  pdf = 0.0;
+  if (!kThrough || l.through <= 0.0) return vec3(0.0);
+  float mu = -wi.z;
+  pdf = kHemisphere == kHemisphereUniform ? warp_uniform_hemisphere_pdf() : warp_cosine_hemisphere_pdf(mu);
+  vec3 value = eval_diffuse_through(b, l, mu);
   if (has_lobe(kLobeMultiple) && max_component(l.multiple_through) > 0.0) {
     float scale = b.thin ? 1.0 : 1.0 / (l.surface.eta * l.surface.eta); // of radiance
-    value += l.multiple_through * (facets_lack(other_table(b), wi, b.alpha) * mirrored.z * scale);
+    value += l.multiple_through * (facets_lack(other_table(b), wi, b.alpha) * mu * scale);
   }
   return value;
-}
-
-// Light that the microfacets reflect after more than one bounce.
-vec3 eval_multiple(Bsdf b, Lobes l, vec3 wi) {
-  if (max_component(l.multiple) <= 0.0) return vec3(0.0);
-  return l.multiple * (facets_lack(own_table(b), wi, b.alpha) * wi.z);
 }
 
 vec3 eval_reflection(Bsdf b, Interface surface, vec3 wo, vec3 wi, out float pdf) {
@@ -347,37 +203,24 @@ vec3 eval_lobes(Bsdf b, Lobes l, vec3 wo, vec3 wi, out float pdf) {
     value = eval_diffuse(b, l, wi, lobe_pdf);
     pdf = l.diffuse_probability * lobe_pdf;
     if (kThrough) pdf *= 1.0 - l.through;
-    if (kLayers) value *= layers_pass_diffuse(b, l, wi);
+    value *= layers_pass_diffuse(b, l, wi);
     vec3 facets = vec3(0.0);
     if (kMicrofacets && !l.delta_reflection) {
       facets = eval_reflection(b, l.surface, wo, wi, lobe_pdf);
       pdf += l.facet_probability * lobe_pdf;
-      if (has_lobe(kLobeMultiple)) facets += eval_multiple(b, l, wi);
+      facets += eval_multiple(b, l, wi);
     }
-    if (kLayers) facets *= layers_pass(b, l, wi);
-    value += facets;
-    if (is_outside(b, 1.0)) {
-      float coat_passed = 1.0;
-      if (is_coated(b)) {
-        coat_passed = min(l.coat_passed, coat_passes(b.coat, wi));
-        if (b.coat.alpha >= kMinAlpha) {
-          value += eval_coat(b.coat, wo, wi, lobe_pdf);
-          pdf += l.coat_probability * lobe_pdf;
-        }
-      }
-      if (has_sheen(b)) value += b.sheen.color * (coat_passed * eval_sheen(b.sheen.roughness, wo, wi));
-    }
+    value += facets * layers_pass(b, l, wi);
+    add_cover(b, l, wo, wi, value, pdf);
   } else if (wi.z < 0.0) {
     if (has(kFeatureTransmission) && b.transmission > 0.0 && !l.delta_transmission) {
       value = b.thin ? eval_thin_transmission(b, l.surface, wo, wi, lobe_pdf)
                      : eval_refraction(b, l.surface, wo, wi, lobe_pdf);
       pdf = l.facet_probability * lobe_pdf;
     }
-    if (kThrough && l.through > 0.0) {
-      value += eval_through(b, l, wi, lobe_pdf);
-      pdf += l.diffuse_probability * l.through * lobe_pdf;
-    }
-    if (kLayers) value *= layers_pass(b, l, wi);
+    value += eval_through(b, l, wi, lobe_pdf);
+    pdf += l.diffuse_probability * l.through * lobe_pdf;
+    value *= layers_pass(b, l, wi);
   }
   return value;
 }
@@ -413,7 +256,6 @@ bool sample_facets(Bsdf b, Lobes l, vec3 wo, float u_lobe, vec2 u, inout BsdfSam
     s.wi = mirrored;
     delta = l.delta_reflection;
     s.weight = reflectance / (q * l.facet_probability);
-    if (kLayers && delta) s.weight *= layers_pass(b, l, s.wi);
     return s.wi.z > 0.0;
   }
   delta = l.delta_transmission;
@@ -421,14 +263,11 @@ bool sample_facets(Bsdf b, Lobes l, vec3 wo, float u_lobe, vec2 u, inout BsdfSam
   s.weight = transmittance / ((1.0 - q) * l.facet_probability);
   if (b.thin) {
     s.wi = delta ? -wo : vec3(mirrored.xy, -mirrored.z);
-    if (kLayers && delta) s.weight *= layers_pass(b, l, s.wi);
     return s.wi.z < 0.0;
   }
   s.eta_scale = l.surface.eta * l.surface.eta;
   s.weight /= s.eta_scale;
-  if (!refract_direction(wo, h, l.surface.eta, s.wi)) return false;
-  if (kLayers && delta) s.weight *= layers_pass(b, l, s.wi);
-  return s.wi.z < 0.0;
+  return refract_direction(wo, h, l.surface.eta, s.wi) && s.wi.z < 0.0;
 }
 
 // Draws wi from the lobes of which there are any; false if the path ends here (absorbed, or scattered into the wrong
@@ -437,16 +276,12 @@ bool bsdf_sample_direction(Bsdf b, Lobes l, vec3 wo, float u_lobe, vec2 u, out B
   s = BsdfSample(vec3(0.0, 0.0, 1.0), vec3(0.0), 0.0, 1.0, false);
   delta = false;
   if (l.diffuse_probability + l.facet_probability + l.coat_probability == 0.0) return false;
-  if (has_lobe(kLobeCoat)) {
-    if (u_lobe < l.coat_probability) {
-      delta = b.coat.alpha < kMinAlpha;
-      if (delta) s.pdf = -1.0;
-      if (!sample_coat(b.coat, wo, u, delta, s.wi) || !(s.wi.z > 0.0)) return false;
-      if (delta) s.weight = vec3(coat_fresnel(b.coat, dot(wo, b.coat.normal)) / l.coat_probability);
-      return true;
-    }
-    u_lobe -= l.coat_probability;
+  if (u_lobe < l.coat_probability) {
+    if (!draw_from_coat(b, l, wo, u, s, delta)) return false;
+    if (delta) s.pdf = -1.0;
+    return true;
   }
+  u_lobe -= l.coat_probability;
   if (!kMicrofacets || u_lobe >= l.facet_probability) {
     s.wi = kHemisphere == kHemisphereUniform ? warp_uniform_hemisphere(u) : warp_cosine_hemisphere(u);
     if (kThrough && u_lobe - l.facet_probability < l.through * l.diffuse_probability) {
@@ -457,29 +292,17 @@ bool bsdf_sample_direction(Bsdf b, Lobes l, vec3 wo, float u_lobe, vec2 u, out B
     return true;
   }
   if (!sample_facets(b, l, wo, min(u_lobe / l.facet_probability, kOneMinusEpsilon), u, s, delta)) return false;
-  if (delta) s.pdf = -1.0;
-  return true;
-}
-
-// Draws wi; false if the path ends here.
-bool bsdf_sample(Bsdf b, vec3 wo, float u_lobe, vec2 u, out BsdfSample s) {
-  s = BsdfSample(vec3(0.0, 0.0, 1.0), vec3(0.0), 0.0, 1.0, false);
-  if (!(wo.z > 0.0)) return false;
-  Lobes l = lobes_of(b, wo);
-  bool delta;
-  if (!bsdf_sample_direction(b, l, wo, u_lobe, u, s, delta)) return false;
-  if (delta) return true;
-  vec3 value = eval_lobes(b, l, wo, s.wi, s.pdf);
-  if (!(s.pdf > 0.0) || !is_finite(s.pdf)) return false;
-  bool cancels = is_lambert(b) && kHemisphere == kHemisphereCosine; // f cos / pdf, with no need to round
-  s.weight = cancels ? b.base_color : value / s.pdf;
+  if (delta) {
+    s.pdf = -1.0;
+    s.weight *= layers_pass(b, l, s.wi);
+  }
   return true;
 }
 
 // Whether any lobe is not delta; otherwise next-event estimation finds nothing.
 bool bsdf_has_smooth(Bsdf b) {
   if (!kMicrofacets) return true;
-  if ((is_coated(b) && b.coat.alpha >= kMinAlpha) || has_sheen(b)) return true;
+  if (has_rough_cover(b)) return true;
   bool diffuse = b.metallic < 1.0 && b.transmission < 1.0 && max_component(b.base_color) > 0.0;
   bool facets = !is_mirror(b) && (b.metallic > 0.0 || b.specular > 0.0 || b.transmission > 0.0);
   return diffuse || facets;

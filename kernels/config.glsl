@@ -6,7 +6,7 @@
 #include "kernels/features.h"
 
 layout(constant_id = kSpecFeatures) const uint kFeatures = kFeaturesAll;
-layout(constant_id = kSpecLobes) const uint kLobes = kLobesAll;
+layout(constant_id = kSpecLobes) const uint kLobes = kLobesAll; // without LAYERED only of kLobeMultiple, see bsdf_types.glsl
 layout(constant_id = kSpecStackSize) const uint kStackSize = 160u;
 layout(constant_id = kSpecStack) const uint kStack = kStackArray;
 layout(constant_id = kSpecSampler) const uint kSampler = kSamplerSobol;

@@ -55,7 +55,7 @@ GPU_CONSTANT Feature kFeaturesAll = (1u << 31) - 1u;
 GPU_CONSTANT Feature kFeatureLearning =
     1u << 31; // of pilots alone: their kernels note what light rows and guide learn from
 
-// What a material may have beyond glTF's metallic-roughness model: kernels/layers.glsl.
+// What a material may have beyond glTF's metallic-roughness model: see kernels/layers.glsl.
 GPU_CONSTANT Feature kLobeCoat = GPU_LOBE(0);
 GPU_CONSTANT Feature kLobeSheen = GPU_LOBE(1);
 GPU_CONSTANT Feature kLobeAnisotropy = GPU_LOBE(2);
@@ -66,7 +66,7 @@ GPU_CONSTANT Feature kLobeScattering = GPU_LOBE(6); // in volumes
 GPU_CONSTANT Feature kLobeNested = GPU_LOBE(7);     // bodies that overlap
 GPU_CONSTANT Feature kLobeMultiple = GPU_LOBE(8);   // light that scatters more than once between rough microfacets
 GPU_CONSTANT Feature kLobesAll = GPU_LOBE(9) - GPU_LOBE(0);
-GPU_CONSTANT Feature kLobesOfRecords = GPU_LOBE(7) - GPU_LOBE(0); // those that read MaterialLayers
+GPU_CONSTANT Feature kLobesLayered = GPU_LOBE(8) - GPU_LOBE(0); // those that only the LAYERED builds of kernels know
 
 // ---- specialization constants ---------------------------------------------------------------------------------------
 GPU_CONSTANT uint kSpecFeatures = 0u;

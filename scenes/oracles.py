@@ -59,25 +59,3 @@ def spot_falloff(cosine, inner, outer):
     """KHR_lights_punctual's recommended cone."""
     s = 1 / max(0.001, math.cos(inner) - math.cos(outer))
     return max(0.0, min(1.0, cosine * s - math.cos(outer) * s)) ** 2
-
-
-def ggx_albedo(alpha, cosine, rings=512, spokes=16):
-    """Directional albedo of a GGX reflector with F = 1 and height-correlated Smith shadowing: midpoint rule over the
-    distribution of visible normals (spherical-cap form: Dupuy and Benyoub 2023); error below 1e-5 for alpha >= 0.25."""
-    def smith_lambda(z):
-        return (math.sqrt(1 + alpha * alpha * (1 / (z * z) - 1)) - 1) / 2
-
-    wo = (math.sqrt(1 - cosine * cosine), 0.0, cosine)
-    std = normalize((wo[0] * alpha, 0.0, wo[2]))
-    total = 0.0
-    for i in range(rings):
-        z = (1 - (i + 0.5) / rings) * (1 + std[2]) - std[2]
-        r = math.sqrt(max(0.0, 1 - z * z))
-        for j in range(spokes):
-            phi = math.pi * (j + 0.5) / spokes  # the other half is its mirror image
-            c = add((r * math.cos(phi), r * math.sin(phi), z), std)
-            h = normalize((c[0] * alpha, c[1] * alpha, max(c[2], 1e-12)))
-            wi = sub(scale(h, 2 * dot(wo, h)), wo)
-            if wi[2] > 0:
-                total += (1 + smith_lambda(cosine)) / (1 + smith_lambda(cosine) + smith_lambda(wi[2]))
-    return total / (rings * spokes)

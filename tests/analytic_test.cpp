@@ -383,34 +383,26 @@ TEST_F(AnyScene, EstimatorsAndSamplersAgreeOnTheCornellBox) {
   }
 }
 
-// Five metal balls that absorb nothing, under a white sky: where a ray meets one at a given cosine it shows the albedo
-// of single scattering there, less what the neighbours hide of the sky and do not return.
-TEST_F(AnyScene, RoughMetalBallsReturnWhatSingleScatteringLeaves) {
-  constexpr int kWidth = 480, kHeight = 120, kCosines = 64;
+// Five metal balls that absorb nothing, under a white sky, from smooth to as rough as can be: they cannot be seen, but
+// for what paths beyond the eighth bounce would bring.
+TEST_F(AnyScene, RoughMetalBallsReturnAllLight) {
+  constexpr int kWidth = 480, kHeight = 120;
   const Picture picture =
       render_scene(device(), kScenes / "furnace_metal.gltf",
                    {"--size", "480x120", "--spp", "8", "--env", "1,1,1", "--direct", "bsdf", "--filter", "box"})
           .picture;
-  for (const float value : picture.channels[0].values) EXPECT_LE(value, 1.0f + 1e-5f);
   const double radius = 0.4, pixel = 2.0 * std::tan(0.4) / kHeight;
-  const double alphas[] = {0.01, 0.25, 0.5, 0.75, 1.0};
-  // What the neighbours leave, as measured (0.991, 0.981, 0.966, 0.958, 0.975; the outer balls have one), less 1 % of
-  // noise.
-  const double kLeast[] = {0.981, 0.971, 0.956, 0.948, 0.965};
   for (int ball = 0; ball < 5; ++ball) {
-    std::vector<double> albedo; // at cosines in the middle of bins
-    for (int i = 0; i < kCosines; ++i) albedo.push_back(ggx_albedo(alphas[ball], (i + 0.5) / kCosines));
     const glm::dvec3 center(0.9 * ball - 1.8, 0.0, -6.0); // seen from the camera
-    double found = 0.0, expected = 0.0;
+    double found = 0.0, count = 0.0;
     for (int i = 0; i < kWidth * kHeight; ++i) {
       const double x = (i % kWidth + 0.5 - kWidth / 2) * pixel, y = (kHeight / 2 - i / kWidth - 0.5) * pixel;
       const double sine = glm::length(glm::cross(glm::normalize(glm::dvec3(x, y, -1.0)), center)) / radius;
       if (sine > 0.9) continue; // no silhouettes
       found += picture.channels[0].values[static_cast<std::size_t>(i)];
-      expected += albedo[static_cast<std::size_t>(std::sqrt(1.0 - sine * sine) * kCosines)];
+      ++count;
     }
-    EXPECT_LT(found, expected) << "alpha " << alphas[ball];
-    EXPECT_GT(found, expected * kLeast[ball]) << "alpha " << alphas[ball];
+    EXPECT_NEAR(found / count, 1.0, 0.01) << "ball " << ball;
   }
 }
 

@@ -270,7 +270,7 @@ TEST_F(NonfiniteCliTest, StrictNamesWhatReplaysIt) {
 }
 
 TEST_F(NonfiniteCliTest, ATraceIsTextOrJsonAndWritesNoFile) {
-  const std::vector<std::string> flags = {"--pixel", "3,4", "--sample", "1", "-o", exr_, "--stats", stats_};
+  const std::vector<std::string> flags = {"--pixel", "3,4", "--sample", "1", "-q", "-o", exr_, "--stats", stats_};
   const Outcome text = run(flags);
   ASSERT_EQ(text.exit_code, 0) << text.err;
   EXPECT_EQ(text.err, "");

@@ -255,9 +255,9 @@ TEST_F(Resume, WhatAutoChoseIsKept) {
   };
   const Outcome begun = render_bulb("4", {"-o", "part.exr", "--checkpoint", "state"});
   EXPECT_NE(begun.err.find("auto took path"), std::string::npos) << begun.err;
-  const Outcome fresh = render_bulb("1024", {"-o", "fresh.exr"});
+  const Outcome fresh = render_bulb("4096", {"-o", "fresh.exr"});
   EXPECT_NE(fresh.err.find("auto took bidirectional"), std::string::npos) << fresh.err;
-  const Outcome resumed = render_bulb("1024", {"-o", "part.exr", "--checkpoint", "state", "--resume", "--mergeable"});
+  const Outcome resumed = render_bulb("4096", {"-o", "part.exr", "--checkpoint", "state", "--resume", "--mergeable"});
   ASSERT_EQ(resumed.exit_code, 0) << resumed.err;
   EXPECT_TRUE(read_film(path("part.exr"))->splats.empty()); // path tracing has none
 }

@@ -162,7 +162,6 @@ std::vector<TrueError> align(std::vector<TrueError> errors, std::size_t checkpoi
 // Refuses what cannot work before the time of loading and rendering is spent. Returns the reference, if there is one.
 std::optional<Picture> check(Request& request) {
   settle_samples(request.render);
-  settle_integrator_kind(request.render);
   check_integrator(request.render);
   check_shutter(request.scene, request.render.settings);
   settle_strict(request.render);
@@ -240,8 +239,7 @@ IntegratorChoice settle_integrator(Request& request, Prepared& prepared) {
       choice.settings = *recorded;
     else
       choice = choose_integrator(*prepared.device, prepared.packed, prepared.view, settings, *prepared.kernels);
-    const bool tells = is_given(request.render, "integrator") || choice.trials.size() > 1;
-    if (!recorded && tells && !request.output.quiet) fmt::print(stderr, "wavepath: {}\n", choice_text(choice));
+    if (!recorded && !request.output.quiet) fmt::print(stderr, "wavepath: {}\n", choice_text(choice));
     settings = choice.settings;
   }
   if (needs_identity(request)) prepared.identity = identity_as(request, prepared, settings);

@@ -137,10 +137,7 @@ void add_picture_flags(CLI::App& app, Offer command, RenderRequest& request) {
 }
 
 void add_transport_flags(CLI::App& app, Offer command, RenderRequest& request) {
-  static constexpr Wording kByDefault[] = {
-      {.name = "integrator", .initial = "auto, or path where another flag is of path alone"}};
-  const bool measures = command == kByRender; // others take path
-  add_settings(app, command, SettingGroup::transport, request, measures ? kByDefault : std::span<const Wording>{});
+  add_settings(app, command, SettingGroup::transport, request);
   add_bvh_flag(app, request);
   add_device_flag(app, request);
   add_settings(app, command, SettingGroup::special, request);
@@ -219,18 +216,6 @@ void settle_samples(RenderRequest& request) {
   const bool open_ended = settings.time_limit > 0.0 || settings.target_error > 0.0;
   settings.last_sample = spp > 0 ? spp : open_ended ? kOpenEndedSamples : settings.last_sample;
   settings.sample_total = 0;
-}
-
-void settle_integrator_kind(RenderRequest& request) {
-  const auto is_special = [](const std::string& aov) { return !aov_takers_text(aov).empty(); };
-  if (is_given(request, "integrator") || request.pixel || std::ranges::any_of(request.settings.aovs, is_special))
-    return;
-  const auto kind =
-      std::ranges::find_if(integrators(), [](const IntegratorKind* k) { return k->candidates != nullptr; });
-  const bool takes_all = std::ranges::all_of(settings_table(), [&](const Setting& row) {
-    return row.takers == Takers::all || !is_given(request, row.name) || is_taken(row, **kind);
-  });
-  if (takes_all) request.settings.integrator = *kind;
 }
 
 void check_integrator(const RenderRequest& request) {

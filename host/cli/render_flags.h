@@ -82,8 +82,6 @@ void settle_samples(RenderRequest& request);
 void settle_strict(RenderRequest& request);
 
 // To be called after it. Throws UsageError for settings and flags that the chosen integrator does not take.
-// Without --integrator, the kind that measures which one suits the scene, unless another flag is of one alone.
-void settle_integrator_kind(RenderRequest& request);
 void check_integrator(const RenderRequest& request);
 
 // To be called after it. Throws UsageError where a path is to be replayed that the render does not have.

@@ -71,10 +71,17 @@ private:
   std::vector<VkSampler> samplers_;
 };
 
-// An embedded kernel: its name for people, and its SPIR-V (wavepath_NAME_spv of a generated header).
+// An embedded kernel: its name for people, its SPIR-V (wavepath_NAME_spv of a generated header), and that of its build
+// for scenes with layered materials (wavepath_NAME_layered_spv) if there is one.
 struct KernelCode {
   const char* name = "";
   std::span<const std::uint32_t> spirv;
+  std::span<const std::uint32_t> layered{};
+
+  // `has_layers`: the scene has kLobesLayered.
+  std::span<const std::uint32_t> build(bool has_layers) const {
+    return has_layers && !layered.empty() ? layered : spirv;
+  }
 };
 
 // Workgroups that hold `count` invocations. The caller keeps them below DeviceInfo::max_groups.

@@ -19,7 +19,7 @@ constexpr std::uint32_t kLongestSide = 64, kSamples = 16; // of a pilot
 // Iterations of a guiding pilot in a trial: enough to see that it does not pay; where it does, the field of the whole
 // render, which learns for longer, is better still.
 constexpr std::uint32_t kGuideIterations = 2;
-constexpr double kWholeOverPilots = 20.0; // in paths; below that, not even the first is tried
+constexpr double kWholeOverPilots = 60.0; // in paths; below that, not even the first is tried
 // Errors of the first trial. Below the one, nothing else is tried; above the other, trials may cost a fifth of the
 // render, because such scenes gain by factors, and in between a twentieth.
 constexpr double kEasy = 0.1, kHard = 1.0;

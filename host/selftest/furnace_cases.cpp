@@ -31,9 +31,12 @@ Measurement lambert_furnace(const SelftestContext& context) {
   return judge_near(dark ? estimate.smallest : estimate.largest, 1.0, 1e-6, "the pixel farthest from 1");
 }
 
-// Single scattering loses what meets a second facet; the rest must come back, and no sample may gain.
+// What meets a second facet comes back, too (kernels/multiple.glsl): all of it, to the error of the interpolated
+// tables. The facets and the wide lobe that makes up for the rest are drawn apart, so single samples are above 1 and
+// below.
+constexpr double kTableError = 2e-3;
+
 Measurement ggx_furnace(const SelftestContext& context) {
-  constexpr double kQuadrature = 2e-5, kRounding = 1e-5;
   Studio studio(context);
   Worst worst;
   for (const double alpha : {0.1, 0.25, 0.5, 0.75, 1.0}) {
@@ -42,8 +45,7 @@ Measurement ggx_furnace(const SelftestContext& context) {
       add_metal(scene, static_cast<float>(std::sqrt(alpha)));
       const Estimate estimate = studio.measure(scene, square(16, context.full ? 1024 : 64, 1), 2);
       const std::string label = fmt::format("alpha {}, cosine {}", alpha, cosine);
-      worst.add(estimate, ggx_albedo(alpha, cosine), kQuadrature + kRounding, label);
-      worst.add(std::max(estimate.largest, 1.0), 1.0, 1e-5, label + ", a pixel above 1");
+      worst.add(estimate, 1.0, kTableError, label);
     }
   }
   return worst.judge();
@@ -83,9 +85,9 @@ Measurement coat_furnace(const SelftestContext& context) {
   return worst.judge();
 }
 
-// Pictures of one sample a pixel show what every single sample weighs: no more than 1. Their mean is what each material
-// returns: all of it where nothing is lost, a little less where a rough facet hides another or where light enters
-// glass, within which radiance is larger by the square of the ior.
+// Pictures of one sample a pixel show what every single sample weighs: no more than 1, but for rough metals, see above.
+// Their mean is what each material returns: all of it where nothing is lost, a little less where light enters glass,
+// within which radiance is larger by the square of the ior.
 Measurement grazing(const SelftestContext& context) {
   Studio studio(context);
   Worst worst;
@@ -100,7 +102,7 @@ Measurement grazing(const SelftestContext& context) {
       const Estimate estimate = studio.measure(scene, square(32, 1, 1), 4);
       const std::string label = fmt::format("{}, cosine {:g}", name, cosine);
       worst.add(estimate, expected, slack, label);
-      worst.add(std::max(estimate.largest, 1.0), 1.0, 1e-5, label + ", largest sample");
+      if (slack < kTableError) worst.add(std::max(estimate.largest, 1.0), 1.0, 1e-5, label + ", largest sample");
     };
     Scene palette;
     add_lambert(palette, glm::vec3(1.0f));
@@ -116,8 +118,8 @@ Measurement grazing(const SelftestContext& context) {
       double expected, slack;
     } trials[] = {{"diffuse", 1.0, 1e-5},
                   {"mirror", 1.0, 1e-5},
-                  {"GGX of roughness 0.5", ggx_albedo(0.25, held), 5e-5}, // the quadrature's error so close to grazing
-                  {"GGX of roughness 1", ggx_albedo(1.0, held), 5e-5},
+                  {"GGX of roughness 0.5", 1.0, kTableError},
+                  {"GGX of roughness 1", 1.0, kTableError},
                   {"glass", reflected + (1.0 - reflected) * within, 1e-5}};
     for (std::size_t i = 0; i < std::size(trials); ++i)
       try_material(palette.materials[i], trials[i].name, trials[i].expected, trials[i].slack);

@@ -14,11 +14,6 @@ double angle(const glm::dvec3& a, const glm::dvec3& b) {
   return std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b));
 }
 
-double smith_lambda(double alpha, double cosine) {
-  const double tangent2 = (1.0 - cosine * cosine) / (cosine * cosine);
-  return 0.5 * (std::sqrt(1.0 + alpha * alpha * tangent2) - 1.0);
-}
-
 } // namespace
 
 double irradiance(const Triangles& light) {
@@ -41,26 +36,6 @@ double fresnel(double cosine, double eta) {
   const double s = (cosine - eta * refracted) / (cosine + eta * refracted);
   const double p = (eta * cosine - refracted) / (eta * cosine + refracted);
   return 0.5 * (s * s + p * p);
-}
-
-// With D(h) cos(h) dh = dt dphi / 2pi for tan^2(h) = alpha^2 t / (1 - t), the albedo is the mean over t and phi of
-// G2(o, i) (o.h) / (cos(o) cos(h)). 1 - t = q^3 resolves the flat normals' tail, which counts at grazing angles.
-double ggx_albedo(double alpha, double cosine) {
-  constexpr int kRings = 512, kSpokes = 256;
-  const double sine = std::sqrt(1.0 - cosine * cosine);
-  double total = 0.0;
-  for (int ring = 0; ring < kRings; ++ring) {
-    const double q = (ring + 0.5) / kRings, rest = q * q * q;
-    const double z = 1.0 / std::sqrt(1.0 + alpha * alpha * (1.0 - rest) / rest), r = std::sqrt(1.0 - z * z);
-    for (int spoke = 0; spoke < kSpokes; ++spoke) {
-      const double phi = kPi * (spoke + 0.5) / kSpokes; // the other half is its mirror image
-      const double oh = sine * r * std::cos(phi) + cosine * z;
-      const double i = 2.0 * oh * z - cosine; // cosine of the mirrored direction
-      if (oh > 0.0 && i > 0.0)
-        total += 3.0 * q * q * oh / (cosine * z * (1.0 + smith_lambda(alpha, cosine) + smith_lambda(alpha, i)));
-    }
-  }
-  return total / (kRings * kSpokes);
 }
 
 } // namespace wavepath

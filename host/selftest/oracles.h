@@ -14,9 +14,4 @@ double irradiance(const Triangles& light);
 // critical angle.
 double fresnel(double cosine, double eta);
 
-// What a GGX reflector without absorption returns in single scattering with height-correlated Smith shadowing, seen at
-// `cosine`: midpoint rule over the distribution of normals. Error below 2e-5 for alpha >= 0.1 and cosine >= 0.05, below
-// 5e-5 for alpha >= 0.25 and any cosine.
-double ggx_albedo(double alpha, double cosine);
-
 } // namespace wavepath

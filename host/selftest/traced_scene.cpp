@@ -24,16 +24,7 @@ const Kernel& KernelCache::get(std::span<const std::uint32_t> spirv, gpu::Featur
   const KernelConfig config = kernel_config(features, stack_size, RenderSettings{});
   const auto key = std::tuple(spirv.data(), config.features, config.stack_size);
   if (const auto found = kernels_.find(key); found != kernels_.end()) return found->second;
-  const std::uint32_t stack = device_.info().type == "cpu" ? gpu::kStackRegisters : gpu::kStackArray;
-  const std::array<std::uint32_t, gpu::kSpecCount> constants = {static_cast<std::uint32_t>(config.features),
-                                                                config.stack_size,
-                                                                config.sampler,
-                                                                config.direct,
-                                                                config.hemisphere,
-                                                                config.filter,
-                                                                stack,
-                                                                config.nets,
-                                                                static_cast<std::uint32_t>(config.features >> 32)};
+  const auto constants = specialization(config, device_.info());
   return kernels_.try_emplace(key, device_, "selftest", spirv, bindings, constants).first->second;
 }
 

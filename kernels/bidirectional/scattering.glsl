@@ -12,7 +12,7 @@ float surface_cosine(Vertex v, vec3 direction) { return abs(dot(v.surface.geomet
 // The same point, seen from another direction.
 Vertex seen_from(Vertex v, vec3 wo) {
   bool front = dot(v.surface.geometric_normal, wo) >= 0.0;
-  if (front != v.front) v.bumped = -v.bumped, v.plane = -v.plane, v.coat_normal = -v.coat_normal;
+  if (front != v.front) turn_over(v);
   v.wo = wo;
   v.front = v.bsdf.entering = front;
   set_basis(v);

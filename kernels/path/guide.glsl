@@ -8,7 +8,7 @@
 #ifndef WAVEPATH_GUIDE_GLSL
 #define WAVEPATH_GUIDE_GLSL
 
-#include "kernels/bsdf.glsl"
+#include "kernels/bsdf_types.glsl"
 #include "kernels/math.glsl"
 #include "kernels/path/path_types.h"
 
@@ -40,7 +40,7 @@ uint quad_place(uint map, uint level, uvec2 quad) { return map + ((1u << (2u * l
 
 // ---- the field --------------------------------------------------------------------------------------------------
 
-Guide find_guide(Bsdf b, vec3 wo, vec3 position) {
+Guide find_guide(Lobes l, float alpha, vec3 position) {
   uvec4 node = texelFetch(guide_tree, 0);
   while ((node.w & 3u) != kGuideLeafAxis) {
     bool upper = !(position[node.w & 3u] < uintBitsToFloat(node.x));
@@ -48,8 +48,7 @@ Guide find_guide(Bsdf b, vec3 wo, vec3 position) {
     bool second = !(position[axis] < uintBitsToFloat(upper ? node.z : node.y));
     node = texelFetch(guide_tree, int((node.w >> kGuideLinkShift) + (upper ? 2u : 0u) + (second ? 1u : 0u)));
   }
-  Lobes l = lobes_of(b, wo);
-  float share = l.diffuse_probability + l.facet_probability * smoothstep(0.5 * kGuidedAlpha, kGuidedAlpha, b.alpha);
+  float share = l.diffuse_probability + l.facet_probability * smoothstep(0.5 * kGuidedAlpha, kGuidedAlpha, alpha);
   return Guide((node.w >> kGuideLinkShift) * kGuideMapQuads, share * uintBitsToFloat(node.x), share);
 }
 

@@ -1,8 +1,15 @@
-// Scattering within bodies (KHR_materials_volume_scatter): homogeneous, by a random walk. Include vertex.glsl first.
+// Scattering within bodies (KHR_materials_volume_scatter): homogeneous, by a random walk; and the channel that a path carries
+// behind glass that disperses (KHR_materials_dispersion). Include bindings.glsl with
+// BIND_PATHS first.
 #ifndef WAVEPATH_PATH_MEDIUM_GLSL
 #define WAVEPATH_PATH_MEDIUM_GLSL
 
+#include "kernels/dimensions.glsl"
+#include "kernels/path/records.glsl"
+#include "kernels/pixel.glsl"
 #include "kernels/vertex.glsl"
+
+#ifdef LAYERED
 
 const uint kHashMedium = 0x6d656469u; // apart from the keys of alpha (dimensions.glsl)
 
@@ -41,4 +48,51 @@ vec3 sample_phase(float g, vec3 forward, vec2 u) {
   return normalize(tangent * around.x + bitangent * around.y + forward * cosine);
 }
 
+bool is_in_scattering_medium(uint slot) { return uses_lobe(kLobeScattering) && path_media[slot] != kNone; }
+
+// Scatters the path within the body that it is in, before it arrives at `end` metres. False: it arrives.
+bool scatter_in_medium(Ray ray, float end, inout PathState path, out Ray next) {
+  Sampler path_sampler = slot_sampler(ray.slot);
+  uint medium = path_media[ray.slot];
+  float distance_ = travel(medium, end, path_sampler, path.throughput);
+  if (!(distance_ < end)) return false;
+  uint dimension = bounce_dimension(wave.bounce);
+  float g = uintBitsToFloat(fetch_layers(medium, 5u).w);
+  vec3 wi = sample_phase(g, ray.direction, sample_2d(path_sampler, dimension + kDimensionDirection));
+  path.bsdf_pdf = -1.0; // no light sample: the surface of the body would stop it
+  next = Ray(ray.origin + distance_ * ray.direction, ray.slot, wi, kFar);
+  return true;
+}
+
+// Russian roulette within a body, where paths are long.
+bool survives_medium(uint slot, inout PathState path) {
+  float survival = sqrt(max_component(path.throughput) * abs(path.eta_scale));
+  if (survival < 1.0 && wave.bounce > 1u) {
+    if (!(sample_2d(slot_sampler(slot), bounce_dimension(wave.bounce) + kDimensionChoice).y < survival)) return false;
+    path.throughput /= survival;
+  }
+  return max_component(path.throughput) > 0.0;
+}
+
+void choose_channel(uint slot) {
+  if (uses_lobe(kLobeDispersion)) path_channel = (slot_sample(slot) + slot_sampler(slot).scramble % 3u) % 3u;
+}
+
+// From the first glass that disperses on, the path carries one channel alone, three times as strong. A negative eta_scale
+// says that it does.
+void disperse(Vertex v, inout PathState path) {
+  if (!has_lobe(kLobeDispersion) || !v.bsdf.disperses || path.eta_scale < 0.0) return;
+  path.throughput *= vec3(path_channel == 0u, path_channel == 1u, path_channel == 2u) * 3.0;
+  path.eta_scale = -path.eta_scale;
+}
+
+#else // bodies neither scatter nor disperse
+
+bool is_in_scattering_medium(uint slot) { return false; }
+bool scatter_in_medium(Ray ray, float end, inout PathState path, out Ray next) { return false; }
+bool survives_medium(uint slot, inout PathState path) { return true; }
+void choose_channel(uint slot) {}
+void disperse(Vertex v, inout PathState path) {}
+
+#endif
 #endif

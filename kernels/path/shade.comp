@@ -34,13 +34,13 @@ layout(local_size_x = kWorkgroupSize) in;
 Guide guide; // of the vertex being shaded
 
 // Next-event estimation: true if there is a shadow ray worth tracing.
-bool connect_to_light(Vertex v, Receiver receiver, Sampler path_sampler, uint dimension, uint slot, vec3 throughput,
+bool connect_to_light(Vertex v, Lobes lobes, Receiver receiver, Sampler path_sampler, uint dimension, uint slot, vec3 throughput,
                       out ShadowRay ray) {
   LightSample light = sample_light(receiver, sample_bits(path_sampler, dimension + kDimensionLight));
   if (max_component(light.radiance) <= 0.0 || !(light.pdf > 0.0) || !sides_agree(v, light.direction)) return false;
 
   float bsdf_pdf;
-  vec3 scattered = vertex_eval(v, light.direction, bsdf_pdf);
+  vec3 scattered = vertex_eval(v, lobes, light.direction, bsdf_pdf);
   if (has(kFeatureGuide)) bsdf_pdf = guided_pdf(guide, bsdf_pdf, light.direction);
   float weight = light.delta || kDirect == kDirectNee ? 1.0 : mis_weight(light.pdf, bsdf_pdf);
   ray.contribution = throughput * scattered * light.radiance * (weight / light.pdf);
@@ -60,7 +60,7 @@ bool connect_to_light(Vertex v, Receiver receiver, Sampler path_sampler, uint di
 }
 
 // Scatters the path: true if it goes on with `ray`. `passed`: straight through a pane, as shadow rays do.
-bool scatter(Vertex v, Sampler path_sampler, uint dimension, uint slot, inout PathState path, out Ray ray,
+bool scatter(Vertex v, Lobes lobes, Sampler path_sampler, uint dimension, uint slot, inout PathState path, out Ray ray,
              out bool passed) {
   passed = false;
   vec2 u = sample_2d(path_sampler, dimension + kDimensionDirection);
@@ -68,9 +68,7 @@ bool scatter(Vertex v, Sampler path_sampler, uint dimension, uint slot, inout Pa
   BsdfSample s;
   vec3 wi;
   float bsdf_pdf;
-  if (has(kFeatureGuide)) {
-    if (!guided_sample(v, guide, u_choice.x, u, s, wi, bsdf_pdf)) return false;
-  } else if (!vertex_sample(v, u_choice.x, u, s, wi)) return false;
+  if (!guided_sample(v, lobes, guide, u_choice.x, u, s, wi, bsdf_pdf)) return false;
   passed = uses(kFeaturePanes) && is_pane(v.bsdf) && s.pdf < 0.0 && s.transmitted;
   if (passed) wi = -v.wo;
   if (!sides_agree(v, wi)) return false;
@@ -131,45 +129,13 @@ Receiver fetch_receiver(uint slot) {
 
 bool wants_light_weight(PathState path) { return kDirect == kDirectMis && path.bsdf_pdf >= 0.0; }
 
-// From the first glass that disperses on, the path carries one channel alone, three times as strong. A negative eta_scale
-// says that it does.
-void carry_one_channel(inout PathState path) {
-  if (path.eta_scale < 0.0) return;
-  path.throughput *= vec3(path_channel == 0u, path_channel == 1u, path_channel == 2u) * 3.0;
-  path.eta_scale = -path.eta_scale;
-}
-
-// Scatters the path within the body that it is in, before it arrives at `end` metres. False: it arrives.
-bool scatter_in_medium(Ray ray, float end, inout PathState path, out Ray next) {
-  Sampler path_sampler = slot_sampler(ray.slot);
-  uint medium = path_media[ray.slot];
-  float distance_ = travel(medium, end, path_sampler, path.throughput);
-  if (!(distance_ < end)) return false;
-  uint dimension = bounce_dimension(wave.bounce);
-  float g = uintBitsToFloat(fetch_layers(medium, 5u).w);
-  vec3 wi = sample_phase(g, ray.direction, sample_2d(path_sampler, dimension + kDimensionDirection));
-  path.bsdf_pdf = -1.0; // no light sample: the surface of the body would stop it
-  next = Ray(ray.origin + distance_ * ray.direction, ray.slot, wi, kFar);
-  return true;
-}
-
-// Russian roulette within a body, where paths are long.
-bool survives_medium(uint slot, inout PathState path) {
-  float survival = sqrt(max_component(path.throughput) * abs(path.eta_scale));
-  if (survival < 1.0 && wave.bounce > 1u) {
-    if (!(sample_2d(slot_sampler(slot), bounce_dimension(wave.bounce) + kDimensionChoice).y < survival)) return false;
-    path.throughput /= survival;
-  }
-  return max_component(path.throughput) > 0.0;
-}
-
 // Follows the path of one ray to its next vertex. Returns which of the two rays it wants traced.
 void follow(Ray ray, Hit hit, inout PathState path, out bool wants_ray, out Ray next, out bool wants_shadow,
             out ShadowRay shadow) {
   wants_ray = wants_shadow = false;
   uint slot = ray.slot;
-  if (uses_lobe(kLobeDispersion)) path_channel = (slot_sample(slot) + slot_sampler(slot).scramble % 3u) % 3u;
-  bool scatters = uses_lobe(kLobeScattering) && path_media[slot] != kNone;
+  choose_channel(slot);
+  bool scatters = is_in_scattering_medium(slot);
 
   if (hit.triangle == kNone) {
     if (scatters) { // out of an open mesh; what scatters there is lost
@@ -197,7 +163,7 @@ void follow(Ray ray, Hit hit, inout PathState path, out bool wants_ray, out Ray 
   }
   Vertex v = make_vertex(surface, material, ray.direction);
   if (has(kFeatureAovs) && wave.bounce == 0u) record_first_hit(slot, v, ray.origin);
-  if (has_lobe(kLobeDispersion) && v.bsdf.disperses) carry_one_channel(path);
+  disperse(v, path);
 
   if (has(kFeatureEmission) && (material.flags & kMaterialUnlit) != 0u) {
     // KHR_materials_unlit: the surface shows its base colour; it is never sampled as a light.
@@ -214,16 +180,19 @@ void follow(Ray ray, Hit hit, inout PathState path, out bool wants_ray, out Ray 
     add_radiance(path, slot, path.throughput * emitted * emission_weight(path.bsdf_pdf, light_pdf));
   }
 
-  if (wave.bounce < frame.max_depth) {
-    if (has(kFeatureGuide)) guide = bsdf_has_smooth(v.bsdf) ? find_guide(v.bsdf, to_local(v.wo, v.tangent, v.bitangent, v.normal), v.surface.position) : no_guide();
+  vec3 wo = to_local(v, v.wo);
+  if (wave.bounce < frame.max_depth && wo.z > 0.0) {
+    Lobes lobes = lobes_of(v.bsdf, wo);
+    if (has(kFeatureGuide))
+      guide = bsdf_has_smooth(v.bsdf) ? find_guide(lobes, v.bsdf.alpha, v.surface.position) : no_guide();
     Sampler path_sampler = slot_sampler(slot);
     uint dimension = bounce_dimension(wave.bounce);
     bool is_receiver = kDirect != kDirectBsdf && frame.light_count > 0u && bsdf_has_smooth(v.bsdf), passed;
     uvec4 earlier = uvec4(0u);
     if (uses(kFeaturePanes) && keeps_receivers()) earlier = texelFetch(receiver_texels, int(slot));
     if (is_receiver)
-      wants_shadow = connect_to_light(v, store_receiver(slot, v), path_sampler, dimension, slot, path.throughput, shadow);
-    wants_ray = scatter(v, path_sampler, dimension, slot, path, next, passed);
+      wants_shadow = connect_to_light(v, lobes, store_receiver(slot, v), path_sampler, dimension, slot, path.throughput, shadow);
+    wants_ray = scatter(v, lobes, path_sampler, dimension, slot, path, next, passed);
     // A pane with a diffuse share receives light, too, but what goes straight on comes from the vertex before it. (A pilot
     // that learns counts the pane's own shadow ray for that vertex: it makes shares less apt, never wrong.)
     if (passed && is_receiver && keeps_receivers()) receiver_words[slot] = earlier;

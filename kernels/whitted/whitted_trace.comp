@@ -47,20 +47,15 @@ void branch(Vertex v, WhittedNode node, uint index) {
   Lobes lobes = lobes_of(v.bsdf, wo);
   vec3 mirrored = vec3(-wo.xy, wo.z), reflectance = facet_reflectance(v.bsdf, lobes.surface, wo.z);
   bool mirrors = lobes.delta_reflection;
-  if (kLayers && mirrors) reflectance *= layers_pass(v.bsdf, lobes, mirrored);
-  if (is_coated(v.bsdf) && v.bsdf.coat.alpha < kMinAlpha && is_outside(v.bsdf, 1.0)) { // one ray shows both
-    float c = dot(wo, v.bsdf.coat.normal);
-    reflectance = (mirrors ? reflectance : vec3(0.0)) + coat_fresnel(v.bsdf.coat, c);
-    if (!mirrors) mirrored = 2.0 * c * v.bsdf.coat.normal - wo;
-    mirrors = mirrored.z > 0.0;
-  }
+  if (mirrors) reflectance *= layers_pass(v.bsdf, lobes, mirrored);
+  mirrors = mirror_in_coat(v.bsdf, wo, mirrors, reflectance, mirrored);
   WhittedNode reflected = child(v, node, mirrored, reflectance, false);
   bool reflects = mirrors && is_worth_following(reflected);
   WhittedNode refracted = reflected;
   bool refracts = false;
   if (has(kFeatureTransmission) && lobes.delta_transmission) {
     vec3 transmittance = facet_transmittance(v.bsdf, lobes.surface, wo.z), local = -wo;
-    if (kLayers) transmittance *= layers_pass(v.bsdf, lobes, local);
+    transmittance *= layers_pass(v.bsdf, lobes, local);
     float eta = lobes.surface.eta;
     bool passes = v.bsdf.thin || refract_direction(wo, vec3(0.0, 0.0, 1.0), eta, local); // else total internal reflection
     precise vec3 scaled = transmittance / (eta * eta); // radiance where it enters a denser body

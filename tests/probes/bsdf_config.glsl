@@ -39,8 +39,8 @@ Bsdf bsdf_of(Config c) {
   Sheen sheen = Sheen(c.sheen_color, c.sheen_roughness, kTableTexels);
   vec2 stretched = c.stretched_alpha.x > 0.0 ? c.stretched_alpha : vec2(c.alpha);
   return Bsdf(c.base_color, c.metallic, c.specular_color, c.specular, c.alpha, c.transmission, c.ior,
-              (c.flags & 1u) != 0u, (c.flags & 2u) != 0u, coat, sheen, Film(c.film, c.film_ior, c.film_nanometres),
-              stretched, c.diffuse_through, c.diffuse_transmission, 0u, 2u * kTableTexels, false);
+              (c.flags & 1u) != 0u, (c.flags & 2u) != 0u, 0u, 2u * kTableTexels, coat, sheen, Film(c.film, c.film_ior, c.film_nanometres),
+              stretched, c.diffuse_through, c.diffuse_transmission, false);
 }
 
 // Position of a direction in the region, in [0,1)^2; false if it lies outside.

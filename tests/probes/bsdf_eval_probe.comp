@@ -1,6 +1,7 @@
 // Evaluates bsdf_eval for pairs of directions: (wo, index of the material), (wi, unused) -> value, pdf.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#define LAYERED
 #define BIND_TABLES 3
 #include "tests/probes/bsdf_config.glsl"
 

@@ -1,6 +1,7 @@
 // Draws batches of directions with bsdf_sample, histograms them, and sums up what the estimator would have done.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#define LAYERED
 #include "kernels/sampler.glsl"
 #define BIND_TABLES 4
 #include "tests/probes/bsdf_config.glsl"
@@ -29,6 +30,21 @@ layout(set = 0, binding = 1, std430) readonly buffer Parameters {
 };
 layout(set = 0, binding = 2, std430) writeonly buffer Batches { Batch results[]; };
 layout(set = 0, binding = 3, std430) buffer Histogram { uint histogram[]; };
+
+// As vertex_sample() has it where no map bends the normal.
+bool bsdf_sample(Bsdf b, vec3 wo, float u_lobe, vec2 u, out BsdfSample s) {
+  s = BsdfSample(vec3(0.0, 0.0, 1.0), vec3(0.0), 0.0, 1.0, false);
+  if (!(wo.z > 0.0)) return false;
+  Lobes l = lobes_of(b, wo);
+  bool delta;
+  if (!bsdf_sample_direction(b, l, wo, u_lobe, u, s, delta)) return false;
+  if (delta) return true;
+  vec3 value = eval_lobes(b, l, wo, s.wi, s.pdf);
+  if (!(s.pdf > 0.0) || !is_finite(s.pdf)) return false;
+  bool cancels = is_lambert(b) && kHemisphere == kHemisphereCosine; // f cos / pdf, with no need to round
+  s.weight = cancels ? b.base_color : value / s.pdf;
+  return true;
+}
 
 bool is_sound(BsdfSample s) {
   bool finite = is_finite(s.wi) && is_finite(s.weight) && is_finite(s.pdf) && is_finite(s.eta_scale);

@@ -5,19 +5,13 @@
 #include "kernels/path/bindings.glsl"
 #include "kernels/path/guide.glsl"
 
-vec4 fetch_table(uint texel) { return vec4(0.0); } // no lobe is in use
-
 Bsdf black_plain() {
   Bsdf b;
-  b.base_color = b.specular_color = b.diffuse_through = vec3(0.0);
-  b.metallic = b.specular = b.transmission = b.diffuse_transmission = 0.0;
+  b.base_color = b.specular_color = vec3(0.0);
+  b.metallic = b.specular = b.transmission = 0.0;
   b.alpha = 1.0, b.ior = 1.5;
-  b.entering = b.thin = true, b.disperses = false;
-  b.coat = Coat(0.0, 0.0, vec3(0.0, 0.0, 1.0));
-  b.sheen = Sheen(vec3(0.0), 0.0, 0u);
-  b.film = Film(0.0, 1.0, 0.0);
-  b.stretched_alpha = vec2(1.0);
-  b.ggx_table = b.glass_table = 0u;
+  b.entering = b.thin = true;
+  b.ggx_table = b.glass_table = kNone;
   return b;
 }
 
@@ -27,9 +21,11 @@ struct Element {
 };
 layout(set = 0, binding = kBindFilm, std430) buffer Elements { Element elements[]; };
 
-// A black body has no lobes: what is asked for here is the leaf alone.
+// What is asked for here is the leaf alone, not how often a surface would draw from it.
 Guide leaf_at(vec3 position) {
-  return find_guide(black_plain(), vec3(0.0, 0.0, 1.0), position);
+  Lobes none;
+  none.diffuse_probability = none.facet_probability = 0.0;
+  return find_guide(none, 1.0, position);
 }
 
 void main() {

@@ -9,15 +9,19 @@
 #include "host/scene/pack/features.h"
 #include "kernels/bidirectional/bidirectional_connect.spv.h"
 #include "kernels/bidirectional/bidirectional_shade.spv.h"
+#include "kernels/bidirectional/bidirectional_shade_layered.spv.h"
 #include "kernels/bidirectional/connection_advance.spv.h"
 #include "kernels/bidirectional/light_extend.spv.h"
 #include "kernels/bidirectional/light_generate.spv.h"
 #include "kernels/bidirectional/light_shade.spv.h"
+#include "kernels/bidirectional/light_shade_layered.spv.h"
 #include "kernels/bidirectional/light_splat.spv.h"
 #include "kernels/bidirectional/photon_clear.spv.h"
 #include "kernels/bidirectional/photon_gather.spv.h"
+#include "kernels/bidirectional/photon_gather_layered.spv.h"
 #include "kernels/bidirectional/photon_link.spv.h"
 #include "kernels/bidirectional/photon_shade.spv.h"
+#include "kernels/bidirectional/photon_shade_layered.spv.h"
 
 namespace wavepath {
 namespace {
@@ -36,17 +40,18 @@ enum Stage : std::size_t {
   kPhotonGather,
   kStageCount
 };
-const std::array<KernelCode, kStageCount> kStages = {{{"light generate", wavepath_light_generate_spv},
-                                                      {"light extend", wavepath_light_extend_spv},
-                                                      {"light shade", wavepath_light_shade_spv},
-                                                      {"light splat", wavepath_light_splat_spv},
-                                                      {"bidirectional shade", wavepath_bidirectional_shade_spv},
-                                                      {"bidirectional connect", wavepath_bidirectional_connect_spv},
-                                                      {"connection advance", wavepath_connection_advance_spv},
-                                                      {"photon clear", wavepath_photon_clear_spv},
-                                                      {"photon shade", wavepath_photon_shade_spv},
-                                                      {"photon link", wavepath_photon_link_spv},
-                                                      {"photon gather", wavepath_photon_gather_spv}}};
+const std::array<KernelCode, kStageCount> kStages = {
+    {{"light generate", wavepath_light_generate_spv},
+     {"light extend", wavepath_light_extend_spv},
+     {"light shade", wavepath_light_shade_spv, wavepath_light_shade_layered_spv},
+     {"light splat", wavepath_light_splat_spv},
+     {"bidirectional shade", wavepath_bidirectional_shade_spv, wavepath_bidirectional_shade_layered_spv},
+     {"bidirectional connect", wavepath_bidirectional_connect_spv},
+     {"connection advance", wavepath_connection_advance_spv},
+     {"photon clear", wavepath_photon_clear_spv},
+     {"photon shade", wavepath_photon_shade_spv, wavepath_photon_shade_layered_spv},
+     {"photon link", wavepath_photon_link_spv},
+     {"photon gather", wavepath_photon_gather_spv, wavepath_photon_gather_layered_spv}}};
 constexpr std::array<std::size_t, kStageCount> kCompileOrder = {
     kCameraShade,       kLightShade,   kLightExtend, kLightSplat, kCameraConnect, kLightGenerate,
     kConnectionAdvance, kPhotonGather, kPhotonShade, kPhotonLink, kPhotonClear};

@@ -9,21 +9,24 @@
 #include "kernels/path/accumulate.spv.h"
 #include "kernels/path/advance.spv.h"
 #include "kernels/path/connect.spv.h"
+#include "kernels/path/connect_layered.spv.h"
 #include "kernels/path/extend.spv.h"
 #include "kernels/path/generate.spv.h"
 #include "kernels/path/guide_note.spv.h"
 #include "kernels/path/shade.spv.h"
+#include "kernels/path/shade_layered.spv.h"
 
 namespace wavepath {
 namespace {
 
-const std::array<KernelCode, kPathStageCount> kStages = {{{"generate", wavepath_generate_spv},
-                                                          {"advance", wavepath_advance_spv},
-                                                          {"extend", wavepath_extend_spv},
-                                                          {"shade", wavepath_shade_spv},
-                                                          {"connect", wavepath_connect_spv},
-                                                          {"accumulate", wavepath_accumulate_spv},
-                                                          {"guide note", wavepath_guide_note_spv}}};
+const std::array<KernelCode, kPathStageCount> kStages = {
+    {{"generate", wavepath_generate_spv},
+     {"advance", wavepath_advance_spv},
+     {"extend", wavepath_extend_spv},
+     {"shade", wavepath_shade_spv, wavepath_shade_layered_spv},
+     {"connect", wavepath_connect_spv, wavepath_connect_layered_spv},
+     {"accumulate", wavepath_accumulate_spv},
+     {"guide note", wavepath_guide_note_spv}}};
 
 // Shade takes as long to compile as all others together.
 constexpr std::array<std::size_t, kPathStageCount> kCompileOrder = {kShade,      kExtend,  kConnect,  kGenerate,

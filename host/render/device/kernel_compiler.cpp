@@ -20,7 +20,9 @@ std::uint32_t lens_of(const RenderSettings& settings) {
 KernelConfig kernel_config(gpu::Feature features, std::uint32_t stack_size, const RenderSettings& settings) {
   // Traversal marks the bottom of its stack, and stores one entry beyond what it keeps.
   const std::uint32_t stack = (stack_size + 2 + kStackStep - 1) / kStackStep * kStackStep;
-  if (!settings.specialize) features = gpu::kFeaturesAll | gpu::kLobesAll;
+  // Generic kernels know layers where a scene has any; else the builds without their code serve.
+  if (!settings.specialize)
+    features = gpu::kFeaturesAll | gpu::kLobeMultiple | (features & gpu::kLobesLayered ? gpu::kLobesLayered : 0);
   // Generic kernels, too, leave out what the settings do not ask for.
   constexpr gpu::Feature kByRequest = gpu::kFeatureAovs | gpu::kFeatureAdaptive | gpu::kFeatureSharedFirstHit |
                                       gpu::kFeatureLightRows | gpu::kFeatureGuide;

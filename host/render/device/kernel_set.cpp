@@ -66,7 +66,9 @@ KernelSet::KernelSet(Device& device, const KernelNeed& need)
     for (std::size_t i; (i = next++) < need.program->compile_order.size();) {
       const std::size_t stage = need.program->compile_order[i];
       if (!(need.stages >> stage & 1u)) continue;
-      const Kernel& kernel = kernels_[stage].emplace(device, need.program->stages[stage], bindings, constants);
+      const KernelCode& code = need.program->stages[stage];
+      const std::span<const std::uint32_t> build = code.build((config_.features & gpu::kLobesLayered) != 0);
+      const Kernel& kernel = kernels_[stage].emplace(device, code.name, build, bindings, constants);
       run_without_work(device, kernel, bindings);
     }
   };

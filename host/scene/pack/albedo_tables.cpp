@@ -12,7 +12,7 @@ namespace wavepath {
 namespace {
 
 constexpr std::size_t kNodes = gpu::kTableCells + 1;
-constexpr int kSide = 32;                                    // strata of microfacets a direction, each way
+constexpr int kCapRings = 48, kCapSpokes = 24;               // strata of microfacets a direction
 using Grid = std::array<std::array<double, kNodes>, kNodes>; // [roughness][root of cosine]
 
 double alpha_at(std::size_t row) {
@@ -48,20 +48,21 @@ double remaining_shadowing(const glm::dvec3& wo, const glm::dvec3& wi, double al
 }
 
 // Mean over microfacets visible from a direction with this cosine (ggx_sample_visible_normal() of
-// kernels/microfacet.glsl).
+// kernels/microfacet.glsl). Strata grow narrow towards the rim of the cap, where steep facets are: with equal ones the
+// error was 1e-2 at alpha 0.1. Spokes are those of one half; the other is its mirror image.
 template <class Weight>
 double mean_of_visible(double alpha, double cosine, Weight weight) {
   const glm::dvec3 wo(std::sqrt(1.0 - cosine * cosine), 0.0, cosine);
   const glm::dvec3 o = glm::normalize(glm::dvec3(alpha * wo.x, alpha * wo.y, wo.z));
   double sum = 0.0;
-  for (int i = 0; i < kSide; ++i)
-    for (int j = 0; j < kSide; ++j) {
-      const double turn = 2.0 * std::numbers::pi * (i + 0.5) / kSide, u = (j + 0.5) / kSide;
-      const double z = 1.0 - u * (1.0 + o.z), sine = std::sqrt(std::max(1.0 - z * z, 0.0));
+  for (int i = 0; i < kCapSpokes; ++i)
+    for (int j = 0; j < kCapRings; ++j) {
+      const double turn = std::numbers::pi * (i + 0.5) / kCapSpokes, q = 1.0 - (j + 0.5) / kCapRings;
+      const double z = 1.0 - (1.0 - q * q * q) * (1.0 + o.z), sine = std::sqrt(std::max(1.0 - z * z, 0.0));
       const glm::dvec3 cap = glm::dvec3(sine * std::cos(turn), sine * std::sin(turn), z) + o;
-      sum += weight(wo, glm::normalize(glm::dvec3(alpha * cap.x, alpha * cap.y, std::max(cap.z, 0.0))));
+      sum += 3.0 * q * q * weight(wo, glm::normalize(glm::dvec3(alpha * cap.x, alpha * cap.y, std::max(cap.z, 0.0))));
     }
-  return sum / (kSide * kSide);
+  return sum / (kCapRings * kCapSpokes);
 }
 
 // fresnel_exact() of kernels/fresnel.glsl.
