@@ -389,7 +389,7 @@ TEST_F(AnyScene, RoughMetalBallsReturnAllLight) {
   constexpr int kWidth = 480, kHeight = 120;
   const Picture picture =
       render_scene(device(), kScenes / "furnace_metal.gltf",
-                   {"--size", "480x120", "--spp", "8", "--env", "1,1,1", "--direct", "bsdf", "--filter", "box"})
+                   {"--size", "480x120", "--spp", "128", "--env", "1,1,1", "--direct", "bsdf", "--filter", "box"})
           .picture;
   const double radius = 0.4, pixel = 2.0 * std::tan(0.4) / kHeight;
   for (int ball = 0; ball < 5; ++ball) {

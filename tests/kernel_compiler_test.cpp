@@ -59,8 +59,9 @@ TEST(KernelConfig, FollowsSceneAndSettings) {
   const gpu::Feature settings_alone = gpu::kFeatureAovs | gpu::kFeatureAdaptive | gpu::kFeatureSharedFirstHit |
                                       gpu::kFeatureLightRows | gpu::kFeatureGuide;
   settings.lights = gpu::kLightsTree; // without a pilot
-  const gpu::Feature scenes = (gpu::kFeaturesAll | gpu::kLobesAll) & ~settings_alone;
+  const gpu::Feature scenes = (gpu::kFeaturesAll | gpu::kLobeMultiple) & ~settings_alone;
   EXPECT_EQ(kernel_config(0, 5, settings).features, scenes);
+  EXPECT_EQ(kernel_config(gpu::kLobeSheen, 5, settings).features, scenes | gpu::kLobesLayered);
   EXPECT_EQ(kernel_config(0, 5, settings).nets, gpu::kNetsWhole);
   settings.width = settings.height = 16;
   EXPECT_EQ(kernel_config(0, 5, settings).nets, gpu::kNetsHalved);

@@ -33,6 +33,7 @@ std::vector<AblationRow> ablate(Device& device, const PackedScene& scene, const 
   }
   RenderSettings generic = settings;
   generic.specialize = false;
+  generic.added_features = gpu::kLobesAll; // which generic kernels of a scene without layers do without
   measure("everything (generic kernels)", all_bytes, generic);
   return rows;
 }
