@@ -47,8 +47,10 @@ struct Frame {
   float focus_distance;   // along the view axis, to the plane that is sharp
   uint motion_texel;      // of the triangles: where the displacements of their corners begin (kSpecMotion)
   uint end_normals;       // vertices from one's normal to that when the shutter closes
+  uvec2 bodies_at_eye;    // bodies that hold the eye, as path_media has them (kFeatureVolume): kernels/path/bodies.glsl
+  uvec2 pad_bodies;
 };
-GPU_CHECK(sizeof(Frame) == 160);
+GPU_CHECK(sizeof(Frame) == 176);
 
 // Halved nets: sample s belongs to replicate s % kReplicates. Whole nets: all samples of a pixel belong to replicate 0,
 // and measured pixels have as many of replicate 1 (net_layout.h). Replicates are scrambled independently, so that their

@@ -36,7 +36,7 @@ struct Interface {
 
 Interface make_interface(float ior, vec3 specular_color, float specular, bool entering) {
   Interface i;
-  float n = max(ior, 1.0);
+  float n = ior > 0.0 ? ior : 1.0; // below 1: of a body within a denser one
   float r = (n - 1.0) / (n + 1.0);
   bool infinite = ior == 0.0;
   i.f0_exact = infinite ? -1.0 : r * r;

@@ -75,7 +75,8 @@ GPU_CONSTANT uint kMaterialDoubleSided = 1u << 0;
 GPU_CONSTANT uint kMaterialMask = 1u << 1;
 GPU_CONSTANT uint kMaterialBlend = 1u << 2;
 GPU_CONSTANT uint kMaterialUnlit = 1u << 3;
-GPU_CONSTANT uint kMaterialVolume = 1u << 4; // a closed volume: refracts; otherwise transmission is thin-walled
+GPU_CONSTANT uint kMaterialVolume = 1u << 4;    // a closed volume: refracts; otherwise transmission is thin-walled
+GPU_CONSTANT uint kMaterialPriorityShift = 16u; // of a volume among those that overlap with it: 1 to 65535
 
 GPU_CONSTANT float kMinSheenAlpha = 1e-3f; // finer fibres would be a spike at grazing angles that nothing samples
 GPU_CONSTANT float kMinAlpha = 1e-4f; // smoother microfacets (alpha = roughness^2) are a mirror: see kernels/bsdf.glsl

@@ -20,6 +20,7 @@
 #include "host/scene/pack/pack.h"
 #include "host/selftest/oracles.h"
 #include "tests/probe.h"
+#include "tests/shared_kernels.h"
 
 namespace wavepath::test {
 namespace {
@@ -78,7 +79,7 @@ RenderResult render_scene(Device& device, const fs::path& path, std::vector<std:
   Scene scene = load_scene(scene_request).scene;
   const View view = resolve_view(scene, {}, request.settings.width, request.settings.height);
   const PackedScene packed = pack(scene, request.settings.direct, request.bvh.value_or(bvh::Quality::fast));
-  static KernelCompiler kernels(device); // compiles each of them once
+  KernelCompiler& kernels = shared_kernels(device);
   const RenderResult result = render(device, packed, view, request.settings, RenderHooks{}, kernels);
   EXPECT_EQ(result.nonfinite.samples(), 0u);
   return result;

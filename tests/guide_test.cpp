@@ -20,6 +20,7 @@
 #include "tests/gltf_builder.h"
 #include "tests/probe.h"
 #include "tests/run_wavepath.h"
+#include "tests/shared_kernels.h"
 #include "tests/statistics.h"
 
 #include "kernels/film/film_types.h"
@@ -217,7 +218,7 @@ protected:
     packed_ = pack(scene);
   }
   RenderResult render(const RenderSettings& settings) {
-    static KernelCompiler kernels(device()); // compiles each of them once
+    KernelCompiler& kernels = shared_kernels(device());
     return wavepath::render(device(), packed_, view_, settings, RenderHooks{}, kernels);
   }
   static void expect_same_bits(const Picture& a, const Picture& b) {

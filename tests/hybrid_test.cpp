@@ -19,6 +19,7 @@
 #include "host/scene/pack/pack.h"
 #include "tests/probe.h"
 #include "tests/scene_builder.h"
+#include "tests/shared_kernels.h"
 #include "tests/statistics.h"
 
 namespace wavepath::test {
@@ -73,7 +74,7 @@ protected:
     return settings;
   }
   RenderResult render(const Subject& subject, const RenderSettings& settings) {
-    static KernelCompiler kernels(device()); // compiles each of them once
+    KernelCompiler& kernels = shared_kernels(device());
     return wavepath::render(device(), subject.packed, subject.view, settings, RenderHooks{}, kernels);
   }
 };

@@ -169,7 +169,8 @@ TEST(Layout, Frame) {
            AT(Frame, lens_radius),
            AT(Frame, focus_distance),
            AT(Frame, motion_texel),
-           AT(Frame, end_normals)});
+           AT(Frame, end_normals),
+           AT(Frame, bodies_at_eye)});
   compare("Wave", sizeof(Wave),
           {AT(Wave, first_pixel), AT(Wave, pixel_count), AT(Wave, first_sample), AT(Wave, sample_count),
            AT(Wave, bounce), AT(Wave, first_film_pixel)});

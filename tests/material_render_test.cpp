@@ -212,6 +212,93 @@ TEST_F(MaterialRender, PrismsBendEachChannelByItsIor) {
   }
 }
 
+// ---- bodies that overlap --------------------------------------------------------------------------------------------
+
+gpu::Feature features_of_scene(Scene scene) { return pack(scene).features; }
+
+Scene over_dark_side(Scene scene, bool from_above) { // white where the camera looks, black behind it
+  Environment& sky = scene.environment;
+  sky.width = 8, sky.height = 64;
+  sky.map.assign(8 * 64, glm::vec3(0.0f));
+  for (std::size_t i = 0; i < 8 * 64; ++i)
+    if ((i / 8 < 32) != from_above) sky.map[i] = glm::vec3(1.0f);
+  return scene;
+}
+
+std::vector<glm::vec3> slab(float low, float high) {
+  std::vector<glm::vec3> mesh = box({20.0f, 0.5f * (high - low), 20.0f});
+  for (glm::vec3& p : mesh) p.y += 0.5f * (high + low);
+  return mesh;
+}
+
+// Water that reaches into the wall of its glass: where they overlap there is one of them alone, the thinner one, from
+// either side; light bends once between the two.
+TEST_F(MaterialRender, BodiesThatOverlapAreOneAfterTheOther) {
+  constexpr double kGlass = 1.5, kWater = 1.33, kInGlass = 0.3, kInWater = 0.5; // iors, attenuations
+  Material glass = clear_body(kGlass), water = clear_body(kWater);
+  glass.attenuation = glm::vec3(kInGlass);
+  water.attenuation = glm::vec3(kInWater);
+  Scene both = body_scene(slab(0.0f, 1.0f), glass);
+  both.materials.push_back(water);
+  add_instance(both, add_mesh(both, slab(0.75f, 2.75f), 1));
+  EXPECT_TRUE(features_of_scene(both) & gpu::kLobeNested);
+  const double sine = 0.6, cos_air = 0.8;
+  const double cos_glass = std::sqrt(1.0 - sine * sine / (kGlass * kGlass));
+  const double cos_water = std::sqrt(1.0 - sine * sine / (kWater * kWater));
+  // The glass has the smaller box, hence 1 m of it and 1.75 m of water.
+  const double passed = (1.0 - fresnel(cos_air, kGlass)) * (1.0 - fresnel(cos_glass, kWater / kGlass)) *
+                        (1.0 - fresnel(cos_air, kWater)) *
+                        std::exp(-kInGlass / cos_glass - kInWater * 1.75 / cos_water);
+  for (const bool from_above : {true, false}) {
+    const glm::dvec3 towards(sine, from_above ? -cos_air : cos_air, 0.0);
+    // Four surfaces and no bounce more: what is reflected twice within does not get out.
+    EXPECT_NEAR(mean(over_dark_side(both, from_above), orthographic({0, 1, 0}, towards, 0.3, 6.0), 16, 512, 4).y,
+                passed, 0.004)
+        << (from_above ? "from above" : "from below");
+  }
+  // One above the other there is no list.
+  Scene apart = body_scene(slab(0.0f, 1.0f), glass);
+  add_instance(apart, add_mesh(apart, slab(1.5f, 2.5f)));
+  EXPECT_FALSE(features_of_scene(apart) & gpu::kLobeNested);
+}
+
+// A camera in water knows it, with one body and with a list of them.
+TEST_F(MaterialRender, TheEyeMayBeWithinABody) {
+  constexpr double kIor = 1.33, kDensity = 0.4, kWay = 1.5;
+  Material water = clear_body(kIor);
+  water.attenuation = glm::vec3(kDensity);
+  const double mirrored = fresnel(1.0, 1.0 / kIor);
+  const double seen = kIor * kIor * (1.0 - mirrored) * std::exp(-kDensity * kWay); // radiance within is denser
+  for (const bool nested : {false, true}) {
+    Scene scene = body_scene(box({20.0f, 2.0f, 20.0f}), water);
+    if (nested) { // far away, but its box meets that of the water
+      scene.materials.push_back(clear_body(1.5f));
+      std::vector<glm::vec3> far = box(glm::vec3(1.0f));
+      for (glm::vec3& p : far) p += glm::vec3(19.0f, 0.0f, 19.0f);
+      add_instance(scene, add_mesh(scene, far, 1));
+    }
+    EXPECT_EQ((features_of_scene(scene) & gpu::kLobeNested) != 0, nested);
+    View view;
+    view.position = {0, 0.5, 0};
+    view.forward = {0, 1, 0};
+    view.right = {1e-3, 0, 0};
+    view.up = {0, 0, 1e-3};
+    EXPECT_NEAR(mean(over_dark_side(scene, false), view, 8, 512, 1).y, seen, 0.01) << nested;
+  }
+}
+
+// A bubble in glass is one, and a ball that another one hides leaves no trace.
+TEST_F(MaterialRender, TheInnerBodyCounts) {
+  Material glass = clear_body(1.5f), air = clear_body(1.0f);
+  glass.attenuation = glm::vec3(0.5f);
+  Scene scene = body_scene(box(glm::vec3(1.0f)), glass);
+  scene.materials.push_back(air);
+  add_instance(scene, add_mesh(scene, box(glm::vec3(0.5f)), 1));
+  const double r = fresnel(1.0, 1.5), passed = std::pow(1.0 - r, 4) * std::exp(-0.5);
+  EXPECT_NEAR(mean(over_dark_side(scene, true), orthographic({0, 0, 0}, {0, -1, 0}, 0.3, 5.0), 8, 1024, 4).y, passed,
+              0.01);
+}
+
 // ---- normal maps ----------------------------------------------------------------------------------------------------
 
 // White surfaces return all light whatever their map says.

@@ -18,6 +18,7 @@
 #include "host/scene/pack/pack.h"
 #include "host/scene/view.h"
 #include "tests/probe.h"
+#include "tests/shared_kernels.h"
 
 namespace wavepath::test {
 namespace {
@@ -67,10 +68,7 @@ protected:
       EXPECT_EQ(picture.channels[c].values, expected.picture.channels[c].values) << picture.channels[c].name;
   }
   Progressive begin() { return Progressive(device(), packed_, view_, settings_, kernels()); }
-  KernelCompiler& kernels() {
-    static KernelCompiler all(device());
-    return all;
-  }
+  KernelCompiler& kernels() { return shared_kernels(device()); }
 
   Scene scene_;
   PackedScene packed_;

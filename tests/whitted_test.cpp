@@ -16,6 +16,7 @@
 #include "host/scene/pack/pack.h"
 #include "host/scene/view.h"
 #include "tests/scene_builder.h"
+#include "tests/shared_kernels.h"
 #include "tests/vulkan_device.h"
 
 namespace wavepath::test {
@@ -43,7 +44,7 @@ protected:
     return settings;
   }
   RenderResult render(const Subject& subject, const RenderSettings& settings) {
-    static KernelCompiler kernels(device()); // compiles each of them once
+    KernelCompiler& kernels = shared_kernels(device());
     return wavepath::render(device(), subject.packed, subject.view, settings, RenderHooks{}, kernels);
   }
   // The mean picture of independent renders and the variance of that mean, all channels one after the other.

@@ -24,6 +24,7 @@
 #include "host/scene/pack/pack.h"
 #include "host/scene/view.h"
 #include "tests/probe.h"
+#include "tests/shared_kernels.h"
 #include "tests/statistics.h"
 #include "tests/temporary_folder.h"
 
@@ -140,10 +141,7 @@ protected:
     const View view = resolve_view(scene_, {}, settings.width, settings.height);
     return wavepath::render(device(), packed_, view, all, hooks, kernels());
   }
-  KernelCompiler& kernels() {
-    static KernelCompiler all(device()); // compiles each of them once
-    return all;
-  }
+  KernelCompiler& kernels() { return shared_kernels(device()); }
   static bool same(const gpu::FilmPixel& a, const gpu::FilmPixel& b) { return std::memcmp(&a, &b, sizeof(a)) == 0; }
 
   Scene scene_ = load_gltf(kScenes + "cornell_box.gltf", {});

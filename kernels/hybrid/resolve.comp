@@ -17,6 +17,7 @@
 #include "kernels/path/bindings.glsl"
 #include "kernels/hybrid/frame_terms.glsl"
 #include "kernels/hybrid/hybrid.glsl"
+#include "kernels/path/bodies.glsl"
 #include "kernels/path/records.glsl"
 #include "kernels/pixel.glsl"
 #include "kernels/records.glsl"
@@ -78,6 +79,6 @@ void main() {
     store_ray(slot, Ray(origin, slot, direction, kFar));
     store_hit(slot, hit);
     store_path(slot, PathState(vec3(1.0), -1.0, vec3(0.0), 1.0));
-    if (has(kFeatureVolume)) path_media[slot] = kNone;
+    begin_bodies(slot);
   }
 }

@@ -13,6 +13,7 @@
 #include "kernels/filter.glsl"
 #include "kernels/path/nonfinite.glsl"
 #include "kernels/path/records.glsl"
+#include "kernels/path/bodies.glsl"
 #include "kernels/pixel.glsl"
 
 layout(local_size_x = kWorkgroupSize) in;
@@ -35,7 +36,7 @@ void main() {
   }
   store_ray(slot, ray);
   store_path(slot, path);
-  if (has(kFeatureVolume)) path_media[slot] = kNone;
+  begin_bodies(slot);
   if (has(kFeatureAovs)) {
     path_aovs[slot].albedo = vec3(0.0);
     path_aovs[slot].depth = 0.0;

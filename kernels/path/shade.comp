@@ -46,7 +46,7 @@ bool connect_to_light(Vertex v, Lobes lobes, Receiver receiver, Sampler path_sam
   ray.contribution = throughput * scattered * light.radiance * (weight / light.pdf);
   if (has(kFeatureVolume)) {
     bool crossing = dot(light.direction, v.normal) < 0.0 && !v.bsdf.thin;
-    uint medium = crossing ? medium_behind(v) : path_media[slot];
+    uint medium = crossing ? body_behind(v, slot) : current_body(slot);
     ray.contribution *= medium_transmittance(medium, light.distant ? kFarAway : length(light.target - v.surface.position));
   }
   if (is_finite(ray.contribution) && max_component(ray.contribution) <= 0.0) return false;
@@ -92,7 +92,7 @@ bool scatter(Vertex v, Lobes lobes, Sampler path_sampler, uint dimension, uint s
   if (has(kFeatureLearning))
     note_scattering(wave.first_pixel + slot, wave.bounce, guide, v.surface.position, wi, s.pdf, bsdf_pdf, path.throughput);
 
-  if (has(kFeatureVolume) && s.transmitted && !v.bsdf.thin) path_media[slot] = medium_behind(v);
+  if (has(kFeatureVolume) && s.transmitted && !v.bsdf.thin) cross_surface(v, slot);
   ray = Ray(offset_ray_origin(v.surface.position, v.surface.position_error, v.surface.geometric_normal, wi), slot, wi, kFar);
   return true;
 }
@@ -142,7 +142,7 @@ void follow(Ray ray, Hit hit, inout PathState path, out bool wants_ray, out Ray 
       path.throughput = vec3(0.0);
       return;
     }
-    if (has(kFeatureVolume)) path.throughput *= medium_transmittance(path_media[slot], kFarAway);
+    if (has(kFeatureVolume)) path.throughput *= medium_transmittance(current_body(slot), kFarAway);
     float light_pdf;
     vec3 radiance = environment_emission(ray.direction, light_pdf);
     if (wants_light_weight(path) && light_pdf > 0.0) light_pdf *= environment_ratio(fetch_receiver(slot));
@@ -159,9 +159,17 @@ void follow(Ray ray, Hit hit, inout PathState path, out bool wants_ray, out Ray 
       return;
     }
   } else if (has(kFeatureVolume)) {
-    path.throughput *= medium_transmittance(path_media[slot], length(offset));
+    path.throughput *= medium_transmittance(current_body(slot), length(offset));
   }
   Vertex v = make_vertex(surface, material, ray.direction);
+  if (is_hidden(v, slot)) {
+    cross_surface(v, slot);
+    path.bsdf_pdf = -1.0; // shadow rays do not get here
+    next = Ray(offset_ray_origin(surface.position, surface.position_error, surface.geometric_normal, ray.direction), slot,
+               ray.direction, kFar);
+    wants_ray = wave.bounce < frame.max_depth;
+    return;
+  }
   if (has(kFeatureAovs) && wave.bounce == 0u) record_first_hit(slot, v, ray.origin);
   disperse(v, path);
 

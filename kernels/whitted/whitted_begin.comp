@@ -29,7 +29,7 @@ void main() {
   nodes_of_trees[index].direction = direction;
   nodes_of_trees[index].weight = vec3(1.0);
   nodes_of_trees[index].width = whitted.width;
-  nodes_of_trees[index].medium = kNone;
+  nodes_of_trees[index].medium = has(kFeatureVolume) ? frame.bodies_at_eye.x : kNone;
   nodes_of_trees[index].path = 1u;
   nodes_of_trees[index].depth = 0u;
   if (!has(kFeatureAovs)) return;

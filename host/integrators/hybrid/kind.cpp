@@ -34,7 +34,7 @@ void start_path_kernels(KernelCompiler& kernels, const DeviceInfo& device, gpu::
     kernels.start({&kPathProgram, kLightingStages, kernel_config(bits, kExpectedStack, settings)});
   };
   start(features);
-  if (generic_first(device)) start(gpu::kFeaturesAll);
+  if (generic_first(device)) start(generic_features(features));
 }
 
 std::uint64_t bytes_per_pixel(const RenderSettings& settings) {

@@ -14,8 +14,9 @@
 namespace wavepath {
 namespace {
 
-constexpr std::array<std::string_view, 11> kSettings = {"hemisphere", "direct", "lights", "adaptive", "guide", "denoise",
-                                                        "pixel",      "aperture", "focus", "blades", "shutter"};
+constexpr std::array<std::string_view, 11> kSettings = {"hemisphere", "direct",  "lights", "adaptive",
+                                                        "guide",      "denoise", "pixel",  "aperture",
+                                                        "focus",      "blades",  "shutter"};
 constexpr std::array<std::string_view, 2> kFirstHitStages = {"generate", "extend"};
 
 void start_kernels(KernelCompiler& kernels, const DeviceInfo& device, gpu::Feature features,
@@ -24,7 +25,7 @@ void start_kernels(KernelCompiler& kernels, const DeviceInfo& device, gpu::Featu
     kernels.start({&kPathProgram, kAllPathStages, kernel_config(bits, kExpectedStack, settings)});
   };
   start(features);
-  if (generic_first(device)) start(gpu::kFeaturesAll);
+  if (generic_first(device)) start(generic_features(features));
 }
 
 std::vector<std::string> bias(const RenderSettings& settings, const RenderResult&) {
@@ -52,6 +53,7 @@ constinit const IntegratorKind kPath = {
     .summary = "path tracing",
     .settings = kSettings,
     .passes_panes = true,
+    .nests_bodies = true,
     .light_lesson_bytes = kLightRowBytes + kLightSumBytes,
     .measures_depth_cut = true,
     .first_hit_stages = kFirstHitStages,

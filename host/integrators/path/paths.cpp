@@ -56,7 +56,10 @@ const std::vector<BufferRule> kRules = {
      [](const Extent& e) { return e.options & kRoomForLightSums ? kLightSumBytes : 0; },
      {{gpu::kBindLightSums, storage}}},
     {"path media",
-     [](const Extent& e) { return e.features & gpu::kFeatureVolume ? e.slots * sizeof(std::uint32_t) : 0; },
+     [](const Extent& e) {
+       const std::uint64_t words = e.features & gpu::kLobeNested ? 2 : 1;
+       return e.features & gpu::kFeatureVolume ? e.slots * words * sizeof(std::uint32_t) : 0;
+     },
      {{gpu::kBindPathMedia, storage}}},
     {"path AOVs",
      [](const Extent& e) { return e.features & gpu::kFeatureAovs ? e.slots * sizeof(gpu::PathAovs) : 0; },

@@ -17,12 +17,14 @@ std::uint32_t lens_of(const RenderSettings& settings) {
 
 } // namespace
 
+gpu::Feature generic_features(gpu::Feature scene) {
+  return gpu::kFeaturesAll | gpu::kLobeMultiple | (scene & gpu::kLobesLayered ? gpu::kLobesLayered : 0);
+}
+
 KernelConfig kernel_config(gpu::Feature features, std::uint32_t stack_size, const RenderSettings& settings) {
   // Traversal marks the bottom of its stack, and stores one entry beyond what it keeps.
   const std::uint32_t stack = (stack_size + 2 + kStackStep - 1) / kStackStep * kStackStep;
-  // Generic kernels know layers where a scene has any; else the builds without their code serve.
-  if (!settings.specialize)
-    features = gpu::kFeaturesAll | gpu::kLobeMultiple | (features & gpu::kLobesLayered ? gpu::kLobesLayered : 0);
+  if (!settings.specialize) features = generic_features(features);
   // Generic kernels, too, leave out what the settings do not ask for.
   constexpr gpu::Feature kByRequest = gpu::kFeatureAovs | gpu::kFeatureAdaptive | gpu::kFeatureSharedFirstHit |
                                       gpu::kFeatureLightRows | gpu::kFeatureGuide;
@@ -31,6 +33,7 @@ KernelConfig kernel_config(gpu::Feature features, std::uint32_t stack_size, cons
     features &= ~gpu::kFeatureLightTree;
   if (!(features & gpu::kFeatureLightTree)) features &= ~gpu::kFeatureLightRows;
   if (!passes_panes(settings)) features &= ~gpu::kFeaturePanes;
+  if (!settings.integrator->nests_bodies) features &= ~gpu::kLobeNested;
   features = (features | settings.added_features) & ~settings.removed_features;
   const std::uint32_t nets =
       has_whole_nets(settings) || settings.room_for_whole_nets ? gpu::kNetsWhole : gpu::kNetsHalved;

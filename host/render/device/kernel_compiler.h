@@ -16,6 +16,10 @@ struct RenderSettings;
 // Entries of the traversal stack that the tree of nearly every scene gets by with.
 inline constexpr std::uint32_t kExpectedStack = 62;
 
+// What generic kernels for a scene of these features have: all, but lobes of layered materials only where it has any,
+// since kernels come in a build without their code.
+gpu::Feature generic_features(gpu::Feature scene);
+
 // The configuration for a scene of these features whose tree needs `stack_size` entries, under these settings.
 KernelConfig kernel_config(gpu::Feature features, std::uint32_t stack_size, const RenderSettings& settings);
 

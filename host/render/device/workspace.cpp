@@ -11,6 +11,7 @@
 #include "host/render/settings/denoising.h"
 #include "host/render/settings/integrator_kind.h"
 #include "host/render/settings/whole_nets.h"
+#include "host/scene/pack/bodies.h"
 #include "host/scene/pack/pick.h"
 #include "kernels/features.h"
 #include "kernels/frame_types.h"
@@ -21,6 +22,17 @@ namespace wavepath {
 namespace {
 
 std::uint64_t run_count(const FilmTarget& film) { return (film.pixels() + gpu::kRunPixels - 1) / gpu::kRunPixels; }
+
+// As path_media has them, see kernels/path/bodies.glsl.
+glm::uvec2 bodies_at_eye(const PackedScene& scene, const glm::dvec3& eye, std::uint32_t lobes) {
+  if (!(scene.features & gpu::kFeatureVolume)) return glm::uvec2(gpu::kNone);
+  const std::vector<std::uint32_t> bodies = bodies_at(scene, eye);
+  const bool nested = (lobes & static_cast<std::uint32_t>(gpu::kLobeNested >> 32)) != 0;
+  if (!nested) return {bodies.empty() ? gpu::kNone : bodies[0], gpu::kNone};
+  std::uint32_t list[4];
+  for (std::size_t i = 0; i < 4; ++i) list[i] = i < bodies.size() ? bodies[i] : 0xffffu;
+  return {list[0] | list[1] << 16, list[2] | list[3] << 16};
+}
 
 // The device's world has `origin` at zero: subtract in double, then round once.
 gpu::Frame make_frame(const PackedScene& scene, const View& view, const RenderSettings& settings, std::uint32_t slots) {
@@ -49,6 +61,8 @@ gpu::Frame make_frame(const PackedScene& scene, const View& view, const RenderSe
   frame.first_layers = static_cast<std::uint32_t>(scene.materials.size() * gpu::kMaterialTexels);
   if (settings.lights == gpu::kLightsPower) frame.scene_features &= ~gpu::kFeatureLightTree;
   if (!passes_panes(settings)) frame.scene_features &= ~gpu::kFeaturePanes;
+  if (!settings.integrator->nests_bodies) frame.scene_lobes &= ~static_cast<std::uint32_t>(gpu::kLobeNested >> 32);
+  frame.bodies_at_eye = bodies_at_eye(scene, glm::dvec3(view.position - scene.origin), frame.scene_lobes);
   frame.whole_nets = has_whole_nets(settings) ? 1u : 0u;
   frame.local_light_count = scene.local_light_count;
   frame.motion_texel = static_cast<std::uint32_t>(scene.triangles.size()) * gpu::kTriangleTexels;

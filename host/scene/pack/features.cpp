@@ -6,6 +6,7 @@
 
 #include "host/base/error.h"
 #include "host/base/overloaded.h"
+#include "host/scene/pack/bodies.h"
 #include "host/scene/pack/light_tree.h"
 #include "host/scene/pack/lights.h"
 #include "host/scene/pack/materials.h"
@@ -66,6 +67,7 @@ gpu::Feature material_features(const Scene& scene, const Usage& usage) {
                 bit_if(shines(m), gpu::kFeatureEmission) |
                 bit_if(!m.unlit && needs_tangents(m), gpu::kFeatureNormalMaps) | layer_lobes(m);
   }
+  if (bodies_overlap(scene)) features |= gpu::kLobeNested | gpu::kFeatureVolume;
   return features;
 }
 
@@ -162,6 +164,7 @@ std::vector<LeftOut> list_left_out(const Usage& usage, const PackedScene& packed
       {"diffuse transmission", kNoMaterial, 0, gpu::kLobeDiffuseTransmission},
       {"dispersion", kNoMaterial, 0, gpu::kLobeDispersion},
       {"scattering in volumes", kNoMaterial, 0, gpu::kLobeScattering},
+      {"bodies that overlap", "no two bodies that light passes through meet", 0, gpu::kLobeNested},
       {"multiple scattering between microfacets", "no rough metal or rough glass is in use", 0, gpu::kLobeMultiple},
       {"environment", "it is black", 0, gpu::kFeatureEnvironment},
       {"environment map", "the environment is constant or black", 0, gpu::kFeatureEnvironmentMap},

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "host/base/overloaded.h"
+#include "host/scene/pack/bodies.h"
 
 namespace wavepath {
 namespace {
@@ -75,10 +76,12 @@ bool may_be_pane(const Material& m) {
 MaterialTable pack_materials(const Scene& scene, const Usage& usage) {
   MaterialTable table;
   table.packed_index.assign(scene.materials.size(), kNoIndex);
+  const std::vector<std::uint32_t> priorities = body_priorities(scene);
   for (std::size_t m = 0; m < scene.materials.size(); ++m) {
     if (!usage.material_used[m]) continue;
     table.packed_index[m] = static_cast<std::uint32_t>(table.materials.size());
     convert(scene.materials[m], scene, table);
+    table.materials.back().flags |= priorities[m] << gpu::kMaterialPriorityShift;
   }
   return table;
 }

@@ -1,0 +1,130 @@
+#include "host/scene/pack/bodies.h"
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <set>
+#include <utility>
+
+#include "host/scene/bounds.h"
+#include "kernels/scene_types.h"
+
+namespace wavepath {
+namespace {
+
+struct Body {
+  std::uint32_t material = 0; // of the scene
+  Bounds box;                 // world
+};
+
+std::vector<Body> list_bodies(const Scene& scene) {
+  std::vector<Body> bodies;
+  if (std::ranges::none_of(scene.materials, is_body)) return bodies;
+  for (const Instance& instance : scene.instances) {
+    const Mesh& mesh = scene.meshes[instance.mesh];
+    std::map<std::uint32_t, Bounds> boxes;
+    for (const Primitive& primitive : mesh.primitives) {
+      if (!is_body(scene.materials[primitive.material])) continue;
+      for (std::uint32_t i = 0; i < primitive.index_count; ++i) {
+        const glm::dvec3 p =
+            transform_point(instance.world_from_object, mesh.positions[mesh.indices[primitive.first_index + i]]);
+        if (finite_point(p)) boxes[primitive.material].add(p);
+      }
+    }
+    for (const auto& [material, box] : boxes) bodies.push_back({material, box});
+  }
+  return bodies;
+}
+
+bool meet(const Bounds& a, const Bounds& b) {
+  return glm::all(glm::lessThan(a.lo, b.hi)) && glm::all(glm::lessThan(b.lo, a.hi));
+}
+
+double volume(const Bounds& box) {
+  const glm::dvec3 size = box.hi - box.lo;
+  return size.x * size.y * size.z;
+}
+
+// Surfaces of bodies that a ray from `point` leaves by, less those that it enters by, by material.
+std::map<std::uint32_t, int> count_exits(const PackedScene& scene, const glm::dvec3& point,
+                                         const glm::dvec3& direction) {
+  std::map<std::uint32_t, int> exits;
+  const auto count = [&](const Draw& draw, const glm::dmat4x3& world_from_object, bool flipped) {
+    std::set<std::uint32_t> counted; // trees with spatial splits hold copies
+    for (std::uint32_t t = draw.first_triangle; t < draw.first_triangle + draw.triangle_count; ++t) {
+      const gpu::Triangle& triangle = scene.triangles[t];
+      const std::uint32_t material = triangle.surface & gpu::kTriangleMaterialMask;
+      if ((scene.materials[material].flags >> gpu::kMaterialPriorityShift) == 0) continue;
+      const auto place = [&](const glm::vec3& v) { return world_from_object * glm::dvec4(v, 1.0) - point; };
+      const glm::dvec3 a = place(triangle.v0), b = place(triangle.v1), c = place(triangle.v2);
+      const double u = glm::dot(direction, glm::cross(b, c)), v = glm::dot(direction, glm::cross(c, a)),
+                   w = glm::dot(direction, glm::cross(a, b));
+      if (!((u >= 0.0 && v >= 0.0 && w >= 0.0) || (u <= 0.0 && v <= 0.0 && w <= 0.0))) continue;
+      const glm::dvec3 normal = (flipped ? -1.0 : 1.0) * glm::cross(b - a, c - a);
+      const double across = glm::dot(direction, normal);
+      if (across == 0.0 || glm::dot(a, normal) / across <= 0.0 || !counted.insert(triangle.id).second) continue;
+      exits[material] += across > 0.0 ? 1 : -1;
+    }
+  };
+  for (const Draw& draw : scene.draws) {
+    if (!scene.root_is_top) {
+      count(draw, glm::dmat4x3(1.0), false);
+      continue;
+    }
+    for (std::uint32_t i = draw.first_instance; i < draw.first_instance + draw.instance_count; ++i) {
+      const gpu::Instance& instance = scene.instances[i];
+      glm::dmat4x3 world_from_object;
+      for (int row = 0; row < 3; ++row)
+        for (int column = 0; column < 4; ++column)
+          world_from_object[column][row] = instance.world_from_object[row][column];
+      count(draw, world_from_object, instance.flipped != 0);
+    }
+  }
+  return exits;
+}
+
+} // namespace
+
+bool is_body(const Material& material) {
+  return !material.unlit && material.volume && (material.transmission > 0.0f || material.diffuse_transmission > 0.0f);
+}
+
+bool bodies_overlap(const Scene& scene) {
+  if (scene.materials.size() >= 0xffffu) return false; // lists of bodies hold 16 bits of each
+  std::vector<Body> bodies = list_bodies(scene);
+  std::ranges::sort(bodies, {}, [](const Body& body) { return body.box.lo.x; });
+  for (std::size_t i = 0; i < bodies.size(); ++i)
+    for (std::size_t k = i + 1; k < bodies.size() && bodies[k].box.lo.x < bodies[i].box.hi.x; ++k)
+      if (meet(bodies[i].box, bodies[k].box)) return true;
+  return false;
+}
+
+std::vector<std::uint32_t> body_priorities(const Scene& scene) {
+  std::map<std::uint32_t, double> largest; // box of a material
+  for (const Body& body : list_bodies(scene))
+    largest[body.material] = std::max(largest[body.material], volume(body.box));
+  std::vector<std::pair<double, std::uint32_t>> order;
+  for (const auto& [material, size] : largest) order.emplace_back(-size, material);
+  std::ranges::sort(order);
+  std::vector<std::uint32_t> priorities(scene.materials.size(), 0);
+  for (std::size_t i = 0; i < order.size(); ++i)
+    priorities[order[i].second] = static_cast<std::uint32_t>(std::min<std::size_t>(i + 1, 65535));
+  return priorities;
+}
+
+std::vector<std::uint32_t> bodies_at(const PackedScene& scene, const glm::dvec3& point) {
+  const auto priority = [&](std::uint32_t material) {
+    return scene.materials[material].flags >> gpu::kMaterialPriorityShift;
+  };
+  constexpr std::array<glm::dvec3, 3> kDirections{{{0.31, 0.83, 0.46}, {-0.71, 0.29, 0.64}, {0.57, -0.41, -0.71}}};
+  std::map<std::uint32_t, int> votes;
+  for (const glm::dvec3& direction : kDirections)
+    for (const auto& [material, exits] : count_exits(scene, point, direction)) votes[material] += exits > 0;
+  std::vector<std::uint32_t> bodies;
+  for (const auto& [material, count] : votes)
+    if (count >= 2) bodies.push_back(material);
+  std::ranges::sort(bodies, [&](std::uint32_t a, std::uint32_t b) { return priority(a) > priority(b); });
+  return bodies;
+}
+
+} // namespace wavepath
