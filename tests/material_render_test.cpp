@@ -128,7 +128,7 @@ TEST_F(MaterialRender, DeepBodiesReflectAsChandrasekharSays) {
   const Scene scene = body_scene(box({200.0f, 30.0f, 200.0f}), milk);
   for (const double mu : {1.0, 0.4}) {
     const glm::dvec3 down(std::sqrt(1.0 - mu * mu), -mu, 0.0);
-    const glm::dvec3 seen = mean(scene, orthographic({0, 30, 0}, down, 0.5, 5.0), 16, 512, 2000);
+    const glm::dvec3 seen = mean(scene, orthographic({0, 30, 0}, down, 0.5, 5.0), 16, 256, 2000);
     for (int c = 0; c < 3; ++c)
       EXPECT_NEAR(seen[c], 1.0 - chandrasekhar_h(mu, albedo[c]) * std::sqrt(1.0 - albedo[c]), 0.006)
           << "mu " << mu << ", albedo " << albedo[c];
@@ -142,7 +142,7 @@ TEST_F(MaterialRender, BodiesThatOnlyScatterReturnAllLight) {
     marble.attenuation = marble.scattering = glm::vec3(2.0f, 1.0f, 0.5f);
     marble.scattering_anisotropy = g;
     const glm::dvec3 seen = mean(body_scene(box(glm::vec3(0.5f)), marble),
-                                 orthographic({0, 0, 0}, {0.3, -0.5, 0.8}, 0.3, 5.0), 16, 512, 2000);
+                                 orthographic({0, 0, 0}, {0.3, -0.5, 0.8}, 0.3, 5.0), 16, 256, 2000);
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(seen[c], 1.0, 0.015) << "g " << g;
   }
 }

@@ -2,12 +2,9 @@
 #include "host/selftest/oracles.h"
 
 #include <cmath>
-#include <numbers>
 
 namespace wavepath {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 // Angle of two directions, exact for small ones (an arc cosine is not).
 double angle(const glm::dvec3& a, const glm::dvec3& b) {
