@@ -82,7 +82,8 @@ TEST(Materials, CarryEveryField) {
   EXPECT_EQ(g.ior, 1.3f);
   EXPECT_EQ(g.specular, 0.14f);
   EXPECT_EQ(g.transmission, 0.18f);
-  EXPECT_EQ(g.flags, gpu::kMaterialDoubleSided | gpu::kMaterialBlend | gpu::kMaterialVolume);
+  EXPECT_EQ(g.flags,
+            gpu::kMaterialDoubleSided | gpu::kMaterialBlend | gpu::kMaterialVolume | 1u << gpu::kMaterialPriorityShift);
   for (const std::uint32_t texture :
        {g.base_color_texture, g.metallic_roughness_texture, g.normal_texture, g.emission_texture, g.specular_texture,
         g.specular_color_texture, g.transmission_texture})

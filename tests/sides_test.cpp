@@ -173,10 +173,11 @@ TEST_F(Sides, ARoomKeepsItsLightWhicheverWayItsWallsFace) {
   for (const IntegratorKind* kind : {&kPath, &kBidirectional}) {
     SCOPED_TRACE(kind->name);
     const Picture solid = render(room(true), settings(gpu::kCullAll, *kind, 6), {0, 0, 0}, {0, -1, 0});
-    for (const std::uint32_t cull : {gpu::kCullCamera, gpu::kCullNone})
-      if (kind == &kPath || cull == gpu::kCullCamera)
-        EXPECT_EQ(render(room(false), settings(cull, *kind, 6), {0, 0, 0}, {0, -1, 0}).channels[0].values,
-                  solid.channels[0].values);
+    for (const std::uint32_t cull : {gpu::kCullCamera, gpu::kCullNone}) {
+      if (kind == &kBidirectional && cull == gpu::kCullNone) continue; // its kernels take long to compile
+      EXPECT_EQ(render(room(false), settings(cull, *kind, 6), {0, 0, 0}, {0, -1, 0}).channels[0].values,
+                solid.channels[0].values);
+    }
     const Picture open = render(room(false), settings(gpu::kCullAll, *kind, 6), {0, 0, 0}, {0, -1, 0});
     EXPECT_GT(open.channels[0].values[0], 10.0f * solid.channels[0].values[0]) << "the sky should come in";
   }
