@@ -9,6 +9,7 @@ import analytic
 import analytic_surfaces
 import caustic_pictures
 import caustics
+import materials
 import pictures
 import rooms
 import showcase
@@ -21,6 +22,8 @@ def files():
     for build in (pictures.cornell_box, pictures.furnace_lambert, pictures.furnace_glass, pictures.furnace_metal):
         yield f"{build.__name__}.gltf", build().text()
     yield "showcase.glb", showcase.showcase().binary()
+    for build in (materials.materials, materials.gems):
+        yield f"{build.__name__}.glb", build().binary()
     for name, scene in [*analytic.scenes(), *analytic_surfaces.scenes()]:
         yield f"analytic/{name}.gltf", scene.text()
     for build in (rooms.slit_room, rooms.door_ajar, rooms.glazed_room, rooms.hundred_lights):
