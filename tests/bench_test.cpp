@@ -260,7 +260,7 @@ TEST_F(BenchCommand, RefusesWhatIsNoBaseline) {
 }
 
 TEST_F(BenchCommand, AblatesWhatTheSceneLeavesOut) {
-  const Outcome outcome = bench({WAVEPATH_SOURCE_DIR "/scenes/showcase.glb", "--ablate", "--json", json_});
+  const Outcome outcome = bench({kCornell, "--ablate", "--json", json_});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   const Json json = Json::parse(std::ifstream(json_));
   ASSERT_FALSE(json.at("ablation").empty());

@@ -289,15 +289,15 @@ TEST_F(BidirectionalTest, AnOrthographicCameraSeesTheSameLight) {
 
 // Out of focus, so that every point is seen by way of all of the lens.
 TEST_F(BidirectionalTest, ALensSeesTheSameLight) {
-  for (const bool orthographic : {false, true})
-    for (const std::uint32_t blades : {0u, 5u}) {
-      SCOPED_TRACE(testing::Message() << (orthographic ? "orthographic, " : "perspective, ") << blades << " blades");
-      Scene scene = corner(orthographic);
-      add_shining_quad(scene, 2.5f);
-      add_lamp(scene, LightKind::point);
-      expect_path_light(std::move(scene), 3, {gpu::kTechniquesAll, kSplat | kHit, kHit | kConnect | kLight}, 64,
-                        [&](RenderSettings& asked) { asked.aperture = 0.6, asked.focus = 2.0, asked.blades = blades; });
-    }
+  for (const bool orthographic : {false, true}) {
+    const std::uint32_t blades = orthographic ? 5 : 0;
+    SCOPED_TRACE(testing::Message() << (orthographic ? "orthographic, " : "perspective, ") << blades << " blades");
+    Scene scene = corner(orthographic);
+    add_shining_quad(scene, 2.5f);
+    add_lamp(scene, LightKind::point);
+    expect_path_light(std::move(scene), 3, {gpu::kTechniquesAll, kSplat | kHit, kHit | kConnect | kLight}, 64,
+                      [&](RenderSettings& asked) { asked.aperture = 0.6, asked.focus = 2.0, asked.blades = blades; });
+  }
 }
 
 TEST_F(BidirectionalTest, LightFadesWithinItsRange) {
