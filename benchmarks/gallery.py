@@ -23,7 +23,7 @@ PICTURES = {  # name: what it shows, file, flags
     "water_bottle": ("a product on the ground", "ASSETS/WaterBottle/glTF/WaterBottle.gltf", "--ground"),
     "sponza": ("depth of field", "ASSETS/Sponza/Sponza.gltf",
                "--env sky --eye 4,1.8,0.2 --look-at -10,2.2,-0.3 --yfov 55 --aperture 0.12 --focus 4"),
-    "dragon": ("tinted glass", "ASSETS/StanfordDragon/dragon-plain.glb", ""),
+    "suzanne": ("a film of oil", "ASSETS/IridescenceSuzanne/glTF-Binary/IridescenceSuzanne.glb", "--env studio"),
 }
 
 

@@ -15,7 +15,7 @@ def mapped(ball):
 
 def materials():
     g = Gltf("materials")
-    g.mesh("backdrop", backdrop(), g.lambert("backdrop", (0.42, 0.42, 0.44)))
+    g.mesh("backdrop", backdrop(), g.lambert("backdrop", (0.2, 0.2, 0.215)))
     ball = g.shape(mapped(sphere(48)))
 
     def layered(name, color, layers, **terms):
@@ -49,7 +49,7 @@ def materials():
     for i, material in enumerate(row):
         x, z = (i % 4 - 1.75) * 1.3 + (0.65 if i >= 4 else 0.0), 0.0 if i < 4 else 1.5
         g.mesh(g.doc["materials"][material]["name"], ball, material, translation=[x, 0.55, z], scale=[0.55] * 3)
-    g.camera((0.0, 3.9, 8.0), (0.0, 0.42, 0.65), yfov=0.36, aspect=16 / 9)
+    g.camera((0.0, 3.9, 8.0), (0.0, 0.42, 0.6), yfov=0.44, aspect=16 / 9)
     return g
 
 
