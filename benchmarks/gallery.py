@@ -48,7 +48,7 @@ def main():
         if done.returncode:
             sys.exit(done.stderr)
         found = re.search(r"(\d+) spp in ([\d.]+) s, .*?estimated error ([\d.]+) %", done.stderr)
-        device = (re.search(r"(?m)^  device\s+(.*)$", done.stderr) or [None, "see below"])[1]
+        device = re.search(r"(?m)^  device\s+(.*)$", done.stderr)[1]
         rows[name] = (f"| ![{name}]({name}.jpg) | {about} | `./run render {scene} {' '.join(flags.split())} -o {name}.jpg` "
                       f"| {found[2]} | {found[1]} | {found[3]} % |")
         print(name, found[2], "s", found[1], "spp", found[3], "%", flush=True)

@@ -1,6 +1,5 @@
 // Whole renders of materials that a picture alone can prove: bodies that scatter, glass that disperses, normal maps.
 #include <cmath>
-#include <memory>
 #include <numbers>
 #include <vector>
 
@@ -8,11 +7,11 @@
 #include <gtest/gtest.h>
 
 #include "host/integrators/path/kind.h"
-#include "host/render/device/kernel_compiler.h"
 #include "host/render/render.h"
 #include "host/scene/pack/pack.h"
 #include "host/scene/view.h"
 #include "tests/scene_builder.h"
+#include "tests/shared_kernels.h"
 #include "tests/vulkan_device.h"
 
 namespace wavepath::test {
@@ -22,13 +21,8 @@ constexpr double kPi = std::numbers::pi;
 
 class MaterialRender : public VulkanTest {
 protected:
-  // Compiles each kernel once, and waits for what is being compiled before the driver's own statics go.
-  static inline std::unique_ptr<KernelCompiler> kernels_;
-  static void TearDownTestSuite() { kernels_.reset(); }
-
   // Mean over the picture.
   glm::dvec3 mean(Scene scene, const View& view, std::uint32_t side, std::uint32_t spp, std::uint32_t depth) {
-    if (!kernels_) kernels_ = std::make_unique<KernelCompiler>(device());
     RenderSettings asked;
     asked.width = asked.height = side;
     asked.last_sample = spp;
@@ -36,7 +30,7 @@ protected:
     asked.integrator = &kPath;
     asked.filter = gpu::kFilterBox;
     const PackedScene packed = pack(scene);
-    const Picture picture = render(device(), packed, view, asked, RenderHooks{}, *kernels_).picture;
+    const Picture picture = render(device(), packed, view, asked, RenderHooks{}, shared_kernels(device())).picture;
     glm::dvec3 sum(0.0);
     for (int c = 0; c < 3; ++c)
       for (const float v : picture.channels[static_cast<std::size_t>(c)].values) sum[c] += v;

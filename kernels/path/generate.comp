@@ -11,9 +11,9 @@
 #include "kernels/config.glsl"
 #include "kernels/dimensions.glsl"
 #include "kernels/filter.glsl"
+#include "kernels/path/bodies.glsl"
 #include "kernels/path/nonfinite.glsl"
 #include "kernels/path/records.glsl"
-#include "kernels/path/bodies.glsl"
 #include "kernels/pixel.glsl"
 
 layout(local_size_x = kWorkgroupSize) in;
