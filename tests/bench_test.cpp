@@ -168,7 +168,7 @@ TEST_F(Bench, LeavingOutChangesNoBit) {
   const Loaded scene = load(load_gltf(kCornell, {}), settings_);
   const RenderResult without = render(device(), scene.packed, scene.view, settings_);
   std::size_t compared = 0;
-  std::vector<LeftOut> all{{"all lobes of layered materials", "", 0, gpu::kLobesAll}}; // one by one in layers_test
+  std::vector<LeftOut> all{{"all lobes of layered materials", "", 0, gpu::kLobesAll}}; // together: it is one build
   for (const LeftOut& entry : scene.packed.left_out)
     if (entry.feature && !(entry.feature & gpu::kLobesAll)) all.push_back(entry);
   for (const LeftOut& entry : all) {
@@ -181,6 +181,19 @@ TEST_F(Bench, LeavingOutChangesNoBit) {
     ++compared;
   }
   EXPECT_GT(compared, 10u);
+}
+
+// Glass, metals and plastics by the kernels without the code of layers, and by those with it.
+TEST_F(Bench, TheLayeredBuildChangesNoBit) {
+  settings_.max_depth = 5;
+  const Loaded scene = load(load_gltf(WAVEPATH_SOURCE_DIR "/scenes/showcase.glb", {}), settings_);
+  ASSERT_FALSE(scene.packed.features & gpu::kLobesLayered);
+  RenderSettings layered = settings_;
+  layered.added_features = gpu::kLobesLayered;
+  const RenderResult without = render(device(), scene.packed, scene.view, settings_);
+  const RenderResult with = render(device(), scene.packed, scene.view, layered);
+  for (std::size_t c = 0; c < without.picture.channels.size(); ++c)
+    EXPECT_EQ(with.picture.channels[c].values, without.picture.channels[c].values);
 }
 
 TEST(Baseline, TellsTheChange) {
