@@ -1,6 +1,7 @@
 // Stopping, splitting and joining renders as a user does: whatever happens in between, the bits are those of one
 // render.
 #include <bit>
+#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -82,11 +83,13 @@ TEST_F(Resume, FilteredPicturesFollowTheSums) {
 
 TEST_F(Resume, SurvivesBeingKilledAtAnyMoment) {
   const std::vector<std::string> flags{"--aov", "albedo,depth,variance,samples"};
+  const auto began = std::chrono::steady_clock::now();
   ASSERT_EQ(render("whole.exr", flags).exit_code, 0);
+  const std::chrono::duration<double> whole = std::chrono::steady_clock::now() - began;
   const std::vector<std::string> resumed{
       "--aov", "albedo,depth,variance,samples", "--checkpoint", "state", "--checkpoint-interval", "0", "--resume"};
   std::mt19937 random(1);
-  std::uniform_real_distribution<double> moment(0.0, 1.5); // seconds; a whole render takes about one
+  std::uniform_real_distribution<double> moment(0.0, 1.5 * whole.count()); // seconds
   int killed = 0, with_state = 0;
   for (int i = 0; i < 25; ++i) {
     std::vector<std::string> arguments{"/usr/bin/timeout",

@@ -27,9 +27,11 @@ namespace {
 std::map<std::string, std::string> members(const RenderSettings& settings) {
   const auto& [integrator, width, height, first_sample, last_sample, sample_total, time_limit, target_error, max_depth,
                sampler, hemisphere, direct, filter, seed, cull, aperture, focus, blades, shadow_samples, ao_samples,
-               ao_radius, ambient, branching, techniques, cutoff, denoise, antialias_over_time, lights, adaptive, guide,
-               moving, specialize, aovs, guide_iterations, added_features, removed_features, room_for_shadow_rays,
-               room_for_whole_nets, whole_nets_from, wave_slots] = settings;
+               ao_radius, ambient, shadows, shadow_size, shadow_bias, shadow_bias_amount, shadow_taps, shadow_pattern,
+               shadow_blur, shadow_cascades, shadow_exponent, shadow_bits, shadow_source, shadow_ambient, branching,
+               techniques, cutoff, denoise, antialias_over_time, lights, adaptive, guide, moving, specialize, aovs,
+               guide_iterations, added_features, removed_features, room_for_shadow_rays, room_for_whole_nets,
+               whole_nets_from, wave_slots] = settings;
   const auto text = [](const auto& value) { return fmt::format("{}", value); };
   return {{"integrator", std::string(integrator->name)},
           {"width", text(width)},
@@ -53,6 +55,18 @@ std::map<std::string, std::string> members(const RenderSettings& settings) {
           {"ao_samples", text(ao_samples)},
           {"ao_radius", ao_radius ? text(*ao_radius) : "none"},
           {"ambient", ambient ? fmt::format("{},{},{}", ambient->r, ambient->g, ambient->b) : "none"},
+          {"shadows", text(shadows)},
+          {"shadow_size", text(shadow_size)},
+          {"shadow_bias", text(shadow_bias)},
+          {"shadow_bias_amount", shadow_bias_amount ? text(*shadow_bias_amount) : "none"},
+          {"shadow_taps", text(shadow_taps)},
+          {"shadow_pattern", text(shadow_pattern)},
+          {"shadow_blur", text(shadow_blur)},
+          {"shadow_cascades", text(shadow_cascades)},
+          {"shadow_exponent", shadow_exponent ? text(*shadow_exponent) : "none"},
+          {"shadow_bits", text(shadow_bits)},
+          {"shadow_source", text(shadow_source)},
+          {"shadow_ambient", text(shadow_ambient)},
           {"branching", text(branching)},
           {"techniques", text(techniques)},
           {"cutoff", text(cutoff)},

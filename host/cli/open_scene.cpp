@@ -11,6 +11,7 @@
 #include "host/render/device/workspace.h"
 #include "host/render/settings/denoising.h"
 #include "host/render/settings/integrator_kind.h"
+#include "host/render/settings/shadow_settings.h"
 #include "host/scene/pack/features.h"
 
 namespace wavepath {
@@ -19,7 +20,7 @@ namespace {
 // Compiles the kernels that the scene will most likely need. A wrong guess costs only time.
 void begin_kernels(KernelCompiler& kernels, const DeviceInfo& device, const Scene& scene,
                    const RenderSettings& settings) {
-  gpu::Feature features = expected_features(scene, settings.direct) | features_of(settings);
+  gpu::Feature features = expected_features(scene, direct_of(settings)) | features_of(settings);
   for (const Camera& camera : scene.cameras)
     if (camera.orthographic) features |= gpu::kFeatureOrthographic;
   settings.integrator->start_kernels(kernels, device, features, settings);

@@ -30,6 +30,7 @@
 #include "host/render/settings/identity.h"
 #include "host/render/settings/integrator_kind.h"
 #include "host/render/settings/settings_table.h"
+#include "host/render/settings/shadow_settings.h"
 #include "host/scene/scene_hash.h"
 
 namespace wavepath {
@@ -204,7 +205,7 @@ Prepared prepare(const Request& request) {
   const std::optional<glm::dvec3>& origin = request.render.origin;
   if (needs_identity(request)) prepared.scene_hash = hash_scene(scene);
   prepared.view = view;
-  prepared.packed = pack(scene, settings.direct, quality, origin.value_or(view.position), settings.lights);
+  prepared.packed = pack(scene, direct_of(settings), quality, origin.value_or(view.position), settings.lights);
   prepared.warnings = scene.warnings;
   prepared.load_seconds = loading.seconds() - prepared.packed.bvh_seconds;
   return prepared;

@@ -224,6 +224,7 @@ void check_integrator(const RenderRequest& request) {
   for (const Setting& row : settings_table())
     if (row.takers == Takers::listed_else_refused && !is_taken(row, kind) && !is_default(row, settings))
       refuse_not_taken(fmt::format("--{}", row.name), settings, takers_text(row.name));
+  if (kind.check) kind.check(settings);
   for (const std::string& aov : settings.aovs)
     if (const std::string takers = aov_takers_text(aov); !takers.empty() && std::ranges::count(kind.aovs, aov) == 0)
       refuse_not_taken("--aov " + aov, settings, takers);

@@ -26,6 +26,7 @@
 #include "host/integrators/hybrid/occlusion_radius.h"
 #include "host/render/bvh_choice.h"
 #include "host/render/settings/settings_table.h"
+#include "host/render/settings/shadow_settings.h"
 #include "host/scene/pack/plan.h"
 #include "host/study/page.h"
 #include "host/study/study_report.h"
@@ -147,7 +148,8 @@ StudyScene pack_scene(LoadedScene& loaded, const Request& request, bvh::Quality 
       if (!all.counts().contains(text)) all.add(text, count);
   };
   pack_for(gpu::kDirectMis);
-  for (const Configuration& one : make_grid(request.study.vary, request.study.render)) pack_for(one.settings.direct);
+  for (const Configuration& one : make_grid(request.study.vary, request.study.render))
+    pack_for(direct_of(one.settings));
   print_warnings(all);
   return study;
 }

@@ -15,6 +15,7 @@
 #include "host/render/device/kernel_compiler.h"
 #include "host/render/report/stats.h"
 #include "host/render/settings/integrator_kind.h"
+#include "host/render/settings/shadow_settings.h"
 
 namespace wavepath {
 namespace {
@@ -54,8 +55,8 @@ private:
     const auto on_progress = [&](const Progress& progress) {
       return progress_({fmt::format("{}, {} spp", what, settings.last_sample), seconds_ + progress.seconds});
     };
-    RenderResult result =
-        render(device_, scene_.packed.at(settings.direct), scene_.view, settings, {.progress = on_progress}, kernels);
+    RenderResult result = render(device_, scene_.packed.at(direct_of(settings)), scene_.view, settings,
+                                 {.progress = on_progress}, kernels);
     seconds_ += result.seconds;
     study_.interrupted |= result.stop == StopReason::interrupted;
     return result;

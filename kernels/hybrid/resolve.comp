@@ -17,6 +17,7 @@
 #include "kernels/path/bindings.glsl"
 #include "kernels/hybrid/frame_terms.glsl"
 #include "kernels/hybrid/hybrid.glsl"
+#include "kernels/known_triangle.glsl"
 #include "kernels/path/bodies.glsl"
 #include "kernels/path/records.glsl"
 #include "kernels/pixel.glsl"

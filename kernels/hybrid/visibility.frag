@@ -8,6 +8,7 @@
 #define BIND_HYBRID
 #include "kernels/hybrid/bindings.glsl"
 #include "kernels/hybrid/hybrid.glsl"
+#include "kernels/known_triangle.glsl"
 #include "kernels/surface.glsl"
 
 layout(location = 0) flat in uint triangle;

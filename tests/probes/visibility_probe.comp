@@ -10,6 +10,7 @@
 #include "kernels/hybrid/bindings.glsl"
 #include "kernels/path/bindings.glsl"
 #include "kernels/hybrid/hybrid.glsl"
+#include "kernels/known_triangle.glsl"
 #include "kernels/path/records.glsl"
 #include "kernels/pixel.glsl"
 

@@ -128,14 +128,24 @@ void Hybrid::make_room(const View& view, Past past) {
     visibility_made_for_ = made_for;
     moved = true;
   }
+  std::vector<Binding> own;
+  paths_.buffers.add_bindings(own);
+  remake_shadows(view, own);
   if (moved || sets_.empty()) {
-    std::vector<Binding> own;
-    paths_.buffers.add_bindings(own);
     buffers_.add_bindings(own);
     own.push_back({gpu::kBindVisibility, BindingKind::texels_rg32ui, &visibility_->ids()});
     sets_ = bind_bands(workspace_, own);
   }
   remake_filters(moved, past);
+}
+
+void Hybrid::remake_shadows(const View& view, const std::vector<Binding>& own) {
+  const ShadowKind* kind = lights() ? shadow_kind(settings_) : nullptr;
+  if (settings_.shadows != shadows_made_for_) shadows_.reset(); // the device may not hold both at once
+  shadows_made_for_ = settings_.shadows;
+  if (!kind) return shadows_.reset();
+  if (!shadows_) shadows_ = kind->make({workspace_, kernels_, covered_sources(*kind, workspace_.scene)});
+  shadows_->change(view, settings_, own);
 }
 
 // Memory and kernels stay, unless size or buffers are others.
@@ -163,14 +173,18 @@ void Hybrid::remake_filters(bool moved, Past past) {
 
 bool Hybrid::is_ready() {
   const bool paths = !lights() || paths_.is_ready(); // asks for both, so that both are begun
-  return kernels_.ready(need_) && paths;
+  const bool shadows = !shadows_ || shadows_->is_ready();
+  return kernels_.ready(need_) && paths && shadows;
 }
 
-double Hybrid::get_ready() { return (lights() ? paths_.get_ready() : 0.0) + kernels_.best(need_).seconds(); }
+double Hybrid::get_ready() {
+  return (lights() ? paths_.get_ready() : 0.0) + (shadows_ ? shadows_->get_ready() : 0.0) +
+         kernels_.best(need_).seconds();
+}
 
 std::uint64_t Hybrid::bytes() const {
   return paths_.buffers.bytes() + buffers_.bytes() + visibility_->bytes() + (denoiser_ ? denoiser_->bytes() : 0) +
-         (taa_ ? taa_->bytes() : 0);
+         (taa_ ? taa_->bytes() : 0) + (shadows_ ? shadows_->bytes() : 0);
 }
 
 // kJitters frames at a time, because asking the device costs a round trip.
@@ -199,6 +213,12 @@ void Hybrid::begin_pass(WaveQueue& queue, std::uint32_t sample) {
     visibility_->render(queue, camera_, prepare);
   else
     visibility_->trace(queue, prepare);
+  if (shadows_) shadows_->build(queue, sample);
+}
+
+void Hybrid::describe(RenderResult& result) const {
+  result.ambient = frame_.ambient;
+  if (shadows_) result.shadows = {.views = shadows_->view_count(), .bytes = shadows_->bytes()};
 }
 
 // What a pixel counts for in a wave: its light samples, which take slots, or its occlusion rays if those are more.
@@ -236,7 +256,15 @@ void Hybrid::light(Commands& commands, std::size_t band, const gpu::Wave& wave) 
   commands.bind(paths_.bindings(band));
   commands.dispatch(kernels[kShade], groups_for(std::uint64_t{wave.pixel_count} * wave.sample_count), &wave);
   if (workspace_.frame.max_depth == 0) return;
-  if (workspace_.frame.light_count > 0) paths_.connect(commands, kernels, wave, 0);
+  if (workspace_.frame.light_count > 0) {
+    if (shadows_) {
+      commands.barrier();
+      shadows_->record_look_up(commands, band, wave);
+      commands.barrier();
+      commands.bind(paths_.bindings(band));
+    }
+    paths_.connect(commands, kernels, wave, 0);
+  }
   paths_.extend(commands, kernels, wave, 1); // emission that BSDF samples hit
   paths_.shade(commands, kernels, wave, 1);
 }

@@ -11,6 +11,7 @@
 
 #include "host/integrators/hybrid/visibility.h"
 #include "host/integrators/path/paths.h"
+#include "host/integrators/shadows/technique.h"
 #include "host/render/loop/render_result.h"
 #include "kernels/hybrid/filter_types.h"
 #include "kernels/hybrid/hybrid_types.h"
@@ -46,7 +47,7 @@ public:
   void end_pass(WaveQueue& queue) override;
   std::uint32_t timed_dispatches() const override { return 16; }
   std::uint64_t bytes() const override;
-  void describe(RenderResult& result) const override { result.ambient = frame_.ambient; }
+  void describe(RenderResult& result) const override;
 
 private:
   bool lights() const { return frame_.flags & gpu::kHybridLights; }
@@ -54,6 +55,7 @@ private:
   void make_frame(const View& view, const RenderSettings& settings, Past past);
   void make_room(const View& view, Past past);
   void remake_filters(bool moved, Past past);
+  void remake_shadows(const View& view, const std::vector<Binding>& own);
   glm::vec2 jitter(WaveQueue& queue, std::uint32_t sample);
   void light(Commands& commands, std::size_t band, const gpu::Wave& wave);
   void composite(WaveQueue& queue, std::uint32_t flags);
@@ -75,8 +77,10 @@ private:
   std::vector<std::unique_ptr<BindingSet>> sets_; // by band
   std::unique_ptr<Denoiser> denoiser_;
   std::unique_ptr<Taa> taa_;
-  glm::uvec4 filters_made_for_{0}; // size, flags, and which
-  std::vector<glm::vec2> jitters_; // of frames from first_jitter_ on
+  std::unique_ptr<ShadowTechnique> shadows_; // none where rays are traced
+  std::uint32_t shadows_made_for_ = 0;       // RenderSettings::shadows
+  glm::uvec4 filters_made_for_{0};           // size, flags, and which
+  std::vector<glm::vec2> jitters_;           // of frames from first_jitter_ on
   std::uint32_t first_jitter_ = 0;
   std::vector<std::uint32_t> pilot_places_; // pixels of the pilot, row-major
 };

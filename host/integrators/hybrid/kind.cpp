@@ -17,8 +17,11 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::array<std::string_view, 8> kHybridSettings = {"hemisphere", "direct",    "lights",  "shadow-samples",
-                                                             "ao-samples", "ao-radius", "ambient", "denoise"};
+constexpr std::array<std::string_view, 19> kHybridSettings = {
+    "hemisphere",      "direct",      "lights",         "shadow-samples", "ao-samples",
+    "ao-radius",       "ambient",     "denoise",        "shadows",        "shadow-size",
+    "shadow-bias",     "shadow-taps", "shadow-pattern", "shadow-blur",    "shadow-cascades",
+    "shadow-exponent", "shadow-bits", "shadow-source",  "shadow-ambient"};
 constexpr std::array<std::string_view, 3> kAoSettings = {"ao-samples", "ao-radius", "denoise"};
 constexpr std::array<std::string_view, 1> kAovs = {"ao"};
 constexpr std::array<std::string_view, 2> kFirstHitStages = {"raster", "resolve"};
@@ -100,6 +103,7 @@ constinit const IntegratorKind kHybrid = {
     .aovs = kAovs,
     .traces_paths = false,
     .first_hit_stages = kFirstHitStages,
+    .check = check_shadow_settings,
     .features = features,
     .start_kernels = start_path_kernels,
     .bytes_per_slot = [](gpu::Feature features,

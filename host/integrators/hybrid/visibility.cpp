@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 
 #include <fmt/format.h>
 
@@ -19,46 +18,8 @@
 namespace wavepath {
 namespace {
 
-// No submission should keep the device for longer than a tenth of a second; less than half of that on average leaves
-// room for slices that are not alike. The average decides, because a busy machine delays one or another of any size,
-// and because every slice costs what loading and storing the picture does. The first sizes, in triangles and pixels,
-// are guesses.
-constexpr double kLongSlice = 0.04, kShortSlice = 0.01; // seconds
-constexpr std::uint64_t kFirstTriangles = 1 << 16, kFirstPixels = 1 << 15, kSmallestSlice = 1 << 12;
-
-// The size of slices after a frame of `slices` of them that took `seconds`.
-std::uint64_t adapt(std::uint64_t size, double seconds, std::size_t slices) {
-  const double average = seconds / static_cast<double>(slices);
-  if (average > kLongSlice) return std::max(kSmallestSlice, size / 2);
-  return average < kShortSlice && slices > 1 ? 2 * size : size;
-}
-
-// The draws in pieces of at most `most` triangles; at least one piece.
-std::vector<std::vector<VertexRange>> cut(std::span<const Draw> draws, std::uint64_t most) {
-  std::vector<std::vector<VertexRange>> slices(1);
-  std::uint64_t room = most;
-  for (const Draw& draw : draws) {
-    const std::uint64_t total = std::uint64_t{draw.triangle_count} * draw.instance_count;
-    for (std::uint64_t done = 0; done < total;) {
-      if (room == 0) {
-        slices.emplace_back();
-        room = most;
-      }
-      // As many whole instances as there is room for, or a part of one.
-      const auto instance = static_cast<std::uint32_t>(done / draw.triangle_count);
-      const auto first = static_cast<std::uint32_t>(done % draw.triangle_count);
-      const std::uint32_t left = draw.triangle_count - first;
-      const bool whole = first == 0 && room >= left;
-      const std::uint32_t times =
-          whole ? static_cast<std::uint32_t>(std::min<std::uint64_t>(draw.instance_count - instance, room / left)) : 1;
-      const std::uint32_t count = whole ? left : static_cast<std::uint32_t>(std::min<std::uint64_t>(left, room));
-      slices.back().push_back({3 * (draw.first_triangle + first), 3 * count, draw.first_instance + instance, times});
-      done += std::uint64_t{count} * times;
-      room -= std::uint64_t{count} * times;
-    }
-  }
-  return slices;
-}
+// Guesses, for the first frame.
+constexpr std::uint64_t kFirstTriangles = 1 << 16, kFirstPixels = 1 << 15;
 
 std::vector<Binding> visibility_bindings(const DeviceScene& scene, const Buffer& frame, const Buffer& hybrid,
                                          const Buffer& ids, const Buffer& unused) {
@@ -143,46 +104,33 @@ Visibility::Visibility(Device& device, const PackedScene& scene, const DeviceSce
       triangles_a_slice_(kFirstTriangles),
       pixels_a_slice_(kFirstPixels) {}
 
-void Visibility::submit(WaveQueue& queue, const std::function<void(Commands&)>& record) {
-  queue.submit(record, {.stage = "raster", .done = [this](const Finished& finished) {
-                          slices_.seconds += finished.seconds;
-                          ++slices_.count;
-                        }});
-}
-
 // Copies that spatial splits made of a triangle are drawn as well: they lie in the same plane to the last bit, and the
 // first one drawn stays. A depth prepass could only cost: what it would save is a fragment shader that writes two
 // words.
 void Visibility::render(WaveQueue& queue, const gpu::CameraView& camera,
                         const std::function<void(Commands&)>& prepare) {
-  if (slices_.count > 0) triangles_a_slice_ = adapt(triangles_a_slice_, slices_.seconds, slices_.count);
-  slices_ = {};
-  const std::vector<Draw> draws = visible_draws(chunks_, camera, width_, height_);
-  const std::vector<std::vector<VertexRange>> slices = cut(draws, triangles_a_slice_); // submitted one by one
-  for (std::size_t i = 0; i < slices.size(); ++i)
-    submit(queue, [&](Commands& commands) {
-      const gpu::Wave wave{}; // camera rays
-      if (i == 0) prepare(commands);
-      const RasterDraw draw{&pipeline_, &bindings_, &wave, slices[i]};
-      target_.draw(commands, {.draws = {&draw, 1}, .clear = i == 0 ? kClearAll : kClearNothing});
-      if (i + 1 == slices.size()) target_.image(0).copy_to(commands.handle(), ids_);
-    });
+  const gpu::Wave wave{}; // camera rays
+  const SlicedPass pass{&target_, &pipeline_, &bindings_, &wave};
+  const auto copy = [this](Commands& commands) { target_.image(0).copy_to(commands.handle(), ids_); };
+  draw_in_slices(queue, pass, visible_draws(chunks_, camera, width_, height_), triangles_a_slice_.next_frame(), prepare,
+                 copy, [this](double seconds) { triangles_a_slice_.note(seconds); });
 }
 
 void Visibility::trace(WaveQueue& queue, const std::function<void(Commands&)>& prepare) {
   if (!tracer_) tracer_.emplace(device_, "visibility", wavepath_visibility_spv, bindings_, constants_);
-  if (slices_.count > 0) pixels_a_slice_ = adapt(pixels_a_slice_, slices_.seconds, slices_.count);
-  slices_ = {};
+  const std::uint64_t most = pixels_a_slice_.next_frame();
   const std::uint32_t pixels = width_ * height_;
   for (std::uint32_t first = 0; first < pixels;) {
     gpu::Wave wave{};
     wave.first_pixel = first;
-    wave.pixel_count = static_cast<std::uint32_t>(std::min<std::uint64_t>(pixels_a_slice_, pixels - first));
-    submit(queue, [&](Commands& commands) {
+    wave.pixel_count = static_cast<std::uint32_t>(std::min<std::uint64_t>(most, pixels - first));
+    const auto record = [&](Commands& commands) {
       if (first == 0) prepare(commands);
       commands.bind(bindings_);
       commands.dispatch(*tracer_, groups_for(wave.pixel_count), &wave);
-    });
+    };
+    queue.submit(record, {.stage = "raster",
+                          .done = [this](const Finished& finished) { pixels_a_slice_.note(finished.seconds); }});
     first += wave.pixel_count;
   }
 }

@@ -10,7 +10,8 @@
 #include <vector>
 
 #include "host/gpu/raster.h"
-#include "host/integrators/hybrid/culling.h"
+#include "host/integrators/raster/culling.h"
+#include "host/integrators/raster/slices.h"
 #include "host/render/device/device_scene.h"
 #include "host/render/device/kernel_set.h"
 #include "host/render/device/wave_queue.h"
@@ -50,13 +51,6 @@ public:
   std::uint64_t bytes() const { return ids_.bytes() + target_.bytes(); }
 
 private:
-  // The times of the pieces of the last frame, as they are done.
-  struct Slices {
-    double seconds = 0.0;
-    std::size_t count = 0;
-  };
-  void submit(WaveQueue& queue, const std::function<void(Commands&)>& record);
-
   Device& device_;
   std::array<std::uint32_t, gpu::kSpecCount> constants_;
   std::uint32_t width_, height_;
@@ -65,9 +59,8 @@ private:
   BindingSet bindings_;
   RasterPipeline pipeline_;
   std::vector<Chunk> chunks_;
-  std::optional<Kernel> tracer_;                     // compiled when it is needed
-  std::uint64_t triangles_a_slice_, pixels_a_slice_; // as the last frames took
-  Slices slices_;
+  std::optional<Kernel> tracer_; // compiled when it is needed
+  SliceLength triangles_a_slice_, pixels_a_slice_;
 };
 
 } // namespace wavepath

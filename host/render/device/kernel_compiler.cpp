@@ -1,6 +1,7 @@
 #include "host/render/device/kernel_compiler.h"
 
 #include "host/render/settings/integrator_kind.h"
+#include "host/render/settings/shadow_settings.h"
 #include "host/render/settings/whole_nets.h"
 
 namespace wavepath {
@@ -38,8 +39,8 @@ KernelConfig kernel_config(gpu::Feature features, std::uint32_t stack_size, cons
   const std::uint32_t nets =
       has_whole_nets(settings) || settings.room_for_whole_nets ? gpu::kNetsWhole : gpu::kNetsHalved;
   const std::uint32_t motion = settings.moving && takes(*settings.integrator, "shutter") ? 1u : 0u;
-  return {features,        stack, settings.sampler,  settings.direct, settings.hemisphere,
-          settings.filter, nets,  lens_of(settings), settings.cull,   motion};
+  return {features,        stack, settings.sampler,  direct_of(settings), settings.hemisphere,
+          settings.filter, nets,  lens_of(settings), settings.cull,       motion};
 }
 
 gpu::Feature features_of(const RenderSettings& settings) {

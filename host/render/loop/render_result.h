@@ -46,6 +46,12 @@ struct MergeReport {
   std::uint64_t bytes = 0;                      // of a map
 };
 
+// What a shadow technique made (--shadows).
+struct ShadowReport {
+  std::uint32_t views = 0; // directions from lights that it keeps something of
+  std::uint64_t bytes = 0;
+};
+
 // The filter of the finished picture (--denoise).
 struct DenoiseReport {
   const char* filter = "";
@@ -75,6 +81,7 @@ struct RenderResult {
   glm::vec3 ambient{0.0f}; // radiance that a hybrid render used
   std::optional<GuideReport> guide;
   std::optional<MergeReport> merging;
+  std::optional<ShadowReport> shadows;
   std::optional<DenoiseReport> denoised;
 };
 

@@ -46,6 +46,8 @@ struct IntegratorKind {
   // Stages that find the first hits, by whose time integrators are compared.
   std::span<const std::string_view> first_hit_stages{};
 
+  // Throws UsageError where values of its settings do not go together; null = they always do.
+  void (*check)(const RenderSettings& settings) = nullptr;
   // kFeature bits of its kernels, besides those of the scene and of RenderSettings::adaptive.
   gpu::Feature (*features)(const RenderSettings& settings) = nullptr;
   // Begins compiling for a scene of these kFeature bits, before the scene is there. A wrong guess costs time alone.

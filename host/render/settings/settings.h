@@ -48,7 +48,19 @@ struct RenderSettings {
   std::uint32_t ao_samples = 1;     // occlusion rays for every sample of a pixel
   // Metres, 0 = unlimited; empty: unlimited for ao, a tenth of the scene's radius for hybrid.
   std::optional<double> ao_radius;
-  std::optional<glm::vec3> ambient; // radiance; empty = estimated from the direct light in the picture
+  std::optional<glm::vec3> ambient;         // radiance; empty = estimated from the direct light in the picture
+  std::uint32_t shadows = 0;                // technique: of kShadowNames (shadow_settings.h)
+  std::uint32_t shadow_size = 1024;         // texels along a side of what a light sees
+  std::uint32_t shadow_bias = 1;            // of kShadowBiasNames
+  std::optional<double> shadow_bias_amount; // in texels' width; empty = the kind's own
+  std::uint32_t shadow_taps = 16;           // places that a filter looks at
+  std::uint32_t shadow_pattern = 0;         // of these places: of kShadowPatternNames
+  double shadow_blur = 2.0;                 // radius of a filter, in texels
+  std::uint32_t shadow_cascades = 4;        // views that share the depths in front of the camera
+  std::optional<double> shadow_exponent;    // of exponential maps; empty = the technique's own
+  std::uint32_t shadow_bits = 32;           // of each moment that a map holds
+  std::uint32_t shadow_source = 0;          // how maps are made: of kShadowSourceNames
+  double shadow_ambient = 0.0;              // share of a light that reaches what is in its shadow
   std::uint32_t branching = kBranchingTree;
   std::uint32_t techniques = gpu::kTechniquesAll; // kTechnique bits
   double cutoff = 1.0 / 256.0;                    // weight below which rays are not followed; biased unless it is 0

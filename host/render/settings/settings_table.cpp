@@ -8,6 +8,7 @@
 
 #include "host/base/error.h"
 #include "host/render/settings/denoising.h"
+#include "host/render/settings/shadow_rows.h"
 
 namespace wavepath {
 namespace {
@@ -361,7 +362,8 @@ std::vector<Setting> special_rows() {
 // The order is that of --help within each group, of copied commands and of the panel.
 std::vector<Setting> all_rows() {
   std::vector<Setting> rows;
-  for (std::vector<Setting> part : {picture_rows(), lens_rows(), transport_rows(), stop_rows(), special_rows()})
+  for (std::vector<Setting> part :
+       {picture_rows(), lens_rows(), transport_rows(), stop_rows(), special_rows(), shadow_rows()})
     for (Setting& row : part) rows.push_back(std::move(row));
   return rows;
 }

@@ -24,4 +24,13 @@ std::vector<Chunk> make_chunks(const PackedScene& scene);
 std::vector<Draw> visible_draws(std::span<const Chunk> chunks, const gpu::CameraView& camera, std::uint32_t width,
                                 std::uint32_t height);
 
+// Inside where dot(normal, p) + offset >= 0.
+struct HalfSpace {
+  glm::dvec3 normal{0.0};
+  double offset = 0.0;
+};
+
+// The draws of all chunks whose box reaches into every half-space.
+std::vector<Draw> draws_within(std::span<const Chunk> chunks, std::span<const HalfSpace> sides);
+
 } // namespace wavepath

@@ -1,4 +1,4 @@
-#include "host/integrators/hybrid/culling.h"
+#include "host/integrators/raster/culling.h"
 #include "kernels/hybrid/filter_types.h"
 #include "kernels/scene_types.h"
 
@@ -36,12 +36,6 @@ Chunk placed(Chunk chunk, const gpu::Instance& instance, std::uint32_t index) {
   return chunk;
 }
 
-// Inside where dot(normal, p) + offset >= 0.
-struct HalfSpace {
-  glm::dvec3 normal;
-  double offset;
-};
-
 // The four sides of the picture, and what is in front of the camera.
 std::array<HalfSpace, 5> frustum(const gpu::CameraView& camera, std::uint32_t width, std::uint32_t height) {
   const glm::dvec3 eye(camera.position), forward(camera.forward);
@@ -57,7 +51,7 @@ std::array<HalfSpace, 5> frustum(const gpu::CameraView& camera, std::uint32_t wi
           HalfSpace{forward, -glm::dot(forward, eye)}};
 }
 
-bool may_see(const std::array<HalfSpace, 5>& frustum, const Chunk& chunk) {
+bool may_see(std::span<const HalfSpace> frustum, const Chunk& chunk) {
   const glm::dvec3 half = chunk.half + kRounding * (glm::abs(chunk.centre) + chunk.half);
   return std::ranges::none_of(frustum, [&](const HalfSpace& inside) {
     return glm::dot(inside.normal, chunk.centre) + glm::dot(glm::abs(inside.normal), half) + inside.offset < 0.0;
@@ -94,13 +88,16 @@ std::vector<Chunk> make_chunks(const PackedScene& scene) {
   return chunks;
 }
 
-std::vector<Draw> visible_draws(std::span<const Chunk> chunks, const gpu::CameraView& camera, std::uint32_t width,
-                                std::uint32_t height) {
-  const std::array<HalfSpace, 5> sides = frustum(camera, width, height);
+std::vector<Draw> draws_within(std::span<const Chunk> chunks, std::span<const HalfSpace> sides) {
   std::vector<Draw> draws;
   for (const Chunk& chunk : chunks)
     if (may_see(sides, chunk) && (draws.empty() || !join(draws.back(), chunk.draw))) draws.push_back(chunk.draw);
   return draws;
+}
+
+std::vector<Draw> visible_draws(std::span<const Chunk> chunks, const gpu::CameraView& camera, std::uint32_t width,
+                                std::uint32_t height) {
+  return draws_within(chunks, frustum(camera, width, height));
 }
 
 } // namespace wavepath

@@ -1,0 +1,27 @@
+// A shadow map (Williams 1978).
+#include <array>
+
+#include "host/integrators/shadows/kinds.h"
+#include "host/integrators/shadows/shadow_maps.h"
+#include "kernels/shadows/look_up_map.spv.h"
+
+namespace wavepath {
+namespace {
+
+const std::array<KernelCode, 1> kStages = {{{"shadow look-up", wavepath_look_up_map_spv}}};
+constexpr std::array<std::size_t, 1> kOrder = {0};
+const KernelProgram kProgram = {kStages, kOrder, shadow_layout};
+const ShadowMapRecipe kRecipe = {.program = &kProgram};
+constexpr std::array<std::string_view, 3> kSettings = {"shadow-size", "shadow-bias", "shadow-source"};
+
+} // namespace
+
+constinit const ShadowKind kShadowMap = {
+    .name = "map",
+    .summary = "a shadow map, one comparison (Williams 1978)",
+    .sources = kAllSources,
+    .settings = kSettings,
+    .make = [](const ShadowContext& context) { return make_shadow_maps(kRecipe, context); },
+};
+
+} // namespace wavepath

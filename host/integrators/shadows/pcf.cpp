@@ -1,0 +1,29 @@
+// Percentage-closer filtering of a shadow map (Reeves, Salesin and Cook 1987).
+#include <array>
+
+#include "host/integrators/shadows/kinds.h"
+#include "host/integrators/shadows/shadow_maps.h"
+#include "kernels/shadows/look_up_pcf.spv.h"
+
+namespace wavepath {
+namespace {
+
+const std::array<KernelCode, 1> kStages = {{{"shadow look-up", wavepath_look_up_pcf_spv}}};
+constexpr std::array<std::size_t, 1> kOrder = {0};
+const KernelProgram kProgram = {kStages, kOrder, shadow_layout};
+const ShadowMapRecipe kRecipe = {
+    .program = &kProgram, .taps = true, .guard = [](const RenderSettings& settings) { return settings.shadow_blur; }};
+constexpr std::array<std::string_view, 6> kSettings = {"shadow-size", "shadow-bias",    "shadow-source",
+                                                       "shadow-taps", "shadow-pattern", "shadow-blur"};
+
+} // namespace
+
+constinit const ShadowKind kShadowPcf = {
+    .name = "pcf",
+    .summary = "a shadow map, comparisons averaged over a filter (Reeves, Salesin and Cook 1987)",
+    .sources = kAllSources,
+    .settings = kSettings,
+    .make = [](const ShadowContext& context) { return make_shadow_maps(kRecipe, context); },
+};
+
+} // namespace wavepath

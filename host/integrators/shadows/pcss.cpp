@@ -1,0 +1,28 @@
+// Percentage-closer soft shadows (Fernando 2005).
+#include <array>
+
+#include "host/integrators/shadows/kinds.h"
+#include "host/integrators/shadows/shadow_maps.h"
+#include "kernels/shadows/look_up_pcss.spv.h"
+
+namespace wavepath {
+namespace {
+
+const std::array<KernelCode, 1> kStages = {{{"shadow look-up", wavepath_look_up_pcss_spv}}};
+constexpr std::array<std::size_t, 1> kOrder = {0};
+const KernelProgram kProgram = {kStages, kOrder, shadow_layout};
+const ShadowMapRecipe kRecipe = {.program = &kProgram, .taps = true};
+constexpr std::array<std::string_view, 5> kSettings = {"shadow-size", "shadow-bias", "shadow-source", "shadow-taps",
+                                                       "shadow-pattern"};
+
+} // namespace
+
+constinit const ShadowKind kShadowPcss = {
+    .name = "pcss",
+    .summary = "a shadow map, filtered as wide as the blockers' mean depth tells (Fernando 2005)",
+    .sources = kAreaSources,
+    .settings = kSettings,
+    .make = [](const ShadowContext& context) { return make_shadow_maps(kRecipe, context); },
+};
+
+} // namespace wavepath

@@ -1,0 +1,46 @@
+// Techniques that draw what lights see into maps, filter these perhaps, and look shadow rays up in them.
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "host/gpu/raster.h"
+#include "host/integrators/raster/culling.h"
+#include "host/integrators/raster/slices.h"
+#include "host/integrators/shadows/technique.h"
+#include "host/integrators/shadows/views.h"
+
+namespace wavepath {
+
+struct ShadowMapRecipe;
+
+// What filters of maps work on.
+struct MapFilterJob {
+  const KernelSet* kernels = nullptr; // by stage of the recipe's program
+  gpu::Wave wave{};                   // to be pushed: first_pixel = view, the rest is the filter's
+  std::uint32_t views = 0, size = 0;
+};
+
+// What a technique of maps consists of.
+struct ShadowMapRecipe {
+  // Stage 0 answers shadow rays; the others are the filter's. Their layout is shadow_layout().
+  const KernelProgram* program = nullptr;
+  bool ids = false;                                          // maps hold triangles, besides depths
+  bool taps = false;                                         // look-ups take filter taps
+  double (*guard)(const RenderSettings& settings) = nullptr; // texels that look-ups reach beyond their place; null = 1
+  // Views of a source; null = usual_views().
+  std::vector<gpu::ShadowView> (*views)(const ShadowFit& fit, const ShadowSource& source, const View& view,
+                                        const RenderSettings& settings) = nullptr;
+  // Bytes a texel of what the filter makes of the depths, and of what it needs meanwhile; null = there is none.
+  std::uint64_t (*filtered_bytes)(const RenderSettings& settings) = nullptr;
+  std::uint64_t (*scratch_bytes)(const RenderSettings& settings) = nullptr;
+  // Records the filter, for all views. A barrier comes before, and none after.
+  void (*record_filter)(Commands& commands, const MapFilterJob& job, const RenderSettings& settings) = nullptr;
+};
+
+// Numbers and kinds of the bindings of kernels of shadow techniques, without buffers.
+std::vector<Binding> shadow_layout();
+
+std::unique_ptr<ShadowTechnique> make_shadow_maps(const ShadowMapRecipe& recipe, const ShadowContext& context);
+
+} // namespace wavepath

@@ -1,0 +1,47 @@
+// What a light's view shows: frusta fitted to what casts shadows and to what receives them.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <glm/glm.hpp>
+
+#include "host/integrators/raster/culling.h"
+#include "host/integrators/shadows/sources.h"
+#include "host/scene/view.h"
+#include "kernels/shadows/shadow_types.h"
+
+namespace wavepath {
+
+// Device world, metres.
+struct ShadowFit {
+  glm::dvec3 lo{0.0}, hi{0.0};       // box of all that casts shadows
+  double radius = 0.0;               // of the scene
+  std::vector<glm::dvec3> receivers; // corners of a convex body that holds all that the camera sees
+  std::uint32_t size = 0;            // texels along a side of a view
+  double guard = 0.0;                // texels around what a view is for, for filters to look at
+};
+
+// Corners of the part of the box that the camera sees between two depths; empty if there is none. `view` in the world
+// moved by -origin.
+std::vector<glm::dvec3> seen_corners(const View& view, const glm::dvec3& lo, const glm::dvec3& hi, double nearest,
+                                     double farthest);
+
+// A view along parallel rays that shows the receivers, and all that is between them and the light.
+gpu::ShadowView parallel_view(const ShadowFit& fit, const glm::dvec3& direction);
+
+// A view from a point: `tangent`: of the half angle that it shows.
+gpu::ShadowView perspective_view(const ShadowFit& fit, const glm::dvec3& position, const glm::dvec3& forward,
+                                 const glm::dvec3& up, double tangent, double radius = 0.0);
+
+// Six views that together show all directions.
+std::vector<gpu::ShadowView> cube_views(const ShadowFit& fit, const glm::dvec3& position);
+
+// The usual ones: parallel for suns, one in perspective for spots and for rectangles and discs, seen from the middle,
+// a cube for points and wide spots.
+std::vector<gpu::ShadowView> usual_views(const ShadowFit& fit, const ShadowSource& source);
+
+// What a box must reach into to be in a view; nothing of a paraboloid, whose edges are bent.
+std::vector<HalfSpace> frustum_of(const gpu::ShadowView& view);
+
+} // namespace wavepath

@@ -1,0 +1,106 @@
+#include "host/render/settings/shadow_rows.h"
+
+#include <fmt/format.h>
+
+#include "host/render/settings/shadow_settings.h"
+
+namespace wavepath {
+namespace {
+
+using S = RenderSettings;
+
+constexpr std::uint32_t kSmallestMap = 16, kLargestMap = 16384, kMostTaps = 1024, kMostCascades = 8;
+constexpr double kMostBias = 1e6, kMostBlur = 256.0, kMostExponent = 88.0; // exp(88) is the last that floats hold
+
+void read_shadow_bias(const FlagValue& value, S& settings) {
+  const std::size_t colon = value.text.find(':');
+  settings.shadow_bias = FlagValue{value.flag, value.text.substr(0, colon)}.choice(kShadowBiasNames);
+  settings.shadow_bias_amount.reset();
+  if (colon != std::string::npos)
+    settings.shadow_bias_amount = FlagValue{value.flag, value.text.substr(colon + 1)}.number(0.0, kMostBias);
+}
+
+std::string shadow_bias_text(const S& settings) {
+  const std::string kind(kShadowBiasNames[settings.shadow_bias]);
+  return settings.shadow_bias_amount ? fmt::format("{}:{}", kind, *settings.shadow_bias_amount) : kind;
+}
+
+void read_shadow_bits(const FlagValue& value, S& settings) {
+  settings.shadow_bits = value.whole_number(16, 32);
+  if (settings.shadow_bits != 16 && settings.shadow_bits != 32) value.refuse("is no such format", "give 16 or 32");
+}
+
+} // namespace
+
+std::vector<Setting> shadow_rows() {
+  std::vector<Setting> rows = {
+      {.name = "shadows",
+       .value = ChoiceValue{&S::shadows, kShadowNames},
+       .meaning = "how direct light is shadowed: by rays, or by a technique that rasterizes what lights see",
+       .label = "shadows",
+       .study = std::vector<std::string_view>(kShadowNames.begin(), kShadowNames.end())},
+      {.name = "shadow-size",
+       .value = WholeValue{&S::shadow_size, kSmallestMap, kLargestMap},
+       .meaning = "texels along a side of what a light sees",
+       .placeholder = "N",
+       .label = "map size",
+       .study = {"256", "512", "1024", "2048", "4096"}},
+      {.name = "shadow-bias",
+       .value = SpecialValue{read_shadow_bias, shadow_bias_text},
+       .meaning = fmt::format("what keeps surfaces from shading themselves: {}; AMOUNT in texels' width",
+                              fmt::join(kShadowBiasNames, ", ")),
+       .placeholder = "KIND[:AMOUNT]",
+       .study = {"constant", "slope", "normal", "plane", "cone"}},
+      {.name = "shadow-taps",
+       .value = WholeValue{&S::shadow_taps, 1, kMostTaps},
+       .meaning = "places of a map that a filter looks at",
+       .placeholder = "N",
+       .label = "taps",
+       .study = {"4", "16", "64"}},
+      {.name = "shadow-pattern",
+       .value = ChoiceValue{&S::shadow_pattern, kShadowPatternNames},
+       .meaning = "of these places; rotated (Poisson) and vogel are turned from pixel to pixel",
+       .label = "pattern",
+       .study = {"grid", "poisson", "rotated", "vogel"}},
+      {.name = "shadow-blur",
+       .value = NumberValue{&S::shadow_blur, 0.0, kMostBlur},
+       .meaning = "radius of a filter of fixed size, in texels",
+       .placeholder = "TEXELS",
+       .study = {"0", "1", "2", "4"}},
+      {.name = "shadow-cascades",
+       .value = WholeValue{&S::shadow_cascades, 1, kMostCascades},
+       .meaning = "views of a sun that share the depths in front of the camera",
+       .placeholder = "N",
+       .label = "cascades",
+       .study = {"1", "2", "4", "8"}},
+      {.name = "shadow-exponent",
+       .value = OptionalNumberValue{&S::shadow_exponent, 1.0, kMostExponent},
+       .meaning = "of exponential maps",
+       .placeholder = "C",
+       .initial = "the technique's own",
+       .study = {"20", "40", "80"}},
+      {.name = "shadow-bits",
+       .value = SpecialValue{read_shadow_bits, [](const S& s) { return fmt::format("{}", s.shadow_bits); }},
+       .meaning = "of each moment that a map holds: 16 or 32",
+       .placeholder = "N",
+       .initial = "32",
+       .study = {"16", "32"}},
+      {.name = "shadow-source",
+       .value = ChoiceValue{&S::shadow_source, kShadowSourceNames},
+       .meaning = "how what a light sees is found",
+       .study = {"raster", "traced"}},
+      {.name = "shadow-ambient",
+       .value = NumberValue{&S::shadow_ambient, 0.0, 1.0},
+       .meaning = "share of a light that reaches what is in its shadow",
+       .placeholder = "SHARE",
+       .label = "light in shadow"},
+  };
+  for (Setting& row : rows) {
+    row.group = SettingGroup::special;
+    row.offered = kByRender | kByView;
+    row.takers = Takers::listed_else_refused;
+  }
+  return rows;
+}
+
+} // namespace wavepath

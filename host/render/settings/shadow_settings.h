@@ -1,0 +1,27 @@
+// The names of shadow techniques and of their choices: values of --shadows, --shadow-bias, --shadow-pattern and
+// --shadow-source.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string_view>
+
+namespace wavepath {
+
+struct RenderSettings;
+
+// The first one traces rays; host/integrators/shadows has a file for each of the others.
+inline constexpr std::array<std::string_view, 4> kShadowNames = {"traced", "map", "pcf", "pcss"};
+inline constexpr std::uint32_t kShadowsTraced = 0;
+// By kBias and kPattern constant of kernels/shadows/shadow_types.h.
+inline constexpr std::array<std::string_view, 7> kShadowBiasNames = {"constant", "slope",        "normal",  "plane",
+                                                                     "cone",     "second-depth", "midpoint"};
+inline constexpr std::array<std::string_view, 4> kShadowPatternNames = {"grid", "poisson", "rotated", "vogel"};
+inline constexpr std::array<std::string_view, 2> kShadowSourceNames = {"raster", "traced"};
+inline constexpr std::uint32_t kShadowSourceRaster = 0, kShadowSourceTraced = 1;
+
+// How direct light is estimated: as --direct says; by light samples alone where a technique answers them, because it
+// knows nothing of lights that BSDF samples hit.
+std::uint32_t direct_of(const RenderSettings& settings);
+
+} // namespace wavepath

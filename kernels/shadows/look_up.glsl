@@ -1,0 +1,81 @@
+// Answers the shadow rays of a frame that go to lights with views: the path gains the share of the light that lit_share()
+// tells, and nothing is left for the ray to bring. A kernel defines lit_share() after this.
+#ifndef WAVEPATH_LOOK_UP_GLSL
+#define WAVEPATH_LOOK_UP_GLSL
+
+#define BIND_GEOMETRY
+#define BIND_SURFACES
+#define BIND_PATHS
+#define BIND_RAYS
+#define BIND_SHADOW_RAYS
+#define BIND_QUEUES
+#define BIND_SHADOW_LIGHTS
+#define BIND_SHADOW_DEPTHS
+#include "kernels/shadows/bindings.glsl"
+#include "kernels/path/bindings.glsl"
+#include "kernels/path/records.glsl"
+#include "kernels/shadows/view.glsl"
+#include "kernels/surface.glsl"
+
+layout(local_size_x = kWorkgroupSize) in;
+
+// A point that asks a light's view whether it is lit.
+struct Receiver {
+  vec3 position;  // device world
+  vec3 normal;    // of the surface itself, on the side of the light
+  vec3 to_light;  // of unit length: to where the view is taken from
+  Hit hit;        // of the camera ray
+  uint slot;
+  uint view_index;
+  ShadowView view;
+  vec2 place;     // in texels of the view
+  float depth;    // as maps have it
+};
+
+// From 0, in shadow, to 1; below 0 where only the ray itself can tell.
+float lit_share(Receiver r);
+
+// A view that shows the point, the first of those of its light.
+bool find_view(uvec2 views, inout Receiver r) {
+  for (uint i = 0u; i < views.y; ++i) {
+    r.view_index = views.x + i;
+    r.view = fetch_shadow_view(r.view_index);
+    if (!place_in_view(r.view, r.position, r.place)) continue;
+    r.depth = view_depth(r.view, r.position);
+    r.to_light = r.view.kind == kViewParallel ? r.view.light : normalize(r.view.light - r.position);
+    return true;
+  }
+  return false;
+}
+
+// What a map has at a texel, the nearest one of the view.
+int map_texel(ShadowView v, ivec2 texel) {
+  texel = clamp(texel, ivec2(0), ivec2(shadow.size) - 1);
+  return int(v.first_texel) + texel.y * int(shadow.size) + texel.x;
+}
+float map_depth(ShadowView v, ivec2 texel) { return texelFetch(shadow_depths, map_texel(v, texel)).x; }
+
+void main() {
+  uint index = gl_GlobalInvocationID.x;
+  if (index >= queues.shadow_count) return;
+  ShadowRay ray = fetch_shadow_ray(index);
+  uvec2 views = texelFetch(shadow_lights, int(ray.light)).xy;
+  if (views.x == kNone) return;
+  Receiver r;
+  r.hit = fetch_hit(ray.slot);
+  r.slot = ray.slot;
+  Surface surface = fetch_surface(r.hit);
+  r.position = surface.position;
+  r.normal = dot(surface.geometric_normal, ray.direction) < 0.0 ? -surface.geometric_normal : surface.geometric_normal;
+  if (!find_view(views, r)) return;
+  float lit = lit_share(r);
+  if (!(lit >= 0.0)) return;
+  PathState path = fetch_path(ray.slot);
+  path.radiance += ray.contribution * mix(shadow.ambient, 1.0, min(lit, 1.0));
+  store_radiance(ray.slot, path);
+  ray.contribution = vec3(0.0);
+  ray.t_max = -1.0; // ends its walk at the root
+  store_shadow_ray(index, ray);
+}
+
+#endif
