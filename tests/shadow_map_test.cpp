@@ -1,0 +1,235 @@
+// Shadow maps: what they converge to, what a filter of no size is, how wide a soft shadow's edge is, what is refused.
+#include "tests/shadow_scene.h"
+
+#include <numeric>
+
+#include <gtest/gtest.h>
+
+#include "host/base/error.h"
+#include "host/integrators/shadows/technique.h"
+#include "host/render/settings/settings_table.h"
+
+namespace wavepath::test {
+namespace {
+
+TEST_F(ShadowTest, MapsConvergeToTracedShadows) {
+  for (const auto& [name, scene] :
+       {std::pair{"sun", lit_by(sun())}, {"spot", lit_by(spot())}, {"lamp", lit_by(lamp())}}) {
+    SCOPED_TRACE(name);
+    const std::vector<float> truth = light(scene, shadow_settings("traced"));
+    for (int n : {16, 32, 64,128,256,512,1024,2048}) { auto f = false_shares(truth, light(scene, shadow_settings("map", n))); printf("%s %d lit %.4f dark %.4f\n", name, n, f.lit, f.dark); }
+    const FalseShares coarse = false_shares(truth, light(scene, shadow_settings("map", 64))),
+                      fine = false_shares(truth, light(scene, shadow_settings("map", 2048)));
+    EXPECT_GT(coarse.total(), 0.01); // or there would be nothing to converge
+    EXPECT_LT(fine.total(), 0.2 * coarse.total());
+    EXPECT_LT(fine.total(), 0.006);
+  }
+}
+
+TEST_F(ShadowTest, RasterizedMapsAreTracedMaps) {
+  for (const auto& [name, scene] :
+       {std::pair{"sun", lit_by(sun())}, {"spot", lit_by(spot())}, {"lamp", lit_by(lamp())}}) {
+    SCOPED_TRACE(name);
+    RenderSettings raster = shadow_settings("map", 128), traced = raster;
+    traced.shadow_source = kShadowSourceTraced;
+    // Rasterizers snap corners to a grid of at best 1/256 texel, so that a few texels at edges differ.
+    EXPECT_LT(false_shares(light(scene, traced), light(scene, raster)).total(), 0.002);
+  }
+}
+
+TEST_F(ShadowTest, UnbiasedMapsHaveAcneAndBiasEndsIt) {
+  const Scene scene = lit_by(sun());
+  const std::vector<float> truth = light(scene, shadow_settings("traced"));
+  RenderSettings settings = shadow_settings("map", 256);
+  settings.shadow_bias = gpu::kBiasConstant;
+  settings.shadow_bias_amount = 0.0;
+  EXPECT_GT(false_shares(truth, light(scene, settings)).dark, 0.1);
+  for (const std::string_view kind : {"slope", "normal", "plane", "cone", "second-depth"}) {
+    SCOPED_TRACE(kind);
+    settings.shadow_bias = index_of(kShadowBiasNames, kind);
+    settings.shadow_bias_amount.reset();
+    EXPECT_LT(false_shares(truth, light(scene, settings)).dark, 0.01);
+  }
+}
+
+TEST_F(ShadowTest, AFilterOfNoSizeIsTheMap) {
+  const Scene scene = lit_by(spot());
+  RenderSettings filtered = shadow_settings("pcf", 128);
+  filtered.shadow_blur = 0.0;
+  EXPECT_EQ(light(scene, filtered), light(scene, shadow_settings("map", 128)));
+}
+
+// With a tap for every texel, the filter is the mean of the maps' answers around a place.
+TEST_F(ShadowTest, AFilterIsTheMeanOfComparisons) {
+  const Scene scene = lit_by(sun());
+  RenderSettings few = shadow_settings("pcf", 256), many = few;
+  few.shadow_blur = many.shadow_blur = 3.0;
+  few.shadow_taps = 36, many.shadow_taps = 1024;
+  const std::vector<float> a = light(scene, few), b = light(scene, many),
+                           hard = light(scene, shadow_settings("map", 256));
+  double difference = 0.0, soft = 0.0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    difference += std::abs(a[i] - b[i]);
+    soft += std::abs(b[i] - hard[i]);
+  }
+  EXPECT_GT(soft, 10.0 * difference / 3.0);
+  EXPECT_GT(difference, 0.0);
+}
+
+TEST_F(ShadowTest, PatternsAgreeOnAverage) {
+  const Scene scene = lit_by(spot());
+  std::vector<double> means;
+  for (std::uint32_t pattern = 0; pattern < kShadowPatternNames.size(); ++pattern) {
+    RenderSettings settings = shadow_settings("pcf", 256);
+    settings.shadow_pattern = pattern;
+    settings.shadow_taps = 64;
+    const std::vector<float> picture = light(scene, settings);
+    means.push_back(std::accumulate(picture.begin(), picture.end(), 0.0));
+  }
+  for (const double mean : means) EXPECT_NEAR(mean / means.front(), 1.0, 0.005);
+}
+
+// Fernando's estimate is exact for an edge parallel to the lamp: light * (receiver - blocker) / blocker.
+TEST_F(ShadowTest, SoftEdgesAreAsWideAsTheLampMakesThem) {
+  constexpr float kHalf = 0.2f, kHeight = 2.0f, kBlocker = 1.0f;
+  Scene scene;
+  scene.path = "test";
+  scene.materials.push_back(plain_material());
+  add_instance(scene, add_mesh(scene, rectangle({0, 0, 0}, {0, 0, 4}, {4, 0, 0})));
+  add_instance(scene, add_mesh(scene, rectangle({-2.0f, kBlocker, 0}, {0, 0, 4}, {2, 0, 0}))); // its edge at x = 0
+  Material emitter = plain_material();
+  emitter.emission = glm::vec3(30.0f);
+  emitter.double_sided = false;
+  scene.materials.push_back(emitter);
+  add_instance(scene, add_mesh(scene, rectangle({0, kHeight, 0}, {kHalf, 0, 0}, {0, 0, kHalf}), 1));
+  Camera camera; // along the floor's middle, from below the blocker's height so that it sees the shadow's edge
+  camera.orthographic = true;
+  camera.xmag = 0.6, camera.ymag = 0.05;
+  camera.world_from_camera = {{1, 0, 0, 0}, {0, 0, -1, 0}, {0, 1, 0, 0}, {0, 0.5, 0, 1}};
+  scene.cameras.push_back(camera);
+  RenderSettings settings = shadow_settings("pcss", 1024);
+  settings.width = 240, settings.height = 4;
+  settings.shadow_taps = 400;
+  const std::vector<float> soft = light(scene, settings);
+  RenderSettings hard = settings;
+  hard.shadows = index_of(kShadowNames, "map");
+  hard.shadow_taps = 16;
+  // Width of the edge in metres, from 10 % to 90 % of the light without a blocker; of a disc's share of area that is
+  // 0.687 of the diameter, of the square grid of taps 0.8.
+  for (std::size_t x = 0; x < 240; x += 6) printf("%.3f ", soft[x]);
+  puts("");
+  std::size_t first = 0, last = 0;
+  const float full = *std::ranges::max_element(soft);
+  for (std::size_t x = 0; x < 240; ++x) {
+    if (soft[x] < 0.1f * full) first = x;
+    if (soft[x] < 0.9f * full) last = x;
+  }
+  const double metres = static_cast<double>(last - first) * 1.2 / 240.0;
+  const double radius = 2.0 * std::sqrt(kHalf * kHalf / 3.14159265) * (kHeight - kBlocker) / kBlocker;
+  EXPECT_NEAR(metres, 0.8 * 2.0 * radius, 0.1 * 2.0 * radius);
+}
+
+TEST_F(ShadowTest, LightInShadowIsAShareOfTheLight) {
+  const Scene scene = lit_by(sun());
+  RenderSettings settings = shadow_settings("map");
+  const std::vector<float> dark = light(scene, settings);
+  settings.shadow_ambient = 0.4;
+  const std::vector<float> bright = light(scene, settings);
+  settings.shadow_ambient = 1.0;
+  const std::vector<float> whole = light(scene, settings);
+  for (std::size_t i = 0; i < dark.size(); ++i)
+    EXPECT_NEAR(bright[i], dark[i] > 0.0f ? dark[i] : 0.4f * whole[i], 1e-5f * whole[i]) << i;
+}
+
+// A technique that covers one of two lights answers for that one; the other's rays are traced as without it.
+TEST_F(ShadowTest, LightsThatATechniqueDoesNotCoverAreTraced) {
+  Scene scene = lit_by_square();
+  scene.lights.push_back(sun());
+  RenderSettings traced = shadow_settings("traced"), soft = shadow_settings("pcss");
+  traced.last_sample = soft.last_sample = 64;
+  const std::vector<float> a = light(scene, traced), b = light(scene, soft);
+  std::size_t far_apart = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) far_apart += std::abs(a[i] - b[i]) > 0.15f * (a[i] + 0.1f);
+  EXPECT_LT(far_apart, a.size() / 12);
+}
+
+TEST_F(ShadowTest, SameBitsHoweverTheWorkIsCut) {
+  const Scene scene = lit_by(spot());
+  RenderSettings settings = shadow_settings("pcf", 256);
+  settings.shadow_pattern = gpu::kPatternVogel;
+  settings.last_sample = 3;
+  const std::vector<float> whole = light(scene, settings);
+  settings.wave_slots = 1024;
+  EXPECT_EQ(light(scene, settings), whole);
+}
+
+TEST_F(ShadowTest, TracingBuildsNothing) {
+  const auto has_stage = [](const RenderResult& result, const std::string& name) {
+    return std::ranges::count(result.stages, name, &StageTime::name) > 0;
+  };
+  const RenderResult traced = render(lit_by(sun()), shadow_settings("traced")),
+                     map = render(lit_by(sun()), shadow_settings("map", 256));
+  EXPECT_FALSE(has_stage(traced, "shadow build"));
+  EXPECT_FALSE(has_stage(traced, "shadow look-up"));
+  EXPECT_FALSE(traced.shadows);
+  EXPECT_TRUE(has_stage(map, "shadow build"));
+  EXPECT_TRUE(has_stage(map, "shadow look-up"));
+  ASSERT_TRUE(map.shadows);
+  EXPECT_EQ(map.shadows->views, 1u);
+  EXPECT_GE(map.shadows->bytes, 2u * 256 * 256 * 4);
+  EXPECT_GE(map.memory.paths, traced.memory.paths + map.shadows->bytes);
+}
+
+TEST_F(ShadowTest, RefusesScenesWithoutItsKindOfLight) {
+  EXPECT_THROW(render(lit_by(sun()), shadow_settings("pcss")), Error);
+  EXPECT_THROW(render(bodies(), shadow_settings("map")), Error);
+}
+
+TEST_F(ShadowTest, RefusesMapsThatDoNotFit) {
+  // Six views of 16384 x 16384 texels are 6 GiB: more than any buffer of texels here holds.
+  try {
+    render(lit_by(lamp()), shadow_settings("map", 16384));
+    FAIL() << "it fitted";
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("--shadow-size"), std::string::npos) << error.what();
+  }
+}
+
+TEST(ShadowSettings, EveryNameHasATechniqueAndTakesItsSettingsAlone) {
+  ASSERT_EQ(shadow_kinds().size() + 1, kShadowNames.size());
+  for (std::size_t i = 0; i < shadow_kinds().size(); ++i) EXPECT_EQ(shadow_kinds()[i]->name, kShadowNames[i + 1]);
+  RenderSettings settings = shadow_settings("map");
+  EXPECT_NO_THROW(check_shadow_settings(settings));
+  settings.shadow_taps = 9; // of filters
+  EXPECT_THROW(check_shadow_settings(settings), UsageError);
+  settings = shadow_settings("traced", 512); // which has no map
+  EXPECT_THROW(check_shadow_settings(settings), UsageError);
+  settings = shadow_settings("map");
+  settings.direct = gpu::kDirectBsdf;
+  EXPECT_THROW(check_shadow_settings(settings), UsageError);
+}
+
+TEST(ShadowSources, RectanglesAndDiscsAreFoundAmongTriangles) {
+  Scene scene = lit_by_square();
+  const auto add = [&](const std::vector<glm::vec3>& corners) { add_instance(scene, add_mesh(scene, corners, 1)); };
+  std::vector<glm::vec3> disc;
+  for (int i = 0; i < 24; ++i) {
+    const auto at = [](int k) {
+      return glm::vec3(1.0f + 0.5f * std::cos(0.2617994f * k), 3.0f, 0.5f * std::sin(0.2617994f * k));
+    };
+    for (const glm::vec3& p : {glm::vec3(1.0f, 3.0f, 0.0f), at(i), at(i + 1 == 24 ? 0 : i + 1)}) disc.push_back(p);
+  }
+  add(disc);
+  add({{3, 3, 0}, {4, 3, 0}, {3, 3, 1}}); // a triangle is neither
+  const PackedScene packed = pack(scene, gpu::kDirectNee);
+  const std::vector<ShadowSource> sources = find_sources(packed);
+  EXPECT_EQ(names_of(sources), "1 rectangle, 1 disc");
+  for (const ShadowSource& source : sources) {
+    EXPECT_NEAR(std::abs(source.direction.y), 1.0, 1e-6);
+    EXPECT_NEAR(glm::length(source.u), source.kind == kDiscSource ? 0.5 : 0.25, 1e-5);
+    EXPECT_EQ(source.lights.size(), source.kind == kDiscSource ? 24u : 2u);
+  }
+}
+
+} // namespace
+} // namespace wavepath::test

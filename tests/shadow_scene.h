@@ -1,0 +1,149 @@
+// A scene for tests of shadow techniques: bodies above a floor under one light, and the light that arrives at every
+// pixel.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "host/integrators/hybrid/kind.h"
+#include "host/render/render.h"
+#include "host/render/settings/shadow_settings.h"
+#include "host/scene/pack/pack.h"
+#include "host/scene/view.h"
+#include "kernels/shadows/shadow_types.h"
+#include "tests/scene_builder.h"
+#include "tests/shared_kernels.h"
+#include "tests/vulkan_device.h"
+
+namespace wavepath::test {
+
+// The corners of a rectangle with the given middle, counter-clockwise seen from where cross(u, v) points to.
+inline std::vector<glm::vec3> rectangle(glm::vec3 middle, glm::vec3 u, glm::vec3 v) {
+  const glm::vec3 a = middle - u - v, b = middle + u - v, c = middle + u + v, d = middle - u + v;
+  return {a, b, c, a, c, d};
+}
+
+// A closed box, faces outwards.
+inline std::vector<glm::vec3> box(glm::vec3 middle, glm::vec3 half) {
+  std::vector<glm::vec3> corners;
+  for (int axis = 0; axis < 3; ++axis)
+    for (const float sign : {1.0f, -1.0f}) {
+      glm::vec3 n(0.0f), u(0.0f), v(0.0f);
+      n[axis] = sign * half[axis];
+      u[(axis + 1) % 3] = sign * half[(axis + 1) % 3];
+      v[(axis + 2) % 3] = half[(axis + 2) % 3];
+      for (const glm::vec3& p : rectangle(middle + n, u, v)) corners.push_back(p);
+    }
+  return corners;
+}
+
+inline std::uint32_t index_of(std::span<const std::string_view> names, std::string_view name) {
+  return static_cast<std::uint32_t>(std::ranges::find(names, name) - names.begin());
+}
+
+// The picture's settings: one frame of direct light, so that techniques see the same points as rays do.
+inline RenderSettings shadow_settings(std::string_view technique, std::uint32_t map_size = 512) {
+  RenderSettings settings;
+  settings.integrator = &kHybrid;
+  settings.width = 96, settings.height = 72;
+  settings.last_sample = 1;
+  settings.max_depth = 1;
+  settings.direct = gpu::kDirectNee;
+  settings.shadows = index_of(kShadowNames, technique);
+  settings.shadow_size = map_size;
+  return settings;
+}
+
+inline PunctualLight sun(glm::dvec3 direction = {0.4, -1.0, 0.25}) {
+  PunctualLight light;
+  light.kind = LightKind::directional;
+  light.intensity = glm::vec3(3.0f);
+  light.direction = glm::normalize(direction);
+  return light;
+}
+inline PunctualLight spot(glm::dvec3 position = {-1.2, 3.0, -0.8}, glm::dvec3 target = {0.0, 0.0, 0.0}) {
+  PunctualLight light;
+  light.kind = LightKind::spot;
+  light.intensity = glm::vec3(30.0f);
+  light.position = position;
+  light.direction = glm::normalize(target - position);
+  light.inner_cone = 0.4, light.outer_cone = 0.7;
+  return light;
+}
+inline PunctualLight lamp(glm::dvec3 position = {-1.2, 2.0, -0.8}) {
+  PunctualLight light;
+  light.intensity = glm::vec3(20.0f);
+  light.position = position;
+  return light;
+}
+
+// A floor, two boxes (one of them floats), a camera that looks down on them.
+inline Scene bodies() {
+  Scene scene;
+  scene.path = "test";
+  Material material = plain_material();
+  material.double_sided = false;
+  scene.materials.push_back(material);
+  add_instance(scene, add_mesh(scene, rectangle({0, 0, 0}, {0, 0, 3}, {3, 0, 0})));
+  add_instance(scene, add_mesh(scene, box({-0.3f, 0.5f, 0.1f}, {0.3f, 0.5f, 0.3f})));
+  add_instance(scene, add_mesh(scene, box({0.7f, 0.9f, -0.3f}, {0.35f, 0.05f, 0.35f})));
+  Camera camera;
+  const glm::dvec3 eye(0.5, 3.2, 3.4), forward = glm::normalize(glm::dvec3(0.1, 0.1, 0.0) - eye);
+  const glm::dvec3 right = glm::normalize(glm::cross(forward, glm::dvec3(0, 1, 0))), up = glm::cross(right, forward);
+  camera.world_from_camera = {glm::dvec4(right, 0), glm::dvec4(up, 0), glm::dvec4(-forward, 0), glm::dvec4(eye, 1)};
+  scene.cameras.push_back(camera);
+  return scene;
+}
+
+inline Scene lit_by(const PunctualLight& light) {
+  Scene scene = bodies();
+  scene.lights.push_back(light);
+  return scene;
+}
+
+// Under a square lamp that faces down.
+inline Scene lit_by_square(float half = 0.25f, float height = 2.5f) {
+  Scene scene = bodies();
+  Material emitter = plain_material();
+  emitter.base_color = {0, 0, 0, 1};
+  emitter.emission = glm::vec3(30.0f);
+  emitter.double_sided = false;
+  scene.materials.push_back(emitter);
+  add_instance(scene, add_mesh(scene, rectangle({0.0f, height, 0.0f}, {half, 0, 0}, {0, 0, half}), 1));
+  return scene;
+}
+
+// Renders with kernels that tests share.
+class ShadowTest : public VulkanTest {
+protected:
+  RenderResult render(Scene scene, const RenderSettings& settings) {
+    const View view = resolve_view(scene, {}, settings.width, settings.height);
+    const PackedScene packed = pack(scene, direct_of(settings));
+    return wavepath::render(device(), packed, view, settings, RenderHooks{}, shared_kernels(device()));
+  }
+  // Green of every pixel.
+  std::vector<float> light(const Scene& scene, const RenderSettings& settings) {
+    return render(scene, settings).picture.channels[1].values;
+  }
+};
+
+// Share of the pixels that are lit in one picture and dark in the other: falsely lit, falsely dark.
+struct FalseShares {
+  double lit = 0.0, dark = 0.0;
+  double total() const { return lit + dark; }
+};
+inline FalseShares false_shares(const std::vector<float>& truth, const std::vector<float>& picture) {
+  FalseShares shares;
+  const double one = 1.0 / static_cast<double>(truth.size());
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    if (truth[i] == 0.0f && picture[i] > 0.0f) shares.lit += one;
+    if (truth[i] > 0.0f && picture[i] == 0.0f) shares.dark += one;
+  }
+  return shares;
+}
+
+} // namespace wavepath::test
