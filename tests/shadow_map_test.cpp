@@ -17,12 +17,10 @@ TEST_F(ShadowTest, MapsConvergeToTracedShadows) {
        {std::pair{"sun", lit_by(sun())}, {"spot", lit_by(spot())}, {"lamp", lit_by(lamp())}}) {
     SCOPED_TRACE(name);
     const std::vector<float> truth = light(scene, shadow_settings("traced"));
-    for (int n : {16, 32, 64,128,256,512,1024,2048}) { auto f = false_shares(truth, light(scene, shadow_settings("map", n))); printf("%s %d lit %.4f dark %.4f\n", name, n, f.lit, f.dark); }
-    const FalseShares coarse = false_shares(truth, light(scene, shadow_settings("map", 64))),
+    const FalseShares coarse = false_shares(truth, light(scene, shadow_settings("map", 16))),
                       fine = false_shares(truth, light(scene, shadow_settings("map", 2048)));
-    EXPECT_GT(coarse.total(), 0.01); // or there would be nothing to converge
-    EXPECT_LT(fine.total(), 0.2 * coarse.total());
-    EXPECT_LT(fine.total(), 0.006);
+    EXPECT_GT(coarse.total(), 0.015);               // or there would be nothing to converge
+    EXPECT_LT(fine.total(), 0.05 * coarse.total()); // 128 times as fine
   }
 }
 
@@ -30,7 +28,7 @@ TEST_F(ShadowTest, RasterizedMapsAreTracedMaps) {
   for (const auto& [name, scene] :
        {std::pair{"sun", lit_by(sun())}, {"spot", lit_by(spot())}, {"lamp", lit_by(lamp())}}) {
     SCOPED_TRACE(name);
-    RenderSettings raster = shadow_settings("map", 128), traced = raster;
+    RenderSettings raster = shadow_settings("map", 512), traced = raster;
     traced.shadow_source = kShadowSourceTraced;
     // Rasterizers snap corners to a grid of at best 1/256 texel, so that a few texels at edges differ.
     EXPECT_LT(false_shares(light(scene, traced), light(scene, raster)).total(), 0.002);
@@ -104,25 +102,21 @@ TEST_F(ShadowTest, SoftEdgesAreAsWideAsTheLampMakesThem) {
   add_instance(scene, add_mesh(scene, rectangle({0, kHeight, 0}, {kHalf, 0, 0}, {0, 0, kHalf}), 1));
   Camera camera; // along the floor's middle, from below the blocker's height so that it sees the shadow's edge
   camera.orthographic = true;
-  camera.xmag = 0.6, camera.ymag = 0.05;
+  camera.xmag = 0.6, camera.ymag = 0.01; // the picture's width follows from its height
   camera.world_from_camera = {{1, 0, 0, 0}, {0, 0, -1, 0}, {0, 1, 0, 0}, {0, 0.5, 0, 1}};
   scene.cameras.push_back(camera);
   RenderSettings settings = shadow_settings("pcss", 1024);
   settings.width = 240, settings.height = 4;
   settings.shadow_taps = 400;
   const std::vector<float> soft = light(scene, settings);
-  RenderSettings hard = settings;
-  hard.shadows = index_of(kShadowNames, "map");
-  hard.shadow_taps = 16;
-  // Width of the edge in metres, from 10 % to 90 % of the light without a blocker; of a disc's share of area that is
-  // 0.687 of the diameter, of the square grid of taps 0.8.
-  for (std::size_t x = 0; x < 240; x += 6) printf("%.3f ", soft[x]);
-  puts("");
+  settings.shadow_ambient = 1.0;
+  const std::vector<float> unshadowed = light(scene, settings);
+  // Width of the edge in metres, from 10 % to 90 % of the light without a blocker: of a square grid of taps 0.8 of the
+  // whole.
   std::size_t first = 0, last = 0;
-  const float full = *std::ranges::max_element(soft);
   for (std::size_t x = 0; x < 240; ++x) {
-    if (soft[x] < 0.1f * full) first = x;
-    if (soft[x] < 0.9f * full) last = x;
+    if (soft[x] < 0.1f * unshadowed[x]) first = x;
+    if (soft[x] < 0.9f * unshadowed[x]) last = x;
   }
   const double metres = static_cast<double>(last - first) * 1.2 / 240.0;
   const double radius = 2.0 * std::sqrt(kHalf * kHalf / 3.14159265) * (kHeight - kBlocker) / kBlocker;
@@ -146,7 +140,7 @@ TEST_F(ShadowTest, LightsThatATechniqueDoesNotCoverAreTraced) {
   Scene scene = lit_by_square();
   scene.lights.push_back(sun());
   RenderSettings traced = shadow_settings("traced"), soft = shadow_settings("pcss");
-  traced.last_sample = soft.last_sample = 64;
+  traced.last_sample = soft.last_sample = 24;
   const std::vector<float> a = light(scene, traced), b = light(scene, soft);
   std::size_t far_apart = 0;
   for (std::size_t i = 0; i < a.size(); ++i) far_apart += std::abs(a[i] - b[i]) > 0.15f * (a[i] + 0.1f);

@@ -3,14 +3,24 @@
 #ifndef WAVEPATH_SHADOW_BIAS_GLSL
 #define WAVEPATH_SHADOW_BIAS_GLSL
 
-const float kSteepest = 64.0;      // tangent of the angle to the light up to which depth is offset by slope
+const float kSteepest = 64.0;      // metres of depth for a metre across, up to which depth is offset by slope
 const float kDepthRounding = 4e-6; // of a view's depth: maps hold floats, computed from floats
+
+// Metres that the receiver's own plane falls back from the light over a metre across the view, at most kSteepest. Maps hold
+// depths along the view's axis, so that it is the axis, not the ray, against which a plane slopes.
+float plane_slope(Receiver r) {
+  bool is_radial = r.view.kind == kViewParaboloid;
+  vec3 axis = is_radial ? -r.to_light : normalize(r.view.depth.xyz);
+  vec3 ray = r.view.kind == kViewPerspective ? (r.position - r.view.light) / r.depth : axis;
+  float across = length(r.normal - axis * dot(r.normal, axis));
+  return min(across / max(abs(dot(r.normal, ray)), 1e-6), kSteepest);
+}
 
 // Moves the point that asks, for the kind of bias that does.
 void offset_receiver(inout Receiver r) {
   if (shadow.bias_kind != kBiasNormal) return;
   // By as much as a texel reaches across the surface (Holbert 2011).
-  float sine = sqrt(max(1.0 - dot(r.normal, r.to_light) * dot(r.normal, r.to_light), 0.0));
+  float slope = plane_slope(r), sine = slope / sqrt(1.0 + slope * slope);
   r.position += r.normal * (shadow.bias * sine * texel_width(r.view, r.depth));
   place_in_view(r.view, r.position, r.place);
   r.depth = view_depth(r.view, r.position);
@@ -35,11 +45,8 @@ float unshadowed_depth(Receiver r, ivec2 texel) {
   vec2 away = abs(centre - r.place);
   float reach = max(away.x, away.y);
   if (shadow.bias_kind == kBiasConstant) return r.depth - shadow.bias * width;
-  if (shadow.bias_kind == kBiasSlope) {
-    float cosine = max(dot(r.normal, r.to_light), 1e-6);
-    float slope = min(sqrt(max(1.0 - cosine * cosine, 0.0)) / cosine, kSteepest);
-    return r.depth - shadow.bias * width * slope * max(1.4142 * reach, 0.7072) - rounding;
-  }
+  if (shadow.bias_kind == kBiasSlope) // by as much as the plane falls back on the way to the texel's centre, or more
+    return r.depth - shadow.bias * width * plane_slope(r) * max(1.4142 * reach, 0.7072) - rounding;
   if (shadow.bias_kind == kBiasPlane && r.view.kind != kViewParaboloid)
     return plane_depth(r, centre) - shadow.bias * width - rounding;
   if (shadow.bias_kind == kBiasCone) return r.depth - shadow.bias * width * (0.5 + reach) - rounding;
