@@ -22,11 +22,13 @@ void apply(const Choice& choice, RenderSettings& settings) {
   read_setting(setting_named(choice.dimension), std::string(choice.value), settings);
 }
 
-// Without the choices that the integrator does not take.
+// Without the choices that the integrator does not take, or that mean nothing beside the others.
 Configuration reduced(const Configuration& full, const RenderSettings& base) {
   Configuration result{{}, base};
   for (const Choice& choice : full.choices) {
-    if (!is_taken(setting_named(choice.dimension), *full.settings.integrator)) continue;
+    const IntegratorKind& kind = *full.settings.integrator;
+    if (!is_taken(setting_named(choice.dimension), kind)) continue;
+    if (kind.means && !kind.means(full.settings, choice.dimension)) continue;
     result.choices.push_back(choice);
     apply(choice, result.settings);
   }

@@ -218,7 +218,14 @@ void Hybrid::begin_pass(WaveQueue& queue, std::uint32_t sample) {
 
 void Hybrid::describe(RenderResult& result) const {
   result.ambient = frame_.ambient;
-  if (shadows_) result.shadows = {.views = shadows_->view_count(), .bytes = shadows_->bytes()};
+  if (!shadows_) return;
+  const LightCover cover = light_cover(*shadow_kind(settings_), workspace_.scene);
+  result.shadows = {.covered = names_of(cover.covered),
+                    .traced = cover.traced,
+                    .build = shadow_times_.build(),
+                    .look_up = shadow_times_.look_up(),
+                    .views = shadows_->view_count(),
+                    .bytes = shadows_->bytes()};
 }
 
 // What a pixel counts for in a wave: its light samples, which take slots, or its occlusion rays if those are more.
@@ -270,6 +277,7 @@ void Hybrid::light(Commands& commands, std::size_t band, const gpu::Wave& wave) 
 }
 
 void Hybrid::end_pass(WaveQueue& queue) {
+  if (shadows_) queue.afterwards([this, &queue] { shadow_times_.note_frame(queue.totals); });
   camera_.jitter_x = frame_.jitter.x;
   camera_.jitter_y = frame_.jitter.y;
   if (denoiser_)

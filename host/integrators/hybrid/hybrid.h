@@ -12,6 +12,7 @@
 #include "host/integrators/hybrid/visibility.h"
 #include "host/integrators/path/paths.h"
 #include "host/integrators/shadows/technique.h"
+#include "host/integrators/shadows/times.h"
 #include "host/render/loop/render_result.h"
 #include "kernels/hybrid/filter_types.h"
 #include "kernels/hybrid/hybrid_types.h"
@@ -79,8 +80,9 @@ private:
   std::unique_ptr<Taa> taa_;
   std::unique_ptr<ShadowTechnique> shadows_; // none where rays are traced
   std::uint32_t shadows_made_for_ = 0;       // RenderSettings::shadows
-  glm::uvec4 filters_made_for_{0};           // size, flags, and which
-  std::vector<glm::vec2> jitters_;           // of frames from first_jitter_ on
+  ShadowTimes shadow_times_;
+  glm::uvec4 filters_made_for_{0}; // size, flags, and which
+  std::vector<glm::vec2> jitters_; // of frames from first_jitter_ on
   std::uint32_t first_jitter_ = 0;
   std::vector<std::uint32_t> pilot_places_; // pixels of the pilot, row-major
 };

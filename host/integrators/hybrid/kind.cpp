@@ -8,7 +8,9 @@
 
 #include "host/integrators/hybrid/denoise.h"
 #include "host/integrators/hybrid/hybrid.h"
+#include "host/integrators/shadows/technique.h"
 #include "host/render/render.h"
+#include "host/render/settings/shadow_settings.h"
 #include "host/scene/pack/pack.h"
 #include "kernels/hybrid/hybrid_types.h"
 
@@ -56,7 +58,38 @@ std::vector<std::string> hybrid_bias(const RenderSettings& settings, const Rende
                     "term of radiance {:.3g},{:.3g},{:.3g} (--integrator hybrid, --ambient)",
                     result.ambient.r, result.ambient.g, result.ambient.b));
   if (settings.denoise != kDenoiseOff) bias.emplace_back(kFiltered);
+  const ShadowKind* shadows = shadow_kind(settings);
+  if (!shadows || !result.shadows) return bias;
+  if (!shadows->exact)
+    bias.push_back(fmt::format("shadows of {} are those of {} (--shadows {})", result.shadows->covered,
+                               shadows->summary, shadows->name));
+  if (!result.shadows->traced.empty())
+    bias.push_back(fmt::format("shadows of {} are traced: --shadows {} does not cover them", result.shadows->traced,
+                               shadows->name));
   return bias;
+}
+
+bool approximates_shadows(const RenderSettings& settings) {
+  const ShadowKind* shadows = shadow_kind(settings);
+  return shadows && (!shadows->exact || settings.shadow_ambient > 0.0);
+}
+
+Json cost_json(const ShadowCost& cost) { return {{"median", cost.median}, {"least", cost.least}, {"most", cost.most}}; }
+
+Json shadow_json(const RenderSettings& settings, const RenderResult& result) {
+  if (!result.shadows) return nullptr;
+  return {{"technique", shadow_kind(settings)->name},
+          {"covered", result.shadows->covered},
+          {"traced", result.shadows->traced},
+          {"views", result.shadows->views},
+          {"bytes", result.shadows->bytes},
+          {"build_ms", cost_json(result.shadows->build)},
+          {"look_up_ms", cost_json(result.shadows->look_up)}};
+}
+
+std::string unfit_shadows(const RenderSettings& settings, const PackedScene& scene) {
+  const ShadowKind* shadows = shadow_kind(settings);
+  return shadows ? unfit(*shadows, scene) : "";
 }
 
 std::vector<std::string> ao_bias(const RenderSettings& settings, const RenderResult&) {
@@ -72,6 +105,7 @@ std::vector<OmittedStage> always_omitted(const RenderSettings& settings) {
 
 std::vector<OmittedStage> hybrid_omitted(const RenderSettings& settings) {
   std::vector<OmittedStage> omitted = always_omitted(settings);
+  if (settings.shadows == kShadowsTraced) omitted.push_back({"shadow techniques", "--shadows traced sends rays alone"});
   if (settings.max_depth <= 1) omitted.push_back({"ambient occlusion", "--max-depth 1 asks for direct light alone"});
   return omitted;
 }
@@ -87,7 +121,8 @@ Json stats(const RenderSettings& settings, const PackedScene& scene, const Rende
           {"ao_samples", settings.ao_samples},
           {"ao_radius", occlusion_radius(scene, settings)},
           {"ambient", {result.ambient.r, result.ambient.g, result.ambient.b}},
-          {"denoise", settings.denoise != kDenoiseOff}};
+          {"denoise", settings.denoise != kDenoiseOff},
+          {"shadows", shadow_json(settings, result)}};
 }
 
 std::unique_ptr<Integrator> make(Workspace& workspace, KernelCompiler& kernels) {
@@ -104,6 +139,8 @@ constinit const IntegratorKind kHybrid = {
     .traces_paths = false,
     .first_hit_stages = kFirstHitStages,
     .check = check_shadow_settings,
+    .means = takes_shadow_setting,
+    .unfit = unfit_shadows,
     .features = features,
     .start_kernels = start_path_kernels,
     .bytes_per_slot = [](gpu::Feature features,
@@ -112,7 +149,9 @@ constinit const IntegratorKind kHybrid = {
     .slots_per_pixel = [](const RenderSettings& settings) { return settings.shadow_samples; },
     .bytes_per_pixel = bytes_per_pixel,
     .is_biased =
-        [](const RenderSettings& settings) { return settings.denoise != kDenoiseOff || settings.max_depth > 1; },
+        [](const RenderSettings& settings) {
+          return settings.denoise != kDenoiseOff || settings.max_depth > 1 || approximates_shadows(settings);
+        },
     .bias = hybrid_bias,
     .omitted = hybrid_omitted,
     .stats = stats,

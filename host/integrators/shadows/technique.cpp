@@ -26,30 +26,55 @@ const ShadowKind* shadow_kind(const RenderSettings& settings) {
   return found == kKinds.end() ? nullptr : *found;
 }
 
+LightCover light_cover(const ShadowKind& kind, const PackedScene& scene) {
+  LightCover cover;
+  std::vector<ShadowSource> others;
+  std::size_t emitters = 0;
+  bool environment = false;
+  for (const gpu::Light& light : scene.lights) {
+    emitters += light.kind == gpu::kLightTriangle;
+    environment |= light.kind == gpu::kLightEnvironment;
+  }
+  for (ShadowSource& source : find_sources(scene)) {
+    if (source.kind & kAreaSources) emitters -= source.lights.size();
+    (source.kind & kind.sources ? cover.covered : others).push_back(std::move(source));
+  }
+  std::vector<std::string> traced;
+  if (!others.empty()) traced.push_back(names_of(others));
+  if (emitters > 0) traced.push_back(fmt::format("{} other emissive triangles", emitters));
+  if (environment) traced.emplace_back("the environment");
+  cover.traced = fmt::format("{}", fmt::join(traced, ", "));
+  return cover;
+}
+
+std::string unfit(const ShadowKind& kind, const PackedScene& scene) {
+  const LightCover cover = light_cover(kind, scene);
+  if (!cover.covered.empty()) return "";
+  return fmt::format("is for {}, and this scene has {}", names_of(kind.sources),
+                     cover.traced.empty() ? "no light" : cover.traced);
+}
+
 std::vector<ShadowSource> covered_sources(const ShadowKind& kind, const PackedScene& scene) {
-  std::vector<ShadowSource> all = find_sources(scene), covered;
-  for (ShadowSource& source : all)
-    if (source.kind & kind.sources) covered.push_back(source);
-  if (covered.empty())
-    throw Error(fmt::format("--shadows {}", kind.name),
-                fmt::format("is for {}, and this scene has {}", names_of(kind.sources), names_of(all)),
-                "use --shadows traced");
-  return covered;
+  if (const std::string problem = unfit(kind, scene); !problem.empty())
+    throw Error(fmt::format("--shadows {}", kind.name), problem, "use --shadows traced");
+  return light_cover(kind, scene).covered;
+}
+
+bool takes_shadow_setting(const RenderSettings& settings, std::string_view setting) {
+  if (!setting.starts_with("shadow-") || setting == "shadow-samples") return true;
+  const ShadowKind* kind = shadow_kind(settings);
+  return kind && (setting == "shadow-ambient" || std::ranges::count(kind->settings, setting) > 0);
 }
 
 void check_shadow_settings(const RenderSettings& settings) {
   const std::string technique(kShadowNames[settings.shadows]);
-  const ShadowKind* kind = shadow_kind(settings);
-  if (settings.direct == gpu::kDirectBsdf && kind)
+  if (settings.direct == gpu::kDirectBsdf && settings.shadows != kShadowsTraced)
     throw UsageError("--direct bsdf", fmt::format("sends no shadow rays, which --shadows {} is to answer", technique),
                      "leave one of them out");
-  for (const Setting& row : settings_table()) {
-    if (!row.name.starts_with("shadow-") || row.name == "shadow-samples" || is_default(row, settings)) continue;
-    const bool taken = kind && (row.name == "shadow-ambient" || std::ranges::count(kind->settings, row.name) > 0);
-    if (!taken)
+  for (const Setting& row : settings_table())
+    if (!is_default(row, settings) && !takes_shadow_setting(settings, row.name))
       throw UsageError(fmt::format("--{}", row.name), fmt::format("is not taken by --shadows {}", technique),
                        "leave it out");
-  }
 }
 
 } // namespace wavepath

@@ -50,6 +50,7 @@ struct ShadowKind {
   std::string_view name; // value of --shadows
   std::string_view summary;
   unsigned sources = 0;                         // kinds that it covers
+  bool exact = false;                           // it finds what rays find
   std::span<const std::string_view> settings{}; // that it takes besides shadow-ambient
   std::unique_ptr<ShadowTechnique> (*make)(const ShadowContext& context) = nullptr;
 };
@@ -59,9 +60,20 @@ std::span<const ShadowKind* const> shadow_kinds();
 // Null for tracing.
 const ShadowKind* shadow_kind(const RenderSettings& settings);
 
-// The sources that a technique covers. Throws Error if there are none; UsageError if the settings name something that
-// it does not take.
+// The lights of a scene, under a technique.
+struct LightCover {
+  std::vector<ShadowSource> covered;
+  std::string traced; // the others, in words; empty if there are none
+};
+LightCover light_cover(const ShadowKind& kind, const PackedScene& scene);
+// Why the technique has nothing to do in this scene; empty if it has.
+std::string unfit(const ShadowKind& kind, const PackedScene& scene);
+// Throws Error if there are none.
 std::vector<ShadowSource> covered_sources(const ShadowKind& kind, const PackedScene& scene);
+
+// Whether a setting of shadows means something to the technique chosen.
+bool takes_shadow_setting(const RenderSettings& settings, std::string_view setting);
+// Throws UsageError if the settings name something that the technique does not take.
 void check_shadow_settings(const RenderSettings& settings);
 
 } // namespace wavepath

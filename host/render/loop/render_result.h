@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include <glm/glm.hpp>
@@ -46,8 +47,15 @@ struct MergeReport {
   std::uint64_t bytes = 0;                      // of a map
 };
 
-// What a shadow technique made (--shadows).
+// Milliseconds a frame on the device: median, least and most.
+struct ShadowCost {
+  double median = 0.0, least = 0.0, most = 0.0;
+};
+
+// What a shadow technique made, and what that took (--shadows).
 struct ShadowReport {
+  std::string covered, traced; // lights: those that it answers for, and those whose rays are traced
+  ShadowCost build, look_up;
   std::uint32_t views = 0; // directions from lights that it keeps something of
   std::uint64_t bytes = 0;
 };

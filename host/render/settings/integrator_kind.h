@@ -48,6 +48,10 @@ struct IntegratorKind {
 
   // Throws UsageError where values of its settings do not go together; null = they always do.
   void (*check)(const RenderSettings& settings) = nullptr;
+  // Whether a setting that it takes means something beside the others; null = it does.
+  bool (*means)(const RenderSettings& settings, std::string_view setting) = nullptr;
+  // Why it cannot render this scene so; empty = it can. Null = it can render any.
+  std::string (*unfit)(const RenderSettings& settings, const PackedScene& scene) = nullptr;
   // kFeature bits of its kernels, besides those of the scene and of RenderSettings::adaptive.
   gpu::Feature (*features)(const RenderSettings& settings) = nullptr;
   // Begins compiling for a scene of these kFeature bits, before the scene is there. A wrong guess costs time alone.

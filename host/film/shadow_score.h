@@ -1,0 +1,25 @@
+// How wrong the shadows of a picture are, beside those of another: what kind of error, not only how much.
+#pragma once
+
+#include <optional>
+
+#include "host/film/picture.h"
+
+namespace wavepath {
+
+struct ShadowScore {
+  // Shares of the pixels that lights reach or could reach whose light is off by more than a quarter of what it would be
+  // without shadows.
+  double falsely_lit = 0.0, falsely_dark = 0.0;
+  // Pixels, on average over the picture's edges of shadows: to the nearest edge of the truth, edges being where half of
+  // the light arrives. Empty where one of the two has no edge.
+  std::optional<double> edge_displacement;
+  // Area that is partly lit (a tenth to nine tenths) over that of the truth. Empty where the truth has none.
+  std::optional<double> penumbra_ratio;
+};
+
+// Of the channels direct.R, .G, .B. `unshadowed`: the same lights without shadows, which says where light could arrive.
+// Empty where a picture lacks the channels.
+std::optional<ShadowScore> score_shadows(const Picture& picture, const Picture& truth, const Picture& unshadowed);
+
+} // namespace wavepath
