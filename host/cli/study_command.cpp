@@ -41,20 +41,31 @@ struct Request {
   RenderRequest render; // what all configurations have in common
   StudySettings study;
   std::string folder, reference, command_line;
-  bool quiet = false;
+  bool quiet = false, shadows = false;
 };
 
 constexpr std::uint32_t kSide = 256;             // small enough for a whole grid to be done in minutes without a GPU
 constexpr std::uint32_t kHighestSeed = 1u << 29; // points add to it, and the reference sets bit 30
 
-void read_dimensions(const FlagValue& value, std::vector<std::string>& vary) {
-  vary = value.list(dimensions());
-  if (std::ranges::count(vary, "integrator") > 0) return;
-  const IntegratorKind& kind = default_integrator();
-  for (const std::string& name : vary)
-    if (!is_taken(setting_named(name), kind))
-      value.refuse(fmt::format("has {}, which --integrator {} does not take", name, kind.name),
-                   "vary the integrator as well");
+// An integrator that takes all that is varied: the default one if it does.
+void read_dimensions(const FlagValue& value, StudySettings& study) {
+  study.vary = value.list(dimensions());
+  if (std::ranges::count(study.vary, "integrator") > 0) return;
+  const auto takes_all = [&](const IntegratorKind* kind) {
+    return std::ranges::all_of(study.vary,
+                               [&](const std::string& name) { return is_taken(setting_named(name), *kind); });
+  };
+  const auto found = std::ranges::find_if(integrators(), takes_all);
+  if (found == integrators().end())
+    value.refuse("has what no integrator takes together", "vary the integrator as well");
+  study.render.integrator = *found;
+}
+
+// Every shadow technique in maps of every size, of direct light alone.
+void prepare_shadow_study(StudySettings& study) {
+  study.vary = {"shadows", "shadow-size"};
+  study.render.integrator = &kHybrid;
+  study.render.max_depth = 1;
 }
 
 // Refuses what cannot work before the time of rendering is spent. Creates nothing yet.
@@ -156,7 +167,10 @@ StudyScene pack_scene(LoadedScene& loaded, const Request& request, bvh::Quality 
 
 int run_study_command(const CLI::App& app, Request& request) {
   StudySettings& settings = request.study;
+  const IntegratorKind* kind = settings.render.integrator;
   settings.render = request.render.settings;
+  settings.render.integrator = kind;
+  if (request.shadows) prepare_shadow_study(settings);
   check_files(request);
   std::optional<StudyReference> reference = read_reference(request);
 
@@ -216,7 +230,14 @@ Command add_study(CLI::App& app, const std::string& command_line) {
   add_flag(*command, group,
            {"--vary", "LIST", fmt::format("what to vary, separated by commas: {}", fmt::join(dimensions(), ", ")),
             "sampler,direct"},
-           [&study](const FlagValue& value) { read_dimensions(value, study.vary); });
+           [&study](const FlagValue& value) { read_dimensions(value, study); });
+  add_switch(
+      *command, group,
+      {"--shadows", "",
+       "every shadow technique that suits the scene, in maps of five sizes: errors by kind, milliseconds to build "
+       "and to look up; stands for --vary shadows,shadow-size --max-depth 1",
+       "off"},
+      request->shadows);
   add_flag(*command, group,
            {"--budget", "SECONDS", "of rendering in all: half for the reference, the rest in even shares", "60"},
            [&study](const FlagValue& value) { study.budget = value.positive_number(); });

@@ -75,6 +75,16 @@ std::vector<double> squared_distances(const std::vector<bool>& set, std::size_t 
 // Share of the light that arrives, by pixel; below 0 where none could.
 using Shares = std::vector<double>;
 
+Shares light_shares(const ShadowedPicture& picture) {
+  const std::vector<double> light = direct_light(picture.shadowed), whole = direct_light(picture.unshadowed);
+  if (whole.empty() || light.size() != whole.size()) return {};
+  const double dark = kDark * *std::ranges::max_element(whole);
+  Shares shares(whole.size(), -1.0);
+  for (std::size_t i = 0; i < whole.size(); ++i)
+    if (whole[i] > dark) shares[i] = light[i] / whole[i];
+  return shares;
+}
+
 // Pixels that are half lit or more, next to one that is less.
 std::vector<bool> edges(const Shares& shares, std::size_t width) {
   std::vector<bool> found(shares.size());
@@ -97,18 +107,13 @@ double partly_lit(const Shares& shares) {
 
 } // namespace
 
-std::optional<ShadowScore> score_shadows(const Picture& picture, const Picture& truth, const Picture& unshadowed) {
-  const std::vector<double> light = direct_light(picture), right = direct_light(truth),
-                            whole = direct_light(unshadowed);
-  if (whole.empty() || light.size() != whole.size() || right.size() != whole.size()) return std::nullopt;
-  const double dark = kDark * *std::ranges::max_element(whole);
-  Shares ours(whole.size(), -1.0), theirs = ours;
+std::optional<ShadowScore> score_shadows(const ShadowedPicture& picture, const ShadowedPicture& truth) {
+  const Shares ours = light_shares(picture), theirs = light_shares(truth);
+  if (ours.empty() || ours.size() != theirs.size()) return std::nullopt;
   double judged = 0.0;
   ShadowScore score;
-  for (std::size_t i = 0; i < whole.size(); ++i) {
-    if (!(whole[i] > dark)) continue;
-    ours[i] = light[i] / whole[i];
-    theirs[i] = right[i] / whole[i];
+  for (std::size_t i = 0; i < ours.size(); ++i) {
+    if (ours[i] < 0.0 || theirs[i] < 0.0) continue;
     ++judged;
     if (ours[i] - theirs[i] > kFalse) ++score.falsely_lit;
     if (theirs[i] - ours[i] > kFalse) ++score.falsely_dark;
@@ -116,9 +121,10 @@ std::optional<ShadowScore> score_shadows(const Picture& picture, const Picture& 
   if (judged == 0.0) return score;
   score.falsely_lit /= judged;
   score.falsely_dark /= judged;
-  const std::vector<bool> mine = edges(ours, picture.width), true_ones = edges(theirs, picture.width);
+  const std::size_t width = truth.shadowed.width, height = truth.shadowed.height;
+  const std::vector<bool> mine = edges(ours, width), true_ones = edges(theirs, width);
   if (std::ranges::count(mine, true) > 0 && std::ranges::count(true_ones, true) > 0) {
-    const std::vector<double> away = squared_distances(true_ones, picture.width, picture.height);
+    const std::vector<double> away = squared_distances(true_ones, width, height);
     double sum = 0.0, count = 0.0;
     for (std::size_t i = 0; i < mine.size(); ++i)
       if (mine[i]) sum += std::sqrt(away[i]), ++count;

@@ -18,8 +18,13 @@ struct ShadowScore {
   std::optional<double> penumbra_ratio;
 };
 
-// Of the channels direct.R, .G, .B. `unshadowed`: the same lights without shadows, which says where light could arrive.
+// Light with shadows, and the same light without them: the same samples of the same lights, so that what is left of the
+// light does not depend on where these happened to be.
+struct ShadowedPicture {
+  const Picture &shadowed, &unshadowed; // channels direct.R, .G, .B
+};
+
 // Empty where a picture lacks the channels.
-std::optional<ShadowScore> score_shadows(const Picture& picture, const Picture& truth, const Picture& unshadowed);
+std::optional<ShadowScore> score_shadows(const ShadowedPicture& picture, const ShadowedPicture& truth);
 
 } // namespace wavepath

@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include "host/base/error.h"
 #include "host/film/picture_io.h"
 #include "host/render/denoised.h"
 #include "host/render/device/kernel_compiler.h"
@@ -23,6 +24,7 @@ namespace {
 constexpr std::uint32_t kReferenceSeed = 1u << 30; // apart from the seeds of the points
 constexpr std::size_t kPicturesKept = 2;           // one of the last two is nearest to the time that all have in common
 constexpr double kMostSamples = 1 << 18;
+constexpr std::uint32_t kTrueFrames = 256; // of the light without shadows that the reference's is compared with
 
 class StudyRun {
 public:
@@ -33,15 +35,25 @@ public:
     double share = settings_.budget * (reference ? 1.0 : 1.0 - kReferenceShare);
     const Configuration *hybrid = nullptr, *rasterized = nullptr;
     const std::vector<Configuration> grid = make_grid(settings_.vary, settings_.render);
+    bool occlusion = false;
     for (const Configuration& configuration : grid) {
+      if (!fits(configuration)) continue;
       study_.series.push_back({configuration, {}, {}});
-      if (configuration.settings.integrator->traces_paths) continue;
+      varies_shadows_ |= !configuration.value_of("shadows").empty();
+      const RenderSettings& own = configuration.settings;
+      if (own.integrator->traces_paths) continue;
       if (!rasterized) rasterized = &configuration;
-      if (!hybrid && configuration.settings.integrator->finds_light) hybrid = &configuration;
+      if (!hybrid && own.integrator->finds_light) hybrid = &configuration;
+      occlusion |= !own.integrator->finds_light || own.max_depth > 1;
     }
+    if (study_.series.empty()) throw Error("the grid", study_.unfit.front().why, "vary something else");
     by_signal_ = rasterized != nullptr;
     study_.reference = reference ? *std::move(reference) : render_reference();
-    if (rasterized && !study_.interrupted) {
+    if (varies_shadows_ && !study_.interrupted) {
+      shadowed_ = hybrid->settings;
+      true_light_ = render_unshadowed(kTrueFrames, settings_.render.seed ^ kReferenceSeed);
+    }
+    if (occlusion && !study_.interrupted) {
       study_.occlusion = render_occlusion();
       share -= kOcclusionShare * settings_.budget;
     }
@@ -51,6 +63,37 @@ public:
   }
 
 private:
+  // Whether its integrator can render this scene so; otherwise the study says why not.
+  bool fits(const Configuration& configuration) {
+    const RenderSettings& settings = configuration.settings;
+    const std::string why =
+        settings.integrator->unfit ? settings.integrator->unfit(settings, scene_.packed.at(direct_of(settings))) : "";
+    if (why.empty()) return true;
+    study_.unfit.push_back({configuration.name(), why});
+    return false;
+  }
+
+  // The light of lamps as if nothing were in its way: what shares of it are lit and dark is counted by.
+  Picture render_unshadowed(std::uint32_t frames, std::uint32_t seed) {
+    RenderSettings settings = shadowed_;
+    settings.shadows = static_cast<std::uint32_t>(std::ranges::find(kShadowNames, "map") - kShadowNames.begin());
+    settings.shadow_size = 64;
+    settings.shadow_ambient = 1.0;
+    settings.aovs = {"direct"};
+    settings.last_sample = frames;
+    settings.seed = seed;
+    const PackedScene& scene = scene_.packed.at(direct_of(settings));
+    if (!settings.integrator->unfit(settings, scene).empty()) return {};
+    return render_one(settings, light_kernels_, "light without shadows").picture;
+  }
+
+  // That of a point's own samples, which points of one octave share.
+  const Picture& unshadowed(std::uint32_t octave) {
+    const auto found = unshadowed_.find(octave);
+    if (found != unshadowed_.end()) return found->second;
+    return unshadowed_[octave] = render_unshadowed(1u << octave, settings_.render.seed + octave);
+  }
+
   RenderResult render_one(const RenderSettings& settings, KernelCompiler& kernels, const std::string& what) {
     const auto on_progress = [&](const Progress& progress) {
       return progress_({fmt::format("{}, {} spp", what, settings.last_sample), seconds_ + progress.seconds});
@@ -142,7 +185,9 @@ private:
     std::list<KernelCompiler> kernels;
     std::vector<double> used(study_.series.size(), 0.0);
     std::vector<KernelCompiler*> active;
-    for (std::size_t i = 0; i < study_.series.size(); ++i) active.push_back(&kernels.emplace_back(device_));
+    // Shadow techniques are many, and what they share is most of their kernels.
+    for (std::size_t i = 0; i < study_.series.size(); ++i)
+      active.push_back(varies_shadows_ && i > 0 ? active.front() : &kernels.emplace_back(device_));
     for (std::uint32_t octave = 0; std::any_of(active.begin(), active.end(), [](auto* k) { return k != nullptr; });
          ++octave)
       for (std::size_t i = 0; i < active.size(); ++i) {
@@ -179,6 +224,7 @@ private:
     std::vector<float> flip = hdr_flip(shown, reference);
     point.flip = std::accumulate(flip.begin(), flip.end(), 0.0) / static_cast<double>(flip.size());
     point.estimated_error = estimated_error(result);
+    point.shadow_work = result.shadows;
     if (by_signal_) measure_signals(series, settings, point, kernels);
     if (study_.interrupted) return;
     series.pictures.push_back({series.points.size(), std::move(result.picture), std::move(flip)});
@@ -198,7 +244,10 @@ private:
     if (study_.interrupted) return;
     const Picture& reference = study_.reference.picture;
     point.direct = compare(picture, reference, {"direct.R", "direct.G", "direct.B"});
-    point.occlusion = compare(picture, study_.occlusion->picture, {"ao", "ao", "ao"});
+    if (study_.occlusion) point.occlusion = compare(picture, study_.occlusion->picture, {"ao", "ao", "ao"});
+    if (!varies_shadows_) return;
+    const Picture& light = unshadowed(static_cast<std::uint32_t>(std::countr_zero(point.spp)));
+    point.shadows = score_shadows({picture, light}, {reference, true_light_});
   }
 
   // The channels of that name as a picture of their own; nothing where one of the two lacks them.
@@ -220,7 +269,13 @@ private:
   const StudyCallback& progress_;
   Study study_;
   bool by_signal_ = false; // direct light and occlusion on their own as well
-  double seconds_ = 0.0;   // rendering so far
+  bool varies_shadows_ = false;
+  // Where shadows are varied: a configuration that has some, and light without them, converged and by octave.
+  RenderSettings shadowed_;
+  Picture true_light_;
+  std::map<std::uint32_t, Picture> unshadowed_;
+  KernelCompiler light_kernels_{device_};
+  double seconds_ = 0.0; // rendering so far
 };
 
 } // namespace

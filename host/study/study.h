@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "host/film/metrics.h"
+#include "host/film/shadow_score.h"
 #include "host/gpu/device.h"
 #include "host/render/render.h"
 #include "host/render/settings/denoising.h"
@@ -53,7 +54,9 @@ struct StudyPoint {
   PictureMetrics metrics; // against the reference of what the picture shows
   double flip = 0.0;      // mean
   std::optional<double> estimated_error;
-  std::optional<PictureMetrics> direct, occlusion; // of these alone, where the grid varies the integrator
+  std::optional<PictureMetrics> direct, occlusion; // of these alone, where the grid has rasterized frames
+  std::optional<ShadowScore> shadows;              // where the grid varies them
+  std::optional<ShadowReport> shadow_work;         // of techniques
 
   double relative_rms() const;
   double efficiency() const { return 1.0 / (metrics.mse * seconds); }
@@ -87,11 +90,17 @@ struct FirstHits {
   std::uint32_t frames = 0;
 };
 
+// A configuration that cannot render this scene.
+struct Unfit {
+  std::string name, why;
+};
+
 struct Study {
   StudyReference reference;
   std::optional<StudyReference> occlusion; // of ambient occlusion alone, where the grid has any
   std::optional<FirstHits> first_hits;     // where the grid has hybrid configurations
   std::vector<Series> series;              // the naive configuration first
+  std::vector<Unfit> unfit;
   bool interrupted = false;
 
   const StudyReference& reference_of(const Series& one) const { return one.shows_occlusion() ? *occlusion : reference; }

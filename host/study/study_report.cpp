@@ -41,7 +41,11 @@ std::string frame_flags(const StudyRecord& record) {
 
 std::string point_command(const StudyRecord& record, const Series& series, const StudyPoint& point) {
   const bool path = series.configuration.settings.integrator->traces_paths;
-  return fmt::format("{} {}{} --seed {} --spp {} --reference {} -o {}-{}.exr", record.repeat,
+  const Configuration& configuration = series.configuration;
+  const bool named =
+      configuration.settings.integrator == &default_integrator() || !configuration.value_of("integrator").empty();
+  return fmt::format("{}{} {}{} --seed {} --spp {} --reference {} -o {}-{}.exr", record.repeat,
+                     named ? "" : fmt::format(" --integrator {}", configuration.settings.integrator->name),
                      series.configuration.flags(), path ? "" : frame_flags(record), point.seed, point.spp,
                      shell_quoted(series.shows_occlusion() ? occlusion_file(record) : reference_file(record)),
                      series.configuration.name("-"), point.spp);
@@ -95,6 +99,30 @@ Json first_hits_json(const std::optional<FirstHits>& cost) {
   return {{"rasterized_ms", cost->rasterized}, {"traced_ms", cost->traced}, {"frames", cost->frames}};
 }
 
+Json cost_json(const ShadowCost& cost) { return {{"median", cost.median}, {"least", cost.least}, {"most", cost.most}}; }
+
+// Errors of shadows by kind, and what the technique took; null where the grid does not vary them.
+Json shadows_json(const StudyPoint& point) {
+  if (!point.shadows) return nullptr;
+  Json result = {{"falsely_lit", point.shadows->falsely_lit},
+                 {"falsely_dark", point.shadows->falsely_dark},
+                 {"edge_displacement_pixels", number(point.shadows->edge_displacement)},
+                 {"penumbra_ratio", number(point.shadows->penumbra_ratio)}};
+  if (point.shadow_work)
+    result.update({{"build_ms", cost_json(point.shadow_work->build)},
+                   {"look_up_ms", cost_json(point.shadow_work->look_up)},
+                   {"bytes", point.shadow_work->bytes},
+                   {"covered", point.shadow_work->covered},
+                   {"traced", point.shadow_work->traced}});
+  return result;
+}
+
+Json unfit_json(const Study& study) {
+  Json list = Json::array();
+  for (const Unfit& one : study.unfit) list.push_back({{"configuration", one.name}, {"why", one.why}});
+  return list;
+}
+
 Json point_json(const StudyRecord& record, const Series& series, const StudyPoint& point) {
   return {{"spp", point.spp},
           {"seconds", point.seconds},
@@ -112,6 +140,7 @@ Json point_json(const StudyRecord& record, const Series& series, const StudyPoin
           {"direct", metrics_json(point.direct)},
           {"ao", metrics_json(point.occlusion)},
           {"full", metrics_json(whole_picture(series, point))},
+          {"shadows", shadows_json(point)},
           {"command", point_command(record, series, point)}};
 }
 
@@ -175,6 +204,18 @@ std::string csv_pair(const std::optional<PictureMetrics>& metrics) {
   return metrics ? fmt::format("{:.8g},{:.8g}", std::sqrt(metrics->relmse), metrics->mse) : ",";
 }
 
+// Seven fields, empty where the grid does not vary shadows, or where there is nothing to tell.
+std::string csv_shadows(const StudyPoint& point) {
+  const auto field = [](const std::optional<double>& value) { return value ? fmt::format("{:.6g}", *value) : ""; };
+  std::string text = ",,,";
+  if (point.shadows)
+    text = fmt::format("{:.6g},{:.6g},{},{}", point.shadows->falsely_lit, point.shadows->falsely_dark,
+                       field(point.shadows->edge_displacement), field(point.shadows->penumbra_ratio));
+  if (!point.shadow_work) return text + ",,,";
+  return text + fmt::format(",{:.6g},{:.6g},{}", point.shadow_work->build.median, point.shadow_work->look_up.median,
+                            point.shadow_work->bytes);
+}
+
 // So that `compare` and later studies can take it.
 void write_reference(const StudyRecord& record, const StudyReference& reference, const std::string& file,
                      const std::string& command) {
@@ -229,13 +270,15 @@ Json study_document(const StudyRecord& record) {
           {"error_map", {{"metric", "FLIP"}, {"brightest", pictures.brightest}}},
           {"equal_time", equal_time_json(study, table)},
           {"equal_error", equal_error_json(study)},
+          {"unfit", unfit_json(study)},
           {"configurations", series}};
 }
 
 std::string study_csv(const StudyRecord& record) {
   std::string text = fmt::format(
       "configuration,{},spp,seconds,gpu_seconds,rays,relative_rms,estimated_relative_rms,mse,relmse,mrse,flip,"
-      "efficiency,at_floor,command,ms_per_frame,direct_relative_rms,direct_mse,ao_relative_rms,ao_mse\n",
+      "efficiency,at_floor,command,ms_per_frame,direct_relative_rms,direct_mse,ao_relative_rms,ao_mse,"
+      "falsely_lit,falsely_dark,edge_displacement_pixels,penumbra_ratio,build_ms,look_up_ms,bytes\n",
       fmt::join(record.settings.vary, ","));
   for (const Series& series : record.study.series)
     for (const StudyPoint& point : series.points) {
@@ -245,11 +288,11 @@ std::string study_csv(const StudyRecord& record) {
       std::vector<std::string_view> values;
       for (const std::string& name : record.settings.vary) values.push_back(series.configuration.value_of(name));
       text += fmt::format(
-          "{},{},{},{:.6g},{:.6g},{},{:.8g},{},{:.8g},{:.8g},{:.8g},{:.8g},{:.6g},{},\"{}\",{:.6g},{},{}\n",
+          "{},{},{},{:.6g},{:.6g},{},{:.8g},{},{:.8g},{:.8g},{:.8g},{:.8g},{:.6g},{},\"{}\",{:.6g},{},{},{}\n",
           series.configuration.name(), fmt::join(values, ","), point.spp, point.seconds, point.gpu_seconds, point.rays,
           point.relative_rms(), estimate, point.metrics.mse, point.metrics.relmse, point.metrics.mrse, point.flip,
           point.efficiency(), record.study.at_floor(series, point.relative_rms()) ? "yes" : "no", command,
-          point.ms_per_frame(), csv_pair(point.direct), csv_pair(point.occlusion));
+          point.ms_per_frame(), csv_pair(point.direct), csv_pair(point.occlusion), csv_shadows(point));
     }
   return text;
 }
