@@ -529,6 +529,153 @@ def approximation(study, look, folder):
         f"<div class=gallery>{cards}</div>")
 
 
+def shadowed(study):
+    """The configurations whose shadows were scored, each with its last point's score."""
+    return [(c, c["points"][-1]["shadows"]) for c in study["configurations"] if c["points"] and c["points"][-1].get("shadows")]
+
+
+def shadow_ms(score):
+    return sum(score[key]["median"] for key in ("build_ms", "look_up_ms") if key in score)
+
+
+def pareto(measured):
+    """Of (milliseconds, error, ...) those that no other beats in both, by milliseconds."""
+    front = []
+    for one in sorted(measured, key=lambda m: (m[0], m[1])):
+        if not front or one[1] < front[-1][1]:
+            front.append(one)
+    return front
+
+
+def shadow_points(study):
+    return [(shadow_ms(score), 100.0 * c["points"][-1]["direct"]["relative_rms"], c) for c, score in shadowed(study)
+            if c["points"][-1]["direct"] and shadow_ms(score) > 0.0 and c["points"][-1]["direct"]["relative_rms"] > 0.0]
+
+
+def plot_shadows(study, look):
+    measured = shadow_points(study)
+    if not measured:
+        return None
+    figure, axes = pyplot.subplots(figsize=(10.6, 5.8))
+    techniques = list(dict.fromkeys(c["flags"]["shadows"] for _, _, c in measured))
+    colours = pyplot.get_cmap("tab20")
+    for i, technique in enumerate(techniques):
+        curve = [(x, y) for x, y, c in measured if c["flags"]["shadows"] == technique]
+        axes.loglog(*zip(*curve), color=colours(i % 20), marker=STYLES[i % len(STYLES)][0], markersize=4.5, linewidth=0.8,
+                    alpha=0.9, label=technique)
+    front = pareto(measured)
+    axes.step([m[0] for m in front], [m[1] for m in front], where="post", color="#1d2228", linewidth=1.4, alpha=0.55, zorder=0)
+    axes.set_xlabel("milliseconds a frame, to build and to look up (a shadow that is traced: its rays)")
+    axes.set_ylabel("relative RMS error of direct light, %")
+    axes.grid(True, which="major", color="#e7e9ec", linewidth=0.8)
+    for side in ("top", "right"):
+        axes.spines[side].set_visible(False)
+    axes.legend(loc="center left", bbox_to_anchor=(1.01, 0.5), frameon=False, fontsize=8.8)
+    figure.subplots_adjust(left=0.065, right=0.86, top=0.97, bottom=0.1)
+    return figure
+
+
+def level_sizes(study):
+    """By technique: the map size from which on its error stays within a tenth, and that at which it is half of the
+    coarsest's."""
+    found = {}
+    for configuration, _ in shadowed(study):
+        size = configuration["flags"].get("shadow-size")
+        if size and configuration["points"][-1]["direct"]:
+            found.setdefault(configuration["flags"]["shadows"], {})[int(size)] = configuration["points"][-1]["direct"]["relative_rms"]
+    rows = {}
+    for technique, errors in found.items():
+        sizes = sorted(errors)
+        least = min(errors.values())
+        levels = next((s for s in sizes if all(errors[t] <= 1.1 * least for t in sizes if t >= s)), None)
+        halves = next((s for s in sizes if errors[s] <= 0.5 * errors[sizes[0]]), None)
+        rows[technique] = (levels, halves)
+    return rows
+
+
+def shadow_table(study, look):
+    best = {id(m[2]) for m in pareto(shadow_points(study))}
+    levels, rows = level_sizes(study), []
+    for configuration, score in shadowed(study):
+        point = configuration["points"][-1]
+        ms = [f"{number(score[key]['median'])}<span class=soft> {number(score[key]['least'])}&ndash;{number(score[key]['most'])}</span>"
+              if key in score and score[key]["median"] > 0.0 else "&ndash;" for key in ("build_ms", "look_up_ms")]
+        optional = [number(score[key]) if score[key] is not None else "&ndash;" for key in ("edge_displacement_pixels", "penumbra_ratio")]
+        size = configuration["flags"].get("shadow-size")
+        level = levels.get(configuration["flags"]["shadows"], (None, None))
+        marks = [text for text, at in (("levels off", level[0]), ("half of the coarsest's error", level[1])) if size and at == int(size)]
+        rows.append(row([name_cell(look, configuration), signal(point, "direct"), number(point["flip"]), percent(score["falsely_lit"]),
+                         percent(score["falsely_dark"]), *optional, *ms,
+                         number(score["bytes"] / 2**20) if score.get("bytes") else "&ndash;", ", ".join(marks)],
+                        " class=best" if id(configuration) in best else ""))
+    return table(["configuration", "error of<br>direct light", "FLIP", "falsely<br>lit", "falsely<br>dark", "edges off<br>by pixels",
+                  "penumbra over<br>the true one", "ms to<br>build", "ms to<br>look up", "MiB", ""], rows)
+
+
+def worst_place(study, folder):
+    """The square, a fifth of the picture's smaller side, in which shadows of all techniques together are most false."""
+    total = None
+    for configuration, _ in shadowed(study):
+        file = configuration["picture"] and configuration["picture"].get("false_shadows")
+        if not file or configuration["flags"]["shadows"] == "traced" or not (folder / file).exists():
+            continue
+        red, _, blue = Image.open(folder / file).convert("RGB").split()
+        width, height = red.size
+        off = [abs(r - b) for r, b in zip(red.getdata(), blue.getdata())]
+        total = off if total is None else [a + b for a, b in zip(total, off)]
+    if total is None:
+        return None
+    side = max(min(width, height) // 5, 8)
+    sums = [0] * ((width + 1) * (height + 1))  # of all above and to the left
+    for y in range(height):
+        line = 0
+        for x in range(width):
+            line += total[y * width + x]
+            sums[(y + 1) * (width + 1) + x + 1] = sums[y * (width + 1) + x + 1] + line
+    at = lambda x, y: sums[y * (width + 1) + x]
+    places = [(x, y) for y in range(0, height - side, 2) for x in range(0, width - side, 2)]
+    x, y = max(places, key=lambda p: at(p[0] + side, p[1] + side) - at(p[0], p[1] + side) - at(p[0] + side, p[1]) + at(*p))
+    return x, y, x + side, y + side
+
+
+def crop(path, place):
+    data = io.BytesIO()
+    Image.open(path).convert("RGB").crop(place).resize((160, 160), Image.NEAREST).save(data, "PNG")
+    return "data:image/png;base64," + base64.b64encode(data.getvalue()).decode()
+
+
+def shadow_pictures(study, folder):
+    """Of each technique at its least error: the worst place, and where in the whole picture shadows are false."""
+    place = worst_place(study, folder)
+    if place is None:
+        return ""
+    best = {}
+    for configuration, _ in shadowed(study):
+        name, error = configuration["flags"]["shadows"], configuration["points"][-1]["relative_rms"]
+        if configuration["picture"] and (name not in best or error < best[name]["points"][-1]["relative_rms"]):
+            best[name] = configuration
+    cards = [f"<div class=card><b>reference</b><div class=pair><img alt='reference' src='{crop(folder / study['reference']['picture'], place)}'></div></div>"]
+    for configuration in best.values():
+        files = [configuration["picture"]["file"], configuration["picture"]["false_shadows"]]
+        if not all(file and (folder / file).exists() for file in files):
+            continue
+        cards.append(f"<div class=card><b>{html.escape(configuration['name'])}</b><div class=pair><img alt='' src='{crop(folder / files[0], place)}'>"
+                     f"<img alt='' src='{embedded(folder / files[1])}'></div></div>")
+    return ("<p class=note>The place where all techniques together are most wrong, under each of them at its least error, and the whole "
+            f"picture: orange is falsely lit, blue falsely dark.</p><div class=gallery>{''.join(cards)}</div>")
+
+
+def shadows(study, look, folder):
+    unfit = "".join(f"<li>{html.escape(u['configuration'])} {html.escape(u['why'])}</li>" for u in study["unfit"])
+    return ("<figure>" + svg(plot_shadows(study, look)) +
+            "<figcaption>Down and to the left is better; the dark line is the front that none beats in both. Marks of one colour: "
+            "growing maps.</figcaption></figure>" + shadow_table(study, look) +
+            "<p class=note>At the most samples measured. Falsely lit and falsely dark: share of the pixels whose light is off by more than "
+            "a quarter of what it would be without shadows. Milliseconds are medians with spread, warm, build and look-up apart; a map "
+            "that nothing moves in need not be built again. Highlighted: on the front.</p>" + shadow_pictures(study, folder) +
+            (f"<p class=note>Left out:</p><ul class=note>{unfit}</ul>" if unfit else ""))
+
+
 def commands(study):
     reference = study["reference"]
     parts = [f"<p>The whole study:<br><code>{html.escape(study['command'])}</code></p>"]
@@ -551,6 +698,7 @@ def page(study, folder):
         ("", f"<p class=soft>{count} ways to render one picture, each measured against one converged reference at 1, 2, 4, ... "
          f"samples a pixel. Varied: {', '.join(study['vary'])}.</p>" + facts(study) + summary(study, ranking, found)),
         *([("What the approximation costs", approximation(study, look, folder))] if has_frames(study) else []),
+        *([("Shadows", shadows(study, look, folder))] if shadowed(study) else []),
         ("Error against time", "<figure>" + svg(plot_time(study, look)) +
          "<figcaption>Both axes logarithmic; down and to the left is better. The number behind each name is the slope fitted to the "
          f"last four octaves. Colour: {look.hue}; marker and dash: {look.style}" +
@@ -581,6 +729,7 @@ def main(folder, figure=None):
     study = json.loads((folder / "study.json").read_text(encoding="utf-8"))
     for key in ("ao_reference", "first_hits"):  # not in documents of version 0.1.0
         study.setdefault(key, None)
+    study.setdefault("unfit", [])
     for configuration in study["configurations"]:
         configuration.setdefault("levels_off", None)
         configuration.setdefault("shows", "full")

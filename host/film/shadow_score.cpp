@@ -134,4 +134,22 @@ std::optional<ShadowScore> score_shadows(const ShadowedPicture& picture, const S
   return score;
 }
 
+Picture false_shadow_map(const ShadowedPicture& picture, const ShadowedPicture& truth) {
+  constexpr double kGrey = 0.6; // of what is fully lit
+  const Shares ours = light_shares(picture), theirs = light_shares(truth);
+  Picture map{truth.shadowed.width, truth.shadowed.height, {}};
+  if (ours.empty() || ours.size() != theirs.size()) return map;
+  for (const char* name : {"R", "G", "B"}) map.channels.push_back({name, std::vector<float>(ours.size())});
+  for (std::size_t i = 0; i < ours.size(); ++i) {
+    const bool judged = ours[i] >= 0.0 && theirs[i] >= 0.0;
+    const double difference = judged ? std::clamp(ours[i] - theirs[i], -1.0, 1.0) : 0.0;
+    const double grey = kGrey * std::clamp(theirs[i], 0.0, 1.0) * (1.0 - std::abs(difference));
+    const double lit = std::max(difference, 0.0), dark = std::max(-difference, 0.0);
+    map.channels[0].values[i] = static_cast<float>(grey + lit + 0.1 * dark);
+    map.channels[1].values[i] = static_cast<float>(grey + 0.55 * lit + 0.4 * dark);
+    map.channels[2].values[i] = static_cast<float>(grey + dark);
+  }
+  return map;
+}
+
 } // namespace wavepath

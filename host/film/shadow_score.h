@@ -27,4 +27,8 @@ struct ShadowedPicture {
 // Empty where a picture lacks the channels.
 std::optional<ShadowScore> score_shadows(const ShadowedPicture& picture, const ShadowedPicture& truth);
 
+// What is falsely lit in orange, what is falsely dark in blue, the stronger the more; under it in grey the true shares
+// of light. Empty where a picture lacks the channels.
+Picture false_shadow_map(const ShadowedPicture& picture, const ShadowedPicture& truth);
+
 } // namespace wavepath

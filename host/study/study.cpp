@@ -224,30 +224,47 @@ private:
     std::vector<float> flip = hdr_flip(shown, reference);
     point.flip = std::accumulate(flip.begin(), flip.end(), 0.0) / static_cast<double>(flip.size());
     point.estimated_error = estimated_error(result);
-    point.shadow_work = result.shadows;
-    if (by_signal_) measure_signals(series, settings, point, kernels);
+    point.shadow_work = varies_shadows_ ? shadow_work(result) : std::nullopt;
+    std::optional<Picture> false_shadows;
+    if (by_signal_) false_shadows = measure_signals(series, settings, point, kernels);
     if (study_.interrupted) return;
-    series.pictures.push_back({series.points.size(), std::move(result.picture), std::move(flip)});
+    series.pictures.push_back(
+        {series.points.size(), std::move(result.picture), std::move(flip), std::move(false_shadows)});
     if (series.pictures.size() > kPicturesKept) series.pictures.erase(series.pictures.begin());
     series.points.push_back(point);
   }
 
-  // Renders again, because the additional channels would add to the measured time.
-  void measure_signals(const Series& series, RenderSettings settings, StudyPoint& point, KernelCompiler& kernels) {
+  // What a technique took; of traced shadows, what their rays did.
+  static std::optional<ShadowReport> shadow_work(const RenderResult& result) {
+    if (result.shadows) return result.shadows;
+    const auto rays = std::ranges::find(result.stages, "connect", &StageTime::name);
+    if (rays == result.stages.end()) return std::nullopt;
+    const double ms = 1000.0 * rays->seconds / result.spp;
+    ShadowReport report;
+    report.look_up = {ms, ms, ms};
+    return report;
+  }
+
+  // Renders again, because the additional channels would add to the measured time. Returns where shadows are false, if
+  // the grid varies them.
+  std::optional<Picture> measure_signals(const Series& series, RenderSettings settings, StudyPoint& point,
+                                         KernelCompiler& kernels) {
     if (series.shows_occlusion()) {
       point.occlusion = point.metrics;
-      return;
+      return std::nullopt;
     }
     settings.aovs = {"direct"};
     if (!settings.integrator->aovs.empty()) settings.aovs.emplace_back("ao");
     const Picture picture = render_one(settings, kernels, series.configuration.name()).picture;
-    if (study_.interrupted) return;
+    if (study_.interrupted) return std::nullopt;
     const Picture& reference = study_.reference.picture;
     point.direct = compare(picture, reference, {"direct.R", "direct.G", "direct.B"});
     if (study_.occlusion) point.occlusion = compare(picture, study_.occlusion->picture, {"ao", "ao", "ao"});
-    if (!varies_shadows_) return;
+    if (!varies_shadows_) return std::nullopt;
     const Picture& light = unshadowed(static_cast<std::uint32_t>(std::countr_zero(point.spp)));
-    point.shadows = score_shadows({picture, light}, {reference, true_light_});
+    const ShadowedPicture ours{picture, light}, theirs{reference, true_light_};
+    point.shadows = score_shadows(ours, theirs);
+    return false_shadow_map(ours, theirs);
   }
 
   // The channels of that name as a picture of their own; nothing where one of the two lacks them.

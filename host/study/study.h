@@ -68,6 +68,7 @@ struct StudyPicture {
   std::size_t point = 0;
   Picture picture;
   std::vector<float> flip;
+  std::optional<Picture> false_shadows; // where the grid varies shadows
 };
 
 struct Series {

@@ -42,6 +42,10 @@ StudyPictures plan_pictures(const Study& study) {
 std::string picture_name(const Series& series) { return "pictures/" + series.configuration.name("-") + ".png"; }
 std::string map_name(const Series& series) { return "pictures/" + series.configuration.name("-") + "-error.png"; }
 
+std::string false_shadow_name(const Series& series) {
+  return "pictures/" + series.configuration.name("-") + "-false-shadows.png";
+}
+
 void write_pictures(const std::string& folder, const Study& study, const StudyPictures& plan) {
   const std::filesystem::path path = folder;
   std::error_code error;
@@ -58,6 +62,9 @@ void write_pictures(const std::string& folder, const Study& study, const StudyPi
     const Picture map = error_map(shown->picture.width, shown->picture.height, shown->flip, plan.brightest);
     write_picture(path / picture_name(series), shown->picture, {}, series.shows_occlusion() ? as_they_are : shown_at);
     write_picture(path / map_name(series), map, {}, as_they_are);
+    const std::optional<Picture>& shadows = shown->false_shadows;
+    if (shadows && !shadows->channels.empty())
+      write_picture(path / false_shadow_name(series), *shadows, {}, as_they_are);
   }
 }
 

@@ -19,6 +19,7 @@ inline constexpr const char* kReferencePicture = "pictures/reference.png";
 inline constexpr const char* kOcclusionPicture = "pictures/ao-reference.png";
 std::string picture_name(const Series& series);
 std::string map_name(const Series& series);
+std::string false_shadow_name(const Series& series);
 
 void write_pictures(const std::string& folder, const Study& study, const StudyPictures& plan);
 

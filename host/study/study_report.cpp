@@ -151,6 +151,7 @@ Json series_json(const StudyRecord& record, const Series& series, double common_
   if (const StudyPicture* shown = picture_near(series, common_seconds))
     picture = {{"file", picture_name(series)},
                {"error_map", map_name(series)},
+               {"false_shadows", shown->false_shadows ? Json(false_shadow_name(series)) : Json(nullptr)},
                {"spp", series.points[shown->point].spp},
                {"seconds", series.points[shown->point].seconds}};
   const auto fit = [&](const std::vector<Measured>& curve) { return slope_json(fit_of(record.study, series, curve)); };
