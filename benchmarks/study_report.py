@@ -548,8 +548,8 @@ def pareto(measured):
 
 
 def shadow_points(study):
-    return [(shadow_ms(score), 100.0 * c["points"][-1]["direct"]["relative_rms"], c) for c, score in shadowed(study)
-            if c["points"][-1]["direct"] and shadow_ms(score) > 0.0 and c["points"][-1]["direct"]["relative_rms"] > 0.0]
+    return [(shadow_ms(score), 100.0 * score["relative_rms"], c) for c, score in shadowed(study)
+            if shadow_ms(score) > 0.0 and score["relative_rms"] > 0.0]
 
 
 def plot_shadows(study, look):
@@ -566,10 +566,12 @@ def plot_shadows(study, look):
     front = pareto(measured)
     axes.step([m[0] for m in front], [m[1] for m in front], where="post", color="#1d2228", linewidth=1.4, alpha=0.55, zorder=0)
     axes.set_xlabel("milliseconds a frame, to build and to look up (a shadow that is traced: its rays)")
-    axes.set_ylabel("relative RMS error of direct light, %")
+    axes.set_ylabel("relative RMS error of direct light, by its shadows, %")
     axes.grid(True, which="major", color="#e7e9ec", linewidth=0.8)
     for side in ("top", "right"):
         axes.spines[side].set_visible(False)
+    subdivide(axes.yaxis, axes.get_ylim(), 10, (1.0, 2.0, 5.0))
+    subdivide(axes.xaxis, axes.get_xlim(), 10, (1.0, 2.0, 5.0))
     axes.legend(loc="center left", bbox_to_anchor=(1.01, 0.5), frameon=False, fontsize=8.8)
     figure.subplots_adjust(left=0.065, right=0.86, top=0.97, bottom=0.1)
     return figure
@@ -579,10 +581,9 @@ def level_sizes(study):
     """By technique: the map size from which on its error stays within a tenth, and that at which it is half of the
     coarsest's."""
     found = {}
-    for configuration, _ in shadowed(study):
-        size = configuration["flags"].get("shadow-size")
-        if size and configuration["points"][-1]["direct"]:
-            found.setdefault(configuration["flags"]["shadows"], {})[int(size)] = configuration["points"][-1]["direct"]["relative_rms"]
+    for configuration, score in shadowed(study):
+        if size := configuration["flags"].get("shadow-size"):
+            found.setdefault(configuration["flags"]["shadows"], {})[int(size)] = score["relative_rms"]
     rows = {}
     for technique, errors in found.items():
         sizes = sorted(errors)
@@ -604,7 +605,7 @@ def shadow_table(study, look):
         size = configuration["flags"].get("shadow-size")
         level = levels.get(configuration["flags"]["shadows"], (None, None))
         marks = [text for text, at in (("levels off", level[0]), ("half of the coarsest's error", level[1])) if size and at == int(size)]
-        rows.append(row([name_cell(look, configuration), signal(point, "direct"), number(point["flip"]), percent(score["falsely_lit"]),
+        rows.append(row([name_cell(look, configuration), percent(score["relative_rms"]), number(point["flip"]), percent(score["falsely_lit"]),
                          percent(score["falsely_dark"]), *optional, *ms,
                          number(score["bytes"] / 2**20) if score.get("bytes") else "&ndash;", ", ".join(marks)],
                         " class=best" if id(configuration) in best else ""))
@@ -651,8 +652,8 @@ def shadow_pictures(study, folder):
         return ""
     best = {}
     for configuration, _ in shadowed(study):
-        name, error = configuration["flags"]["shadows"], configuration["points"][-1]["relative_rms"]
-        if configuration["picture"] and (name not in best or error < best[name]["points"][-1]["relative_rms"]):
+        name, error = configuration["flags"]["shadows"], configuration["points"][-1]["shadows"]["relative_rms"]
+        if configuration["picture"] and (name not in best or error < best[name]["points"][-1]["shadows"]["relative_rms"]):
             best[name] = configuration
     cards = [f"<div class=card><b>reference</b><div class=pair><img alt='reference' src='{crop(folder / study['reference']['picture'], place)}'></div></div>"]
     for configuration in best.values():
@@ -670,7 +671,8 @@ def shadows(study, look, folder):
     return ("<figure>" + svg(plot_shadows(study, look)) +
             "<figcaption>Down and to the left is better; the dark line is the front that none beats in both. Marks of one colour: "
             "growing maps.</figcaption></figure>" + shadow_table(study, look) +
-            "<p class=note>At the most samples measured. Falsely lit and falsely dark: share of the pixels whose light is off by more than "
+            "<p class=note>After as many samples as all of them have. The error is that of shadows alone: what lights and pixels were "
+            "sampled by is the same in all. Falsely lit and falsely dark: share of the pixels whose light is off by more than "
             "a quarter of what it would be without shadows. Milliseconds are medians with spread, warm, build and look-up apart; a map "
             "that nothing moves in need not be built again. Highlighted: on the front.</p>" + shadow_pictures(study, folder) +
             (f"<p class=note>Left out:</p><ul class=note>{unfit}</ul>" if unfit else ""))

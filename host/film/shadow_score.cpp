@@ -110,15 +110,19 @@ double partly_lit(const Shares& shares) {
 std::optional<ShadowScore> score_shadows(const ShadowedPicture& picture, const ShadowedPicture& truth) {
   const Shares ours = light_shares(picture), theirs = light_shares(truth);
   if (ours.empty() || ours.size() != theirs.size()) return std::nullopt;
-  double judged = 0.0;
+  const std::vector<double> light = direct_light(truth.unshadowed);
+  double judged = 0.0, squares = 0.0;
   ShadowScore score;
   for (std::size_t i = 0; i < ours.size(); ++i) {
     if (ours[i] < 0.0 || theirs[i] < 0.0) continue;
     ++judged;
+    const double mean = light[i] / 3.0, off = (ours[i] - theirs[i]) * mean, right = theirs[i] * mean;
+    squares += off * off / (right * right + 0.01);
     if (ours[i] - theirs[i] > kFalse) ++score.falsely_lit;
     if (theirs[i] - ours[i] > kFalse) ++score.falsely_dark;
   }
   if (judged == 0.0) return score;
+  score.relative_rms = std::sqrt(squares / static_cast<double>(ours.size()));
   score.falsely_lit /= judged;
   score.falsely_dark /= judged;
   const std::size_t width = truth.shadowed.width, height = truth.shadowed.height;

@@ -8,6 +8,9 @@
 namespace wavepath {
 
 struct ShadowScore {
+  // Root of relMSE of the luminance of direct light (see metrics.h), both pictures' shares taken of the truth's light:
+  // so that it does not count where samples of lights and pixels happened to be.
+  double relative_rms = 0.0;
   // Shares of the pixels that lights reach or could reach whose light is off by more than a quarter of what it would be
   // without shadows.
   double falsely_lit = 0.0, falsely_dark = 0.0;

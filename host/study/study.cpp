@@ -180,7 +180,8 @@ private:
   }
 
   // In turns, so that other load on the machine disturbs all alike. A configuration ends where twice the time of
-  // its last render would not fit into what is left of its share.
+  // its last render would not fit into what is left of its share; where shadows are compared all of them end together,
+  // so that their pictures have as many samples.
   void measure_all(double share) {
     std::list<KernelCompiler> kernels;
     std::vector<double> used(study_.series.size(), 0.0);
@@ -188,8 +189,10 @@ private:
     // Shadow techniques are many, and what they share is most of their kernels.
     for (std::size_t i = 0; i < study_.series.size(); ++i)
       active.push_back(varies_shadows_ && i > 0 ? active.front() : &kernels.emplace_back(device_));
+    const double whole = share * static_cast<double>(study_.series.size());
     for (std::uint32_t octave = 0; std::any_of(active.begin(), active.end(), [](auto* k) { return k != nullptr; });
-         ++octave)
+         ++octave) {
+      const double before = seconds_;
       for (std::size_t i = 0; i < active.size(); ++i) {
         if (!active[i]) continue;
         if (octave == 0) warm_up(study_.series[i], *active[i]);
@@ -197,8 +200,12 @@ private:
         if (study_.interrupted) return;
         const double seconds = study_.series[i].points.back().seconds * (by_signal_ ? 2.0 : 1.0); // see measure()
         used[i] += seconds;
-        if (used[i] + 2.0 * seconds > share || (1u << octave) >= kMostSamples) active[i] = nullptr;
+        const bool ends = !varies_shadows_ && used[i] + 2.0 * seconds > share;
+        if (ends || (1u << octave) >= kMostSamples) active[i] = nullptr;
       }
+      const double spent = std::accumulate(used.begin(), used.end(), 0.0);
+      if (varies_shadows_ && octave > 0 && spent + 2.0 * (seconds_ - before) > whole) return;
+    }
   }
 
   // The first render of a kernel also takes the time of what drivers postpone until then.

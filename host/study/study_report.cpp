@@ -104,7 +104,8 @@ Json cost_json(const ShadowCost& cost) { return {{"median", cost.median}, {"leas
 // Errors of shadows by kind, and what the technique took; null where the grid does not vary them.
 Json shadows_json(const StudyPoint& point) {
   if (!point.shadows) return nullptr;
-  Json result = {{"falsely_lit", point.shadows->falsely_lit},
+  Json result = {{"relative_rms", point.shadows->relative_rms},
+                 {"falsely_lit", point.shadows->falsely_lit},
                  {"falsely_dark", point.shadows->falsely_dark},
                  {"edge_displacement_pixels", number(point.shadows->edge_displacement)},
                  {"penumbra_ratio", number(point.shadows->penumbra_ratio)}};
@@ -205,13 +206,14 @@ std::string csv_pair(const std::optional<PictureMetrics>& metrics) {
   return metrics ? fmt::format("{:.8g},{:.8g}", std::sqrt(metrics->relmse), metrics->mse) : ",";
 }
 
-// Seven fields, empty where the grid does not vary shadows, or where there is nothing to tell.
+// Eight fields, empty where the grid does not vary shadows, or where there is nothing to tell.
 std::string csv_shadows(const StudyPoint& point) {
   const auto field = [](const std::optional<double>& value) { return value ? fmt::format("{:.6g}", *value) : ""; };
-  std::string text = ",,,";
+  std::string text = ",,,,";
   if (point.shadows)
-    text = fmt::format("{:.6g},{:.6g},{},{}", point.shadows->falsely_lit, point.shadows->falsely_dark,
-                       field(point.shadows->edge_displacement), field(point.shadows->penumbra_ratio));
+    text = fmt::format("{:.6g},{:.6g},{:.6g},{},{}", point.shadows->relative_rms, point.shadows->falsely_lit,
+                       point.shadows->falsely_dark, field(point.shadows->edge_displacement),
+                       field(point.shadows->penumbra_ratio));
   if (!point.shadow_work) return text + ",,,";
   return text + fmt::format(",{:.6g},{:.6g},{}", point.shadow_work->build.median, point.shadow_work->look_up.median,
                             point.shadow_work->bytes);
@@ -279,7 +281,8 @@ std::string study_csv(const StudyRecord& record) {
   std::string text = fmt::format(
       "configuration,{},spp,seconds,gpu_seconds,rays,relative_rms,estimated_relative_rms,mse,relmse,mrse,flip,"
       "efficiency,at_floor,command,ms_per_frame,direct_relative_rms,direct_mse,ao_relative_rms,ao_mse,"
-      "falsely_lit,falsely_dark,edge_displacement_pixels,penumbra_ratio,build_ms,look_up_ms,bytes\n",
+      "shadow_relative_rms,falsely_lit,falsely_dark,edge_displacement_pixels,penumbra_ratio,build_ms,look_up_ms,"
+      "bytes\n",
       fmt::join(record.settings.vary, ","));
   for (const Series& series : record.study.series)
     for (const StudyPoint& point : series.points) {
