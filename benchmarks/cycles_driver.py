@@ -82,6 +82,55 @@ def is_lambert(material, told):
     return told == "all" or (told == "told" and max(value.values()) == 0)
 
 
+def mix_layers(material, told):
+    """Principled adds a coat of a quarter's weight and a diffuse base to what is mirrored. Here the layer on top takes
+    Fresnel's share and what is below has the rest, as in glTF; `told`: what the importer has dropped."""
+    tree, node = material.node_tree, principled(material)
+    value = {key: node.inputs[key].default_value for key in ("Metallic", "Transmission", "Roughness", "IOR")}
+    layers = []  # from the top: weight, ior, roughness
+    if told["coat"] > 0:
+        layers.append((told["coat"], 1.5, told["coat_roughness"]))
+        node.inputs["Clearcoat"].default_value = 0
+    below = node.outputs["BSDF"]
+    if value["Metallic"] == value["Transmission"] == 0 and not shines(material):
+        layers.append((told["specular"], value["IOR"], value["Roughness"]))
+        base = tree.nodes.new("ShaderNodeBsdfDiffuse")
+        base.inputs["Color"].default_value = node.inputs["Base Color"].default_value
+        below = base.outputs["BSDF"]
+    for weight, ior, roughness in reversed(layers):
+        below = under_interface(tree, below, weight, ior, roughness)
+    if layers:
+        output = next(n for n in tree.nodes if n.type == "OUTPUT_MATERIAL")
+        tree.links.new(below, output.inputs["Surface"])
+
+
+def under_interface(tree, below, weight, ior, roughness):
+    fresnel = tree.nodes.new("ShaderNodeFresnel")
+    fresnel.inputs["IOR"].default_value = ior
+    share = tree.nodes.new("ShaderNodeMath")
+    share.operation = "MULTIPLY"
+    share.inputs[1].default_value = weight
+    glossy = tree.nodes.new("ShaderNodeBsdfGlossy")
+    glossy.distribution = "MULTI_GGX"
+    glossy.inputs["Color"].default_value = (1, 1, 1, 1)
+    glossy.inputs["Roughness"].default_value = roughness
+    mix = tree.nodes.new("ShaderNodeMixShader")
+    tree.links.new(fresnel.outputs["Fac"], share.inputs[0])
+    tree.links.new(share.outputs["Value"], mix.inputs["Fac"])
+    tree.links.new(below, mix.inputs[1])
+    tree.links.new(glossy.outputs["BSDF"], mix.inputs[2])
+    return mix.outputs["Shader"]
+
+
+def set_model(view):
+    """`model`: as imported, with all bounces between microfacets (multi), or with layers mixed besides."""
+    for material in bpy.data.materials:
+        if (node := principled(material)) and view["model"] != "imported":
+            node.distribution = "MULTI_GGX"
+            if view["model"] == "mixed":
+                mix_layers(material, view["told"][material.name])
+
+
 def shield(lamp):
     """A black back. Cycles shines to both sides, glTF to one only: behind the Cornell box's lamp the ceiling would
     catch so much light that its fireflies, not the picture, would be measured."""
@@ -113,6 +162,8 @@ def set_up(view):
         for material in bpy.data.materials:
             if is_lambert(material, view["lambert"]):
                 make_lambert(material)
+    if "model" in view:
+        set_model(view)
     add_camera(view)
     add_environment(view["environment"], view["intensity"])
 

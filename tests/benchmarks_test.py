@@ -2,6 +2,7 @@
 """The benchmark scripts' own arithmetic, on numbers with known answers, and that they start at all. No renderer is run.
 Usage: benchmarks_test.py SOURCE_DIR"""
 
+import math
 import os
 import pathlib
 import subprocess
@@ -14,6 +15,7 @@ sys.path.insert(0, str(BENCHMARKS))
 import contact_sheet  # noqa: E402
 import error_time  # noqa: E402
 import light_table  # noqa: E402
+import material_study  # noqa: E402
 import old_new  # noqa: E402
 import peer_cycles  # noqa: E402
 import scaling  # noqa: E402
@@ -76,6 +78,20 @@ class Benchmarks(unittest.TestCase):
             self.assertAlmostEqual(p["seconds"], 0.5 * p["spp"] / os.cpu_count())
             self.assertEqual(p["clock_seconds"], 9.0)
 
+    def test_a_ball_is_counted_alone_and_its_ratio_tells_the_seeds_difference(self):
+        width, height = material_study.SIZE
+        ball = material_study.inside(0, 2)  # the first column, the last row
+        self.assertTrue(all(i % width < width / 4 and i // width > 2 * height / 3 for i in ball))
+        self.assertAlmostEqual(len(ball), math.pi * (material_study.RADIUS * height / 3 - 1) ** 2, delta=10)
+        dark = [(9.0, 9.0, 9.0)] * (width * height)
+        ours, theirs = [list(dark) for _ in range(2)], [list(dark) for _ in range(2)]
+        for i in ball:
+            ours[0][i], ours[1][i], theirs[0][i], theirs[1][i] = (2.2,) * 3, (1.8,) * 3, (1.0,) * 3, (1.0,) * 3
+        ratios, error = material_study.ratio(ours, theirs, ball)
+        for r in ratios:
+            self.assertAlmostEqual(r, 2.0)
+        self.assertAlmostEqual(error, 0.1)
+
     def test_the_contact_sheet_tells_what_was_chosen_and_what_was_refused(self):
         told = "wavepath: light: --env sky, as for an interior\nwavepath: a.png (exposure -0.52): 64 spp in 1.0 s\n"
         self.assertEqual(contact_sheet.choices(told), ("sky", "-0.52"))
@@ -85,11 +101,12 @@ class Benchmarks(unittest.TestCase):
         self.assertEqual(len(set(contact_sheet.ASSETS)), 30)
 
     def test_scripts_explain_themselves(self):
-        for script in ("peer_cycles.py", "scaling.py", "old_new.py", "light_table.py"):
+        for script, flag in (("peer_cycles.py", "--json"), ("scaling.py", "--json"), ("old_new.py", "--json"),
+                             ("light_table.py", "--json"), ("material_study.py", "--strip")):
             with self.subTest(script=script):
                 result = subprocess.run([sys.executable, BENCHMARKS / script, "--help"], capture_output=True, text=True)
                 self.assertEqual(result.returncode, 0, result.stderr)
-                self.assertIn("--json", result.stdout)
+                self.assertIn(flag, result.stdout)
 
     def test_without_blender_it_says_how_to_get_it(self):
         result = subprocess.run([sys.executable, BENCHMARKS / "peer_cycles.py", "--blender", "no-such-blender"],

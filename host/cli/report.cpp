@@ -80,6 +80,11 @@ std::vector<std::string> list_bias(const RenderSettings& settings, const PackedS
         "vertices move along straight lines while the shutter is open; camera and lamps stay (--shutter)");
   if (settings.cull == gpu::kCullAll && scene.features & gpu::kFeatureCull)
     bias.emplace_back("light passes single-sided surfaces from behind (--cull all)");
+  if (!settings.integrator->nests_bodies && settings.integrator->finds_light && scene.features & gpu::kLobeNested)
+    bias.push_back(
+        fmt::format("bodies whose boxes meet are seen surface by surface, also where they overlap "
+                    "(--integrator {}); --integrator path tells which of them is there",
+                    settings.integrator->name));
   if (denoises_film(settings))
     bias.emplace_back(
         "the channels denoised.R,G,B of .exr files, and all of other files, are filtered: detail that is "
