@@ -24,5 +24,6 @@ const bool kStackInRegisters = kStack == kStackRegisters;
 #define CULLS_ALL_BACKS (has(kFeatureCull) && kCull == kCullAll)
 bool has(uint feature) { return (kFeatures & feature) != 0u; }
 bool has_lobe(uint lobe) { return (kLobes & lobe) != 0u; }
+bool has_mips() { return has_lobe(kFeatureMips); }
 
 #endif

@@ -66,6 +66,8 @@ GPU_CONSTANT Feature kLobeScattering = GPU_LOBE(6); // in volumes
 GPU_CONSTANT Feature kLobeNested = GPU_LOBE(7);     // bodies that overlap
 GPU_CONSTANT Feature kLobeMultiple = GPU_LOBE(8);   // light that scatters more than once between rough microfacets
 GPU_CONSTANT Feature kLobesAll = GPU_LOBE(9) - GPU_LOBE(0);
+GPU_CONSTANT Feature kFeatureMips =
+    GPU_LOBE(9); // textures have mip levels, for frames of one sample: no lobe, but a bit of that word
 GPU_CONSTANT Feature kLobesLayered = GPU_LOBE(8) - GPU_LOBE(0); // those that only the LAYERED builds of kernels know
 
 // ---- specialization constants ---------------------------------------------------------------------------------------

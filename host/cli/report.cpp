@@ -15,6 +15,7 @@
 #include "host/film/error.h"
 #include "host/render/settings/denoising.h"
 #include "host/render/settings/integrator_kind.h"
+#include "host/render/settings/mips.h"
 #include "kernels/tile_order.h"
 
 namespace wavepath {
@@ -80,6 +81,8 @@ std::vector<std::string> list_bias(const RenderSettings& settings, const PackedS
         "vertices move along straight lines while the shutter is open; camera and lamps stay (--shutter)");
   if (settings.cull == gpu::kCullAll && scene.features & gpu::kFeatureCull)
     bias.emplace_back("light passes single-sided surfaces from behind (--cull all)");
+  if (uses_mips(settings) && scene.features & gpu::kFeatureMips)
+    bias.emplace_back("textures are looked up at mip levels, as a pixel has one sample (--mips)");
   if (denoises_film(settings))
     bias.emplace_back(
         "the channels denoised.R,G,B of .exr files, and all of other files, are filtered: detail that is "

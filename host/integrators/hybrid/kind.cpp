@@ -9,6 +9,7 @@
 #include "host/integrators/hybrid/denoise.h"
 #include "host/integrators/hybrid/hybrid.h"
 #include "host/render/render.h"
+#include "host/render/settings/mips.h"
 #include "host/scene/pack/pack.h"
 #include "kernels/hybrid/hybrid_types.h"
 
@@ -17,8 +18,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::array<std::string_view, 8> kHybridSettings = {"hemisphere", "direct",    "lights",  "shadow-samples",
-                                                             "ao-samples", "ao-radius", "ambient", "denoise"};
+constexpr std::array<std::string_view, 9> kHybridSettings = {
+    "hemisphere", "direct", "lights", "shadow-samples", "ao-samples", "ao-radius", "ambient", "denoise", "mips"};
 constexpr std::array<std::string_view, 3> kAoSettings = {"ao-samples", "ao-radius", "denoise"};
 constexpr std::array<std::string_view, 1> kAovs = {"ao"};
 constexpr std::array<std::string_view, 2> kFirstHitStages = {"raster", "resolve"};
@@ -33,6 +34,7 @@ void start_path_kernels(KernelCompiler& kernels, const DeviceInfo& device, gpu::
   const auto start = [&](gpu::Feature bits) {
     kernels.start({&kPathProgram, kLightingStages, kernel_config(bits, kExpectedStack, settings)});
   };
+  if ((features & gpu::kFeatureTextures) && wants_mips(settings)) features |= gpu::kFeatureMips;
   start(features);
   if (generic_first(device)) start(generic_features(features));
 }
@@ -108,7 +110,9 @@ constinit const IntegratorKind kHybrid = {
     .slots_per_pixel = [](const RenderSettings& settings) { return settings.shadow_samples; },
     .bytes_per_pixel = bytes_per_pixel,
     .is_biased =
-        [](const RenderSettings& settings) { return settings.denoise != kDenoiseOff || settings.max_depth > 1; },
+        [](const RenderSettings& settings) {
+          return settings.denoise != kDenoiseOff || settings.max_depth > 1 || uses_mips(settings);
+        },
     .bias = hybrid_bias,
     .omitted = hybrid_omitted,
     .stats = stats,
