@@ -33,8 +33,24 @@ std::uint64_t words_per_texel(const Image& image) { return image.floats.empty() 
 
 float linear(float encoded) { return static_cast<float>(linear_from_srgb(encoded)); }
 
-float encoded(float linear) {
-  return linear <= 0.0031308f ? 12.92f * linear : 1.055f * std::pow(linear, 1.0f / 2.4f) - 0.055f;
+// The nearest byte of sRGB: a table of places near it, and where each byte begins.
+std::uint32_t srgb_byte(float value) {
+  constexpr std::size_t kPlaces = 4096;
+  static const auto kBegins = [] {
+    std::array<float, 256> begins{};
+    for (std::size_t i = 1; i < begins.size(); ++i) begins[i] = linear((static_cast<float>(i) - 0.5f) / 255.0f);
+    return begins;
+  }();
+  static const auto kNear = [] {
+    std::array<std::uint8_t, kPlaces> near{};
+    for (std::size_t i = 0; i < kPlaces; ++i)
+      near[i] = static_cast<std::uint8_t>(std::ranges::upper_bound(kBegins, static_cast<float>(i) / kPlaces) -
+                                          kBegins.begin() - 1);
+    return near;
+  }();
+  std::uint32_t byte = kNear[static_cast<std::size_t>(std::clamp(value, 0.0f, 1.0f) * (kPlaces - 1))];
+  while (byte < 255 && value >= kBegins[byte + 1]) ++byte;
+  return byte;
 }
 
 glm::vec4 read_linear(const Image& image, bool srgb, std::size_t texel) {
@@ -61,15 +77,25 @@ Mean read_mean(const Image& image, MipKind kind, std::uint32_t x, std::uint32_t 
   return {glm::vec3(texel) * weight, weight, texel.a};
 }
 
-// A box filter that is exact where a size is odd: a texel of the smaller level covers `from` / `to` texels of the
-// larger one, and those at its ends in part. Texel i counts (its overlap) / from.
-template <class Visit>
-void visit_covered(std::uint32_t at, std::uint32_t from, std::uint32_t to, Visit&& visit) {
-  const std::uint64_t begin = std::uint64_t{at} * from, end = begin + from; // in units of 1 / to
-  for (std::uint64_t i = begin / to; i * to < end; ++i) {
-    const std::uint64_t overlap = std::min((i + 1) * to, end) - std::max(i * to, begin);
-    visit(static_cast<std::uint32_t>(i), static_cast<float>(overlap) / static_cast<float>(from));
+// The texels of a level that one of the next smaller level covers along an axis, and their shares of it: two, or three
+// where the size is odd, the outer ones in part, so that the mean of the image stays what it is.
+struct Cover {
+  std::uint32_t first = 0, count = 0;
+  std::array<float, 3> shares{};
+};
+
+std::vector<Cover> covers_of(std::uint32_t large, std::uint32_t small) {
+  std::vector<Cover> covers(small);
+  for (std::uint64_t at = 0; at < small; ++at) {
+    const std::uint64_t begin = at * large, end = begin + large; // in units of 1 / small
+    Cover& cover = covers[at];
+    cover.first = static_cast<std::uint32_t>(begin / small);
+    for (std::uint64_t i = cover.first; i * small < end; ++i) {
+      const std::uint64_t overlap = std::min((i + 1) * small, end) - std::max(i * small, begin);
+      cover.shares[cover.count++] = static_cast<float>(overlap) / static_cast<float>(large);
+    }
   }
+  return covers;
 }
 
 // `mean_at`: the texels of the level before, of the size given.
@@ -77,18 +103,18 @@ template <class MeanAt>
 Level halve(std::uint32_t width, std::uint32_t height, const MeanAt& mean_at) {
   Level small{gpu::mip_size(width, 1), gpu::mip_size(height, 1), {}};
   small.means.resize(std::size_t{small.width} * small.height);
+  const std::vector<Cover> columns = covers_of(width, small.width), rows = covers_of(height, small.height);
   tbb::parallel_for(0u, small.height, [&](std::uint32_t y) {
     for (std::uint32_t x = 0; x < small.width; ++x) {
       Mean& mean = small.means[std::size_t{y} * small.width + x];
-      visit_covered(y, height, small.height, [&](std::uint32_t row, float row_share) {
-        visit_covered(x, width, small.width, [&](std::uint32_t column, float column_share) {
-          const Mean part = mean_at(column, row);
-          const float share = row_share * column_share;
+      for (std::uint32_t j = 0; j < rows[y].count; ++j)
+        for (std::uint32_t i = 0; i < columns[x].count; ++i) {
+          const Mean part = mean_at(columns[x].first + i, rows[y].first + j);
+          const float share = columns[x].shares[i] * rows[y].shares[j];
           mean.color += share * part.color;
           mean.weight += share * part.weight;
           mean.alpha += share * part.alpha;
-        });
-      });
+        }
     }
   });
   return small;
@@ -107,8 +133,8 @@ void store_level(const Level& level, bool bytes, bool srgb, std::uint32_t* words
       }
       std::uint32_t word = 0;
       for (int c = 0; c < 4; ++c) {
-        const float value = srgb && c < 3 ? encoded(texel[c]) : texel[c];
-        word |= static_cast<std::uint32_t>(std::lround(255.0f * std::clamp(value, 0.0f, 1.0f))) << (8 * c);
+        const float linear = 255.0f * std::clamp(texel[c], 0.0f, 1.0f) + 0.5f;
+        word |= (srgb && c < 3 ? srgb_byte(texel[c]) : static_cast<std::uint32_t>(linear)) << (8 * c);
       }
       words[place] = word;
     }

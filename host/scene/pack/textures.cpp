@@ -128,8 +128,10 @@ std::vector<std::uint32_t> pack_texels(const TextureTable& table, const Scene& s
   std::vector<std::uint32_t> texels(table.word_count);
   for (const StoredImage& stored : table.images)
     store_image(scene.images[stored.image], stored, texels.data() + stored.first_word);
-  for (const StoredMips& mips : table.mips)
+  tbb::parallel_for(std::size_t{0}, table.mips.size(), [&](std::size_t i) {
+    const StoredMips& mips = table.mips[i];
     store_mips(scene.images[mips.image], mips.kind, texels.data() + mips.first_word);
+  });
   return texels;
 }
 
