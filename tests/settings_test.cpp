@@ -26,9 +26,9 @@ namespace {
 // well, in a row of the table or among the exemptions.
 std::map<std::string, std::string> members(const RenderSettings& settings) {
   const auto& [integrator, width, height, first_sample, last_sample, sample_total, time_limit, target_error, max_depth,
-               sampler, hemisphere, direct, filter, seed, cull, aperture, focus, blades, shadow_samples, ao_samples,
-               ao_radius, ambient, branching, techniques, cutoff, denoise, antialias_over_time, mips, lights, adaptive,
-               guide, moving, specialize, aovs, guide_iterations, added_features, removed_features,
+               sampler, hemisphere, direct, filter, seed, cull, terminator, aperture, focus, blades, shadow_samples,
+               ao_samples, ao_radius, ambient, branching, techniques, cutoff, denoise, antialias_over_time, mips,
+               lights, adaptive, guide, moving, specialize, aovs, guide_iterations, added_features, removed_features,
                room_for_shadow_rays, room_for_whole_nets, room_for_mips, whole_nets_from, wave_slots] = settings;
   const auto text = [](const auto& value) { return fmt::format("{}", value); };
   return {{"integrator", std::string(integrator->name)},
@@ -46,6 +46,7 @@ std::map<std::string, std::string> members(const RenderSettings& settings) {
           {"filter", text(filter)},
           {"seed", text(seed)},
           {"cull", text(cull)},
+          {"terminator", text(terminator)},
           {"aperture", text(aperture)},
           {"focus", focus ? text(*focus) : "none"},
           {"blades", text(blades)},
@@ -71,7 +72,7 @@ std::map<std::string, std::string> members(const RenderSettings& settings) {
           {"room_for_shadow_rays", text(room_for_shadow_rays)},
           {"room_for_whole_nets", text(room_for_whole_nets)},
           {"room_for_mips", text(room_for_mips)},
-                {"whole_nets_from", text(whole_nets_from)},
+          {"whole_nets_from", text(whole_nets_from)},
           {"wave_slots", text(wave_slots)}};
 }
 

@@ -81,6 +81,8 @@ std::vector<std::string> list_bias(const RenderSettings& settings, const PackedS
         "vertices move along straight lines while the shutter is open; camera and lamps stay (--shutter)");
   if (settings.cull == gpu::kCullAll && scene.features & gpu::kFeatureCull)
     bias.emplace_back("light passes single-sided surfaces from behind (--cull all)");
+  if (settings.terminator == gpu::kTerminatorSmooth && scene.features & gpu::kFeatureSmoothNormals)
+    bias.emplace_back("rays leave meshes from the smooth surface that their normals stand for (--terminator smooth)");
   if (uses_mips(settings) && scene.features & gpu::kFeatureMips)
     bias.emplace_back("textures are looked up at mip levels, as a pixel has one sample (--mips)");
   if (denoises_film(settings))

@@ -18,9 +18,10 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::array<std::string_view, 9> kHybridSettings = {
-    "hemisphere", "direct", "lights", "shadow-samples", "ao-samples", "ao-radius", "ambient", "denoise", "mips"};
-constexpr std::array<std::string_view, 3> kAoSettings = {"ao-samples", "ao-radius", "denoise"};
+constexpr std::array<std::string_view, 10> kHybridSettings = {"hemisphere", "direct",    "lights",  "shadow-samples",
+                                                              "ao-samples", "ao-radius", "ambient", "denoise",
+                                                              "mips",       "terminator"};
+constexpr std::array<std::string_view, 4> kAoSettings = {"ao-samples", "ao-radius", "denoise", "terminator"};
 constexpr std::array<std::string_view, 1> kAovs = {"ao"};
 constexpr std::array<std::string_view, 2> kFirstHitStages = {"raster", "resolve"};
 

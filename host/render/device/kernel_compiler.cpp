@@ -41,8 +41,11 @@ KernelConfig kernel_config(gpu::Feature features, std::uint32_t stack_size, cons
   const std::uint32_t nets =
       has_whole_nets(settings) || settings.room_for_whole_nets ? gpu::kNetsWhole : gpu::kNetsHalved;
   const std::uint32_t motion = settings.moving && takes(*settings.integrator, "shutter") ? 1u : 0u;
+  const std::uint32_t terminator =
+      takes(*settings.integrator, "terminator") ? settings.terminator : gpu::kTerminatorFacets;
   return {features,        stack, settings.sampler,  settings.direct, settings.hemisphere,
-          settings.filter, nets,  lens_of(settings), settings.cull,   motion};
+          settings.filter, nets,  lens_of(settings), settings.cull,   motion,
+          terminator};
 }
 
 gpu::Feature features_of(const RenderSettings& settings) {

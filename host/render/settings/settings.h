@@ -41,7 +41,8 @@ struct RenderSettings {
   std::uint32_t seed = 0;
   std::uint32_t cull = gpu::kCullCamera; // rays that single-sided surfaces let pass from behind
   // Taken by some integrators only.
-  double aperture = 0.0;            // metres across the lens; 0 = a pinhole
+  std::uint32_t terminator = gpu::kTerminatorFacets; // where rays leave surfaces with vertex normals
+  double aperture = 0.0;                             // metres across the lens; 0 = a pinhole
   std::optional<double> focus;      // metres along the view axis; empty = to what the middle of the picture shows
   std::uint32_t blades = 0;         // of the aperture, a regular polygon; 0 = a disc
   std::uint32_t shadow_samples = 1; // light samples for every sample of a pixel

@@ -233,6 +233,12 @@ std::vector<Setting> transport_rows() {
                   "throw no shadow backwards; or none",
        .offered = kByAll,
        .label = "pass backs"},
+      {.name = "terminator",
+       .value = ChoiceValue{&S::terminator, kTerminatorNames},
+       .meaning = "where rays leave coarse meshes with smooth normals: from their facets, which is what the file holds "
+                  "and may shade hard lines where light grazes; or from the smooth surface that they stand for",
+       .takers = Takers::listed_else_refused,
+       .offered = kByAll},
       {.name = "specialize",
        .value = OnOffValue{&S::specialize},
        .meaning = "leave out what the scene does not need; off gives the same image, slower",
