@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <vector>
 
 #include <gtest/gtest.h>
 #include <glm/gtc/matrix_transform.hpp>
 
+#include "host/film/film.h"
 #include "host/integrators/hybrid/kind.h"
 #include "host/integrators/path/kind.h"
 #include "host/integrators/whitted/kind.h"
@@ -17,6 +19,7 @@
 #include "host/scene/view.h"
 #include "tests/scene_builder.h"
 #include "tests/shared_kernels.h"
+#include "tests/statistics.h"
 #include "tests/vulkan_device.h"
 
 namespace wavepath::test {
@@ -49,8 +52,8 @@ Scene lit_sphere() {
   scene.path = "test";
   scene.materials.push_back(plain_material());
   scene.materials[0].base_color = glm::vec4(1.0f);
-  add_sphere(scene, 8, 16);
-  add_instance(scene, 0);
+  add_sphere(scene, 8, 14);
+  add_instance(scene, 0, glm::rotate(glm::dmat4(1.0), 0.3, glm::dvec3(1, 1, 1))); // facets across the terminator
   PunctualLight sun;
   sun.kind = LightKind::directional;
   sun.direction = {-1, 0, 0};
@@ -65,15 +68,18 @@ Scene lit_sphere() {
 
 class Terminator : public VulkanTest {
 protected:
-  RenderResult render(Scene scene, std::uint32_t terminator, const IntegratorKind* integrator = &kPath) {
+  RenderResult render(Scene scene, std::uint32_t terminator, const IntegratorKind* integrator = &kPath,
+                      std::uint32_t direct = gpu::kDirectMis, std::uint32_t seed = 0) {
     RenderSettings settings;
+    settings.direct = direct;
+    settings.seed = seed;
     settings.width = settings.height = kSide;
     settings.last_sample = 16;
     settings.max_depth = 1;
     settings.integrator = integrator;
     settings.terminator = terminator;
     const View view = resolve_view(scene, {}, kSide, kSide);
-    const PackedScene packed = pack(scene);
+    const PackedScene packed = pack(scene, direct);
     return wavepath::render(device(), packed, view, settings, RenderHooks{}, shared_kernels(device()));
   }
 
@@ -96,8 +102,49 @@ TEST_F(Terminator, ACoarseSphereIsLitAsASphere) {
   for (const IntegratorKind* integrator : {&kPath, &kHybrid, &kWhitted}) {
     const double facets = error(render(lit_sphere(), gpu::kTerminatorFacets, integrator)),
                  smooth = error(render(lit_sphere(), gpu::kTerminatorSmooth, integrator));
-    std::printf("%s: %g %g\n", std::string(integrator->name).c_str(), facets, smooth);
-    EXPECT_LT(smooth, 0.1 * facets) << integrator->name;
+    EXPECT_LT(smooth, 0.02 * facets) << integrator->name;
+  }
+}
+
+// Shown twice, so that the mesh is an object of its own; turned, mirrored and grown.
+TEST_F(Terminator, HoldsForInstances) {
+  Scene scene = lit_sphere();
+  const glm::dmat4 mirrored = glm::scale(glm::dmat4(1.0), glm::dvec3(2, -2, 2));
+  scene.instances[0].world_from_object = glm::rotate(mirrored, 0.3, glm::dvec3(1, 1, 1));
+  add_instance(scene, 0, glm::translate(glm::dmat4(1.0), glm::dvec3(0, 0, -50)));
+  scene.cameras[0].xmag = scene.cameras[0].ymag = 2.0;
+  EXPECT_LT(error(render(scene, gpu::kTerminatorSmooth)), 0.05 * error(render(scene, gpu::kTerminatorFacets)));
+}
+
+TEST_F(Terminator, LeavesFlatMeshesAlone) {
+  Scene flat = lit_sphere();
+  flat.meshes[0].normals.clear();
+  flat.meshes[0].primitives[0].has_normals = false;
+  EXPECT_TRUE(*render(flat, gpu::kTerminatorFacets).film == *render(flat, gpu::kTerminatorSmooth).film);
+}
+
+// Rays towards a near lamp and rays that find it by chance leave from the same point, so that both ways to find its
+// light tell the same, and so does their combination.
+TEST_F(Terminator, AllWaysToFindLightAgree) {
+  Scene scene = lit_sphere();
+  scene.lights.clear();
+  scene.materials.push_back(plain_material());
+  scene.materials[1].emission = glm::vec3(4.0f);
+  const glm::vec3 a{1.2f, -1, -1}, b{1.2f, -1, 1}, c{1.2f, 1, 1}, d{1.2f, 1, -1};
+  add_instance(scene, add_mesh(scene, {a, b, c, a, c, d}, 1));
+  Mean means[3];
+  const std::uint32_t ways[] = {gpu::kDirectMis, gpu::kDirectNee, gpu::kDirectBsdf};
+  for (std::size_t i = 0; i < 3; ++i)
+    for (std::uint32_t seed = 0; seed < 12; ++seed) {
+      const RenderResult result = render(scene, gpu::kTerminatorSmooth, &kPath, ways[i], seed);
+      const std::vector<float>& values = result.picture.channels[0].values;
+      means[i].add(std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size()));
+    }
+  EXPECT_GT(means[0].mean(), 0.05);
+  for (std::size_t i = 1; i < 3; ++i) {
+    const double noise = std::hypot(means[0].error(), means[i].error());
+    EXPECT_NEAR(means[i].mean(), means[0].mean(), 4.5 * noise) << ways[i];
+    EXPECT_LT(noise, 0.02 * means[0].mean());
   }
 }
 
