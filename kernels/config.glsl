@@ -16,6 +16,7 @@ layout(constant_id = kSpecNets) const uint kNets = kNetsWhole;
 layout(constant_id = kSpecLens) const uint kLens = kLensPinhole;
 layout(constant_id = kSpecCull) const uint kCull = kCullCamera;
 layout(constant_id = kSpecMotion) const uint kMotion = 0u;
+layout(constant_id = kSpecTerminator) const uint kTerminator = kTerminatorFacets;
 layout(constant_id = kSpecFilter) const uint kFilter = kFilterBlackmanHarris;
 
 const bool kStackInRegisters = kStack == kStackRegisters;
@@ -24,5 +25,6 @@ const bool kStackInRegisters = kStack == kStackRegisters;
 #define CULLS_ALL_BACKS (has(kFeatureCull) && kCull == kCullAll)
 bool has(uint feature) { return (kFeatures & feature) != 0u; }
 bool has_lobe(uint lobe) { return (kLobes & lobe) != 0u; }
+bool has_mips() { return has_lobe(kFeatureMips); }
 
 #endif

@@ -66,6 +66,8 @@ GPU_CONSTANT Feature kLobeScattering = GPU_LOBE(6); // in volumes
 GPU_CONSTANT Feature kLobeNested = GPU_LOBE(7);     // bodies that overlap
 GPU_CONSTANT Feature kLobeMultiple = GPU_LOBE(8);   // light that scatters more than once between rough microfacets
 GPU_CONSTANT Feature kLobesAll = GPU_LOBE(9) - GPU_LOBE(0);
+GPU_CONSTANT Feature kFeatureMips =
+    GPU_LOBE(9); // textures have mip levels, for frames of one sample: no lobe, but a bit of that word
 GPU_CONSTANT Feature kLobesLayered = GPU_LOBE(8) - GPU_LOBE(0); // those that only the LAYERED builds of kernels know
 
 // ---- specialization constants ---------------------------------------------------------------------------------------
@@ -81,7 +83,8 @@ GPU_CONSTANT uint kSpecLobes = 8u;   // kLobe bits
 GPU_CONSTANT uint kSpecLens = 9u;    // shape of the camera's aperture: kLensPinhole, kLensDisc, or a number of blades
 GPU_CONSTANT uint kSpecCull = 10u;   // which rays single-sided surfaces let pass from behind (kFeatureCull)
 GPU_CONSTANT uint kSpecMotion = 11u; // 1: corners of triangles move while the shutter is open (gpu::Frame)
-GPU_CONSTANT uint kSpecCount = 12u;
+GPU_CONSTANT uint kSpecTerminator = 12u; // where rays leave surfaces with vertex normals
+GPU_CONSTANT uint kSpecCount = 13u;
 
 GPU_CONSTANT uint kSamplerIndependent = 0u, kSamplerStratified = 1u, kSamplerSobol = 2u;
 GPU_CONSTANT uint kDirectMis = 0u, kDirectNee = 1u, kDirectBsdf = 2u;
@@ -91,6 +94,7 @@ GPU_CONSTANT uint kNetsHalved = 0u, kNetsWhole = 1u; // see kernels/net_layout.h
 GPU_CONSTANT uint kStackArray = 0u, kStackRegisters = 1u;
 GPU_CONSTANT uint kLensPinhole = 0u, kLensDisc = 1u; // from 3 on: a regular polygon of so many corners
 GPU_CONSTANT uint kCullCamera = 0u, kCullAll = 1u, kCullNone = 2u;
+GPU_CONSTANT uint kTerminatorFacets = 0u, kTerminatorSmooth = 1u;
 GPU_CONSTANT uint kFilterBox = 0u, kFilterGaussian = 1u, kFilterBlackmanHarris = 2u;
 
 #ifdef __cplusplus

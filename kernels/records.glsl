@@ -48,8 +48,8 @@ Texture fetch_texture(uint index) {
   int texel = int(index * kTextureTexels);
   uvec4 image = texelFetch(texture_texels, texel);
   vec4 uv_matrix = uintBitsToFloat(texelFetch(texture_texels, texel + 1));
-  vec2 uv_offset = uintBitsToFloat(texelFetch(texture_texels, texel + 2).xy);
-  return Texture(image.x, image.y, image.z, image.w, uv_matrix, uv_offset, 0u, 0u);
+  uvec4 offset_mips = texelFetch(texture_texels, texel + 2);
+  return Texture(image.x, image.y, image.z, image.w, uv_matrix, uintBitsToFloat(offset_mips.xy), offset_mips.z, offset_mips.w);
 }
 #endif
 

@@ -166,8 +166,8 @@ struct Texture {
   uint flags;
   vec4 uv_matrix;
   vec2 uv_offset;
-  uint pad0;
-  uint pad1;
+  uint mip_count; // levels besides the image itself; 0 unless frames of the render may look them up
+  uint first_mip; // word index of the first of them; the others follow
 };
 GPU_CONSTANT uint kTextureTexels = 3u;
 GPU_CHECK(sizeof(Texture) == 16 * kTextureTexels);

@@ -20,6 +20,7 @@ struct Surface {
   vec4 color;            // COLOR_0
   uint material;
   uint light; // see Triangle
+  vec3 lift_front, lift_back; // to the smooth surface, seen from either side: see lift_surface()
 };
 
 // Compiled in, and there is data for it: generic kernels must not read streams that this scene left out.
@@ -69,6 +70,11 @@ void to_world(uint instance, inout Surface surface) {
   surface.geometric_normal = normalize(from0.xyz * n.x + from1.xyz * n.y + from2.xyz * n.z);
   n = surface.vertex_normal;
   surface.vertex_normal = normalize(from0.xyz * n.x + from1.xyz * n.y + from2.xyz * n.z);
+  if (kTerminator == kTerminatorSmooth) {
+    vec3 a = surface.lift_front, b = surface.lift_back;
+    surface.lift_front = vec3(dot(to0.xyz, a), dot(to1.xyz, a), dot(to2.xyz, a));
+    surface.lift_back = vec3(dot(to0.xyz, b), dot(to1.xyz, b), dot(to2.xyz, b));
+  }
   vec3 t = surface.tangent.xyz;
   surface.tangent.xyz = vec3(dot(to0.xyz, t), dot(to1.xyz, t), dot(to2.xyz, t));
   surface.tangent.w = flipped ? -surface.tangent.w : surface.tangent.w;
@@ -84,6 +90,38 @@ void fetch_normal(uint vertex, out vec3 normal, out vec4 tangent) {
     normal = mix(normal, texel.xyz, shutter_time);
     if (uses(kFeatureNormalMaps)) tangent.xyz = mix(tangent.xyz, unpack_tangent(texel.w).xyz, shutter_time);
   }
+}
+
+// ---- the shadow terminator ------------------------------------------------------------------------------------------
+// A coarse mesh with smooth normals is lit as the surface that it stands for, but its facets throw shadows on each other
+// where that surface is still lit. With --terminator smooth, rays leave from that surface (Hanika, "Hacking the Shadow
+// Terminator", Ray Tracing Gems II): the point is projected onto the tangent planes of the vertices, by their weights,
+// where those lie above it.
+
+// Of one vertex, whose normal `n` is on the side in question.
+vec3 lift_towards(vec3 vertex, vec3 n, vec3 p) { return max(dot(vertex - p, n), 0.0) * n; }
+
+void find_lifts(vec3 v0, vec3 v1, vec3 v2, vec3 n0, vec3 n1, vec3 n2, vec3 weights, inout Surface surface) {
+  float side = dot(surface.vertex_normal, surface.geometric_normal) < 0.0 ? -1.0 : 1.0; // as bumped_normal() has it
+  n0 *= side;
+  n1 *= side;
+  n2 *= side;
+  vec3 p = surface.position;
+  surface.lift_front =
+      weights.x * lift_towards(v0, n0, p) + weights.y * lift_towards(v1, n1, p) + weights.z * lift_towards(v2, n2, p);
+  surface.lift_back =
+      weights.x * lift_towards(v0, -n0, p) + weights.y * lift_towards(v1, -n1, p) + weights.z * lift_towards(v2, -n2, p);
+}
+
+// Moves the point onto the smooth surface on one side, with its normal, for all rays that leave to that side. Where the
+// mesh is concave it stays on its facet, but outside, so that rays below the facet end at it.
+void lift_surface(inout Surface surface, bool front) {
+  if (kTerminator != kTerminatorSmooth || surface.vertex_normal == surface.geometric_normal) return;
+  vec3 facing = front ? surface.geometric_normal : -surface.geometric_normal;
+  vec3 outside = offset_ray_origin(surface.position, surface.position_error, surface.geometric_normal, facing);
+  surface.position = outside + (front ? surface.lift_front : surface.lift_back);
+  bool reversed = dot(surface.vertex_normal, surface.geometric_normal) < 0.0;
+  surface.geometric_normal = reversed ? -surface.vertex_normal : surface.vertex_normal;
 }
 
 Surface fetch_surface(Hit hit) {
@@ -102,6 +140,7 @@ Surface fetch_surface(Hit hit) {
   surface.material = floatBitsToUint(v0.w) & kTriangleMaterialMask;
   surface.light = floatBitsToUint(v2.w);
   surface.tangent = vec4(0.0);
+  surface.lift_front = surface.lift_back = vec3(0.0);
   surface.uv = vec4(0.0);
   surface.color = vec4(1.0);
 
@@ -112,9 +151,11 @@ Surface fetch_surface(Hit hit) {
     fetch_normal(vertex.x, n0, t0);
     fetch_normal(vertex.y, n1, t1);
     fetch_normal(vertex.z, n2, t2);
-    if ((floatBitsToUint(v0.w) & kTriangleSmooth) != 0u)
+    if ((floatBitsToUint(v0.w) & kTriangleSmooth) != 0u) {
       surface.vertex_normal =
           safe_normalize(weights.x * n0 + weights.y * n1 + weights.z * n2, surface.geometric_normal);
+      if (kTerminator == kTerminatorSmooth) find_lifts(v0.xyz, v1.xyz, v2.xyz, n0, n1, n2, weights, surface);
+    }
     if (uses(kFeatureNormalMaps)) {
       surface.tangent = vec4(weights.x * t0.xyz + weights.y * t1.xyz + weights.z * t2.xyz, t0.w);
     }

@@ -1,4 +1,5 @@
-// Material textures: exact filtering in fp32 from texels in a buffer, so that every device yields the same bits.
+// Material textures: exact filtering in fp32 from texels in a buffer, so that every device yields the same bits; where
+// frames of one sample ask for it, at mip levels.
 // Include bindings.glsl with BIND_SURFACES first.
 #ifndef WAVEPATH_TEXTURE_GLSL
 #define WAVEPATH_TEXTURE_GLSL
@@ -48,13 +49,8 @@ ivec2 neighbours(float x, int size, uint mode, out float weight) {
   return clamp(texel, ivec2(0), ivec2(size - 1));
 }
 
-// Value of a texture at the surface's coordinates: uv.xy = TEXCOORD_0, uv.zw = TEXCOORD_1.
-vec4 sample_texture(uint index, vec4 uv_sets) {
-  Texture image = fetch_texture(index);
-  vec2 uv = (image.flags & kTextureUv1) != 0u ? uv_sets.zw : uv_sets.xy;
-  if (has(kFeatureTextureTransform) && (image.flags & kTextureMoved) != 0u)
-    uv = vec2(dot(image.uv_matrix.xy, uv), dot(image.uv_matrix.zw, uv)) + image.uv_offset;
-
+// Bilinear, or the nearest texel.
+vec4 filter_image(Texture image, vec2 uv) {
   uint mode_u = (image.flags >> kTextureWrapUShift) & 3u, mode_v = (image.flags >> kTextureWrapVShift) & 3u;
   float x = wrap_coordinate(uv.x, mode_u) * float(image.width);
   float y = wrap_coordinate(uv.y, mode_v) * float(image.height);
@@ -67,6 +63,55 @@ vec4 sample_texture(uint index, vec4 uv_sets) {
   vec4 upper = mix(fetch_texel(image, columns.x, rows.x), fetch_texel(image, columns.y, rows.x), weight.x);
   vec4 lower = mix(fetch_texel(image, columns.x, rows.y), fetch_texel(image, columns.y, rows.y), weight.x);
   return mix(upper, lower, weight.y);
+}
+
+// ---- mip levels -------------------------------------------------------------------------------------------------------
+
+// Area that the look-up stands for, in units of TEXCOORD_0 and of TEXCOORD_1, squared. 0 = a point, which is looked up
+// exactly. kernels/ray_cone.glsl sets it.
+vec2 footprint = vec2(0.0);
+
+// The level at which a texel is as large as the footprint. The logarithm is the same on every device.
+float mip_level(Texture image) {
+  float area = (image.flags & kTextureUv1) != 0u ? footprint.y : footprint.x;
+  area *= float(image.width) * float(image.height);
+  if (has(kFeatureTextureTransform) && (image.flags & kTextureMoved) != 0u)
+    area *= abs(image.uv_matrix.x * image.uv_matrix.w - image.uv_matrix.y * image.uv_matrix.z);
+  return area > 1.0 ? min(0.5 * minus_log2(1.0 / area), float(image.mip_count)) : 0.0;
+}
+
+Texture image_at_level(Texture image, uint level) {
+  if (level == 0u) return image;
+  uint words = has(kFeatureFloatTextures) && (image.flags & kTextureFloat) != 0u ? 4u : 1u;
+  Texture small = image;
+  small.first_texel = image.first_mip;
+  for (uint i = 1u; i < level; ++i)
+    small.first_texel += words * texel_count(mip_size(image.width, i), mip_size(image.height, i));
+  small.width = mip_size(image.width, level);
+  small.height = mip_size(image.height, level);
+  return small;
+}
+
+// Trilinear.
+vec4 filter_levels(Texture image, vec2 uv) {
+  float level = mip_level(image);
+  uint finer = uint(level);
+  float share = level - float(finer);
+  vec4 value = vec4(0.0);
+  for (uint i = 0u; i < (share > 0.0 ? 2u : 1u); ++i) { // a loop: drivers compile one copy of the filter
+    vec4 part = filter_image(image_at_level(image, finer + i), uv);
+    value = i == 0u ? part : mix(value, part, share);
+  }
+  return value;
+}
+
+// Value of a texture at the surface's coordinates: uv.xy = TEXCOORD_0, uv.zw = TEXCOORD_1.
+vec4 sample_texture(uint index, vec4 uv_sets) {
+  Texture image = fetch_texture(index);
+  vec2 uv = (image.flags & kTextureUv1) != 0u ? uv_sets.zw : uv_sets.xy;
+  if (has(kFeatureTextureTransform) && (image.flags & kTextureMoved) != 0u)
+    uv = vec2(dot(image.uv_matrix.xy, uv), dot(image.uv_matrix.zw, uv)) + image.uv_offset;
+  return has_mips() ? filter_levels(image, uv) : filter_image(image, uv);
 }
 
 // As above, or 1 where the material has no such texture. `feature` says whether any material of the scene has one.

@@ -51,6 +51,9 @@ GPU_FUNCTION uint texel_index(uint x, uint y, uint width) {
 }
 GPU_FUNCTION uint texel_count(uint width, uint height) { return ((width + 3u) / 4u) * ((height + 3u) / 4u) * 16u; }
 
+// Side of an image at a mip level; level 0 is the image itself.
+GPU_FUNCTION uint mip_size(uint side, uint level) { return side >> level > 0u ? side >> level : 1u; }
+
 #ifdef __cplusplus
 } // namespace wavepath::gpu
 #endif

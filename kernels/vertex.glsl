@@ -56,6 +56,7 @@ Bsdf make_bsdf(Material material, vec4 uv, vec3 base, bool front) {
 void read_layers(inout Vertex v) {}
 void set_layer_basis(inout Vertex v) {}
 void turn_layers(inout Vertex v) {}
+bool lets_light_pass(Vertex v) { return v.bsdf.transmission > 0.0; }
 #endif
 
 // The local basis for wo, and what the BSDF has in it.
@@ -93,6 +94,8 @@ Vertex make_vertex(Surface surface, Material material, vec3 direction) {
   }
   read_layers(v);
   set_basis(v);
+  // What lets light pass keeps its facets, between which the two sides of a body agree.
+  if (kTerminator == kTerminatorSmooth && !lets_light_pass(v)) lift_surface(v.surface, v.front);
   return v;
 }
 

@@ -97,6 +97,10 @@ void set_layer_basis(inout Vertex v) {
     v.bsdf.coat.normal = to_local(held_normal(v.coat_normal, v.wo), v.tangent, v.bitangent, v.normal);
 }
 
+bool lets_light_pass(Vertex v) {
+  return v.bsdf.transmission > 0.0 || (has_lobe(kLobeDiffuseTransmission) && v.bsdf.diffuse_transmission > 0.0);
+}
+
 void turn_layers(inout Vertex v) { v.coat_normal = -v.coat_normal; }
 
 #endif

@@ -43,7 +43,7 @@ TEST(KernelConfig, CoversWhatNeedsNoMore) {
   EXPECT_FALSE(generic.covers(elsewhere));
   for (std::uint32_t KernelConfig::*setting :
        {&KernelConfig::sampler, &KernelConfig::direct, &KernelConfig::hemisphere, &KernelConfig::filter,
-        &KernelConfig::lens, &KernelConfig::cull, &KernelConfig::motion}) {
+        &KernelConfig::lens, &KernelConfig::cull, &KernelConfig::motion, &KernelConfig::terminator}) {
     KernelNeed other = generic;
     other.config.*setting += 1;
     EXPECT_FALSE(generic.covers(other));

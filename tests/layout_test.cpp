@@ -121,7 +121,7 @@ TEST(Layout, Materials) {
   compare("MaterialLayers", sizeof(MaterialLayers), layer_offsets);
   compare("Texture", sizeof(Texture),
           {AT(Texture, first_texel), AT(Texture, width), AT(Texture, height), AT(Texture, flags),
-           AT(Texture, uv_matrix), AT(Texture, uv_offset)});
+           AT(Texture, uv_matrix), AT(Texture, uv_offset), AT(Texture, mip_count), AT(Texture, first_mip)});
 }
 
 TEST(Layout, Lights) {
@@ -170,7 +170,8 @@ TEST(Layout, Frame) {
            AT(Frame, focus_distance),
            AT(Frame, motion_texel),
            AT(Frame, end_normals),
-           AT(Frame, bodies_at_eye)});
+           AT(Frame, bodies_at_eye),
+           AT(Frame, pixel_spread)});
   compare("Wave", sizeof(Wave),
           {AT(Wave, first_pixel), AT(Wave, pixel_count), AT(Wave, first_sample), AT(Wave, sample_count),
            AT(Wave, bounce), AT(Wave, first_film_pixel)});

@@ -26,12 +26,12 @@ namespace {
 // well, in a row of the table or among the exemptions.
 std::map<std::string, std::string> members(const RenderSettings& settings) {
   const auto& [integrator, width, height, first_sample, last_sample, sample_total, time_limit, target_error, max_depth,
-               sampler, hemisphere, direct, filter, seed, cull, aperture, focus, blades, shadow_samples, ao_samples,
-               ao_radius, ambient, shadows, shadow_size, shadow_bias, shadow_bias_amount, shadow_taps, shadow_pattern,
-               shadow_blur, shadow_cascades, shadow_exponent, shadow_bits, shadow_source, shadow_ambient, branching,
-               techniques, cutoff, denoise, antialias_over_time, lights, adaptive, guide, moving, specialize, aovs,
-               guide_iterations, added_features, removed_features, room_for_shadow_rays, room_for_whole_nets,
-               whole_nets_from, wave_slots] = settings;
+               sampler, hemisphere, direct, filter, seed, cull, terminator, aperture, focus, blades, shadow_samples,
+               ao_samples, ao_radius, ambient, shadows, shadow_size, shadow_bias, shadow_bias_amount, shadow_taps,
+               shadow_pattern, shadow_blur, shadow_cascades, shadow_exponent, shadow_bits, shadow_source,
+               shadow_ambient, branching, techniques, cutoff, denoise, antialias_over_time, mips, lights, adaptive,
+               guide, moving, specialize, aovs, guide_iterations, added_features, removed_features,
+               room_for_shadow_rays, room_for_whole_nets, room_for_mips, whole_nets_from, wave_slots] = settings;
   const auto text = [](const auto& value) { return fmt::format("{}", value); };
   return {{"integrator", std::string(integrator->name)},
           {"width", text(width)},
@@ -48,6 +48,7 @@ std::map<std::string, std::string> members(const RenderSettings& settings) {
           {"filter", text(filter)},
           {"seed", text(seed)},
           {"cull", text(cull)},
+          {"terminator", text(terminator)},
           {"aperture", text(aperture)},
           {"focus", focus ? text(*focus) : "none"},
           {"blades", text(blades)},
@@ -72,6 +73,7 @@ std::map<std::string, std::string> members(const RenderSettings& settings) {
           {"cutoff", text(cutoff)},
           {"denoise", text(denoise)},
           {"antialias_over_time", text(antialias_over_time)},
+          {"mips", text(mips)},
           {"lights", text(lights)},
           {"adaptive", text(adaptive)},
           {"guide", text(guide)},
@@ -83,6 +85,7 @@ std::map<std::string, std::string> members(const RenderSettings& settings) {
           {"removed_features", text(removed_features)},
           {"room_for_shadow_rays", text(room_for_shadow_rays)},
           {"room_for_whole_nets", text(room_for_whole_nets)},
+          {"room_for_mips", text(room_for_mips)},
           {"whole_nets_from", text(whole_nets_from)},
           {"wave_slots", text(wave_slots)}};
 }
@@ -96,6 +99,7 @@ const std::map<std::string, std::string> kExempt = {
     {"removed_features", "for measurements of kernels"},
     {"room_for_shadow_rays", "for measurements of memory; the picture is the same"},
     {"room_for_whole_nets", "for windows, whose coarse pictures are small; the picture is the same"},
+    {"room_for_mips", "for windows, whose frames in motion have one sample; the picture is the same"},
     {"whole_nets_from", "for tests of small pictures; the identity says what comes of it"},
     {"wave_slots", "for tests of short waves; the picture is the same"},
 };
@@ -113,7 +117,8 @@ std::string other_value(const Setting& row, const RenderSettings& settings) {
   };
   if (const std::vector<std::string_view> names = choices_of(row); !names.empty())
     return std::string(names[0] == now ? names[1] : names[0]);
-  if (std::holds_alternative<SwitchValue>(row.value)) return differing({"on", "off"});
+  if (std::holds_alternative<SwitchValue>(row.value) || std::holds_alternative<OnOffValue>(row.value))
+    return differing({"on", "off"});
   if (std::holds_alternative<WholeValue>(row.value)) return differing({"128", "129"});
   if (std::holds_alternative<RadianceValue>(row.value)) return differing({"0.1,0.2,0.3", "1,2,3"});
   if (row.name == "size") return differing({"33x17", "640x480"});

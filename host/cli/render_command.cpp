@@ -29,6 +29,7 @@
 #include "host/render/report/state_file.h"
 #include "host/render/settings/identity.h"
 #include "host/render/settings/integrator_kind.h"
+#include "host/render/settings/mips.h"
 #include "host/render/settings/settings_table.h"
 #include "host/render/settings/shadow_settings.h"
 #include "host/scene/scene_hash.h"
@@ -201,11 +202,12 @@ Prepared prepare(const Request& request) {
   const View view = resolve_view(scene, open.loaded.framing, request.scene.view, settings.width, settings.height);
   const bvh::Quality quality =
       request.render.bvh.value_or(choose_quality(settings, plan(scene).triangles_stored, device));
-  require_memory_for(request.scene.path, settings, plan(scene, quality), device);
+  require_memory_for(request.scene.path, settings, plan(scene, quality, wants_mips(settings)), device);
   const std::optional<glm::dvec3>& origin = request.render.origin;
   if (needs_identity(request)) prepared.scene_hash = hash_scene(scene);
   prepared.view = view;
-  prepared.packed = pack(scene, direct_of(settings), quality, origin.value_or(view.position), settings.lights);
+  prepared.packed =
+      pack(scene, direct_of(settings), quality, origin.value_or(view.position), settings.lights, wants_mips(settings));
   prepared.warnings = scene.warnings;
   prepared.load_seconds = loading.seconds() - prepared.packed.bvh_seconds;
   return prepared;

@@ -15,6 +15,7 @@
 #include "host/film/error.h"
 #include "host/render/settings/denoising.h"
 #include "host/render/settings/integrator_kind.h"
+#include "host/render/settings/mips.h"
 #include "kernels/tile_order.h"
 
 namespace wavepath {
@@ -85,6 +86,10 @@ std::vector<std::string> list_bias(const RenderSettings& settings, const PackedS
         fmt::format("bodies whose boxes meet are seen surface by surface, also where they overlap "
                     "(--integrator {}); --integrator path tells which of them is there",
                     settings.integrator->name));
+  if (settings.terminator == gpu::kTerminatorSmooth && scene.features & gpu::kFeatureSmoothNormals)
+    bias.emplace_back("rays leave meshes from the smooth surface that their normals stand for (--terminator smooth)");
+  if (uses_mips(settings) && scene.features & gpu::kFeatureMips)
+    bias.emplace_back("textures are looked up at mip levels, as a pixel has one sample (--mips)");
   if (denoises_film(settings))
     bias.emplace_back(
         "the channels denoised.R,G,B of .exr files, and all of other files, are filtered: detail that is "

@@ -17,6 +17,7 @@
 #include "host/render/progressive/display.h"
 #include "host/render/progressive/progressive.h"
 #include "host/render/settings/denoising.h"
+#include "host/render/settings/mips.h"
 #include "host/render/settings/settings_table.h"
 #include "host/scene/environment.h"
 #ifdef WAVEPATH_VIEWER
@@ -82,11 +83,14 @@ public:
     const View view = resolve_view(scene_, open_.loaded.framing, request.scene.view, settings.width, settings.height);
     RenderSettings expected = settings;
     expected.last_sample = std::min(settings.last_sample, kExpectedSamples);
+    expected.room_for_mips = true; // for frames in motion
+    mips_ = wants_mips(expected);
     const DeviceInfo& device = open_.device->info();
     quality_ = request.render.bvh.value_or(choose_quality(expected, plan(scene_).triangles_stored, device));
-    require_memory_for(request.scene.path, settings, plan(scene_, quality_), device);
+    require_memory_for(request.scene.path, settings, plan(scene_, quality_, mips_), device);
     // Lights are packed even for --direct bsdf, because the panel can change that setting.
-    packed_ = pack(scene_, gpu::kDirectMis, quality_, request.render.origin.value_or(view.position));
+    packed_ =
+        pack(scene_, gpu::kDirectMis, quality_, request.render.origin.value_or(view.position), gpu::kLightsAuto, mips_);
     print_warnings(scene_.warnings);
     environment_ = {request.scene.environment, request.scene.environment_intensity, request.scene.environment_degrees};
     RenderSettings shown = settings; // a window begins anew whenever the camera moves: no pilot unless asked for
@@ -179,7 +183,7 @@ private:
     PackedScene other;
     try {
       relight(wanted, open_.loaded);
-      other = pack(scene_, gpu::kDirectMis, quality_, packed_.origin);
+      other = pack(scene_, gpu::kDirectMis, quality_, packed_.origin, gpu::kLightsAuto, mips_);
     } catch (...) {
       scene_.environment = before;
       scene_.materials = materials;
@@ -206,6 +210,7 @@ private:
   OpenScene open_;
   Scene& scene_; // of it
   bvh::Quality quality_{};
+  bool mips_ = false; // textures have mip levels
   PackedScene packed_;
   EnvironmentChoice environment_;
   std::unique_ptr<Progressive> progressive_;

@@ -36,7 +36,9 @@ void count_rays(bool traced) {
 // Directions that the shading normal allows but the real surface does not count as occluded: paths end there as well.
 float unoccluded(Hit hit, vec3 normal, vec3 wo, uint pixel_index) {
   Surface surface = fetch_surface(hit);
-  vec3 facing = dot(surface.geometric_normal, wo) >= 0.0 ? surface.geometric_normal : -surface.geometric_normal;
+  bool front = dot(surface.geometric_normal, wo) >= 0.0;
+  lift_surface(surface, front);
+  vec3 facing = front ? surface.geometric_normal : -surface.geometric_normal;
   vec3 tangent, bitangent;
   make_basis(normal, tangent, bitangent);
   uint free = 0u;

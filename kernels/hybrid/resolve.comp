@@ -21,6 +21,7 @@
 #include "kernels/path/bodies.glsl"
 #include "kernels/path/records.glsl"
 #include "kernels/pixel.glsl"
+#include "kernels/ray_cone.glsl"
 #include "kernels/records.glsl"
 #include "kernels/surface.glsl"
 
@@ -37,6 +38,7 @@ GbufferPixel gbuffer_of(Hit hit, uint place, vec3 origin, vec3 direction, out fl
   if (hit.triangle == kNone) return GbufferPixel(vec3(0.0), 0.0, vec3(0.0), kNone);
   Surface surface = fetch_surface(hit);
   Material material = fetch_material(surface.material);
+  open_cone(hit, surface.position - origin);
   bool front = dot(surface.geometric_normal, direction) <= 0.0;
   uint placed = is_instanced() ? floatBitsToUint(texelFetch(instances, int(hit.instance * kInstanceTexels + 6u)).z) : 0u;
   GbufferPixel pixel;

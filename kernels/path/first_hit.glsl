@@ -4,11 +4,12 @@
 
 #include "kernels/vertex.glsl"
 
-void record_first_hit(uint slot, Vertex v, vec3 origin) {
+// `position`: on the facet, wherever rays leave from.
+void record_first_hit(uint slot, Vertex v, vec3 position, vec3 origin) {
   path_aovs[slot].albedo = v.bsdf.base_color;
   path_aovs[slot].normal = v.normal;
-  path_aovs[slot].position = v.surface.position;
-  path_aovs[slot].depth = dot(v.surface.position - origin, frame.camera_forward);
+  path_aovs[slot].position = position;
+  path_aovs[slot].depth = dot(position - origin, frame.camera_forward);
   path_aovs[slot].hit = 1.0;
 }
 

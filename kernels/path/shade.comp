@@ -26,6 +26,7 @@
 #include "kernels/path/queue.glsl"
 #include "kernels/path/records.glsl"
 #include "kernels/pixel.glsl"
+#include "kernels/ray_cone.glsl"
 #include "kernels/records.glsl"
 #include "kernels/vertex.glsl"
 
@@ -161,6 +162,7 @@ void follow(Ray ray, Hit hit, inout PathState path, out bool wants_ray, out Ray 
   } else if (has(kFeatureVolume)) {
     path.throughput *= medium_transmittance(current_body(slot), length(offset));
   }
+  if (wave.bounce == 0u) open_cone(hit, offset);
   Vertex v = make_vertex(surface, material, ray.direction);
   if (is_hidden(v, slot)) {
     cross_surface(v, slot);
@@ -170,7 +172,7 @@ void follow(Ray ray, Hit hit, inout PathState path, out bool wants_ray, out Ray 
     wants_ray = wave.bounce < frame.max_depth;
     return;
   }
-  if (has(kFeatureAovs) && wave.bounce == 0u) record_first_hit(slot, v, ray.origin);
+  if (has(kFeatureAovs) && wave.bounce == 0u) record_first_hit(slot, v, surface.position, ray.origin);
   disperse(v, path);
 
   if (has(kFeatureEmission) && (material.flags & kMaterialUnlit) != 0u) {
@@ -179,6 +181,7 @@ void follow(Ray ray, Hit hit, inout PathState path, out bool wants_ray, out Ray 
     return;
   }
   vec3 emitted = surface_emission(surface, material, v.front);
+  close_cone();
   if (max_component(emitted) > 0.0) {
     float pdf_area = light_pdf_area(surface, hit);
     bool weighs = wants_light_weight(path) && pdf_area > 0.0;

@@ -79,11 +79,11 @@ void branch(Vertex v, WhittedNode node, uint index) {
   if (reflects) nodes_of_trees[index] = reflected;
 }
 
-void record_first_hit(uint slot, Vertex v, vec3 origin) {
+void record_first_hit(uint slot, Vertex v, vec3 position, vec3 origin) {
   path_aovs[slot].albedo = v.bsdf.base_color;
   path_aovs[slot].normal = v.normal;
-  path_aovs[slot].position = v.surface.position;
-  path_aovs[slot].depth = dot(v.surface.position - origin, frame.camera_forward);
+  path_aovs[slot].position = position;
+  path_aovs[slot].depth = dot(position - origin, frame.camera_forward);
   path_aovs[slot].hit = 1.0;
 }
 
@@ -99,7 +99,7 @@ vec3 follow(WhittedNode node, uint index, uint slot) {
   Material material = fetch_material(surface.material);
   vec3 passed = has(kFeatureVolume) ? medium_transmittance(node.medium, length(surface.position - node.origin)) : vec3(1.0);
   Vertex v = make_vertex(surface, material, node.direction);
-  if (has(kFeatureAovs) && wave.bounce == 0u) record_first_hit(slot, v, node.origin);
+  if (has(kFeatureAovs) && wave.bounce == 0u) record_first_hit(slot, v, surface.position, node.origin);
   bool unlit = has(kFeatureEmission) && (material.flags & kMaterialUnlit) != 0u;
   precise vec3 radiance = unlit ? v.bsdf.base_color : surface_emission(surface, material, v.front);
   if (!unlit && wave.bounce < frame.max_depth) {

@@ -9,8 +9,8 @@
 namespace wavepath {
 namespace {
 
-constexpr std::array<std::string_view, 7> kSettings = {"hemisphere", "direct",  "aperture", "focus",
-                                                       "blades",     "shutter", "denoise"};
+constexpr std::array<std::string_view, 8> kSettings = {"hemisphere", "direct",  "aperture", "focus",
+                                                       "blades",     "shutter", "denoise",  "terminator"};
 
 std::vector<RenderSettings> candidates(const RenderSettings& settings, const PackedScene& scene) {
   RenderSettings path = settings;
@@ -21,7 +21,8 @@ std::vector<RenderSettings> candidates(const RenderSettings& settings, const Pac
   bidirectional.integrator = &kBidirectional;
   bidirectional.techniques &= ~gpu::kTechniqueMerge; // what is taken without being asked for is not biased
   std::vector<RenderSettings> all = {path, guided};
-  if (settings.aovs.empty() && !settings.moving && !(scene.features & (kBidirectionalLacks | gpu::kLobeNested)))
+  if (settings.aovs.empty() && !settings.moving && settings.terminator == gpu::kTerminatorFacets &&
+      !(scene.features & (kBidirectionalLacks | gpu::kLobeNested)))
     all.push_back(bidirectional);
   return all;
 }

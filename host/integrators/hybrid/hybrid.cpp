@@ -7,6 +7,7 @@
 #include "host/integrators/hybrid/denoise.h"
 #include "host/integrators/hybrid/occlusion_radius.h"
 #include "host/integrators/hybrid/taa.h"
+#include "host/render/settings/mips.h"
 #include "kernels/hybrid/composite.spv.h"
 #include "kernels/hybrid/gather.spv.h"
 #include "kernels/hybrid/jitter.spv.h"
@@ -72,6 +73,11 @@ float ray_length(double radius) {
   return radius > 0.0 ? static_cast<float>(std::min<double>(radius, gpu::kFar)) : gpu::kFar;
 }
 
+// At a distance of one metre, where there is a perspective.
+float pixel_side(const View& view, const RenderSettings& settings) {
+  return static_cast<float>(2.0 * glm::length(view.right) / settings.width);
+}
+
 } // namespace
 
 Hybrid::Hybrid(Workspace& workspace, KernelCompiler& kernels)
@@ -102,6 +108,8 @@ void Hybrid::make_frame(const View& view, const RenderSettings& settings, Past p
   edges_hold_ = edges_hold(scene, view, settings.width, settings.height);
   jitters_.clear();
   gpu::Frame& shared = workspace_.frame;
+  const bool mips = uses_mips(settings) && (scene.features & gpu::kFeatureMips);
+  shared.pixel_spread = mips ? pixel_side(view, settings) : 0.0f;
   shared.max_depth = std::min(settings.max_depth, 1u); // the rest is the ambient term's
   shared.sample_total = static_cast<std::uint32_t>(
       std::min<std::uint64_t>(std::uint64_t{shared.sample_total} * frame_.shadow_samples, gpu::kNone));

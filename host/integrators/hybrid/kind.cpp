@@ -10,6 +10,7 @@
 #include "host/integrators/hybrid/hybrid.h"
 #include "host/integrators/shadows/technique.h"
 #include "host/render/render.h"
+#include "host/render/settings/mips.h"
 #include "host/render/settings/shadow_settings.h"
 #include "host/scene/pack/pack.h"
 #include "kernels/hybrid/hybrid_types.h"
@@ -19,12 +20,12 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::array<std::string_view, 19> kHybridSettings = {
-    "hemisphere",      "direct",      "lights",         "shadow-samples", "ao-samples",
-    "ao-radius",       "ambient",     "denoise",        "shadows",        "shadow-size",
-    "shadow-bias",     "shadow-taps", "shadow-pattern", "shadow-blur",    "shadow-cascades",
-    "shadow-exponent", "shadow-bits", "shadow-source",  "shadow-ambient"};
-constexpr std::array<std::string_view, 3> kAoSettings = {"ao-samples", "ao-radius", "denoise"};
+constexpr std::array<std::string_view, 21> kHybridSettings = {
+    "hemisphere",  "direct",        "lights",         "shadow-samples", "ao-samples",      "ao-radius",
+    "ambient",     "denoise",       "mips",           "terminator",     "shadows",         "shadow-size",
+    "shadow-bias", "shadow-taps",   "shadow-pattern", "shadow-blur",    "shadow-cascades", "shadow-exponent",
+    "shadow-bits", "shadow-source", "shadow-ambient"};
+constexpr std::array<std::string_view, 4> kAoSettings = {"ao-samples", "ao-radius", "denoise", "terminator"};
 constexpr std::array<std::string_view, 1> kAovs = {"ao"};
 constexpr std::array<std::string_view, 2> kFirstHitStages = {"raster", "resolve"};
 
@@ -38,6 +39,7 @@ void start_path_kernels(KernelCompiler& kernels, const DeviceInfo& device, gpu::
   const auto start = [&](gpu::Feature bits) {
     kernels.start({&kPathProgram, kLightingStages, kernel_config(bits, kExpectedStack, settings)});
   };
+  if ((features & gpu::kFeatureTextures) && wants_mips(settings)) features |= gpu::kFeatureMips;
   start(features);
   if (generic_first(device)) start(generic_features(features));
 }
@@ -150,7 +152,8 @@ constinit const IntegratorKind kHybrid = {
     .bytes_per_pixel = bytes_per_pixel,
     .is_biased =
         [](const RenderSettings& settings) {
-          return settings.denoise != kDenoiseOff || settings.max_depth > 1 || approximates_shadows(settings);
+          return settings.denoise != kDenoiseOff || settings.max_depth > 1 || uses_mips(settings) ||
+                 approximates_shadows(settings);
         },
     .bias = hybrid_bias,
     .omitted = hybrid_omitted,

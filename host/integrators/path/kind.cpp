@@ -14,9 +14,9 @@
 namespace wavepath {
 namespace {
 
-constexpr std::array<std::string_view, 11> kSettings = {"hemisphere", "direct",  "lights", "adaptive",
-                                                        "guide",      "denoise", "pixel",  "aperture",
-                                                        "focus",      "blades",  "shutter"};
+constexpr std::array<std::string_view, 12> kSettings = {"hemisphere", "direct",  "lights",  "adaptive",
+                                                        "guide",      "denoise", "pixel",   "aperture",
+                                                        "focus",      "blades",  "shutter", "terminator"};
 constexpr std::array<std::string_view, 2> kFirstHitStages = {"generate", "extend"};
 
 void start_kernels(KernelCompiler& kernels, const DeviceInfo& device, gpu::Feature features,

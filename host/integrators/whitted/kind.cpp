@@ -11,8 +11,8 @@
 namespace wavepath {
 namespace {
 
-constexpr std::array<std::string_view, 8> kSettings = {"adaptive", "ambient",  "branching", "cutoff",
-                                                       "denoise",  "aperture", "focus",     "blades"};
+constexpr std::array<std::string_view, 9> kSettings = {"adaptive", "ambient", "branching", "cutoff",    "denoise",
+                                                       "aperture", "focus",   "blades",    "terminator"};
 constexpr std::array<std::string_view, 2> kFirstHitStages = {"whitted begin", "whitted trace"};
 
 void start_kernels(KernelCompiler& kernels, const DeviceInfo&, gpu::Feature features, const RenderSettings& settings) {

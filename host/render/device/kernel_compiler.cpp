@@ -1,6 +1,7 @@
 #include "host/render/device/kernel_compiler.h"
 
 #include "host/render/settings/integrator_kind.h"
+#include "host/render/settings/mips.h"
 #include "host/render/settings/shadow_settings.h"
 #include "host/render/settings/whole_nets.h"
 
@@ -19,7 +20,8 @@ std::uint32_t lens_of(const RenderSettings& settings) {
 } // namespace
 
 gpu::Feature generic_features(gpu::Feature scene) {
-  return gpu::kFeaturesAll | gpu::kLobeMultiple | (scene & gpu::kLobesLayered ? gpu::kLobesLayered : 0);
+  return gpu::kFeaturesAll | gpu::kLobeMultiple | (scene & gpu::kLobesLayered ? gpu::kLobesLayered : 0) |
+         (scene & gpu::kFeatureMips);
 }
 
 KernelConfig kernel_config(gpu::Feature features, std::uint32_t stack_size, const RenderSettings& settings) {
@@ -35,12 +37,16 @@ KernelConfig kernel_config(gpu::Feature features, std::uint32_t stack_size, cons
   if (!(features & gpu::kFeatureLightTree)) features &= ~gpu::kFeatureLightRows;
   if (!passes_panes(settings)) features &= ~gpu::kFeaturePanes;
   if (!settings.integrator->nests_bodies) features &= ~gpu::kLobeNested;
+  if (!wants_mips(settings)) features &= ~gpu::kFeatureMips;
   features = (features | settings.added_features) & ~settings.removed_features;
   const std::uint32_t nets =
       has_whole_nets(settings) || settings.room_for_whole_nets ? gpu::kNetsWhole : gpu::kNetsHalved;
   const std::uint32_t motion = settings.moving && takes(*settings.integrator, "shutter") ? 1u : 0u;
+  const std::uint32_t terminator =
+      takes(*settings.integrator, "terminator") ? settings.terminator : gpu::kTerminatorFacets;
   return {features,        stack, settings.sampler,  direct_of(settings), settings.hemisphere,
-          settings.filter, nets,  lens_of(settings), settings.cull,       motion};
+          settings.filter, nets,  lens_of(settings), settings.cull,       motion,
+          terminator};
 }
 
 gpu::Feature features_of(const RenderSettings& settings) {

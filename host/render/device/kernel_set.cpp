@@ -50,6 +50,7 @@ std::array<std::uint32_t, gpu::kSpecCount> specialization(const KernelConfig& co
   constants[gpu::kSpecLens] = config.lens;
   constants[gpu::kSpecCull] = config.cull;
   constants[gpu::kSpecMotion] = config.motion;
+  constants[gpu::kSpecTerminator] = config.terminator;
   return constants;
 }
 

@@ -28,6 +28,7 @@ struct KernelConfig {
   std::uint32_t nets = gpu::kNetsHalved;
   std::uint32_t lens = gpu::kLensPinhole, cull = gpu::kCullCamera;
   std::uint32_t motion = 0;
+  std::uint32_t terminator = gpu::kTerminatorFacets;
 
   bool operator==(const KernelConfig&) const = default;
 };

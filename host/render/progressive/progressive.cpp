@@ -22,6 +22,7 @@ RenderSettings open_ended(RenderSettings settings) {
   settings.time_limit = settings.target_error = 0.0;
   // Coarse pictures are too small for whole nets, and are rendered by the kernels of the others.
   settings.room_for_whole_nets = has_whole_nets(settings);
+  settings.room_for_mips = true; // for frames in motion
   return settings;
 }
 

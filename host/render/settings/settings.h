@@ -41,7 +41,8 @@ struct RenderSettings {
   std::uint32_t seed = 0;
   std::uint32_t cull = gpu::kCullCamera; // rays that single-sided surfaces let pass from behind
   // Taken by some integrators only.
-  double aperture = 0.0;            // metres across the lens; 0 = a pinhole
+  std::uint32_t terminator = gpu::kTerminatorFacets; // where rays leave surfaces with vertex normals
+  double aperture = 0.0;                             // metres across the lens; 0 = a pinhole
   std::optional<double> focus;      // metres along the view axis; empty = to what the middle of the picture shows
   std::uint32_t blades = 0;         // of the aperture, a regular polygon; 0 = a disc
   std::uint32_t shadow_samples = 1; // light samples for every sample of a pixel
@@ -66,6 +67,7 @@ struct RenderSettings {
   double cutoff = 1.0 / 256.0;                    // weight below which rays are not followed; biased unless it is 0
   std::uint32_t denoise = kDenoiseOff;            // filter every frame, or the finished picture (denoising.h); biased
   bool antialias_over_time = false;        // joins every picture to those before it, for a camera in motion; biased
+  bool mips = true;                        // textures at mip levels in frames of one sample (mips.h); biased
   std::uint32_t lights = gpu::kLightsAuto; // how next-event estimation chooses among them
   bool adaptive = false;                   // more samples where a pilot, which is thrown away, found more noise
   bool guide = false;                      // directions are also drawn from a field that a pilot learned
@@ -79,6 +81,7 @@ struct RenderSettings {
   gpu::Feature added_features = 0, removed_features = 0;
   bool room_for_shadow_rays = false;        // even where no light is sampled
   bool room_for_whole_nets = false;         // in kernels, even where the picture is too small
+  bool room_for_mips = false;               // in kernels and scene, even where this picture looks textures up exactly
   std::uint32_t whole_nets_from = 1u << 16; // pixels of a picture whose nets may stay whole (whole_nets.h)
   std::uint32_t wave_slots = 0;             // paths in flight; 0 = chosen from memory and measured dispatch time
 };

@@ -8,6 +8,7 @@
 
 #include "host/base/error.h"
 #include "host/render/settings/denoising.h"
+#include "host/render/settings/mips.h"
 #include "host/render/settings/shadow_rows.h"
 
 namespace wavepath {
@@ -233,6 +234,12 @@ std::vector<Setting> transport_rows() {
                   "throw no shadow backwards; or none",
        .offered = kByAll,
        .label = "pass backs"},
+      {.name = "terminator",
+       .value = ChoiceValue{&S::terminator, kTerminatorNames},
+       .meaning = "where rays leave coarse meshes with smooth normals: from their facets, which is what the file holds "
+                  "and may shade hard lines where light grazes; or from the smooth surface that they stand for",
+       .takers = Takers::listed_else_refused,
+       .offered = kByAll},
       {.name = "specialize",
        .value = OnOffValue{&S::specialize},
        .meaning = "leave out what the scene does not need; off gives the same image, slower",
@@ -340,6 +347,14 @@ std::vector<Setting> special_rows() {
        .placeholder = "W",
        .initial = "0.00390625 (1/256)",
        .takers = Takers::listed_else_refused},
+      {.name = "mips",
+       .value = OnOffValue{&S::mips},
+       .meaning = "frames of one sample a pixel, and those of a window while the camera moves, look textures up at mip "
+                  "levels, which keeps distant ones calm and is biased; renders of more samples never do",
+       .takers = Takers::listed_else_refused,
+       .identity = [](const S& s) { return std::string(uses_mips(s) ? "on, for one sample"
+                                                       : s.mips     ? "on"
+                                                                    : "off"); }},
       {.name = "denoise",
        .value = ChoiceValue{&S::denoise, kDenoiseNames, "on"},
        .meaning = "filter noise, which is biased: of hybrid and ao every frame, over space and time; of others the "

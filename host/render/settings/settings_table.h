@@ -15,6 +15,7 @@ inline constexpr std::string_view kSamplerNames[] = {"independent", "stratified"
 inline constexpr std::string_view kLightSelectionNames[] = {"auto", "power", "tree", "learned"};
 inline constexpr std::string_view kDirectNames[] = {"mis", "nee", "bsdf"};
 inline constexpr std::string_view kHemisphereNames[] = {"cosine", "uniform"};
+inline constexpr std::string_view kTerminatorNames[] = {"facets", "smooth"};
 inline constexpr std::string_view kCullNames[] = {"camera", "all", "none"};
 inline constexpr std::string_view kFilterNames[] = {"box", "gaussian", "blackman-harris"};
 inline constexpr std::string_view kBranchingNames[] = {"tree", "choice"};

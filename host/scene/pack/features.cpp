@@ -90,8 +90,8 @@ gpu::Feature light_features(const PackedScene& packed) {
 gpu::Feature find_features(const Scene& scene, const Usage& usage, const PackedScene& packed) {
   std::uint32_t flags = 0;
   for (const gpu::Triangle& triangle : packed.triangles) flags |= triangle.surface;
-  std::uint32_t texture_flags = 0;
-  for (const gpu::Texture& texture : packed.textures) texture_flags |= texture.flags;
+  std::uint32_t texture_flags = 0, mip_count = 0;
+  for (const gpu::Texture& texture : packed.textures) texture_flags |= texture.flags, mip_count |= texture.mip_count;
   return material_features(scene, usage) | light_features(packed) | bit_if(packed.root_is_top, gpu::kFeatureInstances) |
          bit_if(flags & gpu::kTriangleAlpha, gpu::kFeatureAlpha) |
          bit_if((flags & gpu::kTrianglePane) && !packed.lights.empty(), gpu::kFeaturePanes) |
@@ -100,6 +100,7 @@ gpu::Feature find_features(const Scene& scene, const Usage& usage, const PackedS
          bit_if(!packed.vertex_colors.empty(), gpu::kFeatureVertexColors) |
          bit_if(texture_flags & gpu::kTextureMoved, gpu::kFeatureTextureTransform) |
          bit_if(texture_flags & gpu::kTextureFloat, gpu::kFeatureFloatTextures) |
+         bit_if(mip_count > 0, gpu::kFeatureMips) |
          bit_if(texture_flags & gpu::kTextureNearest, gpu::kFeatureNearestTextures);
 }
 
@@ -142,6 +143,8 @@ std::vector<LeftOut> list_left_out(const Usage& usage, const PackedScene& packed
        gpu::kFeaturePanes},
       {"culling of back faces", "every surface is double-sided or transmissive", 0, gpu::kFeatureCull},
       {"textures", "no material in use has a texture", packed.vertex_uvs.empty() ? stream : 0, gpu::kFeatureTextures},
+      {"mip levels of textures", "no frame of one sample asks for them", absent_mip_bytes(packed.textures),
+       gpu::kFeatureMips},
       {"textures of floats", "all texels in use are bytes", 0, gpu::kFeatureFloatTextures},
       {"unfiltered textures", "every texture in use is filtered", 0, gpu::kFeatureNearestTextures},
       {"texture transforms", "no texture in use is moved, turned or scaled", 0, gpu::kFeatureTextureTransform},

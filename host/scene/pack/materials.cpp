@@ -21,7 +21,10 @@ void convert(const Material& m, const Scene& scene, MaterialTable& table) {
   visit_material_fields(Overloaded{
       [&]<class T>(const MaterialFactor<T>& row) { put(row.packed, m.*row.field); },
       [&]<class T>(const MaterialChoice<T>& row) { out.flags |= row.bits[static_cast<std::size_t>(m.*row.field)]; },
-      [&](const MaterialTexture& row) { put(row.packed, add_texture(table.textures, scene, m.*row.field)); }});
+      [&](const MaterialTexture& row) {
+        const bool covers = row.field == &Material::base_color_texture && m.alpha_mode != AlphaMode::opaque;
+        put(row.packed, add_texture(table.textures, scene, m.*row.field, covers));
+      }});
 }
 
 float smallest_alpha(const Image& image) {
@@ -73,8 +76,9 @@ bool may_be_pane(const Material& m) {
   return transmits && !metal && smooth;
 }
 
-MaterialTable pack_materials(const Scene& scene, const Usage& usage) {
+MaterialTable pack_materials(const Scene& scene, const Usage& usage, bool mips) {
   MaterialTable table;
+  table.textures.has_mips = mips;
   table.packed_index.assign(scene.materials.size(), kNoIndex);
   const std::vector<std::uint32_t> priorities = body_priorities(scene);
   for (std::size_t m = 0; m < scene.materials.size(); ++m) {

@@ -18,8 +18,8 @@ struct MaterialTable {
   TextureTable textures;
 };
 
-// Texture indices point into the table's own textures; no texel is touched.
-MaterialTable pack_materials(const Scene& scene, const Usage& usage);
+// Texture indices point into the table's own textures; no texel is touched. `mips`: textures get mip levels.
+MaterialTable pack_materials(const Scene& scene, const Usage& usage, bool mips = false);
 
 // The kLobe bits of what the material has beyond metallic-roughness.
 gpu::Feature layer_lobes(const Material& material);

@@ -104,7 +104,7 @@ void place_origin(const Scene& scene, const std::optional<glm::dvec3>& eye, Pack
 } // namespace
 
 PackedScene pack(Scene& scene, std::uint32_t direct, bvh::Quality quality, const std::optional<glm::dvec3>& eye,
-                 std::uint32_t lights) {
+                 std::uint32_t lights, bool mips) {
   PackedScene packed;
   packed.bvh_quality = quality;
   place_origin(scene, eye, packed);
@@ -113,7 +113,7 @@ PackedScene pack(Scene& scene, std::uint32_t direct, bvh::Quality quality, const
   layout.usage = find_usage(scene);
   layout.image_alpha = smallest_image_alpha(scene, layout.usage);
 
-  MaterialTable materials = pack_materials(scene, layout.usage);
+  MaterialTable materials = pack_materials(scene, layout.usage, mips);
   layout.material_index = std::move(materials.packed_index);
   packed.materials = std::move(materials.materials);
   for (std::size_t m = 0; m < scene.materials.size(); ++m)

@@ -17,10 +17,10 @@ std::uint64_t instance_node_bytes(std::uint64_t instances) { return (instances /
 
 } // namespace
 
-Plan plan(const Scene& scene, bvh::Quality quality) {
+Plan plan(const Scene& scene, bvh::Quality quality, bool mips) {
   const Usage usage = find_usage(scene);
   const Streams streams = needed_streams(scene, usage);
-  const MaterialTable materials = pack_materials(scene, usage);
+  const MaterialTable materials = pack_materials(scene, usage, mips);
 
   Plan plan;
   plan.triangles_stored = usage.triangles_stored;

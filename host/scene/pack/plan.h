@@ -20,6 +20,7 @@ struct Plan {
            light_tree_bytes;
   }
 };
-Plan plan(const Scene& scene, bvh::Quality quality = bvh::Quality::fast);
+// `mips`: as pack() takes it.
+Plan plan(const Scene& scene, bvh::Quality quality = bvh::Quality::fast, bool mips = false);
 
 } // namespace wavepath

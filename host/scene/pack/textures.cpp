@@ -48,6 +48,16 @@ std::uint32_t add_image(TextureTable& table, const Scene& scene, std::uint32_t i
   return entry->second;
 }
 
+std::uint32_t add_mips(TextureTable& table, const Scene& scene, std::uint32_t image, MipKind kind) {
+  const auto [entry, is_new] =
+      table.known_mips.try_emplace({image, kind.srgb ? 1u : 0u, kind.covers ? 1u : 0u}, table.mips.size());
+  if (is_new) {
+    table.mips.push_back({image, kind, table.word_count});
+    table.word_count += mip_words(scene.images[image]);
+  }
+  return entry->second;
+}
+
 void store_image(const Image& image, const StoredImage& stored, std::uint32_t* words) {
   tbb::parallel_for(0u, image.height, [&](std::uint32_t y) {
     for (std::uint32_t x = 0; x < image.width; ++x) {
@@ -72,7 +82,7 @@ double linear_from_srgb(double encoded) {
   return encoded <= 0.04045 ? encoded / 12.92 : std::pow((encoded + 0.055) / 1.055, 2.4);
 }
 
-std::uint32_t add_texture(TextureTable& table, const Scene& scene, const TextureSlot& slot) {
+std::uint32_t add_texture(TextureTable& table, const Scene& scene, const TextureSlot& slot, bool covers) {
   if (!slot.present()) return gpu::kNone;
   const bool is_float = !scene.images[slot.image].floats.empty();
   const std::uint32_t stored = add_image(table, scene, slot.image, is_float && slot.srgb);
@@ -86,7 +96,14 @@ std::uint32_t add_texture(TextureTable& table, const Scene& scene, const Texture
   texture.uv_offset = slot.uv_offset;
   texture.first_texel = static_cast<std::uint32_t>(table.images[stored].first_word);
 
-  std::array<std::uint32_t, 8> key{stored, texture.flags};
+  if (table.has_mips && mip_count(texture.width, texture.height) > 0) {
+    const std::uint32_t mips = add_mips(table, scene, slot.image, {slot.srgb, covers});
+    texture.mip_count = mip_count(texture.width, texture.height);
+    texture.first_mip = static_cast<std::uint32_t>(table.mips[mips].first_word);
+  }
+
+  std::array<std::uint32_t, 9> key{stored, texture.flags};
+  key[8] = texture.first_mip;
   if (slot.transformed()) {
     for (int i = 0; i < 4; ++i) key[2 + i] = std::bit_cast<std::uint32_t>(texture.uv_matrix[i]);
     for (int i = 0; i < 2; ++i) key[6 + i] = std::bit_cast<std::uint32_t>(texture.uv_offset[i]);
@@ -96,11 +113,25 @@ std::uint32_t add_texture(TextureTable& table, const Scene& scene, const Texture
   return entry->second;
 }
 
+std::uint64_t absent_mip_bytes(const std::vector<gpu::Texture>& textures) {
+  std::map<std::uint32_t, std::uint64_t> by_image;
+  for (const gpu::Texture& t : textures)
+    if (t.mip_count == 0)
+      by_image[t.first_texel] = mip_texels(t.width, t.height) * (t.flags & gpu::kTextureFloat ? 16 : 4);
+  std::uint64_t bytes = 0;
+  for (const auto& [image, size] : by_image) bytes += size;
+  return bytes;
+}
+
 std::vector<std::uint32_t> pack_texels(const TextureTable& table, const Scene& scene) {
   if (table.word_count > gpu::kNone) throw Error(scene.path, "has more than 16 GiB of texels", "use smaller textures");
   std::vector<std::uint32_t> texels(table.word_count);
   for (const StoredImage& stored : table.images)
     store_image(scene.images[stored.image], stored, texels.data() + stored.first_word);
+  tbb::parallel_for(std::size_t{0}, table.mips.size(), [&](std::size_t i) {
+    const StoredMips& mips = table.mips[i];
+    store_mips(scene.images[mips.image], mips.kind, texels.data() + mips.first_word);
+  });
   return texels;
 }
 

@@ -6,6 +6,7 @@
 #include <map>
 #include <vector>
 
+#include "host/scene/pack/mips.h"
 #include "host/scene/scene.h"
 #include "kernels/scene_types.h"
 
@@ -20,18 +21,33 @@ struct StoredImage {
   std::uint64_t first_word = 0;
 };
 
-struct TextureTable {
-  std::vector<gpu::Texture> textures;
-  std::vector<StoredImage> images;
-  std::uint64_t word_count = 0; // of all images stored
-  std::map<std::array<std::uint32_t, 8>, std::uint32_t> known_textures;
-  std::map<std::array<std::uint32_t, 2>, std::uint32_t> known_images;
+// An image's mip levels in the texel buffer.
+struct StoredMips {
+  std::uint32_t image = 0;
+  MipKind kind;
+  std::uint64_t first_word = 0;
 };
 
-// Index into table.textures for this use of an image; kNone for an absent slot. Adds what is not there yet.
-std::uint32_t add_texture(TextureTable& table, const Scene& scene, const TextureSlot& slot);
+struct TextureTable {
+  bool has_mips = false; // textures get mip levels
+  std::vector<gpu::Texture> textures;
+  std::vector<StoredImage> images;
+  std::vector<StoredMips> mips;
+  std::uint64_t word_count = 0; // of all that is stored
+  std::map<std::array<std::uint32_t, 9>, std::uint32_t> known_textures;
+  std::map<std::array<std::uint32_t, 2>, std::uint32_t> known_images;
+  std::map<std::array<std::uint32_t, 3>, std::uint32_t> known_mips;
+};
 
-// The texel buffer of all images in the table. Throws Error if it has more words than 32 bits can address.
+// Index into table.textures for this use of an image; kNone for an absent slot. Adds what is not there yet. `covers`:
+// its alpha is the coverage of its colour.
+std::uint32_t add_texture(TextureTable& table, const Scene& scene, const TextureSlot& slot, bool covers);
+
+// Bytes that mip levels of textures without them would take.
+std::uint64_t absent_mip_bytes(const std::vector<gpu::Texture>& textures);
+
+// The texel buffer of all images in the table and their mip levels. Throws Error if it has more words than 32 bits can
+// address.
 std::vector<std::uint32_t> pack_texels(const TextureTable& table, const Scene& scene);
 
 // IEC 61966-2-1: encoded value -> linear, both 0..1.
