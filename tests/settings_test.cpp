@@ -15,6 +15,7 @@
 #include "host/cli/render_flags.h"
 #include "host/cli/scene_flags.h"
 #include "host/render/settings/identity.h"
+#include "host/render/settings/shadow_settings.h"
 #ifdef WAVEPATH_VIEWER
 #include "host/view/render_line.h"
 #endif
@@ -125,6 +126,9 @@ std::string other_value(const Setting& row, const RenderSettings& settings) {
   if (row.name == "samples") return differing({"3:5", "4:6"});
   if (row.name == "aov") return differing({"albedo,depth", "normal"});
   if (row.name == "blades") return differing({"5", "6"});
+  if (row.name == "shadow-bias") return differing({"normal:2", "plane:3"});
+  if (row.name == "shadow-bits") return differing({"16", "32"});
+  if (row.name == "shadow-exponent") return differing({"20", "30"});
   if (row.name == "techniques") return differing({"hit", "light,splat"});
   return differing({"0.1", "0.2"}); // numbers
 }
@@ -145,6 +149,10 @@ RenderSettings base_for(const Setting& row) {
       settings.integrator = kind;
       break;
     }
+  // A shadow technique to which it means something.
+  while (settings.integrator->means && !settings.integrator->means(settings, row.name) &&
+         settings.shadows + 1 < kShadowNames.size())
+    ++settings.shadows;
   return settings;
 }
 

@@ -50,6 +50,34 @@ TEST_F(ShadowTest, UnbiasedMapsHaveAcneAndBiasEndsIt) {
   }
 }
 
+// Convex bodies do not shade themselves, whatever the bias would have to be.
+TEST_F(ShadowTest, MapsOfTrianglesNeedNoBias) {
+  for (const auto& [name, scene] : {std::pair{"sun", lit_by(sun())}, {"spot", lit_by(spot())}}) {
+    SCOPED_TRACE(name);
+    const std::vector<float> truth = light(scene, shadow_settings("traced"));
+    RenderSettings unbiased = shadow_settings("map", 256);
+    unbiased.shadow_bias = gpu::kBiasConstant;
+    unbiased.shadow_bias_amount = 0.0;
+    EXPECT_GT(false_shares(truth, light(scene, unbiased)).dark, 0.05);
+    EXPECT_LT(false_shares(truth, light(scene, shadow_settings("map-id", 256))).total(), 0.01);
+    EXPECT_LT(false_shares(truth, light(scene, shadow_settings("map-id", 2048))).total(), 0.002);
+  }
+}
+
+// A wall and a floor of one mesh: where their triangles share corners, what should be dark is lit.
+TEST_F(ShadowTest, MapsOfTrianglesLeakAlongSharedEdges) {
+  Scene scene = lit_by(sun({0.1, -1.0, 0.6}));
+  scene.meshes.clear();
+  scene.instances.clear();
+  std::vector<glm::vec3> corner = rectangle({0, 0, 0}, {0, 0, 1}, {1, 0, 0}); // a floor, z from -1 to 1
+  for (const glm::vec3& p : rectangle({0, 0.5f, -1}, {1, 0, 0}, {0, 0.5f, 0})) corner.push_back(p);
+  scene.materials[0].double_sided = true;
+  add_instance(scene, add_mesh(scene, corner));
+  const std::vector<float> truth = light(scene, shadow_settings("traced"));
+  EXPECT_LT(false_shares(truth, light(scene, shadow_settings("map", 1024))).lit, 0.005);
+  EXPECT_GT(false_shares(truth, light(scene, shadow_settings("map-id", 1024))).lit, 0.02);
+}
+
 TEST_F(ShadowTest, AFilterOfNoSizeIsTheMap) {
   const Scene scene = lit_by(spot());
   RenderSettings filtered = shadow_settings("pcf", 128);

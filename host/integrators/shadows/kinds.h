@@ -5,8 +5,9 @@
 
 namespace wavepath {
 
-extern const ShadowKind kShadowMap;  // map.cpp
-extern const ShadowKind kShadowPcf;  // pcf.cpp
-extern const ShadowKind kShadowPcss; // pcss.cpp
+extern const ShadowKind kShadowMap;   // map.cpp
+extern const ShadowKind kShadowMapId; // map_id.cpp
+extern const ShadowKind kShadowPcf;   // pcf.cpp
+extern const ShadowKind kShadowPcss;  // pcss.cpp
 
 } // namespace wavepath

@@ -13,7 +13,7 @@
 namespace wavepath {
 namespace {
 
-constexpr std::array kKinds = {&kShadowMap, &kShadowPcf, &kShadowPcss};
+constexpr std::array kKinds = {&kShadowMap, &kShadowMapId, &kShadowPcf, &kShadowPcss};
 static_assert(kKinds.size() + 1 == kShadowNames.size());
 
 } // namespace
