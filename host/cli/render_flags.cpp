@@ -9,6 +9,7 @@
 #include "host/base/error.h"
 #include "host/film/oidn.h"
 #include "host/render/settings/denoising.h"
+#include "host/render/settings/mips.h"
 #include "host/render/settings/settings_table.h"
 
 namespace wavepath {
@@ -234,9 +235,10 @@ void check_integrator(const RenderRequest& request) {
                        "leave it out, or use --integrator path");
   if (request.pixel && !takes(kind, "pixel")) refuse_not_taken("--pixel", settings, takers_text("pixel"));
   if (request.strict && kind.is_biased(settings))
-    throw UsageError(
-        fmt::format("--integrator {}", kind.name), "is biased, which --strict refuses",
-        settings.denoise ? "leave out --denoise" : "use --integrator path, or --max-depth 1 for direct light");
+    throw UsageError(fmt::format("--integrator {}", kind.name), "is biased, which --strict refuses",
+                     settings.denoise      ? "leave out --denoise"
+                     : uses_mips(settings) ? "use --integrator path, or --max-depth 1 --mips off for direct light"
+                                           : "use --integrator path, or --max-depth 1 for direct light");
   if (settings.denoise != kDenoiseOff && !denoises_film(settings) && (request.mergeable || !request.state.file.empty()))
     throw UsageError("--denoise", "makes every sample depend on those before, and no file keeps that history",
                      "leave it out, or --checkpoint, --samples and --mergeable");

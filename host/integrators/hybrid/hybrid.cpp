@@ -73,9 +73,11 @@ float ray_length(double radius) {
   return radius > 0.0 ? static_cast<float>(std::min<double>(radius, gpu::kFar)) : gpu::kFar;
 }
 
-// At a distance of one metre, where there is a perspective.
-float pixel_side(const View& view, const RenderSettings& settings) {
-  return static_cast<float>(2.0 * glm::length(view.right) / settings.width);
+// Of a pixel, at a distance of one metre where there is a perspective. Cones are narrower than pixels, as trilinear
+// look-ups blur more than a box: Sponza's relMSE is within 1 % of that of full width, and ornaments keep their lines.
+float cone_width(const View& view, const RenderSettings& settings) {
+  constexpr double kShare = 0.7;
+  return static_cast<float>(kShare * 2.0 * glm::length(view.right) / settings.width);
 }
 
 } // namespace
@@ -109,7 +111,7 @@ void Hybrid::make_frame(const View& view, const RenderSettings& settings, Past p
   jitters_.clear();
   gpu::Frame& shared = workspace_.frame;
   const bool mips = uses_mips(settings) && (scene.features & gpu::kFeatureMips);
-  shared.pixel_spread = mips ? pixel_side(view, settings) : 0.0f;
+  shared.pixel_spread = mips ? cone_width(view, settings) : 0.0f;
   shared.max_depth = std::min(settings.max_depth, 1u); // the rest is the ambient term's
   shared.sample_total = static_cast<std::uint32_t>(
       std::min<std::uint64_t>(std::uint64_t{shared.sample_total} * frame_.shadow_samples, gpu::kNone));
