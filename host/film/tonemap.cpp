@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "host/scene/pack/textures.h"
+#include "host/scene/pack/srgb.h"
 
 namespace wavepath {
 namespace {

@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "host/base/error.h"
-#include "host/scene/pack/textures.h"
+#include "host/scene/pack/srgb.h"
 #include "kernels/light_tree_types.h"
 #include "kernels/scene_types.h"
 

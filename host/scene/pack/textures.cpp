@@ -8,6 +8,7 @@
 #include <tbb/parallel_for.h>
 
 #include "host/base/error.h"
+#include "host/scene/pack/srgb.h"
 #include "kernels/scene_types.h"
 #include "kernels/tile_order.h"
 
@@ -77,10 +78,6 @@ void store_image(const Image& image, const StoredImage& stored, std::uint32_t* w
 }
 
 } // namespace
-
-double linear_from_srgb(double encoded) {
-  return encoded <= 0.04045 ? encoded / 12.92 : std::pow((encoded + 0.055) / 1.055, 2.4);
-}
 
 std::uint32_t add_texture(TextureTable& table, const Scene& scene, const TextureSlot& slot, bool covers) {
   if (!slot.present()) return gpu::kNone;

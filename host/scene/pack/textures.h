@@ -50,9 +50,6 @@ std::uint64_t absent_mip_bytes(const std::vector<gpu::Texture>& textures);
 // address.
 std::vector<std::uint32_t> pack_texels(const TextureTable& table, const Scene& scene);
 
-// IEC 61966-2-1: encoded value -> linear, both 0..1.
-double linear_from_srgb(double encoded);
-
 // Reads texel (x, y) of a packed texture, linear RGBA: what the kernels see before filtering.
 glm::vec4 read_texel(const gpu::Texture& texture, const std::vector<std::uint32_t>& texels, std::uint32_t x,
                      std::uint32_t y);
