@@ -49,7 +49,7 @@ struct Frame {
   uint end_normals;       // vertices from one's normal to that when the shutter closes
   uvec2 bodies_at_eye;    // bodies that hold the eye, as path_media has them (kFeatureVolume): kernels/path/bodies.glsl
   float pixel_spread;     // width of the cone of a pixel in metres, at a distance of one metre where there is a
-                      // perspective; 0 = textures are looked up exactly (kFeatureMips)
+                          // perspective; 0 = textures are looked up exactly (kFeatureMips)
   uint pad_spread;
 };
 GPU_CHECK(sizeof(Frame) == 176);

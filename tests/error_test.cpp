@@ -216,7 +216,7 @@ TEST_F(ErrorTest, AdaptiveSamplingKeepsTheMeanAndLowersTheError) {
   Subject even(device(), "cornell_box.gltf", small(kSide, kSamples));
   Subject adaptive(device(), "cornell_box.gltf", small(kSide, kSamples));
   adaptive.settings_.adaptive = true;
-  const Picture reference = even.render(1000000, kSamples * 128).picture;
+  const Picture reference = even.render(1000000, kSamples * 64).picture;
   double even_error = 0.0, adaptive_error = 0.0;
   std::vector<double> differences;
   for (std::uint32_t seed = 0; seed < kRuns; ++seed) {

@@ -120,7 +120,8 @@ std::string other_value(const Setting& row, const RenderSettings& settings) {
     return std::string(names[0] == now ? names[1] : names[0]);
   if (std::holds_alternative<SwitchValue>(row.value) || std::holds_alternative<OnOffValue>(row.value))
     return differing({"on", "off"});
-  if (std::holds_alternative<WholeValue>(row.value)) return differing({"128", "129"});
+  if (const auto* whole = std::get_if<WholeValue>(&row.value))
+    return whole->highest < 128 ? differing({"3", "5"}) : differing({"128", "129"});
   if (std::holds_alternative<RadianceValue>(row.value)) return differing({"0.1,0.2,0.3", "1,2,3"});
   if (row.name == "size") return differing({"33x17", "640x480"});
   if (row.name == "samples") return differing({"3:5", "4:6"});

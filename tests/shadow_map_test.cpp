@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "host/base/error.h"
-#include "host/integrators/shadows/technique.h"
+#include "host/integrators/shadows/catalogue.h"
 #include "host/render/settings/settings_table.h"
 
 namespace wavepath::test {

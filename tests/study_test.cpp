@@ -11,6 +11,7 @@
 #include "host/film/picture_io.h"
 #include "host/integrators/hybrid/kind.h"
 #include "host/integrators/path/kind.h"
+#include "host/render/settings/shadow_settings.h"
 #include "host/study/tables.h"
 #include "tests/run_wavepath.h"
 #include "tests/temporary_folder.h"
@@ -293,6 +294,34 @@ TEST_F(StudyCommand, LeavesDocumentTableAndPage) {
     EXPECT_NE(entry.path().filename().string()[0], '.') << entry.path(); // no temporary file is left
 }
 
+// Every technique that suits the scene is scored after as many samples as all others; the rest are named with the
+// reason.
+TEST_F(StudyCommand, ScoresShadowTechniques) {
+  const Outcome outcome =
+      study({"-o", out_, "--size", "24x24", "--budget", "4", "--vary", "shadows", "--max-depth", "1"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const Json json = Json::parse(read("study.json"));
+  EXPECT_EQ(json["configurations"].size() + json["unfit"].size(), kShadowNames.size());
+  EXPECT_EQ(json["configurations"][0]["name"], "traced");
+  const std::size_t points = json["configurations"][0]["points"].size();
+  for (const Json& configuration : json["configurations"]) {
+    SCOPED_TRACE(configuration["name"].get<std::string>());
+    ASSERT_EQ(configuration["points"].size(), points);
+    const Json& shadows = configuration["points"].back()["shadows"];
+    EXPECT_GE(shadows["relative_rms"].get<double>(), 0.0);
+    EXPECT_LT(shadows["falsely_lit"].get<double>() + shadows["falsely_dark"].get<double>(), 0.5);
+    EXPECT_TRUE(shadows["look_up_ms"]["median"].is_number());
+    EXPECT_NE(configuration["points"].back()["command"].get<std::string>().find("--integrator hybrid"),
+              std::string::npos);
+    if (configuration["name"] == "traced") continue;
+    EXPECT_EQ(shadows["covered"], "1 rectangle");
+    EXPECT_GT(shadows["bytes"].get<double>(), 0.0);
+  }
+  for (const Json& one : json["unfit"]) EXPECT_NE(one["why"].get<std::string>(), "");
+  EXPECT_NE(read("report.html").find("falsely<br>lit"), std::string::npos);
+  EXPECT_NE(read("study.csv").find("edge_displacement_pixels"), std::string::npos);
+}
+
 // What can be known of the errors: the hybrid's direct light is the path tracer's, and its occlusion rays are those of
 // the picture of occlusion, by the same random numbers.
 TEST_F(StudyCommand, TellsWhatTheHybridLoses) {
@@ -373,7 +402,7 @@ TEST_F(StudyCommand, BearsAPictureWithoutError) {
 
 TEST_F(StudyCommand, RefusesWhatCannotBe) {
   refuses({"-o", out_, "--vary", "sampler,colour"}, 2, "'colour'");
-  refuses({"-o", out_, "--vary", "sampler,ao-samples"}, 2, "vary the integrator as well");
+  refuses({"-o", out_, "--vary", "branching,ao-samples"}, 2, "vary the integrator as well");
   refuses({"-o", out_, "--budget", "0"}, 2, "--budget");
   refuses({"-o", out_, "--size", "32"}, 2, "WIDTHxHEIGHT");
   refuses({"-o", out_, "--reference", folder_.file("none.exr")}, 1, "does not exist");

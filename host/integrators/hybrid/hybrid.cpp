@@ -7,6 +7,7 @@
 #include "host/integrators/hybrid/denoise.h"
 #include "host/integrators/hybrid/occlusion_radius.h"
 #include "host/integrators/hybrid/taa.h"
+#include "host/integrators/shadows/catalogue.h"
 #include "host/render/settings/mips.h"
 #include "kernels/hybrid/composite.spv.h"
 #include "kernels/hybrid/gather.spv.h"

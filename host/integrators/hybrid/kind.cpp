@@ -8,7 +8,7 @@
 
 #include "host/integrators/hybrid/denoise.h"
 #include "host/integrators/hybrid/hybrid.h"
-#include "host/integrators/shadows/technique.h"
+#include "host/integrators/shadows/catalogue.h"
 #include "host/render/render.h"
 #include "host/render/settings/mips.h"
 #include "host/render/settings/shadow_settings.h"

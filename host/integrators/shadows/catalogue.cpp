@@ -1,4 +1,4 @@
-#include "host/integrators/shadows/technique.h"
+#include "host/integrators/shadows/catalogue.h"
 
 #include <algorithm>
 #include <array>
