@@ -218,7 +218,8 @@ void Hybrid::begin_pass(WaveQueue& queue, std::uint32_t sample) {
 
 void Hybrid::describe(RenderResult& result) const {
   result.ambient = frame_.ambient;
-  if (shadows_) result.shadows = {.views = shadows_->view_count(), .bytes = shadows_->bytes()};
+  if (shadows_)
+    result.shadows = {.views = shadows_->view_count(), .bytes = shadows_->bytes(), .answers = shadows_->answers()};
 }
 
 // What a pixel counts for in a wave: its light samples, which take slots, or its occlusion rays if those are more.

@@ -13,7 +13,7 @@
 namespace wavepath {
 namespace {
 
-constexpr std::array kKinds = {&kShadowMap, &kShadowPcf, &kShadowPcss};
+constexpr std::array kKinds = {&kShadowMap, &kShadowPcf, &kShadowPcss, &kShadowVsm, &kShadowEsm, &kShadowEvsm, &kShadowMoment, &kShadowVssm, &kShadowAverage, &kShadowLeak};
 static_assert(kKinds.size() + 1 == kShadowNames.size());
 
 } // namespace

@@ -46,10 +46,16 @@ struct MergeReport {
   std::uint64_t bytes = 0;                      // of a map
 };
 
+// Shadow rays that a technique could have answered: those that it did answer, and those that it left to be traced.
+struct RayAnswers {
+  std::uint64_t answered = 0, traced = 0;
+};
+
 // What a shadow technique made (--shadows).
 struct ShadowReport {
   std::uint32_t views = 0; // directions from lights that it keeps something of
   std::uint64_t bytes = 0;
+  std::optional<RayAnswers> answers; // of a technique that traces some rays by choice
 };
 
 // The filter of the finished picture (--denoise).
