@@ -9,6 +9,7 @@
 #include "kernels/shadows/look_up.glsl"
 #include "kernels/shadows/bias.glsl"
 #include "kernels/shadows/sat_box.glsl"
+#include "kernels/shadows/sat_depth.glsl"
 
 const float kHalfSide = 0.8862269; // of the square that has the area of a disc of radius 1
 
@@ -26,7 +27,7 @@ Shade shade_of_box(Receiver r, float half_side) {
     vec2 lo = r.place - half_side + side * vec2(i % parts, i / parts), centre = lo + 0.5 * side;
     vec2 away = abs(centre - r.place);
     float depth = unshadowed_depth(r, centre, max(away.x, away.y));
-    vec2 moments = box_about(r.view, lo, lo + side, sat_depth(r.view, depth));
+    vec2 moments = box_about(Sat(r.view.first_texel, shadow.size), lo, lo + side, sat_depth(r.view, depth));
     if (moments.x >= 0.0) { // on average nothing is in front
       shade.lit += 1.0;
       continue;
