@@ -24,8 +24,8 @@ struct Answers {
 class ShadowBounds : public VulkanTest {
 protected:
   void add(float depth, const std::vector<float>& depths, float exponent = 80.0f) {
-    cases_.push_back({depth, exponent, static_cast<std::uint32_t>(depths_.size()),
-                      static_cast<std::uint32_t>(depths.size())});
+    cases_.push_back(
+        {depth, exponent, static_cast<std::uint32_t>(depths_.size()), static_cast<std::uint32_t>(depths.size())});
     depths_.insert(depths_.end(), depths.begin(), depths.end());
     const auto lit = std::ranges::count_if(depths, [&](float d) { return d >= depth; });
     shares_.push_back(static_cast<double>(lit) / static_cast<double>(depths.size()));

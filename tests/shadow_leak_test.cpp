@@ -36,7 +36,6 @@ TEST_F(LeakTest, WiresBetweenTexelsAreLost) {
   const std::vector<float> truth = light(scene, shadow_settings("traced"));
   const double coarse = error(truth, light(scene, shadow_settings("leak", 64))),
                fine = error(truth, light(scene, shadow_settings("leak", 2048)));
-  printf("M wires %g %g\n", coarse, fine);
   EXPECT_GT(coarse, 1e-3);
   EXPECT_LT(fine, 0.1 * coarse);
 }
@@ -55,8 +54,7 @@ TEST_F(LeakTest, TracesWhereMapsLeakAndNoMore) {
     const double mixed = error(truth, result.picture.channels[1].values);
     ASSERT_TRUE(result.shadows && result.shadows->answers);
     const auto [answered, traced] = *result.shadows->answers;
-    printf("M leak %s moment %g leak %g answered %lu traced %lu\n", name, filtered, mixed, answered, traced);
-    EXPECT_LT(mixed, 0.05 * filtered);
+    EXPECT_LT(mixed, 0.02 * filtered);
     EXPECT_GT(answered, 4 * traced);
     EXPECT_GT(traced, 0u);
   }

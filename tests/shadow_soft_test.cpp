@@ -143,12 +143,11 @@ TEST_F(SoftTest, PointsAndVarianceComeNearTheLamp) {
   const double hard = error(truth, light(scene, fine("map")));
   std::vector<double> points;
   for (const std::uint32_t taps : {4u, 16u, 64u}) points.push_back(error(truth, light(scene, fine("average", taps))));
-  printf("M average %g %g %g %g\n", hard, points[0], points[1], points[2]);
   EXPECT_LT(points[0], 0.4 * hard);
-  EXPECT_LT(points[1], 0.5 * points[0]);
+  EXPECT_LT(points[1], 0.7 * points[0]);
   EXPECT_LT(points[2], 0.7 * points[1]);
-  const double variance = error(truth, light(scene, fine("vssm"))), closer = error(truth, light(scene, fine("pcss", 64)));
-  printf("M vssm %g pcss %g\n", variance, closer);
+  const double variance = error(truth, light(scene, fine("vssm"))),
+               closer = error(truth, light(scene, fine("pcss", 64)));
   EXPECT_LT(variance, 0.4 * hard);
   EXPECT_LT(variance, 1.2 * closer);
 }
@@ -163,7 +162,7 @@ TEST_F(SoftTest, TheShadowOfAPointIsTheMapFiltered) {
   };
   const std::vector<float> filtered = picture("vsm"), soft = picture("vssm"), one = picture("average");
   EXPECT_LT(error(filtered, soft), 2e-3);
-  EXPECT_LT(error(picture("map"), one), 2e-3);
+  EXPECT_LT(error(picture("map"), one), 3e-3); // of edges between the texels of two views
 }
 
 // The edge of a plate's shadow, from dark to light.
@@ -180,7 +179,7 @@ Scene half_plane() {
   add_instance(scene, add_mesh(scene, rectangle({0, 2.0f, 0}, {0.2f, 0, 0}, {0, 0, 0.2f}), 1));
   Camera camera;
   camera.orthographic = true;
-  camera.xmag = 0.4, camera.ymag = 0.02;
+  camera.xmag = 0.4, camera.ymag = 0.0025; // 160 pixels
   camera.world_from_camera = {{1, 0, 0, 0}, {0, 0, -1, 0}, {0, 1, 0, 0}, {0, 0.5, 0, 1}};
   scene.cameras.push_back(camera);
   return scene;
@@ -204,16 +203,15 @@ protected:
 
 // Half-planes parallel to the lamp are what both estimates are exact for: light rises linearly over 0.4 m.
 TEST_F(EdgeTest, PenumbrasAreAsWideAsTheLampMakesThem) {
-  for (const auto& [name, taps, tolerance] : {std::tuple{"vssm", 1u, 0.03f}, {"vssm", 16u, 0.03f}, {"average", 256u, 0.03f}}) {
+  for (const auto& [name, taps, tolerance] :
+       {std::tuple{"vssm", 1u, 0.01f}, {"vssm", 16u, 0.01f}, {"average", 100u, 0.02f}}) {
     SCOPED_TRACE(name);
     const std::vector<float> shares = profile(name, taps);
     float worst = 0.0f;
     for (std::size_t i = 0; i < shares.size(); ++i) {
       const float x = (static_cast<float>(i) + 0.5f) * 0.005f - 0.4f;
       worst = std::max(worst, std::abs(shares[i] - std::clamp(x / 0.4f + 0.5f, 0.0f, 1.0f)));
-      if (i % 8 == 0) printf("%.3f ", shares[i]);
     }
-    printf("\nM worst %s %u %g\n", name, taps, worst);
     EXPECT_LT(worst, tolerance);
   }
 }

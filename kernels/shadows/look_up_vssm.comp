@@ -23,21 +23,22 @@ Shade shade_of_box(Receiver r, float half_side) {
   uint parts = max(uint(sqrt(float(shadow.taps)) + 0.5), 1u);
   parts = min(parts, uint(max(2.0 * half_side, 1.0))); // none is smaller than a texel
   float side = 2.0 * half_side / float(parts), step_ = sat_step(r.view);
+  float bias = (r.depth - unshadowed_depth(r, r.place, 0.0)) / step_;
   for (uint i = 0u; i < parts * parts; ++i) {
-    vec2 lo = r.place - half_side + side * vec2(i % parts, i / parts), centre = lo + 0.5 * side;
-    vec2 away = abs(centre - r.place);
-    float depth = unshadowed_depth(r, centre, max(away.x, away.y));
+    vec2 lo = r.place - half_side + side * vec2(i % parts, i / parts);
+    float depth = plane_depth(r, lo + 0.5 * side);
     vec2 moments = box_about(Sat(r.view.first_texel, shadow.size), lo, lo + side, sat_depth(r.view, depth));
-    if (moments.x >= 0.0) { // on average nothing is in front
+    float variance = max(moments.y - moments.x * moments.x, 0.0), away = -moments.x - bias;
+    if (!(away > 0.0)) { // on average nothing is in front
       shade.lit += 1.0;
       continue;
     }
-    float variance = max(moments.y - moments.x * moments.x, 0.0);
-    float lit = variance / (variance + moments.x * moments.x);
-    shade.lit += lit;
-    // What is lit is taken to be at the receiver's depth: the mean is that of what is not.
-    shade.weight += 1.0 - lit;
-    shade.depth += (1.0 - lit) * depth + moments.x * step_;
+    shade.lit += variance / (variance + away * away);
+    // What is lit is taken to be on the receiver's plane. Then the mean is that of what is not, and a bias would only spoil
+    // the estimate of how much that is.
+    float dark = moments.x * moments.x / (variance + moments.x * moments.x);
+    shade.weight += dark;
+    shade.depth += dark * depth + moments.x * step_;
   }
   shade.lit /= float(parts * parts);
   return shade;

@@ -2,8 +2,8 @@
 #include "host/integrators/shadows/filterable.h"
 #include "host/integrators/shadows/kinds.h"
 #include "kernels/shadows/blur_columns.spv.h"
-#include "kernels/shadows/look_up_evsm.spv.h"
 #include "kernels/shadows/evsm_rows.spv.h"
+#include "kernels/shadows/look_up_evsm.spv.h"
 
 namespace wavepath {
 namespace {

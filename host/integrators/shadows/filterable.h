@@ -16,8 +16,8 @@ inline constexpr std::array<std::size_t, kFilterableStageCount> kFilterableOrder
                                                                                     kBlurColumns};
 inline constexpr std::array<MapPass, 2> kBlurPasses = {{{kBlurRows}, {kBlurColumns}}};
 
-inline constexpr std::array<std::string_view, 4> kFilterableSettings = {
-    "shadow-size", "shadow-bias", "shadow-source", "shadow-blur"};
+inline constexpr std::array<std::string_view, 4> kFilterableSettings = {"shadow-size", "shadow-bias", "shadow-source",
+                                                                        "shadow-blur"};
 
 // `exponent`: --shadow-exponent unless that is given.
 constexpr ShadowMapRecipe filterable_recipe(const KernelProgram& program, double exponent = 0.0) {

@@ -1,8 +1,8 @@
 // Moment shadow maps (Peters and Klein 2015).
 #include "host/integrators/shadows/filterable.h"
 #include "host/integrators/shadows/kinds.h"
-#include "kernels/shadows/moment_columns.spv.h"
 #include "kernels/shadows/look_up_moment.spv.h"
+#include "kernels/shadows/moment_columns.spv.h"
 #include "kernels/shadows/moment_rows.spv.h"
 
 namespace wavepath {

@@ -272,7 +272,9 @@ private:
       for (const MapPass& pass : recipe_.passes) {
         const bool lines = pass.items == MapPass::Items::lines;
         const std::uint64_t a_slice = lines ? std::max<std::uint64_t>(most / size, 1) : most;
-        dispatch_in_slices(queue, {&kernels_.best(need_)[pass.stage], sets_.front().get(), {}, lines ? size : size * size, a_slice}, view, filtered_a_slice_);
+        dispatch_in_slices(
+            queue, {&kernels_.best(need_)[pass.stage], sets_.front().get(), {}, lines ? size : size * size, a_slice},
+            view, filtered_a_slice_);
       }
   }
 

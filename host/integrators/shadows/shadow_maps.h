@@ -25,7 +25,7 @@ struct MapFilterJob {
 // A kernel that goes over every view, in submissions as short as they have to be. Push constant: first_pixel = first of
 // the items of this dispatch, pixel_count = how many, sample_count = the view.
 struct MapPass {
-  std::size_t stage = 0; // of the recipe's program
+  std::size_t stage = 0;                                    // of the recipe's program
   enum class Items { texels, lines } items = Items::texels; // lines: rows or columns
 };
 

@@ -17,9 +17,10 @@ const std::array<KernelCode, kStageCount> kStages = {{{"shadow look-up", wavepat
 constexpr std::array<std::size_t, kStageCount> kOrder = {kLookUp, kRows, kColumns};
 const KernelProgram kProgram = {kStages, kOrder, shadow_layout};
 constexpr std::array<MapPass, 2> kPasses = {{{kRows, MapPass::Items::lines}, {kColumns, MapPass::Items::lines}}};
-const ShadowMapRecipe kRecipe = {.program = &kProgram,
-                                 .scratch_bytes = [](const RenderSettings&) { return std::uint64_t{4 * sizeof(gpu::uint)}; },
-                                 .passes = kPasses};
+const ShadowMapRecipe kRecipe = {
+    .program = &kProgram,
+    .scratch_bytes = [](const RenderSettings&) { return std::uint64_t{4 * sizeof(gpu::uint)}; },
+    .passes = kPasses};
 constexpr std::array<std::string_view, 4> kSettings = {"shadow-size", "shadow-bias", "shadow-source", "shadow-taps"};
 
 } // namespace
