@@ -23,6 +23,7 @@
 #include "kernels/light_tree_types.h"
 #include "kernels/path/path_types.h"
 #include "kernels/scene_types.h"
+#include "kernels/shadows/shadow_types.h"
 #include "kernels/whitted/whitted_types.h"
 #include "tests/probes/layout_probe.spv.h"
 
@@ -216,6 +217,19 @@ TEST(Layout, Hybrid) {
            AT(HybridFrame, ao_samples), AT(HybridFrame, flags)});
   compare("GbufferPixel", sizeof(GbufferPixel),
           {AT(GbufferPixel, normal), AT(GbufferPixel, depth), AT(GbufferPixel, albedo), AT(GbufferPixel, surface)});
+}
+
+TEST(Layout, Shadows) {
+  compare("ShadowView", sizeof(ShadowView),
+          {AT(ShadowView, x), AT(ShadowView, y), AT(ShadowView, z), AT(ShadowView, w), AT(ShadowView, depth),
+           AT(ShadowView, light), AT(ShadowView, kind), AT(ShadowView, texel), AT(ShadowView, near),
+           AT(ShadowView, far), AT(ShadowView, radius), AT(ShadowView, first_texel), AT(ShadowView, pad0),
+           AT(ShadowView, pad1), AT(ShadowView, pad2)});
+  compare("ShadowFrame", sizeof(ShadowFrame),
+          {AT(ShadowFrame, size), AT(ShadowFrame, bias_kind), AT(ShadowFrame, bias), AT(ShadowFrame, ambient),
+           AT(ShadowFrame, taps), AT(ShadowFrame, pattern), AT(ShadowFrame, blur), AT(ShadowFrame, exponent),
+           AT(ShadowFrame, bits), AT(ShadowFrame, view_count), AT(ShadowFrame, cascades), AT(ShadowFrame, pad0)});
+  compare("ShadowCounts", sizeof(ShadowCounts), {AT(ShadowCounts, answered), AT(ShadowCounts, left)});
 }
 
 TEST(Layout, Bidirectional) {

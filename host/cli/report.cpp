@@ -39,6 +39,16 @@ void print_summary(const Run& run, const OutputRequest& output) {
              result.spp, result.seconds, speed, error);
 }
 
+void print_shadows(const ShadowReport& shadows) {
+  fmt::print(stderr, "  shadows     {} views, {}", shadows.views, to_size_text(shadows.bytes));
+  if (const auto& answers = shadows.answers) {
+    const std::uint64_t all = std::max<std::uint64_t>(answers->answered + answers->traced, 1);
+    fmt::print(stderr, "; {} look-ups, {:.3g} % of them left to rays", all,
+               100.0 * static_cast<double>(answers->traced) / static_cast<double>(all));
+  }
+  fmt::print(stderr, "\n");
+}
+
 void print_details(const Run& run) {
   const RenderResult& result = run.result;
   fmt::print(stderr, "  device      {} ({}, {})\n", run.device.name, run.device.driver, run.device.type);
@@ -54,6 +64,7 @@ void print_details(const Run& run) {
   fmt::print(stderr, "  kernels     cache {}\n", run.kernel_cache);
   fmt::print(stderr, "  rays        camera {}, bounce {}, shadow {}, occlusion {}\n", result.rays.camera,
              result.rays.bounce, result.rays.shadow, result.rays.occlusion);
+  if (result.shadows) print_shadows(*result.shadows);
   for (const StageTime& stage : result.stages)
     fmt::print(stderr, "  {:<12}{:.3f} s in {} dispatches\n", stage.name, stage.seconds, stage.dispatches);
   for (const LeftOut& entry : run.packed.left_out)

@@ -37,20 +37,23 @@ float plane_depth(Receiver r, vec2 place) {
   return depth > 0.0 ? clamp(depth, r.depth - reach, r.depth + reach) : r.depth;
 }
 
-// The depth up to which a map's surface at a texel, whose centre is `reach` texels away at most, is taken for the
-// receiver itself.
-float unshadowed_depth(Receiver r, ivec2 texel) {
-  vec2 centre = vec2(texel) + 0.5;
+// The depth up to which a map's surface, seen at a place of the view, is taken for the receiver itself; `reach`: how many
+// texels away from the receiver at most the map has sampled it.
+float unshadowed_depth(Receiver r, vec2 place, float reach) {
   float width = texel_width(r.view, r.depth), rounding = kDepthRounding * r.view.far;
-  vec2 away = abs(centre - r.place);
-  float reach = max(away.x, away.y);
   if (shadow.bias_kind == kBiasConstant) return r.depth - shadow.bias * width;
   if (shadow.bias_kind == kBiasSlope) // by as much as the plane falls back on the way to the texel's centre, or more
     return r.depth - shadow.bias * width * plane_slope(r) * max(1.4142 * reach, 0.7072) - rounding;
   if (shadow.bias_kind == kBiasPlane && r.view.kind != kViewParaboloid)
-    return plane_depth(r, centre) - shadow.bias * width - rounding;
+    return plane_depth(r, place) - shadow.bias * width - rounding;
   if (shadow.bias_kind == kBiasCone) return r.depth - shadow.bias * width * (0.5 + reach) - rounding;
   return r.depth - rounding; // the map's own depths are moved, or the receiver is
+}
+
+// Of a texel, which sampled the surface at its centre.
+float unshadowed_depth(Receiver r, ivec2 texel) {
+  vec2 centre = vec2(texel) + 0.5, away = abs(centre - r.place);
+  return unshadowed_depth(r, centre, max(away.x, away.y));
 }
 
 // Whether a map leaves the receiver lit at a texel.

@@ -41,4 +41,8 @@ layout(set = 0, binding = kBindShadowFilteredWords, std430) buffer ShadowFiltere
 layout(set = 0, binding = kBindShadowScratch, std430) buffer ShadowScratchBlock { uvec4 shadow_scratch[]; };
 #endif
 
+#ifdef BIND_SHADOW_COUNTS
+layout(set = 0, binding = kBindShadowCounts, std430) buffer ShadowCountBlock { ShadowCounts shadow_counts; };
+#endif
+
 #endif

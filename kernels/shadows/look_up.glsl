@@ -26,6 +26,7 @@ struct Receiver {
   vec3 to_light;  // of unit length: to where the view is taken from
   Hit hit;        // of the camera ray
   uint slot;
+  uvec2 views;    // of the light: the first one, how many
   uint view_index;
   ShadowView view;
   vec2 place;     // in texels of the view
@@ -35,16 +36,20 @@ struct Receiver {
 // From 0, in shadow, to 1; below 0 where only the ray itself can tell.
 float lit_share(Receiver r);
 
+// Turns to a view of the light. False if it does not show the point.
+bool look_through(uint view_index, inout Receiver r) {
+  r.view_index = view_index;
+  r.view = fetch_shadow_view(view_index);
+  if (!place_in_view(r.view, r.position, r.place)) return false;
+  r.depth = view_depth(r.view, r.position);
+  r.to_light = r.view.kind == kViewParallel ? r.view.light : normalize(r.view.light - r.position);
+  return true;
+}
+
 // A view that shows the point, the first of those of its light.
-bool find_view(uvec2 views, inout Receiver r) {
-  for (uint i = 0u; i < views.y; ++i) {
-    r.view_index = views.x + i;
-    r.view = fetch_shadow_view(r.view_index);
-    if (!place_in_view(r.view, r.position, r.place)) continue;
-    r.depth = view_depth(r.view, r.position);
-    r.to_light = r.view.kind == kViewParallel ? r.view.light : normalize(r.view.light - r.position);
-    return true;
-  }
+bool find_view(inout Receiver r) {
+  for (uint i = 0u; i < r.views.y; ++i)
+    if (look_through(r.views.x + i, r)) return true;
   return false;
 }
 
@@ -55,20 +60,37 @@ int map_texel(ShadowView v, ivec2 texel) {
 }
 float map_depth(ShadowView v, ivec2 texel) { return texelFetch(shadow_depths, map_texel(v, texel)).x; }
 
+#ifdef BIND_SHADOW_COUNTS
+#define ADD64(counter, count)                                         \
+  {                                                                   \
+    uint before = atomicAdd(counter[0], count);                       \
+    if (before + count < before) atomicAdd(counter[1], 1u);           \
+  }
+void count_answers(bool answered) {
+  uint yes = subgroupBallotBitCount(subgroupBallot(answered)), no = subgroupBallotBitCount(subgroupBallot(!answered));
+  if (!subgroupElect()) return;
+  ADD64(shadow_counts.answered, yes)
+  ADD64(shadow_counts.left, no)
+}
+#endif
+
 void main() {
   uint index = gl_GlobalInvocationID.x;
   if (index >= queues.shadow_count) return;
   ShadowRay ray = fetch_shadow_ray(index);
-  uvec2 views = texelFetch(shadow_lights, int(ray.light)).xy;
-  if (views.x == kNone) return;
   Receiver r;
+  r.views = texelFetch(shadow_lights, int(ray.light)).xy;
+  if (r.views.x == kNone) return;
   r.hit = fetch_hit(ray.slot);
   r.slot = ray.slot;
   Surface surface = fetch_surface(r.hit);
   r.position = surface.position;
   r.normal = dot(surface.geometric_normal, ray.direction) < 0.0 ? -surface.geometric_normal : surface.geometric_normal;
-  if (!find_view(views, r)) return;
+  if (!find_view(r)) return;
   float lit = lit_share(r);
+#ifdef BIND_SHADOW_COUNTS
+  count_answers(lit >= 0.0);
+#endif
   if (!(lit >= 0.0)) return;
   PathState path = fetch_path(ray.slot);
   path.radiance += ray.contribution * mix(shadow.ambient, 1.0, min(lit, 1.0));

@@ -21,6 +21,7 @@ GPU_CONSTANT uint kBindShadowFilteredWords = 71u; // storage vec4[]: the same me
 GPU_CONSTANT uint kBindShadowScratch = 72u;       // storage uvec4[]: what filters need in between, or a technique's own
 GPU_CONSTANT uint kBindShadowDepthWords = 73u;    // storage float[]: the same memory as the depths
 GPU_CONSTANT uint kBindShadowIdWords = 74u;       // storage uvec2[]: the same memory as the ids
+GPU_CONSTANT uint kBindShadowCounts = 75u;        // storage ShadowCounts, of techniques that leave rays to be traced
 
 // How places follow from points: parallel and perspective views by ShadowView::x, y, w; a paraboloid by the direction
 // from the light.
@@ -63,6 +64,13 @@ struct ShadowFrame {
   uint pad0;
 };
 GPU_CHECK(sizeof(ShadowFrame) == 48);
+
+// Shadow rays to lights with views since the view was taken up.
+struct ShadowCounts {
+  uint answered[2]; // 64 bits: low, high
+  uint left[2];     // to be traced
+};
+GPU_CHECK(sizeof(ShadowCounts) == 16);
 
 #ifdef __cplusplus
 } // namespace wavepath::gpu

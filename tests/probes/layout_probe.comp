@@ -10,6 +10,7 @@
 #include "kernels/light_tree_types.h"
 #include "kernels/path/path_types.h"
 #include "kernels/scene_types.h"
+#include "kernels/shadows/shadow_types.h"
 #include "kernels/whitted/whitted_types.h"
 
 layout(local_size_x = 1) in;
@@ -52,5 +53,8 @@ layout(set = 0, binding = 34, std430) buffer Splats { SplatPixel splats[]; };
 layout(set = 0, binding = 35, std140) uniform PhotonFrameBlock { PhotonFrame photon_frame; };
 layout(set = 0, binding = 36, std430) buffer Photons { Photon photons[]; };
 layout(set = 0, binding = 37, std430) buffer PhotonCells { PhotonCell photon_cells[]; };
+layout(set = 0, binding = 39, std430) buffer ShadowViews { ShadowView shadow_views[]; };
+layout(set = 0, binding = 40, std430) buffer ShadowFrames { ShadowFrame shadow_frames[]; };
+layout(set = 0, binding = 41, std430) buffer ShadowCountBlocks { ShadowCounts shadow_counts[]; };
 
 void main() {}

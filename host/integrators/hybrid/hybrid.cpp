@@ -236,7 +236,8 @@ void Hybrid::describe(RenderResult& result) const {
                     .build = shadow_times_.build(),
                     .look_up = shadow_times_.look_up(),
                     .views = shadows_->view_count(),
-                    .bytes = shadows_->bytes()};
+                    .bytes = shadows_->bytes(),
+                    .answers = shadows_->answers()};
 }
 
 // What a pixel counts for in a wave: its light samples, which take slots, or its occlusion rays if those are more.

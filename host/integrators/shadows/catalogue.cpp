@@ -13,7 +13,8 @@
 namespace wavepath {
 namespace {
 
-constexpr std::array kKinds = {&kShadowMap, &kShadowMapId, &kShadowPcf, &kShadowPcss};
+constexpr std::array kKinds = {&kShadowMap,  &kShadowMapId,  &kShadowPcf,  &kShadowPcss,    &kShadowVsm, &kShadowEsm,
+                               &kShadowEvsm, &kShadowMoment, &kShadowVssm, &kShadowAverage, &kShadowLeak};
 static_assert(kKinds.size() + 1 == kShadowNames.size());
 
 } // namespace

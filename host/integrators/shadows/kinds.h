@@ -5,9 +5,16 @@
 
 namespace wavepath {
 
-extern const ShadowKind kShadowMap;   // map.cpp
-extern const ShadowKind kShadowMapId; // map_id.cpp
-extern const ShadowKind kShadowPcf;   // pcf.cpp
-extern const ShadowKind kShadowPcss;  // pcss.cpp
+extern const ShadowKind kShadowMap;     // map.cpp
+extern const ShadowKind kShadowMapId;   // map_id.cpp
+extern const ShadowKind kShadowPcf;     // pcf.cpp
+extern const ShadowKind kShadowPcss;    // pcss.cpp
+extern const ShadowKind kShadowVsm;     // vsm.cpp
+extern const ShadowKind kShadowEsm;     // esm.cpp
+extern const ShadowKind kShadowEvsm;    // evsm.cpp
+extern const ShadowKind kShadowMoment;  // moment.cpp
+extern const ShadowKind kShadowVssm;    // vssm.cpp
+extern const ShadowKind kShadowAverage; // average.cpp
+extern const ShadowKind kShadowLeak;    // leak.cpp
 
 } // namespace wavepath

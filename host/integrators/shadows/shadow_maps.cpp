@@ -27,6 +27,7 @@ enum MapBuffer : std::size_t {
   kTaps,
   kFiltered,
   kScratch,
+  kCounts,
   kMapBufferCount
 };
 
@@ -35,7 +36,7 @@ struct MapBinding {
   BindingKind kind;
   MapBuffer buffer;
 };
-constexpr std::array<MapBinding, 11> kBindings = {{{gpu::kBindShadowFrame, uniform, kFrameData},
+constexpr std::array<MapBinding, 12> kBindings = {{{gpu::kBindShadowFrame, uniform, kFrameData},
                                                    {gpu::kBindShadowViews, texels_rgba32f, kViews},
                                                    {gpu::kBindShadowLights, texels_rg32ui, kLightViews},
                                                    {gpu::kBindShadowDepths, texels_r32f, kDepths},
@@ -45,7 +46,8 @@ constexpr std::array<MapBinding, 11> kBindings = {{{gpu::kBindShadowFrame, unifo
                                                    {gpu::kBindShadowTaps, texels_rgba32f, kTaps},
                                                    {gpu::kBindShadowFiltered, texels_rgba32f, kFiltered},
                                                    {gpu::kBindShadowFilteredWords, storage, kFiltered},
-                                                   {gpu::kBindShadowScratch, storage, kScratch}}};
+                                                   {gpu::kBindShadowScratch, storage, kScratch},
+                                                   {gpu::kBindShadowCounts, storage, kCounts}}};
 
 const std::array<AttachmentInfo, 3> kAttachments{
     {{.name = "shadow map", .format = ImageFormat::r32f, .clear = {.colour = {gpu::kFar, 0.0f, 0.0f, 0.0f}}},
@@ -93,6 +95,7 @@ public:
       trace(queue);
     else
       draw(queue);
+    filter(queue);
     if (!recipe_.record_filter) return;
     const auto record = [this](Commands& commands) {
       commands.bind(*sets_.front());
@@ -111,6 +114,12 @@ public:
     std::uint64_t bytes = target_ ? target_->bytes() : 0;
     for (const Buffer& buffer : buffers_) bytes += buffer.bytes();
     return bytes;
+  }
+  std::optional<RayAnswers> answers() const override {
+    if (!recipe_.counts) return std::nullopt;
+    const gpu::ShadowCounts counts = download<gpu::ShadowCounts>(buffers_[kCounts], 1).front();
+    const auto whole = [](const gpu::uint* parts) { return std::uint64_t{parts[1]} << 32 | parts[0]; };
+    return RayAnswers{.answered = whole(counts.answered), .traced = whole(counts.left)};
   }
   std::uint32_t view_count() const override { return static_cast<std::uint32_t>(views_.size()); }
 
@@ -185,7 +194,8 @@ private:
     const std::vector<glm::vec4> taps =
         recipe_.taps ? filter_taps(settings_.shadow_pattern, settings_.shadow_taps) : std::vector<glm::vec4>(1);
     buffers_[kTaps] = upload(workspace_.device, taps);
-    const auto tap_count = static_cast<std::uint32_t>(taps.size());
+    const auto tap_count = recipe_.taps ? static_cast<std::uint32_t>(taps.size()) : settings_.shadow_taps;
+    buffers_[kCounts] = upload(workspace_.device, std::vector<gpu::ShadowCounts>(recipe_.counts ? 1 : 0));
     buffers_[kFrameData] = upload(workspace_.device, std::vector<gpu::ShadowFrame>{shadow_frame(tap_count)});
   }
 
@@ -199,7 +209,7 @@ private:
     frame.taps = taps;
     frame.pattern = settings_.shadow_pattern;
     frame.blur = static_cast<float>(settings_.shadow_blur);
-    frame.exponent = static_cast<float>(settings_.shadow_exponent.value_or(0.0));
+    frame.exponent = static_cast<float>(settings_.shadow_exponent.value_or(recipe_.exponent));
     frame.bits = settings_.shadow_bits;
     frame.view_count = view_count();
     frame.cascades = settings_.shadow_cascades;
@@ -248,23 +258,48 @@ private:
   }
 
   void trace(WaveQueue& queue) {
-    const std::uint64_t most = texels_a_slice_.next_frame();
+    gpu::Wave wave{};
+    wave.first_sample = recipe_.ids ? 1 : 0;
     const std::uint32_t texels = settings_.shadow_size * settings_.shadow_size;
+    const SlicedDispatch work{&*tracer_, raster_set_.get(), wave, texels, texels_a_slice_.next_frame()};
+    for (std::uint32_t view = 0; view < views_.size(); ++view) dispatch_in_slices(queue, work, view, texels_a_slice_);
+  }
+
+  void filter(WaveQueue& queue) {
+    const std::uint32_t size = settings_.shadow_size;
+    const std::uint64_t most = filtered_a_slice_.next_frame();
     for (std::uint32_t view = 0; view < views_.size(); ++view)
-      for (std::uint32_t first = 0; first < texels;) {
-        gpu::Wave wave{};
-        wave.first_pixel = first;
-        wave.pixel_count = static_cast<std::uint32_t>(std::min<std::uint64_t>(most, texels - first));
-        wave.first_sample = recipe_.ids ? 1 : 0;
-        wave.sample_count = view;
-        const auto record = [&](Commands& commands) {
-          commands.bind(*raster_set_);
-          commands.dispatch(*tracer_, groups_for(wave.pixel_count), &wave);
-        };
-        queue.submit(record, {.stage = "shadow build",
-                              .done = [this](const Finished& finished) { texels_a_slice_.note(finished.seconds); }});
-        first += wave.pixel_count;
+      for (const MapPass& pass : recipe_.passes) {
+        const bool lines = pass.items == MapPass::Items::lines;
+        const std::uint64_t a_slice = lines ? std::max<std::uint64_t>(most / size, 1) : most;
+        dispatch_in_slices(
+            queue, {&kernels_.best(need_)[pass.stage], sets_.front().get(), {}, lines ? size : size * size, a_slice},
+            view, filtered_a_slice_);
       }
+  }
+
+  // A kernel that goes over a view's items.
+  struct SlicedDispatch {
+    const Kernel* kernel;
+    const BindingSet* bindings;
+    gpu::Wave wave;
+    std::uint32_t items;
+    std::uint64_t a_slice;
+  };
+  void dispatch_in_slices(WaveQueue& queue, const SlicedDispatch& work, std::uint32_t view, SliceLength& length) {
+    for (std::uint32_t first = 0; first < work.items;) {
+      gpu::Wave wave = work.wave;
+      wave.first_pixel = first;
+      wave.pixel_count = static_cast<std::uint32_t>(std::min<std::uint64_t>(work.a_slice, work.items - first));
+      wave.sample_count = view;
+      const auto record = [&](Commands& commands) {
+        commands.bind(*work.bindings);
+        commands.dispatch(*work.kernel, groups_for(wave.pixel_count), &wave);
+      };
+      queue.submit(record, {.stage = "shadow build",
+                            .done = [&length](const Finished& finished) { length.note(finished.seconds); }});
+      first += wave.pixel_count;
+    }
   }
 
   const ShadowMapRecipe& recipe_;
@@ -283,7 +318,7 @@ private:
   std::optional<RasterPipeline> pipeline_;
   std::optional<Kernel> tracer_;
   std::vector<std::unique_ptr<BindingSet>> sets_; // by band
-  SliceLength triangles_a_slice_{kFirstTriangles}, texels_a_slice_{kFirstTexels};
+  SliceLength triangles_a_slice_{kFirstTriangles}, texels_a_slice_{kFirstTexels}, filtered_a_slice_{kFirstTexels};
   std::uint32_t builds_left_ = 0;
 };
 

@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <optional>
+#include <span>
 
 #include "host/gpu/raster.h"
 #include "host/integrators/raster/culling.h"
@@ -21,12 +22,20 @@ struct MapFilterJob {
   std::uint32_t views = 0, size = 0;
 };
 
+// A kernel that goes over every view, in submissions as short as they have to be. Push constant: first_pixel = first of
+// the items of this dispatch, pixel_count = how many, sample_count = the view.
+struct MapPass {
+  std::size_t stage = 0;                                    // of the recipe's program
+  enum class Items { texels, lines } items = Items::texels; // lines: rows or columns
+};
+
 // What a technique of maps consists of.
 struct ShadowMapRecipe {
   // Stage 0 answers shadow rays; the others are the filter's. Their layout is shadow_layout().
   const KernelProgram* program = nullptr;
   bool ids = false;                                          // maps hold triangles, besides depths
   bool taps = false;                                         // look-ups take filter taps
+  bool counts = false;                                       // look-ups count what they answer
   double (*guard)(const RenderSettings& settings) = nullptr; // texels that look-ups reach beyond their place; null = 1
   // Views of a source; null = usual_views().
   std::vector<gpu::ShadowView> (*views)(const ShadowFit& fit, const ShadowSource& source, const View& view,
@@ -34,6 +43,8 @@ struct ShadowMapRecipe {
   // Bytes a texel of what the filter makes of the depths, and of what it needs meanwhile; null = there is none.
   std::uint64_t (*filtered_bytes)(const RenderSettings& settings) = nullptr;
   std::uint64_t (*scratch_bytes)(const RenderSettings& settings) = nullptr;
+  std::span<const MapPass> passes{}; // of a filter, one after the other
+  double exponent = 0.0;             // --shadow-exponent unless that is given
   // Records the filter, for all views. A barrier comes before, and none after.
   void (*record_filter)(Commands& commands, const MapFilterJob& job, const RenderSettings& settings) = nullptr;
 };

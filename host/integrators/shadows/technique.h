@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -36,6 +37,8 @@ public:
 
   virtual std::uint64_t bytes() const = 0;
   virtual std::uint32_t view_count() const = 0; // directions from lights that it keeps something of
+  // Since change(), of a technique that leaves rays to be traced by choice. Nothing is in flight.
+  virtual std::optional<RayAnswers> answers() const { return std::nullopt; }
 };
 
 // What a technique is made of.

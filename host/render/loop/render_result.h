@@ -52,12 +52,18 @@ struct ShadowCost {
   double median = 0.0, least = 0.0, most = 0.0;
 };
 
+// Shadow rays that a technique could have answered: those that it did answer, and those that it left to be traced.
+struct RayAnswers {
+  std::uint64_t answered = 0, traced = 0;
+};
+
 // What a shadow technique made, and what that took (--shadows).
 struct ShadowReport {
   std::string covered, traced; // lights: those that it answers for, and those whose rays are traced
   ShadowCost build, look_up;
   std::uint32_t views = 0; // directions from lights that it keeps something of
   std::uint64_t bytes = 0;
+  std::optional<RayAnswers> answers; // of a technique that traces some rays by choice
 };
 
 // The filter of the finished picture (--denoise).

@@ -1,0 +1,31 @@
+// Exponential shadow maps (Annen et al. 2008).
+#include "host/integrators/shadows/filterable.h"
+#include "host/integrators/shadows/kinds.h"
+#include "kernels/shadows/blur_columns.spv.h"
+#include "kernels/shadows/esm_rows.spv.h"
+#include "kernels/shadows/look_up_esm.spv.h"
+
+namespace wavepath {
+namespace {
+
+const FilterableStages kStages = {{{"shadow look-up", wavepath_look_up_esm_spv},
+                                   {"shadow rows", wavepath_esm_rows_spv},
+                                   {"shadow columns", wavepath_blur_columns_spv}}};
+const KernelProgram kProgram = {kStages, kFilterableOrder, shadow_layout};
+// Of what floats hold, with room for rounding; over the whole range of depths, as 40 is from -1 to 1.
+constexpr double kExponent = 80.0;
+const ShadowMapRecipe kRecipe = filterable_recipe(kProgram, kExponent);
+constexpr std::array<std::string_view, 5> kSettings = {"shadow-size", "shadow-bias", "shadow-source", "shadow-blur",
+                                                       "shadow-exponent"};
+
+} // namespace
+
+constinit const ShadowKind kShadowEsm = {
+    .name = "esm",
+    .summary = "a map's depths as exponentials, averaged (Annen et al. 2008)",
+    .sources = kAllSources,
+    .settings = kSettings,
+    .make = [](const ShadowContext& context) { return make_shadow_maps(kRecipe, context); },
+};
+
+} // namespace wavepath

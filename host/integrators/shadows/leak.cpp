@@ -1,0 +1,31 @@
+// Leak tracing (Kern, Bruell and Grosch 2024) on maps of four moments.
+#include "host/integrators/shadows/filterable.h"
+#include "host/integrators/shadows/kinds.h"
+#include "kernels/shadows/blur_columns.spv.h"
+#include "kernels/shadows/look_up_leak.spv.h"
+#include "kernels/shadows/moment_rows.spv.h"
+
+namespace wavepath {
+namespace {
+
+const FilterableStages kStages = {{{"shadow look-up", wavepath_look_up_leak_spv},
+                                   {"shadow rows", wavepath_moment_rows_spv},
+                                   {"shadow columns", wavepath_blur_columns_spv}}};
+const KernelProgram kProgram = {kStages, kFilterableOrder, shadow_layout};
+const ShadowMapRecipe kRecipe = [] {
+  ShadowMapRecipe recipe = filterable_recipe(kProgram);
+  recipe.counts = true;
+  return recipe;
+}();
+
+} // namespace
+
+constinit const ShadowKind kShadowLeak = {
+    .name = "leak",
+    .summary = "a map and its moments where they agree, rays elsewhere (Kern, Bruell and Grosch 2024)",
+    .sources = kPunctualSources,
+    .settings = kFilterableSettings,
+    .make = [](const ShadowContext& context) { return make_shadow_maps(kRecipe, context); },
+};
+
+} // namespace wavepath

@@ -1,0 +1,29 @@
+// Moment shadow maps (Peters and Klein 2015).
+#include "host/integrators/shadows/filterable.h"
+#include "host/integrators/shadows/kinds.h"
+#include "kernels/shadows/look_up_moment.spv.h"
+#include "kernels/shadows/moment_columns.spv.h"
+#include "kernels/shadows/moment_rows.spv.h"
+
+namespace wavepath {
+namespace {
+
+const FilterableStages kStages = {{{"shadow look-up", wavepath_look_up_moment_spv},
+                                   {"shadow rows", wavepath_moment_rows_spv},
+                                   {"shadow columns", wavepath_moment_columns_spv}}};
+const KernelProgram kProgram = {kStages, kFilterableOrder, shadow_layout};
+const ShadowMapRecipe kRecipe = filterable_recipe(kProgram);
+constexpr std::array<std::string_view, 5> kSettings = {"shadow-size", "shadow-bias", "shadow-source", "shadow-blur",
+                                                       "shadow-bits"};
+
+} // namespace
+
+constinit const ShadowKind kShadowMoment = {
+    .name = "moment",
+    .summary = "the most light that four moments of a map's depths allow (Peters and Klein 2015)",
+    .sources = kAllSources,
+    .settings = kSettings,
+    .make = [](const ShadowContext& context) { return make_shadow_maps(kRecipe, context); },
+};
+
+} // namespace wavepath

@@ -1,0 +1,27 @@
+// Variance shadow maps (Donnelly and Lauritzen 2006).
+#include "host/integrators/shadows/filterable.h"
+#include "host/integrators/shadows/kinds.h"
+#include "kernels/shadows/blur_columns.spv.h"
+#include "kernels/shadows/look_up_vsm.spv.h"
+#include "kernels/shadows/vsm_rows.spv.h"
+
+namespace wavepath {
+namespace {
+
+const FilterableStages kStages = {{{"shadow look-up", wavepath_look_up_vsm_spv},
+                                   {"shadow rows", wavepath_vsm_rows_spv},
+                                   {"shadow columns", wavepath_blur_columns_spv}}};
+const KernelProgram kProgram = {kStages, kFilterableOrder, shadow_layout};
+const ShadowMapRecipe kRecipe = filterable_recipe(kProgram);
+
+} // namespace
+
+constinit const ShadowKind kShadowVsm = {
+    .name = "vsm",
+    .summary = "the most light that mean and variance of a map's depths allow (Donnelly and Lauritzen 2006)",
+    .sources = kAllSources,
+    .settings = kFilterableSettings,
+    .make = [](const ShadowContext& context) { return make_shadow_maps(kRecipe, context); },
+};
+
+} // namespace wavepath

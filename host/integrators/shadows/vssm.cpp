@@ -1,0 +1,36 @@
+// Variance soft shadow maps (Yang, Dong, Feng and Seidel 2010).
+#include <array>
+
+#include "host/integrators/shadows/kinds.h"
+#include "host/integrators/shadows/shadow_maps.h"
+#include "kernels/shadows/look_up_vssm.spv.h"
+#include "kernels/shadows/sat_columns.spv.h"
+#include "kernels/shadows/sat_rows.spv.h"
+
+namespace wavepath {
+namespace {
+
+enum Stage : std::size_t { kLookUp, kRows, kColumns, kStageCount };
+const std::array<KernelCode, kStageCount> kStages = {{{"shadow look-up", wavepath_look_up_vssm_spv},
+                                                      {"shadow rows", wavepath_sat_rows_spv},
+                                                      {"shadow columns", wavepath_sat_columns_spv}}};
+constexpr std::array<std::size_t, kStageCount> kOrder = {kLookUp, kRows, kColumns};
+const KernelProgram kProgram = {kStages, kOrder, shadow_layout};
+constexpr std::array<MapPass, 2> kPasses = {{{kRows, MapPass::Items::lines}, {kColumns, MapPass::Items::lines}}};
+const ShadowMapRecipe kRecipe = {
+    .program = &kProgram,
+    .scratch_bytes = [](const RenderSettings&) { return std::uint64_t{4 * sizeof(gpu::uint)}; },
+    .passes = kPasses};
+constexpr std::array<std::string_view, 4> kSettings = {"shadow-size", "shadow-bias", "shadow-source", "shadow-taps"};
+
+} // namespace
+
+constinit const ShadowKind kShadowVssm = {
+    .name = "vssm",
+    .summary = "soft shadows from mean and variance of depths over boxes of any size (Yang et al. 2010)",
+    .sources = kAreaSources,
+    .settings = kSettings,
+    .make = [](const ShadowContext& context) { return make_shadow_maps(kRecipe, context); },
+};
+
+} // namespace wavepath

@@ -1,0 +1,17 @@
+// A moment shadow map (Peters and Klein 2015): the least shadow that four moments of the depths allow.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+
+#define BIND_SHADOW_FILTERED
+#include "kernels/shadows/look_up.glsl"
+#include "kernels/shadows/bias.glsl"
+#include "kernels/shadows/bounds.glsl"
+#include "kernels/shadows/filtered.glsl"
+#include "kernels/shadows/moments16.glsl"
+
+float lit_share(Receiver r) {
+  offset_receiver(r);
+  vec4 moments = filtered_at(r);
+  if (shadow.bits == 16u) moments = moments_of_numbers(moments);
+  return 1.0 - hamburger(moments, compared_depth(r), shadow.bits == 16u ? kMomentBias16 : kMomentBias);
+}
