@@ -246,9 +246,14 @@ VkBufferImageCopy DeviceImage::whole(Aspect aspect) const {
 
 void DeviceImage::copy_to(VkCommandBuffer commands, const Buffer& to, Aspect aspect) {
   assert(to.bytes() >= std::uint64_t{info_.width} * info_.height * info_.layers * texel_bytes(info_.format, aspect));
-  record_barriers(commands, std::array{barrier(ImageUse::copied_from)}, kWrittenByKernelOrCopy, kUsedByCopy);
   const VkBufferImageCopy region = whole(aspect);
-  vkCmdCopyImageToBuffer(commands, image_, layout(use_), to.handle(), 1, &region);
+  copy_to(commands, to, {&region, 1});
+}
+
+void DeviceImage::copy_to(VkCommandBuffer commands, const Buffer& to, std::span<const VkBufferImageCopy> parts) {
+  record_barriers(commands, std::array{barrier(ImageUse::copied_from)}, kWrittenByKernelOrCopy, kUsedByCopy);
+  vkCmdCopyImageToBuffer(commands, image_, layout(use_), to.handle(), static_cast<std::uint32_t>(parts.size()),
+                         parts.data());
   record_barrier(commands, kWrittenByCopy, used_by_shader_or_copy(device_));
 }
 

@@ -98,6 +98,8 @@ public:
   // copies and, after the fence, the host. The image is for copies afterwards.
   void copy_to(VkCommandBuffer commands, const Buffer& to, Aspect aspect = Aspect::main);
   void copy_from(VkCommandBuffer commands, const Buffer& from, Aspect aspect = Aspect::main);
+  // The same of parts of the image.
+  void copy_to(VkCommandBuffer commands, const Buffer& to, std::span<const VkBufferImageCopy> parts);
 
 private:
   VkBufferImageCopy whole(Aspect aspect) const;

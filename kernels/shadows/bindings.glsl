@@ -41,4 +41,9 @@ layout(set = 0, binding = kBindShadowFilteredWords, std430) buffer ShadowFiltere
 layout(set = 0, binding = kBindShadowScratch, std430) buffer ShadowScratchBlock { uvec4 shadow_scratch[]; };
 #endif
 
+#ifdef BIND_SHADOW_PAGES
+// Of virtual maps: the slot of every page, kNone where it is not resident; then the page of every slot.
+layout(set = 0, binding = kBindShadowScratch, std430) readonly buffer ShadowPageBlock { uint page_words[]; };
+#endif
+
 #endif

@@ -145,7 +145,10 @@ void Hybrid::remake_shadows(const View& view, const std::vector<Binding>& own) {
   shadows_made_for_ = settings_.shadows;
   if (!kind) return shadows_.reset();
   if (!shadows_) shadows_ = kind->make({workspace_, kernels_, covered_sources(*kind, workspace_.scene)});
-  shadows_->change(view, settings_, own);
+  std::vector<Binding> shared = own;
+  shared.push_back({gpu::kBindHybrid, BindingKind::uniform, &buffers_[kFrame]});
+  shared.push_back({gpu::kBindVisibility, BindingKind::texels_rg32ui, &visibility_->ids()});
+  shadows_->change(view, settings_, shared);
 }
 
 // Memory and kernels stay, unless size or buffers are others.
@@ -218,7 +221,9 @@ void Hybrid::begin_pass(WaveQueue& queue, std::uint32_t sample) {
 
 void Hybrid::describe(RenderResult& result) const {
   result.ambient = frame_.ambient;
-  if (shadows_) result.shadows = {.views = shadows_->view_count(), .bytes = shadows_->bytes()};
+  if (!shadows_) return;
+  result.shadows = {.views = shadows_->view_count(), .bytes = shadows_->bytes()};
+  shadows_->describe(*result.shadows);
 }
 
 // What a pixel counts for in a wave: its light samples, which take slots, or its occlusion rays if those are more.

@@ -13,7 +13,9 @@
 namespace wavepath {
 namespace {
 
-constexpr std::array kKinds = {&kShadowMap, &kShadowPcf, &kShadowPcss};
+constexpr std::array kKinds = {&kShadowMap,  &kShadowPcf,  &kShadowPcss,       &kShadowCascades,
+                               &kShadowSdsm, &kShadowCube, &kShadowParaboloid, &kShadowLispsm,
+                               &kShadowTsm,  &kShadowPsm,  &kShadowVirtual};
 static_assert(kKinds.size() + 1 == kShadowNames.size());
 
 } // namespace

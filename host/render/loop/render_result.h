@@ -50,6 +50,8 @@ struct MergeReport {
 struct ShadowReport {
   std::uint32_t views = 0; // directions from lights that it keeps something of
   std::uint64_t bytes = 0;
+  float nearest = 0.0f, farthest = 0.0f;       // depths that the last frame showed, where views are fitted to it
+  std::uint32_t pages = 0, resident_pages = 0; // of virtual maps; in the last frame
 };
 
 // The filter of the finished picture (--denoise).

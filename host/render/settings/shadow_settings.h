@@ -11,7 +11,8 @@ namespace wavepath {
 struct RenderSettings;
 
 // The first one traces rays; host/integrators/shadows has a file for each of the others.
-inline constexpr std::array<std::string_view, 4> kShadowNames = {"traced", "map", "pcf", "pcss"};
+inline constexpr std::array<std::string_view, 12> kShadowNames = {
+    "traced", "map", "pcf", "pcss", "cascades", "sdsm", "cube", "paraboloid", "lispsm", "tsm", "psm", "virtual"};
 inline constexpr std::uint32_t kShadowsTraced = 0;
 // By kBias and kPattern constant of kernels/shadows/shadow_types.h.
 inline constexpr std::array<std::string_view, 7> kShadowBiasNames = {"constant", "slope",        "normal",  "plane",

@@ -1,0 +1,77 @@
+// Virtual shadow maps: the answers of the map of the same size, from a part of its texels.
+#include "tests/long_scene.h"
+
+#include <gtest/gtest.h>
+
+#include "host/integrators/shadows/virtual_pages.h"
+
+namespace wavepath::test {
+namespace {
+
+TEST_F(ShadowTest, PagesAnswerAsTheMapOfTheSameSize) {
+  for (const Scene& scene : {lit_by(sun()), lit_by(spot()), lit_by(lamp()), long_rows(sun())})
+    for (const std::uint32_t size : {100u, 512u, 1000u, 2048u})
+      for (const std::uint32_t source : {kShadowSourceRaster, kShadowSourceTraced}) {
+        SCOPED_TRACE(size);
+        if (size > 1000 && source == kShadowSourceTraced) continue; // takes long, and has no tiles
+        RenderSettings paged = shadow_settings("virtual", size), whole = shadow_settings("map", size);
+        paged.shadow_source = whole.shadow_source = source;
+        EXPECT_EQ(light(scene, paged), light(scene, whole));
+      }
+}
+
+TEST_F(ShadowTest, PagesArePartOfTheMap) {
+  const Scene scene = long_rows(sun());
+  const RenderResult paged = render(scene, shadow_settings("virtual", 4096)),
+                     whole = render(scene, shadow_settings("map", 4096));
+  ASSERT_TRUE(paged.shadows && whole.shadows);
+  printf("%u of %u pages, %.1f MiB of %.1f\n", paged.shadows->resident_pages, paged.shadows->pages,
+         paged.shadows->bytes / 1048576.0, whole.shadows->bytes / 1048576.0);
+  EXPECT_EQ(paged.shadows->pages, 32u * 32u);
+  EXPECT_GT(paged.shadows->resident_pages, 10u);
+  EXPECT_LT(paged.shadows->resident_pages, paged.shadows->pages / 2);
+  EXPECT_LT(paged.shadows->bytes, whole.shadows->bytes / 2);
+  EXPECT_EQ(paged.picture.channels[1].values, whole.picture.channels[1].values);
+}
+
+// Six views of 16384 x 16384 texels, which as maps are refused.
+TEST_F(ShadowTest, PagesFitWhereMapsDoNot) {
+  const Scene scene = lit_by(spot());
+  const std::vector<float> truth = light(scene, shadow_settings("traced"));
+  const RenderResult result = render(scene, shadow_settings("virtual", 16384));
+  printf("%u of %u\n", result.shadows->resident_pages, result.shadows->pages);
+  EXPECT_LT(false_shares(truth, result.picture.channels[1].values).total(), 0.001);
+}
+
+TEST_F(ShadowTest, MorePagesComeWithMoreFrames) {
+  const Scene scene = long_rows(sun());
+  RenderSettings settings = shadow_settings("virtual", 2048);
+  settings.last_sample = 4;
+  RenderSettings map = shadow_settings("map", 2048);
+  map.last_sample = 4;
+  EXPECT_EQ(light(scene, settings), light(scene, map));
+}
+
+TEST(VirtualPages, ResidentPagesHaveSlotsOfTheirOwn) {
+  VirtualPages pages(2, 300); // 3 x 3 pages a view
+  ASSERT_EQ(pages.total(), 18u);
+  std::vector<std::uint32_t> asked(18);
+  asked[4] = asked[17] = 1;
+  EXPECT_TRUE(pages.add(asked));
+  EXPECT_FALSE(pages.add(asked));
+  asked[0] = 1;
+  EXPECT_TRUE(pages.add(asked));
+  const std::vector<std::uint32_t> table = pages.table();
+  ASSERT_EQ(table.size(), 21u);
+  EXPECT_EQ(table[4], 0u);
+  EXPECT_EQ(table[17], 1u);
+  EXPECT_EQ(table[0], 2u);
+  EXPECT_EQ(table[1], gpu::kNone);
+  EXPECT_EQ((std::vector<std::uint32_t>(table.begin() + 18, table.end())), (std::vector<std::uint32_t>{4, 17, 0}));
+  const std::vector<PageTile> tiles = pages.tiles();
+  ASSERT_EQ(tiles.size(), 2u);                                      // one a view
+  EXPECT_EQ(tiles[1].pages.front().imageExtent.width, 300u - 256u); // at the view's end
+}
+
+} // namespace
+} // namespace wavepath::test
