@@ -48,7 +48,6 @@ TEST_F(PointShadows, CubesConvergeToTracedShadows) {
   const std::vector<float> truth = light(scene, shadow_settings("traced"));
   const double coarse = false_shares(truth, picture(scene, "cube", 64)).total(),
                fine = false_shares(truth, picture(scene, "cube", 1024)).total();
-  printf("cube %.4f %.4f\n", coarse, fine);
   EXPECT_LT(fine, 0.2 * coarse);
   EXPECT_LT(fine, 0.006);
 }
@@ -73,7 +72,6 @@ TEST_F(PointShadows, AFaceOfTheCubeIsASpotsMap) {
     dark += of_spot[i] == 0.0f;
     unlike += (of_cube[i] > 0.0f) != (of_spot[i] > 0.0f);
   }
-  printf("%zu %zu %zu\n", reached, dark, unlike);
   EXPECT_GT(reached, 1000u);
   EXPECT_GT(dark, 100u);
   EXPECT_EQ(unlike, 0u);
@@ -84,7 +82,6 @@ TEST_F(PointShadows, TracedParaboloidsConvergeToTracedShadows) {
   const std::vector<float> truth = light(scene, shadow_settings("traced"));
   const double coarse = false_shares(truth, picture(scene, "paraboloid", 64, kShadowSourceTraced)).total(),
                fine = false_shares(truth, picture(scene, "paraboloid", 2048, kShadowSourceTraced)).total();
-  printf("paraboloid %.4f %.4f\n", coarse, fine);
   EXPECT_LT(fine, 0.2 * coarse);
   EXPECT_LT(fine, 0.006);
 }
@@ -95,7 +92,6 @@ TEST_F(PointShadows, ParaboloidsBendTheEdgesOfLargeTriangles) {
     const Scene scene = around_a_lamp(cells);
     const std::vector<float> truth = light(scene, shadow_settings("traced"));
     const double errors = false_shares(truth, picture(scene, "paraboloid", 1024)).total();
-    printf("%u: %.4f\n", cells, errors);
     EXPECT_LT(errors, last) << cells;
     EXPECT_TRUE(cells > 1 || errors > 0.05) << errors;
     last = errors;
@@ -112,7 +108,6 @@ TEST_F(PointShadows, BiasEndsAcne) {
       RenderSettings settings = shadow_settings(technique, 256);
       settings.shadow_source = kShadowSourceTraced;
       settings.shadow_bias = index_of(kShadowBiasNames, kind);
-      printf("%s %s %.4f\n", technique.data(), kind.data(), false_shares(truth, light(scene, settings)).dark);
       EXPECT_LT(false_shares(truth, light(scene, settings)).dark, 0.015);
     }
 }

@@ -23,9 +23,8 @@ TEST_F(ShadowTest, WarpedMapsConvergeToTracedShadows) {
       SCOPED_TRACE(direction.z);
       const double coarse = false_shares(truth, light(scene, long_settings(technique, 64))).total(),
                    fine = false_shares(truth, light(scene, long_settings(technique, 2048))).total();
-      printf("%s %.2f: %.4f %.4f\n", technique.data(), direction.z, coarse, fine);
-      EXPECT_LT(fine, 0.25 * coarse);
-      EXPECT_LT(fine, 0.006);
+      EXPECT_LT(fine, std::max(0.25 * coarse, 0.0005)); // with a sun straight above there is little to converge
+      EXPECT_LT(fine, 0.002);
     }
   }
 }
@@ -36,7 +35,6 @@ TEST_F(ShadowTest, WarpedMapsMendWhatIsNear) {
   const double map = false_shares(truth, light(scene, long_settings("map", 256))).total();
   for (const std::string_view technique : kWarps) {
     const double warped = false_shares(truth, light(scene, long_settings(technique, 256))).total();
-    printf("%s %.4f (map %.4f)\n", technique.data(), warped, map);
     EXPECT_LT(warped, 0.7 * map) << technique;
   }
 }
@@ -58,7 +56,6 @@ TEST_F(ShadowTest, EveryBiasEndsAcneOfWarpedMaps) {
       RenderSettings settings = long_settings(technique, 256);
       settings.shadow_bias = index_of(kShadowBiasNames, kind);
       const FalseShares shares = false_shares(truth, light(scene, settings));
-      printf("%s %s %.4f %.4f\n", technique.data(), kind.data(), shares.lit, shares.dark);
       EXPECT_LT(shares.dark, 0.03) << technique << " " << kind;
     }
 }
@@ -103,8 +100,6 @@ TEST(WarpedViews, TexelsAreFinerNearTheCameraAndCoarserFarAway) {
   const gpu::ShadowView map = parallel_view(of.fit, direction);
   for (const std::string_view technique : kWarps) {
     const gpu::ShadowView view = warped(technique, of, direction);
-    printf("%s near %.4f far %.4f (map %.4f)\n", technique.data(), texel_at(view, 512, near), texel_at(view, 512, far),
-           texel_at(map, 512, near));
     EXPECT_LT(texel_at(view, 512, near), 0.5 * texel_at(map, 512, near)) << technique;
     EXPECT_GT(texel_at(view, 512, far), texel_at(map, 512, far)) << technique;
   }
@@ -122,6 +117,25 @@ TEST(WarpedViews, AnEyeFarAwaySeesTheMap) {
     EXPECT_NEAR(glm::dot(glm::dvec4(view.y), q), glm::dot(glm::dvec4(map.y), q), 2e-3);
     EXPECT_NEAR(glm::dot(glm::dvec4(view.w), q), 1.0, 1e-6);
   }
+}
+
+TEST_F(ShadowTest, AnEyeFarAwayLooksUpAsTheMap) {
+  const Scene scene = long_rows(sun({0, -1, -0.4}));
+  const std::vector<float> map = light(scene, long_settings("map", 128));
+  const auto unlike_at = [&](double distance) {
+    RenderSettings settings = long_settings("lispsm", 128);
+    settings.shadow_exponent = distance;
+    return false_shares(map, light(scene, settings)).total();
+  };
+  EXPECT_LT(unlike_at(88.0), 0.1 * unlike_at(1.0));
+}
+
+// What perspective shadow maps are known for: next to nothing is left for what is far away.
+TEST(WarpedViews, CameraSpaceForgetsWhatIsFar) {
+  const LongFit of = long_fit(512);
+  const glm::dvec3 far(0, 0, -55);
+  EXPECT_GT(texel_at(warped("psm", of, sun().direction), 512, far),
+            4.0 * texel_at(warped("lispsm", of, sun().direction), 512, far));
 }
 
 // "Duelling frusta": a light that shines along the camera's axis leaves nothing to warp; and near to that, views change

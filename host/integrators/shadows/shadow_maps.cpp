@@ -171,11 +171,17 @@ private:
     usual_views_ = views_;
   }
 
+  // How many texels there may be, the largest of whose buffers has that many bytes a texel.
+  std::uint64_t most_texels(std::uint64_t largest) const {
+    const DeviceInfo& info = workspace_.device.info();
+    return std::min({info.max_texel_elements, info.max_storage_range / largest, info.max_allocation / largest,
+                     std::uint64_t{gpu::kNone}});
+  }
+
   // Throws before anything is allocated.
   void check_fits(std::uint64_t bytes_per_texel, std::uint64_t largest) const {
     const DeviceInfo& info = workspace_.device.info();
-    const std::uint64_t most = std::min({info.max_texel_elements, info.max_storage_range / largest,
-                                         info.max_allocation / largest, std::uint64_t{gpu::kNone}});
+    const std::uint64_t most = most_texels(largest);
     if (texels() <= most && texels() * bytes_per_texel <= info.memory_bytes) return;
     throw Error(info.name,
                 fmt::format("cannot hold {} shadow maps of {}x{} texels, {:.0f} MiB; at most {} texels", views_.size(),
@@ -291,7 +297,8 @@ private:
   // Pages stay once they are there, because views stay: a frame that asks for no other one costs a look at its points.
   void build_pages(WaveQueue& queue) {
     queue.drain();
-    const bool grows = pages_.add(reduce_frame(queue, 1, std::vector<std::uint32_t>(pages_.total()), 0));
+    const std::uint64_t most = most_texels(sizeof(float)) / (gpu::kShadowPage * gpu::kShadowPage); // the rest is traced
+    const bool grows = pages_.add(reduce_frame(queue, 1, std::vector<std::uint32_t>(pages_.total()), 0), most);
     if (grows) make_room_for_pages();
     const std::vector<std::uint32_t> table = pages_.table();
     buffers_[kScratch].write(table.data(), table.size() * sizeof(std::uint32_t));
@@ -303,7 +310,6 @@ private:
   }
 
   void make_room_for_pages() {
-    check_fits(sizeof(float), sizeof(float));
     Device& device = workspace_.device;
     buffers_[kDepths] = Buffer(); // the device may not hold both at once
     buffers_[kDepths] = Buffer(device, texels() * sizeof(float));

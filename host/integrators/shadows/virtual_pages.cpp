@@ -15,10 +15,10 @@ constexpr std::uint32_t kTilePages = 8; // along a side: large enough that few t
 VirtualPages::VirtualPages(std::uint32_t views, std::uint32_t size)
     : size_(size), across_((size + kPage - 1) / kPage), slots_(std::size_t{views} * across_ * across_, gpu::kNone) {}
 
-bool VirtualPages::add(const std::vector<std::uint32_t>& asked) {
+bool VirtualPages::add(const std::vector<std::uint32_t>& asked, std::uint64_t most) {
   const std::size_t before = pages_.size();
   for (std::uint32_t page = 0; page < slots_.size(); ++page) {
-    if (asked[page] == 0 || slots_[page] != gpu::kNone) continue;
+    if (asked[page] == 0 || slots_[page] != gpu::kNone || pages_.size() >= most) continue;
     slots_[page] = resident();
     pages_.push_back(page);
   }
@@ -41,13 +41,8 @@ std::vector<PageTile> VirtualPages::tiles() const {
     PageTile& tile = tiles[{view, y / kTilePages, x / kTilePages}];
     tile.view = view, tile.x = x / kTilePages, tile.y = y / kTilePages;
     const std::uint32_t left = x % kTilePages * kPage, top = y % kTilePages * kPage;
-    VkBufferImageCopy copy{};
-    copy.bufferOffset = std::uint64_t{slot} * kPage * kPage * sizeof(float);
-    copy.bufferRowLength = copy.bufferImageHeight = kPage;
-    copy.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
-    copy.imageOffset = {static_cast<std::int32_t>(left), static_cast<std::int32_t>(top), 0};
-    copy.imageExtent = {std::min(kPage, tile_size() - left), std::min(kPage, tile_size() - top), 1};
-    tile.pages.push_back(copy);
+    tile.pages.push_back({left, top, std::min(kPage, tile_size() - left), std::min(kPage, tile_size() - top),
+                          std::uint64_t{slot} * kPage * kPage * sizeof(float), kPage});
   }
   std::vector<PageTile> list;
   for (auto& [at, tile] : tiles) list.push_back(std::move(tile));

@@ -4,8 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include <vulkan/vulkan.h>
-
+#include "host/gpu/image.h"
 #include "kernels/shadows/shadow_types.h"
 
 namespace wavepath {
@@ -13,7 +12,7 @@ namespace wavepath {
 // A part of a view that is drawn at once, and where its resident pages go.
 struct PageTile {
   std::uint32_t view = 0, x = 0, y = 0; // counted in tiles
-  std::vector<VkBufferImageCopy> pages;
+  std::vector<ImagePart> pages;
 };
 
 class VirtualPages {
@@ -21,8 +20,9 @@ public:
   // No page is resident then. `views` of size x size texels.
   VirtualPages(std::uint32_t views = 0, std::uint32_t size = 1);
 
-  // Makes the pages resident whose word is not 0, view by view, row by row. False if they all were.
-  bool add(const std::vector<std::uint32_t>& asked);
+  // Makes the pages resident whose word is not 0, view by view, row by row, as long as there are fewer than `most`.
+  // False if none came.
+  bool add(const std::vector<std::uint32_t>& asked, std::uint64_t most);
 
   std::uint32_t total() const { return static_cast<std::uint32_t>(slots_.size()); }
   std::uint32_t resident() const { return static_cast<std::uint32_t>(pages_.size()); }
