@@ -62,6 +62,7 @@ const RasterCode kIdCode{"shadow map", wavepath_shadow_map_vert_spv, wavepath_sh
 constexpr std::uint64_t kFirstTriangles = 1 << 16, kFirstTexels = 1 << 16; // of a slice: guesses
 constexpr std::uint32_t kTimedBuilds = 5; // frames that build anew what could be kept, so that the time has a median
 constexpr std::uint32_t kReducedPixels = 1u << 18; // of a submission
+constexpr std::uint32_t kPageTexels = gpu::kShadowPage * gpu::kShadowPage;
 constexpr double kNarrowNear = 1e-30;
 
 class ShadowMaps : public ShadowTechnique {
@@ -126,13 +127,13 @@ public:
 
 private:
   bool is_raster() const { return settings_.shadow_source == kShadowSourceRaster; }
-  // That are kept.
+  // That room is made for when views are made.
   std::uint64_t texels() const {
-    if (recipe_.pages) return pages_.resident_texels();
+    if (recipe_.pages) return 0; // none yet
     return std::uint64_t{settings_.shadow_size} * settings_.shadow_size * views_.size();
   }
   std::uint32_t scratch_words() const {
-    if (recipe_.pages) return pages_.total() + pages_.resident();
+    if (recipe_.pages) return pages_.total() + page_room_;
     return recipe_.frame_words ? recipe_.frame_words(view_count(), settings_) : 0;
   }
 
@@ -165,6 +166,7 @@ private:
       for (const std::uint32_t light : source.lights) light_views_[light] = glm::uvec2(first, views.size());
     }
     pages_ = recipe_.pages ? VirtualPages(view_count(), settings_.shadow_size) : VirtualPages();
+    page_room_ = 0;
     const std::size_t view_size =
         recipe_.pages ? pages_.pages_of_view() : std::size_t{settings_.shadow_size} * settings_.shadow_size;
     for (std::size_t i = 0; i < views_.size(); ++i) views_[i].first_texel = static_cast<std::uint32_t>(i * view_size);
@@ -212,13 +214,22 @@ private:
       }
       made_for_ = recipe_.pages ? glm::uvec3(0) : made_for; // pages come anew
     }
-    buffers_[kViews] = upload(workspace_.device, views_);
+    buffers_[kViews] = upload(workspace_.device, drawn_views());
     buffers_[kLightViews] = upload(workspace_.device, light_views_);
     const std::vector<glm::vec4> taps =
         recipe_.taps ? filter_taps(settings_.shadow_pattern, settings_.shadow_taps) : std::vector<glm::vec4>(1);
     buffers_[kTaps] = upload(workspace_.device, taps);
     const auto tap_count = static_cast<std::uint32_t>(taps.size());
     buffers_[kFrameData] = upload(workspace_.device, std::vector<gpu::ShadowFrame>{shadow_frame(tap_count)});
+  }
+
+  // All views, and behind them what is drawn at once of virtual ones.
+  std::vector<gpu::ShadowView> drawn_views() const {
+    std::vector<gpu::ShadowView> views = views_;
+    for (std::size_t i = 0; recipe_.pages && i < views_.size(); ++i)
+      for (std::uint32_t tile = 0; tile < pages_.tiles_of_view(); ++tile)
+        views.push_back(pages_.view_of(tile, views_[i]));
+    return views;
   }
 
   gpu::ShadowFrame shadow_frame(std::uint32_t taps) const {
@@ -297,45 +308,49 @@ private:
   // Pages stay once they are there, because views stay: a frame that asks for no other one costs a look at its points.
   void build_pages(WaveQueue& queue) {
     queue.drain();
-    const std::uint64_t most = most_texels(sizeof(float)) / (gpu::kShadowPage * gpu::kShadowPage); // the rest is traced
-    const bool grows = pages_.add(reduce_frame(queue, 1, std::vector<std::uint32_t>(pages_.total()), 0), most);
-    if (grows) make_room_for_pages();
+    const std::uint32_t before = pages_.resident();
+    const std::uint64_t most = most_texels(sizeof(float)) / kPageTexels; // the rest is traced
+    pages_.add(reduce_frame(queue, 1, std::vector<std::uint32_t>(pages_.total()), 0), most);
+    if (pages_.resident() > page_room_) make_room_for_pages(queue, before, most);
     const std::vector<std::uint32_t> table = pages_.table();
     buffers_[kScratch].write(table.data(), table.size() * sizeof(std::uint32_t));
-    if (!grows) return;
     if (is_raster())
-      draw_pages(queue);
+      draw_pages(queue, before);
     else
-      trace_pages(queue);
+      trace_pages(queue, before);
   }
 
-  void make_room_for_pages() {
+  // Half as many more than are needed, so that it is seldom called.
+  void make_room_for_pages(WaveQueue& queue, std::uint32_t before, std::uint64_t most) {
     Device& device = workspace_.device;
-    buffers_[kDepths] = Buffer(); // the device may not hold both at once
-    buffers_[kDepths] = Buffer(device, texels() * sizeof(float));
+    page_room_ = static_cast<std::uint32_t>(std::min<std::uint64_t>(most, pages_.resident() + pages_.resident() / 2));
+    Buffer depths(device, std::uint64_t{page_room_} * kPageTexels * sizeof(float));
+    if (before > 0) {
+      const std::uint64_t bytes = std::uint64_t{before} * kPageTexels * sizeof(float);
+      queue.submit([&](Commands& commands) { commands.copy(buffers_[kDepths], depths, bytes); }, {});
+      queue.drain();
+    }
+    buffers_[kDepths] = std::move(depths);
     buffers_[kScratch] = Buffer(device, scratch_words() * sizeof(std::uint32_t));
-    std::vector<gpu::ShadowView> views = views_;
-    if (is_raster())
-      for (const PageTile& tile : pages_.tiles()) views.push_back(pages_.view_of(tile, views_[tile.view]));
-    buffers_[kViews] = upload(device, views);
     bind();
   }
 
-  void draw_pages(WaveQueue& queue) {
+  void draw_pages(WaveQueue& queue, std::uint32_t first_slot) {
     const std::uint64_t most = triangles_a_slice_.next_frame();
-    std::uint32_t index = view_count();
-    for (const PageTile& tile : pages_.tiles())
-      draw_view(queue, most, pages_.view_of(tile, views_[tile.view]), index++, 0, [&](Commands& commands) {
+    for (const PageTile& tile : pages_.tiles(first_slot)) {
+      const std::uint32_t index = view_count() + tile.view * pages_.tiles_of_view() + tile.number;
+      draw_view(queue, most, pages_.view_of(tile.number, views_[tile.view]), index, 0, [&](Commands& commands) {
         target_->image(0).copy_to(commands.handle(), buffers_[kDepths], tile.pages);
       });
+    }
   }
 
-  void trace_pages(WaveQueue& queue) {
-    const std::uint64_t most = texels_a_slice_.next_frame();
-    for (std::uint64_t first = 0; first < texels(); first += most) {
+  void trace_pages(WaveQueue& queue, std::uint32_t first_slot) {
+    const std::uint64_t most = texels_a_slice_.next_frame(), end = std::uint64_t{pages_.resident()} * kPageTexels;
+    for (std::uint64_t first = std::uint64_t{first_slot} * kPageTexels; first < end; first += most) {
       gpu::Wave wave{};
       wave.first_pixel = static_cast<std::uint32_t>(first);
-      wave.pixel_count = static_cast<std::uint32_t>(std::min(most, texels() - first));
+      wave.pixel_count = static_cast<std::uint32_t>(std::min(most, end - first));
       submit_tracing(queue, wave);
     }
   }
@@ -418,6 +433,7 @@ private:
   std::uint32_t builds_left_ = 0;
   ShadowReport report_;
   VirtualPages pages_;
+  std::uint32_t page_room_ = 0;
   std::vector<Binding> shared_;
 };
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <map>
-#include <tuple>
+#include <utility>
 
 namespace wavepath {
 namespace {
@@ -15,14 +15,12 @@ constexpr std::uint32_t kTilePages = 8; // along a side: large enough that few t
 VirtualPages::VirtualPages(std::uint32_t views, std::uint32_t size)
     : size_(size), across_((size + kPage - 1) / kPage), slots_(std::size_t{views} * across_ * across_, gpu::kNone) {}
 
-bool VirtualPages::add(const std::vector<std::uint32_t>& asked, std::uint64_t most) {
-  const std::size_t before = pages_.size();
+void VirtualPages::add(const std::vector<std::uint32_t>& asked, std::uint64_t most) {
   for (std::uint32_t page = 0; page < slots_.size(); ++page) {
     if (asked[page] == 0 || slots_[page] != gpu::kNone || pages_.size() >= most) continue;
     slots_[page] = resident();
     pages_.push_back(page);
   }
-  return pages_.size() > before;
 }
 
 std::vector<std::uint32_t> VirtualPages::table() const {
@@ -33,27 +31,36 @@ std::vector<std::uint32_t> VirtualPages::table() const {
 
 std::uint32_t VirtualPages::tile_size() const { return std::min(size_, kTilePages * kPage); }
 
-std::vector<PageTile> VirtualPages::tiles() const {
-  std::map<std::tuple<std::uint32_t, std::uint32_t, std::uint32_t>, PageTile> tiles;
-  for (std::uint32_t slot = 0; slot < pages_.size(); ++slot) {
+std::uint32_t VirtualPages::tiles_of_view() const {
+  const std::uint32_t across = (across_ + kTilePages - 1) / kTilePages;
+  return across * across;
+}
+
+std::vector<PageTile> VirtualPages::tiles(std::uint32_t first_slot) const {
+  const std::uint32_t across = (across_ + kTilePages - 1) / kTilePages;
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::vector<ImagePart>> tiles;
+  for (std::uint32_t slot = first_slot; slot < pages_.size(); ++slot) {
     const std::uint32_t view = pages_[slot] / pages_of_view(), x = pages_[slot] % across_,
                         y = pages_[slot] % pages_of_view() / across_;
-    PageTile& tile = tiles[{view, y / kTilePages, x / kTilePages}];
-    tile.view = view, tile.x = x / kTilePages, tile.y = y / kTilePages;
     const std::uint32_t left = x % kTilePages * kPage, top = y % kTilePages * kPage;
-    tile.pages.push_back({left, top, std::min(kPage, tile_size() - left), std::min(kPage, tile_size() - top),
-                          std::uint64_t{slot} * kPage * kPage * sizeof(float), kPage});
+    tiles[{view, y / kTilePages * across + x / kTilePages}].push_back(
+        {left, top, std::min(kPage, tile_size() - left), std::min(kPage, tile_size() - top),
+         std::uint64_t{slot} * kPage * kPage * sizeof(float), kPage});
   }
   std::vector<PageTile> list;
-  for (auto& [at, tile] : tiles) list.push_back(std::move(tile));
+  for (auto& [at, pages] : tiles) list.push_back({at.first, at.second, std::move(pages)});
   return list;
 }
 
-gpu::ShadowView VirtualPages::view_of(const PageTile& tile, const gpu::ShadowView& whole) const {
+gpu::ShadowView VirtualPages::view_of(std::uint32_t tile, const gpu::ShadowView& whole) const {
+  const std::uint32_t across = (across_ + kTilePages - 1) / kTilePages;
   const float scale = static_cast<float>(size_) / static_cast<float>(tile_size());
+  const auto part = [&](const gpu::vec4& row, std::uint32_t at) {
+    return scale * row - (2.0f * static_cast<float>(at) + 1.0f - scale) * whole.w;
+  };
   gpu::ShadowView view = whole;
-  view.x = scale * whole.x - (2.0f * static_cast<float>(tile.x) + 1.0f - scale) * whole.w;
-  view.y = scale * whole.y - (2.0f * static_cast<float>(tile.y) + 1.0f - scale) * whole.w;
+  view.x = part(whole.x, tile % across);
+  view.y = part(whole.y, tile / across);
   return view;
 }
 

@@ -11,7 +11,7 @@ namespace wavepath {
 
 // A part of a view that is drawn at once, and where its resident pages go.
 struct PageTile {
-  std::uint32_t view = 0, x = 0, y = 0; // counted in tiles
+  std::uint32_t view = 0, number = 0; // row by row within the view
   std::vector<ImagePart> pages;
 };
 
@@ -21,20 +21,20 @@ public:
   VirtualPages(std::uint32_t views = 0, std::uint32_t size = 1);
 
   // Makes the pages resident whose word is not 0, view by view, row by row, as long as there are fewer than `most`.
-  // False if none came.
-  bool add(const std::vector<std::uint32_t>& asked, std::uint64_t most);
+  void add(const std::vector<std::uint32_t>& asked, std::uint64_t most);
 
   std::uint32_t total() const { return static_cast<std::uint32_t>(slots_.size()); }
   std::uint32_t resident() const { return static_cast<std::uint32_t>(pages_.size()); }
   std::uint32_t pages_of_view() const { return across_ * across_; }
-  std::uint64_t resident_texels() const { return std::uint64_t{resident()} * gpu::kShadowPage * gpu::kShadowPage; }
   // Slot of every page, kNone = it is not resident; then the page of every slot.
   std::vector<std::uint32_t> table() const;
 
   std::uint32_t tile_size() const; // texels along a side
-  std::vector<PageTile> tiles() const;
-  // What is drawn of a view for a tile. With one tile, the view itself.
-  gpu::ShadowView view_of(const PageTile& tile, const gpu::ShadowView& whole) const;
+  std::uint32_t tiles_of_view() const;
+  // Those that have pages in a slot from `first_slot` on, with these pages alone.
+  std::vector<PageTile> tiles(std::uint32_t first_slot) const;
+  // What is drawn of a view for its tile of that number. With one tile, the view itself.
+  gpu::ShadowView view_of(std::uint32_t tile, const gpu::ShadowView& whole) const;
 
 private:
   std::uint32_t size_, across_;      // texels, pages along a side of a view

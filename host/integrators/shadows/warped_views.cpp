@@ -133,7 +133,7 @@ Homography seen_by_light(const CameraSpace& space, const glm::dvec3& direction) 
 gpu::ShadowView light_space_perspective_view(const ShadowFit& fit, const glm::dvec3& direction, const View& view,
                                              std::optional<double> distance) {
   const Ground ground(fit, direction, view);
-  if (ground.sine < kParallel) return parallel_view(fit, direction);
+  if (ground.sine < kParallel || (view.orthographic && !distance)) return parallel_view(fit, direction);
   const double far = depths_of(fit, view).hi, near = std::max(depths_of(fit, view).lo, kNearest * far);
   const double best = (near + std::sqrt(near * (near + ground.extent.extent() * ground.sine))) / ground.sine;
   return warped_view(fit, direction, ground.seen_from(distance ? *distance * ground.extent.extent() : best, view));
@@ -141,7 +141,7 @@ gpu::ShadowView light_space_perspective_view(const ShadowFit& fit, const glm::dv
 
 gpu::ShadowView trapezoidal_view(const ShadowFit& fit, const glm::dvec3& direction, const View& view) {
   const Ground ground(fit, direction, view);
-  if (ground.sine < kParallel) return parallel_view(fit, direction);
+  if (ground.sine < kParallel || view.orthographic) return parallel_view(fit, direction);
   const Range depths = depths_of(fit, view);
   const glm::dvec3 focus = view.position + glm::mix(depths.lo, depths.hi, kFocus) * view.forward;
   const double extent = ground.extent.extent();

@@ -1,5 +1,5 @@
 // Views of suns whose texels are smaller where the camera is near: the plane at right angles to the light, seen in
-// perspective. Light still arrives along parallel rays, a texel each.
+// perspective. Light still arrives along parallel rays, a texel each. To an orthographic camera all is equally near.
 #pragma once
 
 #include <optional>
