@@ -246,9 +246,28 @@ VkBufferImageCopy DeviceImage::whole(Aspect aspect) const {
 
 void DeviceImage::copy_to(VkCommandBuffer commands, const Buffer& to, Aspect aspect) {
   assert(to.bytes() >= std::uint64_t{info_.width} * info_.height * info_.layers * texel_bytes(info_.format, aspect));
-  record_barriers(commands, std::array{barrier(ImageUse::copied_from)}, kWrittenByKernelOrCopy, kUsedByCopy);
   const VkBufferImageCopy region = whole(aspect);
-  vkCmdCopyImageToBuffer(commands, image_, layout(use_), to.handle(), 1, &region);
+  copy_regions(commands, to, {&region, 1});
+}
+
+void DeviceImage::copy_to(VkCommandBuffer commands, const Buffer& to, std::span<const ImagePart> parts) {
+  std::vector<VkBufferImageCopy> regions;
+  for (const ImagePart& part : parts) {
+    VkBufferImageCopy region = whole(Aspect::main);
+    region.bufferOffset = part.offset;
+    region.bufferRowLength = part.row_texels;
+    region.imageSubresource.layerCount = 1;
+    region.imageOffset = {static_cast<std::int32_t>(part.x), static_cast<std::int32_t>(part.y), 0};
+    region.imageExtent = {part.width, part.height, 1};
+    regions.push_back(region);
+  }
+  copy_regions(commands, to, regions);
+}
+
+void DeviceImage::copy_regions(VkCommandBuffer commands, const Buffer& to, std::span<const VkBufferImageCopy> regions) {
+  record_barriers(commands, std::array{barrier(ImageUse::copied_from)}, kWrittenByKernelOrCopy, kUsedByCopy);
+  vkCmdCopyImageToBuffer(commands, image_, layout(use_), to.handle(), static_cast<std::uint32_t>(regions.size()),
+                         regions.data());
   record_barrier(commands, kWrittenByCopy, used_by_shader_or_copy(device_));
 }
 

@@ -70,6 +70,13 @@ struct ImageInfo {
   bool sampled = false;    // kernels sample it
 };
 
+// A rectangle of an image, and where a copy of it goes in a buffer: its first byte, and the texels from row to row.
+struct ImagePart {
+  std::uint32_t x = 0, y = 0, width = 0, height = 0;
+  std::uint64_t offset = 0;
+  std::uint32_t row_texels = 0;
+};
+
 // A two-dimensional image without mip levels, or an array of them. It remembers what it was used for last, in the order
 // in which commands were recorded; commands have to be submitted in that order.
 class DeviceImage {
@@ -98,9 +105,12 @@ public:
   // copies and, after the fence, the host. The image is for copies afterwards.
   void copy_to(VkCommandBuffer commands, const Buffer& to, Aspect aspect = Aspect::main);
   void copy_from(VkCommandBuffer commands, const Buffer& from, Aspect aspect = Aspect::main);
+  // The same of parts of the first layer, the colour alone.
+  void copy_to(VkCommandBuffer commands, const Buffer& to, std::span<const ImagePart> parts);
 
 private:
   VkBufferImageCopy whole(Aspect aspect) const;
+  void copy_regions(VkCommandBuffer commands, const Buffer& to, std::span<const VkBufferImageCopy> regions);
   void create();
   void create_views();
   void release();

@@ -28,10 +28,16 @@ void offset_receiver(inout Receiver r) {
 
 // Depth of the receiver's own plane where a place in the view shows it.
 float plane_depth(Receiver r, vec2 place) {
-  vec4 a, b;
-  planes_of_place(r.view, place, a, b);
-  vec3 p = common_point(a, b, vec4(r.normal, -dot(r.normal, r.position)));
-  float depth = view_depth(r.view, p);
+  float depth;
+  if (r.view.kind == kViewParaboloid) {
+    vec3 origin, direction;
+    ray_of_place(r.view, place, origin, direction);
+    depth = r.view.near + dot(r.normal, r.position - origin) / dot(r.normal, direction);
+  } else {
+    vec4 a, b;
+    planes_of_place(r.view, place, a, b);
+    depth = view_depth(r.view, common_point(a, b, vec4(r.normal, -dot(r.normal, r.position))));
+  }
   // Near the horizon the plane may be met behind the light or nowhere.
   float reach = kSteepest * texel_width(r.view, r.depth) * (1.0 + distance(place, r.place));
   return depth > 0.0 ? clamp(depth, r.depth - reach, r.depth + reach) : r.depth;
@@ -44,8 +50,7 @@ float unshadowed_depth(Receiver r, vec2 place, float reach) {
   if (shadow.bias_kind == kBiasConstant) return r.depth - shadow.bias * width;
   if (shadow.bias_kind == kBiasSlope) // by as much as the plane falls back on the way to the texel's centre, or more
     return r.depth - shadow.bias * width * plane_slope(r) * max(1.4142 * reach, 0.7072) - rounding;
-  if (shadow.bias_kind == kBiasPlane && r.view.kind != kViewParaboloid)
-    return plane_depth(r, place) - shadow.bias * width - rounding;
+  if (shadow.bias_kind == kBiasPlane) return plane_depth(r, place) - shadow.bias * width - rounding;
   if (shadow.bias_kind == kBiasCone) return r.depth - shadow.bias * width * (0.5 + reach) - rounding;
   return r.depth - rounding; // the map's own depths are moved, or the receiver is
 }

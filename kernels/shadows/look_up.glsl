@@ -11,6 +11,9 @@
 #define BIND_QUEUES
 #define BIND_SHADOW_LIGHTS
 #define BIND_SHADOW_DEPTHS
+#ifdef PAGED_MAPS // virtual ones
+#define BIND_SHADOW_PAGES
+#endif
 #include "kernels/shadows/bindings.glsl"
 #include "kernels/path/bindings.glsl"
 #include "kernels/path/records.glsl"
@@ -41,6 +44,7 @@ bool look_through(uint view_index, inout Receiver r) {
   r.view_index = view_index;
   r.view = fetch_shadow_view(view_index);
   if (!place_in_view(r.view, r.position, r.place)) return false;
+  if (r.view.texel == 0.0) r.view.texel = warped_texel(r.view, r.position);
   r.depth = view_depth(r.view, r.position);
   r.to_light = r.view.kind == kViewParallel ? r.view.light : normalize(r.view.light - r.position);
   return true;
@@ -53,10 +57,16 @@ bool find_view(inout Receiver r) {
   return false;
 }
 
-// What a map has at a texel, the nearest one of the view.
+// Where a map has a texel, the nearest one of the view; of virtual maps, below 0 where it is not resident.
 int map_texel(ShadowView v, ivec2 texel) {
   texel = clamp(texel, ivec2(0), ivec2(shadow.size) - 1);
+#ifdef PAGED_MAPS
+  uvec2 page = page_of(texel), within = uvec2(texel) % kShadowPage;
+  uint slot = page_words[v.first_texel + page.y * pages_across() + page.x];
+  return slot == kNone ? -1 : int((slot * kShadowPage + within.y) * kShadowPage + within.x);
+#else
   return int(v.first_texel) + texel.y * int(shadow.size) + texel.x;
+#endif
 }
 float map_depth(ShadowView v, ivec2 texel) { return texelFetch(shadow_depths, map_texel(v, texel)).x; }
 

@@ -17,6 +17,11 @@ Sampler texel_sampler(uint view, uvec2 texel) {
   return make_sampler(frame.seed, (view * shadow.size + texel.y) * shadow.size + texel.x, 0u, 1u);
 }
 
+// What a paraboloid shows of the other half of all directions, beyond the texels at its rim.
+bool is_behind(ShadowView v) {
+  return v.kind == kViewParaboloid && dot(v.depth, vec4(position, 1.0)) < -v.texel * distance(position, v.light);
+}
+
 // MASK and BLEND, decided where the texel's centre shows the surface; unlit surfaces cast no shadow.
 bool is_passed_through(ShadowView v) {
   if (!has(kFeatureAlpha)) return false;

@@ -12,7 +12,7 @@ layout(location = 1) out uvec2 ids;
 
 void main() {
   ShadowView v = fetch_shadow_view(wave.first_pixel);
-  if (has(kFeatureAlpha) && is_passed_through(v)) discard;
+  if (is_behind(v) || (has(kFeatureAlpha) && is_passed_through(v))) discard;
   depth = view_depth(v, position);
   ids = uvec2(triangle, instance);
 }

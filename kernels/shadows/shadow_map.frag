@@ -11,6 +11,6 @@ layout(location = 0) out float depth;
 
 void main() {
   ShadowView v = fetch_shadow_view(wave.first_pixel);
-  if (has(kFeatureAlpha) && is_passed_through(v)) discard;
+  if (is_behind(v) || (has(kFeatureAlpha) && is_passed_through(v))) discard;
   depth = view_depth(v, position);
 }

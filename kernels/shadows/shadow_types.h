@@ -30,20 +30,22 @@ GPU_CONSTANT uint kViewParallel = 0u, kViewPerspective = 1u, kViewParaboloid = 2
 // What a light sees in one direction, size x size texels.
 struct ShadowView {
   // Rows for a point (p, 1) in device world: (x, y) / w from -1 to 1 across the view, x to the right, y downwards; z /
-  // w is 1 at the near end and falls with distance. Paraboloid: x, y and depth are the axes, z holds -depth / far.
+  // w is 1 at the near end and falls with distance. Paraboloid: x, y and depth are the axes, z is not used.
   vec4 x, y, z, w;
   vec4 depth;   // distance from the light along the view's axis, metres: what maps hold. Paraboloids hold the distance
   vec3 light;   // its position; of directional lights the direction to it, of unit length
   uint kind;    // kView...
-  float texel;  // metres across a texel: of a perspective view at a depth of one metre, of others anywhere
+  float texel;  // metres across a texel: of a perspective view or paraboloid at a depth of one metre, of a parallel one
+                // anywhere; 0 = that is warped, w is no constant
   float near;   // metres: what is nearer casts no shadow
   float far;    // metres: depth of what is farthest
   float radius; // of the light's extent, metres; 0 for a point
-  uint first_texel; // in the maps
+  uint first_texel; // in the maps; of virtual ones, the first page in their table
   uint pad0, pad1, pad2;
 };
 GPU_CHECK(sizeof(ShadowView) == 128);
 GPU_CONSTANT uint kShadowViewTexels = 8u;
+GPU_CONSTANT uint kShadowPage = 128u; // texels along a side of a page of a virtual map
 
 GPU_CONSTANT uint kBiasConstant = 0u, kBiasSlope = 1u, kBiasNormal = 2u, kBiasPlane = 3u, kBiasCone = 4u,
                   kBiasSecondDepth = 5u, kBiasMidpoint = 6u;

@@ -47,8 +47,23 @@ bool place_in_view(ShadowView v, vec3 p, out vec2 place) {
   return h.w > 0.0 && all(lessThanEqual(abs(h.xy), vec2(h.w)));
 }
 
-// Metres across a texel at a depth.
+// Pages along a side of a view of a virtual map, and the one that holds a texel, the nearest one of the view.
+uint pages_across() { return (shadow.size + kShadowPage - 1u) / kShadowPage; }
+uvec2 page_of(ivec2 texel) { return uvec2(clamp(texel, ivec2(0), ivec2(shadow.size) - 1)) / kShadowPage; }
+
+// Metres across a texel at a depth, of a view that is not warped.
 float texel_width(ShadowView v, float depth) { return v.kind == kViewParallel ? v.texel : v.texel * depth; }
+
+// Metres across a texel of a warped view at a point, across the light: the longer side or, of those that are askew, what
+// a square of the same diagonal has.
+float warped_texel(ShadowView v, vec3 p) {
+  vec4 h = view_position(v, p);
+  vec3 x = (v.x.xyz - h.x / h.w * v.w.xyz) / h.w, y = (v.y.xyz - h.y / h.w * v.w.xyz) / h.w; // gradients
+  vec3 n = cross(x, y);
+  vec3 a = cross(y, n) / dot(n, n), b = cross(n, x) / dot(n, n); // to the next place across, and down
+  float diagonal = sqrt(max(dot(a + b, a + b), dot(a - b, a - b)));
+  return 2.0 / float(shadow.size) * max(max(length(a), length(b)), 0.70710678 * diagonal);
+}
 
 // The point that three planes have in common, each dot(plane, (p, 1)) = 0, by Cramer's rule; infinite where they have none.
 vec3 common_point(vec4 a, vec4 b, vec4 c) {

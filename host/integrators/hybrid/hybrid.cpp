@@ -156,7 +156,10 @@ void Hybrid::remake_shadows(const View& view, const std::vector<Binding>& own) {
   shadows_made_for_ = settings_.shadows;
   if (!kind) return shadows_.reset();
   if (!shadows_) shadows_ = kind->make({workspace_, kernels_, covered_sources(*kind, workspace_.scene)});
-  shadows_->change(view, settings_, own);
+  std::vector<Binding> shared = own;
+  shared.push_back({gpu::kBindHybrid, BindingKind::uniform, &buffers_[kFrame]});
+  shared.push_back({gpu::kBindVisibility, BindingKind::texels_rg32ui, &visibility_->ids()});
+  shadows_->change(view, settings_, shared);
 }
 
 // Memory and kernels stay, unless size or buffers are others.
@@ -236,8 +239,8 @@ void Hybrid::describe(RenderResult& result) const {
                     .build = shadow_times_.build(),
                     .look_up = shadow_times_.look_up(),
                     .views = shadows_->view_count(),
-                    .bytes = shadows_->bytes(),
-                    .answers = shadows_->answers()};
+                    .bytes = shadows_->bytes()};
+  shadows_->describe(*result.shadows);
 }
 
 // What a pixel counts for in a wave: its light samples, which take slots, or its occlusion rays if those are more.

@@ -7,11 +7,14 @@
 
 #include "host/base/error.h"
 #include "host/integrators/shadows/taps.h"
+#include "host/integrators/shadows/virtual_pages.h"
 #include "host/render/settings/shadow_settings.h"
+#include "kernels/hybrid/hybrid_types.h"
 #include "kernels/shadows/shadow_ids_frag.spv.h"
 #include "kernels/shadows/shadow_map_frag.spv.h"
 #include "kernels/shadows/shadow_map_vert.spv.h"
 #include "kernels/shadows/shadow_trace.spv.h"
+#include "kernels/shadows/shadow_trace_pages.spv.h"
 
 namespace wavepath {
 namespace {
@@ -60,6 +63,8 @@ const RasterCode kIdCode{"shadow map", wavepath_shadow_map_vert_spv, wavepath_sh
 
 constexpr std::uint64_t kFirstTriangles = 1 << 16, kFirstTexels = 1 << 16; // of a slice: guesses
 constexpr std::uint32_t kTimedBuilds = 5; // frames that build anew what could be kept, so that the time has a median
+constexpr std::uint32_t kReducedPixels = 1u << 18; // of a submission
+constexpr std::uint32_t kPageTexels = gpu::kShadowPage * gpu::kShadowPage;
 constexpr double kNarrowNear = 1e-30;
 
 class ShadowMaps : public ShadowTechnique {
@@ -78,10 +83,8 @@ public:
              kernel_config(needed_features(workspace_.scene, view, settings), workspace_.scene.stack_size, settings)};
     kernels_.start(need_);
     make_room();
-    std::vector<Binding> own = shared;
-    add_bindings(own);
-    sets_ = bind_bands(workspace_, own);
-    make_pipeline();
+    shared_ = shared;
+    bind();
     builds_left_ = kTimedBuilds;
   }
 
@@ -89,12 +92,14 @@ public:
   double get_ready() override { return kernels_.best(need_).seconds(); }
 
   void build(WaveQueue& queue, std::uint32_t) override {
+    if (recipe_.pages) return build_pages(queue);
+    if (recipe_.fit_to_frame) fit_to_frame(queue);
     if (builds_left_ == 0) return;
-    --builds_left_;
-    if (settings_.shadow_source == kShadowSourceTraced)
-      trace(queue);
-    else
+    if (!recipe_.fit_to_frame) --builds_left_;
+    if (is_raster())
       draw(queue);
+    else
+      trace(queue);
     filter(queue);
     if (!recipe_.record_filter) return;
     const auto record = [this](Commands& commands) {
@@ -115,16 +120,29 @@ public:
     for (const Buffer& buffer : buffers_) bytes += buffer.bytes();
     return bytes;
   }
-  std::optional<RayAnswers> answers() const override {
-    if (!recipe_.counts) return std::nullopt;
+  std::uint32_t view_count() const override { return static_cast<std::uint32_t>(views_.size()); }
+  void describe(ShadowReport& report) const override {
+    report.nearest = report_.nearest;
+    report.farthest = report_.farthest;
+    report.pages = pages_.total();
+    report.resident_pages = pages_.resident();
+    if (!recipe_.counts) return;
     const gpu::ShadowCounts counts = download<gpu::ShadowCounts>(buffers_[kCounts], 1).front();
     const auto whole = [](const gpu::uint* parts) { return std::uint64_t{parts[1]} << 32 | parts[0]; };
-    return RayAnswers{.answered = whole(counts.answered), .traced = whole(counts.left)};
+    report.answers = RayAnswers{.answered = whole(counts.answered), .traced = whole(counts.left)};
   }
-  std::uint32_t view_count() const override { return static_cast<std::uint32_t>(views_.size()); }
 
 private:
-  std::uint64_t texels() const { return std::uint64_t{settings_.shadow_size} * settings_.shadow_size * views_.size(); }
+  bool is_raster() const { return settings_.shadow_source == kShadowSourceRaster; }
+  // That room is made for when views are made.
+  std::uint64_t texels() const {
+    if (recipe_.pages) return 0; // none yet
+    return std::uint64_t{settings_.shadow_size} * settings_.shadow_size * views_.size();
+  }
+  std::uint32_t scratch_words() const {
+    if (recipe_.pages) return pages_.total() + page_room_;
+    return recipe_.frame_words ? recipe_.frame_words(view_count(), settings_) : 0;
+  }
 
   // The frusta, and which light has which.
   void make_views(const View& world) {
@@ -139,7 +157,9 @@ private:
     }
     fit.radius = scene.radius;
     const double far = glm::distance(view.position, 0.5 * (fit.lo + fit.hi)) + glm::distance(fit.lo, fit.hi);
-    fit.receivers = seen_corners(view, fit.lo, fit.hi, view.orthographic ? 0.0 : kNarrowNear * far, far);
+    fit.nearest = view.orthographic ? 0.0 : kNarrowNear * far;
+    fit.farthest = far;
+    fit.receivers = seen_corners(view, fit.lo, fit.hi, fit.nearest, fit.farthest);
     if (fit.receivers.empty()) fit.receivers = {fit.lo, fit.hi};
     fit.size = settings_.shadow_size;
     fit.guard = 1.0 + (recipe_.guard ? recipe_.guard(settings_) : 0.0);
@@ -152,15 +172,25 @@ private:
       views_.insert(views_.end(), views.begin(), views.end());
       for (const std::uint32_t light : source.lights) light_views_[light] = glm::uvec2(first, views.size());
     }
-    for (std::size_t i = 0; i < views_.size(); ++i)
-      views_[i].first_texel = static_cast<std::uint32_t>(i * settings_.shadow_size * settings_.shadow_size);
+    pages_ = recipe_.pages ? VirtualPages(view_count(), settings_.shadow_size) : VirtualPages();
+    page_room_ = 0;
+    const std::size_t view_size =
+        recipe_.pages ? pages_.pages_of_view() : std::size_t{settings_.shadow_size} * settings_.shadow_size;
+    for (std::size_t i = 0; i < views_.size(); ++i) views_[i].first_texel = static_cast<std::uint32_t>(i * view_size);
+    usual_views_ = views_;
+  }
+
+  // How many texels there may be, the largest of whose buffers has that many bytes a texel.
+  std::uint64_t most_texels(std::uint64_t largest) const {
+    const DeviceInfo& info = workspace_.device.info();
+    return std::min({info.max_texel_elements, info.max_storage_range / largest, info.max_allocation / largest,
+                     std::uint64_t{gpu::kNone}});
   }
 
   // Throws before anything is allocated.
   void check_fits(std::uint64_t bytes_per_texel, std::uint64_t largest) const {
     const DeviceInfo& info = workspace_.device.info();
-    const std::uint64_t most = std::min({info.max_texel_elements, info.max_storage_range / largest,
-                                         info.max_allocation / largest, std::uint64_t{gpu::kNone}});
+    const std::uint64_t most = most_texels(largest);
     if (texels() <= most && texels() * bytes_per_texel <= info.memory_bytes) return;
     throw Error(info.name,
                 fmt::format("cannot hold {} shadow maps of {}x{} texels, {:.0f} MiB; at most {} texels", views_.size(),
@@ -172,7 +202,7 @@ private:
     const std::uint64_t ids = recipe_.ids ? sizeof(glm::uvec2) : 0,
                         filtered = recipe_.filtered_bytes ? recipe_.filtered_bytes(settings_) : 0,
                         scratch = recipe_.scratch_bytes ? recipe_.scratch_bytes(settings_) : 0;
-    const bool raster = settings_.shadow_source == kShadowSourceRaster;
+    const bool raster = is_raster();
     check_fits((raster ? 3 : 1) * sizeof(float) + (raster ? 2 : 1) * ids + filtered + scratch,
                std::max({sizeof(float), ids, filtered, scratch}));
     const glm::uvec3 made_for(settings_.shadow_size, views_.size(), raster);
@@ -183,13 +213,15 @@ private:
       buffers_[kDepths] = Buffer(device, texels() * sizeof(float));
       buffers_[kIds] = Buffer(device, texels() * ids);
       buffers_[kFiltered] = Buffer(device, texels() * filtered);
-      buffers_[kScratch] = Buffer(device, texels() * scratch);
-      if (raster)
-        target_ = std::make_unique<RasterTarget>(device, settings_.shadow_size, settings_.shadow_size,
-                                                 attachments(recipe_.ids), static_cast<std::uint32_t>(views_.size()));
-      made_for_ = made_for;
+      buffers_[kScratch] = Buffer(device, texels() * scratch + scratch_words() * sizeof(std::uint32_t));
+      if (raster) {
+        const std::uint32_t side = recipe_.pages ? pages_.tile_size() : settings_.shadow_size;
+        target_ = std::make_unique<RasterTarget>(device, side, side, attachments(recipe_.ids),
+                                                 recipe_.pages ? 1 : view_count());
+      }
+      made_for_ = recipe_.pages ? glm::uvec3(0) : made_for; // pages come anew
     }
-    buffers_[kViews] = upload(workspace_.device, views_);
+    buffers_[kViews] = upload(workspace_.device, drawn_views());
     buffers_[kLightViews] = upload(workspace_.device, light_views_);
     const std::vector<glm::vec4> taps =
         recipe_.taps ? filter_taps(settings_.shadow_pattern, settings_.shadow_taps) : std::vector<glm::vec4>(1);
@@ -197,6 +229,15 @@ private:
     const auto tap_count = recipe_.taps ? static_cast<std::uint32_t>(taps.size()) : settings_.shadow_taps;
     buffers_[kCounts] = upload(workspace_.device, std::vector<gpu::ShadowCounts>(recipe_.counts ? 1 : 0));
     buffers_[kFrameData] = upload(workspace_.device, std::vector<gpu::ShadowFrame>{shadow_frame(tap_count)});
+  }
+
+  // All views, and behind them what is drawn at once of virtual ones.
+  std::vector<gpu::ShadowView> drawn_views() const {
+    std::vector<gpu::ShadowView> views = views_;
+    for (std::size_t i = 0; recipe_.pages && i < views_.size(); ++i)
+      for (std::uint32_t tile = 0; tile < pages_.tiles_of_view(); ++tile)
+        views.push_back(pages_.view_of(tile, views_[i]));
+    return views;
   }
 
   gpu::ShadowFrame shadow_frame(std::uint32_t taps) const {
@@ -221,6 +262,13 @@ private:
       bindings.push_back({binding.slot, binding.kind, &buffers_[binding.buffer]});
   }
 
+  void bind() {
+    std::vector<Binding> own = shared_;
+    add_bindings(own);
+    sets_ = bind_bands(workspace_, own);
+    make_pipeline();
+  }
+
   void make_pipeline() {
     std::vector<Binding> bindings = workspace_.bindings(workspace_.film.bands().front());
     add_bindings(bindings);
@@ -229,8 +277,11 @@ private:
     raster_set_ =
         std::make_unique<BindingSet>(workspace_.device, bindings, sizeof(gpu::Wave), BindingSet::kRasterStages);
     const auto constants = specialization(need_.config, workspace_.device.info());
-    if (settings_.shadow_source == kShadowSourceTraced) {
-      tracer_.emplace(workspace_.device, "shadow build", wavepath_shadow_trace_spv, *raster_set_, constants);
+    if (!is_raster()) {
+      const std::span<const std::uint32_t> code = recipe_.pages
+                                                      ? std::span<const std::uint32_t>(wavepath_shadow_trace_pages_spv)
+                                                      : std::span<const std::uint32_t>(wavepath_shadow_trace_spv);
+      tracer_.emplace(workspace_.device, "shadow build", code, *raster_set_, constants);
       return;
     }
     RasterState state;
@@ -242,20 +293,118 @@ private:
   void draw(WaveQueue& queue) {
     const std::uint64_t most = triangles_a_slice_.next_frame();
     for (std::uint32_t view = 0; view < views_.size(); ++view) {
-      gpu::Wave wave{};
-      wave.first_pixel = view;
-      const SlicedPass pass{target_.get(), &*pipeline_, raster_set_.get(), &wave, view, "shadow build"};
       const bool last = view + 1 == views_.size();
-      const auto copy = [this, last](Commands& commands) {
+      draw_view(queue, most, views_[view], view, view, [this, last](Commands& commands) {
         if (!last) return;
         target_->image(0).copy_to(commands.handle(), buffers_[kDepths]);
         if (recipe_.ids) target_->image(2).copy_to(commands.handle(), buffers_[kIds]);
-      };
-      draw_in_slices(
-          queue, pass, draws_within(chunks_, frustum_of(views_[view])), most, [](Commands&) {}, copy,
-          [this](double seconds) { triangles_a_slice_.note(seconds); });
+      });
     }
   }
+
+  // `index`: where the view stands in the buffer of views. `copy`: recorded behind the last triangle.
+  void draw_view(WaveQueue& queue, std::uint64_t most, const gpu::ShadowView& view, std::uint32_t index,
+                 std::uint32_t layer, const std::function<void(Commands&)>& copy) {
+    gpu::Wave wave{};
+    wave.first_pixel = index;
+    const SlicedPass pass{target_.get(), &*pipeline_, raster_set_.get(), &wave, layer, "shadow build"};
+    draw_in_slices(
+        queue, pass, draws_within(chunks_, frustum_of(view)), most, [](Commands&) {}, copy,
+        [this](double seconds) { triangles_a_slice_.note(seconds); });
+  }
+
+  // Pages stay once they are there, because views stay: a frame that asks for no other one costs a look at its points.
+  void build_pages(WaveQueue& queue) {
+    queue.drain();
+    const std::uint32_t before = pages_.resident();
+    const std::uint64_t most = most_texels(sizeof(float)) / kPageTexels; // the rest is traced
+    pages_.add(reduce_frame(queue, 1, std::vector<std::uint32_t>(pages_.total()), 0), most);
+    if (pages_.resident() > page_room_) make_room_for_pages(queue, before, most);
+    const std::vector<std::uint32_t> table = pages_.table();
+    buffers_[kScratch].write(table.data(), table.size() * sizeof(std::uint32_t));
+    if (is_raster())
+      draw_pages(queue, before);
+    else
+      trace_pages(queue, before);
+  }
+
+  // Half as many more than are needed, so that it is seldom called.
+  void make_room_for_pages(WaveQueue& queue, std::uint32_t before, std::uint64_t most) {
+    Device& device = workspace_.device;
+    page_room_ = static_cast<std::uint32_t>(std::min<std::uint64_t>(most, pages_.resident() + pages_.resident() / 2));
+    Buffer depths(device, std::uint64_t{page_room_} * kPageTexels * sizeof(float));
+    if (before > 0) {
+      const std::uint64_t bytes = std::uint64_t{before} * kPageTexels * sizeof(float);
+      queue.submit([&](Commands& commands) { commands.copy(buffers_[kDepths], depths, bytes); }, {});
+      queue.drain();
+    }
+    buffers_[kDepths] = std::move(depths);
+    buffers_[kScratch] = Buffer(device, scratch_words() * sizeof(std::uint32_t));
+    bind();
+  }
+
+  void draw_pages(WaveQueue& queue, std::uint32_t first_slot) {
+    const std::uint64_t most = triangles_a_slice_.next_frame();
+    for (const PageTile& tile : pages_.tiles(first_slot)) {
+      const std::uint32_t index = view_count() + tile.view * pages_.tiles_of_view() + tile.number;
+      draw_view(queue, most, pages_.view_of(tile.number, views_[tile.view]), index, 0, [&](Commands& commands) {
+        target_->image(0).copy_to(commands.handle(), buffers_[kDepths], tile.pages);
+      });
+    }
+  }
+
+  void trace_pages(WaveQueue& queue, std::uint32_t first_slot) {
+    const std::uint64_t most = texels_a_slice_.next_frame(), end = std::uint64_t{pages_.resident()} * kPageTexels;
+    for (std::uint64_t first = std::uint64_t{first_slot} * kPageTexels; first < end; first += most) {
+      gpu::Wave wave{};
+      wave.first_pixel = static_cast<std::uint32_t>(first);
+      wave.pixel_count = static_cast<std::uint32_t>(std::min(most, end - first));
+      submit_tracing(queue, wave);
+    }
+  }
+
+  void submit_tracing(WaveQueue& queue, const gpu::Wave& wave) {
+    const auto record = [&](Commands& commands) {
+      commands.bind(*raster_set_);
+      commands.dispatch(*tracer_, groups_for(wave.pixel_count), &wave);
+    };
+    queue.submit(record, {.stage = "shadow build",
+                          .done = [this](const Finished& finished) { texels_a_slice_.note(finished.seconds); }});
+  }
+
+  // Views of this frame. The host waits for what it sees, and so for all that looks maps up.
+  void fit_to_frame(WaveQueue& queue) {
+    queue.drain();
+    views_ = usual_views_;
+    upload_views();
+    const auto reduce = [&](std::size_t stage, const std::vector<std::uint32_t>& words, std::uint32_t parts) {
+      return reduce_frame(queue, stage, words, parts);
+    };
+    recipe_.fit_to_frame({reduce, settings_, views_, report_});
+    upload_views();
+  }
+
+  // Nothing is in flight, before and after.
+  std::vector<std::uint32_t> reduce_frame(WaveQueue& queue, std::size_t stage, const std::vector<std::uint32_t>& words,
+                                          std::uint32_t parts) {
+    buffers_[kScratch].write(words.data(), words.size() * sizeof(std::uint32_t));
+    const std::uint32_t pixels = settings_.width * settings_.height;
+    for (std::uint32_t first = 0; first < pixels; first += kReducedPixels) {
+      gpu::Wave wave{};
+      wave.first_pixel = first;
+      wave.pixel_count = std::min(kReducedPixels, pixels - first);
+      wave.sample_count = parts;
+      const auto record = [&](Commands& commands) {
+        commands.bind(*sets_.front());
+        commands.dispatch(kernels_.best(need_)[stage], groups_for(wave.pixel_count), &wave);
+      };
+      queue.submit(record, {.stage = "shadow bounds"});
+    }
+    queue.drain();
+    return download<std::uint32_t>(buffers_[kScratch], words.size());
+  }
+
+  void upload_views() { buffers_[kViews].write(views_.data(), views_.size() * sizeof(gpu::ShadowView)); }
 
   void trace(WaveQueue& queue) {
     gpu::Wave wave{};
@@ -308,8 +457,8 @@ private:
   std::vector<ShadowSource> sources_;
   std::vector<Chunk> chunks_;
   RenderSettings settings_;
-  std::vector<gpu::ShadowView> views_;
-  std::vector<glm::uvec2> light_views_; // by light: first view, how many
+  std::vector<gpu::ShadowView> views_, usual_views_; // of this frame, before it was fitted to
+  std::vector<glm::uvec2> light_views_;              // by light: first view, how many
   KernelNeed need_;
   std::array<Buffer, kMapBufferCount> buffers_;
   glm::uvec3 made_for_{0}; // size, views, whether they are rasterized
@@ -320,6 +469,10 @@ private:
   std::vector<std::unique_ptr<BindingSet>> sets_; // by band
   SliceLength triangles_a_slice_{kFirstTriangles}, texels_a_slice_{kFirstTexels}, filtered_a_slice_{kFirstTexels};
   std::uint32_t builds_left_ = 0;
+  ShadowReport report_;
+  VirtualPages pages_;
+  std::uint32_t page_room_ = 0;
+  std::vector<Binding> shared_;
 };
 
 } // namespace
@@ -327,6 +480,8 @@ private:
 std::vector<Binding> shadow_layout() {
   std::vector<Binding> layout = path_layout();
   for (const MapBinding& binding : kBindings) layout.push_back({binding.slot, binding.kind, nullptr});
+  layout.push_back({gpu::kBindHybrid, uniform, nullptr});
+  layout.push_back({gpu::kBindVisibility, texels_rg32ui, nullptr});
   return layout;
 }
 

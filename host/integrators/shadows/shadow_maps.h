@@ -1,6 +1,7 @@
 // Techniques that draw what lights see into maps, filter these perhaps, and look shadow rays up in them.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -29,6 +30,18 @@ struct MapPass {
   enum class Items { texels, lines } items = Items::texels; // lines: rows or columns
 };
 
+// For views that are fitted to what a frame shows.
+struct FrameFit {
+  // Runs a stage of the recipe's program over the pixels of the frame and returns what becomes of these words. `parts`
+  // is pushed as sample_count.
+  std::function<std::vector<std::uint32_t>(std::size_t stage, const std::vector<std::uint32_t>& words,
+                                           std::uint32_t parts)>
+      reduce;
+  const RenderSettings& settings;
+  std::vector<gpu::ShadowView>& views; // to be fitted; those of `views` at first
+  ShadowReport& report;
+};
+
 // What a technique of maps consists of.
 struct ShadowMapRecipe {
   // Stage 0 answers shadow rays; the others are the filter's. Their layout is shadow_layout().
@@ -47,6 +60,12 @@ struct ShadowMapRecipe {
   double exponent = 0.0;             // --shadow-exponent unless that is given
   // Records the filter, for all views. A barrier comes before, and none after.
   void (*record_filter)(Commands& commands, const MapFilterJob& job, const RenderSettings& settings) = nullptr;
+  // Fits the views to every frame anew, from words that it reduces the frame to; how many at most. Null = the views
+  // follow from the camera alone. Such a technique has no scratch of its own.
+  std::uint32_t (*frame_words)(std::uint32_t views, const RenderSettings& settings) = nullptr;
+  void (*fit_to_frame)(const FrameFit& fit) = nullptr;
+  // Maps are virtual: only pages are there that stage 1 of the program asks for. Neither ids, nor filters.
+  bool pages = false;
 };
 
 // Numbers and kinds of the bindings of kernels of shadow techniques, without buffers.

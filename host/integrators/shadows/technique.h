@@ -25,7 +25,8 @@ public:
   virtual ~ShadowTechnique() = default;
 
   // Takes up view and settings: begins compiling and makes room. `shared`: bindings of the frame's own buffers, which
-  // look_up() may read; they outlive the technique. Nothing is in flight. Throws Error if the device cannot hold it.
+  // look_up() may read: paths, kBindHybrid, kBindVisibility; they outlive the technique. Nothing is in flight. Throws
+  // Error if the device cannot hold it.
   virtual void change(const View& view, const RenderSettings& settings, const std::vector<Binding>& shared) = 0;
   virtual bool is_ready() = 0;
   virtual double get_ready() = 0; // seconds that compiling took
@@ -37,8 +38,7 @@ public:
 
   virtual std::uint64_t bytes() const = 0;
   virtual std::uint32_t view_count() const = 0; // directions from lights that it keeps something of
-  // Since change(), of a technique that leaves rays to be traced by choice. Nothing is in flight.
-  virtual std::optional<RayAnswers> answers() const { return std::nullopt; }
+  virtual void describe(ShadowReport&) const {} // what only some techniques know; nothing is in flight
 };
 
 // What a technique is made of.

@@ -87,13 +87,18 @@ std::vector<glm::dvec3> seen_corners(const View& view, const glm::dvec3& lo, con
 }
 
 gpu::ShadowView parallel_view(const ShadowFit& fit, const glm::dvec3& direction) {
+  return parallel_view(fit, direction, fit.receivers);
+}
+
+gpu::ShadowView parallel_view(const ShadowFit& fit, const glm::dvec3& direction, std::span<const glm::dvec3> shown) {
   const glm::dvec3 up = across(direction, glm::dvec3(0, 1, 0)), right = glm::cross(direction, up);
   glm::dvec3 lo(1e300), hi(-1e300);
-  for (const glm::dvec3& p : fit.receivers) {
+  for (const glm::dvec3& p : shown) {
     const glm::dvec3 at(glm::dot(right, p), glm::dot(up, p), glm::dot(direction, p));
     lo = glm::min(lo, at);
     hi = glm::max(hi, at);
   }
+  for (const glm::dvec3& p : fit.receivers) hi.z = std::max(hi.z, glm::dot(direction, p));
   for (const glm::dvec3& p : corners_of(fit.lo, fit.hi)) lo.z = std::min(lo.z, glm::dot(direction, p));
   const double margin = kPadding * fit.radius;
   const double inside = fit.size / std::max(fit.size - 2.0 * fit.guard, 1.0);
@@ -147,6 +152,28 @@ std::vector<gpu::ShadowView> cube_views(const ShadowFit& fit, const glm::dvec3& 
   return views;
 }
 
+std::vector<gpu::ShadowView> paraboloid_views(const ShadowFit& fit, const glm::dvec3& position) {
+  double far = 0.0;
+  for (const glm::dvec3& p : corners_of(fit.lo, fit.hi)) far = std::max(far, glm::distance(p, position));
+  const double near = kNear * fit.radius;
+  std::vector<gpu::ShadowView> views;
+  for (const double sign : {-1.0, 1.0}) {
+    const glm::dvec3 forward(0.0, sign, 0.0), right(1.0, 0.0, 0.0), down = glm::cross(forward, right);
+    gpu::ShadowView view{};
+    view.x = row(right, -glm::dot(right, position));
+    view.y = row(down, -glm::dot(down, position));
+    view.w = row(glm::dvec3(0.0), 1.0);
+    view.depth = row(forward, -glm::dot(forward, position));
+    view.light = glm::vec3(position);
+    view.kind = gpu::kViewParaboloid;
+    view.texel = static_cast<float>(4.0 / fit.size); // in the middle, where texels are widest
+    view.near = static_cast<float>(near);
+    view.far = static_cast<float>(std::max(far, 2.0 * near));
+    views.push_back(view);
+  }
+  return views;
+}
+
 std::vector<gpu::ShadowView> usual_views(const ShadowFit& fit, const ShadowSource& source) {
   if (source.kind == kDirectionalSource) return {parallel_view(fit, source.direction)};
   const glm::dvec3 up = across(source.direction, glm::dvec3(0, 1, 0));
@@ -172,12 +199,14 @@ std::vector<gpu::ShadowView> usual_views(const ShadowFit& fit, const ShadowSourc
 }
 
 std::vector<HalfSpace> frustum_of(const gpu::ShadowView& view) {
-  if (view.kind == gpu::kViewParaboloid) return {};
+  const glm::dvec4 front(view.depth);
+  // Its edges are bent; texels at the rim reach behind the light, see is_behind() in shadow_fragment.glsl.
+  if (view.kind == gpu::kViewParaboloid)
+    return {HalfSpace{glm::dvec3(front), front.w + double{view.texel} * double{view.far}}};
   const auto side = [&](const gpu::vec4& row, double sign) {
     const glm::dvec4 plane = glm::dvec4(view.w) + sign * glm::dvec4(row);
     return HalfSpace{glm::dvec3(plane), plane.w};
   };
-  const glm::dvec4 front(view.depth);
   return {side(view.x, 1.0), side(view.x, -1.0), side(view.y, 1.0), side(view.y, -1.0),
           HalfSpace{glm::dvec3(front), front.w}};
 }

@@ -63,7 +63,9 @@ struct ShadowReport {
   ShadowCost build, look_up;
   std::uint32_t views = 0; // directions from lights that it keeps something of
   std::uint64_t bytes = 0;
-  std::optional<RayAnswers> answers; // of a technique that traces some rays by choice
+  std::optional<RayAnswers> answers;           // since change(), of a technique that traces some rays by choice
+  float nearest = 0.0f, farthest = 0.0f;       // depths that the last frame showed, where views are fitted to it
+  std::uint32_t pages = 0, resident_pages = 0; // of virtual maps; in the last frame
 };
 
 // The filter of the finished picture (--denoise).

@@ -75,7 +75,7 @@ std::vector<Setting> shadow_rows() {
        .study = {"1", "2", "4", "8"}},
       {.name = "shadow-exponent",
        .value = OptionalNumberValue{&S::shadow_exponent, 1.0, kMostExponent},
-       .meaning = "of exponential maps",
+       .meaning = "of exponential maps; of lispsm the distance of its eye, in extents of what is seen",
        .placeholder = "C",
        .initial = "the technique's own",
        .study = {"20", "40", "80"}},

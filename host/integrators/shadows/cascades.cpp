@@ -1,0 +1,33 @@
+// Cascaded shadow maps: a view of a sun for each part of the camera's depths (Zhang, Sun, Xu and Lun 2006).
+#include <array>
+
+#include "host/integrators/shadows/cascade_views.h"
+#include "host/integrators/shadows/kinds.h"
+#include "host/integrators/shadows/shadow_maps.h"
+#include "kernels/shadows/look_up_map.spv.h"
+
+namespace wavepath {
+namespace {
+
+const std::array<KernelCode, 1> kStages = {{{"shadow look-up", wavepath_look_up_map_spv}}};
+constexpr std::array<std::size_t, 1> kOrder = {0};
+const KernelProgram kProgram = {kStages, kOrder, shadow_layout};
+const ShadowMapRecipe kRecipe = {
+    .program = &kProgram,
+    .views = [](const ShadowFit& fit, const ShadowSource& source, const View& view, const RenderSettings& settings) {
+      return cascade_views(fit, source.direction, view, settings.shadow_cascades);
+    }};
+constexpr std::array<std::string_view, 4> kSettings = {"shadow-size", "shadow-bias", "shadow-source",
+                                                       "shadow-cascades"};
+
+} // namespace
+
+constinit const ShadowKind kShadowCascades = {
+    .name = "cascades",
+    .summary = "shadow maps of suns, one for each part of the camera's depths (Zhang et al. 2006)",
+    .sources = kDirectionalSource,
+    .settings = kSettings,
+    .make = [](const ShadowContext& context) { return make_shadow_maps(kRecipe, context); },
+};
+
+} // namespace wavepath
