@@ -2,8 +2,10 @@
 #include "host/cli/scene_flags.h"
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <limits>
+#include <numbers>
 
 #include <fmt/format.h>
 #include <glm/gtc/constants.hpp>
@@ -38,6 +40,20 @@ Environment requested_environment(const SceneRequest& request) {
 Environment requested_environment(SceneRequest request, DefaultLight light) {
   request.environment = environment_name(light);
   return requested_environment(request);
+}
+
+constexpr glm::dvec2 kUsualSun{60.0, 40.0}; // from the front and the right, as high as in an afternoon
+
+// A white floor that faces it has radiance 1.
+PunctualLight sun_at(const glm::dvec2& degrees) {
+  const double azimuth = glm::radians(degrees.x), elevation = glm::radians(degrees.y);
+  PunctualLight sun;
+  sun.name = "sun";
+  sun.kind = LightKind::directional;
+  sun.intensity = glm::vec3(std::numbers::pi_v<float>);
+  sun.direction = -glm::dvec3(std::cos(elevation) * std::cos(azimuth), std::sin(elevation),
+                              std::cos(elevation) * std::sin(azimuth));
+  return sun;
 }
 
 // `scene` is, or will be, that of `loaded`.
@@ -82,6 +98,14 @@ void add_scene_flags(CLI::App& app, SceneRequest& request, bool required) {
               "horizon, and fading out",
               "off"},
              request.ground);
+  add_flag(app, group,
+           {"--sun", "AZIMUTH,ELEVATION",
+            "a sun of pi lux besides: degrees from +X towards +Z, and above the horizon; a scene with it counts as lit",
+            "none"},
+           [&](const FlagValue& value) {
+             const auto [azimuth, elevation] = value.split(',', "write it as AZIMUTH,ELEVATION, such as 60,40");
+             request.sun = {azimuth.number(-360.0, 360.0), elevation.number(-90.0, 90.0)};
+           });
 }
 
 void add_shutter_flag(CLI::App& app, SceneRequest& request) {
@@ -138,13 +162,20 @@ LoadedScene load_scene(const SceneRequest& request, const SceneDescribed& descri
   // Read first, so that an unreadable map is refused before the time of reading the scene is spent.
   std::optional<Environment> environment;
   if (!request.environment.empty()) environment = requested_environment(request);
+  loaded.sun = request.sun;
   loaded.scene = load_gltf(request.path, request.load, [&](Scene& scene) {
+    if (request.sun_if_unlit && !loaded.sun && choose_light(scene, {}) != DefaultLight::authored)
+      loaded.sun = kUsualSun;
+    if (loaded.sun) scene.lights.push_back(sun_at(*loaded.sun));
     const bool unlit = !environment && choose_light(scene, {}) != DefaultLight::authored;
     if (unlit || request.ground || is_framed(scene, request.view)) loaded.framing = find_framing(scene);
     if (environment)
       scene.environment = *std::move(environment);
     else
       light_by_rule(request, scene, loaded);
+    if (loaded.sun)
+      loaded.light = fmt::format("a sun (--sun {},{}){}", loaded.sun->x, loaded.sun->y,
+                                 scene.lights.size() > 1 ? ", and as authored" : "");
     if (request.ground) add_ground(scene, loaded.framing.bounds);
     if (described) described(scene);
   });

@@ -23,6 +23,8 @@ struct SceneRequest {
   double environment_intensity = 1.0;
   double environment_degrees = 0.0; // of rotation
   bool ground = false;
+  std::optional<glm::dvec2> sun; // degrees: azimuth from +X towards +Z, elevation
+  bool sun_if_unlit = false;     // what nobody has lit gets a sun, for studies of the shadows of lamps
 };
 
 // `request` must outlive the parsing of `app`. SCENE itself may be left out where `required` is false.
@@ -36,9 +38,10 @@ void add_view_flags(CLI::App& app, ViewRequest& request);
 // A scene that is lit and can be framed.
 struct LoadedScene {
   Scene scene;
-  Framing framing;        // where it has no camera; without --ground
-  std::string light;      // what lights it and why, in a line; empty where --env says it
-  bool room_lamp = false; // its last light is room_lamp()
+  Framing framing;               // where it has no camera; without --ground
+  std::string light;             // what lights it and why, in a line; empty where --env says it
+  bool room_lamp = false;        // its last light is room_lamp()
+  std::optional<glm::dvec2> sun; // that was added, as SceneRequest has it
 };
 
 // Reads the scene, puts its environment in, and the ground that was asked for; `described` as in load_gltf(), with

@@ -171,6 +171,7 @@ int run_study_command(const CLI::App& app, Request& request) {
   settings.render = request.render.settings;
   settings.render.integrator = kind;
   if (request.shadows) prepare_shadow_study(settings);
+  request.scene.sun_if_unlit = request.shadows;
   check_files(request);
   std::optional<StudyReference> reference = read_reference(request);
 
@@ -182,6 +183,8 @@ int run_study_command(const CLI::App& app, Request& request) {
   whole.time_limit = settings.budget;
   const bvh::Quality quality = choose_quality(whole, plan(loaded.scene).triangles_stored, device.info());
   const StudyScene packed = pack_scene(loaded, request, quality);
+  std::string repeat = repeat_command(app, request, quality);
+  if (loaded.sun && !request.scene.sun) repeat += fmt::format(" --sun {},{}", loaded.sun->x, loaded.sun->y);
   loaded = LoadedScene{};
   // All configurations use the default radius of hybrid, so that one reference of occlusion serves them all.
   RenderSettings hybrid = settings.render;
@@ -201,7 +204,7 @@ int run_study_command(const CLI::App& app, Request& request) {
   const StudyRecord record{request.scene.path,
                            request.command_line,
                            fmt::format("{:%Y-%m-%d %H:%M} UTC", fmt::gmtime(now)),
-                           repeat_command(app, request, quality),
+                           repeat,
                            request.folder,
                            device.info(),
                            settings,

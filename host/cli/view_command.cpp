@@ -139,6 +139,7 @@ private:
     if (environment_.intensity != 1.0) add("--env-intensity", fmt::format("{}", environment_.intensity));
     if (environment_.rotation_degrees != 0.0) add("--env-rotation", fmt::format("{}", environment_.rotation_degrees));
     if (request_.scene.ground) flags += " --ground";
+    if (request_.scene.sun) flags += fmt::format(" --sun {},{}", request_.scene.sun->x, request_.scene.sun->y);
     add("--origin", fmt::format("{},{},{}", packed_.origin.x, packed_.origin.y, packed_.origin.z));
     add("--device", request_.render.device);
     return flags;

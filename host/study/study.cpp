@@ -59,6 +59,11 @@ public:
     }
     if (hybrid && !study_.interrupted) study_.first_hits = measure_first_hits(hybrid->settings);
     if (!study_.interrupted) measure_all(share / static_cast<double>(study_.series.size()));
+    if (!study_.unfit.empty())
+      std::erase_if(study_.series, [&](const Series& one) {
+        const std::string name = one.configuration.name();
+        return one.points.empty() && std::ranges::count(study_.unfit, name, &Unfit::name) > 0;
+      });
     return std::move(study_);
   }
 
@@ -195,7 +200,10 @@ private:
       const double before = seconds_;
       for (std::size_t i = 0; i < active.size(); ++i) {
         if (!active[i]) continue;
-        if (octave == 0) warm_up(study_.series[i], *active[i]);
+        if (octave == 0 && !starts(study_.series[i], *active[i])) {
+          active[i] = nullptr;
+          continue;
+        }
         measure(study_.series[i], octave, *active[i]);
         if (study_.interrupted) return;
         const double seconds = study_.series[i].points.back().seconds * (by_signal_ ? 2.0 : 1.0); // see measure()
@@ -206,6 +214,18 @@ private:
       const double spent = std::accumulate(used.begin(), used.end(), 0.0);
       if (varies_shadows_ && octave > 0 && spent + 2.0 * (seconds_ - before) > whole) return;
     }
+  }
+
+  // False if the device cannot hold it, where that is a matter of one configuration: the size of its maps.
+  bool starts(const Series& series, KernelCompiler& kernels) {
+    try {
+      warm_up(series, kernels);
+    } catch (const Error& error) {
+      if (!varies_shadows_) throw;
+      study_.unfit.push_back({series.configuration.name(), error.what()});
+      return false;
+    }
+    return true;
   }
 
   // The first render of a kernel also takes the time of what drivers postpone until then.
