@@ -122,7 +122,7 @@ protected:
   // A small picture with little noise, and the same points of the lamp for all techniques.
   static RenderSettings fine(std::string_view name, std::uint32_t taps = 16) {
     RenderSettings settings = shadow_settings(name, name == "traced" ? 1024 : 512);
-    settings.width = 48, settings.height = 36;
+    settings.width = 32, settings.height = 24;
     settings.last_sample = 128;
     if (name != "traced" && name != "map") settings.shadow_taps = taps;
     return settings;

@@ -35,7 +35,7 @@ float unshadowed_depth(Receiver r, vec2 place, float reach) {
   if (shadow.bias_kind == kBiasSlope) {
     float cosine = max(dot(r.normal, r.to_light), 1e-6);
     float slope = min(sqrt(max(1.0 - cosine * cosine, 0.0)) / cosine, kSteepest);
-    return r.depth - shadow.bias * width * slope * max(1.4142 * reach, 0.7072) - rounding;
+    return r.depth - shadow.bias * width * slope * 1.4142 * reach - rounding;
   }
   if (shadow.bias_kind == kBiasPlane && r.view.kind != kViewParaboloid)
     return plane_depth(r, place) - shadow.bias * width - rounding;
@@ -46,7 +46,7 @@ float unshadowed_depth(Receiver r, vec2 place, float reach) {
 // Of a texel, which sampled the surface at its centre.
 float unshadowed_depth(Receiver r, ivec2 texel) {
   vec2 centre = vec2(texel) + 0.5, away = abs(centre - r.place);
-  return unshadowed_depth(r, centre, max(away.x, away.y));
+  return unshadowed_depth(r, centre, max(max(away.x, away.y), 0.5));
 }
 
 // Whether a map leaves the receiver lit at a texel.
