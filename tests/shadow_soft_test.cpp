@@ -145,7 +145,8 @@ TEST_F(SoftTest, PointsAndVarianceComeNearTheLamp) {
   for (const std::uint32_t taps : {4u, 16u, 64u}) points.push_back(error(truth, light(scene, fine("average", taps))));
   EXPECT_LT(points[0], 0.4 * hard);
   EXPECT_LT(points[1], 0.7 * points[0]);
-  EXPECT_LT(points[2], 0.7 * points[1]);
+  EXPECT_LT(points[2], points[1]); // by now texels and what 128 frames leave of noise count as well
+  EXPECT_LT(points[2], 0.01);
   const double variance = error(truth, light(scene, fine("vssm"))),
                closer = error(truth, light(scene, fine("pcss", 64)));
   EXPECT_LT(variance, 0.4 * hard);
@@ -204,7 +205,7 @@ protected:
 // Half-planes parallel to the lamp are what both estimates are exact for: light rises linearly over 0.4 m.
 TEST_F(EdgeTest, PenumbrasAreAsWideAsTheLampMakesThem) {
   for (const auto& [name, taps, tolerance] :
-       {std::tuple{"vssm", 1u, 0.01f}, {"vssm", 16u, 0.01f}, {"average", 100u, 0.02f}}) {
+       {std::tuple{"vssm", 1u, 0.01f}, {"vssm", 16u, 0.01f}, {"average", 16u, 0.045f}, {"average", 100u, 0.02f}}) {
     SCOPED_TRACE(name);
     const std::vector<float> shares = profile(name, taps);
     float worst = 0.0f;
