@@ -15,13 +15,6 @@ namespace wavepath {
 
 struct ShadowMapRecipe;
 
-// What filters of maps work on.
-struct MapFilterJob {
-  const KernelSet* kernels = nullptr; // by stage of the recipe's program
-  gpu::Wave wave{};                   // to be pushed: first_pixel = view, the rest is the filter's
-  std::uint32_t views = 0, size = 0;
-};
-
 // A kernel that goes over every view, in submissions as short as they have to be. Push constant: first_pixel = first of
 // the items of this dispatch, pixel_count = how many, sample_count = the view.
 struct MapPass {
@@ -45,8 +38,6 @@ struct ShadowMapRecipe {
   std::uint64_t (*scratch_bytes)(const RenderSettings& settings) = nullptr;
   std::span<const MapPass> passes{}; // of a filter, one after the other
   double exponent = 0.0;             // --shadow-exponent unless that is given
-  // Records the filter, for all views. A barrier comes before, and none after.
-  void (*record_filter)(Commands& commands, const MapFilterJob& job, const RenderSettings& settings) = nullptr;
 };
 
 // Numbers and kinds of the bindings of kernels of shadow techniques, without buffers.
