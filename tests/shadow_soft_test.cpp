@@ -153,6 +153,41 @@ TEST_F(SoftTest, PointsAndVarianceComeNearTheLamp) {
   EXPECT_LT(variance, 1.2 * closer);
 }
 
+Scene lit_by_disc() {
+  Scene scene = lit_by_square();
+  scene.instances.pop_back();
+  std::vector<glm::vec3> disc;
+  const auto at = [](int i) { return 0.4f * glm::vec3(std::cos(0.2617994f * i), 6.25f, std::sin(0.2617994f * i)); };
+  for (int i = 0; i < 24; ++i)
+    for (const glm::vec3& p : {glm::vec3(0, 2.5f, 0), at(i), at((i + 1) % 24)}) disc.push_back(p);
+  add_instance(scene, add_mesh(scene, disc, 1));
+  return scene;
+}
+
+TEST_F(SoftTest, DiscsCastSoftShadowsToo) {
+  const Scene scene = lit_by_disc();
+  RenderSettings traced = fine("traced");
+  traced.last_sample = 256;
+  const std::vector<float> truth = light(scene, traced);
+  const double hard = error(truth, light(scene, fine("map")));
+  EXPECT_LT(error(truth, light(scene, fine("average", 32))), 0.3 * hard);
+  EXPECT_LT(error(truth, light(scene, fine("vssm"))), 0.4 * hard);
+}
+
+TEST_F(SoftTest, SameBitsHoweverTheWorkIsCut) {
+  for (const auto& [name, scene] : {std::pair{"vssm", lit_by_disc()},
+                                    {"average", lit_by_disc()},
+                                    {"leak", lit_by(spot())},
+                                    {"moment", lit_by(lamp())}}) {
+    SCOPED_TRACE(name);
+    RenderSettings settings = shadow_settings(name, 128);
+    settings.last_sample = 3;
+    const std::vector<float> whole = light(scene, settings);
+    settings.wave_slots = 1024;
+    EXPECT_EQ(light(scene, settings), whole);
+  }
+}
+
 TEST_F(SoftTest, TheShadowOfAPointIsTheMapFiltered) {
   const Scene scene = lit_by_square(0.002f);
   const auto picture = [&](std::string_view name) {
