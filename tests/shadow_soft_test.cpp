@@ -122,7 +122,7 @@ protected:
   // A small picture with little noise, and the same points of the lamp for all techniques.
   static RenderSettings fine(std::string_view name, std::uint32_t taps = 16) {
     RenderSettings settings = shadow_settings(name, name == "traced" ? 1024 : 512);
-    settings.width = 48, settings.height = 36;
+    settings.width = 32, settings.height = 24;
     settings.last_sample = 128;
     if (name != "traced" && name != "map") settings.shadow_taps = taps;
     return settings;
@@ -145,11 +145,47 @@ TEST_F(SoftTest, PointsAndVarianceComeNearTheLamp) {
   for (const std::uint32_t taps : {4u, 16u, 64u}) points.push_back(error(truth, light(scene, fine("average", taps))));
   EXPECT_LT(points[0], 0.4 * hard);
   EXPECT_LT(points[1], 0.7 * points[0]);
-  EXPECT_LT(points[2], 0.7 * points[1]);
+  EXPECT_LT(points[2], points[1]); // by now texels and what 128 frames leave of noise count as well
+  EXPECT_LT(points[2], 0.01);
   const double variance = error(truth, light(scene, fine("vssm"))),
                closer = error(truth, light(scene, fine("pcss", 64)));
   EXPECT_LT(variance, 0.4 * hard);
   EXPECT_LT(variance, 1.2 * closer);
+}
+
+Scene lit_by_disc() {
+  Scene scene = lit_by_square();
+  scene.instances.pop_back();
+  std::vector<glm::vec3> disc;
+  const auto at = [](int i) { return 0.4f * glm::vec3(std::cos(0.2617994f * i), 6.25f, std::sin(0.2617994f * i)); };
+  for (int i = 0; i < 24; ++i)
+    for (const glm::vec3& p : {glm::vec3(0, 2.5f, 0), at(i), at((i + 1) % 24)}) disc.push_back(p);
+  add_instance(scene, add_mesh(scene, disc, 1));
+  return scene;
+}
+
+TEST_F(SoftTest, DiscsCastSoftShadowsToo) {
+  const Scene scene = lit_by_disc();
+  RenderSettings traced = fine("traced");
+  traced.last_sample = 256;
+  const std::vector<float> truth = light(scene, traced);
+  const double hard = error(truth, light(scene, fine("map")));
+  EXPECT_LT(error(truth, light(scene, fine("average", 32))), 0.3 * hard);
+  EXPECT_LT(error(truth, light(scene, fine("vssm"))), 0.4 * hard);
+}
+
+TEST_F(SoftTest, SameBitsHoweverTheWorkIsCut) {
+  for (const auto& [name, scene] : {std::pair{"vssm", lit_by_disc()},
+                                    {"average", lit_by_disc()},
+                                    {"leak", lit_by(spot())},
+                                    {"moment", lit_by(lamp())}}) {
+    SCOPED_TRACE(name);
+    RenderSettings settings = shadow_settings(name, 128);
+    settings.last_sample = 3;
+    const std::vector<float> whole = light(scene, settings);
+    settings.wave_slots = 1024;
+    EXPECT_EQ(light(scene, settings), whole);
+  }
 }
 
 TEST_F(SoftTest, TheShadowOfAPointIsTheMapFiltered) {
@@ -204,7 +240,7 @@ protected:
 // Half-planes parallel to the lamp are what both estimates are exact for: light rises linearly over 0.4 m.
 TEST_F(EdgeTest, PenumbrasAreAsWideAsTheLampMakesThem) {
   for (const auto& [name, taps, tolerance] :
-       {std::tuple{"vssm", 1u, 0.01f}, {"vssm", 16u, 0.01f}, {"average", 100u, 0.02f}}) {
+       {std::tuple{"vssm", 1u, 0.01f}, {"vssm", 16u, 0.01f}, {"average", 16u, 0.045f}, {"average", 100u, 0.02f}}) {
     SCOPED_TRACE(name);
     const std::vector<float> shares = profile(name, taps);
     float worst = 0.0f;

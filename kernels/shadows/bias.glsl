@@ -49,7 +49,7 @@ float unshadowed_depth(Receiver r, vec2 place, float reach) {
   float width = texel_width(r.view, r.depth), rounding = kDepthRounding * r.view.far;
   if (shadow.bias_kind == kBiasConstant) return r.depth - shadow.bias * width;
   if (shadow.bias_kind == kBiasSlope) // by as much as the plane falls back on the way to the texel's centre, or more
-    return r.depth - shadow.bias * width * plane_slope(r) * max(1.4142 * reach, 0.7072) - rounding;
+    return r.depth - shadow.bias * width * plane_slope(r) * 1.4142 * reach - rounding;
   if (shadow.bias_kind == kBiasPlane) return plane_depth(r, place) - shadow.bias * width - rounding;
   if (shadow.bias_kind == kBiasCone) return r.depth - shadow.bias * width * (0.5 + reach) - rounding;
   return r.depth - rounding; // the map's own depths are moved, or the receiver is
@@ -58,7 +58,7 @@ float unshadowed_depth(Receiver r, vec2 place, float reach) {
 // Of a texel, which sampled the surface at its centre.
 float unshadowed_depth(Receiver r, ivec2 texel) {
   vec2 centre = vec2(texel) + 0.5, away = abs(centre - r.place);
-  return unshadowed_depth(r, centre, max(away.x, away.y));
+  return unshadowed_depth(r, centre, max(max(away.x, away.y), 0.5));
 }
 
 // Whether a map leaves the receiver lit at a texel.

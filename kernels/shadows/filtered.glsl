@@ -16,7 +16,8 @@ vec4 filtered_at(Receiver r) {
   return mix(above, below, part.y);
 }
 
-// The receiver's own, as unit_depth() has it. Filtered depths are those of its plane on average, wherever it is flat.
+// The receiver's own, as unit_depth() has it. Wherever it is flat, filtered depths are on average those of its plane at the
+// place itself: a slope takes no bias.
 float compared_depth(Receiver r) { return unit_depth(r.view, unshadowed_depth(r, r.place, 0.0)); }
 
 #endif

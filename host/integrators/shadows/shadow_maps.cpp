@@ -101,13 +101,6 @@ public:
     else
       trace(queue);
     filter(queue);
-    if (!recipe_.record_filter) return;
-    const auto record = [this](Commands& commands) {
-      commands.bind(*sets_.front());
-      MapFilterJob job{&kernels_.best(need_), {}, view_count(), settings_.shadow_size};
-      recipe_.record_filter(commands, job, settings_);
-    };
-    queue.submit(record, {.stage = "shadow build"});
   }
 
   void record_look_up(Commands& commands, std::size_t band, const gpu::Wave& wave) override {

@@ -16,13 +16,6 @@ namespace wavepath {
 
 struct ShadowMapRecipe;
 
-// What filters of maps work on.
-struct MapFilterJob {
-  const KernelSet* kernels = nullptr; // by stage of the recipe's program
-  gpu::Wave wave{};                   // to be pushed: first_pixel = view, the rest is the filter's
-  std::uint32_t views = 0, size = 0;
-};
-
 // A kernel that goes over every view, in submissions as short as they have to be. Push constant: first_pixel = first of
 // the items of this dispatch, pixel_count = how many, sample_count = the view.
 struct MapPass {
@@ -58,8 +51,6 @@ struct ShadowMapRecipe {
   std::uint64_t (*scratch_bytes)(const RenderSettings& settings) = nullptr;
   std::span<const MapPass> passes{}; // of a filter, one after the other
   double exponent = 0.0;             // --shadow-exponent unless that is given
-  // Records the filter, for all views. A barrier comes before, and none after.
-  void (*record_filter)(Commands& commands, const MapFilterJob& job, const RenderSettings& settings) = nullptr;
   // Fits the views to every frame anew, from words that it reduces the frame to; how many at most. Null = the views
   // follow from the camera alone. Such a technique has no scratch of its own.
   std::uint32_t (*frame_words)(std::uint32_t views, const RenderSettings& settings) = nullptr;
