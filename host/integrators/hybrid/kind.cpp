@@ -82,12 +82,21 @@ std::vector<OmittedStage> ao_omitted(const RenderSettings& settings) {
   return omitted;
 }
 
+Json shadow_json(const std::optional<ShadowReport>& shadows) {
+  if (!shadows) return nullptr;
+  Json json = {{"views", shadows->views}, {"bytes", shadows->bytes}};
+  if (shadows->pages > 0) json.update({{"pages", shadows->pages}, {"resident_pages", shadows->resident_pages}});
+  if (shadows->farthest > 0.0f) json.update({{"nearest", shadows->nearest}, {"farthest", shadows->farthest}}); // metres
+  return json;
+}
+
 Json stats(const RenderSettings& settings, const PackedScene& scene, const RenderResult& result) {
   return {{"shadow_samples", settings.shadow_samples},
           {"ao_samples", settings.ao_samples},
           {"ao_radius", occlusion_radius(scene, settings)},
           {"ambient", {result.ambient.r, result.ambient.g, result.ambient.b}},
-          {"denoise", settings.denoise != kDenoiseOff}};
+          {"denoise", settings.denoise != kDenoiseOff},
+          {"shadows", shadow_json(result.shadows)}};
 }
 
 std::unique_ptr<Integrator> make(Workspace& workspace, KernelCompiler& kernels) {
