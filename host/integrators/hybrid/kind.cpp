@@ -78,15 +78,20 @@ bool approximates_shadows(const RenderSettings& settings) {
 
 Json cost_json(const ShadowCost& cost) { return {{"median", cost.median}, {"least", cost.least}, {"most", cost.most}}; }
 
-Json shadow_json(const RenderSettings& settings, const RenderResult& result) {
-  if (!result.shadows) return nullptr;
-  return {{"technique", shadow_kind(settings)->name},
-          {"covered", result.shadows->covered},
-          {"traced", result.shadows->traced},
-          {"views", result.shadows->views},
-          {"bytes", result.shadows->bytes},
-          {"build_ms", cost_json(result.shadows->build)},
-          {"look_up_ms", cost_json(result.shadows->look_up)}};
+Json shadow_json(const RenderSettings& settings, const std::optional<ShadowReport>& shadows) {
+  if (!shadows) return nullptr;
+  Json json = {{"technique", shadow_kind(settings)->name},
+               {"covered", shadows->covered},
+               {"traced", shadows->traced},
+               {"views", shadows->views},
+               {"bytes", shadows->bytes},
+               {"build_ms", cost_json(shadows->build)},
+               {"look_up_ms", cost_json(shadows->look_up)}};
+  if (shadows->answers)
+    json.update({{"rays_answered", shadows->answers->answered}, {"rays_traced", shadows->answers->traced}});
+  if (shadows->pages > 0) json.update({{"pages", shadows->pages}, {"resident_pages", shadows->resident_pages}});
+  if (shadows->farthest > 0.0f) json.update({{"nearest", shadows->nearest}, {"farthest", shadows->farthest}}); // metres
+  return json;
 }
 
 std::string unfit_shadows(const RenderSettings& settings, const PackedScene& scene) {
@@ -124,7 +129,7 @@ Json stats(const RenderSettings& settings, const PackedScene& scene, const Rende
           {"ao_radius", occlusion_radius(scene, settings)},
           {"ambient", {result.ambient.r, result.ambient.g, result.ambient.b}},
           {"denoise", settings.denoise != kDenoiseOff},
-          {"shadows", shadow_json(settings, result)}};
+          {"shadows", shadow_json(settings, result.shadows)}};
 }
 
 std::unique_ptr<Integrator> make(Workspace& workspace, KernelCompiler& kernels) {
