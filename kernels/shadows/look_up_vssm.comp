@@ -1,7 +1,7 @@
 // Variance soft shadow maps (Yang et al. 2010): as percentage-closer soft shadows, with what mean and variance of the depths
 // in a box tell in place of comparisons. A summed-area table has both for boxes of any size. ShadowFrame::taps cuts a box
 // into a grid of smaller ones, which reveals more of what is in front of surfaces beside the receiver that are farther
-// away than that (their section 4.2).
+// away than that.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 

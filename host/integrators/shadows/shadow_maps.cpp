@@ -409,7 +409,9 @@ private:
 
   void filter(WaveQueue& queue) {
     const std::uint32_t size = settings_.shadow_size;
-    const std::uint64_t most = filtered_a_slice_.next_frame();
+    // A wide filter reads many texels for each that it writes.
+    const std::uint64_t most =
+        filtered_a_slice_.next_frame() / (1 + static_cast<std::uint64_t>(settings_.shadow_blur / 16.0));
     for (std::uint32_t view = 0; view < views_.size(); ++view)
       for (const MapPass& pass : recipe_.passes) {
         const bool lines = pass.items == MapPass::Items::lines;
