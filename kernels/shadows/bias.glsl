@@ -6,12 +6,24 @@
 const float kSteepest = 64.0;      // tangent of the angle to the light up to which depth is offset by slope
 const float kDepthRounding = 4e-6; // of a view's depth: maps hold floats, computed from floats
 
+// Sine of the angle between the surface and the one whose depth is the same everywhere. In perspective that is a plane, so
+// that surfaces beside the axis have a slope though they face the light.
+float depth_sine(Receiver r) {
+  return length(cross(r.normal, r.view.kind == kViewParaboloid ? r.to_light : r.view.depth.xyz));
+}
+
+// How much depth changes across the surface, in metres for a metre across the view.
+float depth_slope(Receiver r) {
+  float cosine = max(dot(r.normal, r.to_light), 1e-6);
+  float off_axis = r.view.kind == kViewPerspective ? -dot(r.view.depth.xyz, r.to_light) : 1.0;
+  return min(depth_sine(r) * off_axis / cosine, kSteepest);
+}
+
 // Moves the point that asks, for the kind of bias that does.
 void offset_receiver(inout Receiver r) {
   if (shadow.bias_kind != kBiasNormal) return;
   // By as much as a texel reaches across the surface (Holbert 2011).
-  float sine = sqrt(max(1.0 - dot(r.normal, r.to_light) * dot(r.normal, r.to_light), 0.0));
-  r.position += r.normal * (shadow.bias * sine * texel_width(r.view, r.depth));
+  r.position += r.normal * (shadow.bias * depth_sine(r) * texel_width(r.view, r.depth));
   place_in_view(r.view, r.position, r.place);
   r.depth = view_depth(r.view, r.position);
 }
@@ -41,11 +53,8 @@ float unshadowed_depth(Receiver r, ivec2 texel) {
   vec2 away = abs(centre - r.place);
   float reach = max(away.x, away.y);
   if (shadow.bias_kind == kBiasConstant) return r.depth - shadow.bias * width;
-  if (shadow.bias_kind == kBiasSlope) {
-    float cosine = max(dot(r.normal, r.to_light), 1e-6);
-    float slope = min(sqrt(max(1.0 - cosine * cosine, 0.0)) / cosine, kSteepest);
-    return r.depth - shadow.bias * width * slope * max(1.4142 * reach, 0.7072) - rounding;
-  }
+  if (shadow.bias_kind == kBiasSlope)
+    return r.depth - shadow.bias * width * depth_slope(r) * max(1.4142 * reach, 0.7072) - rounding;
   if (shadow.bias_kind == kBiasPlane) return plane_depth(r, centre) - shadow.bias * width - rounding;
   if (shadow.bias_kind == kBiasCone) return r.depth - shadow.bias * width * (0.5 + reach) - rounding;
   return r.depth - rounding; // the map's own depths are moved, or the receiver is
