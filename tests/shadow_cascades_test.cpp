@@ -122,6 +122,17 @@ TEST_F(ShadowTest, FramesAreFittedOneByOne) {
   EXPECT_EQ(light(scene, settings), whole);
 }
 
+TEST_F(ShadowTest, EverySunHasItsCascades) {
+  Scene scene = long_rows(sun());
+  scene.lights.push_back(sun({-0.7, -1.0, 0.3}));
+  const std::vector<float> truth = light(scene, long_settings("traced"));
+  for (const std::string_view technique : {"cascades", "sdsm"}) {
+    const RenderResult result = render(scene, cascades(technique, 3, 1024));
+    EXPECT_EQ(result.shadows->views, 6u);
+    EXPECT_LT(false_shares(truth, result.picture.channels[1].values).total(), 0.003) << technique;
+  }
+}
+
 TEST_F(ShadowTest, CascadesAreForSuns) {
   for (const std::string_view technique : {"cascades", "sdsm"})
     EXPECT_THROW(render(lit_by(lamp()), cascades(technique, 4, 64)), Error);

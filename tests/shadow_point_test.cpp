@@ -99,6 +99,17 @@ TEST_F(PointShadows, ParaboloidsBendTheEdgesOfLargeTriangles) {
   EXPECT_LT(last, 0.01);
 }
 
+// In perspective, surfaces beside the view's axis have a slope though they face the light.
+TEST_F(PointShadows, BiasEndsAcneBesideTheAxis) {
+  const Scene scene = lit_by(spot());
+  const std::vector<float> truth = light(scene, shadow_settings("traced"));
+  for (const std::string_view kind : {"slope", "normal", "plane"}) {
+    RenderSettings settings = shadow_settings("map", 1024);
+    settings.shadow_bias = index_of(kShadowBiasNames, kind);
+    EXPECT_LT(false_shares(truth, light(scene, settings)).dark, 0.001) << kind;
+  }
+}
+
 TEST_F(PointShadows, BiasEndsAcne) {
   const Scene scene = around_a_lamp(64);
   const std::vector<float> truth = light(scene, shadow_settings("traced"));
