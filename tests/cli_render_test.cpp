@@ -113,6 +113,20 @@ TEST_F(CliRenderTest, TheFlagOfTheFilterNeedsNoValue) {
   EXPECT_TRUE(find_channel(read_picture(exr_), "denoised.R"));
 }
 
+// A scene with a sun counts as lit: it gets no other light.
+TEST_F(CliRenderTest, ASunIsPutIn) {
+  const std::vector<std::string> common = {
+      "render", scene_file("furnace_lambert.gltf"), "--size", "8x8", "--spp", "4", "-o", exr_, "--json"};
+  std::vector<std::string> lit = common, odd = common;
+  lit.insert(lit.end(), {"--sun", "60,40"});
+  odd.insert(odd.end(), {"--sun", "60"});
+  const Outcome outcome = run_wavepath(lit);
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_NE(outcome.err.find("a sun (--sun 60,40)"), std::string::npos) << outcome.err;
+  EXPECT_EQ(Json::parse(outcome.out)["lights"], 1);
+  EXPECT_EQ(run_wavepath(odd).exit_code, 2);
+}
+
 // Intel's library, or what stands for it in tests: a filter that turns light into albedo plus normal.
 TEST_F(CliRenderTest, OpenImageDenoiseIsOpenedAtRunTime) {
   RunOptions options;

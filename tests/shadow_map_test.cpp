@@ -147,8 +147,8 @@ TEST_F(ShadowTest, SoftEdgesAreAsWideAsTheLampMakesThem) {
     if (soft[x] < 0.9f * unshadowed[x]) last = x;
   }
   const double metres = static_cast<double>(last - first) * 1.2 / 240.0;
-  const double radius = 2.0 * std::sqrt(kHalf * kHalf / 3.14159265) * (kHeight - kBlocker) / kBlocker;
-  EXPECT_NEAR(metres, 0.8 * 2.0 * radius, 0.1 * 2.0 * radius);
+  const double whole = 2.0 * kHalf * (kHeight - kBlocker) / kBlocker;
+  EXPECT_NEAR(metres, 0.8 * whole, 0.05 * whole);
 }
 
 TEST_F(ShadowTest, LightInShadowIsAShareOfTheLight) {

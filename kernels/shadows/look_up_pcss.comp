@@ -29,7 +29,9 @@ float lit_share(Receiver r) {
   float width = texel_width(r.view, r.depth);
   float blockers = blocker_depth(r, r.view.radius * (r.depth - r.view.near) / r.depth / width);
   if (blockers == 0.0) return 1.0;
-  // Similar triangles; half of the penumbra's width, in texels at the receiver's depth.
+  // Similar triangles; half of the penumbra's width, in texels at the receiver's depth. A grid is a square, and stands for
+  // the one of the disc's area: half of its side is sqrt(pi) / 2 of the radius.
   float radius = r.view.radius * (r.depth - blockers) / blockers / width;
+  if (shadow.pattern == kPatternGrid) radius *= 0.886227;
   return lit_taps(r, radius);
 }
