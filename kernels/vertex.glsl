@@ -108,8 +108,14 @@ bool sides_agree(Vertex v, vec3 wi) {
 // ---- scattering in world space --------------------------------------------------------------------------------------
 // Half of what a bent normal scatters may head below the surface that the map stands for, where no light is. It is mirrored
 // up at that surface: value and density of a direction are those of the BSDF for it and for its mirror image, so that a
-// white surface returns all light whatever its map (cutting these directions off returned 57 % in a strong map). Mirrors
-// are left as they are: what is folded could not be followed back from the light.
+// white surface returns all light whatever its map (cutting these directions off returned 57 % in a strong map). What a
+// mirror folds cannot be followed back from the light, so that kernels of light paths, and those that meet them, define
+// KEEPS_MIRRORS.
+#ifdef KEEPS_MIRRORS
+const bool kFoldsMirrors = false;
+#else
+const bool kFoldsMirrors = true;
+#endif
 
 vec3 to_local(Vertex v, vec3 direction) { return to_local(direction, v.tangent, v.bitangent, v.normal); }
 
@@ -147,7 +153,8 @@ vec3 vertex_eval(Vertex v, vec3 wi, out float pdf) {
 // A direction drawn in world space from the BSDF: the sampled one, or its image where it heads below.
 vec3 drawn_direction(Vertex v, inout BsdfSample s) {
   vec3 wi = normalize(to_world(s.wi, v.tangent, v.bitangent, v.normal));
-  bool below = is_bent(v) && s.pdf >= 0.0 && (dot(wi, v.plane) > 0.0) != (s.wi.z > 0.0);
+  bool folds = s.pdf >= 0.0 || (kFoldsMirrors && !s.transmitted);
+  bool below = is_bent(v) && folds && (dot(wi, v.plane) > 0.0) != (s.wi.z > 0.0);
   if (!below) return wi;
   wi = normalize(wi - 2.0 * dot(wi, v.plane) * v.plane);
   s.wi = to_local(v, wi);

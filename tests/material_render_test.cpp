@@ -317,16 +317,17 @@ TEST_F(MaterialRender, NormalMapsKeepTheLight) {
     scene.meshes[floor].tangents.push_back({1, 0, 0, -1});
   }
   add_instance(scene, floor);
-  for (const float metallic : {0.0f, 1.0f}) {
+  for (const auto& [metallic, roughness] : {std::pair{0.0f, 0.5f}, {1.0f, 0.5f}, {1.0f, 0.0f}}) {
     Material bumpy = plain_material();
     bumpy.base_color = glm::vec4(1.0f);
     bumpy.metallic = metallic;
-    bumpy.roughness = 0.5f;
+    bumpy.roughness = roughness;
     bumpy.normal_texture.image = 0;
     scene.materials = {bumpy};
     for (const double mu : {0.9, 0.3}) {
       const View view = orthographic({0, 0, 0}, {std::sqrt(1.0 - mu * mu), -mu, 0.0}, 1.0, 5.0);
-      EXPECT_NEAR(mean(scene, view, 32, 256, 1).y, 1.0, 0.01) << "metallic " << metallic << ", cosine " << mu;
+      EXPECT_NEAR(mean(scene, view, 32, 256, 1).y, 1.0, 0.01)
+          << "metallic " << metallic << ", roughness " << roughness << ", cosine " << mu;
     }
   }
 }

@@ -74,7 +74,9 @@ private:
     const std::string why =
         settings.integrator->unfit ? settings.integrator->unfit(settings, scene_.packed.at(direct_of(settings))) : "";
     if (why.empty()) return true;
-    study_.unfit.push_back({configuration.name(), why});
+    const std::string technique(configuration.value_of("shadows")); // whatever the size of its maps
+    const std::string name = technique.empty() ? configuration.name() : technique;
+    if (std::ranges::count(study_.unfit, name, &Unfit::name) == 0) study_.unfit.push_back({name, why});
     return false;
   }
 

@@ -2,6 +2,8 @@
 #ifndef WAVEPATH_BIDIRECTIONAL_BINDINGS_GLSL
 #define WAVEPATH_BIDIRECTIONAL_BINDINGS_GLSL
 
+#define KEEPS_MIRRORS // see kernels/vertex.glsl
+
 #include "kernels/bidirectional/bidirectional_types.h"
 #include "kernels/bidirectional/photon_types.h"
 #include "kernels/film/film_types.h"

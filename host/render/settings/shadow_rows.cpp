@@ -36,7 +36,10 @@ std::vector<Setting> shadow_rows() {
   std::vector<Setting> rows = {
       {.name = "shadows",
        .value = ChoiceValue{&S::shadows, kShadowNames},
-       .meaning = "how direct light is shadowed: by rays, or by a technique that rasterizes what lights see",
+       .meaning =
+           fmt::format("how direct light is shadowed: by rays, or by a technique that rasterizes what lights see: {}",
+                       fmt::join(kShadowNames, ", ")),
+       .placeholder = "NAME",
        .label = "shadows",
        .study = std::vector<std::string_view>(kShadowNames.begin(), kShadowNames.end())},
       {.name = "shadow-size",
