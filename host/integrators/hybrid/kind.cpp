@@ -62,18 +62,12 @@ std::vector<std::string> hybrid_bias(const RenderSettings& settings, const Rende
   if (settings.denoise != kDenoiseOff) bias.emplace_back(kFiltered);
   const ShadowKind* shadows = shadow_kind(settings);
   if (!shadows || !result.shadows) return bias;
-  if (!shadows->exact)
-    bias.push_back(fmt::format("shadows of {} are those of {} (--shadows {})", result.shadows->covered,
-                               shadows->summary, shadows->name));
+  bias.push_back(fmt::format("shadows of {} are those of {} (--shadows {})", result.shadows->covered, shadows->summary,
+                             shadows->name));
   if (!result.shadows->traced.empty())
     bias.push_back(fmt::format("shadows of {} are traced: --shadows {} does not cover them", result.shadows->traced,
                                shadows->name));
   return bias;
-}
-
-bool approximates_shadows(const RenderSettings& settings) {
-  const ShadowKind* shadows = shadow_kind(settings);
-  return shadows && (!shadows->exact || settings.shadow_ambient > 0.0);
 }
 
 Json cost_json(const ShadowCost& cost) { return {{"median", cost.median}, {"least", cost.least}, {"most", cost.most}}; }
@@ -158,7 +152,7 @@ constinit const IntegratorKind kHybrid = {
     .is_biased =
         [](const RenderSettings& settings) {
           return settings.denoise != kDenoiseOff || settings.max_depth > 1 || uses_mips(settings) ||
-                 approximates_shadows(settings);
+                 shadow_kind(settings) != nullptr;
         },
     .bias = hybrid_bias,
     .omitted = hybrid_omitted,

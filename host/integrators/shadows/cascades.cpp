@@ -4,16 +4,12 @@
 #include "host/integrators/shadows/cascade_views.h"
 #include "host/integrators/shadows/kinds.h"
 #include "host/integrators/shadows/shadow_maps.h"
-#include "kernels/shadows/look_up_map.spv.h"
 
 namespace wavepath {
 namespace {
 
-const std::array<KernelCode, 1> kStages = {{{"shadow look-up", wavepath_look_up_map_spv}}};
-constexpr std::array<std::size_t, 1> kOrder = {0};
-const KernelProgram kProgram = {kStages, kOrder, shadow_layout};
 const ShadowMapRecipe kRecipe = {
-    .program = &kProgram,
+    .program = &kCompareOnce,
     .views = [](const ShadowFit& fit, const ShadowSource& source, const View& view, const RenderSettings& settings) {
       return cascade_views(fit, source.direction, view, settings.shadow_cascades);
     }};

@@ -5,19 +5,15 @@
 #include "host/integrators/shadows/kinds.h"
 #include "host/integrators/shadows/shadow_maps.h"
 #include "host/integrators/shadows/warped_views.h"
-#include "kernels/shadows/look_up_map.spv.h"
 
 namespace wavepath {
 namespace {
 
-const std::array<KernelCode, 1> kStages = {{{"shadow look-up", wavepath_look_up_map_spv}}};
-constexpr std::array<std::size_t, 1> kOrder = {0};
-const KernelProgram kProgram = {kStages, kOrder, shadow_layout};
 std::vector<gpu::ShadowView> views(const ShadowFit& fit, const ShadowSource& source, const View& view,
                                    const RenderSettings& settings) {
   return {light_space_perspective_view(fit, source.direction, view, settings.shadow_exponent)};
 }
-const ShadowMapRecipe kRecipe = {.program = &kProgram, .views = views};
+const ShadowMapRecipe kRecipe = {.program = &kCompareOnce, .views = views};
 constexpr std::array<std::string_view, 4> kSettings = {"shadow-size", "shadow-bias", "shadow-source",
                                                        "shadow-exponent"};
 

@@ -10,17 +10,17 @@ namespace {
 
 const std::array<KernelCode, 1> kStages = {{{"shadow look-up", wavepath_look_up_map_spv}}};
 constexpr std::array<std::size_t, 1> kOrder = {0};
-const KernelProgram kProgram = {kStages, kOrder, shadow_layout};
-const ShadowMapRecipe kRecipe = {.program = &kProgram};
-constexpr std::array<std::string_view, 3> kSettings = {"shadow-size", "shadow-bias", "shadow-source"};
+const ShadowMapRecipe kRecipe = {.program = &kCompareOnce};
 
 } // namespace
+
+const KernelProgram kCompareOnce = {kStages, kOrder, shadow_layout};
 
 constinit const ShadowKind kShadowMap = {
     .name = "map",
     .summary = "a shadow map, one comparison (Williams 1978)",
     .sources = kAllSources,
-    .settings = kSettings,
+    .settings = kMapSettings,
     .make = [](const ShadowContext& context) { return make_shadow_maps(kRecipe, context); },
 };
 

@@ -7,6 +7,7 @@
 
 #include "host/base/error.h"
 #include "host/integrators/shadows/taps.h"
+#include "host/integrators/shadows/times.h"
 #include "host/integrators/shadows/virtual_pages.h"
 #include "host/render/settings/shadow_settings.h"
 #include "kernels/hybrid/hybrid_types.h"
@@ -274,7 +275,7 @@ private:
       const std::span<const std::uint32_t> code = recipe_.pages
                                                       ? std::span<const std::uint32_t>(wavepath_shadow_trace_pages_spv)
                                                       : std::span<const std::uint32_t>(wavepath_shadow_trace_spv);
-      tracer_.emplace(workspace_.device, "shadow build", code, *raster_set_, constants);
+      tracer_.emplace(workspace_.device, kShadowBuildStage, code, *raster_set_, constants);
       return;
     }
     RasterState state;
@@ -300,7 +301,7 @@ private:
                  std::uint32_t layer, const std::function<void(Commands&)>& copy) {
     gpu::Wave wave{};
     wave.first_pixel = index;
-    const SlicedPass pass{target_.get(), &*pipeline_, raster_set_.get(), &wave, layer, "shadow build"};
+    const SlicedPass pass{target_.get(), &*pipeline_, raster_set_.get(), &wave, layer, kShadowBuildStage};
     draw_in_slices(
         queue, pass, draws_within(chunks_, frustum_of(view)), most, [](Commands&) {}, copy,
         [this](double seconds) { triangles_a_slice_.note(seconds); });
@@ -361,7 +362,7 @@ private:
       commands.bind(*raster_set_);
       commands.dispatch(*tracer_, groups_for(wave.pixel_count), &wave);
     };
-    queue.submit(record, {.stage = "shadow build",
+    queue.submit(record, {.stage = kShadowBuildStage,
                           .done = [this](const Finished& finished) { texels_a_slice_.note(finished.seconds); }});
   }
 
@@ -440,7 +441,7 @@ private:
         commands.bind(*work.bindings);
         commands.dispatch(*work.kernel, groups_for(wave.pixel_count), &wave);
       };
-      queue.submit(record, {.stage = "shadow build",
+      queue.submit(record, {.stage = kShadowBuildStage,
                             .done = [&length](const Finished& finished) { length.note(finished.seconds); }});
       first += wave.pixel_count;
     }

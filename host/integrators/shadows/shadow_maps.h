@@ -1,10 +1,12 @@
 // Techniques that draw what lights see into maps, filter these perhaps, and look shadow rays up in them.
 #pragma once
 
+#include <array>
 #include <functional>
 #include <memory>
 #include <optional>
 #include <span>
+#include <string_view>
 
 #include "host/gpu/raster.h"
 #include "host/integrators/raster/culling.h"
@@ -58,6 +60,11 @@ struct ShadowMapRecipe {
   // Maps are virtual: only pages are there that stage 1 of the program asks for. Neither ids, nor filters.
   bool pages = false;
 };
+
+// One comparison with the nearest texel (map.cpp): of all techniques that differ by their views alone, and the settings
+// of those that have no others.
+extern const KernelProgram kCompareOnce;
+inline constexpr std::array<std::string_view, 3> kMapSettings = {"shadow-size", "shadow-bias", "shadow-source"};
 
 // Numbers and kinds of the bindings of kernels of shadow techniques, without buffers.
 std::vector<Binding> shadow_layout();

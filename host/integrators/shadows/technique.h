@@ -53,7 +53,6 @@ struct ShadowKind {
   std::string_view name; // value of --shadows
   std::string_view summary;
   unsigned sources = 0;                         // kinds that it covers
-  bool exact = false;                           // it finds what rays find
   std::span<const std::string_view> settings{}; // that it takes besides shadow-ambient
   std::unique_ptr<ShadowTechnique> (*make)(const ShadowContext& context) = nullptr;
 };

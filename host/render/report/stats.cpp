@@ -112,14 +112,6 @@ Json merge_json(const std::optional<MergeReport>& merging) {
           {"bytes", merging->bytes}};
 }
 
-Json shadow_json(const std::optional<ShadowReport>& shadows) {
-  if (!shadows) return nullptr;
-  Json json = {{"views", shadows->views}, {"bytes", shadows->bytes}};
-  if (const auto& answers = shadows->answers)
-    json.update({{"answered", answers->answered}, {"left_to_rays", answers->traced}});
-  return json;
-}
-
 Json guide_json(const std::optional<GuideReport>& guide) {
   if (!guide) return nullptr;
   return {{"used", guide->used},     {"variance", guide->variance}, {"probability", guide->probability},
@@ -236,7 +228,6 @@ Json stats_document(const Run& run) {
       {"hybrid", settings.integrator->stats(settings, run.packed, result)},
       {"guide", guide_json(result.guide)},
       {"merge", merge_json(result.merging)},
-      {"shadows", shadow_json(result.shadows)},
       {"denoise", denoise_json(run)},
       {"device",
        {{"name", run.device.name}, {"driver", run.device.driver}, {"type", run.device.type}, {"api", run.device.api}}},
