@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cstring>
 #include <future>
 #include <thread>
 
@@ -15,7 +16,8 @@ namespace {
 constexpr std::uint64_t kStandInBytes = 1024; // of the buffer that stands for all while nothing is read
 
 void run_without_work(Device& device, const Kernel& kernel, const BindingSet& bindings) {
-  const gpu::Wave wave{};
+  gpu::Wave wave;
+  std::memset(&wave, 0xff, sizeof(wave));
   Commands commands(device);
   commands.bind(bindings);
   commands.dispatch(kernel, 0, &wave);
@@ -57,7 +59,9 @@ std::array<std::uint32_t, gpu::kSpecCount> specialization(const KernelConfig& co
 KernelSet::KernelSet(Device& device, const KernelNeed& need)
     : config_(need.config), kernels_(need.program->stages.size()) {
   const Clock::time_point start = Clock::now();
-  const Buffer stand_in(device, kStandInBytes);
+  Buffer stand_in(device, kStandInBytes);
+  const std::vector<std::uint8_t> ones(kStandInBytes, 0xff);
+  stand_in.write(ones.data(), ones.size());
   std::vector<Binding> layout = need.program->layout();
   for (Binding& binding : layout) binding.buffer = &stand_in;
   const BindingSet bindings(device, layout, static_cast<std::uint32_t>(sizeof(gpu::Wave)));
