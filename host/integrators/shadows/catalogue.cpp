@@ -16,7 +16,8 @@ namespace {
 constexpr std::array kKinds = {&kShadowMap,  &kShadowMapId,    &kShadowPcf,        &kShadowPcss,   &kShadowVsm,
                                &kShadowEsm,  &kShadowEvsm,     &kShadowMoment,     &kShadowVssm,   &kShadowAverage,
                                &kShadowLeak, &kShadowCascades, &kShadowSdsm,       &kShadowLispsm, &kShadowTsm,
-                               &kShadowPsm,  &kShadowCube,     &kShadowParaboloid, &kShadowVirtual};
+                               &kShadowPsm,  &kShadowCube,     &kShadowParaboloid, &kShadowVirtual,
+                               &kShadowIzb};
 static_assert(kKinds.size() + 1 == kShadowNames.size());
 
 } // namespace
