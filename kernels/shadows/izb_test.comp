@@ -45,7 +45,8 @@ void test(uint ray_index, uint triangle, uint of_instance) {
     local_ray = make_traversal_ray(ray.origin, ray.direction);
   }
   test_triangle(triangle, ray.t_max);
-  if (has(TESTED_FEATURES)) look_up_alpha();
+  // A loop, because Mesa 22.3 runs what is in a branch even where no lane of the subgroup takes it, but leaves loops.
+  while (has(TESTED_FEATURES) && pending.triangle != kNone) look_up_alpha();
   bool blocked = best.triangle != kNone;
   // The one whose surface takes the last of the light says so; the sum may overflow only after that.
   if (!blocked && shadow_depth > 0u)

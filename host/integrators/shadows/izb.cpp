@@ -1,7 +1,7 @@
-// Irregular z-buffer (Johnson et al. 2005; Aila and Laine 2004; Wyman et al. 2015): the shadow rays of a wave are listed
-// in cells of their light's view, and every triangle is put against the cells that it covers, where it is tested with
-// each ray listed. No map has texels that rays would have to share, so that the shadows are those of tracing, to the
-// bit.
+// Irregular z-buffer (Johnson et al. 2005; Aila and Laine 2004; Wyman et al. 2015): the shadow rays of a wave are
+// listed in cells of their light's view, and every triangle is put against the cells that it covers, where it is tested
+// with each ray listed. No map has texels that rays would have to share, so that the shadows are those of tracing, to
+// the bit.
 #include <array>
 
 #include <fmt/format.h>
@@ -87,7 +87,8 @@ public:
 
   void build(WaveQueue&, std::uint32_t) override {} // lists are those of waves
 
-  // Work in slices of as many items as a dispatch takes; the loop keeps waves, and so lists, as short as they have to be.
+  // Work in slices of as many items as a dispatch takes; the loop keeps waves, and so lists, as short as they have to
+  // be.
   void record_look_up(Commands& commands, std::size_t band, const gpu::Wave& wave) override {
     const KernelSet& kernels = kernels_.best(need_);
     const std::uint32_t rays = groups_for(std::uint64_t{wave.pixel_count} * wave.sample_count);

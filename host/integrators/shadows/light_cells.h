@@ -1,12 +1,12 @@
 // Which cells of a light's view every triangle covers, conservatively: whatever rounding does to a shadow ray that was
 // listed in a cell, a triangle that the ray's own test may find is put against that cell.
 //
-// A ray from o towards a light at L is the line from o to L but for an error e of its direction (two roundings) and of the
-// view's rows (one each): no point of it is farther than 2^-20 * R from that line, where R bounds the coordinates of the
-// scene and of the light, summed. The triangle test accepts rays that pass it by less than 2^-20 * R. Triangles are
-// grown by 2^-18 * R, times the condition number of the transform of their instance. The line projects to one point,
-// that of o, whose cell is known to half a cell (ShadowView::near keeps points away for which it is not), so covered
-// cells are taken one cell wider.
+// A ray from o towards a light at L is the line from o to L but for an error e of its direction (two roundings) and of
+// the view's rows (one each): no point of it is farther than 2^-20 * R from that line, where R bounds the coordinates
+// of the scene and of the light, summed. The triangle test accepts rays that pass it by less than 2^-20 * R. Triangles
+// are grown by 2^-18 * R, times the condition number of the transform of their instance. The line projects to one
+// point, that of o, whose cell is known to half a cell (ShadowView::near keeps points away for which it is not), so
+// covered cells are taken one cell wider.
 #pragma once
 
 #include <vector>
