@@ -84,6 +84,7 @@ Json shadow_json(const RenderSettings& settings, const std::optional<ShadowRepor
   if (shadows->answers)
     json.update({{"rays_answered", shadows->answers->answered}, {"rays_traced", shadows->answers->traced}});
   if (shadows->pages > 0) json.update({{"pages", shadows->pages}, {"resident_pages", shadows->resident_pages}});
+  if (shadows->longest_list > 0) json.update({{"longest_list", shadows->longest_list}}); // shadow rays
   if (shadows->farthest > 0.0f) json.update({{"nearest", shadows->nearest}, {"farthest", shadows->farthest}}); // metres
   return json;
 }

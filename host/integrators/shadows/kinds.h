@@ -24,5 +24,6 @@ extern const ShadowKind kShadowPsm;        // psm.cpp
 extern const ShadowKind kShadowCube;       // cube.cpp
 extern const ShadowKind kShadowParaboloid; // paraboloid.cpp
 extern const ShadowKind kShadowVirtual;    // virtual.cpp
+extern const ShadowKind kShadowIzb;        // izb.cpp
 
 } // namespace wavepath

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "host/base/error.h"
+#include "host/integrators/shadows/scene_fit.h"
 #include "host/integrators/shadows/taps.h"
 #include "host/integrators/shadows/times.h"
 #include "host/integrators/shadows/virtual_pages.h"
@@ -66,7 +67,6 @@ constexpr std::uint64_t kFirstTriangles = 1 << 16, kFirstTexels = 1 << 16; // of
 constexpr std::uint32_t kTimedBuilds = 5; // frames that build anew what could be kept, so that the time has a median
 constexpr std::uint32_t kReducedPixels = 1u << 18; // of a submission
 constexpr std::uint32_t kPageTexels = gpu::kShadowPage * gpu::kShadowPage;
-constexpr double kNarrowNear = 1e-30;
 
 class ShadowMaps : public ShadowTechnique {
 public:
@@ -143,18 +143,7 @@ private:
     const PackedScene& scene = workspace_.scene;
     View view = world;
     view.position -= scene.origin;
-    ShadowFit fit;
-    fit.lo = glm::dvec3(1e300), fit.hi = glm::dvec3(-1e300);
-    for (const Chunk& chunk : chunks_) {
-      fit.lo = glm::min(fit.lo, chunk.centre - chunk.half);
-      fit.hi = glm::max(fit.hi, chunk.centre + chunk.half);
-    }
-    fit.radius = scene.radius;
-    const double far = glm::distance(view.position, 0.5 * (fit.lo + fit.hi)) + glm::distance(fit.lo, fit.hi);
-    fit.nearest = view.orthographic ? 0.0 : kNarrowNear * far;
-    fit.farthest = far;
-    fit.receivers = seen_corners(view, fit.lo, fit.hi, fit.nearest, fit.farthest);
-    if (fit.receivers.empty()) fit.receivers = {fit.lo, fit.hi};
+    ShadowFit fit = fit_to_scene(scene, chunks_, world);
     fit.size = settings_.shadow_size;
     fit.guard = 1.0 + (recipe_.guard ? recipe_.guard(settings_) : 0.0);
     views_.clear();

@@ -66,6 +66,7 @@ struct ShadowReport {
   std::optional<RayAnswers> answers;           // since change(), of a technique that traces some rays by choice
   float nearest = 0.0f, farthest = 0.0f;       // depths that the last frame showed, where views are fitted to it
   std::uint32_t pages = 0, resident_pages = 0; // of virtual maps; in the last frame
+  std::uint32_t longest_list = 0;              // of shadow rays in a cell, of an irregular z-buffer
 };
 
 // The filter of the finished picture (--denoise).
