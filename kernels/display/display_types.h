@@ -35,6 +35,7 @@ struct DisplayJob {
   uint splats; // 1: the film has some
   float gain;  // on radiance
   float range; // what is shown brightest where that is no radiance
+  uint first_column; // of the screen: what is left of it stays
 };
 
 #ifdef __cplusplus
