@@ -263,9 +263,10 @@ void add_window_flags(CLI::App& app, Request& request) {
        "error, or shadow-error: falsely lit in orange, falsely dark in blue (hybrid)",
        "color"},
       [&](const FlagValue& value) { request.shown = static_cast<Shown>(value.choice(kShownNames)); });
-  add_flag(app, group,
-           {"--split", "X", "from this share of the width on, 0 to 1, show the shadows of --against; hybrid", "not"},
-           [&](const FlagValue& value) { request.comparison.split = true, request.comparison.at = value.number(0.0, 1.0); });
+  add_flag(
+      app, group,
+      {"--split", "X", "from this share of the width on, 0 to 1, show the shadows of --against; hybrid", "not"},
+      [&](const FlagValue& value) { request.comparison.split = true, request.comparison.at = value.number(0.0, 1.0); });
   add_flag(app, group,
            {"--against", "NAME", "shadow technique that --split and --show shadow-error compare with", "traced"},
            [&](const FlagValue& value) { request.comparison.against = value.choice(kShadowNames); });

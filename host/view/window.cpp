@@ -93,10 +93,10 @@ private:
   std::string device_;
   PanelState panel_;
   ProgressiveStatus status_, shown_;
-  EnvironmentChoice environment_; // in use
+  EnvironmentChoice environment_;                // in use
   std::unique_ptr<ShadowComparison> comparison_; // while it is asked for
   ShadowVerdict verdict_;
-  std::uint32_t judged_spp_ = 0; // samples a pixel that it was found at; 0 = not since anything changed
+  std::uint32_t judged_spp_ = 0;    // samples a pixel that it was found at; 0 = not since anything changed
   std::uint64_t drawn_samples_ = 0; // of the comparison
   Divider divider_;
   std::string title_;
@@ -136,9 +136,8 @@ int Viewer::run() {
     status_ = progressive_.status();
     choose_exposure();
     if (const double now = glfwGetTime(); must_draw(now)) draw(now);
-    worked_ =
-        (has_work() || done()) && // once done, it takes in the last estimate of the error
-        (comparison_ ? comparison_->step() : progressive_.step());
+    worked_ = (has_work() || done()) && // once done, it takes in the last estimate of the error
+              (comparison_ ? comparison_->step() : progressive_.step());
     status_ = progressive_.status();
     if (scripted() && done() && (drawn_done_ || !seen())) {
       if (!request_.screenshot.empty()) write(request_.screenshot);
@@ -318,8 +317,7 @@ void Viewer::act(const PanelWishes& wishes) {
     auto& aovs = panel_.settings.aovs;
     if (std::find(aovs.begin(), aovs.end(), aov) == aovs.end()) aovs.push_back(aov), more_channels = true;
   };
-  for (const std::string& aov : aovs_for(panel_.display.shown))
-    add(aov);
+  for (const std::string& aov : aovs_for(panel_.display.shown)) add(aov);
   if (compares()) add("direct");
   if (wishes.settings || more_channels) take_settings();
   if (wishes.environment && request_.set_environment && panel_.environment != environment_) try {
@@ -447,7 +445,7 @@ void Viewer::adapt_exposure(double seconds) {
 
 // Of the window: how far the render is, which task bars show of minimised windows too.
 void Viewer::show_title() {
-  const char* state = status_.done ? ", done" : target_reached() ? ", target reached" : "";
+  const char* state = done() ? ", done" : target_reached() ? ", target reached" : "";
   const std::string title = fmt::format("{} - {} spp{}", request_.title, status_.coarse > 1 ? 0 : status_.spp, state);
   if (title != title_) glfwSetWindowTitle(window_.handle(), title.c_str());
   title_ = title;

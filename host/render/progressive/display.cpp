@@ -20,9 +20,7 @@ std::vector<Binding> bindings_of(const Buffer& film, const Buffer& aovs, const B
           {gpu::kBindScreen, BindingKind::storage, &screen}};
 }
 
-bool needs_aovs(Shown shown) {
-  return shown >= Shown::albedo && shown <= Shown::emission;
-}
+bool needs_aovs(Shown shown) { return shown >= Shown::albedo && shown <= Shown::emission; }
 
 // What is shown brightest unless the user says: of the error half the pixel's value, of distances the scene's diameter.
 double automatic_range(Shown shown, const Progressive& progressive) {

@@ -33,9 +33,9 @@ enum class Shown : std::uint32_t {
   error,
   shadow_error
 };
-inline constexpr std::array<std::string_view, 12> kShownNames = {
-    "color",    "albedo",   "normal",  "depth",    "position", "direct",
-    "indirect", "emission", "samples", "variance", "error",    "shadow-error"};
+inline constexpr std::array<std::string_view, 12> kShownNames = {"color",    "albedo",   "normal",   "depth",
+                                                                 "position", "direct",   "indirect", "emission",
+                                                                 "samples",  "variance", "error",    "shadow-error"};
 
 // The --aov that rendering needs so that it can be shown: put it into RenderSettings::aovs. Empty = none.
 std::vector<std::string> aovs_for(Shown shown);

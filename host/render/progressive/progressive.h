@@ -25,15 +25,15 @@ struct ProgressiveStatus {
   std::uint32_t error_spp = 0; // samples a pixel that it was estimated at
   double slope = -0.5;         // of log error against log time
   MemoryUse memory;
-  glm::vec3 ambient{0.0f}; // radiance that hybrid frames use
+  glm::vec3 ambient{0.0f};             // radiance that hybrid frames use
   std::optional<ShadowReport> shadows; // of a shadow technique
 };
 
 class Progressive {
 public:
-  // Uploads the scene, unless it is there. `scene` and `kernels` outlive it. The picture has settings.width times height pixels, which is
-  // what `view` is resolved for, and is done at settings.last_sample. Settings of time, error and adaptive sampling
-  // play no part. Throws Error if the device cannot hold it.
+  // Uploads the scene, unless it is there. `scene` and `kernels` outlive it. The picture has settings.width times
+  // height pixels, which is what `view` is resolved for, and is done at settings.last_sample. Settings of time, error
+  // and adaptive sampling play no part. Throws Error if the device cannot hold it.
   Progressive(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings,
               KernelCompiler& kernels, std::shared_ptr<const DeviceScene> uploaded = nullptr);
   // Another render of the same scene and view, which shares what is on the device of the scene.

@@ -35,7 +35,8 @@ ShadowComparison::ShadowComparison(Progressive& shown, std::uint32_t against) : 
   if (!kind.unfit || kind.unfit(light, shown.scene()).empty()) light_ = shown.beside(light);
 }
 
-// Techniques answer light samples alone: the truth estimates direct light as `shown` does, so that shadows alone differ.
+// Techniques answer light samples alone: the truth estimates direct light as `shown` does, so that shadows alone
+// differ.
 RenderSettings ShadowComparison::truth_settings() const {
   RenderSettings settings = shown_.settings();
   settings.direct = direct_of(settings);
@@ -64,9 +65,7 @@ bool ShadowComparison::step() {
 
 bool ShadowComparison::is_done() const { return truth_->is_done() && (!light_ || light_->is_done()); }
 
-std::uint64_t ShadowComparison::samples() const {
-  return std::uint64_t{truth_->spp()} + (light_ ? light_->spp() : 0);
-}
+std::uint64_t ShadowComparison::samples() const { return std::uint64_t{truth_->spp()} + (light_ ? light_->spp() : 0); }
 
 void ShadowComparison::move(const View& view) {
   truth_->move(view);
