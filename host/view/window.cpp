@@ -67,6 +67,8 @@ private:
   void save(const char* extension);
   void write(const std::string& path);
   bool compares() const;
+  // The map of errors is of both, and shown whole.
+  bool splits() const { return comparison_ && panel_.comparison.split && panel_.display.shown != Shown::shadow_error; }
   void make_comparison();
   void fit_comparison();
   void judge_shadows();
@@ -178,7 +180,7 @@ void Viewer::draw(double now) {
   adapt_exposure(now - last_draw_);
   judge_shadows();
   const PanelWishes wishes = show_panel(panel_, facts());
-  if (comparison_ && panel_.comparison.split)
+  if (splits())
     draw_divider(panel_.comparison.at, std::string(kShadowNames[panel_.settings.shadows]),
                  std::string(kShadowNames[comparison_->against()]));
   overlay_.end();
@@ -203,8 +205,7 @@ void Viewer::take_input(double seconds) {
     input = Input{.keys = std::move(input.keys), .pointer = input.pointer};
     window_.drop_pointer();
   }
-  if (comparison_ && panel_.comparison.split)
-    divider_.take(input, window_.dragging(), window_.size().x, panel_.comparison.at);
+  if (splits()) divider_.take(input, window_.dragging(), window_.size().x, panel_.comparison.at);
   if (input.double_click || input.control_click) focus();
   Flight flight;
   if (!overlay_.wants_keys()) {
@@ -359,7 +360,7 @@ void Viewer::write(const std::string& path) {
     }
   }
   Picture picture = progressive_.picture();
-  if (comparison_ && panel_.comparison.split) {
+  if (splits()) {
     if (display.auto_exposure) display.exposure = auto_exposure(picture), display.auto_exposure = false;
     const Picture truth = comparison_->truth().picture();
     if (truth.width == picture.width && truth.height == picture.height)
@@ -408,7 +409,7 @@ void Viewer::draw_picture() {
   display_.draw(progressive_, panel_.display);
   if (!comparison_) return;
   if (panel_.display.shown == Shown::shadow_error) return display_.show(verdict_.map, panel_.display.bgra);
-  if (panel_.comparison.split)
+  if (splits())
     display_.draw(comparison_->truth(), panel_.display, split_column(panel_.comparison.at, display_.width()));
 }
 
