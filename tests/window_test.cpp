@@ -170,6 +170,17 @@ TEST(NoWindow, SaysWhatToDoWithoutADisplay) {
   }
 }
 
+TEST(NoWindow, RefusesToCompareWithoutShadowTechniques) {
+  for (const std::vector<std::string>& flags :
+       {std::vector<std::string>{"--split", "0.5"}, {"--show", "shadow-error"}}) {
+    std::vector<std::string> line = {WAVEPATH_BINARY, "view", kCornell};
+    line.insert(line.end(), flags.begin(), flags.end());
+    const Outcome outcome = run_program(line);
+    EXPECT_EQ(outcome.exit_code, 2);
+    EXPECT_NE(outcome.err.find("add --integrator hybrid"), std::string::npos) << outcome.err;
+  }
+}
+
 TEST_F(Window, RunsAScriptAndSavesThePictureOfRender) {
   for (const std::string name : {"shot.exr", "shot.png"})
     EXPECT_EQ(view({"--size", "96x64", "--frames", "8", "--screenshot", name})->wait(), 0);
@@ -227,6 +238,62 @@ TEST_F(Window, FollowsTheHandAndCopiesWhereItIs) {
   }
   window->act({"key", "r"});
   EXPECT_EQ(window->copied(), initial);
+  EXPECT_EQ(window->close(), 0);
+}
+
+// Red, green and blue of the columns from `first` on, up to `end`, have the same bits.
+void expect_same_columns(const Picture& a, const Picture& b, std::size_t first, std::size_t end) {
+  ASSERT_EQ(a.width, b.width);
+  for (const char* name : {"R", "G", "B"}) {
+    const std::vector<float>&ours = find_channel(a, name)->values, &theirs = find_channel(b, name)->values;
+    std::size_t differing = 0;
+    for (std::size_t i = 0; i < ours.size(); ++i)
+      differing += i % a.width >= first && i % a.width < end && ours[i] != theirs[i];
+    EXPECT_EQ(differing, 0u) << name;
+  }
+}
+
+TEST_F(Window, SplitsThePictureAgainstTheTruth) {
+  const std::vector<std::string> hybrid = {"--integrator", "hybrid", "--size",      "96x64",
+                                           "--spp",        "2",      "--max-depth", "1"};
+  const auto with = [&](std::vector<std::string> flags) {
+    flags.insert(flags.begin(), hybrid.begin(), hybrid.end());
+    return flags;
+  };
+  render(with({"--shadows", "map", "--shadow-size", "64", "-o", "map.exr"}));
+  render(with({"--direct", "nee", "-o", "traced.exr"}));
+  const Picture technique = read_picture(path("map.exr")), truth = read_picture(path("traced.exr"));
+
+  const auto scripted = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> flags = with({"--shadows", "map", "--shadow-size", "64", "--frames", "2"});
+    flags.insert(flags.end(), more.begin(), more.end());
+    EXPECT_EQ(view(flags)->wait(), 0);
+    return read_picture(path("shot.exr"));
+  };
+  const Picture split = scripted({"--split", "0.25", "--screenshot", "shot.exr"});
+  expect_same_columns(split, technique, 0, 24);
+  expect_same_columns(split, truth, 24, 96);
+
+  // The error view has both colours, as a map of 64 texels errs both ways.
+  const Picture map_of_errors = scripted({"--show", "shadow-error", "--screenshot", "shot.exr"});
+  const std::vector<float>&red = find_channel(map_of_errors, "R")->values,
+        &blue = find_channel(map_of_errors, "B")->values;
+  std::size_t orange = 0, bluish = 0;
+  for (std::size_t i = 0; i < red.size(); ++i) orange += red[i] > blue[i] + 0.25f, bluish += blue[i] > red[i] + 0.25f;
+  EXPECT_GT(orange, 4u);
+  EXPECT_GT(bluish, 4u);
+  EXPECT_LT(orange + bluish, red.size() / 4);
+
+  // The divider follows the hand; the camera does not.
+  const auto window = view(with({"--shadows", "map", "--shadow-size", "64", "--split", "0.75"}));
+  window->done();
+  display_->xdotool({"key", "h"});
+  display_->xdotool(
+      {"mousemove", "72", "30", "mousedown", "1", "mousemove", "40", "34", "mousemove", "24", "32", "mouseup", "1"});
+  EXPECT_EQ(window->copied().find("--eye"), std::string::npos);
+  const Picture dragged = window->saved(path("cornell_box-0001.exr"));
+  expect_same_columns(dragged, technique, 0, 24);
+  expect_same_columns(dragged, truth, 24, 96);
   EXPECT_EQ(window->close(), 0);
 }
 

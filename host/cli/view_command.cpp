@@ -19,7 +19,9 @@
 #include "host/render/settings/denoising.h"
 #include "host/render/settings/mips.h"
 #include "host/render/settings/settings_table.h"
+#include "host/render/settings/shadow_settings.h"
 #include "host/scene/environment.h"
+#include "host/view/comparison_choice.h"
 #ifdef WAVEPATH_VIEWER
 #include "host/view/window.h"
 #endif
@@ -36,10 +38,22 @@ struct Request {
   RenderRequest render;
   WriteOptions tone;
   Shown shown = Shown::color;
+  ComparisonChoice comparison;
   std::uint32_t frames = 0; // 0 = until the window is closed
   std::string screenshot;
   std::string command_line;
 };
+
+void check_comparison(Request& request) {
+  const bool judges = request.shown == Shown::shadow_error;
+  if (!request.comparison.split && !judges) return;
+  RenderSettings& settings = request.render.settings;
+  if (!takes(*settings.integrator, "shadows"))
+    throw UsageError(judges ? "--show shadow-error" : "--split",
+                     fmt::format("compares shadow techniques, and --integrator {} has none", settings.integrator->name),
+                     "add --integrator hybrid");
+  if (std::ranges::count(settings.aovs, "direct") == 0) settings.aovs.emplace_back("direct");
+}
 
 void check(Request& request) {
   RenderSettings& settings = request.render.settings;
@@ -51,6 +65,7 @@ void check(Request& request) {
   if (request.frames) settings.last_sample = request.frames;
   for (const std::string& aov : aovs_for(request.shown))
     if (std::ranges::count(settings.aovs, aov) == 0) settings.aovs.push_back(aov);
+  check_comparison(request);
   check_integrator(request.render);
   if (denoises_film(settings))
     throw UsageError("--denoise", "filters finished pictures of paths, and a window shows none",
@@ -112,11 +127,14 @@ public:
                       .auto_exposure = !request_.tone.exposure,
                       .tonemap = request_.tone.tonemap};
     window.environment = environment_;
+    window.comparison = request_.comparison;
     window.target_error = request_.render.settings.target_error;
     window.frames = request_.frames;
     window.screenshot = request_.screenshot;
     window.notes = [this](const RenderSettings& settings) { return list_bias(settings, packed_, so_far(), {}, {}); };
-    window.save = [this](const std::string& path, const DisplayOptions& display) { save(path, display); };
+    window.save = [this](const std::string& path, const Picture& picture, const DisplayOptions& display) {
+      save(path, picture, display);
+    };
     window.set_environment = [this](const EnvironmentChoice& choice) { set_environment(choice); };
     const int code = run_window(*open_.device, *progressive_, window);
     open_.device->pipeline_cache().save();
@@ -153,7 +171,7 @@ private:
     return result;
   }
 
-  void save(const std::string& path, const DisplayOptions& display) {
+  void save(const std::string& path, const Picture& picture, const DisplayOptions& display) {
     const RenderSettings& settings = progressive_->settings();
     const ProgressiveStatus status = progressive_->status();
     PictureInfo info;
@@ -168,7 +186,7 @@ private:
     info.bias = fmt::format("{}", fmt::join(list_bias(settings, packed_, so_far(), {}, {}), "; "));
     info.view = progressive_->view();
     const std::optional<double> exposure = display.auto_exposure ? std::nullopt : std::optional(display.exposure);
-    write_picture(path, progressive_->picture(), info, {.exposure = exposure, .tonemap = display.tonemap});
+    write_picture(path, picture, info, {.exposure = exposure, .tonemap = display.tonemap});
   }
 
   void set_environment(const EnvironmentChoice& choice) {
@@ -241,10 +259,17 @@ void add_window_flags(CLI::App& app, Request& request) {
   add_flag(
       app, group,
       {"--show", "WHAT",
-       "what is shown first: color, albedo, normal, depth, position, direct, indirect, emission, samples, variance "
-       "or error",
+       "what is shown first: color, albedo, normal, depth, position, direct, indirect, emission, samples, variance, "
+       "error, or shadow-error: falsely lit in orange, falsely dark in blue (hybrid)",
        "color"},
       [&](const FlagValue& value) { request.shown = static_cast<Shown>(value.choice(kShownNames)); });
+  add_flag(
+      app, group,
+      {"--split", "X", "from this share of the width on, 0 to 1, show the shadows of --against; hybrid", "not"},
+      [&](const FlagValue& value) { request.comparison.split = true, request.comparison.at = value.number(0.0, 1.0); });
+  add_flag(app, group,
+           {"--against", "NAME", "shadow technique that --split and --show shadow-error compare with", "traced"},
+           [&](const FlagValue& value) { request.comparison.against = value.choice(kShadowNames); });
   add_flag(app, group,
            {"--frames", "N", "close the window once this many samples per pixel are on screen", "stays open"},
            [&](const FlagValue& value) { request.frames = value.whole_number(1, kMostFrames); });

@@ -10,6 +10,7 @@
 
 #include "host/render/settings/denoising.h"
 #include "host/render/settings/settings_table.h"
+#include "host/render/settings/shadow_settings.h"
 
 namespace wavepath {
 namespace {
@@ -98,6 +99,26 @@ void show_view(PanelState& state) {
   ImGui::SameLine();
   ImGui::Checkbox("auto##exposure", &display.auto_exposure);
   choice("tone curve", kTonemapNames, display.tonemap);
+}
+
+void show_shadows(PanelState& state, const PanelFacts& facts) {
+  ComparisonChoice& comparison = state.comparison;
+  label("split screen");
+  ImGui::Checkbox("##split", &comparison.split);
+  choice("against", kShadowNames, comparison.against);
+  if (comparison.split) {
+    label("divider");
+    auto at = static_cast<float>(comparison.at);
+    if (ImGui::SliderFloat("##divider", &at, 0.0f, 1.0f, "%.2f")) comparison.at = at;
+  }
+  if (const std::optional<ShadowReport>& shadows = facts.status.shadows) {
+    text(fmt::format("build {:.1f} ms, look-up {:.1f} ms", shadows->build.median, shadows->look_up.median));
+    text(fmt::format("{} views, {:.1f} MiB", shadows->views, static_cast<double>(shadows->bytes) / (1u << 20)));
+  }
+  if (!facts.score) return;
+  text(fmt::format("falsely lit {:.2f} %, dark {:.2f} %", 100.0 * facts.score->falsely_lit,
+                   100.0 * facts.score->falsely_dark));
+  text(fmt::format("error of direct light {:.2f} %", 100.0 * facts.score->relative_rms));
 }
 
 // A window filters frames; the filter of finished pictures is not for it.
@@ -197,6 +218,7 @@ PanelWishes show_panel(PanelState& state, const PanelFacts& facts) {
     ImGui::TextDisabled("%s", facts.device.c_str());
     show_statistics(state, facts);
     if (section("picture")) show_view(state);
+    if (takes(*state.settings.integrator, "shadows") && section("shadows")) show_shadows(state, facts);
     if (section("light transport")) show_transport(state, wishes);
     if (facts.sets_environment && section("environment", false)) show_environment(state, wishes);
     if (section("camera")) show_cameras(facts, wishes);

@@ -5,8 +5,10 @@
 #include <string>
 #include <vector>
 
+#include "host/film/shadow_score.h"
 #include "host/render/progressive/display.h"
 #include "host/render/progressive/progressive.h"
+#include "host/view/comparison_choice.h"
 #include "host/view/environment_choice.h"
 
 namespace wavepath {
@@ -17,6 +19,7 @@ struct PanelState {
   RenderSettings settings;
   DisplayOptions display;
   EnvironmentChoice environment;
+  ComparisonChoice comparison;
   double target_error = 0.0; // relative RMS; 0 = none
   std::string message;       // result of the last action, or why it failed
 };
@@ -29,6 +32,7 @@ struct PanelFacts {
   std::vector<std::string> cameras; // names
   std::vector<std::string> notes;   // what in the picture is approximated
   bool sets_environment = false;
+  std::optional<ShadowScore> score; // of the shadows shown, beside those compared with
 };
 
 // What the user asked for since the panel was last drawn.

@@ -8,8 +8,11 @@
 
 #include "host/base/error.h"
 #include "host/film/exposure.h"
+#include "host/render/progressive/shadow_comparison.h"
+#include "host/render/settings/shadow_settings.h"
 #include "host/scene/pack/pick.h"
 #include "host/view/camera_control.h"
+#include "host/view/divider.h"
 #include "host/view/glfw.h"
 #include "host/view/overlay.h"
 #include "host/view/panel.h"
@@ -62,6 +65,15 @@ private:
   void take_settings();
   void act(const PanelWishes& wishes);
   void save(const char* extension);
+  void write(const std::string& path);
+  bool compares() const;
+  // The map of errors is of both, and shown whole.
+  bool splits() const { return comparison_ && panel_.comparison.split && panel_.display.shown != Shown::shadow_error; }
+  void make_comparison();
+  void fit_comparison();
+  void judge_shadows();
+  void draw_picture();
+  bool done() const { return status_.done && (!comparison_ || comparison_->is_done()); }
   void copy();
   void choose_exposure();
   void adapt_exposure(double seconds);
@@ -71,7 +83,7 @@ private:
   bool seen() const { return window_.size().x > 0; }
   bool scripted() const { return request_.frames > 0; }
   // A scripted window ends at its number of samples alone, so that its picture is the same every time.
-  bool has_work() const { return !status_.done && (scripted() || (seen() && !target_reached())); }
+  bool has_work() const { return !done() && (scripted() || (seen() && !target_reached())); }
 
   const WindowRequest& request_;
   Progressive& progressive_;
@@ -83,7 +95,12 @@ private:
   std::string device_;
   PanelState panel_;
   ProgressiveStatus status_, shown_;
-  EnvironmentChoice environment_; // in use
+  EnvironmentChoice environment_;                // in use
+  std::unique_ptr<ShadowComparison> comparison_; // while it is asked for
+  ShadowVerdict verdict_;
+  std::uint32_t judged_spp_ = 0;    // samples a pixel that it was found at; 0 = not since anything changed
+  std::uint64_t drawn_samples_ = 0; // of the comparison
+  Divider divider_;
   std::string title_;
   double exposure_ = 0.0;         // that the picture asks for
   std::uint32_t exposed_spp_ = 0; // samples a pixel that it was chosen at; 0 = not since the render began anew
@@ -110,7 +127,9 @@ Viewer::Viewer(Device& device, Progressive& progressive, const WindowRequest& re
   panel_.display.bgra = presenter_.swapchain().bgra();
   panel_.environment = request.environment;
   panel_.target_error = request.target_error;
+  panel_.comparison = request.comparison;
   camera_.resize(panel_.settings.width, panel_.settings.height);
+  if (compares()) make_comparison();
 }
 
 int Viewer::run() {
@@ -119,11 +138,11 @@ int Viewer::run() {
     status_ = progressive_.status();
     choose_exposure();
     if (const double now = glfwGetTime(); must_draw(now)) draw(now);
-    worked_ =
-        (has_work() || status_.done) && progressive_.step(); // once done, it takes in the last estimate of the error
+    worked_ = (has_work() || done()) && // once done, it takes in the last estimate of the error
+              (comparison_ ? comparison_->step() : progressive_.step());
     status_ = progressive_.status();
-    if (scripted() && status_.done && (drawn_done_ || !seen())) {
-      if (!request_.screenshot.empty()) request_.save(request_.screenshot, panel_.display);
+    if (scripted() && done() && (drawn_done_ || !seen())) {
+      if (!request_.screenshot.empty()) write(request_.screenshot);
       break;
     }
   }
@@ -144,29 +163,38 @@ bool Viewer::must_draw(double now) {
   if (window_.take_events()) redraws_ = kSettling;
   if (!seen()) return false;
   if (now - last_draw_ < kPicturePause) return false;
+  const bool news = !same(status_, shown_) || (comparison_ && comparison_->samples() != drawn_samples_);
   return redraws_ > 0 || progressive_.moving() || resized_ >= 0.0 ||
-         (!same(status_, shown_) && (status_.done || now - last_draw_ >= kRenderPause));
+         (news && (done() || now - last_draw_ >= kRenderPause));
 }
 
 void Viewer::draw(double now) {
   overlay_.begin();
   take_input(now - last_draw_);
   fit_size();
-  if (progressive_.moving() && !window_.dragging() && now - last_move_ >= kRest) progressive_.rest();
+  if (progressive_.moving() && !window_.dragging() && now - last_move_ >= kRest) {
+    progressive_.rest();
+    if (comparison_) comparison_->rest();
+  }
   status_ = progressive_.status();
   adapt_exposure(now - last_draw_);
+  judge_shadows();
   const PanelWishes wishes = show_panel(panel_, facts());
+  if (splits())
+    draw_divider(panel_.comparison.at, std::string(kShadowNames[panel_.settings.shadows]),
+                 std::string(kShadowNames[comparison_->against()]));
   overlay_.end();
   act(wishes);
 
   presenter_.wait(); // the display may make its buffer anew
-  display_.draw(progressive_, panel_.display);
+  draw_picture();
   const bool presented = presenter_.present(display_.pixels(), display_.width(), display_.height(), overlay_);
   if (presented) {
     redraws_ = std::max(0, redraws_ - 1);
     shown_ = status_;
   }
-  drawn_done_ = status_.done;
+  drawn_done_ = done();
+  drawn_samples_ = comparison_ ? comparison_->samples() : 0;
   last_draw_ = now;
   show_title();
 }
@@ -177,6 +205,7 @@ void Viewer::take_input(double seconds) {
     input = Input{.keys = std::move(input.keys), .pointer = input.pointer};
     window_.drop_pointer();
   }
+  if (splits()) divider_.take(input, window_.dragging(), window_.size().x, panel_.comparison.at);
   if (input.double_click || input.control_click) focus();
   Flight flight;
   if (!overlay_.wants_keys()) {
@@ -261,31 +290,39 @@ void Viewer::fit_size() {
 
 void Viewer::move_camera() {
   last_move_ = glfwGetTime();
+  judged_spp_ = 0;
   progressive_.move(camera_.view());
+  if (comparison_) comparison_->move(camera_.view());
 }
 
 void Viewer::take_settings() {
   const RenderSettings before = progressive_.settings();
+  judged_spp_ = 0;
   try {
     progressive_.set_settings(panel_.settings, camera_.view());
+    if (comparison_ && compares()) comparison_->follow(camera_.view());
     panel_.message.clear();
   } catch (const Error& error) {
     panel_.message = error.what();
     panel_.settings = before;
     camera_.resize(before.width, before.height);
     progressive_.set_settings(before, camera_.view());
+    if (comparison_) comparison_->follow(camera_.view());
   }
 }
 
 void Viewer::act(const PanelWishes& wishes) {
   // Channels once rendered stay, so that looking at them by turns does not begin anew each time.
   bool more_channels = false;
-  for (const std::string& aov : aovs_for(panel_.display.shown)) {
+  const auto add = [&](const std::string& aov) {
     auto& aovs = panel_.settings.aovs;
     if (std::find(aovs.begin(), aovs.end(), aov) == aovs.end()) aovs.push_back(aov), more_channels = true;
-  }
+  };
+  for (const std::string& aov : aovs_for(panel_.display.shown)) add(aov);
+  if (compares()) add("direct");
   if (wishes.settings || more_channels) take_settings();
   if (wishes.environment && request_.set_environment && panel_.environment != environment_) try {
+      comparison_.reset(); // the device may not hold two scenes at once
       request_.set_environment(panel_.environment);
       environment_ = panel_.environment;
       panel_.message.clear();
@@ -293,6 +330,7 @@ void Viewer::act(const PanelWishes& wishes) {
       panel_.message = error.what();
       panel_.environment = environment_;
     }
+  fit_comparison();
   if (wishes.reset) camera_.reset();
   if (wishes.frame) camera_.frame_scene();
   const bool chosen = wishes.camera && camera_.choose(*wishes.camera);
@@ -305,11 +343,74 @@ void Viewer::act(const PanelWishes& wishes) {
 void Viewer::save(const char* extension) {
   try {
     const std::string name = free_name(request_.scene->path, extension);
-    request_.save(name, panel_.display);
+    write(name);
     panel_.message = "saved " + name;
   } catch (const Error& error) {
     panel_.message = error.what();
   }
+}
+
+// The picture as it is shown: split, or where its shadows are false.
+void Viewer::write(const std::string& path) {
+  DisplayOptions display = panel_.display;
+  if (comparison_ && display.shown == Shown::shadow_error) {
+    if (const Picture map = comparison_->judge().map; !map.channels.empty()) {
+      display.auto_exposure = false, display.exposure = 0.0, display.tonemap = Tonemap::none;
+      return request_.save(path, map, display);
+    }
+  }
+  Picture picture = progressive_.picture();
+  if (splits()) {
+    if (display.auto_exposure) display.exposure = auto_exposure(picture), display.auto_exposure = false;
+    const Picture truth = comparison_->truth().picture();
+    if (truth.width == picture.width && truth.height == picture.height)
+      picture = split_picture(std::move(picture), truth, panel_.comparison.at);
+  }
+  request_.save(path, picture, display);
+}
+
+bool Viewer::compares() const {
+  return (panel_.comparison.split || panel_.display.shown == Shown::shadow_error) &&
+         takes(*panel_.settings.integrator, "shadows");
+}
+
+void Viewer::make_comparison() {
+  comparison_.reset();
+  verdict_ = {}, judged_spp_ = 0;
+  comparison_ = std::make_unique<ShadowComparison>(progressive_, panel_.comparison.against);
+}
+
+// Once `progressive_` has the settings of the panel.
+void Viewer::fit_comparison() {
+  if (!compares()) {
+    comparison_.reset();
+    verdict_ = {}, judged_spp_ = 0;
+  } else if (!comparison_ || comparison_->against() != panel_.comparison.against) {
+    try {
+      make_comparison();
+    } catch (const Error& error) {
+      panel_.message = error.what();
+      panel_.comparison = {};
+      if (panel_.display.shown == Shown::shadow_error) panel_.display.shown = Shown::color;
+    }
+  }
+}
+
+// At each half more samples than before: films are read back and judged on the host, which takes about as long as a few
+// frames.
+void Viewer::judge_shadows() {
+  const std::uint32_t spp = comparison_ ? comparison_->common_spp() : 0;
+  if (spp == 0 || (judged_spp_ > 0 && 2 * spp < 3 * judged_spp_ && (spp == judged_spp_ || !done()))) return;
+  verdict_ = comparison_->judge();
+  judged_spp_ = spp;
+}
+
+void Viewer::draw_picture() {
+  display_.draw(progressive_, panel_.display);
+  if (!comparison_) return;
+  if (panel_.display.shown == Shown::shadow_error) return display_.show(verdict_.map, panel_.display.bgra);
+  if (splits())
+    display_.draw(comparison_->truth(), panel_.display, split_column(panel_.comparison.at, display_.width()));
 }
 
 void Viewer::copy() {
@@ -345,7 +446,7 @@ void Viewer::adapt_exposure(double seconds) {
 
 // Of the window: how far the render is, which task bars show of minimised windows too.
 void Viewer::show_title() {
-  const char* state = status_.done ? ", done" : target_reached() ? ", target reached" : "";
+  const char* state = done() ? ", done" : target_reached() ? ", target reached" : "";
   const std::string title = fmt::format("{} - {} spp{}", request_.title, status_.coarse > 1 ? 0 : status_.spp, state);
   if (title != title_) glfwSetWindowTitle(window_.handle(), title.c_str());
   title_ = title;
@@ -365,6 +466,7 @@ PanelFacts Viewer::facts() const {
     facts.cameras.push_back(camera.name.empty() ? "camera" : camera.name);
   if (request_.notes) facts.notes = request_.notes(progressive_.settings());
   for (const auto& [text, count] : request_.scene->warnings.counts()) facts.notes.push_back(text);
+  facts.score = verdict_.score;
   facts.sets_environment = static_cast<bool>(request_.set_environment);
   return facts;
 }

@@ -12,6 +12,7 @@
 #include "host/scene/pack/pack.h"
 #include "host/scene/scene.h"
 #include "host/scene/view.h"
+#include "host/view/comparison_choice.h"
 #include "host/view/environment_choice.h"
 
 namespace wavepath {
@@ -26,13 +27,14 @@ struct WindowRequest {
   std::function<std::string()> more_flags;
   DisplayOptions display;        // to begin with
   EnvironmentChoice environment; // to begin with
+  ComparisonChoice comparison;   // to begin with; the render then has the AOV direct
   double target_error = 0.0;     // to tell the time until; 0 = none
   std::uint32_t frames = 0; // samples a pixel after which the window closes (scripted); 0 = when the user closes it
   std::string screenshot;   // file that a scripted window writes at its end; empty = none
   // What in a picture of these settings is approximated.
   std::function<std::vector<std::string>(const RenderSettings&)> notes;
-  // Writes the picture as it is now. Throws Error.
-  std::function<void(const std::string& path, const DisplayOptions&)> save;
+  // Writes a picture of the render as it is now. Throws Error.
+  std::function<void(const std::string& path, const Picture&, const DisplayOptions&)> save;
   // Hands `progressive` another environment. Throws Error; then everything is as it was. Empty: it stays as it is.
   std::function<void(const EnvironmentChoice&)> set_environment;
 };

@@ -88,7 +88,7 @@ bool shows_aov() { return job.shown >= kShowAlbedo && job.shown <= kShowEmission
 
 void main() {
   uint place = job.first + gl_GlobalInvocationID.x;
-  if (place >= job.width * job.height) return;
+  if (place >= job.width * job.height || place % job.width < job.first_column) return;
   vec2 at = vec2(place % job.width, place / job.width) + 0.5;
   vec2 film_size = vec2(job.film_width, job.film_height);
   uvec2 film_at = min(uvec2(at * film_size / vec2(job.width, job.height)), uvec2(film_size) - 1u);

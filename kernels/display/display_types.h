@@ -31,10 +31,11 @@ struct DisplayJob {
   uint seed;             // of the render
   uint shown;
   uint tonemap;
-  uint bgra;   // order of the bytes: 1 = B G R A
-  uint splats; // 1: the film has some
-  float gain;  // on radiance
-  float range; // what is shown brightest where that is no radiance
+  uint bgra;         // order of the bytes: 1 = B G R A
+  uint splats;       // 1: the film has some
+  float gain;        // on radiance
+  float range;       // what is shown brightest where that is no radiance
+  uint first_column; // of the screen: what is left of it stays
 };
 
 #ifdef __cplusplus

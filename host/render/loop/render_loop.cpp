@@ -35,12 +35,14 @@ bool are_at_once(const DeviceInfo& device, const Pace& pace) {
 } // namespace
 
 RenderLoop::RenderLoop(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings,
-                       KernelCompiler& kernels, RenderHooks hooks, const Pace& pace)
+                       KernelCompiler& kernels, RenderHooks hooks, const Pace& pace,
+                       std::shared_ptr<const DeviceScene> uploaded)
     : settings_(settings),
       hooks_(std::move(hooks)),
       pace_(pace),
       kernels_(kernels),
-      workspace_(device, scene, std::max(choose_slots(device.info(), scene, settings), pace.least_slots)),
+      workspace_(device, scene, std::max(choose_slots(device.info(), scene, settings), pace.least_slots),
+                 std::move(uploaded)),
       queue_(workspace_),
       governor_(workspace_.slots, pace.longest_dispatch),
       estimates_(device),

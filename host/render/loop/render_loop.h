@@ -39,10 +39,11 @@ struct Pace {
 
 class RenderLoop {
 public:
-  // Uploads the scene and begins compiling. `scene`, `kernels` and the hooks' resume state outlive the loop. Throws
-  // Error if the device cannot hold it.
+  // Uploads the scene, unless it is on the device already, and begins compiling. `scene`, `kernels` and the hooks' resume
+  // state outlive the loop. Throws Error if the device cannot hold it.
   RenderLoop(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings,
-             KernelCompiler& kernels, RenderHooks hooks = {}, const Pace& pace = {});
+             KernelCompiler& kernels, RenderHooks hooks = {}, const Pace& pace = {},
+             std::shared_ptr<const DeviceScene> uploaded = nullptr);
   ~RenderLoop(); // waits for what is in flight
 
   // Begins anew with another view and other settings of the same scene. What is on the device is kept where it serves.

@@ -20,9 +20,7 @@ std::vector<Binding> bindings_of(const Buffer& film, const Buffer& aovs, const B
           {gpu::kBindScreen, BindingKind::storage, &screen}};
 }
 
-bool needs_aovs(Shown shown) {
-  return shown != Shown::color && shown != Shown::samples && shown != Shown::variance && shown != Shown::error;
-}
+bool needs_aovs(Shown shown) { return shown >= Shown::albedo && shown <= Shown::emission; }
 
 // What is shown brightest unless the user says: of the error half the pixel's value, of distances the scene's diameter.
 double automatic_range(Shown shown, const Progressive& progressive) {
@@ -35,6 +33,7 @@ double automatic_range(Shown shown, const Progressive& progressive) {
 } // namespace
 
 std::vector<std::string> aovs_for(Shown shown) {
+  if (shown == Shown::shadow_error) return {"direct"};
   return needs_aovs(shown) ? std::vector<std::string>{std::string(kShownNames[static_cast<std::size_t>(shown)])}
                            : std::vector<std::string>{};
 }
@@ -45,12 +44,13 @@ Display::Display(Device& device) : device_(device), pixels_(device, 0) {
   kernel_.emplace(device, "display", wavepath_display_spv, bindings, std::span<const std::uint32_t>());
 }
 
-void Display::draw(const Progressive& progressive, const DisplayOptions& options) {
+void Display::draw(const Progressive& progressive, const DisplayOptions& options, std::uint32_t first_column) {
   const RenderSettings& settings = progressive.settings();
   if (settings.width != width_ || settings.height != height_) resize(settings.width, settings.height);
   const FilmTarget& film = progressive.film_target();
   const FilmShape& shape = film.shape();
-  const Shown shown = needs_aovs(options.shown) && !shape.aovs ? Shown::color : options.shown;
+  const bool lacks = options.shown == Shown::shadow_error || (needs_aovs(options.shown) && !shape.aovs);
+  const Shown shown = lacks ? Shown::color : options.shown;
   gpu::DisplayJob job{};
   job.width = width_;
   job.height = height_;
@@ -59,6 +59,7 @@ void Display::draw(const Progressive& progressive, const DisplayOptions& options
   job.shown = static_cast<std::uint32_t>(shown);
   job.tonemap = static_cast<std::uint32_t>(options.tonemap);
   job.bgra = options.bgra ? 1 : 0;
+  job.first_column = first_column;
   job.splats = shape.splats ? 1 : 0;
   job.whole_nets = shape.whole_nets ? 1 : 0;
   job.seed = shape.seed;
@@ -71,6 +72,19 @@ void Display::draw(const Progressive& progressive, const DisplayOptions& options
     job.first_second = band.first_second;
     draw_band(band, job);
   }
+}
+
+void Display::show(const Picture& picture, bool bgra) {
+  if (picture.width != width_ || picture.height != height_ || picture.channels.size() < 3) return;
+  std::vector<std::uint32_t> words(std::size_t{width_} * height_);
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    words[i] = 0xff000000u;
+    for (std::size_t c = 0; c < 3; ++c) {
+      const float value = to_srgb(std::clamp(picture.channels[c].values[i], 0.0f, 1.0f));
+      words[i] |= static_cast<std::uint32_t>(value * 255.0f + 0.5f) << 8 * (bgra ? 2 - c : c);
+    }
+  }
+  pixels_.write(words.data(), words.size() * sizeof(std::uint32_t));
 }
 
 void Display::draw_band(const FilmBand& band, gpu::DisplayJob job) {

@@ -17,7 +17,8 @@
 namespace wavepath {
 
 // What of the film is shown. `error`: the relative standard error of each pixel, as false colour up to
-// DisplayOptions::range.
+// DisplayOptions::range. `shadow_error`: where shadows are false (shadow_comparison.h), which is made on the host; the
+// colour until then.
 enum class Shown : std::uint32_t {
   color,
   albedo,
@@ -29,10 +30,12 @@ enum class Shown : std::uint32_t {
   emission,
   samples,
   variance,
-  error
+  error,
+  shadow_error
 };
-inline constexpr std::array<std::string_view, 11> kShownNames = {
-    "color", "albedo", "normal", "depth", "position", "direct", "indirect", "emission", "samples", "variance", "error"};
+inline constexpr std::array<std::string_view, 12> kShownNames = {"color",    "albedo",   "normal",   "depth",
+                                                                 "position", "direct",   "indirect", "emission",
+                                                                 "samples",  "variance", "error",    "shadow-error"};
 
 // The --aov that rendering needs so that it can be shown: put it into RenderSettings::aovs. Empty = none.
 std::vector<std::string> aovs_for(Shown shown);
@@ -54,7 +57,10 @@ public:
 
   // Draws what there is of the picture. Pixels that have no sample yet keep what was drawn before, so that nothing goes
   // black when the render begins anew. Shows the colour where `shown` needs AOVs that are not rendered.
-  void draw(const Progressive& progressive, const DisplayOptions& options);
+  // What is left of `first_column` stays too.
+  void draw(const Progressive& progressive, const DisplayOptions& options, std::uint32_t first_column = 0);
+  // Shows values of 0 to 1 in linear sRGB, R G B first, instead, of the size that was drawn last.
+  void show(const Picture& picture, bool bgra);
 
   // sRGB-encoded, one word a pixel, row-major from the top left, width() * height() of them: the size that the render
   // has in full. Valid until the next draw(), which may replace the buffer when the size has changed.

@@ -37,20 +37,25 @@ Pace pace_of(const RenderSettings& settings) {
 } // namespace
 
 Progressive::Progressive(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings,
-                         KernelCompiler& kernels)
+                         KernelCompiler& kernels, std::shared_ptr<const DeviceScene> uploaded)
     : device_(device),
       scene_(&scene),
       kernels_(kernels),
       settings_(open_ended(settings)),
       rendered_(settings_),
       view_(view) {
-  make_loop();
+  make_loop(std::move(uploaded));
   begin_anew(choose_coarse());
 }
 
-void Progressive::make_loop() {
+std::unique_ptr<Progressive> Progressive::beside(const RenderSettings& settings) const {
+  return std::make_unique<Progressive>(device_, *scene_, view_, settings, kernels_, loop_->workspace().on_device);
+}
+
+void Progressive::make_loop(std::shared_ptr<const DeviceScene> uploaded) {
   loop_.reset(); // the device may not hold both scenes at once
-  loop_ = std::make_unique<RenderLoop>(device_, *scene_, view_, settings_, kernels_, RenderHooks{}, pace_of(settings_));
+  loop_ = std::make_unique<RenderLoop>(device_, *scene_, view_, settings_, kernels_, RenderHooks{}, pace_of(settings_),
+                                       std::move(uploaded));
 }
 
 bool Progressive::step() {
@@ -102,7 +107,7 @@ void Progressive::set_settings(const RenderSettings& settings, const View& view)
 void Progressive::set_scene(const PackedScene& scene, const View& view) {
   scene_ = &scene;
   view_ = view;
-  make_loop();
+  make_loop(nullptr);
   begin_anew(choose_coarse());
 }
 
@@ -155,6 +160,7 @@ ProgressiveStatus Progressive::status() const {
   RenderResult result;
   loop_->integrator().describe(result);
   status.ambient = result.ambient;
+  status.shadows = std::move(result.shadows);
   return status;
 }
 

@@ -25,16 +25,19 @@ struct ProgressiveStatus {
   std::uint32_t error_spp = 0; // samples a pixel that it was estimated at
   double slope = -0.5;         // of log error against log time
   MemoryUse memory;
-  glm::vec3 ambient{0.0f}; // radiance that hybrid frames use
+  glm::vec3 ambient{0.0f};             // radiance that hybrid frames use
+  std::optional<ShadowReport> shadows; // of a shadow technique
 };
 
 class Progressive {
 public:
-  // Uploads the scene. `scene` and `kernels` outlive it. The picture has settings.width times height pixels, which is
-  // what `view` is resolved for, and is done at settings.last_sample. Settings of time, error and adaptive sampling
-  // play no part. Throws Error if the device cannot hold it.
+  // Uploads the scene, unless it is there. `scene` and `kernels` outlive it. The picture has settings.width times
+  // height pixels, which is what `view` is resolved for, and is done at settings.last_sample. Settings of time, error
+  // and adaptive sampling play no part. Throws Error if the device cannot hold it.
   Progressive(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings,
-              KernelCompiler& kernels);
+              KernelCompiler& kernels, std::shared_ptr<const DeviceScene> uploaded = nullptr);
+  // Another render of the same scene and view, which shares what is on the device of the scene.
+  std::unique_ptr<Progressive> beside(const RenderSettings& settings) const;
 
   // Hands over one wave of about 15 ms and waits for an older one; of a hybrid frame the first one also draws it and
   // the last one finishes it. False if there was nothing to do: the kernels are not ready, or all samples are in.
@@ -56,6 +59,9 @@ public:
   const View& view() const { return view_; }
   bool moving() const { return moving_; }
   ProgressiveStatus status() const;
+  std::uint32_t spp() const { return loop_->spp(); } // these three as the status tells them
+  std::uint32_t coarse() const { return coarse_; }
+  bool is_done() const { return loop_->is_done(); }
   // Rendering seconds until the estimated error is `target`; infinite while that cannot be told.
   double seconds_to(double target) const;
 
@@ -71,11 +77,10 @@ public:
 private:
   void begin_anew(std::uint32_t coarse);
   void end_pass();
-  bool is_done() const { return loop_->is_done(); }
   // Whether the picture is temporary: coarse, or joined to frames of other views.
   bool is_for_motion() const { return coarse_ > 1 || rendered_.antialias_over_time; }
   std::uint32_t choose_coarse() const;
-  void make_loop();
+  void make_loop(std::shared_ptr<const DeviceScene> uploaded);
 
   Device& device_;
   const PackedScene* scene_;

@@ -1,0 +1,58 @@
+// What the shadows of a window's render are compared with: the same view under another technique, and the same light
+// without shadows.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+
+#include "host/film/picture.h"
+#include "host/film/shadow_score.h"
+#include "host/render/progressive/progressive.h"
+
+namespace wavepath {
+
+// Of the pictures as they are. Its shares are without noise where all three hold the same samples.
+struct ShadowVerdict {
+  std::optional<ShadowScore> score; // empty where the scene has no light that a map covers
+  Picture map;                      // falsely lit in orange, falsely dark in blue (false_shadow_map())
+};
+
+class ShadowComparison {
+public:
+  // Renders beside `shown`, of the same scene, which is on the device once: a further one with the shadow technique
+  // `against` (RenderSettings::shadows), and one of unshadowed light. `shown` renders the AOV direct and outlives this.
+  // Throws Error if the technique does not suit the scene, or the device cannot hold it.
+  ShadowComparison(Progressive& shown, std::uint32_t against);
+
+  // Of the three the one that has fewest samples makes a step, so that they stay together. False if none could.
+  bool step();
+  bool is_done() const;          // all but `shown`
+  std::uint64_t samples() const; // a pixel, of all but `shown`
+  // As Progressive has them, of the renders beside `shown`.
+  void move(const View& view);
+  void rest();
+  // Takes up the settings of `shown`. A render that they do not change goes on.
+  void follow(const View& view);
+
+  Progressive& truth() { return *truth_; }
+  std::uint32_t against() const { return against_; }
+  // Samples a pixel that all have, at full size; 0 while one of them is coarse.
+  std::uint32_t common_spp() const;
+  ShadowVerdict judge();
+
+private:
+  RenderSettings truth_settings() const;
+  RenderSettings light_settings() const;
+
+  Progressive& shown_;
+  std::uint32_t against_;
+  std::unique_ptr<Progressive> truth_, light_; // no light where no map covers any
+};
+
+// The column from which on a picture split at a share of its width shows the other render.
+std::uint32_t split_column(double at, std::uint32_t width);
+// `left` up to that column and `right` from there on, in the channels that both have. Both have one size.
+Picture split_picture(Picture left, const Picture& right, double at);
+
+} // namespace wavepath
