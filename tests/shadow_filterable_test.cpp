@@ -253,5 +253,17 @@ TEST_F(FilterableTest, TheUsualBiasLeavesNoAcne) {
   }
 }
 
+// Its own depths differ most within a filter, which no bound must take for a shadow.
+TEST_F(FilterableTest, AFloorThatTheSunGrazesIsLit) {
+  Scene scene = lit_by(sun({1.0, -0.15, 0.3}));
+  scene.instances.resize(1); // the floor alone
+  for (const std::string_view name : kFilterable) {
+    SCOPED_TRACE(name);
+    RenderSettings settings = shadow_settings(name, 128);
+    settings.shadow_blur = 2.5;
+    for (const float share : lit_share(scene, settings)) ASSERT_GT(share, 0.99f);
+  }
+}
+
 } // namespace
 } // namespace wavepath::test

@@ -10,5 +10,5 @@
 
 float lit_share(Receiver r) {
   offset_receiver(r);
-  return warped_bound(filtered_at(r), compared_depth(r), shadow.exponent);
+  return warped_bound(filtered_at(r), foremost_depth(r), shadow.exponent);
 }

@@ -13,5 +13,5 @@ float lit_share(Receiver r) {
   offset_receiver(r);
   vec4 moments = filtered_at(r);
   if (shadow.bits == 16u) moments = moments_of_numbers(moments);
-  return 1.0 - hamburger(moments, compared_depth(r), shadow.bits == 16u ? kMomentBias16 : kMomentBias);
+  return 1.0 - hamburger(moments, foremost_depth(r), shadow.bits == 16u ? kMomentBias16 : kMomentBias);
 }

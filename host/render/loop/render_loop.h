@@ -39,8 +39,8 @@ struct Pace {
 
 class RenderLoop {
 public:
-  // Uploads the scene, unless it is on the device already, and begins compiling. `scene`, `kernels` and the hooks' resume
-  // state outlive the loop. Throws Error if the device cannot hold it.
+  // Uploads the scene, unless it is on the device already, and begins compiling. `scene`, `kernels` and the hooks'
+  // resume state outlive the loop. Throws Error if the device cannot hold it.
   RenderLoop(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings,
              KernelCompiler& kernels, RenderHooks hooks = {}, const Pace& pace = {},
              std::shared_ptr<const DeviceScene> uploaded = nullptr);
