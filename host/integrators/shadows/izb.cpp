@@ -75,7 +75,7 @@ public:
     frame.size = settings.shadow_size;
     frame.ambient = static_cast<float>(settings.shadow_ambient);
     buffers_[kFrameData] = upload(device, std::vector<gpu::ShadowFrame>{frame});
-    make_views(view, settings.shadow_size);
+    make_views(with_filter_margin(view, settings), settings.shadow_size);
     buffers_[kLinks] = Buffer(device, shadow_rays(shared) * gpu::kIzbLinkWords * sizeof(std::uint32_t));
     std::vector<Binding> own = shared;
     for (const IzbBinding& binding : kBindings) own.push_back({binding.slot, binding.kind, &buffers_[binding.buffer]});

@@ -4,8 +4,15 @@ namespace wavepath {
 namespace {
 
 constexpr double kNarrowNear = 1e-30;
+constexpr double kWidestFilter = 1.5; // pixels: radius of the widest filter of kernels/filter.glsl
 
 } // namespace
+
+View with_filter_margin(View view, const RenderSettings& settings) {
+  view.right *= 1.0 + 2.0 * kWidestFilter / settings.width;
+  view.up *= 1.0 + 2.0 * kWidestFilter / settings.height;
+  return view;
+}
 
 ShadowFit fit_to_scene(const PackedScene& scene, std::span<const Chunk> chunks, const View& world) {
   View view = world;

@@ -79,7 +79,7 @@ public:
 
   void change(const View& view, const RenderSettings& settings, const std::vector<Binding>& shared) override {
     settings_ = settings;
-    make_views(view);
+    make_views(with_filter_margin(view, settings));
     need_ = {recipe_.program, (1u << recipe_.program->stages.size()) - 1u,
              kernel_config(needed_features(workspace_.scene, view, settings), workspace_.scene.stack_size, settings)};
     kernels_.start(need_);
