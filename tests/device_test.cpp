@@ -2,6 +2,7 @@
 // and whether the validation layer checks synchronization.
 #include "host/gpu/device.h"
 
+#include <algorithm>
 #include <numeric>
 #include <optional>
 #include <thread>

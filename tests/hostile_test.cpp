@@ -1,4 +1,5 @@
 // Malformed and hostile glTF files: each is refused with one line that names the file, the problem and a remedy.
+#include <algorithm>
 #include <functional>
 #include <random>
 

@@ -1,4 +1,5 @@
 // The light tree: every light in one leaf, bounds that hold what lies below, the same bytes for any number of threads.
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <functional>

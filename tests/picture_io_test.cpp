@@ -1,4 +1,5 @@
 // Pictures written and read back: EXR with its header, display formats, and failure without incomplete files.
+#include <algorithm>
 #include <cmath>
 #include <csignal>
 #include <filesystem>

@@ -3,6 +3,7 @@
 the truth. Usage: structure_test.py SOURCE_DIR WAVEPATH_BINARY COMPILER"""
 
 import concurrent.futures
+import functools
 import graphlib
 import os
 import pathlib
@@ -52,7 +53,51 @@ def text_files():
     yield from (ROOT / n for n in ("run", "CMakeLists.txt", "CMakePresets.json", "README.md", "CONTRIBUTING.md", "CHANGELOG.md"))
 
 
+# Headers that the build precompiles, so that no compiler misses them, and what tells that a file uses one.
+ALGORITHMS = "all_of|any_of|clamp|copy|count|count_if|equal|fill|find|find_if|max|max_element|min|min_element|none_of|sort|transform"
+PRECOMPILED = {
+    "algorithm": rf"\bstd::(ranges::)?({ALGORITHMS}|minmax|nth_element|stable_sort)\(",
+    "array": r"\bstd::array<",
+    "chrono": r"\bstd::chrono::",
+    "cmath": r"\bstd::(atan2|ceil|cos|exp|floor|fmod|hypot|isfinite|isnan|log|log2|lround|pow|round|sin|sqrt|tan)\(",
+    "filesystem": r"\bstd::filesystem\b",
+    "fstream": r"\bstd::[io]?fstream\b",
+    "functional": r"\bstd::(function|hash)<",
+    "future": r"\bstd::(future<|async\()",
+    "map": r"\bstd::(multi)?map<",
+    "memory": r"\bstd::((unique|shared)_ptr|make_(unique|shared))<",
+    "numeric": r"\bstd::(accumulate|gcd|inner_product|iota|partial_sum|reduce)\(",
+    "optional": r"\bstd::(optional<|nullopt\b)",
+    "random": r"\bstd::mt19937",
+    "span": r"\bstd::span\b",
+    "string": r"\bstd::(string\b|to_string\()",
+    "vector": r"\bstd::vector<",
+    "fmt/": r"\bfmt::(format|join|print)\(",
+    "glm/": r"\bglm::",
+    "tbb/parallel_for.h": r"\btbb::parallel_for\(",
+    "gtest/gtest.h": r"\b(TEST|TEST_F|TEST_P)\(",
+}
+
+
+@functools.cache
+def reached_headers(path):
+    """System headers that a file includes, itself or by way of the project's own."""
+    reached = set(re.findall(r"^\s*#include <([^>]+)>", path.read_text(), re.M))
+    for include in includes(path):
+        if (ROOT / include).exists():
+            reached |= reached_headers(ROOT / include)
+    return reached
+
+
 class Structure(unittest.TestCase):
+    def test_files_include_what_is_precompiled(self):
+        for path in sources(".h", ".cpp"):
+            code = re.sub(r"//.*", "", path.read_text())
+            for header, use in PRECOMPILED.items():
+                with self.subTest(file=name(path), header=header):
+                    if re.search(use, code):
+                        self.assertTrue(any(h.startswith(header) for h in reached_headers(path)))
+
     def test_includes_go_downhill(self):
         for path in sources(".h", ".cpp", ".glsl", ".comp", ".vert", ".frag"):
             if folder(path) not in DOWNHILL:

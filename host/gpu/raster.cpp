@@ -179,7 +179,7 @@ RasterPipeline::~RasterPipeline() { vkDestroyPipeline(device_.handle(), pipeline
 
 RasterTarget::RasterTarget(Device& device, std::uint32_t width, std::uint32_t height,
                            std::span<const AttachmentInfo> attachments, std::uint32_t layers)
-    : device_(device), size_{width, height}, attachments_(attachments.begin(), attachments.end()) {
+    : size_{width, height}, attachments_(attachments.begin(), attachments.end()) {
   require_raster(device, size_, formats_of(attachments).colour.size());
   for (const AttachmentInfo& attachment : attachments_) {
     if (!attachment.shared)

@@ -130,7 +130,6 @@ private:
   VkRenderingAttachmentInfo rendering_info(std::size_t attachment, const RasterPass& pass, std::uint32_t clear) const;
   void begin_rendering(VkCommandBuffer commands, const RasterPass& pass) const;
 
-  Device& device_;
   VkExtent2D size_;
   std::vector<AttachmentInfo> attachments_;
   std::vector<std::unique_ptr<DeviceImage>> owned_;

@@ -1,5 +1,6 @@
 #include "host/render/depth_cut.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "host/render/small_picture.h"

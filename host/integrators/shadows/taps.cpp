@@ -1,5 +1,6 @@
 #include "host/integrators/shadows/taps.h"
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 

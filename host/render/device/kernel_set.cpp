@@ -15,9 +15,14 @@ namespace {
 
 constexpr std::uint64_t kStandInBytes = 1024; // of the buffer that stands for all while nothing is read
 
+// lavapipe decides at a kernel's first dispatch whether to compile it again for every other value of what is uniform.
+// With all bits set, loops are long and flags hold: it finds little to leave out, and does not
+// (benchmarks/results/NOTES.md).
+constexpr int kUniformByte = 0xff;
+
 void run_without_work(Device& device, const Kernel& kernel, const BindingSet& bindings) {
   gpu::Wave wave;
-  std::memset(&wave, 0xff, sizeof(wave));
+  std::memset(&wave, kUniformByte, sizeof(wave));
   Commands commands(device);
   commands.bind(bindings);
   commands.dispatch(kernel, 0, &wave);
@@ -60,7 +65,7 @@ KernelSet::KernelSet(Device& device, const KernelNeed& need)
     : config_(need.config), kernels_(need.program->stages.size()) {
   const Clock::time_point start = Clock::now();
   Buffer stand_in(device, kStandInBytes);
-  const std::vector<std::uint8_t> ones(kStandInBytes, 0xff);
+  const std::vector<std::uint8_t> ones(kStandInBytes, kUniformByte);
   stand_in.write(ones.data(), ones.size());
   std::vector<Binding> layout = need.program->layout();
   for (Binding& binding : layout) binding.buffer = &stand_in;

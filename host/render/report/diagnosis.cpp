@@ -1,5 +1,6 @@
 #include "host/render/report/diagnosis.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>

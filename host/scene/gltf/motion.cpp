@@ -1,5 +1,7 @@
 #include "host/scene/gltf/motion.h"
 
+#include <algorithm>
+
 #include "host/base/error.h"
 
 namespace wavepath::gltf {
