@@ -15,6 +15,7 @@
 #include "host/cli/render_flags.h"
 #include "host/cli/scene_flags.h"
 #include "host/render/settings/identity.h"
+#include "host/render/settings/occlusion_settings.h"
 #include "host/render/settings/shadow_settings.h"
 #ifdef WAVEPATH_VIEWER
 #include "host/view/render_line.h"
@@ -28,11 +29,12 @@ namespace {
 std::map<std::string, std::string> members(const RenderSettings& settings) {
   const auto& [integrator, width, height, first_sample, last_sample, sample_total, time_limit, target_error, max_depth,
                sampler, hemisphere, direct, filter, seed, cull, terminator, aperture, focus, blades, shadow_samples,
-               ao_samples, ao_radius, ambient, shadows, shadow_size, shadow_bias, shadow_bias_amount, shadow_taps,
-               shadow_pattern, shadow_blur, shadow_cascades, shadow_exponent, shadow_bits, shadow_source,
-               shadow_ambient, branching, techniques, cutoff, denoise, antialias_over_time, mips, lights, adaptive,
-               guide, moving, specialize, aovs, guide_iterations, added_features, removed_features,
-               room_for_shadow_rays, room_for_whole_nets, room_for_mips, whole_nets_from, wave_slots] = settings;
+               ao_samples, ao_radius, occlusion, ao_bias, ao_thinness, ambient, shadows, shadow_size, shadow_bias,
+               shadow_bias_amount, shadow_taps, shadow_pattern, shadow_blur, shadow_cascades, shadow_exponent,
+               shadow_bits, shadow_source, shadow_ambient, branching, techniques, cutoff, denoise, antialias_over_time,
+               mips, lights, adaptive, guide, moving, specialize, aovs, guide_iterations, added_features,
+               removed_features, room_for_shadow_rays, room_for_whole_nets, room_for_mips, whole_nets_from,
+               wave_slots] = settings;
   const auto text = [](const auto& value) { return fmt::format("{}", value); };
   return {{"integrator", std::string(integrator->name)},
           {"width", text(width)},
@@ -56,6 +58,9 @@ std::map<std::string, std::string> members(const RenderSettings& settings) {
           {"shadow_samples", text(shadow_samples)},
           {"ao_samples", text(ao_samples)},
           {"ao_radius", ao_radius ? text(*ao_radius) : "none"},
+          {"occlusion", text(occlusion)},
+          {"ao_bias", text(ao_bias)},
+          {"ao_thinness", text(ao_thinness)},
           {"ambient", ambient ? fmt::format("{},{},{}", ambient->r, ambient->g, ambient->b) : "none"},
           {"shadows", text(shadows)},
           {"shadow_size", text(shadow_size)},
@@ -154,6 +159,10 @@ RenderSettings base_for(const Setting& row) {
   while (settings.integrator->means && !settings.integrator->means(settings, row.name) &&
          settings.shadows + 1 < kShadowNames.size())
     ++settings.shadows;
+  if (settings.integrator->means && !settings.integrator->means(settings, row.name)) settings.shadows = kShadowsTraced;
+  while (settings.integrator->means && !settings.integrator->means(settings, row.name) &&
+         settings.occlusion + 1 < kOcclusionNames.size())
+    ++settings.occlusion;
   return settings;
 }
 

@@ -29,9 +29,13 @@ struct HybridFrame {
   uint sample_index;   // this frame's, as the film counts
   uint shadow_samples; // light samples a pixel and frame
   uint ao_samples;
-  uint flags; // kHybrid bits
+  uint flags;       // kHybrid bits
+  float ao_bias;    // of horizons over the tangent plane, radians
+  float ao_thinness; // share by which what is seen behind a body lowers its horizon; 0: bodies have no back
+  uint pad0;
+  uint pad1;
 };
-GPU_CHECK(sizeof(HybridFrame) == 48);
+GPU_CHECK(sizeof(HybridFrame) == 64);
 GPU_CONSTANT uint kJitters = 1024u;
 GPU_CONSTANT uint kHybridLights = 1u << 0;    // direct light is wanted
 GPU_CONSTANT uint kHybridAmbient = 1u << 1;   // the ambient term is wanted

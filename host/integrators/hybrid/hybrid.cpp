@@ -7,8 +7,11 @@
 #include "host/integrators/hybrid/denoise.h"
 #include "host/integrators/hybrid/occlusion_radius.h"
 #include "host/integrators/hybrid/taa.h"
+#include "host/integrators/occlusion/catalogue.h"
+#include "host/integrators/occlusion/screen_space.h"
 #include "host/integrators/shadows/catalogue.h"
 #include "host/render/settings/mips.h"
+#include "host/render/settings/occlusion_settings.h"
 #include "kernels/hybrid/composite.spv.h"
 #include "kernels/hybrid/gather.spv.h"
 #include "kernels/hybrid/jitter.spv.h"
@@ -63,9 +66,9 @@ std::uint32_t frame_flags(const RenderSettings& settings) {
   return gpu::kHybridLights | (settings.max_depth > 1 ? gpu::kHybridAmbient : 0);
 }
 
-std::uint32_t stages_of(std::uint32_t flags) {
+std::uint32_t stages_of(std::uint32_t flags, bool traces_occlusion) {
   std::uint32_t stages = 1u << kJitter | 1u << kResolve | 1u << kComposite;
-  if (flags & gpu::kHybridAmbient) stages |= 1u << kOcclusion;
+  if (traces_occlusion) stages |= 1u << kOcclusion;
   if (flags & gpu::kHybridLights) stages |= 1u << kGather;
   return stages;
 }
@@ -104,6 +107,8 @@ void Hybrid::make_frame(const View& view, const RenderSettings& settings, Past p
   frame_.shadow_samples = lights() ? settings.shadow_samples : 1;
   frame_.ao_samples = settings.ao_samples;
   frame_.ao_radius = ray_length(occlusion_radius(scene, settings));
+  frame_.ao_bias = static_cast<float>(glm::radians(settings.ao_bias));
+  frame_.ao_thinness = static_cast<float>(settings.ao_thinness);
   frame_.ambient = settings.ambient.value_or(ambient);
   const ClipPlanes planes = clip_planes(scene, view);
   frame_.near = planes.near;
@@ -118,9 +123,15 @@ void Hybrid::make_frame(const View& view, const RenderSettings& settings, Past p
       std::min<std::uint64_t>(std::uint64_t{shared.sample_total} * frame_.shadow_samples, gpu::kNone));
 }
 
+// How enclosed a place is beyond the picture and a radius, which the ambient radiance follows from, rays alone can
+// tell; so it is the same for all techniques.
+bool Hybrid::traces_occlusion() const {
+  return ambient() && (settings_.occlusion == kOcclusionTraced || (lights() && !settings_.ambient));
+}
+
 void Hybrid::make_room(const View& view, Past past) {
   const PackedScene& scene = workspace_.scene;
-  need_ = {&kHybridProgram, stages_of(frame_.flags),
+  need_ = {&kHybridProgram, stages_of(frame_.flags, traces_occlusion()),
            kernel_config(needed_features(scene, view, settings_), scene.stack_size, settings_)};
   const gpu::Feature path_features = need_.config.features;
   if (!settings_.aovs.empty()) need_.config.features |= gpu::kFeatureAovs; // which come from the G-buffer
@@ -147,7 +158,20 @@ void Hybrid::make_room(const View& view, Past past) {
     own.push_back({gpu::kBindVisibility, BindingKind::texels_rg32ui, &visibility_->ids()});
     sets_ = bind_bands(workspace_, own);
   }
+  remake_occlusion();
   remake_filters(moved, past);
+}
+
+void Hybrid::remake_occlusion() {
+  piloting_ = false;
+  const OcclusionKind* kind = ambient() ? occlusion_kind(settings_) : nullptr;
+  if (!kind) return occlusion_.reset();
+  if (!occlusion_ || &occlusion_->kind() != kind)
+    occlusion_ = std::make_unique<ScreenSpaceOcclusion>(workspace_, kernels_, *kind);
+  std::vector<Binding> frame;
+  buffers_.add_bindings(frame);
+  std::erase_if(frame, [](const Binding& binding) { return binding.slot == gpu::kBindJitters; });
+  occlusion_->change(need_.config, frame);
 }
 
 void Hybrid::remake_shadows(const View& view, const std::vector<Binding>& own) {
@@ -188,12 +212,13 @@ void Hybrid::remake_filters(bool moved, Past past) {
 bool Hybrid::is_ready() {
   const bool paths = !lights() || paths_.is_ready(); // asks for both, so that both are begun
   const bool shadows = !shadows_ || shadows_->is_ready();
-  return kernels_.ready(need_) && paths && shadows;
+  const bool occlusion = !occlusion_ || occlusion_->is_ready();
+  return kernels_.ready(need_) && paths && shadows && occlusion;
 }
 
 double Hybrid::get_ready() {
   return (lights() ? paths_.get_ready() : 0.0) + (shadows_ ? shadows_->get_ready() : 0.0) +
-         kernels_.best(need_).seconds();
+         (occlusion_ ? occlusion_->get_ready() : 0.0) + kernels_.best(need_).seconds();
 }
 
 std::uint64_t Hybrid::bytes() const {
@@ -232,12 +257,13 @@ void Hybrid::begin_pass(WaveQueue& queue, std::uint32_t sample) {
 
 void Hybrid::describe(RenderResult& result) const {
   result.ambient = frame_.ambient;
+  if (occlusion_) result.occlusion = {.radius = frame_.ao_radius, .cost = occlusion_->cost()};
   if (!shadows_) return;
   const LightCover cover = light_cover(*shadow_kind(settings_), workspace_.scene);
   result.shadows = {.covered = names_of(cover.covered),
                     .traced = cover.traced,
-                    .build = shadow_times_.build(),
-                    .look_up = shadow_times_.look_up(),
+                    .build = shadow_times_.build.cost(),
+                    .look_up = shadow_times_.look_up.cost(),
                     .views = shadows_->view_count(),
                     .bytes = shadows_->bytes()};
   shadows_->describe(*result.shadows);
@@ -261,7 +287,7 @@ void Hybrid::record_wave(Commands& commands, std::size_t band, const gpu::Wave& 
   commands.bind(*sets_[band]);
   commands.dispatch(kernels[kResolve], groups_for(wave.pixel_count), &wave);
   commands.barrier();
-  if (ambient()) {
+  if (ambient() && (!occlusion_ || piloting_)) {
     commands.dispatch(kernels[kOcclusion], groups_for(wave.pixel_count), &wave);
     commands.barrier(); // it reads the rays that shading replaces
   }
@@ -295,6 +321,7 @@ void Hybrid::end_pass(WaveQueue& queue) {
   if (shadows_) queue.afterwards([this, &queue] { shadow_times_.note_frame(queue.totals); });
   camera_.jitter_x = frame_.jitter.x;
   camera_.jitter_y = frame_.jitter.y;
+  if (occlusion_) occlusion_->submit(queue);
   if (denoiser_)
     queue.submit([this](Commands& commands) { denoiser_->record(commands, camera_); },
                  {.timed_dispatches = denoiser_->dispatches()});
@@ -355,10 +382,12 @@ std::optional<Pilot> Hybrid::pilot() {
   }
   jitters_.clear();
   frame_.ao_radius = gpu::kFar;
+  piloting_ = true;
   return pilot;
 }
 
 bool Hybrid::learn() {
+  piloting_ = false;
   frame_.ambient = enclosed_light();
   frame_.ao_radius = ray_length(occlusion_radius(workspace_.scene, settings_));
   jitters_.clear();

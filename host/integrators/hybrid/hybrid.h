@@ -19,8 +19,9 @@
 
 namespace wavepath {
 
-class Denoiser; // host/integrators/hybrid/denoise.h
-class Taa;      // host/integrators/hybrid/taa.h
+class Denoiser;             // host/integrators/hybrid/denoise.h
+class ScreenSpaceOcclusion; // host/integrators/occlusion/screen_space.h
+class Taa;                  // host/integrators/hybrid/taa.h
 
 class Hybrid : public Integrator {
 public:
@@ -53,10 +54,12 @@ public:
 private:
   bool lights() const { return frame_.flags & gpu::kHybridLights; }
   bool ambient() const { return frame_.flags & gpu::kHybridAmbient; }
+  bool traces_occlusion() const; // by rays, in the pilot or in frames
   void make_frame(const View& view, const RenderSettings& settings, Past past);
   void make_room(const View& view, Past past);
   void remake_filters(bool moved, Past past);
   void remake_shadows(const View& view, const std::vector<Binding>& own);
+  void remake_occlusion();
   glm::vec2 jitter(WaveQueue& queue, std::uint32_t sample);
   void light(Commands& commands, std::size_t band, const gpu::Wave& wave);
   void composite(WaveQueue& queue, std::uint32_t flags);
@@ -81,8 +84,10 @@ private:
   std::unique_ptr<ShadowTechnique> shadows_; // none where rays are traced
   std::uint32_t shadows_made_for_ = 0;       // RenderSettings::shadows
   ShadowTimes shadow_times_;
-  glm::uvec4 filters_made_for_{0}; // size, flags, and which
-  std::vector<glm::vec2> jitters_; // of frames from first_jitter_ on
+  std::unique_ptr<ScreenSpaceOcclusion> occlusion_; // none where rays are traced
+  bool piloting_ = false;                           // until learn()
+  glm::uvec4 filters_made_for_{0};                  // size, flags, and which
+  std::vector<glm::vec2> jitters_;                  // of frames from first_jitter_ on
   std::uint32_t first_jitter_ = 0;
   std::vector<std::uint32_t> pilot_places_; // pixels of the pilot, row-major
 };

@@ -8,6 +8,7 @@
 
 #include "host/integrators/hybrid/denoise.h"
 #include "host/integrators/hybrid/hybrid.h"
+#include "host/integrators/occlusion/catalogue.h"
 #include "host/integrators/shadows/catalogue.h"
 #include "host/render/render.h"
 #include "host/render/settings/mips.h"
@@ -20,12 +21,13 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::array<std::string_view, 21> kHybridSettings = {
+constexpr std::array<std::string_view, 24> kHybridSettings = {
     "hemisphere",  "direct",        "lights",         "shadow-samples", "ao-samples",      "ao-radius",
     "ambient",     "denoise",       "mips",           "terminator",     "shadows",         "shadow-size",
     "shadow-bias", "shadow-taps",   "shadow-pattern", "shadow-blur",    "shadow-cascades", "shadow-exponent",
-    "shadow-bits", "shadow-source", "shadow-ambient"};
-constexpr std::array<std::string_view, 4> kAoSettings = {"ao-samples", "ao-radius", "denoise", "terminator"};
+    "shadow-bits", "shadow-source", "shadow-ambient", "occlusion",      "ao-bias",         "ao-thinness"};
+constexpr std::array<std::string_view, 7> kAoSettings = {"ao-samples", "ao-radius", "denoise",    "terminator",
+                                                         "occlusion",  "ao-bias",   "ao-thinness"};
 constexpr std::array<std::string_view, 1> kAovs = {"ao"};
 constexpr std::array<std::string_view, 2> kFirstHitStages = {"raster", "resolve"};
 
@@ -50,6 +52,16 @@ std::uint64_t bytes_per_pixel(const RenderSettings& settings) {
          (settings.denoise != kDenoiseOff ? Denoiser::bytes_per_pixel() : 0);
 }
 
+// Of the frame, whatever it shows.
+void add_common_bias(const RenderSettings& settings, std::vector<std::string>& bias) {
+  if (settings.denoise != kDenoiseOff) bias.emplace_back(kFiltered);
+  if (const OcclusionKind* occlusion = occlusion_kind(settings))
+    bias.push_back(
+        fmt::format("ambient occlusion is that of {}, which knows nothing but what the picture shows "
+                    "(--occlusion {})",
+                    occlusion->summary, occlusion->name));
+}
+
 std::vector<std::string> hybrid_bias(const RenderSettings& settings, const RenderResult& result) {
   std::vector<std::string> bias;
   if (settings.max_depth <= 1)
@@ -59,7 +71,7 @@ std::vector<std::string> hybrid_bias(const RenderSettings& settings, const Rende
         fmt::format("light of more than one bounce, what mirrors and glass show of it included, is an ambient "
                     "term of radiance {:.3g},{:.3g},{:.3g} (--integrator hybrid, --ambient)",
                     result.ambient.r, result.ambient.g, result.ambient.b));
-  if (settings.denoise != kDenoiseOff) bias.emplace_back(kFiltered);
+  add_common_bias(settings, bias);
   const ShadowKind* shadows = shadow_kind(settings);
   if (!shadows || !result.shadows) return bias;
   bias.push_back(fmt::format("shadows of {} are those of {} (--shadows {})", result.shadows->covered, shadows->summary,
@@ -70,7 +82,7 @@ std::vector<std::string> hybrid_bias(const RenderSettings& settings, const Rende
   return bias;
 }
 
-Json cost_json(const ShadowCost& cost) { return {{"median", cost.median}, {"least", cost.least}, {"most", cost.most}}; }
+Json cost_json(const FrameCost& cost) { return {{"median", cost.median}, {"least", cost.least}, {"most", cost.most}}; }
 
 Json shadow_json(const RenderSettings& settings, const std::optional<ShadowReport>& shadows) {
   if (!shadows) return nullptr;
@@ -88,18 +100,38 @@ Json shadow_json(const RenderSettings& settings, const std::optional<ShadowRepor
   return json;
 }
 
+Json occlusion_json(const RenderSettings& settings, const std::optional<OcclusionReport>& occlusion) {
+  if (!occlusion) return nullptr;
+  return {{"technique", occlusion_kind(settings)->name}, {"ms", cost_json(occlusion->cost)}};
+}
+
+void check(const RenderSettings& settings) {
+  check_shadow_settings(settings);
+  check_occlusion_settings(settings);
+}
+
+bool means(const RenderSettings& settings, std::string_view setting) {
+  return takes_shadow_setting(settings, setting) && takes_occlusion_setting(settings, setting);
+}
+
 std::string unfit_shadows(const RenderSettings& settings, const PackedScene& scene) {
   const ShadowKind* shadows = shadow_kind(settings);
   return shadows ? unfit(*shadows, scene) : "";
 }
 
 std::vector<std::string> ao_bias(const RenderSettings& settings, const RenderResult&) {
-  return settings.denoise != kDenoiseOff ? std::vector<std::string>{kFiltered} : std::vector<std::string>();
+  std::vector<std::string> bias;
+  add_common_bias(settings, bias);
+  return bias;
 }
 
 std::vector<OmittedStage> always_omitted(const RenderSettings& settings) {
   std::vector<OmittedStage> omitted = {
       {"path kernels generate and accumulate", "hybrid frames begin with rasterization and end with composite"}};
+  if (const OcclusionKind* occlusion = occlusion_kind(settings))
+    omitted.push_back({"occlusion rays", fmt::format("--occlusion {} looks at depths; rays find the ambient radiance "
+                                                     "alone, where --ambient does not give it",
+                                                     occlusion->name)});
   if (settings.denoise == kDenoiseOff) omitted.push_back({"filters over space and time", "--denoise is off"});
   return omitted;
 }
@@ -123,7 +155,8 @@ Json stats(const RenderSettings& settings, const PackedScene& scene, const Rende
           {"ao_radius", occlusion_radius(scene, settings)},
           {"ambient", {result.ambient.r, result.ambient.g, result.ambient.b}},
           {"denoise", settings.denoise != kDenoiseOff},
-          {"shadows", shadow_json(settings, result.shadows)}};
+          {"shadows", shadow_json(settings, result.shadows)},
+          {"occlusion", occlusion_json(settings, result.occlusion)}};
 }
 
 std::unique_ptr<Integrator> make(Workspace& workspace, KernelCompiler& kernels) {
@@ -139,8 +172,8 @@ constinit const IntegratorKind kHybrid = {
     .aovs = kAovs,
     .traces_paths = false,
     .first_hit_stages = kFirstHitStages,
-    .check = check_shadow_settings,
-    .means = takes_shadow_setting,
+    .check = check,
+    .means = means,
     .unfit = unfit_shadows,
     .features = features,
     .start_kernels = start_path_kernels,
@@ -168,6 +201,8 @@ constinit const IntegratorKind kAo = {
     .finds_light = false,
     .traces_paths = false,
     .first_hit_stages = kFirstHitStages,
+    .check = check_occlusion_settings,
+    .means = takes_occlusion_setting,
     .features = features,
     .start_kernels = [](KernelCompiler&, const DeviceInfo&, gpu::Feature, const RenderSettings&) {}, // it has no paths
     .bytes_per_slot = [](gpu::Feature features,
@@ -175,7 +210,8 @@ constinit const IntegratorKind kAo = {
     .largest_record = [](const RenderSettings&) { return std::uint64_t{2 * sizeof(gpu::Ray)}; },
     .slots_per_pixel = [](const RenderSettings&) { return 1u; },
     .bytes_per_pixel = bytes_per_pixel,
-    .is_biased = [](const RenderSettings& settings) { return settings.denoise != kDenoiseOff; },
+    .is_biased =
+        [](const RenderSettings& settings) { return settings.denoise != kDenoiseOff || occlusion_kind(settings); },
     .bias = ao_bias,
     .omitted = ao_omitted,
     .stats = stats,

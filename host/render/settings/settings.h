@@ -47,8 +47,11 @@ struct RenderSettings {
   std::uint32_t blades = 0;         // of the aperture, a regular polygon; 0 = a disc
   std::uint32_t shadow_samples = 1; // light samples for every sample of a pixel
   std::uint32_t ao_samples = 1;     // occlusion rays for every sample of a pixel
-  // Metres, 0 = unlimited; empty: unlimited for ao, a tenth of the scene's radius for hybrid.
+  // Metres, 0 = unlimited; empty: a tenth of the scene's radius, but unlimited for ao by rays.
   std::optional<double> ao_radius;
+  std::uint32_t occlusion = 0;              // technique: of kOcclusionNames (occlusion_settings.h)
+  double ao_bias = 10.0;                    // degrees over the tangent plane up to which nothing occludes
+  double ao_thinness = 0.0;                 // share by which what is seen behind a body lowers its horizon
   std::optional<glm::vec3> ambient;         // radiance; empty = estimated from the direct light in the picture
   std::uint32_t shadows = 0;                // technique: of kShadowNames (shadow_settings.h)
   std::uint32_t shadow_size = 1024;         // texels along a side of what a light sees
