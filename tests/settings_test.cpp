@@ -29,12 +29,12 @@ namespace {
 std::map<std::string, std::string> members(const RenderSettings& settings) {
   const auto& [integrator, width, height, first_sample, last_sample, sample_total, time_limit, target_error, max_depth,
                sampler, hemisphere, direct, filter, seed, cull, terminator, aperture, focus, blades, shadow_samples,
-               ao_samples, ao_radius, occlusion, ao_bias, ao_thinness, ambient, shadows, shadow_size, shadow_bias,
-               shadow_bias_amount, shadow_taps, shadow_pattern, shadow_blur, shadow_cascades, shadow_exponent,
-               shadow_bits, shadow_source, shadow_ambient, branching, techniques, cutoff, denoise, antialias_over_time,
-               mips, lights, adaptive, guide, moving, specialize, aovs, guide_iterations, added_features,
-               removed_features, room_for_shadow_rays, room_for_whole_nets, room_for_mips, whole_nets_from,
-               wave_slots] = settings;
+               ao_samples, ao_radius, occlusion, antialias, ao_bias, ao_thinness, ambient, shadows, shadow_size,
+               shadow_bias, shadow_bias_amount, shadow_taps, shadow_pattern, shadow_blur, shadow_cascades,
+               shadow_exponent, shadow_bits, shadow_source, shadow_ambient, branching, techniques, cutoff, denoise,
+               antialias_over_time, mips, lights, adaptive, guide, moving, specialize, aovs, guide_iterations,
+               added_features, removed_features, room_for_shadow_rays, room_for_whole_nets, room_for_mips,
+               whole_nets_from, wave_slots] = settings;
   const auto text = [](const auto& value) { return fmt::format("{}", value); };
   return {{"integrator", std::string(integrator->name)},
           {"width", text(width)},
@@ -59,6 +59,7 @@ std::map<std::string, std::string> members(const RenderSettings& settings) {
           {"ao_samples", text(ao_samples)},
           {"ao_radius", ao_radius ? text(*ao_radius) : "none"},
           {"occlusion", text(occlusion)},
+          {"antialias", text(antialias)},
           {"ao_bias", text(ao_bias)},
           {"ao_thinness", text(ao_thinness)},
           {"ambient", ambient ? fmt::format("{},{},{}", ambient->r, ambient->g, ambient->b) : "none"},

@@ -4,7 +4,9 @@
 #include <array>
 #include <cmath>
 
+#include "host/integrators/antialias/catalogue.h"
 #include "host/integrators/hybrid/denoise.h"
+#include "host/integrators/hybrid/frame_filter.h"
 #include "host/integrators/hybrid/occlusion_radius.h"
 #include "host/integrators/hybrid/taa.h"
 #include "host/integrators/occlusion/catalogue.h"
@@ -22,6 +24,7 @@
 namespace wavepath {
 namespace {
 
+constexpr const char* kAntialiasStage = "anti-aliasing";
 constexpr std::uint32_t kAmbientPilotSeed = 0x6a09e667u;
 constexpr std::uint32_t kPilotPixels = 1u << 14, kPilotBlock = 1u << 10; // enough for a mean, in a moment
 constexpr std::uint32_t kCompositePixels = 1u << 16; // of a dispatch: some tens of milliseconds on two cores
@@ -87,7 +90,11 @@ float cone_width(const View& view, const RenderSettings& settings) {
 } // namespace
 
 Hybrid::Hybrid(Workspace& workspace, KernelCompiler& kernels)
-    : workspace_(workspace), kernels_(kernels), paths_(workspace, kernels), buffers_(workspace.device, kRules) {}
+    : workspace_(workspace),
+      kernels_(kernels),
+      paths_(workspace, kernels),
+      buffers_(workspace.device, kRules),
+      antialias_times_(kAntialiasStage) {}
 
 Hybrid::~Hybrid() = default;
 
@@ -137,7 +144,7 @@ void Hybrid::make_room(const View& view, Past past) {
   if (!settings_.aovs.empty()) need_.config.features |= gpu::kFeatureAovs; // which come from the G-buffer
   kernels_.start(need_);
   const std::uint32_t path_stages = lights() ? kLightingStages : 0;
-  const std::uint32_t options = lights() || settings_.antialias_over_time ? kRoomForSeen : 0;
+  const std::uint32_t options = lights() || joins_frames() || filters_frames() ? kRoomForSeen : 0;
   bool moved = paths_.change(settings_, path_stages, options, kernels_.features(kHybridProgram));
   moved |= buffers_.fit({.pixels = workspace_.film.pixels()});
   const glm::u64vec4 made_for(settings_.width, settings_.height, path_features, settings_.cull);
@@ -186,9 +193,15 @@ void Hybrid::remake_shadows(const View& view, const std::vector<Binding>& own) {
   shadows_->change(view, settings_, shared);
 }
 
+bool Hybrid::joins_frames() const { return settings_.antialias_over_time || antialias_kind(settings_).over_time; }
+
+// Frames of a camera in motion are joined instead.
+bool Hybrid::filters_frames() const { return !joins_frames() && !antialias_kind(settings_).passes.empty(); }
+
 // Memory and kernels stay, unless size or buffers are others.
 void Hybrid::remake_filters(bool moved, Past past) {
-  const std::uint32_t which = (settings_.denoise != kDenoiseOff ? 1u : 0u) | (settings_.antialias_over_time ? 2u : 0u);
+  const std::uint32_t which = (settings_.denoise != kDenoiseOff ? 1u : 0u) | (joins_frames() ? 2u : 0u) |
+                              (filters_frames() ? 4u + settings_.antialias : 0u);
   const glm::uvec4 made_for =
       which ? glm::uvec4(settings_.width, settings_.height, frame_.flags, which) : glm::uvec4(0);
   if (made_for == filters_made_for_ && !moved) {
@@ -199,12 +212,16 @@ void Hybrid::remake_filters(bool moved, Past past) {
   }
   denoiser_.reset(); // the device may not hold both at once
   taa_.reset();
+  frame_filter_.reset();
   filters_made_for_ = glm::uvec4(0);
   const Buffer& gbuffer = buffers_[kGbuffer];
   if (settings_.denoise != kDenoiseOff)
     denoiser_ = std::make_unique<Denoiser>(workspace_.device, settings_.width, settings_.height, gbuffer,
                                            buffers_[kSignals], frame_.flags);
-  if (settings_.antialias_over_time)
+  if (filters_frames())
+    frame_filter_ = std::make_unique<FrameFilter>(workspace_.device, antialias_kind(settings_).passes, settings_.width,
+                                                  settings_.height, gbuffer, paths_.buffers[kSeen]);
+  if (joins_frames())
     taa_ = std::make_unique<Taa>(workspace_.device, settings_.width, settings_.height, gbuffer, paths_.buffers[kSeen]);
   filters_made_for_ = made_for;
 }
@@ -223,11 +240,13 @@ double Hybrid::get_ready() {
 
 std::uint64_t Hybrid::bytes() const {
   return paths_.buffers.bytes() + buffers_.bytes() + visibility_->bytes() + (denoiser_ ? denoiser_->bytes() : 0) +
-         (taa_ ? taa_->bytes() : 0) + (shadows_ ? shadows_->bytes() : 0);
+         (taa_ ? taa_->bytes() : 0) + (frame_filter_ ? frame_filter_->bytes() : 0) + (shadows_ ? shadows_->bytes() : 0);
 }
 
 // kJitters frames at a time, because asking the device costs a round trip.
 glm::vec2 Hybrid::jitter(WaveQueue& queue, std::uint32_t sample) {
+  const auto place = antialias_kind(settings_).place;
+  if (place && !settings_.antialias_over_time) return place(sample, whole_samples(settings_));
   if (jitters_.empty() || sample < first_jitter_ || sample - first_jitter_ >= jitters_.size()) {
     first_jitter_ = sample;
     gpu::Wave wave{};
@@ -257,6 +276,7 @@ void Hybrid::begin_pass(WaveQueue& queue, std::uint32_t sample) {
 
 void Hybrid::describe(RenderResult& result) const {
   result.ambient = frame_.ambient;
+  if (taa_ || frame_filter_) result.antialias = antialias_times_.cost();
   if (occlusion_) result.occlusion = {.radius = frame_.ao_radius, .cost = occlusion_->cost()};
   if (!shadows_) return;
   const LightCover cover = light_cover(*shadow_kind(settings_), workspace_.scene);
@@ -325,7 +345,7 @@ void Hybrid::end_pass(WaveQueue& queue) {
   if (denoiser_)
     queue.submit([this](Commands& commands) { denoiser_->record(commands, camera_); },
                  {.timed_dispatches = denoiser_->dispatches()});
-  if (!taa_) return composite(queue, frame_.flags);
+  if (!taa_ && !frame_filter_) return composite(queue, frame_.flags);
   composite(queue, frame_.flags | gpu::kHybridToColor);
   antialias(queue);
   composite(queue, frame_.flags | gpu::kHybridFromColor);
@@ -333,11 +353,15 @@ void Hybrid::end_pass(WaveQueue& queue) {
 
 void Hybrid::antialias(WaveQueue& queue) {
   const auto record = [this](Commands& commands) {
-    taa_->record(commands, camera_);
-    commands.copy(taa_->result(), paths_.buffers[kSeen],
+    if (taa_)
+      taa_->record(commands, camera_);
+    else
+      frame_filter_->record(commands);
+    commands.copy(taa_ ? taa_->result() : frame_filter_->result(), paths_.buffers[kSeen],
                   std::uint64_t{settings_.width} * settings_.height * sizeof(glm::vec4));
   };
-  queue.submit(record, {.timed_dispatches = taa_->dispatches()});
+  queue.submit(record, {.stage = kAntialiasStage});
+  queue.afterwards([this, &queue] { antialias_times_.note_frame(queue.totals); });
 }
 
 void Hybrid::composite(WaveQueue& queue, std::uint32_t flags) {

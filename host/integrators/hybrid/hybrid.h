@@ -20,6 +20,7 @@
 namespace wavepath {
 
 class Denoiser;             // host/integrators/hybrid/denoise.h
+class FrameFilter;          // host/integrators/hybrid/frame_filter.h
 class ScreenSpaceOcclusion; // host/integrators/occlusion/screen_space.h
 class Taa;                  // host/integrators/hybrid/taa.h
 
@@ -63,6 +64,8 @@ private:
   glm::vec2 jitter(WaveQueue& queue, std::uint32_t sample);
   void light(Commands& commands, std::size_t band, const gpu::Wave& wave);
   void composite(WaveQueue& queue, std::uint32_t flags);
+  bool joins_frames() const;   // over time, for smooth edges
+  bool filters_frames() const; // each by itself, likewise
   void antialias(WaveQueue& queue);
   glm::vec3 enclosed_light() const;
 
@@ -81,6 +84,8 @@ private:
   std::vector<std::unique_ptr<BindingSet>> sets_; // by band
   std::unique_ptr<Denoiser> denoiser_;
   std::unique_ptr<Taa> taa_;
+  std::unique_ptr<FrameFilter> frame_filter_;
+  FrameTimes antialias_times_;
   std::unique_ptr<ShadowTechnique> shadows_; // none where rays are traced
   std::uint32_t shadows_made_for_ = 0;       // RenderSettings::shadows
   ShadowTimes shadow_times_;

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "host/integrators/antialias/catalogue.h"
 #include "host/integrators/hybrid/denoise.h"
 #include "host/integrators/hybrid/hybrid.h"
 #include "host/integrators/occlusion/catalogue.h"
@@ -21,13 +22,14 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::array<std::string_view, 24> kHybridSettings = {
-    "hemisphere",  "direct",        "lights",         "shadow-samples", "ao-samples",      "ao-radius",
-    "ambient",     "denoise",       "mips",           "terminator",     "shadows",         "shadow-size",
-    "shadow-bias", "shadow-taps",   "shadow-pattern", "shadow-blur",    "shadow-cascades", "shadow-exponent",
-    "shadow-bits", "shadow-source", "shadow-ambient", "occlusion",      "ao-bias",         "ao-thinness"};
-constexpr std::array<std::string_view, 7> kAoSettings = {"ao-samples", "ao-radius", "denoise",    "terminator",
-                                                         "occlusion",  "ao-bias",   "ao-thinness"};
+constexpr std::array<std::string_view, 25> kHybridSettings = {
+    "hemisphere",     "direct",          "lights",          "shadow-samples", "ao-samples",
+    "ao-radius",      "ambient",         "denoise",         "mips",           "terminator",
+    "shadows",        "shadow-size",     "shadow-bias",     "shadow-taps",    "shadow-pattern",
+    "shadow-blur",    "shadow-cascades", "shadow-exponent", "shadow-bits",    "shadow-source",
+    "shadow-ambient", "occlusion",       "ao-bias",         "ao-thinness",    "antialias"};
+constexpr std::array<std::string_view, 8> kAoSettings = {"ao-samples", "ao-radius", "denoise",     "terminator",
+                                                         "occlusion",  "ao-bias",   "ao-thinness", "antialias"};
 constexpr std::array<std::string_view, 1> kAovs = {"ao"};
 constexpr std::array<std::string_view, 2> kFirstHitStages = {"raster", "resolve"};
 
@@ -55,6 +57,8 @@ std::uint64_t bytes_per_pixel(const RenderSettings& settings) {
 // Of the frame, whatever it shows.
 void add_common_bias(const RenderSettings& settings, std::vector<std::string>& bias) {
   if (settings.denoise != kDenoiseOff) bias.emplace_back(kFiltered);
+  if (const AntialiasKind& antialias = antialias_kind(settings); antialias.is_biased)
+    bias.push_back(fmt::format("edges are those of {} (--antialias {})", antialias.summary, antialias.name));
   if (const OcclusionKind* occlusion = occlusion_kind(settings))
     bias.push_back(
         fmt::format("ambient occlusion is that of {}, which knows nothing but what the picture shows "
@@ -105,9 +109,22 @@ Json occlusion_json(const RenderSettings& settings, const std::optional<Occlusio
   return {{"technique", occlusion_kind(settings)->name}, {"ms", cost_json(occlusion->cost)}};
 }
 
+Json antialias_json(const RenderSettings& settings, const std::optional<FrameCost>& cost) {
+  return {{"technique", antialias_kind(settings).name}, {"ms", cost ? cost_json(*cost) : Json()}};
+}
+
+void check_frame_settings(const RenderSettings& settings) {
+  check_occlusion_settings(settings);
+  check_antialias_settings(settings);
+}
+
+bool has_biased_frames(const RenderSettings& settings) {
+  return settings.denoise != kDenoiseOff || occlusion_kind(settings) || antialias_kind(settings).is_biased;
+}
+
 void check(const RenderSettings& settings) {
   check_shadow_settings(settings);
-  check_occlusion_settings(settings);
+  check_frame_settings(settings);
 }
 
 bool means(const RenderSettings& settings, std::string_view setting) {
@@ -156,7 +173,8 @@ Json stats(const RenderSettings& settings, const PackedScene& scene, const Rende
           {"ambient", {result.ambient.r, result.ambient.g, result.ambient.b}},
           {"denoise", settings.denoise != kDenoiseOff},
           {"shadows", shadow_json(settings, result.shadows)},
-          {"occlusion", occlusion_json(settings, result.occlusion)}};
+          {"occlusion", occlusion_json(settings, result.occlusion)},
+          {"antialias", antialias_json(settings, result.antialias)}};
 }
 
 std::unique_ptr<Integrator> make(Workspace& workspace, KernelCompiler& kernels) {
@@ -184,7 +202,7 @@ constinit const IntegratorKind kHybrid = {
     .bytes_per_pixel = bytes_per_pixel,
     .is_biased =
         [](const RenderSettings& settings) {
-          return settings.denoise != kDenoiseOff || settings.max_depth > 1 || uses_mips(settings) ||
+          return has_biased_frames(settings) || settings.max_depth > 1 || uses_mips(settings) ||
                  shadow_kind(settings) != nullptr;
         },
     .bias = hybrid_bias,
@@ -201,7 +219,7 @@ constinit const IntegratorKind kAo = {
     .finds_light = false,
     .traces_paths = false,
     .first_hit_stages = kFirstHitStages,
-    .check = check_occlusion_settings,
+    .check = check_frame_settings,
     .means = takes_occlusion_setting,
     .features = features,
     .start_kernels = [](KernelCompiler&, const DeviceInfo&, gpu::Feature, const RenderSettings&) {}, // it has no paths
@@ -210,8 +228,7 @@ constinit const IntegratorKind kAo = {
     .largest_record = [](const RenderSettings&) { return std::uint64_t{2 * sizeof(gpu::Ray)}; },
     .slots_per_pixel = [](const RenderSettings&) { return 1u; },
     .bytes_per_pixel = bytes_per_pixel,
-    .is_biased =
-        [](const RenderSettings& settings) { return settings.denoise != kDenoiseOff || occlusion_kind(settings); },
+    .is_biased = has_biased_frames,
     .bias = ao_bias,
     .omitted = ao_omitted,
     .stats = stats,

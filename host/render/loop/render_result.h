@@ -106,6 +106,7 @@ struct RenderResult {
   std::optional<MergeReport> merging;
   std::optional<ShadowReport> shadows;
   std::optional<OcclusionReport> occlusion;
+  std::optional<FrameCost> antialias; // of a filter of frames (--antialias)
   std::optional<DenoiseReport> denoised;
 };
 

@@ -50,6 +50,7 @@ struct RenderSettings {
   // Metres, 0 = unlimited; empty: a tenth of the scene's radius, but unlimited for ao by rays.
   std::optional<double> ao_radius;
   std::uint32_t occlusion = 0;              // technique: of kOcclusionNames (occlusion_settings.h)
+  std::uint32_t antialias = 0;              // technique: of kAntialiasNames (antialias_settings.h)
   double ao_bias = 10.0;                    // degrees over the tangent plane up to which nothing occludes
   double ao_thinness = 0.0;                 // share by which what is seen behind a body lowers its horizon
   std::optional<glm::vec3> ambient;         // radiance; empty = estimated from the direct light in the picture

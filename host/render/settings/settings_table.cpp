@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "host/base/error.h"
+#include "host/render/settings/antialias_rows.h"
 #include "host/render/settings/denoising.h"
 #include "host/render/settings/mips.h"
 #include "host/render/settings/occlusion_rows.h"
@@ -380,8 +381,8 @@ std::vector<Setting> special_rows() {
 // The order is that of --help within each group, of copied commands and of the panel.
 std::vector<Setting> all_rows() {
   std::vector<Setting> rows;
-  for (std::vector<Setting> part :
-       {picture_rows(), lens_rows(), transport_rows(), stop_rows(), special_rows(), shadow_rows(), occlusion_rows()})
+  for (std::vector<Setting> part : {picture_rows(), lens_rows(), transport_rows(), stop_rows(), special_rows(),
+                                    shadow_rows(), occlusion_rows(), antialias_rows()})
     for (Setting& row : part) rows.push_back(std::move(row));
   return rows;
 }
