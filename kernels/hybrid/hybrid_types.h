@@ -29,8 +29,8 @@ struct HybridFrame {
   uint sample_index;   // this frame's, as the film counts
   uint shadow_samples; // light samples a pixel and frame
   uint ao_samples;
-  uint flags;       // kHybrid bits
-  float ao_bias;    // of horizons over the tangent plane, radians
+  uint flags;        // kHybrid bits
+  float ao_bias;     // of horizons over the tangent plane, radians
   float ao_thinness; // share by which what is seen behind a body lowers its horizon; 0: bodies have no back
   uint pad0;
   uint pad1;
