@@ -7,6 +7,7 @@
 #include "host/integrators/hybrid/denoise.h"
 #include "host/integrators/hybrid/occlusion_radius.h"
 #include "host/integrators/hybrid/taa.h"
+#include "host/integrators/shading/catalogue.h"
 #include "host/integrators/shadows/catalogue.h"
 #include "host/render/settings/mips.h"
 #include "kernels/hybrid/composite.spv.h"
@@ -125,7 +126,7 @@ void Hybrid::make_room(const View& view, Past past) {
   const gpu::Feature path_features = need_.config.features;
   if (!settings_.aovs.empty()) need_.config.features |= gpu::kFeatureAovs; // which come from the G-buffer
   kernels_.start(need_);
-  const std::uint32_t path_stages = lights() ? kLightingStages : 0;
+  const std::uint32_t path_stages = !lights() ? 0 : shading_kind(settings_) ? kLocalPathStages : kLightingStages;
   const std::uint32_t options = lights() || settings_.antialias_over_time ? kRoomForSeen : 0;
   bool moved = paths_.change(settings_, path_stages, options, kernels_.features(kHybridProgram));
   moved |= buffers_.fit({.pixels = workspace_.film.pixels()});
@@ -142,6 +143,7 @@ void Hybrid::make_room(const View& view, Past past) {
   std::vector<Binding> own;
   paths_.buffers.add_bindings(own);
   remake_shadows(view, own);
+  remake_shading(own);
   if (moved || sets_.empty()) {
     buffers_.add_bindings(own);
     own.push_back({gpu::kBindVisibility, BindingKind::texels_rg32ui, &visibility_->ids()});
@@ -160,6 +162,13 @@ void Hybrid::remake_shadows(const View& view, const std::vector<Binding>& own) {
   shared.push_back({gpu::kBindHybrid, BindingKind::uniform, &buffers_[kFrame]});
   shared.push_back({gpu::kBindVisibility, BindingKind::texels_rg32ui, &visibility_->ids()});
   shadows_->change(view, settings_, shared);
+}
+
+void Hybrid::remake_shading(const std::vector<Binding>& own) {
+  const ShadingKind* kind = lights() ? shading_kind(settings_) : nullptr;
+  if (!kind) return shading_.reset();
+  if (!shading_ || &shading_->kind() != kind) shading_ = std::make_unique<LocalShading>(workspace_, kernels_, *kind);
+  shading_->change(settings_, paths_.config(), own);
 }
 
 // Memory and kernels stay, unless size or buffers are others.
@@ -188,17 +197,19 @@ void Hybrid::remake_filters(bool moved, Past past) {
 bool Hybrid::is_ready() {
   const bool paths = !lights() || paths_.is_ready(); // asks for both, so that both are begun
   const bool shadows = !shadows_ || shadows_->is_ready();
-  return kernels_.ready(need_) && paths && shadows;
+  const bool shading = !shading_ || shading_->is_ready();
+  return kernels_.ready(need_) && paths && shadows && shading;
 }
 
 double Hybrid::get_ready() {
   return (lights() ? paths_.get_ready() : 0.0) + (shadows_ ? shadows_->get_ready() : 0.0) +
+         (shading_ ? shading_->get_ready() : 0.0) +
          kernels_.best(need_).seconds();
 }
 
 std::uint64_t Hybrid::bytes() const {
   return paths_.buffers.bytes() + buffers_.bytes() + visibility_->bytes() + (denoiser_ ? denoiser_->bytes() : 0) +
-         (taa_ ? taa_->bytes() : 0) + (shadows_ ? shadows_->bytes() : 0);
+         (taa_ ? taa_->bytes() : 0) + (shadows_ ? shadows_->bytes() : 0) + (shading_ ? shading_->bytes() : 0);
 }
 
 // kJitters frames at a time, because asking the device costs a round trip.
@@ -272,11 +283,13 @@ void Hybrid::record_wave(Commands& commands, std::size_t band, const gpu::Wave& 
   commands.dispatch(kernels[kGather], groups_for(wave.pixel_count), &wave);
 }
 
-// Direct light as the path tracer finds it, from the first hit on.
+// Direct light as the path tracer finds it, from the first hit on; local illumination finds it by shadow rays alone.
 void Hybrid::light(Commands& commands, std::size_t band, const gpu::Wave& wave) {
   const KernelSet& kernels = paths_.kernels();
+  if (shading_) shading_->record(commands, band, wave);
   commands.bind(paths_.bindings(band));
-  commands.dispatch(kernels[kShade], groups_for(std::uint64_t{wave.pixel_count} * wave.sample_count), &wave);
+  if (!shading_)
+    commands.dispatch(kernels[kShade], groups_for(std::uint64_t{wave.pixel_count} * wave.sample_count), &wave);
   if (workspace_.frame.max_depth == 0) return;
   if (workspace_.frame.light_count > 0) {
     if (shadows_) {
@@ -287,6 +300,7 @@ void Hybrid::light(Commands& commands, std::size_t band, const gpu::Wave& wave) 
     }
     paths_.connect(commands, kernels, wave, 0);
   }
+  if (shading_) return;
   paths_.extend(commands, kernels, wave, 1); // emission that BSDF samples hit
   paths_.shade(commands, kernels, wave, 1);
 }

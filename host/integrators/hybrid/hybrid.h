@@ -11,6 +11,7 @@
 
 #include "host/integrators/hybrid/visibility.h"
 #include "host/integrators/path/paths.h"
+#include "host/integrators/shading/local_shading.h"
 #include "host/integrators/shadows/technique.h"
 #include "host/integrators/shadows/times.h"
 #include "host/render/loop/render_result.h"
@@ -57,6 +58,7 @@ private:
   void make_room(const View& view, Past past);
   void remake_filters(bool moved, Past past);
   void remake_shadows(const View& view, const std::vector<Binding>& own);
+  void remake_shading(const std::vector<Binding>& own);
   glm::vec2 jitter(WaveQueue& queue, std::uint32_t sample);
   void light(Commands& commands, std::size_t band, const gpu::Wave& wave);
   void composite(WaveQueue& queue, std::uint32_t flags);
@@ -81,6 +83,7 @@ private:
   std::unique_ptr<ShadowTechnique> shadows_; // none where rays are traced
   std::uint32_t shadows_made_for_ = 0;       // RenderSettings::shadows
   ShadowTimes shadow_times_;
+  std::unique_ptr<LocalShading> shading_; // none where materials are glTF's own
   glm::uvec4 filters_made_for_{0}; // size, flags, and which
   std::vector<glm::vec2> jitters_; // of frames from first_jitter_ on
   std::uint32_t first_jitter_ = 0;

@@ -8,9 +8,11 @@
 
 #include "host/integrators/hybrid/denoise.h"
 #include "host/integrators/hybrid/hybrid.h"
+#include "host/integrators/shading/catalogue.h"
 #include "host/integrators/shadows/catalogue.h"
 #include "host/render/render.h"
 #include "host/render/settings/mips.h"
+#include "host/render/settings/shading_settings.h"
 #include "host/render/settings/shadow_settings.h"
 #include "host/scene/pack/pack.h"
 #include "kernels/hybrid/hybrid_types.h"
@@ -20,14 +22,18 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::array<std::string_view, 21> kHybridSettings = {
+constexpr std::array<std::string_view, 26> kHybridSettings = {
     "hemisphere",  "direct",        "lights",         "shadow-samples", "ao-samples",      "ao-radius",
     "ambient",     "denoise",       "mips",           "terminator",     "shadows",         "shadow-size",
     "shadow-bias", "shadow-taps",   "shadow-pattern", "shadow-blur",    "shadow-cascades", "shadow-exponent",
-    "shadow-bits", "shadow-source", "shadow-ambient"};
+    "shadow-bits", "shadow-source", "shadow-ambient", "shading", "interpolation", "shininess", "attenuation", "depth-cue"};
 constexpr std::array<std::string_view, 4> kAoSettings = {"ao-samples", "ao-radius", "denoise", "terminator"};
 constexpr std::array<std::string_view, 1> kAovs = {"ao"};
 constexpr std::array<std::string_view, 2> kFirstHitStages = {"raster", "resolve"};
+
+// By --interpolation.
+constexpr std::array<std::string_view, 3> kEvaluated = {
+    "evaluated once a face", "evaluated at corners and interpolated (Gouraud 1971)", "evaluated in every pixel"};
 
 constexpr const char* kFiltered = "direct light and occlusion are filtered over space and time (--denoise)";
 
@@ -37,7 +43,8 @@ gpu::Feature features(const RenderSettings&) { return gpu::kFeatureSharedFirstHi
 void start_path_kernels(KernelCompiler& kernels, const DeviceInfo& device, gpu::Feature features,
                         const RenderSettings& settings) {
   const auto start = [&](gpu::Feature bits) {
-    kernels.start({&kPathProgram, kLightingStages, kernel_config(bits, kExpectedStack, settings)});
+    const std::uint32_t stages = shading_kind(settings) ? kLocalPathStages : kLightingStages;
+    kernels.start({&kPathProgram, stages, kernel_config(bits, kExpectedStack, settings)});
   };
   if ((features & gpu::kFeatureTextures) && wants_mips(settings)) features |= gpu::kFeatureMips;
   start(features);
@@ -50,6 +57,19 @@ std::uint64_t bytes_per_pixel(const RenderSettings& settings) {
          (settings.denoise != kDenoiseOff ? Denoiser::bytes_per_pixel() : 0);
 }
 
+void add_shading_bias(const RenderSettings& settings, std::vector<std::string>& bias) {
+  const ShadingKind* shading = shading_kind(settings);
+  if (!shading) return;
+  bias.push_back(fmt::format("surfaces reflect by {}, {}, in the place of their glTF materials (--shading {})",
+                             shading->summary, kEvaluated[settings.interpolation], shading->name));
+  if (settings.attenuation)
+    bias.push_back(fmt::format("light falls off by 1 / ({} + {} d + {} d^2) with the distance d (--attenuation)",
+                               settings.attenuation->x, settings.attenuation->y, settings.attenuation->z));
+  if (settings.depth_cue)
+    bias.push_back(fmt::format("surfaces fade into the background between depths of {} and {} metres (--depth-cue)",
+                               settings.depth_cue->x, settings.depth_cue->y));
+}
+
 std::vector<std::string> hybrid_bias(const RenderSettings& settings, const RenderResult& result) {
   std::vector<std::string> bias;
   if (settings.max_depth <= 1)
@@ -60,6 +80,7 @@ std::vector<std::string> hybrid_bias(const RenderSettings& settings, const Rende
                     "term of radiance {:.3g},{:.3g},{:.3g} (--integrator hybrid, --ambient)",
                     result.ambient.r, result.ambient.g, result.ambient.b));
   if (settings.denoise != kDenoiseOff) bias.emplace_back(kFiltered);
+  add_shading_bias(settings, bias);
   const ShadowKind* shadows = shadow_kind(settings);
   if (!shadows || !result.shadows) return bias;
   bias.push_back(fmt::format("shadows of {} are those of {} (--shadows {})", result.shadows->covered, shadows->summary,
@@ -107,6 +128,8 @@ std::vector<OmittedStage> always_omitted(const RenderSettings& settings) {
 std::vector<OmittedStage> hybrid_omitted(const RenderSettings& settings) {
   std::vector<OmittedStage> omitted = always_omitted(settings);
   if (settings.shadows == kShadowsTraced) omitted.push_back({"shadow techniques", "--shadows traced sends rays alone"});
+  if (shading_kind(settings))
+    omitted.push_back({"path kernels shade and extend", "--shading draws no directions from materials"});
   if (settings.max_depth <= 1) omitted.push_back({"ambient occlusion", "--max-depth 1 asks for direct light alone"});
   return omitted;
 }
@@ -123,7 +146,17 @@ Json stats(const RenderSettings& settings, const PackedScene& scene, const Rende
           {"ao_radius", occlusion_radius(scene, settings)},
           {"ambient", {result.ambient.r, result.ambient.g, result.ambient.b}},
           {"denoise", settings.denoise != kDenoiseOff},
+          {"shading", kShadingNames[settings.shading]},
           {"shadows", shadow_json(settings, result.shadows)}};
+}
+
+void check(const RenderSettings& settings) {
+  check_shadow_settings(settings);
+  check_shading_settings(settings);
+}
+
+bool means(const RenderSettings& settings, std::string_view setting) {
+  return takes_shadow_setting(settings, setting) && takes_shading_setting(settings, setting);
 }
 
 std::unique_ptr<Integrator> make(Workspace& workspace, KernelCompiler& kernels) {
@@ -139,8 +172,8 @@ constinit const IntegratorKind kHybrid = {
     .aovs = kAovs,
     .traces_paths = false,
     .first_hit_stages = kFirstHitStages,
-    .check = check_shadow_settings,
-    .means = takes_shadow_setting,
+    .check = check,
+    .means = means,
     .unfit = unfit_shadows,
     .features = features,
     .start_kernels = start_path_kernels,
@@ -152,7 +185,7 @@ constinit const IntegratorKind kHybrid = {
     .is_biased =
         [](const RenderSettings& settings) {
           return settings.denoise != kDenoiseOff || settings.max_depth > 1 || uses_mips(settings) ||
-                 shadow_kind(settings) != nullptr;
+                 shadow_kind(settings) || shading_kind(settings);
         },
     .bias = hybrid_bias,
     .omitted = hybrid_omitted,

@@ -9,7 +9,9 @@
 #include "host/base/error.h"
 #include "host/render/settings/denoising.h"
 #include "host/render/settings/mips.h"
+#include "host/render/settings/shading_rows.h"
 #include "host/render/settings/shadow_rows.h"
+#include "host/render/settings/transparency_rows.h"
 
 namespace wavepath {
 namespace {
@@ -378,7 +380,8 @@ std::vector<Setting> special_rows() {
 std::vector<Setting> all_rows() {
   std::vector<Setting> rows;
   for (std::vector<Setting> part :
-       {picture_rows(), lens_rows(), transport_rows(), stop_rows(), special_rows(), shadow_rows()})
+       {picture_rows(), lens_rows(), transport_rows(), stop_rows(), special_rows(), shadow_rows(), shading_rows(),
+        transparency_rows()})
     for (Setting& row : part) rows.push_back(std::move(row));
   return rows;
 }
