@@ -33,15 +33,6 @@ Material shiny_material() {
   return material;
 }
 
-// A camera above the floor's point `at` that looks straight down, `half` metres of floor to either side.
-Camera camera_above(glm::dvec3 at, double half) {
-  Camera camera;
-  camera.orthographic = true;
-  camera.xmag = camera.ymag = half;
-  camera.world_from_camera = {{1, 0, 0, 0}, {0, 0, -1, 0}, {0, 1, 0, 0}, glm::dvec4(at + glm::dvec3(0, 3, 0), 1)};
-  return camera;
-}
-
 constexpr glm::dvec3 kLamp(0.3, 1.5, -0.2);
 constexpr double kIntensity = 20.0;
 
@@ -57,13 +48,6 @@ Scene floor_scene(const std::vector<glm::vec3>& corners, const Material& materia
 }
 Scene quad_scene(const Material& material) {
   return floor_scene(rectangle({0, 0, 0}, {0, 0, 1}, {1, 0, 0}), material); // faces up
-}
-
-const std::vector<float>& channel(const Picture& picture, std::string_view name) {
-  const auto found =
-      std::ranges::find_if(picture.channels, [&](const Channel& channel) { return channel.name == name; });
-  EXPECT_NE(found, picture.channels.end()) << name;
-  return found->values;
 }
 
 struct Seen {

@@ -9,6 +9,7 @@
 #include "host/integrators/hybrid/taa.h"
 #include "host/integrators/shading/catalogue.h"
 #include "host/integrators/shadows/catalogue.h"
+#include "host/integrators/transparency/catalogue.h"
 #include "host/render/settings/mips.h"
 #include "kernels/hybrid/composite.spv.h"
 #include "kernels/hybrid/gather.spv.h"
@@ -32,7 +33,8 @@ const std::array<KernelCode, kStageCount> kStages = {{{"jitter", wavepath_jitter
                                                       {"composite", wavepath_composite_spv}}};
 constexpr std::array<std::size_t, kStageCount> kCompileOrder = {kOcclusion, kResolve, kComposite, kGather, kJitter};
 
-enum OwnBuffer : std::size_t { kFrame, kGbuffer, kSignals, kJitters };
+enum OwnBuffer : std::size_t { kFrame, kGbuffer, kSignals, kJitters, kLayers };
+constexpr std::uint32_t kRoomForLayers = 1u << 0; // bits of Extent::options
 // By OwnBuffer. What a pixel has is row-major from the top left.
 const std::vector<BufferRule> kRules = {
     {"frame",
@@ -47,6 +49,9 @@ const std::vector<BufferRule> kRules = {
     {"jitters",
      [](const Extent&) { return std::uint64_t{gpu::kJitters * sizeof(gpu::vec2)}; },
      {{gpu::kBindJitters, BindingKind::storage}}},
+    {"layers",
+     [](const Extent& e) { return e.options & kRoomForLayers ? e.pixels * sizeof(gpu::vec4) : 0; },
+     {{gpu::kBindLayers, BindingKind::storage}}},
 };
 
 std::vector<Binding> hybrid_layout() {
@@ -57,6 +62,14 @@ std::vector<Binding> hybrid_layout() {
 }
 
 const KernelProgram kHybridProgram = {kStages, kCompileOrder, hybrid_layout};
+
+// How BLEND surfaces are seen through, where the scene has some.
+std::uint32_t transparency_flags(const RenderSettings& settings, const PackedScene& scene) {
+  const TransparencyKind* kind = settings.integrator->finds_light ? transparency_kind(settings) : nullptr;
+  const bool blends =
+      std::ranges::any_of(scene.materials, [](const gpu::Material& m) { return m.flags & gpu::kMaterialBlend; });
+  return kind && blends ? kind->flag : 0;
+}
 
 // Light beyond the direct one is wanted where paths would be longer than it.
 std::uint32_t frame_flags(const RenderSettings& settings) {
@@ -101,7 +114,7 @@ void Hybrid::make_frame(const View& view, const RenderSettings& settings, Past p
   knows_ambient_ = past == Past::keep && ambient != glm::vec3(0.0f);
   camera_ = camera_of(scene, view);
   frame_ = {};
-  frame_.flags = frame_flags(settings);
+  frame_.flags = frame_flags(settings) | transparency_flags(settings, scene);
   frame_.shadow_samples = lights() ? settings.shadow_samples : 1;
   frame_.ao_samples = settings.ao_samples;
   frame_.ao_radius = ray_length(occlusion_radius(scene, settings));
@@ -129,7 +142,8 @@ void Hybrid::make_room(const View& view, Past past) {
   const std::uint32_t path_stages = !lights() ? 0 : shading_kind(settings_) ? kLocalPathStages : kLightingStages;
   const std::uint32_t options = lights() || settings_.antialias_over_time ? kRoomForSeen : 0;
   bool moved = paths_.change(settings_, path_stages, options, kernels_.features(kHybridProgram));
-  moved |= buffers_.fit({.pixels = workspace_.film.pixels()});
+  const bool layers = frame_.flags & gpu::kHybridLayers;
+  moved |= buffers_.fit({.pixels = workspace_.film.pixels(), .options = layers ? kRoomForLayers : 0});
   const glm::u64vec4 made_for(settings_.width, settings_.height, path_features, settings_.cull);
   if (made_for != visibility_made_for_ || moved) {
     visibility_.reset(); // the device may not hold both at once
@@ -149,7 +163,25 @@ void Hybrid::make_room(const View& view, Past past) {
     own.push_back({gpu::kBindVisibility, BindingKind::texels_rg32ui, &visibility_->ids()});
     sets_ = bind_bands(workspace_, own);
   }
+  remake_layers(moved);
   remake_filters(moved, past);
+}
+
+void Hybrid::remake_layers(bool moved) {
+  const bool wanted = frame_.flags & gpu::kHybridLayers;
+  const LayersMadeFor made_for =
+      wanted ? LayersMadeFor{transparency_kind(settings_)->layers, paths_.config(), settings_.width, settings_.height,
+                             settings_.transparency_layers}
+             : LayersMadeFor{};
+  if (made_for != layers_made_for_ || moved) {
+    layers_.reset(); // the device may not hold both at once
+    layers_made_for_ = {};
+    if (wanted)
+      layers_ = std::make_unique<Layers>(workspace_, *made_for.recipe, made_for.config,
+                                         LayerFrame{buffers_[kFrame], buffers_[kGbuffer], buffers_[kLayers]}, settings_);
+    layers_made_for_ = made_for;
+  }
+  if (layers_) layers_->turn_to(camera_);
 }
 
 void Hybrid::remake_shadows(const View& view, const std::vector<Binding>& own) {
@@ -209,7 +241,8 @@ double Hybrid::get_ready() {
 
 std::uint64_t Hybrid::bytes() const {
   return paths_.buffers.bytes() + buffers_.bytes() + visibility_->bytes() + (denoiser_ ? denoiser_->bytes() : 0) +
-         (taa_ ? taa_->bytes() : 0) + (shadows_ ? shadows_->bytes() : 0) + (shading_ ? shading_->bytes() : 0);
+         (taa_ ? taa_->bytes() : 0) + (shadows_ ? shadows_->bytes() : 0) + (shading_ ? shading_->bytes() : 0) +
+         (layers_ ? layers_->bytes() : 0);
 }
 
 // kJitters frames at a time, because asking the device costs a round trip.
@@ -309,6 +342,7 @@ void Hybrid::end_pass(WaveQueue& queue) {
   if (shadows_) queue.afterwards([this, &queue] { shadow_times_.note_frame(queue.totals); });
   camera_.jitter_x = frame_.jitter.x;
   camera_.jitter_y = frame_.jitter.y;
+  if (layers_) layers_->render(queue);
   if (denoiser_)
     queue.submit([this](Commands& commands) { denoiser_->record(commands, camera_); },
                  {.timed_dispatches = denoiser_->dispatches()});

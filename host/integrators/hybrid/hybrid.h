@@ -14,6 +14,7 @@
 #include "host/integrators/shading/local_shading.h"
 #include "host/integrators/shadows/technique.h"
 #include "host/integrators/shadows/times.h"
+#include "host/integrators/transparency/layers.h"
 #include "host/render/loop/render_result.h"
 #include "kernels/hybrid/filter_types.h"
 #include "kernels/hybrid/hybrid_types.h"
@@ -59,6 +60,7 @@ private:
   void remake_filters(bool moved, Past past);
   void remake_shadows(const View& view, const std::vector<Binding>& own);
   void remake_shading(const std::vector<Binding>& own);
+  void remake_layers(bool moved);
   glm::vec2 jitter(WaveQueue& queue, std::uint32_t sample);
   void light(Commands& commands, std::size_t band, const gpu::Wave& wave);
   void composite(WaveQueue& queue, std::uint32_t flags);
@@ -84,6 +86,14 @@ private:
   std::uint32_t shadows_made_for_ = 0;       // RenderSettings::shadows
   ShadowTimes shadow_times_;
   std::unique_ptr<LocalShading> shading_; // none where materials are glTF's own
+  struct LayersMadeFor {
+    const LayerRecipe* recipe = nullptr;
+    KernelConfig config;
+    std::uint32_t width = 0, height = 0, layers = 0;
+    bool operator==(const LayersMadeFor&) const = default;
+  };
+  LayersMadeFor layers_made_for_;
+  std::unique_ptr<Layers> layers_;         // none where BLEND surfaces are seen through otherwise
   glm::uvec4 filters_made_for_{0}; // size, flags, and which
   std::vector<glm::vec2> jitters_; // of frames from first_jitter_ on
   std::uint32_t first_jitter_ = 0;

@@ -10,10 +10,13 @@
 #include "host/integrators/hybrid/hybrid.h"
 #include "host/integrators/shading/catalogue.h"
 #include "host/integrators/shadows/catalogue.h"
+#include "host/integrators/transparency/catalogue.h"
+#include "host/integrators/transparency/layers.h"
 #include "host/render/render.h"
 #include "host/render/settings/mips.h"
 #include "host/render/settings/shading_settings.h"
 #include "host/render/settings/shadow_settings.h"
+#include "host/render/settings/transparency_settings.h"
 #include "host/scene/pack/pack.h"
 #include "kernels/hybrid/hybrid_types.h"
 
@@ -22,11 +25,11 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::array<std::string_view, 26> kHybridSettings = {
+constexpr std::array<std::string_view, 28> kHybridSettings = {
     "hemisphere",  "direct",        "lights",         "shadow-samples", "ao-samples",      "ao-radius",
     "ambient",     "denoise",       "mips",           "terminator",     "shadows",         "shadow-size",
     "shadow-bias", "shadow-taps",   "shadow-pattern", "shadow-blur",    "shadow-cascades", "shadow-exponent",
-    "shadow-bits", "shadow-source", "shadow-ambient", "shading", "interpolation", "shininess", "attenuation", "depth-cue"};
+    "shadow-bits", "shadow-source", "shadow-ambient", "shading", "interpolation", "shininess", "attenuation", "depth-cue", "transparency", "transparency-layers"};
 constexpr std::array<std::string_view, 4> kAoSettings = {"ao-samples", "ao-radius", "denoise", "terminator"};
 constexpr std::array<std::string_view, 1> kAovs = {"ao"};
 constexpr std::array<std::string_view, 2> kFirstHitStages = {"raster", "resolve"};
@@ -51,10 +54,15 @@ void start_path_kernels(KernelCompiler& kernels, const DeviceInfo& device, gpu::
   if (generic_first(device)) start(generic_features(features));
 }
 
+std::uint64_t layer_bytes(const RenderSettings& settings) {
+  const TransparencyKind* kind = transparency_kind(settings);
+  return kind && kind->layers ? layer_bytes_per_pixel(*kind->layers) : 0;
+}
+
 std::uint64_t bytes_per_pixel(const RenderSettings& settings) {
   constexpr std::uint64_t kIds = 2 * sizeof(std::uint32_t), kDepth = sizeof(float); // drawn, and copied once
   return sizeof(gpu::GbufferPixel) + 2 * sizeof(gpu::vec4) + 2 * kIds + kDepth +
-         (settings.denoise != kDenoiseOff ? Denoiser::bytes_per_pixel() : 0);
+         (settings.denoise != kDenoiseOff ? Denoiser::bytes_per_pixel() : 0) + layer_bytes(settings);
 }
 
 void add_shading_bias(const RenderSettings& settings, std::vector<std::string>& bias) {
@@ -70,6 +78,19 @@ void add_shading_bias(const RenderSettings& settings, std::vector<std::string>& 
                                settings.depth_cue->x, settings.depth_cue->y));
 }
 
+void add_transparency_bias(const RenderSettings& settings, std::vector<std::string>& bias) {
+  const TransparencyKind* kind = transparency_kind(settings);
+  if (!kind) return;
+  bias.push_back(fmt::format("BLEND surfaces are {} (--transparency {})", kind->summary, kind->name));
+  if (!kind->layers) return;
+  bias.push_back(fmt::format("light of BLEND surfaces has no shadows, and their ambient term no occlusion "
+                             "(--transparency {})",
+                             kind->name));
+  if (takes_transparency_setting(settings, "transparency-layers"))
+    bias.push_back(fmt::format("of BLEND surfaces that lie behind each other, {} are seen (--transparency-layers)",
+                               settings.transparency_layers));
+}
+
 std::vector<std::string> hybrid_bias(const RenderSettings& settings, const RenderResult& result) {
   std::vector<std::string> bias;
   if (settings.max_depth <= 1)
@@ -81,6 +102,7 @@ std::vector<std::string> hybrid_bias(const RenderSettings& settings, const Rende
                     result.ambient.r, result.ambient.g, result.ambient.b));
   if (settings.denoise != kDenoiseOff) bias.emplace_back(kFiltered);
   add_shading_bias(settings, bias);
+  add_transparency_bias(settings, bias);
   const ShadowKind* shadows = shadow_kind(settings);
   if (!shadows || !result.shadows) return bias;
   bias.push_back(fmt::format("shadows of {} are those of {} (--shadows {})", result.shadows->covered, shadows->summary,
@@ -147,16 +169,19 @@ Json stats(const RenderSettings& settings, const PackedScene& scene, const Rende
           {"ambient", {result.ambient.r, result.ambient.g, result.ambient.b}},
           {"denoise", settings.denoise != kDenoiseOff},
           {"shading", kShadingNames[settings.shading]},
+          {"transparency", kTransparencyNames[settings.transparency]},
           {"shadows", shadow_json(settings, result.shadows)}};
 }
 
 void check(const RenderSettings& settings) {
   check_shadow_settings(settings);
   check_shading_settings(settings);
+  check_transparency_settings(settings);
 }
 
 bool means(const RenderSettings& settings, std::string_view setting) {
-  return takes_shadow_setting(settings, setting) && takes_shading_setting(settings, setting);
+  return takes_shadow_setting(settings, setting) && takes_shading_setting(settings, setting) &&
+         takes_transparency_setting(settings, setting);
 }
 
 std::unique_ptr<Integrator> make(Workspace& workspace, KernelCompiler& kernels) {
@@ -185,7 +210,7 @@ constinit const IntegratorKind kHybrid = {
     .is_biased =
         [](const RenderSettings& settings) {
           return settings.denoise != kDenoiseOff || settings.max_depth > 1 || uses_mips(settings) ||
-                 shadow_kind(settings) || shading_kind(settings);
+                 shadow_kind(settings) || shading_kind(settings) || transparency_kind(settings);
         },
     .bias = hybrid_bias,
     .omitted = hybrid_omitted,
