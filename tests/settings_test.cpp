@@ -33,7 +33,7 @@ std::map<std::string, std::string> members(const RenderSettings& settings) {
                ao_samples, ao_radius, ambient, shadows, shadow_size, shadow_bias, shadow_bias_amount, shadow_taps,
                shadow_pattern, shadow_blur, shadow_cascades, shadow_exponent, shadow_bits, shadow_source,
                shadow_ambient, shading, interpolation, shininess, attenuation, depth_cue, transparency,
-               transparency_layers, branching, techniques, cutoff, denoise, antialias_over_time, mips, lights, adaptive,
+               transparency_layers, transparency_samples, branching, techniques, cutoff, denoise, antialias_over_time, mips, lights, adaptive,
                guide, moving, specialize, aovs, guide_iterations, added_features, removed_features,
                room_for_shadow_rays, room_for_whole_nets, room_for_mips, whole_nets_from, wave_slots] = settings;
   const auto text = [](const auto& value) { return fmt::format("{}", value); };
@@ -79,6 +79,7 @@ std::map<std::string, std::string> members(const RenderSettings& settings) {
           {"depth_cue", depth_cue ? fmt::format("{},{}", depth_cue->x, depth_cue->y) : "none"},
           {"transparency", text(transparency)},
           {"transparency_layers", text(transparency_layers)},
+          {"transparency_samples", text(transparency_samples)},
           {"branching", text(branching)},
           {"techniques", text(techniques)},
           {"cutoff", text(cutoff)},

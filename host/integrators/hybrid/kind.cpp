@@ -25,11 +25,11 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::array<std::string_view, 28> kHybridSettings = {
+constexpr std::array<std::string_view, 29> kHybridSettings = {
     "hemisphere",  "direct",        "lights",         "shadow-samples", "ao-samples",      "ao-radius",
     "ambient",     "denoise",       "mips",           "terminator",     "shadows",         "shadow-size",
     "shadow-bias", "shadow-taps",   "shadow-pattern", "shadow-blur",    "shadow-cascades", "shadow-exponent",
-    "shadow-bits", "shadow-source", "shadow-ambient", "shading", "interpolation", "shininess", "attenuation", "depth-cue", "transparency", "transparency-layers"};
+    "shadow-bits", "shadow-source", "shadow-ambient", "shading", "interpolation", "shininess", "attenuation", "depth-cue", "transparency", "transparency-layers", "transparency-samples"};
 constexpr std::array<std::string_view, 4> kAoSettings = {"ao-samples", "ao-radius", "denoise", "terminator"};
 constexpr std::array<std::string_view, 1> kAovs = {"ao"};
 constexpr std::array<std::string_view, 2> kFirstHitStages = {"raster", "resolve"};

@@ -14,7 +14,7 @@ namespace wavepath {
 namespace {
 
 constexpr std::array kKinds = {&kTransparencySorted, &kTransparencyPeel, &kTransparencyWeighted,
-                               &kTransparencyScreendoor};
+                               &kTransparencyScreendoor, &kTransparencyStochastic};
 static_assert(kKinds.size() + 1 == kTransparencyNames.size());
 
 } // namespace

@@ -9,5 +9,6 @@ extern const TransparencyKind kTransparencySorted;     // sorted.cpp
 extern const TransparencyKind kTransparencyPeel;       // peel.cpp
 extern const TransparencyKind kTransparencyWeighted;   // weighted.cpp
 extern const TransparencyKind kTransparencyScreendoor; // screendoor.cpp
+extern const TransparencyKind kTransparencyStochastic; // stochastic.cpp
 
 } // namespace wavepath

@@ -80,6 +80,7 @@ void Layers::render(WaveQueue& queue) {
   for (std::uint32_t pass = 0; pass < passes_; ++pass) {
     gpu::Wave wave{};
     wave.bounce = pass;
+    wave.sample_count = passes_;
     const SlicedPass drawn{
         .target = &target_, .pipeline = &pipeline_, .bindings = &bindings_, .push = &wave, .stage = "layers"};
     draw_in_slices(
@@ -99,6 +100,7 @@ void Layers::record_finish(Commands& commands, std::uint32_t pass) {
     wave.first_pixel = first;
     wave.pixel_count = std::min(kFinishedPixels, pixels_ - first);
     wave.bounce = pass;
+    wave.sample_count = passes_;
     commands.dispatch(*finish_, groups_for(wave.pixel_count), &wave);
   }
 }

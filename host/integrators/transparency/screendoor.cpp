@@ -7,7 +7,7 @@ namespace wavepath {
 
 constinit const TransparencyKind kTransparencyScreendoor = {
     .name = "screendoor",
-    .summary = "holes in an ordered pattern of 8x8 pixels (Bayer 1973)",
+    .summary = "seen through holes in an ordered pattern of 8x8 pixels (Bayer 1973)",
     .flag = gpu::kHybridScreendoor,
 };
 

@@ -20,7 +20,7 @@ const LayerRecipe kRecipe = {.code = {"layers", wavepath_layer_vert_spv, wavepat
 
 constinit const TransparencyKind kTransparencySorted = {
     .name = "sorted",
-    .summary = "triangles blended in the order of their middles",
+    .summary = "blended in the order of the middles of their triangles",
     .flag = gpu::kHybridLayers,
     .layers = &kRecipe,
 };

@@ -26,7 +26,7 @@ const LayerRecipe kRecipe = {.code = {"layers", wavepath_layer_vert_spv, wavepat
 
 constinit const TransparencyKind kTransparencyWeighted = {
     .name = "weighted",
-    .summary = "layers averaged by weights that fall with depth (McGuire and Bavoil 2013)",
+    .summary = "averaged by weights that fall with depth (McGuire and Bavoil 2013)",
     .flag = gpu::kHybridLayers,
     .layers = &kRecipe,
 };

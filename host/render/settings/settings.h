@@ -69,6 +69,7 @@ struct RenderSettings {
   std::optional<glm::vec2> depth_cue;       // depths between which surfaces fade into the background; empty = none
   std::uint32_t transparency = 0;           // of BLEND surfaces: of kTransparencyNames (transparency_settings.h)
   std::uint32_t transparency_layers = 4;    // that are peeled off
+  std::uint32_t transparency_samples = 8;   // of stochastic transparency, for every sample of a pixel
   std::uint32_t branching = kBranchingTree;
   std::uint32_t techniques = gpu::kTechniquesAll; // kTechnique bits
   double cutoff = 1.0 / 256.0;                    // weight below which rays are not followed; biased unless it is 0

@@ -24,6 +24,12 @@ std::vector<Setting> transparency_rows() {
        .placeholder = "N",
        .label = "layers",
        .study = {"1", "2", "4", "8"}},
+      {.name = "transparency-samples",
+       .value = WholeValue{&S::transparency_samples, 1, kMostLayers},
+       .meaning = "of stochastic transparency, for every sample of a pixel",
+       .placeholder = "N",
+       .label = "layer samples",
+       .study = {"2", "8", "32"}},
   };
   for (Setting& row : rows) {
     row.group = SettingGroup::special;

@@ -8,8 +8,8 @@
 namespace wavepath {
 
 // The first one passes through at random; host/integrators/transparency has a file for each of the others.
-inline constexpr std::array<std::string_view, 5> kTransparencyNames = {"traced", "sorted", "peel", "weighted",
-                                                                       "screendoor"};
+inline constexpr std::array<std::string_view, 6> kTransparencyNames = {"traced",   "sorted",     "peel",
+                                                                       "weighted", "screendoor", "stochastic"};
 inline constexpr std::uint32_t kTransparencyTraced = 0;
 
 } // namespace wavepath
