@@ -94,9 +94,11 @@ TEST_F(ShadingTest, ModelsAreTheirFormulas) {
 }
 
 TEST_F(ShadingTest, LambertOfMattSurfacesIsGltf) {
-  for (const auto& [name, scene] : {std::pair{"sun", lit_by(sun())}, {"lamp", lit_by(lamp())}, {"square", lit_by_square()}}) {
+  for (const auto& [name, scene] :
+       {std::pair{"sun", lit_by(sun())}, {"lamp", lit_by(lamp())}, {"square", lit_by_square()}}) {
     SCOPED_TRACE(name);
-    const std::vector<float> gltf = light(scene, shading_settings("gltf")), lambert = light(scene, shading_settings("lambert"));
+    const std::vector<float> gltf = light(scene, shading_settings("gltf")),
+                             lambert = light(scene, shading_settings("lambert"));
     for (std::size_t i = 0; i < gltf.size(); ++i) ASSERT_NEAR(lambert[i], gltf[i], 1e-5f * gltf[i]) << i;
   }
 }
@@ -177,11 +179,14 @@ TEST_F(ShadingTest, FlatHasOneLightAFace) {
   RenderSettings settings = shading_settings("phong", "flat");
   settings.shininess = 5.0;
   std::set<double> lights;
-  for (const Seen& seen : seen_points(render(quad_scene(shiny_material()), settings).picture)) lights.insert(seen.light);
+  for (const Seen& seen : seen_points(render(quad_scene(shiny_material()), settings).picture))
+    lights.insert(seen.light);
   EXPECT_EQ(lights.size(), 2u); // of the quad's two triangles
   for (const double one : lights) {
-    const glm::dvec3 middles[] = {{1.0 / 3, 0, 1.0 / 3}, {-1.0 / 3, 0, -1.0 / 3}, {1.0 / 3, 0, -1.0 / 3}, {-1.0 / 3, 0, 1.0 / 3}};
-    EXPECT_TRUE(std::ranges::any_of(middles, [&](glm::dvec3 p) { return std::abs(one / expected("phong", p, 5.0) - 1.0) < 1e-4; }));
+    const glm::dvec3 middles[] = {
+        {1.0 / 3, 0, 1.0 / 3}, {-1.0 / 3, 0, -1.0 / 3}, {1.0 / 3, 0, -1.0 / 3}, {-1.0 / 3, 0, 1.0 / 3}};
+    EXPECT_TRUE(std::ranges::any_of(
+        middles, [&](glm::dvec3 p) { return std::abs(one / expected("phong", p, 5.0) - 1.0) < 1e-4; }));
   }
 }
 
@@ -189,7 +194,8 @@ TEST_F(ShadingTest, FlatHasOneLightAFace) {
 TEST_F(ShadingTest, FlatKnowsNothingOfVertexNormals) {
   Scene scene = floor_scene(triangle(), plain_material());
   Mesh& mesh = scene.meshes[0];
-  mesh.normals = {glm::normalize(glm::vec3(-1, 1, -1)), glm::normalize(glm::vec3(-1, 1, 1)), glm::normalize(glm::vec3(1, 1, -1))};
+  mesh.normals = {glm::normalize(glm::vec3(-1, 1, -1)), glm::normalize(glm::vec3(-1, 1, 1)),
+                  glm::normalize(glm::vec3(1, 1, -1))};
   mesh.primitives[0].has_normals = true;
   const std::vector<float> flat = light(scene, shading_settings("lambert", "flat"));
   const std::vector<float> smooth = light(scene, shading_settings("lambert", "phong"));
@@ -256,7 +262,8 @@ TEST(ShadingSettings, RefusesWhatAModelDoesNotTake) {
   EXPECT_EQ(refusal(settings), "");
   settings.direct = gpu::kDirectBsdf;
   EXPECT_NE(refusal(settings).find("--direct bsdf"), std::string::npos);
-  for (const auto& [flag, text] : {std::pair{"attenuation", "0,0,0"}, {"attenuation", "-1,0,1"}, {"depth-cue", "3,2"}, {"depth-cue", "3"}}) {
+  for (const auto& [flag, text] :
+       {std::pair{"attenuation", "0,0,0"}, {"attenuation", "-1,0,1"}, {"depth-cue", "3,2"}, {"depth-cue", "3"}}) {
     RenderSettings any;
     EXPECT_THROW(read_setting(setting_named(flag), text, any), UsageError) << flag << " " << text;
   }

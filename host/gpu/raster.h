@@ -60,9 +60,9 @@ struct StencilState {
   StencilFace front, back;
 };
 
-// What becomes of colours that are drawn over others. Alpha multiplies by one minus that of what is drawn, so that it is the
-// share of light that passes all that was drawn, if it is 1 at first. The same for all attachments, because states of
-// their own are an optional feature.
+// What becomes of colours that are drawn over others. Alpha multiplies by one minus that of what is drawn, so that it
+// is the share of light that passes all that was drawn, if it is 1 at first. The same for all attachments, because
+// states of their own are an optional feature.
 enum class Blend {
   none, // replaced
   over, // colours are attenuated by what is drawn, whose own are multiplied by its alpha already (Porter and Duff 1984)

@@ -36,13 +36,13 @@ struct HybridFrame {
 };
 GPU_CHECK(sizeof(HybridFrame) == 48);
 GPU_CONSTANT uint kJitters = 1024u;
-GPU_CONSTANT uint kHybridLights = 1u << 0;    // direct light is wanted
-GPU_CONSTANT uint kHybridAmbient = 1u << 1;   // the ambient term is wanted
-GPU_CONSTANT uint kHybridToColor = 1u << 2;   // composite leaves the frame in `seen`, for a filter,
-GPU_CONSTANT uint kHybridFromColor = 1u << 3; // and takes it from there
+GPU_CONSTANT uint kHybridLights = 1u << 0;     // direct light is wanted
+GPU_CONSTANT uint kHybridAmbient = 1u << 1;    // the ambient term is wanted
+GPU_CONSTANT uint kHybridToColor = 1u << 2;    // composite leaves the frame in `seen`, for a filter,
+GPU_CONSTANT uint kHybridFromColor = 1u << 3;  // and takes it from there
 GPU_CONSTANT uint kHybridLayers = 1u << 4;     // BLEND surfaces are layers in front of the frame, see kBindLayers
 GPU_CONSTANT uint kHybridScreendoor = 1u << 5; // BLEND surfaces have holes in a fixed pattern
-GPU_CONSTANT float kDemodulationFloor = 0.1f; // see demodulation()
+GPU_CONSTANT float kDemodulationFloor = 0.1f;  // see demodulation()
 
 // What rasterization found, as filters need it.
 struct GbufferPixel {

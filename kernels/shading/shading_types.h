@@ -11,9 +11,9 @@ namespace wavepath::gpu {
 GPU_CONSTANT uint kBindShading = 76u; // uniform ShadingFrame
 
 struct ShadingFrame {
-  vec3 attenuation; // CONST, LINEAR, QUADRATIC (kShadingAttenuates)
-  float shininess;  // exponent of highlights; negative: from the roughness
-  vec2 cue;         // depths at which fading begins, and where nothing is left (kShadingCues)
+  vec3 attenuation;   // CONST, LINEAR, QUADRATIC (kShadingAttenuates)
+  float shininess;    // exponent of highlights; negative: from the roughness
+  vec2 cue;           // depths at which fading begins, and where nothing is left (kShadingCues)
   uint interpolation; // kInterpolate...
   uint flags;         // kShading bits
 };

@@ -169,16 +169,17 @@ void Hybrid::make_room(const View& view, Past past) {
 
 void Hybrid::remake_layers(bool moved) {
   const bool wanted = frame_.flags & gpu::kHybridLayers;
-  const LayersMadeFor made_for =
-      wanted ? LayersMadeFor{transparency_kind(settings_)->layers, paths_.config(), settings_.width, settings_.height,
-                             settings_.transparency_layers}
-             : LayersMadeFor{};
+  const LayersMadeFor made_for = wanted
+                                     ? LayersMadeFor{transparency_kind(settings_)->layers, paths_.config(),
+                                                     settings_.width, settings_.height, settings_.transparency_layers}
+                                     : LayersMadeFor{};
   if (made_for != layers_made_for_ || moved) {
     layers_.reset(); // the device may not hold both at once
     layers_made_for_ = {};
     if (wanted)
-      layers_ = std::make_unique<Layers>(workspace_, *made_for.recipe, made_for.config,
-                                         LayerFrame{buffers_[kFrame], buffers_[kGbuffer], buffers_[kLayers]}, settings_);
+      layers_ =
+          std::make_unique<Layers>(workspace_, *made_for.recipe, made_for.config,
+                                   LayerFrame{buffers_[kFrame], buffers_[kGbuffer], buffers_[kLayers]}, settings_);
     layers_made_for_ = made_for;
   }
   if (layers_) layers_->turn_to(camera_);
@@ -235,8 +236,7 @@ bool Hybrid::is_ready() {
 
 double Hybrid::get_ready() {
   return (lights() ? paths_.get_ready() : 0.0) + (shadows_ ? shadows_->get_ready() : 0.0) +
-         (shading_ ? shading_->get_ready() : 0.0) +
-         kernels_.best(need_).seconds();
+         (shading_ ? shading_->get_ready() : 0.0) + kernels_.best(need_).seconds();
 }
 
 std::uint64_t Hybrid::bytes() const {

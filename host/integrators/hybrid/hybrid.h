@@ -93,7 +93,7 @@ private:
     bool operator==(const LayersMadeFor&) const = default;
   };
   LayersMadeFor layers_made_for_;
-  std::unique_ptr<Layers> layers_;         // none where BLEND surfaces are seen through otherwise
+  std::unique_ptr<Layers> layers_; // none where BLEND surfaces are seen through otherwise
   glm::uvec4 filters_made_for_{0}; // size, flags, and which
   std::vector<glm::vec2> jitters_; // of frames from first_jitter_ on
   std::uint32_t first_jitter_ = 0;

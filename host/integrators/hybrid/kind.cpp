@@ -25,11 +25,35 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::array<std::string_view, 29> kHybridSettings = {
-    "hemisphere",  "direct",        "lights",         "shadow-samples", "ao-samples",      "ao-radius",
-    "ambient",     "denoise",       "mips",           "terminator",     "shadows",         "shadow-size",
-    "shadow-bias", "shadow-taps",   "shadow-pattern", "shadow-blur",    "shadow-cascades", "shadow-exponent",
-    "shadow-bits", "shadow-source", "shadow-ambient", "shading", "interpolation", "shininess", "attenuation", "depth-cue", "transparency", "transparency-layers", "transparency-samples"};
+constexpr std::array<std::string_view, 29> kHybridSettings = {"hemisphere",
+                                                              "direct",
+                                                              "lights",
+                                                              "shadow-samples",
+                                                              "ao-samples",
+                                                              "ao-radius",
+                                                              "ambient",
+                                                              "denoise",
+                                                              "mips",
+                                                              "terminator",
+                                                              "shadows",
+                                                              "shadow-size",
+                                                              "shadow-bias",
+                                                              "shadow-taps",
+                                                              "shadow-pattern",
+                                                              "shadow-blur",
+                                                              "shadow-cascades",
+                                                              "shadow-exponent",
+                                                              "shadow-bits",
+                                                              "shadow-source",
+                                                              "shadow-ambient",
+                                                              "shading",
+                                                              "interpolation",
+                                                              "shininess",
+                                                              "attenuation",
+                                                              "depth-cue",
+                                                              "transparency",
+                                                              "transparency-layers",
+                                                              "transparency-samples"};
 constexpr std::array<std::string_view, 4> kAoSettings = {"ao-samples", "ao-radius", "denoise", "terminator"};
 constexpr std::array<std::string_view, 1> kAovs = {"ao"};
 constexpr std::array<std::string_view, 2> kFirstHitStages = {"raster", "resolve"};
@@ -83,9 +107,10 @@ void add_transparency_bias(const RenderSettings& settings, std::vector<std::stri
   if (!kind) return;
   bias.push_back(fmt::format("BLEND surfaces are {} (--transparency {})", kind->summary, kind->name));
   if (!kind->layers) return;
-  bias.push_back(fmt::format("light of BLEND surfaces has no shadows, and their ambient term no occlusion "
-                             "(--transparency {})",
-                             kind->name));
+  bias.push_back(
+      fmt::format("light of BLEND surfaces has no shadows, and their ambient term no occlusion "
+                  "(--transparency {})",
+                  kind->name));
   if (takes_transparency_setting(settings, "transparency-layers"))
     bias.push_back(fmt::format("of BLEND surfaces that lie behind each other, {} are seen (--transparency-layers)",
                                settings.transparency_layers));

@@ -8,7 +8,7 @@
 namespace wavepath {
 namespace {
 
-constexpr std::uint64_t kFirstTriangles = 1 << 12;   // a guess, for the first frame
+constexpr std::uint64_t kFirstTriangles = 1 << 12;  // a guess, for the first frame
 constexpr std::uint32_t kFinishedPixels = 1u << 16; // of a dispatch
 
 std::uint64_t texel_bytes(const AttachmentInfo& attachment) {

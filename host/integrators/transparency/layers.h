@@ -1,5 +1,5 @@
-// A technique of layers at work: draws the BLEND triangles of a hybrid frame into kBindLayers, from which they are put in
-// front of what is opaque.
+// A technique of layers at work: draws the BLEND triangles of a hybrid frame into kBindLayers, from which they are put
+// in front of what is opaque.
 #pragma once
 
 #include <array>

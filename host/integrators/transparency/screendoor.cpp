@@ -1,5 +1,5 @@
-// Screen-door transparency: surfaces have holes in a fixed pattern of pixels, as many as their opacity leaves open. Surfaces
-// of one opacity have the same holes, and hide each other.
+// Screen-door transparency: surfaces have holes in a fixed pattern of pixels, as many as their opacity leaves open.
+// Surfaces of one opacity have the same holes, and hide each other.
 #include "host/integrators/transparency/kinds.h"
 #include "kernels/hybrid/hybrid_types.h"
 

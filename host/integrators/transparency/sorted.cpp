@@ -1,5 +1,5 @@
-// Layers blended in the order of their triangles' middles, from back to front (Porter and Duff 1984). Triangles that cross,
-// or that overlap in a cycle, have no such order.
+// Layers blended in the order of their triangles' middles, from back to front (Porter and Duff 1984). Triangles that
+// cross, or that overlap in a cycle, have no such order.
 #include <array>
 
 #include "host/integrators/transparency/kinds.h"
@@ -10,7 +10,8 @@
 namespace wavepath {
 namespace {
 
-constexpr std::array<AttachmentInfo, 1> kAttachments{{{.name = "layers", .clear = {.colour = {0.0f, 0.0f, 0.0f, 1.0f}}}}};
+constexpr std::array<AttachmentInfo, 1> kAttachments{
+    {{.name = "layers", .clear = {.colour = {0.0f, 0.0f, 0.0f, 1.0f}}}}};
 const LayerRecipe kRecipe = {.code = {"layers", wavepath_layer_vert_spv, wavepath_layer_sorted_frag_spv},
                              .attachments = kAttachments,
                              .state = {.blend = Blend::over},

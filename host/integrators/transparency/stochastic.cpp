@@ -1,5 +1,6 @@
-// Stochastic transparency (Enderton et al. 2010): a fixed number of samples a pixel, of which a layer covers as many as it is
-// opaque. Right on average whatever the order; without the correction of the total opacity, which needs another pass.
+// Stochastic transparency (Enderton et al. 2010): a fixed number of samples a pixel, of which a layer covers as many as
+// it is opaque. Right on average whatever the order; without the correction of the total opacity, which needs another
+// pass.
 #include "host/integrators/transparency/found_layers.h"
 #include "host/integrators/transparency/kinds.h"
 #include "kernels/hybrid/hybrid_types.h"

@@ -10,8 +10,8 @@
 
 namespace wavepath {
 
-// What draws the BLEND triangles that lie in front of what is opaque into a picture of the layers alone: their light, and
-// the share of the light behind them that they let pass.
+// What draws the BLEND triangles that lie in front of what is opaque into a picture of the layers alone: their light,
+// and the share of the light behind them that they let pass.
 struct LayerRecipe {
   RasterCode code; // layer.vert, and a fragment shader
   std::span<const AttachmentInfo> attachments;

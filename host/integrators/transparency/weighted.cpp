@@ -1,5 +1,5 @@
-// Weighted, blended transparency, which needs no order (McGuire and Bavoil 2013): layers are averaged, and nearer ones count
-// for more. Exact for one layer, and for layers of one colour.
+// Weighted, blended transparency, which needs no order (McGuire and Bavoil 2013): layers are averaged, and nearer ones
+// count for more. Exact for one layer, and for layers of one colour.
 #include <array>
 
 #include "host/integrators/transparency/kinds.h"
