@@ -23,6 +23,7 @@
 #include "kernels/light_tree_types.h"
 #include "kernels/path/path_types.h"
 #include "kernels/scene_types.h"
+#include "kernels/shading/shading_types.h"
 #include "kernels/shadows/shadow_types.h"
 #include "kernels/whitted/whitted_types.h"
 #include "tests/probes/layout_probe.spv.h"
@@ -218,6 +219,12 @@ TEST(Layout, Hybrid) {
        AT(HybridFrame, ao_samples), AT(HybridFrame, flags), AT(HybridFrame, ao_bias), AT(HybridFrame, ao_thinness)});
   compare("GbufferPixel", sizeof(GbufferPixel),
           {AT(GbufferPixel, normal), AT(GbufferPixel, depth), AT(GbufferPixel, albedo), AT(GbufferPixel, surface)});
+}
+
+TEST(Layout, Shading) {
+  compare("ShadingFrame", sizeof(ShadingFrame),
+          {AT(ShadingFrame, attenuation), AT(ShadingFrame, shininess), AT(ShadingFrame, cue),
+           AT(ShadingFrame, interpolation), AT(ShadingFrame, flags)});
 }
 
 TEST(Layout, Shadows) {

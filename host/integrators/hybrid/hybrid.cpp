@@ -11,7 +11,9 @@
 #include "host/integrators/hybrid/taa.h"
 #include "host/integrators/occlusion/catalogue.h"
 #include "host/integrators/occlusion/screen_space.h"
+#include "host/integrators/shading/catalogue.h"
 #include "host/integrators/shadows/catalogue.h"
+#include "host/integrators/transparency/catalogue.h"
 #include "host/render/settings/mips.h"
 #include "host/render/settings/occlusion_settings.h"
 #include "kernels/hybrid/composite.spv.h"
@@ -37,7 +39,8 @@ const std::array<KernelCode, kStageCount> kStages = {{{"jitter", wavepath_jitter
                                                       {"composite", wavepath_composite_spv}}};
 constexpr std::array<std::size_t, kStageCount> kCompileOrder = {kOcclusion, kResolve, kComposite, kGather, kJitter};
 
-enum OwnBuffer : std::size_t { kFrame, kGbuffer, kSignals, kJitters };
+enum OwnBuffer : std::size_t { kFrame, kGbuffer, kSignals, kJitters, kLayers };
+constexpr std::uint32_t kRoomForLayers = 1u << 0; // bits of Extent::options
 // By OwnBuffer. What a pixel has is row-major from the top left.
 const std::vector<BufferRule> kRules = {
     {"frame",
@@ -52,6 +55,9 @@ const std::vector<BufferRule> kRules = {
     {"jitters",
      [](const Extent&) { return std::uint64_t{gpu::kJitters * sizeof(gpu::vec2)}; },
      {{gpu::kBindJitters, BindingKind::storage}}},
+    {"layers",
+     [](const Extent& e) { return e.options & kRoomForLayers ? e.pixels * sizeof(gpu::vec4) : 0; },
+     {{gpu::kBindLayers, BindingKind::storage}}},
 };
 
 std::vector<Binding> hybrid_layout() {
@@ -62,6 +68,14 @@ std::vector<Binding> hybrid_layout() {
 }
 
 const KernelProgram kHybridProgram = {kStages, kCompileOrder, hybrid_layout};
+
+// How BLEND surfaces are seen through, where the scene has some.
+std::uint32_t transparency_flags(const RenderSettings& settings, const PackedScene& scene) {
+  const TransparencyKind* kind = settings.integrator->finds_light ? transparency_kind(settings) : nullptr;
+  const bool blends =
+      std::ranges::any_of(scene.materials, [](const gpu::Material& m) { return m.flags & gpu::kMaterialBlend; });
+  return kind && blends ? kind->flag : 0;
+}
 
 // Light beyond the direct one is wanted where paths would be longer than it.
 std::uint32_t frame_flags(const RenderSettings& settings) {
@@ -110,7 +124,7 @@ void Hybrid::make_frame(const View& view, const RenderSettings& settings, Past p
   knows_ambient_ = past == Past::keep && ambient != glm::vec3(0.0f);
   camera_ = camera_of(scene, view);
   frame_ = {};
-  frame_.flags = frame_flags(settings);
+  frame_.flags = frame_flags(settings) | transparency_flags(settings, scene);
   frame_.shadow_samples = lights() ? settings.shadow_samples : 1;
   frame_.ao_samples = settings.ao_samples;
   frame_.ao_radius = ray_length(occlusion_radius(scene, settings));
@@ -143,10 +157,11 @@ void Hybrid::make_room(const View& view, Past past) {
   const gpu::Feature path_features = need_.config.features;
   if (!settings_.aovs.empty()) need_.config.features |= gpu::kFeatureAovs; // which come from the G-buffer
   kernels_.start(need_);
-  const std::uint32_t path_stages = lights() ? kLightingStages : 0;
+  const std::uint32_t path_stages = !lights() ? 0 : shading_kind(settings_) ? kLocalPathStages : kLightingStages;
   const std::uint32_t options = lights() || joins_frames() || filters_frames() ? kRoomForSeen : 0;
   bool moved = paths_.change(settings_, path_stages, options, kernels_.features(kHybridProgram));
-  moved |= buffers_.fit({.pixels = workspace_.film.pixels()});
+  const bool layers = frame_.flags & gpu::kHybridLayers;
+  moved |= buffers_.fit({.pixels = workspace_.film.pixels(), .options = layers ? kRoomForLayers : 0});
   const glm::u64vec4 made_for(settings_.width, settings_.height, path_features, settings_.cull);
   if (made_for != visibility_made_for_ || moved) {
     visibility_.reset(); // the device may not hold both at once
@@ -160,12 +175,14 @@ void Hybrid::make_room(const View& view, Past past) {
   std::vector<Binding> own;
   paths_.buffers.add_bindings(own);
   remake_shadows(view, own);
+  remake_shading(own);
   if (moved || sets_.empty()) {
     buffers_.add_bindings(own);
     own.push_back({gpu::kBindVisibility, BindingKind::texels_rg32ui, &visibility_->ids()});
     sets_ = bind_bands(workspace_, own);
   }
   remake_occlusion();
+  remake_layers(moved);
   remake_filters(moved, past);
 }
 
@@ -181,6 +198,24 @@ void Hybrid::remake_occlusion() {
   occlusion_->change(need_.config, frame);
 }
 
+void Hybrid::remake_layers(bool moved) {
+  const bool wanted = frame_.flags & gpu::kHybridLayers;
+  const LayersMadeFor made_for = wanted
+                                     ? LayersMadeFor{transparency_kind(settings_)->layers, paths_.config(),
+                                                     settings_.width, settings_.height, settings_.transparency_layers}
+                                     : LayersMadeFor{};
+  if (made_for != layers_made_for_ || moved) {
+    layers_.reset(); // the device may not hold both at once
+    layers_made_for_ = {};
+    if (wanted)
+      layers_ =
+          std::make_unique<Layers>(workspace_, *made_for.recipe, made_for.config,
+                                   LayerFrame{buffers_[kFrame], buffers_[kGbuffer], buffers_[kLayers]}, settings_);
+    layers_made_for_ = made_for;
+  }
+  if (layers_) layers_->turn_to(camera_);
+}
+
 void Hybrid::remake_shadows(const View& view, const std::vector<Binding>& own) {
   const ShadowKind* kind = lights() ? shadow_kind(settings_) : nullptr;
   if (settings_.shadows != shadows_made_for_) shadows_.reset(); // the device may not hold both at once
@@ -191,6 +226,13 @@ void Hybrid::remake_shadows(const View& view, const std::vector<Binding>& own) {
   shared.push_back({gpu::kBindHybrid, BindingKind::uniform, &buffers_[kFrame]});
   shared.push_back({gpu::kBindVisibility, BindingKind::texels_rg32ui, &visibility_->ids()});
   shadows_->change(view, settings_, shared);
+}
+
+void Hybrid::remake_shading(const std::vector<Binding>& own) {
+  const ShadingKind* kind = lights() ? shading_kind(settings_) : nullptr;
+  if (!kind) return shading_.reset();
+  if (!shading_ || &shading_->kind() != kind) shading_ = std::make_unique<LocalShading>(workspace_, kernels_, *kind);
+  shading_->change(settings_, paths_.config(), own);
 }
 
 bool Hybrid::joins_frames() const { return settings_.antialias_over_time || antialias_kind(settings_).over_time; }
@@ -230,17 +272,20 @@ bool Hybrid::is_ready() {
   const bool paths = !lights() || paths_.is_ready(); // asks for both, so that both are begun
   const bool shadows = !shadows_ || shadows_->is_ready();
   const bool occlusion = !occlusion_ || occlusion_->is_ready();
-  return kernels_.ready(need_) && paths && shadows && occlusion;
+  const bool shading = !shading_ || shading_->is_ready();
+  return kernels_.ready(need_) && paths && shadows && occlusion && shading;
 }
 
 double Hybrid::get_ready() {
   return (lights() ? paths_.get_ready() : 0.0) + (shadows_ ? shadows_->get_ready() : 0.0) +
-         (occlusion_ ? occlusion_->get_ready() : 0.0) + kernels_.best(need_).seconds();
+         (occlusion_ ? occlusion_->get_ready() : 0.0) + (shading_ ? shading_->get_ready() : 0.0) +
+         kernels_.best(need_).seconds();
 }
 
 std::uint64_t Hybrid::bytes() const {
   return paths_.buffers.bytes() + buffers_.bytes() + visibility_->bytes() + (denoiser_ ? denoiser_->bytes() : 0) +
-         (taa_ ? taa_->bytes() : 0) + (frame_filter_ ? frame_filter_->bytes() : 0) + (shadows_ ? shadows_->bytes() : 0);
+         (taa_ ? taa_->bytes() : 0) + (frame_filter_ ? frame_filter_->bytes() : 0) +
+         (shadows_ ? shadows_->bytes() : 0) + (shading_ ? shading_->bytes() : 0) + (layers_ ? layers_->bytes() : 0);
 }
 
 // kJitters frames at a time, because asking the device costs a round trip.
@@ -318,11 +363,13 @@ void Hybrid::record_wave(Commands& commands, std::size_t band, const gpu::Wave& 
   commands.dispatch(kernels[kGather], groups_for(wave.pixel_count), &wave);
 }
 
-// Direct light as the path tracer finds it, from the first hit on.
+// Direct light as the path tracer finds it, from the first hit on; local illumination finds it by shadow rays alone.
 void Hybrid::light(Commands& commands, std::size_t band, const gpu::Wave& wave) {
   const KernelSet& kernels = paths_.kernels();
+  if (shading_) shading_->record(commands, band, wave);
   commands.bind(paths_.bindings(band));
-  commands.dispatch(kernels[kShade], groups_for(std::uint64_t{wave.pixel_count} * wave.sample_count), &wave);
+  if (!shading_)
+    commands.dispatch(kernels[kShade], groups_for(std::uint64_t{wave.pixel_count} * wave.sample_count), &wave);
   if (workspace_.frame.max_depth == 0) return;
   if (workspace_.frame.light_count > 0) {
     if (shadows_) {
@@ -333,6 +380,7 @@ void Hybrid::light(Commands& commands, std::size_t band, const gpu::Wave& wave) 
     }
     paths_.connect(commands, kernels, wave, 0);
   }
+  if (shading_) return;
   paths_.extend(commands, kernels, wave, 1); // emission that BSDF samples hit
   paths_.shade(commands, kernels, wave, 1);
 }
@@ -342,6 +390,7 @@ void Hybrid::end_pass(WaveQueue& queue) {
   camera_.jitter_x = frame_.jitter.x;
   camera_.jitter_y = frame_.jitter.y;
   if (occlusion_) occlusion_->submit(queue);
+  if (layers_) layers_->render(queue);
   if (denoiser_)
     queue.submit([this](Commands& commands) { denoiser_->record(commands, camera_); },
                  {.timed_dispatches = denoiser_->dispatches()});

@@ -11,8 +11,10 @@
 
 #include "host/integrators/hybrid/visibility.h"
 #include "host/integrators/path/paths.h"
+#include "host/integrators/shading/local_shading.h"
 #include "host/integrators/shadows/technique.h"
 #include "host/integrators/shadows/times.h"
+#include "host/integrators/transparency/layers.h"
 #include "host/render/loop/render_result.h"
 #include "kernels/hybrid/filter_types.h"
 #include "kernels/hybrid/hybrid_types.h"
@@ -61,6 +63,8 @@ private:
   void remake_filters(bool moved, Past past);
   void remake_shadows(const View& view, const std::vector<Binding>& own);
   void remake_occlusion();
+  void remake_shading(const std::vector<Binding>& own);
+  void remake_layers(bool moved);
   glm::vec2 jitter(WaveQueue& queue, std::uint32_t sample);
   void light(Commands& commands, std::size_t band, const gpu::Wave& wave);
   void composite(WaveQueue& queue, std::uint32_t flags);
@@ -91,8 +95,17 @@ private:
   ShadowTimes shadow_times_;
   std::unique_ptr<ScreenSpaceOcclusion> occlusion_; // none where rays are traced
   bool piloting_ = false;                           // until learn()
-  glm::uvec4 filters_made_for_{0};                  // size, flags, and which
-  std::vector<glm::vec2> jitters_;                  // of frames from first_jitter_ on
+  std::unique_ptr<LocalShading> shading_; // none where materials are glTF's own
+  struct LayersMadeFor {
+    const LayerRecipe* recipe = nullptr;
+    KernelConfig config;
+    std::uint32_t width = 0, height = 0, layers = 0;
+    bool operator==(const LayersMadeFor&) const = default;
+  };
+  LayersMadeFor layers_made_for_;
+  std::unique_ptr<Layers> layers_; // none where BLEND surfaces are seen through otherwise
+  glm::uvec4 filters_made_for_{0}; // size, flags, and which
+  std::vector<glm::vec2> jitters_; // of frames from first_jitter_ on
   std::uint32_t first_jitter_ = 0;
   std::vector<std::uint32_t> pilot_places_; // pixels of the pilot, row-major
 };

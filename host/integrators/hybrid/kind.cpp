@@ -10,10 +10,15 @@
 #include "host/integrators/hybrid/denoise.h"
 #include "host/integrators/hybrid/hybrid.h"
 #include "host/integrators/occlusion/catalogue.h"
+#include "host/integrators/shading/catalogue.h"
 #include "host/integrators/shadows/catalogue.h"
+#include "host/integrators/transparency/catalogue.h"
+#include "host/integrators/transparency/layers.h"
 #include "host/render/render.h"
 #include "host/render/settings/mips.h"
+#include "host/render/settings/shading_settings.h"
 #include "host/render/settings/shadow_settings.h"
+#include "host/render/settings/transparency_settings.h"
 #include "host/scene/pack/pack.h"
 #include "kernels/hybrid/hybrid_types.h"
 
@@ -22,16 +27,47 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::array<std::string_view, 25> kHybridSettings = {
-    "hemisphere",     "direct",          "lights",          "shadow-samples", "ao-samples",
-    "ao-radius",      "ambient",         "denoise",         "mips",           "terminator",
-    "shadows",        "shadow-size",     "shadow-bias",     "shadow-taps",    "shadow-pattern",
-    "shadow-blur",    "shadow-cascades", "shadow-exponent", "shadow-bits",    "shadow-source",
-    "shadow-ambient", "occlusion",       "ao-bias",         "ao-thinness",    "antialias"};
+constexpr std::array<std::string_view, 33> kHybridSettings = {"hemisphere",
+                                                              "direct",
+                                                              "lights",
+                                                              "shadow-samples",
+                                                              "ao-samples",
+                                                              "ao-radius",
+                                                              "ambient",
+                                                              "denoise",
+                                                              "mips",
+                                                              "terminator",
+                                                              "shadows",
+                                                              "shadow-size",
+                                                              "shadow-bias",
+                                                              "shadow-taps",
+                                                              "shadow-pattern",
+                                                              "shadow-blur",
+                                                              "shadow-cascades",
+                                                              "shadow-exponent",
+                                                              "shadow-bits",
+                                                              "shadow-source",
+                                                              "shadow-ambient",
+                                                              "shading",
+                                                              "interpolation",
+                                                              "shininess",
+                                                              "attenuation",
+                                                              "depth-cue",
+                                                              "transparency",
+                                                              "transparency-layers",
+                                                              "transparency-samples",
+                                                              "occlusion",
+                                                              "ao-bias",
+                                                              "ao-thinness",
+                                                              "antialias"};
 constexpr std::array<std::string_view, 8> kAoSettings = {"ao-samples", "ao-radius", "denoise",     "terminator",
                                                          "occlusion",  "ao-bias",   "ao-thinness", "antialias"};
 constexpr std::array<std::string_view, 1> kAovs = {"ao"};
 constexpr std::array<std::string_view, 2> kFirstHitStages = {"raster", "resolve"};
+
+// By --interpolation.
+constexpr std::array<std::string_view, 3> kEvaluated = {
+    "evaluated once a face", "evaluated at corners and interpolated (Gouraud 1971)", "evaluated in every pixel"};
 
 constexpr const char* kFiltered = "direct light and occlusion are filtered over space and time (--denoise)";
 
@@ -41,17 +77,50 @@ gpu::Feature features(const RenderSettings&) { return gpu::kFeatureSharedFirstHi
 void start_path_kernels(KernelCompiler& kernels, const DeviceInfo& device, gpu::Feature features,
                         const RenderSettings& settings) {
   const auto start = [&](gpu::Feature bits) {
-    kernels.start({&kPathProgram, kLightingStages, kernel_config(bits, kExpectedStack, settings)});
+    const std::uint32_t stages = shading_kind(settings) ? kLocalPathStages : kLightingStages;
+    kernels.start({&kPathProgram, stages, kernel_config(bits, kExpectedStack, settings)});
   };
   if ((features & gpu::kFeatureTextures) && wants_mips(settings)) features |= gpu::kFeatureMips;
   start(features);
   if (generic_first(device)) start(generic_features(features));
 }
 
+std::uint64_t layer_bytes(const RenderSettings& settings) {
+  const TransparencyKind* kind = transparency_kind(settings);
+  return kind && kind->layers ? layer_bytes_per_pixel(*kind->layers) : 0;
+}
+
 std::uint64_t bytes_per_pixel(const RenderSettings& settings) {
   constexpr std::uint64_t kIds = 2 * sizeof(std::uint32_t), kDepth = sizeof(float); // drawn, and copied once
   return sizeof(gpu::GbufferPixel) + 2 * sizeof(gpu::vec4) + 2 * kIds + kDepth +
-         (settings.denoise != kDenoiseOff ? Denoiser::bytes_per_pixel() : 0);
+         (settings.denoise != kDenoiseOff ? Denoiser::bytes_per_pixel() : 0) + layer_bytes(settings);
+}
+
+void add_shading_bias(const RenderSettings& settings, std::vector<std::string>& bias) {
+  const ShadingKind* shading = shading_kind(settings);
+  if (!shading) return;
+  bias.push_back(fmt::format("surfaces reflect by {}, {}, in the place of their glTF materials (--shading {})",
+                             shading->summary, kEvaluated[settings.interpolation], shading->name));
+  if (settings.attenuation)
+    bias.push_back(fmt::format("light falls off by 1 / ({} + {} d + {} d^2) with the distance d (--attenuation)",
+                               settings.attenuation->x, settings.attenuation->y, settings.attenuation->z));
+  if (settings.depth_cue)
+    bias.push_back(fmt::format("surfaces fade into the background between depths of {} and {} metres (--depth-cue)",
+                               settings.depth_cue->x, settings.depth_cue->y));
+}
+
+void add_transparency_bias(const RenderSettings& settings, std::vector<std::string>& bias) {
+  const TransparencyKind* kind = transparency_kind(settings);
+  if (!kind) return;
+  bias.push_back(fmt::format("BLEND surfaces are {} (--transparency {})", kind->summary, kind->name));
+  if (!kind->layers) return;
+  bias.push_back(
+      fmt::format("light of BLEND surfaces has no shadows, and their ambient term no occlusion "
+                  "(--transparency {})",
+                  kind->name));
+  if (takes_transparency_setting(settings, "transparency-layers"))
+    bias.push_back(fmt::format("of BLEND surfaces that lie behind each other, {} are seen (--transparency-layers)",
+                               settings.transparency_layers));
 }
 
 // Of the frame, whatever it shows.
@@ -76,6 +145,8 @@ std::vector<std::string> hybrid_bias(const RenderSettings& settings, const Rende
                     "term of radiance {:.3g},{:.3g},{:.3g} (--integrator hybrid, --ambient)",
                     result.ambient.r, result.ambient.g, result.ambient.b));
   add_common_bias(settings, bias);
+  add_shading_bias(settings, bias);
+  add_transparency_bias(settings, bias);
   const ShadowKind* shadows = shadow_kind(settings);
   if (!shadows || !result.shadows) return bias;
   bias.push_back(fmt::format("shadows of {} are those of {} (--shadows {})", result.shadows->covered, shadows->summary,
@@ -122,15 +193,6 @@ bool has_biased_frames(const RenderSettings& settings) {
   return settings.denoise != kDenoiseOff || occlusion_kind(settings) || antialias_kind(settings).is_biased;
 }
 
-void check(const RenderSettings& settings) {
-  check_shadow_settings(settings);
-  check_frame_settings(settings);
-}
-
-bool means(const RenderSettings& settings, std::string_view setting) {
-  return takes_shadow_setting(settings, setting) && takes_occlusion_setting(settings, setting);
-}
-
 std::string unfit_shadows(const RenderSettings& settings, const PackedScene& scene) {
   const ShadowKind* shadows = shadow_kind(settings);
   return shadows ? unfit(*shadows, scene) : "";
@@ -156,6 +218,8 @@ std::vector<OmittedStage> always_omitted(const RenderSettings& settings) {
 std::vector<OmittedStage> hybrid_omitted(const RenderSettings& settings) {
   std::vector<OmittedStage> omitted = always_omitted(settings);
   if (settings.shadows == kShadowsTraced) omitted.push_back({"shadow techniques", "--shadows traced sends rays alone"});
+  if (shading_kind(settings))
+    omitted.push_back({"path kernels shade and extend", "--shading draws no directions from materials"});
   if (settings.max_depth <= 1) omitted.push_back({"ambient occlusion", "--max-depth 1 asks for direct light alone"});
   return omitted;
 }
@@ -172,9 +236,23 @@ Json stats(const RenderSettings& settings, const PackedScene& scene, const Rende
           {"ao_radius", occlusion_radius(scene, settings)},
           {"ambient", {result.ambient.r, result.ambient.g, result.ambient.b}},
           {"denoise", settings.denoise != kDenoiseOff},
+          {"shading", kShadingNames[settings.shading]},
+          {"transparency", kTransparencyNames[settings.transparency]},
           {"shadows", shadow_json(settings, result.shadows)},
           {"occlusion", occlusion_json(settings, result.occlusion)},
           {"antialias", antialias_json(settings, result.antialias)}};
+}
+
+void check(const RenderSettings& settings) {
+  check_shadow_settings(settings);
+  check_frame_settings(settings);
+  check_shading_settings(settings);
+  check_transparency_settings(settings);
+}
+
+bool means(const RenderSettings& settings, std::string_view setting) {
+  return takes_shadow_setting(settings, setting) && takes_occlusion_setting(settings, setting) &&
+         takes_shading_setting(settings, setting) && takes_transparency_setting(settings, setting);
 }
 
 std::unique_ptr<Integrator> make(Workspace& workspace, KernelCompiler& kernels) {
@@ -203,7 +281,7 @@ constinit const IntegratorKind kHybrid = {
     .is_biased =
         [](const RenderSettings& settings) {
           return has_biased_frames(settings) || settings.max_depth > 1 || uses_mips(settings) ||
-                 shadow_kind(settings) != nullptr;
+                 shadow_kind(settings) || shading_kind(settings) || transparency_kind(settings);
         },
     .bias = hybrid_bias,
     .omitted = hybrid_omitted,

@@ -66,6 +66,14 @@ struct RenderSettings {
   std::uint32_t shadow_bits = 32;           // of each moment that a map holds
   std::uint32_t shadow_source = 0;          // how maps are made: of kShadowSourceNames
   double shadow_ambient = 0.0;              // share of a light that reaches what is in its shadow
+  std::uint32_t shading = 0;                // how first hits reflect: of kShadingNames (shading_settings.h)
+  std::uint32_t interpolation = 2;          // where that is evaluated: of kInterpolationNames
+  std::optional<double> shininess;          // exponent of highlights; empty = from the material's roughness
+  std::optional<glm::vec3> attenuation;     // 1 / (x + y d + z d^2) at distance d of a light; empty = 1 / d^2
+  std::optional<glm::vec2> depth_cue;       // depths between which surfaces fade into the background; empty = none
+  std::uint32_t transparency = 0;           // of BLEND surfaces: of kTransparencyNames (transparency_settings.h)
+  std::uint32_t transparency_layers = 4;    // that are peeled off
+  std::uint32_t transparency_samples = 8;   // of stochastic transparency, for every sample of a pixel
   std::uint32_t branching = kBranchingTree;
   std::uint32_t techniques = gpu::kTechniquesAll; // kTechnique bits
   double cutoff = 1.0 / 256.0;                    // weight below which rays are not followed; biased unless it is 0

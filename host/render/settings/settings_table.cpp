@@ -11,7 +11,9 @@
 #include "host/render/settings/denoising.h"
 #include "host/render/settings/mips.h"
 #include "host/render/settings/occlusion_rows.h"
+#include "host/render/settings/shading_rows.h"
 #include "host/render/settings/shadow_rows.h"
+#include "host/render/settings/transparency_rows.h"
 
 namespace wavepath {
 namespace {
@@ -382,7 +384,8 @@ std::vector<Setting> special_rows() {
 std::vector<Setting> all_rows() {
   std::vector<Setting> rows;
   for (std::vector<Setting> part : {picture_rows(), lens_rows(), transport_rows(), stop_rows(), special_rows(),
-                                    shadow_rows(), occlusion_rows(), antialias_rows()})
+                                    shadow_rows(), occlusion_rows(), antialias_rows(), shading_rows(),
+                                    transparency_rows()})
     for (Setting& row : part) rows.push_back(std::move(row));
   return rows;
 }
