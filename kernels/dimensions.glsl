@@ -18,6 +18,7 @@ const uint kDimensionTime = 0x40000000u;
 
 // Of occlusion rays: hybrid paths end before they could need these for another bounce.
 const uint kDimensionOcclusion = 1u + kDimensionsPerBounce;
+const uint kDimensionOcclusionDistance = kDimensionOcclusion + 1u; // x: of a point of SSAO
 
 uint bounce_dimension(uint bounce) { return 1u + bounce * kDimensionsPerBounce; }
 

@@ -23,6 +23,7 @@
 #include "kernels/light_tree_types.h"
 #include "kernels/path/path_types.h"
 #include "kernels/scene_types.h"
+#include "kernels/shading/shading_types.h"
 #include "kernels/shadows/shadow_types.h"
 #include "kernels/whitted/whitted_types.h"
 #include "tests/probes/layout_probe.spv.h"
@@ -211,12 +212,19 @@ TEST(Layout, Film) {
 }
 
 TEST(Layout, Hybrid) {
-  compare("HybridFrame", sizeof(HybridFrame),
-          {AT(HybridFrame, jitter), AT(HybridFrame, near), AT(HybridFrame, far), AT(HybridFrame, ambient),
-           AT(HybridFrame, ao_radius), AT(HybridFrame, sample_index), AT(HybridFrame, shadow_samples),
-           AT(HybridFrame, ao_samples), AT(HybridFrame, flags)});
+  compare(
+      "HybridFrame", sizeof(HybridFrame),
+      {AT(HybridFrame, jitter), AT(HybridFrame, near), AT(HybridFrame, far), AT(HybridFrame, ambient),
+       AT(HybridFrame, ao_radius), AT(HybridFrame, sample_index), AT(HybridFrame, shadow_samples),
+       AT(HybridFrame, ao_samples), AT(HybridFrame, flags), AT(HybridFrame, ao_bias), AT(HybridFrame, ao_thinness)});
   compare("GbufferPixel", sizeof(GbufferPixel),
           {AT(GbufferPixel, normal), AT(GbufferPixel, depth), AT(GbufferPixel, albedo), AT(GbufferPixel, surface)});
+}
+
+TEST(Layout, Shading) {
+  compare("ShadingFrame", sizeof(ShadingFrame),
+          {AT(ShadingFrame, attenuation), AT(ShadingFrame, shininess), AT(ShadingFrame, cue),
+           AT(ShadingFrame, interpolation), AT(ShadingFrame, flags)});
 }
 
 TEST(Layout, Shadows) {

@@ -15,7 +15,10 @@
 #include "host/cli/render_flags.h"
 #include "host/cli/scene_flags.h"
 #include "host/render/settings/identity.h"
+#include "host/render/settings/occlusion_settings.h"
+#include "host/render/settings/shading_settings.h"
 #include "host/render/settings/shadow_settings.h"
+#include "host/render/settings/transparency_settings.h"
 #ifdef WAVEPATH_VIEWER
 #include "host/view/render_line.h"
 #endif
@@ -28,11 +31,13 @@ namespace {
 std::map<std::string, std::string> members(const RenderSettings& settings) {
   const auto& [integrator, width, height, first_sample, last_sample, sample_total, time_limit, target_error, max_depth,
                sampler, hemisphere, direct, filter, seed, cull, terminator, aperture, focus, blades, shadow_samples,
-               ao_samples, ao_radius, ambient, shadows, shadow_size, shadow_bias, shadow_bias_amount, shadow_taps,
-               shadow_pattern, shadow_blur, shadow_cascades, shadow_exponent, shadow_bits, shadow_source,
-               shadow_ambient, branching, techniques, cutoff, denoise, antialias_over_time, mips, lights, adaptive,
-               guide, moving, specialize, aovs, guide_iterations, added_features, removed_features,
-               room_for_shadow_rays, room_for_whole_nets, room_for_mips, whole_nets_from, wave_slots] = settings;
+               ao_samples, ao_radius, occlusion, antialias, ao_bias, ao_thinness, ambient, shadows, shadow_size,
+               shadow_bias, shadow_bias_amount, shadow_taps, shadow_pattern, shadow_blur, shadow_cascades,
+               shadow_exponent, shadow_bits, shadow_source, shadow_ambient, shading, interpolation, shininess,
+               attenuation, depth_cue, transparency, transparency_layers, transparency_samples, branching, techniques,
+               cutoff, denoise, antialias_over_time, mips, lights, adaptive, guide, moving, specialize, aovs,
+               guide_iterations, added_features, removed_features, room_for_shadow_rays, room_for_whole_nets,
+               room_for_mips, whole_nets_from, wave_slots] = settings;
   const auto text = [](const auto& value) { return fmt::format("{}", value); };
   return {{"integrator", std::string(integrator->name)},
           {"width", text(width)},
@@ -56,6 +61,10 @@ std::map<std::string, std::string> members(const RenderSettings& settings) {
           {"shadow_samples", text(shadow_samples)},
           {"ao_samples", text(ao_samples)},
           {"ao_radius", ao_radius ? text(*ao_radius) : "none"},
+          {"occlusion", text(occlusion)},
+          {"antialias", text(antialias)},
+          {"ao_bias", text(ao_bias)},
+          {"ao_thinness", text(ao_thinness)},
           {"ambient", ambient ? fmt::format("{},{},{}", ambient->r, ambient->g, ambient->b) : "none"},
           {"shadows", text(shadows)},
           {"shadow_size", text(shadow_size)},
@@ -69,6 +78,14 @@ std::map<std::string, std::string> members(const RenderSettings& settings) {
           {"shadow_bits", text(shadow_bits)},
           {"shadow_source", text(shadow_source)},
           {"shadow_ambient", text(shadow_ambient)},
+          {"shading", text(shading)},
+          {"interpolation", text(interpolation)},
+          {"shininess", shininess ? text(*shininess) : "none"},
+          {"attenuation", attenuation ? text(attenuation->z) : "none"},
+          {"depth_cue", depth_cue ? text(depth_cue->y) : "none"},
+          {"transparency", text(transparency)},
+          {"transparency_layers", text(transparency_layers)},
+          {"transparency_samples", text(transparency_samples)},
           {"branching", text(branching)},
           {"techniques", text(techniques)},
           {"cutoff", text(cutoff)},
@@ -130,6 +147,8 @@ std::string other_value(const Setting& row, const RenderSettings& settings) {
   if (row.name == "shadow-bias") return differing({"normal:2", "plane:3"});
   if (row.name == "shadow-bits") return differing({"16", "32"});
   if (row.name == "shadow-exponent") return differing({"20", "30"});
+  if (row.name == "attenuation") return differing({"1,0,2", "0,1,0"});
+  if (row.name == "depth-cue") return differing({"1,2", "3,4"});
   if (row.name == "techniques") return differing({"hit", "light,splat"});
   return differing({"0.1", "0.2"}); // numbers
 }
@@ -150,10 +169,16 @@ RenderSettings base_for(const Setting& row) {
       settings.integrator = kind;
       break;
     }
-  // A shadow technique to which it means something.
-  while (settings.integrator->means && !settings.integrator->means(settings, row.name) &&
-         settings.shadows + 1 < kShadowNames.size())
-    ++settings.shadows;
+  // A technique to which it means something.
+  const auto turn_to = [&](std::uint32_t RenderSettings::*technique, std::size_t count) {
+    const auto means = [&] { return !settings.integrator->means || settings.integrator->means(settings, row.name); };
+    while (!means() && settings.*technique + 1 < count) ++(settings.*technique);
+    if (!means()) settings.*technique = 0;
+  };
+  turn_to(&RenderSettings::shadows, kShadowNames.size());
+  turn_to(&RenderSettings::shading, kShadingNames.size());
+  turn_to(&RenderSettings::occlusion, kOcclusionNames.size());
+  turn_to(&RenderSettings::transparency, kTransparencyNames.size());
   return settings;
 }
 

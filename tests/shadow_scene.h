@@ -117,6 +117,22 @@ inline Scene lit_by_square(float half = 0.25f, float height = 2.5f) {
   return scene;
 }
 
+// A camera above the floor's point `at` that looks straight down, `half` metres of floor to either side.
+inline Camera camera_above(glm::dvec3 at, double half) {
+  Camera camera;
+  camera.orthographic = true;
+  camera.xmag = camera.ymag = half;
+  camera.world_from_camera = {{1, 0, 0, 0}, {0, 0, -1, 0}, {0, 1, 0, 0}, glm::dvec4(at + glm::dvec3(0, 3, 0), 1)};
+  return camera;
+}
+
+inline const std::vector<float>& channel(const Picture& picture, std::string_view name) {
+  const auto found =
+      std::ranges::find_if(picture.channels, [&](const Channel& channel) { return channel.name == name; });
+  EXPECT_NE(found, picture.channels.end()) << name;
+  return found->values;
+}
+
 // Renders with kernels that tests share.
 class ShadowTest : public VulkanTest {
 protected:

@@ -8,6 +8,7 @@
 
 #include "host/base/error.h"
 #include "host/film/oidn.h"
+#include "host/render/settings/antialias_settings.h"
 #include "host/render/settings/denoising.h"
 #include "host/render/settings/mips.h"
 #include "host/render/settings/settings_table.h"
@@ -241,6 +242,9 @@ void check_integrator(const RenderRequest& request) {
                                            : "use --integrator path, or --max-depth 1 for direct light");
   if (settings.denoise != kDenoiseOff && !denoises_film(settings) && (request.mergeable || !request.state.file.empty()))
     throw UsageError("--denoise", "makes every sample depend on those before, and no file keeps that history",
+                     "leave it out, or --checkpoint, --samples and --mergeable");
+  if (settings.antialias == kAntialiasTaaName && (request.mergeable || !request.state.file.empty()))
+    throw UsageError("--antialias taa", "makes every sample depend on those before, and no file keeps that history",
                      "leave it out, or --checkpoint, --samples and --mergeable");
   if (request.strict && denoises_film(settings))
     throw UsageError("--denoise", "is biased, which --strict refuses", "leave out --denoise");

@@ -92,6 +92,25 @@ VkPipelineShaderStageCreateInfo shader_stage(VkShaderStageFlagBits stage, const 
   return info;
 }
 
+void set_blending(Blend blend, VkPipelineColorBlendAttachmentState& state) {
+  if (blend == Blend::none) return;
+  state.blendEnable = VK_TRUE;
+  state.srcColorBlendFactor = VK_BLEND_FACTOR_ONE;
+  state.dstColorBlendFactor = blend == Blend::over ? VK_BLEND_FACTOR_ONE_MINUS_SRC_ALPHA : VK_BLEND_FACTOR_ONE;
+  state.srcAlphaBlendFactor = VK_BLEND_FACTOR_ZERO;
+  state.dstAlphaBlendFactor = VK_BLEND_FACTOR_ONE_MINUS_SRC_ALPHA;
+  state.colorBlendOp = state.alphaBlendOp = VK_BLEND_OP_ADD;
+}
+
+void require_blending(const Device& device, const Formats& formats) {
+  for (const VkFormat format : formats.colour) {
+    VkFormatProperties properties{};
+    vkGetPhysicalDeviceFormatProperties(device.physical(), format, &properties);
+    if (!(properties.optimalTilingFeatures & VK_FORMAT_FEATURE_COLOR_ATTACHMENT_BLEND_BIT))
+      throw Error(device.info().name, "cannot blend colours of 32 bits", "use --transparency peel");
+  }
+}
+
 void require_raster(const Device& device, VkExtent2D size, std::size_t colour_count) {
   const std::string& name = device.info().name;
   if (!device.rasterizes()) throw Error(name, "its queue cannot rasterize", "use --integrator path");
@@ -144,6 +163,8 @@ RasterPipeline::RasterPipeline(Device& device, const RasterCode& code, std::span
   // The same for all attachments, because masks of their own are an optional feature.
   VkPipelineColorBlendAttachmentState mask{};
   if (state.write_colour && !code.fragment.empty()) mask.colorWriteMask = 0xf; // red, green, blue and alpha
+  if (state.blend != Blend::none) require_blending(device, formats);
+  set_blending(state.blend, mask);
   const std::vector<VkPipelineColorBlendAttachmentState> masks(formats.colour.size(), mask);
   VkPipelineColorBlendStateCreateInfo blend{VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO};
   blend.attachmentCount = static_cast<std::uint32_t>(masks.size());

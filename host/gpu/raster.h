@@ -60,10 +60,20 @@ struct StencilState {
   StencilFace front, back;
 };
 
+// What becomes of colours that are drawn over others. Alpha multiplies by one minus that of what is drawn, so that it
+// is the share of light that passes all that was drawn, if it is 1 at first. The same for all attachments, because
+// states of their own are an optional feature.
+enum class Blend {
+  none, // replaced
+  over, // colours are attenuated by what is drawn, whose own are multiplied by its alpha already (Porter and Duff 1984)
+  sum   // colours are added
+};
+
 struct RasterState {
   DepthState depth{};
   std::optional<StencilState> stencil;
   Cull cull = Cull::none;
+  Blend blend = Blend::none;
   bool write_colour = true; // into all colour attachments or, for passes that only count or test, into none
 };
 
@@ -72,11 +82,11 @@ struct RasterCode {
   std::span<const std::uint32_t> vertex, fragment; // no fragment shader: depth and stencil alone
 };
 
-// A pipeline that draws triangles without blending.
+// A pipeline that draws triangles.
 class RasterPipeline {
 public:
   // `constants[i]` is the value of specialization constant i in both shaders. `bindings` need
-  // BindingSet::kRasterStages.
+  // BindingSet::kRasterStages. Throws Error if the device cannot blend into a format.
   RasterPipeline(Device& device, const RasterCode& code, std::span<const AttachmentInfo> attachments,
                  const RasterState& state, const BindingSet& bindings, std::span<const std::uint32_t> constants);
   ~RasterPipeline();

@@ -21,6 +21,10 @@ layout(set = 0, binding = kBindGbuffer, std430) buffer GbufferBlock { GbufferPix
 layout(set = 0, binding = kBindSignals, std430) buffer SignalBlock { vec4 signals[]; };
 #endif
 
+#ifdef BIND_LAYERS
+layout(set = 0, binding = kBindLayers, std430) buffer LayerBlock { vec4 layers[]; };
+#endif
+
 #ifdef BIND_JITTERS
 layout(set = 0, binding = kBindJitters, std430) writeonly buffer JitterBlock { vec2 jitters[]; };
 #endif

@@ -7,6 +7,7 @@
 #define BIND_GBUFFER
 #define BIND_SIGNALS
 #define BIND_SEEN
+#define BIND_LAYERS
 #include "kernels/frame_types.h"
 #include "kernels/film/bindings.glsl"
 #include "kernels/hybrid/bindings.glsl"
@@ -43,6 +44,7 @@ void main() {
     vec3 ambient = hit && wants_ambient() ? g.albedo * emission_diffuse.w * hybrid.ambient * signal.w : vec3(0.0);
     radiance = sample_.emission + sample_.direct + ambient;
   }
+  if ((hybrid.flags & kHybridLayers) != 0u) radiance = layers[place].rgb + layers[place].a * radiance;
   if ((hybrid.flags & kHybridToColor) != 0u) {
     seen[place] = vec4(radiance, 0.0);
     return;

@@ -17,6 +17,9 @@ GPU_CONSTANT uint kBindSignals =
     35u; // storage vec4[]: reflected direct light over demodulation(albedo), unoccluded share
 GPU_CONSTANT uint kBindJitters = 36u; // storage vec2[kJitters]: HybridFrame::jitter of frames to come
 
+GPU_CONSTANT uint kBindLayers =
+    77u; // storage vec4[] (kHybridLayers): light of the layers in front of what is opaque, share of light they let pass
+
 // ---- hybrid rendering -----------------------------------------------------------------------------------------------------
 // One frame of a hybrid render: every pixel is seen through the same place of its filter, so that the frame can be
 // rasterized.
@@ -29,15 +32,21 @@ struct HybridFrame {
   uint sample_index;   // this frame's, as the film counts
   uint shadow_samples; // light samples a pixel and frame
   uint ao_samples;
-  uint flags; // kHybrid bits
+  uint flags;        // kHybrid bits
+  float ao_bias;     // of horizons over the tangent plane, radians
+  float ao_thinness; // share by which what is seen behind a body lowers its horizon; 0: bodies have no back
+  uint pad0;
+  uint pad1;
 };
-GPU_CHECK(sizeof(HybridFrame) == 48);
+GPU_CHECK(sizeof(HybridFrame) == 64);
 GPU_CONSTANT uint kJitters = 1024u;
-GPU_CONSTANT uint kHybridLights = 1u << 0;    // direct light is wanted
-GPU_CONSTANT uint kHybridAmbient = 1u << 1;   // the ambient term is wanted
-GPU_CONSTANT uint kHybridToColor = 1u << 2;   // composite leaves the frame in `seen`, for a filter,
-GPU_CONSTANT uint kHybridFromColor = 1u << 3; // and takes it from there
-GPU_CONSTANT float kDemodulationFloor = 0.1f; // see demodulation()
+GPU_CONSTANT uint kHybridLights = 1u << 0;     // direct light is wanted
+GPU_CONSTANT uint kHybridAmbient = 1u << 1;    // the ambient term is wanted
+GPU_CONSTANT uint kHybridToColor = 1u << 2;    // composite leaves the frame in `seen`, for a filter,
+GPU_CONSTANT uint kHybridFromColor = 1u << 3;  // and takes it from there
+GPU_CONSTANT uint kHybridLayers = 1u << 4;     // BLEND surfaces are layers in front of the frame, see kBindLayers
+GPU_CONSTANT uint kHybridScreendoor = 1u << 5; // BLEND surfaces have holes in a fixed pattern
+GPU_CONSTANT float kDemodulationFloor = 0.1f;  // see demodulation()
 
 // What rasterization found, as filters need it.
 struct GbufferPixel {

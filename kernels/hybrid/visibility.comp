@@ -6,14 +6,13 @@
 #define BIND_SURFACES
 #define BIND_HYBRID
 #include "kernels/hybrid/bindings.glsl"
-#include "kernels/hybrid/hybrid.glsl"
-#include "kernels/surface.glsl"
+#include "kernels/hybrid/seen_through.glsl"
 #include "kernels/tile_order.h"
 
 layout(set = 0, binding = kBindVisibility, std430) writeonly buffer VisibilityBlock { uvec2 seen[]; };
 
-Sampler path_sampler;
-#define ALPHA_TEST(hit) is_hole(hit, path_sampler, kHashExtend)
+uvec2 pixel; // of the ray
+#define ALPHA_TEST(hit) is_seen_through(hit, pixel)
 #define CAMERA_RAYS true
 #include "kernels/bvh.glsl"
 
@@ -22,10 +21,9 @@ layout(local_size_x = kWorkgroupSize) in;
 void main() {
   uint local = gl_GlobalInvocationID.x;
   if (local >= wave.pixel_count) return;
-  uvec2 pixel = pixel_in_tile_order(wave.first_pixel + local, frame.width, frame.height);
+  pixel = pixel_in_tile_order(wave.first_pixel + local, frame.width, frame.height);
   vec3 origin, direction;
   hybrid_camera_ray(pixel, origin, direction);
-  if (has(kFeatureAlpha)) path_sampler = hybrid_sampler(pixel);
   Hit hit = trace(origin, direction, kFar);
   seen[pixel.y * frame.width + pixel.x] = hit.triangle == kNone ? uvec2(kNone) : uvec2(hit.triangle, hit.instance);
 }

@@ -1,5 +1,6 @@
 // Writes what a pixel of a hybrid frame sees: the place of the triangle and its instance. Where a surface can be passed through,
-// it decides as a traced camera ray of the same pixel and sample does.
+// it decides as a traced camera ray of the same pixel and sample does, or as
+// --transparency says.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
@@ -7,9 +8,8 @@
 #define BIND_SURFACES
 #define BIND_HYBRID
 #include "kernels/hybrid/bindings.glsl"
-#include "kernels/hybrid/hybrid.glsl"
+#include "kernels/hybrid/seen_through.glsl"
 #include "kernels/known_triangle.glsl"
-#include "kernels/surface.glsl"
 
 layout(location = 0) flat in uint triangle;
 layout(location = 1) flat in uint instance;
@@ -27,7 +27,7 @@ bool is_passed_through() {
   vec3 origin, direction;
   hybrid_camera_ray(pixel, origin, direction);
   Hit hit = hit_of_triangle(triangle, instance, origin, direction);
-  return is_hole(hit, hybrid_sampler(pixel), kHashExtend);
+  return is_seen_through(hit, pixel);
 }
 
 void main() {

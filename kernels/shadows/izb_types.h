@@ -8,11 +8,11 @@
 namespace wavepath::gpu {
 #endif
 
-GPU_CONSTANT uint kBindIzbCells = 76u; // storage uint[]: of all waves so far the longest list; from kIzbFirstCell on,
+GPU_CONSTANT uint kBindIzbCells = 93u; // storage uint[]: of all waves so far the longest list; from kIzbFirstCell on,
                                        // for every cell of every view, 1 + the ray that its list begins with (0: none)
                                        // and how many it has
-GPU_CONSTANT uint kBindIzbLinks = 77u; // storage uint[], kIzbLinkWords a shadow ray
-GPU_CONSTANT uint kBindIzbItems = 78u; // texels RGBA32UI: a triangle, its instance, the first of the cells that it is
+GPU_CONSTANT uint kBindIzbLinks = 94u; // storage uint[], kIzbLinkWords a shadow ray
+GPU_CONSTANT uint kBindIzbItems = 95u; // texels RGBA32UI: a triangle, its instance, the first of the cells that it is
                                        // put against, columns | rows << 16 of them
 
 GPU_CONSTANT uint kIzbFirstCell = 2u, kIzbCellWords = 2u;

@@ -4,11 +4,18 @@
 #include <array>
 #include <cmath>
 
+#include "host/integrators/antialias/catalogue.h"
 #include "host/integrators/hybrid/denoise.h"
+#include "host/integrators/hybrid/frame_filter.h"
 #include "host/integrators/hybrid/occlusion_radius.h"
 #include "host/integrators/hybrid/taa.h"
+#include "host/integrators/occlusion/catalogue.h"
+#include "host/integrators/occlusion/screen_space.h"
+#include "host/integrators/shading/catalogue.h"
 #include "host/integrators/shadows/catalogue.h"
+#include "host/integrators/transparency/catalogue.h"
 #include "host/render/settings/mips.h"
+#include "host/render/settings/occlusion_settings.h"
 #include "kernels/hybrid/composite.spv.h"
 #include "kernels/hybrid/gather.spv.h"
 #include "kernels/hybrid/jitter.spv.h"
@@ -19,6 +26,7 @@
 namespace wavepath {
 namespace {
 
+constexpr const char* kAntialiasStage = "anti-aliasing";
 constexpr std::uint32_t kAmbientPilotSeed = 0x6a09e667u;
 constexpr std::uint32_t kPilotPixels = 1u << 14, kPilotBlock = 1u << 10; // enough for a mean, in a moment
 constexpr std::uint32_t kCompositePixels = 1u << 16; // of a dispatch: some tens of milliseconds on two cores
@@ -31,7 +39,8 @@ const std::array<KernelCode, kStageCount> kStages = {{{"jitter", wavepath_jitter
                                                       {"composite", wavepath_composite_spv}}};
 constexpr std::array<std::size_t, kStageCount> kCompileOrder = {kOcclusion, kResolve, kComposite, kGather, kJitter};
 
-enum OwnBuffer : std::size_t { kFrame, kGbuffer, kSignals, kJitters };
+enum OwnBuffer : std::size_t { kFrame, kGbuffer, kSignals, kJitters, kLayers };
+constexpr std::uint32_t kRoomForLayers = 1u << 0; // bits of Extent::options
 // By OwnBuffer. What a pixel has is row-major from the top left.
 const std::vector<BufferRule> kRules = {
     {"frame",
@@ -46,6 +55,9 @@ const std::vector<BufferRule> kRules = {
     {"jitters",
      [](const Extent&) { return std::uint64_t{gpu::kJitters * sizeof(gpu::vec2)}; },
      {{gpu::kBindJitters, BindingKind::storage}}},
+    {"layers",
+     [](const Extent& e) { return e.options & kRoomForLayers ? e.pixels * sizeof(gpu::vec4) : 0; },
+     {{gpu::kBindLayers, BindingKind::storage}}},
 };
 
 std::vector<Binding> hybrid_layout() {
@@ -57,15 +69,23 @@ std::vector<Binding> hybrid_layout() {
 
 const KernelProgram kHybridProgram = {kStages, kCompileOrder, hybrid_layout};
 
+// How BLEND surfaces are seen through, where the scene has some.
+std::uint32_t transparency_flags(const RenderSettings& settings, const PackedScene& scene) {
+  const TransparencyKind* kind = settings.integrator->finds_light ? transparency_kind(settings) : nullptr;
+  const bool blends =
+      std::ranges::any_of(scene.materials, [](const gpu::Material& m) { return m.flags & gpu::kMaterialBlend; });
+  return kind && blends ? kind->flag : 0;
+}
+
 // Light beyond the direct one is wanted where paths would be longer than it.
 std::uint32_t frame_flags(const RenderSettings& settings) {
   if (!settings.integrator->finds_light) return gpu::kHybridAmbient;
   return gpu::kHybridLights | (settings.max_depth > 1 ? gpu::kHybridAmbient : 0);
 }
 
-std::uint32_t stages_of(std::uint32_t flags) {
+std::uint32_t stages_of(std::uint32_t flags, bool traces_occlusion) {
   std::uint32_t stages = 1u << kJitter | 1u << kResolve | 1u << kComposite;
-  if (flags & gpu::kHybridAmbient) stages |= 1u << kOcclusion;
+  if (traces_occlusion) stages |= 1u << kOcclusion;
   if (flags & gpu::kHybridLights) stages |= 1u << kGather;
   return stages;
 }
@@ -84,7 +104,11 @@ float cone_width(const View& view, const RenderSettings& settings) {
 } // namespace
 
 Hybrid::Hybrid(Workspace& workspace, KernelCompiler& kernels)
-    : workspace_(workspace), kernels_(kernels), paths_(workspace, kernels), buffers_(workspace.device, kRules) {}
+    : workspace_(workspace),
+      kernels_(kernels),
+      paths_(workspace, kernels),
+      buffers_(workspace.device, kRules),
+      antialias_times_(kAntialiasStage) {}
 
 Hybrid::~Hybrid() = default;
 
@@ -100,10 +124,12 @@ void Hybrid::make_frame(const View& view, const RenderSettings& settings, Past p
   knows_ambient_ = past == Past::keep && ambient != glm::vec3(0.0f);
   camera_ = camera_of(scene, view);
   frame_ = {};
-  frame_.flags = frame_flags(settings);
+  frame_.flags = frame_flags(settings) | transparency_flags(settings, scene);
   frame_.shadow_samples = lights() ? settings.shadow_samples : 1;
   frame_.ao_samples = settings.ao_samples;
   frame_.ao_radius = ray_length(occlusion_radius(scene, settings));
+  frame_.ao_bias = static_cast<float>(glm::radians(settings.ao_bias));
+  frame_.ao_thinness = static_cast<float>(settings.ao_thinness);
   frame_.ambient = settings.ambient.value_or(ambient);
   const ClipPlanes planes = clip_planes(scene, view);
   frame_.near = planes.near;
@@ -118,17 +144,24 @@ void Hybrid::make_frame(const View& view, const RenderSettings& settings, Past p
       std::min<std::uint64_t>(std::uint64_t{shared.sample_total} * frame_.shadow_samples, gpu::kNone));
 }
 
+// How enclosed a place is beyond the picture and a radius, which the ambient radiance follows from, rays alone can
+// tell; so it is the same for all techniques.
+bool Hybrid::traces_occlusion() const {
+  return ambient() && (settings_.occlusion == kOcclusionTraced || (lights() && !settings_.ambient));
+}
+
 void Hybrid::make_room(const View& view, Past past) {
   const PackedScene& scene = workspace_.scene;
-  need_ = {&kHybridProgram, stages_of(frame_.flags),
+  need_ = {&kHybridProgram, stages_of(frame_.flags, traces_occlusion()),
            kernel_config(needed_features(scene, view, settings_), scene.stack_size, settings_)};
   const gpu::Feature path_features = need_.config.features;
   if (!settings_.aovs.empty()) need_.config.features |= gpu::kFeatureAovs; // which come from the G-buffer
   kernels_.start(need_);
-  const std::uint32_t path_stages = lights() ? kLightingStages : 0;
-  const std::uint32_t options = lights() || settings_.antialias_over_time ? kRoomForSeen : 0;
+  const std::uint32_t path_stages = !lights() ? 0 : shading_kind(settings_) ? kLocalPathStages : kLightingStages;
+  const std::uint32_t options = lights() || joins_frames() || filters_frames() ? kRoomForSeen : 0;
   bool moved = paths_.change(settings_, path_stages, options, kernels_.features(kHybridProgram));
-  moved |= buffers_.fit({.pixels = workspace_.film.pixels()});
+  const bool layers = frame_.flags & gpu::kHybridLayers;
+  moved |= buffers_.fit({.pixels = workspace_.film.pixels(), .options = layers ? kRoomForLayers : 0});
   const glm::u64vec4 made_for(settings_.width, settings_.height, path_features, settings_.cull);
   if (made_for != visibility_made_for_ || moved) {
     visibility_.reset(); // the device may not hold both at once
@@ -142,12 +175,45 @@ void Hybrid::make_room(const View& view, Past past) {
   std::vector<Binding> own;
   paths_.buffers.add_bindings(own);
   remake_shadows(view, own);
+  remake_shading(own);
   if (moved || sets_.empty()) {
     buffers_.add_bindings(own);
     own.push_back({gpu::kBindVisibility, BindingKind::texels_rg32ui, &visibility_->ids()});
     sets_ = bind_bands(workspace_, own);
   }
+  remake_occlusion();
+  remake_layers(moved);
   remake_filters(moved, past);
+}
+
+void Hybrid::remake_occlusion() {
+  piloting_ = false;
+  const OcclusionKind* kind = ambient() ? occlusion_kind(settings_) : nullptr;
+  if (!kind) return occlusion_.reset();
+  if (!occlusion_ || &occlusion_->kind() != kind)
+    occlusion_ = std::make_unique<ScreenSpaceOcclusion>(workspace_, kernels_, *kind);
+  std::vector<Binding> frame;
+  buffers_.add_bindings(frame);
+  std::erase_if(frame, [](const Binding& binding) { return binding.slot == gpu::kBindJitters; });
+  occlusion_->change(need_.config, frame);
+}
+
+void Hybrid::remake_layers(bool moved) {
+  const bool wanted = frame_.flags & gpu::kHybridLayers;
+  const LayersMadeFor made_for = wanted
+                                     ? LayersMadeFor{transparency_kind(settings_)->layers, paths_.config(),
+                                                     settings_.width, settings_.height, settings_.transparency_layers}
+                                     : LayersMadeFor{};
+  if (made_for != layers_made_for_ || moved) {
+    layers_.reset(); // the device may not hold both at once
+    layers_made_for_ = {};
+    if (wanted)
+      layers_ =
+          std::make_unique<Layers>(workspace_, *made_for.recipe, made_for.config,
+                                   LayerFrame{buffers_[kFrame], buffers_[kGbuffer], buffers_[kLayers]}, settings_);
+    layers_made_for_ = made_for;
+  }
+  if (layers_) layers_->turn_to(camera_);
 }
 
 void Hybrid::remake_shadows(const View& view, const std::vector<Binding>& own) {
@@ -162,9 +228,22 @@ void Hybrid::remake_shadows(const View& view, const std::vector<Binding>& own) {
   shadows_->change(view, settings_, shared);
 }
 
+void Hybrid::remake_shading(const std::vector<Binding>& own) {
+  const ShadingKind* kind = lights() ? shading_kind(settings_) : nullptr;
+  if (!kind) return shading_.reset();
+  if (!shading_ || &shading_->kind() != kind) shading_ = std::make_unique<LocalShading>(workspace_, kernels_, *kind);
+  shading_->change(settings_, paths_.config(), own);
+}
+
+bool Hybrid::joins_frames() const { return settings_.antialias_over_time || antialias_kind(settings_).over_time; }
+
+// Frames of a camera in motion are joined instead.
+bool Hybrid::filters_frames() const { return !joins_frames() && !antialias_kind(settings_).passes.empty(); }
+
 // Memory and kernels stay, unless size or buffers are others.
 void Hybrid::remake_filters(bool moved, Past past) {
-  const std::uint32_t which = (settings_.denoise != kDenoiseOff ? 1u : 0u) | (settings_.antialias_over_time ? 2u : 0u);
+  const std::uint32_t which = (settings_.denoise != kDenoiseOff ? 1u : 0u) | (joins_frames() ? 2u : 0u) |
+                              (filters_frames() ? 4u + settings_.antialias : 0u);
   const glm::uvec4 made_for =
       which ? glm::uvec4(settings_.width, settings_.height, frame_.flags, which) : glm::uvec4(0);
   if (made_for == filters_made_for_ && !moved) {
@@ -175,12 +254,16 @@ void Hybrid::remake_filters(bool moved, Past past) {
   }
   denoiser_.reset(); // the device may not hold both at once
   taa_.reset();
+  frame_filter_.reset();
   filters_made_for_ = glm::uvec4(0);
   const Buffer& gbuffer = buffers_[kGbuffer];
   if (settings_.denoise != kDenoiseOff)
     denoiser_ = std::make_unique<Denoiser>(workspace_.device, settings_.width, settings_.height, gbuffer,
                                            buffers_[kSignals], frame_.flags);
-  if (settings_.antialias_over_time)
+  if (filters_frames())
+    frame_filter_ = std::make_unique<FrameFilter>(workspace_.device, antialias_kind(settings_).passes, settings_.width,
+                                                  settings_.height, gbuffer, paths_.buffers[kSeen]);
+  if (joins_frames())
     taa_ = std::make_unique<Taa>(workspace_.device, settings_.width, settings_.height, gbuffer, paths_.buffers[kSeen]);
   filters_made_for_ = made_for;
 }
@@ -188,21 +271,27 @@ void Hybrid::remake_filters(bool moved, Past past) {
 bool Hybrid::is_ready() {
   const bool paths = !lights() || paths_.is_ready(); // asks for both, so that both are begun
   const bool shadows = !shadows_ || shadows_->is_ready();
-  return kernels_.ready(need_) && paths && shadows;
+  const bool occlusion = !occlusion_ || occlusion_->is_ready();
+  const bool shading = !shading_ || shading_->is_ready();
+  return kernels_.ready(need_) && paths && shadows && occlusion && shading;
 }
 
 double Hybrid::get_ready() {
   return (lights() ? paths_.get_ready() : 0.0) + (shadows_ ? shadows_->get_ready() : 0.0) +
+         (occlusion_ ? occlusion_->get_ready() : 0.0) + (shading_ ? shading_->get_ready() : 0.0) +
          kernels_.best(need_).seconds();
 }
 
 std::uint64_t Hybrid::bytes() const {
   return paths_.buffers.bytes() + buffers_.bytes() + visibility_->bytes() + (denoiser_ ? denoiser_->bytes() : 0) +
-         (taa_ ? taa_->bytes() : 0) + (shadows_ ? shadows_->bytes() : 0);
+         (taa_ ? taa_->bytes() : 0) + (frame_filter_ ? frame_filter_->bytes() : 0) +
+         (shadows_ ? shadows_->bytes() : 0) + (shading_ ? shading_->bytes() : 0) + (layers_ ? layers_->bytes() : 0);
 }
 
 // kJitters frames at a time, because asking the device costs a round trip.
 glm::vec2 Hybrid::jitter(WaveQueue& queue, std::uint32_t sample) {
+  const auto place = antialias_kind(settings_).place;
+  if (place && !settings_.antialias_over_time) return place(sample, whole_samples(settings_));
   if (jitters_.empty() || sample < first_jitter_ || sample - first_jitter_ >= jitters_.size()) {
     first_jitter_ = sample;
     gpu::Wave wave{};
@@ -232,12 +321,14 @@ void Hybrid::begin_pass(WaveQueue& queue, std::uint32_t sample) {
 
 void Hybrid::describe(RenderResult& result) const {
   result.ambient = frame_.ambient;
+  if (taa_ || frame_filter_) result.antialias = antialias_times_.cost();
+  if (occlusion_) result.occlusion = {.radius = frame_.ao_radius, .cost = occlusion_->cost()};
   if (!shadows_) return;
   const LightCover cover = light_cover(*shadow_kind(settings_), workspace_.scene);
   result.shadows = {.covered = names_of(cover.covered),
                     .traced = cover.traced,
-                    .build = shadow_times_.build(),
-                    .look_up = shadow_times_.look_up(),
+                    .build = shadow_times_.build.cost(),
+                    .look_up = shadow_times_.look_up.cost(),
                     .views = shadows_->view_count(),
                     .bytes = shadows_->bytes()};
   shadows_->describe(*result.shadows);
@@ -261,7 +352,7 @@ void Hybrid::record_wave(Commands& commands, std::size_t band, const gpu::Wave& 
   commands.bind(*sets_[band]);
   commands.dispatch(kernels[kResolve], groups_for(wave.pixel_count), &wave);
   commands.barrier();
-  if (ambient()) {
+  if (ambient() && (!occlusion_ || piloting_)) {
     commands.dispatch(kernels[kOcclusion], groups_for(wave.pixel_count), &wave);
     commands.barrier(); // it reads the rays that shading replaces
   }
@@ -272,11 +363,13 @@ void Hybrid::record_wave(Commands& commands, std::size_t band, const gpu::Wave& 
   commands.dispatch(kernels[kGather], groups_for(wave.pixel_count), &wave);
 }
 
-// Direct light as the path tracer finds it, from the first hit on.
+// Direct light as the path tracer finds it, from the first hit on; local illumination finds it by shadow rays alone.
 void Hybrid::light(Commands& commands, std::size_t band, const gpu::Wave& wave) {
   const KernelSet& kernels = paths_.kernels();
+  if (shading_) shading_->record(commands, band, wave);
   commands.bind(paths_.bindings(band));
-  commands.dispatch(kernels[kShade], groups_for(std::uint64_t{wave.pixel_count} * wave.sample_count), &wave);
+  if (!shading_)
+    commands.dispatch(kernels[kShade], groups_for(std::uint64_t{wave.pixel_count} * wave.sample_count), &wave);
   if (workspace_.frame.max_depth == 0) return;
   if (workspace_.frame.light_count > 0) {
     if (shadows_) {
@@ -287,6 +380,7 @@ void Hybrid::light(Commands& commands, std::size_t band, const gpu::Wave& wave) 
     }
     paths_.connect(commands, kernels, wave, 0);
   }
+  if (shading_) return;
   paths_.extend(commands, kernels, wave, 1); // emission that BSDF samples hit
   paths_.shade(commands, kernels, wave, 1);
 }
@@ -295,10 +389,12 @@ void Hybrid::end_pass(WaveQueue& queue) {
   if (shadows_) queue.afterwards([this, &queue] { shadow_times_.note_frame(queue.totals); });
   camera_.jitter_x = frame_.jitter.x;
   camera_.jitter_y = frame_.jitter.y;
+  if (occlusion_) occlusion_->submit(queue);
+  if (layers_) layers_->render(queue);
   if (denoiser_)
     queue.submit([this](Commands& commands) { denoiser_->record(commands, camera_); },
                  {.timed_dispatches = denoiser_->dispatches()});
-  if (!taa_) return composite(queue, frame_.flags);
+  if (!taa_ && !frame_filter_) return composite(queue, frame_.flags);
   composite(queue, frame_.flags | gpu::kHybridToColor);
   antialias(queue);
   composite(queue, frame_.flags | gpu::kHybridFromColor);
@@ -306,11 +402,15 @@ void Hybrid::end_pass(WaveQueue& queue) {
 
 void Hybrid::antialias(WaveQueue& queue) {
   const auto record = [this](Commands& commands) {
-    taa_->record(commands, camera_);
-    commands.copy(taa_->result(), paths_.buffers[kSeen],
+    if (taa_)
+      taa_->record(commands, camera_);
+    else
+      frame_filter_->record(commands);
+    commands.copy(taa_ ? taa_->result() : frame_filter_->result(), paths_.buffers[kSeen],
                   std::uint64_t{settings_.width} * settings_.height * sizeof(glm::vec4));
   };
-  queue.submit(record, {.timed_dispatches = taa_->dispatches()});
+  queue.submit(record, {.stage = kAntialiasStage});
+  queue.afterwards([this, &queue] { antialias_times_.note_frame(queue.totals); });
 }
 
 void Hybrid::composite(WaveQueue& queue, std::uint32_t flags) {
@@ -355,10 +455,12 @@ std::optional<Pilot> Hybrid::pilot() {
   }
   jitters_.clear();
   frame_.ao_radius = gpu::kFar;
+  piloting_ = true;
   return pilot;
 }
 
 bool Hybrid::learn() {
+  piloting_ = false;
   frame_.ambient = enclosed_light();
   frame_.ao_radius = ray_length(occlusion_radius(workspace_.scene, settings_));
   jitters_.clear();

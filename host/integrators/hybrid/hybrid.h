@@ -11,16 +11,20 @@
 
 #include "host/integrators/hybrid/visibility.h"
 #include "host/integrators/path/paths.h"
+#include "host/integrators/shading/local_shading.h"
 #include "host/integrators/shadows/technique.h"
 #include "host/integrators/shadows/times.h"
+#include "host/integrators/transparency/layers.h"
 #include "host/render/loop/render_result.h"
 #include "kernels/hybrid/filter_types.h"
 #include "kernels/hybrid/hybrid_types.h"
 
 namespace wavepath {
 
-class Denoiser; // host/integrators/hybrid/denoise.h
-class Taa;      // host/integrators/hybrid/taa.h
+class Denoiser;             // host/integrators/hybrid/denoise.h
+class FrameFilter;          // host/integrators/hybrid/frame_filter.h
+class ScreenSpaceOcclusion; // host/integrators/occlusion/screen_space.h
+class Taa;                  // host/integrators/hybrid/taa.h
 
 class Hybrid : public Integrator {
 public:
@@ -53,13 +57,19 @@ public:
 private:
   bool lights() const { return frame_.flags & gpu::kHybridLights; }
   bool ambient() const { return frame_.flags & gpu::kHybridAmbient; }
+  bool traces_occlusion() const; // by rays, in the pilot or in frames
   void make_frame(const View& view, const RenderSettings& settings, Past past);
   void make_room(const View& view, Past past);
   void remake_filters(bool moved, Past past);
   void remake_shadows(const View& view, const std::vector<Binding>& own);
+  void remake_occlusion();
+  void remake_shading(const std::vector<Binding>& own);
+  void remake_layers(bool moved);
   glm::vec2 jitter(WaveQueue& queue, std::uint32_t sample);
   void light(Commands& commands, std::size_t band, const gpu::Wave& wave);
   void composite(WaveQueue& queue, std::uint32_t flags);
+  bool joins_frames() const;   // over time, for smooth edges
+  bool filters_frames() const; // each by itself, likewise
   void antialias(WaveQueue& queue);
   glm::vec3 enclosed_light() const;
 
@@ -78,9 +88,22 @@ private:
   std::vector<std::unique_ptr<BindingSet>> sets_; // by band
   std::unique_ptr<Denoiser> denoiser_;
   std::unique_ptr<Taa> taa_;
+  std::unique_ptr<FrameFilter> frame_filter_;
+  FrameTimes antialias_times_;
   std::unique_ptr<ShadowTechnique> shadows_; // none where rays are traced
   std::uint32_t shadows_made_for_ = 0;       // RenderSettings::shadows
   ShadowTimes shadow_times_;
+  std::unique_ptr<ScreenSpaceOcclusion> occlusion_; // none where rays are traced
+  bool piloting_ = false;                           // until learn()
+  std::unique_ptr<LocalShading> shading_; // none where materials are glTF's own
+  struct LayersMadeFor {
+    const LayerRecipe* recipe = nullptr;
+    KernelConfig config;
+    std::uint32_t width = 0, height = 0, layers = 0;
+    bool operator==(const LayersMadeFor&) const = default;
+  };
+  LayersMadeFor layers_made_for_;
+  std::unique_ptr<Layers> layers_; // none where BLEND surfaces are seen through otherwise
   glm::uvec4 filters_made_for_{0}; // size, flags, and which
   std::vector<glm::vec2> jitters_; // of frames from first_jitter_ on
   std::uint32_t first_jitter_ = 0;

@@ -6,12 +6,19 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "host/integrators/antialias/catalogue.h"
 #include "host/integrators/hybrid/denoise.h"
 #include "host/integrators/hybrid/hybrid.h"
+#include "host/integrators/occlusion/catalogue.h"
+#include "host/integrators/shading/catalogue.h"
 #include "host/integrators/shadows/catalogue.h"
+#include "host/integrators/transparency/catalogue.h"
+#include "host/integrators/transparency/layers.h"
 #include "host/render/render.h"
 #include "host/render/settings/mips.h"
+#include "host/render/settings/shading_settings.h"
 #include "host/render/settings/shadow_settings.h"
+#include "host/render/settings/transparency_settings.h"
 #include "host/scene/pack/pack.h"
 #include "kernels/hybrid/hybrid_types.h"
 
@@ -20,14 +27,47 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::array<std::string_view, 21> kHybridSettings = {
-    "hemisphere",  "direct",        "lights",         "shadow-samples", "ao-samples",      "ao-radius",
-    "ambient",     "denoise",       "mips",           "terminator",     "shadows",         "shadow-size",
-    "shadow-bias", "shadow-taps",   "shadow-pattern", "shadow-blur",    "shadow-cascades", "shadow-exponent",
-    "shadow-bits", "shadow-source", "shadow-ambient"};
-constexpr std::array<std::string_view, 4> kAoSettings = {"ao-samples", "ao-radius", "denoise", "terminator"};
+constexpr std::array<std::string_view, 33> kHybridSettings = {"hemisphere",
+                                                              "direct",
+                                                              "lights",
+                                                              "shadow-samples",
+                                                              "ao-samples",
+                                                              "ao-radius",
+                                                              "ambient",
+                                                              "denoise",
+                                                              "mips",
+                                                              "terminator",
+                                                              "shadows",
+                                                              "shadow-size",
+                                                              "shadow-bias",
+                                                              "shadow-taps",
+                                                              "shadow-pattern",
+                                                              "shadow-blur",
+                                                              "shadow-cascades",
+                                                              "shadow-exponent",
+                                                              "shadow-bits",
+                                                              "shadow-source",
+                                                              "shadow-ambient",
+                                                              "shading",
+                                                              "interpolation",
+                                                              "shininess",
+                                                              "attenuation",
+                                                              "depth-cue",
+                                                              "transparency",
+                                                              "transparency-layers",
+                                                              "transparency-samples",
+                                                              "occlusion",
+                                                              "ao-bias",
+                                                              "ao-thinness",
+                                                              "antialias"};
+constexpr std::array<std::string_view, 8> kAoSettings = {"ao-samples", "ao-radius", "denoise",     "terminator",
+                                                         "occlusion",  "ao-bias",   "ao-thinness", "antialias"};
 constexpr std::array<std::string_view, 1> kAovs = {"ao"};
 constexpr std::array<std::string_view, 2> kFirstHitStages = {"raster", "resolve"};
+
+// By --interpolation.
+constexpr std::array<std::string_view, 3> kEvaluated = {
+    "evaluated once a face", "evaluated at corners and interpolated (Gouraud 1971)", "evaluated in every pixel"};
 
 constexpr const char* kFiltered = "direct light and occlusion are filtered over space and time (--denoise)";
 
@@ -37,17 +77,62 @@ gpu::Feature features(const RenderSettings&) { return gpu::kFeatureSharedFirstHi
 void start_path_kernels(KernelCompiler& kernels, const DeviceInfo& device, gpu::Feature features,
                         const RenderSettings& settings) {
   const auto start = [&](gpu::Feature bits) {
-    kernels.start({&kPathProgram, kLightingStages, kernel_config(bits, kExpectedStack, settings)});
+    const std::uint32_t stages = shading_kind(settings) ? kLocalPathStages : kLightingStages;
+    kernels.start({&kPathProgram, stages, kernel_config(bits, kExpectedStack, settings)});
   };
   if ((features & gpu::kFeatureTextures) && wants_mips(settings)) features |= gpu::kFeatureMips;
   start(features);
   if (generic_first(device)) start(generic_features(features));
 }
 
+std::uint64_t layer_bytes(const RenderSettings& settings) {
+  const TransparencyKind* kind = transparency_kind(settings);
+  return kind && kind->layers ? layer_bytes_per_pixel(*kind->layers) : 0;
+}
+
 std::uint64_t bytes_per_pixel(const RenderSettings& settings) {
   constexpr std::uint64_t kIds = 2 * sizeof(std::uint32_t), kDepth = sizeof(float); // drawn, and copied once
   return sizeof(gpu::GbufferPixel) + 2 * sizeof(gpu::vec4) + 2 * kIds + kDepth +
-         (settings.denoise != kDenoiseOff ? Denoiser::bytes_per_pixel() : 0);
+         (settings.denoise != kDenoiseOff ? Denoiser::bytes_per_pixel() : 0) + layer_bytes(settings);
+}
+
+void add_shading_bias(const RenderSettings& settings, std::vector<std::string>& bias) {
+  const ShadingKind* shading = shading_kind(settings);
+  if (!shading) return;
+  bias.push_back(fmt::format("surfaces reflect by {}, {}, in the place of their glTF materials (--shading {})",
+                             shading->summary, kEvaluated[settings.interpolation], shading->name));
+  if (settings.attenuation)
+    bias.push_back(fmt::format("light falls off by 1 / ({} + {} d + {} d^2) with the distance d (--attenuation)",
+                               settings.attenuation->x, settings.attenuation->y, settings.attenuation->z));
+  if (settings.depth_cue)
+    bias.push_back(fmt::format("surfaces fade into the background between depths of {} and {} metres (--depth-cue)",
+                               settings.depth_cue->x, settings.depth_cue->y));
+}
+
+void add_transparency_bias(const RenderSettings& settings, std::vector<std::string>& bias) {
+  const TransparencyKind* kind = transparency_kind(settings);
+  if (!kind) return;
+  bias.push_back(fmt::format("BLEND surfaces are {} (--transparency {})", kind->summary, kind->name));
+  if (!kind->layers) return;
+  bias.push_back(
+      fmt::format("light of BLEND surfaces has no shadows, and their ambient term no occlusion "
+                  "(--transparency {})",
+                  kind->name));
+  if (takes_transparency_setting(settings, "transparency-layers"))
+    bias.push_back(fmt::format("of BLEND surfaces that lie behind each other, {} are seen (--transparency-layers)",
+                               settings.transparency_layers));
+}
+
+// Of the frame, whatever it shows.
+void add_common_bias(const RenderSettings& settings, std::vector<std::string>& bias) {
+  if (settings.denoise != kDenoiseOff) bias.emplace_back(kFiltered);
+  if (const AntialiasKind& antialias = antialias_kind(settings); antialias.is_biased)
+    bias.push_back(fmt::format("edges are those of {} (--antialias {})", antialias.summary, antialias.name));
+  if (const OcclusionKind* occlusion = occlusion_kind(settings))
+    bias.push_back(
+        fmt::format("ambient occlusion is that of {}, which knows nothing but what the picture shows "
+                    "(--occlusion {})",
+                    occlusion->summary, occlusion->name));
 }
 
 std::vector<std::string> hybrid_bias(const RenderSettings& settings, const RenderResult& result) {
@@ -59,7 +144,9 @@ std::vector<std::string> hybrid_bias(const RenderSettings& settings, const Rende
         fmt::format("light of more than one bounce, what mirrors and glass show of it included, is an ambient "
                     "term of radiance {:.3g},{:.3g},{:.3g} (--integrator hybrid, --ambient)",
                     result.ambient.r, result.ambient.g, result.ambient.b));
-  if (settings.denoise != kDenoiseOff) bias.emplace_back(kFiltered);
+  add_common_bias(settings, bias);
+  add_shading_bias(settings, bias);
+  add_transparency_bias(settings, bias);
   const ShadowKind* shadows = shadow_kind(settings);
   if (!shadows || !result.shadows) return bias;
   bias.push_back(fmt::format("shadows of {} are those of {} (--shadows {})", result.shadows->covered, shadows->summary,
@@ -70,7 +157,7 @@ std::vector<std::string> hybrid_bias(const RenderSettings& settings, const Rende
   return bias;
 }
 
-Json cost_json(const ShadowCost& cost) { return {{"median", cost.median}, {"least", cost.least}, {"most", cost.most}}; }
+Json cost_json(const FrameCost& cost) { return {{"median", cost.median}, {"least", cost.least}, {"most", cost.most}}; }
 
 Json shadow_json(const RenderSettings& settings, const std::optional<ShadowReport>& shadows) {
   if (!shadows) return nullptr;
@@ -89,18 +176,42 @@ Json shadow_json(const RenderSettings& settings, const std::optional<ShadowRepor
   return json;
 }
 
+Json occlusion_json(const RenderSettings& settings, const std::optional<OcclusionReport>& occlusion) {
+  if (!occlusion) return nullptr;
+  return {{"technique", occlusion_kind(settings)->name}, {"ms", cost_json(occlusion->cost)}};
+}
+
+Json antialias_json(const RenderSettings& settings, const std::optional<FrameCost>& cost) {
+  return {{"technique", antialias_kind(settings).name}, {"ms", cost ? cost_json(*cost) : Json()}};
+}
+
+void check_frame_settings(const RenderSettings& settings) {
+  check_occlusion_settings(settings);
+  check_antialias_settings(settings);
+}
+
+bool has_biased_frames(const RenderSettings& settings) {
+  return settings.denoise != kDenoiseOff || occlusion_kind(settings) || antialias_kind(settings).is_biased;
+}
+
 std::string unfit_shadows(const RenderSettings& settings, const PackedScene& scene) {
   const ShadowKind* shadows = shadow_kind(settings);
   return shadows ? unfit(*shadows, scene) : "";
 }
 
 std::vector<std::string> ao_bias(const RenderSettings& settings, const RenderResult&) {
-  return settings.denoise != kDenoiseOff ? std::vector<std::string>{kFiltered} : std::vector<std::string>();
+  std::vector<std::string> bias;
+  add_common_bias(settings, bias);
+  return bias;
 }
 
 std::vector<OmittedStage> always_omitted(const RenderSettings& settings) {
   std::vector<OmittedStage> omitted = {
       {"path kernels generate and accumulate", "hybrid frames begin with rasterization and end with composite"}};
+  if (const OcclusionKind* occlusion = occlusion_kind(settings))
+    omitted.push_back({"occlusion rays", fmt::format("--occlusion {} looks at depths; rays find the ambient radiance "
+                                                     "alone, where --ambient does not give it",
+                                                     occlusion->name)});
   if (settings.denoise == kDenoiseOff) omitted.push_back({"filters over space and time", "--denoise is off"});
   return omitted;
 }
@@ -108,6 +219,8 @@ std::vector<OmittedStage> always_omitted(const RenderSettings& settings) {
 std::vector<OmittedStage> hybrid_omitted(const RenderSettings& settings) {
   std::vector<OmittedStage> omitted = always_omitted(settings);
   if (settings.shadows == kShadowsTraced) omitted.push_back({"shadow techniques", "--shadows traced sends rays alone"});
+  if (shading_kind(settings))
+    omitted.push_back({"path kernels shade and extend", "--shading draws no directions from materials"});
   if (settings.max_depth <= 1) omitted.push_back({"ambient occlusion", "--max-depth 1 asks for direct light alone"});
   return omitted;
 }
@@ -124,7 +237,23 @@ Json stats(const RenderSettings& settings, const PackedScene& scene, const Rende
           {"ao_radius", occlusion_radius(scene, settings)},
           {"ambient", {result.ambient.r, result.ambient.g, result.ambient.b}},
           {"denoise", settings.denoise != kDenoiseOff},
-          {"shadows", shadow_json(settings, result.shadows)}};
+          {"shading", kShadingNames[settings.shading]},
+          {"transparency", kTransparencyNames[settings.transparency]},
+          {"shadows", shadow_json(settings, result.shadows)},
+          {"occlusion", occlusion_json(settings, result.occlusion)},
+          {"antialias", antialias_json(settings, result.antialias)}};
+}
+
+void check(const RenderSettings& settings) {
+  check_shadow_settings(settings);
+  check_frame_settings(settings);
+  check_shading_settings(settings);
+  check_transparency_settings(settings);
+}
+
+bool means(const RenderSettings& settings, std::string_view setting) {
+  return takes_shadow_setting(settings, setting) && takes_occlusion_setting(settings, setting) &&
+         takes_shading_setting(settings, setting) && takes_transparency_setting(settings, setting);
 }
 
 std::unique_ptr<Integrator> make(Workspace& workspace, KernelCompiler& kernels) {
@@ -140,8 +269,8 @@ constinit const IntegratorKind kHybrid = {
     .aovs = kAovs,
     .traces_paths = false,
     .first_hit_stages = kFirstHitStages,
-    .check = check_shadow_settings,
-    .means = takes_shadow_setting,
+    .check = check,
+    .means = means,
     .unfit = unfit_shadows,
     .features = features,
     .start_kernels = start_path_kernels,
@@ -152,8 +281,8 @@ constinit const IntegratorKind kHybrid = {
     .bytes_per_pixel = bytes_per_pixel,
     .is_biased =
         [](const RenderSettings& settings) {
-          return settings.denoise != kDenoiseOff || settings.max_depth > 1 || uses_mips(settings) ||
-                 shadow_kind(settings) != nullptr;
+          return has_biased_frames(settings) || settings.max_depth > 1 || uses_mips(settings) ||
+                 shadow_kind(settings) || shading_kind(settings) || transparency_kind(settings);
         },
     .bias = hybrid_bias,
     .omitted = hybrid_omitted,
@@ -169,6 +298,8 @@ constinit const IntegratorKind kAo = {
     .finds_light = false,
     .traces_paths = false,
     .first_hit_stages = kFirstHitStages,
+    .check = check_frame_settings,
+    .means = takes_occlusion_setting,
     .features = features,
     .start_kernels = [](KernelCompiler&, const DeviceInfo&, gpu::Feature, const RenderSettings&) {}, // it has no paths
     .bytes_per_slot = [](gpu::Feature features,
@@ -176,7 +307,7 @@ constinit const IntegratorKind kAo = {
     .largest_record = [](const RenderSettings&) { return std::uint64_t{2 * sizeof(gpu::Ray)}; },
     .slots_per_pixel = [](const RenderSettings&) { return 1u; },
     .bytes_per_pixel = bytes_per_pixel,
-    .is_biased = [](const RenderSettings& settings) { return settings.denoise != kDenoiseOff; },
+    .is_biased = has_biased_frames,
     .bias = ao_bias,
     .omitted = ao_omitted,
     .stats = stats,

@@ -1,12 +1,14 @@
 #include "host/integrators/hybrid/occlusion_radius.h"
 
 #include "host/render/settings/integrator_kind.h"
+#include "host/render/settings/occlusion_settings.h"
 #include "host/scene/pack/pack.h"
 
 namespace wavepath {
 
 double occlusion_radius(const PackedScene& scene, const RenderSettings& settings) {
-  return settings.ao_radius.value_or(settings.integrator->finds_light ? 0.1 * scene.radius : 0.0);
+  const bool limited = settings.integrator->finds_light || settings.occlusion != kOcclusionTraced;
+  return settings.ao_radius.value_or(limited ? 0.1 * scene.radius : 0.0);
 }
 
 } // namespace wavepath

@@ -48,9 +48,10 @@ struct MergeReport {
 };
 
 // Milliseconds a frame on the device: median, least and most.
-struct ShadowCost {
+struct FrameCost {
   double median = 0.0, least = 0.0, most = 0.0;
 };
+using ShadowCost = FrameCost;
 
 // Shadow rays that a technique could have answered: those that it did answer, and those that it left to be traced.
 struct RayAnswers {
@@ -67,6 +68,12 @@ struct ShadowReport {
   float nearest = 0.0f, farthest = 0.0f;       // depths that the last frame showed, where views are fitted to it
   std::uint32_t pages = 0, resident_pages = 0; // of virtual maps; in the last frame
   std::uint32_t longest_list = 0;              // of shadow rays in a cell, of an irregular z-buffer
+};
+
+// What occlusion in screen space took (--occlusion).
+struct OcclusionReport {
+  double radius = 0.0; // metres
+  FrameCost cost;
 };
 
 // The filter of the finished picture (--denoise).
@@ -99,6 +106,8 @@ struct RenderResult {
   std::optional<GuideReport> guide;
   std::optional<MergeReport> merging;
   std::optional<ShadowReport> shadows;
+  std::optional<OcclusionReport> occlusion;
+  std::optional<FrameCost> antialias; // of a filter of frames (--antialias)
   std::optional<DenoiseReport> denoised;
 };
 

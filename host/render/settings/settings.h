@@ -47,8 +47,12 @@ struct RenderSettings {
   std::uint32_t blades = 0;         // of the aperture, a regular polygon; 0 = a disc
   std::uint32_t shadow_samples = 1; // light samples for every sample of a pixel
   std::uint32_t ao_samples = 1;     // occlusion rays for every sample of a pixel
-  // Metres, 0 = unlimited; empty: unlimited for ao, a tenth of the scene's radius for hybrid.
+  // Metres, 0 = unlimited; empty: a tenth of the scene's radius, but unlimited for ao by rays.
   std::optional<double> ao_radius;
+  std::uint32_t occlusion = 0;              // technique: of kOcclusionNames (occlusion_settings.h)
+  std::uint32_t antialias = 0;              // technique: of kAntialiasNames (antialias_settings.h)
+  double ao_bias = 10.0;                    // degrees over the tangent plane up to which nothing occludes
+  double ao_thinness = 0.0;                 // share by which what is seen behind a body lowers its horizon
   std::optional<glm::vec3> ambient;         // radiance; empty = estimated from the direct light in the picture
   std::uint32_t shadows = 0;                // technique: of kShadowNames (shadow_settings.h)
   std::uint32_t shadow_size = 1024;         // texels along a side of what a light sees
@@ -62,6 +66,14 @@ struct RenderSettings {
   std::uint32_t shadow_bits = 32;           // of each moment that a map holds
   std::uint32_t shadow_source = 0;          // how maps are made: of kShadowSourceNames
   double shadow_ambient = 0.0;              // share of a light that reaches what is in its shadow
+  std::uint32_t shading = 0;                // how first hits reflect: of kShadingNames (shading_settings.h)
+  std::uint32_t interpolation = 2;          // where that is evaluated: of kInterpolationNames
+  std::optional<double> shininess;          // exponent of highlights; empty = from the material's roughness
+  std::optional<glm::vec3> attenuation;     // 1 / (x + y d + z d^2) at distance d of a light; empty = 1 / d^2
+  std::optional<glm::vec2> depth_cue;       // depths between which surfaces fade into the background; empty = none
+  std::uint32_t transparency = 0;           // of BLEND surfaces: of kTransparencyNames (transparency_settings.h)
+  std::uint32_t transparency_layers = 4;    // that are peeled off
+  std::uint32_t transparency_samples = 8;   // of stochastic transparency, for every sample of a pixel
   std::uint32_t branching = kBranchingTree;
   std::uint32_t techniques = gpu::kTechniquesAll; // kTechnique bits
   double cutoff = 1.0 / 256.0;                    // weight below which rays are not followed; biased unless it is 0

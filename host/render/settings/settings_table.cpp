@@ -7,9 +7,13 @@
 #include <fmt/format.h>
 
 #include "host/base/error.h"
+#include "host/render/settings/antialias_rows.h"
 #include "host/render/settings/denoising.h"
 #include "host/render/settings/mips.h"
+#include "host/render/settings/occlusion_rows.h"
+#include "host/render/settings/shading_rows.h"
 #include "host/render/settings/shadow_rows.h"
+#include "host/render/settings/transparency_rows.h"
 
 namespace wavepath {
 namespace {
@@ -311,7 +315,9 @@ std::vector<Setting> special_rows() {
        .study = {"1", "4", "16"}},
       {.name = "ao-samples",
        .value = WholeValue{&S::ao_samples, 1, kMostFrameRays},
-       .meaning = "occlusion rays for every sample of a pixel, cosine-weighted and stratified",
+       .meaning =
+           "occlusion rays for every sample of a pixel, cosine-weighted and stratified; of --occlusion ssao points, of "
+           "hbao directions, of gtao slices",
        .placeholder = "N",
        .takers = Takers::listed_else_ignored,
        .label = "occlusion rays",
@@ -320,7 +326,7 @@ std::vector<Setting> special_rows() {
        .value = OptionalNumberValue{&S::ao_radius, 0.0, kFarthest},
        .meaning = "distance from which on nothing occludes; 0 = unlimited",
        .placeholder = "METRES",
-       .initial = "hybrid: a tenth of the scene's radius; ao: 0",
+       .initial = "a tenth of the scene's radius; ao by rays: 0",
        .takers = Takers::listed_else_refused},
       {.name = "ambient",
        .value = RadianceValue{&S::ambient, kMostRadiance},
@@ -377,8 +383,9 @@ std::vector<Setting> special_rows() {
 // The order is that of --help within each group, of copied commands and of the panel.
 std::vector<Setting> all_rows() {
   std::vector<Setting> rows;
-  for (std::vector<Setting> part :
-       {picture_rows(), lens_rows(), transport_rows(), stop_rows(), special_rows(), shadow_rows()})
+  for (std::vector<Setting> part : {picture_rows(), lens_rows(), transport_rows(), stop_rows(), special_rows(),
+                                    shadow_rows(), occlusion_rows(), antialias_rows(), shading_rows(),
+                                    transparency_rows()})
     for (Setting& row : part) rows.push_back(std::move(row));
   return rows;
 }

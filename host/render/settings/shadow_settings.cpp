@@ -1,12 +1,14 @@
 #include "host/render/settings/shadow_settings.h"
 
 #include "host/render/settings/integrator_kind.h"
+#include "host/render/settings/shading_settings.h"
 
 namespace wavepath {
 
 std::uint32_t direct_of(const RenderSettings& settings) {
   const bool answered = settings.shadows != kShadowsTraced && takes(*settings.integrator, "shadows");
-  return answered && settings.direct == gpu::kDirectMis ? gpu::kDirectNee : settings.direct;
+  const bool local = settings.shading != kShadingGltf && takes(*settings.integrator, "shading");
+  return (answered || local) && settings.direct == gpu::kDirectMis ? gpu::kDirectNee : settings.direct;
 }
 
 } // namespace wavepath

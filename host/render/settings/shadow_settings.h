@@ -23,7 +23,7 @@ inline constexpr std::array<std::string_view, 2> kShadowSourceNames = {"raster",
 inline constexpr std::uint32_t kShadowSourceRaster = 0, kShadowSourceTraced = 1;
 
 // How direct light is estimated: as --direct says; by light samples alone where a technique answers them, because it
-// knows nothing of lights that BSDF samples hit.
+// knows nothing of lights that BSDF samples hit, and where local illumination reflects, which draws no directions.
 std::uint32_t direct_of(const RenderSettings& settings);
 
 } // namespace wavepath

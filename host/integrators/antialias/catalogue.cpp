@@ -1,0 +1,42 @@
+#include "host/integrators/antialias/catalogue.h"
+
+#include <array>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "host/base/error.h"
+#include "host/integrators/antialias/kinds.h"
+#include "host/render/settings/antialias_settings.h"
+
+namespace wavepath {
+namespace {
+
+constexpr std::array kKinds = {&kAntialiasFilter, &kAntialiasNone, &kAntialiasSupersample,
+                               &kAntialiasFxaa,   &kAntialiasSmaa, &kAntialiasTaa};
+static_assert(kKinds.size() == kAntialiasNames.size());
+
+} // namespace
+
+std::span<const AntialiasKind* const> antialias_kinds() { return kKinds; }
+
+const AntialiasKind& antialias_kind(const RenderSettings& settings) { return *kKinds[settings.antialias]; }
+
+std::uint32_t whole_samples(const RenderSettings& settings) {
+  return settings.sample_total > 0 ? settings.sample_total : settings.last_sample;
+}
+
+void check_antialias_settings(const RenderSettings& settings) {
+  const AntialiasKind& kind = antialias_kind(settings);
+  const std::string flag = fmt::format("--antialias {}", kind.name);
+  const bool usual_filter = settings.filter == RenderSettings{}.filter || settings.filter == gpu::kFilterBox;
+  if (kind.place && !usual_filter)
+    throw UsageError("--filter", fmt::format("is not taken by {}", flag), "leave it out");
+  const std::uint32_t samples = whole_samples(settings);
+  const auto side = static_cast<std::uint32_t>(std::lround(std::sqrt(static_cast<double>(samples))));
+  if (kind.wants_square && side * side != samples)
+    throw UsageError(flag, fmt::format("has a grid of NxN places, and {} samples make none", samples),
+                     fmt::format("give --spp {}", side * side));
+}
+
+} // namespace wavepath

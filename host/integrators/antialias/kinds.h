@@ -1,0 +1,15 @@
+// The techniques there are, one constant a file of this folder.
+#pragma once
+
+#include "host/integrators/antialias/technique.h"
+
+namespace wavepath {
+
+extern const AntialiasKind kAntialiasFilter;      // filter.cpp
+extern const AntialiasKind kAntialiasNone;        // none.cpp
+extern const AntialiasKind kAntialiasSupersample; // supersample.cpp
+extern const AntialiasKind kAntialiasFxaa;        // fxaa.cpp
+extern const AntialiasKind kAntialiasSmaa;        // smaa.cpp
+extern const AntialiasKind kAntialiasTaa;         // taa.cpp
+
+} // namespace wavepath

@@ -1,0 +1,28 @@
+// What is known of a technique of anti-aliasing before there is a device.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+#include <glm/glm.hpp>
+
+#include "host/gpu/kernel.h"
+
+namespace wavepath {
+
+// One constant for each stands in its file.
+struct AntialiasKind {
+  std::string_view name; // value of --antialias
+  std::string_view summary;
+  // Where frame `sample` of `total` sees every pixel, from its centre; null: at a random place of the pixel filter.
+  glm::vec2 (*place)(std::uint32_t sample, std::uint32_t total) = nullptr;
+  bool wants_square = false;            // the number of samples
+  std::span<const KernelCode> passes{}; // over every frame; the last one writes it
+  bool over_time = false;               // joins frames to those before
+  bool is_biased = true;
+};
+
+inline glm::vec2 pixel_centre(std::uint32_t, std::uint32_t) { return glm::vec2(0.0f); }
+
+} // namespace wavepath

@@ -1,0 +1,25 @@
+// Ground-truth ambient occlusion (Jimenez et al. 2016).
+#include <array>
+
+#include "host/integrators/occlusion/kinds.h"
+#include "host/integrators/occlusion/screen_space.h"
+#include "kernels/occlusion/gtao.spv.h"
+
+namespace wavepath {
+namespace {
+
+const std::array<KernelCode, 1> kStages = {{{kScreenOcclusionStage, wavepath_gtao_spv}}};
+constexpr std::array<std::size_t, 1> kOrder = {0};
+const KernelProgram kProgram = {kStages, kOrder, screen_space_layout};
+constexpr std::array<std::string_view, 1> kSettings = {"ao-thinness"};
+
+} // namespace
+
+constinit const OcclusionKind kOcclusionGtao = {
+    .name = "gtao",
+    .summary = "cosine-weighted visibility between two horizons a slice (GTAO, Jimenez et al. 2016)",
+    .settings = kSettings,
+    .program = &kProgram,
+};
+
+} // namespace wavepath

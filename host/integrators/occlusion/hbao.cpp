@@ -1,0 +1,25 @@
+// Horizon-based ambient occlusion (Bavoil, Sainz and Dimitrov 2008).
+#include <array>
+
+#include "host/integrators/occlusion/kinds.h"
+#include "host/integrators/occlusion/screen_space.h"
+#include "kernels/occlusion/hbao.spv.h"
+
+namespace wavepath {
+namespace {
+
+const std::array<KernelCode, 1> kStages = {{{kScreenOcclusionStage, wavepath_hbao_spv}}};
+constexpr std::array<std::size_t, 1> kOrder = {0};
+const KernelProgram kProgram = {kStages, kOrder, screen_space_layout};
+constexpr std::array<std::string_view, 1> kSettings = {"ao-bias"};
+
+} // namespace
+
+constinit const OcclusionKind kOcclusionHbao = {
+    .name = "hbao",
+    .summary = "horizons over the tangent plane (HBAO, Bavoil et al. 2008)",
+    .settings = kSettings,
+    .program = &kProgram,
+};
+
+} // namespace wavepath

@@ -1,0 +1,30 @@
+// Depth peeling (Everitt 2001): every pass finds the nearest layer behind the last one, pixel by pixel. Exact as far as
+// --transparency-layers reach.
+#include "host/integrators/transparency/found_layers.h"
+#include "host/integrators/transparency/kinds.h"
+#include "kernels/hybrid/hybrid_types.h"
+#include "kernels/transparency/layer_peel_frag.spv.h"
+#include "kernels/transparency/layer_vert.spv.h"
+#include "kernels/transparency/peel_under.spv.h"
+
+namespace wavepath {
+namespace {
+
+const LayerRecipe kRecipe = {.code = {"layers", wavepath_layer_vert_spv, wavepath_layer_peel_frag_spv},
+                             .attachments = kFoundLayer,
+                             .finish = {"peel", wavepath_peel_under_spv},
+                             .passes = [](const RenderSettings& settings) { return settings.transparency_layers; },
+                             .bindings = kFoundLayerBindings};
+constexpr std::array<std::string_view, 1> kSettings = {"transparency-layers"};
+
+} // namespace
+
+constinit const TransparencyKind kTransparencyPeel = {
+    .name = "peel",
+    .summary = "peeled off one by one, the nearest first (Everitt 2001)",
+    .settings = kSettings,
+    .flag = gpu::kHybridLayers,
+    .layers = &kRecipe,
+};
+
+} // namespace wavepath

@@ -1,0 +1,15 @@
+// The names of ways to see through BLEND surfaces: values of --transparency.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string_view>
+
+namespace wavepath {
+
+// The first one passes through at random; host/integrators/transparency has a file for each of the others.
+inline constexpr std::array<std::string_view, 6> kTransparencyNames = {"traced",   "sorted",     "peel",
+                                                                       "weighted", "screendoor", "stochastic"};
+inline constexpr std::uint32_t kTransparencyTraced = 0;
+
+} // namespace wavepath

@@ -1,0 +1,38 @@
+// Where a triangle's corner lies in the clip space of a hybrid frame, and which sides of the triangle are not there. Include
+// bindings.glsl with BIND_GEOMETRY and BIND_HYBRID first.
+#ifndef WAVEPATH_FRAME_CORNER_GLSL
+#define WAVEPATH_FRAME_CORNER_GLSL
+
+#include "kernels/camera.glsl"
+#include "kernels/triangle.glsl"
+
+// 1: the clockwise side, 2: the other.
+uint hidden_sides_of(uint triangle, uint instance) {
+  if (!CULLS_BACKS) return 0u;
+  // A transform that mirrors shows the back counter-clockwise.
+  bool mirrors = has(kFeatureInstances) && frame.root_is_top != 0u &&
+                 floatBitsToUint(texelFetch(instances, int(instance * kInstanceTexels + 6u)).y) != 0u;
+  uint flags = floatBitsToUint(texelFetch(triangles, int(triangle * kTriangleTexels)).w);
+  return (flags & kTriangleSingleSided) == 0u ? 0u : mirrors ? 2u : 1u;
+}
+
+// Reversed z: near / depth has the same relative precision at every depth, which floats then keep.
+float clip_depth(float depth) { return is_orthographic() ? 1.0 - depth / hybrid.far : hybrid.near / depth; }
+
+vec4 clip_corner(uint triangle, uint corner, uint instance) {
+  vec3 p = texelFetch(triangles, int(triangle * kTriangleTexels + corner)).xyz;
+  if (has(kFeatureInstances) && frame.root_is_top != 0u) p = transform_point(instance * kInstanceTexels + 3u, p);
+
+  // The inverse of camera_ray(): right, up and forward are at right angles.
+  vec3 q = p - frame.camera_position;
+  vec2 place = vec2(dot(q, frame.camera_right) / dot(frame.camera_right, frame.camera_right),
+                    dot(q, frame.camera_up) / dot(frame.camera_up, frame.camera_up));
+  float depth = dot(q, frame.camera_forward);
+  // Pixels are sampled in their centres, so that the picture moves against the jitter. Clip space has y downwards.
+  vec2 shift = 2.0 * hybrid.jitter / vec2(frame.width, frame.height);
+  vec2 flipped = vec2(place.x, -place.y);
+  return is_orthographic() ? vec4(flipped - shift, 1.0 - depth / hybrid.far, 1.0)
+                           : vec4(flipped - shift * depth, hybrid.near, depth);
+}
+
+#endif

@@ -1,0 +1,217 @@
+// Anti-aliasing: pictures of one colour, edges whose coverage is known, and what each technique must leave alone.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "host/base/error.h"
+#include "host/integrators/antialias/catalogue.h"
+#include "host/render/settings/antialias_settings.h"
+#include "tests/shadow_scene.h"
+
+namespace wavepath::test {
+namespace {
+
+constexpr int kSide = 48; // pixels
+
+RenderSettings antialias_settings(std::string_view technique, std::uint32_t samples = 1) {
+  RenderSettings settings;
+  settings.integrator = &kHybrid;
+  settings.width = settings.height = kSide;
+  settings.max_depth = 0; // light that is seen directly
+  settings.filter = gpu::kFilterBox;
+  settings.last_sample = samples;
+  settings.antialias = index_of(kAntialiasNames, technique);
+  return settings;
+}
+
+// A plane that shines, as far as x * slope + height in pixels from the middle upwards; a pixel is a metre.
+Scene half_plane(float slope, float height, glm::vec3 light = glm::vec3(1.0f)) {
+  Scene scene;
+  scene.path = "test";
+  Material shining = plain_material();
+  shining.emission = light;
+  scene.materials.push_back(shining);
+  const glm::vec3 a(-100, height - 100 * slope, 0), b(100, height + 100 * slope, 0), c(100, -400, 0), d(-100, -400, 0);
+  add_instance(scene, add_mesh(scene, {a, d, c, a, c, b}));
+  Camera camera;
+  camera.orthographic = true;
+  camera.xmag = camera.ymag = kSide / 2;
+  camera.world_from_camera[3] = {0, 0, 10, 1};
+  scene.cameras.push_back(camera);
+  return scene;
+}
+
+// Of a pixel: the share of a grid of places below the edge.
+double coverage(int x, int y, double slope, double height, int side) {
+  int below = 0;
+  for (int i = 0; i < side; ++i)
+    for (int j = 0; j < side; ++j)
+      below += kSide / 2 - (y + (j + 0.5) / side) < height + slope * (x + (i + 0.5) / side - kSide / 2);
+  return static_cast<double>(below) / (side * side);
+}
+
+class AntialiasTest : public ShadowTest {
+protected:
+  // Root mean square of what a picture is away from the edge's coverage.
+  static double error(const std::vector<float>& picture, double slope, double height) {
+    double sum = 0.0;
+    for (int i = 0; i < kSide * kSide; ++i) {
+      const double off = picture[i] - coverage(i % kSide, i / kSide, slope, height, 32);
+      sum += off * off;
+    }
+    return std::sqrt(sum / (kSide * kSide));
+  }
+};
+
+TEST_F(AntialiasTest, OneColourStaysItself) {
+  const glm::vec3 colour(0.3f, 1.7f, 5.1f);
+  const Scene scene = half_plane(0.0f, 200.0f, colour);
+  for (const std::string_view name : kAntialiasNames) {
+    const Picture picture = render(scene, antialias_settings(name, 4)).picture;
+    for (int c = 0; c < 3; ++c)
+      for (const float value : picture.channels[c].values) ASSERT_EQ(value, colour[c]) << name;
+  }
+}
+
+TEST_F(AntialiasTest, NoneIsWhatTheCentreShows) {
+  const std::vector<float> picture = light(half_plane(0.37f, 0.1f), antialias_settings("none", 2));
+  for (int i = 0; i < kSide * kSide; ++i)
+    ASSERT_EQ(picture[i], coverage(i % kSide, i / kSide, 0.37, 0.1, 1)) << i % kSide << "," << i / kSide;
+}
+
+TEST_F(AntialiasTest, SupersamplingIsTheShareOfItsGrid) {
+  for (const int side : {2, 4}) {
+    const std::vector<float> picture = light(half_plane(0.37f, 0.1f), antialias_settings("supersample", side * side));
+    for (int i = 0; i < kSide * kSide; ++i)
+      ASSERT_EQ(picture[i], coverage(i % kSide, i / kSide, 0.37, 0.1, side)) << i % kSide << "," << i / kSide;
+  }
+}
+
+TEST_F(AntialiasTest, FiltersOfEdgesLeaveTheRestAlone) {
+  const Scene scene = half_plane(0.37f, 0.1f, glm::vec3(3.0f));
+  const std::vector<float> plain = light(scene, antialias_settings("none"));
+  for (const char* name : {"fxaa", "smaa"}) {
+    const std::vector<float> picture = light(scene, antialias_settings(name));
+    std::size_t changed = 0;
+    for (int y = 0; y < kSide; ++y)
+      for (int x = 0; x < kSide; ++x) {
+        const auto at = [&](int i, int j) {
+          return plain[std::clamp(j, 0, kSide - 1) * kSide + std::clamp(i, 0, kSide - 1)];
+        };
+        const float here = at(x, y);
+        const bool even = at(x - 1, y) == here && at(x + 1, y) == here && at(x, y - 1) == here && at(x, y + 1) == here;
+        if (even) {
+          ASSERT_EQ(picture[y * kSide + x], here) << name << x << "," << y;
+        }
+        changed += picture[y * kSide + x] != here;
+      }
+    EXPECT_GT(changed, 40u) << name;
+  }
+}
+
+// Steps are best where they are longest; of the technique's error on an edge that rises one pixel in eight remains less
+// than half, on steep ones less than three quarters.
+TEST_F(AntialiasTest, FiltersOfEdgesBringThemNearerToTheirCoverage) {
+  for (const char* name : {"fxaa", "smaa"})
+    for (const auto& [slope, share] :
+         {std::pair(0.125f, 0.5), std::pair(0.2f, 0.5), std::pair(0.37f, 0.75), std::pair(3.1f, 0.75)}) {
+      const Scene scene = half_plane(slope, 0.3f);
+      const double before = error(light(scene, antialias_settings("none")), slope, 0.3),
+                   after = error(light(scene, antialias_settings(name)), slope, 0.3);
+      EXPECT_LT(after, share * before) << name << " " << slope;
+    }
+}
+
+// Where the line crosses the middle of each step, the one that SMAA draws is that line.
+TEST_F(AntialiasTest, SmaaOfARegularStairIsItsLine) {
+  constexpr float kSlope = 0.125f, kHeight = 0.5f;
+  const std::vector<float> picture = light(half_plane(kSlope, kHeight), antialias_settings("smaa"));
+  for (int y = 0; y < kSide; ++y)
+    for (int x = 8; x < kSide - 8; ++x) // the ends of the first and last steps lie outside
+      EXPECT_NEAR(picture[y * kSide + x], coverage(x, y, kSlope, kHeight, 64), 0.01) << x << "," << y;
+}
+
+TEST_F(AntialiasTest, SmaaLeavesStraightEdgesAlone) {
+  const Scene scene = half_plane(0.0f, 0.3f);
+  EXPECT_EQ(light(scene, antialias_settings("smaa")), light(scene, antialias_settings("none")));
+}
+
+// What FXAA is known to do: it softens edges that need nothing.
+TEST_F(AntialiasTest, FxaaSoftensStraightEdges) {
+  const Scene scene = half_plane(0.0f, 0.3f);
+  EXPECT_NE(light(scene, antialias_settings("fxaa")), light(scene, antialias_settings("none")));
+}
+
+// Nor does a filter know what no centre shows: a line a fifth of a pixel wide comes in pieces.
+TEST_F(AntialiasTest, FiltersDoNotFindWhatCentresMiss) {
+  Scene scene = half_plane(0.0f, -300.0f);
+  add_instance(scene, add_mesh(scene, rectangle({0, 0.1f, 0}, {100, 3, 0}, {0, 0.1f, 0})));
+  const std::vector<float> fine = light(scene, antialias_settings("supersample", 256));
+  for (const char* name : {"none", "fxaa", "smaa"}) {
+    const std::vector<float> picture = light(scene, antialias_settings(name));
+    int gaps = 0;
+    for (int x = 0; x < kSide; ++x) {
+      float column = 0.0f, truth = 0.0f;
+      for (int y = 0; y < kSide; ++y) column += picture[y * kSide + x], truth += fine[y * kSide + x];
+      EXPECT_GT(truth, 0.1f);
+      gaps += column == 0.0f;
+    }
+    EXPECT_GT(gaps, kSide / 2) << name;
+  }
+}
+
+// A still camera's frames are places of the pixel filter: of a box, the coverage.
+TEST_F(AntialiasTest, TaaTendsToSupersampling) {
+  const Scene scene = half_plane(0.37f, 0.1f, glm::vec3(0.5f));
+  const auto distance = [&](const char* name, std::uint32_t samples) {
+    const std::vector<float> picture = light(scene, antialias_settings(name, samples)),
+                             grid = light(scene, antialias_settings("supersample", 256));
+    double sum = 0.0;
+    for (std::size_t i = 0; i < grid.size(); ++i) sum += (picture[i] - grid[i]) * (picture[i] - grid[i]);
+    return std::sqrt(sum / static_cast<double>(grid.size()));
+  };
+  const double one = distance("taa", 1), many = distance("taa", 64), none = distance("none", 1);
+  EXPECT_LT(many, 0.25 * one);
+  EXPECT_LT(many, 0.25 * none);
+}
+
+TEST_F(AntialiasTest, OcclusionHasEdgesToo) {
+  const Scene scene = half_plane(0.125f, 0.5f);
+  const auto error_of = [&](const char* name) {
+    RenderSettings settings = antialias_settings(name);
+    settings.integrator = &kAo;
+    return error(light(scene, settings), 0.125, 0.5);
+  };
+  EXPECT_LT(error_of("smaa"), 0.5 * error_of("none"));
+}
+
+TEST_F(AntialiasTest, FiltersRunWhereTheyAreAskedForAndSayWhatTheyTake) {
+  const Scene scene = half_plane(0.37f, 0.1f);
+  for (const AntialiasKind* kind : antialias_kinds()) {
+    const RenderSettings settings = antialias_settings(kind->name, 4);
+    const RenderResult result = render(scene, settings);
+    const bool runs = std::ranges::count(result.stages, "anti-aliasing", &StageTime::name) > 0;
+    EXPECT_EQ(runs, !kind->passes.empty() || kind->over_time) << kind->name;
+    EXPECT_EQ(result.antialias.has_value(), runs) << kind->name;
+    if (runs) {
+      EXPECT_GT(result.antialias->median, 0.0);
+    }
+    const std::vector<std::string> bias = kHybrid.bias(settings, result);
+    const auto names_it = [&](const std::string& text) { return text.find("--antialias") != std::string::npos; };
+    EXPECT_EQ(std::ranges::any_of(bias, names_it), kind->is_biased) << kind->name;
+  }
+}
+
+TEST(AntialiasSettings, EveryNameHasATechniqueAndRefusesWhatDoesNotFit) {
+  ASSERT_EQ(antialias_kinds().size(), kAntialiasNames.size());
+  for (std::size_t i = 0; i < kAntialiasNames.size(); ++i) EXPECT_EQ(antialias_kinds()[i]->name, kAntialiasNames[i]);
+  EXPECT_EQ(kAntialiasNames[kAntialiasTaaName], "taa");
+  EXPECT_NO_THROW(check_antialias_settings(antialias_settings("supersample", 16)));
+  EXPECT_THROW(check_antialias_settings(antialias_settings("supersample", 15)), UsageError);
+  RenderSettings settings = antialias_settings("none");
+  settings.filter = gpu::kFilterGaussian;
+  EXPECT_THROW(check_antialias_settings(settings), UsageError);
+}
+
+} // namespace
+} // namespace wavepath::test
