@@ -136,6 +136,65 @@ TEST_F(AntialiasTest, SmaaLeavesStraightEdgesAlone) {
   EXPECT_EQ(light(scene, antialias_settings("smaa")), light(scene, antialias_settings("none")));
 }
 
+// Light that is the same all over a triangle does not ask where it is found.
+TEST_F(AntialiasTest, MultisamplingIsSupersamplingOfConstantLight) {
+  Scene scene = half_plane(0.37f, 0.1f, {0.3f, 0.7f, 2.9f});
+  Material other = plain_material();
+  other.emission = {1.3f, 0.1f, 0.6f};
+  scene.materials.push_back(other);
+  for (int i = -4; i < 5; ++i) // narrow, so that pixels show three things and more
+    add_instance(scene, add_mesh(scene, rectangle({4.3f * i, 0.2f * i, 1}, {0.3f, 20, 0}, {-0.4f, 0.1f, 0}), 1));
+  for (const std::uint32_t samples : {4u, 8u}) {
+    const Picture grid = render(scene, antialias_settings("supersample", 4)).picture,
+                  picture = render(scene, antialias_settings("msaa", samples)).picture;
+    for (int c = 0; c < 3; ++c) ASSERT_EQ(picture.channels[c].values, grid.channels[c].values) << samples;
+  }
+}
+
+// Inside a triangle there is one result of shading a pixel, that of its centre; supersampling finds another one at
+// every place. The lamp is so near that light bends within a pixel.
+TEST_F(AntialiasTest, MultisamplingShadesATriangleOncePerPixel) {
+  Scene scene = half_plane(0.0f, 200.0f);
+  scene.materials[0].emission = glm::vec3(0.0f);
+  scene.lights.push_back(lamp({3.0, 2.0, 1.5}));
+  const auto picture_of = [&](const char* name, std::uint32_t samples) {
+    RenderSettings settings = antialias_settings(name, samples);
+    settings.max_depth = 1;
+    settings.direct = gpu::kDirectNee;
+    return light(scene, settings);
+  };
+  const std::vector<float> msaa = picture_of("msaa", 4), centre = picture_of("none", 1),
+                           grid = picture_of("supersample", 4);
+  std::size_t once = 0, differs = 0;
+  for (int y = 0; y < kSide; ++y)
+    for (int x = 0; x < kSide; ++x) {
+      const int i = y * kSide + x;
+      once += std::abs(msaa[i] - centre[i]) <= 1e-6f * centre[i];
+      differs += std::abs(grid[i] - centre[i]) > 1e-4f * centre[i];
+    }
+  // Pixels on the diagonal between the two triangles are shaded twice, at the same centre.
+  EXPECT_EQ(once, msaa.size());
+  EXPECT_GT(differs, msaa.size() / 8);
+}
+
+// What MSAA is known to do: what shading itself makes, such as the edge of a shadow, stays a stair.
+TEST_F(AntialiasTest, MultisamplingLeavesEdgesOfShadowsAlone) {
+  Scene scene = half_plane(0.0f, 200.0f);
+  scene.materials[0].emission = glm::vec3(0.0f);
+  scene.lights.push_back(sun({0.0, 0.0, -1.0}));
+  add_instance(scene, add_mesh(scene, rectangle({0, -30, 20}, {100, 37, 0}, {0, 30, 0}))); // behind the camera
+  const auto levels = [&](const char* name) {
+    RenderSettings settings = antialias_settings(name, 4);
+    settings.max_depth = 1;
+    settings.direct = gpu::kDirectNee;
+    std::vector<float> values = light(scene, settings);
+    const float most = *std::ranges::max_element(values);
+    return std::ranges::count_if(values, [&](float v) { return v > 0.01f * most && v < 0.99f * most; });
+  };
+  EXPECT_EQ(levels("msaa"), 0);
+  EXPECT_GT(levels("supersample"), kSide / 2);
+}
+
 // What FXAA is known to do: it softens edges that need nothing.
 TEST_F(AntialiasTest, FxaaSoftensStraightEdges) {
   const Scene scene = half_plane(0.0f, 0.3f);
@@ -208,7 +267,12 @@ TEST(AntialiasSettings, EveryNameHasATechniqueAndRefusesWhatDoesNotFit) {
   EXPECT_EQ(kAntialiasNames[kAntialiasTaaName], "taa");
   EXPECT_NO_THROW(check_antialias_settings(antialias_settings("supersample", 16)));
   EXPECT_THROW(check_antialias_settings(antialias_settings("supersample", 15)), UsageError);
-  RenderSettings settings = antialias_settings("none");
+  EXPECT_NO_THROW(check_antialias_settings(antialias_settings("msaa", 8)));
+  EXPECT_THROW(check_antialias_settings(antialias_settings("msaa", 6)), UsageError);
+  RenderSettings settings = antialias_settings("msaa", 4);
+  settings.target_error = 0.1;
+  EXPECT_THROW(check_antialias_settings(settings), UsageError);
+  settings = antialias_settings("none");
   settings.filter = gpu::kFilterGaussian;
   EXPECT_THROW(check_antialias_settings(settings), UsageError);
 }

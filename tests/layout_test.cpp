@@ -212,11 +212,11 @@ TEST(Layout, Film) {
 }
 
 TEST(Layout, Hybrid) {
-  compare(
-      "HybridFrame", sizeof(HybridFrame),
-      {AT(HybridFrame, jitter), AT(HybridFrame, near), AT(HybridFrame, far), AT(HybridFrame, ambient),
-       AT(HybridFrame, ao_radius), AT(HybridFrame, sample_index), AT(HybridFrame, shadow_samples),
-       AT(HybridFrame, ao_samples), AT(HybridFrame, flags), AT(HybridFrame, ao_bias), AT(HybridFrame, ao_thinness)});
+  compare("HybridFrame", sizeof(HybridFrame),
+          {AT(HybridFrame, jitter), AT(HybridFrame, near), AT(HybridFrame, far), AT(HybridFrame, ambient),
+           AT(HybridFrame, ao_radius), AT(HybridFrame, sample_index), AT(HybridFrame, shadow_samples),
+           AT(HybridFrame, ao_samples), AT(HybridFrame, flags), AT(HybridFrame, ao_bias), AT(HybridFrame, ao_thinness),
+           AT(HybridFrame, sample_place), AT(HybridFrame, first_place)});
   compare("GbufferPixel", sizeof(GbufferPixel),
           {AT(GbufferPixel, normal), AT(GbufferPixel, depth), AT(GbufferPixel, albedo), AT(GbufferPixel, surface)});
 }

@@ -25,6 +25,12 @@ layout(set = 0, binding = kBindSignals, std430) buffer SignalBlock { vec4 signal
 layout(set = 0, binding = kBindLayers, std430) buffer LayerBlock { vec4 layers[]; };
 #endif
 
+#ifdef BIND_PLACES
+layout(set = 0, binding = kBindPlaceIds, std430) buffer PlaceIdBlock { uvec2 place_ids[]; };
+layout(set = 0, binding = kBindPlaceSeen, std430) buffer PlaceSeenBlock { vec4 place_seen[]; };
+layout(set = 0, binding = kBindPlaceSignals, std430) buffer PlaceSignalBlock { vec4 place_signals[]; };
+#endif
+
 #ifdef BIND_JITTERS
 layout(set = 0, binding = kBindJitters, std430) writeonly buffer JitterBlock { vec2 jitters[]; };
 #endif

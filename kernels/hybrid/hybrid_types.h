@@ -19,6 +19,11 @@ GPU_CONSTANT uint kBindJitters = 36u; // storage vec2[kJitters]: HybridFrame::ji
 
 GPU_CONSTANT uint kBindLayers =
     77u; // storage vec4[] (kHybridLayers): light of the layers in front of what is opaque, share of light they let pass
+// Of kSharingPlaces frames that see a pixel at a place each and share shading (kHybridMultisample), a picture after the
+// other: what they saw, and kBindSeen and kBindSignals of those that shaded it.
+GPU_CONSTANT uint kBindPlaceIds = 82u;     // storage uvec2[]
+GPU_CONSTANT uint kBindPlaceSeen = 83u;    // storage vec4[]
+GPU_CONSTANT uint kBindPlaceSignals = 84u; // storage vec4[]
 
 // ---- hybrid rendering -----------------------------------------------------------------------------------------------------
 // One frame of a hybrid render: every pixel is seen through the same place of its filter, so that the frame can be
@@ -35,18 +40,20 @@ struct HybridFrame {
   uint flags;        // kHybrid bits
   float ao_bias;     // of horizons over the tangent plane, radians
   float ao_thinness; // share by which what is seen behind a body lowers its horizon; 0: bodies have no back
-  uint pad0;
-  uint pad1;
+  uint sample_place; // kHybridMultisample: of the frame among kSharingPlaces
+  uint first_place;  // from which on those before it are known
 };
 GPU_CHECK(sizeof(HybridFrame) == 64);
 GPU_CONSTANT uint kJitters = 1024u;
-GPU_CONSTANT uint kHybridLights = 1u << 0;     // direct light is wanted
-GPU_CONSTANT uint kHybridAmbient = 1u << 1;    // the ambient term is wanted
-GPU_CONSTANT uint kHybridToColor = 1u << 2;    // composite leaves the frame in `seen`, for a filter,
-GPU_CONSTANT uint kHybridFromColor = 1u << 3;  // and takes it from there
-GPU_CONSTANT uint kHybridLayers = 1u << 4;     // BLEND surfaces are layers in front of the frame, see kBindLayers
-GPU_CONSTANT uint kHybridScreendoor = 1u << 5; // BLEND surfaces have holes in a fixed pattern
-GPU_CONSTANT float kDemodulationFloor = 0.1f;  // see demodulation()
+GPU_CONSTANT uint kHybridLights = 1u << 0;      // direct light is wanted
+GPU_CONSTANT uint kHybridAmbient = 1u << 1;     // the ambient term is wanted
+GPU_CONSTANT uint kHybridToColor = 1u << 2;     // composite leaves the frame in `seen`, for a filter,
+GPU_CONSTANT uint kHybridFromColor = 1u << 3;   // and takes it from there
+GPU_CONSTANT uint kHybridLayers = 1u << 4;      // BLEND surfaces are layers in front of the frame, see kBindLayers
+GPU_CONSTANT uint kHybridScreendoor = 1u << 5;  // BLEND surfaces have holes in a fixed pattern
+GPU_CONSTANT uint kHybridMultisample = 1u << 6; // frames share shading, see kBindPlaceIds
+GPU_CONSTANT uint kSharingPlaces = 4u;          // in a pixel
+GPU_CONSTANT float kDemodulationFloor = 0.1f;   // see demodulation()
 
 // What rasterization found, as filters need it.
 struct GbufferPixel {

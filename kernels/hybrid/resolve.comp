@@ -13,8 +13,10 @@
 #define BIND_VISIBILITY
 #define BIND_GBUFFER
 #define BIND_SEEN
+#define BIND_PLACES
 #include "kernels/hybrid/bindings.glsl"
 #include "kernels/path/bindings.glsl"
+#include "kernels/hybrid/covered_places.glsl"
 #include "kernels/hybrid/frame_terms.glsl"
 #include "kernels/hybrid/hybrid.glsl"
 #include "kernels/known_triangle.glsl"
@@ -77,11 +79,13 @@ void main() {
   float diffuse;
   gbuffer[place] = gbuffer_of(hit, place, origin, direction, diffuse);
   if (wants_lights()) seen[place] = vec4(vec3(0.0), diffuse);
+  bool shades = !multisamples() || shading_place(place) == hybrid.sample_place;
+  if (!shades) hit.triangle = kNone; // its light is known, see share_shading.comp
   for (uint s = 0u; s < wave.sample_count; ++s) {
     uint slot = s * wave.pixel_count + local;
     store_ray(slot, Ray(origin, slot, direction, kFar));
     store_hit(slot, hit);
-    store_path(slot, PathState(vec3(1.0), -1.0, vec3(0.0), 1.0));
+    store_path(slot, PathState(vec3(shades ? 1.0 : 0.0), -1.0, vec3(0.0), 1.0));
     begin_bodies(slot);
   }
 }

@@ -8,12 +8,13 @@
 #include "host/base/error.h"
 #include "host/integrators/antialias/kinds.h"
 #include "host/render/settings/antialias_settings.h"
+#include "kernels/hybrid/hybrid_types.h"
 
 namespace wavepath {
 namespace {
 
-constexpr std::array kKinds = {&kAntialiasFilter, &kAntialiasNone, &kAntialiasSupersample,
-                               &kAntialiasFxaa,   &kAntialiasSmaa, &kAntialiasTaa};
+constexpr std::array kKinds = {&kAntialiasFilter, &kAntialiasNone, &kAntialiasSupersample, &kAntialiasFxaa,
+                               &kAntialiasSmaa,   &kAntialiasTaa,  &kAntialiasMsaa};
 static_assert(kKinds.size() == kAntialiasNames.size());
 
 } // namespace
@@ -37,6 +38,13 @@ void check_antialias_settings(const RenderSettings& settings) {
   if (kind.wants_square && side * side != samples)
     throw UsageError(flag, fmt::format("has a grid of NxN places, and {} samples make none", samples),
                      fmt::format("give --spp {}", side * side));
+  if (!kind.shares_shading) return;
+  if (samples % gpu::kSharingPlaces != 0)
+    throw UsageError(flag, fmt::format("has {} places a pixel, and {} samples fill none", gpu::kSharingPlaces, samples),
+                     fmt::format("give --spp {}", (samples / gpu::kSharingPlaces + 1) * gpu::kSharingPlaces));
+  if (settings.target_error > 0.0)
+    throw UsageError("--target-error", fmt::format("is not taken by {}, whose samples share their noise", flag),
+                     "leave it out");
 }
 
 } // namespace wavepath

@@ -19,6 +19,7 @@ struct AntialiasKind {
   glm::vec2 (*place)(std::uint32_t sample, std::uint32_t total) = nullptr;
   bool wants_square = false;            // the number of samples
   std::span<const KernelCode> passes{}; // over every frame; the last one writes it
+  bool shares_shading = false;          // frames of kSharingPlaces places, see kHybridMultisample
   bool over_time = false;               // joins frames to those before
   bool is_biased = true;
 };

@@ -21,6 +21,7 @@
 #include "kernels/hybrid/jitter.spv.h"
 #include "kernels/hybrid/occlusion.spv.h"
 #include "kernels/hybrid/resolve.spv.h"
+#include "kernels/hybrid/share_shading.spv.h"
 #include "kernels/tile_order.h"
 
 namespace wavepath {
@@ -31,16 +32,21 @@ constexpr std::uint32_t kAmbientPilotSeed = 0x6a09e667u;
 constexpr std::uint32_t kPilotPixels = 1u << 14, kPilotBlock = 1u << 10; // enough for a mean, in a moment
 constexpr std::uint32_t kCompositePixels = 1u << 16; // of a dispatch: some tens of milliseconds on two cores
 
-enum Stage : std::size_t { kJitter, kResolve, kOcclusion, kGather, kComposite, kStageCount };
+enum Stage : std::size_t { kJitter, kResolve, kOcclusion, kGather, kShare, kComposite, kStageCount };
 const std::array<KernelCode, kStageCount> kStages = {{{"jitter", wavepath_jitter_spv},
                                                       {"resolve", wavepath_resolve_spv},
                                                       {"occlusion", wavepath_occlusion_spv},
                                                       {"gather", wavepath_gather_spv},
+                                                      {"share shading", wavepath_share_shading_spv},
                                                       {"composite", wavepath_composite_spv}}};
-constexpr std::array<std::size_t, kStageCount> kCompileOrder = {kOcclusion, kResolve, kComposite, kGather, kJitter};
+constexpr std::array<std::size_t, kStageCount> kCompileOrder = {kOcclusion, kResolve, kComposite,
+                                                                kGather,    kShare,   kJitter};
 
-enum OwnBuffer : std::size_t { kFrame, kGbuffer, kSignals, kJitters, kLayers };
-constexpr std::uint32_t kRoomForLayers = 1u << 0; // bits of Extent::options
+enum OwnBuffer : std::size_t { kFrame, kGbuffer, kSignals, kJitters, kLayers, kPlaceIds, kPlaceSeen, kPlaceSignals };
+constexpr std::uint32_t kRoomForLayers = 1u << 0, kRoomForPlaces = 1u << 1; // bits of Extent::options
+
+std::uint64_t places(const Extent& e) { return e.options & kRoomForPlaces ? e.pixels * gpu::kSharingPlaces : 0; }
+
 // By OwnBuffer. What a pixel has is row-major from the top left.
 const std::vector<BufferRule> kRules = {
     {"frame",
@@ -58,6 +64,15 @@ const std::vector<BufferRule> kRules = {
     {"layers",
      [](const Extent& e) { return e.options & kRoomForLayers ? e.pixels * sizeof(gpu::vec4) : 0; },
      {{gpu::kBindLayers, BindingKind::storage}}},
+    {"triangles of places",
+     [](const Extent& e) { return places(e) * sizeof(glm::uvec2); },
+     {{gpu::kBindPlaceIds, BindingKind::storage}}},
+    {"emission of places",
+     [](const Extent& e) { return places(e) * sizeof(gpu::vec4); },
+     {{gpu::kBindPlaceSeen, BindingKind::storage}}},
+    {"signals of places",
+     [](const Extent& e) { return places(e) * sizeof(gpu::vec4); },
+     {{gpu::kBindPlaceSignals, BindingKind::storage}}},
 };
 
 std::vector<Binding> hybrid_layout() {
@@ -87,6 +102,7 @@ std::uint32_t stages_of(std::uint32_t flags, bool traces_occlusion) {
   std::uint32_t stages = 1u << kJitter | 1u << kResolve | 1u << kComposite;
   if (traces_occlusion) stages |= 1u << kOcclusion;
   if (flags & gpu::kHybridLights) stages |= 1u << kGather;
+  if (flags & gpu::kHybridMultisample) stages |= 1u << kShare;
   return stages;
 }
 
@@ -125,6 +141,8 @@ void Hybrid::make_frame(const View& view, const RenderSettings& settings, Past p
   camera_ = camera_of(scene, view);
   frame_ = {};
   frame_.flags = frame_flags(settings) | transparency_flags(settings, scene);
+  if (antialias_kind(settings).shares_shading && !joins_frames()) frame_.flags |= gpu::kHybridMultisample;
+  next_sample_ = gpu::kNone;
   frame_.shadow_samples = lights() ? settings.shadow_samples : 1;
   frame_.ao_samples = settings.ao_samples;
   frame_.ao_radius = ray_length(occlusion_radius(scene, settings));
@@ -161,7 +179,8 @@ void Hybrid::make_room(const View& view, Past past) {
   const std::uint32_t options = lights() || joins_frames() || filters_frames() ? kRoomForSeen : 0;
   bool moved = paths_.change(settings_, path_stages, options, kernels_.features(kHybridProgram));
   const bool layers = frame_.flags & gpu::kHybridLayers;
-  moved |= buffers_.fit({.pixels = workspace_.film.pixels(), .options = layers ? kRoomForLayers : 0});
+  moved |= buffers_.fit({.pixels = workspace_.film.pixels(),
+                         .options = (layers ? kRoomForLayers : 0) | (multisamples() ? kRoomForPlaces : 0)});
   const glm::u64vec4 made_for(settings_.width, settings_.height, path_features, settings_.cull);
   if (made_for != visibility_made_for_ || moved) {
     visibility_.reset(); // the device may not hold both at once
@@ -310,12 +329,21 @@ glm::vec2 Hybrid::jitter(WaveQueue& queue, std::uint32_t sample) {
 
 void Hybrid::begin_pass(WaveQueue& queue, std::uint32_t sample) {
   frame_.sample_index = sample;
+  if (multisamples()) {
+    frame_.sample_place = sample % gpu::kSharingPlaces;
+    if (sample != next_sample_ || frame_.sample_place == 0) frame_.first_place = frame_.sample_place;
+    next_sample_ = sample + 1;
+  }
   frame_.jitter = jitter(queue, sample);
   const auto prepare = [this](Commands& commands) { commands.write(buffers_[kFrame], &frame_, sizeof(frame_)); };
   if (edges_hold_)
     visibility_->render(queue, camera_, prepare);
   else
     visibility_->trace(queue, prepare);
+  if (multisamples()) {
+    frame_.jitter = glm::vec2(0.0f); // places are seen, centres are shaded
+    queue.submit(prepare, {});
+  }
   if (shadows_) shadows_->build(queue, sample);
 }
 
@@ -390,6 +418,7 @@ void Hybrid::end_pass(WaveQueue& queue) {
   camera_.jitter_x = frame_.jitter.x;
   camera_.jitter_y = frame_.jitter.y;
   if (occlusion_) occlusion_->submit(queue);
+  if (multisamples()) share_shading(queue);
   if (layers_) layers_->render(queue);
   if (denoiser_)
     queue.submit([this](Commands& commands) { denoiser_->record(commands, camera_); },
@@ -398,6 +427,21 @@ void Hybrid::end_pass(WaveQueue& queue) {
   composite(queue, frame_.flags | gpu::kHybridToColor);
   antialias(queue);
   composite(queue, frame_.flags | gpu::kHybridFromColor);
+}
+
+void Hybrid::share_shading(WaveQueue& queue) {
+  const KernelSet& kernels = kernels_.best(need_);
+  const std::uint32_t pixels = settings_.width * settings_.height;
+  for (std::uint32_t first = 0; first < pixels; first += kCompositePixels) {
+    gpu::Wave wave{};
+    wave.first_pixel = first;
+    wave.pixel_count = std::min(kCompositePixels, pixels - first);
+    const auto record = [&](Commands& commands) {
+      commands.bind(*sets_.front());
+      commands.dispatch(kernels[kShare], groups_for(wave.pixel_count), &wave);
+    };
+    queue.submit(record, {.timed_dispatches = 1});
+  }
 }
 
 void Hybrid::antialias(WaveQueue& queue) {

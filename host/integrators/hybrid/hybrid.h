@@ -57,6 +57,7 @@ public:
 private:
   bool lights() const { return frame_.flags & gpu::kHybridLights; }
   bool ambient() const { return frame_.flags & gpu::kHybridAmbient; }
+  bool multisamples() const { return frame_.flags & gpu::kHybridMultisample; }
   bool traces_occlusion() const; // by rays, in the pilot or in frames
   void make_frame(const View& view, const RenderSettings& settings, Past past);
   void make_room(const View& view, Past past);
@@ -67,6 +68,7 @@ private:
   void remake_layers(bool moved);
   glm::vec2 jitter(WaveQueue& queue, std::uint32_t sample);
   void light(Commands& commands, std::size_t band, const gpu::Wave& wave);
+  void share_shading(WaveQueue& queue);
   void composite(WaveQueue& queue, std::uint32_t flags);
   bool joins_frames() const;   // over time, for smooth edges
   bool filters_frames() const; // each by itself, likewise
@@ -95,7 +97,7 @@ private:
   ShadowTimes shadow_times_;
   std::unique_ptr<ScreenSpaceOcclusion> occlusion_; // none where rays are traced
   bool piloting_ = false;                           // until learn()
-  std::unique_ptr<LocalShading> shading_; // none where materials are glTF's own
+  std::unique_ptr<LocalShading> shading_;           // none where materials are glTF's own
   struct LayersMadeFor {
     const LayerRecipe* recipe = nullptr;
     KernelConfig config;
@@ -107,6 +109,7 @@ private:
   glm::uvec4 filters_made_for_{0}; // size, flags, and which
   std::vector<glm::vec2> jitters_; // of frames from first_jitter_ on
   std::uint32_t first_jitter_ = 0;
+  std::uint32_t next_sample_ = 0;           // whose frame may share the shading of those before it
   std::vector<std::uint32_t> pilot_places_; // pixels of the pilot, row-major
 };
 

@@ -90,10 +90,16 @@ std::uint64_t layer_bytes(const RenderSettings& settings) {
   return kind && kind->layers ? layer_bytes_per_pixel(*kind->layers) : 0;
 }
 
+std::uint64_t place_bytes(const RenderSettings& settings) {
+  return antialias_kind(settings).shares_shading ? gpu::kSharingPlaces * (sizeof(glm::uvec2) + 2 * sizeof(gpu::vec4))
+                                                 : 0;
+}
+
 std::uint64_t bytes_per_pixel(const RenderSettings& settings) {
   constexpr std::uint64_t kIds = 2 * sizeof(std::uint32_t), kDepth = sizeof(float); // drawn, and copied once
   return sizeof(gpu::GbufferPixel) + 2 * sizeof(gpu::vec4) + 2 * kIds + kDepth +
-         (settings.denoise != kDenoiseOff ? Denoiser::bytes_per_pixel() : 0) + layer_bytes(settings);
+         (settings.denoise != kDenoiseOff ? Denoiser::bytes_per_pixel() : 0) + layer_bytes(settings) +
+         place_bytes(settings);
 }
 
 void add_shading_bias(const RenderSettings& settings, std::vector<std::string>& bias) {

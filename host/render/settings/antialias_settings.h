@@ -8,8 +8,8 @@
 namespace wavepath {
 
 // host/integrators/antialias has a file for each.
-inline constexpr std::array<std::string_view, 6> kAntialiasNames = {"filter", "none", "supersample",
-                                                                    "fxaa",   "smaa", "taa"};
+inline constexpr std::array<std::string_view, 7> kAntialiasNames = {"filter", "none", "supersample", "fxaa",
+                                                                    "smaa",   "taa",  "msaa"};
 inline constexpr std::uint32_t kAntialiasFilterName = 0, kAntialiasTaaName = 5;
 
 } // namespace wavepath

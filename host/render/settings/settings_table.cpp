@@ -383,9 +383,9 @@ std::vector<Setting> special_rows() {
 // The order is that of --help within each group, of copied commands and of the panel.
 std::vector<Setting> all_rows() {
   std::vector<Setting> rows;
-  for (std::vector<Setting> part : {picture_rows(), lens_rows(), transport_rows(), stop_rows(), special_rows(),
-                                    shadow_rows(), occlusion_rows(), antialias_rows(), shading_rows(),
-                                    transparency_rows()})
+  for (std::vector<Setting> part :
+       {picture_rows(), lens_rows(), transport_rows(), stop_rows(), special_rows(), shadow_rows(), occlusion_rows(),
+        antialias_rows(), shading_rows(), transparency_rows()})
     for (Setting& row : part) rows.push_back(std::move(row));
   return rows;
 }
