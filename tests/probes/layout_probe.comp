@@ -10,6 +10,7 @@
 #include "kernels/light_tree_types.h"
 #include "kernels/path/path_types.h"
 #include "kernels/scene_types.h"
+#include "kernels/shadows/planar_types.h"
 #include "kernels/shadows/shadow_types.h"
 #include "kernels/whitted/whitted_types.h"
 
@@ -56,5 +57,6 @@ layout(set = 0, binding = 37, std430) buffer PhotonCells { PhotonCell photon_cel
 layout(set = 0, binding = 39, std430) buffer ShadowViews { ShadowView shadow_views[]; };
 layout(set = 0, binding = 40, std430) buffer ShadowFrames { ShadowFrame shadow_frames[]; };
 layout(set = 0, binding = 41, std430) buffer ShadowCountBlocks { ShadowCounts shadow_counts[]; };
+layout(set = 0, binding = 42, std430) buffer PlanarPairs { PlanarPair planar_pairs[]; };
 
 void main() {}
