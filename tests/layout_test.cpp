@@ -24,6 +24,7 @@
 #include "kernels/path/path_types.h"
 #include "kernels/scene_types.h"
 #include "kernels/shading/shading_types.h"
+#include "kernels/shadows/planar_types.h"
 #include "kernels/shadows/shadow_types.h"
 #include "kernels/whitted/whitted_types.h"
 #include "tests/probes/layout_probe.spv.h"
@@ -238,6 +239,9 @@ TEST(Layout, Shadows) {
            AT(ShadowFrame, taps), AT(ShadowFrame, pattern), AT(ShadowFrame, blur), AT(ShadowFrame, exponent),
            AT(ShadowFrame, bits), AT(ShadowFrame, view_count), AT(ShadowFrame, cascades), AT(ShadowFrame, pad0)});
   compare("ShadowCounts", sizeof(ShadowCounts), {AT(ShadowCounts, answered), AT(ShadowCounts, left)});
+  compare("PlanarPair", sizeof(PlanarPair),
+          {AT(PlanarPair, normal), AT(PlanarPair, offset), AT(PlanarPair, light), AT(PlanarPair, is_point),
+           AT(PlanarPair, height), AT(PlanarPair, tolerance), AT(PlanarPair, source), AT(PlanarPair, pad0)});
 }
 
 TEST(Layout, Bidirectional) {

@@ -11,6 +11,7 @@
 #include "kernels/path/path_types.h"
 #include "kernels/scene_types.h"
 #include "kernels/shading/shading_types.h"
+#include "kernels/shadows/planar_types.h"
 #include "kernels/shadows/shadow_types.h"
 #include "kernels/whitted/whitted_types.h"
 
@@ -58,5 +59,6 @@ layout(set = 0, binding = 39, std430) buffer ShadowViews { ShadowView shadow_vie
 layout(set = 0, binding = 40, std430) buffer ShadowFrames { ShadowFrame shadow_frames[]; };
 layout(set = 0, binding = 41, std430) buffer ShadowCountBlocks { ShadowCounts shadow_counts[]; };
 layout(set = 0, binding = 42, std430) buffer ShadingFrames { ShadingFrame shading_frames[]; };
+layout(set = 0, binding = 43, std430) buffer PlanarPairs { PlanarPair planar_pairs[]; };
 
 void main() {}

@@ -38,6 +38,7 @@ struct SlicedPass {
   const void* push = nullptr; // copied when it is recorded
   std::uint32_t layer = 0;
   const char* stage = "raster"; // that the time is counted under
+  bool clear = true;            // at first; otherwise it is drawn over what was there
 };
 
 // Submits the draws in slices of at most `triangles`; `before` is recorded in front of the first one, `after` behind

@@ -13,10 +13,10 @@
 namespace wavepath {
 namespace {
 
-constexpr std::array kKinds = {&kShadowMap,  &kShadowMapId,    &kShadowPcf,        &kShadowPcss,    &kShadowVsm,
-                               &kShadowEsm,  &kShadowEvsm,     &kShadowMoment,     &kShadowVssm,    &kShadowAverage,
-                               &kShadowLeak, &kShadowCascades, &kShadowSdsm,       &kShadowLispsm,  &kShadowTsm,
-                               &kShadowPsm,  &kShadowCube,     &kShadowParaboloid, &kShadowVirtual, &kShadowIzb};
+constexpr std::array kKinds = {
+    &kShadowMap,    &kShadowMapId, &kShadowPcf,     &kShadowPcss,       &kShadowVsm,      &kShadowEsm,  &kShadowEvsm,
+    &kShadowMoment, &kShadowVssm,  &kShadowAverage, &kShadowLeak,       &kShadowCascades, &kShadowSdsm, &kShadowLispsm,
+    &kShadowTsm,    &kShadowPsm,   &kShadowCube,    &kShadowParaboloid, &kShadowVirtual,  &kShadowIzb,  &kShadowPlanar};
 static_assert(kKinds.size() + 1 == kShadowNames.size());
 
 } // namespace

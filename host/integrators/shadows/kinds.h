@@ -25,5 +25,6 @@ extern const ShadowKind kShadowCube;       // cube.cpp
 extern const ShadowKind kShadowParaboloid; // paraboloid.cpp
 extern const ShadowKind kShadowVirtual;    // virtual.cpp
 extern const ShadowKind kShadowIzb;        // izb.cpp
+extern const ShadowKind kShadowPlanar;     // planar.cpp
 
 } // namespace wavepath

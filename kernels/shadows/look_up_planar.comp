@@ -1,0 +1,32 @@
+// Answers the shadow rays of a frame from what was drawn of shadows on planes. What is on none of them is lit.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+
+#define BIND_PATHS
+#define BIND_SHADOW_RAYS
+#define BIND_QUEUES
+#define BIND_SHADOW_LIGHTS
+#include "kernels/shadows/bindings.glsl"
+#include "kernels/path/bindings.glsl"
+#include "kernels/path/records.glsl"
+#include "kernels/pixel.glsl"
+#include "kernels/shadows/planar_types.h"
+
+layout(local_size_x = kWorkgroupSize) in;
+layout(set = 0, binding = kBindPlanarShadows) uniform usamplerBuffer planar_shadows;
+
+void main() {
+  uint index = gl_GlobalInvocationID.x;
+  if (index >= queues.shadow_count) return;
+  ShadowRay ray = fetch_shadow_ray(index);
+  uint source = texelFetch(shadow_lights, int(ray.light)).x;
+  if (source == kNone) return;
+  uvec2 pixel = slot_pixel(ray.slot);
+  bool dark = texelFetch(planar_shadows, int((source * frame.height + pixel.y) * frame.width + pixel.x)).x != 0u;
+  PathState path = fetch_path(ray.slot);
+  path.radiance += ray.contribution * (dark ? shadow.ambient : 1.0);
+  store_radiance(ray.slot, path);
+  ray.contribution = vec3(0.0);
+  ray.t_max = -1.0; // ends its walk at the root
+  store_shadow_ray(index, ray);
+}
