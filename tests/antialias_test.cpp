@@ -222,9 +222,9 @@ TEST_F(AntialiasTest, FiltersDoNotFindWhatCentresMiss) {
 // A still camera's frames are places of the pixel filter: of a box, the coverage.
 TEST_F(AntialiasTest, TaaTendsToSupersampling) {
   const Scene scene = half_plane(0.37f, 0.1f, glm::vec3(0.5f));
+  const std::vector<float> grid = light(scene, antialias_settings("supersample", 256));
   const auto distance = [&](const char* name, std::uint32_t samples) {
-    const std::vector<float> picture = light(scene, antialias_settings(name, samples)),
-                             grid = light(scene, antialias_settings("supersample", 256));
+    const std::vector<float> picture = light(scene, antialias_settings(name, samples));
     double sum = 0.0;
     for (std::size_t i = 0; i < grid.size(); ++i) sum += (picture[i] - grid[i]) * (picture[i] - grid[i]);
     return std::sqrt(sum / static_cast<double>(grid.size()));

@@ -211,10 +211,9 @@ void Hybrid::remake_occlusion() {
   if (!kind) return occlusion_.reset();
   if (!occlusion_ || &occlusion_->kind() != kind)
     occlusion_ = std::make_unique<ScreenSpaceOcclusion>(workspace_, kernels_, *kind);
-  std::vector<Binding> frame;
-  buffers_.add_bindings(frame);
-  std::erase_if(frame, [](const Binding& binding) { return binding.slot == gpu::kBindJitters; });
-  occlusion_->change(need_.config, frame);
+  occlusion_->change(need_.config, {{gpu::kBindHybrid, BindingKind::uniform, &buffers_[kFrame]},
+                                    {gpu::kBindGbuffer, BindingKind::storage, &buffers_[kGbuffer]},
+                                    {gpu::kBindSignals, BindingKind::storage, &buffers_[kSignals]}});
 }
 
 void Hybrid::remake_layers(bool moved) {
