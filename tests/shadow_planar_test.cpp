@@ -142,7 +142,7 @@ TEST_F(PlanarTest, NothingBeyondTheLightCasts) {
   add_instance(scene, add_mesh(scene, box({-1.4f, 2.6f, -1.0f}, {0.2f, 0.2f, 0.2f})));
   EXPECT_EQ(false_shares(without, light(scene, planar_settings())).total(), 0.0);
   // One around the light casts with what is below it.
-  add_instance(scene, add_mesh(scene, rectangle({-0.6f, 2.0f, -0.4f}, {0, 0.3f, 0}, {0.1f, 0, -0.1f})));
+  add_instance(scene, add_mesh(scene, rectangle({-0.9f, 1.6f, -0.5f}, {0, 0.9f, 0}, {0.1f, 0, -0.1f})));
   expect_traced_on_planes(scene, is_on_floor);
 }
 
