@@ -1,5 +1,6 @@
 // The real window on a virtual display, driven by real events: what it shows, how it reacts to input, and that its
 // pictures have the bits of `wavepath render`.
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -322,19 +323,25 @@ double processor_seconds(pid_t process) {
   return ticks / static_cast<double>(sysconf(_SC_CLK_TCK));
 }
 
-// A loop that does not sleep takes a whole core; the bound leaves room for all but that.
+// Of a core; the least of some seconds, as what was begun before may take a while where the machine is busy.
+double settled_share(pid_t process) {
+  double least = 1e9;
+  for (int i = 0; i < 4 && !(least < 0.3); ++i) {
+    std::this_thread::sleep_for(std::chrono::seconds(1));
+    const double before = processor_seconds(process);
+    std::this_thread::sleep_for(std::chrono::seconds(2));
+    least = std::min(least, (processor_seconds(process) - before) / 2.0);
+  }
+  return least;
+}
+
+// A loop that does not sleep takes a whole core, all the time; the bound leaves room for all but that.
 TEST_F(Window, SleepsWhenIdleAndWhenUnseen) {
   const auto window = view({"--size", "120x90", "--spp", "100000"});
   window->until([&] { return window->title().find(" spp") != std::string::npos; });
   const std::string id = window->window();
-  const auto share = [&] {
-    std::this_thread::sleep_for(std::chrono::seconds(1)); // until what was begun is over
-    const double before = processor_seconds(window->process());
-    std::this_thread::sleep_for(std::chrono::seconds(2));
-    return (processor_seconds(window->process()) - before) / 2.0;
-  };
   display_->xdotool({"windowunmap", "--sync", id});
-  const double unseen = share();
+  const double unseen = settled_share(window->process());
   EXPECT_LT(unseen, 0.3);
   display_->xdotool({"windowmap", "--sync", id, "windowfocus", "--sync", id});
   const std::string title = window->title();
@@ -343,10 +350,7 @@ TEST_F(Window, SleepsWhenIdleAndWhenUnseen) {
 
   const auto finished = view({"--size", "120x90", "--spp", "2"});
   finished->done();
-  std::this_thread::sleep_for(std::chrono::seconds(1));
-  const double before = processor_seconds(finished->process());
-  std::this_thread::sleep_for(std::chrono::seconds(2));
-  const double idle = (processor_seconds(finished->process()) - before) / 2.0;
+  const double idle = settled_share(finished->process());
   EXPECT_LT(idle, 0.3);
   fmt::print("share of a core: unseen {:.3f}, idle {:.3f}\n", unseen, idle);
   EXPECT_EQ(finished->close(), 0);
