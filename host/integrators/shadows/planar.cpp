@@ -12,10 +12,10 @@
 #include "host/integrators/shadows/receiver_planes.h"
 #include "host/integrators/shadows/times.h"
 #include "kernels/hybrid/hybrid_types.h"
+#include "kernels/hybrid/planar_frag.spv.h"
+#include "kernels/hybrid/planar_vert.spv.h"
 #include "kernels/shadows/look_up_planar.spv.h"
-#include "kernels/shadows/planar_frag.spv.h"
 #include "kernels/shadows/planar_types.h"
-#include "kernels/shadows/planar_vert.spv.h"
 #include "kernels/shadows/shadow_types.h"
 
 namespace wavepath {
