@@ -42,12 +42,41 @@ TEST_F(ShadowTest, UnbiasedMapsHaveAcneAndBiasEndsIt) {
   settings.shadow_bias = gpu::kBiasConstant;
   settings.shadow_bias_amount = 0.0;
   EXPECT_GT(false_shares(truth, light(scene, settings)).dark, 0.1);
-  for (const std::string_view kind : {"slope", "normal", "plane", "cone", "second-depth"}) {
+  for (const std::string_view kind : {"slope", "normal", "plane", "cone", "second-depth", "midpoint"}) {
     SCOPED_TRACE(kind);
     settings.shadow_bias = index_of(kShadowBiasNames, kind);
     settings.shadow_bias_amount.reset();
     EXPECT_LT(false_shares(truth, light(scene, settings)).dark, 0.01);
   }
+}
+
+// A sheet has no back that is drawn in its place, but something behind it.
+TEST_F(ShadowTest, MidpointsNeedNoClosedBodies) {
+  Scene scene = lit_by(sun());
+  scene.meshes.clear();
+  scene.instances.clear();
+  std::vector<glm::vec3> corners = rectangle({0, 0, 0}, {0, 0, 2}, {2, 0, 0});
+  for (const glm::vec3& p : rectangle({0, 0.5f, 0}, {0, 0, 0.5f}, {0.5f, 0, 0})) corners.push_back(p);
+  add_instance(scene, add_mesh(scene, corners));
+  const std::vector<float> truth = light(scene, shadow_settings("traced"));
+  RenderSettings settings = shadow_settings("map", 512);
+  settings.shadow_bias = gpu::kBiasSecondDepth;
+  EXPECT_GT(false_shares(truth, light(scene, settings)).lit, 0.02);
+  settings.shadow_bias = gpu::kBiasMidpoint;
+  EXPECT_LT(false_shares(truth, light(scene, settings)).total(), 0.005);
+}
+
+TEST_F(ShadowTest, BiasBySurfacesBehindIsForRasterizedMaps) {
+  for (const std::string_view kind : {"second-depth", "midpoint"}) {
+    RenderSettings settings = shadow_settings("map", 64);
+    settings.shadow_bias = index_of(kShadowBiasNames, kind);
+    EXPECT_NO_THROW(kHybrid.check(settings));
+    settings.shadow_source = kShadowSourceTraced;
+    EXPECT_THROW(kHybrid.check(settings), UsageError);
+  }
+  RenderSettings settings = shadow_settings("virtual", 64);
+  settings.shadow_bias = gpu::kBiasMidpoint;
+  EXPECT_THROW(kHybrid.check(settings), UsageError);
 }
 
 // Convex bodies do not shade themselves, whatever the bias would have to be.

@@ -52,7 +52,7 @@ TEST_F(ShadowTest, EveryBiasEndsAcneOfWarpedMaps) {
   const Scene scene = long_rows(sun());
   const std::vector<float> truth = light(scene, long_settings("traced"));
   for (const std::string_view technique : kWarps)
-    for (const std::string_view kind : {"slope", "normal", "plane", "cone", "second-depth"}) {
+    for (const std::string_view kind : {"slope", "normal", "plane", "cone", "second-depth", "midpoint"}) {
       RenderSettings settings = long_settings(technique, 256);
       settings.shadow_bias = index_of(kShadowBiasNames, kind);
       const FalseShares shares = false_shares(truth, light(scene, settings));

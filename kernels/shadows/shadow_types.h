@@ -48,7 +48,7 @@ GPU_CONSTANT uint kShadowViewTexels = 8u;
 GPU_CONSTANT uint kShadowPage = 128u; // texels along a side of a page of a virtual map
 
 GPU_CONSTANT uint kBiasConstant = 0u, kBiasSlope = 1u, kBiasNormal = 2u, kBiasPlane = 3u, kBiasCone = 4u,
-                  kBiasSecondDepth = 5u;
+                  kBiasSecondDepth = 5u, kBiasMidpoint = 6u;
 GPU_CONSTANT uint kPatternGrid = 0u, kPatternPoisson = 1u, kPatternRotated = 2u, kPatternVogel = 3u;
 
 struct ShadowFrame {

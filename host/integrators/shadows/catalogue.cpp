@@ -9,6 +9,7 @@
 #include "host/integrators/shadows/kinds.h"
 #include "host/render/settings/settings_table.h"
 #include "host/render/settings/shadow_settings.h"
+#include "kernels/shadows/shadow_types.h"
 
 namespace wavepath {
 namespace {
@@ -74,6 +75,14 @@ void check_shadow_settings(const RenderSettings& settings) {
   if (settings.direct == gpu::kDirectBsdf && settings.shadows != kShadowsTraced)
     throw UsageError("--direct bsdf", fmt::format("sends no shadow rays, which --shadows {} is to answer", technique),
                      "leave one of them out");
+  const bool midpoint = settings.shadow_bias == gpu::kBiasMidpoint,
+             second = settings.shadow_bias == gpu::kBiasSecondDepth;
+  const std::string bias = fmt::format("--shadow-bias {}", kShadowBiasNames[settings.shadow_bias]);
+  if ((midpoint || second) && settings.shadow_source == kShadowSourceTraced)
+    throw UsageError(bias, "needs surfaces behind the nearest, which --shadow-source traced does not find",
+                     "leave one of them out");
+  if (midpoint && technique == "virtual")
+    throw UsageError(bias, "draws maps twice, and --shadows virtual draws its pages once", "use another bias");
   for (const Setting& row : settings_table())
     if (!is_default(row, settings) && !takes_shadow_setting(settings, row.name))
       throw UsageError(fmt::format("--{}", row.name), fmt::format("is not taken by --shadows {}", technique),

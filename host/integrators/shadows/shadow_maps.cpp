@@ -15,6 +15,7 @@
 #include "kernels/shadows/shadow_ids_frag.spv.h"
 #include "kernels/shadows/shadow_map_frag.spv.h"
 #include "kernels/shadows/shadow_map_vert.spv.h"
+#include "kernels/shadows/shadow_midpoint_frag.spv.h"
 #include "kernels/shadows/shadow_trace.spv.h"
 #include "kernels/shadows/shadow_trace_pages.spv.h"
 
@@ -61,6 +62,7 @@ const std::array<AttachmentInfo, 3> kAttachments{
 std::span<const AttachmentInfo> attachments(bool ids) { return std::span(kAttachments).first(ids ? 3 : 2); }
 
 const RasterCode kDepthCode{"shadow map", wavepath_shadow_map_vert_spv, wavepath_shadow_map_frag_spv};
+const RasterCode kMidpointCode{"shadow map", wavepath_shadow_map_vert_spv, wavepath_shadow_midpoint_frag_spv};
 const RasterCode kIdCode{"shadow map", wavepath_shadow_map_vert_spv, wavepath_shadow_ids_frag_spv};
 
 constexpr std::uint64_t kFirstTriangles = 1 << 16, kFirstTexels = 1 << 16; // of a slice: guesses
@@ -256,6 +258,7 @@ private:
     std::vector<Binding> bindings = workspace_.bindings(workspace_.film.bands().front());
     add_bindings(bindings);
     pipeline_.reset();
+    behind_.reset();
     tracer_.reset();
     raster_set_ =
         std::make_unique<BindingSet>(workspace_.device, bindings, sizeof(gpu::Wave), BindingSet::kRasterStages);
@@ -271,13 +274,20 @@ private:
     if (settings_.shadow_bias == gpu::kBiasSecondDepth) state.cull = Cull::front;
     pipeline_.emplace(workspace_.device, recipe_.ids ? kIdCode : kDepthCode, attachments(recipe_.ids), state,
                       *raster_set_, constants);
+    if (settings_.shadow_bias == gpu::kBiasMidpoint)
+      behind_.emplace(workspace_.device, kMidpointCode, attachments(false), state, *raster_set_, constants);
   }
 
   void draw(WaveQueue& queue) {
     const std::uint64_t most = triangles_a_slice_.next_frame();
+    draw_views(queue, most, *pipeline_);
+    if (behind_) draw_views(queue, most, *behind_);
+  }
+
+  void draw_views(WaveQueue& queue, std::uint64_t most, const RasterPipeline& pipeline) {
     for (std::uint32_t view = 0; view < views_.size(); ++view) {
       const bool last = view + 1 == views_.size();
-      draw_view(queue, most, views_[view], view, view, [this, last](Commands& commands) {
+      draw_view(queue, most, pipeline, views_[view], view, view, [this, last](Commands& commands) {
         if (!last) return;
         target_->image(0).copy_to(commands.handle(), buffers_[kDepths]);
         if (recipe_.ids) target_->image(2).copy_to(commands.handle(), buffers_[kIds]);
@@ -286,11 +296,11 @@ private:
   }
 
   // `index`: where the view stands in the buffer of views. `copy`: recorded behind the last triangle.
-  void draw_view(WaveQueue& queue, std::uint64_t most, const gpu::ShadowView& view, std::uint32_t index,
-                 std::uint32_t layer, const std::function<void(Commands&)>& copy) {
+  void draw_view(WaveQueue& queue, std::uint64_t most, const RasterPipeline& pipeline, const gpu::ShadowView& view,
+                 std::uint32_t index, std::uint32_t layer, const std::function<void(Commands&)>& copy) {
     gpu::Wave wave{};
     wave.first_pixel = index;
-    const SlicedPass pass{target_.get(), &*pipeline_, raster_set_.get(), &wave, layer, kShadowBuildStage};
+    const SlicedPass pass{target_.get(), &pipeline, raster_set_.get(), &wave, layer, kShadowBuildStage};
     draw_in_slices(
         queue, pass, draws_within(chunks_, frustum_of(view)), most, [](Commands&) {}, copy,
         [this](double seconds) { triangles_a_slice_.note(seconds); });
@@ -330,9 +340,9 @@ private:
     const std::uint64_t most = triangles_a_slice_.next_frame();
     for (const PageTile& tile : pages_.tiles(first_slot)) {
       const std::uint32_t index = view_count() + tile.view * pages_.tiles_of_view() + tile.number;
-      draw_view(queue, most, pages_.view_of(tile.number, views_[tile.view]), index, 0, [&](Commands& commands) {
-        target_->image(0).copy_to(commands.handle(), buffers_[kDepths], tile.pages);
-      });
+      draw_view(
+          queue, most, *pipeline_, pages_.view_of(tile.number, views_[tile.view]), index, 0,
+          [&](Commands& commands) { target_->image(0).copy_to(commands.handle(), buffers_[kDepths], tile.pages); });
     }
   }
 
@@ -449,7 +459,7 @@ private:
   glm::uvec3 made_for_{0}; // size, views, whether they are rasterized
   std::unique_ptr<RasterTarget> target_;
   std::unique_ptr<BindingSet> raster_set_;
-  std::optional<RasterPipeline> pipeline_;
+  std::optional<RasterPipeline> pipeline_, behind_; // behind_: of what lies behind the nearest surface
   std::optional<Kernel> tracer_;
   std::vector<std::unique_ptr<BindingSet>> sets_; // by band
   SliceLength triangles_a_slice_{kFirstTriangles}, texels_a_slice_{kFirstTexels}, filtered_a_slice_{kFirstTexels};

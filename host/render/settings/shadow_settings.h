@@ -16,8 +16,8 @@ inline constexpr std::array<std::string_view, 22> kShadowNames = {
     "leak",   "cascades", "sdsm",   "lispsm", "tsm",  "psm", "cube", "paraboloid", "virtual", "izb",  "planar"};
 inline constexpr std::uint32_t kShadowsTraced = 0;
 // By kBias and kPattern constant of kernels/shadows/shadow_types.h.
-inline constexpr std::array<std::string_view, 6> kShadowBiasNames = {"constant", "slope", "normal",
-                                                                     "plane",    "cone",  "second-depth"};
+inline constexpr std::array<std::string_view, 7> kShadowBiasNames = {"constant", "slope",        "normal",  "plane",
+                                                                     "cone",     "second-depth", "midpoint"};
 inline constexpr std::array<std::string_view, 4> kShadowPatternNames = {"grid", "poisson", "rotated", "vogel"};
 inline constexpr std::array<std::string_view, 2> kShadowSourceNames = {"raster", "traced"};
 inline constexpr std::uint32_t kShadowSourceRaster = 0, kShadowSourceTraced = 1;
