@@ -7,6 +7,7 @@
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "host/base/error.h"
+#include "host/integrators/path/kind.h"
 #include "host/integrators/transparency/catalogue.h"
 #include "host/render/settings/transparency_settings.h"
 
@@ -227,8 +228,81 @@ TEST_F(TransparencyTest, LayersAreLit) {
 TEST_F(TransparencyTest, OpaqueScenesAreUntouched) {
   const Scene scene = lit_by(sun());
   const std::vector<float> traced = light(scene, settings_for("traced"));
-  for (const std::string_view technique : {"sorted", "peel", "weighted", "screendoor"})
+  for (const std::string_view technique : {"sorted", "peel", "weighted", "screendoor", "refractive"})
     EXPECT_EQ(light(scene, settings_for(technique)), traced) << technique;
+}
+
+Material glass(float ior, float colour = 1.0f) {
+  Material material = plain_material();
+  material.base_color = {colour, colour, colour, 1.0f};
+  material.metallic = material.roughness = 0.0f;
+  material.transmission = 1.0f;
+  material.ior = ior;
+  return material;
+}
+
+// What bends and reflects nothing.
+TEST_F(TransparencyTest, PanesOfAirColourTheOpaquePicture) {
+  Scene scene = stack({{1.0f, 0.0f, 1.0f}});
+  scene.materials[1] = glass(1.0f, 0.6f);
+  expect_everywhere(scene, "refractive", 0.6f * kBackground);
+}
+
+// Their light is in no opaque picture, which paths know better.
+TEST_F(TransparencyTest, RefractionShowsTheNearestGlassAlone) {
+  Scene scene = stack({{0.5f, 0.0f, 1.0f}, {1.0f, 0.0f, 1.0f}});
+  scene.materials[1] = glass(1.0f, 0.25f);
+  scene.materials[2] = glass(1.0f, 0.6f);
+  expect_everywhere(scene, "refractive", 0.6f * kBackground);
+  RenderSettings paths = settings_for("traced");
+  paths.integrator = &kPath;
+  paths.max_depth = 4;
+  for (const float value : light(scene, paths)) ASSERT_NEAR(value, 0.6f * 0.25f * kBackground, 2e-6f);
+}
+
+// A surface without a bottom: light is absorbed as far as the ray goes to the floor.
+TEST_F(TransparencyTest, WaterAbsorbsDownToTheFloor) {
+  constexpr float kDepth = 0.7f, kAbsorption = 0.5f; // metres, 1/m
+  Scene scene = stack({{kDepth, 0.0f, 1.0f}});
+  scene.materials[1] = glass(1.0f);
+  scene.materials[1].volume = true;
+  scene.materials[1].attenuation = glm::vec3(kAbsorption);
+  expect_everywhere(scene, "refractive", kBackground * std::exp(-kAbsorption * kDepth));
+}
+
+// Through a slab of glass the edge between two colours is where paths see it, and not where it would be without.
+TEST_F(TransparencyTest, SlabsShiftWhatLiesBeneath) {
+  Scene scene = bodies();
+  scene.meshes.clear();
+  scene.instances.clear();
+  scene.materials = {plain_colour(0.2f, 1.0f), plain_colour(0.8f, 1.0f), glass(1.5f)};
+  scene.materials[2].volume = true;
+  add_instance(scene, add_mesh(scene, rectangle({0, 0, -10}, {0, 0, 10}, {20, 0, 0})));
+  add_instance(scene, add_mesh(scene, rectangle({0, 0, 10}, {0, 0, 10}, {20, 0, 0}), 1));
+  add_instance(scene, add_mesh(scene, box({0, 0.6, 0}, {20, 0.4, 20}), 2));
+  RenderSettings settings = settings_for("refractive"), paths = settings;
+  paths.transparency = kTransparencyTraced;
+  paths.integrator = &kPath;
+  paths.max_depth = 3;
+  settings.width = paths.width = 96, settings.height = paths.height = 72;
+  settings.last_sample = paths.last_sample = 32;
+  // Rows above the edge, on average over columns.
+  const auto edge = [](const std::vector<float>& picture) {
+    double rows = 0.0;
+    for (std::size_t i = 0; i < 96; ++i) {
+      std::size_t row = 0;
+      while (row < 71 && picture[row * 96 + i] < 0.5f) ++row;
+      rows += static_cast<double>(row) / 96;
+    }
+    return rows;
+  };
+  Scene bare = scene;
+  bare.instances.pop_back();
+  const std::vector<float> truth = light(scene, paths), seen = light(scene, settings);
+  EXPECT_NEAR(edge(seen), edge(truth), 0.5);
+  EXPECT_GT(edge(light(bare, settings)), edge(truth) + 3.0);
+  EXPECT_NEAR(truth.back(), 0.8f, 1e-4f);
+  EXPECT_EQ(seen.back(), 0.0f); // bent to where the picture ends, and nothing is known
 }
 
 TEST(TransparencySettings, RefusesWhatATechniqueDoesNotTake) {

@@ -44,12 +44,12 @@ void main() {
     vec3 ambient = hit && wants_ambient() ? g.albedo * emission_diffuse.w * hybrid.ambient * signal.w : vec3(0.0);
     radiance = sample_.emission + sample_.direct + ambient;
   }
+  if ((hybrid.flags & kHybridFromColor) != 0u) radiance = seen[place].rgb;
   if ((hybrid.flags & kHybridLayers) != 0u) radiance = layers[place].rgb + layers[place].a * radiance;
   if ((hybrid.flags & kHybridToColor) != 0u) {
     seen[place] = vec4(radiance, 0.0);
     return;
   }
-  if ((hybrid.flags & kHybridFromColor) != 0u) radiance = seen[place].rgb;
   if (!is_finite(radiance)) return;
 
   uint film_index = wave.first_pixel + local - wave.first_film_pixel;

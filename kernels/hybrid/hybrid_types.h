@@ -17,8 +17,8 @@ GPU_CONSTANT uint kBindSignals =
     35u; // storage vec4[]: reflected direct light over demodulation(albedo), unoccluded share
 GPU_CONSTANT uint kBindJitters = 36u; // storage vec2[kJitters]: HybridFrame::jitter of frames to come
 
-GPU_CONSTANT uint kBindLayers =
-    77u; // storage vec4[] (kHybridLayers): light of the layers in front of what is opaque, share of light they let pass
+GPU_CONSTANT uint kBindLayers = 77u; // storage vec4[] (kHybridLayers, kHybridRefractive): light of the layers in front
+                                     // of what is opaque, share of light they let pass
 // Of kSharingPlaces frames that see a pixel at a place each and share shading (kHybridMultisample), a picture after the
 // other: what they saw, and kBindSeen and kBindSignals of those that shaded it.
 GPU_CONSTANT uint kBindPlaceIds = 82u;     // storage uvec2[]
@@ -52,8 +52,9 @@ GPU_CONSTANT uint kHybridFromColor = 1u << 3;   // and takes it from there
 GPU_CONSTANT uint kHybridLayers = 1u << 4;      // BLEND surfaces are layers in front of the frame, see kBindLayers
 GPU_CONSTANT uint kHybridScreendoor = 1u << 5;  // BLEND surfaces have holes in a fixed pattern
 GPU_CONSTANT uint kHybridMultisample = 1u << 6; // frames share shading, see kBindPlaceIds
-GPU_CONSTANT uint kSharingPlaces = 4u;          // in a pixel
-GPU_CONSTANT float kDemodulationFloor = 0.1f;   // see demodulation()
+GPU_CONSTANT uint kHybridRefractive = 1u << 7; // transmitting surfaces are layers, through which the frame is seen bent
+GPU_CONSTANT uint kSharingPlaces = 4u;         // in a pixel
+GPU_CONSTANT float kDemodulationFloor = 0.1f;  // see demodulation()
 
 // What rasterization found, as filters need it.
 struct GbufferPixel {

@@ -1,4 +1,4 @@
-// What the camera sees through in a hybrid frame, besides holes: BLEND surfaces, as --transparency says. Include bindings.glsl
+// What the camera sees through in a hybrid frame, besides holes: BLEND surfaces or those that transmit, as --transparency says. Include bindings.glsl
 // with BIND_GEOMETRY, BIND_SURFACES and BIND_HYBRID first.
 #ifndef WAVEPATH_SEEN_THROUGH_GLSL
 #define WAVEPATH_SEEN_THROUGH_GLSL
@@ -20,6 +20,11 @@ float screen_door(uvec2 pixel) {
 bool is_blended(Hit hit) {
   uint packed = floatBitsToUint(texelFetch(triangles, int(hit.triangle * kTriangleTexels)).w);
   return (fetch_material(packed & kTriangleMaterialMask).flags & kMaterialBlend) != 0u;
+}
+
+// Of triangles without alpha too; rasterized frames alone ask.
+bool is_layer_of_glass(uint packed) {
+  return (hybrid.flags & kHybridRefractive) != 0u && fetch_material(packed & kTriangleMaterialMask).transmission > 0.0;
 }
 
 // Whether the camera ray of the pixel passes through the hit: by chance, unless a technique says otherwise.

@@ -22,6 +22,7 @@ bool is_hidden() { return CULLS_BACKS && (hidden_sides & (gl_FrontFacing ? 2u : 
 bool is_passed_through() {
   if (!has(kFeatureAlpha)) return false;
   uint flags = floatBitsToUint(texelFetch(triangles, int(triangle * kTriangleTexels)).w);
+  if (is_layer_of_glass(flags)) return true;
   if ((flags & kTriangleAlpha) == 0u) return false;
   uvec2 pixel = uvec2(gl_FragCoord.xy);
   vec3 origin, direction;

@@ -43,6 +43,7 @@ constexpr std::array<std::size_t, kStageCount> kCompileOrder = {kOcclusion, kRes
                                                                 kGather,    kShare,   kJitter};
 
 enum OwnBuffer : std::size_t { kFrame, kGbuffer, kSignals, kJitters, kLayers, kPlaceIds, kPlaceSeen, kPlaceSignals };
+constexpr std::uint32_t kAnyLayers = gpu::kHybridLayers | gpu::kHybridRefractive;
 constexpr std::uint32_t kRoomForLayers = 1u << 0, kRoomForPlaces = 1u << 1; // bits of Extent::options
 
 std::uint64_t places(const Extent& e) { return e.options & kRoomForPlaces ? e.pixels * gpu::kSharingPlaces : 0; }
@@ -84,12 +85,11 @@ std::vector<Binding> hybrid_layout() {
 
 const KernelProgram kHybridProgram = {kStages, kCompileOrder, hybrid_layout};
 
-// How BLEND surfaces are seen through, where the scene has some.
+// How surfaces are seen through, where the scene has such.
 std::uint32_t transparency_flags(const RenderSettings& settings, const PackedScene& scene) {
   const TransparencyKind* kind = settings.integrator->finds_light ? transparency_kind(settings) : nullptr;
-  const bool blends =
-      std::ranges::any_of(scene.materials, [](const gpu::Material& m) { return m.flags & gpu::kMaterialBlend; });
-  return kind && blends ? kind->flag : 0;
+  if (!kind) return 0;
+  return std::ranges::any_of(scene.materials, kind->layers ? kind->layers->holds : is_blended) ? kind->flag : 0;
 }
 
 // Light beyond the direct one is wanted where paths would be longer than it.
@@ -152,7 +152,7 @@ void Hybrid::make_frame(const View& view, const RenderSettings& settings, Past p
   const ClipPlanes planes = clip_planes(scene, view);
   frame_.near = planes.near;
   frame_.far = planes.far;
-  edges_hold_ = edges_hold(scene, view, settings.width, settings.height);
+  rasterizes_ = refracts() || edges_hold(scene, view, settings.width, settings.height);
   jitters_.clear();
   gpu::Frame& shared = workspace_.frame;
   const bool mips = uses_mips(settings) && (scene.features & gpu::kFeatureMips);
@@ -178,15 +178,17 @@ void Hybrid::make_room(const View& view, Past past) {
   const std::uint32_t path_stages = !lights() ? 0 : shading_kind(settings_) ? kLocalPathStages : kLightingStages;
   const std::uint32_t options = lights() || joins_frames() || filters_frames() ? kRoomForSeen : 0;
   bool moved = paths_.change(settings_, path_stages, options, kernels_.features(kHybridProgram));
-  const bool layers = frame_.flags & gpu::kHybridLayers;
+  const bool layers = frame_.flags & kAnyLayers;
   moved |= buffers_.fit({.pixels = workspace_.film.pixels(),
                          .options = (layers ? kRoomForLayers : 0) | (multisamples() ? kRoomForPlaces : 0)});
-  const glm::u64vec4 made_for(settings_.width, settings_.height, path_features, settings_.cull);
+  // Glass is passed through like what has alpha.
+  const gpu::Feature visible_features = path_features | (refracts() ? gpu::kFeatureAlpha : 0);
+  const glm::u64vec4 made_for(settings_.width, settings_.height, visible_features, settings_.cull);
   if (made_for != visibility_made_for_ || moved) {
     visibility_.reset(); // the device may not hold both at once
     visibility_made_for_ = glm::u64vec4(0);
     visibility_ = std::make_unique<Visibility>(workspace_.device, scene, *workspace_.on_device,
-                                               workspace_.frame_buffer(), buffers_[kFrame], path_features,
+                                               workspace_.frame_buffer(), buffers_[kFrame], visible_features,
                                                settings_.width, settings_.height, settings_.cull);
     visibility_made_for_ = made_for;
     moved = true;
@@ -217,7 +219,7 @@ void Hybrid::remake_occlusion() {
 }
 
 void Hybrid::remake_layers(bool moved) {
-  const bool wanted = frame_.flags & gpu::kHybridLayers;
+  const bool wanted = frame_.flags & kAnyLayers;
   const LayersMadeFor made_for = wanted
                                      ? LayersMadeFor{transparency_kind(settings_)->layers, paths_.config(),
                                                      settings_.width, settings_.height, settings_.transparency_layers}
@@ -226,9 +228,9 @@ void Hybrid::remake_layers(bool moved) {
     layers_.reset(); // the device may not hold both at once
     layers_made_for_ = {};
     if (wanted)
-      layers_ =
-          std::make_unique<Layers>(workspace_, *made_for.recipe, made_for.config,
-                                   LayerFrame{buffers_[kFrame], buffers_[kGbuffer], buffers_[kLayers]}, settings_);
+      layers_ = std::make_unique<Layers>(
+          workspace_, *made_for.recipe, made_for.config,
+          LayerFrame{buffers_[kFrame], buffers_[kGbuffer], paths_.buffers[kSeen], buffers_[kLayers]}, settings_);
     layers_made_for_ = made_for;
   }
   if (layers_) layers_->turn_to(camera_);
@@ -335,7 +337,7 @@ void Hybrid::begin_pass(WaveQueue& queue, std::uint32_t sample) {
   }
   frame_.jitter = jitter(queue, sample);
   const auto prepare = [this](Commands& commands) { commands.write(buffers_[kFrame], &frame_, sizeof(frame_)); };
-  if (edges_hold_)
+  if (rasterizes_)
     visibility_->render(queue, camera_, prepare);
   else
     visibility_->trace(queue, prepare);
@@ -418,14 +420,21 @@ void Hybrid::end_pass(WaveQueue& queue) {
   camera_.jitter_y = frame_.jitter.y;
   if (occlusion_) occlusion_->submit(queue);
   if (multisamples()) share_shading(queue);
-  if (layers_) layers_->render(queue);
+  if (layers_ && !refracts()) layers_->render(queue);
   if (denoiser_)
     queue.submit([this](Commands& commands) { denoiser_->record(commands, camera_); },
                  {.timed_dispatches = denoiser_->dispatches()});
-  if (!taa_ && !frame_filter_) return composite(queue, frame_.flags);
+  const bool filters = taa_ || frame_filter_;
+  if (!filters && !refracts()) return composite(queue, frame_.flags);
   composite(queue, frame_.flags | gpu::kHybridToColor);
+  const std::uint32_t again = (frame_.flags & ~gpu::kHybridLayers) | gpu::kHybridFromColor;
+  if (refracts()) { // what is opaque is seen through layers, so that it comes first
+    layers_->render(queue);
+    composite(queue, again | gpu::kHybridLayers | (filters ? gpu::kHybridToColor : 0));
+    if (!filters) return;
+  }
   antialias(queue);
-  composite(queue, frame_.flags | gpu::kHybridFromColor);
+  composite(queue, again);
 }
 
 void Hybrid::share_shading(WaveQueue& queue) {

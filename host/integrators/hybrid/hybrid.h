@@ -57,6 +57,7 @@ public:
 private:
   bool lights() const { return frame_.flags & gpu::kHybridLights; }
   bool ambient() const { return frame_.flags & gpu::kHybridAmbient; }
+  bool refracts() const { return frame_.flags & gpu::kHybridRefractive; }
   bool multisamples() const { return frame_.flags & gpu::kHybridMultisample; }
   bool traces_occlusion() const; // by rays, in the pilot or in frames
   void make_frame(const View& view, const RenderSettings& settings, Past past);
@@ -82,7 +83,7 @@ private:
   RenderSettings settings_;
   gpu::CameraView camera_;
   gpu::HybridFrame frame_{};
-  bool edges_hold_ = true;     // otherwise frames are traced
+  bool rasterizes_ = true;     // otherwise frames are traced
   bool knows_ambient_ = false; // of frames before
   KernelNeed need_;
   std::unique_ptr<Visibility> visibility_;

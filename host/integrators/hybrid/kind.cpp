@@ -118,12 +118,12 @@ void add_shading_bias(const RenderSettings& settings, std::vector<std::string>& 
 void add_transparency_bias(const RenderSettings& settings, std::vector<std::string>& bias) {
   const TransparencyKind* kind = transparency_kind(settings);
   if (!kind) return;
-  bias.push_back(fmt::format("BLEND surfaces are {} (--transparency {})", kind->summary, kind->name));
+  bias.push_back(fmt::format("{} are {} (--transparency {})", kind->subject, kind->summary, kind->name));
   if (!kind->layers) return;
   bias.push_back(
-      fmt::format("light of BLEND surfaces has no shadows, and their ambient term no occlusion "
+      fmt::format("light of {} has no shadows, and their ambient term no occlusion "
                   "(--transparency {})",
-                  kind->name));
+                  kind->subject, kind->name));
   if (takes_transparency_setting(settings, "transparency-layers"))
     bias.push_back(fmt::format("of BLEND surfaces that lie behind each other, {} are seen (--transparency-layers)",
                                settings.transparency_layers));

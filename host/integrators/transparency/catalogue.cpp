@@ -13,8 +13,8 @@
 namespace wavepath {
 namespace {
 
-constexpr std::array kKinds = {&kTransparencySorted, &kTransparencyPeel, &kTransparencyWeighted,
-                               &kTransparencyScreendoor, &kTransparencyStochastic};
+constexpr std::array kKinds = {&kTransparencySorted,     &kTransparencyPeel,       &kTransparencyWeighted,
+                               &kTransparencyScreendoor, &kTransparencyStochastic, &kTransparencyRefractive};
 static_assert(kKinds.size() + 1 == kTransparencyNames.size());
 
 } // namespace

@@ -10,5 +10,6 @@ extern const TransparencyKind kTransparencyPeel;       // peel.cpp
 extern const TransparencyKind kTransparencyWeighted;   // weighted.cpp
 extern const TransparencyKind kTransparencyScreendoor; // screendoor.cpp
 extern const TransparencyKind kTransparencyStochastic; // stochastic.cpp
+extern const TransparencyKind kTransparencyRefractive; // refractive.cpp
 
 } // namespace wavepath

@@ -7,10 +7,6 @@
 namespace wavepath {
 namespace {
 
-bool is_blended(const PackedScene& scene, const gpu::Triangle& triangle) {
-  return scene.materials[triangle.surface & gpu::kTriangleMaterialMask].flags & gpu::kMaterialBlend;
-}
-
 glm::dvec3 middle_of(const PackedScene& scene, const gpu::Triangle& triangle, std::uint32_t instance) {
   const glm::dvec4 middle((glm::dvec3(triangle.v0) + glm::dvec3(triangle.v1) + glm::dvec3(triangle.v2)) / 3.0, 1.0);
   if (!scene.root_is_top) return glm::dvec3(middle);
@@ -21,12 +17,12 @@ glm::dvec3 middle_of(const PackedScene& scene, const gpu::Triangle& triangle, st
 
 } // namespace
 
-std::vector<LayerTriangle> layer_triangles(const PackedScene& scene) {
+std::vector<LayerTriangle> layer_triangles(const PackedScene& scene, bool (*holds)(const gpu::Material& material)) {
   std::map<std::pair<std::uint32_t, std::uint32_t>, LayerTriangle> by_source; // instance's and triangle's
   for (const Draw& draw : scene.draws)
     for (std::uint32_t t = draw.first_triangle; t < draw.first_triangle + draw.triangle_count; ++t) {
       const gpu::Triangle& triangle = scene.triangles[t];
-      if (!is_blended(scene, triangle)) continue;
+      if (!holds(scene.materials[triangle.surface & gpu::kTriangleMaterialMask])) continue;
       for (std::uint32_t i = draw.first_instance; i < draw.first_instance + draw.instance_count; ++i) {
         const std::uint32_t placed = scene.root_is_top ? scene.instances[i].id : 0;
         by_source.try_emplace({placed, triangle.id}, LayerTriangle{{t, i}, middle_of(scene, triangle, i)});

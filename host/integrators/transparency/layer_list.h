@@ -1,4 +1,4 @@
-// The BLEND triangles of a scene, placed, in an order in which they can be drawn.
+// The triangles of a scene that are layers, placed, in an order in which they can be drawn.
 #pragma once
 
 #include <vector>
@@ -15,8 +15,8 @@ struct LayerTriangle {
   glm::dvec3 middle{0.0}; // device world
 };
 
-// Each once, copies of spatial splits left out, by instance and source.
-std::vector<LayerTriangle> layer_triangles(const PackedScene& scene);
+// Those of materials that `holds` is true of, each once, copies of spatial splits left out, by instance and source.
+std::vector<LayerTriangle> layer_triangles(const PackedScene& scene, bool (*holds)(const gpu::Material& material));
 
 // From the farthest middle along the view axis to the nearest; of equal ones the first in the list is drawn first.
 void sort_back_to_front(std::vector<LayerTriangle>& list, const gpu::CameraView& camera);

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "kernels/hybrid/hybrid_types.h"
+#include "kernels/path/path_types.h"
 #include "kernels/transparency/transparency_types.h"
 
 namespace wavepath {
@@ -39,7 +40,7 @@ Layers::Layers(Workspace& workspace, const LayerRecipe& recipe, const KernelConf
       layers_(frame.layers),
       pixels_(settings.width * settings.height),
       passes_(recipe.passes(settings)),
-      list_(layer_triangles(workspace.scene)),
+      list_(layer_triangles(workspace.scene, recipe.holds)),
       constants_(specialization(config, workspace.device.info())),
       triangles_(workspace.device, list_.size() * sizeof(glm::uvec2)),
       unused_(workspace.device, 0),
@@ -58,6 +59,7 @@ std::vector<Binding> Layers::bindings(const LayerFrame& frame) const {
                                    {gpu::kBindRuns, texels_r32ui, &unused_},
                                    {gpu::kBindHybrid, uniform, &frame.hybrid},
                                    {gpu::kBindGbuffer, storage, &frame.gbuffer},
+                                   {gpu::kBindSeen, storage, &frame.seen},
                                    {gpu::kBindLayers, storage, &frame.layers},
                                    {gpu::kBindLayerTriangles, texels_rg32ui, &triangles_}});
   for (std::size_t i = 0; i < copies_.size(); ++i) {

@@ -1,5 +1,5 @@
-// A technique of layers at work: draws the BLEND triangles of a hybrid frame into kBindLayers, from which they are put
-// in front of what is opaque.
+// A technique of layers at work: draws the triangles of layers of a hybrid frame into kBindLayers, from which they are
+// put in front of what is opaque.
 #pragma once
 
 #include <array>
@@ -21,6 +21,7 @@ namespace wavepath {
 struct LayerFrame {
   const Buffer& hybrid;  // gpu::HybridFrame
   const Buffer& gbuffer; // of what is opaque
+  const Buffer& seen;    // kBindSeen, of the same
   const Buffer& layers;  // kBindLayers
 };
 

@@ -15,7 +15,7 @@ std::vector<Setting> transparency_rows() {
   std::vector<Setting> rows = {
       {.name = "transparency",
        .value = ChoiceValue{&S::transparency, kTransparencyNames},
-       .meaning = "how BLEND surfaces are seen through: at random, or by a technique that rasterizes their layers",
+       .meaning = "how BLEND surfaces (of refractive: glass) are seen through: at random, or by rasterized layers",
        .label = "transparency",
        .study = std::vector<std::string_view>(kTransparencyNames.begin(), kTransparencyNames.end())},
       {.name = "transparency-layers",

@@ -1,4 +1,4 @@
-// The names of ways to see through BLEND surfaces: values of --transparency.
+// The names of ways to see through BLEND surfaces or those that transmit: values of --transparency.
 #pragma once
 
 #include <array>
@@ -8,8 +8,8 @@
 namespace wavepath {
 
 // The first one passes through at random; host/integrators/transparency has a file for each of the others.
-inline constexpr std::array<std::string_view, 6> kTransparencyNames = {"traced",   "sorted",     "peel",
-                                                                       "weighted", "screendoor", "stochastic"};
+inline constexpr std::array<std::string_view, 7> kTransparencyNames = {
+    "traced", "sorted", "peel", "weighted", "screendoor", "stochastic", "refractive"};
 inline constexpr std::uint32_t kTransparencyTraced = 0;
 
 } // namespace wavepath
