@@ -17,6 +17,7 @@
 #include "kernels/shadows/bindings.glsl"
 #include "kernels/path/bindings.glsl"
 #include "kernels/path/records.glsl"
+#include "kernels/shadows/answer.glsl"
 #include "kernels/shadows/view.glsl"
 #include "kernels/surface.glsl"
 
@@ -102,12 +103,7 @@ void main() {
   count_answers(lit >= 0.0);
 #endif
   if (!(lit >= 0.0)) return;
-  PathState path = fetch_path(ray.slot);
-  path.radiance += ray.contribution * mix(shadow.ambient, 1.0, min(lit, 1.0));
-  store_radiance(ray.slot, path);
-  ray.contribution = vec3(0.0);
-  ray.t_max = -1.0; // ends its walk at the root
-  store_shadow_ray(index, ray);
+  answer_shadow_ray(index, ray, min(lit, 1.0));
 }
 
 #endif
