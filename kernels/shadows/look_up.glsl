@@ -40,6 +40,10 @@ struct Receiver {
 // From 0, in shadow, to 1; below 0 where only the ray itself can tell.
 float lit_share(Receiver r);
 
+#ifdef TINTS_LIGHT
+vec3 light_tint(Receiver r); // what becomes of the light on its way, besides shadows
+#endif
+
 // Turns to a view of the light. False if it does not show the point.
 bool look_through(uint view_index, inout Receiver r) {
   r.view_index = view_index;
@@ -98,6 +102,9 @@ void main() {
   r.position = surface.position;
   r.normal = dot(surface.geometric_normal, ray.direction) < 0.0 ? -surface.geometric_normal : surface.geometric_normal;
   if (!find_view(r)) return;
+#ifdef TINTS_LIGHT
+  ray.contribution *= light_tint(r);
+#endif
   float lit = lit_share(r);
 #ifdef BIND_SHADOW_COUNTS
   count_answers(lit >= 0.0);

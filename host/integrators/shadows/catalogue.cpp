@@ -17,7 +17,7 @@ constexpr std::array kKinds = {&kShadowMap,    &kShadowMapId,    &kShadowPcf,   
                                &kShadowEsm,    &kShadowEvsm,     &kShadowMoment,     &kShadowVssm,    &kShadowAverage,
                                &kShadowLeak,   &kShadowCascades, &kShadowSdsm,       &kShadowLispsm,  &kShadowTsm,
                                &kShadowPsm,    &kShadowCube,     &kShadowParaboloid, &kShadowVirtual, &kShadowIzb,
-                               &kShadowPlanar, &kShadowLightmap};
+                               &kShadowPlanar, &kShadowLightmap, &kShadowProjected};
 static_assert(kKinds.size() + 1 == kShadowNames.size());
 
 } // namespace
