@@ -36,7 +36,7 @@ bool is_of_plane(PlanarPair pair, uint triangle, uint instance) {
 // Whether the triangle lies in one of the planes that shadows fall on, all that the buffer of pairs has. What lies in none
 // of them casts.
 bool is_receiver(uint triangle, uint instance) {
-  uint count = uint(textureSize(planar_pairs)) / kPlanarPairTexels;
+  uint count = fetch_planar_pair(0u).source; // textureSize() is wrong in vertex shaders of Mesa 22.3
   for (uint i = 0u; i < count; ++i)
     if (is_of_plane(fetch_planar_pair(i), triangle, instance)) return true;
   return false;

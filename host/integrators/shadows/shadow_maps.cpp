@@ -88,9 +88,9 @@ std::vector<gpu::PlanarPair> planes_of(const PackedScene& scene) {
     pair.tolerance = static_cast<float>(plane_tolerance(scene));
     planes.push_back(pair);
   }
-  gpu::PlanarPair nowhere{};
-  nowhere.offset = 1.0f;
-  if (planes.empty()) planes.push_back(nowhere);
+  const auto count = static_cast<std::uint32_t>(planes.size());
+  planes.resize(std::max<std::size_t>(planes.size(), 1));
+  planes.front().source = count;
   return planes;
 }
 
