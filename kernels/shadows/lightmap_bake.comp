@@ -40,8 +40,16 @@ void main() {
     Surface surface = fetch_surface(Hit(placed.x, placed.y, weights.y, weights.z));
     vec4 points = texelFetch(lightmap_points, int(wave.sample_count));
     uint first = floatBitsToUint(points.x), count = floatBitsToUint(points.y);
-    for (uint i = 0u; i < count; ++i) lit += passed_from(surface, texelFetch(lightmap_points, int(first + i)), points.z);
-    lit /= float(count);
+    // By side of the surface: points below the horizon send no light, so they are no shadow either.
+    vec2 passed = vec2(0.0), all = vec2(0.0);
+    for (uint i = 0u; i < count; ++i) {
+      vec4 point = texelFetch(lightmap_points, int(first + i));
+      bool front = dot(surface.geometric_normal, point.w == 0.0 ? point.xyz : point.xyz - surface.position) > 0.0;
+      vec2 side = vec2(front, !front);
+      all += side;
+      passed += side * passed_from(surface, point, points.z);
+    }
+    lit = max(passed.x / max(all.x, 1.0), passed.y / max(all.y, 1.0)); // a body's inside has none
   }
   share_words[wave.sample_count * shadow.size * shadow.size + texel] = lit;
 }
