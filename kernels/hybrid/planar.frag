@@ -3,6 +3,7 @@
 #extension GL_GOOGLE_include_directive : require
 
 #define BIND_GEOMETRY
+#define BIND_PLANAR_PAIRS
 #define BIND_SURFACES
 #define BIND_HYBRID
 #define BIND_VISIBILITY

@@ -7,6 +7,7 @@
 #extension GL_GOOGLE_include_directive : require
 
 #define BIND_GEOMETRY
+#define BIND_PLANAR_PAIRS
 #define BIND_HYBRID
 #include "kernels/hybrid/bindings.glsl"
 #include "kernels/shadows/bindings.glsl"

@@ -17,6 +17,7 @@
 #include "kernels/shadows/bindings.glsl"
 #include "kernels/path/bindings.glsl"
 #include "kernels/path/records.glsl"
+#include "kernels/shadows/answer.glsl"
 #include "kernels/shadows/view.glsl"
 #include "kernels/surface.glsl"
 
@@ -38,6 +39,10 @@ struct Receiver {
 
 // From 0, in shadow, to 1; below 0 where only the ray itself can tell.
 float lit_share(Receiver r);
+
+#ifdef TINTS_LIGHT
+vec3 light_tint(Receiver r); // what becomes of the light on its way, besides shadows
+#endif
 
 // Turns to a view of the light. False if it does not show the point.
 bool look_through(uint view_index, inout Receiver r) {
@@ -97,17 +102,15 @@ void main() {
   r.position = surface.position;
   r.normal = dot(surface.geometric_normal, ray.direction) < 0.0 ? -surface.geometric_normal : surface.geometric_normal;
   if (!find_view(r)) return;
+#ifdef TINTS_LIGHT
+  ray.contribution *= light_tint(r);
+#endif
   float lit = lit_share(r);
 #ifdef BIND_SHADOW_COUNTS
   count_answers(lit >= 0.0);
 #endif
   if (!(lit >= 0.0)) return;
-  PathState path = fetch_path(ray.slot);
-  path.radiance += ray.contribution * mix(shadow.ambient, 1.0, min(lit, 1.0));
-  store_radiance(ray.slot, path);
-  ray.contribution = vec3(0.0);
-  ray.t_max = -1.0; // ends its walk at the root
-  store_shadow_ray(index, ray);
+  answer_shadow_ray(index, ray, min(lit, 1.0));
 }
 
 #endif

@@ -10,6 +10,7 @@
 #include "kernels/path/bindings.glsl"
 #include "kernels/path/records.glsl"
 #include "kernels/pixel.glsl"
+#include "kernels/shadows/answer.glsl"
 #include "kernels/shadows/planar_types.h"
 
 layout(local_size_x = kWorkgroupSize) in;
@@ -23,10 +24,5 @@ void main() {
   if (source == kNone) return;
   uvec2 pixel = slot_pixel(ray.slot);
   bool dark = texelFetch(planar_shadows, int((source * frame.height + pixel.y) * frame.width + pixel.x)).x != 0u;
-  PathState path = fetch_path(ray.slot);
-  path.radiance += ray.contribution * (dark ? shadow.ambient : 1.0);
-  store_radiance(ray.slot, path);
-  ray.contribution = vec3(0.0);
-  ray.t_max = -1.0; // ends its walk at the root
-  store_shadow_ray(index, ray);
+  answer_shadow_ray(index, ray, dark ? 0.0 : 1.0);
 }

@@ -20,7 +20,7 @@ struct PlanarPair {
   float is_point;  // 1; 0 for suns
   float height;    // of the light above the plane, metres; of suns the cosine of the angle to the normal
   float tolerance; // metres: of the plane is what is no farther from it
-  uint source;     // picture that the shadow is drawn into
+  uint source;     // picture that the shadow is drawn into; where there are planes alone, how many
   uint pad0;
 };
 GPU_CHECK(sizeof(PlanarPair) == 48);

@@ -34,6 +34,7 @@ bool is_in_front(out Fragment f) {
   f.pixel = uvec2(gl_FragCoord.xy);
   hybrid_camera_ray(f.pixel, f.origin, f.direction);
   f.hit = hit_of_triangle(triangle, instance, f.origin, f.direction);
+  if (has(kFeatureAlpha) && (hybrid.flags & kHybridRefractive) != 0u && is_hole(f.hit, hybrid_sampler(f.pixel), kHashExtend)) return false;
   f.depth = dot(fetch_surface(f.hit).position - f.origin, frame.camera_forward);
   float behind = opaque[f.pixel.y * frame.width + f.pixel.x].depth;
   return f.depth > 0.0 && (behind == 0.0 || f.depth <= behind);

@@ -27,7 +27,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::array<std::string_view, 33> kHybridSettings = {"hemisphere",
+constexpr std::array<std::string_view, 34> kHybridSettings = {"hemisphere",
                                                               "direct",
                                                               "lights",
                                                               "shadow-samples",
@@ -47,6 +47,7 @@ constexpr std::array<std::string_view, 33> kHybridSettings = {"hemisphere",
                                                               "shadow-exponent",
                                                               "shadow-bits",
                                                               "shadow-source",
+                                                              "shadow-cookie",
                                                               "shadow-ambient",
                                                               "shading",
                                                               "interpolation",

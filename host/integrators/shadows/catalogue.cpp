@@ -14,10 +14,11 @@
 namespace wavepath {
 namespace {
 
-constexpr std::array kKinds = {
-    &kShadowMap,    &kShadowMapId, &kShadowPcf,     &kShadowPcss,       &kShadowVsm,      &kShadowEsm,  &kShadowEvsm,
-    &kShadowMoment, &kShadowVssm,  &kShadowAverage, &kShadowLeak,       &kShadowCascades, &kShadowSdsm, &kShadowLispsm,
-    &kShadowTsm,    &kShadowPsm,   &kShadowCube,    &kShadowParaboloid, &kShadowVirtual,  &kShadowIzb,  &kShadowPlanar};
+constexpr std::array kKinds = {&kShadowMap,    &kShadowMapId,    &kShadowPcf,        &kShadowPcss,    &kShadowVsm,
+                               &kShadowEsm,    &kShadowEvsm,     &kShadowMoment,     &kShadowVssm,    &kShadowAverage,
+                               &kShadowLeak,   &kShadowCascades, &kShadowSdsm,       &kShadowLispsm,  &kShadowTsm,
+                               &kShadowPsm,    &kShadowCube,     &kShadowParaboloid, &kShadowVirtual, &kShadowIzb,
+                               &kShadowPlanar, &kShadowLightmap, &kShadowProjected};
 static_assert(kKinds.size() + 1 == kShadowNames.size());
 
 } // namespace

@@ -4,7 +4,8 @@
 #include <array>
 #include <cmath>
 #include <map>
-#include <unordered_set>
+
+#include "host/integrators/shadows/placed_triangles.h"
 
 namespace wavepath {
 namespace {
@@ -21,12 +22,7 @@ struct PlacedTriangle {
 };
 
 PlacedTriangle placed(const gpu::Triangle& triangle, const gpu::Instance* instance) {
-  PlacedTriangle out{{glm::dvec3(triangle.v0), glm::dvec3(triangle.v1), glm::dvec3(triangle.v2)}, {}, 0.0};
-  for (glm::dvec3& corner : out.corners) {
-    if (!instance) break;
-    const glm::dvec4 p(corner, 1.0);
-    for (int axis = 0; axis < 3; ++axis) corner[axis] = glm::dot(glm::dvec4(instance->world_from_object[axis]), p);
-  }
+  PlacedTriangle out{placed_corners(triangle, instance), {}, 0.0};
   const glm::dvec3 cross = glm::cross(out.corners[1] - out.corners[0], out.corners[2] - out.corners[0]);
   const double length = glm::length(cross);
   out.area = 0.5 * length;
@@ -38,20 +34,16 @@ PlacedTriangle placed(const gpu::Triangle& triangle, const gpu::Instance* instan
   return out;
 }
 
-// Every triangle that can be seen, once: spatial splits make copies.
+// Every triangle that can be seen, once.
 template <typename Visit>
-void for_each_triangle(const PackedScene& scene, const Visit& visit) {
-  for (const Draw& draw : scene.draws) {
-    std::unordered_set<std::uint32_t> known;
-    for (std::uint32_t t = draw.first_triangle; t < draw.first_triangle + draw.triangle_count; ++t) {
-      const gpu::Triangle& triangle = scene.triangles[t];
-      if (!known.insert(triangle.id).second) continue;
+void for_each_placed(const PackedScene& scene, const Visit& visit) {
+  for (const Draw& draw : scene.draws)
+    for_each_triangle(scene, draw, [&](std::uint32_t t) {
       for (std::uint32_t i = draw.first_instance; i < draw.first_instance + draw.instance_count; ++i) {
-        const PlacedTriangle one = placed(triangle, scene.root_is_top ? &scene.instances[i] : nullptr);
+        const PlacedTriangle one = placed(scene.triangles[t], instance_of(scene, i));
         if (one.area > 0.0) visit(one);
       }
-    }
-  }
+    });
 }
 
 struct Cell {
@@ -73,7 +65,7 @@ double plane_tolerance(const PackedScene& scene) { return kTolerance * scene.rad
 std::vector<ReceiverPlane> receiver_planes(const PackedScene& scene) {
   std::map<std::array<std::int64_t, 4>, Cell> cells;
   double whole = 0.0;
-  for_each_triangle(scene, [&](const PlacedTriangle& triangle) {
+  for_each_placed(scene, [&](const PlacedTriangle& triangle) {
     const double offset = -glm::dot(triangle.normal, triangle.corners[0]);
     const auto cell_of = [](double x, double size) { return static_cast<std::int64_t>(std::floor(x / size + 0.5)); };
     Cell& cell = cells[{cell_of(triangle.normal.x, kCellAngle), cell_of(triangle.normal.y, kCellAngle),
@@ -91,7 +83,7 @@ std::vector<ReceiverPlane> receiver_planes(const PackedScene& scene) {
   std::vector<ReceiverPlane> planes;
   for (const Cell& cell : candidates) planes.push_back(cell.plane);
   const double tolerance = plane_tolerance(scene);
-  for_each_triangle(scene, [&](const PlacedTriangle& triangle) {
+  for_each_placed(scene, [&](const PlacedTriangle& triangle) {
     // Of the first plane that it lies in, so that those found twice come to nothing.
     const auto found =
         std::ranges::find_if(planes, [&](const ReceiverPlane& plane) { return lies_in(triangle, plane, tolerance); });

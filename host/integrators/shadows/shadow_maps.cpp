@@ -6,12 +6,17 @@
 #include <fmt/format.h>
 
 #include "host/base/error.h"
+#include "host/integrators/shadows/cookie.h"
+#include "host/integrators/shadows/receiver_planes.h"
 #include "host/integrators/shadows/scene_fit.h"
 #include "host/integrators/shadows/taps.h"
 #include "host/integrators/shadows/times.h"
 #include "host/integrators/shadows/virtual_pages.h"
 #include "host/render/settings/shadow_settings.h"
 #include "kernels/hybrid/hybrid_types.h"
+#include "kernels/shadows/cookie_types.h"
+#include "kernels/shadows/planar_types.h"
+#include "kernels/shadows/shadow_casters_vert.spv.h"
 #include "kernels/shadows/shadow_ids_frag.spv.h"
 #include "kernels/shadows/shadow_map_frag.spv.h"
 #include "kernels/shadows/shadow_map_vert.spv.h"
@@ -34,6 +39,8 @@ enum MapBuffer : std::size_t {
   kFiltered,
   kScratch,
   kCounts,
+  kPlanes,
+  kCookie,
   kMapBufferCount
 };
 
@@ -42,7 +49,7 @@ struct MapBinding {
   BindingKind kind;
   MapBuffer buffer;
 };
-constexpr std::array<MapBinding, 12> kBindings = {{{gpu::kBindShadowFrame, uniform, kFrameData},
+constexpr std::array<MapBinding, 14> kBindings = {{{gpu::kBindShadowFrame, uniform, kFrameData},
                                                    {gpu::kBindShadowViews, texels_rgba32f, kViews},
                                                    {gpu::kBindShadowLights, texels_rg32ui, kLightViews},
                                                    {gpu::kBindShadowDepths, texels_r32f, kDepths},
@@ -53,7 +60,9 @@ constexpr std::array<MapBinding, 12> kBindings = {{{gpu::kBindShadowFrame, unifo
                                                    {gpu::kBindShadowFiltered, texels_rgba32f, kFiltered},
                                                    {gpu::kBindShadowFilteredWords, storage, kFiltered},
                                                    {gpu::kBindShadowScratch, storage, kScratch},
-                                                   {gpu::kBindShadowCounts, storage, kCounts}}};
+                                                   {gpu::kBindShadowCounts, storage, kCounts},
+                                                   {gpu::kBindPlanarPairs, texels_rgba32f, kPlanes},
+                                                   {gpu::kBindShadowCookie, texels_rgba32f, kCookie}}};
 
 const std::array<AttachmentInfo, 3> kAttachments{
     {{.name = "shadow map", .format = ImageFormat::r32f, .clear = {.colour = {gpu::kFar, 0.0f, 0.0f, 0.0f}}},
@@ -63,12 +72,29 @@ std::span<const AttachmentInfo> attachments(bool ids) { return std::span(kAttach
 
 const RasterCode kDepthCode{"shadow map", wavepath_shadow_map_vert_spv, wavepath_shadow_map_frag_spv};
 const RasterCode kMidpointCode{"shadow map", wavepath_shadow_map_vert_spv, wavepath_shadow_midpoint_frag_spv};
+const RasterCode kCasterCode{"shadow casters", wavepath_shadow_casters_vert_spv, wavepath_shadow_map_frag_spv};
 const RasterCode kIdCode{"shadow map", wavepath_shadow_map_vert_spv, wavepath_shadow_ids_frag_spv};
 
 constexpr std::uint64_t kFirstTriangles = 1 << 16, kFirstTexels = 1 << 16; // of a slice: guesses
 constexpr std::uint32_t kTimedBuilds = 5; // frames that build anew what could be kept, so that the time has a median
 constexpr std::uint32_t kReducedPixels = 1u << 18; // of a submission
 constexpr std::uint32_t kPageTexels = gpu::kShadowPage * gpu::kShadowPage;
+
+// What kernels/shadows/planar.glsl asks of planes that receive.
+std::vector<gpu::PlanarPair> planes_of(const PackedScene& scene) {
+  std::vector<gpu::PlanarPair> planes;
+  for (const ReceiverPlane& plane : receiver_planes(scene)) {
+    gpu::PlanarPair pair{};
+    pair.normal = glm::vec3(plane.normal);
+    pair.offset = static_cast<float>(plane.offset);
+    pair.tolerance = static_cast<float>(plane_tolerance(scene));
+    planes.push_back(pair);
+  }
+  const auto count = static_cast<std::uint32_t>(planes.size());
+  planes.resize(std::max<std::size_t>(planes.size(), 1));
+  planes.front().source = count;
+  return planes;
+}
 
 class ShadowMaps : public ShadowTechnique {
 public:
@@ -77,7 +103,10 @@ public:
         workspace_(context.workspace),
         kernels_(context.kernels),
         sources_(context.sources),
-        chunks_(make_chunks(context.workspace.scene)) {}
+        chunks_(make_chunks(context.workspace.scene)) {
+    buffers_[kPlanes] =
+        upload(workspace_.device, recipe_.casters ? planes_of(workspace_.scene) : std::vector<gpu::PlanarPair>());
+  }
 
   void change(const View& view, const RenderSettings& settings, const std::vector<Binding>& shared) override {
     settings_ = settings;
@@ -212,6 +241,11 @@ private:
         recipe_.taps ? filter_taps(settings_.shadow_pattern, settings_.shadow_taps) : std::vector<glm::vec4>(1);
     buffers_[kTaps] = upload(workspace_.device, taps);
     const auto tap_count = recipe_.taps ? static_cast<std::uint32_t>(taps.size()) : settings_.shadow_taps;
+    if (!recipe_.cookie)
+      buffers_[kCookie] = Buffer(workspace_.device, 0);
+    else if (settings_.shadow_cookie != cookie_)
+      buffers_[kCookie] = upload(workspace_.device, read_cookie(settings_.shadow_cookie, workspace_.device.info()));
+    cookie_ = settings_.shadow_cookie;
     buffers_[kCounts] = upload(workspace_.device, std::vector<gpu::ShadowCounts>(recipe_.counts ? 1 : 0));
     buffers_[kFrameData] = upload(workspace_.device, std::vector<gpu::ShadowFrame>{shadow_frame(tap_count)});
   }
@@ -272,8 +306,11 @@ private:
     }
     RasterState state;
     if (settings_.shadow_bias == gpu::kBiasSecondDepth) state.cull = Cull::front;
-    pipeline_.emplace(workspace_.device, recipe_.ids ? kIdCode : kDepthCode, attachments(recipe_.ids), state,
-                      *raster_set_, constants);
+    pipeline_.emplace(workspace_.device,
+                      recipe_.casters ? kCasterCode
+                      : recipe_.ids   ? kIdCode
+                                      : kDepthCode,
+                      attachments(recipe_.ids), state, *raster_set_, constants);
     if (settings_.shadow_bias == gpu::kBiasMidpoint)
       behind_.emplace(workspace_.device, kMidpointCode, attachments(false), state, *raster_set_, constants);
   }
@@ -464,6 +501,7 @@ private:
   std::vector<std::unique_ptr<BindingSet>> sets_; // by band
   SliceLength triangles_a_slice_{kFirstTriangles}, texels_a_slice_{kFirstTexels}, filtered_a_slice_{kFirstTexels};
   std::uint32_t builds_left_ = 0;
+  std::optional<std::string> cookie_; // that was read
   ShadowReport report_;
   VirtualPages pages_;
   std::uint32_t page_room_ = 0;

@@ -41,9 +41,11 @@ struct FrameFit {
 struct ShadowMapRecipe {
   // Stage 0 answers shadow rays; the others are the filter's. Their layout is shadow_layout().
   const KernelProgram* program = nullptr;
-  bool ids = false;                                          // maps hold triangles, besides depths
-  bool taps = false;                                         // look-ups take filter taps
-  bool counts = false;                                       // look-ups count what they answer
+  bool casters = false; // maps hold what lies in none of the scene's large planes; look-ups know these planes
+  bool cookie = false;  // look-ups take --shadow-cookie
+  bool ids = false;     // maps hold triangles, besides depths
+  bool taps = false;    // look-ups take filter taps
+  bool counts = false;  // look-ups count what they answer
   double (*guard)(const RenderSettings& settings) = nullptr; // texels that look-ups reach beyond their place; null = 1
   // Views of a source; null = usual_views().
   std::vector<gpu::ShadowView> (*views)(const ShadowFit& fit, const ShadowSource& source, const View& view,

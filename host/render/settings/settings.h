@@ -65,6 +65,7 @@ struct RenderSettings {
   std::optional<double> shadow_exponent;    // of exponential maps; empty = the technique's own
   std::uint32_t shadow_bits = 32;           // of each moment that a map holds
   std::uint32_t shadow_source = 0;          // how maps are made: of kShadowSourceNames
+  std::string shadow_cookie;                // file of a picture that lights are shone through; empty = none
   double shadow_ambient = 0.0;              // share of a light that reaches what is in its shadow
   std::uint32_t shading = 0;                // how first hits reflect: of kShadingNames (shading_settings.h)
   std::uint32_t interpolation = 2;          // where that is evaluated: of kInterpolationNames

@@ -25,6 +25,8 @@ std::string shadow_bias_text(const S& settings) {
   return settings.shadow_bias_amount ? fmt::format("{}:{}", kind, *settings.shadow_bias_amount) : kind;
 }
 
+void read_shadow_cookie(const FlagValue& value, S& settings) { settings.shadow_cookie = value.text; }
+
 void read_shadow_bits(const FlagValue& value, S& settings) {
   settings.shadow_bits = value.whole_number(16, 32);
   if (settings.shadow_bits != 16 && settings.shadow_bits != 32) value.refuse("is no such format", "give 16 or 32");
@@ -92,6 +94,11 @@ std::vector<Setting> shadow_rows() {
        .value = ChoiceValue{&S::shadow_source, kShadowSourceNames},
        .meaning = "how what a light sees is found",
        .study = {"raster", "traced"}},
+      {.name = "shadow-cookie",
+       .value = SpecialValue{read_shadow_cookie, [](const S& s) { return s.shadow_cookie; }},
+       .meaning = "a picture that each spot and sun is shone through: EXR or HDR linear, PNG or JPG sRGB",
+       .placeholder = "FILE",
+       .initial = "none"},
       {.name = "shadow-ambient",
        .value = NumberValue{&S::shadow_ambient, 0.0, 1.0},
        .meaning = "share of a light that reaches what is in its shadow",

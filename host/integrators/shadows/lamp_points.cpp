@@ -1,0 +1,30 @@
+#include "host/integrators/shadows/lamp_points.h"
+
+#include <cmath>
+#include <numbers>
+
+namespace wavepath {
+namespace {
+
+// The digits of i in base 2, mirrored at the point (van der Corput 1935).
+double mirrored_bits(std::uint32_t i) {
+  double value = 0.0;
+  for (double digit = 0.5; i > 0; i >>= 1, digit *= 0.5) value += (i & 1u) * digit;
+  return value;
+}
+
+} // namespace
+
+std::vector<glm::dvec3> lamp_points(const ShadowSource& source, std::uint32_t count) {
+  std::vector<glm::dvec3> points;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const double a = (i + 0.5) / count, b = mirrored_bits(i) + 0.5 / count;
+    const double radius = std::sqrt(a), angle = 2.0 * std::numbers::pi * b;
+    const glm::dvec2 at = source.kind == kDiscSource ? radius * glm::dvec2(std::cos(angle), std::sin(angle))
+                                                     : 2.0 * glm::dvec2(a, b) - 1.0;
+    points.push_back(source.position + at.x * source.u + at.y * source.v);
+  }
+  return points;
+}
+
+} // namespace wavepath

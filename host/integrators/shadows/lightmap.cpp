@@ -1,0 +1,222 @@
+// Lightmaps: which share of each light arrives, baked by rays for texels spread over all surfaces before the first
+// frame, as games have baked light since id Software's Quake (1996). Frames look up what does not move.
+#include <array>
+#include <bit>
+
+#include <fmt/format.h>
+
+#include "host/base/error.h"
+#include "host/integrators/raster/slices.h"
+#include "host/integrators/shadows/kinds.h"
+#include "host/integrators/shadows/lamp_points.h"
+#include "host/integrators/shadows/lightmap_charts.h"
+#include "host/integrators/shadows/times.h"
+#include "kernels/hybrid/hybrid_types.h"
+#include "kernels/shadows/lightmap_bake.spv.h"
+#include "kernels/shadows/lightmap_types.h"
+#include "kernels/shadows/look_up_lightmap.spv.h"
+#include "kernels/shadows/shadow_types.h"
+
+namespace wavepath {
+namespace {
+
+using enum BindingKind;
+
+enum LightmapBuffer : std::size_t {
+  kFrameData,
+  kLightSources,
+  kFirst,
+  kCharts,
+  kTexels,
+  kShares,
+  kPoints,
+  kLightmapBufferCount
+};
+struct LightmapBinding {
+  std::uint32_t slot;
+  BindingKind kind;
+  LightmapBuffer buffer;
+};
+constexpr std::array<LightmapBinding, 9> kBindings = {{{gpu::kBindShadowFrame, uniform, kFrameData},
+                                                       {gpu::kBindShadowViews, texels_rgba32f, kPoints}, // not read
+                                                       {gpu::kBindShadowLights, texels_rg32ui, kLightSources},
+                                                       {gpu::kBindLightmapFirst, texels_r32ui, kFirst},
+                                                       {gpu::kBindLightmapCharts, texels_rg32ui, kCharts},
+                                                       {gpu::kBindLightmapTexels, texels_rg32ui, kTexels},
+                                                       {gpu::kBindLightmapShares, texels_r32f, kShares},
+                                                       {gpu::kBindLightmapShareWords, storage, kShares},
+                                                       {gpu::kBindLightmapPoints, texels_rgba32f, kPoints}}};
+
+std::vector<Binding> lightmap_layout() {
+  std::vector<Binding> layout = path_layout();
+  for (const LightmapBinding& binding : kBindings) layout.push_back({binding.slot, binding.kind, nullptr});
+  layout.push_back({gpu::kBindHybrid, uniform, nullptr});
+  layout.push_back({gpu::kBindVisibility, texels_rg32ui, nullptr});
+  return layout;
+}
+
+enum Stage : std::size_t { kLookUp, kBake, kStageCount };
+const std::array<KernelCode, kStageCount> kStages = {
+    {{kShadowLookUpStage, wavepath_look_up_lightmap_spv}, {kShadowBuildStage, wavepath_lightmap_bake_spv}}};
+constexpr std::array<std::size_t, kStageCount> kOrder = {kBake, kLookUp};
+const KernelProgram kProgram = {kStages, kOrder, lightmap_layout};
+
+constexpr std::uint64_t kRaysASlice = 1 << 14; // a few milliseconds of one core's work, and enough to fill a device
+constexpr float kShortOfTheLamp = 0.9999f;     // t_max: rays to points of a lamp end in front of its surface
+
+// What of the settings a lightmap is baked for.
+struct BakedFor {
+  std::uint32_t size = 0, taps = 0, cull = 0, terminator = 0;
+  friend bool operator==(const BakedFor&, const BakedFor&) = default;
+};
+
+class Lightmap : public ShadowTechnique {
+public:
+  explicit Lightmap(const ShadowContext& context)
+      : workspace_(context.workspace), kernels_(context.kernels), sources_(context.sources) {
+    const PackedScene& scene = workspace_.scene;
+    std::vector<glm::uvec2> light_sources(std::max<std::size_t>(scene.lights.size(), 1), glm::uvec2(gpu::kNone, 0));
+    for (std::uint32_t i = 0; i < sources_.size(); ++i)
+      for (const std::uint32_t light : sources_[i].lights) light_sources[light] = glm::uvec2(i, 1);
+    buffers_[kLightSources] = upload(workspace_.device, light_sources);
+  }
+
+  void change(const View& view, const RenderSettings& settings, const std::vector<Binding>& shared) override {
+    need_ = {&kProgram, (1u << kStageCount) - 1u,
+             kernel_config(needed_features(workspace_.scene, view, settings), workspace_.scene.stack_size, settings)};
+    kernels_.start(need_);
+    const BakedFor wanted{settings.shadow_size, settings.shadow_taps, settings.cull, settings.terminator};
+    if (wanted != made_for_) make_room(wanted);
+    gpu::ShadowFrame frame{};
+    frame.size = settings.shadow_size;
+    frame.ambient = static_cast<float>(settings.shadow_ambient);
+    buffers_[kFrameData] = upload(workspace_.device, std::vector<gpu::ShadowFrame>{frame});
+    std::vector<Binding> own = shared;
+    for (const LightmapBinding& binding : kBindings)
+      own.push_back({binding.slot, binding.kind, &buffers_[binding.buffer]});
+    sets_ = bind_bands(workspace_, own);
+  }
+
+  bool is_ready() override { return kernels_.ready(need_); }
+  double get_ready() override { return kernels_.best(need_).seconds(); }
+
+  // Once: neither surfaces nor lights move.
+  void build(WaveQueue& queue, std::uint32_t) override {
+    if (is_baked_) return;
+    is_baked_ = true;
+    const std::uint32_t texels = made_for_.size * made_for_.size;
+    for (std::uint32_t source = 0; source < sources_.size(); ++source) {
+      const std::uint64_t rays = is_lamp(sources_[source]) ? made_for_.taps : 1;
+      const auto most = static_cast<std::uint32_t>(std::max<std::uint64_t>(kRaysASlice / rays, 1));
+      for (std::uint32_t first = 0; first < texels; first += most) {
+        gpu::Wave wave{};
+        wave.first_pixel = first;
+        wave.pixel_count = std::min(most, texels - first);
+        wave.sample_count = source;
+        const auto record = [&](Commands& commands) {
+          commands.bind(*sets_.front());
+          commands.dispatch(kernels_.best(need_)[kBake], groups_for(wave.pixel_count), &wave);
+        };
+        queue.submit(record, {.stage = kShadowBuildStage});
+      }
+    }
+  }
+
+  void record_look_up(Commands& commands, std::size_t band, const gpu::Wave& wave) override {
+    commands.bind(*sets_[band]);
+    commands.dispatch(kernels_.best(need_)[kLookUp], groups_for(std::uint64_t{wave.pixel_count} * wave.sample_count),
+                      &wave);
+  }
+
+  std::uint64_t bytes() const override {
+    std::uint64_t bytes = 0;
+    for (const Buffer& buffer : buffers_) bytes += buffer.bytes();
+    return bytes;
+  }
+  std::uint32_t view_count() const override { return static_cast<std::uint32_t>(sources_.size()); }
+
+private:
+  static bool is_lamp(const ShadowSource& source) { return source.kind & kAreaSources; }
+
+  void make_room(const BakedFor& wanted) {
+    made_for_ = {};
+    is_baked_ = false;
+    check_fits(wanted);
+    const LightmapCharts charts = make_lightmap_charts(workspace_.scene, wanted.size);
+    if (charts.texels.empty())
+      throw Error("--shadow-size",
+                  fmt::format("of {} gives {} charts of surfaces less than a texel each", wanted.size, charts.count),
+                  "use a larger one or --shadows traced");
+    Device& device = workspace_.device;
+    buffers_[kFirst] = upload(device, charts.first);
+    buffers_[kCharts] = upload(device, charts.charts);
+    buffers_[kTexels] = upload(device, charts.texels);
+    buffers_[kShares] = Buffer(device, sources_.size() * charts.texels.size() * sizeof(float));
+    buffers_[kPoints] = upload(device, make_points(wanted.taps));
+    made_for_ = wanted;
+  }
+
+  // Throws before anything is allocated.
+  void check_fits(const BakedFor& wanted) const {
+    const DeviceInfo& info = workspace_.device.info();
+    const std::uint64_t texels = std::uint64_t{wanted.size} * wanted.size, shares = texels * sources_.size(),
+                        entries = placed_triangles(workspace_.scene), largest = std::max({texels, shares, entries}),
+                        bytes = shares * sizeof(float) + (texels + entries) * sizeof(glm::uvec2);
+    const std::uint64_t most_elements = std::min({info.max_texel_elements, info.max_allocation / sizeof(glm::uvec2),
+                                                  info.max_storage_range / sizeof(float), std::uint64_t{gpu::kNone}});
+    if (largest <= most_elements && bytes <= info.memory_bytes) return;
+    throw Error(info.name,
+                fmt::format("cannot hold lightmaps of {} lights, {}x{} texels each, and charts of {} triangles, {:.0f} "
+                            "MiB; at most {} of each and {:.0f} MiB",
+                            sources_.size(), wanted.size, wanted.size, entries, bytes / 1048576.0, most_elements,
+                            info.memory_bytes / 1048576.0),
+                "use a smaller --shadow-size or --shadows traced");
+  }
+
+  std::vector<glm::vec4> make_points(std::uint32_t taps) const {
+    std::vector<glm::vec4> points(sources_.size());
+    for (std::size_t i = 0; i < sources_.size(); ++i) {
+      const ShadowSource& source = sources_[i];
+      const gpu::Light& light = workspace_.scene.lights[source.lights.front()];
+      const auto first = static_cast<std::uint32_t>(points.size());
+      float t_max = 1.0f;
+      if (is_lamp(source)) {
+        for (const glm::dvec3& point : lamp_points(source, taps)) points.emplace_back(glm::vec3(point), 1.0f);
+        t_max = kShortOfTheLamp;
+      } else if (source.kind == kDirectionalSource) {
+        points.emplace_back(light.direction, 0.0f);
+        t_max = gpu::kFar;
+      } else {
+        points.emplace_back(light.position, 1.0f);
+      }
+      const auto count = static_cast<std::uint32_t>(points.size() - first);
+      points[i] = glm::vec4(std::bit_cast<float>(first), std::bit_cast<float>(count), t_max, 0.0f);
+    }
+    return points;
+  }
+
+  Workspace& workspace_;
+  KernelCompiler& kernels_;
+  std::vector<ShadowSource> sources_;
+  KernelNeed need_;
+  BakedFor made_for_;
+  bool is_baked_ = false;
+  std::array<Buffer, kLightmapBufferCount> buffers_;
+  std::vector<std::unique_ptr<BindingSet>> sets_; // by band
+};
+
+constexpr std::array<std::string_view, 2> kSettings = {"shadow-size", "shadow-taps"};
+
+} // namespace
+
+constinit const ShadowKind kShadowLightmap = {
+    .name = "lightmap",
+    .summary = "what arrives of each light, baked into texels on all surfaces before the first frame",
+    .sources = kAllSources,
+    .settings = kSettings,
+    .make = [](const ShadowContext& context) -> std::unique_ptr<ShadowTechnique> {
+      return std::make_unique<Lightmap>(context);
+    },
+};
+
+} // namespace wavepath
