@@ -206,10 +206,13 @@ TEST(Layout, Film) {
            AT(FilmPixel, largest)});
   compare("PathAovs", sizeof(PathAovs),
           {AT(PathAovs, albedo), AT(PathAovs, depth), AT(PathAovs, normal), AT(PathAovs, hit), AT(PathAovs, position),
-           AT(PathAovs, unoccluded), AT(PathAovs, emission), AT(PathAovs, direct)});
+           AT(PathAovs, unoccluded), AT(PathAovs, emission), AT(PathAovs, roughness), AT(PathAovs, direct),
+           AT(PathAovs, metallic), AT(PathAovs, triangle), AT(PathAovs, instance), AT(PathAovs, material)});
   compare("FilmAovs", sizeof(FilmAovs),
           {AT(FilmAovs, albedo), AT(FilmAovs, depth), AT(FilmAovs, normal), AT(FilmAovs, hits), AT(FilmAovs, position),
-           AT(FilmAovs, count), AT(FilmAovs, emission), AT(FilmAovs, unoccluded), AT(FilmAovs, direct)});
+           AT(FilmAovs, count), AT(FilmAovs, emission), AT(FilmAovs, unoccluded), AT(FilmAovs, direct),
+           AT(FilmAovs, roughness), AT(FilmAovs, metallic), AT(FilmAovs, triangle), AT(FilmAovs, instance),
+           AT(FilmAovs, material)});
 }
 
 TEST(Layout, Hybrid) {

@@ -57,6 +57,10 @@ void check_comparison(Request& request) {
 
 void check(Request& request) {
   RenderSettings& settings = request.render.settings;
+  if (!can_show(*settings.integrator, request.shown))
+    throw UsageError(fmt::format("--show {}", kShownNames[static_cast<std::size_t>(request.shown)]),
+                     fmt::format("is not known to --integrator {}", settings.integrator->name),
+                     "use --integrator hybrid or ao");
   if (!is_given(request.render, "spp")) settings.sample_total = request.frames ? request.frames : kOpenEndedSamples;
   settings.last_sample = settings.sample_total;
   if (request.frames > settings.last_sample)
@@ -260,7 +264,8 @@ void add_window_flags(CLI::App& app, Request& request) {
       app, group,
       {"--show", "WHAT",
        "what is shown first: color, albedo, normal, depth, position, direct, indirect, emission, samples, variance, "
-       "error, or shadow-error: falsely lit in orange, falsely dark in blue (hybrid)",
+       "error, ao (of hybrid frames), roughness, metallic, triangles, instances, materials, or shadow-error: falsely "
+       "lit in orange, falsely dark in blue (hybrid)",
        "color"},
       [&](const FlagValue& value) { request.shown = static_cast<Shown>(value.choice(kShownNames)); });
   add_flag(

@@ -50,6 +50,13 @@ void join(gpu::FilmAovs& mean, const gpu::FilmAovs& other) {
   mix(mean.position, other.position, mean.hits, other.hits);
   mix(mean.depth, other.depth, mean.hits, other.hits);
   mix(mean.unoccluded, other.unoccluded, mean.hits, other.hits);
+  mix(mean.roughness, other.roughness, mean.hits, other.hits);
+  mix(mean.metallic, other.metallic, mean.hits, other.hits);
+  if (mean.hits == 0.0f) {
+    mean.triangle = other.triangle;
+    mean.instance = other.instance;
+    mean.material = other.material;
+  }
   mean.count += other.count;
   mean.hits += other.hits;
 }
@@ -127,6 +134,13 @@ void add_channels(Picture& picture, const std::string& prefix, const std::string
   }
 }
 
+template <class Value>
+void add_channel(Picture& picture, const std::string& name, Value value) {
+  Channel channel{name, std::vector<float>(std::size_t{picture.width} * picture.height)};
+  for (std::size_t i = 0; i < channel.values.size(); ++i) channel.values[i] = static_cast<float>(value(i));
+  picture.channels.push_back(std::move(channel));
+}
+
 void add_aov(Picture& picture, const Film& film, const std::string& name, const glm::dvec3& origin) {
   constexpr float kNothing = 1e10f; // depth where nothing was hit, as other renderers write it
   std::vector<gpu::FilmAovs> aovs(film.aovs.empty() ? 0 : film.shape().pixels());
@@ -141,16 +155,22 @@ void add_aov(Picture& picture, const Film& film, const std::string& name, const 
     add_channels(picture, "P.", "XYZ",
                  [&](std::size_t i, int c) { return aovs[i].hits > 0.0f ? aovs[i].position[c] + origin[c] : 0.0; });
   } else if (name == "ao") {
-    Channel channel{"ao", {}};
-    for (const gpu::FilmAovs& pixel : aovs) channel.values.push_back(pixel.unoccluded);
-    picture.channels.push_back(std::move(channel));
+    add_channel(picture, "ao", [&](std::size_t i) { return aovs[i].unoccluded; });
+  } else if (name == "roughness") {
+    add_channel(picture, "roughness", [&](std::size_t i) { return aovs[i].roughness; });
+  } else if (name == "metallic") {
+    add_channel(picture, "metallic", [&](std::size_t i) { return aovs[i].metallic; });
+  } else if (name == "ids") {
+    const auto known = [&](std::size_t i, std::uint32_t id) {
+      return aovs[i].hits > 0.0f ? static_cast<double>(id) : -1.0;
+    };
+    add_channel(picture, "id.triangle", [&](std::size_t i) { return known(i, aovs[i].triangle); });
+    add_channel(picture, "id.instance", [&](std::size_t i) { return known(i, aovs[i].instance); });
+    add_channel(picture, "id.material", [&](std::size_t i) { return known(i, aovs[i].material); });
   } else if (name == "variance") {
     add_channels(picture, "variance.", "RGB", [&](std::size_t i, int c) { return mean_variance(film, i)[c]; });
   } else if (name == "samples") {
-    Channel channel{"samples", {}};
-    for (std::size_t i = 0; i < std::size_t{film.width} * film.height; ++i)
-      channel.values.push_back(static_cast<float>(sample_count(film, i)));
-    picture.channels.push_back(std::move(channel));
+    add_channel(picture, "samples", [&](std::size_t i) { return sample_count(film, i); });
   } else if (name == "direct") {
     add_channels(picture, "direct.", "RGB", [&](std::size_t i, int c) { return aovs[i].direct[c]; });
   } else if (name == "emission") {

@@ -318,7 +318,8 @@ void Viewer::act(const PanelWishes& wishes) {
     auto& aovs = panel_.settings.aovs;
     if (std::find(aovs.begin(), aovs.end(), aov) == aovs.end()) aovs.push_back(aov), more_channels = true;
   };
-  for (const std::string& aov : aovs_for(panel_.display.shown)) add(aov);
+  if (can_show(*panel_.settings.integrator, panel_.display.shown))
+    for (const std::string& aov : aovs_for(panel_.display.shown)) add(aov);
   if (compares()) add("direct");
   if (wishes.settings || more_channels) take_settings();
   if (wishes.environment && request_.set_environment && panel_.environment != environment_) try {

@@ -202,7 +202,7 @@ void follow(Ray ray, Hit hit, inout PathState path, out Wants wants, out Ray nex
   vec3 offset = surface.position - ray.origin;
   if (has(kFeatureVolume)) path.throughput *= medium_transmittance(path_media[slot], length(offset));
   Vertex v = make_vertex(surface, material, ray.direction);
-  if (has(kFeatureAovs) && wave.bounce == 0u) record_first_hit(slot, v, surface.position, ray.origin);
+  if (has(kFeatureAovs) && wave.bounce == 0u) record_first_hit(slot, hit, v, surface.position, ray.origin);
 
   if (has(kFeatureEmission) && (material.flags & kMaterialUnlit) != 0u) { // as in path/shade.comp: no light
     if (hits) add_radiance(path, slot, path.throughput * v.bsdf.base_color);

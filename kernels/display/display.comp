@@ -14,6 +14,7 @@ layout(local_size_x = kWorkgroupSize) in;
 layout(push_constant) uniform JobBlock { DisplayJob job; };
 layout(set = 0, binding = kBindFilmTexels) uniform usamplerBuffer film_texels;
 layout(set = 0, binding = kBindFilmAovs) uniform samplerBuffer film_aov_texels;
+layout(set = 0, binding = kBindFilmAovWords) uniform usamplerBuffer film_aov_words;
 layout(set = 0, binding = kBindSplats, std430) readonly buffer SplatBlock { uint splat_words[]; };
 layout(set = 0, binding = kBindScreen, std430) writeonly buffer ScreenBlock { uint screen[]; };
 
@@ -55,10 +56,17 @@ vec3 map_color(float value) {
   return mix(kStops[first], kStops[first + 1], position - float(first));
 }
 
+// A colour for each number, as different as neighbours can be: hues by the golden ratio, in two brightnesses.
+vec3 id_color(uint id) {
+  float hue = fract(float(id & 0xffffu) * 0.61803399 + float(id >> 16) * 0.38196601);
+  vec3 pure = clamp(abs(fract(hue + vec3(0.0, 2.0 / 3.0, 1.0 / 3.0)) * 6.0 - 3.0) - 1.0, 0.0, 1.0);
+  return mix(vec3(0.5), pure, 0.7) * ((id & 1u) == 0u ? 1.0 : 0.7);
+}
+
 // Encoded colour of a pixel whose samples sum to `sum`, one at least; a and b are the two nets that measure its error.
 vec3 encoded(uint pixel, vec4 sum, vec4 a, vec4 b) {
   vec3 mean = sum.rgb / sum.w;
-  int aov = int(5u * pixel); // first of its texels
+  int aov = int(kFilmAovTexels * pixel); // first of its texels
   if (job.shown == kShowSamples) return vec3(sum.w / job.range);
   if (job.shown == kShowVariance || job.shown == kShowError) {
     if (a.w == 0.0 || b.w == 0.0) return vec3(0.0);
@@ -76,6 +84,13 @@ vec3 encoded(uint pixel, vec4 sum, vec4 a, vec4 b) {
     if (job.shown == kShowPosition) return 0.5 + 0.5 * texelFetch(film_aov_texels, aov + 2).xyz / job.range;
     return vec3(1.0 - texelFetch(film_aov_texels, aov).w / job.range); // what is near is bright
   }
+  if (job.shown == kShowOcclusion) return to_srgb(vec3(clamp(texelFetch(film_aov_texels, aov + 3).w, 0.0, 1.0)));
+  if (job.shown == kShowRoughness) return vec3(texelFetch(film_aov_texels, aov + 4).w); // as textures hold them
+  if (job.shown == kShowMetallic) return vec3(texelFetch(film_aov_texels, aov + 5).x);
+  if (job.shown >= kShowTriangles) {
+    if (texelFetch(film_aov_texels, aov + 1).w == 0.0) return vec3(0.0);
+    return id_color(texelFetch(film_aov_words, aov + 5)[1u + job.shown - kShowTriangles]);
+  }
   vec3 radiance = mean;
   if (job.shown == kShowEmission) radiance = texelFetch(film_aov_texels, aov + 3).xyz;
   if (job.shown == kShowDirect) radiance = texelFetch(film_aov_texels, aov + 4).xyz;
@@ -84,7 +99,7 @@ vec3 encoded(uint pixel, vec4 sum, vec4 a, vec4 b) {
   return to_srgb(tonemap(job.tonemap, radiance * job.gain));
 }
 
-bool shows_aov() { return job.shown >= kShowAlbedo && job.shown <= kShowEmission; }
+bool shows_aov() { return (job.shown >= kShowAlbedo && job.shown <= kShowEmission) || job.shown >= kShowOcclusion; }
 
 void main() {
   uint place = job.first + gl_GlobalInvocationID.x;

@@ -11,10 +11,13 @@ namespace wavepath::gpu {
 GPU_CONSTANT uint kBindScreen =
     40u; // storage uint[]: what a window shows, a word of bytes R G B A a pixel (or B G R A), row-major
 
+GPU_CONSTANT uint kBindFilmAovWords = 47u; // texels RGBA32UI: the same memory as kBindFilmAovs
+
 // What of the film is shown.
 GPU_CONSTANT uint kShowColor = 0u, kShowAlbedo = 1u, kShowNormal = 2u, kShowDepth = 3u, kShowPosition = 4u,
                   kShowDirect = 5u, kShowIndirect = 6u, kShowEmission = 7u, kShowSamples = 8u, kShowVariance = 9u,
-                  kShowError = 10u;
+                  kShowError = 10u, kShowOcclusion = 12u, kShowRoughness = 13u, kShowMetallic = 14u,
+                  kShowTriangles = 15u, kShowInstances = 16u, kShowMaterials = 17u; // 11: drawn by the host
 GPU_CONSTANT uint kTonemapNone = 0u, kTonemapAces = 1u, kTonemapAgx = 2u, kTonemapNeutral = 3u;
 
 // Push constants of display.comp, which has a binding set of its own.

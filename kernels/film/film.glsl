@@ -18,7 +18,8 @@ void add_sample(inout FilmPixel pixel, vec3 radiance) {
   pixel.count += 1u;
 }
 
-// Running means: fields are averages over the samples so far, position, normal and depth over those that hit.
+// Running means: fields are averages over the samples so far, those of surfaces over the samples that hit one; which surface
+// it is has no mean, so that the first one stays.
 void accumulate_aovs(uint film_index, PathAovs path) {
   FilmAovs mean = film_aovs[film_index];
   mean.count += 1.0;
@@ -26,11 +27,18 @@ void accumulate_aovs(uint film_index, PathAovs path) {
   mean.emission += (path.emission - mean.emission) / mean.count;
   mean.direct += (path.direct - mean.direct) / mean.count;
   if (path.hit > 0.0) {
+    if (mean.hits == 0.0) {
+      mean.triangle = path.triangle;
+      mean.instance = path.instance;
+      mean.material = path.material;
+    }
     mean.hits += 1.0;
     mean.normal += (path.normal - mean.normal) / mean.hits;
     mean.position += (path.position - mean.position) / mean.hits;
     mean.depth += (path.depth - mean.depth) / mean.hits;
     mean.unoccluded += (path.unoccluded - mean.unoccluded) / mean.hits;
+    mean.roughness += (path.roughness - mean.roughness) / mean.hits;
+    mean.metallic += (path.metallic - mean.metallic) / mean.hits;
   }
   film_aovs[film_index] = mean;
 }

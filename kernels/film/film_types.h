@@ -54,13 +54,17 @@ struct PathAovs {
   vec3 position;    // device world
   float unoccluded; // share of the sky over the surface; hybrid integrators only
   vec3 emission;    // radiance seen without a bounce
-  float pad1;
+  float roughness;
   vec3 direct; // radiance after one bounce
-  float pad2;
+  float metallic;
+  uint triangle; // in the order of the source: of its mesh, or of all that is placed once
+  uint instance; // of meshes that are placed more than once; 0: all others
+  uint material; // in the order of the source, of those that surfaces have
+  uint pad0;
 };
-GPU_CHECK(sizeof(PathAovs) == 80);
+GPU_CHECK(sizeof(PathAovs) == 96);
 
-// Running means over samples of the fields of PathAovs.
+// Running means over samples of the fields of PathAovs; of its last three, what the first sample hit.
 struct FilmAovs {
   vec3 albedo;
   float depth;
@@ -71,9 +75,14 @@ struct FilmAovs {
   vec3 emission;
   float unoccluded;
   vec3 direct;
-  float pad0;
+  float roughness;
+  float metallic;
+  uint triangle;
+  uint instance;
+  uint material;
 };
-GPU_CHECK(sizeof(FilmAovs) == 80);
+GPU_CHECK(sizeof(FilmAovs) == 96);
+GPU_CONSTANT uint kFilmAovTexels = 6u;
 
 #ifdef __cplusplus
 } // namespace wavepath::gpu

@@ -8,6 +8,9 @@
 #define BIND_SIGNALS
 #define BIND_SEEN
 #define BIND_LAYERS
+#define BIND_GEOMETRY
+#define BIND_SURFACES
+#define BIND_VISIBILITY
 #include "kernels/frame_types.h"
 #include "kernels/film/bindings.glsl"
 #include "kernels/hybrid/bindings.glsl"
@@ -15,6 +18,9 @@
 #include "kernels/camera.glsl"
 #include "kernels/film/film.glsl"
 #include "kernels/hybrid/frame_terms.glsl"
+#include "kernels/hybrid/hybrid.glsl"
+#include "kernels/known_triangle.glsl"
+#include "kernels/path/first_hit.glsl"
 #include "kernels/pixel.glsl"
 
 layout(local_size_x = kWorkgroupSize) in;
@@ -23,6 +29,22 @@ vec3 position_at(uvec2 pixel, float depth) {
   vec3 origin, direction;
   camera_ray(vec2(pixel) + 0.5 + hybrid.jitter, origin, direction);
   return origin + direction * (depth / dot(direction, frame.camera_forward));
+}
+
+// What the G-buffer keeps no place for.
+void describe_surface(uvec2 pixel, uint place, inout PathAovs aovs) {
+  aovs.roughness = aovs.metallic = 0.0;
+  uvec2 visible = texelFetch(visibility, int(place)).xy;
+  if (visible.x == kNone) return;
+  vec3 origin, direction;
+  hybrid_camera_ray(pixel, origin, direction);
+  Hit hit = hit_of_triangle(visible.x, visible.y, origin, direction);
+  Surface surface = fetch_surface(hit);
+  Material material = fetch_material(surface.material);
+  Bsdf b = make_bsdf(material, surface.uv, vec3(0.0), true);
+  aovs.roughness = sqrt(b.alpha);
+  aovs.metallic = b.metallic;
+  identify(hit, surface.material, aovs);
 }
 
 void main() {
@@ -64,5 +86,6 @@ void main() {
   sample_.hit = hit ? 1.0 : 0.0;
   sample_.position = hit ? position_at(pixel, g.depth) : vec3(0.0);
   sample_.unoccluded = signal.w;
+  describe_surface(pixel, place, sample_);
   accumulate_aovs(film_index, sample_);
 }

@@ -46,5 +46,7 @@ void main() {
     path_aovs[slot].unoccluded = 0.0;
     path_aovs[slot].emission = vec3(0.0);
     path_aovs[slot].direct = vec3(0.0);
+    path_aovs[slot].roughness = path_aovs[slot].metallic = 0.0;
+    path_aovs[slot].triangle = path_aovs[slot].instance = path_aovs[slot].material = kNone;
   }
 }

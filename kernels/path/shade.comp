@@ -172,7 +172,7 @@ void follow(Ray ray, Hit hit, inout PathState path, out bool wants_ray, out Ray 
     wants_ray = wave.bounce < frame.max_depth;
     return;
   }
-  if (has(kFeatureAovs) && wave.bounce == 0u) record_first_hit(slot, v, surface.position, ray.origin);
+  if (has(kFeatureAovs) && wave.bounce == 0u) record_first_hit(slot, hit, v, surface.position, ray.origin);
   disperse(v, path);
 
   if (has(kFeatureEmission) && (material.flags & kMaterialUnlit) != 0u) {

@@ -11,6 +11,7 @@
 #define BIND_COUNTERS
 #include "kernels/path/bindings.glsl"
 #include "kernels/emission.glsl"
+#include "kernels/path/first_hit.glsl"
 #include "kernels/path/records.glsl"
 #include "kernels/pixel.glsl"
 #include "kernels/vertex.glsl"
@@ -79,14 +80,6 @@ void branch(Vertex v, WhittedNode node, uint index) {
   if (reflects) nodes_of_trees[index] = reflected;
 }
 
-void record_first_hit(uint slot, Vertex v, vec3 position, vec3 origin) {
-  path_aovs[slot].albedo = v.bsdf.base_color;
-  path_aovs[slot].normal = v.normal;
-  path_aovs[slot].position = position;
-  path_aovs[slot].depth = dot(position - origin, frame.camera_forward);
-  path_aovs[slot].hit = 1.0;
-}
-
 // Radiance that the ray brings, but for light that lights send to the surface and for its children.
 vec3 follow(WhittedNode node, uint index, uint slot) {
   Hit hit = trace(node.origin, node.direction, kFar);
@@ -99,7 +92,7 @@ vec3 follow(WhittedNode node, uint index, uint slot) {
   Material material = fetch_material(surface.material);
   vec3 passed = has(kFeatureVolume) ? medium_transmittance(node.medium, length(surface.position - node.origin)) : vec3(1.0);
   Vertex v = make_vertex(surface, material, node.direction);
-  if (has(kFeatureAovs) && wave.bounce == 0u) record_first_hit(slot, v, surface.position, node.origin);
+  if (has(kFeatureAovs) && wave.bounce == 0u) record_first_hit(slot, hit, v, surface.position, node.origin);
   bool unlit = has(kFeatureEmission) && (material.flags & kMaterialUnlit) != 0u;
   precise vec3 radiance = unlit ? v.bsdf.base_color : surface_emission(surface, material, v.front);
   if (!unlit && wave.bounce < frame.max_depth) {

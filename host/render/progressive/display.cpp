@@ -16,11 +16,12 @@ static_assert(kDispatchPixels % gpu::kWorkgroupSize == 0);
 std::vector<Binding> bindings_of(const Buffer& film, const Buffer& aovs, const Buffer& splats, const Buffer& screen) {
   return {{gpu::kBindFilmTexels, BindingKind::texels_rgba32ui, &film},
           {gpu::kBindFilmAovs, BindingKind::texels_rgba32f, &aovs},
+          {gpu::kBindFilmAovWords, BindingKind::texels_rgba32ui, &aovs},
           {gpu::kBindSplats, BindingKind::storage, &splats},
           {gpu::kBindScreen, BindingKind::storage, &screen}};
 }
 
-bool needs_aovs(Shown shown) { return shown >= Shown::albedo && shown <= Shown::emission; }
+bool needs_aovs(Shown shown) { return (shown >= Shown::albedo && shown <= Shown::emission) || shown >= Shown::ao; }
 
 // What is shown brightest unless the user says: of the error half the pixel's value, of distances the scene's diameter.
 double automatic_range(Shown shown, const Progressive& progressive) {
@@ -32,8 +33,13 @@ double automatic_range(Shown shown, const Progressive& progressive) {
 
 } // namespace
 
+bool can_show(const IntegratorKind& integrator, Shown shown) {
+  return shown != Shown::ao || std::ranges::count(integrator.aovs, kShownNames[static_cast<std::size_t>(shown)]) > 0;
+}
+
 std::vector<std::string> aovs_for(Shown shown) {
   if (shown == Shown::shadow_error) return {"direct"};
+  if (shown >= Shown::triangles) return {"ids"};
   return needs_aovs(shown) ? std::vector<std::string>{std::string(kShownNames[static_cast<std::size_t>(shown)])}
                            : std::vector<std::string>{};
 }
@@ -49,7 +55,8 @@ void Display::draw(const Progressive& progressive, const DisplayOptions& options
   if (settings.width != width_ || settings.height != height_) resize(settings.width, settings.height);
   const FilmTarget& film = progressive.film_target();
   const FilmShape& shape = film.shape();
-  const bool lacks = options.shown == Shown::shadow_error || (needs_aovs(options.shown) && !shape.aovs);
+  const bool lacks = options.shown == Shown::shadow_error || (needs_aovs(options.shown) && !shape.aovs) ||
+                     !can_show(*settings.integrator, options.shown);
   const Shown shown = lacks ? Shown::color : options.shown;
   gpu::DisplayJob job{};
   job.width = width_;

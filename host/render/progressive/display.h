@@ -31,14 +31,22 @@ enum class Shown : std::uint32_t {
   samples,
   variance,
   error,
-  shadow_error
+  shadow_error,
+  ao,
+  roughness,
+  metallic,
+  triangles,
+  instances,
+  materials
 };
-inline constexpr std::array<std::string_view, 12> kShownNames = {"color",    "albedo",   "normal",   "depth",
-                                                                 "position", "direct",   "indirect", "emission",
-                                                                 "samples",  "variance", "error",    "shadow-error"};
+inline constexpr std::array<std::string_view, 18> kShownNames = {
+    "color",    "albedo", "normal",       "depth", "position",  "direct",   "indirect",  "emission",  "samples",
+    "variance", "error",  "shadow-error", "ao",    "roughness", "metallic", "triangles", "instances", "materials"};
 
 // The --aov that rendering needs so that it can be shown: put it into RenderSettings::aovs. Empty = none.
 std::vector<std::string> aovs_for(Shown shown);
+// False: its frames hold no such thing.
+bool can_show(const IntegratorKind& integrator, Shown shown);
 
 struct DisplayOptions {
   Shown shown = Shown::color;

@@ -32,8 +32,9 @@ constexpr unsigned kByAll = kByRender | kByView | kByStudy | kByBench;
 constexpr unsigned kByRenderAndView = kByRender | kByView;
 
 // Values of --aov that every integrator takes; IntegratorKind::aovs lists those that only some take.
-constexpr std::array<std::string_view, 9> kCommonAovs = {"albedo",  "normal", "depth",    "position", "variance",
-                                                         "samples", "direct", "indirect", "emission"};
+constexpr std::array<std::string_view, 12> kCommonAovs = {"albedo",   "normal",    "depth",    "position",
+                                                          "variance", "samples",   "direct",   "indirect",
+                                                          "emission", "roughness", "metallic", "ids"};
 
 std::vector<std::string_view> rare_aovs() {
   std::vector<std::string_view> names;
