@@ -410,6 +410,19 @@ TEST_F(DisplayTest, ShowsWhatElseIsKnown) {
   expect_shown(view(Shown::indirect), [&](std::size_t i) {
     return toned(glm::vec3(mean_radiance(film, i)) - film.aovs[i].direct - film.aovs[i].emission);
   });
+  // A number has one colour, wherever it is.
+  const auto materials = view(Shown::materials);
+  std::map<std::uint32_t, std::uint32_t> colours;
+  for (std::size_t i = 0; i < materials.size(); ++i)
+    if (film.aovs[i].hits > 0.0f) {
+      EXPECT_EQ(colours.try_emplace(film.aovs[i].material, materials[i]).first->second, materials[i]);
+    }
+  EXPECT_GE(colours.size(), 3u);
+  for (const auto& [material, colour] : colours)
+    EXPECT_EQ(std::ranges::count(colours, colour, &std::pair<const std::uint32_t, std::uint32_t>::second), 1)
+        << material;
+  expect_shown(view(Shown::roughness), [&](std::size_t i) { return glm::vec3(film.aovs[i].roughness); });
+  expect_shown(view(Shown::metallic), [&](std::size_t i) { return glm::vec3(film.aovs[i].metallic); });
   expect_shown(view(Shown::samples, 12.0), [&](std::size_t i) { return glm::vec3(sample_count(film, i) / 12.0f); });
   expect_shown(view(Shown::variance), [&](std::size_t i) { return toned(glm::vec3(mean_variance(film, i))); });
   std::vector<float> errors;
