@@ -26,5 +26,7 @@ extern const ShadowKind kShadowParaboloid; // paraboloid.cpp
 extern const ShadowKind kShadowVirtual;    // virtual.cpp
 extern const ShadowKind kShadowIzb;        // izb.cpp
 extern const ShadowKind kShadowPlanar;     // planar.cpp
+extern const ShadowKind kShadowZpass;      // zpass.cpp
+extern const ShadowKind kShadowZfail;      // zfail.cpp
 
 } // namespace wavepath
