@@ -244,9 +244,11 @@ VkBufferImageCopy DeviceImage::whole(Aspect aspect) const {
   return region;
 }
 
-void DeviceImage::copy_to(VkCommandBuffer commands, const Buffer& to, Aspect aspect) {
-  assert(to.bytes() >= std::uint64_t{info_.width} * info_.height * info_.layers * texel_bytes(info_.format, aspect));
-  const VkBufferImageCopy region = whole(aspect);
+void DeviceImage::copy_to(VkCommandBuffer commands, const Buffer& to, Aspect aspect, std::uint64_t offset) {
+  assert(to.bytes() >=
+         offset + std::uint64_t{info_.width} * info_.height * info_.layers * texel_bytes(info_.format, aspect));
+  VkBufferImageCopy region = whole(aspect);
+  region.bufferOffset = offset;
   copy_regions(commands, to, {&region, 1});
 }
 

@@ -102,8 +102,9 @@ public:
   VkImageMemoryBarrier2 barrier(ImageUse use);
 
   // Record copies of all layers, rows and texels without gaps between them, and make them visible to later kernels,
-  // copies and, after the fence, the host. The image is for copies afterwards.
-  void copy_to(VkCommandBuffer commands, const Buffer& to, Aspect aspect = Aspect::main);
+  // copies and, after the fence, the host. The image is for copies afterwards. `offset`: the buffer's first byte, a
+  // multiple of 4.
+  void copy_to(VkCommandBuffer commands, const Buffer& to, Aspect aspect = Aspect::main, std::uint64_t offset = 0);
   void copy_from(VkCommandBuffer commands, const Buffer& from, Aspect aspect = Aspect::main);
   // The same of parts of the first layer, the colour alone.
   void copy_to(VkCommandBuffer commands, const Buffer& to, std::span<const ImagePart> parts);

@@ -19,20 +19,27 @@ uint hidden_sides_of(uint triangle, uint instance) {
 // Reversed z: near / depth has the same relative precision at every depth, which floats then keep.
 float clip_depth(float depth) { return is_orthographic() ? 1.0 - depth / hybrid.far : hybrid.near / depth; }
 
-vec4 clip_corner(uint triangle, uint corner, uint instance) {
+// In device world.
+vec3 corner_position(uint triangle, uint corner, uint instance) {
   vec3 p = texelFetch(triangles, int(triangle * kTriangleTexels + corner)).xyz;
-  if (has(kFeatureInstances) && frame.root_is_top != 0u) p = transform_point(instance * kInstanceTexels + 3u, p);
+  return has(kFeatureInstances) && frame.root_is_top != 0u ? transform_point(instance * kInstanceTexels + 3u, p) : p;
+}
 
+// Of the point q / w, relative to the eye; w = 0: in the direction of q at infinity.
+vec4 clip_point(vec3 q, float w) {
   // The inverse of camera_ray(): right, up and forward are at right angles.
-  vec3 q = p - frame.camera_position;
   vec2 place = vec2(dot(q, frame.camera_right) / dot(frame.camera_right, frame.camera_right),
                     dot(q, frame.camera_up) / dot(frame.camera_up, frame.camera_up));
   float depth = dot(q, frame.camera_forward);
   // Pixels are sampled in their centres, so that the picture moves against the jitter. Clip space has y downwards.
   vec2 shift = 2.0 * hybrid.jitter / vec2(frame.width, frame.height);
   vec2 flipped = vec2(place.x, -place.y);
-  return is_orthographic() ? vec4(flipped - shift, 1.0 - depth / hybrid.far, 1.0)
-                           : vec4(flipped - shift * depth, hybrid.near, depth);
+  return is_orthographic() ? vec4(flipped - shift * w, w - depth / hybrid.far, w)
+                           : vec4(flipped - shift * depth, hybrid.near * w, depth);
+}
+
+vec4 clip_corner(uint triangle, uint corner, uint instance) {
+  return clip_point(corner_position(triangle, corner, instance) - frame.camera_position, 1.0);
 }
 
 #endif

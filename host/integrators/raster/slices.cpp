@@ -62,9 +62,8 @@ void draw_in_slices(WaveQueue& queue, const SlicedPass& pass, std::span<const Dr
     const auto record = [&](Commands& commands) {
       if (i == 0) before(commands);
       const RasterDraw draw{pass.pipeline, pass.bindings, pass.push, slices[i]};
-      pass.target->draw(
-          commands,
-          {.draws = {&draw, 1}, .clear = i == 0 && pass.clear ? kClearAll : kClearNothing, .layer = pass.layer});
+      pass.target->draw(commands,
+                        {.draws = {&draw, 1}, .clear = i == 0 ? pass.clear : kClearNothing, .layer = pass.layer});
       if (i + 1 == slices.size()) after(commands);
     };
     queue.submit(record, {.stage = pass.stage, .done = [done](const Finished& finished) { done(finished.seconds); }});

@@ -37,8 +37,8 @@ struct SlicedPass {
   const BindingSet* bindings = nullptr;
   const void* push = nullptr; // copied when it is recorded
   std::uint32_t layer = 0;
-  const char* stage = "raster"; // that the time is counted under
-  bool clear = true;            // at first; otherwise it is drawn over what was there
+  const char* stage = "raster";    // that the time is counted under
+  std::uint32_t clear = kClearAll; // at first; it is drawn over what is not cleared
 };
 
 // Submits the draws in slices of at most `triangles`; `before` is recorded in front of the first one, `after` behind

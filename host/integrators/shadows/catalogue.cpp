@@ -18,7 +18,7 @@ constexpr std::array kKinds = {&kShadowMap,    &kShadowMapId,    &kShadowPcf,   
                                &kShadowEsm,    &kShadowEvsm,     &kShadowMoment,     &kShadowVssm,    &kShadowAverage,
                                &kShadowLeak,   &kShadowCascades, &kShadowSdsm,       &kShadowLispsm,  &kShadowTsm,
                                &kShadowPsm,    &kShadowCube,     &kShadowParaboloid, &kShadowVirtual, &kShadowIzb,
-                               &kShadowPlanar, &kShadowLightmap, &kShadowProjected};
+                               &kShadowPlanar, &kShadowLightmap, &kShadowProjected,  &kShadowZpass,   &kShadowZfail};
 static_assert(kKinds.size() + 1 == kShadowNames.size());
 
 } // namespace
@@ -54,7 +54,7 @@ LightCover light_cover(const ShadowKind& kind, const PackedScene& scene) {
 
 std::string unfit(const ShadowKind& kind, const PackedScene& scene) {
   const LightCover cover = light_cover(kind, scene);
-  if (!cover.covered.empty()) return "";
+  if (!cover.covered.empty()) return kind.refusal ? kind.refusal(scene) : "";
   return fmt::format("is for {}, and this scene has {}", names_of(kind.sources),
                      cover.traced.empty() ? "no light" : cover.traced);
 }

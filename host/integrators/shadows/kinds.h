@@ -28,5 +28,7 @@ extern const ShadowKind kShadowIzb;        // izb.cpp
 extern const ShadowKind kShadowPlanar;     // planar.cpp
 extern const ShadowKind kShadowLightmap;   // lightmap.cpp
 extern const ShadowKind kShadowProjected;  // projected.cpp
+extern const ShadowKind kShadowZpass;      // zpass.cpp
+extern const ShadowKind kShadowZfail;      // zfail.cpp
 
 } // namespace wavepath

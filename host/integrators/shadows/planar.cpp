@@ -193,7 +193,7 @@ private:
                           .push = &wave,
                           .layer = layer.source,
                           .stage = kShadowBuildStage,
-                          .clear = layer.clear};
+                          .clear = layer.clear ? kClearAll : kClearNothing};
     draw_in_slices(
         queue, pass, draws, most, [](Commands&) {}, after,
         [this](double seconds) { triangles_a_slice_.note(seconds); });

@@ -55,6 +55,8 @@ struct ShadowKind {
   unsigned sources = 0;                         // kinds that it covers
   std::span<const std::string_view> settings{}; // that it takes besides shadow-ambient
   std::unique_ptr<ShadowTechnique> (*make)(const ShadowContext& context) = nullptr;
+  std::string (*refusal)(const PackedScene& scene) =
+      nullptr; // why scenes do not suit it; none: it asks for lights alone
 };
 
 } // namespace wavepath

@@ -1,0 +1,14 @@
+// Shadow volumes in a stencil buffer, counted in front of what is seen or behind it.
+#pragma once
+
+#include <memory>
+
+#include "host/integrators/shadows/technique.h"
+
+namespace wavepath {
+
+enum class VolumeCount { in_front, behind };
+
+std::unique_ptr<ShadowTechnique> make_shadow_volumes(const ShadowContext& context, VolumeCount count);
+
+} // namespace wavepath

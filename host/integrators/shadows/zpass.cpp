@@ -1,0 +1,19 @@
+// Shadow volumes counted between the eye and what it sees (Crow 1977; in a stencil buffer Heidmann 1991): false where
+// the eye itself is in shadow.
+#include "host/integrators/shadows/kinds.h"
+#include "host/integrators/shadows/shadow_volumes.h"
+#include "host/integrators/shadows/volume_pieces.h"
+
+namespace wavepath {
+
+constinit const ShadowKind kShadowZpass = {
+    .name = "zpass",
+    .summary =
+        "shadow volumes, counted up to what is seen (Crow 1977); for closed meshes without alpha and an eye in no "
+        "shadow",
+    .sources = kPunctualSources,
+    .make = [](const ShadowContext& context) { return make_shadow_volumes(context, VolumeCount::in_front); },
+    .refusal = open_mesh,
+};
+
+} // namespace wavepath
