@@ -248,6 +248,19 @@ TEST_F(TransparencyTest, PanesOfAirColourTheOpaquePicture) {
   expect_everywhere(scene, "refractive", 0.6f * kBackground);
 }
 
+// Emission is what is seen of the opaque picture's, whose whole light is kept for glass in the same place.
+TEST_F(TransparencyTest, ChannelsOfRefractionAreThoseOfTheOpaquePicture) {
+  Scene scene = stack({{1.0f, 0.0f, 1.0f}});
+  scene.materials[0] = plain_material();
+  scene.materials[1] = glass(1.0f);
+  scene.lights.push_back(lamp({0.0, 0.5, 0.0}));
+  RenderSettings settings = settings_for("refractive");
+  settings.aovs = {"emission", "direct"};
+  const Picture picture = render(scene, settings).picture;
+  for (const float emission : channel(picture, "emission.G")) ASSERT_EQ(emission, 0.0f);
+  EXPECT_GT(std::ranges::max(channel(picture, "direct.G")), 0.0f);
+}
+
 // Their light is in no opaque picture, which paths know better.
 TEST_F(TransparencyTest, RefractionShowsTheNearestGlassAlone) {
   Scene scene = stack({{0.5f, 0.0f, 1.0f}, {1.0f, 0.0f, 1.0f}});

@@ -68,24 +68,25 @@ void main() {
   }
   if ((hybrid.flags & kHybridFromColor) != 0u) radiance = seen[place].rgb;
   if ((hybrid.flags & kHybridLayers) != 0u) radiance = layers[place].rgb + layers[place].a * radiance;
+  uint film_index = wave.first_pixel + local - wave.first_film_pixel;
+  if (has(kFeatureAovs) && (hybrid.flags & kHybridFromColor) == 0u && is_finite(radiance)) { // `seen` holds emission until then
+    sample_.albedo = g.albedo;
+    sample_.normal = g.normal;
+    sample_.depth = g.depth;
+    sample_.hit = hit ? 1.0 : 0.0;
+    sample_.position = hit ? position_at(pixel, g.depth) : vec3(0.0);
+    sample_.unoccluded = signal.w;
+    describe_surface(pixel, place, sample_);
+    accumulate_aovs(film_index, sample_);
+  }
   if ((hybrid.flags & kHybridToColor) != 0u) {
     seen[place] = vec4(radiance, 0.0);
     return;
   }
   if (!is_finite(radiance)) return;
 
-  uint film_index = wave.first_pixel + local - wave.first_film_pixel;
   uint entry = film_index * kReplicates + hybrid.sample_index % kReplicates;
   FilmPixel sums = fetch_film_pixel(entry);
   add_sample(sums, radiance);
   store_film_pixel(entry, sums);
-  if (!has(kFeatureAovs)) return;
-  sample_.albedo = g.albedo;
-  sample_.normal = g.normal;
-  sample_.depth = g.depth;
-  sample_.hit = hit ? 1.0 : 0.0;
-  sample_.position = hit ? position_at(pixel, g.depth) : vec3(0.0);
-  sample_.unoccluded = signal.w;
-  describe_surface(pixel, place, sample_);
-  accumulate_aovs(film_index, sample_);
 }

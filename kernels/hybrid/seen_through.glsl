@@ -1,5 +1,5 @@
-// What the camera sees through in a hybrid frame, besides holes: BLEND surfaces or those that transmit, as --transparency says. Include bindings.glsl
-// with BIND_GEOMETRY, BIND_SURFACES and BIND_HYBRID first.
+// What the camera sees through in a hybrid frame, besides holes: BLEND surfaces or those that transmit, as --transparency
+// says. Include bindings.glsl with BIND_GEOMETRY, BIND_SURFACES and BIND_HYBRID first.
 #ifndef WAVEPATH_SEEN_THROUGH_GLSL
 #define WAVEPATH_SEEN_THROUGH_GLSL
 

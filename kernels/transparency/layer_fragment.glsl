@@ -1,4 +1,4 @@
-// A fragment of a BLEND triangle: whether it lies in front of what is opaque, and where the camera ray meets it.
+// A fragment of a layer, BLEND or glass: whether it lies in front of what is opaque, and where the camera ray meets it.
 #ifndef WAVEPATH_LAYER_FRAGMENT_GLSL
 #define WAVEPATH_LAYER_FRAGMENT_GLSL
 
@@ -34,7 +34,9 @@ bool is_in_front(out Fragment f) {
   f.pixel = uvec2(gl_FragCoord.xy);
   hybrid_camera_ray(f.pixel, f.origin, f.direction);
   f.hit = hit_of_triangle(triangle, instance, f.origin, f.direction);
-  if (has(kFeatureAlpha) && (hybrid.flags & kHybridRefractive) != 0u && is_hole(f.hit, hybrid_sampler(f.pixel), kHashExtend)) return false;
+  if (has(kFeatureAlpha) && (hybrid.flags & kHybridRefractive) != 0u &&
+      is_hole(f.hit, hybrid_sampler(f.pixel), kHashExtend))
+    return false;
   f.depth = dot(fetch_surface(f.hit).position - f.origin, frame.camera_forward);
   float behind = opaque[f.pixel.y * frame.width + f.pixel.x].depth;
   return f.depth > 0.0 && (behind == 0.0 || f.depth <= behind);

@@ -82,6 +82,10 @@ void check_shadow_settings(const RenderSettings& settings) {
   if ((midpoint || second) && settings.shadow_source == kShadowSourceTraced)
     throw UsageError(bias, "needs surfaces behind the nearest, which --shadow-source traced does not find",
                      "leave one of them out");
+  constexpr std::uint32_t kMostBakedTaps = 64; // of one texel, whose rays are one lane's: drivers end long loops
+  if (technique == "lightmap" && settings.shadow_taps > kMostBakedTaps)
+    throw UsageError("--shadow-taps", fmt::format("is at most {} for --shadows lightmap", kMostBakedTaps),
+                     "give fewer");
   if (midpoint && technique == "virtual")
     throw UsageError(bias, "draws maps twice, and --shadows virtual draws its pages once", "use another bias");
   for (const Setting& row : settings_table())

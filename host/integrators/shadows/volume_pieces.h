@@ -30,7 +30,6 @@ public:
 
   // Without caps there are sides alone.
   VolumePieces pieces(const ShadowSource& source, bool caps) const;
-  std::size_t size() const { return casters_.size(); }
   // A triangle of the scene on a rim: with an edge that the others, as they face, do not have in the other direction.
   // Null if all is closed.
   const gpu::Triangle* open_triangle() const;

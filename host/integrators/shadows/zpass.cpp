@@ -9,8 +9,8 @@ namespace wavepath {
 constinit const ShadowKind kShadowZpass = {
     .name = "zpass",
     .summary =
-        "shadow volumes, counted up to what is seen (Crow 1977); for closed meshes without alpha and an eye in no "
-        "shadow",
+        "shadow volumes of closed meshes, counted up to what is seen (Crow 1977): alpha counts for nothing, and the "
+        "eye is in no shadow",
     .sources = kPunctualSources,
     .make = [](const ShadowContext& context) { return make_shadow_volumes(context, VolumeCount::in_front); },
     .refusal = open_mesh,
