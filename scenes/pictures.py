@@ -5,12 +5,13 @@ import math
 from gltf import Gltf, box, join, prism, quad, sphere
 
 
-def cornell_box():
+def cornell_box(name="Cornell box", lamp=None, radiance=(17.0, 12.0, 4.0)):
     """The box measured at Cornell (Goral et al. 1984; geometry as published in millimetres), here in metres.
 
-    The walls are single sheets that face inwards; the light hangs 1 mm under the ceiling and shines down only.
+    The walls are single sheets that face inwards; the light hangs 1 mm under the ceiling and shines down only, or is
+    `lamp`, a Shape in metres.
     """
-    g = Gltf("Cornell box")
+    g = Gltf(name)
 
     def points(*corners):
         return quad(*((x / 1000, y / 1000, z / 1000) for x, y, z in corners))
@@ -18,13 +19,13 @@ def cornell_box():
     white = g.lambert("white", (0.73, 0.73, 0.73))
     red = g.lambert("red", (0.57, 0.043, 0.044))
     green = g.lambert("green", (0.105, 0.378, 0.076))
-    light = g.emitter("light", (17.0, 12.0, 4.0), (0.78, 0.78, 0.78))
+    light = g.emitter("light", radiance, (0.78, 0.78, 0.78))
     g.mesh("floor", points((552.8, 0, 0), (0, 0, 0), (0, 0, 559.2), (549.6, 0, 559.2)), white)
     g.mesh("ceiling", points((556, 548.8, 0), (556, 548.8, 559.2), (0, 548.8, 559.2), (0, 548.8, 0)), white)
     g.mesh("back wall", points((549.6, 0, 559.2), (0, 0, 559.2), (0, 548.8, 559.2), (556, 548.8, 559.2)), white)
     g.mesh("right wall", points((0, 0, 559.2), (0, 0, 0), (0, 548.8, 0), (0, 548.8, 559.2)), green)
     g.mesh("left wall", points((552.8, 0, 0), (549.6, 0, 559.2), (556, 548.8, 559.2), (556, 548.8, 0)), red)
-    g.mesh("light", points((343, 547.8, 227), (343, 547.8, 332), (213, 547.8, 332), (213, 547.8, 227)), light)
+    g.mesh("light", lamp or points((343, 547.8, 227), (343, 547.8, 332), (213, 547.8, 332), (213, 547.8, 227)), light)
     short = [(0.130, 0.065), (0.082, 0.225), (0.240, 0.272), (0.290, 0.114)]
     tall = [(0.423, 0.247), (0.265, 0.296), (0.314, 0.456), (0.472, 0.406)]
     g.mesh("short block", prism(short, 0.165), white)

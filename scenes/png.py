@@ -8,8 +8,9 @@ def chunk(kind, data):
     return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
 
 
-def png(width, height, palette, pixel):
-    """`palette`: up to 16 colours of three bytes. `pixel(x, y)`: index into it. `width` is even."""
+def png(width, height, palette, pixel, alpha=()):
+    """`palette`: up to 16 colours of three bytes. `pixel(x, y)`: index into it. `width` is even. `alpha`: a byte for the
+    first colours; the others are opaque."""
     rows = bytearray()
     for y in range(height):
         rows.append(0)  # no filter
@@ -20,4 +21,5 @@ def png(width, height, palette, pixel):
         stream += struct.pack("<BHH", start + len(block) == len(rows), len(block), len(block) ^ 0xFFFF) + block
     stream += struct.pack(">I", zlib.adler32(bytes(rows)))
     return (b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 4, 3, 0, 0, 0))
-            + chunk(b"PLTE", b"".join(bytes(c) for c in palette)) + chunk(b"IDAT", bytes(stream)) + chunk(b"IEND", b""))
+            + chunk(b"PLTE", b"".join(bytes(c) for c in palette))
+            + (chunk(b"tRNS", bytes(alpha)) if alpha else b"") + chunk(b"IDAT", bytes(stream)) + chunk(b"IEND", b""))

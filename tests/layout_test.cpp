@@ -235,8 +235,8 @@ TEST(Layout, Shadows) {
   compare("ShadowView", sizeof(ShadowView),
           {AT(ShadowView, x), AT(ShadowView, y), AT(ShadowView, z), AT(ShadowView, w), AT(ShadowView, depth),
            AT(ShadowView, light), AT(ShadowView, kind), AT(ShadowView, texel), AT(ShadowView, near),
-           AT(ShadowView, far), AT(ShadowView, radius), AT(ShadowView, first_texel), AT(ShadowView, pad0),
-           AT(ShadowView, pad1), AT(ShadowView, pad2)});
+           AT(ShadowView, far), AT(ShadowView, radius), AT(ShadowView, first_texel), AT(ShadowView, is_part),
+           AT(ShadowView, pad0), AT(ShadowView, pad1)});
   compare("ShadowFrame", sizeof(ShadowFrame),
           {AT(ShadowFrame, size), AT(ShadowFrame, bias_kind), AT(ShadowFrame, bias), AT(ShadowFrame, ambient),
            AT(ShadowFrame, taps), AT(ShadowFrame, pattern), AT(ShadowFrame, blur), AT(ShadowFrame, exponent),

@@ -260,7 +260,7 @@ TEST(ShadowSettings, EveryNameHasATechniqueAndTakesItsSettingsAlone) {
   EXPECT_THROW(check_shadow_settings(settings), UsageError);
 }
 
-TEST(ShadowSources, RectanglesAndDiscsAreFoundAmongTriangles) {
+TEST(ShadowSources, RectanglesDiscsAndSpheresAreFoundAmongTriangles) {
   Scene scene = lit_by_square();
   const auto add = [&](const std::vector<glm::vec3>& corners) { add_instance(scene, add_mesh(scene, corners, 1)); };
   std::vector<glm::vec3> disc;
@@ -271,15 +271,31 @@ TEST(ShadowSources, RectanglesAndDiscsAreFoundAmongTriangles) {
     for (const glm::vec3& p : {glm::vec3(1.0f, 3.0f, 0.0f), at(i), at(i + 1 == 24 ? 0 : i + 1)}) disc.push_back(p);
   }
   add(disc);
-  add({{3, 3, 0}, {4, 3, 0}, {3, 3, 1}}); // a triangle is neither
+  add(ball({-2, 1, 0}, 0.25f));
+  add({{3, 3, 0}, {4, 3, 0}, {3, 3, 1}}); // a triangle is none
   const PackedScene packed = pack(scene, gpu::kDirectNee);
   const std::vector<ShadowSource> sources = find_sources(packed);
-  EXPECT_EQ(names_of(sources), "1 rectangle, 1 disc");
+  EXPECT_EQ(names_of(sources), "1 rectangle, 1 disc, 1 sphere");
   for (const ShadowSource& source : sources) {
+    if (source.kind == kSphereSource) {
+      EXPECT_LT(glm::distance(source.position + packed.origin, glm::dvec3(-2, 1, 0)), 1e-6);
+      EXPECT_NEAR(glm::length(source.u), 0.25, 1e-6);
+      EXPECT_EQ(source.lights.size(), ball({}, 1.0f).size() / 3);
+      continue;
+    }
     EXPECT_NEAR(std::abs(source.direction.y), 1.0, 1e-6);
     EXPECT_NEAR(glm::length(source.u), source.kind == kDiscSource ? 0.5 : 0.25, 1e-5);
     EXPECT_EQ(source.lights.size(), source.kind == kDiscSource ? 24u : 2u);
   }
+}
+
+// All corners of a box lie on a sphere; half a ball is open; neither is one.
+TEST(ShadowSources, BodiesThatAreNoSphereAreNone) {
+  const auto sources_of = [](Scene scene) { return names_of(find_sources(pack(scene, gpu::kDirectNee))); };
+  EXPECT_EQ(sources_of(lit_by_lamp(box({0, 2, 0}, {0.1f, 0.1f, 0.1f}))), "6 rectangles");
+  std::vector<glm::vec3> half = ball({0, 2, 0}, 0.2f);
+  half.resize(half.size() / 2);
+  EXPECT_EQ(sources_of(lit_by_lamp(half)), "nothing");
 }
 
 } // namespace

@@ -41,6 +41,25 @@ inline std::vector<glm::vec3> box(glm::vec3 middle, glm::vec3 half) {
   return corners;
 }
 
+// A closed ball of 16 x 12 facets, faces outwards; its corners lie on the sphere.
+inline std::vector<glm::vec3> ball(glm::vec3 middle, float radius) {
+  constexpr int kAround = 16, kDown = 12;
+  const auto at = [&](int i, int j) {
+    if (j == 0 || j == kDown) return middle + glm::vec3(0, j == 0 ? radius : -radius, 0);
+    const float across = 6.2831853f * static_cast<float>(i % kAround) / kAround,
+                down = 3.1415927f * static_cast<float>(j) / kDown;
+    return middle +
+           radius * glm::vec3(std::sin(down) * std::cos(across), std::cos(down), std::sin(down) * std::sin(across));
+  };
+  std::vector<glm::vec3> corners;
+  for (int j = 0; j < kDown; ++j)
+    for (int i = 0; i < kAround; ++i) {
+      if (j > 0) corners.insert(corners.end(), {at(i, j), at(i + 1, j), at(i, j + 1)});
+      if (j + 1 < kDown) corners.insert(corners.end(), {at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)});
+    }
+  return corners;
+}
+
 inline std::uint32_t index_of(std::span<const std::string_view> names, std::string_view name) {
   return static_cast<std::uint32_t>(std::ranges::find(names, name) - names.begin());
 }
@@ -105,16 +124,20 @@ inline Scene lit_by(const PunctualLight& light) {
   return scene;
 }
 
-// Under a square lamp that faces down.
-inline Scene lit_by_square(float half = 0.25f, float height = 2.5f) {
+// Under a lamp of these triangles.
+inline Scene lit_by_lamp(const std::vector<glm::vec3>& corners) {
   Scene scene = bodies();
   Material emitter = plain_material();
   emitter.base_color = {0, 0, 0, 1};
   emitter.emission = glm::vec3(30.0f);
   emitter.double_sided = false;
   scene.materials.push_back(emitter);
-  add_instance(scene, add_mesh(scene, rectangle({0.0f, height, 0.0f}, {half, 0, 0}, {0, 0, half}), 1));
+  add_instance(scene, add_mesh(scene, corners, 1));
   return scene;
+}
+// Under a square lamp that faces down.
+inline Scene lit_by_square(float half = 0.25f, float height = 2.5f) {
+  return lit_by_lamp(rectangle({0.0f, height, 0.0f}, {half, 0, 0}, {0, 0, half}));
 }
 
 // A camera above the floor's point `at` that looks straight down, `half` metres of floor to either side.

@@ -154,14 +154,11 @@ TEST_F(SoftTest, PointsAndVarianceComeNearTheLamp) {
 }
 
 Scene lit_by_disc() {
-  Scene scene = lit_by_square();
-  scene.instances.pop_back();
   std::vector<glm::vec3> disc;
   const auto at = [](int i) { return 0.4f * glm::vec3(std::cos(0.2617994f * i), 6.25f, std::sin(0.2617994f * i)); };
   for (int i = 0; i < 24; ++i)
     for (const glm::vec3& p : {glm::vec3(0, 2.5f, 0), at(i), at((i + 1) % 24)}) disc.push_back(p);
-  add_instance(scene, add_mesh(scene, disc, 1));
-  return scene;
+  return lit_by_lamp(disc);
 }
 
 TEST_F(SoftTest, DiscsCastSoftShadowsToo) {
@@ -172,6 +169,34 @@ TEST_F(SoftTest, DiscsCastSoftShadowsToo) {
   const double hard = error(truth, light(scene, fine("map")));
   EXPECT_LT(error(truth, light(scene, fine("average", 32))), 0.3 * hard);
   EXPECT_LT(error(truth, light(scene, fine("vssm"))), 0.4 * hard);
+}
+
+// Seen from the middle, its own surface casts nothing; seen from points on it, it hides the far side.
+TEST_F(SoftTest, SpheresCastSoftShadowsToo) {
+  const Scene scene = lit_by_lamp(ball({-0.6f, 2.0f, 0.3f}, 0.35f));
+  // As shares of the light that would arrive without shadows: of 352 facets, each sample takes one, which is noise.
+  const auto shares = [&](std::string_view name, std::uint32_t samples, std::uint32_t taps) {
+    RenderSettings settings = fine(name, taps), bright = fine("map");
+    settings.last_sample = bright.last_sample = samples;
+    bright.shadow_ambient = 1.0;
+    std::vector<float> picture = light(scene, settings);
+    const std::vector<float> whole = light(scene, bright);
+    for (std::size_t i = 0; i < picture.size(); ++i) picture[i] = whole[i] > 0.0f ? picture[i] / whole[i] : -1.0f;
+    return picture;
+  };
+  const std::vector<float> truth = shares("traced", 512, 1);
+  const auto off = [&](std::string_view name, std::uint32_t taps) { // mean square
+    const std::vector<float> picture = shares(name, 64, taps);
+    double sum = 0.0;
+    for (std::size_t i = 0; i < truth.size(); ++i)
+      if (truth[i] >= 0.0f && picture[i] >= 0.0f) sum += (truth[i] - picture[i]) * (truth[i] - picture[i]);
+    return sum / static_cast<double>(truth.size());
+  };
+  const double hard = off("map", 1);
+  EXPECT_LT(off("average", 64), 0.06 * hard);
+  EXPECT_LT(off("lightmap", 64), 0.08 * hard);
+  EXPECT_LT(off("pcss", 64), 0.08 * hard);
+  EXPECT_LT(off("vssm", 1), 0.16 * hard);
 }
 
 TEST_F(SoftTest, SameBitsHoweverTheWorkIsCut) {

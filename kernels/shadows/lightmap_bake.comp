@@ -45,11 +45,18 @@ void main() {
     for (uint i = 0u; i < count; ++i) {
       vec4 point = texelFetch(lightmap_points, int(first + i));
       bool front = dot(surface.geometric_normal, point.w == 0.0 ? point.xyz : point.xyz - surface.position) > 0.0;
-      vec2 side = vec2(front, !front);
+      // A point of a sphere is as bright from afar as its surface faces that way.
+      float brightness = 1.0;
+      if (points.w != 0.0) {
+        vec3 normal = point.xyz - texelFetch(lightmap_points, int(first + count)).xyz, to_texel = surface.position - point.xyz;
+        brightness = max(dot(normal, to_texel) / (length(normal) * length(to_texel)), 0.0);
+      }
+      vec2 side = brightness * vec2(front, !front);
+      if (brightness == 0.0) continue;
       all += side;
       passed += side * passed_from(surface, point, points.z);
     }
-    lit = max(passed.x / max(all.x, 1.0), passed.y / max(all.y, 1.0)); // a body's inside has none
+    lit = max(all.x > 0.0 ? passed.x / all.x : 0.0, all.y > 0.0 ? passed.y / all.y : 0.0); // a body's inside has none
   }
   share_words[wave.sample_count * shadow.size * shadow.size + texel] = lit;
 }

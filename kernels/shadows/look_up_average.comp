@@ -16,7 +16,10 @@ float lit_share(Receiver r) {
   float lit = 0.0, all = 0.0;
   for (uint i = 0u; i < r.views.y; ++i) {
     Receiver from = r;
-    if (!look_through(r.views.x + i, from)) return -1.0; // what not all of them show is traced
+    if (!look_through(r.views.x + i, from)) {
+      if (from.view.is_part != 0u) continue; // behind the lamp's own horizon, or grazing it
+      return -1.0;                           // what not all of them show is traced
+    }
     float share = brightness(from);
     offset_receiver(from);
     all += share;

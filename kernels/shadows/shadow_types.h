@@ -41,7 +41,9 @@ struct ShadowView {
   float far;    // metres: depth of what is farthest
   float radius; // of the light's extent, metres; 0 for a point
   uint first_texel; // in the maps; of virtual ones, the first page in their table
-  uint pad0, pad1, pad2;
+  uint
+      is_part; // 1: from a point of a body that hides it from where the view does not show, so that no light goes there
+  uint pad0, pad1;
 };
 GPU_CHECK(sizeof(ShadowView) == 128);
 GPU_CONSTANT uint kShadowViewTexels = 8u;

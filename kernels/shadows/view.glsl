@@ -19,7 +19,9 @@ ShadowView fetch_shadow_view(uint index) {
   v.near = scales.y;
   v.far = scales.z;
   v.radius = scales.w;
-  v.first_texel = floatBitsToUint(texelFetch(shadow_views, texel + 7).x);
+  vec4 words = texelFetch(shadow_views, texel + 7);
+  v.first_texel = floatBitsToUint(words.x);
+  v.is_part = floatBitsToUint(words.y);
   return v;
 }
 

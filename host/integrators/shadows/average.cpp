@@ -9,13 +9,25 @@
 namespace wavepath {
 namespace {
 
+// Of a sphere's radius: off its surface, whose facets lie deeper.
+constexpr double kLift = 1e-3;
+
 std::vector<gpu::ShadowView> views_from_points(const ShadowFit& fit, const ShadowSource& source, const View&,
                                                const RenderSettings& settings) {
   std::vector<gpu::ShadowView> views;
   for (const glm::dvec3& position : lamp_points(source, settings.shadow_taps)) {
     ShadowSource point = source;
     point.position = position;
-    for (const gpu::ShadowView& view : usual_views(fit, point)) views.push_back(view);
+    const bool round = source.kind == kSphereSource;
+    if (round) { // its tangent plane's side that is lit
+      point.kind = kDiscSource;
+      point.direction = glm::normalize(position - source.position);
+      point.position += kLift * (position - source.position);
+    }
+    for (gpu::ShadowView& view : usual_views(fit, point)) {
+      view.is_part = round;
+      views.push_back(view);
+    }
   }
   return views;
 }

@@ -6,11 +6,11 @@
 
 #include <glm/glm.hpp>
 
-#include "host/integrators/shadows/sources.h"
+#include "host/integrators/shadows/source.h"
 
 namespace wavepath {
 
-// Points of a rectangle or a disc that share its area evenly (Hammersley 1960).
+// Points of a rectangle, disc or sphere that share its area evenly (Hammersley 1960).
 std::vector<glm::dvec3> lamp_points(const ShadowSource& source, std::uint32_t count);
 
 } // namespace wavepath

@@ -180,8 +180,10 @@ private:
       const gpu::Light& light = workspace_.scene.lights[source.lights.front()];
       const auto first = static_cast<std::uint32_t>(points.size());
       float t_max = 1.0f;
+      bool is_round = false;
       if (is_lamp(source)) {
         for (const glm::dvec3& point : lamp_points(source, taps)) points.emplace_back(glm::vec3(point), 1.0f);
+        is_round = source.kind == kSphereSource;
         t_max = kShortOfTheLamp;
       } else if (source.kind == kDirectionalSource) {
         points.emplace_back(light.direction, 0.0f);
@@ -190,7 +192,8 @@ private:
         points.emplace_back(light.position, 1.0f);
       }
       const auto count = static_cast<std::uint32_t>(points.size() - first);
-      points[i] = glm::vec4(std::bit_cast<float>(first), std::bit_cast<float>(count), t_max, 0.0f);
+      if (is_round) points.emplace_back(glm::vec3(source.position), 1.0f);
+      points[i] = glm::vec4(std::bit_cast<float>(first), std::bit_cast<float>(count), t_max, is_round ? 1.0f : 0.0f);
     }
     return points;
   }

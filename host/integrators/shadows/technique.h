@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "host/integrators/path/paths.h"
-#include "host/integrators/shadows/sources.h"
+#include "host/integrators/shadows/source.h"
 #include "host/render/device/kernel_compiler.h"
 #include "host/render/device/wave_queue.h"
 #include "host/render/device/workspace.h"

@@ -7,9 +7,10 @@
 namespace wavepath {
 namespace {
 
-constexpr double kWidest = 4.0;   // tangent of a half angle; more is shown by cubes, or traced
-constexpr double kNear = 1e-4;    // of the scene's radius
-constexpr double kPadding = 1e-4; // relative, of what is fitted
+constexpr double kWidest = 4.0;           // tangent of a half angle; more is shown by cubes, or traced
+constexpr double kNear = 1e-4;            // of the scene's radius
+constexpr double kClearOfTheLamp = 1.001; // near end of views from within a sphere, in its radii
+constexpr double kPadding = 1e-4;         // relative, of what is fitted
 
 gpu::vec4 row(const glm::dvec3& v, double offset) { return glm::vec4(glm::dvec4(v, offset)); }
 
@@ -119,12 +120,12 @@ gpu::ShadowView parallel_view(const ShadowFit& fit, const glm::dvec3& direction,
 }
 
 gpu::ShadowView perspective_view(const ShadowFit& fit, const glm::dvec3& position, const glm::dvec3& forward,
-                                 const glm::dvec3& up, double tangent, double radius) {
+                                 const glm::dvec3& up, double tangent, double radius, double first) {
   const glm::dvec3 right = glm::cross(forward, up);
   double far = 0.0;
   for (const glm::dvec3& p : corners_of(fit.lo, fit.hi)) far = std::max(far, glm::dot(forward, p - position));
   const double reach = tangent * fit.size / std::max(fit.size - 2.0 * fit.guard, 1.0);
-  const double near = kNear * fit.radius;
+  const double near = std::max(kNear * fit.radius, first);
   gpu::ShadowView view{};
   view.x = row(right / reach, -glm::dot(right, position) / reach);
   view.y = row(-up / reach, glm::dot(up, position) / reach);
@@ -140,14 +141,14 @@ gpu::ShadowView perspective_view(const ShadowFit& fit, const glm::dvec3& positio
   return view;
 }
 
-std::vector<gpu::ShadowView> cube_views(const ShadowFit& fit, const glm::dvec3& position) {
+std::vector<gpu::ShadowView> cube_views(const ShadowFit& fit, const glm::dvec3& position, double radius) {
   std::vector<gpu::ShadowView> views;
   for (int axis = 0; axis < 3; ++axis)
     for (const double sign : {1.0, -1.0}) {
       glm::dvec3 forward(0.0), up(0.0);
       forward[axis] = sign;
       up[(axis + 1) % 3] = 1.0;
-      views.push_back(perspective_view(fit, position, forward, up, 1.0));
+      views.push_back(perspective_view(fit, position, forward, up, 1.0, radius, kClearOfTheLamp * radius));
     }
   return views;
 }
@@ -176,6 +177,7 @@ std::vector<gpu::ShadowView> paraboloid_views(const ShadowFit& fit, const glm::d
 
 std::vector<gpu::ShadowView> usual_views(const ShadowFit& fit, const ShadowSource& source) {
   if (source.kind == kDirectionalSource) return {parallel_view(fit, source.direction)};
+  if (source.kind == kSphereSource) return cube_views(fit, source.position, glm::length(source.u));
   const glm::dvec3 up = across(source.direction, glm::dvec3(0, 1, 0));
   if (source.kind & kAreaSources) {
     // As wide as what is seen lies apart; the rest is traced.

@@ -8,7 +8,7 @@
 #include <glm/glm.hpp>
 
 #include "host/integrators/raster/culling.h"
-#include "host/integrators/shadows/sources.h"
+#include "host/integrators/shadows/source.h"
 #include "host/scene/view.h"
 #include "kernels/shadows/shadow_types.h"
 
@@ -34,18 +34,19 @@ gpu::ShadowView parallel_view(const ShadowFit& fit, const glm::dvec3& direction)
 // The same as wide as points that are not all of the receivers, but as deep as all of them.
 gpu::ShadowView parallel_view(const ShadowFit& fit, const glm::dvec3& direction, std::span<const glm::dvec3> shown);
 
-// A view from a point: `tangent`: of the half angle that it shows.
+// A view from a point: `tangent`: of the half angle that it shows; `radius`: of a lamp around it; `first`: depth before
+// which nothing casts a shadow, if it is not the least there can be.
 gpu::ShadowView perspective_view(const ShadowFit& fit, const glm::dvec3& position, const glm::dvec3& forward,
-                                 const glm::dvec3& up, double tangent, double radius = 0.0);
+                                 const glm::dvec3& up, double tangent, double radius = 0.0, double first = 0.0);
 
-// Six views that together show all directions.
-std::vector<gpu::ShadowView> cube_views(const ShadowFit& fit, const glm::dvec3& position);
+// Six views that together show all directions, from a point or from the middle of a sphere, which they do not show.
+std::vector<gpu::ShadowView> cube_views(const ShadowFit& fit, const glm::dvec3& position, double radius = 0.0);
 
 // Two that do, as paraboloid mirrors: of what is below the light, where most of what lamps shine on is, and above it.
 std::vector<gpu::ShadowView> paraboloid_views(const ShadowFit& fit, const glm::dvec3& position);
 
 // The usual ones: parallel for suns, one in perspective for spots and for rectangles and discs, seen from the middle,
-// a cube for points and wide spots.
+// a cube for points, spheres and wide spots.
 std::vector<gpu::ShadowView> usual_views(const ShadowFit& fit, const ShadowSource& source);
 
 // What a box must reach into to be in a view.
