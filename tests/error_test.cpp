@@ -76,8 +76,9 @@ double mean_of(const std::vector<float>& values) {
   return sum / static_cast<double>(values.size());
 }
 
-// The Cornell box as every test of this program compares with: another seed, and a 64th of the error of the most samples
-// that any of them takes. By the default sampler, whichever the test is of, since all converge to the same picture.
+// The Cornell box as every test of this program compares with: another seed, and a 64th of the error of the most
+// samples that any of them takes. By the default sampler, whichever the test is of, since all converge to the same
+// picture.
 constexpr std::uint32_t kCornellSide = 48, kCornellSamples = 64 * 64, kReferenceSeed = 1000000;
 const Picture& cornell_reference(Device& device) {
   static const Picture reference =
