@@ -368,12 +368,31 @@ def conclude_reference(study, ranking):
                    " Every error in the tables is more than three times that.")
 
 
+def conclude_shadows(study):
+    """Shadow techniques have one sample count each: what counts is milliseconds a frame."""
+    measured = shadow_points(study)
+    told = [f"<b>{html.escape(c['name'])}</b> ({number(ms)} ms, {percent(error / 100.0)})" for ms, error, c in pareto(measured)]
+    lines = [f"No other is faster and nearer to the truth as well: {', '.join(told)}."] if told else []
+    exact = list(dict.fromkeys(c["flags"]["shadows"] for c, score in shadowed(study) if score["relative_rms"] <= ROUNDING))
+    if exact:
+        lines.append(f"Exact at some size: {', '.join(f'<b>{name}</b>' for name in exact)}.")
+    for level in (5.0, 2.0, 1.0):
+        within = [m for m in measured if m[1] <= level]
+        if within:
+            ms, error, c = min(within, key=lambda m: m[0])
+            lines.append(f"Shadows within {level:g} % take {number(ms)} ms a frame at least: <b>{html.escape(c['name'])}</b>.")
+    return lines
+
+
 def summary(study, ranking, found):
-    if not ranking:
+    if not ranking and not shadowed(study):
         return ("<div class=summary>There is nothing to compare: every picture equals the reference to the last bit, or one "
                 "configuration was slower at its first sample than another at its last.</div>")
-    lines = [conclude_equal_time(study, ranking), *conclude_effects(found), *conclude_equal_error(study), conclude_slopes(study),
-             conclude_reference(study, ranking)]
+    if shadowed(study):
+        lines = conclude_shadows(study)
+    else:
+        lines = [conclude_equal_time(study, ranking), *conclude_effects(found), *conclude_equal_error(study),
+                 conclude_slopes(study), conclude_reference(study, ranking)]
     if study["interrupted"]:
         lines.append("The study was interrupted: later configurations have fewer points.")
     return "<div class=summary><ul>" + "".join(f"<li>{line}</li>" for line in lines) + "</ul></div>"
@@ -547,9 +566,13 @@ def pareto(measured):
     return front
 
 
+ROUNDING = 1e-6  # of shadows' error: what adding up light in another order leaves
+LEAST_SHADOW_ERROR = 0.01  # %: techniques that are exact, but for rounding, are plotted there
+
+
 def shadow_points(study):
-    return [(shadow_ms(score), 100.0 * score["relative_rms"], c) for c, score in shadowed(study)
-            if shadow_ms(score) > 0.0 and score["relative_rms"] > 0.0]
+    return [(shadow_ms(score), max(100.0 * score["relative_rms"], LEAST_SHADOW_ERROR), c) for c, score in shadowed(study)
+            if shadow_ms(score) > 0.0]
 
 
 def plot_shadows(study, look):
@@ -605,7 +628,8 @@ def shadow_table(study, look):
         size = configuration["flags"].get("shadow-size")
         level = levels.get(configuration["flags"]["shadows"], (None, None))
         marks = [text for text, at in (("levels off", level[0]), ("half of the coarsest's error", level[1])) if size and at == int(size)]
-        rows.append(row([name_cell(look, configuration), percent(score["relative_rms"]), number(point["flip"]), percent(score["falsely_lit"]),
+        error = score["relative_rms"] if score["relative_rms"] > ROUNDING else 0.0
+        rows.append(row([name_cell(look, configuration), percent(error), number(point["flip"]), percent(score["falsely_lit"]),
                          percent(score["falsely_dark"]), *optional, *ms,
                          number(score["bytes"] / 2**20) if score.get("bytes") else "&ndash;", ", ".join(marks)],
                         " class=best" if id(configuration) in best else ""))
@@ -670,9 +694,9 @@ def shadows(study, look, folder):
     unfit = "".join(f"<li>{html.escape(u['configuration'])} {html.escape(u['why'])}</li>" for u in study["unfit"])
     return ("<figure>" + svg(plot_shadows(study, look)) +
             "<figcaption>Down and to the left is better; the dark line is the front that none beats in both. Marks of one colour: "
-            "growing maps.</figcaption></figure>" + shadow_table(study, look) +
-            "<p class=note>After as many samples as all of them have. The error is that of shadows alone: what lights and pixels were "
-            "sampled by is the same in all. Falsely lit and falsely dark: share of the pixels whose light is off by more than "
+            f"growing maps. At {LEAST_SHADOW_ERROR:g} %: what is exact.</figcaption></figure>" + shadow_table(study, look) +
+            "<p class=note>After as many samples as all of them have. The error is that of shadows alone: the truth is that of the "
+            "very points of surfaces that all pictures see, from each of which 64 rays go to lights. Falsely lit and falsely dark: share of the pixels whose light is off by more than "
             "a quarter of what it would be without shadows. Milliseconds are medians with spread, warm, build and look-up apart; a map "
             "that nothing moves in need not be built again. Highlighted: on the front.</p>" + shadow_pictures(study, folder) +
             (f"<p class=note>Left out:</p><ul class=note>{unfit}</ul>" if unfit else ""))
@@ -692,15 +716,8 @@ def commands(study):
     return "".join(parts)
 
 
-def page(study, folder):
-    look, ranking, found = Look(study), ranked(study), effects(study)
-    title = f"Error against time: {html.escape(pathlib.PurePath(study['scene']).stem)}"
-    count = len(study["configurations"])
-    sections = [
-        ("", f"<p class=soft>{count} ways to render one picture, each measured against one converged reference at 1, 2, 4, ... "
-         f"samples a pixel. Varied: {', '.join(study['vary'])}.</p>" + facts(study) + summary(study, ranking, found)),
-        *([("What the approximation costs", approximation(study, look, folder))] if has_frames(study) else []),
-        *([("Shadows", shadows(study, look, folder))] if shadowed(study) else []),
+def over_time_sections(study, look, ranking, found):
+    return [
         ("Error against time", "<figure>" + svg(plot_time(study, look)) +
          "<figcaption>Both axes logarithmic; down and to the left is better. The number behind each name is the slope fitted to the "
          f"last four octaves. Colour: {look.hue}; marker and dash: {look.style}" +
@@ -715,6 +732,24 @@ def page(study, folder):
          "plainest configuration that is. &le;: the first sample is better already; ~: past the last measurement, by its slope, "
          "at most one octave.</p>" + equal_error_table(study, look)),
         ("Slopes", "<p class=note>With 95 % intervals.</p>" + slope_table(study, look)),
+    ]
+
+
+def page(study, folder):
+    look, ranking, found = Look(study), ranked(study), effects(study)
+    title = f"Error against time: {html.escape(pathlib.PurePath(study['scene']).stem)}"
+    count = len(study["configurations"])
+    samples, over_time = "1, 2, 4, ...", []
+    if shadowed(study):
+        samples = max(c["points"][-1]["spp"] for c, _ in shadowed(study))
+    else:
+        over_time = over_time_sections(study, look, ranking, found)
+    sections = [
+        ("", f"<p class=soft>{count} ways to render one picture, each measured against one converged reference at {samples} "
+         f"samples a pixel. Varied: {', '.join(study['vary'])}.</p>" + facts(study) + summary(study, ranking, found)),
+        *([("What the approximation costs", approximation(study, look, folder))] if has_frames(study) else []),
+        *([("Shadows", shadows(study, look, folder))] if shadowed(study) else []),
+        *over_time,
         ("Pictures and error maps", "<p class=note>Of each configuration the render that is nearest to the equal time, tonemapped "
          f"at {study['exposure']:+.1f} EV, and where it differs from the reference.</p>" + gallery(study, folder)),
         ("To repeat", "<p class=note>Each row is a render of its own, with its own seed; the command gives the same bits on the same "

@@ -15,6 +15,7 @@ ROOT = pathlib.Path(sys.argv[1])
 WAVEPATH = sys.argv[2]
 SCENES = ROOT / "scenes"
 SPONZA = ROOT.parent / "shared/scenes/Sponza/Sponza.gltf"
+ROOM = ROOT.parent / "shared/scenes/HotelRoom/HotelRoom-plain.glb"
 sys.path.insert(0, str(SCENES))
 
 import rooms  # noqa: E402
@@ -97,6 +98,25 @@ class SceneMakers(unittest.TestCase):
                 self.assertTrue(2 * bodies < info["lights"]["emissive_triangles"] < 4 * bodies)
                 wanted = rooms.FLUX_PER_ROOM * side * side / (1 - rooms.OUTSIDE)
                 self.assertAlmostEqual(flux(document, read), wanted, delta=0.05)
+
+    def test_scenes_that_are_hard_for_shadow_techniques(self):
+        for name, lamps, punctual in (("sphere_lamp", 224, 0), ("tree", 0, 1), ("rails", 0, 1)):
+            with self.subTest(scene=name):
+                for copy in "ab":
+                    make(self.folder, "shadow_scenes.py", name, f"{copy}.glb")
+                self.assertEqual((self.folder / "a.glb").read_bytes(), (self.folder / "b.glb").read_bytes())
+                lights = self.info(self.folder / "a.glb")["lights"]
+                self.assertEqual((lights["emissive_triangles"], lights["punctual"]), (lamps, punctual))
+                document, _ = read_glb((self.folder / "a.glb").read_bytes())
+                self.assertEqual(any(m.get("alphaMode") == "MASK" for m in document["materials"]), name == "tree")
+
+    def test_a_room_gets_a_spot(self):
+        if not ROOM.exists():
+            self.skipTest("no shared/scenes beside the repository")
+        make(self.folder, "shadow_scenes.py", "room_spot", ROOM, "r.glb")
+        info = self.info(self.folder / "r.glb")
+        self.assertEqual(info["lights"]["punctual"], 1)
+        self.assertGreater(info["triangles"], 90000)
 
     def test_every_scene_can_be_read(self):
         paths = sorted(p for kind in ("rooms", "caustics") for p in (SCENES / kind).glob("*.glb"))

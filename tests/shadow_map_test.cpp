@@ -7,6 +7,7 @@
 
 #include "host/base/error.h"
 #include "host/integrators/shadows/catalogue.h"
+#include "host/integrators/shadows/sources.h"
 #include "host/render/settings/settings_table.h"
 
 namespace wavepath::test {

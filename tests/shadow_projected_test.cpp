@@ -13,6 +13,7 @@
 #include "host/base/error.h"
 #include "host/film/picture_io.h"
 #include "host/integrators/shadows/catalogue.h"
+#include "host/render/settings/identity.h"
 
 namespace wavepath::test {
 namespace {
@@ -160,6 +161,17 @@ TEST_F(CookieTest, CheckersLandWhereTheProjectionSays) {
     }
     EXPECT_GT(checked, 500);
   }
+}
+
+// Two pictures of one name are two renders: neither is resumed with the other, nor merged.
+TEST_F(CookieTest, CountsByItsContents) {
+  const auto identity = [this](float value) {
+    return identity_of(1, View{}, with_cookie(2, [value](auto, auto) { return value; }));
+  };
+  const std::string half = identity(0.5f);
+  EXPECT_NE(identity(0.25f), half);
+  EXPECT_EQ(identity(0.5f), half);
+  EXPECT_EQ(half.find(path_), std::string::npos); // the same picture may lie elsewhere
 }
 
 TEST_F(CookieTest, RefusesWhatIsNoCookie) {

@@ -10,6 +10,7 @@ import pathlib
 import re
 import subprocess
 import sys
+import tempfile
 import unittest
 
 ROOT = pathlib.Path(sys.argv[1])
@@ -147,17 +148,23 @@ class Structure(unittest.TestCase):
                 first = re.search(r'^#include [<"]([^">]+)[">]', twin.read_text(), re.M)
                 self.assertEqual(first.group(1), name(path))
         generated = pathlib.Path(WAVEPATH).parent.parent / "generated"
+        flags = [COMPILER, "-std=c++20", "-Wall", "-Wextra", f"-I{ROOT}", f"-isystem{generated}",
+                 f'-DWAVEPATH_SOURCE_DIR="{ROOT}"', f'-DWAVEPATH_BINARY="{WAVEPATH}"']
+        with tempfile.TemporaryDirectory() as folder:
+            # Compiled once. That headers include these themselves is test_files_include_what_is_precompiled's.
+            system = pathlib.Path(folder) / "system.h"
+            whole = {"fmt/": "fmt/format.h", "glm/": "glm/glm.hpp"}
+            system.write_text("".join(f"#include <{whole.get(header, header)}>\n" for header in PRECOMPILED))
+            subprocess.run([*flags, "-x", "c++-header", system, "-o", f"{system}.gch"], check=True)
 
-        def compile_alone(path):
-            command = [COMPILER, "-std=c++20", "-fsyntax-only", "-Wall", "-Wextra", f"-I{ROOT}", f"-isystem{generated}",
-                       f'-DWAVEPATH_SOURCE_DIR="{ROOT}"', f'-DWAVEPATH_BINARY="{WAVEPATH}"', "-include", name(path),
-                       "-x", "c++", os.devnull]
-            return path, subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
+            def compile_alone(path):
+                command = [*flags, "-fsyntax-only", "-include", system, "-include", name(path), "-x", "c++", os.devnull]
+                return path, subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
 
-        with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
-            for path, result in pool.map(compile_alone, alone):
-                with self.subTest(file=name(path)):
-                    self.assertEqual(result.returncode, 0, result.stderr[:2000])
+            with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+                for path, result in pool.map(compile_alone, alone):
+                    with self.subTest(file=name(path)):
+                        self.assertEqual(result.returncode, 0, result.stderr[:2000])
 
     def test_nothing_names_a_machine(self):
         for path in text_files():

@@ -24,7 +24,7 @@ namespace {
 constexpr std::uint32_t kReferenceSeed = 1u << 30; // apart from the seeds of the points
 constexpr std::size_t kPicturesKept = 2;           // one of the last two is nearest to the time that all have in common
 constexpr double kMostSamples = 1 << 18;
-constexpr std::uint32_t kTrueFrames = 256; // of the light without shadows that the reference's is compared with
+constexpr std::uint32_t kTrueShadows = 64; // rays to lights at each point that tell the true shadows of a picture
 
 class StudyRun {
 public:
@@ -49,16 +49,17 @@ public:
     if (study_.series.empty()) throw Error("the grid", study_.unfit.front().why, "vary something else");
     by_signal_ = rasterized != nullptr;
     study_.reference = reference ? *std::move(reference) : render_reference();
-    if (varies_shadows_ && !study_.interrupted) {
-      shadowed_ = hybrid->settings;
-      true_light_ = render_unshadowed(kTrueFrames, settings_.render.seed ^ kReferenceSeed);
-    }
+    if (varies_shadows_) shadowed_ = hybrid->settings;
     if (occlusion && !study_.interrupted) {
       study_.occlusion = render_occlusion();
       share -= kOcclusionShare * settings_.budget;
     }
     if (hybrid && !study_.interrupted) study_.first_hits = measure_first_hits(hybrid->settings);
-    if (!study_.interrupted) measure_all(share / static_cast<double>(study_.series.size()));
+    if (study_.interrupted) return std::move(study_);
+    if (varies_shadows_)
+      measure_shadows(share);
+    else
+      measure_all(share / static_cast<double>(study_.series.size()));
     if (!study_.unfit.empty())
       std::erase_if(study_.series, [&](const Series& one) {
         const std::string name = one.configuration.name();
@@ -80,25 +81,41 @@ private:
     return false;
   }
 
-  // The light of lamps as if nothing were in its way: what shares of it are lit and dark is counted by.
-  Picture render_unshadowed(std::uint32_t frames, std::uint32_t seed) {
+  // Direct light of an octave's points, and the same light as if nothing were in its way: what shares of it are lit and
+  // dark is counted by.
+  struct PointLight {
+    Picture shadowed, unshadowed;
+    ShadowedPicture pair() const { return {shadowed, unshadowed}; }
+  };
+
+  Picture render_light(std::string_view technique, std::uint32_t octave, std::uint32_t rays) {
     RenderSettings settings = shadowed_;
-    settings.shadows = static_cast<std::uint32_t>(std::ranges::find(kShadowNames, "map") - kShadowNames.begin());
-    settings.shadow_size = 64;
-    settings.shadow_ambient = 1.0;
+    settings.shadows = static_cast<std::uint32_t>(std::ranges::find(kShadowNames, technique) - kShadowNames.begin());
+    if (technique != "traced") { // a map of no consequence, whose shadows let all light pass
+      settings.shadow_size = 64;
+      settings.shadow_ambient = 1.0;
+    }
     settings.aovs = {"direct"};
-    settings.last_sample = frames;
-    settings.seed = seed;
+    settings.shadow_samples = rays;
+    settings.last_sample = 1u << octave;
+    settings.seed = settings_.render.seed + octave;
     const PackedScene& scene = scene_.packed.at(direct_of(settings));
     if (!settings.integrator->unfit(settings, scene).empty()) return {};
-    return render_one(settings, light_kernels_, "light without shadows").picture;
+    return render_one(settings, light_kernels_, "the truth of shadows").picture;
   }
 
-  // That of a point's own samples, which points of one octave share.
-  const Picture& unshadowed(std::uint32_t octave) {
-    const auto found = unshadowed_.find(octave);
+  // Pictures of one octave see the same points of surfaces, and so does their truth: what is left of an error is a
+  // technique's own, and that of the points of lamps it was asked for.
+  const PointLight& true_light(std::uint32_t octave) {
+    const auto found = true_light_.find(octave);
+    if (found != true_light_.end()) return found->second;
+    return true_light_[octave] = {render_light("traced", octave, kTrueShadows),
+                                  render_light("map", octave, kTrueShadows)};
+  }
+  const Picture& unshadowed(std::uint32_t octave, std::uint32_t rays) {
+    const auto found = unshadowed_.find({octave, rays});
     if (found != unshadowed_.end()) return found->second;
-    return unshadowed_[octave] = render_unshadowed(1u << octave, settings_.render.seed + octave);
+    return unshadowed_[{octave, rays}] = render_light("map", octave, rays);
   }
 
   RenderResult render_one(const RenderSettings& settings, KernelCompiler& kernels, const std::string& what) {
@@ -187,34 +204,41 @@ private:
   }
 
   // In turns, so that other load on the machine disturbs all alike. A configuration ends where twice the time of
-  // its last render would not fit into what is left of its share; where shadows are compared all of them end together,
-  // so that their pictures have as many samples.
+  // its last render would not fit into what is left of its share.
   void measure_all(double share) {
     std::list<KernelCompiler> kernels;
     std::vector<double> used(study_.series.size(), 0.0);
     std::vector<KernelCompiler*> active;
-    // Shadow techniques are many, and what they share is most of their kernels.
-    for (std::size_t i = 0; i < study_.series.size(); ++i)
-      active.push_back(varies_shadows_ && i > 0 ? active.front() : &kernels.emplace_back(device_));
-    const double whole = share * static_cast<double>(study_.series.size());
+    for (std::size_t i = 0; i < study_.series.size(); ++i) active.push_back(&kernels.emplace_back(device_));
     for (std::uint32_t octave = 0; std::any_of(active.begin(), active.end(), [](auto* k) { return k != nullptr; });
-         ++octave) {
-      const double before = seconds_;
+         ++octave)
       for (std::size_t i = 0; i < active.size(); ++i) {
         if (!active[i]) continue;
-        if (octave == 0 && !starts(study_.series[i], *active[i])) {
-          active[i] = nullptr;
-          continue;
-        }
+        if (octave == 0) warm_up(study_.series[i], *active[i]);
         measure(study_.series[i], octave, *active[i]);
         if (study_.interrupted) return;
         const double seconds = study_.series[i].points.back().seconds * (by_signal_ ? 2.0 : 1.0); // see measure()
         used[i] += seconds;
-        const bool ends = !varies_shadows_ && used[i] + 2.0 * seconds > share;
-        if (ends || (1u << octave) >= kMostSamples) active[i] = nullptr;
+        if (used[i] + 2.0 * seconds > share || (1u << octave) >= kMostSamples) active[i] = nullptr;
       }
-      const double spent = std::accumulate(used.begin(), used.end(), 0.0);
-      if (varies_shadows_ && octave > 0 && spent + 2.0 * (seconds_ - before) > whole) return;
+  }
+
+  // Where shadows are compared, all have one sample count, the highest that a budget allows: their errors do not fall
+  // with samples, and their pictures must have as much noise. At least two, for times of warm frames.
+  void measure_shadows(double budget) {
+    KernelCompiler kernels(device_); // techniques are many, and what they share is most of their kernels
+    const double start = seconds_;
+    std::vector<Series*> fitting;
+    for (Series& series : study_.series) {
+      if (starts(series, kernels)) fitting.push_back(&series);
+      if (study_.interrupted) return;
+    }
+    const double one_frame = seconds_ - start, left = budget - one_frame;
+    std::uint32_t octave = 1;
+    while ((2u << octave) < kMostSamples && 2.0 * one_frame * (2u << octave) < left) ++octave; // twice: see measure()
+    for (Series* series : fitting) {
+      measure(*series, octave, kernels);
+      if (study_.interrupted) return;
     }
   }
 
@@ -223,7 +247,6 @@ private:
     try {
       warm_up(series, kernels);
     } catch (const Error& error) {
-      if (!varies_shadows_) throw;
       study_.unfit.push_back({series.configuration.name(), error.what()});
       return false;
     }
@@ -290,8 +313,9 @@ private:
     point.direct = compare(picture, reference, {"direct.R", "direct.G", "direct.B"});
     if (study_.occlusion) point.occlusion = compare(picture, study_.occlusion->picture, {"ao", "ao", "ao"});
     if (!varies_shadows_) return std::nullopt;
-    const Picture& light = unshadowed(static_cast<std::uint32_t>(std::countr_zero(point.spp)));
-    const ShadowedPicture ours{picture, light}, theirs{reference, true_light_};
+    const auto octave = static_cast<std::uint32_t>(std::countr_zero(point.spp));
+    const ShadowedPicture ours{picture, unshadowed(octave, settings.shadow_samples)},
+        theirs = true_light(octave).pair();
     point.shadows = score_shadows(ours, theirs);
     return false_shadow_map(ours, theirs);
   }
@@ -316,10 +340,10 @@ private:
   Study study_;
   bool by_signal_ = false; // direct light and occlusion on their own as well
   bool varies_shadows_ = false;
-  // Where shadows are varied: a configuration that has some, and light without them, converged and by octave.
+  // Where shadows are varied: a configuration that has some, and by octave the light with true ones and without any.
   RenderSettings shadowed_;
-  Picture true_light_;
-  std::map<std::uint32_t, Picture> unshadowed_;
+  std::map<std::uint32_t, PointLight> true_light_;
+  std::map<std::pair<std::uint32_t, std::uint32_t>, Picture> unshadowed_; // and by rays to lights
   KernelCompiler light_kernels_{device_};
   double seconds_ = 0.0; // rendering so far
 };

@@ -13,6 +13,7 @@
 layout(location = 0) flat out uint triangle;
 layout(location = 1) flat out uint instance;
 layout(location = 2) out vec3 position; // device world
+invariant gl_Position; // the same triangles cover the same texels in all passes over a map
 
 void main() {
   triangle = uint(gl_VertexIndex) / 3u;

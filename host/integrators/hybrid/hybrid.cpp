@@ -13,6 +13,7 @@
 #include "host/integrators/occlusion/screen_space.h"
 #include "host/integrators/shading/catalogue.h"
 #include "host/integrators/shadows/catalogue.h"
+#include "host/integrators/shadows/sources.h"
 #include "host/integrators/transparency/catalogue.h"
 #include "host/render/settings/mips.h"
 #include "host/render/settings/occlusion_settings.h"

@@ -7,6 +7,7 @@
 
 #include "host/base/error.h"
 #include "host/integrators/shadows/kinds.h"
+#include "host/integrators/shadows/sources.h"
 #include "host/render/settings/settings_table.h"
 #include "host/render/settings/shadow_settings.h"
 #include "kernels/shadows/shadow_types.h"

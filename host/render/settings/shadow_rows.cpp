@@ -1,7 +1,11 @@
 #include "host/render/settings/shadow_rows.h"
 
+#include <vector>
+
 #include <fmt/format.h>
 
+#include "host/base/hash.h"
+#include "host/base/read_file.h"
 #include "host/render/settings/shadow_settings.h"
 
 namespace wavepath {
@@ -26,6 +30,15 @@ std::string shadow_bias_text(const S& settings) {
 }
 
 void read_shadow_cookie(const FlagValue& value, S& settings) { settings.shadow_cookie = value.text; }
+
+// By what the file holds: another picture of the same name is another render. One that cannot be read is refused later.
+std::string shadow_cookie_identity(const S& settings) {
+  std::vector<std::uint8_t> bytes(regular_file_size(settings.shadow_cookie).value_or(0));
+  if (settings.shadow_cookie.empty() || !read_file(settings.shadow_cookie, 0, bytes)) return settings.shadow_cookie;
+  Hash hash;
+  hash.add_all(bytes);
+  return fmt::format("{:016x}", hash.value());
+}
 
 void read_shadow_bits(const FlagValue& value, S& settings) {
   settings.shadow_bits = value.whole_number(16, 32);
@@ -98,7 +111,8 @@ std::vector<Setting> shadow_rows() {
        .value = SpecialValue{read_shadow_cookie, [](const S& s) { return s.shadow_cookie; }},
        .meaning = "a picture that each spot and sun is shone through: EXR or HDR linear, PNG or JPG sRGB",
        .placeholder = "FILE",
-       .initial = "none"},
+       .initial = "none",
+       .identity = shadow_cookie_identity},
       {.name = "shadow-ambient",
        .value = NumberValue{&S::shadow_ambient, 0.0, 1.0},
        .meaning = "share of a light that reaches what is in its shadow",
