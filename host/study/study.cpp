@@ -24,6 +24,7 @@ namespace {
 constexpr std::uint32_t kReferenceSeed = 1u << 30; // apart from the seeds of the points
 constexpr std::size_t kPicturesKept = 2;           // one of the last two is nearest to the time that all have in common
 constexpr double kMostSamples = 1 << 18;
+constexpr double kMostOfBudget = 0.1;      // that one frame of a shadow technique may take
 constexpr std::uint32_t kTrueShadows = 64; // rays to lights at each point that tell the true shadows of a picture
 
 class StudyRun {
@@ -230,8 +231,15 @@ private:
     const double start = seconds_;
     std::vector<Series*> fitting;
     for (Series& series : study_.series) {
-      if (starts(series, kernels)) fitting.push_back(&series);
+      const double before = seconds_;
+      if (!starts(series, kernels)) continue;
       if (study_.interrupted) return;
+      const double frame = seconds_ - before;
+      if (frame > kMostOfBudget * budget && !fitting.empty())
+        study_.unfit.push_back(
+            {series.configuration.name(), fmt::format("takes {:.1f} s a frame: too much of --budget", frame)});
+      else
+        fitting.push_back(&series);
     }
     const double one_frame = seconds_ - start, left = budget - one_frame;
     std::uint32_t octave = 1;
