@@ -737,7 +737,7 @@ def over_time_sections(study, look, ranking, found):
 
 def page(study, folder):
     look, ranking, found = Look(study), ranked(study), effects(study)
-    title = f"Error against time: {html.escape(pathlib.PurePath(study['scene']).stem)}"
+    title = f"{'Shadows' if shadowed(study) else 'Error against time'}: {html.escape(pathlib.PurePath(study['scene']).stem)}"
     count = len(study["configurations"])
     samples, over_time = "1, 2, 4, ...", []
     if shadowed(study):
