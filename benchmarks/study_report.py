@@ -44,8 +44,8 @@ dl.facts.second { margin-top: 10px; }
 .summary ul { margin: 0; padding-left: 18px; } .summary li { margin: 6px 0; max-width: 62em; }
 figure { margin: 16px 0; } figure svg { width: 100%; height: auto; display: block; }
 table { border-collapse: collapse; margin: 12px 0; font-size: 13.5px; font-variant-numeric: tabular-nums; }
-th { text-align: right; font-weight: 600; color: var(--soft); border-bottom: 1px solid var(--ink); padding: 5px 12px; vertical-align: bottom; }
-td { text-align: right; border-bottom: 1px solid var(--line); padding: 5px 12px; white-space: nowrap; }
+th { text-align: right; font-weight: 600; color: var(--soft); border-bottom: 1px solid var(--ink); padding: 5px 9px; vertical-align: bottom; }
+td { text-align: right; border-bottom: 1px solid var(--line); padding: 5px 9px; white-space: nowrap; }
 th:first-child, td:first-child, .left { text-align: left; padding-left: 2px; }
 tr.best td { background: #eef4f9; font-weight: 600; }
 .bar { display: inline-block; height: 9px; background: var(--accent); opacity: 0.55; border-radius: 1px; }
@@ -617,21 +617,25 @@ def level_sizes(study):
     return rows
 
 
+def with_spread(cost):
+    spread = f" {number(cost['least'])}&ndash;{number(cost['most'])}" if cost["least"] < cost["most"] else ""
+    return f"{number(cost['median'])}<span class=soft>{spread}</span>"
+
+
 def shadow_table(study, look):
     best = {id(m[2]) for m in pareto(shadow_points(study))}
     levels, rows = level_sizes(study), []
     for configuration, score in shadowed(study):
         point = configuration["points"][-1]
-        ms = [f"{number(score[key]['median'])}<span class=soft> {number(score[key]['least'])}&ndash;{number(score[key]['most'])}</span>"
-              if key in score and score[key]["median"] > 0.0 else "&ndash;" for key in ("build_ms", "look_up_ms")]
+        ms = [with_spread(score[key]) if key in score and score[key]["median"] > 0.0 else "&ndash;" for key in ("build_ms", "look_up_ms")]
         optional = [number(score[key]) if score[key] is not None else "&ndash;" for key in ("edge_displacement_pixels", "penumbra_ratio")]
         size = configuration["flags"].get("shadow-size")
         level = levels.get(configuration["flags"]["shadows"], (None, None))
-        marks = [text for text, at in (("levels off", level[0]), ("half of the coarsest's error", level[1])) if size and at == int(size)]
+        marks = [text for text, at in (("levels off", level[0]), ("half the error", level[1])) if size and at == int(size)]
         error = score["relative_rms"] if score["relative_rms"] > ROUNDING else 0.0
         rows.append(row([name_cell(look, configuration), percent(error), number(point["flip"]), percent(score["falsely_lit"]),
                          percent(score["falsely_dark"]), *optional, *ms,
-                         number(score["bytes"] / 2**20) if score.get("bytes") else "&ndash;", ", ".join(marks)],
+                         number(score["bytes"] / 2**20) if score.get("bytes") else "&ndash;", "<br>".join(marks)],
                         " class=best" if id(configuration) in best else ""))
     return table(["configuration", "error of<br>direct light", "FLIP", "falsely<br>lit", "falsely<br>dark", "edges off<br>by pixels",
                   "penumbra over<br>the true one", "ms to<br>build", "ms to<br>look up", "MiB", ""], rows)

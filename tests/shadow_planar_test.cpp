@@ -191,5 +191,15 @@ TEST_F(PlanarTest, RefusesLampsWithAnExtent) {
   EXPECT_THROW(check_shadow_settings(shadow_settings("planar", 256)), UsageError); // there is no map
 }
 
+TEST_F(PlanarTest, RefusesScenesWithoutPlanes) {
+  Scene scene;
+  scene.materials.push_back(plain_material());
+  add_instance(scene, add_mesh(scene, ball({0, 0, 0}, 0.5f)));
+  scene.lights.push_back(sun());
+  const PackedScene packed = pack(scene, gpu::kDirectNee);
+  EXPECT_NE(unfit(*shadow_kind(planar_settings()), packed).find("large planes"), std::string::npos);
+  EXPECT_EQ(unfit(*shadow_kind(planar_settings("projected")), packed), ""); // whose cookies shine on everything
+}
+
 } // namespace
 } // namespace wavepath::test

@@ -76,6 +76,19 @@ TEST(ShadowScore, WhatNoLightReachesIsNotJudged) {
   EXPECT_DOUBLE_EQ(score_shadows({off, whole}, {truth, whole})->falsely_dark, 8.0 / 32.0);
 }
 
+// Four samples are often half lit, but for rounding.
+TEST(ShadowScore, RoundingMovesNoEdge) {
+  const auto stairs = [](float half) {
+    return columns([=](std::uint32_t x) { return x < 20 ? 0.0f : x < 30 ? half : x < 40 ? 0.25f : 1.0f; });
+  };
+  const Picture whole = even(1.0f);
+  const std::optional<ShadowScore> score = score_shadows({stairs(0.5f - 1e-7f), whole}, {stairs(0.5f + 1e-7f), whole});
+  EXPECT_EQ(score->edge_displacement, 0.0);
+  const Picture truth = even(0.75f), off = even(0.5f - 1e-7f), near = even(0.5f + 1e-7f);
+  EXPECT_EQ(score_shadows({off, whole}, {truth, whole})->falsely_dark,
+            score_shadows({near, whole}, {truth, whole})->falsely_dark);
+}
+
 TEST(ShadowScore, PicturesWithoutDirectLightHaveNone) {
   const Picture none{kWidth, kHeight, {}}, whole = even(1.0f);
   EXPECT_FALSE(score_shadows({none, whole}, {whole, whole}));

@@ -11,7 +11,9 @@
 namespace wavepath {
 namespace {
 
-constexpr double kFalse = 0.25; // of the light without shadows
+// Shares of a few samples are whole fractions but for rounding, which must not decide: no such fraction is near these.
+constexpr double kFalse = 0.2503; // of the light without shadows
+constexpr double kHalf = 0.4997;
 constexpr double kPartly = 0.1; // from this share of the light on, up to 1 less it
 constexpr double kDark = 1e-3;  // of the brightest pixel: what has less light could not be lit
 constexpr double kNever = std::numeric_limits<double>::infinity();
@@ -89,7 +91,7 @@ Shares light_shares(const ShadowedPicture& picture) {
 std::vector<bool> edges(const Shares& shares, std::size_t width) {
   std::vector<bool> found(shares.size());
   const auto differs = [&](std::size_t a, std::size_t b) {
-    return shares[a] >= 0.5 && shares[b] >= 0.0 && shares[b] < 0.5;
+    return shares[a] >= kHalf && shares[b] >= 0.0 && shares[b] < kHalf;
   };
   for (std::size_t i = 0; i < shares.size(); ++i) {
     const bool right = i % width + 1 < width, below = i + width < shares.size();

@@ -225,7 +225,7 @@ private:
   }
 
   // Where shadows are compared, all have one sample count, the highest that a budget allows: their errors do not fall
-  // with samples, and their pictures must have as much noise. At least two, for times of warm frames.
+  // with samples, and their pictures must have as much noise. At least two, the first of which warms up.
   void measure_shadows(double budget) {
     KernelCompiler kernels(device_); // techniques are many, and what they share is most of their kernels
     const double start = seconds_;
@@ -243,7 +243,7 @@ private:
     }
     const double one_frame = seconds_ - start, left = budget - one_frame;
     std::uint32_t octave = 1;
-    while ((2u << octave) < kMostSamples && 2.0 * one_frame * (2u << octave) < left) ++octave; // twice: see measure()
+    while ((2u << octave) < kMostSamples && one_frame * (2u << octave) < left) ++octave;
     for (Series* series : fitting) {
       measure(*series, octave, kernels);
       if (study_.interrupted) return;
@@ -273,6 +273,8 @@ private:
     RenderSettings settings = series.configuration.settings;
     settings.last_sample = 1u << octave;
     settings.seed = settings_.render.seed + octave;
+    const bool scores_shadows = varies_shadows_ && !series.shows_occlusion();
+    if (scores_shadows) add_signals(settings);
     RenderResult result = render_one(settings, kernels, series.configuration.name());
     if (study_.interrupted) return;
     const Picture& reference = study_.reference_of(series).picture;
@@ -286,7 +288,14 @@ private:
     point.estimated_error = estimated_error(result);
     point.shadow_work = varies_shadows_ ? shadow_work(result) : std::nullopt;
     std::optional<Picture> false_shadows;
-    if (by_signal_) false_shadows = measure_signals(series, settings, point, kernels);
+    if (scores_shadows) {
+      false_shadows = measure_signals(result.picture, settings, point);
+    } else if (series.shows_occlusion()) {
+      point.occlusion = point.metrics;
+    } else if (by_signal_) { // again, because the additional channels would add to the measured time
+      add_signals(settings);
+      measure_signals(render_one(settings, kernels, series.configuration.name()).picture, settings, point);
+    }
     if (study_.interrupted) return;
     series.pictures.push_back(
         {series.points.size(), std::move(result.picture), std::move(flip), std::move(false_shadows)});
@@ -305,17 +314,13 @@ private:
     return report;
   }
 
-  // Renders again, because the additional channels would add to the measured time. Returns where shadows are false, if
-  // the grid varies them.
-  std::optional<Picture> measure_signals(const Series& series, RenderSettings settings, StudyPoint& point,
-                                         KernelCompiler& kernels) {
-    if (series.shows_occlusion()) {
-      point.occlusion = point.metrics;
-      return std::nullopt;
-    }
+  static void add_signals(RenderSettings& settings) {
     settings.aovs = {"direct"};
     if (!settings.integrator->aovs.empty()) settings.aovs.emplace_back("ao");
-    const Picture picture = render_one(settings, kernels, series.configuration.name()).picture;
+  }
+
+  // Returns where shadows are false, if the grid varies them.
+  std::optional<Picture> measure_signals(const Picture& picture, const RenderSettings& settings, StudyPoint& point) {
     if (study_.interrupted) return std::nullopt;
     const Picture& reference = study_.reference.picture;
     point.direct = compare(picture, reference, {"direct.R", "direct.G", "direct.B"});

@@ -224,6 +224,7 @@ constinit const ShadowKind kShadowPlanar = {
     .make = [](const ShadowContext& context) -> std::unique_ptr<ShadowTechnique> {
       return std::make_unique<PlanarShadows>(context);
     },
+    .refusal = no_receiver_planes,
 };
 
 } // namespace wavepath

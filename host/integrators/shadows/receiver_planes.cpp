@@ -5,6 +5,8 @@
 #include <cmath>
 #include <map>
 
+#include <fmt/format.h>
+
 #include "host/integrators/shadows/placed_triangles.h"
 
 namespace wavepath {
@@ -93,6 +95,12 @@ std::vector<ReceiverPlane> receiver_planes(const PackedScene& scene) {
   std::erase_if(planes, [&](const ReceiverPlane& plane) { return plane.area < kLeastShare * whole; });
   planes.resize(std::min(planes.size(), kMostPlanes));
   return planes;
+}
+
+std::string no_receiver_planes(const PackedScene& scene) {
+  if (!receiver_planes(scene).empty()) return "";
+  return fmt::format("casts shadows on large planes alone, and this scene has none with {} % of its surfaces",
+                     100.0 * kLeastShare);
 }
 
 } // namespace wavepath

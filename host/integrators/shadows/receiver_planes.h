@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include <glm/glm.hpp>
@@ -24,5 +25,7 @@ double plane_tolerance(const PackedScene& scene);
 inline constexpr std::size_t kMostPlanes = 16;
 inline constexpr double kLeastShare = 0.02;
 std::vector<ReceiverPlane> receiver_planes(const PackedScene& scene);
+// Why a technique whose shadows fall on these alone has nothing to do; empty if it has.
+std::string no_receiver_planes(const PackedScene& scene);
 
 } // namespace wavepath
