@@ -23,8 +23,9 @@ const bool kStackInRegisters = kStack == kStackRegisters;
 // Whether there are rays that single-sided surfaces let pass from behind, and whether only those of the camera are.
 #define CULLS_BACKS (has(kFeatureCull) && kCull != kCullNone)
 #define CULLS_ALL_BACKS (has(kFeatureCull) && kCull == kCullAll)
-bool has(uint feature) { return (kFeatures & feature) != 0u; }
-bool has_lobe(uint lobe) { return (kLobes & lobe) != 0u; }
+// Macros, so that conditions are constants before anything is inlined: see host/gpu/trim_spirv.h.
+#define has(feature) ((kFeatures & (feature)) != 0u)
+#define has_lobe(lobe) ((kLobes & (lobe)) != 0u)
 bool has_mips() { return has_lobe(kFeatureMips); }
 
 #endif

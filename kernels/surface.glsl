@@ -24,8 +24,8 @@ struct Surface {
 };
 
 // Compiled in, and there is data for it: generic kernels must not read streams that this scene left out.
-bool uses(uint feature) { return has(feature) && (frame.scene_features & feature) != 0u; }
-bool uses_lobe(uint lobe) { return has_lobe(lobe) && (frame.scene_lobes & lobe) != 0u; }
+#define uses(feature) (has(feature) && (frame.scene_features & (feature)) != 0u)
+#define uses_lobe(lobe) (has_lobe(lobe) && (frame.scene_lobes & (lobe)) != 0u)
 bool is_instanced() { return has(kFeatureInstances) && frame.root_is_top != 0u; }
 
 // Inverse of pack_tangent in host/scene/pack/vertices.h. Zero where there is none.

@@ -114,10 +114,11 @@ vec4 sample_texture(uint index, vec4 uv_sets) {
   return has_mips() ? filter_levels(image, uv) : filter_image(image, uv);
 }
 
-// As above, or 1 where the material has no such texture. `feature` says whether any material of the scene has one.
-vec4 sample_texture_or_1(uint feature, uint index, vec4 uv_sets) {
-  if (!has(feature) || index == kNone) return vec4(1.0);
+vec4 sample_chosen_texture(uint index, vec4 uv_sets) {
+  if (index == kNone) return vec4(1.0);
   return sample_texture(index, uv_sets);
 }
+// As above, or 1 where the material has no such texture. `feature` says whether any material of the scene has one.
+#define sample_texture_or_1(feature, index, uv_sets) (has(feature) ? sample_chosen_texture(index, uv_sets) : vec4(1.0))
 
 #endif

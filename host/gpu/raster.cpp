@@ -7,26 +7,11 @@
 
 #include "host/base/error.h"
 #include "host/gpu/pipeline_cache.h"
+#include "host/gpu/shader_module.h"
 #include "kernels/gpu.h"
 
 namespace wavepath {
 namespace {
-
-struct Module {
-  Module(Device& device_, const char* name, std::span<const std::uint32_t> spirv) : device(device_) {
-    if (spirv.empty()) return;
-    VkShaderModuleCreateInfo info{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
-    info.codeSize = spirv.size_bytes();
-    info.pCode = spirv.data();
-    check(vkCreateShaderModule(device.handle(), &info, nullptr, &handle),
-          fmt::format("loading shader {}", name).c_str());
-  }
-  ~Module() { vkDestroyShaderModule(device.handle(), handle, nullptr); }
-  Module(Module&&) = delete;
-
-  Device& device;
-  VkShaderModule handle = VK_NULL_HANDLE;
-};
 
 struct Formats {
   std::vector<VkFormat> colour;
@@ -82,16 +67,6 @@ VkPipelineRasterizationStateCreateInfo rasterization_state(const RasterState& st
   return info;
 }
 
-VkPipelineShaderStageCreateInfo shader_stage(VkShaderStageFlagBits stage, const Module& module,
-                                             const VkSpecializationInfo& constants) {
-  VkPipelineShaderStageCreateInfo info{VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO};
-  info.stage = stage;
-  info.module = module.handle;
-  info.pName = "main";
-  info.pSpecializationInfo = &constants;
-  return info;
-}
-
 void set_blending(Blend blend, VkPipelineColorBlendAttachmentState& state) {
   if (blend == Blend::none) return;
   state.blendEnable = VK_TRUE;
@@ -142,13 +117,9 @@ RasterPipeline::RasterPipeline(Device& device, const RasterCode& code, std::span
                                const RasterState& state, const BindingSet& bindings,
                                std::span<const std::uint32_t> constants)
     : device_(device) {
-  const Module vertex(device, code.name, code.vertex), fragment(device, code.name, code.fragment);
-  std::vector<VkSpecializationMapEntry> entries;
-  for (std::uint32_t i = 0; i < constants.size(); ++i) entries.push_back({i, i * 4, 4});
-  const VkSpecializationInfo specialization{static_cast<std::uint32_t>(entries.size()), entries.data(),
-                                            constants.size_bytes(), constants.data()};
-  const std::array stages{shader_stage(VK_SHADER_STAGE_VERTEX_BIT, vertex, specialization),
-                          shader_stage(VK_SHADER_STAGE_FRAGMENT_BIT, fragment, specialization)};
+  const ShaderModule vertex(device, code.name, code.vertex, constants),
+      fragment(device, code.name, code.fragment, constants);
+  const std::array stages{vertex.stage(VK_SHADER_STAGE_VERTEX_BIT), fragment.stage(VK_SHADER_STAGE_FRAGMENT_BIT)};
 
   const Formats formats = formats_of(attachments);
   const VkPipelineVertexInputStateCreateInfo input{VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO};

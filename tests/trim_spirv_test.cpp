@@ -1,0 +1,72 @@
+// SPIR-V without what specialization constants leave unreachable: it computes the same, and it is less.
+#include "host/gpu/trim_spirv.h"
+
+#include <algorithm>
+
+#include "host/render/device/kernel_set.h"
+#include "kernels/path/shade.spv.h"
+#include "tests/probe.h"
+
+#include "tests/probes/trim_probe.spv.h"
+
+namespace wavepath::test {
+namespace {
+
+using Words = std::vector<std::uint32_t>;
+
+constexpr std::uint32_t kOpFunction = 54, kOpLabel = 248;
+
+std::size_t count(std::span<const std::uint32_t> spirv, std::uint32_t op) {
+  std::size_t found = 0;
+  for (std::size_t at = 5; at < spirv.size(); at += std::max(spirv[at] >> 16, 1u)) found += (spirv[at] & 0xffffu) == op;
+  return found;
+}
+
+class TrimSpirvTest : public VulkanTest {};
+
+// Loops that are left early, cases that run on into the next, returns from within: pipelines are made of what is left,
+// under the validation layer, and tell what the same code tells that nothing is known of.
+TEST_F(TrimSpirvTest, WhatIsLeftComputesTheSame) {
+  constexpr std::uint32_t kCount = 16;
+  std::size_t least = SIZE_MAX, most = 0;
+  for (std::uint32_t i = 0; i < 24; ++i) {
+    const Words constants{i % 3, i / 3 % 4, 3 + i / 12};
+    SCOPED_TRACE(testing::PrintToString(constants));
+    std::vector<ProbeBuffer> buffers{to_probe(constants), to_probe(std::vector<glm::uvec2>(kCount))};
+    run_probe(device(), wavepath_trim_probe_spv, kCount, buffers, constants);
+    for (const glm::uvec2 result : from_probe<glm::uvec2>(buffers[1])) EXPECT_EQ(result.x, result.y);
+    const Words trimmed = trim_spirv(wavepath_trim_probe_spv, constants);
+    EXPECT_EQ(trim_spirv(trimmed, constants), trimmed); // nothing is left to find
+    least = std::min(least, count(trimmed, kOpLabel));
+    most = std::max(most, count(trimmed, kOpLabel));
+  }
+  EXPECT_LT(most, count(wavepath_trim_probe_spv, kOpLabel));
+  EXPECT_LT(least, most);
+}
+
+TEST_F(TrimSpirvTest, FunctionsThatNothingCallsAreGone) {
+  // C is not 4, so that nothing returns early.
+  const Words trimmed = trim_spirv(wavepath_trim_probe_spv, Words{1, 1, 3});
+  EXPECT_EQ(count(trimmed, kOpFunction), count(wavepath_trim_probe_spv, kOpFunction) - 1);
+}
+
+// A kernel's conditions have to be constants before anything is inlined: functions of features would hide them.
+TEST_F(TrimSpirvTest, KernelsKeepWhatTheSceneNeeds) {
+  KernelConfig config;
+  config.features = gpu::kFeatureEmission | gpu::kFeatureTriangleLights;
+  config.stack_size = 64;
+  const auto constants = specialization(config, device().info());
+  const Words trimmed = trim_spirv(wavepath_shade_spv, constants);
+  EXPECT_LT(trimmed.size(), std::size(wavepath_shade_spv) / 2);
+  EXPECT_LT(count(trimmed, kOpFunction), count(wavepath_shade_spv, kOpFunction) * 2 / 3);
+}
+
+TEST_F(TrimSpirvTest, WhatIsNoModuleComesBack) {
+  const Words whole(std::begin(wavepath_trim_probe_spv), std::end(wavepath_trim_probe_spv));
+  Words cut(whole.begin(), whole.end() - 3), endless = whole;
+  endless[5] &= 0xffffu; // an instruction of no length
+  for (const Words& words : {Words{}, Words{1, 2, 3}, cut, endless}) EXPECT_EQ(trim_spirv(words, {}), words);
+}
+
+} // namespace
+} // namespace wavepath::test
