@@ -272,6 +272,22 @@ TEST_F(BenchCommand, RefusesWhatIsNoBaseline) {
   EXPECT_NE(bench({kCornell, "--json", folder_.file("no/where.json")}).exit_code, 0);
 }
 
+// Most CPU drivers tell nothing; where one does, every kernel has its numbers. Real compilers: compiler_tables.py.
+TEST_F(BenchCommand, TellsWhatTheCompilerMadeOrWhyNot) {
+  const Outcome outcome = bench({kCornell, "--kernels", "--json", json_});
+  if (outcome.exit_code != 0) {
+    EXPECT_EQ(outcome.exit_code, 1);
+    EXPECT_NE(outcome.err.find("does not tell what it compiles"), std::string::npos) << outcome.err;
+    EXPECT_FALSE(std::ifstream(json_).good()); // nothing is written
+  } else {
+    for (const Json& row : Json::parse(std::ifstream(json_)))
+      EXPECT_FALSE(row.at("statistics").empty()) << row.at("kernel");
+  }
+  const Outcome both = bench({kCornell, "--kernels", "--baseline", json_});
+  EXPECT_EQ(both.exit_code, 2);
+  EXPECT_NE(both.err.find("--kernels"), std::string::npos) << both.err;
+}
+
 TEST_F(BenchCommand, AblatesWhatTheSceneLeavesOut) {
   const Outcome outcome = bench({kCornell, "--ablate", "--json", json_});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;

@@ -12,6 +12,7 @@
 #include "host/base/read_file.h"
 #include "host/bench/bench_report.h"
 #include "host/bench/builtin_scene.h"
+#include "host/bench/compiled.h"
 #include "host/cli/commands.h"
 #include "host/cli/flags.h"
 #include "host/cli/render_flags.h"
@@ -29,7 +30,7 @@ struct Request {
   RenderRequest render;
   bool quiet = false;
   std::uint32_t repetitions = 7;
-  bool ablate = false;
+  bool ablate = false, kernels = false;
   std::string json, baseline;
   double threshold = 10.0; // percent
 };
@@ -60,6 +61,32 @@ void choose_size(Request& request, const DeviceInfo& device) {
   request.render.settings.height = cpu ? 270 : 1080;
 }
 
+LoadedScene load(const Request& request) {
+  LoadedScene loaded = request.scene.path.empty() ? LoadedScene{builtin_scene(), {}, {}} : load_scene(request.scene);
+  if (!request.quiet) print_light(loaded);
+  return loaded;
+}
+
+// What a compiler makes does not depend on the picture.
+int run_compiler(const Request& request) {
+  turn_kernel_caches_off();
+  if (!request.baseline.empty())
+    throw UsageError("--kernels", "measures nothing that --baseline compares", "leave one of them out");
+  if (!request.json.empty()) require_writable(request.json);
+  Device device(request.render.device, {}, DeviceUse::compile);
+  const RenderSettings& settings = request.render.settings;
+  LoadedScene loaded = load(request);
+  const PackedScene packed = pack(loaded.scene, settings.direct);
+  print_warnings(loaded.scene.warnings);
+  const std::vector<CompiledKernel> kernels =
+      compile_kernels(device, packed, settings, request.ablate, [&](const std::string& what) {
+        if (!request.quiet) fmt::print(stderr, "wavepath: compiling: {}\n", what);
+      });
+  if (!request.json.empty()) write_file(request.json, to_text(compiled_document(device.info(), kernels)));
+  fmt::print("{}", compiled_table(device.info(), kernels));
+  return kExitDone;
+}
+
 int run_bench(Request& request) {
   turn_kernel_caches_off();
   const std::optional<Json> before = read_baseline(request.baseline);
@@ -68,10 +95,8 @@ int run_bench(Request& request) {
   choose_size(request, device.info());
 
   BenchSettings settings{request.render.settings, request.repetitions, request.ablate};
-  const bool built_in = request.scene.path.empty();
-  LoadedScene loaded = built_in ? LoadedScene{builtin_scene(), {}, {}} : load_scene(request.scene);
+  LoadedScene loaded = load(request);
   Scene& scene = loaded.scene;
-  if (!request.quiet) print_light(loaded);
   const View view =
       resolve_view(scene, loaded.framing, request.scene.view, settings.render.width, settings.render.height);
   const bvh::Quality quality = request.render.bvh.value_or(bvh::Quality::best);
@@ -108,6 +133,12 @@ Command add_bench(CLI::App& app) {
   add_switch(*command, group,
              {"--ablate", "", "measure what each feature that this scene leaves out would cost it", "off"},
              request->ablate);
+  add_switch(*command, group,
+             {"--kernels", "",
+              "tell what the driver's compiler makes of every kernel instead (registers, spills, "
+              "occupancy, code size; the driver needs no hardware)",
+              "off"},
+             request->kernels);
   add_flag(*command, group,
            {"--baseline", "FILE.json", "tell the change since an earlier run, saved with --json", "none"},
            [=](const FlagValue& value) { request->baseline = value.text; });
@@ -122,7 +153,7 @@ Command add_bench(CLI::App& app) {
   add_scene_flags(*command, request->scene, false);
   add_view_flags(*command, request->scene.view);
   add_transport_flags(*command, kByBench, request->render);
-  return [request] { return run_bench(*request); };
+  return [request] { return request->kernels ? run_compiler(*request) : run_bench(*request); };
 }
 
 } // namespace wavepath

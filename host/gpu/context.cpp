@@ -76,6 +76,15 @@ bool layer_present(const char* name) {
   return std::any_of(layers.begin(), layers.end(), [&](const auto& l) { return std::strcmp(l.layerName, name) == 0; });
 }
 
+bool extension_present(VkPhysicalDevice physical, const char* name) {
+  std::uint32_t count = 0;
+  vkEnumerateDeviceExtensionProperties(physical, nullptr, &count, nullptr);
+  std::vector<VkExtensionProperties> extensions(count);
+  vkEnumerateDeviceExtensionProperties(physical, nullptr, &count, extensions.data());
+  return std::any_of(extensions.begin(), extensions.end(),
+                     [&](const auto& e) { return std::strcmp(e.extensionName, name) == 0; });
+}
+
 VkDebugUtilsMessengerCreateInfoEXT messenger_info() {
   VkDebugUtilsMessengerCreateInfoEXT info{VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT};
   info.messageSeverity =
@@ -277,7 +286,7 @@ std::vector<DeviceInfo> list_devices() {
 
 std::uint32_t Context::validation_messages() { return validation_message_count; }
 
-Context::Context(const std::string& wanted, std::span<const char* const> window_extensions) {
+Context::Context(const std::string& wanted, std::span<const char* const> window_extensions, DeviceUse use) : use_(use) {
   const bool validation = validation_wanted(), pose = pose_wanted();
   instance_ = create_instance(validation, window_extensions);
   try {
@@ -306,13 +315,25 @@ Context::Context(const std::string& wanted, std::span<const char* const> window_
     core13.synchronization2 = VK_TRUE; // all mandatory in 1.3
     core13.maintenance4 = VK_TRUE;     // glslang writes workgroup sizes as LocalSizeId
     core13.dynamicRendering = VK_TRUE;
+    VkPhysicalDevicePipelineExecutablePropertiesFeaturesKHR statistics{
+        VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PIPELINE_EXECUTABLE_PROPERTIES_FEATURES_KHR};
+    statistics.pipelineExecutableInfo = VK_TRUE;
+    std::vector<const char*> extensions;
+    if (!window_extensions.empty()) extensions.push_back(VK_KHR_SWAPCHAIN_EXTENSION_NAME);
+    if (use == DeviceUse::compile) {
+      const char* told = VK_KHR_PIPELINE_EXECUTABLE_PROPERTIES_EXTENSION_NAME;
+      if (!extension_present(physical_, told))
+        throw Error(info_.name, fmt::format("its driver does not tell what it compiles ({})", told),
+                    "choose another device with --device");
+      extensions.push_back(told);
+      core13.pNext = &statistics;
+    }
     VkDeviceCreateInfo info{VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO};
     info.pNext = &core13;
     info.queueCreateInfoCount = 1;
     info.pQueueCreateInfos = &queue_info;
-    const char* swapchain = VK_KHR_SWAPCHAIN_EXTENSION_NAME;
-    info.enabledExtensionCount = window_extensions.empty() ? 0 : 1;
-    info.ppEnabledExtensionNames = &swapchain;
+    info.enabledExtensionCount = static_cast<std::uint32_t>(extensions.size());
+    info.ppEnabledExtensionNames = extensions.data();
     check(vkCreateDevice(physical_, &info, nullptr, &device_), "opening the device");
     vkGetDeviceQueue(device_, queue_family_, 0, &queue_);
     pipeline_cache_ = std::make_unique<PipelineCache>(physical_, device_);

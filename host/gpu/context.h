@@ -14,6 +14,10 @@ namespace wavepath {
 
 class PipelineCache; // host/gpu/pipeline_cache.h
 
+// What a device is opened for. `compile`: kernels are compiled for what the driver tells of them, and nothing is
+// allocated or run, so that a driver without its hardware serves as well.
+enum class DeviceUse { run, compile };
+
 // A Buffer may be this many bytes larger than asked for (see buffer.cpp). DeviceInfo's limits are reduced by them.
 inline constexpr std::uint64_t kBufferPadding = 0x110;
 
@@ -49,11 +53,14 @@ public:
   // `window_extensions`: instance extensions that a window needs; with any, the device can also fill swapchains.
   // Environment: WAVEPATH_VALIDATION=1 turns the validation layer on, synchronization validation included.
   // WAVEPATH_POSE=discrete, for tests, has a CPU device report type "discrete" and treat its memory as not mappable.
-  explicit Context(const std::string& wanted = "", std::span<const char* const> window_extensions = {});
+  // DeviceUse::compile wants VK_KHR_pipeline_executable_properties, and throws Error where the driver lacks it.
+  explicit Context(const std::string& wanted = "", std::span<const char* const> window_extensions = {},
+                   DeviceUse use = DeviceUse::run);
   ~Context();
   Context(Context&&) = delete;
 
   const DeviceInfo& info() const { return info_; }
+  DeviceUse use() const { return use_; }
   VkInstance instance() const { return instance_; }
   VkPhysicalDevice physical() const { return physical_; }
   VkDevice handle() const { return device_; }
@@ -82,6 +89,7 @@ private:
   void release();
 
   DeviceInfo info_;
+  DeviceUse use_;
   VkInstance instance_ = VK_NULL_HANDLE;
   VkDebugUtilsMessengerEXT messenger_ = VK_NULL_HANDLE;
   VkPhysicalDevice physical_ = VK_NULL_HANDLE;

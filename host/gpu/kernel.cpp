@@ -8,6 +8,7 @@
 
 #include "host/base/error.h"
 #include "host/gpu/pipeline_cache.h"
+#include "host/gpu/shader_module.h"
 
 namespace wavepath {
 namespace {
@@ -66,13 +67,45 @@ void check_count(const DeviceInfo& info, std::span<const Binding> bindings) {
 
 } // namespace
 
+BindingLayout::BindingLayout(Device& device, std::span<const Binding> bindings, std::uint32_t push_constant_bytes,
+                             VkShaderStageFlags stages)
+    : device_(&device), push_constant_bytes_(push_constant_bytes), stages_(stages | VK_SHADER_STAGE_COMPUTE_BIT) {
+  check_count(device.info(), bindings);
+  std::vector<VkDescriptorSetLayoutBinding> slots;
+  for (const Binding& binding : bindings)
+    slots.push_back({binding.slot, descriptor_type(binding.kind), 1, stages_, nullptr});
+  VkDescriptorSetLayoutCreateInfo set_info{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO};
+  set_info.bindingCount = static_cast<std::uint32_t>(slots.size());
+  set_info.pBindings = slots.data();
+  check(vkCreateDescriptorSetLayout(device.handle(), &set_info, nullptr, &set_layout_), "creating a layout");
+
+  const VkPushConstantRange range{stages_, 0, push_constant_bytes_};
+  VkPipelineLayoutCreateInfo layout_info{VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO};
+  layout_info.setLayoutCount = 1;
+  layout_info.pSetLayouts = &set_layout_;
+  layout_info.pushConstantRangeCount = push_constant_bytes_ ? 1 : 0;
+  layout_info.pPushConstantRanges = &range;
+  try {
+    check(vkCreatePipelineLayout(device.handle(), &layout_info, nullptr, &pipeline_layout_), "creating a layout");
+  } catch (...) {
+    release();
+    throw;
+  }
+}
+
+BindingLayout::~BindingLayout() { release(); }
+
+void BindingLayout::release() {
+  vkDestroyPipelineLayout(device_->handle(), pipeline_layout_, nullptr);
+  vkDestroyDescriptorSetLayout(device_->handle(), set_layout_, nullptr);
+}
+
 BindingSet::BindingSet(Device& device, std::span<const Binding> bindings, std::uint32_t push_constant_bytes,
                        VkShaderStageFlags stages)
-    : device_(&device), push_constant_bytes_(push_constant_bytes), stages_(stages | VK_SHADER_STAGE_COMPUTE_BIT) {
+    : BindingLayout(device, bindings, push_constant_bytes, stages) {
   for (const Binding& binding : bindings) check_limits(device.info(), binding);
-  check_count(device.info(), bindings);
   try {
-    create_layout(bindings);
+    allocate(bindings);
     write(bindings);
   } catch (...) {
     release();
@@ -86,30 +119,11 @@ void BindingSet::release() {
   for (VkBufferView view : views_) vkDestroyBufferView(device_->handle(), view, nullptr);
   for (VkSampler sampler : samplers_) vkDestroySampler(device_->handle(), sampler, nullptr);
   vkDestroyDescriptorPool(device_->handle(), pool_, nullptr);
-  vkDestroyPipelineLayout(device_->handle(), pipeline_layout_, nullptr);
-  vkDestroyDescriptorSetLayout(device_->handle(), set_layout_, nullptr);
 }
 
-void BindingSet::create_layout(std::span<const Binding> bindings) {
-  std::vector<VkDescriptorSetLayoutBinding> slots;
+void BindingSet::allocate(std::span<const Binding> bindings) {
   std::vector<VkDescriptorPoolSize> sizes;
-  for (const Binding& binding : bindings) {
-    slots.push_back({binding.slot, descriptor_type(binding.kind), 1, stages_, nullptr});
-    sizes.push_back({descriptor_type(binding.kind), 1});
-  }
-  VkDescriptorSetLayoutCreateInfo set_info{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO};
-  set_info.bindingCount = static_cast<std::uint32_t>(slots.size());
-  set_info.pBindings = slots.data();
-  check(vkCreateDescriptorSetLayout(device_->handle(), &set_info, nullptr, &set_layout_), "creating a layout");
-
-  const VkPushConstantRange range{stages_, 0, push_constant_bytes_};
-  VkPipelineLayoutCreateInfo layout_info{VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO};
-  layout_info.setLayoutCount = 1;
-  layout_info.pSetLayouts = &set_layout_;
-  layout_info.pushConstantRangeCount = push_constant_bytes_ ? 1 : 0;
-  layout_info.pPushConstantRanges = &range;
-  check(vkCreatePipelineLayout(device_->handle(), &layout_info, nullptr, &pipeline_layout_), "creating a layout");
-
+  for (const Binding& binding : bindings) sizes.push_back({descriptor_type(binding.kind), 1});
   VkDescriptorPoolCreateInfo pool_info{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
   pool_info.maxSets = 1;
   pool_info.poolSizeCount = static_cast<std::uint32_t>(sizes.size());
@@ -162,30 +176,16 @@ VkDescriptorImageInfo BindingSet::image_info(const Binding& binding) {
   return {samplers_.back(), binding.image->sampled_view(binding.aspect), binding.image->layout(ImageUse::sampled)};
 }
 
-Kernel::Kernel(Device& device, std::string name, std::span<const std::uint32_t> spirv, const BindingSet& bindings,
+Kernel::Kernel(Device& device, std::string name, std::span<const std::uint32_t> spirv, const BindingLayout& bindings,
                std::span<const std::uint32_t> constants)
     : device_(&device), name_(std::move(name)) {
-  VkShaderModuleCreateInfo module_info{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
-  module_info.codeSize = spirv.size_bytes();
-  module_info.pCode = spirv.data();
-  VkShaderModule module = VK_NULL_HANDLE;
-  check(vkCreateShaderModule(device.handle(), &module_info, nullptr, &module), ("loading kernel " + name_).c_str());
-
-  std::vector<VkSpecializationMapEntry> entries;
-  for (std::uint32_t i = 0; i < constants.size(); ++i) entries.push_back({i, i * 4, 4});
-  const VkSpecializationInfo specialization{static_cast<std::uint32_t>(entries.size()), entries.data(),
-                                            constants.size_bytes(), constants.data()};
+  const ShaderModule module(device, name_, spirv, constants);
   VkComputePipelineCreateInfo info{VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO};
-  info.stage.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO;
-  info.stage.stage = VK_SHADER_STAGE_COMPUTE_BIT;
-  info.stage.module = module;
-  info.stage.pName = "main";
-  info.stage.pSpecializationInfo = &specialization;
+  if (device.use() == DeviceUse::compile) info.flags = VK_PIPELINE_CREATE_CAPTURE_STATISTICS_BIT_KHR;
+  info.stage = module.stage(VK_SHADER_STAGE_COMPUTE_BIT);
   info.layout = bindings.layout();
-  const VkResult result =
-      vkCreateComputePipelines(device.handle(), device.pipeline_cache().handle(), 1, &info, nullptr, &pipeline_);
-  vkDestroyShaderModule(device.handle(), module, nullptr);
-  check(result, ("compiling kernel " + name_).c_str());
+  check(vkCreateComputePipelines(device.handle(), device.pipeline_cache().handle(), 1, &info, nullptr, &pipeline_),
+        ("compiling kernel " + name_).c_str());
 }
 
 Kernel::Kernel(Kernel&& other) noexcept

@@ -37,34 +37,50 @@ struct Binding {
   Sampling sampling{};
 };
 
-// Descriptors for a list of bindings, with the layout that fits them.
-class BindingSet {
+// Numbers and kinds of bindings, which is all that compiling needs to know of them.
+class BindingLayout {
 public:
   static constexpr VkShaderStageFlags kRasterStages = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT;
 
-  // `stages`: the shaders that see the bindings, besides compute. Throws Error if a binding exceeds the device's
-  // limits.
-  BindingSet(Device& device, std::span<const Binding> bindings, std::uint32_t push_constant_bytes,
-             VkShaderStageFlags stages = 0);
-  ~BindingSet();
-  BindingSet(BindingSet&&) = delete;
+  // `stages`: the shaders that see the bindings, besides compute. The bindings may lack their buffers. Throws Error if
+  // they are more than the device allows.
+  BindingLayout(Device& device, std::span<const Binding> bindings, std::uint32_t push_constant_bytes,
+                VkShaderStageFlags stages = 0);
+  ~BindingLayout();
+  BindingLayout(BindingLayout&&) = delete;
 
-  VkDescriptorSet handle() const { return set_; }
   VkPipelineLayout layout() const { return pipeline_layout_; }
   VkShaderStageFlags stages() const { return stages_; }
   std::uint32_t push_constant_bytes() const { return push_constant_bytes_; }
 
+protected:
+  Device* device_;
+  VkDescriptorSetLayout set_layout_ = VK_NULL_HANDLE;
+
 private:
-  void create_layout(std::span<const Binding> bindings);
+  void release();
+
+  std::uint32_t push_constant_bytes_;
+  VkShaderStageFlags stages_;
+  VkPipelineLayout pipeline_layout_ = VK_NULL_HANDLE;
+};
+
+// A layout with the descriptors that fill it.
+class BindingSet : public BindingLayout {
+public:
+  // Throws Error as well if a binding exceeds the device's limits.
+  BindingSet(Device& device, std::span<const Binding> bindings, std::uint32_t push_constant_bytes,
+             VkShaderStageFlags stages = 0);
+  ~BindingSet();
+
+  VkDescriptorSet handle() const { return set_; }
+
+private:
+  void allocate(std::span<const Binding> bindings);
   void write(std::span<const Binding> bindings);
   VkDescriptorImageInfo image_info(const Binding& binding);
   void release();
 
-  Device* device_;
-  std::uint32_t push_constant_bytes_;
-  VkShaderStageFlags stages_;
-  VkDescriptorSetLayout set_layout_ = VK_NULL_HANDLE;
-  VkPipelineLayout pipeline_layout_ = VK_NULL_HANDLE;
   VkDescriptorPool pool_ = VK_NULL_HANDLE;
   VkDescriptorSet set_ = VK_NULL_HANDLE;
   std::vector<VkBufferView> views_;
@@ -93,9 +109,10 @@ inline std::uint32_t groups_for(std::uint64_t count) {
 // ignored.
 class Kernel {
 public:
-  Kernel(Device& device, std::string name, std::span<const std::uint32_t> spirv, const BindingSet& bindings,
+  Kernel(Device& device, std::string name, std::span<const std::uint32_t> spirv, const BindingLayout& bindings,
          std::span<const std::uint32_t> constants);
-  Kernel(Device& device, const KernelCode& code, const BindingSet& bindings, std::span<const std::uint32_t> constants)
+  Kernel(Device& device, const KernelCode& code, const BindingLayout& bindings,
+         std::span<const std::uint32_t> constants)
       : Kernel(device, code.name, code.spirv, bindings, constants) {}
   ~Kernel();
   Kernel(Kernel&& other) noexcept;

@@ -16,6 +16,7 @@ constexpr std::uint64_t kMostBytes = 64ull << 20, kLeastBytes = 64ull << 10;
 } // namespace
 
 Staging::Staging(Context& context) : context_(context) {
+  if (context.use() == DeviceUse::compile) return; // which copies nothing
   try {
     VkCommandPoolCreateInfo pool{VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
     pool.flags = VK_COMMAND_POOL_CREATE_TRANSIENT_BIT;

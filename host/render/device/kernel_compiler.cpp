@@ -1,5 +1,7 @@
 #include "host/render/device/kernel_compiler.h"
 
+#include <algorithm>
+
 #include "host/render/settings/integrator_kind.h"
 #include "host/render/settings/mips.h"
 #include "host/render/settings/shadow_settings.h"
@@ -106,6 +108,17 @@ bool KernelCompiler::ready(const KernelNeed& need) {
   start(need);
   const std::lock_guard lock(mutex_);
   return choose(need) != nullptr;
+}
+
+std::vector<const KernelSet*> KernelCompiler::all() {
+  std::unique_lock lock(mutex_);
+  changed_.wait(lock, [&] { return std::ranges::all_of(entries_, [](const Entry& e) { return e.set || e.failure; }); });
+  std::vector<const KernelSet*> sets;
+  for (const Entry& entry : entries_) {
+    if (entry.failure) std::rethrow_exception(entry.failure);
+    sets.push_back(entry.set.get());
+  }
+  return sets;
 }
 
 gpu::Feature KernelCompiler::features(const KernelProgram& program) const {

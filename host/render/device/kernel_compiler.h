@@ -6,6 +6,7 @@
 #include <list>
 #include <memory>
 #include <mutex>
+#include <vector>
 
 #include "host/render/device/kernel_set.h"
 
@@ -48,6 +49,9 @@ public:
 
   // Whether best() would return at once, or throw what compiling threw. Begins compiling otherwise.
   bool ready(const KernelNeed& need);
+
+  // All sets that were begun, once they are ready. Throws what compiling threw.
+  std::vector<const KernelSet*> all();
 
   // kFeature bits of all sets of the program that were begun: what buffers have to be there for.
   gpu::Feature features(const KernelProgram& program) const;

@@ -42,12 +42,18 @@ bool KernelNeed::covers(const KernelNeed& need) const {
          config.nets >= need.config.nets;
 }
 
+// AMD's compiler (RADV) keeps arrays of up to 64 entries in registers, chosen among by chains of branches: traversal
+// then takes twice as many, and half as many waves fit (benchmarks/results/compilers). More entries cost no other
+// driver anything.
+constexpr std::uint32_t kLeastArray = 96;
+
 std::array<std::uint32_t, gpu::kSpecCount> specialization(const KernelConfig& config, const DeviceInfo& device) {
   const std::uint32_t stack = device.type == "cpu" ? gpu::kStackRegisters : gpu::kStackArray;
   std::array<std::uint32_t, gpu::kSpecCount> constants{};
   constants[gpu::kSpecFeatures] = static_cast<std::uint32_t>(config.features);
   constants[gpu::kSpecLobes] = static_cast<std::uint32_t>(config.features >> 32);
-  constants[gpu::kSpecStackSize] = config.stack_size;
+  constants[gpu::kSpecStackSize] =
+      stack == gpu::kStackArray ? std::max(config.stack_size, kLeastArray) : config.stack_size;
   constants[gpu::kSpecSampler] = config.sampler;
   constants[gpu::kSpecDirect] = config.direct;
   constants[gpu::kSpecHemisphere] = config.hemisphere;
@@ -61,15 +67,20 @@ std::array<std::uint32_t, gpu::kSpecCount> specialization(const KernelConfig& co
   return constants;
 }
 
-KernelSet::KernelSet(Device& device, const KernelNeed& need)
-    : config_(need.config), kernels_(need.program->stages.size()) {
+KernelSet::KernelSet(Device& device, const KernelNeed& need) : need_(need), kernels_(need.program->stages.size()) {
   const Clock::time_point start = Clock::now();
-  Buffer stand_in(device, kStandInBytes);
-  const std::vector<std::uint8_t> ones(kStandInBytes, kUniformByte);
-  stand_in.write(ones.data(), ones.size());
-  std::vector<Binding> layout = need.program->layout();
-  for (Binding& binding : layout) binding.buffer = &stand_in;
-  const BindingSet bindings(device, layout, static_cast<std::uint32_t>(sizeof(gpu::Wave)));
+  std::vector<Binding> slots = need.program->layout();
+  constexpr auto kPushed = static_cast<std::uint32_t>(sizeof(gpu::Wave));
+  const BindingLayout layout(device, slots, kPushed);
+  std::optional<Buffer> stand_in;
+  std::optional<BindingSet> bindings; // of what runs
+  if (device.use() == DeviceUse::run) {
+    stand_in.emplace(device, kStandInBytes);
+    const std::vector<std::uint8_t> ones(kStandInBytes, kUniformByte);
+    stand_in->write(ones.data(), ones.size());
+    for (Binding& slot : slots) slot.buffer = &*stand_in;
+    bindings.emplace(device, slots, kPushed);
+  }
   const auto constants = specialization(need.config, device.info());
   std::atomic<std::size_t> next = 0;
   const auto compile = [&] {
@@ -77,9 +88,9 @@ KernelSet::KernelSet(Device& device, const KernelNeed& need)
       const std::size_t stage = need.program->compile_order[i];
       if (!(need.stages >> stage & 1u)) continue;
       const KernelCode& code = need.program->stages[stage];
-      const std::span<const std::uint32_t> build = code.build((config_.features & gpu::kLobesLayered) != 0);
-      const Kernel& kernel = kernels_[stage].emplace(device, code.name, build, bindings, constants);
-      run_without_work(device, kernel, bindings);
+      const std::span<const std::uint32_t> build = code.build((config().features & gpu::kLobesLayered) != 0);
+      const Kernel& kernel = kernels_[stage].emplace(device, code.name, build, layout, constants);
+      if (bindings) run_without_work(device, kernel, *bindings);
     }
   };
   // No more threads than cores: the first kernel would have to share its own, and it decides when all are ready.

@@ -49,17 +49,18 @@ std::array<std::uint32_t, gpu::kSpecCount> specialization(const KernelConfig& co
 
 class KernelSet {
 public:
-  // Compiles the kernels, side by side, and dispatches each once without work, for the drivers that compile only then.
-  // Safe to call from several threads at once.
+  // Compiles the kernels, side by side, and dispatches each once without work, for the drivers that compile only then
+  // (unless the device was opened for DeviceUse::compile). Safe to call from several threads at once.
   KernelSet(Device& device, const KernelNeed& need);
 
   // The kernel of a stage that was asked for.
   const Kernel& operator[](std::size_t stage) const { return *kernels_[stage]; }
-  const KernelConfig& config() const { return config_; }
+  const KernelNeed& need() const { return need_; }
+  const KernelConfig& config() const { return need_.config; }
   double seconds() const { return seconds_; } // that compiling took
 
 private:
-  KernelConfig config_;
+  KernelNeed need_;
   std::vector<std::optional<Kernel>> kernels_; // by stage
   double seconds_ = 0.0;
 };

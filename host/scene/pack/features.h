@@ -17,10 +17,10 @@ gpu::Feature find_features(const Scene& scene, const Usage& usage, const PackedS
 // can be compiled while the scene is packed. A bit too many costs speed; a bit too few costs a second compilation.
 gpu::Feature expected_features(const Scene& scene, std::uint32_t direct);
 
-// One entry for every clear bit of packed.features: the reason, and the bytes that its data would have taken.
 // Throws Error if the scene has lobes of `lacked`, which `integrator` cannot render.
 void refuse_lobes(const PackedScene& packed, gpu::Feature lacked, std::string_view integrator);
 
+// One entry for every clear bit of packed.features: the reason, and the bytes that its data would have taken.
 std::vector<LeftOut> list_left_out(const Usage& usage, const PackedScene& packed, std::uint32_t direct);
 
 } // namespace wavepath

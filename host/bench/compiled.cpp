@@ -1,0 +1,106 @@
+#include "host/bench/compiled.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "host/render/device/kernel_compiler.h"
+#include "host/render/settings/integrator_kind.h"
+
+namespace wavepath {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// Parts of the names of statistics that decide how fast kernels run, as drivers of AMD, Intel and NVIDIA have them.
+constexpr std::array<std::string_view, 12> kTold = {"subgroup size", "gpr",        "regist",    "spill",
+                                                    "scratch",       "occupan",    "waves",     "local mem",
+                                                    "latency",       "throughput", "code size", "cycle"};
+
+bool is_told(std::string name) {
+  std::ranges::transform(name, name.begin(), [](unsigned char c) { return std::tolower(c); });
+  return std::ranges::any_of(kTold, [&](std::string_view part) { return name.find(part) != std::string::npos; });
+}
+
+std::string number(double value) {
+  return value == std::floor(value) ? fmt::format("{:.0f}", value) : fmt::format("{:.3f}", value);
+}
+
+// The kernels that an integrator begins to compile for a scene, those for other scenes left out.
+void compile_for(Device& device, gpu::Feature features, const RenderSettings& settings, const std::string& name,
+                 std::vector<CompiledKernel>& kernels) {
+  KernelCompiler compiler(device);
+  settings.integrator->start_kernels(compiler, device.info(), features, settings);
+  const gpu::Feature wanted = kernel_config(features, kExpectedStack, settings).features;
+  for (const KernelSet* set : compiler.all()) {
+    if (set->config().features != wanted) continue;
+    const KernelNeed& need = set->need();
+    for (std::size_t stage = 0; stage < need.program->stages.size(); ++stage)
+      if (need.stages >> stage & 1u)
+        kernels.push_back({need.program->stages[stage].name, name, kernel_statistics(device, (*set)[stage])});
+  }
+}
+
+} // namespace
+
+std::vector<CompiledKernel> compile_kernels(Device& device, const PackedScene& scene, const RenderSettings& settings,
+                                            bool ablate, const std::function<void(const std::string&)>& progress) {
+  std::vector<CompiledKernel> kernels;
+  const auto compile = [&](const RenderSettings& variant, const std::string& what) {
+    const std::string name = fmt::format("{}{}", variant.integrator->name, what);
+    progress(name);
+    compile_for(device, scene.features, variant, name, kernels);
+  };
+  for (const IntegratorKind* kind : integrators()) {
+    if (kind->candidates || !kind->start_kernels) continue; // the first stands for others
+    RenderSettings variant = settings;
+    variant.integrator = kind;
+    compile(variant, "");
+    variant.specialize = false;
+    compile(variant, ", generic");
+  }
+  if (!ablate) return kernels;
+  for (const LeftOut& entry : scene.left_out) {
+    if (!entry.feature) continue; // no code, only data
+    RenderSettings variant = settings;
+    variant.integrator = &default_integrator();
+    variant.added_features = entry.feature;
+    compile(variant, ", with " + entry.what);
+  }
+  return kernels;
+}
+
+Json compiled_document(const DeviceInfo& device, const std::vector<CompiledKernel>& kernels) {
+  Json document = Json::array();
+  for (const CompiledKernel& kernel : kernels) {
+    Json statistics = Json::object();
+    for (const auto& [name, value] : kernel.statistics)
+      if (value == std::floor(value) && std::abs(value) < 0x1p53)
+        statistics[name] = static_cast<std::int64_t>(value);
+      else
+        statistics[name] = value;
+    document.push_back({{"kernel", kernel.kernel},
+                        {"configuration", kernel.configuration},
+                        {"device", device.name},
+                        {"statistics", std::move(statistics)}});
+  }
+  return document;
+}
+
+std::string compiled_table(const DeviceInfo& device, const std::vector<CompiledKernel>& kernels) {
+  std::string text = fmt::format("{}, {}\n", device.name, device.driver);
+  std::string configuration;
+  for (const CompiledKernel& kernel : kernels) {
+    if (kernel.configuration != configuration) text += fmt::format("\n{}\n", configuration = kernel.configuration);
+    std::string line = fmt::format("  {:<16}", kernel.kernel);
+    for (const auto& [name, value] : kernel.statistics)
+      if (is_told(name)) line += fmt::format("  {} {}", name, number(value));
+    text += line + "\n";
+  }
+  return text;
+}
+
+} // namespace wavepath
