@@ -303,14 +303,14 @@ private:
     series.points.push_back(point);
   }
 
-  // What a technique took; of traced shadows, what their rays did.
+  // What a technique took. Rays of the lights that it does not cover count as looking up, which is all that traced
+  // shadows do.
   static std::optional<ShadowReport> shadow_work(const RenderResult& result) {
-    if (result.shadows) return result.shadows;
+    ShadowReport report = result.shadows.value_or(ShadowReport{});
     const auto rays = std::ranges::find(result.stages, "connect", &StageTime::name);
-    if (rays == result.stages.end()) return std::nullopt;
+    if (rays == result.stages.end()) return result.shadows;
     const double ms = 1000.0 * rays->seconds / result.spp;
-    ShadowReport report;
-    report.look_up = {ms, ms, ms};
+    for (double* time : {&report.look_up.median, &report.look_up.least, &report.look_up.most}) *time += ms;
     return report;
   }
 
