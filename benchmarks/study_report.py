@@ -371,7 +371,7 @@ def conclude_reference(study, ranking):
 def conclude_shadows(study):
     """Shadow techniques have one sample count each: what counts is milliseconds a frame."""
     measured = shadow_points(study)
-    told = [f"<b>{html.escape(c['name'])}</b> ({number(ms)} ms, {percent(error / 100.0)})" for ms, error, c in pareto(measured)]
+    told = [f"<b>{html.escape(c['name'])}</b> ({number(ms)} ms, {percent(error / 100.0) if error > LEAST_SHADOW_ERROR else 'exact'})" for ms, error, c in pareto(measured)]
     lines = [f"No other is faster and nearer to the truth as well: {', '.join(told)}."] if told else []
     exact = list(dict.fromkeys(c["flags"]["shadows"] for c, score in shadowed(study) if score["relative_rms"] <= ROUNDING))
     if exact:
@@ -588,7 +588,7 @@ def plot_shadows(study, look):
                     alpha=0.9, label=technique)
     front = pareto(measured)
     axes.step([m[0] for m in front], [m[1] for m in front], where="post", color="#1d2228", linewidth=1.4, alpha=0.55, zorder=0)
-    axes.set_xlabel("milliseconds a frame, to build and to look up (a shadow that is traced: its rays)")
+    axes.set_xlabel("milliseconds a frame, to build and to look up (rays that are left to trace included)")
     axes.set_ylabel("relative RMS error of direct light, by its shadows, %")
     axes.grid(True, which="major", color="#e7e9ec", linewidth=0.8)
     for side in ("top", "right"):
