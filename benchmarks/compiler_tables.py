@@ -18,7 +18,7 @@ import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 TABLES = ROOT / "benchmarks" / "results" / "compilers"
-RADV = "/usr/share/vulkan/icd.d/radeon_icd.x86_64.json"
+RADV = str(next(pathlib.Path("/usr/share/vulkan/icd.d").glob("radeon_icd*.json"), "radeon_icd.json"))
 DRIVERS = {  # Mesa's own names of what it poses as
     "radv-navi21": {"VK_DRIVER_FILES": RADV, "VK_ICD_FILENAMES": RADV, "RADV_FORCE_FAMILY": "navi21"},
     "radv-navi31": {"VK_DRIVER_FILES": RADV, "VK_ICD_FILENAMES": RADV, "RADV_FORCE_FAMILY": "gfx1100"},
