@@ -277,6 +277,7 @@ TEST(ShadowSources, RectanglesDiscsAndSpheresAreFoundAmongTriangles) {
   const PackedScene packed = pack(scene, gpu::kDirectNee);
   const std::vector<ShadowSource> sources = find_sources(packed);
   EXPECT_EQ(names_of(sources), "1 rectangle, 1 disc, 1 sphere");
+  EXPECT_EQ(count_lights(packed), 4u);
   for (const ShadowSource& source : sources) {
     if (source.kind == kSphereSource) {
       EXPECT_LT(glm::distance(source.position + packed.origin, glm::dvec3(-2, 1, 0)), 1e-6);

@@ -52,8 +52,9 @@ TEST(ShadowScore, AnEdgeThatIsOffFalselyLightsOrDarkens) {
   EXPECT_DOUBLE_EQ(dark->falsely_dark, 5.0 / kWidth);
   EXPECT_EQ(dark->falsely_lit, 0.0);
   EXPECT_DOUBLE_EQ(*dark->edge_displacement, 5.0);
-  // Luminance 2 of 2 missing in 5 columns, over 2 squared and 0.01.
-  EXPECT_NEAR(dark->relative_rms, std::sqrt(5.0 / kWidth * 4.0 / 4.01), 1e-9);
+  // All of the light is missing in 5 columns, over 1 squared and 0.1 squared; too much in 3 of them, over 0.1 squared.
+  EXPECT_NEAR(dark->relative_rms, std::sqrt(5.0 / kWidth * 1.0 / 1.01), 1e-9);
+  EXPECT_NEAR(lit->relative_rms, std::sqrt(3.0 / kWidth * 100.0), 1e-9);
 }
 
 TEST(ShadowScore, PenumbraeAreComparedByArea) {
@@ -69,6 +70,25 @@ TEST(ShadowScore, PenumbraeAreComparedByArea) {
 TEST(ShadowScore, LightThatIsSampledOtherwiseCountsNothing) {
   const Picture truth = edge_at(20), whole = even(2.0f), bright = edge_at(20, 3.0f), brighter = even(3.0f);
   EXPECT_EQ(score_shadows({bright, brighter}, {truth, whole})->relative_rms, 0.0);
+}
+
+TEST(ShadowScore, BrighterLampsChangeNothing) {
+  const Picture truth = edge_at(20), whole = even(2.0f), off = edge_at(17);
+  const Picture truth_1000 = edge_at(20, 2000.0f), whole_1000 = even(2000.0f), off_1000 = edge_at(17, 2000.0f);
+  EXPECT_NEAR(score_shadows({off_1000, whole_1000}, {truth_1000, whole_1000})->relative_rms,
+              score_shadows({off, whole}, {truth, whole})->relative_rms, 1e-9);
+}
+
+// Next to a lamp, light is a million times that of the room.
+TEST(ShadowScore, APixelNextToALampWeighsNoMoreThanAnother) {
+  const auto room = [](std::uint32_t lit_from) {
+    return columns([=](std::uint32_t x) { return x < lit_from ? 0.0f : x == 30 ? 1e6f : 1.0f; });
+  };
+  const Picture whole = room(0), truth = room(40), near = room(30), far = room(31);
+  const double with_near = score_shadows({near, whole}, {truth, whole})->relative_rms,
+               without = score_shadows({far, whole}, {truth, whole})->relative_rms;
+  EXPECT_NEAR(with_near, std::sqrt(10.0 / kWidth * 100.0), 1e-9);
+  EXPECT_NEAR(without, std::sqrt(9.0 / kWidth * 100.0), 1e-9);
 }
 
 TEST(ShadowScore, WhatNoLightReachesIsNotJudged) {

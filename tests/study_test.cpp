@@ -315,6 +315,8 @@ TEST_F(StudyCommand, ScoresShadowTechniques) {
     EXPECT_TRUE(shadows["look_up_ms"]["median"].is_number());
     EXPECT_NE(configuration["points"].back()["command"].get<std::string>().find("--integrator hybrid"),
               std::string::npos);
+    EXPECT_NE(configuration["points"].back()["command"].get<std::string>().find("--shadow-samples 1 "),
+              std::string::npos);
     const std::string name = configuration["name"];
     const double error = shadows["relative_rms"];
     EXPECT_TRUE(name == "traced" || name == "izb" ? error < 1e-6 : error >= 0.0) << error; // light is rounded

@@ -29,8 +29,8 @@ CLI::Option* add_flag(CLI::App& app, const char* group, const Flag& flag, std::f
 
 void require(CLI::Option* option) { option->required(); }
 
-void add_switch(CLI::App& app, const char* group, const Flag& flag, bool& value) {
-  app.add_flag(flag.names, value, flag.meaning)->group(group)->default_str(flag.initial);
+CLI::Option* add_switch(CLI::App& app, const char* group, const Flag& flag, bool& value) {
+  return app.add_flag(flag.names, value, flag.meaning)->group(group)->default_str(flag.initial);
 }
 
 void add_switch(CLI::App& app, const char* group, const Flag& flag, std::function<void(bool)> read) {

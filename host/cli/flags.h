@@ -29,7 +29,7 @@ CLI::App* add_command(CLI::App& app, const char* name, const char* meaning, cons
 CLI::Option* add_flag(CLI::App& app, const char* group, const Flag& flag, std::function<void(const FlagValue&)> read,
                       bool repeatable = false);
 void require(CLI::Option* option); // a command line without it is refused
-void add_switch(CLI::App& app, const char* group, const Flag& flag, bool& value);
+CLI::Option* add_switch(CLI::App& app, const char* group, const Flag& flag, bool& value);
 void add_switch(CLI::App& app, const char* group, const Flag& flag, std::function<void(bool)> read);
 
 inline constexpr const char* kHelpGroup = "Help"; // of --help and --version

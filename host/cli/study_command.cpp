@@ -24,6 +24,7 @@
 #include "host/cli/scene_flags.h"
 #include "host/integrators/hybrid/kind.h"
 #include "host/integrators/hybrid/occlusion_radius.h"
+#include "host/integrators/shadows/sources.h"
 #include "host/render/bvh_choice.h"
 #include "host/render/settings/settings_table.h"
 #include "host/render/settings/shadow_settings.h"
@@ -44,6 +45,9 @@ struct Request {
   bool quiet = false, shadows = false;
 };
 
+// Light samples of a pixel's sample where shadows are compared: as many as there are lights, up to this number. What is
+// seen of many lights with fewer is which of them was picked.
+constexpr std::size_t kMostShadowSamples = 16;
 constexpr std::uint32_t kSide = 256;             // small enough for a whole grid to be done in minutes without a GPU
 constexpr std::uint32_t kHighestSeed = 1u << 29; // points add to it, and the reference sets bit 30
 
@@ -183,6 +187,9 @@ int run_study_command(const CLI::App& app, Request& request) {
   whole.time_limit = settings.budget;
   const bvh::Quality quality = choose_quality(whole, plan(loaded.scene).triangles_stored, device.info());
   const StudyScene packed = pack_scene(loaded, request, quality);
+  if (std::ranges::count(settings.vary, "shadows") > 0)
+    settings.render.shadow_samples = static_cast<std::uint32_t>(
+        std::clamp(count_lights(packed.packed.at(gpu::kDirectMis)), std::size_t{1}, kMostShadowSamples));
   std::string repeat = repeat_command(app, request, quality);
   if (loaded.sun && !request.scene.sun) repeat += fmt::format(" --sun {},{}", loaded.sun->x, loaded.sun->y);
   loaded = LoadedScene{};
@@ -230,19 +237,22 @@ Command add_study(CLI::App& app, const std::string& command_line) {
       {"-o,--output", "DIR", "folder for study.json, study.csv, report.html and pictures; made if its parent exists"},
       [request](const FlagValue& value) { request->folder = value.text; })
       ->required();
-  add_flag(*command, group,
-           {"--vary", "LIST", fmt::format("what to vary, separated by commas: {}", fmt::join(dimensions(), ", ")),
-            "sampler,direct"},
-           [&study](const FlagValue& value) { read_dimensions(value, study); });
+  CLI::Option* vary =
+      add_flag(*command, group,
+               {"--vary", "LIST", fmt::format("what to vary, separated by commas: {}", fmt::join(dimensions(), ", ")),
+                "sampler,direct"},
+               [&study](const FlagValue& value) { read_dimensions(value, study); });
   add_switch(
       *command, group,
       {"--shadows", "",
        "every shadow technique that suits the scene, in maps of five sizes: errors by kind, milliseconds to build "
        "and to look up; stands for --vary shadows,shadow-size --max-depth 1",
        "off"},
-      request->shadows);
+      request->shadows)
+      ->excludes(vary);
   add_flag(*command, group,
-           {"--budget", "SECONDS", "of rendering in all: half for the reference, the rest in even shares", "60"},
+           {"--budget", "SECONDS",
+            "of rendering in all: half for the reference (a fifth where shadows vary), the rest in even shares", "60"},
            [&study](const FlagValue& value) { study.budget = value.positive_number(); });
   add_flag(*command, group,
            {"--reference", "FILE.exr", "a converged picture of the same view to use instead of rendering one", "none"},

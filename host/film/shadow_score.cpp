@@ -15,7 +15,8 @@ namespace {
 constexpr double kFalse = 0.2503; // of the light without shadows
 constexpr double kHalf = 0.4997;
 constexpr double kPartly = 0.1; // from this share of the light on, up to 1 less it
-constexpr double kDark = 1e-3;  // of the brightest pixel: what has less light could not be lit
+constexpr double kDark = 1e-3;  // of the typical light: what has less could not be lit
+constexpr double kLeast = 0.1;  // of light, in denominators
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
 std::vector<double> direct_light(const Picture& picture) {
@@ -27,6 +28,15 @@ std::vector<double> direct_light(const Picture& picture) {
     for (std::size_t i = 0; i < light.size(); ++i) light[i] += channel->values[i];
   }
   return light;
+}
+
+// What half of the pixels that lights reach exceed.
+double typical_light(std::vector<double> light) {
+  std::erase_if(light, [](double l) { return !(l > 0.0); });
+  if (light.empty()) return 0.0;
+  const auto middle = light.begin() + static_cast<std::ptrdiff_t>(light.size() / 2);
+  std::ranges::nth_element(light, middle);
+  return *middle;
 }
 
 // Squared distances to the nearest true pixel: along columns first, then the lower envelope of parabolas along rows
@@ -80,7 +90,7 @@ using Shares = std::vector<double>;
 Shares light_shares(const ShadowedPicture& picture) {
   const std::vector<double> light = direct_light(picture.shadowed), whole = direct_light(picture.unshadowed);
   if (whole.empty() || light.size() != whole.size()) return {};
-  const double dark = kDark * *std::ranges::max_element(whole);
+  const double dark = kDark * typical_light(whole);
   Shares shares(whole.size(), -1.0);
   for (std::size_t i = 0; i < whole.size(); ++i)
     if (whole[i] > dark) shares[i] = light[i] / whole[i];
@@ -113,18 +123,20 @@ std::optional<ShadowScore> score_shadows(const ShadowedPicture& picture, const S
   const Shares ours = light_shares(picture), theirs = light_shares(truth);
   if (ours.empty() || ours.size() != theirs.size()) return std::nullopt;
   const std::vector<double> light = direct_light(truth.unshadowed);
+  const double typical = typical_light(light);
   double judged = 0.0, squares = 0.0;
   ShadowScore score;
   for (std::size_t i = 0; i < ours.size(); ++i) {
     if (ours[i] < 0.0 || theirs[i] < 0.0) continue;
     ++judged;
-    const double mean = light[i] / 3.0, off = (ours[i] - theirs[i]) * mean, right = theirs[i] * mean;
-    squares += off * off / (right * right + 0.01);
+    const double off = (ours[i] - theirs[i]) * light[i], right = theirs[i] * light[i],
+                 least = kLeast * std::max(light[i], typical);
+    squares += off * off / (right * right + least * least);
     if (ours[i] - theirs[i] > kFalse) ++score.falsely_lit;
     if (theirs[i] - ours[i] > kFalse) ++score.falsely_dark;
   }
   if (judged == 0.0) return score;
-  score.relative_rms = std::sqrt(squares / static_cast<double>(ours.size()));
+  score.relative_rms = std::sqrt(squares / judged);
   score.falsely_lit /= judged;
   score.falsely_dark /= judged;
   const std::size_t width = truth.shadowed.width, height = truth.shadowed.height;

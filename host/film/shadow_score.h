@@ -8,8 +8,10 @@
 namespace wavepath {
 
 struct ShadowScore {
-  // Root of relMSE of the luminance of direct light (see metrics.h), both pictures' shares taken of the truth's light:
-  // so that it does not count where samples of lights and pixels happened to be.
+  // Of direct light, over the same pixels: the root mean square of (s - t) l / sqrt((t l)^2 + (0.1 max(l, m))^2), where
+  // s and t are the shares of light that arrive, l is the true light without shadows, summed over R, G and B, and m its
+  // median where there is any. The root of relMSE (see metrics.h) where light is even and 1; but brighter lamps change
+  // nothing, and a pixel next to a lamp weighs no more than any other.
   double relative_rms = 0.0;
   // Shares of the pixels that lights reach or could reach whose light is off by more than a quarter of what it would be
   // without shadows.

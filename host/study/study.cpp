@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <chrono>
 #include <cmath>
 #include <list>
 #include <numbers>
 #include <numeric>
+#include <set>
 
 #include <fmt/format.h>
 
@@ -24,8 +26,12 @@ namespace {
 constexpr std::uint32_t kReferenceSeed = 1u << 30; // apart from the seeds of the points
 constexpr std::size_t kPicturesKept = 2;           // one of the last two is nearest to the time that all have in common
 constexpr double kMostSamples = 1 << 18;
-constexpr double kMostOfBudget = 0.1;      // that one frame of a shadow technique may take
-constexpr std::uint32_t kTrueShadows = 64; // rays to lights at each point that tell the true shadows of a picture
+constexpr double kMostOfBudget = 0.1;        // that one frame of a shadow technique may take
+constexpr std::uint32_t kFirstOctave = 1;    // of shadow techniques: two samples a pixel
+constexpr std::uint32_t kTrueShadows = 64;   // rays to lights at each point that tell the true shadows of a picture
+constexpr std::uint32_t kTrueOverTried = 16; // and at least so many times those of the picture
+
+using Clock = std::chrono::steady_clock;
 
 class StudyRun {
 public:
@@ -33,7 +39,6 @@ public:
       : device_(device), scene_(scene), settings_(settings), progress_(progress) {}
 
   Study run(std::optional<StudyReference> reference) {
-    double share = settings_.budget * (reference ? 1.0 : 1.0 - kReferenceShare);
     const Configuration *hybrid = nullptr, *rasterized = nullptr;
     const std::vector<Configuration> grid = make_grid(settings_.vary, settings_.render);
     bool occlusion = false;
@@ -49,6 +54,8 @@ public:
     }
     if (study_.series.empty()) throw Error("the grid", study_.unfit.front().why, "vary something else");
     by_signal_ = rasterized != nullptr;
+    reference_share_ = varies_shadows_ ? kShadowReferenceShare : kReferenceShare;
+    double share = settings_.budget * (reference ? 1.0 : 1.0 - reference_share_);
     study_.reference = reference ? *std::move(reference) : render_reference();
     if (varies_shadows_) shadowed_ = hybrid->settings;
     if (occlusion && !study_.interrupted) {
@@ -110,8 +117,9 @@ private:
   const PointLight& true_light(std::uint32_t octave) {
     const auto found = true_light_.find(octave);
     if (found != true_light_.end()) return found->second;
-    return true_light_[octave] = {render_light("traced", octave, kTrueShadows),
-                                  render_light("map", octave, kTrueShadows)};
+    const std::uint32_t rays =
+        std::clamp(kTrueOverTried * settings_.render.shadow_samples, kTrueShadows, kMostFrameRays);
+    return true_light_[octave] = {render_light("traced", octave, rays), render_light("map", octave, rays)};
   }
   const Picture& unshadowed(std::uint32_t octave, std::uint32_t rays) {
     const auto found = unshadowed_.find({octave, rays});
@@ -139,7 +147,7 @@ private:
     settings.integrator = &default_integrator();
     if (by_signal_) settings.aovs = {"direct"};
     KernelCompiler kernels(device_);
-    return converge(settings, settings_.reference_spp, kReferenceShare, kernels, "reference");
+    return converge(settings, settings_.reference_spp, reference_share_, kernels, "reference");
   }
 
   StudyReference render_occlusion() {
@@ -225,35 +233,45 @@ private:
   }
 
   // Where shadows are compared, all have one sample count, the highest that a budget allows: their errors do not fall
-  // with samples, and their pictures must have as much noise. At least two, the first of which warms up.
+  // with samples, and their pictures must have as much noise. At least two, the first of which warms up. The budget
+  // counts what passes on the clock: each of many short renders takes as long again to set up.
   void measure_shadows(double budget) {
+    const auto start = Clock::now();
+    const auto passed = [&] { return std::chrono::duration<double>(Clock::now() - start).count(); };
     KernelCompiler kernels(device_); // techniques are many, and what they share is most of their kernels
-    const double start = seconds_;
     std::vector<Series*> fitting;
+    double frames = 0.0; // seconds of one of each
     for (Series& series : study_.series) {
-      const double before = seconds_;
-      if (!starts(series, kernels)) continue;
+      if (!fits_device(series, kernels)) continue;
       if (study_.interrupted) return;
-      const double frame = seconds_ - before;
-      if (frame > kMostOfBudget * budget && !fitting.empty())
+      const double frame = series.points.front().seconds / series.points.front().spp;
+      if (frame > kMostOfBudget * budget && !fitting.empty()) {
         study_.unfit.push_back(
             {series.configuration.name(), fmt::format("takes {:.1f} s a frame: too much of --budget", frame)});
-      else
-        fitting.push_back(&series);
+        series.points.clear();
+        continue;
+      }
+      fitting.push_back(&series);
+      frames += frame;
     }
-    const double one_frame = seconds_ - start, left = budget - one_frame;
-    std::uint32_t octave = 1;
-    while ((2u << octave) < kMostSamples && one_frame * (2u << octave) < left) ++octave;
+    const double all = passed(), besides = all - frames * (1u << kFirstOctave);
+    std::uint32_t octave = kFirstOctave;
+    while ((2u << octave) < kMostSamples && besides + frames * (2u << octave) < budget - all) ++octave;
+    if (octave == kFirstOctave) return;
     for (Series* series : fitting) {
-      measure(*series, octave, kernels);
+      Series longer{series->configuration, {}, {}};
+      measure(longer, octave, kernels);
       if (study_.interrupted) return;
+      *series = std::move(longer);
     }
   }
 
-  // False if the device cannot hold it, where that is a matter of one configuration: the size of its maps.
-  bool starts(const Series& series, KernelCompiler& kernels) {
+  // Measures the first octave. False if the device cannot hold it, where that is a matter of one configuration: the
+  // size of its maps.
+  bool fits_device(Series& series, KernelCompiler& kernels) {
     try {
-      warm_up(series, kernels);
+      if (warm_.insert(std::string(series.configuration.value_of("shadows"))).second) warm_up(series, kernels);
+      if (!study_.interrupted) measure(series, kFirstOctave, kernels);
     } catch (const Error& error) {
       study_.unfit.push_back({series.configuration.name(), error.what()});
       return false;
@@ -265,6 +283,7 @@ private:
   void warm_up(const Series& series, KernelCompiler& kernels) {
     RenderSettings settings = series.configuration.settings;
     settings.last_sample = 1;
+    if (scores_shadows(series)) add_signals(settings);
     render_one(settings, kernels, series.configuration.name());
   }
 
@@ -273,8 +292,7 @@ private:
     RenderSettings settings = series.configuration.settings;
     settings.last_sample = 1u << octave;
     settings.seed = settings_.render.seed + octave;
-    const bool scores_shadows = varies_shadows_ && !series.shows_occlusion();
-    if (scores_shadows) add_signals(settings);
+    if (scores_shadows(series)) add_signals(settings);
     RenderResult result = render_one(settings, kernels, series.configuration.name());
     if (study_.interrupted) return;
     const Picture& reference = study_.reference_of(series).picture;
@@ -288,7 +306,7 @@ private:
     point.estimated_error = estimated_error(result);
     point.shadow_work = varies_shadows_ ? shadow_work(result) : std::nullopt;
     std::optional<Picture> false_shadows;
-    if (scores_shadows) {
+    if (scores_shadows(series)) {
       false_shadows = measure_signals(result.picture, settings, point);
     } else if (series.shows_occlusion()) {
       point.occlusion = point.metrics;
@@ -313,6 +331,8 @@ private:
     for (double* time : {&report.look_up.median, &report.look_up.least, &report.look_up.most}) *time += ms;
     return report;
   }
+
+  bool scores_shadows(const Series& series) const { return varies_shadows_ && !series.shows_occlusion(); }
 
   static void add_signals(RenderSettings& settings) {
     settings.aovs = {"direct"};
@@ -353,12 +373,14 @@ private:
   Study study_;
   bool by_signal_ = false; // direct light and occlusion on their own as well
   bool varies_shadows_ = false;
+  double reference_share_ = 0.0;
   // Where shadows are varied: a configuration that has some, and by octave the light with true ones and without any.
   RenderSettings shadowed_;
   std::map<std::uint32_t, PointLight> true_light_;
   std::map<std::pair<std::uint32_t, std::uint32_t>, Picture> unshadowed_; // and by rays to lights
   KernelCompiler light_kernels_{device_};
-  double seconds_ = 0.0; // rendering so far
+  std::set<std::string> warm_; // techniques whose kernels ran
+  double seconds_ = 0.0;       // rendering so far
 };
 
 } // namespace

@@ -44,9 +44,13 @@ std::string point_command(const StudyRecord& record, const Series& series, const
   const Configuration& configuration = series.configuration;
   const bool named =
       configuration.settings.integrator == &default_integrator() || !configuration.value_of("integrator").empty();
-  return fmt::format("{}{} {}{} --seed {} --spp {} --reference {} -o {}-{}.exr", record.repeat,
+  const bool has_samples =
+      !configuration.value_of("shadows").empty() && configuration.value_of("shadow-samples").empty();
+  return fmt::format("{}{} {}{}{} --seed {} --spp {} --reference {} -o {}-{}.exr", record.repeat,
                      named ? "" : fmt::format(" --integrator {}", configuration.settings.integrator->name),
-                     series.configuration.flags(), path ? "" : frame_flags(record), point.seed, point.spp,
+                     series.configuration.flags(), path ? "" : frame_flags(record),
+                     has_samples ? fmt::format(" --shadow-samples {}", configuration.settings.shadow_samples) : "",
+                     point.seed, point.spp,
                      shell_quoted(series.shows_occlusion() ? occlusion_file(record) : reference_file(record)),
                      series.configuration.name("-"), point.spp);
 }

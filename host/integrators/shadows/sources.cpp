@@ -71,6 +71,13 @@ std::vector<ShadowSource> find_sources(const PackedScene& scene) {
   return sources;
 }
 
+std::size_t count_lights(const PackedScene& scene) {
+  const std::vector<ShadowSource> sources = find_sources(scene);
+  std::size_t lights = sources.size() + scene.lights.size();
+  for (const ShadowSource& source : sources) lights -= source.lights.size();
+  return lights;
+}
+
 std::string names_of(const std::vector<ShadowSource>& sources) {
   std::vector<std::string> parts;
   for (const Named& named : kNames)
