@@ -7,7 +7,9 @@
 #include <optional>
 #include <thread>
 
+#include "host/base/error.h"
 #include "host/gpu/commands.h"
+#include "host/gpu/device_choice.h"
 #include "tests/probe.h"
 
 namespace wavepath::test {
@@ -95,6 +97,45 @@ TEST_F(DeviceTest, ReadBackBuffersAreMapped) {
   const auto* mapped = static_cast<const std::uint32_t*>(to.mapped());
   EXPECT_EQ(std::vector<std::uint32_t>(mapped, mapped + values.size()), values);
   EXPECT_EQ(from.mapped(), nullptr) << "also where the host could reach it, so that no code relies on that";
+}
+
+DeviceInfo made_up(const char* name, const char* type, bool usable = true) {
+  DeviceInfo info;
+  info.name = name;
+  info.type = type;
+  if (!usable) info.missing.emplace_back("Vulkan 1.3");
+  return info;
+}
+
+TEST(DeviceChoice, PrefersDiscreteThenIntegratedThenCpu) {
+  const DeviceInfo cpu = made_up("llvmpipe", "cpu"), integrated = made_up("UHD", "integrated"),
+                   discrete = made_up("Arc A770", "discrete"), old = made_up("GTX 680", "discrete", false);
+  EXPECT_EQ(choose_device({cpu, integrated, discrete}, ""), 2u);
+  EXPECT_EQ(choose_device({old, cpu, integrated}, ""), 2u);
+  EXPECT_EQ(choose_device({cpu}, ""), 0u);
+}
+
+// A number that is no index is part of a name.
+TEST(DeviceChoice, TakesIndicesAndPartsOfNames) {
+  const std::vector<DeviceInfo> devices = {made_up("llvmpipe", "cpu"), made_up("Intel Arc A770", "discrete"),
+                                           made_up("GeForce RTX 4090", "discrete")};
+  EXPECT_EQ(choose_device(devices, "0"), 0u);
+  EXPECT_EQ(choose_device(devices, "2"), 2u);
+  EXPECT_EQ(choose_device(devices, "770"), 1u);
+  EXPECT_EQ(choose_device(devices, "4090"), 2u);
+  EXPECT_EQ(choose_device(devices, "geforce"), 2u);
+  EXPECT_THROW(choose_device(devices, "3"), Error);
+  EXPECT_THROW(choose_device(devices, "radeon"), Error);
+  EXPECT_THROW(choose_device({}, ""), Error);
+  EXPECT_THROW(choose_device({made_up("GTX 680", "discrete", false)}, "680"), Error);
+}
+
+TEST(Timestamps, WrapWhereTheyHaveFewBits) {
+  constexpr std::uint64_t kTop36 = (std::uint64_t{1} << 36) - 10, kTop64 = ~std::uint64_t{0} - 9;
+  EXPECT_EQ(ticks_between(100, 150, 36), 50u);
+  EXPECT_EQ(ticks_between(kTop36, 40, 36), 50u);
+  EXPECT_EQ(ticks_between(kTop64, 40, 64), 50u);
+  EXPECT_EQ(ticks_between(0xf00000000000000a, 60, 36), 50u); // above them is nothing to rely on
 }
 
 // Two copies into one buffer with no barrier between them: the suite's barriers are checked only if this is noticed.

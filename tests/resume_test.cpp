@@ -136,6 +136,49 @@ TEST_F(Resume, GoesOnAfterAnInterruptAndBeyondTheEnd) {
   expect_same_bits("again.exr", "whole.exr");
 }
 
+// What the last estimate held is written, with one line that says so, and a resumed render makes up for the rest.
+TEST_F(Resume, ALostDeviceLosesLittle) {
+  RunOptions lost;
+  lost.in_child = [] { setenv("WAVEPATH_LOSE_DEVICE", "10", 1); };
+  ASSERT_EQ(render("whole.exr", {}).exit_code, 0);
+  const Outcome outcome = render("part.exr", {"--checkpoint", "state", "--stats", "part.json"}, lost);
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_NE(outcome.err.find("was lost while rendering"), std::string::npos) << outcome.err;
+  EXPECT_NE(outcome.err.find("--resume"), std::string::npos) << outcome.err;
+  const std::uint32_t samples = nlohmann::json::parse(bytes("part.json"))["spp"];
+  EXPECT_GE(samples, 2u);
+  EXPECT_LT(samples, 48u);
+  ASSERT_EQ(render("short.exr", {"--spp", std::to_string(samples)}).exit_code, 0);
+  expect_same_bits("part.exr", "short.exr");
+  ASSERT_EQ(render("part.exr", {"--checkpoint", "state", "--resume"}).exit_code, 0);
+  expect_same_bits("part.exr", "whole.exr");
+}
+
+// What is measured after the last sample is not worth the picture.
+TEST_F(Resume, ADeviceThatIsLostAfterwardsLosesNothing) {
+  ASSERT_EQ(render("whole.exr", {}).exit_code, 0);
+  bool lost_afterwards = false;
+  for (int submissions = 12; submissions < 24 && !lost_afterwards; ++submissions) {
+    RunOptions lost;
+    lost.in_child = [=] { setenv("WAVEPATH_LOSE_DEVICE", std::to_string(submissions).c_str(), 1); };
+    const Outcome outcome = render("part.exr", {"--stats", "part.json"}, lost);
+    if (outcome.exit_code != 0) continue;
+    lost_afterwards = outcome.err.find("lost after the last sample") != std::string::npos;
+    expect_same_bits("part.exr", "whole.exr");
+  }
+  EXPECT_TRUE(lost_afterwards);
+}
+
+// There is nothing to write yet.
+TEST_F(Resume, ADeviceThatIsLostAtOnceIsAnError) {
+  RunOptions lost;
+  lost.in_child = [] { setenv("WAVEPATH_LOSE_DEVICE", "3", 1); };
+  const Outcome outcome = render("part.exr", {}, lost);
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_NE(outcome.err.find("device lost"), std::string::npos) << outcome.err;
+  EXPECT_FALSE(std::filesystem::exists(path("part.exr")));
+}
+
 TEST_F(Resume, KeepsAdaptiveLevels) {
   ASSERT_EQ(render("whole.exr", {"--adaptive"}).exit_code, 0);
   ASSERT_EQ(render("part.exr", {"--adaptive", "--checkpoint", "state", "--time", "0.1"}).exit_code, 0);

@@ -30,9 +30,9 @@ namespace {
 // well, in a row of the table or among the exemptions.
 std::map<std::string, std::string> members(const RenderSettings& settings) {
   const auto& [integrator, width, height, first_sample, last_sample, sample_total, time_limit, target_error, max_depth,
-               sampler, hemisphere, direct, filter, seed, cull, terminator, aperture, focus, blades, shadow_samples,
-               ao_samples, ao_radius, occlusion, antialias, ao_bias, ao_thinness, ambient, shadows, shadow_size,
-               shadow_bias, shadow_bias_amount, shadow_taps, shadow_pattern, shadow_blur, shadow_cascades,
+               sampler, hemisphere, direct, filter, seed, cull, terminator, aperture, focus, blades, first_hit,
+               shadow_samples, ao_samples, ao_radius, occlusion, antialias, ao_bias, ao_thinness, ambient, shadows,
+               shadow_size, shadow_bias, shadow_bias_amount, shadow_taps, shadow_pattern, shadow_blur, shadow_cascades,
                shadow_exponent, shadow_bits, shadow_source, shadow_cookie, shadow_ambient, shading, interpolation,
                shininess, attenuation, depth_cue, transparency, transparency_layers, transparency_samples, branching,
                techniques, cutoff, denoise, antialias_over_time, mips, lights, adaptive, guide, moving, specialize,
@@ -58,6 +58,7 @@ std::map<std::string, std::string> members(const RenderSettings& settings) {
           {"aperture", text(aperture)},
           {"focus", focus ? text(*focus) : "none"},
           {"blades", text(blades)},
+          {"first_hit", text(first_hit)},
           {"shadow_samples", text(shadow_samples)},
           {"ao_samples", text(ao_samples)},
           {"ao_radius", ao_radius ? text(*ao_radius) : "none"},

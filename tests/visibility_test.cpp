@@ -180,13 +180,10 @@ Shot shoot(Device& device, const PackedScene& packed, const View& view, const Fr
            bool rasterize = true) {
   Camera camera(device, packed, view, settings);
   Visibility visibility(device, packed, camera.scene(), camera.frame(), camera.hybrid(), camera.features(),
-                        settings.width, settings.height);
+                        settings.width, settings.height, rasterize);
   Workspace workspace(device, packed, 1024);
   WaveQueue queue(workspace);
-  if (rasterize)
-    visibility.render(queue, camera_of(packed, view), [](Commands&) {});
-  else
-    visibility.trace(queue, [](Commands&) {});
+  visibility.render(queue, camera_of(packed, view), [](Commands&) {});
   queue.drain();
   return camera.compare(visibility);
 }
@@ -460,7 +457,7 @@ TEST_F(VisibilityBuffer, SameBitsEveryTime) {
   const PackedScene packed = pack(scene);
   Camera camera(device(), packed, view, settings);
   Visibility visibility(device(), packed, camera.scene(), camera.frame(), camera.hybrid(), camera.features(),
-                        settings.width, settings.height);
+                        settings.width, settings.height, true);
   Workspace workspace(device(), packed, 1024);
   WaveQueue queue(workspace);
   const auto words = [&] {

@@ -13,6 +13,11 @@ struct Error : std::runtime_error {
       : std::runtime_error(where + ": " + problem + "; " + remedy) {}
 };
 
+// The device is gone: reset by its driver, unplugged, or silent. Nothing that needs it will work any more.
+struct DeviceLost : Error {
+  using Error::Error;
+};
+
 // A mistake on the command line: exit code 2 instead of 1.
 struct UsageError : Error {
   using Error::Error;

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <exception>
 #include <filesystem>
+#include <functional>
 #include <memory>
 
 #include <fmt/format.h>
@@ -284,18 +285,37 @@ bool reports_bias(const Request& request) {
   return !request.output.stats.empty() || request.output.json || request.output.verbose;
 }
 
+// Then there is no time, or no device, to find out more.
+bool ended_early(const RenderResult& result) {
+  return result.stop == StopReason::interrupted || result.stop == StopReason::device_lost;
+}
+
+// The picture is there, whatever becomes of what a report tells besides.
+template <class Measured>
+std::optional<Measured> unless_lost(Prepared& prepared, const std::function<std::optional<Measured>()>& measure) {
+  try {
+    return measure();
+  } catch (const DeviceLost&) {
+    prepared.warnings.add("the device was lost after the last sample: how much light is missing was not measured");
+    return std::nullopt;
+  }
+}
+
 // What the depth costs, where a report tells it. Of integrators whose paths it cuts.
 std::optional<DepthCut> depth_cut(const Request& request, Prepared& prepared, const RenderResult& result) {
   const RenderSettings& settings = request.render.settings;
-  if (!reports_bias(request) || !settings.integrator->measures_depth_cut || result.stop == StopReason::interrupted)
-    return std::nullopt;
-  return measure_depth_cut(*prepared.device, prepared.packed, prepared.view, settings, *prepared.kernels);
+  if (!reports_bias(request) || !settings.integrator->measures_depth_cut || ended_early(result)) return std::nullopt;
+  return unless_lost<DepthCut>(prepared, [&] {
+    return measure_depth_cut(*prepared.device, prepared.packed, prepared.view, settings, *prepared.kernels);
+  });
 }
 
 std::optional<LostLight> lost_light(const Request& request, Prepared& prepared, const RenderResult& result) {
-  if (!reports_bias(request) || result.stop == StopReason::interrupted) return std::nullopt;
-  return measure_lost_light(*prepared.device, prepared.packed, prepared.view, request.render.settings,
-                            *prepared.kernels);
+  if (!reports_bias(request) || ended_early(result)) return std::nullopt;
+  return unless_lost<LostLight>(prepared, [&] {
+    return measure_lost_light(*prepared.device, prepared.packed, prepared.view, request.render.settings,
+                              *prepared.kernels);
+  });
 }
 
 // Writes the pictures, reports what the run measured, and returns the exit code. Throws Error.
@@ -311,6 +331,9 @@ int finish(const Request& request, Prepared& prepared, Run& run) {
   run.write_seconds = writing.seconds();
   run.load_seconds = prepared.load_seconds;
   run.peak_bytes = device.memory_peak();
+  if (device.memory_displaced() > 0)
+    prepared.warnings.add(fmt::format("the device's memory is full: {:.1f} MiB lie elsewhere, which is much slower",
+                                      static_cast<double>(device.memory_displaced()) / 1048576.0));
   run.total_seconds = seconds_since_process_start();
   device.pipeline_cache().save();
   run.kernel_cache = device.pipeline_cache().describe();
@@ -321,6 +344,12 @@ int finish(const Request& request, Prepared& prepared, Run& run) {
                 fmt::format("samples that were not finite: {}, {}", result.nonfinite.samples(),
                             describe_first(result.nonfinite, settings)),
                 "report this with the scene, or render without --strict");
+  if (result.stop == StopReason::device_lost)
+    throw DeviceLost(
+        device.info().name,
+        fmt::format("was lost while rendering; what is written has the first {} samples a pixel", result.spp),
+        request.render.state.file.empty() ? "render with --checkpoint to go on after such an end"
+                                          : "add --resume to go on");
   return exit_code(request, result);
 }
 

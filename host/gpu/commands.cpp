@@ -18,7 +18,7 @@ Commands::Commands(Device& device, std::uint32_t timed_dispatches) : device_(&de
 }
 
 Commands::~Commands() {
-  if (in_flight_) vkWaitForFences(device_->handle(), 1, &fence_, VK_TRUE, UINT64_MAX);
+  if (in_flight_) device_->wait(fence_);
   release();
 }
 
@@ -135,14 +135,13 @@ void Commands::submit() {
   VkSubmitInfo2 submit{VK_STRUCTURE_TYPE_SUBMIT_INFO_2};
   submit.commandBufferInfoCount = 1;
   submit.pCommandBufferInfos = &buffer;
-  const std::lock_guard lock(device_->queue_mutex());
-  check(vkQueueSubmit2(device_->queue(), 1, &submit, fence_), "submitting work");
+  check(device_->submit(submit, fence_), "submitting work");
   in_flight_ = true;
 }
 
 void Commands::wait() {
   if (!in_flight_) return;
-  check(vkWaitForFences(device_->handle(), 1, &fence_, VK_TRUE, UINT64_MAX), "waiting for the device");
+  check(device_->wait(fence_), "waiting for the device");
   check(vkResetFences(device_->handle(), 1, &fence_), "waiting for the device");
   in_flight_ = false;
 }
@@ -154,9 +153,11 @@ std::vector<KernelTime> Commands::times() const {
   check(vkGetQueryPoolResults(device_->handle(), queries_, 0, static_cast<std::uint32_t>(ticks.size()),
                               ticks.size() * 8, ticks.data(), 8, VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT),
         "reading timestamps");
-  for (std::size_t i = 0; i < timed_.size(); ++i)
-    result.push_back(
-        {timed_[i], static_cast<double>(ticks[2 * i + 1] - ticks[2 * i]) * 1e-9 * device_->info().timestamp_period_ns});
+  const DeviceInfo& info = device_->info();
+  for (std::size_t i = 0; i < timed_.size(); ++i) {
+    const std::uint64_t passed = ticks_between(ticks[2 * i], ticks[2 * i + 1], info.timestamp_bits);
+    result.push_back({timed_[i], static_cast<double>(passed) * 1e-9 * info.timestamp_period_ns});
+  }
   return result;
 }
 

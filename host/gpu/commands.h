@@ -17,6 +17,12 @@ struct KernelTime {
   double seconds = 0.0;
 };
 
+// Ticks from one timestamp to a later one, of which the lowest `bits` count: they wrap, those of 36 bits within minutes
+// or an hour.
+constexpr std::uint64_t ticks_between(std::uint64_t from, std::uint64_t to, std::uint32_t bits) {
+  return (to - from) & (bits < 64 ? (std::uint64_t{1} << bits) - 1 : ~std::uint64_t{0});
+}
+
 // Pool, command buffer, fence and timestamps are made once, however often it is recorded.
 class Commands {
 public:

@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "host/base/error.h"
+#include "host/gpu/device_choice.h"
 #include "host/gpu/pipeline_cache.h"
 #include "kernels/gpu.h"
 
@@ -47,7 +48,7 @@ const char* result_name(VkResult result) {
     case VK_ERROR_INCOMPATIBLE_DRIVER:
       return "no Vulkan driver";
     case VK_TIMEOUT:
-      return "timeout";
+      return "the device does not answer";
     default:
       return "error";
   }
@@ -205,14 +206,19 @@ DeviceInfo describe(VkPhysicalDevice physical, bool pose) {
 
   VkPhysicalDeviceMemoryProperties memory{};
   vkGetPhysicalDeviceMemoryProperties(physical, &memory);
+  // What an integrated GPU calls its own may be a small part of the memory that it reaches as fast.
+  const bool all_alike = base.deviceType == VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU;
   for (std::uint32_t i = 0; i < memory.memoryHeapCount; ++i)
-    if (memory.memoryHeaps[i].flags & VK_MEMORY_HEAP_DEVICE_LOCAL_BIT)
+    if (all_alike || (memory.memoryHeaps[i].flags & VK_MEMORY_HEAP_DEVICE_LOCAL_BIT))
       info.memory_bytes = std::max<std::uint64_t>(info.memory_bytes, memory.memoryHeaps[i].size);
 
   const QueueFamily family = choose_family(physical);
   info.rasterizes = family.rasterizes;
   if (family.index == gpu::kNone) info.missing.push_back("a queue for compute");
-  if (family.timestamp_bits >= 36) info.timestamp_period_ns = limits.timestampPeriod;
+  if (family.timestamp_bits >= 36) {
+    info.timestamp_period_ns = limits.timestampPeriod;
+    info.timestamp_bits = family.timestamp_bits;
+  }
   if (!(core11.subgroupSupportedStages & VK_SHADER_STAGE_COMPUTE_BIT) ||
       !(core11.subgroupSupportedOperations & VK_SUBGROUP_FEATURE_BALLOT_BIT))
     info.missing.push_back("subgroup ballot in compute shaders");
@@ -221,49 +227,13 @@ DeviceInfo describe(VkPhysicalDevice physical, bool pose) {
   return info;
 }
 
-int preference(const DeviceInfo& info) {
-  if (info.type == "discrete") return 4;
-  if (info.type == "integrated") return 3;
-  if (info.type == "virtual") return 2;
-  return info.type == "cpu" ? 1 : 0;
-}
-
-std::string lower(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
-  return text;
-}
-
-// Position in `devices` of the one wanted. Throws Error in the user's terms.
-std::size_t choose(const std::vector<DeviceInfo>& devices, const std::string& wanted) {
-  if (devices.empty())
-    throw Error("Vulkan", "no device found", "install a driver; mesa-vulkan-drivers has one for any CPU");
-  std::string known;
-  for (std::size_t i = 0; i < devices.size(); ++i) known += fmt::format("{}{} = {}", i ? ", " : "", i, devices[i].name);
-
-  std::size_t chosen = devices.size();
-  const bool is_index = !wanted.empty() && std::all_of(wanted.begin(), wanted.end(), ::isdigit) && wanted.size() < 6;
-  for (std::size_t i = 0; i < devices.size(); ++i) {
-    if (wanted.empty()) {
-      const bool better = chosen == devices.size() || preference(devices[i]) > preference(devices[chosen]);
-      if (devices[i].missing.empty() && better) chosen = i;
-    } else if (is_index ? std::stoul(wanted) == i : lower(devices[i].name).find(lower(wanted)) != std::string::npos) {
-      chosen = i;
-      break;
-    }
-  }
-  if (chosen == devices.size() && !wanted.empty())
-    throw Error("--device " + wanted, "no such device", "choose one of: " + known);
-  if (chosen == devices.size() || !devices[chosen].missing.empty()) {
-    const DeviceInfo& info = devices[chosen == devices.size() ? 0 : chosen];
-    throw Error(info.name, "lacks " + info.missing.front(), "update its driver or choose another device: " + known);
-  }
-  return chosen;
-}
-
 } // namespace
 
 void check(VkResult result, const char* what) {
   if (result == VK_SUCCESS) return;
+  if (result == VK_ERROR_DEVICE_LOST || result == VK_TIMEOUT)
+    throw DeviceLost("Vulkan", fmt::format("{} failed: {}", what, result_name(result)),
+                     "see the system's log for why; run again, or choose another device with --device");
   const bool memory = result == VK_ERROR_OUT_OF_HOST_MEMORY || result == VK_ERROR_OUT_OF_DEVICE_MEMORY;
   throw Error("Vulkan", fmt::format("{} failed: {} ({})", what, result_name(result), static_cast<int>(result)),
               memory ? "use a smaller --size or scene, or close other programs"
@@ -286,6 +256,21 @@ std::vector<DeviceInfo> list_devices() {
 
 std::uint32_t Context::validation_messages() { return validation_message_count; }
 
+// WAVEPATH_LOSE_DEVICE=N.
+std::uint64_t Context::submissions_of_test() {
+  const char* value = std::getenv("WAVEPATH_LOSE_DEVICE");
+  return value && *value ? std::strtoull(value, nullptr, 10) : ~std::uint64_t{0};
+}
+
+VkResult Context::submit(const VkSubmitInfo2& work, VkFence fence) {
+  const std::lock_guard lock(queue_mutex_);
+  if (submissions_left_ == 0) return VK_ERROR_DEVICE_LOST;
+  --submissions_left_;
+  return vkQueueSubmit2(queue_, 1, &work, fence);
+}
+
+VkResult Context::wait(VkFence fence) const { return vkWaitForFences(device_, 1, &fence, VK_TRUE, kLongestWait); }
+
 Context::Context(const std::string& wanted, std::span<const char* const> window_extensions, DeviceUse use) : use_(use) {
   const bool validation = validation_wanted(), pose = pose_wanted();
   instance_ = create_instance(validation, window_extensions);
@@ -299,7 +284,7 @@ Context::Context(const std::string& wanted, std::span<const char* const> window_
     const std::vector<VkPhysicalDevice> physical = physical_devices(instance_);
     std::vector<DeviceInfo> described;
     for (VkPhysicalDevice p : physical) described.push_back(describe(p, pose));
-    const std::size_t chosen = choose(described, wanted);
+    const std::size_t chosen = choose_device(described, wanted);
     info_ = described[chosen];
     physical_ = physical[chosen];
     queue_family_ = choose_family(physical_).index;
@@ -328,8 +313,12 @@ Context::Context(const std::string& wanted, std::span<const char* const> window_
       extensions.push_back(told);
       core13.pNext = &statistics;
     }
+    VkPhysicalDeviceFeatures supported{}, core10{};
+    vkGetPhysicalDeviceFeatures(physical_, &supported);
+    core10.robustBufferAccess = validation && supported.robustBufferAccess; // a slip reads zeros, not other memory
     VkDeviceCreateInfo info{VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO};
     info.pNext = &core13;
+    info.pEnabledFeatures = &core10;
     info.queueCreateInfoCount = 1;
     info.pQueueCreateInfos = &queue_info;
     info.enabledExtensionCount = static_cast<std::uint32_t>(extensions.size());
@@ -362,8 +351,9 @@ std::uint32_t Context::memory_type(std::uint32_t type_bits, VkMemoryPropertyFlag
   return gpu::kNone;
 }
 
-void Context::count_memory(std::int64_t bytes) {
+void Context::count_memory(std::int64_t bytes, bool displaced) {
   const std::lock_guard lock(memory_mutex_);
+  if (displaced && bytes > 0) memory_displaced_ += static_cast<std::uint64_t>(bytes);
   memory_now_ += static_cast<std::uint64_t>(bytes);
   memory_peak_ = std::max(memory_peak_, memory_now_);
 }

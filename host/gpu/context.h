@@ -10,6 +10,8 @@
 
 #include <vulkan/vulkan.h>
 
+#include "host/gpu/device_info.h"
+
 namespace wavepath {
 
 class PipelineCache; // host/gpu/pipeline_cache.h
@@ -21,24 +23,6 @@ enum class DeviceUse { run, compile };
 // A Buffer may be this many bytes larger than asked for (see buffer.cpp). DeviceInfo's limits are reduced by them.
 inline constexpr std::uint64_t kBufferPadding = 0x110;
 
-// What `wavepath info` reports. `missing` names what the program needs and the device lacks; empty = usable.
-struct DeviceInfo {
-  std::string name, driver;
-  std::string
-      type; // cpu, integrated, discrete, virtual, other; choices between CPU and GPU go by it (see WAVEPATH_POSE)
-  std::string api; // "1.3.230"
-  std::uint32_t subgroup_size = 0;
-  std::uint64_t memory_bytes = 0; // largest device-local heap
-  std::uint64_t max_storage_range = 0, max_texel_elements = 0, max_allocation = 0;
-  std::uint32_t max_groups = 0;
-  std::uint32_t max_sampled = 0;    // texel buffers and images of a shader
-  double timestamp_period_ns = 0.0; // 0 = the queue has no timestamps
-  bool rasterizes = false;          // its queue takes graphics work as well
-  // llvmpipe (Mesa 22.3): once anything was rasterized, a timestamp is taken at the next flush, which a barrier causes.
-  bool timestamps_need_flush = false;
-  std::vector<std::string> missing;
-};
-
 // Throws Error naming `what` and the driver's answer unless `result` is VK_SUCCESS.
 void check(VkResult result, const char* what);
 
@@ -48,10 +32,11 @@ std::vector<DeviceInfo> list_devices();
 // Not used by itself: a Device adds the copies that reach memory which the host cannot map.
 class Context {
 public:
-  // `wanted`: an index, or part of a name (case-insensitive); empty = a discrete GPU if there is one, then integrated,
-  // virtual, CPU. Throws Error if none fits, naming those that exist.
+  // `wanted`: as choose_device() takes it (host/gpu/device_choice.h), whose Errors it throws.
   // `window_extensions`: instance extensions that a window needs; with any, the device can also fill swapchains.
   // Environment: WAVEPATH_VALIDATION=1 turns the validation layer on, synchronization validation included.
+  // With it, buffers that are read outside their bounds give zeros, where the device can do that.
+  // WAVEPATH_LOSE_DEVICE=N, for tests, has the device be lost after N submissions.
   // WAVEPATH_POSE=discrete, for tests, has a CPU device report type "discrete" and treat its memory as not mappable.
   // DeviceUse::compile wants VK_KHR_pipeline_executable_properties, and throws Error where the driver lacks it.
   explicit Context(const std::string& wanted = "", std::span<const char* const> window_extensions = {},
@@ -75,18 +60,26 @@ public:
   // Index of a memory type among `type_bits` that has `flags`, kNone (all ones) if there is none.
   std::uint32_t memory_type(std::uint32_t type_bits, VkMemoryPropertyFlags flags) const;
 
-  // A thread holds it while it submits work: Vulkan allows one thread at a time.
+  // A thread holds it while it hands work to the queue by other means than submit(): Vulkan allows one at a time.
   std::mutex& queue_mutex() { return queue_mutex_; }
+  VkResult submit(const VkSubmitInfo2& work, VkFence fence);
+  // VK_TIMEOUT after kLongestWait: no dispatch takes nearly as long, so that the device has stopped.
+  VkResult wait(VkFence fence) const;
 
-  // Adds to the bytes of memory that buffers and images hold now; the peak follows.
-  void count_memory(std::int64_t bytes);
+  // Adds to the bytes of memory that buffers and images hold now; the peak follows. `displaced`: of memory that was to
+  // be the device's own, and is not because that is full.
+  void count_memory(std::int64_t bytes, bool displaced = false);
   std::uint64_t memory_peak() const { return memory_peak_; }
+  std::uint64_t memory_displaced() const { return memory_displaced_; } // so far
 
   // Validation errors and warnings of this process so far; each was printed to stderr.
   static std::uint32_t validation_messages();
 
 private:
+  static constexpr std::uint64_t kLongestWait = 600'000'000'000; // nanoseconds
+
   void release();
+  static std::uint64_t submissions_of_test();
 
   DeviceInfo info_;
   DeviceUse use_;
@@ -100,7 +93,8 @@ private:
   std::unique_ptr<PipelineCache> pipeline_cache_;
   VkPhysicalDeviceMemoryProperties memory_{};
   std::mutex queue_mutex_, memory_mutex_;
-  std::uint64_t memory_now_ = 0, memory_peak_ = 0;
+  std::uint64_t memory_now_ = 0, memory_peak_ = 0, memory_displaced_ = 0;
+  std::uint64_t submissions_left_ = submissions_of_test();
 };
 
 } // namespace wavepath

@@ -10,12 +10,14 @@ bool Memory::allocate(Context& context, const VkMemoryRequirements& needs,
                       std::span<const VkMemoryPropertyFlags> wishes) {
   release();
   context_ = &context;
-  for (const VkMemoryPropertyFlags flags : wishes)
-    if (try_to_allocate(needs, flags)) return true;
+  for (const VkMemoryPropertyFlags flags : wishes) {
+    const bool displaced = wishes.front() == VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT && flags != wishes.front();
+    if (try_to_allocate(needs, flags, displaced)) return true;
+  }
   return false;
 }
 
-bool Memory::try_to_allocate(const VkMemoryRequirements& needs, VkMemoryPropertyFlags flags) {
+bool Memory::try_to_allocate(const VkMemoryRequirements& needs, VkMemoryPropertyFlags flags, bool displaced) {
   VkMemoryAllocateInfo info{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO};
   info.allocationSize = needs.size;
   info.memoryTypeIndex = context_->memory_type(needs.memoryTypeBits, flags);
@@ -25,7 +27,7 @@ bool Memory::try_to_allocate(const VkMemoryRequirements& needs, VkMemoryProperty
     return false;
   }
   bytes_ = needs.size;
-  context_->count_memory(static_cast<std::int64_t>(bytes_));
+  context_->count_memory(static_cast<std::int64_t>(bytes_), displaced);
   if (!(flags & VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT)) return true;
   coherent_ = (flags & VK_MEMORY_PROPERTY_HOST_COHERENT_BIT) != 0;
   if (vkMapMemory(context_->handle(), memory_, 0, VK_WHOLE_SIZE, 0, &mapped_) == VK_SUCCESS) return true;

@@ -33,7 +33,7 @@ public:
 
 private:
   void swap(Memory& other) noexcept;
-  bool try_to_allocate(const VkMemoryRequirements& needs, VkMemoryPropertyFlags flags);
+  bool try_to_allocate(const VkMemoryRequirements& needs, VkMemoryPropertyFlags flags, bool displaced);
 
   Context* context_ = nullptr;
   VkDeviceMemory memory_ = VK_NULL_HANDLE;
@@ -49,8 +49,9 @@ inline constexpr VkMemoryPropertyFlags kHostCoherent =
 inline constexpr VkMemoryPropertyFlags kHostCached =
     VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_CACHED_BIT;
 inline constexpr VkMemoryPropertyFlags kForReadback[] = {kHostCoherent | kHostCached, kHostCached, kHostCoherent};
-inline constexpr VkMemoryPropertyFlags kUnified[] = {VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT | kHostCoherent,
-                                                     kHostCoherent};
+inline constexpr VkMemoryPropertyFlags kUnified[] = {
+    VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT | kHostCoherent | kHostCached, // integrated GPUs list uncached memory first
+    VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT | kHostCoherent, kHostCoherent};
 inline constexpr VkMemoryPropertyFlags kDeviceLocal[] = {VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT, 0};
 
 } // namespace wavepath

@@ -115,11 +115,8 @@ void Staging::submit(const std::function<void()>& record) {
   VkSubmitInfo2 info{VK_STRUCTURE_TYPE_SUBMIT_INFO_2};
   info.commandBufferInfoCount = 1;
   info.pCommandBufferInfos = &buffer;
-  {
-    const std::lock_guard lock(context_.queue_mutex());
-    check(vkQueueSubmit2(context_.queue(), 1, &info, fence_), "submitting a copy");
-  }
-  check(vkWaitForFences(context_.handle(), 1, &fence_, VK_TRUE, UINT64_MAX), "waiting for the device");
+  check(context_.submit(info, fence_), "submitting a copy");
+  check(context_.wait(fence_), "waiting for the device");
   check(vkResetFences(context_.handle(), 1, &fence_), "waiting for the device");
 }
 

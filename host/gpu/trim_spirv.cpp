@@ -112,6 +112,7 @@ struct Function {
   Value returned; // where all that it returns is that
 };
 
+// Nothing for an operation that is not listed here.
 Value evaluate(std::uint32_t op, const Value& a, const Value& b, const Value& c) {
   if (op == OpLogicalAnd && ((a && !*a) || (b && !*b))) return 0u;
   if (op == OpLogicalOr && ((a && *a) || (b && *b))) return 1u;
@@ -332,27 +333,10 @@ private:
   }
 
   Value value_of(std::uint32_t op, std::span<const std::uint32_t> operands) const {
-    const auto operand = [&](std::size_t i) { return i < operands.size() ? values_[operands[i]] : Value{}; };
-    switch (op) { // all that evaluate() knows, whose operands are ids
-      case OpCopyObject:
-      case OpBitcast:
-      case OpIAdd:
-      case OpISub:
-      case OpIMul:
-      case OpUDiv:
-      case OpUMod:
-      case OpShiftRightLogical:
-      case OpShiftLeftLogical:
-      case OpBitwiseOr:
-      case OpBitwiseXor:
-      case OpBitwiseAnd:
-      case OpNot:
-      case OpSelect:
-        return evaluate(op, operand(0), operand(1), operand(2));
-      default:
-        if (op < OpLogicalEqual || op > OpSLessThanEqual) return {};
-        return evaluate(op, operand(0), operand(1), operand(2));
-    }
+    const auto operand = [&](std::size_t i) { // those of an operation that evaluate() does not know may be no ids
+      return i < operands.size() && operands[i] < values_.size() ? values_[operands[i]] : Value{};
+    };
+    return evaluate(op, operand(0), operand(1), operand(2));
   }
 
   // A loop whose header has phis would want values from the stand-in for its dead continue block.

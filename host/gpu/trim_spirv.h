@@ -1,6 +1,6 @@
 // SPIR-V without the code that its specialization constants leave unreachable. Drivers find that out for themselves,
 // but only after they have read, inlined and optimized all of it: lavapipe takes 0.7 s for the kernel that shades the
-// Cornell box and 0.2 s for what is left of it.
+// Cornell box and 0.16 s for what is left of it.
 #pragma once
 
 #include <cstdint>
@@ -9,10 +9,11 @@
 
 namespace wavepath {
 
-// `constants[i]` is the value of specialization constant i. The module is still to be specialized with them, and then
-// computes the same. Branches on what follows from them are taken, cases of switches left out, functions that nothing
-// calls dropped, names too. Conditions are followed through integers and booleans, phis, and functions that return one
-// value; not through variables. A module of another form than glslang writes comes back as it is.
+// `spirv` is valid. `constants[i]` is the value of specialization constant i. The module is still to be specialized
+// with them, and then computes the same. Branches on what follows from them are taken, cases of switches left out,
+// functions that nothing calls dropped, names too. Conditions are followed through integers and booleans, phis, and
+// functions that return one value; not through variables. A module of another form than glslang writes comes back as it
+// is.
 std::vector<std::uint32_t> trim_spirv(std::span<const std::uint32_t> spirv, std::span<const std::uint32_t> constants);
 
 } // namespace wavepath

@@ -14,9 +14,13 @@ RenderResult render(Device& device, const PackedScene& scene, const View& view, 
 RenderResult render(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings,
                     const RenderHooks& hooks, KernelCompiler& kernels) {
   RenderLoop loop(device, scene, view, settings, kernels, hooks);
-  while (loop.step()) {
+  try {
+    while (loop.step()) {
+    }
+    return loop.finish();
+  } catch (const DeviceLost& lost) {
+    return loop.salvage(lost);
   }
-  return loop.finish();
 }
 
 } // namespace wavepath

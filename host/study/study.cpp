@@ -205,6 +205,7 @@ private:
   FirstHits measure_first_hits(RenderSettings hybrid) {
     constexpr std::uint32_t kFrames = 16;
     hybrid.last_sample = kFrames;
+    hybrid.first_hit = kFirstHitRaster;
     RenderSettings traced = hybrid;
     traced.integrator = &default_integrator();
     traced.denoise = kDenoiseOff;

@@ -87,7 +87,7 @@ private:
   bool knows_ambient_ = false; // of frames before
   KernelNeed need_;
   std::unique_ptr<Visibility> visibility_;
-  glm::u64vec4 visibility_made_for_{0};           // width, height, features, sides
+  glm::u64vec4 visibility_made_for_{0};           // width, height, features, sides and way
   std::vector<std::unique_ptr<BindingSet>> sets_; // by band
   std::unique_ptr<Denoiser> denoiser_;
   std::unique_ptr<Taa> taa_;

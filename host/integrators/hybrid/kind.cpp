@@ -16,6 +16,7 @@
 #include "host/integrators/transparency/layers.h"
 #include "host/render/render.h"
 #include "host/render/settings/mips.h"
+#include "host/render/settings/settings_table.h"
 #include "host/render/settings/shading_settings.h"
 #include "host/render/settings/shadow_settings.h"
 #include "host/render/settings/transparency_settings.h"
@@ -27,7 +28,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::array<std::string_view, 34> kHybridSettings = {"hemisphere",
+constexpr std::array<std::string_view, 35> kHybridSettings = {"first-hit",
+                                                              "hemisphere",
                                                               "direct",
                                                               "lights",
                                                               "shadow-samples",
@@ -61,8 +63,9 @@ constexpr std::array<std::string_view, 34> kHybridSettings = {"hemisphere",
                                                               "ao-bias",
                                                               "ao-thinness",
                                                               "antialias"};
-constexpr std::array<std::string_view, 8> kAoSettings = {"ao-samples", "ao-radius", "denoise",     "terminator",
-                                                         "occlusion",  "ao-bias",   "ao-thinness", "antialias"};
+constexpr std::array<std::string_view, 9> kAoSettings = {"first-hit", "ao-samples",  "ao-radius",
+                                                         "denoise",   "terminator",  "occlusion",
+                                                         "ao-bias",   "ao-thinness", "antialias"};
 constexpr std::array<std::string_view, 1> kAovs = {"ao"};
 constexpr std::array<std::string_view, 2> kFirstHitStages = {"raster", "resolve"};
 
@@ -214,7 +217,7 @@ std::vector<std::string> ao_bias(const RenderSettings& settings, const RenderRes
 
 std::vector<OmittedStage> always_omitted(const RenderSettings& settings) {
   std::vector<OmittedStage> omitted = {
-      {"path kernels generate and accumulate", "hybrid frames begin with rasterization and end with composite"}};
+      {"path kernels generate and accumulate", "hybrid frames begin with all first hits and end with composite"}};
   if (const OcclusionKind* occlusion = occlusion_kind(settings))
     omitted.push_back({"occlusion rays", fmt::format("--occlusion {} looks at depths; rays find the ambient radiance "
                                                      "alone, where --ambient does not give it",
@@ -239,7 +242,8 @@ std::vector<OmittedStage> ao_omitted(const RenderSettings& settings) {
 }
 
 Json stats(const RenderSettings& settings, const PackedScene& scene, const RenderResult& result) {
-  return {{"shadow_samples", settings.shadow_samples},
+  return {{"first_hit", kFirstHitNames[settings.first_hit]},
+          {"shadow_samples", settings.shadow_samples},
           {"ao_samples", settings.ao_samples},
           {"ao_radius", occlusion_radius(scene, settings)},
           {"ambient", {result.ambient.r, result.ambient.g, result.ambient.b}},
@@ -271,7 +275,7 @@ std::unique_ptr<Integrator> make(Workspace& workspace, KernelCompiler& kernels) 
 
 constinit const IntegratorKind kHybrid = {
     .name = "hybrid",
-    .summary = "rasterized first hit, traced direct light and ambient occlusion",
+    .summary = "one first hit for all pixels, rasterized on GPUs, traced direct light and ambient occlusion",
     .settings = kHybridSettings,
     .aovs = kAovs,
     .traces_paths = false,

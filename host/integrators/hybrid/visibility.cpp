@@ -89,35 +89,41 @@ bool edges_hold(const PackedScene& scene, const View& view, std::uint32_t width,
 
 Visibility::Visibility(Device& device, const PackedScene& scene, const DeviceScene& gpu_scene, const Buffer& frame,
                        const Buffer& hybrid, gpu::Feature features, std::uint32_t width, std::uint32_t height,
-                       std::uint32_t cull)
-    : device_(device),
-      constants_(specialization(kernel_config(features, scene.stack_size, {.cull = cull}), device.info())),
-      width_(width),
+                       bool rasterizes, std::uint32_t cull)
+    : width_(width),
       height_(height),
-      target_(device, width, height, kAttachments),
       ids_(device, ids_bytes(device, width, height)),
       unused_(device, 0),
       bindings_(device, visibility_bindings(gpu_scene, frame, hybrid, ids_, unused_), sizeof(gpu::Wave),
-                BindingSet::kRasterStages),
-      pipeline_(device, kCode, kAttachments, {}, bindings_, constants_),
-      chunks_(make_chunks(scene)),
+                rasterizes ? BindingSet::kRasterStages : 0),
       triangles_a_slice_(kFirstTriangles),
-      pixels_a_slice_(kFirstPixels) {}
+      pixels_a_slice_(kFirstPixels) {
+  const auto constants = specialization(kernel_config(features, scene.stack_size, {.cull = cull}), device.info());
+  if (rasterizes)
+    raster_.reset(new Raster{{device, width, height, kAttachments},
+                             {device, kCode, kAttachments, {}, bindings_, constants},
+                             make_chunks(scene)});
+  else
+    tracer_.emplace(device, "visibility", wavepath_visibility_spv, bindings_, constants);
+}
+
+void Visibility::render(WaveQueue& queue, const gpu::CameraView& camera,
+                        const std::function<void(Commands&)>& prepare) {
+  return raster_ ? draw(queue, camera, prepare) : trace(queue, prepare);
+}
 
 // Copies that spatial splits made of a triangle are drawn as well: they lie in the same plane to the last bit, and the
 // first one drawn stays. A depth prepass could only cost: what it would save is a fragment shader that writes two
 // words.
-void Visibility::render(WaveQueue& queue, const gpu::CameraView& camera,
-                        const std::function<void(Commands&)>& prepare) {
+void Visibility::draw(WaveQueue& queue, const gpu::CameraView& camera, const std::function<void(Commands&)>& prepare) {
   const gpu::Wave wave{}; // camera rays
-  const SlicedPass pass{&target_, &pipeline_, &bindings_, &wave};
-  const auto copy = [this](Commands& commands) { target_.image(0).copy_to(commands.handle(), ids_); };
-  draw_in_slices(queue, pass, visible_draws(chunks_, camera, width_, height_), triangles_a_slice_.next_frame(), prepare,
-                 copy, [this](double seconds) { triangles_a_slice_.note(seconds); });
+  const SlicedPass pass{&raster_->target, &raster_->pipeline, &bindings_, &wave};
+  const auto copy = [this](Commands& commands) { raster_->target.image(0).copy_to(commands.handle(), ids_); };
+  draw_in_slices(queue, pass, visible_draws(raster_->chunks, camera, width_, height_), triangles_a_slice_.next_frame(),
+                 prepare, copy, [this](double seconds) { triangles_a_slice_.note(seconds); });
 }
 
 void Visibility::trace(WaveQueue& queue, const std::function<void(Commands&)>& prepare) {
-  if (!tracer_) tracer_.emplace(device_, "visibility", wavepath_visibility_spv, bindings_, constants_);
   const std::uint64_t most = pixels_a_slice_.next_frame();
   const std::uint32_t pixels = width_ * height_;
   for (std::uint32_t first = 0; first < pixels;) {

@@ -1,10 +1,12 @@
-// First hits by rasterization: for every pixel the place of its triangle and its instance, as a camera
-// ray through the same place in the pixel would find them.
+// First hits of a frame: for every pixel the place of its triangle and its instance, rasterized, or found by a camera
+// ray through the same place in the pixel. Both see the same but for edges that fall between two places of the grid of
+// 1/256 pixel which rasterizers round corners to.
 #pragma once
 
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -35,31 +37,34 @@ bool edges_hold(const PackedScene& scene, const View& view, std::uint32_t width,
 class Visibility {
 public:
   // `frame` and `hybrid` hold a gpu::Frame and a gpu::HybridFrame, which every render reads anew; with `gpu_scene` they
-  // outlive this. `features`: kFeature bits that the path tracer's kernels have. Throws Error if the device cannot
-  // rasterize, or no picture of this size. `cull` (kCull*): whether single-sided surfaces are there from behind.
+  // outlive this. `features`: kFeature bits that the path tracer's kernels have. `rasterizes`: else rays are traced.
+  // Throws Error if the device cannot rasterize though it is to, or no picture of this size. `cull` (kCull*): whether
+  // single-sided surfaces are there from behind.
   Visibility(Device& device, const PackedScene& scene, const DeviceScene& gpu_scene, const Buffer& frame,
-             const Buffer& hybrid, gpu::Feature features, std::uint32_t width, std::uint32_t height,
+             const Buffer& hybrid, gpu::Feature features, std::uint32_t width, std::uint32_t height, bool rasterizes,
              std::uint32_t cull = gpu::kCullCamera);
 
-  // Submits drawing of what `camera`, the frame's own, may see; what `prepare` records comes first.
+  // Submits what finds what `camera`, the frame's own, sees; what `prepare` records comes first.
   void render(WaveQueue& queue, const gpu::CameraView& camera, const std::function<void(Commands&)>& prepare);
-  // The same by tracing the frame's camera rays; for views whose edges rasterization cannot place, and to compare.
-  void trace(WaveQueue& queue, const std::function<void(Commands&)>& prepare);
 
   // For kBindVisibility: two words a pixel, row by row from the top left.
   const Buffer& ids() const { return ids_; }
-  std::uint64_t bytes() const { return ids_.bytes() + target_.bytes(); }
+  std::uint64_t bytes() const { return ids_.bytes() + (raster_ ? raster_->target.bytes() : 0); }
 
 private:
-  Device& device_;
-  std::array<std::uint32_t, gpu::kSpecCount> constants_;
+  struct Raster {
+    RasterTarget target;
+    RasterPipeline pipeline;
+    std::vector<Chunk> chunks;
+  };
+  void draw(WaveQueue& queue, const gpu::CameraView& camera, const std::function<void(Commands&)>& prepare);
+  void trace(WaveQueue& queue, const std::function<void(Commands&)>& prepare);
+
   std::uint32_t width_, height_;
-  RasterTarget target_;
   Buffer ids_, unused_;
   BindingSet bindings_;
-  RasterPipeline pipeline_;
-  std::vector<Chunk> chunks_;
-  std::optional<Kernel> tracer_; // compiled when it is needed
+  std::unique_ptr<Raster> raster_; // one of the two
+  std::optional<Kernel> tracer_;
   SliceLength triangles_a_slice_, pixels_a_slice_;
 };
 

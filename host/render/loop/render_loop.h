@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "host/base/clock.h"
+#include "host/base/error.h"
 #include "host/film/film.h"
 #include "host/render/device/wave_queue.h"
 #include "host/render/device/workspace.h"
@@ -64,6 +65,9 @@ public:
   void collect_estimates(bool wait);
   // The result of a loop that is done.
   RenderResult finish();
+  // The result up to the last estimate of the error, after step() or finish() threw that the device is lost. Throws the
+  // same where there was no estimate yet.
+  RenderResult salvage(const DeviceLost& lost);
 
   // How far it is. Samples count once their last wave has been handed over.
   std::uint32_t spp() const { return cursor_.sample - settings_.first_sample; }
@@ -148,6 +152,7 @@ private:
   std::shared_ptr<const Film> film_;    // as it was when `film_sample_` had been reached
   std::uint32_t film_sample_ = 0;
   Checkpoint last_; // of that film
+  Totals film_totals_;
   RenderResult result_;
 
   Clock::time_point clock_start_{}, last_save_{};

@@ -100,6 +100,7 @@ void RenderLoop::take_in_first() {
     point.error = estimate.error;
     film_ = std::move(estimate.film);
     film_sample_ = pending.sample;
+    film_totals_ = pending.totals;
     estimate_pixel_seconds_ = estimate.seconds / static_cast<double>(pixels());
     result_.estimate_seconds += estimate.seconds;
     if (pending.copy) estimates_.give_back(std::move(pending.copy));
@@ -152,6 +153,17 @@ RenderState RenderLoop::state() {
           has_film() ? *film_ : workspace_.film.download()};
 }
 
+RenderResult RenderLoop::salvage(const DeviceLost& lost) {
+  queue_.abandon();
+  while (!pending_.empty() && pending_.front().measured) take_in_first(); // their films have left the device
+  pending_.clear();
+  if (!film_) throw lost;
+  if (result_.stop != StopReason::target_error) result_.stop = StopReason::device_lost;
+  cursor_ = {film_sample_, 0, 0, 0};
+  queue_.totals = film_totals_;
+  return finish();
+}
+
 RenderResult RenderLoop::finish() {
   queue_.drain();
   pause_clock();
@@ -185,7 +197,7 @@ RenderResult RenderLoop::finish() {
   result_.slope = fit_slope(result_.checkpoints, Against::seconds);
   result_.stages = queue_.totals.stages;
   result_.memory = memory();
-  integrator_->describe(result_);
+  if (result_.stop != StopReason::device_lost) integrator_->describe(result_);
   result_.film = std::move(film_);
   return std::move(result_);
 }

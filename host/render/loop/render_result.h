@@ -27,7 +27,7 @@ struct LightPilot {
   std::uint32_t rows = 0;
 };
 
-enum class StopReason { samples, time, target_error, interrupted };
+enum class StopReason { samples, time, target_error, interrupted, device_lost };
 
 // What a pilot has learned of where light comes from (--guide).
 struct GuideReport {

@@ -17,6 +17,9 @@ namespace wavepath {
 // Which rays of a smooth interface Whitted's ray tracer follows: reflection and refraction, or one of them at random.
 inline constexpr std::uint32_t kBranchingTree = 0, kBranchingChoice = 1;
 
+// How frames find what pixels see: as this type of device does faster, rasterized, or traced.
+inline constexpr std::uint32_t kFirstHitAuto = 0, kFirstHitRaster = 1, kFirstHitTraced = 2;
+
 // How noise is filtered: by filters of our own, or finished pictures by Intel's Open Image Denoise.
 inline constexpr std::uint32_t kDenoiseOff = 0, kDenoiseOn = 1, kDenoiseOidn = 2;
 
@@ -43,8 +46,9 @@ struct RenderSettings {
   // Taken by some integrators only.
   std::uint32_t terminator = gpu::kTerminatorFacets; // where rays leave surfaces with vertex normals
   double aperture = 0.0;                             // metres across the lens; 0 = a pinhole
-  std::optional<double> focus;      // metres along the view axis; empty = to what the middle of the picture shows
-  std::uint32_t blades = 0;         // of the aperture, a regular polygon; 0 = a disc
+  std::optional<double> focus; // metres along the view axis; empty = to what the middle of the picture shows
+  std::uint32_t blades = 0;    // of the aperture, a regular polygon; 0 = a disc
+  std::uint32_t first_hit = kFirstHitAuto;
   std::uint32_t shadow_samples = 1; // light samples for every sample of a pixel
   std::uint32_t ao_samples = 1;     // occlusion rays for every sample of a pixel
   // Metres, 0 = unlimited; empty: a tenth of the scene's radius, but unlimited for ao by rays.

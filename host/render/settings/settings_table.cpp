@@ -307,6 +307,13 @@ std::vector<Setting> stop_rows() {
 
 std::vector<Setting> special_rows() {
   std::vector<Setting> rows = {
+      {.name = "first-hit",
+       .value = ChoiceValue{&S::first_hit, kFirstHitNames},
+       .meaning = "what pixels see is rasterized, or found by camera rays; auto: rasterized on GPUs, traced on CPUs, "
+                  "which is faster there",
+       .takers = Takers::listed_else_ignored,
+       .label = "first hits",
+       .study = {"raster", "traced"}},
       {.name = "shadow-samples",
        .value = WholeValue{&S::shadow_samples, 1, kMostFrameRays},
        .meaning = "light samples for every sample of a pixel, stratified",

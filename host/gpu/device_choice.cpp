@@ -1,0 +1,55 @@
+#include "host/gpu/device_choice.h"
+
+#include <algorithm>
+#include <cctype>
+
+#include <fmt/format.h>
+
+#include "host/base/error.h"
+
+namespace wavepath {
+namespace {
+
+int preference(const DeviceInfo& info) {
+  if (info.type == "discrete") return 4;
+  if (info.type == "integrated") return 3;
+  if (info.type == "virtual") return 2;
+  return info.type == "cpu" ? 1 : 0;
+}
+
+std::string lower(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
+  return text;
+}
+
+} // namespace
+
+std::size_t choose_device(const std::vector<DeviceInfo>& devices, const std::string& wanted) {
+  if (devices.empty())
+    throw Error("Vulkan", "no device found", "install a driver; mesa-vulkan-drivers has one for any CPU");
+  std::string known;
+  for (std::size_t i = 0; i < devices.size(); ++i) known += fmt::format("{}{} = {}", i ? ", " : "", i, devices[i].name);
+
+  std::size_t chosen = devices.size();
+  // A number that is no index may be part of a name, as of an "Arc A770".
+  const bool is_number = !wanted.empty() && std::all_of(wanted.begin(), wanted.end(), ::isdigit) && wanted.size() < 6;
+  const bool is_index = is_number && std::stoul(wanted) < devices.size();
+  for (std::size_t i = 0; i < devices.size(); ++i) {
+    if (wanted.empty()) {
+      const bool better = chosen == devices.size() || preference(devices[i]) > preference(devices[chosen]);
+      if (devices[i].missing.empty() && better) chosen = i;
+    } else if (is_index ? std::stoul(wanted) == i : lower(devices[i].name).find(lower(wanted)) != std::string::npos) {
+      chosen = i;
+      break;
+    }
+  }
+  if (chosen == devices.size() && !wanted.empty())
+    throw Error("--device " + wanted, "no such device", "choose one of: " + known);
+  if (chosen == devices.size() || !devices[chosen].missing.empty()) {
+    const DeviceInfo& info = devices[chosen == devices.size() ? 0 : chosen];
+    throw Error(info.name, "lacks " + info.missing.front(), "update its driver or choose another device: " + known);
+  }
+  return chosen;
+}
+
+} // namespace wavepath

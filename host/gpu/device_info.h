@@ -1,0 +1,29 @@
+// What a device is and can do.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace wavepath {
+
+// What `wavepath info` reports. `missing` names what the program needs and the device lacks; empty = usable.
+struct DeviceInfo {
+  std::string name, driver;
+  std::string
+      type; // cpu, integrated, discrete, virtual, other; choices between CPU and GPU go by it (see WAVEPATH_POSE)
+  std::string api; // "1.3.230"
+  std::uint32_t subgroup_size = 0;
+  std::uint64_t memory_bytes = 0; // largest heap of the device; of an integrated one, largest heap
+  std::uint64_t max_storage_range = 0, max_texel_elements = 0, max_allocation = 0;
+  std::uint32_t max_groups = 0;
+  std::uint32_t max_sampled = 0;     // texel buffers and images of a shader
+  double timestamp_period_ns = 0.0;  // 0 = the queue has no timestamps
+  std::uint32_t timestamp_bits = 64; // that count; above them timestamps hold nothing
+  bool rasterizes = false;           // its queue takes graphics work as well
+  // llvmpipe (Mesa 22.3): once anything was rasterized, a timestamp is taken at the next flush, which a barrier causes.
+  bool timestamps_need_flush = false;
+  std::vector<std::string> missing;
+};
+
+} // namespace wavepath
