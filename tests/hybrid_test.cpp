@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -110,8 +111,10 @@ void expect_same_mean(const std::vector<RenderResult>& a, const std::vector<Rend
 }
 
 TEST_F(HybridTest, AgreesWithThePathTracerOnDirectLight) {
-  for (const auto& [name, environment] : std::vector<std::pair<std::string, float>>{
-           {"cornell_box.gltf", 0.0f}, {"showcase.glb", 0.0f}, {"showcase.glb", 0.7f}}) {
+  for (const auto& [name, environment, first_hit] :
+       std::vector<std::tuple<std::string, float, std::uint32_t>>{{"cornell_box.gltf", 0.0f, kFirstHitTraced},
+                                                                  {"showcase.glb", 0.0f, kFirstHitRaster},
+                                                                  {"showcase.glb", 0.7f, kFirstHitTraced}}) {
     SCOPED_TRACE(name);
     const Subject subject(load(name, environment), 24, 16);
     std::vector<RenderResult> paths, frames;
@@ -119,6 +122,7 @@ TEST_F(HybridTest, AgreesWithThePathTracerOnDirectLight) {
       RenderSettings path = settings(&kPath, 16), hybrid = settings(&kHybrid, 16);
       path.seed = 2 * seed, hybrid.seed = 2 * seed + 1;
       hybrid.shadow_samples = 2;
+      hybrid.first_hit = first_hit;
       paths.push_back(render(subject, path));
       frames.push_back(render(subject, hybrid));
     }
@@ -127,6 +131,24 @@ TEST_F(HybridTest, AgreesWithThePathTracerOnDirectLight) {
       expect_same_mean(paths, frames, channel);
     }
   }
+}
+
+// But for edges that fall between two places of the rasterizer's grid. On a CPU, many triangles and few pixels are
+// traced.
+TEST_F(HybridTest, TracedFirstHitsAreTheRasterizedOnes) {
+  const Subject subject(load("showcase.glb"), 96, 64);
+  RenderSettings one = settings(&kHybrid, 1);
+  one.width = 96, one.height = 64;
+  const auto picture = [&](std::uint32_t first_hit) {
+    one.first_hit = first_hit;
+    return render(subject, one).picture.channels[1].values;
+  };
+  const std::vector<float> rasterized = picture(kFirstHitRaster), traced = picture(kFirstHitTraced);
+  std::size_t different = 0;
+  for (std::size_t i = 0; i < traced.size(); ++i) different += rasterized[i] != traced[i];
+  EXPECT_LT(different, traced.size() / 100);
+  ASSERT_GT(subject.packed.triangle_count, traced.size());
+  EXPECT_EQ(picture(kFirstHitAuto), device().info().type == "cpu" ? traced : rasterized);
 }
 
 TEST_F(HybridTest, KnowsItsError) {

@@ -107,10 +107,12 @@ std::uint32_t stages_of(std::uint32_t flags, bool traces_occlusion) {
   return stages;
 }
 
-// A CPU driver takes 5 to 40 times as long to rasterize what pixels see as kernels take to trace it.
-bool rasterizes_here(const RenderSettings& settings, const DeviceInfo& device) {
+// A CPU driver takes half a microsecond and more for a triangle that it draws, wherever that is, and a tenth to a third
+// for a ray.
+bool rasterizes_here(const RenderSettings& settings, const PackedScene& scene, const DeviceInfo& device) {
   if (settings.first_hit != kFirstHitAuto) return settings.first_hit == kFirstHitRaster;
-  return device.rasterizes && device.type != "cpu";
+  const std::uint64_t rays = std::uint64_t{settings.width} * settings.height;
+  return device.rasterizes && (device.type != "cpu" || scene.triangle_count <= rays);
 }
 
 float ray_length(double radius) {
@@ -159,7 +161,7 @@ void Hybrid::make_frame(const View& view, const RenderSettings& settings, Past p
   const ClipPlanes planes = clip_planes(scene, view);
   frame_.near = planes.near;
   frame_.far = planes.far;
-  rasterizes_ = refracts() || (rasterizes_here(settings, workspace_.device.info()) &&
+  rasterizes_ = refracts() || (rasterizes_here(settings, scene, workspace_.device.info()) &&
                                edges_hold(scene, view, settings.width, settings.height));
   jitters_.clear();
   gpu::Frame& shared = workspace_.frame;

@@ -275,7 +275,7 @@ std::unique_ptr<Integrator> make(Workspace& workspace, KernelCompiler& kernels) 
 
 constinit const IntegratorKind kHybrid = {
     .name = "hybrid",
-    .summary = "one first hit for all pixels, rasterized on GPUs, traced direct light and ambient occlusion",
+    .summary = "rasterized or traced first hit, traced direct light and ambient occlusion",
     .settings = kHybridSettings,
     .aovs = kAovs,
     .traces_paths = false,

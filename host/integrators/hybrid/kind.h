@@ -5,8 +5,8 @@
 
 namespace wavepath {
 
-// A rasterized first hit, traced direct light, and an ambient term, dimmed by traced ambient occlusion, for all further
-// bounces.
+// First hits, rasterized or traced, traced direct light, and an ambient term, dimmed by traced ambient occlusion, for
+// all further bounces.
 extern const IntegratorKind kHybrid;
 // That occlusion alone, as a picture of the unoccluded share.
 extern const IntegratorKind kAo;

@@ -309,8 +309,8 @@ std::vector<Setting> special_rows() {
   std::vector<Setting> rows = {
       {.name = "first-hit",
        .value = ChoiceValue{&S::first_hit, kFirstHitNames},
-       .meaning = "what pixels see is rasterized, or found by camera rays; auto: rasterized on GPUs, traced on CPUs, "
-                  "which is faster there",
+       .meaning = "what pixels see is rasterized, or found by camera rays; auto: rasterized, but traced on CPUs "
+                  "where the scene has more triangles than the picture has pixels",
        .takers = Takers::listed_else_ignored,
        .label = "first hits",
        .study = {"raster", "traced"}},
