@@ -700,7 +700,7 @@ def shadows(study, look, folder):
             "<figcaption>Down and to the left is better; the dark line is the front that none beats in both. Marks of one colour: "
             f"growing maps. At {LEAST_SHADOW_ERROR:g} %: what is exact.</figcaption></figure>" + shadow_table(study, look) +
             "<p class=note>After as many samples as all of them have. The error is that of shadows alone: the truth is that of the "
-            "very points of surfaces that all pictures see, from each of which 64 rays go to lights. Falsely lit and falsely dark: share of the pixels whose light is off by more than "
+            "very points of surfaces that all pictures see, from each of which 64 rays or more go to lights. Falsely lit and falsely dark: share of the pixels whose light is off by more than "
             "a quarter of what it would be without shadows. Milliseconds are medians with spread, warm, build and look-up apart; a map "
             "that nothing moves in need not be built again. Highlighted: on the front.</p>" + shadow_pictures(study, folder) +
             (f"<p class=note>Left out:</p><ul class=note>{unfit}</ul>" if unfit else ""))
