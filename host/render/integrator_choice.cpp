@@ -25,8 +25,8 @@ constexpr double kWholeOverPilots = 60.0; // in paths; below that, not even the 
 constexpr double kEasy = 0.1, kHard = 1.0;
 constexpr double kWholeOverTrials = 20.0, kWholeOverTrialsIfHard = 5.0;
 // The other trials: in work of the first one, that of guiding counting for what it learns from; and compiling their
-// kernels, in camera rays: some 2 seconds.
-constexpr double kTrialsOverFirst = 6.0, kCpuKernels = 2.5e6, kGpuKernels = 1e9;
+// kernels, in camera rays: some second on llvmpipe.
+constexpr double kTrialsOverFirst = 6.0, kCpuKernels = 1.2e6, kGpuKernels = 1e9;
 // A trial that lacks more light than this, beyond four standard errors, does not find all of it, however smooth it is.
 constexpr double kMissing = 0.01, kSure = 4.0;
 constexpr double kNever = 1e30; // a cost that no other exceeds
