@@ -24,7 +24,7 @@ layout(set = 0, binding = kBindVertexUvs) uniform samplerBuffer vertex_uvs;
 layout(set = 0, binding = kBindVertexColors) uniform samplerBuffer vertex_colors;
 layout(set = 0, binding = kBindMaterials) uniform usamplerBuffer material_texels;
 layout(set = 0, binding = kBindTextures) uniform usamplerBuffer texture_texels;
-layout(set = 0, binding = kBindTexels) uniform usamplerBuffer texels;
+#include "kernels/texel_pages.glsl"
 layout(set = 0, binding = kBindSrgbTable) uniform samplerBuffer srgb_table;
 #endif
 

@@ -44,7 +44,7 @@ float light_pdf_area(Surface surface, Hit hit) {
 vec3 surface_emission(Surface surface, Material material, bool front) {
   if (!has(kFeatureEmission)) return vec3(0.0);
   if (!front && (material.flags & kMaterialDoubleSided) == 0u) return vec3(0.0);
-  return material.emission * sample_texture_or_1(kFeatureEmissionTextures, material.emission_texture, surface.uv).rgb;
+  return material.emission * sample_color_or_1(kFeatureEmissionTextures, material.emission_texture, surface.uv).rgb;
 }
 
 // The map in a direction of its basis, interpolated between texel centres; u wraps, v ends at the poles.

@@ -68,6 +68,10 @@ GPU_CONSTANT Feature kLobeMultiple = GPU_LOBE(8);   // light that scatters more 
 GPU_CONSTANT Feature kLobesAll = GPU_LOBE(9) - GPU_LOBE(0);
 GPU_CONSTANT Feature kFeatureMips =
     GPU_LOBE(9); // textures have mip levels, for frames of one sample: no lobe, but a bit of that word
+GPU_CONSTANT Feature kFeatureTexelPages2 = GPU_LOBE(10);  // texels fill more than one page, likewise no lobes
+GPU_CONSTANT Feature kFeatureTexelPages4 = GPU_LOBE(11);  // more than two
+GPU_CONSTANT Feature kFeatureTexelPages16 = GPU_LOBE(12); // more than four
+GPU_CONSTANT Feature kFeatureTexelPages = GPU_LOBE(13) - GPU_LOBE(10);
 GPU_CONSTANT Feature kLobesLayered = GPU_LOBE(8) - GPU_LOBE(0); // those that only the LAYERED builds of kernels know
 
 // ---- specialization constants ---------------------------------------------------------------------------------------

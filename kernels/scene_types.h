@@ -22,11 +22,17 @@ GPU_CONSTANT uint kBindVertexColors = 6u;     // texels RGBA32F, one a vertex: C
 GPU_CONSTANT uint kBindInstances = 7u;        // texels RGBA32F, kInstanceTexels each: Instance
 GPU_CONSTANT uint kBindMaterials = 8u;        // texels RGBA32UI: Material, MaterialLayers, albedo tables
 GPU_CONSTANT uint kBindTextures = 9u;         // texels RGBA32UI, kTextureTexels each: Texture
-GPU_CONSTANT uint kBindTexels = 10u;          // texels R32UI: one word a texel (RGBA8) or four (RGBA32F)
-GPU_CONSTANT uint kBindSrgbTable = 11u;       // texels R32F, 256: byte -> linear
-GPU_CONSTANT uint kBindLights = 12u;          // texels RGBA32UI, kLightTexels each: Light
-GPU_CONSTANT uint kBindEnvironment = 13u;     // texels RGBA32F: radiance, probability of the texel
+GPU_CONSTANT uint kBindTexels = 10u;      // texels R32UI: one word a texel (RGBA8) or four (RGBA32F); the first page
+GPU_CONSTANT uint kBindSrgbTable = 11u;   // texels R32F, 256: byte -> linear
+GPU_CONSTANT uint kBindLights = 12u;      // texels RGBA32UI, kLightTexels each: Light
+GPU_CONSTANT uint kBindEnvironment = 13u; // texels RGBA32F: radiance, probability of the texel
 GPU_CONSTANT uint kBindEnvironmentEnds = 14u; // texels R32UI: ends of the rows' intervals, then of every row's columns
+
+// Texels of more than one page go on in buffers of their own. A page is what every GPU can see as one texel buffer; an
+// image may lie across two. Kernels of scenes with one page know no other (kFeatureTexelPages2 and those after it).
+GPU_CONSTANT uint kBindTexelPages = 103u; // as kBindTexels: pages 1 to kTexelPages - 1
+GPU_CONSTANT uint kTexelPageShift = 26u;  // of the number of words in a page, 256 MiB
+GPU_CONSTANT uint kTexelPages = 16u;
 
 // ---- geometry -------------------------------------------------------------------------------------------------------
 GPU_CONSTANT uint kNodeTexels = 3u;     // 48 bytes, see bvh/wide.h

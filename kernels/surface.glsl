@@ -168,7 +168,7 @@ Surface fetch_surface(Hit hit) {
 
 // Base colour with alpha, everything multiplied in.
 vec4 base_color(Material material, vec4 uv, vec4 color) {
-  return material.base_color * color * sample_texture_or_1(kFeatureBaseColorTextures, material.base_color_texture, uv);
+  return material.base_color * color * sample_color_or_1(kFeatureBaseColorTextures, material.base_color_texture, uv);
 }
 
 // Share of light that the surface stops: 1 = opaque. MASK decides by its cutoff, BLEND is a probability.
@@ -207,7 +207,7 @@ bool is_hole(Hit hit, Sampler path_sampler, uint kind) {
 
 // A normal that a map bends, in world space.
 vec3 mapped_normal(Surface surface, vec3 n, uint texture_, float scale) {
-  vec3 mapped = sample_texture(texture_, surface.uv).xyz * 2.0 - 1.0;
+  vec3 mapped = sample_texture(texture_, surface.uv, false).xyz * 2.0 - 1.0;
   mapped.xy *= scale;
   vec3 t = safe_normalize(surface.tangent.xyz - n * dot(n, surface.tangent.xyz), vec3(0.0));
   vec3 b = cross(n, t) * surface.tangent.w;

@@ -9,21 +9,29 @@
 #include "kernels/records.glsl"
 #include "kernels/tile_order.h"
 
-// Linear RGBA of one texel. Bytes are decoded before filtering, as light adds up linearly.
-vec4 fetch_texel(Texture image, int x, int y) {
+bool is_encoded(Texture image, bool color) { return color && (image.flags & kTextureSrgb) != 0u; }
+
+// One texel, before texel_scale(). `color`: its RGB may be sRGB bytes, which are decoded before filtering, as light adds
+// up linearly. A constant where this is called, because drivers run both sides of other branches.
+vec4 fetch_texel(Texture image, int x, int y, bool color) {
   uint texel = texel_index(uint(x), uint(y), image.width);
   if (has(kFeatureFloatTextures) && (image.flags & kTextureFloat) != 0u) {
-    int word = int(image.first_texel + 4u * texel);
-    return uintBitsToFloat(uvec4(texelFetch(texels, word).x, texelFetch(texels, word + 1).x, texelFetch(texels, word + 2).x,
-                                 texelFetch(texels, word + 3).x));
+    uint word = image.first_texel + 4u * texel;
+    return uintBitsToFloat(uvec4(texel_word(word), texel_word(word + 1u), texel_word(word + 2u), texel_word(word + 3u)));
   }
-  uint word = texelFetch(texels, int(image.first_texel + texel)).x;
+  uint word = texel_word(image.first_texel + texel);
   uvec4 bytes = uvec4(word, word >> 8u, word >> 16u, word >> 24u) & 255u;
-  vec4 linear = vec4(bytes) / 255.0;
-  if ((image.flags & kTextureSrgb) != 0u)
-    linear.rgb = vec3(texelFetch(srgb_table, int(bytes.x)).x, texelFetch(srgb_table, int(bytes.y)).x,
-                      texelFetch(srgb_table, int(bytes.z)).x);
-  return linear;
+  vec4 value = vec4(bytes);
+  if (is_encoded(image, color))
+    value.rgb = vec3(texelFetch(srgb_table, int(bytes.x)).x, texelFetch(srgb_table, int(bytes.y)).x,
+                     texelFetch(srgb_table, int(bytes.z)).x);
+  return value;
+}
+
+// What filtered texels are divided by: once, not texel by texel.
+vec4 texel_scale(Texture image, bool color) {
+  if (has(kFeatureFloatTextures) && (image.flags & kTextureFloat) != 0u) return vec4(1.0);
+  return is_encoded(image, color) ? vec4(1.0, 1.0, 1.0, 255.0) : vec4(255.0);
 }
 
 // Position in the image, 0..1, after wrapping. A texture transform may carry finite coordinates beyond the range of
@@ -50,19 +58,20 @@ ivec2 neighbours(float x, int size, uint mode, out float weight) {
 }
 
 // Bilinear, or the nearest texel.
-vec4 filter_image(Texture image, vec2 uv) {
+vec4 filter_image(Texture image, vec2 uv, bool color) {
   uint mode_u = (image.flags >> kTextureWrapUShift) & 3u, mode_v = (image.flags >> kTextureWrapVShift) & 3u;
   float x = wrap_coordinate(uv.x, mode_u) * float(image.width);
   float y = wrap_coordinate(uv.y, mode_v) * float(image.height);
   if (has(kFeatureNearestTextures) && (image.flags & kTextureNearest) != 0u)
-    return fetch_texel(image, clamp(int(x), 0, int(image.width) - 1), clamp(int(y), 0, int(image.height) - 1));
+    return fetch_texel(image, clamp(int(x), 0, int(image.width) - 1), clamp(int(y), 0, int(image.height) - 1), color) /
+           texel_scale(image, color);
 
   vec2 weight;
   ivec2 columns = neighbours(x, int(image.width), mode_u, weight.x);
   ivec2 rows = neighbours(y, int(image.height), mode_v, weight.y);
-  vec4 upper = mix(fetch_texel(image, columns.x, rows.x), fetch_texel(image, columns.y, rows.x), weight.x);
-  vec4 lower = mix(fetch_texel(image, columns.x, rows.y), fetch_texel(image, columns.y, rows.y), weight.x);
-  return mix(upper, lower, weight.y);
+  vec4 upper = mix(fetch_texel(image, columns.x, rows.x, color), fetch_texel(image, columns.y, rows.x, color), weight.x);
+  vec4 lower = mix(fetch_texel(image, columns.x, rows.y, color), fetch_texel(image, columns.y, rows.y, color), weight.x);
+  return mix(upper, lower, weight.y) / texel_scale(image, color);
 }
 
 // ---- mip levels -------------------------------------------------------------------------------------------------------
@@ -93,32 +102,34 @@ Texture image_at_level(Texture image, uint level) {
 }
 
 // Trilinear.
-vec4 filter_levels(Texture image, vec2 uv) {
+vec4 filter_levels(Texture image, vec2 uv, bool color) {
   float level = mip_level(image);
   uint finer = uint(level);
   float share = level - float(finer);
   vec4 value = vec4(0.0);
   for (uint i = 0u; i < (share > 0.0 ? 2u : 1u); ++i) { // a loop: drivers compile one copy of the filter
-    vec4 part = filter_image(image_at_level(image, finer + i), uv);
+    vec4 part = filter_image(image_at_level(image, finer + i), uv, color);
     value = i == 0u ? part : mix(value, part, share);
   }
   return value;
 }
 
-// Value of a texture at the surface's coordinates: uv.xy = TEXCOORD_0, uv.zw = TEXCOORD_1.
-vec4 sample_texture(uint index, vec4 uv_sets) {
+// Value of a texture at the surface's coordinates: uv.xy = TEXCOORD_0, uv.zw = TEXCOORD_1. `color`: see fetch_texel().
+vec4 sample_texture(uint index, vec4 uv_sets, bool color) {
   Texture image = fetch_texture(index);
   vec2 uv = (image.flags & kTextureUv1) != 0u ? uv_sets.zw : uv_sets.xy;
   if (has(kFeatureTextureTransform) && (image.flags & kTextureMoved) != 0u)
     uv = vec2(dot(image.uv_matrix.xy, uv), dot(image.uv_matrix.zw, uv)) + image.uv_offset;
-  return has_mips() ? filter_levels(image, uv) : filter_image(image, uv);
+  return has_mips() ? filter_levels(image, uv, color) : filter_image(image, uv, color);
 }
 
-vec4 sample_chosen_texture(uint index, vec4 uv_sets) {
+vec4 sample_chosen_texture(uint index, vec4 uv_sets, bool color) {
   if (index == kNone) return vec4(1.0);
-  return sample_texture(index, uv_sets);
+  return sample_texture(index, uv_sets, color);
 }
-// As above, or 1 where the material has no such texture. `feature` says whether any material of the scene has one.
-#define sample_texture_or_1(feature, index, uv_sets) (has(feature) ? sample_chosen_texture(index, uv_sets) : vec4(1.0))
+// As above, or 1 where the material has no such texture. `feature` says whether any material of the scene has one. Of
+// colours, which glTF has as sRGB, and of values.
+#define sample_color_or_1(feature, index, uv_sets) (has(feature) ? sample_chosen_texture(index, uv_sets, true) : vec4(1.0))
+#define sample_value_or_1(feature, index, uv_sets) (has(feature) ? sample_chosen_texture(index, uv_sets, false) : vec4(1.0))
 
 #endif

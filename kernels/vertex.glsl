@@ -33,15 +33,15 @@ Bsdf make_bsdf(Material material, vec4 uv, vec3 base, bool front) {
   b.specular_color = material.specular_color;
   if (has(kFeatureSpecular)) {
     vec4 metallic_roughness =
-        sample_texture_or_1(kFeatureMetallicRoughnessTextures, material.metallic_roughness_texture, uv);
+        sample_value_or_1(kFeatureMetallicRoughnessTextures, material.metallic_roughness_texture, uv);
     b.metallic *= metallic_roughness.b;
     roughness *= metallic_roughness.g;
-    b.specular *= sample_texture_or_1(kFeatureSpecularTextures, material.specular_texture, uv).a;
-    b.specular_color *= sample_texture_or_1(kFeatureSpecularTextures, material.specular_color_texture, uv).rgb;
+    b.specular *= sample_value_or_1(kFeatureSpecularTextures, material.specular_texture, uv).a;
+    b.specular_color *= sample_color_or_1(kFeatureSpecularTextures, material.specular_color_texture, uv).rgb;
   }
   if (has(kFeatureTransmission))
     b.transmission =
-        material.transmission * sample_texture_or_1(kFeatureTransmissionTextures, material.transmission_texture, uv).r;
+        material.transmission * sample_value_or_1(kFeatureTransmissionTextures, material.transmission_texture, uv).r;
   b.alpha = roughness * roughness;
   b.ior = material.ior;
   b.entering = front;

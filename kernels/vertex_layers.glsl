@@ -6,7 +6,8 @@
 // that do not set it see all glass with the middle ior.
 uint path_channel = 1u;
 
-vec4 layer_texture(uint index, vec4 uv) { return index == kNone ? vec4(1.0) : sample_texture(index, uv); }
+vec4 layer_value(uint index, vec4 uv) { return index == kNone ? vec4(1.0) : sample_texture(index, uv, false); }
+vec4 layer_color(uint index, vec4 uv) { return index == kNone ? vec4(1.0) : sample_texture(index, uv, true); }
 
 // Fills in what the material has beyond metallic-roughness: rows of MaterialLayers.
 void read_layers(inout Vertex v) {
@@ -25,8 +26,8 @@ void read_layers(inout Vertex v) {
     vec4 factors = uintBitsToFloat(fetch_layers(m, 1u));
     uvec4 maps = fetch_layers(m, 2u);
     if (factors.x > 0.0) {
-      v.bsdf.coat.weight = factors.x * layer_texture(floatBitsToUint(factors.w), uv).r;
-      float roughness = factors.y * layer_texture(maps.x, uv).g;
+      v.bsdf.coat.weight = factors.x * layer_value(floatBitsToUint(factors.w), uv).r;
+      float roughness = factors.y * layer_value(maps.x, uv).g;
       v.bsdf.coat.alpha = roughness * roughness;
       vec3 n = v.surface.vertex_normal;
       bool reversed = dot(n, v.front ? v.surface.geometric_normal : -v.surface.geometric_normal) < 0.0;
@@ -38,8 +39,8 @@ void read_layers(inout Vertex v) {
     vec4 sheen = uintBitsToFloat(fetch_layers(m, 0u));
     if (max_component(sheen.rgb) > 0.0) {
       uvec4 maps = fetch_layers(m, 2u);
-      v.bsdf.sheen.color = sheen.rgb * layer_texture(maps.z, uv).rgb;
-      v.bsdf.sheen.roughness = sheen.a * layer_texture(maps.w, uv).a;
+      v.bsdf.sheen.color = sheen.rgb * layer_color(maps.z, uv).rgb;
+      v.bsdf.sheen.roughness = sheen.a * layer_value(maps.w, uv).a;
       v.bsdf.sheen.table = fetch_layers(m, 8u).z;
     }
   }
@@ -49,7 +50,7 @@ void read_layers(inout Vertex v) {
     if (strength > 0.0 && has_tangent(v.surface)) {
       vec2 direction = vec2(1.0, 0.0);
       if (words.z != kNone) {
-        vec4 map = sample_texture(words.z, uv);
+        vec4 map = sample_texture(words.z, uv, false);
         direction = map.xy * 2.0 - 1.0;
         strength *= map.z;
       }
@@ -65,8 +66,8 @@ void read_layers(inout Vertex v) {
     vec4 film = uintBitsToFloat(fetch_layers(m, 4u));
     if (film.x > 0.0) {
       uvec4 maps = fetch_layers(m, 5u);
-      float weight = film.x * layer_texture(maps.x, uv).r;
-      v.bsdf.film = Film(weight, film.y, mix(film.z, film.w, layer_texture(maps.y, uv).g));
+      float weight = film.x * layer_value(maps.x, uv).r;
+      v.bsdf.film = Film(weight, film.y, mix(film.z, film.w, layer_value(maps.y, uv).g));
       if (v.bsdf.film.nanometres <= 0.0) v.bsdf.film.weight = 0.0;
     }
   }
@@ -81,8 +82,8 @@ void read_layers(inout Vertex v) {
     vec4 through = uintBitsToFloat(fetch_layers(m, 6u));
     if (through.w > 0.0) {
       uint share_map = fetch_layers(m, 7u).w, color_map = fetch_layers(m, 8u).x;
-      v.bsdf.diffuse_through = through.rgb * layer_texture(color_map, uv).rgb;
-      v.bsdf.diffuse_transmission = through.w * layer_texture(share_map, uv).a;
+      v.bsdf.diffuse_through = through.rgb * layer_color(color_map, uv).rgb;
+      v.bsdf.diffuse_transmission = through.w * layer_value(share_map, uv).a;
     }
   }
 }

@@ -4,31 +4,18 @@
 
 #include <algorithm>
 #include <numeric>
-#include <optional>
 #include <thread>
 
 #include "host/base/error.h"
 #include "host/gpu/commands.h"
 #include "host/gpu/device_choice.h"
+#include "tests/pose.h"
 #include "tests/probe.h"
 
 namespace wavepath::test {
 namespace {
 
 const char* wanted_device() { return std::getenv("WAVEPATH_DEVICE") ? std::getenv("WAVEPATH_DEVICE") : ""; }
-
-// Sets WAVEPATH_POSE for a scope.
-class Pose {
-public:
-  explicit Pose(const char* value) {
-    if (const char* before = std::getenv("WAVEPATH_POSE")) before_ = before;
-    value ? setenv("WAVEPATH_POSE", value, 1) : unsetenv("WAVEPATH_POSE");
-  }
-  ~Pose() { before_ ? setenv("WAVEPATH_POSE", before_->c_str(), 1) : unsetenv("WAVEPATH_POSE"); }
-
-private:
-  std::optional<std::string> before_;
-};
 
 class DeviceTest : public VulkanTest {};
 
@@ -125,6 +112,7 @@ TEST(DeviceChoice, TakesIndicesAndPartsOfNames) {
   EXPECT_EQ(choose_device(devices, "4090"), 2u);
   EXPECT_EQ(choose_device(devices, "geforce"), 2u);
   EXPECT_THROW(choose_device(devices, "3"), Error);
+  for (const char* digits : {"7", "77", "409", "090"}) EXPECT_THROW(choose_device(devices, digits), Error) << digits;
   EXPECT_THROW(choose_device(devices, "radeon"), Error);
   EXPECT_THROW(choose_device({}, ""), Error);
   EXPECT_THROW(choose_device({made_up("GTX 680", "discrete", false)}, "680"), Error);

@@ -11,10 +11,17 @@
 #include <random>
 #include <span>
 
-#include <OpenImageIO/imageio.h>
+#include <Imath/half.h>
+#include <OpenEXR/ImfChannelList.h>
+#include <OpenEXR/ImfFrameBuffer.h>
+#include <OpenEXR/ImfHeader.h>
+#include <OpenEXR/ImfOutputFile.h>
+#include <OpenEXR/ImfTiledOutputFile.h>
 #include <gtest/gtest.h>
 
+#include "host/base/atomic_file.h"
 #include "host/base/error.h"
+#include "host/images/radiance.h"
 #include "host/scene/pack/environment_light.h"
 #include "host/scene/pack/intervals.h"
 
@@ -28,33 +35,59 @@ std::string temporary_file(const std::string& name) {
 }
 
 struct FileOptions {
-  OIIO::TypeDesc type = OIIO::TypeDesc::FLOAT;
-  int tile = 0;
+  Imf::PixelType type = Imf::FLOAT;
+  int tile = 0; // 0: scanlines
   bool mip = false;
   std::vector<std::string> channels{"R", "G", "B"};
 };
 
-// Writes `values` (interleaved) and, with `mip`, a second MIP level full of 99.
-std::string write_image(const std::string& name, int width, int height, const std::vector<float>& values,
-                        const FileOptions& options = {}) {
-  const std::string file = temporary_file(name);
-  const std::unique_ptr<OIIO::ImageOutput> output = OIIO::ImageOutput::create(file);
-  OIIO::ImageSpec spec(width, height, static_cast<int>(options.channels.size()), options.type);
-  spec.channelnames = options.channels;
-  if (options.tile > 0) spec.tile_width = spec.tile_height = options.tile;
-  if (options.mip) spec["textureformat"] = "Plain Texture"; // asks for MIP levels
-  EXPECT_TRUE(output->open(file, spec)) << output->geterror();
-  EXPECT_TRUE(output->write_image(OIIO::TypeDesc::FLOAT, values.data())) << output->geterror();
-  if (options.mip) {
-    OIIO::ImageSpec half = spec;
-    half.width = half.full_width = width / 2;
-    half.height = half.full_height = height / 2;
-    const std::vector<float> filler(std::size_t(half.width) * std::size_t(half.height) * options.channels.size(),
-                                    99.0f);
-    EXPECT_TRUE(output->open(file, half, OIIO::ImageOutput::AppendMIPLevel)) << output->geterror();
-    EXPECT_TRUE(output->write_image(OIIO::TypeDesc::FLOAT, filler.data()));
+// `values` interleaved, as OpenEXR takes them: halfs or floats.
+struct Samples {
+  Samples(const std::vector<float>& values, bool as_half) : floats(values), halves(as_half ? values.size() : 0) {
+    for (std::size_t i = 0; i < halves.size(); ++i) halves[i] = floats[i];
   }
-  output->close();
+  Imf::FrameBuffer frame(const FileOptions& options, int width) {
+    Imf::FrameBuffer pixels;
+    const std::size_t count = options.channels.size(), bytes = halves.empty() ? sizeof(float) : sizeof(Imath::half);
+    char* first = halves.empty() ? reinterpret_cast<char*>(floats.data()) : reinterpret_cast<char*>(halves.data());
+    for (std::size_t c = 0; c < count; ++c)
+      pixels.insert(options.channels[c], Imf::Slice(options.type, first + c * bytes, count * bytes,
+                                                    count * bytes * static_cast<std::size_t>(width)));
+    return pixels;
+  }
+  std::vector<float> floats;
+  std::vector<Imath::half> halves;
+};
+
+// Writes `values` (interleaved) and, with `mip`, further MIP levels full of 99.
+std::string write_exr_map(const std::string& name, int width, int height, const std::vector<float>& values,
+                          const FileOptions& options = {}) {
+  const std::string file = temporary_file(name);
+  const bool as_half = options.type == Imf::HALF;
+  Imf::Header header(width, height);
+  for (const std::string& channel : options.channels) header.channels().insert(channel, Imf::Channel(options.type));
+  Samples samples(values, as_half), filler(std::vector<float>(values.size(), 99.0f), as_half);
+  if (options.tile == 0) {
+    Imf::OutputFile output(file.c_str(), header);
+    output.setFrameBuffer(samples.frame(options, width));
+    output.writePixels(height);
+    return file;
+  }
+  const auto tile = static_cast<unsigned>(options.tile);
+  header.setTileDescription(Imf::TileDescription(tile, tile, options.mip ? Imf::MIPMAP_LEVELS : Imf::ONE_LEVEL));
+  Imf::TiledOutputFile output(file.c_str(), header);
+  for (int level = 0; level < output.numLevels(); ++level) {
+    output.setFrameBuffer((level == 0 ? samples : filler).frame(options, output.levelWidth(level)));
+    output.writeTiles(0, output.numXTiles(level) - 1, 0, output.numYTiles(level) - 1, level);
+  }
+  return file;
+}
+
+std::string write_hdr_map(const std::string& name, std::uint32_t width, std::uint32_t height,
+                          const std::vector<float>& values) {
+  const std::string file = temporary_file(name);
+  const auto bytes = encode_radiance({.shape = {width, height, 3}, .bytes = {}, .words = {}, .floats = values});
+  write_file(file, {bytes.begin(), bytes.end()});
   return file;
 }
 
@@ -108,26 +141,26 @@ TEST(Environment, RefusesWhatIsNeitherConstantNorMap) {
 
 TEST(Environment, ReadsFloatHalfTiledMippedAndRadianceFiles) {
   const std::vector<float> values = counting_pixels(32);
-  expect_counting(load_environment(write_image("float.exr", 8, 4, values)), 8, 4);
-  expect_counting(load_environment(write_image("half.exr", 8, 4, values, {.type = OIIO::TypeDesc::HALF})), 8, 4);
-  expect_counting(load_environment(write_image("UPPER.EXR", 8, 4, values)), 8, 4);
+  expect_counting(load_environment(write_exr_map("float.exr", 8, 4, values)), 8, 4);
+  expect_counting(load_environment(write_exr_map("half.exr", 8, 4, values, {.type = Imf::HALF})), 8, 4);
+  expect_counting(load_environment(write_exr_map("UPPER.EXR", 8, 4, values)), 8, 4);
   const std::vector<float> many = counting_pixels(32 * 16);
-  expect_counting(load_environment(write_image("tiled.exr", 32, 16, many, {.tile = 16})), 32, 16);
-  expect_counting(load_environment(write_image("mipped.exr", 32, 16, many, {.tile = 16, .mip = true})), 32, 16);
-  expect_counting(load_environment(write_image("radiance.hdr", 8, 4, values)), 8, 4);
+  expect_counting(load_environment(write_exr_map("tiled.exr", 32, 16, many, {.tile = 16})), 32, 16);
+  expect_counting(load_environment(write_exr_map("mipped.exr", 32, 16, many, {.tile = 16, .mip = true})), 32, 16);
+  expect_counting(load_environment(write_hdr_map("radiance.hdr", 8, 4, values)), 8, 4);
 }
 
 TEST(Environment, FindsChannelsByName) {
   std::vector<float> values;
   for (int i = 0; i < 8; ++i) values.insert(values.end(), {1.0f, 7.0f, 3.0f, 2.0f, 1.0f}); // A, Z, B, G, R
   const Environment environment =
-      load_environment(write_image("names.exr", 4, 2, values, {.channels = {"A", "Z", "B", "G", "R"}}));
+      load_environment(write_exr_map("names.exr", 4, 2, values, {.channels = {"A", "Z", "B", "G", "R"}}));
   EXPECT_EQ(environment.map[5], glm::vec3(1.0f, 2.0f, 3.0f));
   const Environment grey =
-      load_environment(write_image("grey.exr", 4, 2, std::vector<float>(8, 0.5f), {.channels = {"Y"}}));
+      load_environment(write_exr_map("grey.exr", 4, 2, std::vector<float>(8, 0.5f), {.channels = {"Y"}}));
   EXPECT_EQ(grey.map[7], glm::vec3(0.5f));
   const std::string message =
-      message_of(write_image("uv.exr", 4, 2, std::vector<float>(16, 0.5f), {.channels = {"R", "G"}}));
+      message_of(write_exr_map("uv.exr", 4, 2, std::vector<float>(16, 0.5f), {.channels = {"R", "G"}}));
   EXPECT_TRUE(has(message, "no R, G and B channels (it has R, G)")) << message;
 }
 
@@ -136,18 +169,44 @@ TEST(Environment, NamesTheTexelThatIsNoRadiance) {
   for (const float value : bad) {
     std::vector<float> values = counting_pixels(32);
     values[3 * (2 * 8 + 5) + 1] = value;
-    const std::string message = message_of(write_image("bad.exr", 8, 4, values));
+    const std::string message = message_of(write_exr_map("bad.exr", 8, 4, values));
     EXPECT_TRUE(has(message, "pixel (5, 2)")) << message;
   }
+}
+
+TEST(Environment, RefusesCroppedAndSubsampledFiles) {
+  const auto write = [](const std::string& name, const Imf::Header& header) {
+    const std::string file = temporary_file(name);
+    std::vector<float> values(64, 1.0f);
+    Imf::FrameBuffer pixels;
+    for (auto c = header.channels().begin(); c != header.channels().end(); ++c)
+      pixels.insert(c.name(), Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(values.data()), 4, 16,
+                                         c.channel().xSampling, c.channel().ySampling));
+    Imf::OutputFile output(file.c_str(), header);
+    output.setFrameBuffer(pixels);
+    output.writePixels(4);
+    return file;
+  };
+  Imf::Header cropped(4, 4);
+  cropped.displayWindow().max.x = 9;
+  for (const char* name : {"R", "G", "B"}) cropped.channels().insert(name, Imf::Channel(Imf::FLOAT));
+  EXPECT_TRUE(has(message_of(write("cropped.exr", cropped)), "data window (4 x 4) that differs"));
+  Imf::Header subsampled(4, 4);
+  subsampled.channels().insert("Y", Imf::Channel(Imf::FLOAT, 2, 2));
+  const std::string message = message_of(write("subsampled.exr", subsampled));
+  EXPECT_TRUE(has(message, "channel Y at less than full resolution")) << message;
 }
 
 TEST(Environment, RefusesBrokenFilesInWords) {
   const std::string garbage = temporary_file("garbage.exr");
   std::ofstream(garbage) << "this is no image";
   EXPECT_TRUE(has(message_of(garbage), "cannot be opened as an image")) << message_of(garbage);
-  const std::string whole = write_image("whole.exr", 64, 32, counting_pixels(64 * 32));
+  const std::string whole = write_exr_map("whole.exr", 64, 32, counting_pixels(64 * 32));
   std::filesystem::resize_file(whole, std::filesystem::file_size(whole) / 2);
   EXPECT_NE(message_of(whole), "no error");
+  const std::string radiance = write_hdr_map("cut.hdr", 8, 4, counting_pixels(32));
+  std::filesystem::resize_file(radiance, std::filesystem::file_size(radiance) - 1);
+  EXPECT_TRUE(has(message_of(radiance), "cannot be opened as an image: is damaged")) << message_of(radiance);
   EXPECT_NE(message_of(testing::TempDir()), "no error");
 }
 

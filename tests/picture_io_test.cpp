@@ -17,8 +17,10 @@
 
 #include <gtest/gtest.h>
 
+#include "host/base/atomic_file.h"
 #include "host/base/error.h"
 #include "host/film/picture_io.h"
+#include "host/images/png.h"
 #include "tests/temporary_folder.h"
 
 namespace wavepath::test {
@@ -214,6 +216,39 @@ TEST_F(PictureIoTest, ExtensionsAreKnownInAnyCase) {
   EXPECT_FALSE(picture_format("exr"));
   EXPECT_FALSE(picture_format("a.tiff"));
   EXPECT_THROW(write_picture(folder_.file("a.tiff"), random_picture(1, 1, {"R", "G", "B"}), {}, {}), Error);
+}
+
+TEST_F(PictureIoTest, FilesAreKnownByTheirFirstBytes) {
+  const Picture picture = random_picture(4, 4, {"R", "G", "B"});
+  for (const std::string name : {"a.png", "a.jpg", "a.hdr"}) {
+    write_picture(folder_.file(name), picture, {}, {});
+    const Picture back = read_picture(folder_.file(name));
+    std::filesystem::rename(folder_.file(name), folder_.file("renamed.png"));
+    EXPECT_EQ(read_picture(folder_.file("renamed.png")).channels[1].values, back.channels[1].values) << name;
+  }
+  std::ofstream(folder_.file("a.tiff")) << "II*";
+  try {
+    read_picture(folder_.file("a.tiff"));
+    ADD_FAILURE() << "read";
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("is no picture of a format that can be read"), std::string::npos);
+  }
+}
+
+// As EXR has it: in linear light.
+TEST_F(PictureIoTest, ColoursCountTimesTheirAlpha) {
+  const auto read = [&](const DecodedImage& image) {
+    const auto file = encode_png(image);
+    write_file(folder_.file("a.png"), {file.begin(), file.end()});
+    return read_picture(folder_.file("a.png"));
+  };
+  const Picture color = read({.shape = {1, 1, 4}, .bytes = {255, 128, 0, 51}, .words = {}, .floats = {}});
+  EXPECT_FLOAT_EQ(color.channels[0].values[0], 0.2f);
+  EXPECT_FLOAT_EQ(color.channels[1].values[0], 0.2f * from_srgb(128.0f / 255.0f));
+  EXPECT_EQ(color.channels[2].values[0], 0.0f);
+  const Picture grey = read({.shape = {1, 1, 2}, .bytes = {}, .words = {65535, 13107}, .floats = {}});
+  ASSERT_EQ(grey.channels.size(), 3u);
+  for (const Channel& channel : grey.channels) EXPECT_FLOAT_EQ(channel.values[0], 0.2f);
 }
 
 TEST_F(PictureIoTest, DamagedFilesAreRefused) {

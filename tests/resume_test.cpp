@@ -154,6 +154,31 @@ TEST_F(Resume, ALostDeviceLosesLittle) {
   expect_same_bits("part.exr", "whole.exr");
 }
 
+// A state that was saved after the last estimate is not replaced by that one.
+TEST_F(Resume, ALostDeviceKeepsTheNewerState) {
+  const std::vector<std::string> long_passes{"--size", "256x192", "--spp", "24"};
+  const auto with = [&](std::vector<std::string> flags) {
+    flags.insert(flags.end(), long_passes.begin(), long_passes.end());
+    return flags;
+  };
+  ASSERT_EQ(render("whole.exr", long_passes).exit_code, 0);
+  bool newer = false;
+  for (int submissions = 12; submissions < 20 && !newer; ++submissions) {
+    std::filesystem::remove(path("state"));
+    RunOptions lost;
+    lost.in_child = [=] { setenv("WAVEPATH_LOSE_DEVICE", std::to_string(submissions).c_str(), 1); };
+    ASSERT_EQ(
+        render("part.exr", with({"--checkpoint", "state", "--checkpoint-interval", "0", "--stats", "part.json"}), lost)
+            .exit_code,
+        1);
+    const std::uint32_t shown = nlohmann::json::parse(bytes("part.json"))["spp"];
+    newer = read_state(path("state")).state.cursor.sample > shown;
+  }
+  EXPECT_TRUE(newer);
+  ASSERT_EQ(render("part.exr", with({"--checkpoint", "state", "--resume"})).exit_code, 0);
+  expect_same_bits("part.exr", "whole.exr");
+}
+
 // What is measured after the last sample is not worth the picture.
 TEST_F(Resume, ADeviceThatIsLostAfterwardsLosesNothing) {
   ASSERT_EQ(render("whole.exr", {}).exit_code, 0);

@@ -212,6 +212,7 @@ RenderSettings parsed(const std::string& line) {
   arguments.pop_back();            // the program
   app.parse(arguments);
   settle_samples(request);
+  settle_default_integrator(request);
   check_integrator(request);
   return request.settings;
 }
@@ -318,6 +319,18 @@ void expect_refused(const std::string& flags, const std::string& message) {
   } catch (const UsageError& error) {
     EXPECT_NE(std::string(error.what()).find(message), std::string::npos) << error.what();
   }
+}
+
+TEST(Settings, TheDefaultIntegratorIsAutoUnlessAFlagSpeaksAgainstIt) {
+  const auto taken = [](const char* flags) {
+    return parsed(std::string("wavepath render scene.gltf ") + flags).integrator->name;
+  };
+  for (const char* flags : {"", "--spp 4096 --max-depth 3", "--lights tree", "--samples 0:4 --spp 8", "--denoise",
+                            "--aov albedo,direct", "--aperture 0.1", "--time 9", "--shadow-samples 2"})
+    EXPECT_EQ(taken(flags), "auto") << flags;
+  for (const char* flags : {"--guide", "--adaptive", "--integrator path", "--samples 0:4"})
+    EXPECT_EQ(taken(flags), "path") << flags;
+  EXPECT_EQ(taken("--integrator hybrid"), "hybrid");
 }
 
 TEST(Settings, WhatWouldChangeThePictureIsRefusedWhereItIsNotTaken) {

@@ -278,7 +278,9 @@ TEST_F(StudyCommand, LeavesDocumentTableAndPage) {
     ASSERT_GE(points.size(), 1u);
     rows += static_cast<std::ptrdiff_t>(points.size());
     EXPECT_NE(page.find(configuration["name"].get<std::string>()), std::string::npos);
-    EXPECT_EQ(configuration["slope"]["spp"].is_null(), points.size() < 3);
+    // Three points make a slope. Those do not count that the reference's own noise hides.
+    const auto counted = std::ranges::count_if(points, [](const Json& point) { return !point["at_floor"]; });
+    EXPECT_EQ(configuration["slope"]["spp"].is_null(), counted < 3);
     for (std::size_t i = 0; i < points.size(); ++i) {
       EXPECT_EQ(points[i]["spp"], 1 << i);
       for (const char* key : {"seconds", "mse", "relmse", "mrse", "flip", "efficiency"})

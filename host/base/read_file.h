@@ -1,10 +1,12 @@
-// Reads parts of regular files, so that callers can refuse a file by its size before they allocate anything for it.
+// Reads regular files or parts of them, so that callers can refuse a file by its size before they allocate anything for
+// it.
 #pragma once
 
 #include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <span>
+#include <vector>
 
 namespace wavepath {
 
@@ -13,5 +15,8 @@ std::optional<std::uint64_t> regular_file_size(const std::filesystem::path& path
 
 // Fills `out` with the bytes from `offset` on; false if the file cannot be opened or ends before that.
 bool read_file(const std::filesystem::path& path, std::uint64_t offset, std::span<std::uint8_t> out);
+
+// All of a regular file; nothing if it cannot be read. Throws Error if it does not fit into memory.
+std::optional<std::vector<std::uint8_t>> read_whole_file(const std::filesystem::path& path);
 
 } // namespace wavepath

@@ -1,6 +1,7 @@
 // wavepath compare: how far an image is from a reference, as numbers, as a map and as a check.
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <memory>
 #include <numeric>
 
@@ -39,6 +40,11 @@ bool is_display(const std::string& path) {
   return format == PictureFormat::png || format == PictureFormat::jpg;
 }
 
+// Whether values are what a display shows; WebP is read, but not written.
+bool holds_display(const std::string& path) {
+  return is_display(path) || std::filesystem::path(path).extension() == ".webp";
+}
+
 Json to_json(const Request& request, const PictureMetrics& metrics, double flip) {
   Json json{{"image", request.image}, {"reference", request.reference}};
   if (metrics.finite()) {
@@ -75,7 +81,7 @@ int run_compare(const Request& request) {
     require_writable(request.map);
   }
   const Picture image = read_picture(request.image), reference = read_picture(request.reference);
-  const bool display = is_display(request.image) && is_display(request.reference);
+  const bool display = holds_display(request.image) && holds_display(request.reference);
   const PictureMetrics metrics = compare_pictures(image, reference, display ? 1.0 : 0.0);
   double flip = 0.0;
   if (metrics.finite()) {

@@ -99,7 +99,7 @@ std::optional<Picture> read_reference(Request& request) {
 // `mergeable`: the identity that parts share, or empty.
 PictureInfo picture_info(const Request& request, const View& view, const PackedScene& packed,
                          const RenderResult& result, const DeviceInfo& device, const std::string& mergeable,
-                         const std::vector<std::string>& bias) {
+                         const std::vector<std::string>& bias, const SharedResult* shared) {
   const RenderSettings& settings = request.render.settings;
   PictureInfo info;
   info.spp = result.spp;
@@ -115,14 +115,16 @@ PictureInfo picture_info(const Request& request, const View& view, const PackedS
   if (!mergeable.empty() && result.even) {
     info.identity = mergeable;
     info.device = device_text(device);
+    if (shared && !shared->bits_agree) info.device = "several devices that round differently";
     info.origin = packed.origin;
     info.film = result.film;
   }
   return info;
 }
 
-RenderResult render_shown(const Request& request, Device& device, const PackedScene& packed, const View& view,
-                          KernelCompiler& kernels, RenderHooks hooks) {
+// `begin`: of the hooks, with progress on the terminal and interrupts.
+template <class Begin>
+auto render_shown(const Request& request, RenderHooks hooks, const Begin& begin) {
   const RenderSettings& settings = request.render.settings;
   ProgressDisplay display(request.output.quiet, settings.time_limit, settings.target_error);
   catch_interrupts();
@@ -130,7 +132,7 @@ RenderResult render_shown(const Request& request, Device& device, const PackedSc
     display.show(progress);
     return !interrupted();
   };
-  return render(device, packed, view, settings, hooks, kernels);
+  return begin(hooks);
 }
 
 // Tries every output even if one fails, because rendering was the expensive part; returns the first failure.
@@ -165,10 +167,12 @@ std::vector<TrueError> align(std::vector<TrueError> errors, std::size_t checkpoi
 // Refuses what cannot work before the time of loading and rendering is spent. Returns the reference, if there is one.
 std::optional<Picture> check(Request& request) {
   settle_samples(request.render);
+  settle_default_integrator(request.render);
   check_integrator(request.render);
   check_shutter(request.scene, request.render.settings);
   settle_strict(request.render);
   check_replay(request.render);
+  settle_devices(request.render);
   if (request.render.pixel)
     require_file(request.scene.path);
   else
@@ -176,10 +180,17 @@ std::optional<Picture> check(Request& request) {
   return read_reference(request);
 }
 
+// One of --devices.
+struct OtherDevice {
+  std::unique_ptr<Device> device;
+  std::unique_ptr<KernelCompiler> kernels;
+};
+
 // A scene that is ready to be rendered.
 struct Prepared {
   std::unique_ptr<Device> device;
   std::unique_ptr<KernelCompiler> kernels;
+  std::vector<OtherDevice> others;
   View view;
   PackedScene packed;
   std::uint64_t scene_hash = 0; // where the identity needs it
@@ -197,6 +208,11 @@ Prepared prepare(const Request& request) {
   Prepared prepared;
   prepared.device = std::move(open.device);
   prepared.kernels = std::move(open.kernels);
+  for (const std::string& wanted : request.render.other_devices) {
+    OtherDevice& other = prepared.others.emplace_back();
+    other.device = std::make_unique<Device>(wanted);
+    other.kernels = std::make_unique<KernelCompiler>(*other.device);
+  }
   const DeviceInfo& device = prepared.device->info();
   Scene& scene = open.loaded.scene;
   if (!request.output.quiet) print_light(open.loaded);
@@ -243,7 +259,8 @@ IntegratorChoice settle_integrator(Request& request, Prepared& prepared) {
       choice.settings = *recorded;
     else
       choice = choose_integrator(*prepared.device, prepared.packed, prepared.view, settings, *prepared.kernels);
-    if (!recorded && !request.output.quiet) fmt::print(stderr, "wavepath: {}\n", choice_text(choice));
+    const bool tells = !choice.trials.empty() || is_given(request.render, "integrator");
+    if (!recorded && tells && !request.output.quiet) fmt::print(stderr, "wavepath: {}\n", choice_text(choice));
     settings = choice.settings;
   }
   if (needs_identity(request)) prepared.identity = identity_as(request, prepared, settings);
@@ -263,6 +280,30 @@ int replay(const Request& request, Prepared& prepared) {
   return kExitDone;
 }
 
+// Notes in `true_errors` one for each checkpoint that this run passes.
+std::function<void(const Checkpoint&, const Picture&)> measure_checkpoints(const Picture& reference,
+                                                                           std::vector<TrueError>& true_errors) {
+  return
+      [&](const Checkpoint&, const Picture& picture) { true_errors.push_back(measure_true_error(picture, reference)); };
+}
+
+// Renders on all of --devices.
+SharedResult render_shared(const Request& request, Prepared& prepared, const std::optional<Picture>& reference,
+                           std::vector<TrueError>& true_errors) {
+  std::vector<RenderingDevice> devices{{prepared.device.get(), prepared.kernels.get()}};
+  for (const OtherDevice& other : prepared.others) devices.push_back({other.device.get(), other.kernels.get()});
+  RenderHooks hooks;
+  if (reference) hooks.checkpoint = measure_checkpoints(*reference, true_errors);
+  SharedResult shared = render_shown(request, hooks, [&](const RenderHooks& shown) {
+    return render_by_several(devices, prepared.packed, prepared.view, request.render.settings, shown);
+  });
+  if (!shared.bits_agree)
+    prepared.warnings.add("the devices round differently, so that the last bits of the picture depend on their shares");
+  for (const DeviceShare& share : shared.shares)
+    if (share.lost) prepared.warnings.add(share.name + ": was lost while rendering; the others took over");
+  return shared;
+}
+
 // Renders, from the state of --checkpoint on where --resume asks for it. `true_errors`: one for each checkpoint that
 // this run passes, if there is a reference.
 RenderResult render_prepared(const Request& request, Prepared& prepared, const std::optional<Picture>& reference,
@@ -272,13 +313,13 @@ RenderResult render_prepared(const Request& request, Prepared& prepared, const s
   const std::optional<RenderState> resumed =
       read_resumed(state, request.render.settings, prepared.identity, device, prepared.warnings);
   RenderHooks hooks{.save = state_saver(state, prepared.identity, device, prepared.warnings),
-                    .save_interval = state.interval};
+                    .save_interval = state.interval,
+                    .salvages = true};
   if (resumed) hooks.resume = &*resumed;
-  if (reference)
-    hooks.checkpoint = [&](const Checkpoint&, const Picture& picture) {
-      true_errors.push_back(measure_true_error(picture, *reference));
-    };
-  return render_shown(request, *prepared.device, prepared.packed, prepared.view, *prepared.kernels, hooks);
+  if (reference) hooks.checkpoint = measure_checkpoints(*reference, true_errors);
+  return render_shown(request, hooks, [&](const RenderHooks& shown) {
+    return render(*prepared.device, prepared.packed, prepared.view, request.render.settings, shown, *prepared.kernels);
+  });
 }
 
 bool reports_bias(const Request& request) {
@@ -301,20 +342,27 @@ std::optional<Measured> unless_lost(Prepared& prepared, const std::function<std:
   }
 }
 
-// What the depth costs, where a report tells it. Of integrators whose paths it cuts.
-std::optional<DepthCut> depth_cut(const Request& request, Prepared& prepared, const RenderResult& result) {
-  const RenderSettings& settings = request.render.settings;
-  if (!reports_bias(request) || !settings.integrator->measures_depth_cut || ended_early(result)) return std::nullopt;
-  return unless_lost<DepthCut>(prepared, [&] {
-    return measure_depth_cut(*prepared.device, prepared.packed, prepared.view, settings, *prepared.kernels);
-  });
+// The first device that was not lost, for what is measured after the render.
+RenderingDevice surviving(const Prepared& prepared, const SharedResult* shared) {
+  for (std::size_t i = 1; shared && i < shared->shares.size() && shared->shares.front().lost; ++i)
+    if (!shared->shares[i].lost) return {prepared.others[i - 1].device.get(), prepared.others[i - 1].kernels.get()};
+  return {prepared.device.get(), prepared.kernels.get()};
 }
 
-std::optional<LostLight> lost_light(const Request& request, Prepared& prepared, const RenderResult& result) {
+// What the depth costs, where a report tells it. Of integrators whose paths it cuts.
+std::optional<DepthCut> depth_cut(const Request& request, Prepared& prepared, const RenderResult& result,
+                                  const RenderingDevice& on) {
+  const RenderSettings& settings = request.render.settings;
+  if (!reports_bias(request) || !settings.integrator->measures_depth_cut || ended_early(result)) return std::nullopt;
+  return unless_lost<DepthCut>(
+      prepared, [&] { return measure_depth_cut(*on.device, prepared.packed, prepared.view, settings, *on.kernels); });
+}
+
+std::optional<LostLight> lost_light(const Request& request, Prepared& prepared, const RenderResult& result,
+                                    const RenderingDevice& on) {
   if (!reports_bias(request) || ended_early(result)) return std::nullopt;
   return unless_lost<LostLight>(prepared, [&] {
-    return measure_lost_light(*prepared.device, prepared.packed, prepared.view, request.render.settings,
-                              *prepared.kernels);
+    return measure_lost_light(*on.device, prepared.packed, prepared.view, request.render.settings, *on.kernels);
   });
 }
 
@@ -326,7 +374,7 @@ int finish(const Request& request, Prepared& prepared, Run& run) {
   const Stopwatch writing;
   const std::string mergeable = request.render.mergeable ? prepared.identity : "";
   const PictureInfo info =
-      picture_info(request, prepared.view, prepared.packed, result, device.info(), mergeable, run.bias);
+      picture_info(request, prepared.view, prepared.packed, result, device.info(), mergeable, run.bias, run.shared);
   const std::exception_ptr failure = write_pictures(request, info, result.picture, prepared.warnings);
   run.write_seconds = writing.seconds();
   run.load_seconds = prepared.load_seconds;
@@ -349,6 +397,7 @@ int finish(const Request& request, Prepared& prepared, Run& run) {
         device.info().name,
         fmt::format("was lost while rendering; what is written has the first {} samples a pixel", result.spp),
         request.render.state.file.empty() ? "render with --checkpoint to go on after such an end"
+        : request.render.state.resume     ? "run the same command to go on"
                                           : "add --resume to go on");
   return exit_code(request, result);
 }
@@ -362,12 +411,16 @@ int run_render(Request& request) {
 
   const RenderSettings& settings = request.render.settings;
   std::vector<TrueError> true_errors;
-  RenderResult result = render_prepared(request, prepared, reference, true_errors);
+  std::optional<SharedResult> shared;
+  if (!prepared.others.empty()) shared = render_shared(request, prepared, reference, true_errors);
+  RenderResult result = shared ? std::move(shared->result) : render_prepared(request, prepared, reference, true_errors);
   denoise_if_asked(result, settings);
   Run run{request.scene.path, request.command_line, prepared.device->info(), settings, prepared.packed, result};
   if (!choice.trials.empty()) run.choice = &choice;
-  run.bias = list_bias(settings, prepared.packed, result, depth_cut(request, prepared, result),
-                       lost_light(request, prepared, result));
+  if (shared) run.shared = &*shared;
+  const RenderingDevice on = surviving(prepared, run.shared);
+  run.bias = list_bias(settings, prepared.packed, result, depth_cut(request, prepared, result, on),
+                       lost_light(request, prepared, result, on));
   if (reference && result.denoised) run.denoised_error = measure_true_error(shown_picture(result.picture), *reference);
   run.true_errors = align(std::move(true_errors), result.checkpoints.size());
   run.diagnosis = diagnose(result, run.true_errors, run.bias);
@@ -389,6 +442,7 @@ Command add_render(CLI::App& app, const std::string& command_line) {
   add_view_flags(*command, request->scene.view);
   add_stop_flags(*command, request->render);
   add_transport_flags(*command, kByRender, request->render);
+  add_devices_flag(*command, request->render);
   add_replay_flags(*command, request->render);
   return [request] { return run_render(*request); };
 }

@@ -2,14 +2,19 @@
 #include "host/cli/render_flags.h"
 
 #include <algorithm>
+#include <array>
 #include <limits>
+#include <sstream>
 
 #include <fmt/format.h>
 
 #include "host/base/error.h"
 #include "host/film/oidn.h"
+#include "host/gpu/context.h"
+#include "host/gpu/device_choice.h"
 #include "host/render/settings/antialias_settings.h"
 #include "host/render/settings/denoising.h"
+#include "host/render/settings/integrator_kind.h"
 #include "host/render/settings/mips.h"
 #include "host/render/settings/settings_table.h"
 
@@ -130,6 +135,42 @@ void add_device_flag(CLI::App& app, RenderRequest& request, const char* heading)
            [&](const FlagValue& value) { request.device = value.text; });
 }
 
+void add_devices_flag(CLI::App& app, RenderRequest& request) {
+  add_flag(app, kTransport,
+           {"--devices", "LIST|all", "several devices render one picture: as for --device, separated by commas", "one"},
+           [&](const FlagValue& value) { request.devices = value.text; });
+}
+
+void settle_devices(RenderRequest& request) {
+  if (request.devices.empty()) return;
+  const auto refuse = [&](bool given, const char* flag, const char* why) {
+    if (given)
+      throw UsageError("--devices", fmt::format("does not go with {}, {}", flag, why), "leave out one of them");
+  };
+  refuse(!request.device.empty(), "--device", "which names one");
+  refuse(!request.state.file.empty(), "--checkpoint", "whose state is that of one device");
+  refuse(request.settings.adaptive, "--adaptive", "whose samples are not shared out evenly");
+  refuse(request.pixel.has_value(), "--pixel", "which renders one path");
+  const std::vector<DeviceInfo> known = list_devices();
+  std::vector<std::string> wanted;
+  if (request.devices == "all") {
+    const auto usable = [&](bool cpu) {
+      for (std::size_t i = 0; i < known.size(); ++i)
+        if (known[i].missing.empty() && (known[i].type == "cpu") == cpu) wanted.push_back(std::to_string(i));
+    };
+    usable(false);
+    if (wanted.empty()) usable(true);         // beside a GPU a CPU would have to be waited for
+    if (wanted.empty()) wanted.push_back(""); // says what is missing
+  } else {
+    std::istringstream list(request.devices);
+    for (std::string one; std::getline(list, one, ',');)
+      if (!one.empty()) wanted.push_back(std::to_string(choose_device(known, one)));
+    if (wanted.empty()) throw UsageError("--devices", "names no device", "write --devices 0,1 or --devices all");
+  }
+  request.device = wanted.front();
+  request.other_devices.assign(wanted.begin() + 1, wanted.end());
+}
+
 void add_picture_flags(CLI::App& app, Offer command, RenderRequest& request) {
   add_settings(app, command, SettingGroup::picture, request);
   add_flag(app, kHeadings[static_cast<std::size_t>(SettingGroup::picture)],
@@ -139,7 +180,10 @@ void add_picture_flags(CLI::App& app, Offer command, RenderRequest& request) {
 }
 
 void add_transport_flags(CLI::App& app, Offer command, RenderRequest& request) {
-  add_settings(app, command, SettingGroup::transport, request);
+  constexpr std::array kOfRender = {
+      Wording{.name = "integrator", .initial = "auto, or path where a flag asks for what auto leaves out"}};
+  add_settings(app, command, SettingGroup::transport, request,
+               command == kByRender ? std::span<const Wording>(kOfRender) : std::span<const Wording>());
   add_bvh_flag(app, request);
   add_device_flag(app, request);
   add_settings(app, command, SettingGroup::special, request);
@@ -220,6 +264,21 @@ void settle_samples(RenderRequest& request) {
   settings.sample_total = 0;
 }
 
+void settle_default_integrator(RenderRequest& request) {
+  RenderSettings& settings = request.settings;
+  const IntegratorKind& automatic = *find_integrator("auto");
+  const bool lone_part = is_given(request, "samples") && settings.sample_total == 0;
+  const bool refuses_flag = std::ranges::any_of(settings_table(), [&](const Setting& row) {
+    return row.takers == Takers::listed_else_refused && !is_taken(row, automatic) && !is_default(row, settings);
+  });
+  const bool refuses_aov = std::ranges::any_of(settings.aovs, [&](const std::string& aov) {
+    return !aov_takers_text(aov).empty() && std::ranges::count(automatic.aovs, aov) == 0;
+  });
+  const bool replays = request.pixel.has_value() && !takes(automatic, "pixel");
+  if (is_given(request, "integrator") || lone_part || refuses_flag || refuses_aov || replays) return;
+  settings.integrator = &automatic;
+}
+
 void check_integrator(const RenderRequest& request) {
   const RenderSettings& settings = request.settings;
   const IntegratorKind& kind = *settings.integrator;
@@ -240,12 +299,13 @@ void check_integrator(const RenderRequest& request) {
                      settings.denoise      ? "leave out --denoise"
                      : uses_mips(settings) ? "use --integrator path, or --max-depth 1 --mips off for direct light"
                                            : "use --integrator path, or --max-depth 1 for direct light");
-  if (settings.denoise != kDenoiseOff && !denoises_film(settings) && (request.mergeable || !request.state.file.empty()))
-    throw UsageError("--denoise", "makes every sample depend on those before, and no file keeps that history",
-                     "leave it out, or --checkpoint, --samples and --mergeable");
-  if (settings.antialias == kAntialiasTaaName && (request.mergeable || !request.state.file.empty()))
-    throw UsageError("--antialias taa", "makes every sample depend on those before, and no file keeps that history",
-                     "leave it out, or --checkpoint, --samples and --mergeable");
+  const bool splits = request.mergeable || !request.state.file.empty() || !request.devices.empty();
+  const auto refuse_history = [](const char* flag) {
+    throw UsageError(flag, "makes every sample depend on those before, and no file keeps that history",
+                     "leave it out, or --checkpoint, --samples, --mergeable and --devices");
+  };
+  if (splits && settings.denoise != kDenoiseOff && !denoises_film(settings)) refuse_history("--denoise");
+  if (splits && settings.antialias == kAntialiasTaaName) refuse_history("--antialias taa");
   if (request.strict && denoises_film(settings))
     throw UsageError("--denoise", "is biased, which --strict refuses", "leave out --denoise");
   if (settings.denoise != kDenoiseOidn) return;

@@ -35,7 +35,9 @@ struct RenderRequest {
   std::vector<std::string_view> given; // names of the settings that the command line has
   std::optional<bvh::Quality> bvh;     // empty = chosen from the number of rays
   std::string device;
-  std::optional<glm::dvec3> origin; // empty = the eye
+  std::string devices;                    // as --devices has it; empty = one
+  std::vector<std::string> other_devices; // that it means, beside `device`
+  std::optional<glm::dvec3> origin;       // empty = the eye
   bool strict = false;
   bool mergeable = false; // .exr outputs hold the exact sums
   StateRequest state;
@@ -49,6 +51,10 @@ struct RenderRequest {
 std::vector<std::string> spelled_out(std::vector<std::string> words);
 
 bool is_given(const RenderRequest& request, std::string_view setting);
+
+// What --devices means: sets `device` and `other_devices`. Throws Error if there is no such device, and UsageError
+// where the render cannot be shared out.
+void settle_devices(RenderRequest& request);
 
 // What a command says otherwise about a setting than the table does.
 struct Wording {
@@ -70,6 +76,7 @@ void add_stop_flags(CLI::App& app, RenderRequest& request); // of `render`
 
 void add_bvh_flag(CLI::App& app, RenderRequest& request);
 void add_device_flag(CLI::App& app, RenderRequest& request, const char* heading = nullptr);
+void add_devices_flag(CLI::App& app, RenderRequest& request);
 void add_replay_flags(CLI::App& app, RenderRequest& request);
 void add_output_flags(CLI::App& app, OutputRequest& request);
 // Which files, and how they are written. `initial`: what is written if none is named, for the help.
@@ -80,6 +87,11 @@ void add_tone_flags(CLI::App& app, WriteOptions& options);
 void settle_samples(RenderRequest& request);
 // Leaves out what --strict refuses. Throws UsageError where a flag has asked for it.
 void settle_strict(RenderRequest& request);
+
+// To be called after it, by commands that render a whole picture: without --integrator, `auto`. But `path` where a flag
+// asks for what `auto` leaves out; and where parts of a render do not know its --spp, because they might choose each
+// its own.
+void settle_default_integrator(RenderRequest& request);
 
 // To be called after it. Throws UsageError for settings and flags that the chosen integrator does not take.
 void check_integrator(const RenderRequest& request);

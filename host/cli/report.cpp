@@ -52,6 +52,9 @@ void print_shadows(const ShadowReport& shadows) {
 void print_details(const Run& run) {
   const RenderResult& result = run.result;
   fmt::print(stderr, "  device      {} ({}, {})\n", run.device.name, run.device.driver, run.device.type);
+  for (const DeviceShare& share : run.shared ? run.shared->shares : std::vector<DeviceShare>{})
+    fmt::print(stderr, "  shares      {}: {} samples in {:.2f} s{}\n", share.name, share.samples(), share.seconds,
+               share.lost ? ", then lost" : "");
   fmt::print(stderr, "  scene       {} triangles, {} lights\n", run.packed.triangle_count, run.packed.lights.size());
   fmt::print(stderr, "  memory      {} on the device at most: scene {}, BVH {}, paths {}, film {}\n",
              to_size_text(run.peak_bytes), to_size_text(result.memory.scene), to_size_text(result.memory.bvh),

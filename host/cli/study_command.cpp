@@ -206,6 +206,9 @@ int run_study_command(const CLI::App& app, Request& request) {
       return !interrupted();
     });
   }();
+  if (study.series.empty())
+    throw Error(request.scene.path, "no configuration could be measured: " + study.unfit.front().why,
+                "ask for smaller maps or other techniques, or choose another device");
   if (study.series.front().points.empty()) return kExitInterrupted;
   const auto now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
   const StudyRecord record{request.scene.path,

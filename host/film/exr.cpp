@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <exception>
+#include <functional>
+#include <iterator>
 #include <thread>
 
 #include <Imath/half.h>
@@ -27,6 +29,7 @@
 #include "host/base/read_file.h"
 #include "host/film/film.h"
 #include "host/film/picture_format.h"
+#include "host/images/exr_planes.h"
 #include "kernels/film/film_types.h"
 #include "kernels/frame_types.h"
 
@@ -211,12 +214,6 @@ std::vector<std::vector<Imath::half>> to_half(const Picture& picture, std::uint6
   return halves;
 }
 
-// The place of a channel in the picture: R G B A, then by name.
-std::pair<std::size_t, std::string> rank(const std::string& name) {
-  const std::size_t place = name.size() == 1 ? std::string("RGBA").find(name) : std::string::npos;
-  return {place, name};
-}
-
 // What `read` finds in the header of an EXR; nothing if the file is none, because reading the picture itself says what
 // is wrong.
 template <class Read>
@@ -282,33 +279,21 @@ std::uint64_t write_exr(const std::string& path, const Picture& picture, const P
 }
 
 Picture read_exr(const std::string& path) try {
-  Imf::InputFile input(path.c_str());
-  const Imath::Box2i window = input.header().dataWindow();
   Picture picture;
-  picture.width = static_cast<std::uint32_t>(window.max.x - window.min.x + 1);
-  picture.height = static_cast<std::uint32_t>(window.max.y - window.min.y + 1);
-  const std::uint64_t pixel_count = static_cast<std::uint64_t>(picture.width) * picture.height;
-
   std::vector<std::string> names;
-  const Imf::ChannelList& channels = input.header().channels();
-  for (auto channel = channels.begin(); channel != channels.end(); ++channel) {
-    if (channel.channel().xSampling != 1 || channel.channel().ySampling != 1)
-      throw Error(path, fmt::format("channel {} is subsampled", channel.name()), "save it at full resolution");
-    if (!is_film_channel(channel.name())) names.emplace_back(channel.name());
-  }
-  std::sort(names.begin(), names.end(), [](const auto& a, const auto& b) { return rank(a) < rank(b); });
-  if (pixel_count > kMostPixels) throw Error(path, "claims more pixels than can be read", "check that it is intact");
-  require_memory(path, "reading it", pixel_count * names.size() * sizeof(float), "use a smaller picture");
-
-  Imf::FrameBuffer pixels;
-  for (const std::string& name : names) picture.channels.push_back({name, std::vector<float>(pixel_count)});
-  for (const Channel& channel : picture.channels)
-    pixels.insert(channel.name, Imf::Slice::Make(Imf::FLOAT, channel.values.data(), window));
-  input.setFrameBuffer(pixels);
-  input.readPixels(window.min.y, window.max.y);
+  std::vector<std::vector<float>> planes = read_exr_planes(path, [&](const ExrShape& shape) {
+    std::ranges::copy_if(shape.channels, std::back_inserter(names), std::not_fn(is_film_channel));
+    const std::uint64_t pixel_count = std::uint64_t{shape.width} * shape.height;
+    if (pixel_count > kMostPixels) throw Error(path, "claims more pixels than can be read", "check that it is intact");
+    require_memory(path, "reading it", pixel_count * names.size() * sizeof(float), "use a smaller picture");
+    picture.width = shape.width;
+    picture.height = shape.height;
+    return names;
+  });
+  for (std::size_t i = 0; i < names.size(); ++i) picture.channels.push_back({names[i], std::move(planes[i])});
   return picture;
-} catch (...) {
-  explain_reading(path);
+} catch (const ImageError& error) {
+  throw Error(path, error.what(), "check that it is a complete EXR file of full resolution");
 }
 
 std::optional<double> read_number(const std::string& path, const std::string& name) {

@@ -1,40 +1,32 @@
-// Formats other than EXR by OpenImageIO, encoded in memory and then written atomically.
+// Formats other than EXR are encoded in memory and then written atomically.
 #include "host/film/picture_io.h"
 
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
 
-#include <OpenImageIO/filesystem.h>
-#include <OpenImageIO/imageio.h>
-#include <fmt/format.h>
-
 #include "host/base/atomic_file.h"
 #include "host/base/error.h"
 #include "host/base/memory.h"
+#include "host/base/read_file.h"
 #include "host/film/exposure.h"
+#include "host/images/decode.h"
+#include "host/images/jpeg.h"
+#include "host/images/png.h"
+#include "host/images/radiance.h"
 
 namespace wavepath {
 namespace {
 
-// Encodes interleaved RGB to the bytes of a file whose format the extension of `path` names.
-template <class T>
-void write_encoded(const std::string& path, const Picture& picture, OIIO::TypeDesc type, const std::vector<T>& rgb) {
-  OIIO::ImageSpec spec(static_cast<int>(picture.width), static_cast<int>(picture.height), 3, type);
-  spec.attribute("oiio:ColorSpace", type == OIIO::TypeDesc::UINT8 ? "sRGB" : "Linear");
-  if (picture_format(path) == PictureFormat::jpg) {
-    spec.attribute("Compression", "jpeg:95");
-    spec.attribute("jpeg:subsampling", "4:4:4"); // colours at full resolution
-  }
+using Encode = std::vector<std::uint8_t> (*)(const DecodedImage&);
 
-  std::vector<unsigned char> bytes;
-  OIIO::Filesystem::IOVecOutput memory(bytes);
-  const auto output = OIIO::ImageOutput::create(path);
-  const bool encoded = output && output->set_ioproxy(&memory) && output->open(path, spec) &&
-                       output->write_image(type, rgb.data()) && output->close();
-  if (!encoded)
-    throw Error(path, fmt::format("OpenImageIO cannot encode it ({})", output ? output->geterror() : OIIO::geterror()),
-                "choose another size or format");
+void write_encoded(const std::string& path, const DecodedImage& image, Encode encode) {
+  std::vector<std::uint8_t> bytes;
+  try {
+    bytes = encode(image);
+  } catch (const ImageError& error) {
+    throw Error(path, error.what(), "choose another size or format");
+  }
   AtomicFile file(path);
   file.write(bytes.data(), bytes.size());
   file.commit();
@@ -47,72 +39,80 @@ std::vector<float> interleave(const Picture& picture) {
   return rgb;
 }
 
-// Rounds a colour to what shared-exponent bytes hold: 8 bits of the brightest channel. The encoder truncates, which
-// would darken the picture by a fifth of a percent on average.
-glm::vec3 round_to_shared_exponent(glm::vec3 color) {
-  int exponent = 0;
-  const float mantissa = std::frexp(std::max({color.x, color.y, color.z}), &exponent);
-  if (std::round(256.0f * mantissa) == 256.0f) ++exponent; // rounds up to the next power of two
-  for (int c = 0; c < 3; ++c) color[c] = std::ldexp(std::round(std::ldexp(color[c], 8 - exponent)), exponent - 8);
-  return color;
-}
-
 // The format ends at 2^127 and has no negative values.
 std::uint64_t write_hdr(const std::string& path, const Picture& picture) {
   constexpr float kLargest = 1.6e38f;
   std::uint64_t clamped = 0;
-  std::vector<float> rgb = interleave(picture);
-  for (std::size_t i = 0; i < rgb.size(); i += 3) {
-    glm::vec3 kept;
-    for (int c = 0; c < 3; ++c) {
-      const float value = rgb[i + static_cast<std::size_t>(c)];
-      kept[c] = value > 0.0f ? std::min(value, kLargest) : 0.0f;
-      clamped += !(kept[c] == value);
-    }
-    kept = round_to_shared_exponent(kept);
-    for (int c = 0; c < 3; ++c) rgb[i + static_cast<std::size_t>(c)] = kept[c];
+  DecodedImage image{
+      .shape = {picture.width, picture.height, 3}, .bytes = {}, .words = {}, .floats = interleave(picture)};
+  for (float& value : image.floats) {
+    const float kept = value > 0.0f ? std::min(value, kLargest) : 0.0f;
+    clamped += !(kept == value);
+    value = kept;
   }
-  write_encoded(path, picture, OIIO::TypeDesc::FLOAT, rgb);
+  write_encoded(path, image, encode_radiance);
   return clamped;
 }
 
-void write_display(const std::string& path, const Picture& picture, const WriteOptions& options) {
+void write_display(const std::string& path, const Picture& picture, const WriteOptions& options, Encode encode) {
   const float scale = static_cast<float>(std::exp2(exposure_of(picture, options)));
   const std::array<const Channel*, 3> channels = shown_channels(picture);
-  std::vector<std::uint8_t> rgb(3 * picture.channels[0].values.size());
-  for (std::size_t i = 0; i < rgb.size() / 3; ++i) {
+  DecodedImage image{.shape = {picture.width, picture.height, 3}, .bytes = {}, .words = {}, .floats = {}};
+  image.bytes.resize(3 * picture.channels[0].values.size());
+  for (std::size_t i = 0; i < image.bytes.size() / 3; ++i) {
     const glm::vec3 radiance(channels[0]->values[i], channels[1]->values[i], channels[2]->values[i]);
     const glm::vec3 shown = tonemap(options.tonemap, scale * radiance);
     for (int c = 0; c < 3; ++c)
-      rgb[3 * i + static_cast<std::size_t>(c)] = static_cast<std::uint8_t>(std::lround(255.0f * to_srgb(shown[c])));
+      image.bytes[3 * i + static_cast<std::size_t>(c)] =
+          static_cast<std::uint8_t>(std::lround(255.0f * to_srgb(shown[c])));
   }
-  write_encoded(path, picture, OIIO::TypeDesc::UINT8, rgb);
+  write_encoded(path, image, encode);
+}
+
+// Sample `i` as radiance: linear values as they are, others decoded from sRGB.
+float to_linear(const DecodedImage& image, std::size_t i) {
+  static const std::array<float, 256> kLinear = [] {
+    std::array<float, 256> linear;
+    for (std::size_t byte = 0; byte < linear.size(); ++byte)
+      linear[byte] = from_srgb(static_cast<float>(byte) * (1.0f / 255.0f));
+    return linear;
+  }();
+  if (!image.bytes.empty()) return kLinear[image.bytes[i]];
+  return image.words.empty() ? image.floats[i] : from_srgb(static_cast<float>(image.words[i]) * (1.0f / 65535.0f));
+}
+
+// Alpha is stored as it is, and colours are not yet multiplied by it.
+float alpha_of(const DecodedImage& image, std::size_t i) {
+  return image.bytes.empty() ? static_cast<float>(image.words[i]) * (1.0f / 65535.0f)
+                             : static_cast<float>(image.bytes[i]) * (1.0f / 255.0f);
 }
 
 Picture read_encoded(const std::string& path) {
-  const auto input = OIIO::ImageInput::open(path);
-  if (!input)
-    throw Error(path, fmt::format("cannot be read ({})", OIIO::geterror()), "check that it is a complete picture");
-  const OIIO::ImageSpec& spec = input->spec();
-  Picture picture;
-  picture.width = static_cast<std::uint32_t>(spec.width);
-  picture.height = static_cast<std::uint32_t>(spec.height);
-  const std::size_t pixel_count = static_cast<std::size_t>(picture.width) * picture.height;
-  const std::size_t stored = static_cast<std::size_t>(spec.nchannels);
-  require_memory(path, "reading it", pixel_count * (stored + 3) * sizeof(float), "use a smaller picture");
-
-  std::vector<float> values(pixel_count * stored);
-  if (!input->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, values.data()))
-    throw Error(path, fmt::format("cannot be decoded ({})", input->geterror()), "check that it is a complete picture");
-  const bool encoded = !spec.format.is_floating_point();
+  const std::optional<std::vector<std::uint8_t>> file = read_whole_file(path);
+  if (!file) throw Error(path, "cannot be read", "check the name and its permissions");
+  const std::optional<FileFormat> format = file_format(*file);
+  if (!format)
+    throw Error(path, "is no picture of a format that can be read", "give a .exr, .hdr, .png, .jpg or .webp picture");
+  DecodedImage image;
+  try {
+    image = decode(*format, *file, [&](const ImageShape& shape) {
+      const std::uint64_t sample_bytes = *format == FileFormat::radiance ? sizeof(float) : sizeof(std::uint16_t);
+      require_memory(path, "reading it", shape.pixels() * (shape.channels * sample_bytes + 3 * sizeof(float)),
+                     "use a smaller picture");
+    });
+  } catch (const ImageError& error) {
+    throw Error(path, error.what(), "check that it is a complete picture");
+  }
+  Picture picture{image.shape.width, image.shape.height, {}};
+  const std::size_t stored = image.shape.channels;
+  const bool has_alpha = stored == 2 || stored == 4;
   for (std::size_t c = 0; c < 3; ++c) {
-    Channel& channel =
-        picture.channels.emplace_back(Channel{std::string(1, "RGB"[c]), std::vector<float>(pixel_count)});
-    const std::size_t source = stored >= 3 ? c : 0;
-    for (std::size_t i = 0; i < pixel_count; ++i) {
-      const float value = values[i * stored + source];
-      channel.values[i] = encoded ? from_srgb(value) : value;
+    std::vector<float> values(image.shape.pixels());
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      values[i] = to_linear(image, i * stored + (stored >= 3 ? c : 0));
+      if (has_alpha) values[i] *= alpha_of(image, i * stored + stored - 1);
     }
+    picture.channels.push_back({std::string(1, "RGB"[c]), std::move(values)});
   }
   return picture;
 }
@@ -125,7 +125,7 @@ std::uint64_t write_picture(const std::string& path, const Picture& picture, con
   if (!format) throw Error(path, "has no extension that names a picture format", "end it in .exr, .hdr, .png or .jpg");
   if (*format == PictureFormat::exr) return write_exr(path, picture, info, options.half);
   if (*format == PictureFormat::hdr) return write_hdr(path, picture);
-  write_display(path, picture, options);
+  write_display(path, picture, options, *format == PictureFormat::png ? encode_png : encode_jpeg);
   return 0;
 }
 

@@ -60,13 +60,17 @@ bool validation_wanted() {
 }
 
 // A CPU driver that poses as a discrete GPU takes every choice that a GPU would get: staging for all copies, a stack in
-// an array, a large pool of paths, generic kernels first. Tests reach that code on machines without a GPU.
-bool pose_wanted() {
+// an array, a large pool of paths, generic kernels first. A device may also pose as one whose texel buffers are as
+// small as Vulkan lets them be. Tests reach that code on machines without such devices.
+enum class Pose { none, discrete, few_texels };
+
+Pose pose_wanted() {
   const char* value = std::getenv("WAVEPATH_POSE");
-  if (value == nullptr || *value == '\0') return false;
-  if (std::strcmp(value, "discrete") != 0)
-    throw Error("WAVEPATH_POSE", fmt::format("unknown value '{}'", value), "set it to discrete or unset it");
-  return true;
+  if (value == nullptr || *value == '\0') return Pose::none;
+  if (std::strcmp(value, "discrete") == 0) return Pose::discrete;
+  if (std::strcmp(value, "few-texels") == 0) return Pose::few_texels;
+  throw Error("WAVEPATH_POSE", fmt::format("unknown value '{}'", value),
+              "set it to discrete or few-texels, or unset it");
 }
 
 bool layer_present(const char* name) {
@@ -174,12 +178,15 @@ QueueFamily choose_family(VkPhysicalDevice physical) {
   return chosen;
 }
 
-DeviceInfo describe(VkPhysicalDevice physical, bool pose) {
+constexpr std::uint32_t kFewestTexels = 1u << 16; // of a texel buffer, as Vulkan guarantees;
+constexpr std::uint32_t kUsualTexels = 1u << 27;  // and as drivers of GPUs have them at least
+
+DeviceInfo describe(VkPhysicalDevice physical, Pose pose) {
   VkPhysicalDeviceProperties base{};
   vkGetPhysicalDeviceProperties(physical, &base);
   DeviceInfo info;
   info.name = base.deviceName;
-  const bool posing = pose && base.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
+  const bool posing = pose == Pose::discrete && base.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
   info.type = type_name(posing ? VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU : base.deviceType);
   info.api = fmt::format("{}.{}.{}", VK_API_VERSION_MAJOR(base.apiVersion), VK_API_VERSION_MINOR(base.apiVersion),
                          VK_API_VERSION_PATCH(base.apiVersion));
@@ -200,7 +207,10 @@ DeviceInfo describe(VkPhysicalDevice physical, bool pose) {
   info.subgroup_size = core11.subgroupSize;
   info.max_allocation = core11.maxMemoryAllocationSize;
   info.max_storage_range = limits.maxStorageBufferRange - kBufferPadding;
-  info.max_texel_elements = limits.maxTexelBufferElements - kBufferPadding / sizeof(std::uint32_t);
+  const std::uint32_t texels = pose == Pose::few_texels ? kFewestTexels : limits.maxTexelBufferElements;
+  info.max_texel_elements = texels - kBufferPadding / sizeof(std::uint32_t);
+  info.has_few_texels = texels < kUsualTexels;
+  info.max_storage = limits.maxPerStageDescriptorStorageBuffers;
   info.max_sampled = limits.maxPerStageDescriptorSampledImages;
   info.max_groups = limits.maxComputeWorkGroupCount[0];
 
@@ -222,7 +232,7 @@ DeviceInfo describe(VkPhysicalDevice physical, bool pose) {
   if (!(core11.subgroupSupportedStages & VK_SHADER_STAGE_COMPUTE_BIT) ||
       !(core11.subgroupSupportedOperations & VK_SUBGROUP_FEATURE_BALLOT_BIT))
     info.missing.push_back("subgroup ballot in compute shaders");
-  if (limits.maxPerStageDescriptorStorageBuffers < 16) info.missing.push_back("16 storage buffers a stage");
+  if (info.max_storage < 16) info.missing.push_back("16 storage buffers a stage");
   if (info.max_sampled < 21) info.missing.push_back("21 texel buffers a stage");
   return info;
 }
@@ -241,7 +251,7 @@ void check(VkResult result, const char* what) {
 }
 
 std::vector<DeviceInfo> list_devices() {
-  const bool pose = pose_wanted();
+  const Pose pose = pose_wanted();
   VkInstance instance = VK_NULL_HANDLE;
   try {
     instance = create_instance(false);
@@ -258,21 +268,35 @@ std::uint32_t Context::validation_messages() { return validation_message_count; 
 
 // WAVEPATH_LOSE_DEVICE=N.
 std::uint64_t Context::submissions_of_test() {
+  static std::atomic<std::uint64_t> opened = 0;
+  const std::uint64_t number = opened++;
   const char* value = std::getenv("WAVEPATH_LOSE_DEVICE");
-  return value && *value ? std::strtoull(value, nullptr, 10) : ~std::uint64_t{0};
+  if (!value || !*value) return ~std::uint64_t{0};
+  const char* which = std::strchr(value, '@');
+  if (which && std::strtoull(which + 1, nullptr, 10) != number) return ~std::uint64_t{0};
+  return std::strtoull(value, nullptr, 10);
 }
 
 VkResult Context::submit(const VkSubmitInfo2& work, VkFence fence) {
   const std::lock_guard lock(queue_mutex_);
-  if (submissions_left_ == 0) return VK_ERROR_DEVICE_LOST;
+  if (submissions_left_ == 0 || gone_) return VK_ERROR_DEVICE_LOST;
   --submissions_left_;
   return vkQueueSubmit2(queue_, 1, &work, fence);
 }
 
-VkResult Context::wait(VkFence fence) const { return vkWaitForFences(device_, 1, &fence, VK_TRUE, kLongestWait); }
+// In slices: a process that was stopped for hours and goes on has waited for one of them.
+VkResult Context::wait(VkFence fence) const {
+  if (gone_) return VK_ERROR_DEVICE_LOST;
+  VkResult result = VK_TIMEOUT;
+  for (std::uint64_t waited = 0; result == VK_TIMEOUT && waited < kLongestWait; waited += kWaitSlice)
+    result = vkWaitForFences(device_, 1, &fence, VK_TRUE, kWaitSlice);
+  if (result == VK_TIMEOUT || result == VK_ERROR_DEVICE_LOST) gone_ = true;
+  return result;
+}
 
 Context::Context(const std::string& wanted, std::span<const char* const> window_extensions, DeviceUse use) : use_(use) {
-  const bool validation = validation_wanted(), pose = pose_wanted();
+  const bool validation = validation_wanted();
+  const Pose pose = pose_wanted();
   instance_ = create_instance(validation, window_extensions);
   try {
     if (validation) {
@@ -315,7 +339,7 @@ Context::Context(const std::string& wanted, std::span<const char* const> window_
     }
     VkPhysicalDeviceFeatures supported{}, core10{};
     vkGetPhysicalDeviceFeatures(physical_, &supported);
-    core10.robustBufferAccess = validation && supported.robustBufferAccess; // a slip reads zeros, not other memory
+    core10.robustBufferAccess = validation && supported.robustBufferAccess; // a slip does not reach foreign memory
     VkDeviceCreateInfo info{VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO};
     info.pNext = &core13;
     info.pEnabledFeatures = &core10;

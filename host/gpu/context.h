@@ -1,6 +1,7 @@
 // A Vulkan 1.3 device, chosen and checked, with one queue for compute, which also rasterizes where such a queue exists.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <mutex>
@@ -35,10 +36,11 @@ public:
   // `wanted`: as choose_device() takes it (host/gpu/device_choice.h), whose Errors it throws.
   // `window_extensions`: instance extensions that a window needs; with any, the device can also fill swapchains.
   // Environment: WAVEPATH_VALIDATION=1 turns the validation layer on, synchronization validation included.
-  // With it, buffers that are read outside their bounds give zeros, where the device can do that.
-  // WAVEPATH_LOSE_DEVICE=N, for tests, has the device be lost after N submissions.
-  // WAVEPATH_POSE=discrete, for tests, has a CPU device report type "discrete" and treat its memory as not mappable.
-  // DeviceUse::compile wants VK_KHR_pipeline_executable_properties, and throws Error where the driver lacks it.
+  // With it, reads outside of a buffer do not reach foreign memory, where the device can do that.
+  // WAVEPATH_LOSE_DEVICE=N, for tests, has the device be lost after N submissions; N@K, the one that this process
+  // opened after K others. WAVEPATH_POSE=discrete, for tests, has a CPU device report type "discrete" and treat its
+  // memory as not mappable; WAVEPATH_POSE=few-texels has any device report the smallest texel buffers that Vulkan
+  // allows. DeviceUse::compile wants VK_KHR_pipeline_executable_properties, and throws Error where the driver lacks it.
   explicit Context(const std::string& wanted = "", std::span<const char* const> window_extensions = {},
                    DeviceUse use = DeviceUse::run);
   ~Context();
@@ -76,7 +78,7 @@ public:
   static std::uint32_t validation_messages();
 
 private:
-  static constexpr std::uint64_t kLongestWait = 600'000'000'000; // nanoseconds
+  static constexpr std::uint64_t kLongestWait = 600'000'000'000, kWaitSlice = 10'000'000'000; // nanoseconds
 
   void release();
   static std::uint64_t submissions_of_test();
@@ -95,6 +97,7 @@ private:
   std::mutex queue_mutex_, memory_mutex_;
   std::uint64_t memory_now_ = 0, memory_peak_ = 0, memory_displaced_ = 0;
   std::uint64_t submissions_left_ = submissions_of_test();
+  mutable std::atomic<bool> gone_ = false; // a wait has found the device lost, or silent; nobody waits for it again
 };
 
 } // namespace wavepath

@@ -22,6 +22,16 @@ std::string lower(std::string text) {
   return text;
 }
 
+bool has_number(const std::string& name, const std::string& number) {
+  const auto is_digit = [&](std::size_t at) {
+    return at < name.size() && std::isdigit(static_cast<unsigned char>(name[at]));
+  };
+  if (number.size() < 3) return false;
+  for (std::size_t at = name.find(number); at != std::string::npos; at = name.find(number, at + 1))
+    if (!(at > 0 && is_digit(at - 1)) && !is_digit(at + number.size())) return true;
+  return false;
+}
+
 } // namespace
 
 std::size_t choose_device(const std::vector<DeviceInfo>& devices, const std::string& wanted) {
@@ -31,14 +41,17 @@ std::size_t choose_device(const std::vector<DeviceInfo>& devices, const std::str
   for (std::size_t i = 0; i < devices.size(); ++i) known += fmt::format("{}{} = {}", i ? ", " : "", i, devices[i].name);
 
   std::size_t chosen = devices.size();
-  // A number that is no index may be part of a name, as of an "Arc A770".
+  // A number that is no index may be part of a name, as of an "Arc A770": all of a number there, of three digits or
+  // more.
   const bool is_number = !wanted.empty() && std::all_of(wanted.begin(), wanted.end(), ::isdigit) && wanted.size() < 6;
   const bool is_index = is_number && std::stoul(wanted) < devices.size();
   for (std::size_t i = 0; i < devices.size(); ++i) {
     if (wanted.empty()) {
       const bool better = chosen == devices.size() || preference(devices[i]) > preference(devices[chosen]);
       if (devices[i].missing.empty() && better) chosen = i;
-    } else if (is_index ? std::stoul(wanted) == i : lower(devices[i].name).find(lower(wanted)) != std::string::npos) {
+    } else if (is_index    ? std::stoul(wanted) == i
+               : is_number ? has_number(devices[i].name, wanted)
+                           : lower(devices[i].name).find(lower(wanted)) != std::string::npos) {
       chosen = i;
       break;
     }

@@ -18,11 +18,18 @@ struct DeviceInfo {
   std::uint64_t max_storage_range = 0, max_texel_elements = 0, max_allocation = 0;
   std::uint32_t max_groups = 0;
   std::uint32_t max_sampled = 0;     // texel buffers and images of a shader
+  std::uint32_t max_storage = 0;     // storage buffers of a shader
   double timestamp_period_ns = 0.0;  // 0 = the queue has no timestamps
   std::uint32_t timestamp_bits = 64; // that count; above them timestamps hold nothing
   bool rasterizes = false;           // its queue takes graphics work as well
   // llvmpipe (Mesa 22.3): once anything was rasterized, a timestamp is taken at the next flush, which a barrier causes.
   bool timestamps_need_flush = false;
+  // Scenes do not fit into its texel buffers: kernels read theirs as storage blocks (texels_as_storage.h).
+  bool has_few_texels = false;
+  // Texels of that size in a binding, where there is room for their storage block.
+  std::uint64_t max_texels(std::uint64_t bytes) const {
+    return has_few_texels ? max_storage_range / bytes : max_texel_elements;
+  }
   std::vector<std::string> missing;
 };
 

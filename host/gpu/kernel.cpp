@@ -40,20 +40,6 @@ Format texel_format(BindingKind kind) {
   }
 }
 
-// Drivers cut off a binding beyond the device's limits without a message, so it is refused.
-void check_limits(const DeviceInfo& info, const Binding& binding) {
-  if (binding.kind == BindingKind::sampled_image) return;
-  const std::uint64_t bytes = binding.buffer->bytes();
-  const bool texels = descriptor_type(binding.kind) == VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER;
-  const std::uint64_t limit =
-      texels ? info.max_texel_elements * texel_format(binding.kind).bytes : info.max_storage_range;
-  if (bytes > limit)
-    throw Error(
-        info.name,
-        fmt::format("a buffer of {:.0f} MiB exceeds its limit of {:.0f} MiB", bytes / 1048576.0, limit / 1048576.0),
-        "use a smaller scene or --size, or another device");
-}
-
 // Texel buffers and images share one limit of a stage.
 void check_count(const DeviceInfo& info, std::span<const Binding> bindings) {
   const auto sampled = static_cast<std::uint32_t>(std::count_if(bindings.begin(), bindings.end(), [](const Binding& b) {
@@ -71,9 +57,10 @@ BindingLayout::BindingLayout(Device& device, std::span<const Binding> bindings, 
                              VkShaderStageFlags stages)
     : device_(&device), push_constant_bytes_(push_constant_bytes), stages_(stages | VK_SHADER_STAGE_COMPUTE_BIT) {
   check_count(device.info(), bindings);
+  choose_storage_texels(bindings);
   std::vector<VkDescriptorSetLayoutBinding> slots;
   for (const Binding& binding : bindings)
-    slots.push_back({binding.slot, descriptor_type(binding.kind), 1, stages_, nullptr});
+    if (const auto type = type_of(binding)) slots.push_back({binding.slot, *type, 1, stages_, nullptr});
   VkDescriptorSetLayoutCreateInfo set_info{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO};
   set_info.bindingCount = static_cast<std::uint32_t>(slots.size());
   set_info.pBindings = slots.data();
@@ -93,6 +80,26 @@ BindingLayout::BindingLayout(Device& device, std::span<const Binding> bindings, 
   }
 }
 
+void BindingLayout::choose_storage_texels(std::span<const Binding> bindings) {
+  if (!device_->info().has_few_texels) return;
+  auto count = static_cast<std::uint32_t>(std::ranges::count(bindings, BindingKind::storage, &Binding::kind));
+  for (const Binding& binding : bindings) {
+    const bool through_another = binding.words != gpu::kNone;
+    const bool fits = through_another || (!binding.is_small && count < device_->info().max_storage);
+    if (!is_texels(binding.kind) || !fits) continue;
+    const auto components = static_cast<std::uint32_t>(texel_format(binding.kind).bytes / 4);
+    storage_texels_.push_back({binding.slot, components, through_another ? binding.words : binding.slot});
+    count += !through_another;
+  }
+}
+
+std::optional<VkDescriptorType> BindingLayout::type_of(const Binding& binding) const {
+  const auto found = std::ranges::find(storage_texels_, binding.slot, &StorageTexels::slot);
+  if (found == storage_texels_.end()) return descriptor_type(binding.kind);
+  if (found->block != binding.slot) return {};
+  return VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+}
+
 BindingLayout::~BindingLayout() { release(); }
 
 void BindingLayout::release() {
@@ -103,7 +110,7 @@ void BindingLayout::release() {
 BindingSet::BindingSet(Device& device, std::span<const Binding> bindings, std::uint32_t push_constant_bytes,
                        VkShaderStageFlags stages)
     : BindingLayout(device, bindings, push_constant_bytes, stages) {
-  for (const Binding& binding : bindings) check_limits(device.info(), binding);
+  for (const Binding& binding : bindings) check_limits(binding);
   try {
     allocate(bindings);
     write(bindings);
@@ -121,9 +128,25 @@ void BindingSet::release() {
   vkDestroyDescriptorPool(device_->handle(), pool_, nullptr);
 }
 
+// Drivers cut off a binding beyond the device's limits without a message, so it is refused.
+void BindingSet::check_limits(const Binding& binding) const {
+  if (binding.kind == BindingKind::sampled_image) return;
+  const DeviceInfo& info = device_->info();
+  const std::uint64_t bytes = binding.buffer->bytes();
+  const bool texels = type_of(binding) == VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER;
+  const std::uint64_t limit =
+      texels ? info.max_texel_elements * texel_format(binding.kind).bytes : info.max_storage_range;
+  if (bytes > limit)
+    throw Error(
+        info.name,
+        fmt::format("a buffer of {:.0f} MiB exceeds its limit of {:.0f} MiB", bytes / 1048576.0, limit / 1048576.0),
+        "use a smaller scene or --size, or another device");
+}
+
 void BindingSet::allocate(std::span<const Binding> bindings) {
   std::vector<VkDescriptorPoolSize> sizes;
-  for (const Binding& binding : bindings) sizes.push_back({descriptor_type(binding.kind), 1});
+  for (const Binding& binding : bindings)
+    if (const auto type = type_of(binding)) sizes.push_back({*type, 1});
   VkDescriptorPoolCreateInfo pool_info{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
   pool_info.maxSets = 1;
   pool_info.poolSizeCount = static_cast<std::uint32_t>(sizes.size());
@@ -143,11 +166,13 @@ void BindingSet::write(std::span<const Binding> bindings) {
   views_.resize(bindings.size(), VK_NULL_HANDLE);
   for (std::size_t i = 0; i < bindings.size(); ++i) {
     const Binding& binding = bindings[i];
+    const auto type = type_of(binding);
+    if (!type) continue;
     VkWriteDescriptorSet one{VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET};
     one.dstSet = set_;
     one.dstBinding = binding.slot;
     one.descriptorCount = 1;
-    one.descriptorType = descriptor_type(binding.kind);
+    one.descriptorType = *type;
     if (one.descriptorType == VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER) {
       VkBufferViewCreateInfo info{VK_STRUCTURE_TYPE_BUFFER_VIEW_CREATE_INFO};
       info.buffer = binding.buffer->handle();
@@ -179,7 +204,7 @@ VkDescriptorImageInfo BindingSet::image_info(const Binding& binding) {
 Kernel::Kernel(Device& device, std::string name, std::span<const std::uint32_t> spirv, const BindingLayout& bindings,
                std::span<const std::uint32_t> constants)
     : device_(&device), name_(std::move(name)) {
-  const ShaderModule module(device, name_, spirv, constants);
+  const ShaderModule module(device, name_, spirv, constants, bindings.storage_texels());
   VkComputePipelineCreateInfo info{VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO};
   if (device.use() == DeviceUse::compile) info.flags = VK_PIPELINE_CREATE_CAPTURE_STATISTICS_BIT_KHR;
   info.stage = module.stage(VK_SHADER_STAGE_COMPUTE_BIT);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -11,6 +12,7 @@
 #include "host/gpu/buffer.h"
 #include "host/gpu/device.h"
 #include "host/gpu/image.h"
+#include "host/gpu/texels_as_storage.h"
 #include "kernels/gpu.h"
 
 namespace wavepath {
@@ -27,6 +29,10 @@ enum class BindingKind {
   sampled_image, // sampler2D, usampler2D, sampler2DShadow, or an array of such layers
 };
 
+constexpr bool is_texels(BindingKind kind) {
+  return kind >= BindingKind::texels_rgba32f && kind <= BindingKind::texels_r32f;
+}
+
 // The buffer or the image outlives the set. Whenever kernels run, the image is for ImageUse::sampled.
 struct Binding {
   std::uint32_t slot = 0;
@@ -35,6 +41,10 @@ struct Binding {
   const DeviceImage* image = nullptr; // of sampled_image
   Aspect aspect = Aspect::main;       // of the image
   Sampling sampling{};
+  // Of texels, which kernels read as storage blocks where DeviceInfo::has_few_texels: not those that are few on any
+  // device, and those over the memory of a storage block through that one, whose slot `words` is.
+  bool is_small = false;
+  std::uint32_t words = gpu::kNone;
 };
 
 // Numbers and kinds of bindings, which is all that compiling needs to know of them.
@@ -52,14 +62,21 @@ public:
   VkPipelineLayout layout() const { return pipeline_layout_; }
   VkShaderStageFlags stages() const { return stages_; }
   std::uint32_t push_constant_bytes() const { return push_constant_bytes_; }
+  // Texels that shaders have to see as storage blocks: the first ones, that the device has room for.
+  std::span<const StorageTexels> storage_texels() const { return storage_texels_; }
 
 protected:
+  // None of those that are seen through another.
+  std::optional<VkDescriptorType> type_of(const Binding& binding) const;
+
   Device* device_;
   VkDescriptorSetLayout set_layout_ = VK_NULL_HANDLE;
 
 private:
+  void choose_storage_texels(std::span<const Binding> bindings);
   void release();
 
+  std::vector<StorageTexels> storage_texels_;
   std::uint32_t push_constant_bytes_;
   VkShaderStageFlags stages_;
   VkPipelineLayout pipeline_layout_ = VK_NULL_HANDLE;
@@ -76,6 +93,7 @@ public:
   VkDescriptorSet handle() const { return set_; }
 
 private:
+  void check_limits(const Binding& binding) const;
   void allocate(std::span<const Binding> bindings);
   void write(std::span<const Binding> bindings);
   VkDescriptorImageInfo image_info(const Binding& binding);

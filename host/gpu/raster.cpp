@@ -117,8 +117,8 @@ RasterPipeline::RasterPipeline(Device& device, const RasterCode& code, std::span
                                const RasterState& state, const BindingSet& bindings,
                                std::span<const std::uint32_t> constants)
     : device_(device) {
-  const ShaderModule vertex(device, code.name, code.vertex, constants),
-      fragment(device, code.name, code.fragment, constants);
+  const ShaderModule vertex(device, code.name, code.vertex, constants, bindings.storage_texels()),
+      fragment(device, code.name, code.fragment, constants, bindings.storage_texels());
   const std::array stages{vertex.stage(VK_SHADER_STAGE_VERTEX_BIT), fragment.stage(VK_SHADER_STAGE_FRAGMENT_BIT)};
 
   const Formats formats = formats_of(attachments);

@@ -9,15 +9,16 @@
 #include <vulkan/vulkan.h>
 
 #include "host/gpu/context.h"
+#include "host/gpu/texels_as_storage.h"
 
 namespace wavepath {
 
 class ShaderModule {
 public:
   // `name`: for the message of an Error. `constants[i]` is the value of specialization constant i, which the shader may
-  // lack. Without any SPIR-V it is none.
+  // lack. `texels`: see BindingLayout::storage_texels(). Without any SPIR-V it is none.
   ShaderModule(const Context& context, const std::string& name, std::span<const std::uint32_t> spirv,
-               std::span<const std::uint32_t> constants);
+               std::span<const std::uint32_t> constants, std::span<const StorageTexels> texels = {});
   ~ShaderModule();
   ShaderModule(ShaderModule&&) = delete;
 

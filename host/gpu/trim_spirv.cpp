@@ -6,89 +6,17 @@
 #include <optional>
 #include <vector>
 
+#include "host/gpu/spirv.h"
+
 namespace wavepath {
 namespace {
 
-// Of the SPIR-V specification, section 3.49; the headers of the registry are no package that we need otherwise.
-enum Op : std::uint32_t {
-  OpSourceContinued = 2,
-  OpSource = 3,
-  OpSourceExtension = 4,
-  OpName = 5,
-  OpMemberName = 6,
-  OpString = 7,
-  OpLine = 8,
-  OpEntryPoint = 15,
-  OpTypeVoid = 19,
-  OpTypeBool = 20,
-  OpTypeInt = 21,
-  OpTypeForwardPointer = 39,
-  OpConstantTrue = 41,
-  OpConstantFalse = 42,
-  OpConstant = 43,
-  OpSpecConstantTrue = 48,
-  OpSpecConstantFalse = 49,
-  OpSpecConstant = 50,
-  OpSpecConstantOp = 52,
-  OpFunction = 54,
-  OpFunctionParameter = 55,
-  OpFunctionEnd = 56,
-  OpFunctionCall = 57,
-  OpDecorate = 71,
-  OpMemberDecorate = 72,
-  OpCopyObject = 83,
-  OpBitcast = 124,
-  OpIAdd = 128,
-  OpISub = 130,
-  OpIMul = 132,
-  OpUDiv = 134,
-  OpUMod = 137,
-  OpLogicalEqual = 164,
-  OpLogicalNotEqual = 165,
-  OpLogicalOr = 166,
-  OpLogicalAnd = 167,
-  OpLogicalNot = 168,
-  OpSelect = 169,
-  OpIEqual = 170,
-  OpINotEqual = 171,
-  OpUGreaterThan = 172,
-  OpSGreaterThan = 173,
-  OpUGreaterThanEqual = 174,
-  OpSGreaterThanEqual = 175,
-  OpULessThan = 176,
-  OpSLessThan = 177,
-  OpULessThanEqual = 178,
-  OpSLessThanEqual = 179,
-  OpShiftRightLogical = 194,
-  OpShiftLeftLogical = 196,
-  OpBitwiseOr = 197,
-  OpBitwiseXor = 198,
-  OpBitwiseAnd = 199,
-  OpNot = 200,
-  OpPhi = 245,
-  OpLoopMerge = 246,
-  OpSelectionMerge = 247,
-  OpLabel = 248,
-  OpBranch = 249,
-  OpBranchConditional = 250,
-  OpSwitch = 251,
-  OpKill = 252,
-  OpReturn = 253,
-  OpReturnValue = 254,
-  OpUnreachable = 255,
-  OpModuleProcessed = 330,
-  OpDecorateId = 332,
-  OpTerminateInvocation = 4416,
-};
-constexpr std::uint32_t kMagic = 0x07230203, kHeaderWords = 5, kSpecId = 1; // a decoration
+using namespace spirv;
+
+constexpr std::uint32_t kSpecId = 1; // a decoration
 constexpr std::uint32_t kNowhere = ~0u;
 
 using Value = std::optional<std::uint32_t>; // of an integer of 32 bits or a boolean, where it is known
-
-struct Instruction {
-  std::uint32_t op;
-  std::span<const std::uint32_t> words; // the first one holds op and length
-};
 
 struct Block {
   std::uint32_t label = 0;
@@ -190,7 +118,7 @@ public:
   // False if it is not of the form that is understood.
   bool read() {
     if (spirv_.size() < kHeaderWords || spirv_[0] != kMagic) return false;
-    const std::uint32_t bound = spirv_[3];
+    const std::uint32_t bound = spirv_[kBoundAt];
     values_.resize(bound);
     is_type_.resize(bound);
     is_scalar_.resize(bound);
@@ -225,7 +153,7 @@ public:
         if (ends_block(one.op)) block = nullptr;
       }
     }
-    return !function && !functions_.empty() && !has_loop_phi();
+    return !function && !functions_.empty() && !is_foreign_ && has_known_form();
   }
 
   void find_dead_code() {
@@ -304,6 +232,10 @@ private:
         break;
       case OpTypeInt:
         is_scalar_[w[1]] = w[2] == 32;
+        is_foreign_ |= w[2] > 32; // switches over them have other words
+        break;
+      case OpExtInst: // of no semantics, which refers to the names
+        is_foreign_ = true;
         break;
       case OpConstantTrue:
       case OpConstantFalse:
@@ -323,7 +255,8 @@ private:
       default:
         break;
     }
-    if (one.op >= OpTypeVoid && one.op < OpTypeForwardPointer) is_type_[w[1]] = true;
+    const bool traces = one.op == OpTypeRayQuery || one.op == OpTypeAccelerationStructure;
+    if ((one.op >= OpTypeVoid && one.op < OpTypeForwardPointer) || traces) is_type_[w[1]] = true;
     globals_.push_back(one);
   }
 
@@ -339,15 +272,25 @@ private:
     return evaluate(op, operand(0), operand(1), operand(2));
   }
 
-  // A loop whose header has phis would want values from the stand-in for its dead continue block.
-  bool has_loop_phi() const {
+  // A loop whose header has phis would want values from the stand-in for its dead continue block. A branch that does
+  // not merge has to leave a loop: one that leaves a selection would be left without it where that is folded.
+  bool has_known_form() const {
+    std::vector<bool> of_loops(values_.size()); // labels that loops name
     for (const Function& function : functions_)
+      for (const Block& block : function.blocks)
+        if (const Instruction* merge = block.code.empty() ? nullptr : block.merge(); merge && merge->op == OpLoopMerge)
+          of_loops[merge->words[1]] = of_loops[merge->words[2]] = true;
+    for (const Function& function : functions_) {
+      if (function.blocks.empty()) return false;
       for (const Block& block : function.blocks) {
-        if (block.code.empty()) return true; // not of the form either
+        if (block.code.empty()) return false;
         const Instruction* merge = block.merge();
-        if (merge && merge->op == OpLoopMerge && block.code.front().op == OpPhi) return true;
+        if (merge && merge->op == OpLoopMerge && block.code.front().op == OpPhi) return false;
+        const auto w = block.end().words;
+        if (block.end().op == OpBranchConditional && !merge && !of_loops[w[2]] && !of_loops[w[3]]) return false;
       }
-    return false;
+    }
+    return true;
   }
 
   // Which blocks can be reached, and from where.
@@ -528,6 +471,7 @@ private:
   // By id.
   std::vector<Value> values_;
   std::vector<bool> is_type_, is_scalar_;
+  bool is_foreign_ = false;
   std::vector<std::uint32_t> spec_ids_, block_of_, function_of_;
 };
 

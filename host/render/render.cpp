@@ -19,6 +19,7 @@ RenderResult render(Device& device, const PackedScene& scene, const View& view, 
     }
     return loop.finish();
   } catch (const DeviceLost& lost) {
+    if (!hooks.salvages) throw;
     return loop.salvage(lost);
   }
 }

@@ -3,16 +3,15 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <filesystem>
-#include <memory>
 #include <optional>
 #include <sstream>
 
-#include <OpenImageIO/imageio.h>
-
 #include "host/base/error.h"
+#include "host/base/read_file.h"
+#include "host/images/exr_planes.h"
+#include "host/images/radiance.h"
 #include "host/scene/environment_sky.h"
 #include "host/scene/environment_studio.h"
 
@@ -51,27 +50,22 @@ std::string lower_extension(const std::string& file) {
   return extension;
 }
 
-// Channel numbers of red, green and blue; a single channel counts as grey.
-std::array<int, 3> find_channels(const std::string& file, const OIIO::ImageSpec& spec) {
-  const auto index = [&](const char* name) { return spec.channelindex(name); };
-  const std::array<int, 3> rgb{index("R"), index("G"), index("B")};
-  if (rgb[0] >= 0 && rgb[1] >= 0 && rgb[2] >= 0) return rgb;
-  if (spec.nchannels == 1) return {0, 0, 0};
+// The names of red, green and blue; a single channel counts as grey.
+std::vector<std::string> choose_channels(const std::string& file, const std::vector<std::string>& channels) {
+  const std::vector<std::string> rgb{"R", "G", "B"};
+  if (std::ranges::all_of(rgb, [&](const std::string& c) { return std::ranges::count(channels, c) > 0; })) return rgb;
+  if (channels.size() == 1) return channels;
   std::string names;
-  for (const std::string& name : spec.channelnames) names += (names.empty() ? "" : ", ") + name;
+  for (const std::string& name : channels) names += (names.empty() ? "" : ", ") + name;
   throw Error(file, "has no R, G and B channels (it has " + names + ")", "save the environment as an RGB image");
 }
 
-void check_shape(const std::string& file, const OIIO::ImageSpec& spec) {
-  const std::string size = std::to_string(spec.width) + " x " + std::to_string(spec.height);
-  if (spec.width < 1 || spec.height < 1 || spec.depth > 1 || spec.deep)
-    throw Error(file, "is not a flat two-dimensional image", "give a lat-long .exr or .hdr image");
-  if (std::uint64_t(spec.width) * std::uint64_t(spec.height) > kMostTexels)
-    throw Error(file, "is " + size + " pixels, more than 134217728 altogether", "scale the environment down");
-  if (spec.x != spec.full_x || spec.y != spec.full_y || spec.width != spec.full_width ||
-      spec.height != spec.full_height)
-    throw Error(file, "has a data window (" + size + ") that differs from its display window",
-                "save the environment uncropped");
+void check_size(const std::string& file, std::uint32_t width, std::uint32_t height) {
+  if (std::uint64_t{width} * height > kMostTexels)
+    throw Error(
+        file,
+        "is " + std::to_string(width) + " x " + std::to_string(height) + " pixels, more than 134217728 altogether",
+        "scale the environment down");
 }
 
 void check_texel(const std::string& file, const glm::vec3& rgb, std::size_t x, std::size_t y) {
@@ -86,29 +80,46 @@ void check_texel(const std::string& file, const glm::vec3& rgb, std::size_t x, s
   }
 }
 
-void read_map(const std::string& file, Environment& environment) {
-  if (!std::filesystem::exists(file)) throw Error(file, "does not exist", "give a .exr or .hdr file, or R,G,B");
-  const std::unique_ptr<OIIO::ImageInput> input = OIIO::ImageInput::open(file);
-  const std::string remedy = "give a lat-long .exr or .hdr image that other programs can open";
-  if (!input) throw Error(file, "cannot be opened as an image (" + OIIO::geterror() + ")", remedy);
-  const OIIO::ImageSpec spec = input->spec();
-  check_shape(file, spec);
-  const std::array<int, 3> channels = find_channels(file, spec);
+void read_exr_map(const std::string& file, Environment& environment) {
+  const auto planes = read_exr_planes(file, [&](const ExrShape& shape) {
+    check_size(file, shape.width, shape.height);
+    if (shape.cropped)
+      throw Error(file,
+                  "has a data window (" + std::to_string(shape.width) + " x " + std::to_string(shape.height) +
+                      ") that differs from its display window",
+                  "save the environment uncropped");
+    environment.width = shape.width;
+    environment.height = shape.height;
+    return choose_channels(file, shape.channels);
+  });
+  environment.map.resize(planes[0].size());
+  for (std::size_t i = 0; i < environment.map.size(); ++i)
+    for (std::size_t c = 0; c < 3; ++c)
+      environment.map[i][static_cast<int>(c)] = planes[std::min(c, planes.size() - 1)][i];
+}
 
-  environment.width = static_cast<std::uint32_t>(spec.width);
-  environment.height = static_cast<std::uint32_t>(spec.height);
-  environment.map.resize(std::size_t{environment.width} * environment.height);
-  const int first = *std::min_element(channels.begin(), channels.end());
-  const int count = *std::max_element(channels.begin(), channels.end()) + 1 - first;
-  std::vector<float> values(environment.map.size() * static_cast<std::size_t>(count));
-  if (!input->read_image(0, 0, first, first + count, OIIO::TypeDesc::FLOAT, values.data()))
-    throw Error(file, "cannot be read (" + input->geterror() + ")", remedy);
-  for (std::size_t i = 0; i < environment.map.size(); ++i) {
-    for (int c = 0; c < 3; ++c)
-      environment.map[i][c] =
-          values[i * static_cast<std::size_t>(count) + static_cast<std::size_t>(channels[c] - first)];
-    check_texel(file, environment.map[i], i % environment.width, i / environment.width);
+void read_hdr_map(const std::string& file, Environment& environment) {
+  const std::optional<std::vector<std::uint8_t>> bytes = read_whole_file(file);
+  if (!bytes) throw Error(file, "cannot be read", "check its permissions");
+  const DecodedImage image =
+      decode_radiance(*bytes, [&](const ImageShape& shape) { check_size(file, shape.width, shape.height); });
+  environment.width = image.shape.width;
+  environment.height = image.shape.height;
+  environment.map.resize(image.shape.pixels());
+  for (std::size_t i = 0; i < environment.map.size(); ++i)
+    environment.map[i] = {image.floats[3 * i], image.floats[3 * i + 1], image.floats[3 * i + 2]};
+}
+
+void read_map(const std::string& file, bool is_exr, Environment& environment) {
+  if (!std::filesystem::exists(file)) throw Error(file, "does not exist", "give a .exr or .hdr file, or R,G,B");
+  try {
+    is_exr ? read_exr_map(file, environment) : read_hdr_map(file, environment);
+  } catch (const ImageError& error) {
+    throw Error(file, std::string("cannot be opened as an image: ") + error.what(),
+                "give a lat-long .exr or .hdr image that other programs can open");
   }
+  for (std::size_t i = 0; i < environment.map.size(); ++i)
+    check_texel(file, environment.map[i], i % environment.width, i / environment.width);
 }
 
 Environment make_builtin(const std::string& name) {
@@ -147,7 +158,7 @@ Environment load_environment(const std::string& source, double intensity, double
     throw UsageError("--env",
                      "'" + source + "' is neither R,G,B nor a .exr or .hdr file, nor studio, sky, black or white",
                      "give one of these names, a constant such as 1,1,1, or a lat-long image of one of these types");
-  read_map(source, environment);
+  read_map(source, extension == ".exr", environment);
   return environment;
 }
 

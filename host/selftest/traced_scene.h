@@ -33,9 +33,9 @@ private:
 
 class TracedScene {
 public:
-  // Rays at a time: a few hundredths of a second on a slow CPU, and the same where each ray meets thousands of
-  // triangles.
-  static constexpr std::uint32_t kSlots = 1u << 15, kSlowSlots = 1u << 11;
+  // Rays at a time: a hundredth of a second on a slow CPU, and two queues fit the smallest texel buffer that Vulkan
+  // allows; a few hundredths where each ray meets thousands of triangles.
+  static constexpr std::uint32_t kSlots = 1u << 13, kSlowSlots = 1u << 11;
 
   TracedScene(Device& device, KernelCache& kernels, PackedScene packed);
   TracedScene(TracedScene&&) = delete; // the bindings point at its buffers

@@ -62,7 +62,8 @@ public:
       study_.occlusion = render_occlusion();
       share -= kOcclusionShare * settings_.budget;
     }
-    if (hybrid && !study_.interrupted) study_.first_hits = measure_first_hits(hybrid->settings);
+    if (hybrid && !study_.interrupted && device_.info().rasterizes)
+      study_.first_hits = measure_first_hits(hybrid->settings);
     if (study_.interrupted) return std::move(study_);
     if (varies_shadows_)
       measure_shadows(share);
@@ -273,6 +274,8 @@ private:
     try {
       if (warm_.insert(std::string(series.configuration.value_of("shadows"))).second) warm_up(series, kernels);
       if (!study_.interrupted) measure(series, kFirstOctave, kernels);
+    } catch (const DeviceLost&) {
+      throw;
     } catch (const Error& error) {
       study_.unfit.push_back({series.configuration.name(), error.what()});
       return false;

@@ -49,7 +49,7 @@ GbufferPixel gbuffer_of(Hit hit, uint place, vec3 origin, vec3 direction, out fl
   float roughness = 1.0;
   diffuse = 1.0;
   if (has(kFeatureSpecular) && wants_lights()) {
-    vec2 roughness_metallic = sample_texture_or_1(kFeatureMetallicRoughnessTextures, material.metallic_roughness_texture,
+    vec2 roughness_metallic = sample_value_or_1(kFeatureMetallicRoughnessTextures, material.metallic_roughness_texture,
                                                   surface.uv).gb * vec2(material.roughness, material.metallic);
     roughness = roughness_metallic.x;
     diffuse = 1.0 - roughness_metallic.y;

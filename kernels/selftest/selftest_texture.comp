@@ -16,6 +16,6 @@ void main() {
   uint index = gl_GlobalInvocationID.x;
   if (index >= queues.ray_count[0]) return;
   Ray request = fetch_ray(index);
-  vec4 color = sample_texture(request.slot, vec4(request.origin.xy, 0.0, 0.0));
+  vec4 color = sample_texture(request.slot, vec4(request.origin.xy, 0.0, 0.0), true);
   store_hit(index, Hit(floatBitsToUint(color.r), floatBitsToUint(color.g), color.b, color.a));
 }

@@ -45,7 +45,7 @@ std::uint64_t ids_bytes(const Device& device, std::uint32_t width, std::uint32_t
   const std::uint64_t pixels = std::uint64_t{width} * height;
   // The G-buffer, which a filter reads as two texels a pixel, is the largest buffer that a frame needs.
   const std::uint64_t most =
-      std::min(device.info().max_texel_elements / 2, device.info().max_storage_range / sizeof(gpu::GbufferPixel));
+      std::min(device.info().max_texels(16) / 2, device.info().max_storage_range / sizeof(gpu::GbufferPixel));
   if (pixels > most)
     throw Error(device.info().name, fmt::format("holds at most {} pixels of a rasterized picture", most),
                 "use a smaller --size or --integrator path");

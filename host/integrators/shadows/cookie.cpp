@@ -16,7 +16,7 @@ std::vector<glm::vec4> read_cookie(const std::string& path, const DeviceInfo& de
   if (path.empty()) return std::vector<glm::vec4>(gpu::kCookieHeaderTexels);
   const Picture picture = read_picture(path);
   const std::size_t texels = std::size_t{picture.width} * picture.height;
-  const std::uint64_t most = std::min(device.max_texel_elements, device.max_allocation / sizeof(glm::vec4));
+  const std::uint64_t most = std::min(device.max_texels(16), device.max_allocation / sizeof(glm::vec4));
   if (texels + gpu::kCookieHeaderTexels > most)
     throw Error(path,
                 fmt::format("is {}x{} pixels, {:.0f} MiB on the device; at most {} pixels", picture.width,

@@ -136,8 +136,8 @@ private:
     }
     const std::vector<glm::uvec4> items = cover_cells(scene, views_, size);
     const DeviceInfo& info = workspace_.device.info();
-    if (items.size() > info.max_texel_elements)
-      throw Error(info.name, fmt::format("holds {} pieces of triangles, of {}", info.max_texel_elements, items.size()),
+    if (items.size() > info.max_texels(16))
+      throw Error(info.name, fmt::format("holds {} pieces of triangles, of {}", info.max_texels(16), items.size()),
                   "use a smaller --shadow-size");
     item_count_ = static_cast<std::uint32_t>(items.size());
     buffers_[kItems] = upload(workspace_.device, items);

@@ -162,7 +162,7 @@ private:
     const std::uint64_t texels = std::uint64_t{wanted.size} * wanted.size, shares = texels * sources_.size(),
                         entries = placed_triangles(workspace_.scene), largest = std::max({texels, shares, entries}),
                         bytes = shares * sizeof(float) + (texels + entries) * sizeof(glm::uvec2);
-    const std::uint64_t most_elements = std::min({info.max_texel_elements, info.max_allocation / sizeof(glm::uvec2),
+    const std::uint64_t most_elements = std::min({info.max_texels(16), info.max_allocation / sizeof(glm::uvec2),
                                                   info.max_storage_range / sizeof(float), std::uint64_t{gpu::kNone}});
     if (largest <= most_elements && bytes <= info.memory_bytes) return;
     throw Error(info.name,

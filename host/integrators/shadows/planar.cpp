@@ -171,7 +171,7 @@ private:
     target_.reset(); // the device may not hold both at once
     const DeviceInfo& info = workspace_.device.info();
     const std::uint64_t texels = std::uint64_t{size.x} * size.y * sources_.size(), bytes = 4 * texels;
-    const std::uint64_t most = std::min({4 * info.max_texel_elements, info.max_allocation, info.memory_bytes / 2});
+    const std::uint64_t most = std::min({4 * info.max_texels(4), info.max_allocation, info.memory_bytes / 2});
     if (bytes > most)
       throw Error(info.name,
                   fmt::format("cannot hold pictures of the shadows of {} lights, {:.0f} MiB; at most {:.0f} MiB",

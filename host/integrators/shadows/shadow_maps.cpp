@@ -197,7 +197,7 @@ private:
   // How many texels there may be, the largest of whose buffers has that many bytes a texel.
   std::uint64_t most_texels(std::uint64_t largest) const {
     const DeviceInfo& info = workspace_.device.info();
-    return std::min({info.max_texel_elements, info.max_storage_range / largest, info.max_allocation / largest,
+    return std::min({info.max_texels(16), info.max_storage_range / largest, info.max_allocation / largest,
                      std::uint64_t{gpu::kNone}});
   }
 

@@ -183,7 +183,7 @@ private:
 
   void check_pieces(std::size_t count) const {
     const DeviceInfo& info = workspace_.device.info();
-    const std::uint64_t most = std::min<std::uint64_t>(info.max_texel_elements, gpu::kNone / 3);
+    const std::uint64_t most = std::min<std::uint64_t>(info.max_texels(16), gpu::kNone / 3);
     const bool instances_fit = workspace_.scene.instances.size() >> (32 - gpu::kVolumeBits) == 0;
     if (count > most || !instances_fit)
       throw Error(info.name, fmt::format("holds {} triangles of shadow volumes, of {}", most, count),
@@ -198,7 +198,7 @@ private:
     const DeviceInfo& info = workspace_.device.info();
     const std::uint64_t bytes = (1 + sources_.size()) * picture_bytes();
     const std::uint64_t most =
-        std::min({4 * info.max_texel_elements, info.max_allocation, info.memory_bytes / 2, std::uint64_t{1} << 32});
+        std::min({4 * info.max_texels(4), info.max_allocation, info.memory_bytes / 2, std::uint64_t{1} << 32});
     if (bytes > most)
       throw Error(info.name,
                   fmt::format("cannot hold pictures of the shadows of {} lights, {:.0f} MiB; at most {:.0f} MiB",

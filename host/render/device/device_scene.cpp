@@ -33,11 +33,10 @@ std::uint64_t bytes_of(const std::vector<T>& values) {
 
 // One array of the scene against the device's limits, in the user's words.
 void check_fits(const DeviceInfo& info, const char* what, std::uint64_t bytes, std::uint64_t limit) {
-  const std::uint64_t allowed = std::min(limit, info.max_allocation);
-  if (bytes > allowed)
+  if (bytes > limit)
     throw Error(info.name,
                 fmt::format("the scene's {} take {:.0f} MiB, its limit is {:.0f} MiB", what, bytes / 1048576.0,
-                            allowed / 1048576.0),
+                            limit / 1048576.0),
                 "simplify the scene or choose another device with --device");
 }
 
@@ -68,18 +67,32 @@ std::vector<std::byte> material_bytes(const PackedScene& scene) {
   return all;
 }
 
+std::vector<Buffer> upload_pages(Device& device, std::span<const std::uint32_t> texels) {
+  constexpr std::size_t kPage = std::size_t{1} << gpu::kTexelPageShift;
+  std::vector<Buffer> pages;
+  for (std::size_t at = 0; at < texels.size() || at == 0; at += kPage) {
+    const std::span page = texels.subspan(at, std::min(kPage, texels.size() - at));
+    pages.emplace_back(device, page.size_bytes());
+    if (!page.empty()) pages.back().write(page.data(), page.size_bytes());
+  }
+  return pages;
+}
+
 } // namespace
 
 DeviceScene upload_scene(Device& device, const PackedScene& scene) {
   const DeviceInfo& info = device.info();
-  const std::uint64_t wide = info.max_texel_elements * 16, word = info.max_texel_elements * 4;
+  constexpr std::uint64_t kPage = sizeof(std::uint32_t) << gpu::kTexelPageShift;
+  const std::uint64_t wide = std::min(16 * info.max_texels(16), info.max_allocation);
+  const std::uint64_t page = std::min({4 * info.max_texels(4), info.max_allocation, kPage});
+  const std::uint64_t pages = page < kPage || info.has_few_texels ? page : gpu::kTexelPages * kPage;
   check_fits(info, "BVH nodes", bytes_of(scene.nodes), wide);
   check_fits(info, "triangles", bytes_of(scene.triangles) + bytes_of(scene.motions), wide);
   check_fits(info, "triangle indices", bytes_of(scene.triangle_vertices), wide);
   check_fits(info, "vertices", bytes_of(scene.vertex_normals), wide);
   check_fits(info, "vertex coordinates", bytes_of(scene.vertex_uvs), wide);
   check_fits(info, "vertex colours", bytes_of(scene.vertex_colors), wide);
-  check_fits(info, "textures", bytes_of(scene.texels), word);
+  check_fits(info, "textures", bytes_of(scene.texels), pages);
   check_fits(info, "environment texels", bytes_of(scene.environment), wide);
   check_fits(info, "lights", bytes_of(scene.lights) + bytes_of(scene.light_part_ends), wide);
   check_fits(info, "light tree", bytes_of(scene.light_tree), wide);
@@ -104,7 +117,7 @@ DeviceScene upload_scene(Device& device, const PackedScene& scene) {
   result.instances = upload(device, scene.instances);
   result.materials = upload(device, material_bytes(scene));
   result.textures = upload(device, scene.textures);
-  result.texels = upload(device, scene.texels);
+  result.texels = upload_pages(device, scene.texels);
   result.srgb_table = upload(device, scene.textures.empty() ? std::vector<float>{} : srgb_decoding());
   result.lights = upload(device, light_words(scene));
   result.light_tree = upload(device, scene.light_tree);
@@ -115,29 +128,39 @@ DeviceScene upload_scene(Device& device, const PackedScene& scene) {
 
 std::vector<Binding> DeviceScene::bindings() const {
   using enum BindingKind;
-  return {{gpu::kBindNodes, texels_rgba32ui, &nodes},
-          {gpu::kBindTriangles, texels_rgba32f, &triangles},
-          {gpu::kBindTriangleVertices, texels_rgba32ui, &triangle_vertices},
-          {gpu::kBindVertexNormals, texels_rgba32f, &vertex_normals},
-          {gpu::kBindVertexUvs, texels_rgba32f, &vertex_uvs},
-          {gpu::kBindVertexColors, texels_rgba32f, &vertex_colors},
-          {gpu::kBindInstances, texels_rgba32f, &instances},
-          {gpu::kBindMaterials, texels_rgba32ui, &materials},
-          {gpu::kBindTextures, texels_rgba32ui, &textures},
-          {gpu::kBindTexels, texels_r32ui, &texels},
-          {gpu::kBindSrgbTable, texels_r32f, &srgb_table},
-          {gpu::kBindLights, texels_rgba32ui, &lights},
-          {gpu::kBindLightTree, texels_rgba32ui, &light_tree},
-          {gpu::kBindEnvironment, texels_rgba32f, &environment},
-          {gpu::kBindEnvironmentEnds, texels_r32ui, &environment_ends}};
+  // Where not all of them can be storage blocks, the first ones are: these are the largest of most scenes.
+  std::vector<Binding> all = {{gpu::kBindNodes, texels_rgba32ui, &nodes},
+                              {gpu::kBindTriangles, texels_rgba32f, &triangles},
+                              {gpu::kBindTriangleVertices, texels_rgba32ui, &triangle_vertices},
+                              {gpu::kBindVertexNormals, texels_rgba32f, &vertex_normals},
+                              {gpu::kBindVertexUvs, texels_rgba32f, &vertex_uvs},
+                              {gpu::kBindTexels, texels_r32ui, texels.empty() ? nullptr : &texels.front()},
+                              {gpu::kBindEnvironment, texels_rgba32f, &environment},
+                              {gpu::kBindEnvironmentEnds, texels_r32ui, &environment_ends},
+                              {gpu::kBindInstances, texels_rgba32f, &instances},
+                              {gpu::kBindVertexColors, texels_rgba32f, &vertex_colors},
+                              {gpu::kBindLights, texels_rgba32ui, &lights},
+                              {gpu::kBindLightTree, texels_rgba32ui, &light_tree},
+                              {gpu::kBindMaterials, texels_rgba32ui, &materials},
+                              {gpu::kBindTextures, texels_rgba32ui, &textures}};
+  all.push_back({.slot = gpu::kBindSrgbTable, .kind = texels_r32f, .buffer = &srgb_table, .is_small = true});
+  // Kernels that know of more pages than there are never read them. Small texel buffers have one page.
+  for (std::uint32_t page = 1; page < gpu::kTexelPages; ++page)
+    all.push_back({.slot = gpu::kBindTexelPages + page - 1,
+                   .kind = texels_r32ui,
+                   .buffer = page < texels.size() ? &texels[page] : &srgb_table,
+                   .is_small = true});
+  return all;
 }
 
 std::uint64_t DeviceScene::bvh_bytes() const { return nodes.bytes() + triangles.bytes() + instances.bytes(); }
 
 std::uint64_t DeviceScene::other_bytes() const {
+  std::uint64_t texel_bytes = 0;
+  for (const Buffer& page : texels) texel_bytes += page.bytes();
   return triangle_vertices.bytes() + vertex_normals.bytes() + vertex_uvs.bytes() + vertex_colors.bytes() +
-         materials.bytes() + textures.bytes() + texels.bytes() + srgb_table.bytes() + lights.bytes() +
-         light_tree.bytes() + environment.bytes() + environment_ends.bytes();
+         materials.bytes() + textures.bytes() + texel_bytes + srgb_table.bytes() + lights.bytes() + light_tree.bytes() +
+         environment.bytes() + environment_ends.bytes();
 }
 
 } // namespace wavepath

@@ -11,7 +11,8 @@ namespace wavepath {
 
 struct DeviceScene {
   Buffer nodes, triangles, triangle_vertices, vertex_normals, vertex_uvs, vertex_colors, instances;
-  Buffer materials, textures, texels, srgb_table, lights, light_tree, environment, environment_ends;
+  Buffer materials, textures, srgb_table, lights, light_tree, environment, environment_ends;
+  std::vector<Buffer> texels; // pages of 1 << gpu::kTexelPageShift words, at least one
 
   std::vector<Binding> bindings() const;
   std::uint64_t bvh_bytes() const; // nodes, triangles and instances

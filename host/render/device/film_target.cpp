@@ -90,7 +90,7 @@ void write_rows(const FilmBand& band, Buffer& buffer, std::size_t each, const Fi
 bool FilmTarget::fit(const FilmShape& shape, bool room_for_aovs) {
   shape_ = shape;
   const DeviceInfo& info = device_->info();
-  const std::uint64_t range = std::min(info.max_storage_range, 16 * info.max_texel_elements);
+  const std::uint64_t range = std::min(info.max_storage_range, 16 * info.max_texels(16));
   const std::uint64_t most_places =
       range / std::max<std::uint64_t>(nets_each(shape) * sizeof(gpu::FilmPixel), sizeof(gpu::FilmAovs));
   std::uint64_t step = gpu::kRunPixels; // no run lies in two
@@ -205,7 +205,10 @@ Film FilmSnapshot::read() const {
 
 void add_bindings(const FilmBand& band, std::vector<Binding>& bindings) {
   bindings.insert(bindings.end(), {{gpu::kBindFilm, BindingKind::storage, &band.film},
-                                   {gpu::kBindFilmTexels, BindingKind::texels_rgba32ui, &band.film},
+                                   {.slot = gpu::kBindFilmTexels,
+                                    .kind = BindingKind::texels_rgba32ui,
+                                    .buffer = &band.film,
+                                    .words = gpu::kBindFilm},
                                    {gpu::kBindFilmAovs, BindingKind::storage, &band.aovs}});
 }
 

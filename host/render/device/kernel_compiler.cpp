@@ -23,7 +23,7 @@ std::uint32_t lens_of(const RenderSettings& settings) {
 
 gpu::Feature generic_features(gpu::Feature scene) {
   return gpu::kFeaturesAll | gpu::kLobeMultiple | (scene & gpu::kLobesLayered ? gpu::kLobesLayered : 0) |
-         (scene & gpu::kFeatureMips);
+         (scene & (gpu::kFeatureMips | gpu::kFeatureTexelPages));
 }
 
 KernelConfig kernel_config(gpu::Feature features, std::uint32_t stack_size, const RenderSettings& settings) {

@@ -1,5 +1,7 @@
 #include "host/render/device/resources.h"
 
+#include <algorithm>
+
 namespace wavepath {
 
 bool make_room(Device& device, Buffer& buffer, std::uint64_t bytes) {
@@ -16,8 +18,10 @@ bool BufferSet::fit(const Extent& extent) {
 }
 
 void BufferSet::add_bindings(std::vector<Binding>& bindings) const {
+  std::size_t at = bindings.size();
+  add_layout(rules_, bindings);
   for (std::size_t i = 0; i < rules_.size(); ++i)
-    for (const BufferView& view : rules_[i].views) bindings.push_back({view.slot, view.kind, &buffers_[i]});
+    for (std::size_t view = 0; view < rules_[i].views.size(); ++view) bindings[at++].buffer = &buffers_[i];
 }
 
 std::uint64_t BufferSet::bytes() const {
@@ -27,8 +31,13 @@ std::uint64_t BufferSet::bytes() const {
 }
 
 void add_layout(std::span<const BufferRule> rules, std::vector<Binding>& bindings) {
-  for (const BufferRule& rule : rules)
-    for (const BufferView& view : rule.views) bindings.push_back({view.slot, view.kind, nullptr});
+  for (const BufferRule& rule : rules) {
+    const auto words = std::ranges::find(rule.views, BindingKind::storage, &BufferView::kind);
+    for (const BufferView& view : rule.views) {
+      bindings.push_back({.slot = view.slot, .kind = view.kind});
+      if (is_texels(view.kind) && words != rule.views.end()) bindings.back().words = words->slot;
+    }
+  }
 }
 
 } // namespace wavepath

@@ -178,7 +178,7 @@ std::uint32_t choose_slots(const DeviceInfo& info, const PackedScene& scene, con
   if (settings.adaptive) slots = std::max<std::uint64_t>(slots, kLargestRun);
   const std::uint64_t record = kind.largest_record(settings);
   slots = std::min(slots, info.max_storage_range / record);
-  slots = std::min(slots, info.max_texel_elements / std::max<std::uint64_t>(record / 16, 4));
+  slots = std::min(slots, info.max_texels(16) / std::max<std::uint64_t>(record / 16, 4));
   slots = std::min<std::uint64_t>(slots, std::uint64_t{info.max_groups} * gpu::kWorkgroupSize);
   slots = std::min(
       slots, std::max<std::uint64_t>(info.memory_bytes / 8 / kind.bytes_per_slot(scene.features, settings), 1024));

@@ -31,6 +31,7 @@ struct RenderHooks {
   // About every save_interval seconds and at the end, with all that a later render needs to go on from there.
   std::function<void(const RenderState&)> save{};
   double save_interval = 30.0;
+  bool salvages = false; // a device that is lost ends the render with what there is, instead of by DeviceLost
   const RenderState* resume = nullptr; // goes on from there; of the same scene, view and settings
 };
 

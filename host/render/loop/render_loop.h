@@ -151,7 +151,9 @@ private:
   double estimate_pixel_seconds_ = 0.0; // of the last one
   std::shared_ptr<const Film> film_;    // as it was when `film_sample_` had been reached
   std::uint32_t film_sample_ = 0;
-  Checkpoint last_; // of that film
+  std::uint32_t film_next_check_ = 0; // what target_ said then
+  std::uint32_t saved_sample_ = 0;    // that the last periodic save had reached
+  Checkpoint last_;                   // of that film
   Totals film_totals_;
   RenderResult result_;
 

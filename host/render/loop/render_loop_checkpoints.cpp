@@ -115,7 +115,9 @@ void RenderLoop::take_in_first() {
       resume_clock();
     }
   }
-  if (target_.take(pending.sample, point, result_.checkpoints)) stop_at(pending);
+  const bool ends = target_.take(pending.sample, point, result_.checkpoints);
+  if (film_sample_ == pending.sample) film_next_check_ = target_.next_check();
+  if (ends) stop_at(pending);
 }
 
 // Ends the render with the film that was judged. Waves that were rendered meanwhile do not count, so that the picture
@@ -135,6 +137,7 @@ void RenderLoop::save() {
   collect_estimates(true);
   pause_clock();
   hooks_.save(state());
+  saved_sample_ = cursor_.sample;
   last_save_ = Clock::now();
   resume_clock();
 }
@@ -149,7 +152,7 @@ RenderState RenderLoop::state() {
           queue_.totals.nonfinite,
           result_.checkpoints,
           levels_,
-          target_.next_check(),
+          result_.stop == StopReason::device_lost ? film_next_check_ : target_.next_check(),
           has_film() ? *film_ : workspace_.film.download()};
 }
 
@@ -171,7 +174,8 @@ RenderResult RenderLoop::finish() {
   collect_estimates(true);
   pause_clock();
   result_.even = !in_pass() && !settings_.adaptive;
-  if (hooks_.save) hooks_.save(state());
+  const bool saved_more = result_.stop == StopReason::device_lost && saved_sample_ >= cursor_.sample;
+  if (hooks_.save && !saved_more) hooks_.save(state());
   if (!has_film()) { // the last pass was no checkpoint, or was cut short
     Pending whole;
     whole.point.spp = samples_per_pixel();
@@ -179,6 +183,7 @@ RenderResult RenderLoop::finish() {
     whole.point.seconds = seconds_rendered;
     film_ = std::make_shared<const Film>(workspace_.film.download());
     film_sample_ = cursor_.sample;
+    film_totals_ = queue_.totals;
     whole.point.error = estimate_error(*film_);
     last_ = whole.point;
   }
@@ -197,7 +202,10 @@ RenderResult RenderLoop::finish() {
   result_.slope = fit_slope(result_.checkpoints, Against::seconds);
   result_.stages = queue_.totals.stages;
   result_.memory = memory();
-  if (result_.stop != StopReason::device_lost) integrator_->describe(result_);
+  try {
+    integrator_->describe(result_);
+  } catch (const DeviceLost&) { // what it has told until then is told; the picture is there
+  }
   result_.film = std::move(film_);
   return std::move(result_);
 }

@@ -72,7 +72,7 @@ void Progressive::end_pass() {
     begin_anew(choose_coarse());
   } else if (is_for_motion() && !moving_) {
     begin_anew(1);
-  } else if (is_done()) {
+  } else if (loop_->is_done()) {
     loop_->drain(); // no later step() would wait for them
   }
 }

@@ -13,7 +13,7 @@ namespace wavepath {
 // What a window tells about the render.
 struct ProgressiveStatus {
   bool compiling = false;     // kernels are; until they are ready nothing new is rendered
-  bool done = false;          // all samples are in
+  bool done = false;          // all samples are in, of the picture at rest
   std::uint32_t coarse = 1;   // a rendered pixel is this many pixels wide and high on screen
   std::uint32_t spp = 0;      // samples that every pixel has; at `coarse`
   std::uint32_t planned = 0;  // and is to get
@@ -61,7 +61,8 @@ public:
   ProgressiveStatus status() const;
   std::uint32_t spp() const { return loop_->spp(); } // these three as the status tells them
   std::uint32_t coarse() const { return coarse_; }
-  bool is_done() const { return loop_->is_done(); }
+  // Not while the picture is temporary, even where that one has all its samples.
+  bool is_done() const { return loop_->is_done() && !moving_ && !is_for_motion(); }
   // Rendering seconds until the estimated error is `target`; infinite while that cannot be told.
   double seconds_to(double target) const;
 

@@ -202,6 +202,24 @@ Json choice_json(const IntegratorChoice& choice) {
   return {{"taken", choice.trials[choice.taken].flags}, {"seconds", choice.seconds}, {"trials", trials}};
 }
 
+// What each of several devices did.
+Json devices_json(const SharedResult& shared) {
+  Json devices = Json::array();
+  for (const DeviceShare& share : shared.shares) {
+    Json ranges = Json::array();
+    for (const SampleRange& range : share.ranges) ranges.push_back({range.first, range.end});
+    const double rate = share.seconds > 0.0 ? 1e-6 * static_cast<double>(share.rays) / share.seconds : 0.0;
+    devices.push_back({{"name", share.name},
+                       {"driver", share.driver},
+                       {"samples", share.samples()},
+                       {"ranges", ranges},
+                       {"seconds", share.seconds},
+                       {"mrays_per_second", rate},
+                       {"lost", share.lost}});
+  }
+  return {{"bits_agree", shared.bits_agree}, {"shares", devices}};
+}
+
 Json stats_document(const Run& run) {
   const RenderResult& result = run.result;
   const RenderSettings& settings = run.settings;
@@ -231,6 +249,7 @@ Json stats_document(const Run& run) {
       {"denoise", denoise_json(run)},
       {"device",
        {{"name", run.device.name}, {"driver", run.device.driver}, {"type", run.device.type}, {"api", run.device.api}}},
+      {"devices", run.shared ? devices_json(*run.shared) : Json()},
       {"size", {settings.width, settings.height}},
       {"spp", result.spp},
       {"triangles", run.packed.triangle_count},

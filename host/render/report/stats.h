@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/gpu/device.h"
+#include "host/render/devices/several_devices.h"
 #include "host/render/integrator_choice.h"
 #include "host/render/render.h"
 #include "host/render/report/true_error.h"
@@ -31,6 +32,7 @@ struct Run {
   std::vector<std::string> diagnosis{};
   std::vector<std::string> bias{};
   const IntegratorChoice* choice = nullptr; // of --integrator auto
+  const SharedResult* shared = nullptr;     // of --devices
 };
 
 // The BVH: quality, seconds to build, expected cost, size, and copies of triangles made by spatial splits.

@@ -186,6 +186,7 @@ std::vector<Setting> transport_rows() {
        .value = IntegratorValue{},
        .meaning = integrator_meaning(),
        .offered = kByRenderAndView,
+       .always_copied = true, // a render without it takes what it measures to be best
        .label = "integrator"},
       {.name = "sampler",
        .value = ChoiceValue{&S::sampler, kSamplerNames},

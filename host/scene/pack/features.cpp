@@ -85,6 +85,13 @@ gpu::Feature light_features(const PackedScene& packed) {
          bit_if(!packed.light_tree.empty(), gpu::kFeatureLightTree);
 }
 
+gpu::Feature page_features(std::size_t texel_words) {
+  constexpr std::size_t kPage = std::size_t{1} << gpu::kTexelPageShift;
+  return bit_if(texel_words > kPage, gpu::kFeatureTexelPages2) |
+         bit_if(texel_words > 2 * kPage, gpu::kFeatureTexelPages4) |
+         bit_if(texel_words > 4 * kPage, gpu::kFeatureTexelPages16);
+}
+
 } // namespace
 
 gpu::Feature find_features(const Scene& scene, const Usage& usage, const PackedScene& packed) {
@@ -100,7 +107,7 @@ gpu::Feature find_features(const Scene& scene, const Usage& usage, const PackedS
          bit_if(!packed.vertex_colors.empty(), gpu::kFeatureVertexColors) |
          bit_if(texture_flags & gpu::kTextureMoved, gpu::kFeatureTextureTransform) |
          bit_if(texture_flags & gpu::kTextureFloat, gpu::kFeatureFloatTextures) |
-         bit_if(mip_count > 0, gpu::kFeatureMips) |
+         bit_if(mip_count > 0, gpu::kFeatureMips) | page_features(packed.texels.size()) |
          bit_if(texture_flags & gpu::kTextureNearest, gpu::kFeatureNearestTextures);
 }
 
@@ -145,6 +152,7 @@ std::vector<LeftOut> list_left_out(const Usage& usage, const PackedScene& packed
       {"textures", "no material in use has a texture", packed.vertex_uvs.empty() ? stream : 0, gpu::kFeatureTextures},
       {"mip levels of textures", "no frame of one sample asks for them", absent_mip_bytes(packed.textures),
        gpu::kFeatureMips},
+      {"texel pages", "all texels in use fit one buffer of 256 MiB", 0, gpu::kFeatureTexelPages},
       {"textures of floats", "all texels in use are bytes", 0, gpu::kFeatureFloatTextures},
       {"unfiltered textures", "every texture in use is filtered", 0, gpu::kFeatureNearestTextures},
       {"texture transforms", "no texture in use is moved, turned or scaled", 0, gpu::kFeatureTextureTransform},

@@ -1,0 +1,36 @@
+#include "host/images/decode.h"
+
+#include <algorithm>
+#include <string_view>
+
+#include "host/images/jpeg.h"
+#include "host/images/png.h"
+#include "host/images/radiance.h"
+#include "host/images/webp.h"
+
+namespace wavepath {
+
+std::optional<FileFormat> file_format(std::span<const std::uint8_t> file) {
+  const std::string_view head(reinterpret_cast<const char*>(file.data()), std::min<std::size_t>(file.size(), 12));
+  if (head.starts_with("\x89PNG\r\n\x1a\n")) return FileFormat::png;
+  if (head.starts_with("\xff\xd8\xff")) return FileFormat::jpeg;
+  if (head.starts_with("RIFF") && head.ends_with("WEBP")) return FileFormat::webp;
+  if (head.starts_with("#?")) return FileFormat::radiance;
+  return std::nullopt;
+}
+
+DecodedImage decode(FileFormat format, std::span<const std::uint8_t> file, const CheckShape& check) {
+  switch (format) {
+    case FileFormat::png:
+      return decode_png(file, check);
+    case FileFormat::jpeg:
+      return decode_jpeg(file, check);
+    case FileFormat::webp:
+      return decode_webp(file, check);
+    case FileFormat::radiance:
+      break;
+  }
+  return decode_radiance(file, check);
+}
+
+} // namespace wavepath
