@@ -98,6 +98,16 @@ TEST(Target, ALaterLookKeepsItsLimit) {
   EXPECT_EQ(target.limit(), limit) << "the look at 68 is not known yet";
 }
 
+// Indices end at 2^32 - 1: what lies beyond is there, not at the beginning.
+TEST(Target, NothingLiesBeyondTheLastIndex) {
+  constexpr std::uint32_t kFirst = 0xffffff00, kLast = 0xffffffff;
+  Target target(0.1, kFirst, kLast, 2);
+  target.begin(kLast - 3, kLast - 3 - kFirst);
+  EXPECT_EQ(target.limit(), kLast);
+  EXPECT_FALSE(target.take(kLast - 3, found(kLast - 3 - kFirst, 0.5), {noise(64), noise(128)}));
+  EXPECT_EQ(target.next_check(), kLast);
+}
+
 TEST(Target, NoLimitBeyondTheEnd) {
   Target target(0.1, 0, 66, 2);
   target.begin(64, 64);

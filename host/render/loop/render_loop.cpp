@@ -212,9 +212,11 @@ std::uint32_t RenderLoop::pass_end() const {
       settings_.adaptive ? workspace_.slots / kLargestRun * kAdaptiveStep : integrator_->most_samples(cursor_.sample);
   const std::uint32_t wave = pace_.fixed_wave ? pace_.fixed_wave : governor_.wave();
   const auto fit = static_cast<std::uint32_t>(std::clamp<std::uint64_t>(wave / places(), 1, most));
-  const std::uint32_t next_checkpoint = settings_.first_sample + std::max(std::bit_ceil(spp() + 1), step);
-  std::uint32_t end =
-      std::min({cursor_.sample + (fit + step - 1) / step * step, next_checkpoint, settings_.last_sample});
+  // Counted from the first sample, because indices end at 2^32 - 1, which a sum may pass.
+  const std::uint64_t full = spp() + (std::uint64_t{fit} + step - 1) / step * step;
+  const std::uint64_t next_checkpoint = std::max(std::bit_ceil(spp() + std::uint64_t{1}), std::uint64_t{step});
+  const std::uint64_t length = std::min({full, next_checkpoint, std::uint64_t{planned()}});
+  std::uint32_t end = settings_.first_sample + static_cast<std::uint32_t>(length);
   for (const std::uint32_t bound : {target_.next_check(), target_.limit()})
     if (bound > cursor_.sample) end = std::min(end, bound);
   return end;

@@ -1,6 +1,7 @@
 #include "host/render/loop/target.h"
 
 #include <algorithm>
+#include <limits>
 
 namespace wavepath {
 namespace {
@@ -19,15 +20,17 @@ Target::Target(double relative_rms, std::uint32_t first_sample, std::uint32_t la
       step_(step),
       next_check_(relative_rms > 0.0 ? next_check : 0) {}
 
-std::uint32_t Target::whole_steps_beyond(double samples) const {
-  return (static_cast<std::uint32_t>(samples) / step_ + 1) * step_;
+std::uint32_t Target::whole_steps_beyond(std::uint32_t sample, double growth) const {
+  const auto samples = static_cast<std::uint64_t>((sample - first_sample_) * growth);
+  const std::uint64_t end = sample + (samples / step_ + 1) * step_;
+  return static_cast<std::uint32_t>(std::min<std::uint64_t>(end, std::numeric_limits<std::uint32_t>::max()));
 }
 
 void Target::begin(std::uint32_t sample, std::uint32_t spp) {
   if (!is_set() || spp < kFewestSamples) return;
   next_check_ = 0;
   looked_at_ = sample;
-  limit_ = std::min(sample + whole_steps_beyond((sample - first_sample_) * kShortestStep), last_sample_);
+  limit_ = std::min(whole_steps_beyond(sample, kShortestStep), last_sample_);
 }
 
 bool Target::take(std::uint32_t sample, const Checkpoint& found, const std::vector<Checkpoint>& checkpoints) {
@@ -41,7 +44,7 @@ bool Target::take(std::uint32_t sample, const Checkpoint& found, const std::vect
   next_check_ = 0;
   if (!has_estimate(found.spp, found.error) || found.spp < kFewestSamples) return false;
   const double growth = growth_for(found.error.relative_rms / relative_rms_, fit_slope(checkpoints, Against::spp));
-  next_check_ = sample + whole_steps_beyond((sample - first_sample_) * std::clamp(growth - 1.0, kShortestStep, 1.0));
+  next_check_ = whole_steps_beyond(sample, std::clamp(growth - 1.0, kShortestStep, 1.0));
   return false;
 }
 

@@ -33,7 +33,9 @@ public:
   bool take(std::uint32_t sample, const Checkpoint& found, const std::vector<Checkpoint>& checkpoints);
 
 private:
-  std::uint32_t whole_steps_beyond(double samples) const;
+  // The sample that lies, in whole steps, more than `growth` of the samples so far beyond `sample`, or the last that has
+  // an index.
+  std::uint32_t whole_steps_beyond(std::uint32_t sample, double growth) const;
 
   double relative_rms_ = 0.0; // 0 = none
   std::uint32_t first_sample_ = 0, last_sample_ = 0, step_ = 1;
