@@ -13,6 +13,7 @@
 #include "host/film/picture_io.h"
 #include "host/film/tonemap.h"
 #include "host/gpu/device.h"
+#include "tests/fake_tev.h"
 #include "tests/run_wavepath.h"
 #include "tests/small_disk.h"
 #include "tests/temporary_folder.h"
@@ -337,6 +338,47 @@ TEST_F(CliRenderTest, WhatDoesNotFitIsRefusedInNumbers) {
   const Outcome outcome = run_wavepath({"render", scene_file("cornell_box.gltf"), "--size", "65536x65536", "-o", exr_});
   EXPECT_EQ(outcome.exit_code, 1);
   EXPECT_NE(outcome.err.find("GiB is available; use a smaller --size"), std::string::npos) << outcome.err;
+}
+
+// What tev has at the end is what the file has; a picture comes early, and more on the way.
+TEST_F(CliRenderTest, TevIsShownThePicture) {
+  for (const std::vector<std::string>& extra :
+       {std::vector<std::string>{"--integrator", "path", "--time", "3.5", "--aov", "albedo"},
+        {"--integrator", "hybrid", "--spp", "4"},
+        {"--devices", "0", "--spp", "8"}}) {
+    FakeTev tev;
+    std::vector<std::string> flags = {"-o", exr_, "--tev", tev.address()};
+    flags.insert(flags.end(), extra.begin(), extra.end());
+    const Outcome outcome = render(flags);
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    tev.wait();
+    ASSERT_EQ(tev.images.size(), 1u);
+    const Picture &shown = tev.images.begin()->second, written = read_picture(exr_);
+    EXPECT_EQ(tev.images.begin()->first, exr_);
+    EXPECT_GE(tev.pictures, extra[2] == "--time" ? 3 : 2) << extra[1];
+    for (const Channel& channel : shown.channels) {
+      const auto same = std::find_if(written.channels.begin(), written.channels.end(),
+                                     [&](const Channel& other) { return other.name == channel.name; });
+      ASSERT_NE(same, written.channels.end()) << channel.name;
+      EXPECT_EQ(same->values, channel.values) << extra[1] << " " << channel.name;
+    }
+  }
+}
+
+TEST_F(CliRenderTest, ATevThatGoesAwayEndsNothing) {
+  FakeTev tev(1);
+  const Outcome gone = render({"-o", exr_, "--tev", tev.address(), "--integrator", "path", "--time", "3"});
+  EXPECT_EQ(gone.exit_code, 0) << gone.err;
+  EXPECT_NE(gone.err.find("wavepath: warning: --tev: the viewer is gone; the render went on without it"),
+            std::string::npos)
+      << gone.err;
+  EXPECT_EQ(read_picture(exr_).width, 48u);
+  std::filesystem::remove(exr_);
+  tev.wait();
+  const Outcome none = render({"-o", exr_, "--tev", tev.address()});
+  EXPECT_EQ(none.exit_code, 1);
+  EXPECT_NE(none.err.find("wavepath: error: --tev: no tev answers at "), std::string::npos) << none.err;
+  EXPECT_FALSE(std::filesystem::exists(exr_));
 }
 
 TEST_F(CliRenderTest, UnknownDevicesAreNamed) {

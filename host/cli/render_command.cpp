@@ -21,6 +21,7 @@
 #include "host/cli/resume.h"
 #include "host/cli/scene_flags.h"
 #include "host/cli/trace_report.h"
+#include "host/film/tev.h"
 #include "host/gpu/pipeline_cache.h"
 #include "host/render/bvh_choice.h"
 #include "host/render/denoised.h"
@@ -173,6 +174,8 @@ std::optional<Picture> check(Request& request) {
   settle_strict(request.render);
   check_replay(request.render);
   settle_devices(request.render);
+  if (request.render.pixel && !request.output.tev.empty())
+    throw UsageError("--pixel", "renders no picture that --tev could show", "leave out one of them");
   if (request.render.pixel)
     require_file(request.scene.path);
   else
@@ -191,6 +194,7 @@ struct Prepared {
   std::unique_ptr<Device> device;
   std::unique_ptr<KernelCompiler> kernels;
   std::vector<OtherDevice> others;
+  std::unique_ptr<TevViewer> viewer; // of --tev
   View view;
   PackedScene packed;
   std::uint64_t scene_hash = 0; // where the identity needs it
@@ -204,8 +208,9 @@ bool needs_identity(const Request& request) { return request.render.mergeable ||
 Prepared prepare(const Request& request) {
   const RenderSettings& settings = request.render.settings;
   const Stopwatch loading;
-  OpenScene open = open_scene(request.scene, request.render); // its scene is freed here: rendering needs the packed one
   Prepared prepared;
+  if (!request.output.tev.empty()) prepared.viewer = std::make_unique<TevViewer>(request.output.tev);
+  OpenScene open = open_scene(request.scene, request.render); // its scene is freed here: rendering needs the packed one
   prepared.device = std::move(open.device);
   prepared.kernels = std::move(open.kernels);
   for (const std::string& wanted : request.render.other_devices) {
@@ -287,6 +292,14 @@ std::function<void(const Checkpoint&, const Picture&)> measure_checkpoints(const
       [&](const Checkpoint&, const Picture& picture) { true_errors.push_back(measure_true_error(picture, reference)); };
 }
 
+// Shows the picture in the viewer of --tev. One that goes away does not end the render.
+void show(const Request& request, Prepared& prepared, const Picture& picture) {
+  if (!prepared.viewer) return;
+  if (prepared.viewer->show(request.output.pictures.front(), picture)) return;
+  prepared.viewer.reset();
+  prepared.warnings.add("--tev: the viewer is gone; the render went on without it");
+}
+
 // Renders on all of --devices.
 SharedResult render_shared(const Request& request, Prepared& prepared, const std::optional<Picture>& reference,
                            std::vector<TrueError>& true_errors) {
@@ -294,6 +307,7 @@ SharedResult render_shared(const Request& request, Prepared& prepared, const std
   for (const OtherDevice& other : prepared.others) devices.push_back({other.device.get(), other.kernels.get()});
   RenderHooks hooks;
   if (reference) hooks.checkpoint = measure_checkpoints(*reference, true_errors);
+  if (prepared.viewer) hooks.show = [&](const Picture& picture) { show(request, prepared, picture); };
   SharedResult shared = render_shown(request, hooks, [&](const RenderHooks& shown) {
     return render_by_several(devices, prepared.packed, prepared.view, request.render.settings, shown);
   });
@@ -317,6 +331,7 @@ RenderResult render_prepared(const Request& request, Prepared& prepared, const s
                     .salvages = true};
   if (resumed) hooks.resume = &*resumed;
   if (reference) hooks.checkpoint = measure_checkpoints(*reference, true_errors);
+  if (prepared.viewer) hooks.show = [&](const Picture& picture) { show(request, prepared, picture); };
   return render_shown(request, hooks, [&](const RenderHooks& shown) {
     return render(*prepared.device, prepared.packed, prepared.view, request.render.settings, shown, *prepared.kernels);
   });
@@ -415,6 +430,7 @@ int run_render(Request& request) {
   if (!prepared.others.empty()) shared = render_shared(request, prepared, reference, true_errors);
   RenderResult result = shared ? std::move(shared->result) : render_prepared(request, prepared, reference, true_errors);
   denoise_if_asked(result, settings);
+  show(request, prepared, result.picture);
   Run run{request.scene.path, request.command_line, prepared.device->info(), settings, prepared.packed, result};
   if (!choice.trials.empty()) run.choice = &choice;
   if (shared) run.shared = &*shared;

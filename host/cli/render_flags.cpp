@@ -237,6 +237,10 @@ void add_output_flags(CLI::App& app, OutputRequest& request) {
            keep(request.stats));
   add_flag(app, group, {"--reference", "FILE.exr", "also measure the true error at every checkpoint", "none"},
            keep(request.reference));
+  add_flag(app, group,
+           {"--tev", "HOST[:PORT]", "send the picture to the viewer tev as it progresses; port 14158 if none is named",
+            "off"},
+           keep(request.tev));
   add_switch(app, group, {"--json", "", "print the stats document on stdout", "off"}, request.json);
   add_switch(app, group, {"-q,--quiet", "", "no progress and no summary", "off"}, request.quiet);
   add_switch(app, group,

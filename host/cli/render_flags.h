@@ -20,6 +20,7 @@ struct OutputRequest {
   std::vector<std::string> pictures; // .exr .hdr .png .jpg
   WriteOptions write;
   std::string stats, reference; // files; empty = none
+  std::string tev;              // HOST[:PORT] of a viewer; empty = none
   bool quiet = false, verbose = false, json = false;
 };
 

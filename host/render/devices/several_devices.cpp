@@ -301,6 +301,7 @@ private:
     all.slope = fit_slope(all.checkpoints, Against::seconds);
     if (hooks_.checkpoint) hooks_.checkpoint(all.checkpoints.back(), develop(*film_, settings_.aovs, origin_));
     all.estimate_seconds += seconds_since(start);
+    if (hooks_.show) hooks_.show(develop(*film_, settings_.aovs, origin_));
     const bool reached = settings_.target_error > 0.0 && done_ >= kFewest && has_estimate(done_, all.error) &&
                          all.error.relative_rms <= settings_.target_error;
     if (reached) all.stop = StopReason::target_error;

@@ -28,6 +28,9 @@ struct RenderHooks {
   ProgressCallback progress{};
   // At every checkpoint, with the picture so far.
   std::function<void(const Checkpoint&, const Picture&)> checkpoint{};
+  // Soon after the first samples, then every second or more seldom, so that it takes a twentieth of the time at most;
+  // with the picture so far. Of several devices, after every round.
+  std::function<void(const Picture&)> show{};
   // About every save_interval seconds and at the end, with all that a later render needs to go on from there.
   std::function<void(const RenderState&)> save{};
   double save_interval = 30.0;

@@ -129,6 +129,7 @@ bool RenderLoop::step() {
   submit_next_wave();
   if (is_pass_submitted()) end_pass();
   if (is_save_due() && (traces_paths() || !in_pass())) save();
+  if (is_show_due()) show();
   return true;
 }
 

@@ -2,6 +2,7 @@
 // the result.
 #include <algorithm>
 #include <bit>
+#include <chrono>
 #include <cmath>
 #include <limits>
 
@@ -16,6 +17,8 @@ namespace {
 // Estimates in progress at once: each holds a copy of the film.
 constexpr std::size_t kMostPending = 2;
 constexpr double kEstimateShare = 0.02; // of the time, where estimates may be skipped
+constexpr std::chrono::seconds kShowInterval{1};
+constexpr int kShowPause = 19;          // times what showing took
 constexpr double kFirstEstimate = 1e-7; // seconds a pixel, before one was measured
 
 double gpu_seconds(const Totals& totals) {
@@ -139,6 +142,21 @@ void RenderLoop::save() {
   hooks_.save(state());
   saved_sample_ = cursor_.sample;
   last_save_ = Clock::now();
+  resume_clock();
+}
+
+bool RenderLoop::is_show_due() const {
+  const bool has_picture = is_first_pass_complete() && (traces_paths() || !in_pass());
+  return hooks_.show && has_picture && Clock::now() >= next_show_;
+}
+
+void RenderLoop::show() {
+  const Film film = this->film();
+  pause_clock();
+  const Clock::time_point start = Clock::now();
+  hooks_.show(develop(film, settings_.aovs, workspace_.scene.origin));
+  const Clock::duration taken = Clock::now() - start;
+  next_show_ = Clock::now() + std::max<Clock::duration>(kShowInterval, kShowPause * taken);
   resume_clock();
 }
 

@@ -33,8 +33,8 @@ public:
   bool take(std::uint32_t sample, const Checkpoint& found, const std::vector<Checkpoint>& checkpoints);
 
 private:
-  // The sample that lies, in whole steps, more than `growth` of the samples so far beyond `sample`, or the last that has
-  // an index.
+  // The sample that lies, in whole steps, more than `growth` of the samples so far beyond `sample`, or the last that
+  // has an index.
   std::uint32_t whole_steps_beyond(std::uint32_t sample, double growth) const;
 
   double relative_rms_ = 0.0; // 0 = none
