@@ -10,7 +10,9 @@
 #include <vector>
 
 #include <arpa/inet.h>
+#include <fcntl.h>
 #include <netinet/in.h>
+#include <poll.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -24,7 +26,7 @@ class FakeTev {
 public:
   // `hangs_up_after`: closes the connection after so many pictures; 0 = never. A picture ends with its last row.
   explicit FakeTev(int hangs_up_after = 0) : hangs_up_after_(hangs_up_after) {
-    listener_ = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    listener_ = socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
     sockaddr_in address{};
     address.sin_family = AF_INET;
     address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
@@ -35,16 +37,17 @@ public:
     port_ = ntohs(address.sin_port);
     thread_ = std::thread([this] { serve(); });
   }
-  ~FakeTev() { wait(); }
+  ~FakeTev() {
+    shutdown(listener_, SHUT_RDWR); // where nobody came
+    wait();
+    close(listener_);
+  }
   FakeTev(const FakeTev&) = delete;
 
   std::string address() const { return "127.0.0.1:" + std::to_string(port_); }
-  // Until the other side has closed the connection, or this one has.
+  // Until somebody has come, and has closed the connection, or this has.
   void wait() {
-    if (!thread_.joinable()) return;
-    shutdown(listener_, SHUT_RDWR); // for a test that never connected
-    thread_.join();
-    close(listener_);
+    if (thread_.joinable()) thread_.join();
   }
 
   // Valid after wait().
@@ -81,7 +84,10 @@ private:
   }
 
   void serve() {
-    connection_ = accept(listener_, nullptr, nullptr);
+    pollfd coming{listener_, POLLIN, 0};
+    poll(&coming, 1, 60000); // a test that nobody comes to fails
+    connection_ = accept4(listener_, nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC);
+    if (connection_ >= 0) fcntl(connection_, F_SETFL, 0);
     std::string length, packet;
     while (connection_ >= 0 && receive(length, 4)) {
       std::uint32_t size = 0;
