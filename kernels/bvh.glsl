@@ -6,6 +6,7 @@
 #define WAVEPATH_BVH_GLSL
 
 #include "kernels/config.glsl"
+#include "kernels/instance.glsl"
 #include "kernels/math.glsl"
 #include "kernels/motion.glsl"
 #include "kernels/triangle.glsl"

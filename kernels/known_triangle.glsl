@@ -4,6 +4,7 @@
 #define WAVEPATH_KNOWN_TRIANGLE_GLSL
 
 #include "kernels/config.glsl"
+#include "kernels/instance.glsl"
 #include "kernels/records.glsl"
 #include "kernels/triangle.glsl"
 

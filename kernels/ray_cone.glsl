@@ -4,8 +4,8 @@
 #define WAVEPATH_RAY_CONE_GLSL
 
 #include "kernels/camera.glsl"
+#include "kernels/instance.glsl"
 #include "kernels/surface.glsl"
-#include "kernels/triangle.glsl"
 
 // Sets the footprint of look-ups at the hit of a camera ray, `offset` from its origin. The cone's section of the surface is
 // an ellipse, 1 / cosine as long as it is wide; its area decides. (Its length is as good by error, and blurs more: relMSE

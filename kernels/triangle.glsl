@@ -1,5 +1,4 @@
-// A ray against one triangle, and rays carried into an instance's space: the watertight test of Woop, Benthin and Wald
-// 2013, with the arithmetic of bvh/intersect.h. Include bindings.glsl with BIND_GEOMETRY first.
+// A ray against one triangle: the watertight test of Woop, Benthin and Wald 2013, with the arithmetic of bvh/intersect.h.
 #ifndef WAVEPATH_TRIANGLE_GLSL
 #define WAVEPATH_TRIANGLE_GLSL
 
@@ -112,16 +111,6 @@ Candidate intersect_triangle(TraversalRay ray, vec3 v0, vec3 v1, vec3 v2) {
   return Candidate(place.t, apex_a ? place.b : apex_b ? place.apex : rest, apex_a ? rest : apex_b ? place.b : place.apex,
                    inside && abs(determinant) >= kSmallestNormal && place.t > place.t_error,
                    (determinant > 0.0) == (ray.shear.z > 0.0));
-}
-
-vec3 transform_point(uint first_texel, vec3 p) {
-  vec4 q = vec4(p, 1.0);
-  return vec3(dot(texelFetch(instances, int(first_texel)), q), dot(texelFetch(instances, int(first_texel + 1u)), q),
-              dot(texelFetch(instances, int(first_texel + 2u)), q));
-}
-vec3 transform_vector(uint first_texel, vec3 v) {
-  return vec3(dot(texelFetch(instances, int(first_texel)).xyz, v), dot(texelFetch(instances, int(first_texel + 1u)).xyz, v),
-              dot(texelFetch(instances, int(first_texel + 2u)).xyz, v));
 }
 
 #endif

@@ -1,11 +1,12 @@
 #include "host/bench/bench.h"
 
 #include <algorithm>
-#include <cmath>
 #include <memory>
 
+#include "host/bench/contest.h"
 #include "host/bench/frames.h"
 #include "host/bench/ray_replay.h"
+#include "host/bench/structures/comparison.h"
 #include "host/bench/work.h"
 #ifdef WAVEPATH_EMBREE
 #include "benchmarks/embree.h"
@@ -14,49 +15,14 @@
 namespace wavepath {
 namespace {
 
-enum Kind : std::size_t { camera, bounce, shadow, kind_count };
-constexpr const char* kKindNames[kind_count] = {"camera", "bounce", "shadow"};
+constexpr const char* kKindNames[kRayKindCount] = {"camera", "bounce", "shadow"};
 
 // Float operations of kernels/bvh.glsl. A visit: 4 children x 6 planes, each scaled and moved (2) and compared (1), and
 // the last comparison, padded (2). A test: 3 vertices moved (3) and sheared (5), 3 edge functions (3), their sum and
 // signs (8), and the place of the hit (about 80).
 constexpr double kVisitFlops = 4 * (6 * 3 + 2), kTestFlops = 3 * 8 + 3 * 3 + 8 + 80;
 
-// Measures the contestants in turns, so that other load on the machine disturbs all of them.
-struct Contestant {
-  std::function<double(Kind)> seconds;
-  std::array<std::vector<double>, kind_count> measured{};
-};
-
-void take_turns(std::vector<Contestant>& contestants, std::uint32_t repetitions) {
-  constexpr double kLongEnough = 0.03; // seconds: short measurements are repeated until they take this long
-  for (std::size_t kind = 0; kind < kind_count; ++kind) {
-    std::uint32_t runs = 1;
-    for (Contestant& each : contestants) { // warm-up
-      const double once = each.seconds(static_cast<Kind>(kind));
-      if (once > 0.0) runs = std::max(runs, static_cast<std::uint32_t>(std::ceil(kLongEnough / std::max(once, 1e-4))));
-    }
-    for (std::uint32_t turn = 0; turn < repetitions; ++turn)
-      for (Contestant& each : contestants) {
-        double sum = 0.0;
-        for (std::uint32_t i = 0; i < runs; ++i) sum += each.seconds(static_cast<Kind>(kind));
-        each.measured[kind].push_back(sum / runs);
-      }
-  }
-}
-
-std::array<std::size_t, kind_count> counts(const RaySets& rays) {
-  return {rays.camera.size(), rays.bounce.size(), rays.shadow.size()};
-}
-
-Contestant replaying(RayReplay& replay, const RaySets& rays) {
-  return {[&](Kind kind) {
-    if (kind == shadow) return replay.connect(rays.shadow);
-    return replay.extend(kind == camera ? rays.camera : rays.bounce, kind == camera);
-  }};
-}
-
-RayRate describe(Kind kind, std::size_t count, const std::vector<double>& seconds, const bvh::Counters& work,
+RayRate describe(RayKind kind, std::size_t count, const std::vector<double>& seconds, const bvh::Counters& work,
                  const Ceilings& ceilings) {
   RayRate rate;
   rate.kind = kKindNames[kind];
@@ -69,50 +35,37 @@ RayRate describe(Kind kind, std::size_t count, const std::vector<double>& second
   rate.visits = static_cast<double>(work.visits) / n;
   rate.tests = static_cast<double>(work.tests) / n;
   rate.bytes = rate.visits * 16 * gpu::kNodeTexels + rate.tests * 16 * gpu::kTriangleTexels +
-               (kind == shadow ? sizeof(gpu::ShadowRay) : sizeof(gpu::Ray) + sizeof(gpu::Hit));
+               (kind == kShadowRaysKind ? sizeof(gpu::ShadowRay) : sizeof(gpu::Ray) + sizeof(gpu::Hit));
   rate.roofline_fraction = roofline_fraction(ceilings, rays_per_second * (rate.visits + rate.tests),
                                              rays_per_second * (rate.visits * kVisitFlops + rate.tests * kTestFlops));
   return rate;
 }
 
-std::array<RayRate, kind_count> measure_rays(const PackedScene& scene, RayReplay& replay, const RaySets& rays,
-                                             const Ceilings& ceilings, std::uint32_t repetitions) {
+std::array<RayRate, kRayKindCount> measure_rays(const PackedScene& scene, RayReplay& replay, const RaySets& rays,
+                                                const Ceilings& ceilings, std::uint32_t repetitions) {
   std::vector<Contestant> alone{replaying(replay, rays)};
   take_turns(alone, repetitions);
   const bvh::Counters work[] = {count_closest(scene, rays.camera), count_closest(scene, rays.bounce),
                                 count_any(scene, rays.shadow)};
-  std::array<RayRate, kind_count> rates;
-  for (std::size_t kind = 0; kind < kind_count; ++kind)
-    rates[kind] = describe(static_cast<Kind>(kind), counts(rays)[kind], alone[0].measured[kind], work[kind], ceilings);
+  std::array<RayRate, kRayKindCount> rates;
+  for (std::size_t kind = 0; kind < kRayKindCount; ++kind)
+    rates[kind] =
+        describe(static_cast<RayKind>(kind), count_rays(rays)[kind], alone[0].measured[kind], work[kind], ceilings);
   return rates;
 }
 
 #ifdef WAVEPATH_EMBREE
-// Hits of both within rounding of each other, or both misses.
-double agreement(const std::vector<float>& ours, const std::vector<float>& theirs) {
-  std::size_t same = 0;
-  for (std::size_t i = 0; i < ours.size(); ++i)
-    same += ours[i] == theirs[i] || std::fabs(ours[i] - theirs[i]) <= 1e-3f * theirs[i];
-  return static_cast<double>(same) / static_cast<double>(ours.size());
-}
-
-double agreement(const std::vector<bool>& ours, const std::vector<bool>& theirs) {
-  std::size_t same = 0;
-  for (std::size_t i = 0; i < ours.size(); ++i) same += ours[i] == theirs[i];
-  return static_cast<double>(same) / static_cast<double>(ours.size());
-}
-
-double agreement(Kind kind, const PackedScene& scene, RayReplay& replay, const RaySets& rays,
+double agreement(RayKind kind, const PackedScene& scene, RayReplay& replay, const RaySets& rays,
                  const EmbreeScene& embree) {
-  if (kind == shadow) {
+  if (kind == kShadowRaysKind) {
     std::vector<bool> theirs;
     replay.connect(rays.shadow);
     embree.occluded(rays.shadow, &theirs);
     return agreement(replay.blocked(rays.shadow), theirs);
   }
-  const std::vector<gpu::Ray>& set = kind == camera ? rays.camera : rays.bounce;
+  const std::vector<gpu::Ray>& set = kind == kCameraRays ? rays.camera : rays.bounce;
   std::vector<float> theirs;
-  replay.extend(set, kind == camera);
+  replay.extend(set, kind == kCameraRays);
   embree.intersect(set, &theirs);
   return agreement(replay.distances(scene, set), theirs);
 }
@@ -127,18 +80,19 @@ void compare_with_embree(Device& device, const PackedScene& scene, const View& v
   const EmbreeScene fast(scene, false), robust(scene, true);
   result.embree_build_seconds = fast.build_seconds();
   const auto embree = [&rays](const EmbreeScene& rival) {
-    return Contestant{[&](Kind kind) {
-      return kind == shadow ? rival.occluded(rays.shadow) : rival.intersect(kind == camera ? rays.camera : rays.bounce);
+    return Contestant{[&](RayKind kind) {
+      return kind == kShadowRaysKind ? rival.occluded(rays.shadow)
+                                     : rival.intersect(kind == kCameraRays ? rays.camera : rays.bounce);
     }};
   };
   std::vector<Contestant> contestants{replaying(replay, rays), embree(fast), embree(robust)};
   take_turns(contestants, settings.repetitions);
-  for (std::size_t kind = 0; kind < kind_count; ++kind) {
-    if (counts(rays)[kind] == 0) continue;
+  for (std::size_t kind = 0; kind < kRayKindCount; ++kind) {
+    if (count_rays(rays)[kind] == 0) continue;
     const auto over = [&](std::size_t rival) {
       return ratio_of_medians(contestants[rival].measured[kind], contestants[0].measured[kind]);
     };
-    result.rays[kind].embree = {over(1), over(2), agreement(static_cast<Kind>(kind), scene, replay, rays, robust)};
+    result.rays[kind].embree = {over(1), over(2), agreement(static_cast<RayKind>(kind), scene, replay, rays, robust)};
   }
 }
 #endif
@@ -192,6 +146,10 @@ BenchResult bench(Device& device, const PackedScene& scene, const View& view, co
   progress("the same rays in Embree");
   compare_with_embree(device, scene, view, all, rays, result);
 #endif
+  if (all.structures) {
+    progress("the same rays in other structures");
+    result.structures = compare_structures(device, scene, view, all.render, rays, all.repetitions);
+  }
   if (all.ablate)
     result.ablation = ablate(device, scene, view, all.render, warm, result.path_tracing.spp, all.repetitions, progress);
   return result;

@@ -9,6 +9,7 @@
 
 #include "host/bench/ablation.h"
 #include "host/bench/ceilings.h"
+#include "host/bench/structures/row.h"
 #include "host/bench/summary.h"
 #include "host/render/render.h"
 #include "host/scene/pack/pack.h"
@@ -18,7 +19,7 @@ namespace wavepath {
 struct BenchSettings {
   RenderSettings render;
   std::uint32_t repetitions = 7; // of every measurement; rivals take turns
-  bool ablate = false;
+  bool ablate = false, structures = false;
 };
 
 struct EmbreeRatio {
@@ -56,7 +57,8 @@ struct BenchResult {
   PathTracing path_tracing;
   double compile_seconds = 0.0;
   std::optional<double> embree_build_seconds;
-  std::vector<AblationRow> ablation; // empty unless asked for
+  std::vector<AblationRow> ablation;    // empty unless asked for
+  std::vector<StructureRow> structures; // likewise
 };
 
 // The rays are those of the first sample of every pixel, as many as are in flight at once. Throws Error as render()

@@ -76,6 +76,42 @@ std::string ablation_table(const std::vector<AblationRow>& rows) {
   return text;
 }
 
+constexpr const char* kKindNames[] = {"camera", "bounce", "shadow"};
+
+Json structures_json(const std::vector<StructureRow>& rows) {
+  Json json = Json::array();
+  for (const StructureRow& row : rows) {
+    Json& entry = json.emplace_back(Json{{"name", row.name},
+                                         {"build_seconds", row.build_seconds},
+                                         {"bytes", row.bytes},
+                                         {"items_per_triangle", row.items}});
+    for (std::size_t kind = 0; kind < row.mrays_per_second.size(); ++kind)
+      if (row.mrays_per_second[kind] > 0.0)
+        entry[kKindNames[kind]] = {{"mrays_per_second", row.mrays_per_second[kind]},
+                                   {"agreement", row.agreement[kind]}};
+  }
+  return json;
+}
+
+std::string structures_table(const std::vector<StructureRow>& rows) {
+  std::string text = fmt::format("{:<18}{:>9}{:>12}{:>8}{:>9}{:>9}{:>9}{:>9}\n", "structure", "build s", "memory",
+                                 "items", "camera", "bounce", "shadow", "agree");
+  for (const StructureRow& row : rows) {
+    text +=
+        fmt::format("{:<18}{:>9.3f}{:>12}{:>8.2f}", row.name, row.build_seconds, to_size_text(row.bytes), row.items);
+    double least = 1.0;
+    for (std::size_t kind = 0; kind < row.mrays_per_second.size(); ++kind) {
+      const double rate = row.mrays_per_second[kind];
+      text += rate > 0.0 ? fmt::format("{:>9.3f}", rate) : fmt::format("{:>9}", "none");
+      if (rate > 0.0) least = std::min(least, row.agreement[kind]);
+    }
+    text += fmt::format("{:>9.4f}\n", least);
+  }
+  return text +
+         "Mrays/s by kind; items that its leaves hold, per triangle; share of the rays that find what the first row "
+         "does\n";
+}
+
 } // namespace
 
 Json bench_document(const BenchRun& run) {
@@ -112,6 +148,7 @@ Json bench_document(const BenchRun& run) {
             {"compile_ms", 1e3 * result.compile_seconds}};
   if (result.embree_build_seconds) json["embree"] = embree_json(result);
   json["ablation"] = ablation;
+  if (!result.structures.empty()) json["structures"] = structures_json(result.structures);
   return json;
 }
 
@@ -138,6 +175,7 @@ std::string bench_table(const BenchRun& run) {
       "path\n",
       result.path_tracing.spp, result.path_tracing.mrays_per_second, 100 * result.path_tracing.seconds.spread,
       100 * result.path_tracing.traversal_share, result.path_tracing.bytes_per_path);
+  if (!result.structures.empty()) text += "\n" + structures_table(result.structures);
   if (!result.ablation.empty()) text += "\n" + ablation_table(result.ablation);
   return text;
 }

@@ -30,7 +30,7 @@ struct Request {
   RenderRequest render;
   bool quiet = false;
   std::uint32_t repetitions = 7;
-  bool ablate = false, kernels = false;
+  bool ablate = false, kernels = false, structures = false;
   std::string json, baseline;
   double threshold = 10.0; // percent
 };
@@ -72,6 +72,8 @@ int run_compiler(const Request& request) {
   turn_kernel_caches_off();
   if (!request.baseline.empty())
     throw UsageError("--kernels", "measures nothing that --baseline compares", "leave one of them out");
+  if (request.structures)
+    throw UsageError("--kernels", "traces no rays that --structures compares", "leave one of them out");
   if (!request.json.empty()) require_writable(request.json);
   Device device(request.render.device, {}, DeviceUse::compile);
   const RenderSettings& settings = request.render.settings;
@@ -94,7 +96,7 @@ int run_bench(Request& request) {
   Device device(request.render.device);
   choose_size(request, device.info());
 
-  BenchSettings settings{request.render.settings, request.repetitions, request.ablate};
+  BenchSettings settings{request.render.settings, request.repetitions, request.ablate, request.structures};
   LoadedScene loaded = load(request);
   Scene& scene = loaded.scene;
   const View view =
@@ -133,6 +135,10 @@ Command add_bench(CLI::App& app) {
   add_switch(*command, group,
              {"--ablate", "", "measure what each feature that this scene leaves out would cost it", "off"},
              request->ablate);
+  add_switch(*command, group,
+             {"--structures", "",
+              "also trace the same rays in a binary and a linear BVH, a kd-tree, an octree and a uniform grid", "off"},
+             request->structures);
   add_switch(*command, group,
              {"--kernels", "",
               "tell what the driver's compiler makes of every kernel instead (registers, spills, "

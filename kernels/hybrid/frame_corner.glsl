@@ -4,7 +4,7 @@
 #define WAVEPATH_FRAME_CORNER_GLSL
 
 #include "kernels/camera.glsl"
-#include "kernels/triangle.glsl"
+#include "kernels/instance.glsl"
 
 // 1: the clockwise side, 2: the other.
 uint hidden_sides_of(uint triangle, uint instance) {

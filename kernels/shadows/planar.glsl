@@ -3,8 +3,8 @@
 #define WAVEPATH_PLANAR_GLSL
 
 #include "kernels/config.glsl"
+#include "kernels/instance.glsl"
 #include "kernels/shadows/planar_types.h"
-#include "kernels/triangle.glsl"
 
 #if defined(BIND_PLANAR_PAIRS) || defined(BIND_RECEIVER_PLANES)
 layout(set = 0, binding = kBindPlanarPairs) uniform samplerBuffer planar_pairs;

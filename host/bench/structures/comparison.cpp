@@ -1,0 +1,115 @@
+#include "host/bench/structures/comparison.h"
+
+#include <functional>
+#include <memory>
+
+#include "bvh/wide.h"
+#include "host/base/clock.h"
+#include "host/bench/contest.h"
+#include "host/bench/flatten.h"
+#include "host/bench/structures/device_structure.h"
+#include "host/bench/summary.h"
+#include "host/render/device/kernel_compiler.h"
+#include "kernels/bench/binary_bvh.spv.h"
+#include "kernels/bench/kd_tree.spv.h"
+#include "kernels/bench/octree.spv.h"
+#include "kernels/bench/uniform_grid.spv.h"
+
+namespace wavepath {
+namespace {
+
+struct Candidate {
+  const char* name;
+  Structure (*build)(std::span<const bvh::Triangle>);
+  std::span<const std::uint32_t> spirv;
+};
+
+const Candidate kCandidates[] = {
+    {"binary BVH by SAH", build_sah_bvh, wavepath_binary_bvh_spv},
+    {"linear BVH", build_linear_bvh, wavepath_binary_bvh_spv},
+    {"kd-tree by SAH", build_kd_tree, wavepath_kd_tree_spv},
+    {"octree", build_octree, wavepath_octree_spv},
+    {"uniform grid", build_uniform_grid, wavepath_uniform_grid_spv},
+};
+
+std::vector<bvh::Triangle> placed_triangles(const PackedScene& scene) {
+  const std::vector<glm::vec3> corners = flatten(scene);
+  std::vector<bvh::Triangle> triangles(corners.size() / 3);
+  const auto at = [&](std::size_t i) { return bvh::Vec3{corners[i].x, corners[i].y, corners[i].z}; };
+  for (std::size_t i = 0; i < triangles.size(); ++i) triangles[i] = {at(3 * i), at(3 * i + 1), at(3 * i + 2)};
+  return triangles;
+}
+
+template <class Ray>
+std::vector<StructureRay> as_structure_rays(std::span<const Ray> rays) {
+  std::vector<StructureRay> result;
+  for (const Ray& ray : rays) result.push_back({ray.origin, ray.t_max, ray.direction});
+  return result;
+}
+
+std::vector<bool> are_hits(const std::vector<float>& distances) {
+  std::vector<bool> hits;
+  for (const float t : distances) hits.push_back(t < gpu::kFar);
+  return hits;
+}
+
+} // namespace
+
+std::vector<StructureRow> compare_structures(Device& device, const PackedScene& scene, const View& view,
+                                             const RenderSettings& settings, const RaySets& rays,
+                                             std::uint32_t repetitions) {
+  const std::vector<bvh::Triangle> triangles = placed_triangles(scene);
+  if (triangles.empty()) return {};
+  RenderSettings plain = settings;
+  plain.removed_features = gpu::kFeatureAlpha | gpu::kFeaturePanes | gpu::kFeatureCull;
+  KernelCompiler kernels(device);
+  RayReplay replay(device, scene, view, plain, kernels);
+  const std::array<std::vector<StructureRay>, kRayKindCount> sets = {as_structure_rays<gpu::Ray>(rays.camera),
+                                                                     as_structure_rays<gpu::Ray>(rays.bounce),
+                                                                     as_structure_rays<gpu::ShadowRay>(rays.shadow)};
+
+  std::vector<StructureRow> rows{
+      {.name = "BVH of wavepath",
+       .build_seconds = scene.bvh_seconds,
+       .bytes = scene.nodes.size() * sizeof(bvh::WideNode) + scene.triangles.size() * sizeof(gpu::Triangle),
+       .items = static_cast<double>(scene.triangles.size()) /
+                static_cast<double>(std::max<std::uint64_t>(scene.triangles_stored, 1))}};
+  std::vector<std::unique_ptr<DeviceStructure>> structures;
+  std::vector<Contestant> contestants{replaying(replay, rays)};
+  for (const Candidate& candidate : kCandidates) {
+    const Clock::time_point start = Clock::now();
+    const Structure built = candidate.build(triangles);
+    StructureRow& row = rows.emplace_back(StructureRow{.name = candidate.name, .build_seconds = seconds_since(start)});
+    row.items = static_cast<double>(built.items.size()) / static_cast<double>(triangles.size());
+    structures.push_back(std::make_unique<DeviceStructure>(device, candidate.spirv, built, triangles));
+    row.bytes = structures.back()->bytes();
+    contestants.push_back({[&sets, structure = structures.back().get()](RayKind kind) {
+      return structure->trace(sets[kind], kind == kShadowRaysKind);
+    }});
+  }
+  take_turns(contestants, repetitions);
+  for (std::size_t kind = 0; kind < kRayKindCount; ++kind) {
+    const std::vector<StructureRay>& set = sets[kind];
+    if (set.empty()) continue;
+    replaying(replay, rays).seconds(static_cast<RayKind>(kind));
+    std::vector<float> distances;
+    std::vector<bool> blocked;
+    if (kind == kShadowRaysKind)
+      blocked = replay.blocked(rays.shadow);
+    else
+      distances = replay.distances(scene, kind == kCameraRays ? rays.camera : rays.bounce);
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      rows[i].mrays_per_second[kind] =
+          1e-6 * static_cast<double>(set.size()) / summarize(contestants[i].measured[kind]).median;
+      rows[i].agreement[kind] = 1.0;
+      if (i == 0) continue;
+      structures[i - 1]->trace(set, kind == kShadowRaysKind);
+      const std::vector<float> theirs = structures[i - 1]->distances();
+      rows[i].agreement[kind] =
+          kind == kShadowRaysKind ? agreement(blocked, are_hits(theirs)) : agreement(distances, theirs);
+    }
+  }
+  return rows;
+}
+
+} // namespace wavepath

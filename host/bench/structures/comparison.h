@@ -1,0 +1,18 @@
+// The product's BVH beside the textbooks' structures, on the same rays.
+#pragma once
+
+#include <vector>
+
+#include "host/bench/ray_replay.h"
+#include "host/bench/structures/row.h"
+
+namespace wavepath {
+
+// The product's kernels come first, with alpha, panes and facing left out, which the others know nothing of. Instances
+// are laid out as triangles for the others. Empty if the scene has no triangle. Throws Error if the device cannot hold
+// a structure.
+std::vector<StructureRow> compare_structures(Device& device, const PackedScene& scene, const View& view,
+                                             const RenderSettings& settings, const RaySets& rays,
+                                             std::uint32_t repetitions);
+
+} // namespace wavepath

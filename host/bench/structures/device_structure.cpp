@@ -1,0 +1,84 @@
+#include "host/bench/structures/device_structure.h"
+
+#include <algorithm>
+#include <array>
+
+#include "host/base/clock.h"
+#include "host/gpu/commands.h"
+
+namespace wavepath {
+namespace {
+
+constexpr std::uint32_t kGroupSize = 64; // of kernels/bench/structure.glsl
+constexpr std::size_t kRaysOfDispatch = 1u
+                                        << 18; // the slowest structure takes far less than a second for them on a GPU
+
+std::vector<glm::vec4> list_corners(std::span<const bvh::Triangle> triangles) {
+  std::vector<glm::vec4> corners;
+  corners.reserve(3 * triangles.size());
+  for (const bvh::Triangle& triangle : triangles)
+    for (const bvh::Vec3& corner : {triangle.v0, triangle.v1, triangle.v2})
+      corners.emplace_back(corner.x, corner.y, corner.z, 0.0f);
+  return corners;
+}
+
+BindingKind node_kind(const Structure& structure) {
+  return structure.words_per_node == 4   ? BindingKind::texels_rgba32ui
+         : structure.words_per_node == 2 ? BindingKind::texels_rg32ui
+                                         : BindingKind::texels_r32ui;
+}
+
+} // namespace
+
+DeviceStructure::DeviceStructure(Device& device, std::span<const std::uint32_t> spirv, const Structure& structure,
+                                 std::span<const bvh::Triangle> triangles)
+    : device_(device),
+      spirv_(spirv),
+      parameters_{structure.lo, 0, structure.size, 0, structure.resolution, structure.depth},
+      node_kind_(node_kind(structure)),
+      corners_(upload(device, list_corners(triangles))),
+      nodes_(upload(device, structure.nodes)),
+      items_(upload(device, structure.items)) {}
+
+void DeviceStructure::send(std::span<const StructureRay> rays) {
+  if (sent_ == rays.data() && ray_count_ == rays.size()) return;
+  kernels_.clear();
+  rays_ = upload(device_, std::vector<StructureRay>(rays.begin(), rays.end()));
+  distances_ = Buffer(device_, rays.size() * sizeof(float));
+  const std::vector<Binding> all = {{0, BindingKind::texels_rgba32f, &rays_},
+                                    {1, BindingKind::texels_rgba32f, &corners_},
+                                    {2, node_kind_, &nodes_},
+                                    {3, BindingKind::texels_r32ui, &items_},
+                                    {4, BindingKind::storage, &distances_}};
+  bindings_ = std::make_unique<BindingSet>(device_, all, sizeof(Parameters));
+  for (const std::uint32_t any_hit : {0u, 1u})
+    kernels_.emplace_back(device_, "structure", spirv_, *bindings_, std::array{any_hit});
+  sent_ = rays.data();
+  ray_count_ = rays.size();
+}
+
+double DeviceStructure::trace(std::span<const StructureRay> rays, bool any_hit) {
+  if (rays.empty()) return 0.0;
+  send(rays);
+  double seconds = 0.0;
+  for (std::size_t first = 0; first < rays.size(); first += kRaysOfDispatch) {
+    const std::size_t count = std::min(kRaysOfDispatch, rays.size() - first);
+    Parameters parameters = parameters_;
+    parameters.first_ray = static_cast<std::uint32_t>(first);
+    parameters.ray_end = static_cast<std::uint32_t>(first + count);
+    Commands commands(device_, 1);
+    commands.bind(*bindings_);
+    commands.dispatch(kernels_[any_hit ? 1 : 0], static_cast<std::uint32_t>((count + kGroupSize - 1) / kGroupSize),
+                      &parameters);
+    const Clock::time_point start = Clock::now();
+    commands.submit_and_wait();
+    const double wall = seconds_since(start);
+    const double timed = commands.times().empty() ? 0.0 : commands.times().front().seconds;
+    seconds += timed > 0.0 ? timed : wall;
+  }
+  return seconds;
+}
+
+std::vector<float> DeviceStructure::distances() const { return download<float>(distances_, ray_count_); }
+
+} // namespace wavepath

@@ -1,0 +1,60 @@
+// A structure on the device, and its kernel.
+#pragma once
+
+#include <deque>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "host/bench/structures/structure.h"
+#include "host/gpu/buffer.h"
+#include "host/gpu/kernel.h"
+
+namespace wavepath {
+
+// A ray as the kernels read it.
+struct StructureRay {
+  glm::vec3 origin;
+  float t_max;
+  glm::vec3 direction;
+  float unused = 0.0f;
+};
+
+class DeviceStructure {
+public:
+  // `spirv`: the structure's kernel. `triangles`: those that it was built over. Throws Error if the device cannot hold
+  // them.
+  DeviceStructure(Device& device, std::span<const std::uint32_t> spirv, const Structure& structure,
+                  std::span<const bvh::Triangle> triangles);
+
+  // Seconds that the device takes for all rays; with `any_hit` it stops at the first that it finds. In dispatches that
+  // no watchdog ends.
+  double trace(std::span<const StructureRay> rays, bool any_hit);
+  // Of the last trace: the distance to the hit, infinite for none.
+  std::vector<float> distances() const;
+  std::uint64_t bytes() const { return corners_.bytes() + nodes_.bytes() + items_.bytes(); }
+
+private:
+  void send(std::span<const StructureRay> rays);
+
+  struct Parameters {
+    glm::vec3 lo;
+    std::uint32_t first_ray;
+    glm::vec3 size;
+    std::uint32_t ray_end;
+    glm::uvec3 resolution;
+    std::uint32_t depth;
+  };
+
+  Device& device_;
+  std::span<const std::uint32_t> spirv_;
+  Parameters parameters_;
+  BindingKind node_kind_;
+  Buffer corners_, nodes_, items_, rays_, distances_;
+  std::unique_ptr<BindingSet> bindings_; // of the rays that were sent last
+  std::deque<Kernel> kernels_;           // closest hit, any hit
+  const StructureRay* sent_ = nullptr;
+  std::size_t ray_count_ = 0;
+};
+
+} // namespace wavepath

@@ -1,0 +1,20 @@
+// What one structure comes to, beside others over the same triangles and rays.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+
+namespace wavepath {
+
+struct StructureRow {
+  std::string name;
+  double build_seconds = 0.0;
+  std::uint64_t bytes = 0; // with the triangles
+  double items = 0.0;      // that its leaves or cells hold, per triangle: 1 = none is held twice
+  // By kind: camera, bounce, shadow rays; 0 = there are none.
+  std::array<double, 3> mrays_per_second{};
+  std::array<double, 3> agreement{}; // share of the rays for which it finds what the first row finds
+};
+
+} // namespace wavepath

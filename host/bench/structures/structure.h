@@ -1,0 +1,39 @@
+// A structure over triangles as its kernel in kernels/bench/ reads it, and the builders of the textbooks' ones. Each is
+// built on one thread, the trees over boxes excepted; for comparison, not for rendering.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <glm/glm.hpp>
+
+#include "bvh/geometry.h"
+
+namespace wavepath {
+
+struct Structure {
+  glm::vec3 lo{0.0f}, size{0.0f};   // of its box, which holds all triangles
+  glm::uvec3 resolution{0};         // of a grid
+  std::uint32_t depth = 0;          // of a tree: levels below the root
+  std::uint32_t words_per_node = 2; // 1, 2 or 4
+  std::vector<std::uint32_t> nodes; // as the kernel's comment has them
+  std::vector<std::uint32_t> items; // numbers of triangles, leaf by leaf or cell by cell
+};
+
+// About four cells a triangle, nearly cubes (Cleary and Wyvill 1988; Lagae and Dutre 2008), at most 2^24.
+Structure build_uniform_grid(std::span<const bvh::Triangle> triangles);
+
+// By the surface area heuristic over 32 planes an axis, with triangles cut to their cells (Wald and Havran 2006).
+Structure build_kd_tree(std::span<const bvh::Triangle> triangles);
+
+// Cubes halved on all axes until eight triangles or fewer are in one, or halving no longer separates them.
+Structure build_octree(std::span<const bvh::Triangle> triangles);
+
+// The binary tree that the product's BVH is collapsed from: binned SAH alone, no spatial splits, no reinsertion.
+Structure build_sah_bvh(std::span<const bvh::Triangle> triangles);
+
+// Triangles in the order of Morton codes of 21 bits an axis, cut where the codes first differ (Lauterbach et al. 2009).
+Structure build_linear_bvh(std::span<const bvh::Triangle> triangles);
+
+} // namespace wavepath
