@@ -245,6 +245,28 @@ TEST_F(BenchCommand, WritesTheDocumentedKeys) {
   EXPECT_NE(outcome.out.find("Mrays/s"), std::string::npos);
 }
 
+// Each with its numbers; all find what the product finds, but for lights that shadow rays end at.
+TEST_F(BenchCommand, TracesTheSameRaysInOtherStructures) {
+  const Outcome outcome = bench({kCornell, "--structures", "--json", json_});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const Json rows = Json::parse(std::ifstream(json_)).at("structures");
+  ASSERT_EQ(rows.size(), 6u);
+  for (const Json& row : rows) {
+    EXPECT_NE(outcome.out.find(row.at("name").get<std::string>()), std::string::npos);
+    EXPECT_GT(row.at("bytes"), 0);
+    EXPECT_GE(row.at("items_per_triangle"), 1.0);
+    EXPECT_GE(row.at("build_seconds"), 0.0);
+    for (const char* kind : {"camera", "bounce", "shadow"}) {
+      EXPECT_GT(row.at(kind).at("mrays_per_second"), 0.0) << row;
+      EXPECT_GT(row.at(kind).at("agreement"), 0.99) << row;
+    }
+  }
+  EXPECT_EQ(rows[0].at("name"), "BVH of wavepath");
+  const Outcome both = bench({kCornell, "--kernels", "--structures"});
+  EXPECT_EQ(both.exit_code, 2);
+  EXPECT_NE(both.err.find("--structures"), std::string::npos) << both.err;
+}
+
 TEST_F(BenchCommand, HasASceneOfItsOwn) {
   const Outcome outcome = bench({"-q"});
   EXPECT_EQ(outcome.exit_code, 0);

@@ -18,13 +18,7 @@
 namespace wavepath {
 namespace {
 
-struct Candidate {
-  const char* name;
-  Structure (*build)(std::span<const bvh::Triangle>);
-  std::span<const std::uint32_t> spirv;
-};
-
-const Candidate kCandidates[] = {
+const StructureKind kKinds[] = {
     {"binary BVH by SAH", build_sah_bvh, wavepath_binary_bvh_spv},
     {"linear BVH", build_linear_bvh, wavepath_binary_bvh_spv},
     {"kd-tree by SAH", build_kd_tree, wavepath_kd_tree_spv},
@@ -55,6 +49,8 @@ std::vector<bool> are_hits(const std::vector<float>& distances) {
 
 } // namespace
 
+std::span<const StructureKind> structure_kinds() { return kKinds; }
+
 std::vector<StructureRow> compare_structures(Device& device, const PackedScene& scene, const View& view,
                                              const RenderSettings& settings, const RaySets& rays,
                                              std::uint32_t repetitions) {
@@ -76,15 +72,15 @@ std::vector<StructureRow> compare_structures(Device& device, const PackedScene& 
                 static_cast<double>(std::max<std::uint64_t>(scene.triangles_stored, 1))}};
   std::vector<std::unique_ptr<DeviceStructure>> structures;
   std::vector<Contestant> contestants{replaying(replay, rays)};
-  for (const Candidate& candidate : kCandidates) {
+  for (const StructureKind& kind : kKinds) {
     const Clock::time_point start = Clock::now();
-    const Structure built = candidate.build(triangles);
-    StructureRow& row = rows.emplace_back(StructureRow{.name = candidate.name, .build_seconds = seconds_since(start)});
+    const Structure built = kind.build(triangles);
+    StructureRow& row = rows.emplace_back(StructureRow{.name = kind.name, .build_seconds = seconds_since(start)});
     row.items = static_cast<double>(built.items.size()) / static_cast<double>(triangles.size());
-    structures.push_back(std::make_unique<DeviceStructure>(device, candidate.spirv, built, triangles));
+    structures.push_back(std::make_unique<DeviceStructure>(device, kind.spirv, built, triangles));
     row.bytes = structures.back()->bytes();
-    contestants.push_back({[&sets, structure = structures.back().get()](RayKind kind) {
-      return structure->trace(sets[kind], kind == kShadowRaysKind);
+    contestants.push_back({[&sets, structure = structures.back().get()](RayKind rays_of) {
+      return structure->trace(sets[rays_of], rays_of == kShadowRaysKind);
     }});
   }
   take_turns(contestants, repetitions);

@@ -1,0 +1,168 @@
+// The textbooks' structures of `wavepath bench --structures`: that their kernels find what testing every triangle
+// finds, to the last bit, and what the builders make of hard cases.
+#include <array>
+#include <functional>
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include "bvh/binary.h"
+#include "bvh/intersect.h"
+#include "host/bench/structures/boxes.h"
+#include "host/bench/structures/comparison.h"
+#include "host/bench/structures/device_structure.h"
+#include "tests/meshes.h"
+#include "tests/vulkan_device.h"
+
+namespace wavepath::test {
+namespace {
+
+using bvh::Random;
+using bvh::Triangles;
+using bvh::Vec3;
+
+Triangles soup(std::size_t count, float size, unsigned seed) {
+  Random random(seed);
+  Triangles triangles;
+  for (std::size_t i = 0; i < count; ++i) {
+    const Vec3 corner = random.point(-1, 1);
+    triangles.push_back({corner, corner + random.point(-1, 1) * size, corner + random.point(-1, 1) * size});
+  }
+  return triangles;
+}
+
+// Two triangles of a square in the plane z = 0.
+Triangles square() { return {{{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}}, {{-1, -1, 0}, {1, 1, 0}, {-1, 1, 0}}}; }
+
+// Needles across everything, small ones, one that covers all, and one that has no area.
+Triangles mixture() {
+  Triangles triangles = soup(500, 0.05f, 2), large = soup(40, 3.0f, 3);
+  triangles.insert(triangles.end(), large.begin(), large.end());
+  for (int i = 0; i < 20; ++i) {
+    const float x = 0.1f * static_cast<float>(i) - 1.0f;
+    triangles.push_back({{x, -1, -1}, {x, 1, 1}, {x + 1e-4f, 1, 1}});
+  }
+  triangles.push_back({{-9, -9, 0.5f}, {9, -9, 0.5f}, {0, 9, 0.5f}});
+  triangles.push_back({{0, 0, 0}, {1, 1, 1}, {2, 2, 2}});
+  return triangles;
+}
+
+std::vector<StructureRay> all_rays() {
+  Random random(5);
+  std::vector<StructureRay> rays;
+  const auto add = [&](Vec3 origin, Vec3 direction, float t_max) {
+    rays.push_back({{origin.x, origin.y, origin.z}, t_max, {direction.x, direction.y, direction.z}});
+  };
+  for (int i = 0; i < 3000; ++i) {
+    add(random.point(-1, 1), random.direction(), gpu::kFar);
+    const Vec3 outside = random.direction() * 5.0f;
+    add(outside, (random.point(-1, 1) - outside) * 0.3f, i % 3 == 0 ? 4.0f : gpu::kFar);
+  }
+  for (int axis = 0; axis < 3; ++axis) // along axes, some in the planes between cells, in both directions
+    for (int i = 0; i < 300; ++i) {
+      Vec3 origin = i % 2 == 0 ? random.point(-1, 1) : Vec3{0.125f * static_cast<float>(i % 16) - 1, 0, 0.25f};
+      const float sign = i % 4 < 2 ? 1.0f : -1.0f;
+      add(origin, {axis == 0 ? sign : 0, axis == 1 ? sign : 0, axis == 2 ? sign : 0}, gpu::kFar);
+    }
+  return rays;
+}
+
+float nearest(const Triangles& triangles, const StructureRay& ray) {
+  const bvh::PreparedRay prepared = bvh::prepare(
+      {{ray.origin.x, ray.origin.y, ray.origin.z}, {ray.direction.x, ray.direction.y, ray.direction.z}, ray.t_max});
+  float t = std::numeric_limits<float>::infinity();
+  for (const bvh::Triangle& triangle : triangles) {
+    bvh::TriangleHit hit;
+    if (!bvh::has_no_area(triangle) && bvh::intersect(prepared, triangle, hit) && hit.t < ray.t_max)
+      t = std::min(t, hit.t);
+  }
+  return t;
+}
+
+class Structures : public testing::TestWithParam<std::size_t> {
+protected:
+  void SetUp() override { end_test_without_device(test_device().problem); }
+  const StructureKind& kind() const { return structure_kinds()[GetParam()]; }
+};
+
+TEST_P(Structures, FindWhatEveryTriangleTellsThem) {
+  const std::vector<StructureRay> rays = all_rays();
+  for (const Triangles& triangles :
+       {mixture(), soup(3000, 0.2f, 7), square(), soup(1, 1.0f, 8), Triangles(2000, square()[0])}) {
+    std::vector<float> expected;
+    for (const StructureRay& ray : rays) expected.push_back(nearest(triangles, ray));
+    const Structure built = kind().build(triangles);
+    DeviceStructure structure(*test_device().device, kind().spirv, built, triangles);
+    EXPECT_GE(structure.trace(rays, false), 0.0);
+    const std::vector<float> closest = structure.distances();
+    structure.trace(rays, true);
+    const std::vector<float> any = structure.distances();
+    std::size_t hits = 0, other = 0, misjudged = 0;
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      hits += expected[i] < gpu::kFar;
+      other += closest[i] != expected[i];
+      misjudged += (any[i] < gpu::kFar) != (expected[i] < gpu::kFar);
+    }
+    EXPECT_GT(hits, 100u) << triangles.size();
+    EXPECT_EQ(other, 0u) << kind().name << ", " << triangles.size() << " triangles, " << hits << " hits";
+    EXPECT_EQ(misjudged, 0u) << kind().name << ", " << triangles.size() << " triangles";
+  }
+}
+
+TEST_P(Structures, StayWithinTheKernelsStacks) {
+  Triangles hard(20000, square()[0]); // all in one place,
+  for (int i = 0; i < 60; ++i) {      // and each half as large as the one before
+    const float size = std::ldexp(1.0f, -i);
+    hard.push_back({{1 + size, 0, 0}, {1 + 2 * size, 0, 0}, {1 + size, size, size}});
+  }
+  const Structure built = kind().build(hard);
+  EXPECT_LT(built.depth, kind().build == build_octree ? 16u : 64u);
+  std::set<std::uint32_t> held(built.items.begin(), built.items.end());
+  EXPECT_EQ(
+      held.size(), hard.size() - [&] {
+        std::size_t flat = 0;
+        for (const bvh::Triangle& triangle : hard) flat += bvh::has_no_area(triangle);
+        return flat;
+      }());
+}
+
+INSTANTIATE_TEST_SUITE_P(All, Structures, testing::Range<std::size_t>(0, 5));
+
+TEST(StructureBoxes, OverlapAsTheirPartsAre) {
+  Random random(11);
+  std::size_t touching = 0;
+  for (int i = 0; i < 20000; ++i) {
+    const bvh::Triangle triangle = soup(1, 1.5f, static_cast<unsigned>(i))[0];
+    const Vec3 lo = random.point(-1, 1);
+    const bvh::Box box{lo, lo + random.point(0.01f, 0.7f)};
+    const auto part = clip(triangle, box);
+    EXPECT_EQ(part.has_value(), overlaps(triangle, box)) << i;
+    if (!part) continue;
+    ++touching;
+    EXPECT_TRUE(bvh::contains({box.lo - Vec3{1e-5f, 1e-5f, 1e-5f}, box.hi + Vec3{1e-5f, 1e-5f, 1e-5f}}, *part));
+  }
+  EXPECT_GT(touching, 2000u);
+}
+
+// Many cells where triangles are small, few where there are none to part.
+TEST(StructureBoxes, GridsHaveAboutFourCellsATriangle) {
+  const Structure grid = build_uniform_grid(soup(10000, 0.05f, 1));
+  const double cells = double{1} * grid.resolution.x * grid.resolution.y * grid.resolution.z;
+  EXPECT_NEAR(cells, 40000.0, 4000.0);
+  const Structure flat = build_uniform_grid(square());
+  EXPECT_EQ(flat.resolution.z, 1u);
+  EXPECT_EQ(flat.nodes.size(), std::size_t{flat.resolution.x} * flat.resolution.y + 1);
+}
+
+// The product's binary tree keeps every triangle once; Morton codes order them along a curve.
+TEST(StructureBoxes, BinaryTreesHoldTrianglesOnce) {
+  const Triangles triangles = soup(5000, 0.1f, 4);
+  for (const Structure& tree : {build_sah_bvh(triangles), build_linear_bvh(triangles)}) {
+    EXPECT_EQ(tree.items.size(), triangles.size());
+    EXPECT_EQ(std::set<std::uint32_t>(tree.items.begin(), tree.items.end()).size(), triangles.size());
+    EXPECT_LT(tree.depth, bvh::kMaxBinaryDepth);
+  }
+}
+
+} // namespace
+} // namespace wavepath::test
