@@ -1,4 +1,5 @@
 // `wavepath render` from the command line, on the device that there is.
+#include <algorithm>
 #include <cmath>
 #include <csignal>
 #include <cstdlib>

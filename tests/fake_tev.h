@@ -1,6 +1,7 @@
 // Listens as tev does and keeps what it is shown. Reads packets strictly: one that tev would refuse is a failure.
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <cstdint>
 #include <cstring>
