@@ -53,7 +53,7 @@ std::vector<StructureRay> all_rays() {
   const auto add = [&](Vec3 origin, Vec3 direction, float t_max) {
     rays.push_back({{origin.x, origin.y, origin.z}, t_max, {direction.x, direction.y, direction.z}});
   };
-  for (int i = 0; i < 3000; ++i) {
+  for (int i = 0; i < 1000; ++i) {
     add(random.point(-1, 1), random.direction(), gpu::kFar);
     const Vec3 outside = random.direction() * 5.0f;
     add(outside, (random.point(-1, 1) - outside) * 0.3f, i % 3 == 0 ? 4.0f : gpu::kFar);
@@ -88,7 +88,7 @@ protected:
 TEST_P(Structures, FindWhatEveryTriangleTellsThem) {
   const std::vector<StructureRay> rays = all_rays();
   for (const Triangles& triangles :
-       {mixture(), soup(3000, 0.2f, 7), square(), soup(1, 1.0f, 8), Triangles(2000, square()[0])}) {
+       {mixture(), soup(3000, 0.2f, 7), square(), soup(1, 1.0f, 8), Triangles(200, square()[0])}) {
     std::vector<float> expected;
     for (const StructureRay& ray : rays) expected.push_back(nearest(triangles, ray));
     const Structure built = kind().build(triangles);
@@ -103,14 +103,14 @@ TEST_P(Structures, FindWhatEveryTriangleTellsThem) {
       other += closest[i] != expected[i];
       misjudged += (any[i] < gpu::kFar) != (expected[i] < gpu::kFar);
     }
-    EXPECT_GT(hits, 100u) << triangles.size();
+    EXPECT_GT(hits, 50u) << triangles.size();
     EXPECT_EQ(other, 0u) << kind().name << ", " << triangles.size() << " triangles, " << hits << " hits";
     EXPECT_EQ(misjudged, 0u) << kind().name << ", " << triangles.size() << " triangles";
   }
 }
 
 TEST_P(Structures, StayWithinTheKernelsStacks) {
-  Triangles hard(20000, square()[0]); // all in one place,
+  Triangles hard(2000, square()[0]); // all in one place,
   for (int i = 0; i < 60; ++i) {      // and each half as large as the one before
     const float size = std::ldexp(1.0f, -i);
     hard.push_back({{1 + size, 0, 0}, {1 + 2 * size, 0, 0}, {1 + size, size, size}});
@@ -141,7 +141,7 @@ TEST(StructureBoxes, OverlapAsTheirPartsAre) {
     ++touching;
     EXPECT_TRUE(bvh::contains({box.lo - Vec3{1e-5f, 1e-5f, 1e-5f}, box.hi + Vec3{1e-5f, 1e-5f, 1e-5f}}, *part));
   }
-  EXPECT_GT(touching, 2000u);
+  EXPECT_GT(touching, 500u);
 }
 
 // Many cells where triangles are small, few where there are none to part.

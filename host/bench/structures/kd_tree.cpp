@@ -14,6 +14,7 @@ constexpr int kPlanes = 32;                 // candidates an axis, between 33 sl
 constexpr double kItemCost = 1.5;           // of a triangle's test over a node's visit
 constexpr double kEmptyBonus = 0.8;         // of the cost, where one side is empty
 constexpr std::uint32_t kMostBadSplits = 3; // on a path that do not pay by themselves
+constexpr double kMostOnPath = 16.0;        // how often splits may multiply what the whole scene holds
 constexpr std::uint32_t kLeaf = 3;
 
 struct Plane {
@@ -34,7 +35,7 @@ public:
   Structure build(std::vector<Reference> references, const bvh::Box& box) {
     tree_.lo = {box.lo.x, box.lo.y, box.lo.z};
     tree_.size = glm::vec3(box.hi.x, box.hi.y, box.hi.z) - tree_.lo;
-    build_node(0, std::move(references), box, 0, 0);
+    build_node(0, std::move(references), box, 0, 0, 1.0);
     return std::move(tree_);
   }
 
@@ -70,19 +71,22 @@ private:
     return best;
   }
 
+  void make_leaf(std::size_t node, const std::vector<Reference>& references) {
+    tree_.nodes[2 * node] = static_cast<std::uint32_t>(tree_.items.size());
+    tree_.nodes[2 * node + 1] = kLeaf | static_cast<std::uint32_t>(references.size()) << 2;
+    for (const Reference& reference : references) tree_.items.push_back(reference.triangle);
+  }
+
+  // `copies`: the product of how often each split above holds what its node held once.
   void build_node(std::size_t node, std::vector<Reference> references, const bvh::Box& box, std::uint32_t depth,
-                  std::uint32_t bad_splits) {
+                  std::uint32_t bad_splits, double copies) {
     tree_.depth = std::max(tree_.depth, depth);
     const double leaf_cost = kItemCost * static_cast<double>(references.size());
     const Plane plane = references.size() > 1 && depth < most_depth_ ? best_plane(references, box) : Plane{};
     bad_splits += plane.cost >= leaf_cost;
     if (!(plane.cost < std::numeric_limits<double>::infinity()) || bad_splits > kMostBadSplits ||
-        (plane.cost > 4.0 * leaf_cost && references.size() < 16)) {
-      tree_.nodes[2 * node] = static_cast<std::uint32_t>(tree_.items.size());
-      tree_.nodes[2 * node + 1] = kLeaf | static_cast<std::uint32_t>(references.size()) << 2;
-      for (const Reference& reference : references) tree_.items.push_back(reference.triangle);
-      return;
-    }
+        (plane.cost > 4.0 * leaf_cost && references.size() < 16))
+      return make_leaf(node, references);
     std::array<bvh::Box, 2> boxes = {box, box};
     const auto coordinate = [&](bvh::Vec3& v) -> float& { return plane.axis == 0 ? v.x : plane.axis == 1 ? v.y : v.z; };
     coordinate(boxes[0].hi) = plane.position;
@@ -100,13 +104,15 @@ private:
         }
       }
     }
+    copies *= static_cast<double>(sides[0].size() + sides[1].size()) / static_cast<double>(references.size());
+    if (copies > kMostOnPath) return make_leaf(node, references);
     references = {};
     const std::size_t child = tree_.nodes.size() / 2;
     tree_.nodes.resize(tree_.nodes.size() + 4);
     tree_.nodes[2 * node] = std::bit_cast<std::uint32_t>(plane.position);
     tree_.nodes[2 * node + 1] = static_cast<std::uint32_t>(plane.axis) | static_cast<std::uint32_t>(child) << 2;
     for (int side = 0; side < 2; ++side)
-      build_node(child + side, std::move(sides[side]), boxes[side], depth + 1, bad_splits);
+      build_node(child + side, std::move(sides[side]), boxes[side], depth + 1, bad_splits, copies);
   }
 
   std::span<const bvh::Triangle> triangles_;

@@ -9,7 +9,8 @@ namespace wavepath {
 namespace {
 
 constexpr std::size_t kMostItems = 8;    // of a leaf, where halving helps
-constexpr double kMostCopies = 4.0;      // children that hold more than so many times their parent's do not pay
+constexpr double kMostCopies = 4.0;      // children that hold more than so many times their parent's do not pay,
+constexpr double kMostOnPath = 64.0;     // nor do levels that have multiplied so often what the whole scene holds
 constexpr std::uint32_t kMostDepth = 12; // below the 16 levels of the kernel's stack
 constexpr std::uint32_t kInner = 0xffffffffu;
 
@@ -22,7 +23,7 @@ public:
     tree_.size = glm::vec3(box.hi.x, box.hi.y, box.hi.z) - tree_.lo;
     std::vector<std::uint32_t> all;
     for (const Reference& reference : references) all.push_back(reference.triangle);
-    build_node(0, all, glm::uvec3(0), 0);
+    build_node(0, all, glm::uvec3(0), 0, 1.0);
     return std::move(tree_);
   }
 
@@ -34,8 +35,9 @@ private:
     return {{lo.x, lo.y, lo.z}, {hi.x, hi.y, hi.z}};
   }
 
+  // `copies`: the product of how often each level above holds what its parent held once.
   void build_node(std::size_t node, const std::vector<std::uint32_t>& items, const glm::uvec3& place,
-                  std::uint32_t level) {
+                  std::uint32_t level, double copies) {
     tree_.depth = std::max(tree_.depth, level);
     std::array<std::vector<std::uint32_t>, 8> children;
     std::size_t held = 0;
@@ -46,7 +48,8 @@ private:
         if (overlaps(triangles_[item], box)) children[child].push_back(item);
       held += children[child].size();
     }
-    if (!halves || static_cast<double>(held) > kMostCopies * static_cast<double>(items.size())) {
+    const double more = halves ? static_cast<double>(held) / static_cast<double>(items.size()) : 0.0;
+    if (!halves || more > kMostCopies || copies * more > kMostOnPath) {
       tree_.nodes[2 * node] = static_cast<std::uint32_t>(tree_.items.size());
       tree_.nodes[2 * node + 1] = static_cast<std::uint32_t>(items.size());
       tree_.items.insert(tree_.items.end(), items.begin(), items.end());
@@ -57,7 +60,7 @@ private:
     tree_.nodes[2 * node] = static_cast<std::uint32_t>(first);
     tree_.nodes[2 * node + 1] = kInner;
     for (std::uint32_t child = 0; child < 8; ++child)
-      build_node(first + child, children[child], child_place(place, child), level + 1);
+      build_node(first + child, children[child], child_place(place, child), level + 1, copies * more);
   }
 
   static glm::uvec3 child_place(const glm::uvec3& place, std::uint32_t child) {
