@@ -111,7 +111,7 @@ TEST_P(Structures, FindWhatEveryTriangleTellsThem) {
 
 TEST_P(Structures, StayWithinTheKernelsStacks) {
   Triangles hard(2000, square()[0]); // all in one place,
-  for (int i = 0; i < 60; ++i) {      // and each half as large as the one before
+  for (int i = 0; i < 60; ++i) {     // and each half as large as the one before
     const float size = std::ldexp(1.0f, -i);
     hard.push_back({{1 + size, 0, 0}, {1 + 2 * size, 0, 0}, {1 + size, size, size}});
   }
