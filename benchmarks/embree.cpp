@@ -8,7 +8,7 @@
 
 #include "host/base/clock.h"
 #include "host/base/error.h"
-#include "host/bench/flatten.h"
+#include "host/scene/pack/flatten.h"
 
 namespace wavepath {
 namespace {

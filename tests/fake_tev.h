@@ -88,6 +88,7 @@ private:
     pollfd coming{listener_, POLLIN, 0};
     poll(&coming, 1, 60000); // a test that nobody comes to fails
     connection_ = accept4(listener_, nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC);
+    shutdown(listener_, SHUT_RDWR); // whoever comes next is refused
     if (connection_ >= 0) fcntl(connection_, F_SETFL, 0);
     std::string length, packet;
     while (connection_ >= 0 && receive(length, 4)) {

@@ -8,8 +8,8 @@
 
 #include "bvh/binary.h"
 #include "bvh/intersect.h"
+#include "host/bench/structure_comparison.h"
 #include "host/bench/structures/boxes.h"
-#include "host/bench/structures/comparison.h"
 #include "host/bench/structures/device_structure.h"
 #include "tests/meshes.h"
 #include "tests/vulkan_device.h"

@@ -6,7 +6,7 @@
 #include "host/bench/contest.h"
 #include "host/bench/frames.h"
 #include "host/bench/ray_replay.h"
-#include "host/bench/structures/comparison.h"
+#include "host/bench/structure_comparison.h"
 #include "host/bench/work.h"
 #ifdef WAVEPATH_EMBREE
 #include "benchmarks/embree.h"

@@ -1,3 +1,4 @@
+// A k-d tree by the surface area heuristic, with triangles clipped to the halves (Wald and Havran 2006).
 #include <algorithm>
 #include <array>
 #include <bit>

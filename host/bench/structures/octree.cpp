@@ -1,3 +1,4 @@
+// An octree, whose nodes halve along all axes.
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -1,3 +1,4 @@
+// A uniform grid of cells that are nearly cubes (Cleary and Wyvill 1988).
 #include <algorithm>
 #include <cmath>
 

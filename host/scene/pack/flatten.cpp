@@ -1,4 +1,4 @@
-#include "host/bench/flatten.h"
+#include "host/scene/pack/flatten.h"
 
 #include <algorithm>
 #include <cstdint>

@@ -1,4 +1,4 @@
-#include "host/bench/structures/comparison.h"
+#include "host/bench/structure_comparison.h"
 
 #include <functional>
 #include <memory>
@@ -6,10 +6,10 @@
 #include "bvh/wide.h"
 #include "host/base/clock.h"
 #include "host/bench/contest.h"
-#include "host/bench/flatten.h"
 #include "host/bench/structures/device_structure.h"
 #include "host/bench/summary.h"
 #include "host/render/device/kernel_compiler.h"
+#include "host/scene/pack/flatten.h"
 #include "kernels/bench/binary_bvh.spv.h"
 #include "kernels/bench/kd_tree.spv.h"
 #include "kernels/bench/octree.spv.h"
