@@ -1,7 +1,6 @@
 // Traversal of the 4-wide BVH, one ray a lane: the same algorithm and order as bvh/traverse.h, which describes them.
 // Boxes: the padded slab test of Ize 2013. Triangles: triangle.glsl. Include bindings.glsl with BIND_GEOMETRY first;
-// where alpha is tested, define ALPHA_TEST(hit) as "this point is a hole"; CAMERA_RAYS as "the rays traced are the camera's",
-// which pass single-sided triangles from behind; SEES_BACKS for rays that never do.
+// ray_kinds.glsl says what else to define. Kernels that trace include trace.glsl.
 #ifndef WAVEPATH_BVH_GLSL
 #define WAVEPATH_BVH_GLSL
 
@@ -9,30 +8,11 @@
 #include "kernels/instance.glsl"
 #include "kernels/math.glsl"
 #include "kernels/motion.glsl"
+#include "kernels/ray_kinds.glsl"
 #include "kernels/triangle.glsl"
 
 const float kSlabPadding = 1.0 + 1.90734863e-6; // 2^-19, derived in bvh/intersect.h
-const float kMaxCoordinate = 1e18; // beyond it, squares overflow
 const uint kMissedKey = 0xffffffffu;
-
-#ifndef ALPHA_TEST
-#define ALPHA_TEST(hit) false
-#endif
-
-#ifndef CAMERA_RAYS
-#define CAMERA_RAYS false
-#endif
-#ifdef SEES_BACKS
-#define PASSES_BACKS false
-#else
-#define PASSES_BACKS (CULLS_ALL_BACKS || CAMERA_RAYS)
-#endif
-
-// Triangles that ALPHA_TEST is asked of, and the features of which scenes with such triangles have one.
-#ifndef TESTED_TRIANGLES
-#define TESTED_FEATURES kFeatureAlpha
-#define TESTED_TRIANGLES kTriangleAlpha
-#endif
 
 // ---- the stack ------------------------------------------------------------------------------------------------------
 // A stack entry is a group of siblings: the index of the first one, and the children still to be visited. For a closest
@@ -200,13 +180,9 @@ void visit(TraversalRay ray, float t_best, inout uint current) {
 Hit best; // so far
 uvec2 best_ids; // of its instance and triangle
 float t_best;
-uint passed_sides; // kTriangleSingleSided where the ray passes such triangles from behind, else 0
 TraversalRay local_ray; // in the space of `instance`, or of the world in the top level
 uint current, instance, instance_id;
 bool in_top_level;
-#ifdef ANY_HIT
-uint skipped_triangle, skipped_instance; // at whose surface a shadow ray ends
-#endif
 
 // A candidate whose alpha has to be looked up. Drivers that run both sides of every branch (Mesa 22.3) would do that
 // for each triangle tested; so a lane stops at such a candidate until no lane of its subgroup can go on without a
@@ -214,8 +190,6 @@ uint skipped_triangle, skipped_instance; // at whose surface a shadow ray ends
 Hit pending;
 uvec2 pending_ids;
 float t_pending;
-
-bool has_levels() { return has(kFeatureInstances) && frame.root_is_top != 0u; }
 
 bool is_over() {
 #ifdef ANY_HIT
@@ -328,10 +302,8 @@ void look_up_alpha() {
 
 Hit traverse(vec3 origin, vec3 direction, float t_max) {
   const Hit none = Hit(kNone, 0u, 0.0, 0.0);
-  bool valid = all(lessThanEqual(abs(origin), vec3(kMaxCoordinate))) &&
-               all(lessThanEqual(abs(direction), vec3(kMaxCoordinate))); // false for NaN
+  bool valid = is_traceable(origin, direction);
   clear_waiting();
-  if (CULLS_BACKS) passed_sides = PASSES_BACKS ? kTriangleSingleSided : 0u;
   best = pending = none;
   best_ids = pending_ids = uvec2(kNone);
   t_best = t_max;
@@ -360,16 +332,4 @@ Hit traverse(vec3 origin, vec3 direction, float t_max) {
   return best;
 }
 
-// The nearest hit with 0 < t < t_max, or with ANY_HIT the first one found that is not the triangle `target`, at whose
-// surface a shadow ray ends: rounding must not let a light hide itself. Of hits at equal t the lowest (instance,
-// triangle) by id wins, so that the result depends neither on the order of visits nor on the tree.
-#ifdef ANY_HIT
-Hit trace(vec3 origin, vec3 direction, float t_max, uint target, uint target_instance) {
-  skipped_triangle = target;
-  skipped_instance = target_instance;
-  return traverse(origin, direction, t_max);
-}
-#else
-Hit trace(vec3 origin, vec3 direction, float t_max) { return traverse(origin, direction, t_max); }
-#endif
 #endif

@@ -51,8 +51,10 @@ struct Frame {
   float pixel_spread;     // width of the cone of a pixel in metres, at a distance of one metre where there is a
                           // perspective; 0 = textures are looked up exactly (kFeatureMips)
   uint pad_spread;
+  uvec2 top_level; // device address of the scene's structure for ray queries: low, high
+  uvec2 pad_top_level;
 };
-GPU_CHECK(sizeof(Frame) == 176);
+GPU_CHECK(sizeof(Frame) == 192);
 
 // Halved nets: sample s belongs to replicate s % kReplicates. Whole nets: all samples of a pixel belong to replicate 0,
 // and measured pixels have as many of replicate 1 (net_layout.h). Replicates are scrambled independently, so that their

@@ -13,7 +13,7 @@ namespace wavepath::gpu {
 // 19 the film, those from 20 on what is the integrator's own.
 // Read-only data goes through uniform texel buffers: on lavapipe (Mesa 22.3) they traverse twice as fast as storage
 // buffers.
-GPU_CONSTANT uint kBindNodes = 1u;            // texels RGBA32UI, kNodeTexels each: bvh::WideNode
+GPU_CONSTANT uint kBindNodes = 1u; // texels RGBA32UI, kNodeTexels each: bvh::WideNode; for ray queries QueryScene::items
 GPU_CONSTANT uint kBindTriangles = 2u;        // texels RGBA32F, kTriangleTexels each: Triangle, in BVH leaf order
 GPU_CONSTANT uint kBindTriangleVertices = 3u; // texels RGBA32UI, one a triangle: three vertex indices, unused
 GPU_CONSTANT uint kBindVertexNormals = 4u;    // texels RGBA32F, one a vertex: normal, packed tangent (see pack_tangent)
@@ -69,7 +69,7 @@ GPU_CHECK(sizeof(Triangle) == 16 * kTriangleTexels);
 struct Instance {
   vec4 object_from_world[3];
   vec4 world_from_object[3];
-  uint root;        // node at which traversal of the object starts
+  uint root;        // node at which traversal of the object starts; see QueryScene for ray queries
   uint flipped;     // 0 or 1
   uint id;          // in the order of the source
   uint first_light; // of its triangles; 0 in a scene without instances

@@ -1,6 +1,6 @@
 // How much light passes the surfaces along a shadow ray: BLEND by its exact share, MASK by all or nothing, unlit surfaces
 // by all; thin smooth panes by what they transmit straight on, for kernels that define SHADOW_PASSES_PANES and have a
-// Sampler path_sampler. Include bindings.glsl with BIND_GEOMETRY and BIND_SURFACES first, and this before bvh.glsl.
+// Sampler path_sampler. Include bindings.glsl with BIND_GEOMETRY and BIND_SURFACES first, and this before trace.glsl.
 #ifndef WAVEPATH_SHADOW_GLSL
 #define WAVEPATH_SHADOW_GLSL
 
@@ -51,13 +51,17 @@ bool passes_pane(Hit hit) {
   return any(lessThan(pane_depth, uvec3(kOpaqueShadow)));
 }
 
-void begin_shadow(vec3 direction) {
+void restart_shadow() {
   shadow_depth = pane_count = 0u;
   pane_depth = uvec3(0u);
+}
+void begin_shadow(vec3 direction) {
+  restart_shadow();
   if (has(kFeaturePanes)) shadow_direction = normalize(direction);
 }
 #else
-void begin_shadow() { shadow_depth = 0u; }
+void restart_shadow() { shadow_depth = 0u; }
+void begin_shadow() { restart_shadow(); }
 #endif
 
 // Traversal asks this of a surface that may let light through (TESTED_TRIANGLES): whether it goes on behind it.

@@ -174,7 +174,8 @@ TEST(Layout, Frame) {
            AT(Frame, motion_texel),
            AT(Frame, end_normals),
            AT(Frame, bodies_at_eye),
-           AT(Frame, pixel_spread)});
+           AT(Frame, pixel_spread),
+          AT(Frame, top_level)});
   compare("Wave", sizeof(Wave),
           {AT(Wave, first_pixel), AT(Wave, pixel_count), AT(Wave, first_sample), AT(Wave, sample_count),
            AT(Wave, bounce), AT(Wave, first_film_pixel)});

@@ -30,7 +30,7 @@ namespace {
 // well, in a row of the table or among the exemptions.
 std::map<std::string, std::string> members(const RenderSettings& settings) {
   const auto& [integrator, width, height, first_sample, last_sample, sample_total, time_limit, target_error, max_depth,
-               sampler, hemisphere, direct, filter, seed, cull, terminator, aperture, focus, blades, first_hit,
+               sampler, hemisphere, direct, filter, seed, cull, traversal, terminator, aperture, focus, blades, first_hit,
                shadow_samples, ao_samples, ao_radius, occlusion, antialias, ao_bias, ao_thinness, ambient, shadows,
                shadow_size, shadow_bias, shadow_bias_amount, shadow_taps, shadow_pattern, shadow_blur, shadow_cascades,
                shadow_exponent, shadow_bits, shadow_source, shadow_cookie, shadow_ambient, shading, interpolation,
@@ -54,6 +54,7 @@ std::map<std::string, std::string> members(const RenderSettings& settings) {
           {"filter", text(filter)},
           {"seed", text(seed)},
           {"cull", text(cull)},
+          {"traversal", text(traversal)},
           {"terminator", text(terminator)},
           {"aperture", text(aperture)},
           {"focus", focus ? text(*focus) : "none"},

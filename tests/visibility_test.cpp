@@ -181,7 +181,7 @@ Shot shoot(Device& device, const PackedScene& packed, const View& view, const Fr
   Camera camera(device, packed, view, settings);
   Visibility visibility(device, packed, camera.scene(), camera.frame(), camera.hybrid(), camera.features(),
                         settings.width, settings.height, rasterize);
-  Workspace workspace(device, packed, 1024);
+  Workspace workspace(device, packed, 1024, kTraversalCompute);
   WaveQueue queue(workspace);
   visibility.render(queue, camera_of(packed, view), [](Commands&) {});
   queue.drain();
@@ -458,7 +458,7 @@ TEST_F(VisibilityBuffer, SameBitsEveryTime) {
   Camera camera(device(), packed, view, settings);
   Visibility visibility(device(), packed, camera.scene(), camera.frame(), camera.hybrid(), camera.features(),
                         settings.width, settings.height, true);
-  Workspace workspace(device(), packed, 1024);
+  Workspace workspace(device(), packed, 1024, kTraversalCompute);
   WaveQueue queue(workspace);
   const auto words = [&] {
     visibility.render(queue, camera_of(packed, view), [](Commands&) {});

@@ -54,18 +54,24 @@ std::vector<CompiledKernel> compile_kernels(Device& device, const PackedScene& s
     progress(name);
     compile_for(device, scene.features, variant, name, kernels);
   };
+  RenderSettings by_compute = settings;
+  by_compute.traversal = kTraversalCompute;
   for (const IntegratorKind* kind : integrators()) {
     if (kind->candidates || !kind->start_kernels) continue; // the first stands for others
-    RenderSettings variant = settings;
+    RenderSettings variant = by_compute;
     variant.integrator = kind;
     compile(variant, "");
     variant.specialize = false;
     compile(variant, ", generic");
+    if (!device.info().has_ray_queries || kind != &default_integrator()) continue;
+    variant.specialize = true;
+    variant.traversal = kTraversalHardware;
+    compile(variant, ", ray queries");
   }
   if (!ablate) return kernels;
   for (const LeftOut& entry : scene.left_out) {
     if (!entry.feature) continue; // no code, only data
-    RenderSettings variant = settings;
+    RenderSettings variant = by_compute;
     variant.integrator = &default_integrator();
     variant.added_features = entry.feature;
     compile(variant, ", with " + entry.what);

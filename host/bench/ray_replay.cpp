@@ -6,6 +6,7 @@
 
 #include "host/base/clock.h"
 #include "host/integrators/path/path_replay.h"
+#include "host/render/settings/traversal.h"
 #include "kernels/frame_types.h"
 #include "kernels/path/path_types.h"
 
@@ -20,7 +21,8 @@ gpu::ShadowRay as_shadow_ray(const gpu::Ray& ray) {
 
 RayReplay::RayReplay(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings,
                      KernelCompiler& kernels, std::shared_ptr<const DeviceScene> uploaded)
-    : workspace_(device, scene, choose_slots(device.info(), scene, settings), std::move(uploaded)),
+    : workspace_(device, scene, choose_slots(device.info(), scene, settings), traversal_of(settings),
+                 std::move(uploaded)),
       paths_(workspace_, kernels) {
   workspace_.change(view, settings);
   paths_.change(settings, kAllPathStages, 0);

@@ -37,11 +37,15 @@ Buffer::Buffer(Device& device, std::uint64_t bytes, BufferHome home) : device_(&
   info.usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT |
                VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT |
                VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
+  const bool addressed = home == BufferHome::addressed;
+  if (addressed)
+    info.usage |= VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT | VK_BUFFER_USAGE_ACCELERATION_STRUCTURE_STORAGE_BIT_KHR |
+                  VK_BUFFER_USAGE_ACCELERATION_STRUCTURE_BUILD_INPUT_READ_ONLY_BIT_KHR;
   check(vkCreateBuffer(device.handle(), &info, nullptr, &buffer_), "creating a buffer");
 
   VkMemoryRequirements needs{};
   vkGetBufferMemoryRequirements(device.handle(), buffer_, &needs);
-  if (memory_.allocate(device, needs, wishes(device, home)) &&
+  if (memory_.allocate(device, needs, wishes(device, home), addressed) &&
       vkBindBufferMemory(device.handle(), buffer_, memory_.handle(), 0) == VK_SUCCESS)
     return;
   vkDestroyBuffer(device.handle(), buffer_, nullptr);
@@ -52,6 +56,12 @@ Buffer::Buffer(Device& device, std::uint64_t bytes, BufferHome home) : device_(&
 // The buffer goes before the memory that it is bound to.
 Buffer::~Buffer() {
   if (buffer_) vkDestroyBuffer(device_->handle(), buffer_, nullptr);
+}
+
+std::uint64_t Buffer::address() const {
+  assert(home_ == BufferHome::addressed);
+  const VkBufferDeviceAddressInfo info{VK_STRUCTURE_TYPE_BUFFER_DEVICE_ADDRESS_INFO, nullptr, buffer_};
+  return vkGetBufferDeviceAddress(device_->handle(), &info);
 }
 
 void Buffer::swap(Buffer& other) noexcept {

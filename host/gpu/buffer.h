@@ -14,8 +14,9 @@
 namespace wavepath {
 
 // Where a buffer lives: `device` is fastest for kernels; `readback` is mapped host memory that the device copies
-// results to.
-enum class BufferHome { device, readback };
+// results to; `addressed` is like `device`, for structures of ray queries and what they are built from, which are named
+// by address (needs DeviceInfo::has_ray_queries).
+enum class BufferHome { device, readback, addressed };
 
 // Storage, uniform, texel, indirect and copy use are all allowed. A request for zero bytes yields a small buffer,
 // because every declared binding must be written (Mesa 22.3 crashes otherwise).
@@ -32,6 +33,7 @@ public:
 
   VkBuffer handle() const { return buffer_; }
   std::uint64_t bytes() const { return bytes_; }
+  std::uint64_t address() const; // of an `addressed` one
 
   // The memory of a `readback` buffer; null for `device`. To read what commands wrote, the host waits for their fence
   // (Commands makes their writes visible to the host) and calls invalidate().

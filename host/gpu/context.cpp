@@ -181,6 +181,34 @@ QueueFamily choose_family(VkPhysicalDevice physical) {
 constexpr std::uint32_t kFewestTexels = 1u << 16; // of a texel buffer, as Vulkan guarantees;
 constexpr std::uint32_t kUsualTexels = 1u << 27;  // and as drivers of GPUs have them at least
 
+constexpr const char* kRayQueryExtensions[] = {VK_KHR_ACCELERATION_STRUCTURE_EXTENSION_NAME,
+                                               VK_KHR_DEFERRED_HOST_OPERATIONS_EXTENSION_NAME,
+                                               VK_KHR_RAY_QUERY_EXTENSION_NAME};
+
+// What ray queries need of the device, to be asked for or wished for.
+struct RayQueryFeatures {
+  VkPhysicalDeviceRayQueryFeaturesKHR query{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_RAY_QUERY_FEATURES_KHR};
+  VkPhysicalDeviceAccelerationStructureFeaturesKHR structures{
+      VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ACCELERATION_STRUCTURE_FEATURES_KHR, &query};
+  VkPhysicalDeviceVulkan12Features core12{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES, &structures};
+};
+
+void describe_ray_queries(VkPhysicalDevice physical, DeviceInfo& info) {
+  for (const char* extension : kRayQueryExtensions)
+    if (!extension_present(physical, extension)) return;
+  RayQueryFeatures has;
+  VkPhysicalDeviceFeatures2 features{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, &has.core12};
+  vkGetPhysicalDeviceFeatures2(physical, &features);
+  info.has_ray_queries =
+      has.query.rayQuery && has.structures.accelerationStructure && has.core12.bufferDeviceAddress;
+  VkPhysicalDeviceAccelerationStructurePropertiesKHR limits{
+      VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ACCELERATION_STRUCTURE_PROPERTIES_KHR};
+  VkPhysicalDeviceProperties2 properties{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &limits};
+  vkGetPhysicalDeviceProperties2(physical, &properties);
+  info.max_query_triangles = limits.maxPrimitiveCount;
+  info.max_query_instances = limits.maxInstanceCount;
+}
+
 DeviceInfo describe(VkPhysicalDevice physical, Pose pose) {
   VkPhysicalDeviceProperties base{};
   vkGetPhysicalDeviceProperties(physical, &base);
@@ -222,6 +250,7 @@ DeviceInfo describe(VkPhysicalDevice physical, Pose pose) {
     if (all_alike || (memory.memoryHeaps[i].flags & VK_MEMORY_HEAP_DEVICE_LOCAL_BIT))
       info.memory_bytes = std::max<std::uint64_t>(info.memory_bytes, memory.memoryHeaps[i].size);
 
+  describe_ray_queries(physical, info);
   const QueueFamily family = choose_family(physical);
   info.rasterizes = family.rasterizes;
   if (family.index == gpu::kNone) info.missing.push_back("a queue for compute");
@@ -336,6 +365,15 @@ Context::Context(const std::string& wanted, std::span<const char* const> window_
                     "choose another device with --device");
       extensions.push_back(told);
       core13.pNext = &statistics;
+    }
+    RayQueryFeatures queries;
+    if (info_.has_ray_queries) {
+      queries.query.rayQuery = VK_TRUE;
+      queries.structures.accelerationStructure = VK_TRUE;
+      queries.core12.bufferDeviceAddress = VK_TRUE;
+      queries.query.pNext = core13.pNext;
+      core13.pNext = &queries.core12;
+      extensions.insert(extensions.end(), std::begin(kRayQueryExtensions), std::end(kRayQueryExtensions));
     }
     VkPhysicalDeviceFeatures supported{}, core10{};
     vkGetPhysicalDeviceFeatures(physical_, &supported);

@@ -22,6 +22,8 @@ struct DeviceInfo {
   double timestamp_period_ns = 0.0;  // 0 = the queue has no timestamps
   std::uint32_t timestamp_bits = 64; // that count; above them timestamps hold nothing
   bool rasterizes = false;           // its queue takes graphics work as well
+  bool has_ray_queries = false;      // VK_KHR_ray_query
+  std::uint64_t max_query_triangles = 0, max_query_instances = 0; // of a structure for ray queries
   // llvmpipe (Mesa 22.3): once anything was rasterized, a timestamp is taken at the next flush, which a barrier causes.
   bool timestamps_need_flush = false;
   // Scenes do not fit into its texel buffers: kernels read theirs as storage blocks (texels_as_storage.h).

@@ -105,15 +105,19 @@ private:
   std::vector<VkSampler> samplers_;
 };
 
-// An embedded kernel: its name for people, its SPIR-V (wavepath_NAME_spv of a generated header), and that of its build
-// for scenes with layered materials (wavepath_NAME_layered_spv) if there is one.
+// An embedded kernel: its name for people, its SPIR-V (wavepath_NAME_spv of a generated header), and that of its other
+// builds, if there are such: for scenes with layered materials (wavepath_NAME_layered_spv), and with ray queries in
+// place of traversal (wavepath_NAME_query_spv, wavepath_NAME_layered_query_spv).
 struct KernelCode {
   const char* name = "";
   std::span<const std::uint32_t> spirv;
   std::span<const std::uint32_t> layered{};
+  std::span<const std::uint32_t> query{};
+  std::span<const std::uint32_t> layered_query{};
 
   // `has_layers`: the scene has kLobesLayered.
-  std::span<const std::uint32_t> build(bool has_layers) const {
+  std::span<const std::uint32_t> build(bool has_layers, bool by_query = false) const {
+    if (by_query && !query.empty()) return has_layers && !layered_query.empty() ? layered_query : query;
     return has_layers && !layered.empty() ? layered : spirv;
   }
 };

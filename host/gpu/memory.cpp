@@ -7,18 +7,22 @@
 namespace wavepath {
 
 bool Memory::allocate(Context& context, const VkMemoryRequirements& needs,
-                      std::span<const VkMemoryPropertyFlags> wishes) {
+                      std::span<const VkMemoryPropertyFlags> wishes, bool addressed) {
   release();
   context_ = &context;
   for (const VkMemoryPropertyFlags flags : wishes) {
     const bool displaced = wishes.front() == VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT && flags != wishes.front();
-    if (try_to_allocate(needs, flags, displaced)) return true;
+    if (try_to_allocate(needs, flags, displaced, addressed)) return true;
   }
   return false;
 }
 
-bool Memory::try_to_allocate(const VkMemoryRequirements& needs, VkMemoryPropertyFlags flags, bool displaced) {
+bool Memory::try_to_allocate(const VkMemoryRequirements& needs, VkMemoryPropertyFlags flags, bool displaced,
+                             bool addressed) {
+  VkMemoryAllocateFlagsInfo address{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_FLAGS_INFO};
+  address.flags = VK_MEMORY_ALLOCATE_DEVICE_ADDRESS_BIT;
   VkMemoryAllocateInfo info{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO};
+  info.pNext = addressed ? &address : nullptr;
   info.allocationSize = needs.size;
   info.memoryTypeIndex = context_->memory_type(needs.memoryTypeBits, flags);
   if (info.memoryTypeIndex == gpu::kNone) return false;

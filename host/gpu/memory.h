@@ -20,8 +20,10 @@ public:
     return *this;
   }
 
-  // Allocates, and maps what can be mapped. `wishes`: properties to try, best first. False if there is no such memory.
-  bool allocate(Context& context, const VkMemoryRequirements& needs, std::span<const VkMemoryPropertyFlags> wishes);
+  // Allocates, and maps what can be mapped. `wishes`: properties to try, best first. `addressed`: buffers there have
+  // device addresses. False if there is no such memory.
+  bool allocate(Context& context, const VkMemoryRequirements& needs, std::span<const VkMemoryPropertyFlags> wishes,
+                bool addressed = false);
   void release();
 
   VkDeviceMemory handle() const { return memory_; }
@@ -33,7 +35,7 @@ public:
 
 private:
   void swap(Memory& other) noexcept;
-  bool try_to_allocate(const VkMemoryRequirements& needs, VkMemoryPropertyFlags flags, bool displaced);
+  bool try_to_allocate(const VkMemoryRequirements& needs, VkMemoryPropertyFlags flags, bool displaced, bool addressed);
 
   Context* context_ = nullptr;
   VkDeviceMemory memory_ = VK_NULL_HANDLE;

@@ -26,7 +26,7 @@ bool passes(Hit hit, float t) {
 
 #define ALPHA_TEST(hit) passes(hit, t_pending)
 #define SEES_BACKS
-#include "kernels/bvh.glsl"
+#include "kernels/trace.glsl"
 
 layout(local_size_x = kWorkgroupSize) in;
 

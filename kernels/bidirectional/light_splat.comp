@@ -20,7 +20,7 @@
 #define ALPHA_TEST(hit) lets_light_through(hit)
 #define ANY_HIT
 #define CAMERA_RAYS true
-#include "kernels/bvh.glsl"
+#include "kernels/trace.glsl"
 
 layout(local_size_x = kWorkgroupSize) in;
 

@@ -14,7 +14,7 @@ layout(set = 0, binding = kBindVisibility, std430) writeonly buffer VisibilityBl
 uvec2 pixel; // of the ray
 #define ALPHA_TEST(hit) is_seen_through(hit, pixel)
 #define CAMERA_RAYS true
-#include "kernels/bvh.glsl"
+#include "kernels/trace.glsl"
 
 layout(local_size_x = kWorkgroupSize) in;
 

@@ -26,7 +26,7 @@ Sampler path_sampler;
 
 #define ALPHA_TEST(hit) lets_light_through(hit)
 #define ANY_HIT
-#include "kernels/bvh.glsl"
+#include "kernels/trace.glsl"
 
 layout(local_size_x = kWorkgroupSize) in;
 

@@ -20,7 +20,7 @@ uint path_slot;
 Sampler path_sampler;
 #define ALPHA_TEST(hit) is_hole(hit, path_sampler, kHashExtend)
 #define CAMERA_RAYS (wave.bounce == 0u)
-#include "kernels/bvh.glsl"
+#include "kernels/trace.glsl"
 
 layout(local_size_x = kWorkgroupSize) in;
 

@@ -13,7 +13,7 @@
 
 #define ALPHA_TEST(hit) lets_light_through(hit)
 #define ANY_HIT
-#include "kernels/bvh.glsl"
+#include "kernels/trace.glsl"
 
 layout(local_size_x = kWorkgroupSize) in;
 layout(set = 0, binding = kBindLightmapTexels) uniform usamplerBuffer lightmap_texels;

@@ -8,7 +8,7 @@
 
 Sampler path_sampler;
 #define ALPHA_TEST(hit) is_hole(hit, path_sampler, kHashConnect)
-#include "kernels/bvh.glsl"
+#include "kernels/trace.glsl"
 
 // `word`: where it is kept.
 void trace_texel(uint view, uvec2 texel, uint word, bool ids) {

@@ -21,7 +21,7 @@ Sampler path_sampler;
 uint alpha_kind; // see alpha_key(): one for every ray of the tree
 #define ALPHA_TEST(hit) is_hole(hit, path_sampler, alpha_kind)
 #define CAMERA_RAYS (wave.bounce == 0u)
-#include "kernels/bvh.glsl"
+#include "kernels/trace.glsl"
 
 layout(local_size_x = kWorkgroupSize) in;
 

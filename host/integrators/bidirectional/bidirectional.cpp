@@ -8,14 +8,17 @@
 #include "host/render/loop/render_result.h"
 #include "host/scene/pack/features.h"
 #include "kernels/bidirectional/bidirectional_connect.spv.h"
+#include "kernels/bidirectional/bidirectional_connect_query.spv.h"
 #include "kernels/bidirectional/bidirectional_shade.spv.h"
 #include "kernels/bidirectional/bidirectional_shade_layered.spv.h"
 #include "kernels/bidirectional/connection_advance.spv.h"
 #include "kernels/bidirectional/light_extend.spv.h"
+#include "kernels/bidirectional/light_extend_query.spv.h"
 #include "kernels/bidirectional/light_generate.spv.h"
 #include "kernels/bidirectional/light_shade.spv.h"
 #include "kernels/bidirectional/light_shade_layered.spv.h"
 #include "kernels/bidirectional/light_splat.spv.h"
+#include "kernels/bidirectional/light_splat_query.spv.h"
 #include "kernels/bidirectional/photon_clear.spv.h"
 #include "kernels/bidirectional/photon_gather.spv.h"
 #include "kernels/bidirectional/photon_gather_layered.spv.h"
@@ -42,11 +45,11 @@ enum Stage : std::size_t {
 };
 const std::array<KernelCode, kStageCount> kStages = {
     {{"light generate", wavepath_light_generate_spv},
-     {"light extend", wavepath_light_extend_spv},
+     {"light extend", wavepath_light_extend_spv, {}, wavepath_light_extend_query_spv},
      {"light shade", wavepath_light_shade_spv, wavepath_light_shade_layered_spv},
-     {"light splat", wavepath_light_splat_spv},
+     {"light splat", wavepath_light_splat_spv, {}, wavepath_light_splat_query_spv},
      {"bidirectional shade", wavepath_bidirectional_shade_spv, wavepath_bidirectional_shade_layered_spv},
-     {"bidirectional connect", wavepath_bidirectional_connect_spv},
+     {"bidirectional connect", wavepath_bidirectional_connect_spv, {}, wavepath_bidirectional_connect_query_spv},
      {"connection advance", wavepath_connection_advance_spv},
      {"photon clear", wavepath_photon_clear_spv},
      {"photon shade", wavepath_photon_shade_spv, wavepath_photon_shade_layered_spv},

@@ -21,6 +21,7 @@
 #include "kernels/hybrid/gather.spv.h"
 #include "kernels/hybrid/jitter.spv.h"
 #include "kernels/hybrid/occlusion.spv.h"
+#include "kernels/hybrid/occlusion_query.spv.h"
 #include "kernels/hybrid/resolve.spv.h"
 #include "kernels/hybrid/share_shading.spv.h"
 #include "kernels/tile_order.h"
@@ -36,7 +37,7 @@ constexpr std::uint32_t kCompositePixels = 1u << 16; // of a dispatch: some tens
 enum Stage : std::size_t { kJitter, kResolve, kOcclusion, kGather, kShare, kComposite, kStageCount };
 const std::array<KernelCode, kStageCount> kStages = {{{"jitter", wavepath_jitter_spv},
                                                       {"resolve", wavepath_resolve_spv},
-                                                      {"occlusion", wavepath_occlusion_spv},
+                                                      {"occlusion", wavepath_occlusion_spv, {}, wavepath_occlusion_query_spv},
                                                       {"gather", wavepath_gather_spv},
                                                       {"share shading", wavepath_share_shading_spv},
                                                       {"composite", wavepath_composite_spv}}};

@@ -13,6 +13,7 @@
 #include "kernels/hybrid/hybrid_types.h"
 #include "kernels/hybrid/visibility.spv.h"
 #include "kernels/hybrid/visibility_frag.spv.h"
+#include "kernels/hybrid/visibility_query.spv.h"
 #include "kernels/hybrid/visibility_vert.spv.h"
 
 namespace wavepath {
@@ -37,6 +38,7 @@ std::vector<Binding> visibility_bindings(const DeviceScene& scene, const Buffer&
 constexpr std::array<AttachmentInfo, 2> kAttachments{
     {{.name = "visibility", .format = ImageFormat::rg32ui, .clear = {.words = {gpu::kNone, gpu::kNone}}},
      {.name = "depth", .format = ImageFormat::depth32f, .clear = {.depth = 0.0f}}}};
+const KernelCode kTracer{"visibility", wavepath_visibility_spv, {}, wavepath_visibility_query_spv};
 const RasterCode kCode{"visibility", wavepath_visibility_vert_spv, wavepath_visibility_frag_spv};
 
 constexpr std::uint64_t kPixelBytes = 2 * sizeof(std::uint32_t);
@@ -104,7 +106,7 @@ Visibility::Visibility(Device& device, const PackedScene& scene, const DeviceSce
                              {device, kCode, kAttachments, {}, bindings_, constants},
                              make_chunks(scene)});
   else
-    tracer_.emplace(device, "visibility", wavepath_visibility_spv, bindings_, constants);
+    tracer_.emplace(device, kTracer.name, kTracer.build(false, gpu_scene.queries.has_value()), bindings_, constants);
 }
 
 void Visibility::render(WaveQueue& queue, const gpu::CameraView& camera,

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "host/base/error.h"
+#include "host/render/settings/traversal.h"
 #include "host/render/settings/whole_nets.h"
 #include "kernels/frame_types.h"
 #include "kernels/net_layout.h"
@@ -39,7 +40,7 @@ glm::dvec3 hit_position(const PackedScene& scene, const gpu::Hit& hit) {
 
 PathReplay::PathReplay(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings,
                        KernelCompiler& kernels)
-    : workspace_(device, scene, 1), paths_(workspace_, kernels) {
+    : workspace_(device, scene, 1, traversal_of(settings)), paths_(workspace_, kernels) {
   const RenderSettings plain = without_extras(settings);
   workspace_.change(view, plain);
   paths_.change(plain, kAllPathStages, 0);

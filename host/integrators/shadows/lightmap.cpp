@@ -13,6 +13,7 @@
 #include "host/integrators/shadows/times.h"
 #include "kernels/hybrid/hybrid_types.h"
 #include "kernels/shadows/lightmap_bake.spv.h"
+#include "kernels/shadows/lightmap_bake_query.spv.h"
 #include "kernels/shadows/lightmap_types.h"
 #include "kernels/shadows/look_up_lightmap.spv.h"
 #include "kernels/shadows/shadow_types.h"
@@ -57,7 +58,7 @@ std::vector<Binding> lightmap_layout() {
 
 enum Stage : std::size_t { kLookUp, kBake, kStageCount };
 const std::array<KernelCode, kStageCount> kStages = {
-    {{kShadowLookUpStage, wavepath_look_up_lightmap_spv}, {kShadowBuildStage, wavepath_lightmap_bake_spv}}};
+    {{kShadowLookUpStage, wavepath_look_up_lightmap_spv}, {kShadowBuildStage, wavepath_lightmap_bake_spv, {}, wavepath_lightmap_bake_query_spv}}};
 constexpr std::array<std::size_t, kStageCount> kOrder = {kBake, kLookUp};
 const KernelProgram kProgram = {kStages, kOrder, lightmap_layout};
 

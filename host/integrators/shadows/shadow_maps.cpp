@@ -23,6 +23,8 @@
 #include "kernels/shadows/shadow_midpoint_frag.spv.h"
 #include "kernels/shadows/shadow_trace.spv.h"
 #include "kernels/shadows/shadow_trace_pages.spv.h"
+#include "kernels/shadows/shadow_trace_pages_query.spv.h"
+#include "kernels/shadows/shadow_trace_query.spv.h"
 
 namespace wavepath {
 namespace {
@@ -70,6 +72,9 @@ const std::array<AttachmentInfo, 3> kAttachments{
      {.name = "shadow map's triangles", .format = ImageFormat::rg32ui, .clear = {.words = {gpu::kNone, gpu::kNone}}}}};
 std::span<const AttachmentInfo> attachments(bool ids) { return std::span(kAttachments).first(ids ? 3 : 2); }
 
+const KernelCode kTracer{kShadowBuildStage, wavepath_shadow_trace_spv, {}, wavepath_shadow_trace_query_spv};
+const KernelCode kPageTracer{
+    kShadowBuildStage, wavepath_shadow_trace_pages_spv, {}, wavepath_shadow_trace_pages_query_spv};
 const RasterCode kDepthCode{"shadow map", wavepath_shadow_map_vert_spv, wavepath_shadow_map_frag_spv};
 const RasterCode kMidpointCode{"shadow map", wavepath_shadow_map_vert_spv, wavepath_shadow_midpoint_frag_spv};
 const RasterCode kCasterCode{"shadow casters", wavepath_shadow_casters_vert_spv, wavepath_shadow_map_frag_spv};
@@ -298,10 +303,9 @@ private:
         std::make_unique<BindingSet>(workspace_.device, bindings, sizeof(gpu::Wave), BindingSet::kRasterStages);
     const auto constants = specialization(need_.config, workspace_.device.info());
     if (!is_raster()) {
-      const std::span<const std::uint32_t> code = recipe_.pages
-                                                      ? std::span<const std::uint32_t>(wavepath_shadow_trace_pages_spv)
-                                                      : std::span<const std::uint32_t>(wavepath_shadow_trace_spv);
-      tracer_.emplace(workspace_.device, kShadowBuildStage, code, *raster_set_, constants);
+      const KernelCode& code = recipe_.pages ? kPageTracer : kTracer;
+      const bool by_query = workspace_.on_device->queries.has_value();
+      tracer_.emplace(workspace_.device, code.name, code.build(false, by_query), *raster_set_, constants);
       return;
     }
     RasterState state;

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "host/base/error.h"
+#include "host/render/device/query_scene.h"
 #include "host/scene/pack/srgb.h"
 #include "kernels/light_tree_types.h"
 #include "kernels/scene_types.h"
@@ -80,13 +81,14 @@ std::vector<Buffer> upload_pages(Device& device, std::span<const std::uint32_t> 
 
 } // namespace
 
-DeviceScene upload_scene(Device& device, const PackedScene& scene) {
+DeviceScene upload_scene(Device& device, const PackedScene& scene, bool by_query) {
   const DeviceInfo& info = device.info();
   constexpr std::uint64_t kPage = sizeof(std::uint32_t) << gpu::kTexelPageShift;
   const std::uint64_t wide = std::min(16 * info.max_texels(16), info.max_allocation);
   const std::uint64_t page = std::min({4 * info.max_texels(4), info.max_allocation, kPage});
   const std::uint64_t pages = page < kPage || info.has_few_texels ? page : gpu::kTexelPages * kPage;
-  check_fits(info, "BVH nodes", bytes_of(scene.nodes), wide);
+  const std::uint64_t node_bytes = by_query ? 0 : bytes_of(scene.nodes);
+  check_fits(info, "BVH nodes", node_bytes, wide);
   check_fits(info, "triangles", bytes_of(scene.triangles) + bytes_of(scene.motions), wide);
   check_fits(info, "triangle indices", bytes_of(scene.triangle_vertices), wide);
   check_fits(info, "vertices", bytes_of(scene.vertex_normals), wide);
@@ -96,7 +98,7 @@ DeviceScene upload_scene(Device& device, const PackedScene& scene) {
   check_fits(info, "environment texels", bytes_of(scene.environment), wide);
   check_fits(info, "lights", bytes_of(scene.lights) + bytes_of(scene.light_part_ends), wide);
   check_fits(info, "light tree", bytes_of(scene.light_tree), wide);
-  const std::uint64_t total = bytes_of(scene.nodes) + bytes_of(scene.triangles) + bytes_of(scene.motions) +
+  const std::uint64_t total = node_bytes + bytes_of(scene.triangles) + bytes_of(scene.motions) +
                               bytes_of(scene.triangle_vertices) + bytes_of(scene.vertex_normals) +
                               bytes_of(scene.vertex_uvs) + bytes_of(scene.vertex_colors) + bytes_of(scene.texels) +
                               bytes_of(scene.environment) + bytes_of(scene.lights) + bytes_of(scene.light_part_ends) +
@@ -108,13 +110,20 @@ DeviceScene upload_scene(Device& device, const PackedScene& scene) {
                 "simplify the scene or choose another device with --device");
 
   DeviceScene result;
-  result.nodes = upload(device, scene.nodes);
+  if (by_query) {
+    QueryScene queries = make_query_scene(device, scene);
+    result.nodes = upload(device, queries.items);
+    result.instances = upload(device, queries.instances);
+    result.queries.emplace(std::move(queries.structures));
+  } else {
+    result.nodes = upload(device, scene.nodes);
+    result.instances = upload(device, scene.instances);
+  }
   result.triangles = scene.moves() ? upload(device, with_motions(scene)) : upload(device, scene.triangles);
   result.triangle_vertices = upload(device, scene.triangle_vertices);
   result.vertex_normals = upload(device, scene.vertex_normals);
   result.vertex_uvs = upload(device, scene.vertex_uvs);
   result.vertex_colors = upload(device, scene.vertex_colors);
-  result.instances = upload(device, scene.instances);
   result.materials = upload(device, material_bytes(scene));
   result.textures = upload(device, scene.textures);
   result.texels = upload_pages(device, scene.texels);
@@ -153,7 +162,9 @@ std::vector<Binding> DeviceScene::bindings() const {
   return all;
 }
 
-std::uint64_t DeviceScene::bvh_bytes() const { return nodes.bytes() + triangles.bytes() + instances.bytes(); }
+std::uint64_t DeviceScene::bvh_bytes() const { 
+  return nodes.bytes() + triangles.bytes() + instances.bytes() + (queries ? queries->bytes() : 0);
+}
 
 std::uint64_t DeviceScene::other_bytes() const {
   std::uint64_t texel_bytes = 0;

@@ -2,16 +2,20 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
+#include "host/gpu/acceleration.h"
 #include "host/gpu/kernel.h"
 #include "host/scene/pack/pack.h"
 
 namespace wavepath {
 
 struct DeviceScene {
-  Buffer nodes, triangles, triangle_vertices, vertex_normals, vertex_uvs, vertex_colors, instances;
+  Buffer nodes; // for ray queries, QueryScene::items
+  Buffer triangles, triangle_vertices, vertex_normals, vertex_uvs, vertex_colors, instances;
   Buffer materials, textures, srgb_table, lights, light_tree, environment, environment_ends;
+  std::optional<QueryStructures> queries; // that kernels trace rays through in place of the nodes
   std::vector<Buffer> texels; // pages of 1 << gpu::kTexelPageShift words, at least one
 
   std::vector<Binding> bindings() const;
@@ -19,7 +23,8 @@ struct DeviceScene {
   std::uint64_t other_bytes() const;
 };
 
-// Throws Error before allocating anything if the device's limits or memory cannot hold it.
-DeviceScene upload_scene(Device& device, const PackedScene& scene);
+// `by_query`: for kernels that trace rays by ray queries. Throws Error before allocating anything if the device's limits
+// or memory cannot hold it, but for the structures of ray queries, whose size only the driver knows.
+DeviceScene upload_scene(Device& device, const PackedScene& scene, bool by_query = false);
 
 } // namespace wavepath

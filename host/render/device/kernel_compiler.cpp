@@ -5,6 +5,7 @@
 #include "host/render/settings/integrator_kind.h"
 #include "host/render/settings/mips.h"
 #include "host/render/settings/shadow_settings.h"
+#include "host/render/settings/traversal.h"
 #include "host/render/settings/whole_nets.h"
 
 namespace wavepath {
@@ -48,7 +49,7 @@ KernelConfig kernel_config(gpu::Feature features, std::uint32_t stack_size, cons
       takes(*settings.integrator, "terminator") ? settings.terminator : gpu::kTerminatorFacets;
   return {features,        stack, settings.sampler,  direct_of(settings), settings.hemisphere,
           settings.filter, nets,  lens_of(settings), settings.cull,       motion,
-          terminator};
+          terminator,      traversal_of(settings)};
 }
 
 gpu::Feature features_of(const RenderSettings& settings) {

@@ -8,6 +8,7 @@
 
 #include "host/base/clock.h"
 #include "host/gpu/commands.h"
+#include "host/render/settings/traversal.h"
 #include "kernels/frame_types.h"
 
 namespace wavepath {
@@ -82,13 +83,15 @@ KernelSet::KernelSet(Device& device, const KernelNeed& need) : need_(need), kern
     bindings.emplace(device, slots, kPushed);
   }
   const auto constants = specialization(need.config, device.info());
+  const bool has_layers = (config().features & gpu::kLobesLayered) != 0;
+  const bool by_query = traces_by_query(config().traversal, device.info());
   std::atomic<std::size_t> next = 0;
   const auto compile = [&] {
     for (std::size_t i; (i = next++) < need.program->compile_order.size();) {
       const std::size_t stage = need.program->compile_order[i];
       if (!(need.stages >> stage & 1u)) continue;
       const KernelCode& code = need.program->stages[stage];
-      const std::span<const std::uint32_t> build = code.build((config().features & gpu::kLobesLayered) != 0);
+      const std::span<const std::uint32_t> build = code.build(has_layers, by_query);
       const Kernel& kernel = kernels_[stage].emplace(device, code.name, build, layout, constants);
       if (bindings) run_without_work(device, kernel, *bindings);
     }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "host/gpu/kernel.h"
+#include "host/render/settings/settings.h"
 #include "kernels/features.h"
 
 namespace wavepath {
@@ -29,6 +30,7 @@ struct KernelConfig {
   std::uint32_t lens = gpu::kLensPinhole, cull = gpu::kCullCamera;
   std::uint32_t motion = 0;
   std::uint32_t terminator = gpu::kTerminatorFacets;
+  std::uint32_t traversal = kTraversalCompute;
 
   bool operator==(const KernelConfig&) const = default;
 };

@@ -10,6 +10,7 @@
 #include "host/render/device/resources.h"
 #include "host/render/settings/denoising.h"
 #include "host/render/settings/integrator_kind.h"
+#include "host/render/settings/traversal.h"
 #include "host/render/settings/whole_nets.h"
 #include "host/scene/pack/bodies.h"
 #include "host/scene/pack/pick.h"
@@ -87,13 +88,15 @@ FilmShape film_shape(const RenderSettings& settings) {
           .seed = settings.seed};
 }
 
-Workspace::Workspace(Device& device_, const PackedScene& scene_, std::uint32_t slots_,
+Workspace::Workspace(Device& device_, const PackedScene& scene_, std::uint32_t slots_, std::uint32_t traversal,
                      std::shared_ptr<const DeviceScene> uploaded)
     : device(device_),
       scene(scene_),
       on_device([&] {
         const Clock::time_point start = Clock::now();
-        auto result = uploaded ? uploaded : std::make_shared<const DeviceScene>(upload_scene(device_, scene_));
+        const bool by_query = traces_by_query(traversal, device_.info());
+        auto result =
+            uploaded ? uploaded : std::make_shared<const DeviceScene>(upload_scene(device_, scene_, by_query));
         upload_seconds = seconds_since(start);
         return result;
       }()),
@@ -104,6 +107,9 @@ Workspace::Workspace(Device& device_, const PackedScene& scene_, std::uint32_t s
 
 void Workspace::change(const View& view, const RenderSettings& settings) {
   frame = make_frame(scene, view, settings, slots);
+  if (!on_device->queries) return;
+  const std::uint64_t address = on_device->queries->address();
+  frame.top_level = {static_cast<std::uint32_t>(address), static_cast<std::uint32_t>(address >> 32)};
 }
 
 bool Workspace::fit(const RenderSettings& settings, gpu::Feature features) {

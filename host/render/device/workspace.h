@@ -16,9 +16,9 @@ namespace wavepath {
 
 class Workspace {
 public:
-  // Uploads the scene, unless it is on the device already. `slots`: paths in flight at most. Throws Error if the device
-  // cannot hold it.
-  Workspace(Device& device, const PackedScene& scene, std::uint32_t slots,
+  // Uploads the scene, unless it is on the device already. `slots`: paths in flight at most. `traversal`: of
+  // traversal_of(). Throws Error if the device cannot hold it.
+  Workspace(Device& device, const PackedScene& scene, std::uint32_t slots, std::uint32_t traversal,
             std::shared_ptr<const DeviceScene> uploaded = nullptr);
 
   // Takes up another view and other settings. The integrator adapts the constants in `frame` and calls fit()

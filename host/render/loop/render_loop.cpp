@@ -9,6 +9,7 @@
 #include "host/film/error.h"
 #include "host/render/loop/adaptive.h"
 #include "host/render/loop/segments.h"
+#include "host/render/settings/traversal.h"
 
 namespace wavepath {
 namespace {
@@ -42,7 +43,7 @@ RenderLoop::RenderLoop(Device& device, const PackedScene& scene, const View& vie
       pace_(pace),
       kernels_(kernels),
       workspace_(device, scene, std::max(choose_slots(device.info(), scene, settings), pace.least_slots),
-                 std::move(uploaded)),
+                 traversal_of(settings), std::move(uploaded)),
       queue_(workspace_),
       governor_(workspace_.slots, pace.longest_dispatch),
       estimates_(device),

@@ -20,6 +20,10 @@ inline constexpr std::uint32_t kBranchingTree = 0, kBranchingChoice = 1;
 // How frames find what pixels see: as this type of device does faster, rasterized, or traced.
 inline constexpr std::uint32_t kFirstHitAuto = 0, kFirstHitRaster = 1, kFirstHitTraced = 2;
 
+// By what rays are traced: by the device's ray queries where it has hardware for them, by our own traversal in compute
+// kernels, or by ray queries in any case.
+inline constexpr std::uint32_t kTraversalAuto = 0, kTraversalCompute = 1, kTraversalHardware = 2;
+
 // How noise is filtered: by filters of our own, or finished pictures by Intel's Open Image Denoise.
 inline constexpr std::uint32_t kDenoiseOff = 0, kDenoiseOn = 1, kDenoiseOidn = 2;
 
@@ -43,6 +47,7 @@ struct RenderSettings {
   std::uint32_t filter = gpu::kFilterBlackmanHarris;
   std::uint32_t seed = 0;
   std::uint32_t cull = gpu::kCullCamera; // rays that single-sided surfaces let pass from behind
+  std::uint32_t traversal = kTraversalAuto; // by what rays are traced
   // Taken by some integrators only.
   std::uint32_t terminator = gpu::kTerminatorFacets; // where rays leave surfaces with vertex normals
   double aperture = 0.0;                             // metres across the lens; 0 = a pinhole

@@ -240,6 +240,12 @@ std::vector<Setting> transport_rows() {
                   "throw no shadow backwards; or none",
        .offered = kByAll,
        .label = "pass backs"},
+      {.name = "traversal",
+       .value = ChoiceValue{&S::traversal, kTraversalNames},
+       .meaning = "rays are traced by compute kernels, or by the device's ray queries; auto: these where it has "
+                  "hardware for them. Of surfaces at the same place another may be met",
+       .decides = Decides::nothing,
+       .offered = kByAll},
       {.name = "terminator",
        .value = ChoiceValue{&S::terminator, kTerminatorNames},
        .meaning = "where rays leave coarse meshes with smooth normals: from their facets, which is what the file holds "
