@@ -39,9 +39,8 @@ bool is_hole_there(Hit hit) {
 }
 
 Hit traverse(vec3 origin, vec3 direction, float t_max) {
-  const Hit none = Hit(kNone, 0u, 0.0, 0.0);
+  Hit best = Hit(kNone, 0u, 0.0, 0.0);
   t_best = t_max;
-  if (!is_traceable(origin, direction)) return none;
 #ifdef ANY_HIT
   uint kind = gl_RayFlagsTerminateOnFirstHitEXT;
   bool asks = skipped_triangle != kNone;
@@ -50,10 +49,11 @@ Hit traverse(vec3 origin, vec3 direction, float t_max) {
   bool asks = false;
 #endif
   if (CULLS_BACKS) asks = asks || passed_sides != 0u;
-  Hit best = none;
-  bool again = true;
+  bool again = is_traceable(origin, direction);
   while (again) {
     again = false;
+    best = Hit(kNone, 0u, 0.0, 0.0);
+    t_best = t_max;
 #ifdef WAVEPATH_SHADOW_GLSL
     restart_shadow();
 #endif

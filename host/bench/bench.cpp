@@ -8,6 +8,7 @@
 #include "host/bench/ray_replay.h"
 #include "host/bench/structure_comparison.h"
 #include "host/bench/work.h"
+#include "host/render/settings/traversal.h"
 #ifdef WAVEPATH_EMBREE
 #include "benchmarks/embree.h"
 #endif
@@ -74,6 +75,7 @@ double agreement(RayKind kind, const PackedScene& scene, RayReplay& replay, cons
 void compare_with_embree(Device& device, const PackedScene& scene, const View& view, const BenchSettings& settings,
                          const RaySets& rays, BenchResult& result) {
   RenderSettings opaque = settings.render;
+  opaque.traversal = kTraversalCompute;
   opaque.removed_features = gpu::kFeatureAlpha | gpu::kFeaturePanes | gpu::kFeatureCull;
   KernelCompiler kernels(device);
   RayReplay replay(device, scene, view, opaque, kernels);
@@ -139,9 +141,17 @@ BenchResult bench(Device& device, const PackedScene& scene, const View& view, co
   progress("whole renders");
   measure_renders(warm, all.render, scene, all.repetitions, result);
   progress("rays by kind");
-  RayReplay replay(device, scene, view, all.render, *warm.kernels, warm.loop->workspace().on_device);
+  RenderSettings by_compute = all.render;
+  by_compute.traversal = kTraversalCompute;
+  const bool by_query = traces_by_query(traversal_of(all.render), device.info());
+  RayReplay replay(device, scene, view, by_compute, *warm.kernels,
+                   by_query ? nullptr : warm.loop->workspace().on_device);
   const RaySets rays = replay.capture();
   result.rays = measure_rays(scene, replay, rays, result.ceilings, all.repetitions);
+  if (by_query) {
+    progress("the same rays by ray queries");
+    result.queries = compare_with_queries(device, scene, view, all.render, replay, rays, all.repetitions);
+  }
 #ifdef WAVEPATH_EMBREE
   progress("the same rays in Embree");
   compare_with_embree(device, scene, view, all, rays, result);

@@ -9,6 +9,7 @@
 
 #include "host/bench/ablation.h"
 #include "host/bench/ceilings.h"
+#include "host/bench/query_comparison.h"
 #include "host/bench/structures/row.h"
 #include "host/bench/summary.h"
 #include "host/render/render.h"
@@ -57,11 +58,13 @@ struct BenchResult {
   PathTracing path_tracing;
   double compile_seconds = 0.0;
   std::optional<double> embree_build_seconds;
+  std::optional<QueryComparison> queries; // where rays are traced by the device's ray queries
   std::vector<AblationRow> ablation;    // empty unless asked for
   std::vector<StructureRow> structures; // likewise
 };
 
-// The rays are those of the first sample of every pixel, as many as are in flight at once. Throws Error as render()
+// The rays are those of the first sample of every pixel, as many as are in flight at once; they are traced by our own
+// traversal, whole renders as the settings say. Throws Error as render()
 // does. `progress` is told what comes next.
 BenchResult bench(Device& device, const PackedScene& scene, const View& view, const BenchSettings& settings,
                   const std::function<void(const std::string&)>& progress);

@@ -27,6 +27,8 @@ Json rays_json(const RayRate& rate) {
           {"roofline_fraction", rate.roofline_fraction}};
 }
 
+constexpr const char* kKindNames[] = {"camera", "bounce", "shadow"};
+
 Json embree_json(const BenchResult& result) {
   Json json{{"build_seconds", *result.embree_build_seconds}};
   for (const RayRate& rate : result.rays)
@@ -35,6 +37,26 @@ Json embree_json(const BenchResult& result) {
                          {"ratio_robust", rate.embree->ratio_robust},
                          {"agreement", rate.embree->agreement}};
   return json;
+}
+
+Json queries_json(const QueryComparison& queries) {
+  Json json{{"upload_seconds", queries.upload_seconds}, {"bytes", queries.bytes}};
+  for (std::size_t kind = 0; kind < kRayKindCount; ++kind)
+    if (queries.rays[kind].mrays_per_second > 0.0)
+      json[kKindNames[kind]] = {{"mrays_per_second", queries.rays[kind].mrays_per_second},
+                                {"ratio", queries.rays[kind].ratio},
+                                {"agreement", queries.rays[kind].agreement}};
+  return json;
+}
+
+std::string queries_table(const QueryComparison& queries) {
+  std::string text = fmt::format("{:<12}{:>9}{:>11}{:>9}   built and uploaded in {:.3f} s, {}\n", "ray queries", "Mrays/s",
+                                 "ours over", "agree", queries.upload_seconds, to_size_text(queries.bytes));
+  for (std::size_t kind = 0; kind < kRayKindCount; ++kind)
+    if (queries.rays[kind].mrays_per_second > 0.0)
+      text += fmt::format("{:<12}{:>9.3f}{:>11.2f}{:>9.5f}\n", kKindNames[kind], queries.rays[kind].mrays_per_second,
+                          queries.rays[kind].ratio, queries.rays[kind].agreement);
+  return text;
 }
 
 std::string rays_table(const BenchResult& result) {
@@ -75,8 +97,6 @@ std::string ablation_table(const std::vector<AblationRow>& rows) {
         row.cost_bytes > 0 ? to_size_text(static_cast<std::uint64_t>(row.cost_bytes)) : "0 bytes", row.cost_compile_ms);
   return text;
 }
-
-constexpr const char* kKindNames[] = {"camera", "bounce", "shadow"};
 
 Json structures_json(const std::vector<StructureRow>& rows) {
   Json json = Json::array();
@@ -147,6 +167,7 @@ Json bench_document(const BenchRun& run) {
               {"gflops", result.ceilings.gflops}}},
             {"compile_ms", 1e3 * result.compile_seconds}};
   if (result.embree_build_seconds) json["embree"] = embree_json(result);
+  if (result.queries) json["ray_query"] = queries_json(*result.queries);
   json["ablation"] = ablation;
   if (!result.structures.empty()) json["structures"] = structures_json(result.structures);
   return json;
@@ -169,7 +190,9 @@ std::string bench_table(const BenchRun& run) {
   text += fmt::format("ceilings  {:.0f} M random loads of 16 bytes a second, {:.0f} M of 64, {:.1f} GFLOPS\n\n",
                       1e-6 * result.ceilings.load16_per_second, 1e-6 * result.ceilings.load64_per_second,
                       result.ceilings.gflops);
-  text += rays_table(result) + "\n" + stages_table(result);
+  text += rays_table(result) + "\n";
+  if (result.queries) text += queries_table(*result.queries) + "\n";
+  text += stages_table(result);
   text += fmt::format(
       "\npath tracing at {} samples a pixel: {:.3f} Mrays/s (spread {:.1f} %), {:.0f} % of it in traversal, {} bytes a "
       "path\n",

@@ -9,6 +9,7 @@
 
 #include "host/render/device/kernel_compiler.h"
 #include "host/render/settings/integrator_kind.h"
+#include "host/render/settings/traversal.h"
 
 namespace wavepath {
 namespace {
@@ -35,12 +36,15 @@ void compile_for(Device& device, gpu::Feature features, const RenderSettings& se
   KernelCompiler compiler(device);
   settings.integrator->start_kernels(compiler, device.info(), features, settings);
   const gpu::Feature wanted = kernel_config(features, kExpectedStack, settings).features;
+  const bool by_query = traces_by_query(traversal_of(settings), device.info());
   for (const KernelSet* set : compiler.all()) {
     if (set->config().features != wanted) continue;
     const KernelNeed& need = set->need();
-    for (std::size_t stage = 0; stage < need.program->stages.size(); ++stage)
-      if (need.stages >> stage & 1u)
-        kernels.push_back({need.program->stages[stage].name, name, kernel_statistics(device, (*set)[stage])});
+    for (std::size_t stage = 0; stage < need.program->stages.size(); ++stage) {
+      const KernelCode& code = need.program->stages[stage];
+      if (!(need.stages >> stage & 1u) || (by_query && code.query.empty())) continue; // such are listed without queries
+      kernels.push_back({code.name, name, kernel_statistics(device, (*set)[stage])});
+    }
   }
 }
 

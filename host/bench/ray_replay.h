@@ -23,6 +23,9 @@ public:
   RayReplay(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings,
             KernelCompiler& kernels, std::shared_ptr<const DeviceScene> uploaded = nullptr);
 
+  double upload_seconds() const { return workspace_.upload_seconds; } // of the scene, 0 if it was there
+  const DeviceScene& device_scene() const { return *workspace_.on_device; }
+
   // Of the first sample of as many pixels, in tile order, as there are slots.
   RaySets capture();
 

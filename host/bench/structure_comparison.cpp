@@ -57,6 +57,7 @@ std::vector<StructureRow> compare_structures(Device& device, const PackedScene& 
   const std::vector<bvh::Triangle> triangles = placed_triangles(scene);
   if (triangles.empty()) return {};
   RenderSettings plain = settings;
+  plain.traversal = kTraversalCompute;
   plain.removed_features = gpu::kFeatureAlpha | gpu::kFeaturePanes | gpu::kFeatureCull;
   KernelCompiler kernels(device);
   RayReplay replay(device, scene, view, plain, kernels);

@@ -65,6 +65,7 @@ void print_details(const Run& run) {
              run.load_seconds, run.packed.bvh_seconds, result.upload_seconds, result.compile_seconds, result.seconds,
              run.write_seconds, result.first_pixel_seconds);
   fmt::print(stderr, "  kernels     cache {}\n", run.kernel_cache);
+  if (result.by_query) fmt::print(stderr, "  traversal   by the device's ray queries\n");
   fmt::print(stderr, "  rays        camera {}, bounce {}, shadow {}, occlusion {}\n", result.rays.camera,
              result.rays.bounce, result.rays.shadow, result.rays.occlusion);
   if (result.shadows) print_shadows(*result.shadows);

@@ -267,6 +267,7 @@ private:
   void describe(const RenderResult& part) {
     RenderResult& all = result_.result;
     all.upload_seconds = part.upload_seconds;
+    all.by_query = part.by_query;
     all.first_pixel_seconds = part.first_pixel_seconds;
     all.memory = part.memory;
     all.light_pilot = part.light_pilot;

@@ -89,6 +89,7 @@ void RenderLoop::restart(const View& view, const RenderSettings& settings, Past 
   film_.reset();
   result_ = {};
   result_.upload_seconds = workspace_.upload_seconds;
+  result_.by_query = workspace_.on_device->queries.has_value();
   seconds_before_ = 0.0;
 }
 

@@ -226,6 +226,10 @@ Json stats_document(const Run& run) {
   Json left_out = Json::array(), checkpoints = Json::array(), stages = Json::array();
   for (const LeftOut& entry : run.packed.left_out)
     left_out.push_back({{"what", entry.what}, {"why", entry.why}, {"bytes", entry.bytes}});
+  if (result.by_query)
+    left_out.push_back({{"what", "nodes of the BVH"},
+                        {"why", "the device traces rays through structures of its own"},
+                        {"bytes", run.packed.nodes.size() * sizeof(bvh::WideNode)}});
   for (const OmittedStage& entry : settings.integrator->omitted(settings))
     left_out.push_back({{"what", entry.what}, {"why", entry.why}, {"bytes", 0}});
   for (std::size_t i = 0; i < result.checkpoints.size(); ++i)
@@ -257,6 +261,7 @@ Json stats_document(const Run& run) {
       {"light_selection", light_selection_json(run)},
       {"seconds", seconds_json(run)},
       {"bvh", bvh_json(run.packed)},
+      {"traversal", result.by_query ? "hardware" : "compute"},
       {"rays", to_json(result.rays)},
       {"mrays_per_second",
        result.seconds > 0.0 ? 1e-6 * static_cast<double>(result.rays.total()) / result.seconds : 0.0},
