@@ -49,7 +49,7 @@ Hit traverse(vec3 origin, vec3 direction, float t_max) {
   bool asks = false;
 #endif
   if (CULLS_BACKS) asks = asks || passed_sides != 0u;
-  bool again = is_traceable(origin, direction);
+  bool again = is_traceable(origin, direction) && t_max > 0.0 && any(notEqual(direction, vec3(0.0)));
   while (again) {
     again = false;
     best = Hit(kNone, 0u, 0.0, 0.0);

@@ -25,6 +25,11 @@ struct QueryPlace {
   glm::vec4 world_from_object[3]; // rows
 };
 
+// An address as kernels take it: low, high.
+inline glm::uvec2 words_of_address(std::uint64_t address) {
+  return {static_cast<std::uint32_t>(address), static_cast<std::uint32_t>(address >> 32)};
+}
+
 class QueryStructures {
 public:
   // Needs DeviceInfo::has_ray_queries.

@@ -41,6 +41,7 @@ struct SelftestCase {
 // The tables, by subject.
 std::span<const SelftestCase> watertight_cases();
 std::span<const SelftestCase> ray_cases();
+std::span<const SelftestCase> query_cases();
 std::span<const SelftestCase> mesh_cases();
 std::span<const SelftestCase> offset_cases();
 std::span<const SelftestCase> tree_cases();

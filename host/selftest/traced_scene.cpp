@@ -6,7 +6,9 @@
 #include "host/integrators/path/paths.h"
 #include "host/render/device/kernel_compiler.h"
 #include "kernels/path/connect.spv.h"
+#include "kernels/path/connect_query.spv.h"
 #include "kernels/path/extend.spv.h"
+#include "kernels/path/extend_query.spv.h"
 
 namespace wavepath {
 
@@ -28,11 +30,11 @@ const Kernel& KernelCache::get(std::span<const std::uint32_t> spirv, gpu::Featur
   return kernels_.try_emplace(key, device_, "selftest", spirv, bindings, constants).first->second;
 }
 
-TracedScene::TracedScene(Device& device, KernelCache& kernels, PackedScene packed)
+TracedScene::TracedScene(Device& device, KernelCache& kernels, PackedScene packed, bool by_query)
     : device_(device),
       kernels_(kernels),
       packed_(std::move(packed)),
-      scene_(upload_scene(device, packed_)),
+      scene_(upload_scene(device, packed_, by_query)),
       frame_(device, sizeof(gpu::Frame)),
       states_(device, kSlots * sizeof(gpu::PathState)),
       rays_(device, 2 * kSlots * sizeof(gpu::Ray)),
@@ -48,6 +50,7 @@ TracedScene::TracedScene(Device& device, KernelCache& kernels, PackedScene packe
   frame.scene_lobes = static_cast<std::uint32_t>(packed_.features >> 32);
   frame.first_layers = static_cast<std::uint32_t>(packed_.materials.size() * gpu::kMaterialTexels);
   frame.slot_count = kSlots;
+  if (scene_.queries) frame.top_level = words_of_address(scene_.queries->address());
   frame_.write(&frame, sizeof(frame));
 
   std::vector<Binding> given = scene_.bindings();
@@ -92,7 +95,7 @@ std::vector<gpu::Hit> TracedScene::run(std::span<const std::uint32_t> spirv, std
 }
 
 std::vector<gpu::Hit> TracedScene::closest(std::span<const gpu::Ray> rays, std::uint32_t at_once) {
-  return run(wavepath_extend_spv, rays, 1, at_once);
+  return scene_.queries ? run(wavepath_extend_query_spv, rays, 1, at_once) : run(wavepath_extend_spv, rays, 1, at_once);
 }
 
 std::vector<bool> TracedScene::blocked(std::span<const gpu::Ray> rays) {
@@ -105,7 +108,10 @@ std::vector<bool> TracedScene::blocked(std::span<const gpu::Ray> rays) {
           {ray.origin, static_cast<std::uint32_t>(chunk.size()), ray.direction, ray.t_max, glm::vec3(1.0f), 0});
     shadow_rays_.write(chunk.data(), chunk.size() * sizeof(gpu::ShadowRay));
     states_.fill_zero();
-    dispatch(wavepath_connect_spv, chunk.size(), 1);
+    if (scene_.queries)
+      dispatch(wavepath_connect_query_spv, chunk.size(), 1);
+    else
+      dispatch(wavepath_connect_spv, chunk.size(), 1);
     for (const gpu::PathState& path : download<gpu::PathState>(states_, chunk.size()))
       blocked.push_back(path.radiance.x == 0.0f);
   }

@@ -37,7 +37,8 @@ public:
   // allows; a few hundredths where each ray meets thousands of triangles.
   static constexpr std::uint32_t kSlots = 1u << 13, kSlowSlots = 1u << 11;
 
-  TracedScene(Device& device, KernelCache& kernels, PackedScene packed);
+  // `by_query`: rays are traced by the device's ray queries, which it then has.
+  TracedScene(Device& device, KernelCache& kernels, PackedScene packed, bool by_query = false);
   TracedScene(TracedScene&&) = delete; // the bindings point at its buffers
 
   const PackedScene& packed() const { return packed_; }

@@ -107,9 +107,7 @@ Workspace::Workspace(Device& device_, const PackedScene& scene_, std::uint32_t s
 
 void Workspace::change(const View& view, const RenderSettings& settings) {
   frame = make_frame(scene, view, settings, slots);
-  if (!on_device->queries) return;
-  const std::uint64_t address = on_device->queries->address();
-  frame.top_level = {static_cast<std::uint32_t>(address), static_cast<std::uint32_t>(address >> 32)};
+  if (on_device->queries) frame.top_level = words_of_address(on_device->queries->address());
 }
 
 bool Workspace::fit(const RenderSettings& settings, gpu::Feature features) {
