@@ -13,7 +13,8 @@ namespace wavepath::gpu {
 // 19 the film, those from 20 on what is the integrator's own.
 // Read-only data goes through uniform texel buffers: on lavapipe (Mesa 22.3) they traverse twice as fast as storage
 // buffers.
-GPU_CONSTANT uint kBindNodes = 1u; // texels RGBA32UI, kNodeTexels each: bvh::WideNode; for ray queries QueryScene::items
+GPU_CONSTANT uint kBindNodes =
+    1u; // texels RGBA32UI, kNodeTexels each: bvh::WideNode; for ray queries QueryScene::items
 GPU_CONSTANT uint kBindTriangles = 2u;        // texels RGBA32F, kTriangleTexels each: Triangle, in BVH leaf order
 GPU_CONSTANT uint kBindTriangleVertices = 3u; // texels RGBA32UI, one a triangle: three vertex indices, unused
 GPU_CONSTANT uint kBindVertexNormals = 4u;    // texels RGBA32F, one a vertex: normal, packed tangent (see pack_tangent)

@@ -175,7 +175,7 @@ TEST(Layout, Frame) {
            AT(Frame, end_normals),
            AT(Frame, bodies_at_eye),
            AT(Frame, pixel_spread),
-          AT(Frame, top_level)});
+           AT(Frame, top_level)});
   compare("Wave", sizeof(Wave),
           {AT(Wave, first_pixel), AT(Wave, pixel_count), AT(Wave, first_sample), AT(Wave, sample_count),
            AT(Wave, bounce), AT(Wave, first_film_pixel)});

@@ -1,5 +1,5 @@
-// Rays traced by the device's ray queries: when they are, and that they find what our own traversal finds. Drivers without
-// them, such as Mesa 22.3's for CPUs, skip what needs them.
+// Rays traced by the device's ray queries: when they are, and that they find what our own traversal finds. Drivers
+// without them, such as Mesa 22.3's for CPUs, skip what needs them.
 #include <algorithm>
 #include <cmath>
 #include <random>
@@ -95,7 +95,8 @@ Scene tumbled_scene() {
     }
   }
   // Alone, and large: cut into copies by spatial splits.
-  add_instance(scene, add_mesh(scene, {{-9, -4, -9}, {9, -4.5f, -9}, {0, -4, 12}, {-9, 5, -9}, {8, 4, -9}, {1, -5, -7}}));
+  add_instance(scene,
+               add_mesh(scene, {{-9, -4, -9}, {9, -4.5f, -9}, {0, -4, 12}, {-9, 5, -9}, {8, 4, -9}, {1, -5, -7}}));
   PunctualLight sun;
   sun.kind = LightKind::directional;
   sun.direction = glm::normalize(glm::dvec3(0.3, -1.0, 0.2));
@@ -180,7 +181,8 @@ TEST_F(RayQuery, FindsItAmongInstances) {
   expect_equal_hits(scene);
 }
 
-// Drivers find the surface that a ray starts at again as rounding has it. A ray that by our arithmetic leaves it goes on.
+// Drivers find the surface that a ray starts at again as rounding has it. A ray that by our arithmetic leaves it goes
+// on.
 TEST_F(RayQuery, RaysLeaveTheSurfaceThatTheyStartAt) {
   Scene scene = triangle_scene();
   std::mt19937 random(3);

@@ -59,8 +59,8 @@ struct BenchResult {
   double compile_seconds = 0.0;
   std::optional<double> embree_build_seconds;
   std::optional<QueryComparison> queries; // where rays are traced by the device's ray queries
-  std::vector<AblationRow> ablation;    // empty unless asked for
-  std::vector<StructureRow> structures; // likewise
+  std::vector<AblationRow> ablation;      // empty unless asked for
+  std::vector<StructureRow> structures;   // likewise
 };
 
 // The rays are those of the first sample of every pixel, as many as are in flight at once; they are traced by our own

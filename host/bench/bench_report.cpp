@@ -50,8 +50,8 @@ Json queries_json(const QueryComparison& queries) {
 }
 
 std::string queries_table(const QueryComparison& queries) {
-  std::string text = fmt::format("{:<12}{:>9}{:>11}{:>9}   built and uploaded in {:.3f} s, {}\n", "ray queries", "Mrays/s",
-                                 "ours over", "agree", queries.upload_seconds, to_size_text(queries.bytes));
+  std::string text = fmt::format("{:<12}{:>9}{:>11}{:>9}   built and uploaded in {:.3f} s, {}\n", "ray queries",
+                                 "Mrays/s", "ours over", "agree", queries.upload_seconds, to_size_text(queries.bytes));
   for (std::size_t kind = 0; kind < kRayKindCount; ++kind)
     if (queries.rays[kind].mrays_per_second > 0.0)
       text += fmt::format("{:<12}{:>9.3f}{:>11.2f}{:>9.5f}\n", kKindNames[kind], queries.rays[kind].mrays_per_second,

@@ -21,8 +21,8 @@ struct QueryComparison {
   std::array<QueryRate, kRayKindCount> rays;
 };
 
-// `replay`: by our traversal, under `settings`. The device has ray queries, the scene does not move. Throws Error if the
-// device cannot hold the structures.
+// `replay`: by our traversal, under `settings`. The device has ray queries, the scene does not move. Throws Error if
+// the device cannot hold the structures.
 QueryComparison compare_with_queries(Device& device, const PackedScene& scene, const View& view,
                                      const RenderSettings& settings, RayReplay& replay, const RaySets& rays,
                                      std::uint32_t repetitions);

@@ -71,8 +71,7 @@ QueryStructures::QueryStructures(QueryStructures&& other) noexcept
 
 QueryStructures::~QueryStructures() {
   if (objects_.empty() && top_.empty()) return;
-  const auto destroy =
-      find<PFN_vkDestroyAccelerationStructureKHR>(*device_, "vkDestroyAccelerationStructureKHR");
+  const auto destroy = find<PFN_vkDestroyAccelerationStructureKHR>(*device_, "vkDestroyAccelerationStructureKHR");
   for (const std::vector<Built>* list : {&top_, &objects_})
     for (const Built& built : *list) destroy(device_->handle(), built.handle, nullptr);
 }
@@ -113,8 +112,7 @@ void QueryStructures::place(std::span<const QueryPlace> places) {
   geometry.geometry.instances = {VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_GEOMETRY_INSTANCES_DATA_KHR};
   geometry.geometry.instances.data.deviceAddress = list.address();
   const auto count = static_cast<std::uint32_t>(instances.size());
-  top_.push_back(
-      build(VK_ACCELERATION_STRUCTURE_TYPE_TOP_LEVEL_KHR, std::span(&geometry, 1), std::span(&count, 1)));
+  top_.push_back(build(VK_ACCELERATION_STRUCTURE_TYPE_TOP_LEVEL_KHR, std::span(&geometry, 1), std::span(&count, 1)));
   top_address_ = top_.back().address;
 }
 
@@ -159,16 +157,15 @@ QueryStructures::Built QueryStructures::build(VkAccelerationStructureTypeKHR typ
   const auto destroy = find<PFN_vkDestroyAccelerationStructureKHR>(*device_, "vkDestroyAccelerationStructureKHR");
   try {
     Commands commands(*device_);
-    find<PFN_vkCmdBuildAccelerationStructuresKHR>(*device_, "vkCmdBuildAccelerationStructuresKHR")(
-        commands.handle(), 1, &info, &first_range);
+    find<PFN_vkCmdBuildAccelerationStructuresKHR>(*device_, "vkCmdBuildAccelerationStructuresKHR")(commands.handle(), 1,
+                                                                                                   &info, &first_range);
     record_barrier(commands.handle(), kBuilt, kUsedOnceBuilt);
     commands.submit_and_wait();
   } catch (...) {
     destroy(device_->handle(), built.handle, nullptr);
     throw;
   }
-  VkAccelerationStructureDeviceAddressInfoKHR address{
-      VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_DEVICE_ADDRESS_INFO_KHR};
+  VkAccelerationStructureDeviceAddressInfoKHR address{VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_DEVICE_ADDRESS_INFO_KHR};
   address.accelerationStructure = built.handle;
   built.address = find<PFN_vkGetAccelerationStructureDeviceAddressKHR>(
       *device_, "vkGetAccelerationStructureDeviceAddressKHR")(device_->handle(), &address);

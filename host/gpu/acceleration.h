@@ -21,7 +21,7 @@ struct QueryTriangles {
 
 // An object at a place. The number of a place, counted from 0, is what ray queries tell as the custom index.
 struct QueryPlace {
-  std::uint32_t object = 0;      // as add() counts
+  std::uint32_t object = 0;       // as add() counts
   glm::vec4 world_from_object[3]; // rows
 };
 

@@ -199,8 +199,7 @@ void describe_ray_queries(VkPhysicalDevice physical, DeviceInfo& info) {
   RayQueryFeatures has;
   VkPhysicalDeviceFeatures2 features{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, &has.core12};
   vkGetPhysicalDeviceFeatures2(physical, &features);
-  info.has_ray_queries =
-      has.query.rayQuery && has.structures.accelerationStructure && has.core12.bufferDeviceAddress;
+  info.has_ray_queries = has.query.rayQuery && has.structures.accelerationStructure && has.core12.bufferDeviceAddress;
   VkPhysicalDeviceAccelerationStructurePropertiesKHR limits{
       VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ACCELERATION_STRUCTURE_PROPERTIES_KHR};
   VkPhysicalDeviceProperties2 properties{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &limits};

@@ -17,12 +17,12 @@ struct DeviceInfo {
   std::uint64_t memory_bytes = 0; // largest heap of the device; of an integrated one, largest heap
   std::uint64_t max_storage_range = 0, max_texel_elements = 0, max_allocation = 0;
   std::uint32_t max_groups = 0;
-  std::uint32_t max_sampled = 0;     // texel buffers and images of a shader
-  std::uint32_t max_storage = 0;     // storage buffers of a shader
-  double timestamp_period_ns = 0.0;  // 0 = the queue has no timestamps
-  std::uint32_t timestamp_bits = 64; // that count; above them timestamps hold nothing
-  bool rasterizes = false;           // its queue takes graphics work as well
-  bool has_ray_queries = false;      // VK_KHR_ray_query
+  std::uint32_t max_sampled = 0;                                  // texel buffers and images of a shader
+  std::uint32_t max_storage = 0;                                  // storage buffers of a shader
+  double timestamp_period_ns = 0.0;                               // 0 = the queue has no timestamps
+  std::uint32_t timestamp_bits = 64;                              // that count; above them timestamps hold nothing
+  bool rasterizes = false;                                        // its queue takes graphics work as well
+  bool has_ray_queries = false;                                   // VK_KHR_ray_query
   std::uint64_t max_query_triangles = 0, max_query_instances = 0; // of a structure for ray queries
   // llvmpipe (Mesa 22.3): once anything was rasterized, a timestamp is taken at the next flush, which a barrier causes.
   bool timestamps_need_flush = false;

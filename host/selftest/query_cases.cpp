@@ -1,5 +1,5 @@
-// Cases of the device's ray queries, which trace rays where it has hardware for them (--traversal): its driver's structures
-// and its test of triangles beside ours.
+// Cases of the device's ray queries, which trace rays where it has hardware for them (--traversal): its driver's
+// structures and its test of triangles beside ours.
 #include <fmt/format.h>
 
 #include "host/selftest/scenes.h"
@@ -19,7 +19,8 @@ Measurement closed_body(const SelftestContext& context) {
   if (!context.device.info().has_ray_queries) return without_queries(context);
   std::uint64_t escaped = 0, trials = 0;
   for (const float place : {0.0f, 1000.0f}) {
-    TracedScene scene(context.device, context.kernels, pack_positions(uv_sphere(100, 200, 0.1f, glm::vec3(place))), true);
+    TracedScene scene(context.device, context.kernels, pack_positions(uv_sphere(100, 200, 0.1f, glm::vec3(place))),
+                      true);
     const glm::vec3 middle = glm::vec3(glm::dvec3(place) - scene.packed().origin);
     Random random(21);
     std::vector<gpu::Ray> rays;
@@ -32,7 +33,8 @@ Measurement closed_body(const SelftestContext& context) {
   return judge_none(escaped, trials, "rays that escape");
 }
 
-// Triangles and origins of many sizes. Where two triangles are as near as rounding tells, drivers may take the other one.
+// Triangles and origins of many sizes. Where two triangles are as near as rounding tells, drivers may take the other
+// one.
 Measurement against_traversal(const SelftestContext& context) {
   if (!context.device.info().has_ray_queries) return without_queries(context);
   Random random(22);
@@ -69,7 +71,8 @@ Measurement against_traversal(const SelftestContext& context) {
 }
 
 constexpr SelftestCase kCases[] = {
-    {0, "ray queries within a closed body", "light leaks through closed surfaces; use --traversal compute", closed_body},
+    {0, "ray queries within a closed body", "light leaks through closed surfaces; use --traversal compute",
+     closed_body},
     {0, "ray queries find what traversal finds", "surfaces vanish or trade places; use --traversal compute",
      against_traversal},
 };

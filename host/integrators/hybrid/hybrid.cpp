@@ -35,12 +35,13 @@ constexpr std::uint32_t kPilotPixels = 1u << 14, kPilotBlock = 1u << 10; // enou
 constexpr std::uint32_t kCompositePixels = 1u << 16; // of a dispatch: some tens of milliseconds on two cores
 
 enum Stage : std::size_t { kJitter, kResolve, kOcclusion, kGather, kShare, kComposite, kStageCount };
-const std::array<KernelCode, kStageCount> kStages = {{{"jitter", wavepath_jitter_spv},
-                                                      {"resolve", wavepath_resolve_spv},
-                                                      {"occlusion", wavepath_occlusion_spv, {}, wavepath_occlusion_query_spv},
-                                                      {"gather", wavepath_gather_spv},
-                                                      {"share shading", wavepath_share_shading_spv},
-                                                      {"composite", wavepath_composite_spv}}};
+const std::array<KernelCode, kStageCount> kStages = {
+    {{"jitter", wavepath_jitter_spv},
+     {"resolve", wavepath_resolve_spv},
+     {"occlusion", wavepath_occlusion_spv, {}, wavepath_occlusion_query_spv},
+     {"gather", wavepath_gather_spv},
+     {"share shading", wavepath_share_shading_spv},
+     {"composite", wavepath_composite_spv}}};
 constexpr std::array<std::size_t, kStageCount> kCompileOrder = {kOcclusion, kResolve, kComposite,
                                                                 kGather,    kShare,   kJitter};
 

@@ -9,9 +9,9 @@
 #include "kernels/path/accumulate.spv.h"
 #include "kernels/path/advance.spv.h"
 #include "kernels/path/connect.spv.h"
+#include "kernels/path/connect_layered.spv.h"
 #include "kernels/path/connect_layered_query.spv.h"
 #include "kernels/path/connect_query.spv.h"
-#include "kernels/path/connect_layered.spv.h"
 #include "kernels/path/extend.spv.h"
 #include "kernels/path/extend_query.spv.h"
 #include "kernels/path/generate.spv.h"
@@ -27,7 +27,8 @@ const std::array<KernelCode, kPathStageCount> kStages = {
      {"advance", wavepath_advance_spv},
      {"extend", wavepath_extend_spv, {}, wavepath_extend_query_spv},
      {"shade", wavepath_shade_spv, wavepath_shade_layered_spv},
-     {"connect", wavepath_connect_spv, wavepath_connect_layered_spv, wavepath_connect_query_spv, wavepath_connect_layered_query_spv},
+     {"connect", wavepath_connect_spv, wavepath_connect_layered_spv, wavepath_connect_query_spv,
+      wavepath_connect_layered_query_spv},
      {"accumulate", wavepath_accumulate_spv},
      {"guide note", wavepath_guide_note_spv}}};
 

@@ -58,7 +58,8 @@ std::vector<Binding> lightmap_layout() {
 
 enum Stage : std::size_t { kLookUp, kBake, kStageCount };
 const std::array<KernelCode, kStageCount> kStages = {
-    {{kShadowLookUpStage, wavepath_look_up_lightmap_spv}, {kShadowBuildStage, wavepath_lightmap_bake_spv, {}, wavepath_lightmap_bake_query_spv}}};
+    {{kShadowLookUpStage, wavepath_look_up_lightmap_spv},
+     {kShadowBuildStage, wavepath_lightmap_bake_spv, {}, wavepath_lightmap_bake_query_spv}}};
 constexpr std::array<std::size_t, kStageCount> kOrder = {kBake, kLookUp};
 const KernelProgram kProgram = {kStages, kOrder, lightmap_layout};
 

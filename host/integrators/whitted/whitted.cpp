@@ -7,13 +7,13 @@
 #include "kernels/whitted/whitted_begin.spv.h"
 #include "kernels/whitted/whitted_gather.spv.h"
 #include "kernels/whitted/whitted_light.spv.h"
+#include "kernels/whitted/whitted_light_layered.spv.h"
 #include "kernels/whitted/whitted_light_layered_query.spv.h"
 #include "kernels/whitted/whitted_light_query.spv.h"
-#include "kernels/whitted/whitted_light_layered.spv.h"
 #include "kernels/whitted/whitted_trace.spv.h"
+#include "kernels/whitted/whitted_trace_layered.spv.h"
 #include "kernels/whitted/whitted_trace_layered_query.spv.h"
 #include "kernels/whitted/whitted_trace_query.spv.h"
-#include "kernels/whitted/whitted_trace_layered.spv.h"
 
 namespace wavepath {
 namespace {
@@ -21,8 +21,10 @@ namespace {
 enum Stage : std::size_t { kBegin, kTrace, kLight, kGather, kStageCount };
 const std::array<KernelCode, kStageCount> kStages = {
     {{"whitted begin", wavepath_whitted_begin_spv},
-     {"whitted trace", wavepath_whitted_trace_spv, wavepath_whitted_trace_layered_spv, wavepath_whitted_trace_query_spv, wavepath_whitted_trace_layered_query_spv},
-     {"whitted light", wavepath_whitted_light_spv, wavepath_whitted_light_layered_spv, wavepath_whitted_light_query_spv, wavepath_whitted_light_layered_query_spv},
+     {"whitted trace", wavepath_whitted_trace_spv, wavepath_whitted_trace_layered_spv, wavepath_whitted_trace_query_spv,
+      wavepath_whitted_trace_layered_query_spv},
+     {"whitted light", wavepath_whitted_light_spv, wavepath_whitted_light_layered_spv, wavepath_whitted_light_query_spv,
+      wavepath_whitted_light_layered_query_spv},
      {"whitted gather", wavepath_whitted_gather_spv}}};
 constexpr std::array<std::size_t, kStageCount> kCompileOrder = {kLight, kTrace, kBegin, kGather};
 

@@ -162,7 +162,7 @@ std::vector<Binding> DeviceScene::bindings() const {
   return all;
 }
 
-std::uint64_t DeviceScene::bvh_bytes() const { 
+std::uint64_t DeviceScene::bvh_bytes() const {
   return nodes.bytes() + triangles.bytes() + instances.bytes() + (queries ? queries->bytes() : 0);
 }
 

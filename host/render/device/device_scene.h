@@ -16,15 +16,15 @@ struct DeviceScene {
   Buffer triangles, triangle_vertices, vertex_normals, vertex_uvs, vertex_colors, instances;
   Buffer materials, textures, srgb_table, lights, light_tree, environment, environment_ends;
   std::optional<QueryStructures> queries; // that kernels trace rays through in place of the nodes
-  std::vector<Buffer> texels; // pages of 1 << gpu::kTexelPageShift words, at least one
+  std::vector<Buffer> texels;             // pages of 1 << gpu::kTexelPageShift words, at least one
 
   std::vector<Binding> bindings() const;
   std::uint64_t bvh_bytes() const; // nodes, triangles and instances
   std::uint64_t other_bytes() const;
 };
 
-// `by_query`: for kernels that trace rays by ray queries. Throws Error before allocating anything if the device's limits
-// or memory cannot hold it, but for the structures of ray queries, whose size only the driver knows.
+// `by_query`: for kernels that trace rays by ray queries. Throws Error before allocating anything if the device's
+// limits or memory cannot hold it, but for the structures of ray queries, whose size only the driver knows.
 DeviceScene upload_scene(Device& device, const PackedScene& scene, bool by_query = false);
 
 } // namespace wavepath

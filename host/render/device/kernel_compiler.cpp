@@ -47,9 +47,18 @@ KernelConfig kernel_config(gpu::Feature features, std::uint32_t stack_size, cons
   const std::uint32_t motion = settings.moving && takes(*settings.integrator, "shutter") ? 1u : 0u;
   const std::uint32_t terminator =
       takes(*settings.integrator, "terminator") ? settings.terminator : gpu::kTerminatorFacets;
-  return {features,        stack, settings.sampler,  direct_of(settings), settings.hemisphere,
-          settings.filter, nets,  lens_of(settings), settings.cull,       motion,
-          terminator,      traversal_of(settings)};
+  return {features,
+          stack,
+          settings.sampler,
+          direct_of(settings),
+          settings.hemisphere,
+          settings.filter,
+          nets,
+          lens_of(settings),
+          settings.cull,
+          motion,
+          terminator,
+          traversal_of(settings)};
 }
 
 gpu::Feature features_of(const RenderSettings& settings) {

@@ -96,7 +96,7 @@ struct RenderResult {
   ErrorEstimate error;
   double slope = -0.5;           // of log error against log time, fitted over the last checkpoints
   double estimate_seconds = 0.0; // that reading the film back and estimating its error took, besides `seconds`
-  bool by_query = false; // rays were traced by the device's ray queries
+  bool by_query = false;         // rays were traced by the device's ray queries
   bool even = true; // every pixel holds exactly its samples up to spp; false where the render was stopped within a pass
   std::vector<Checkpoint> checkpoints;
   std::vector<StageTime> stages;

@@ -46,7 +46,7 @@ struct RenderSettings {
   std::uint32_t direct = gpu::kDirectMis;
   std::uint32_t filter = gpu::kFilterBlackmanHarris;
   std::uint32_t seed = 0;
-  std::uint32_t cull = gpu::kCullCamera; // rays that single-sided surfaces let pass from behind
+  std::uint32_t cull = gpu::kCullCamera;    // rays that single-sided surfaces let pass from behind
   std::uint32_t traversal = kTraversalAuto; // by what rays are traced
   // Taken by some integrators only.
   std::uint32_t terminator = gpu::kTerminatorFacets; // where rays leave surfaces with vertex normals
