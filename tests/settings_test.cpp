@@ -126,7 +126,7 @@ const std::map<std::string, std::string> kExempt = {
 };
 
 // Rows that decide nothing that is kept. A row that is not here must reach the identity.
-const std::set<std::string_view> kDecideNothing = {"specialize", "time", "target-error"};
+const std::set<std::string_view> kDecideNothing = {"traversal", "specialize", "time", "target-error"};
 
 // An allowed value that differs from the one in `settings`.
 std::string other_value(const Setting& row, const RenderSettings& settings) {

@@ -13,7 +13,7 @@ std::uint32_t traversal_of(const RenderSettings& settings) {
 
 bool traces_by_query(std::uint32_t traversal, const DeviceInfo& device) {
   if (traversal == kTraversalHardware && !device.has_ray_queries)
-    throw Error(device.name, "has no ray queries (VK_KHR_ray_query)", "use --traversal compute");
+    throw Error(device.name, "has no ray queries", "use --traversal compute");
   // A driver for CPUs may offer them, and takes ten to a thousand times as long as our own traversal.
   return device.has_ray_queries &&
          (traversal == kTraversalHardware || (traversal == kTraversalAuto && device.type != "cpu"));
