@@ -56,8 +56,8 @@ std::array<RayRate, kRayKindCount> measure_rays(const PackedScene& scene, RayRep
 }
 
 #ifdef WAVEPATH_EMBREE
-double agreement(RayKind kind, const PackedScene& scene, RayReplay& replay, const RaySets& rays,
-                 const EmbreeScene& embree) {
+double agreement_with(const EmbreeScene& embree, RayKind kind, const PackedScene& scene, RayReplay& replay,
+                      const RaySets& rays) {
   if (kind == kShadowRaysKind) {
     std::vector<bool> theirs;
     replay.connect(rays.shadow);
@@ -94,7 +94,7 @@ void compare_with_embree(Device& device, const PackedScene& scene, const View& v
     const auto over = [&](std::size_t rival) {
       return ratio_of_medians(contestants[rival].measured[kind], contestants[0].measured[kind]);
     };
-    result.rays[kind].embree = {over(1), over(2), agreement(static_cast<RayKind>(kind), scene, replay, rays, robust)};
+    result.rays[kind].embree = {over(1), over(2), agreement_with(robust, static_cast<RayKind>(kind), scene, replay, rays)};
   }
 }
 #endif

@@ -39,10 +39,9 @@ RaySets RayReplay::capture() {
   const KernelSet& kernels = paths_.kernels();
   Commands commands(workspace_.device);
   commands.bind(paths_.bindings(0));
-  for (const PathStage stage : {kGenerate, kAdvance, kExtend, kShade}) {
-    commands.dispatch(kernels[stage], stage == kAdvance ? 1 : groups_for(wave.pixel_count), &wave);
-    commands.barrier();
-  }
+  commands.dispatch(kernels[kGenerate], groups_for(wave.pixel_count), &wave);
+  paths_.extend(commands, kernels, wave, 0);
+  paths_.shade(commands, kernels, kernels, wave, 0);
   commands.submit_and_wait();
 
   const gpu::Queues queues = download<gpu::Queues>(paths_.buffers[kQueues], 1).front();

@@ -1,5 +1,5 @@
-// Between stages: turns queue counts into indirect dispatch sizes, empties the queue that is written next, counts rays.
-// Push constant `bounce` counts half steps: 2b before extend of bounce b, 2b + 1 before its connect.
+// Between stages: turns queue counts into indirect dispatch sizes, empties the queues that are written next, counts rays.
+// Push constant `bounce`: see kAdvanceSteps.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
@@ -11,6 +11,13 @@ layout(local_size_x = 1) in;
 
 uint groups_for(uint count) { return (count + kWorkgroupSize - 1u) / kWorkgroupSize; }
 
+#define SIZE(groups, count)      \
+  {                              \
+    groups[0] = groups_for(count); \
+    groups[1] = 1u;              \
+    groups[2] = 1u;              \
+  }
+
 // Adds to a 64-bit total kept as two words.
 #define COUNT(total, n)                    \
   {                                        \
@@ -20,20 +27,19 @@ uint groups_for(uint count) { return (count + kWorkgroupSize - 1u) / kWorkgroupS
   }
 
 void main() {
-  uint bounce = wave.bounce >> 1u;
-  if ((wave.bounce & 1u) == 0u) {
+  uint bounce = wave.bounce / kAdvanceSteps, step_ = wave.bounce % kAdvanceSteps;
+  if (step_ == kBeforeExtend) {
     uint count = queues.ray_count[bounce & 1u];
-    queues.extend_groups[0] = groups_for(count);
-    queues.extend_groups[1] = 1u;
-    queues.extend_groups[2] = 1u;
+    SIZE(queues.extend_groups, count)
     queues.ray_count[(bounce + 1u) & 1u] = 0u;
-    queues.shadow_count = 0u;
+    queues.shadow_count = queues.hit_count = queues.escape_count = 0u;
     if (bounce == 0u) COUNT(counters.camera_rays, count) else COUNT(counters.bounce_rays, count)
+  } else if (step_ == kBeforeShade) {
+    SIZE(queues.shade_groups, queues.hit_count)
+    SIZE(queues.escape_groups, queues.escape_count)
   } else {
     uint count = queues.shadow_count;
-    queues.connect_groups[0] = groups_for(count);
-    queues.connect_groups[1] = 1u;
-    queues.connect_groups[2] = 1u;
+    SIZE(queues.connect_groups, count)
     COUNT(counters.shadow_rays, count)
   }
 }

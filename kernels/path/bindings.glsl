@@ -29,6 +29,11 @@ layout(set = 0, binding = kBindHits, std430) writeonly buffer HitBlock { uvec4 h
 layout(set = 0, binding = kBindHitTexels) uniform usamplerBuffer hit_texels;
 #endif
 
+#ifdef BIND_SORTED_RAYS
+layout(set = 0, binding = kBindSortedRays, std430) writeonly buffer SortedRayBlock { uint sorted_rays[]; };
+layout(set = 0, binding = kBindSortedRayTexels) uniform usamplerBuffer sorted_ray_texels;
+#endif
+
 #ifdef BIND_SHADOW_RAYS
 layout(set = 0, binding = kBindShadowRays, std430) writeonly buffer ShadowRayBlock { uvec4 shadow_ray_words[]; };
 layout(set = 0, binding = kBindShadowRayTexels) uniform usamplerBuffer shadow_ray_texels;

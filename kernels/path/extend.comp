@@ -1,14 +1,17 @@
-// Finds the closest hit of every ray in the queue.
+// Finds the closest hit of every ray in the queue, and sorts the rays into those that hit and those that escape.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_KHR_shader_subgroup_ballot : require
 
 #define BIND_GEOMETRY
 #define BIND_SURFACES
 #define BIND_PATHS
 #define BIND_RAYS
+#define BIND_SORTED_RAYS
 #define BIND_QUEUES
 #include "kernels/path/bindings.glsl"
 #include "kernels/dimensions.glsl"
+#include "kernels/path/queue.glsl"
 #include "kernels/path/records.glsl"
 #include "kernels/pixel.glsl"
 
@@ -32,5 +35,15 @@ void main() {
   path_slot = ray.slot;
   if (has(kFeatureAlpha)) path_sampler = slot_sampler(ray.slot);
   if (kMoves) open_shutter(slot_sampler(ray.slot));
-  store_hit(index, trace(ray.origin, ray.direction, ray.t_max));
+  Hit hit = trace(ray.origin, ray.direction, ray.t_max);
+  store_hit(index, hit);
+  if (kSort == kSortNone) return;
+  bool escapes = hit.triangle == kNone;
+  uint place, from_back = 0u;
+  APPEND(queues.hit_count, !escapes, place);
+  if (kSort == kSortEscapes) {
+    APPEND(queues.escape_count, escapes, from_back);
+    place = escapes ? frame.slot_count - 1u - from_back : place;
+  }
+  if (!escapes || kSort == kSortEscapes) sorted_rays[place] = index;
 }

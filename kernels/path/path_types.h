@@ -22,6 +22,9 @@ GPU_CONSTANT uint kBindHitTexels = 29u;  // texels RGBA32UI
 GPU_CONSTANT uint kBindSeen = 31u;       // storage vec4[], one a pixel, row-major (kFeatureSharedFirstHit): light that
                                          // reaches the eye without a bounce, share of the albedo that is no mirror
 GPU_CONSTANT uint kBindShadowRayTexels = 30u; // texels RGBA32UI
+GPU_CONSTANT uint kBindSortedRays = 48u; // storage uint[], one a slot (kSpecSort): places in the queue of the rays that
+                                         // hit, from the front, and of those that escaped, from the back
+GPU_CONSTANT uint kBindSortedRayTexels = 49u; // texels R32UI
 GPU_CONSTANT uint kBindReceivers = 59u;       // storage uvec4[], one a slot (kFeatureLightTree, or kFeaturePanes with
                                         // triangle lights): position and packed normal of the vertex that the path
                                         // was scattered at, panes that it passed straight not counted
@@ -53,13 +56,20 @@ GPU_CHECK(sizeof(ShadowRay) == 48);
 struct Queues {
   uint ray_count[2];
   uint shadow_count;
-  uint pad0;
-  uint extend_groups[3]; // indirect dispatch sizes; shade uses extend's
-  uint pad1;
+  uint hit_count;        // hit_count and escape_count: of the rays that extend has sorted
+  uint extend_groups[3]; // indirect dispatch sizes; shade uses extend's where rays are not sorted
+  uint escape_count;
   uint connect_groups[3];
+  uint pad0;
+  uint shade_groups[3];
+  uint pad1;
+  uint escape_groups[3];
   uint pad2;
 };
-GPU_CHECK(sizeof(Queues) == 48);
+GPU_CHECK(sizeof(Queues) == 80);
+
+// What advance prepares for: its push constant `bounce` is kAdvanceSteps * bounce + step.
+GPU_CONSTANT uint kBeforeExtend = 0u, kBeforeShade = 1u, kBeforeConnect = 2u, kAdvanceSteps = 3u;
 
 // ---- guiding: kernels/path/guide.glsl -------------------------------------------------------------------------------
 

@@ -11,6 +11,7 @@
 #define BIND_ENVIRONMENT
 #define BIND_PATHS
 #define BIND_RAYS
+#define BIND_SORTED_RAYS
 #define BIND_SHADOW_RAYS
 #define BIND_QUEUES
 #define BIND_COUNTERS
@@ -19,6 +20,7 @@
 #include "kernels/path/bindings.glsl"
 #include "kernels/dimensions.glsl"
 #include "kernels/emission.glsl"
+#include "kernels/path/escape.glsl"
 #include "kernels/path/first_hit.glsl"
 #include "kernels/path/guided.glsl"
 #include "kernels/path/medium.glsl"
@@ -98,23 +100,6 @@ bool scatter(Vertex v, Lobes lobes, Sampler path_sampler, uint dimension, uint s
   return true;
 }
 
-void add_radiance(inout PathState path, uint slot, vec3 radiance) {
-  if (has(kFeatureSharedFirstHit) && wave.bounce == 0u) { // all light samples of the frame see the same
-    uvec2 pixel = slot_pixel(slot);
-    if (slot < wave.pixel_count) seen[pixel.y * frame.width + pixel.x] += vec4(radiance, 0.0);
-    return;
-  }
-  path.radiance += radiance;
-  if (has(kFeatureAovs)) {
-    if (wave.bounce == 0u) path_aovs[slot].emission += radiance;
-    if (wave.bounce == 1u) path_aovs[slot].direct += radiance;
-  }
-}
-
-// Whether a ray that a vertex scatters must know it when it arrives: for the choice of the light, or because panes between
-// make the ray begin elsewhere.
-bool keeps_receivers() { return uses_light_tree() || (uses(kFeaturePanes) && has(kFeatureTriangleLights)); }
-
 // The vertex as it receives light, stored for the weight of what the scattered ray may hit.
 Receiver store_receiver(uint slot, Vertex v) {
   if (!keeps_receivers()) return Receiver(v.surface.position, vec3(0.0));
@@ -122,13 +107,6 @@ Receiver store_receiver(uint slot, Vertex v) {
   receiver_words[slot] = words;
   return unpack_receiver(words);
 }
-
-Receiver fetch_receiver(uint slot) {
-  if (!keeps_receivers()) return Receiver(vec3(0.0), vec3(0.0));
-  return unpack_receiver(texelFetch(receiver_texels, int(slot)));
-}
-
-bool wants_light_weight(PathState path) { return kDirect == kDirectMis && path.bsdf_pdf >= 0.0; }
 
 // Follows the path of one ray to its next vertex. Returns which of the two rays it wants traced.
 void follow(Ray ray, Hit hit, inout PathState path, out bool wants_ray, out Ray next, out bool wants_shadow,
@@ -138,16 +116,8 @@ void follow(Ray ray, Hit hit, inout PathState path, out bool wants_ray, out Ray 
   choose_channel(slot);
   bool scatters = is_in_scattering_medium(slot);
 
-  if (hit.triangle == kNone) {
-    if (scatters) { // out of an open mesh; what scatters there is lost
-      path.throughput = vec3(0.0);
-      return;
-    }
-    if (has(kFeatureVolume)) path.throughput *= medium_transmittance(current_body(slot), kFarAway);
-    float light_pdf;
-    vec3 radiance = environment_emission(ray.direction, light_pdf);
-    if (wants_light_weight(path) && light_pdf > 0.0) light_pdf *= environment_ratio(fetch_receiver(slot));
-    add_radiance(path, slot, path.throughput * radiance * emission_weight(path.bsdf_pdf, light_pdf));
+  if (kSort == kSortNone && hit.triangle == kNone) {
+    escape(ray, path);
     return;
   }
 
@@ -210,7 +180,6 @@ void follow(Ray ray, Hit hit, inout PathState path, out bool wants_ray, out Ray 
   }
 }
 
-bool is_sound(PathState path) { return is_finite(path.radiance) && is_finite(path.throughput); }
 bool is_sound(Ray ray) { return is_finite(ray.origin) && is_finite(ray.direction); }
 
 // The same for the ray at this place in the queue, whose path ends if it is no longer finite.
@@ -236,7 +205,8 @@ void main() {
   bool wants_ray = false, wants_shadow = false;
   Ray next;
   ShadowRay shadow;
-  if (index < queues.ray_count[wave.bounce & 1u]) shade(index, wants_ray, next, wants_shadow, shadow);
+  if (index < (kSort != kSortNone ? queues.hit_count : queues.ray_count[wave.bounce & 1u]))
+    shade(kSort != kSortNone ? texelFetch(sorted_ray_texels, int(index)).x : index, wants_ray, next, wants_shadow, shadow);
 
   uint next_queue = (wave.bounce + 1u) & 1u;
   uint place;

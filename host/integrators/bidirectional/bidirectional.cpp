@@ -252,7 +252,7 @@ void Bidirectional::record_photons(Commands& commands, const gpu::Wave& wave) {
   for (std::uint32_t bounce = 1; bounce < workspace_.frame.max_depth; ++bounce) {
     commands.barrier();
     commands.bind(paths_.bindings(0));
-    step.bounce = 2 * bounce;
+    step.bounce = gpu::kAdvanceSteps * bounce + gpu::kBeforeExtend;
     commands.dispatch(paths_.kernels()[kAdvance], 1, &step);
     commands.bind(*sets_[0]);
     commands.barrier();
@@ -292,7 +292,7 @@ void Bidirectional::record_light_paths(Commands& commands, std::size_t band, con
   for (std::uint32_t bounce = 1; bounce <= workspace_.frame.max_depth; ++bounce) {
     commands.barrier();
     commands.bind(paths_.bindings(band));
-    step.bounce = 2 * bounce;
+    step.bounce = gpu::kAdvanceSteps * bounce + gpu::kBeforeExtend;
     commands.dispatch(path_kernels[kAdvance], 1, &step);
     commands.bind(*sets_[band]);
     step.bounce = 0;

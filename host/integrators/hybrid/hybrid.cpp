@@ -421,7 +421,7 @@ void Hybrid::light(Commands& commands, std::size_t band, const gpu::Wave& wave) 
   }
   if (shading_) return;
   paths_.extend(commands, kernels, wave, 1); // emission that BSDF samples hit
-  paths_.shade(commands, kernels, wave, 1);
+  paths_.shade(commands, kernels, kernels, wave, 1);
 }
 
 void Hybrid::end_pass(WaveQueue& queue) {

@@ -22,7 +22,7 @@ constexpr std::array<std::string_view, 2> kFirstHitStages = {"generate", "extend
 void start_kernels(KernelCompiler& kernels, const DeviceInfo& device, gpu::Feature features,
                    const RenderSettings& settings) {
   const auto start = [&](gpu::Feature bits) {
-    kernels.start({&kPathProgram, kAllPathStages, kernel_config(bits, kExpectedStack, settings)});
+    kernels.start(path_need(kPathProgram, kAllPathStages, kernel_config(bits, kExpectedStack, settings)));
   };
   start(features);
   if (generic_first(device)) start(generic_features(features));
@@ -54,13 +54,14 @@ constinit const IntegratorKind kPath = {
     .settings = kSettings,
     .passes_panes = true,
     .nests_bodies = true,
+    .sorts_hits = true,
     .light_lesson_bytes = kLightRowBytes + kLightSumBytes,
     .measures_depth_cut = true,
     .first_hit_stages = kFirstHitStages,
     .features = film_features,
     .start_kernels = start_kernels,
     .bytes_per_slot = [](gpu::Feature features,
-                         const RenderSettings&) { return bytes_per_path(features, kRoomForShadowRays); },
+                         const RenderSettings&) { return bytes_per_path(features, kRoomForShadowRays | kRoomForSortedRays); },
     .largest_record =
         [](const RenderSettings&) { return std::uint64_t{std::max(2 * sizeof(gpu::Ray), sizeof(gpu::PathAovs))}; },
     .slots_per_pixel = [](const RenderSettings&) { return 1u; },

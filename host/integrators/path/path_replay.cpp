@@ -55,6 +55,12 @@ void PathReplay::run(PathStage stage, std::uint32_t bounce) {
   commands.submit_and_wait();
 }
 
+// Or, where rays are sorted and it escaped, ends the path.
+void PathReplay::shade(std::uint32_t bounce) {
+  run(kShade, bounce);
+  if (paths_.config().sort == gpu::kSortEscapes) run(kEscape, bounce);
+}
+
 gpu::Queues PathReplay::queues() const { return download<gpu::Queues>(paths_.buffers[kQueues], 1).front(); }
 
 gpu::PathState PathReplay::state() const { return download<gpu::PathState>(paths_.buffers[kStates], 1).front(); }
@@ -84,8 +90,9 @@ PathEnd PathReplay::reason(std::uint32_t bounce, const PathVertex& vertex, gpu::
   if (bounce == workspace_.frame.max_depth) return PathEnd::depth;
   arrived.eta_scale = gpu::kFar;
   paths_.buffers[kStates].write(&arrived, sizeof(arrived));
-  run(kAdvance, 2 * bounce);
-  run(kShade, bounce);
+  run(kAdvance, gpu::kAdvanceSteps * bounce + gpu::kBeforeExtend);
+  run(kExtend, bounce);
+  shade(bounce);
   return queues().ray_count[(bounce + 1) & 1] > 0 ? PathEnd::roulette : PathEnd::absorbed;
 }
 
@@ -112,12 +119,12 @@ PathTrace PathReplay::trace(glm::uvec2 pixel, std::uint32_t sample, std::uint32_
   gpu::PathState arrived = state();
   note(arrived.radiance, gpu::kMakerGenerate);
   for (std::uint32_t bounce = 0;; ++bounce) {
-    run(kAdvance, 2 * bounce);
+    run(kAdvance, gpu::kAdvanceSteps * bounce + gpu::kBeforeExtend);
     PathVertex& vertex = trace.vertices.emplace_back();
     vertex.ray = download<gpu::Ray>(paths_.buffers[kRays], 1, (bounce & 1) * sizeof(gpu::Ray)).front();
     run(kExtend, bounce);
     vertex.hit = download<gpu::Hit>(paths_.buffers[kHits], 1).front();
-    run(kShade, bounce);
+    shade(bounce);
     vertex.scattered = state();
     note(vertex.scattered.radiance, gpu::kMakerShade);
     const gpu::Queues counts = queues();

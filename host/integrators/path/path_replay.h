@@ -50,6 +50,7 @@ public:
 private:
   std::uint32_t place_of(glm::uvec2 pixel, std::uint32_t net) const;
   void run(PathStage stage, std::uint32_t bounce);
+  void shade(std::uint32_t bounce);
   gpu::Queues queues() const;
   gpu::PathState state() const;
   ShadowTrace connect(std::uint32_t bounce, const gpu::PathState& state);

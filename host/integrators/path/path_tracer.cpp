@@ -42,9 +42,9 @@ void PathTracer::change(const View&, const RenderSettings& settings, Past) {
     kernels_.start(light_pilot_need_);
   }
   if (settings.guide) {
-    guided_need_ = {&kPathProgram, stage_bits({kShade}), paths_.config()};
+    guided_need_ = path_need(kPathProgram, stage_bits({kShade, kEscape}), paths_.config());
     guided_need_.config.features |= gpu::kFeatureGuide;
-    guide_pilot_need_ = {&kGuidePilotProgram, stage_bits({kShade, kGuideNote}), guided_need_.config};
+    guide_pilot_need_ = path_need(kGuidePilotProgram, stage_bits({kShade, kEscape, kGuideNote}), guided_need_.config);
     guide_pilot_need_.config.features |= gpu::kFeatureLearning;
     kernels_.start(guide_pilot_need_);
     kernels_.start(guided_need_);
@@ -128,7 +128,7 @@ void PathTracer::describe(RenderResult& result) const {
   result.guide = guide_report_;
 }
 
-std::uint32_t PathTracer::timed_dispatches() const { return std::min(2 + (workspace_.frame.max_depth + 1) * 5, 1024u); }
+std::uint32_t PathTracer::timed_dispatches() const { return std::min(2 + (workspace_.frame.max_depth + 1) * 7, 1024u); }
 
 void PathTracer::record_wave(Commands& commands, std::size_t band, const gpu::Wave& wave) {
   const KernelSet& kernels = paths_.kernels();
@@ -141,7 +141,7 @@ void PathTracer::record_wave(Commands& commands, std::size_t band, const gpu::Wa
   commands.dispatch(kernels[kGenerate], groups_for(std::uint64_t{wave.pixel_count} * wave.sample_count), &wave);
   for (std::uint32_t bounce = 0; bounce < bounces; ++bounce) {
     paths_.extend(commands, kernels, wave, bounce);
-    paths_.shade(commands, shading, wave, bounce);
+    paths_.shade(commands, kernels, shading, wave, bounce);
     if (connects && bounce + 1 < bounces)
       paths_.connect(commands, connecting, wave, bounce); // the last one only collects emission
   }

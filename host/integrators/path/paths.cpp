@@ -12,6 +12,8 @@
 #include "kernels/path/connect_layered.spv.h"
 #include "kernels/path/connect_layered_query.spv.h"
 #include "kernels/path/connect_query.spv.h"
+#include "kernels/path/escape.spv.h"
+#include "kernels/path/escape_layered.spv.h"
 #include "kernels/path/extend.spv.h"
 #include "kernels/path/extend_query.spv.h"
 #include "kernels/path/generate.spv.h"
@@ -27,13 +29,14 @@ const std::array<KernelCode, kPathStageCount> kStages = {
      {"advance", wavepath_advance_spv},
      {"extend", wavepath_extend_spv, {}, wavepath_extend_query_spv},
      {"shade", wavepath_shade_spv, wavepath_shade_layered_spv},
+     {"escape", wavepath_escape_spv, wavepath_escape_layered_spv},
      {"connect", wavepath_connect_spv, wavepath_connect_layered_spv, wavepath_connect_query_spv,
       wavepath_connect_layered_query_spv},
      {"accumulate", wavepath_accumulate_spv},
      {"guide note", wavepath_guide_note_spv}}};
 
 // Shade takes as long to compile as all others together.
-constexpr std::array<std::size_t, kPathStageCount> kCompileOrder = {kShade,      kExtend,  kConnect,  kGenerate,
+constexpr std::array<std::size_t, kPathStageCount> kCompileOrder = {kShade,      kExtend,  kConnect, kEscape, kGenerate,
                                                                     kAccumulate, kAdvance, kGuideNote};
 
 // Whether paths know the vertex that they were scattered at: see the function of this name in kernels/path/shade.comp.
@@ -76,6 +79,9 @@ const std::vector<BufferRule> kRules = {
     {"hits",
      [](const Extent& e) { return e.options & kStatesAlone ? 0 : e.slots * sizeof(gpu::Hit); },
      {{gpu::kBindHits, storage}, {gpu::kBindHitTexels, texels_rgba32ui}}},
+    {"order of hits",
+     [](const Extent& e) { return e.options & kRoomForSortedRays ? e.slots * sizeof(std::uint32_t) : 0; },
+     {{gpu::kBindSortedRays, storage}, {gpu::kBindSortedRayTexels, texels_r32ui}}},
     {"shadow rays",
      [](const Extent& e) { return e.options & kRoomForShadowRays ? e.slots * sizeof(gpu::ShadowRay) : 0; },
      {{gpu::kBindShadowRays, storage}, {gpu::kBindShadowRayTexels, texels_rgba32ui}}},
@@ -98,6 +104,11 @@ const std::vector<BufferRule> kRules = {
 
 const KernelProgram kPathProgram = {kStages, kCompileOrder, path_layout};
 const KernelProgram kGuidePilotProgram = {kStages, kCompileOrder, path_layout};
+
+KernelNeed path_need(const KernelProgram& program, std::uint32_t stages, const KernelConfig& config) {
+  if (config.sort != gpu::kSortEscapes) stages &= ~stage_bits({kEscape});
+  return {&program, stages, config};
+}
 
 std::vector<Binding> path_layout() {
   std::vector<Binding> layout = workspace_layout();
@@ -129,8 +140,9 @@ bool Paths::change(const RenderSettings& settings, std::uint32_t stages, std::ui
                    gpu::Feature film_features) {
   const PackedScene& scene = workspace_.scene;
   const gpu::Feature camera = workspace_.frame.orthographic ? gpu::kFeatureOrthographic : 0;
-  need_ = {&kPathProgram, stages,
-           kernel_config(scene.features | camera | features_of(settings), scene.stack_size, settings)};
+  need_ = path_need(kPathProgram, stages,
+                    kernel_config(scene.features | camera | features_of(settings), scene.stack_size, settings));
+  if (need_.config.sort != gpu::kSortNone) options |= kRoomForSortedRays;
   if (stages) kernels_.start(need_);
   // Kernels that were begun for other settings may run until these are ready.
   const gpu::Feature features = need_.config.features | kernels_.features(kPathProgram);
@@ -145,26 +157,39 @@ bool Paths::change(const RenderSettings& settings, std::uint32_t stages, std::ui
   return true;
 }
 
-void Paths::extend(Commands& commands, const KernelSet& kernels, gpu::Wave wave, std::uint32_t bounce) const {
+// Prepares the queues for what comes next in a bounce.
+void Paths::advance(Commands& commands, const KernelSet& kernels, gpu::Wave wave, std::uint32_t bounce,
+                    std::uint32_t step) const {
   commands.barrier();
-  wave.bounce = 2 * bounce;
+  wave.bounce = gpu::kAdvanceSteps * bounce + step;
   commands.dispatch(kernels[kAdvance], 1, &wave);
   commands.barrier();
+}
+
+void Paths::extend(Commands& commands, const KernelSet& kernels, gpu::Wave wave, std::uint32_t bounce) const {
+  advance(commands, kernels, wave, bounce, gpu::kBeforeExtend);
   wave.bounce = bounce;
   commands.dispatch_indirect(kernels[kExtend], buffers[kQueues], offsetof(gpu::Queues, extend_groups), &wave);
 }
 
-void Paths::shade(Commands& commands, const KernelSet& kernels, gpu::Wave wave, std::uint32_t bounce) const {
-  commands.barrier();
+void Paths::shade(Commands& commands, const KernelSet& kernels, const KernelSet& shading, gpu::Wave wave,
+                  std::uint32_t bounce) const {
+  const std::uint32_t sort = shading.config().sort;
+  std::size_t groups = offsetof(gpu::Queues, extend_groups);
+  if (sort != gpu::kSortNone) {
+    advance(commands, kernels, wave, bounce, gpu::kBeforeShade);
+    groups = offsetof(gpu::Queues, shade_groups);
+  } else {
+    commands.barrier();
+  }
   wave.bounce = bounce;
-  commands.dispatch_indirect(kernels[kShade], buffers[kQueues], offsetof(gpu::Queues, extend_groups), &wave);
+  commands.dispatch_indirect(shading[kShade], buffers[kQueues], groups, &wave);
+  if (sort == gpu::kSortEscapes)
+    commands.dispatch_indirect(shading[kEscape], buffers[kQueues], offsetof(gpu::Queues, escape_groups), &wave);
 }
 
 void Paths::connect(Commands& commands, const KernelSet& kernels, gpu::Wave wave, std::uint32_t bounce) const {
-  commands.barrier();
-  wave.bounce = 2 * bounce + 1;
-  commands.dispatch(kernels[kAdvance], 1, &wave);
-  commands.barrier();
+  advance(commands, kernels, wave, bounce, gpu::kBeforeConnect);
   wave.bounce = bounce;
   commands.dispatch_indirect(kernels[kConnect], buffers[kQueues], offsetof(gpu::Queues, connect_groups), &wave);
 }

@@ -20,6 +20,7 @@ enum PathStage : std::size_t {
   kAdvance,
   kExtend,
   kShade,
+  kEscape,
   kConnect,
   kAccumulate,
   kGuideNote,
@@ -33,7 +34,7 @@ constexpr std::uint32_t stage_bits(std::initializer_list<PathStage> stages) {
 inline constexpr std::uint32_t kLightingStages =
     stage_bits({kAdvance, kExtend, kShade, kConnect}); // from a first hit on
 inline constexpr std::uint32_t kAllPathStages =
-    stage_bits({kGenerate, kAdvance, kExtend, kShade, kConnect, kAccumulate}); // of a path tracer that is not learning
+    stage_bits({kGenerate, kAdvance, kExtend, kShade, kEscape, kConnect, kAccumulate}); // of a path tracer that is not learning
 
 extern const KernelProgram kPathProgram;
 extern const KernelProgram kGuidePilotProgram; // the same stages; a set of one never stands in for one of the other
@@ -48,6 +49,7 @@ enum PathBuffer : std::size_t {
   kPathAovs,
   kRays,
   kHits,
+  kSortedRays,
   kShadowRays,
   kQueues,
   kSeen,
@@ -59,7 +61,8 @@ enum PathBuffer : std::size_t {
 // Bits of Extent::options.
 inline constexpr std::uint32_t kRoomForShadowRays = 1u << 0, kRoomForSeen = 1u << 1,
                                kStatesAlone = 1u << 2, // another kernel traces the rays: no queues between stages
-    kRoomForLightSums = 1u << 3, kRoomForGuide = 1u << 4, kRoomForGuideRecords = 1u << 5;
+    kRoomForLightSums = 1u << 3, kRoomForGuide = 1u << 4, kRoomForGuideRecords = 1u << 5,
+                               kRoomForSortedRays = 1u << 6;
 
 class Paths {
 public:
@@ -77,18 +80,26 @@ public:
   // Recorded into commands that bindings(band) are bound to; bounce 0 is that of camera rays. A barrier comes before
   // each, and none after.
   void extend(Commands& commands, const KernelSet& kernels, gpu::Wave wave, std::uint32_t bounce) const;
-  void shade(Commands& commands, const KernelSet& kernels, gpu::Wave wave, std::uint32_t bounce) const;
+  // Where rays are sorted, it also ends the paths that escaped. `shading`: the set of shade, and of escape.
+  void shade(Commands& commands, const KernelSet& kernels, const KernelSet& shading, gpu::Wave wave,
+             std::uint32_t bounce) const;
   void connect(Commands& commands, const KernelSet& kernels, gpu::Wave wave, std::uint32_t bounce) const;
 
   const BindingSet& bindings(std::size_t band) const { return *sets_[band]; }
   BufferSet buffers;
 
 private:
+  void advance(Commands& commands, const KernelSet& kernels, gpu::Wave wave, std::uint32_t bounce,
+               std::uint32_t step) const;
+
   Workspace& workspace_;
   KernelCompiler& kernels_;
   KernelNeed need_;
   std::vector<std::unique_ptr<BindingSet>> sets_; // by band
 };
+
+// The kernels of `stages`: escape only where escapes are sorted.
+KernelNeed path_need(const KernelProgram& program, std::uint32_t stages, const KernelConfig& config);
 
 // Numbers and kinds of all bindings of the path kernels, without buffers.
 std::vector<Binding> path_layout();

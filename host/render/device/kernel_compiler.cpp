@@ -45,6 +45,11 @@ KernelConfig kernel_config(gpu::Feature features, std::uint32_t stack_size, cons
   const std::uint32_t nets =
       has_whole_nets(settings) || settings.room_for_whole_nets ? gpu::kNetsWhole : gpu::kNetsHalved;
   const std::uint32_t motion = settings.moving && takes(*settings.integrator, "shutter") ? 1u : 0u;
+  // A path that leaves the scene sees the environment, and ends a note of the pilot that guiding learns from.
+  const bool escapes = settings.guide || features & gpu::kFeatureEnvironment;
+  const std::uint32_t sort = !settings.integrator->sorts_hits ? gpu::kSortNone
+                             : escapes                        ? gpu::kSortEscapes
+                                                              : gpu::kSortHits;
   const std::uint32_t terminator =
       takes(*settings.integrator, "terminator") ? settings.terminator : gpu::kTerminatorFacets;
   return {features,
@@ -58,7 +63,8 @@ KernelConfig kernel_config(gpu::Feature features, std::uint32_t stack_size, cons
           settings.cull,
           motion,
           terminator,
-          traversal_of(settings)};
+          traversal_of(settings),
+          sort};
 }
 
 gpu::Feature features_of(const RenderSettings& settings) {

@@ -30,6 +30,11 @@ void run_without_work(Device& device, const Kernel& kernel, const BindingSet& bi
   commands.submit_and_wait();
 }
 
+// Whether kernels that sort so may stand in for those that `needed` asks for: escapes that nobody asks for do no harm.
+bool sorts_for(std::uint32_t sort, std::uint32_t needed) {
+  return sort >= needed && (sort == gpu::kSortNone) == (needed == gpu::kSortNone);
+}
+
 } // namespace
 
 bool KernelNeed::covers(const KernelNeed& need) const {
@@ -37,10 +42,11 @@ bool KernelNeed::covers(const KernelNeed& need) const {
   reduced.config.features = need.config.features;
   reduced.config.stack_size = need.config.stack_size;
   reduced.config.nets = need.config.nets;
+  reduced.config.sort = need.config.sort;
   reduced.stages = need.stages;
   return reduced == need && (config.features & need.config.features) == need.config.features &&
          (stages & need.stages) == need.stages && config.stack_size >= need.config.stack_size &&
-         config.nets >= need.config.nets;
+         config.nets >= need.config.nets && sorts_for(config.sort, need.config.sort);
 }
 
 // AMD's compiler (RADV) keeps arrays of up to 64 entries in registers, chosen among by chains of branches: traversal
@@ -65,6 +71,7 @@ std::array<std::uint32_t, gpu::kSpecCount> specialization(const KernelConfig& co
   constants[gpu::kSpecCull] = config.cull;
   constants[gpu::kSpecMotion] = config.motion;
   constants[gpu::kSpecTerminator] = config.terminator;
+  constants[gpu::kSpecSort] = config.sort;
   return constants;
 }
 

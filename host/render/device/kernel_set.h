@@ -31,6 +31,7 @@ struct KernelConfig {
   std::uint32_t motion = 0;
   std::uint32_t terminator = gpu::kTerminatorFacets;
   std::uint32_t traversal = kTraversalCompute;
+  std::uint32_t sort = gpu::kSortNone;
 
   bool operator==(const KernelConfig&) const = default;
 };

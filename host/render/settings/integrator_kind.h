@@ -40,6 +40,7 @@ struct IntegratorKind {
   bool walks_light_tree = true;                   // false: it picks lights by power, however many there are
   bool passes_panes = false; // its shadow rays pass thin smooth panes, if paths may have more than one bounce
   bool nests_bodies = false; // its paths know all bodies that they are in (kLobeNested), not the last one alone
+  bool sorts_hits = false;   // rays that hit and rays that escape are shaded by kernels of their own
   bool splats = false;       // it has light paths, which bring light to any pixel of the film
   std::uint64_t light_lesson_bytes = 0; // of a pilot that teaches it the choice of lights; 0 = it has none
   bool measures_depth_cut = false; // the light beyond --max-depth is measured, and told in the first sentence of bias()

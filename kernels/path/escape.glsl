@@ -1,0 +1,25 @@
+// Paths that leave the scene. Include bindings.glsl with BIND_LIGHTS, BIND_LIGHT_TREE, BIND_RECEIVERS, BIND_ENVIRONMENT and
+// BIND_PATHS first.
+#ifndef WAVEPATH_PATH_ESCAPE_GLSL
+#define WAVEPATH_PATH_ESCAPE_GLSL
+
+#include "kernels/emission.glsl"
+#include "kernels/path/gather.glsl"
+#include "kernels/path/medium.glsl"
+#include "kernels/path/receiver.glsl"
+
+// The environment in the ray's direction, as much of it as next-event estimation leaves to the BSDF.
+void escape(Ray ray, inout PathState path) {
+  uint slot = ray.slot;
+  if (is_in_scattering_medium(slot)) { // out of an open mesh; what scatters there is lost
+    path.throughput = vec3(0.0);
+    return;
+  }
+  if (has(kFeatureVolume)) path.throughput *= medium_transmittance(current_body(slot), kFarAway);
+  float light_pdf;
+  vec3 radiance = environment_emission(ray.direction, light_pdf);
+  if (wants_light_weight(path) && light_pdf > 0.0) light_pdf *= environment_ratio(fetch_receiver(slot));
+  add_radiance(path, slot, path.throughput * radiance * emission_weight(path.bsdf_pdf, light_pdf));
+}
+
+#endif
