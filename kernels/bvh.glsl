@@ -239,20 +239,21 @@ bool test_triangle(uint item, float t_max) {
 void test_leaves(float t_max) {
   uint item = leaf_first(leaves.x), end = leaf_end(leaves.x);
   bool testing = leaves.x != kNone && !in_top_level;
-  while (testing) {
-    bool needs_alpha = test_triangle(item, t_max);
+  do {
+    bool needs_alpha = false;
+    if (testing) needs_alpha = test_triangle(item, t_max);
     ++item;
     if (has(TESTED_FEATURES)) leaves.x = needs_alpha ? leaf_word(item, end - item) : leaves.x; // the rest of the leaf waits
-    if (item == end) {
+    if (testing && item == end) {
       take_leaf();
       item = leaf_first(leaves.x);
       end = leaf_end(leaves.x);
     }
-    testing = leaves.x != kNone && !needs_alpha;
+    testing = testing && leaves.x != kNone && !needs_alpha;
 #ifdef ANY_HIT
     testing = testing && best.triangle == kNone;
 #endif
-  }
+  } while (testing);
 }
 
 // Continues in the space of the latest instance that waits; the rest of the top-level tree goes to the stack.
@@ -300,6 +301,8 @@ void look_up_alpha() {
   pending.triangle = kNone;
 }
 
+bool can_visit() { return int(current) >= 0 && leaves.y == kNone && !stack_is_full(); }
+
 Hit traverse(vec3 origin, vec3 direction, float t_max) {
   const Hit none = Hit(kNone, 0u, 0.0, 0.0);
   bool valid = is_traceable(origin, direction);
@@ -314,14 +317,18 @@ Hit traverse(vec3 origin, vec3 direction, float t_max) {
   in_top_level = has_levels();
   bool done = !valid;
   do {
-    while (!done && pending.triangle == kNone) {
-      while (int(current) >= 0 && leaves.y == kNone && !stack_is_full()) visit(local_ray, t_best, current);
+    do {
+      bool visiting = can_visit();
+      do {
+        if (visiting) visit(local_ray, t_best, current);
+        visiting = can_visit();
+      } while (visiting);
       test_leaves(t_max);
       spill();
       take_next(current == kNone, current);
       if (has_levels()) change_level(origin, direction);
       done = is_over();
-    }
+    } while (!done && pending.triangle == kNone);
     if (has(TESTED_FEATURES)) {
       look_up_alpha();
 #ifdef ANY_HIT
