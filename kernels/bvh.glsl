@@ -239,21 +239,20 @@ bool test_triangle(uint item, float t_max) {
 void test_leaves(float t_max) {
   uint item = leaf_first(leaves.x), end = leaf_end(leaves.x);
   bool testing = leaves.x != kNone && !in_top_level;
-  do {
-    bool needs_alpha = false;
-    if (testing) needs_alpha = test_triangle(item, t_max);
+  while (testing) {
+    bool needs_alpha = test_triangle(item, t_max);
     ++item;
     if (has(TESTED_FEATURES)) leaves.x = needs_alpha ? leaf_word(item, end - item) : leaves.x; // the rest of the leaf waits
-    if (testing && item == end) {
+    if (item == end) {
       take_leaf();
       item = leaf_first(leaves.x);
       end = leaf_end(leaves.x);
     }
-    testing = testing && leaves.x != kNone && !needs_alpha;
+    testing = leaves.x != kNone && !needs_alpha;
 #ifdef ANY_HIT
     testing = testing && best.triangle == kNone;
 #endif
-  } while (testing);
+  }
 }
 
 // Continues in the space of the latest instance that waits; the rest of the top-level tree goes to the stack.

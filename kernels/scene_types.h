@@ -164,6 +164,7 @@ GPU_CONSTANT uint kTextureSrgb = 1u << 5;  // RGB are sRGB bytes; alpha is linea
 GPU_CONSTANT uint kTextureFloat = 1u << 6; // four float words a texel, already linear
 GPU_CONSTANT uint kTextureUv1 = 1u << 7;   // TEXCOORD_1
 GPU_CONSTANT uint kTextureMoved = 1u << 8; // uv_matrix and uv_offset apply
+GPU_CONSTANT uint kTextureBesideShift = 9u; // two bits: how many images lie side by side with it (kernels/tile_order.h)
 
 // An image as one texture of a material uses it. uv' = (dot(uv_matrix.xy, uv), dot(uv_matrix.zw, uv)) + uv_offset.
 struct Texture {

@@ -14,7 +14,7 @@ bool is_encoded(Texture image, bool color) { return color && (image.flags & kTex
 // One texel, before texel_scale(). `color`: its RGB may be sRGB bytes, which are decoded before filtering, as light adds
 // up linearly. A constant where this is called, because drivers run both sides of other branches.
 vec4 fetch_texel(Texture image, int x, int y, bool color) {
-  uint texel = texel_index(uint(x), uint(y), image.width);
+  uint texel = texel_index(uint(x), uint(y), image.width, image.flags >> kTextureBesideShift & 3u);
   if (has(kFeatureFloatTextures) && (image.flags & kTextureFloat) != 0u) {
     uint word = image.first_texel + 4u * texel;
     return uintBitsToFloat(uvec4(texel_word(word), texel_word(word + 1u), texel_word(word + 2u), texel_word(word + 3u)));
@@ -93,9 +93,10 @@ Texture image_at_level(Texture image, uint level) {
   if (level == 0u) return image;
   uint words = has(kFeatureFloatTextures) && (image.flags & kTextureFloat) != 0u ? 4u : 1u;
   Texture small = image;
+  small.flags &= ~(3u << kTextureBesideShift); // levels lie alone
   small.first_texel = image.first_mip;
   for (uint i = 1u; i < level; ++i)
-    small.first_texel += words * texel_count(mip_size(image.width, i), mip_size(image.height, i));
+    small.first_texel += words * texel_count(mip_size(image.width, i), mip_size(image.height, i), 0u);
   small.width = mip_size(image.width, level);
   small.height = mip_size(image.height, level);
   return small;

@@ -43,13 +43,22 @@ GPU_FUNCTION uint tile_order_of(uvec2 pixel, uint width, uint height) {
   return tile_row * 8u * width + tile_column * 8u * rows + in_tile;
 }
 
-// Texels lie in tiles of 4x4, which a cache line holds: a filtered look-up touches 1.6 lines on average instead of 2.1.
-// Index of texel (x, y), and how many an image takes: its right and lower border are filled up to whole tiles.
-GPU_FUNCTION uint texel_index(uint x, uint y, uint width) {
-  uint tiles_across = (width + 3u) / 4u;
-  return ((y / 4u) * tiles_across + x / 4u) * 16u + (y % 4u) * 4u + x % 4u;
+// Texels lie in tiles of sixteen, which a cache line holds. An image alone has tiles of 4x4: a filtered look-up touches 1.6
+// lines on average instead of 2.1. Images that are looked up together lie side by side, 2^beside of them: each has 4x2 or
+// 2x2 of a tile, and all of them together take 1.9 or 2.3 lines.
+// Index of texel (x, y) of the first of them, counted in all texels; the others follow 16 >> beside further on, each.
+// And how many texels they take: their right and lower border are filled up to whole tiles.
+GPU_FUNCTION uint tile_shift_x(uint beside) { return beside == 2u ? 1u : 2u; }
+GPU_FUNCTION uint tile_shift_y(uint beside) { return beside == 0u ? 2u : 1u; }
+GPU_FUNCTION uint tiles_of(uint side, uint shift) { return (side + (1u << shift) - 1u) >> shift; }
+GPU_FUNCTION uint texel_index(uint x, uint y, uint width, uint beside) {
+  uint shift_x = tile_shift_x(beside), shift_y = tile_shift_y(beside);
+  uint tile = (y >> shift_y) * tiles_of(width, shift_x) + (x >> shift_x);
+  return tile * 16u + ((y & ((1u << shift_y) - 1u)) << shift_x) + (x & ((1u << shift_x) - 1u));
 }
-GPU_FUNCTION uint texel_count(uint width, uint height) { return ((width + 3u) / 4u) * ((height + 3u) / 4u) * 16u; }
+GPU_FUNCTION uint texel_count(uint width, uint height, uint beside) {
+  return tiles_of(width, tile_shift_x(beside)) * tiles_of(height, tile_shift_y(beside)) * 16u;
+}
 
 // Side of an image at a mip level; level 0 is the image itself.
 GPU_FUNCTION uint mip_size(uint side, uint level) { return side >> level > 0u ? side >> level : 1u; }

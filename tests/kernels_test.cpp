@@ -39,6 +39,7 @@ struct Bench {
         path_aovs(device_, kSlots * sizeof(gpu::PathAovs)),
         rays(device_, 2 * kSlots * sizeof(gpu::Ray)),
         hits(device_, kSlots * sizeof(gpu::Hit)),
+        sorted_rays(device_, kSlots * 4),
         shadow_rays(device_, kSlots * sizeof(gpu::ShadowRay)),
         queues(device_, sizeof(gpu::Queues)),
         counters(device_, sizeof(gpu::Counters)),
@@ -69,6 +70,8 @@ struct Bench {
                            {gpu::kBindRayTexels, texels_rgba32f, &rays},
                            {gpu::kBindHits, storage, &hits},
                            {gpu::kBindHitTexels, texels_rgba32ui, &hits},
+                           {gpu::kBindSortedRays, storage, &sorted_rays},
+                           {gpu::kBindSortedRayTexels, texels_r32ui, &sorted_rays},
                            {gpu::kBindShadowRays, storage, &shadow_rays},
                            {gpu::kBindShadowRayTexels, texels_rgba32ui, &shadow_rays},
                            {gpu::kBindQueues, storage, &queues},
@@ -101,7 +104,7 @@ struct Bench {
 
   Device& device;
   DeviceScene scene;
-  Buffer frame, paths, media, path_aovs, rays, hits, shadow_rays, queues, counters, film, film_aovs, runs, receivers,
+  Buffer frame, paths, media, path_aovs, rays, hits, sorted_rays, shadow_rays, queues, counters, film, film_aovs, runs, receivers,
       light_sums;
   std::array<std::uint32_t, gpu::kSpecCount> constants;
   std::unique_ptr<BindingSet> bindings;
@@ -385,6 +388,39 @@ TEST_F(Kernels, HolesAreInvisibleToExtendAndConnect) {
   EXPECT_LT(found, kSlots);
 }
 
+// Every ray is in one of the two queues, once: with what it found from the front, with what escaped from the back.
+TEST_F(Kernels, ExtendSortsHitsAndEscapes) {
+  Scene scene = soup(60, 3, true);
+  const PackedScene packed = pack(scene);
+  constexpr std::uint32_t kRays = kSlots - 37; // the last group is not full
+  const auto rays = random_rays(kRays, 4);
+  for (const std::uint32_t sort : {gpu::kSortEscapes, gpu::kSortHits}) {
+    Bench bench(device(), packed, packed.features, frame_of(packed));
+    bench.constants[gpu::kSpecSort] = sort;
+    const std::vector<std::uint32_t> untouched(kSlots, gpu::kNone);
+    bench.sorted_rays.write(untouched.data(), kSlots * 4);
+    bench.rays.write(rays.data(), rays.size() * sizeof(gpu::Ray));
+    bench.set_queues({.ray_count = {kRays, 0}});
+    bench.run(wavepath_extend_spv, kSlots / gpu::kWorkgroupSize, {0, 4096, 0, 4, 0, 0});
+    const auto hits = download<gpu::Hit>(bench.hits, kSlots);
+    const auto sorted = download<std::uint32_t>(bench.sorted_rays, kSlots);
+    const gpu::Queues queues = bench.get_queues();
+    const bool escapes = sort == gpu::kSortEscapes;
+    ASSERT_GT(queues.hit_count, kRays / 20);
+    ASSERT_LT(queues.hit_count, kRays - kRays / 20);
+    EXPECT_EQ(queues.escape_count, escapes ? kRays - queues.hit_count : 0u);
+    std::vector<int> seen(kRays, 0);
+    const auto expect_found = [&](std::uint32_t place, bool hit) {
+      ASSERT_LT(sorted[place], kRays);
+      EXPECT_EQ(hits[sorted[place]].triangle != gpu::kNone, hit);
+      EXPECT_EQ(++seen[sorted[place]], 1);
+    };
+    for (std::uint32_t i = 0; i < queues.hit_count; ++i) expect_found(i, true);
+    for (std::uint32_t i = 0; i < queues.escape_count; ++i) expect_found(kSlots - 1 - i, false);
+    for (std::uint32_t i = 0; i < kRays; ++i) EXPECT_EQ(seen[i], escapes || hits[i].triangle != gpu::kNone ? 1 : 0);
+  }
+}
+
 TEST_F(Kernels, GenerateCoversEveryPixelOnce) {
   Scene scene = soup(1, 1, true);
   const PackedScene packed = pack(scene);
@@ -413,19 +449,29 @@ TEST_F(Kernels, AdvanceCountsRaysBeyond32Bits) {
   Scene scene = soup(1, 1, true);
   const PackedScene packed = pack(scene);
   Bench bench(device(), packed, packed.features, frame_of(packed));
-  bench.set_queues({.ray_count = {1000, 77}, .shadow_count = 65});
+  bench.set_queues({.ray_count = {1000, 77}, .shadow_count = 65, .hit_count = 7, .escape_count = 9});
   bench.set_counters({.camera_rays = {0xfffffff0u, 3}});
-  bench.run(wavepath_advance_spv, 1, {0, 0, 0, 0, 0, 0}); // before extend of bounce 0
+  bench.run(wavepath_advance_spv, 1, {0, 0, 0, 0, gpu::kBeforeExtend, 0}); // of bounce 0
   gpu::Queues queues = bench.get_queues();
   EXPECT_EQ(queues.extend_groups[0], 16u);
   EXPECT_EQ(queues.ray_count[0], 1000u);
   EXPECT_EQ(queues.ray_count[1], 0u);
   EXPECT_EQ(queues.shadow_count, 0u);
+  EXPECT_EQ(queues.hit_count, 0u);
+  EXPECT_EQ(queues.escape_count, 0u);
   EXPECT_EQ(bench.get_counters().camera_rays[0], 1000u - 16u);
   EXPECT_EQ(bench.get_counters().camera_rays[1], 4u);
+  queues.hit_count = 129;
+  queues.escape_count = 0;
   queues.shadow_count = 65;
   bench.set_queues(queues);
-  bench.run(wavepath_advance_spv, 1, {0, 0, 0, 0, 1, 0}); // before connect of bounce 0
+  bench.run(wavepath_advance_spv, 1, {0, 0, 0, 0, gpu::kBeforeShade, 0});
+  queues = bench.get_queues();
+  EXPECT_EQ(queues.shade_groups[0], 3u);
+  EXPECT_EQ(queues.shade_groups[1], 1u);
+  EXPECT_EQ(queues.escape_groups[0], 0u);
+  EXPECT_EQ(queues.shadow_count, 65u);
+  bench.run(wavepath_advance_spv, 1, {0, 0, 0, 0, gpu::kBeforeConnect, 0});
   queues = bench.get_queues();
   EXPECT_EQ(queues.connect_groups[0], 2u);
   EXPECT_EQ(bench.get_counters().shadow_rays[0], 65u);

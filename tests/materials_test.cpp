@@ -304,15 +304,73 @@ TEST(Features, FollowTheMaterialsInUse) {
 
 // Every texel of an image of any size is found again, and each has a place of its own.
 TEST(Texels, LieInTiles) {
-  for (const auto& [width, height] : {std::pair{1u, 1u}, {4u, 4u}, {5u, 3u}, {17u, 9u}}) {
-    std::vector<int> seen(gpu::texel_count(width, height), 0);
-    for (std::uint32_t y = 0; y < height; ++y)
-      for (std::uint32_t x = 0; x < width; ++x) {
-        ASSERT_LT(gpu::texel_index(x, y, width), seen.size());
-        EXPECT_EQ(++seen[gpu::texel_index(x, y, width)], 1);
-        EXPECT_EQ(gpu::texel_index(x, y, width) / 16, gpu::texel_index(x / 4 * 4, y / 4 * 4, width) / 16);
+  for (const auto& [width, height] : {std::pair{1u, 1u}, {4u, 4u}, {5u, 3u}, {17u, 9u}})
+    for (const std::uint32_t beside : {0u, 1u, 2u}) {
+      std::vector<int> seen(gpu::texel_count(width, height, beside), 0);
+      const std::uint32_t columns = beside == 2 ? 2 : 4, rows = beside == 0 ? 4 : 2;
+      const auto place = [&](std::uint32_t x, std::uint32_t y) { return gpu::texel_index(x, y, width, beside); };
+      for (std::uint32_t y = 0; y < height; ++y)
+        for (std::uint32_t x = 0; x < width; ++x) {
+          EXPECT_EQ(place(x, y) / 16, place(x / columns * columns, y / rows * rows) / 16);
+          for (std::uint32_t image = 0; image < 1u << beside; ++image) {
+            const std::uint32_t at = place(x, y) + image * (16u >> beside);
+            ASSERT_LT(at, seen.size());
+            EXPECT_EQ(++seen[at], 1);
+            EXPECT_EQ(at / 16, place(x, y) / 16);
+          }
+        }
+    }
+}
+
+// What a material looks up together lies in the same lines of the cache, and every texel is what the file has.
+TEST(Texels, OfOneMaterialLieSideBySide) {
+  Scene scene = triangle_scene();
+  const auto add_image = [&](std::uint32_t width, std::uint32_t height, std::uint8_t key) {
+    Image image{.width = width, .height = height};
+    for (std::uint32_t i = 0; i < 4 * width * height; ++i) image.bytes.push_back(static_cast<std::uint8_t>(key + 7 * i));
+    scene.images.push_back(image);
+    return static_cast<std::uint32_t>(scene.images.size() - 1);
+  };
+  Material& m = scene.materials[0];
+  m.base_color_texture.image = add_image(7, 5, 1);
+  m.metallic_roughness_texture.image = add_image(7, 5, 2);
+  m.normal_texture.image = add_image(7, 5, 3);
+  m.emission_texture.image = add_image(3, 5, 4); // of another size: alone
+  m.emission = glm::vec3(1.0f);
+  const auto texture_at = [](const PackedScene& packed, std::uint32_t gpu::Material::*slot) {
+    return packed.textures[packed.materials[0].*slot];
+  };
+  const auto beside = [](const gpu::Texture& t) { return t.flags >> gpu::kTextureBesideShift & 3u; };
+  const auto expect_texels = [&](const PackedScene& packed, std::uint32_t gpu::Material::*slot, std::uint32_t image) {
+    const gpu::Texture texture = texture_at(packed, slot);
+    for (std::uint32_t y = 0; y < texture.height; ++y)
+      for (std::uint32_t x = 0; x < texture.width; ++x) {
+        const std::uint32_t word =
+            packed.texels[texture.first_texel + gpu::texel_index(x, y, texture.width, beside(texture))];
+        EXPECT_EQ(word & 255u, scene.images[image].bytes[4 * (y * texture.width + x)]);
       }
-  }
+  };
+  const PackedScene packed = pack(scene);
+  expect_texels(packed, &gpu::Material::base_color_texture, 0);
+  expect_texels(packed, &gpu::Material::metallic_roughness_texture, 1);
+  expect_texels(packed, &gpu::Material::normal_texture, 2);
+  expect_texels(packed, &gpu::Material::emission_texture, 3);
+  const gpu::Texture base = texture_at(packed, &gpu::Material::base_color_texture);
+  EXPECT_EQ(beside(base), 2u);
+  EXPECT_EQ(texture_at(packed, &gpu::Material::metallic_roughness_texture).first_texel, base.first_texel + 4);
+  EXPECT_EQ(texture_at(packed, &gpu::Material::normal_texture).first_texel, base.first_texel + 8);
+  EXPECT_EQ(beside(texture_at(packed, &gpu::Material::emission_texture)), 0u);
+
+  m.alpha_mode = AlphaMode::mask; // traversal looks the base colour up alone
+  const PackedScene masked = pack(scene);
+  expect_texels(masked, &gpu::Material::base_color_texture, 0);
+  expect_texels(masked, &gpu::Material::normal_texture, 2);
+  EXPECT_EQ(beside(texture_at(masked, &gpu::Material::base_color_texture)), 0u);
+  EXPECT_EQ(beside(texture_at(masked, &gpu::Material::normal_texture)), 1u);
+
+  m.alpha_mode = AlphaMode::opaque;
+  m.normal_texture.uv_set = 1; // looked up elsewhere
+  EXPECT_EQ(beside(texture_at(pack(scene), &gpu::Material::normal_texture)), 0u);
 }
 
 TEST(Features, ListWhatIsLeftOutWithReasons) {

@@ -46,7 +46,7 @@ struct LevelReader {
   std::vector<glm::vec4> level(std::uint32_t level) const {
     gpu::Texture at = texture;
     for (std::uint32_t i = 1; i < level; ++i)
-      at.first_texel += gpu::texel_count(gpu::mip_size(at.width, i), gpu::mip_size(at.height, i)) *
+      at.first_texel += gpu::texel_count(gpu::mip_size(at.width, i), gpu::mip_size(at.height, i), 0) *
                         (at.flags & gpu::kTextureFloat ? 4 : 1);
     at.width = gpu::mip_size(texture.width, level), at.height = gpu::mip_size(texture.height, level);
     std::vector<glm::vec4> texels;

@@ -18,6 +18,13 @@ void convert(const Material& m, const Scene& scene, MaterialTable& table) {
     else
       layers.*place.layers = value;
   };
+  // Not the base colour of what has alpha: traversal looks that up alone.
+  std::vector<const TextureSlot*> shaded;
+  visit_textures(m, [&](const MaterialTexture& row, const TextureSlot& slot) {
+    const bool alone = row.field == &Material::base_color_texture && m.alpha_mode != AlphaMode::opaque;
+    if (!alone) shaded.push_back(&slot);
+  });
+  add_together(table.textures, scene, shaded);
   visit_material_fields(Overloaded{
       [&]<class T>(const MaterialFactor<T>& row) { put(row.packed, m.*row.field); },
       [&]<class T>(const MaterialChoice<T>& row) { out.flags |= row.bits[static_cast<std::size_t>(m.*row.field)]; },

@@ -125,7 +125,7 @@ void store_level(const Level& level, bool bytes, bool srgb, std::uint32_t* words
     for (std::uint32_t x = 0; x < level.width; ++x) {
       const Mean& mean = level.at(x, y);
       const glm::vec4 texel(mean.color / mean.weight, mean.alpha);
-      const std::size_t place = gpu::texel_index(x, y, level.width);
+      const std::size_t place = gpu::texel_index(x, y, level.width, 0);
       if (!bytes) {
         for (int c = 0; c < 4; ++c)
           words[4 * place + static_cast<std::size_t>(c)] = std::bit_cast<std::uint32_t>(texel[c]);
@@ -149,7 +149,7 @@ std::uint32_t mip_count(std::uint32_t width, std::uint32_t height) {
 std::uint64_t mip_texels(std::uint32_t width, std::uint32_t height) {
   std::uint64_t texels = 0;
   for (std::uint32_t level = 1; level <= mip_count(width, height); ++level)
-    texels += gpu::texel_count(gpu::mip_size(width, level), gpu::mip_size(height, level));
+    texels += gpu::texel_count(gpu::mip_size(width, level), gpu::mip_size(height, level), 0);
   return texels;
 }
 
@@ -165,7 +165,7 @@ void store_mips(const Image& image, MipKind kind, std::uint32_t* words) {
     else
       level = halve(level.width, level.height, [&](std::uint32_t x, std::uint32_t y) { return level.at(x, y); });
     store_level(level, bytes, kind.srgb, words);
-    words += gpu::texel_count(level.width, level.height) * words_per_texel(image);
+    words += gpu::texel_count(level.width, level.height, 0) * words_per_texel(image);
   }
 }
 

@@ -1,6 +1,7 @@
 // Indexes texture uses and packs their images; see textures.h.
 #include "host/scene/pack/textures.h"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstring>
@@ -39,12 +40,18 @@ std::uint32_t texture_flags(const TextureSlot& slot, bool is_float) {
   return flags;
 }
 
+// Whether they are looked up at the same place, so that texels of theirs are neighbours if they lie so.
+bool look_alike(const TextureSlot& a, const TextureSlot& b) {
+  return a.uv_set == b.uv_set && a.uv_matrix == b.uv_matrix && a.uv_offset == b.uv_offset;
+}
+
 std::uint32_t add_image(TextureTable& table, const Scene& scene, std::uint32_t image, bool decode_srgb) {
   const auto [entry, is_new] = table.known_images.try_emplace({image, decode_srgb ? 1u : 0u}, table.images.size());
   if (is_new) {
     const Image& source = scene.images[image];
     table.images.push_back({image, decode_srgb, table.word_count});
-    table.word_count += std::uint64_t{gpu::texel_count(source.width, source.height)} * (source.floats.empty() ? 1 : 4);
+    table.word_count +=
+        std::uint64_t{gpu::texel_count(source.width, source.height, 0)} * (source.floats.empty() ? 1 : 4);
   }
   return entry->second;
 }
@@ -62,7 +69,7 @@ std::uint32_t add_mips(TextureTable& table, const Scene& scene, std::uint32_t im
 void store_image(const Image& image, const StoredImage& stored, std::uint32_t* words) {
   tbb::parallel_for(0u, image.height, [&](std::uint32_t y) {
     for (std::uint32_t x = 0; x < image.width; ++x) {
-      const std::size_t from = 4 * (std::size_t{y} * image.width + x), to = gpu::texel_index(x, y, image.width);
+      const std::size_t from = 4 * (std::size_t{y} * image.width + x), to = gpu::texel_index(x, y, image.width, stored.beside);
       if (image.floats.empty()) {
         std::memcpy(words + to, &image.bytes[from], 4);
         continue;
@@ -79,6 +86,30 @@ void store_image(const Image& image, const StoredImage& stored, std::uint32_t* w
 
 } // namespace
 
+void add_together(TextureTable& table, const Scene& scene, std::span<const TextureSlot* const> slots) {
+  constexpr std::size_t kMost = 4;
+  const auto is_stored = [&](const TextureSlot& slot) { return table.known_images.contains({slot.image, 0}); };
+  for (const TextureSlot* leader : slots) {
+    const Image& first = scene.images[leader->image];
+    if (!first.floats.empty() || is_stored(*leader)) continue;
+    std::vector<std::uint32_t> together;
+    for (const TextureSlot* slot : slots) {
+      const Image& image = scene.images[slot->image];
+      const bool fits = image.floats.empty() && image.width == first.width && image.height == first.height;
+      if (fits && look_alike(*slot, *leader) && !is_stored(*slot) && together.size() < kMost &&
+          std::ranges::find(together, slot->image) == together.end())
+        together.push_back(slot->image);
+    }
+    if (together.size() < 2) continue;
+    const std::uint32_t beside = together.size() == 2 ? 1 : 2;
+    for (std::size_t i = 0; i < together.size(); ++i) {
+      table.known_images[{together[i], 0}] = static_cast<std::uint32_t>(table.images.size());
+      table.images.push_back({together[i], false, table.word_count + i * (16u >> beside), beside});
+    }
+    table.word_count += gpu::texel_count(first.width, first.height, beside);
+  }
+}
+
 std::uint32_t add_texture(TextureTable& table, const Scene& scene, const TextureSlot& slot, bool covers) {
   if (!slot.present()) return gpu::kNone;
   const bool is_float = !scene.images[slot.image].floats.empty();
@@ -87,7 +118,7 @@ std::uint32_t add_texture(TextureTable& table, const Scene& scene, const Texture
   gpu::Texture texture{};
   texture.width = scene.images[slot.image].width;
   texture.height = scene.images[slot.image].height;
-  texture.flags = texture_flags(slot, is_float);
+  texture.flags = texture_flags(slot, is_float) | table.images[stored].beside << gpu::kTextureBesideShift;
   // glm's matrices are indexed [column][row].
   texture.uv_matrix = {slot.uv_matrix[0][0], slot.uv_matrix[1][0], slot.uv_matrix[0][1], slot.uv_matrix[1][1]};
   texture.uv_offset = slot.uv_offset;
@@ -134,7 +165,7 @@ std::vector<std::uint32_t> pack_texels(const TextureTable& table, const Scene& s
 
 glm::vec4 read_texel(const gpu::Texture& texture, const std::vector<std::uint32_t>& texels, std::uint32_t x,
                      std::uint32_t y) {
-  const std::size_t index = gpu::texel_index(x, y, texture.width);
+  const std::size_t index = gpu::texel_index(x, y, texture.width, texture.flags >> gpu::kTextureBesideShift & 3u);
   glm::vec4 value;
   if (texture.flags & gpu::kTextureFloat) {
     for (int c = 0; c < 4; ++c) value[c] = std::bit_cast<float>(texels[texture.first_texel + 4 * index + c]);

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <map>
+#include <span>
 #include <vector>
 
 #include "host/scene/pack/mips.h"
@@ -19,6 +20,7 @@ struct StoredImage {
   std::uint32_t image = 0;
   bool decode_srgb = false;
   std::uint64_t first_word = 0;
+  std::uint32_t beside = 0; // 2^beside images of the same size lie side by side (kernels/tile_order.h)
 };
 
 // An image's mip levels in the texel buffer.
@@ -38,6 +40,11 @@ struct TextureTable {
   std::map<std::array<std::uint32_t, 2>, std::uint32_t> known_images;
   std::map<std::array<std::uint32_t, 3>, std::uint32_t> known_mips;
 };
+
+// Stores the images of these textures, which a material looks up together, side by side, as far as they are bytes of one
+// size at one place and not stored yet: two, or up to four, where three take the room of four. A cache line then holds a
+// place of all of them.
+void add_together(TextureTable& table, const Scene& scene, std::span<const TextureSlot* const> slots);
 
 // Index into table.textures for this use of an image; kNone for an absent slot. Adds what is not there yet. `covers`:
 // its alpha is the coverage of its colour.
