@@ -6,10 +6,12 @@
 #include <functional>
 #include <memory>
 #include <numbers>
+#include <random>
 #include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <glm/gtc/matrix_transform.hpp>
 
 #include "host/film/error.h"
 #include "host/film/film.h"
@@ -110,12 +112,46 @@ void add_sky(Scene& scene) {
   sky.rotation = 0.7;
 }
 
+// Lamps of all kinds above and beside the corner, most of them small quads that shine to one side or to both; two hang behind
+// the wall, where no camera path sees them.
+void add_many_lights(Scene& scene, bool distant) {
+  Material lamp = plain_material(), flat = plain_material();
+  lamp.emission = {9.0f, 7.0f, 5.0f};
+  flat.emission = {5.0f, 7.0f, 9.0f};
+  flat.double_sided = false;
+  const auto first = static_cast<std::uint32_t>(scene.materials.size());
+  scene.materials.push_back(lamp), scene.materials.push_back(flat);
+  const std::vector<glm::vec3> square = quad({-0.5f, 0, -0.5f}, {0.5f, 0, -0.5f}, {0.5f, 0, 0.5f}, {-0.5f, 0, 0.5f});
+  const std::array meshes = {add_mesh(scene, square, first), add_mesh(scene, square, first + 1)};
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> unit(0.0, 1.0);
+  for (std::size_t i = 0; i < 24; ++i) {
+    glm::dvec3 place(-1.8 + 3.6 * unit(random), 0.1 + 1.6 * unit(random), -0.7 + 2.2 * unit(random));
+    if (i < 2) place.z = -1.5;
+    const double size = 0.1 + 0.25 * unit(random) * unit(random);
+    const glm::dmat4 turn =
+        glm::rotate(glm::translate(glm::dmat4(1.0), place), 3.0 * unit(random), glm::dvec3(1, 2, 3));
+    add_instance(scene, meshes[i % 2], glm::scale(turn, glm::dvec3(size)));
+  }
+  for (int i = 0; i < 6; ++i) {
+    add_lamp(scene, i % 2 == 0 ? LightKind::point : LightKind::spot);
+    scene.lights.back().position.x = -1.5 + 0.6 * i;
+    scene.lights.back().intensity *= 0.1f;
+  }
+  if (!distant) return;
+  add_lamp(scene, LightKind::directional);
+  scene.lights.back().intensity *= 0.2f;
+  add_sky(scene);
+  scene.environment.radiance = glm::vec3(0.2f);
+}
+
 struct Subject {
   PackedScene packed;
   View view;
 
   Subject(Scene scene, const RenderSettings& settings)
-      : packed(pack(scene)), view(resolve_view(scene, {}, settings.width, settings.height)) {}
+      : packed(pack(scene, settings.direct, bvh::Quality::fast, {}, settings.lights)),
+        view(resolve_view(scene, {}, settings.width, settings.height)) {}
 };
 
 // Mean luminance of the picture and of six parts of it, over independent renders, and the variance of that mean.
@@ -229,17 +265,16 @@ protected:
     }
   }
   // Each set of techniques gives what path tracing gives. `adjust`: other settings, of both.
-  void expect_path_light(Scene scene, std::uint32_t depth, const std::vector<std::uint32_t>& sets,
+  void expect_path_light(const Scene& scene, std::uint32_t depth, const std::vector<std::uint32_t>& sets,
                          std::uint32_t spp = 32, const std::function<void(RenderSettings&)>& adjust = {}) {
     RenderSettings path = path_settings(4 * spp, depth);
     if (adjust) adjust(path);
-    const Subject subject(std::move(scene), path);
-    const Average expected = average(subject, path);
+    const Average expected = average(Subject(scene, path), path);
     for (const std::uint32_t techniques : sets) {
       SCOPED_TRACE(techniques);
       RenderSettings asked = settings(spp, depth, techniques);
       if (adjust) adjust(asked);
-      expect_same_mean(average(subject, asked), expected);
+      expect_same_mean(average(Subject(scene, asked), asked), expected);
     }
   }
 };
@@ -255,7 +290,7 @@ TEST_F(BidirectionalTest, FindsTheLightOfAQuad) {
   Scene scene = corner();
   add_shining_quad(scene, 2.5f);
   expect_path_light(scene, 3, {kHit}, 128);
-  expect_path_light(std::move(scene), 3, {gpu::kTechniquesAll, kHit | kLight | kSplat, kHit | kConnect | kSplat});
+  expect_path_light(scene, 3, {gpu::kTechniquesAll, kHit | kLight | kSplat, kHit | kConnect | kSplat});
 }
 
 TEST_F(BidirectionalTest, FindsTheLightOfLamps) {
@@ -263,14 +298,14 @@ TEST_F(BidirectionalTest, FindsTheLightOfLamps) {
     SCOPED_TRACE(static_cast<int>(kind));
     Scene scene = corner();
     add_lamp(scene, kind);
-    expect_path_light(std::move(scene), 3, {gpu::kTechniquesAll, kSplat, kLight, kLight | kConnect});
+    expect_path_light(scene, 3, {gpu::kTechniquesAll, kSplat, kLight, kLight | kConnect});
   }
 }
 
 TEST_F(BidirectionalTest, FindsTheLightOfASky) {
   Scene scene = corner();
   add_sky(scene);
-  expect_path_light(std::move(scene), 3, {gpu::kTechniquesAll, kHit | kSplat, kHit | kLight | kConnect}, 64);
+  expect_path_light(scene, 3, {gpu::kTechniquesAll, kHit | kSplat, kHit | kLight | kConnect}, 64);
 }
 
 TEST_F(BidirectionalTest, FindsTheLightOfManyLightsAtOnce) {
@@ -278,13 +313,32 @@ TEST_F(BidirectionalTest, FindsTheLightOfManyLightsAtOnce) {
   add_sky(scene);
   add_shining_quad(scene);
   add_lamp(scene, LightKind::spot);
-  expect_path_light(std::move(scene), 4, {gpu::kTechniquesAll, kHit | kLight | kSplat}, 64);
+  expect_path_light(scene, 4, {gpu::kTechniquesAll, kHit | kLight | kSplat}, 64);
+}
+
+// Next-event estimation goes by a tree, or by what a pilot has learned, while light paths begin by power.
+class BidirectionalLights : public BidirectionalTest, public testing::WithParamInterface<std::uint32_t> {
+protected:
+  static void use(RenderSettings& asked) { asked.lights = asked.integrator == &kPath ? gpu::kLightsPower : GetParam(); }
+};
+INSTANTIATE_TEST_SUITE_P(Lights, BidirectionalLights, testing::Values(gpu::kLightsPower, gpu::kLightsTree));
+
+TEST_P(BidirectionalLights, FindTheSameLight) {
+  for (const bool distant : {false, true}) {
+    SCOPED_TRACE(distant ? "with distant lights" : "local lights");
+    Scene scene = corner();
+    add_many_lights(scene, distant);
+    expect_path_light(scene, 3,
+                      {gpu::kTechniquesAll, kHit | kLight, kLight | kSplat, kHit | kLight | kConnect,
+                       kLight | kConnect | kSplat, kHit | kConnect | kSplat},
+                      64, use);
+  }
 }
 
 TEST_F(BidirectionalTest, AnOrthographicCameraSeesTheSameLight) {
   Scene scene = corner(true);
   add_shining_quad(scene, 2.5f);
-  expect_path_light(std::move(scene), 3, {gpu::kTechniquesAll, kHit | kSplat, kHit | kConnect | kLight});
+  expect_path_light(scene, 3, {gpu::kTechniquesAll, kHit | kSplat, kHit | kConnect | kLight});
 }
 
 // Out of focus, so that every point is seen by way of all of the lens.
@@ -295,7 +349,7 @@ TEST_F(BidirectionalTest, ALensSeesTheSameLight) {
     Scene scene = corner(orthographic);
     add_shining_quad(scene, 2.5f);
     add_lamp(scene, LightKind::point);
-    expect_path_light(std::move(scene), 3, {gpu::kTechniquesAll, kSplat | kHit, kHit | kConnect | kLight}, 64,
+    expect_path_light(scene, 3, {gpu::kTechniquesAll, kSplat | kHit, kHit | kConnect | kLight}, 64,
                       [&](RenderSettings& asked) { asked.aperture = 0.6, asked.focus = 2.0, asked.blades = blades; });
   }
 }
@@ -305,7 +359,7 @@ TEST_F(BidirectionalTest, LightFadesWithinItsRange) {
     Scene scene = corner();
     add_lamp(scene, kind);
     scene.lights[0].range = 4.5;
-    expect_path_light(std::move(scene), 3, {gpu::kTechniquesAll, kSplat, kLight | kConnect});
+    expect_path_light(scene, 3, {gpu::kTechniquesAll, kSplat, kLight | kConnect});
   }
 }
 
@@ -326,7 +380,7 @@ TEST_P(BidirectionalSides, HideTheSameLightFromBothEnds) {
   add_instance(scene,
                add_mesh(scene, quad({-1, 0.6f, 1}, {0, 0.6f, 1}, {0, 0.6f, -0.5f}, {-1, 0.6f, -0.5f}), material));
   add_instance(scene, add_mesh(scene, quad({1, 0.1f, 1}, {0, 0.1f, 1}, {0, 0.1f, -0.5f}, {1, 0.1f, -0.5f}), material));
-  expect_path_light(std::move(scene), 3, {gpu::kTechniquesAll, kSplat, kLight | kConnect}, 64,
+  expect_path_light(scene, 3, {gpu::kTechniquesAll, kSplat, kLight | kConnect}, 64,
                     [](RenderSettings& asked) { asked.cull = GetParam(); });
 }
 
@@ -340,7 +394,7 @@ TEST_F(BidirectionalTest, LightPassesUnlitSurfacesButNotTowardsMirrors) {
   scene.materials.push_back(unlit);
   add_instance(scene, add_mesh(scene, quad({-1, 0.5f, 0.8f}, {0.3f, 0.5f, 0.8f}, {0.3f, 0.5f, 0.0f}, {-1, 0.5f, 0.0f}),
                                static_cast<std::uint32_t>(scene.materials.size() - 1)));
-  expect_path_light(std::move(scene), 3, {gpu::kTechniquesAll, kHit | kSplat, kHit | kConnect | kLight}, 128);
+  expect_path_light(scene, 3, {gpu::kTechniquesAll, kHit | kSplat, kHit | kConnect | kLight}, 128);
 }
 
 // Clear glass: of the light behind it path tracing finds that of the quad alone.
@@ -355,7 +409,7 @@ TEST_F(BidirectionalTest, FindsTheLightBehindGlass) {
   scene.materials.push_back(glass);
   const auto material = static_cast<std::uint32_t>(scene.materials.size() - 1);
   add_box(scene, {-1, 0.5f, -0.5f}, {1, 0.7f, 1}, material);
-  expect_path_light(std::move(scene), 4, {gpu::kTechniquesAll, kHit | kSplat}, 64);
+  expect_path_light(scene, 4, {gpu::kTechniquesAll, kHit | kSplat}, 64);
 }
 
 // A sun above a pane over a floor: paths from the camera cannot find it. At normal incidence each face lets 1 - ((n -
@@ -393,13 +447,13 @@ TEST_F(BidirectionalTest, SunThroughAPaneHasItsExactValue) {
 TEST_F(BidirectionalTest, MergingFindsWhatAMirrorShows) {
   Scene scene = floor_in_mirror();
   add_shining_quad(scene, 2.5f);
-  expect_path_light(std::move(scene), 6, {gpu::kTechniquesAll, kHit | kMerge, kHit | kLight | kMerge}, 256);
+  expect_path_light(scene, 6, {gpu::kTechniquesAll, kHit | kMerge, kHit | kLight | kMerge}, 256);
 }
 
 TEST_F(BidirectionalTest, MergingFindsTheSkyThatAMirrorShows) {
   Scene scene = floor_in_mirror();
   add_sky(scene);
-  expect_path_light(std::move(scene), 4, {gpu::kTechniquesAll, kHit | kMerge}, 256);
+  expect_path_light(scene, 4, {gpu::kTechniquesAll, kHit | kMerge}, 256);
 }
 
 // Of a lamp without extent nothing else finds it.

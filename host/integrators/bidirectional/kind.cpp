@@ -12,8 +12,8 @@
 namespace wavepath {
 namespace {
 
-constexpr std::array<std::string_view, 6> kSettings = {"hemisphere", "techniques", "aperture",
-                                                       "focus",      "blades",     "denoise"};
+constexpr std::array<std::string_view, 7> kSettings = {"hemisphere", "lights", "techniques", "aperture",
+                                                       "focus",      "blades", "denoise"};
 // Light splatted from a light path is not told apart by its bounces.
 constexpr std::array<std::string_view, 2> kLackedAovs = {"direct", "indirect"};
 constexpr std::array<std::string_view, 2> kFirstHitStages = {"generate", "extend"};
@@ -60,7 +60,6 @@ constinit const IntegratorKind kBidirectional = {
     .summary = "paths from the camera and from the lights, joined in every way",
     .settings = kSettings,
     .lacks_aovs = kLackedAovs,
-    .walks_light_tree = false,
     .splats = true,
     .measures_depth_cut = true,
     .first_hit_stages = kFirstHitStages,
