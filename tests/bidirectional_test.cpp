@@ -321,7 +321,7 @@ class BidirectionalLights : public BidirectionalTest, public testing::WithParamI
 protected:
   static void use(RenderSettings& asked) { asked.lights = asked.integrator == &kPath ? gpu::kLightsPower : GetParam(); }
 };
-INSTANTIATE_TEST_SUITE_P(Lights, BidirectionalLights, testing::Values(gpu::kLightsPower, gpu::kLightsTree));
+INSTANTIATE_TEST_SUITE_P(Lights, BidirectionalLights, testing::Values(gpu::kLightsPower, gpu::kLightsTree, gpu::kLightsLearned));
 
 TEST_P(BidirectionalLights, FindTheSameLight) {
   for (const bool distant : {false, true}) {

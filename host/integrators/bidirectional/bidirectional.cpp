@@ -154,6 +154,7 @@ Bidirectional::Bidirectional(Workspace& workspace, KernelCompiler& kernels)
     : workspace_(workspace),
       kernels_(kernels),
       paths_(workspace, kernels),
+      teacher_(workspace, kernels, paths_),
       buffers_(workspace.device, kRules),
       delta_surfaces_(find_delta_surfaces(workspace.scene)) {}
 
@@ -176,7 +177,10 @@ void Bidirectional::change(const View& view, const RenderSettings& settings, Pas
   photon_need_.stages = kPhotonStages;
   if (merges) kernels_.start(photon_need_);
   const gpu::Feature features = kernels_.features(kBidirectionalProgram);
-  bool moved = paths_.change(settings, kSharedPathStages, kRoomForShadowRays, features);
+  teacher_.change(settings);
+  in_lesson_ = teacher_.learns();
+  bool moved = paths_.change(settings, kSharedPathStages, kRoomForShadowRays | teacher_.rooms(), features);
+  teacher_.start_kernels();
   const std::uint64_t photon_pixels = merges ? std::uint64_t{settings.width} * settings.height : 0;
   moved |= buffers_.fit({.pixels = photon_pixels, .slots = workspace_.slots, .options = stored_vertices(settings)});
   const gpu::BidirectionalFrame frame = make_frame(scene, workspace_.frame, techniques_);
@@ -195,13 +199,22 @@ void Bidirectional::change(const View& view, const RenderSettings& settings, Pas
 
 bool Bidirectional::is_ready() {
   const bool paths = paths_.is_ready(); // asks for both, so that both are begun
-  const bool photons = !merges() || kernels_.ready(photon_need_);
-  return kernels_.ready(need_) && paths && photons;
+  const bool photons = !merges() || kernels_.ready(photon_need_), pilot = teacher_.is_ready();
+  return kernels_.ready(need_) && paths && photons && pilot;
 }
 
 double Bidirectional::get_ready() {
   const double photons = merges() ? kernels_.best(photon_need_).seconds() : 0.0;
-  return kernels_.best(need_).seconds() + paths_.get_ready() + photons;
+  return kernels_.best(need_).seconds() + paths_.get_ready() + photons + teacher_.get_ready();
+}
+
+// Of camera paths without light paths: what their rays to lights bring, weighted as in the picture, is what their choice goes by.
+std::optional<Pilot> Bidirectional::pilot() { return in_lesson_ ? std::optional(teacher_.begin()) : std::nullopt; }
+
+bool Bidirectional::learn() {
+  teacher_.learn();
+  in_lesson_ = false;
+  return false;
 }
 
 // Passes end where blocks do, so that all samples of a wave share a map.
@@ -211,7 +224,7 @@ std::uint32_t Bidirectional::most_samples(std::uint32_t first_sample) const {
 }
 
 void Bidirectional::begin_pass(WaveQueue& queue, std::uint32_t first_sample) {
-  if (!merges() || block_ == first_sample / photons_.block) return;
+  if (in_lesson_ || !merges() || block_ == first_sample / photons_.block) return;
   block_ = first_sample / photons_.block;
   const gpu::PhotonFrame map = photon_frame(photons_, radius_of_block(first_radius_, photons_, *block_));
   queue.submit([&](Commands& commands) { record_empty_map(commands, map); }, {.timed_dispatches = 1});
@@ -229,6 +242,7 @@ void Bidirectional::begin_pass(WaveQueue& queue, std::uint32_t first_sample) {
 }
 
 void Bidirectional::describe(RenderResult& result) const {
+  result.light_pilot = teacher_.report();
   if (!merges() || !block_) return;
   result.merging = {.first_radius = radius_of_block(first_radius_, photons_, *first_block_),
                     .last_radius = radius_of_block(first_radius_, photons_, *block_),
@@ -276,7 +290,12 @@ std::uint32_t Bidirectional::timed_dispatches() const {
 
 void Bidirectional::record_wave(Commands& commands, std::size_t band, const gpu::Wave& wave) {
   constexpr std::uint32_t kLightTechniques = gpu::kTechniqueConnect | gpu::kTechniqueSplat;
-  if (workspace_.frame.light_count > 0 && workspace_.frame.max_depth > 0 && techniques_ & kLightTechniques) {
+  if (in_lesson_) {
+    commands.bind(*sets_[band]);
+    const std::uint64_t paths = std::uint64_t{wave.pixel_count} * wave.sample_count;
+    commands.dispatch(kernels_.best(need_)[kLightGenerate], groups_for(paths), &wave); // says that there are no vertices
+    commands.barrier();
+  } else if (workspace_.frame.light_count > 0 && workspace_.frame.max_depth > 0 && techniques_ & kLightTechniques) {
     record_light_paths(commands, band, wave);
     commands.barrier();
   }
@@ -330,6 +349,7 @@ void Bidirectional::record_splats(Commands& commands, std::size_t band, const gp
 
 void Bidirectional::record_camera_paths(Commands& commands, std::size_t band, const gpu::Wave& wave) {
   const KernelSet &kernels = kernels_.best(need_), &path_kernels = paths_.kernels();
+  const KernelSet& connecting = in_lesson_ ? teacher_.kernels() : path_kernels;
   const std::uint32_t bounces = workspace_.frame.max_depth + 1;
   const bool lights = workspace_.frame.light_count > 0;
   const BindingSet &own = *sets_[band], &shared = paths_.bindings(band);
@@ -343,7 +363,7 @@ void Bidirectional::record_camera_paths(Commands& commands, std::size_t band, co
     commands.dispatch(kernels[kConnectionAdvance], 1, &step);
     commands.barrier();
     step.bounce = bounce;
-    if (merges() && bounce > 0 && bounce + 2 <= workspace_.frame.max_depth) { // a photon has met two surfaces
+    if (merges() && !in_lesson_ && bounce > 0 && bounce + 2 <= workspace_.frame.max_depth) { // a photon has met two surfaces
       commands.dispatch_indirect(kernels_.best(photon_need_)[kPhotonGather], paths_.buffers[kQueues],
                                  offsetof(gpu::Queues, extend_groups), &step);
       commands.barrier();
@@ -361,8 +381,9 @@ void Bidirectional::record_camera_paths(Commands& commands, std::size_t band, co
     }
     commands.bind(shared);
     if (bounce + 1 < bounces && lights && techniques_ & gpu::kTechniqueLight)
-      paths_.connect(commands, path_kernels, wave, bounce);
+      paths_.connect(commands, connecting, wave, bounce);
   }
+  if (in_lesson_) return; // its samples do not reach the film
   commands.barrier();
   commands.dispatch(path_kernels[kAccumulate], groups_for(wave.pixel_count), &wave);
 }

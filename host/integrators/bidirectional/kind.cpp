@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/integrators/bidirectional/bidirectional.h"
+#include "host/integrators/path/light_rows.h"
 #include "host/render/loop/render_result.h"
 
 namespace wavepath {
@@ -61,6 +62,7 @@ constinit const IntegratorKind kBidirectional = {
     .settings = kSettings,
     .lacks_aovs = kLackedAovs,
     .splats = true,
+    .light_lesson_bytes = kLightRowBytes + kLightSumBytes,
     .measures_depth_cut = true,
     .first_hit_stages = kFirstHitStages,
     .features = film_features,
