@@ -69,6 +69,7 @@ constinit const IntegratorKind kBidirectional = {
     .start_kernels = start_kernels,
     .bytes_per_slot =
         [](gpu::Feature features, const RenderSettings& settings) {
+          if (!walks_light_tree(settings)) features &= ~gpu::kFeatureLightTree;
           return bytes_per_path(features, kRoomForShadowRays) +
                  light_bytes_per_slot(settings, asks_for_photons(settings));
         },
