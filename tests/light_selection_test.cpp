@@ -181,6 +181,31 @@ TEST_F(LightSelection, HybridPicksByTheTree) {
                    average(subject(two_rooms(40, true), tree), tree));
 }
 
+TEST_F(LightSelection, BidirectionalPicksByThem) {
+  RenderSettings power = settings(gpu::kLightsPower, gpu::kDirectMis, 64);
+  const Average reference = average(subject(two_rooms(40, true), power), power);
+  for (const std::uint32_t lights : {gpu::kLightsTree, gpu::kLightsAuto}) {
+    SCOPED_TRACE(lights);
+    RenderSettings asked = settings(lights, gpu::kDirectMis, 32);
+    asked.integrator = &kBidirectional;
+    expect_same_mean(reference, average(subject(two_rooms(40, true), asked), asked));
+  }
+}
+
+// A leaf is lit from behind.
+TEST_F(LightSelection, DiffuseTransmissionIsLitFromBothSides) {
+  Scene rooms = two_rooms(40, false);
+  rooms.materials[0].diffuse_transmission = 0.5f;
+  for (const IntegratorKind* integrator : {&kPath, &kBidirectional}) {
+    SCOPED_TRACE(integrator->name);
+    RenderSettings power = settings(gpu::kLightsPower, gpu::kDirectMis, 256);
+    power.integrator = integrator;
+    RenderSettings tree = power;
+    tree.lights = gpu::kLightsTree;
+    expect_same_mean(average(subject(rooms, power), power), average(subject(rooms, tree), tree));
+  }
+}
+
 TEST_F(LightSelection, LessNoiseThanByPower) {
   const auto noise = [&](const IntegratorKind& integrator, std::uint32_t lights) {
     RenderSettings asked = settings(lights, gpu::kDirectMis);
