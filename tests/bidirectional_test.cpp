@@ -359,7 +359,8 @@ TEST_P(BidirectionalLights, FindTheSameLight) {
   add_pictures(scene);
   std::vector<std::uint32_t> sets = {gpu::kTechniquesAll, kHit | kLight, kLight | kConnect | kSplat};
   if (GetParam() == gpu::kLightsTree) // whose renders have no pilot
-    for (const std::uint32_t more : {kLight | kSplat, kHit | kLight | kConnect, kHit | kConnect | kSplat}) sets.push_back(more);
+    for (const std::uint32_t more : {kLight | kSplat, kHit | kLight | kConnect, kHit | kConnect | kSplat})
+      sets.push_back(more);
   expect_path_light(scene, 3, sets, 64, use);
 }
 

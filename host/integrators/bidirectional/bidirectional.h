@@ -32,6 +32,7 @@ public:
   void describe(RenderResult& result) const override;
 
 private:
+  void send_constants(std::uint32_t techniques);
   bool merges() const { return photons_.path_count > 0; }
   void record_empty_map(Commands& commands, const gpu::PhotonFrame& map);
   void record_photons(Commands& commands, const gpu::Wave& wave);

@@ -1,4 +1,5 @@
-// The pilot that learns which lights reach where, and the shares that it leaves: for every integrator that follows paths.
+// The pilot that learns which lights reach where, and the shares that it leaves: for every integrator that follows
+// paths.
 #pragma once
 
 #include "host/base/clock.h"
@@ -21,8 +22,8 @@ public:
   double get_ready() { return learns_ ? kernels_.best(need_).seconds() : 0.0; }
 
   bool learns() const { return learns_; }
-  Pilot begin(); // shares are by power until learn()
-  void learn();  // after the pilot's waves were waited for
+  Pilot begin();                                              // shares are by power until learn()
+  void learn();                                               // after the pilot's waves were waited for
   const KernelSet& kernels() { return kernels_.best(need_); } // advance and connect of the pilot
   const LightPilot& report() const { return report_; }
 

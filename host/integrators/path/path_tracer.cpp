@@ -2,12 +2,10 @@
 
 #include <algorithm>
 
-
 namespace wavepath {
 
 std::uint32_t PathTracer::rooms() const {
-  return teacher_.rooms() | (settings_.guide ? kRoomForGuide : 0) |
-         (guide_pilot_ ? kRoomForGuideRecords : 0);
+  return teacher_.rooms() | (settings_.guide ? kRoomForGuide : 0) | (guide_pilot_ ? kRoomForGuideRecords : 0);
 }
 
 // The plain kernels as well where guiding is asked for: the pilot may find that it does not pay.

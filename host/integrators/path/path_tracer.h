@@ -38,7 +38,7 @@ private:
   Paths paths_;
   LightTeacher teacher_;
   RenderSettings settings_;
-  Lesson lesson_ = Lesson::none; // that the pilot in progress, or the next one, is for
+  Lesson lesson_ = Lesson::none;              // that the pilot in progress, or the next one, is for
   std::optional<GuidePilot> guide_pilot_;     // until it has learned
   std::optional<GuideReport> guide_report_;   // once it has learned
   KernelNeed guided_need_, guide_pilot_need_; // their own shade kernels
