@@ -154,14 +154,18 @@ LightSample sample_light(vec3 from, uvec2 u) {
 }
 
 #ifdef BIND_LIGHT_TREE
-// By the best selection that there is for the receiver.
-LightSample sample_light(Receiver receiver, uvec2 u) {
-  float ratio;
+// By the best selection that there is for the receiver. `ratio`: how many times more probable the light is than by power.
+LightSample sample_light(Receiver receiver, uvec2 u, out float ratio) {
   uint index = pick_light_for(receiver, u, ratio);
   if (index == kNone) return no_light();
   LightSample s = sample_picked_light(index, receiver.position, u);
   s.pdf *= ratio;
   return s;
+}
+
+LightSample sample_light(Receiver receiver, uvec2 u) {
+  float ratio;
+  return sample_light(receiver, u, ratio);
 }
 #endif
 

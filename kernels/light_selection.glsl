@@ -81,9 +81,11 @@ float local_probability(Receiver receiver, LightWalk walk, uint column) {
   return column_share(row, kTreeColumn) * walk.probability + column_share(row, column) * walk.below_column;
 }
 
+uint directional_group() { return light_end(placed_lights() - 1u) - local_end(); }
+
 // A directional light, by power among them.
 uint pick_directional(inout uvec2 u, out float group_share) {
-  uint count = placed_lights(), group = local_end(), size = light_end(count - 1u) - group, offset, rest;
+  uint count = placed_lights(), group = local_end(), size = directional_group(), offset, rest;
   umulExtended(u.x, size, offset, rest);
   uint index, begin, end, pick = group + offset;
   PICK_INTERVAL(pick, count, light_end, index, begin, end)
@@ -120,7 +122,7 @@ uint pick_light_for(Receiver receiver, inout uvec2 u, out float ratio) {
   return walk.light;
 }
 
-// That ratio of a local light, and of the environment.
+// That ratio of a local light, of the environment, and of any light.
 float local_light_ratio(Receiver receiver, uint light) {
   if (!uses_light_tree()) return 1.0;
   uvec2 trail_column = light_trail_column(light);
@@ -131,6 +133,12 @@ float local_light_ratio(Receiver receiver, uint light) {
 float environment_ratio(Receiver receiver) {
   if (!uses_light_rows() || !(frame.environment_probability > 0.0)) return 1.0;
   return column_share(light_row(receiver), kEnvironmentColumn) / frame.environment_probability;
+}
+float light_ratio(Receiver receiver, uint light) {
+  if (light < frame.local_light_count) return local_light_ratio(receiver, light);
+  if (light >= placed_lights()) return environment_ratio(receiver);
+  if (!uses_light_rows()) return 1.0;
+  return column_share(light_row(receiver), kDirectionalColumn) / share_of_integers(directional_group());
 }
 
 #endif

@@ -6,10 +6,12 @@
 #include <functional>
 #include <memory>
 #include <numbers>
+#include <random>
 #include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <glm/gtc/matrix_transform.hpp>
 
 #include "host/film/error.h"
 #include "host/film/film.h"
@@ -83,6 +85,26 @@ void add_shining_quad(Scene& scene, float size = 1.0f) {
                                static_cast<std::uint32_t>(scene.materials.size() - 1)));
 }
 
+// Two quads whose emission is a picture: dark, with a few bright texels.
+void add_pictures(Scene& scene) {
+  Material picture = plain_material();
+  picture.emission = {8.0f, 8.0f, 6.0f};
+  picture.emission_texture.image = static_cast<std::uint32_t>(scene.images.size());
+  scene.images.push_back({"picture", 64, 64, {}, {}});
+  for (std::uint32_t i = 0; i < 64 * 64; ++i) {
+    const std::uint8_t grey = i / 64 / 8 % 3 == 0 && i % 64 / 8 % 4 == 1 ? 255 : 10;
+    scene.images.back().bytes.insert(scene.images.back().bytes.end(), {grey, grey, grey, 255});
+  }
+  scene.materials.push_back(picture);
+  for (const float x : {-1.5f, 0.6f}) {
+    const std::uint32_t mesh =
+        add_mesh(scene, quad({x, 1.2f, 0.2f}, {x + 0.8f, 1.2f, 0.2f}, {x + 0.8f, 1.6f, 0.9f}, {x, 1.6f, 0.9f}),
+                 static_cast<std::uint32_t>(scene.materials.size() - 1));
+    scene.meshes[mesh].uvs[0] = {{0, 0}, {1, 0}, {1, 1}, {0, 0}, {1, 1}, {0, 1}};
+    add_instance(scene, mesh);
+  }
+}
+
 void add_box(Scene& scene, glm::vec3 lo, glm::vec3 hi, std::uint32_t material) {
   std::vector<glm::vec3> all;
   for (int axis = 0; axis < 3; ++axis)
@@ -110,12 +132,46 @@ void add_sky(Scene& scene) {
   sky.rotation = 0.7;
 }
 
+// Lamps of all kinds above and beside the corner, most of them small quads that shine to one side or to both; two
+// hang behind the wall, where no camera path sees them.
+void add_many_lights(Scene& scene, bool distant, double lowest = 0.1) {
+  Material lamp = plain_material(), flat = plain_material();
+  lamp.emission = {9.0f, 7.0f, 5.0f};
+  flat.emission = {5.0f, 7.0f, 9.0f};
+  flat.double_sided = false;
+  const auto first = static_cast<std::uint32_t>(scene.materials.size());
+  scene.materials.push_back(lamp), scene.materials.push_back(flat);
+  const std::vector<glm::vec3> square = quad({-0.5f, 0, -0.5f}, {0.5f, 0, -0.5f}, {0.5f, 0, 0.5f}, {-0.5f, 0, 0.5f});
+  const std::array meshes = {add_mesh(scene, square, first), add_mesh(scene, square, first + 1)};
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> unit(0.0, 1.0);
+  for (int i = 0; i < 24; ++i) {
+    glm::dvec3 place(-1.8 + 3.6 * unit(random), lowest + (1.7 - lowest) * unit(random), -0.7 + 2.2 * unit(random));
+    if (i < 2) place.z = -1.5;
+    const double size = 0.1 + 0.25 * unit(random) * unit(random);
+    const glm::dmat4 turn =
+        glm::rotate(glm::translate(glm::dmat4(1.0), place), 3.0 * unit(random), glm::dvec3(1, 2, 3));
+    add_instance(scene, meshes[i % 2 == 0 ? 0 : 1], glm::scale(turn, glm::dvec3(size)));
+  }
+  for (int i = 0; i < 6; ++i) {
+    add_lamp(scene, i % 2 == 0 ? LightKind::point : LightKind::spot);
+    scene.lights.back().position.x = -1.5 + 0.6 * i;
+    scene.lights.back().intensity *= 0.1f;
+  }
+  if (!distant) return;
+  add_lamp(scene, LightKind::directional);
+  scene.lights.back().intensity *= 0.2f;
+  add_sky(scene);
+  scene.environment.radiance = glm::vec3(0.2f);
+}
+
 struct Subject {
   PackedScene packed;
   View view;
 
   Subject(Scene scene, const RenderSettings& settings)
-      : packed(pack(scene)), view(resolve_view(scene, {}, settings.width, settings.height)) {}
+      : packed(pack(scene, settings.direct, bvh::Quality::fast, {}, settings.lights)),
+        view(resolve_view(scene, {}, settings.width, settings.height)) {}
 };
 
 // Mean luminance of the picture and of six parts of it, over independent renders, and the variance of that mean.
@@ -229,17 +285,16 @@ protected:
     }
   }
   // Each set of techniques gives what path tracing gives. `adjust`: other settings, of both.
-  void expect_path_light(Scene scene, std::uint32_t depth, const std::vector<std::uint32_t>& sets,
+  void expect_path_light(const Scene& scene, std::uint32_t depth, const std::vector<std::uint32_t>& sets,
                          std::uint32_t spp = 32, const std::function<void(RenderSettings&)>& adjust = {}) {
     RenderSettings path = path_settings(4 * spp, depth);
     if (adjust) adjust(path);
-    const Subject subject(std::move(scene), path);
-    const Average expected = average(subject, path);
+    const Average expected = average(Subject(scene, path), path);
     for (const std::uint32_t techniques : sets) {
       SCOPED_TRACE(techniques);
       RenderSettings asked = settings(spp, depth, techniques);
       if (adjust) adjust(asked);
-      expect_same_mean(average(subject, asked), expected);
+      expect_same_mean(average(Subject(scene, asked), asked), expected);
     }
   }
 };
@@ -255,7 +310,7 @@ TEST_F(BidirectionalTest, FindsTheLightOfAQuad) {
   Scene scene = corner();
   add_shining_quad(scene, 2.5f);
   expect_path_light(scene, 3, {kHit}, 128);
-  expect_path_light(std::move(scene), 3, {gpu::kTechniquesAll, kHit | kLight | kSplat, kHit | kConnect | kSplat});
+  expect_path_light(scene, 3, {gpu::kTechniquesAll, kHit | kLight | kSplat, kHit | kConnect | kSplat});
 }
 
 TEST_F(BidirectionalTest, FindsTheLightOfLamps) {
@@ -263,14 +318,14 @@ TEST_F(BidirectionalTest, FindsTheLightOfLamps) {
     SCOPED_TRACE(static_cast<int>(kind));
     Scene scene = corner();
     add_lamp(scene, kind);
-    expect_path_light(std::move(scene), 3, {gpu::kTechniquesAll, kSplat, kLight, kLight | kConnect});
+    expect_path_light(scene, 3, {gpu::kTechniquesAll, kSplat, kLight, kLight | kConnect});
   }
 }
 
 TEST_F(BidirectionalTest, FindsTheLightOfASky) {
   Scene scene = corner();
   add_sky(scene);
-  expect_path_light(std::move(scene), 3, {gpu::kTechniquesAll, kHit | kSplat, kHit | kLight | kConnect}, 64);
+  expect_path_light(scene, 3, {gpu::kTechniquesAll, kHit | kSplat, kHit | kLight | kConnect}, 64);
 }
 
 TEST_F(BidirectionalTest, FindsTheLightOfManyLightsAtOnce) {
@@ -278,13 +333,94 @@ TEST_F(BidirectionalTest, FindsTheLightOfManyLightsAtOnce) {
   add_sky(scene);
   add_shining_quad(scene);
   add_lamp(scene, LightKind::spot);
-  expect_path_light(std::move(scene), 4, {gpu::kTechniquesAll, kHit | kLight | kSplat}, 64);
+  expect_path_light(scene, 4, {gpu::kTechniquesAll, kHit | kLight | kSplat}, 64);
+}
+
+// Next-event estimation goes by a tree, or by what a pilot has learned, while light paths begin by power.
+class BidirectionalLights : public BidirectionalTest, public testing::WithParamInterface<std::uint32_t> {
+protected:
+  static void use(RenderSettings& asked) { asked.lights = asked.integrator == &kPath ? gpu::kLightsPower : GetParam(); }
+  // What path tracing does not find: each set of techniques gives what it gives by power.
+  void expect_light_by_power(const Scene& scene, std::uint32_t depth, const std::vector<std::uint32_t>& sets,
+                             std::uint32_t spp) {
+    for (const std::uint32_t techniques : sets) {
+      SCOPED_TRACE(techniques);
+      RenderSettings power = settings(spp, depth, techniques), asked = power;
+      power.lights = gpu::kLightsPower, asked.lights = GetParam();
+      expect_same_mean(average(Subject(scene, asked), asked), average(Subject(scene, power), power));
+    }
+  }
+};
+INSTANTIATE_TEST_SUITE_P(Lights, BidirectionalLights, testing::Values(gpu::kLightsTree, gpu::kLightsLearned));
+
+TEST_P(BidirectionalLights, FindTheSameLight) {
+  Scene scene = corner();
+  add_many_lights(scene, true);
+  add_pictures(scene);
+  std::vector<std::uint32_t> sets = {gpu::kTechniquesAll, kHit | kLight, kLight | kConnect | kSplat};
+  if (GetParam() == gpu::kLightsTree) // whose renders have no pilot
+    for (const std::uint32_t more : {kLight | kSplat, kHit | kLight | kConnect, kHit | kConnect | kSplat})
+      sets.push_back(more);
+  expect_path_light(scene, 3, sets, 64, use);
+}
+
+// Smooth glass and mirrors pass on what was chosen at the vertex before them, or nothing.
+TEST_P(BidirectionalLights, FindTheSameLightThroughGlass) {
+  Scene scene = corner();
+  scene.materials[1].roughness = 0.0f;
+  Material glass = plain_material();
+  glass.transmission = 1.0f, glass.specular = 1.0f, glass.roughness = 0.0f;
+  glass.base_color = glm::vec4(1.0f);
+  glass.volume = true;
+  scene.materials.push_back(glass);
+  add_box(scene, {-1.5f, 0.5f, -0.8f}, {0.5f, 0.7f, 1.2f}, 2);
+  add_many_lights(scene, false, 0.9);
+  expect_light_by_power(scene, 4, {gpu::kTechniquesAll, kLight | kConnect | kSplat}, 128);
+}
+
+TEST_P(BidirectionalLights, HowTheWorkIsCutUpDoesNotMatter) {
+  RenderSettings whole = settings(3, 4);
+  whole.lights = GetParam();
+  Scene scene = corner();
+  add_many_lights(scene, true);
+  const Subject subject(scene, whole);
+  const RenderResult expected = render(subject, whole);
+  EXPECT_EQ(expected.light_pilot.rows > 20, GetParam() == gpu::kLightsLearned);
+  expect_same_film_however_cut(subject, whole, *expected.film);
+  RenderSettings first = whole, second = whole;
+  first.last_sample = second.first_sample = 1;
+  first.sample_total = second.sample_total = 3;
+  Film film = *render(subject, second).film;
+  join(film, *render(subject, first).film);
+  EXPECT_TRUE(film == *expected.film) << "joined";
+}
+
+// Where nothing asks for the tree, its kernels and the receivers of paths are not there.
+TEST_F(BidirectionalTest, TreesAreThereWhereTheyAreNeeded) {
+  RenderSettings asked = settings(2, 3);
+  const auto walks = [&] {
+    const bool walks = kernel_config(gpu::kFeatureLightTree, 32, asked).features & gpu::kFeatureLightTree;
+    const std::uint64_t receivers =
+        kBidirectional.bytes_per_slot(gpu::kFeatureLightTree, asked) - kBidirectional.bytes_per_slot(0, asked);
+    EXPECT_EQ(receivers, walks ? 16u : 0u);
+    return walks;
+  };
+  for (const std::uint32_t lights : {gpu::kLightsAuto, gpu::kLightsTree, gpu::kLightsLearned}) {
+    asked.lights = lights;
+    asked.techniques = kLight | kSplat;
+    EXPECT_TRUE(walks());
+    asked.techniques = kHit | kConnect | kSplat;
+    EXPECT_FALSE(walks());
+  }
+  asked = settings(2, 3);
+  asked.lights = gpu::kLightsPower;
+  EXPECT_FALSE(walks());
 }
 
 TEST_F(BidirectionalTest, AnOrthographicCameraSeesTheSameLight) {
   Scene scene = corner(true);
   add_shining_quad(scene, 2.5f);
-  expect_path_light(std::move(scene), 3, {gpu::kTechniquesAll, kHit | kSplat, kHit | kConnect | kLight});
+  expect_path_light(scene, 3, {gpu::kTechniquesAll, kHit | kSplat, kHit | kConnect | kLight});
 }
 
 // Out of focus, so that every point is seen by way of all of the lens.
@@ -295,7 +431,7 @@ TEST_F(BidirectionalTest, ALensSeesTheSameLight) {
     Scene scene = corner(orthographic);
     add_shining_quad(scene, 2.5f);
     add_lamp(scene, LightKind::point);
-    expect_path_light(std::move(scene), 3, {gpu::kTechniquesAll, kSplat | kHit, kHit | kConnect | kLight}, 64,
+    expect_path_light(scene, 3, {gpu::kTechniquesAll, kSplat | kHit, kHit | kConnect | kLight}, 64,
                       [&](RenderSettings& asked) { asked.aperture = 0.6, asked.focus = 2.0, asked.blades = blades; });
   }
 }
@@ -305,7 +441,7 @@ TEST_F(BidirectionalTest, LightFadesWithinItsRange) {
     Scene scene = corner();
     add_lamp(scene, kind);
     scene.lights[0].range = 4.5;
-    expect_path_light(std::move(scene), 3, {gpu::kTechniquesAll, kSplat, kLight | kConnect});
+    expect_path_light(scene, 3, {gpu::kTechniquesAll, kSplat, kLight | kConnect});
   }
 }
 
@@ -326,7 +462,7 @@ TEST_P(BidirectionalSides, HideTheSameLightFromBothEnds) {
   add_instance(scene,
                add_mesh(scene, quad({-1, 0.6f, 1}, {0, 0.6f, 1}, {0, 0.6f, -0.5f}, {-1, 0.6f, -0.5f}), material));
   add_instance(scene, add_mesh(scene, quad({1, 0.1f, 1}, {0, 0.1f, 1}, {0, 0.1f, -0.5f}, {1, 0.1f, -0.5f}), material));
-  expect_path_light(std::move(scene), 3, {gpu::kTechniquesAll, kSplat, kLight | kConnect}, 64,
+  expect_path_light(scene, 3, {gpu::kTechniquesAll, kSplat, kLight | kConnect}, 64,
                     [](RenderSettings& asked) { asked.cull = GetParam(); });
 }
 
@@ -340,7 +476,7 @@ TEST_F(BidirectionalTest, LightPassesUnlitSurfacesButNotTowardsMirrors) {
   scene.materials.push_back(unlit);
   add_instance(scene, add_mesh(scene, quad({-1, 0.5f, 0.8f}, {0.3f, 0.5f, 0.8f}, {0.3f, 0.5f, 0.0f}, {-1, 0.5f, 0.0f}),
                                static_cast<std::uint32_t>(scene.materials.size() - 1)));
-  expect_path_light(std::move(scene), 3, {gpu::kTechniquesAll, kHit | kSplat, kHit | kConnect | kLight}, 128);
+  expect_path_light(scene, 3, {gpu::kTechniquesAll, kHit | kSplat, kHit | kConnect | kLight}, 128);
 }
 
 // Clear glass: of the light behind it path tracing finds that of the quad alone.
@@ -355,7 +491,7 @@ TEST_F(BidirectionalTest, FindsTheLightBehindGlass) {
   scene.materials.push_back(glass);
   const auto material = static_cast<std::uint32_t>(scene.materials.size() - 1);
   add_box(scene, {-1, 0.5f, -0.5f}, {1, 0.7f, 1}, material);
-  expect_path_light(std::move(scene), 4, {gpu::kTechniquesAll, kHit | kSplat}, 64);
+  expect_path_light(scene, 4, {gpu::kTechniquesAll, kHit | kSplat}, 64);
 }
 
 // A sun above a pane over a floor: paths from the camera cannot find it. At normal incidence each face lets 1 - ((n -
@@ -393,13 +529,13 @@ TEST_F(BidirectionalTest, SunThroughAPaneHasItsExactValue) {
 TEST_F(BidirectionalTest, MergingFindsWhatAMirrorShows) {
   Scene scene = floor_in_mirror();
   add_shining_quad(scene, 2.5f);
-  expect_path_light(std::move(scene), 6, {gpu::kTechniquesAll, kHit | kMerge, kHit | kLight | kMerge}, 256);
+  expect_path_light(scene, 6, {gpu::kTechniquesAll, kHit | kMerge, kHit | kLight | kMerge}, 256);
 }
 
 TEST_F(BidirectionalTest, MergingFindsTheSkyThatAMirrorShows) {
   Scene scene = floor_in_mirror();
   add_sky(scene);
-  expect_path_light(std::move(scene), 4, {gpu::kTechniquesAll, kHit | kMerge}, 256);
+  expect_path_light(scene, 4, {gpu::kTechniquesAll, kHit | kMerge}, 256);
 }
 
 // Of a lamp without extent nothing else finds it.

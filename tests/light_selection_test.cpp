@@ -11,6 +11,7 @@
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "host/film/film.h"
+#include "host/integrators/bidirectional/kind.h"
 #include "host/integrators/hybrid/kind.h"
 #include "host/integrators/path/kind.h"
 #include "host/integrators/path/light_rows.h"
@@ -180,18 +181,45 @@ TEST_F(LightSelection, HybridPicksByTheTree) {
                    average(subject(two_rooms(40, true), tree), tree));
 }
 
+TEST_F(LightSelection, BidirectionalPicksByThem) {
+  RenderSettings power = settings(gpu::kLightsPower, gpu::kDirectMis, 64);
+  const Average reference = average(subject(two_rooms(40, true), power), power);
+  for (const std::uint32_t lights : {gpu::kLightsTree, gpu::kLightsAuto}) {
+    SCOPED_TRACE(lights);
+    RenderSettings asked = settings(lights, gpu::kDirectMis, 32);
+    asked.integrator = &kBidirectional;
+    expect_same_mean(reference, average(subject(two_rooms(40, true), asked), asked));
+  }
+}
+
+// A leaf is lit from behind.
+TEST_F(LightSelection, DiffuseTransmissionIsLitFromBothSides) {
+  Scene rooms = two_rooms(40, false);
+  rooms.materials[0].diffuse_transmission = 0.5f;
+  for (const IntegratorKind* integrator : {&kPath, &kBidirectional}) {
+    SCOPED_TRACE(integrator->name);
+    RenderSettings power = settings(gpu::kLightsPower, gpu::kDirectMis, 256);
+    power.integrator = integrator;
+    RenderSettings tree = power;
+    tree.lights = gpu::kLightsTree;
+    expect_same_mean(average(subject(rooms, power), power), average(subject(rooms, tree), tree));
+  }
+}
+
 TEST_F(LightSelection, LessNoiseThanByPower) {
-  const RenderSettings power = settings(gpu::kLightsPower, gpu::kDirectMis),
-                       tree = settings(gpu::kLightsTree, gpu::kDirectMis),
-                       learned = settings(gpu::kLightsAuto, gpu::kDirectMis);
-  const auto noise = [&](const RenderSettings& s) {
+  const auto noise = [&](const IntegratorKind& integrator, std::uint32_t lights) {
+    RenderSettings asked = settings(lights, gpu::kDirectMis);
+    asked.integrator = &integrator;
     double sum = 0.0;
-    for (const double v : average(subject(two_rooms(200, true), s), s).variance) sum += v;
+    for (const double v : average(subject(two_rooms(200, true), asked), asked).variance) sum += v;
     return sum;
   };
-  const double by_power = noise(power), by_tree = noise(tree), by_lesson = noise(learned);
+  const double by_power = noise(kPath, gpu::kLightsPower), by_tree = noise(kPath, gpu::kLightsTree),
+               by_lesson = noise(kPath, gpu::kLightsAuto);
   EXPECT_LT(by_tree, 0.7 * by_power);
   EXPECT_LT(by_lesson, 0.8 * by_tree);
+  // Light paths, which begin by power, find the lamps as well; the tree alone gains nothing here.
+  EXPECT_LT(noise(kBidirectional, gpu::kLightsAuto), 0.8 * noise(kBidirectional, gpu::kLightsPower));
 }
 
 // The pilot's sums are integers: neither waves nor the generic kernels change a bit.

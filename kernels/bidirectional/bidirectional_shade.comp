@@ -7,6 +7,8 @@
 #define BIND_GEOMETRY
 #define BIND_SURFACES
 #define BIND_LIGHTS
+#define BIND_LIGHT_TREE
+#define BIND_RECEIVERS
 #define BIND_ENVIRONMENT
 #define BIND_PATHS
 #define BIND_RAYS
@@ -20,6 +22,7 @@
 #include "kernels/bidirectional/bindings.glsl"
 #include "kernels/bidirectional/light_path.glsl"
 #include "kernels/bidirectional/merging.glsl"
+#include "kernels/bidirectional/receiver.glsl"
 #include "kernels/bidirectional/records.glsl"
 #include "kernels/bidirectional/scattering.glsl"
 #include "kernels/path/first_hit.glsl"
@@ -47,15 +50,21 @@ float hit_weight(PathWeights weights, float connect_pdf, float start_pdf, float 
   return 1.0 / (1.0 + to_light + square(start_pdf) * (weights.others + merged));
 }
 
+// Whether what the path met could have been found from the vertex before it, by a choice of lights that goes by that vertex.
+bool was_chosen_there(PathWeights weights) {
+  return uses_light_tree() && wave.bounce > 0u && weights.connect > 0.0;
+}
+
 // Next-event estimation: true if there is a shadow ray worth tracing.
 bool connect_to_light(Vertex v, Sampler path_sampler, uint dimension, uint slot, vec3 throughput, PathWeights weights,
                       out ShadowRay ray) {
-  LightSample light = sample_light(v.surface.position, sample_bits(path_sampler, dimension + kDimensionLight));
+  float ratio; // light paths begin by power
+  LightSample light = sample_light(receiver_at(v), sample_bits(path_sampler, dimension + kDimensionLight), ratio);
   if (max_component(light.radiance) <= 0.0 || !(light.pdf > 0.0)) return false;
   float forward, reverse;
   vec3 value = scatter_value(v, light.direction, forward, reverse);
   if (!(max_component(value) > 0.0)) return false;
-  float found = start_pdf_area(light, v.surface.position, surface_cosine(v, light.direction));
+  float found = start_pdf_area(light, v.surface.position, surface_cosine(v, light.direction)) / ratio;
   float by_chance = light.delta || !uses_technique(kTechniqueHit) ? 0.0 : square(forward / light.pdf);
   float weight = 1.0 / (1.0 + by_chance + nearer(weights, found, reverse, connects_behind()));
   ray.contribution = throughput * value * light.radiance * (weight / light.pdf);
@@ -193,7 +202,10 @@ void follow(Ray ray, Hit hit, inout PathState path, out Wants wants, out Ray nex
     float pdf;
     vec3 radiance = environment_emission(ray.direction, pdf);
     float merged = merge_met_light(fetch_merge(slot), path.bsdf_pdf);
-    add_radiance(path, slot, path.throughput * radiance * hit_weight(fetch_weights(slot), pdf, pdf * disk_pdf(), merged));
+    PathWeights weights = fetch_weights(slot);
+    float connect_pdf = pdf;
+    if (was_chosen_there(weights)) connect_pdf *= environment_ratio(fetch_receiver(slot));
+    add_radiance(path, slot, path.throughput * radiance * hit_weight(weights, connect_pdf, pdf * disk_pdf(), merged));
     return;
   }
 
@@ -216,7 +228,9 @@ void follow(Ray ray, Hit hit, inout PathState path, out Wants wants, out Ray nex
   if (hits && max_component(emitted) > 0.0) {
     float pdf = light_pdf_area(surface, hit);
     float merged = merge_met_light(merge, path.bsdf_pdf);
-    float weight = hit_weight(weights, pdf, pdf * triangle_direction_pdf(material, cosine), merged);
+    float connect_pdf = pdf;
+    if (was_chosen_there(weights) && pdf > 0.0) connect_pdf *= local_light_ratio(fetch_receiver(slot), light_at(surface, hit));
+    float weight = hit_weight(weights, connect_pdf, pdf * triangle_direction_pdf(material, cosine), merged);
     add_radiance(path, slot, path.throughput * emitted * weight);
   }
 
@@ -224,6 +238,7 @@ void follow(Ray ray, Hit hit, inout PathState path, out Wants wants, out Ray nex
   Sampler path_sampler = slot_sampler(slot);
   uint dimension = bounce_dimension(wave.bounce);
   if (frame.light_count > 0u && bsdf_has_smooth(v.bsdf)) {
+    store_receiver(slot, v);
     if (uses_technique(kTechniqueLight))
       wants.shadow = connect_to_light(v, path_sampler, dimension, slot, path.throughput, weights, shadow);
     if (uses_technique(kTechniqueConnect))

@@ -7,6 +7,7 @@
 #define BIND_LIGHTS
 #define BIND_ENVIRONMENT
 #define BIND_PATHS
+#define BIND_RECEIVERS
 #define BIND_RAYS
 #define BIND_QUEUES
 #define BIND_PATH_WEIGHTS
@@ -33,5 +34,6 @@ void main() {
   store_path(slot, PathState(vec3(1.0), start.distant ? 0.0 : start.inverse_range > 0.0 ? -start.inverse_range : 1.0, start.light, 1.0));
   store_weights(slot, start.weights);
   light_counts[slot] = 0u;
+  if (uses(kFeatureLightTree)) receiver_words[slot] = uvec4(start.index, 0u, 0u, 0u);
   if (has(kFeatureVolume)) path_media[slot] = kNone;
 }

@@ -48,6 +48,7 @@ struct LightStart {
   float inverse_range; // of the light, see range_window()
   PathWeights weights;
   bool distant;
+  uint index; // of the light
 };
 
 // Density per solid angle of directions from a triangle: cosine-weighted, on both sides if both shine.
@@ -114,10 +115,11 @@ void start_at_infinity(vec3 to_light, vec2 u_place, inout LightStart start) {
 
 // False if the path begins without light.
 bool start_light_path(Sampler path_sampler, out LightStart start) {
-  start = LightStart(vec3(0.0), vec3(0.0, 0.0, 1.0), vec3(0.0), 0.0, PathWeights(0.0, 0.0), false);
+  start = LightStart(vec3(0.0), vec3(0.0, 0.0, 1.0), vec3(0.0), 0.0, PathWeights(0.0, 0.0), false, 0u);
   uvec2 u_light = sample_bits(path_sampler, kDimensionLight);
   vec2 u = sample_2d(path_sampler, kDimensionDirection); // of the direction; where that is the light's, of the place
-  Light light = fetch_light(pick_light(u_light));
+  start.index = pick_light(u_light);
+  Light light = fetch_light(start.index);
   if (has(kFeatureEnvironment) && light.kind == kLightEnvironment) {
     LightSample s = sample_environment(u_light);
     start_at_infinity(s.direction, u, start);

@@ -6,6 +6,8 @@
 #define BIND_GEOMETRY
 #define BIND_SURFACES
 #define BIND_LIGHTS
+#define BIND_LIGHT_TREE
+#define BIND_RECEIVERS
 #define BIND_ENVIRONMENT
 #define BIND_PATHS
 #define BIND_RAYS
@@ -16,6 +18,7 @@
 #define BIND_CONNECTIONS
 #include "kernels/bidirectional/bindings.glsl"
 #include "kernels/bidirectional/light_step.glsl"
+#include "kernels/bidirectional/receiver.glsl"
 #include "kernels/filter.glsl"
 #include "kernels/path/nonfinite.glsl"
 #include "kernels/path/queue.glsl"
@@ -141,6 +144,10 @@ void follow(Ray ray, Hit hit, inout PathState path, out bool wants_ray, out Ray 
   float cosine;
   PathWeights weights;
   if (!light_arrives(ray, hit, path, v, cosine, weights)) return;
+  if (wave.bounce == 1u && uses_light_tree() && bsdf_has_smooth(v.bsdf)) { // a camera path would choose the light by this vertex
+    uint light = texelFetch(receiver_texels, int(ray.slot)).x;
+    weights = bounded(PathWeights(weights.connect * square(light_ratio(receiver_at(v), light)), weights.others));
+  }
 
   Sampler path_sampler = light_sampler(ray.slot);
   uint dimension = bounce_dimension(wave.bounce);

@@ -27,7 +27,8 @@ GPU_CONSTANT uint kBindSortedRays = 48u; // storage uint[], one a slot (kSpecSor
 GPU_CONSTANT uint kBindSortedRayTexels = 49u; // texels R32UI
 GPU_CONSTANT uint kBindReceivers = 59u;       // storage uvec4[], one a slot (kFeatureLightTree, or kFeaturePanes with
                                         // triangle lights): position and packed normal of the vertex that the path
-                                        // was scattered at, panes that it passed straight not counted
+                                        // was scattered at, panes that it passed straight not counted; of a light
+                                        // path: the light that it began at
 GPU_CONSTANT uint kBindReceiverTexels = 60u; // texels RGBA32UI
 GPU_CONSTANT uint kBindGuideTree = 61u;      // texels RGBA32UI: nodes of the tree over space (kFeatureGuide)
 GPU_CONSTANT uint kBindGuideMaps = 62u;      // texels RGBA32F: densities of its leaves

@@ -103,7 +103,7 @@ bool scatter(Vertex v, Lobes lobes, Sampler path_sampler, uint dimension, uint s
 // The vertex as it receives light, stored for the weight of what the scattered ray may hit.
 Receiver store_receiver(uint slot, Vertex v) {
   if (!keeps_receivers()) return Receiver(v.surface.position, vec3(0.0));
-  uvec4 words = uvec4(floatBitsToUint(v.surface.position), v.bsdf.transmission > 0.0 ? 0u : pack_normal(v.normal));
+  uvec4 words = uvec4(floatBitsToUint(v.surface.position), lets_light_pass(v) ? 0u : pack_normal(v.normal));
   receiver_words[slot] = words;
   return unpack_receiver(words);
 }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "host/integrators/bidirectional/photon_map.h"
+#include "host/integrators/path/light_teacher.h"
 #include "host/integrators/path/paths.h"
 #include "kernels/bidirectional/bidirectional_types.h"
 
@@ -22,6 +23,8 @@ public:
   bool is_ready() override;
   double get_ready() override;
   std::uint32_t most_samples(std::uint32_t first_sample) const override;
+  std::optional<Pilot> pilot() override;
+  bool learn() override;
   void begin_pass(WaveQueue& queue, std::uint32_t first_sample) override;
   void record_wave(Commands& commands, std::size_t band, const gpu::Wave& wave) override;
   std::uint32_t timed_dispatches() const override;
@@ -29,6 +32,7 @@ public:
   void describe(RenderResult& result) const override;
 
 private:
+  void send_constants(std::uint32_t techniques);
   bool merges() const { return photons_.path_count > 0; }
   void record_empty_map(Commands& commands, const gpu::PhotonFrame& map);
   void record_photons(Commands& commands, const gpu::Wave& wave);
@@ -40,6 +44,8 @@ private:
   Workspace& workspace_;
   KernelCompiler& kernels_;
   Paths paths_; // of both kinds, one after the other
+  LightTeacher teacher_;
+  bool in_lesson_ = false; // before the first sample of the picture
   BufferSet buffers_;
   KernelNeed need_;
   std::uint32_t techniques_ = 0; // those that the scene has use for

@@ -308,6 +308,7 @@ constinit const IntegratorKind kAo = {
     .aovs = kAovs,
     .finds_light = false,
     .traces_paths = false,
+    .walks_light_tree = false,
     .first_hit_stages = kFirstHitStages,
     .check = check_frame_settings,
     .means = takes_occlusion_setting,

@@ -2,45 +2,22 @@
 
 #include <algorithm>
 
-#include "host/integrators/path/light_rows.h"
-#include "host/render/loop/segments.h"
-
 namespace wavepath {
-namespace {
-
-constexpr std::uint64_t kPilotPaths = 1u << 16; // of a small picture; of a larger one, a path a pixel
-constexpr std::uint32_t kLightPilotSeed = 0x6c8e9cf5u;
-
-bool learns_lights(const PackedScene& scene, const RenderSettings& settings) {
-  return (kernel_config(scene.features | features_of(settings), scene.stack_size, settings).features &
-          gpu::kFeatureLightRows) != 0 &&
-         !scene.light_tree.empty();
-}
-
-} // namespace
 
 std::uint32_t PathTracer::rooms() const {
-  return (learns_lights_ ? kRoomForLightSums : 0) | (settings_.guide ? kRoomForGuide : 0) |
-         (guide_pilot_ ? kRoomForGuideRecords : 0);
+  return teacher_.rooms() | (settings_.guide ? kRoomForGuide : 0) | (guide_pilot_ ? kRoomForGuideRecords : 0);
 }
 
 // The plain kernels as well where guiding is asked for: the pilot may find that it does not pay.
 void PathTracer::change(const View&, const RenderSettings& settings, Past) {
   settings_ = settings;
-  learns_lights_ = learns_lights(workspace_.scene, settings);
-  light_pilot_ = {};
+  teacher_.change(settings);
   guide_report_.reset();
   guide_pilot_.reset();
   if (settings.guide) guide_pilot_.emplace(settings.width, settings.height, settings.guide_iterations);
-  lesson_ = learns_lights_ ? Lesson::lights : settings.guide ? Lesson::guide : Lesson::none;
-  if (learns_lights_) workspace_.frame.scene_features |= gpu::kFeatureLightRows;
-  workspace_.frame.light_sum_scale = static_cast<float>(light_sum_scale(workspace_.scene));
+  lesson_ = teacher_.learns() ? Lesson::lights : settings.guide ? Lesson::guide : Lesson::none;
   paths_.change(settings, kAllPathStages, rooms());
-  if (learns_lights_) {
-    light_pilot_need_ = {&kPathProgram, stage_bits({kAdvance, kConnect}), paths_.config()};
-    light_pilot_need_.config.features |= gpu::kFeatureLearning;
-    kernels_.start(light_pilot_need_);
-  }
+  teacher_.start_kernels();
   if (settings.guide) {
     guided_need_ = path_need(kPathProgram, stage_bits({kShade, kEscape}), paths_.config());
     guided_need_.config.features |= gpu::kFeatureGuide;
@@ -54,14 +31,13 @@ void PathTracer::change(const View&, const RenderSettings& settings, Past) {
 
 bool PathTracer::is_ready() {
   bool ready = paths_.is_ready(); // asks for all, so that all are begun
-  if (learns_lights_) ready = kernels_.ready(light_pilot_need_) && ready;
+  ready = teacher_.is_ready() && ready;
   if (settings_.guide) ready = kernels_.ready(guide_pilot_need_) && kernels_.ready(guided_need_) && ready;
   return ready;
 }
 
 double PathTracer::get_ready() {
-  double seconds = paths_.get_ready();
-  if (learns_lights_) seconds = std::max(seconds, kernels_.best(light_pilot_need_).seconds());
+  double seconds = std::max(paths_.get_ready(), teacher_.get_ready());
   if (settings_.guide)
     for (const KernelNeed* need : {&guide_pilot_need_, &guided_need_})
       seconds = std::max(seconds, kernels_.best(*need).seconds());
@@ -71,7 +47,7 @@ double PathTracer::get_ready() {
 std::optional<Pilot> PathTracer::pilot() {
   switch (lesson_) {
     case Lesson::lights:
-      return begin_light_pilot();
+      return teacher_.begin();
     case Lesson::guide:
       return guide_pilot_->next();
     default:
@@ -81,31 +57,12 @@ std::optional<Pilot> PathTracer::pilot() {
 
 bool PathTracer::learn() {
   if (lesson_ == Lesson::lights) {
-    learn_lights();
+    teacher_.learn();
     lesson_ = guide_pilot_ ? Lesson::guide : Lesson::none;
   } else {
     learn_guide();
   }
   return lesson_ != Lesson::none;
-}
-
-Pilot PathTracer::begin_light_pilot() {
-  const std::vector<std::uint32_t> shares = unlearned_light_rows(workspace_.scene);
-  paths_.buffers[kLightShares].write(shares.data(), kLightRowBytes);
-  paths_.buffers[kLightSums].fill_zero();
-  const std::uint64_t pixels = workspace_.film.pixels();
-  const auto samples = static_cast<std::uint32_t>(std::max<std::uint64_t>(kPilotPaths / pixels, 1));
-  light_pilot_.paths = samples * pixels;
-  light_pilot_start_ = Clock::now();
-  return {even_segments(workspace_.film.bands()), samples, kLightPilotSeed};
-}
-
-void PathTracer::learn_lights() {
-  const auto sums = download<std::uint32_t>(paths_.buffers[kLightSums], kLightSumBytes / sizeof(std::uint32_t));
-  const LightLesson lesson = learn_light_rows(workspace_.scene, sums);
-  paths_.buffers[kLightShares].write(lesson.ends.data(), kLightRowBytes);
-  light_pilot_.rows = lesson.rows;
-  light_pilot_.seconds = seconds_since(light_pilot_start_);
 }
 
 void PathTracer::learn_guide() {
@@ -124,7 +81,7 @@ void PathTracer::use_field(const GuideField& field) {
 }
 
 void PathTracer::describe(RenderResult& result) const {
-  result.light_pilot = light_pilot_;
+  result.light_pilot = teacher_.report();
   result.guide = guide_report_;
 }
 
@@ -134,7 +91,7 @@ void PathTracer::record_wave(Commands& commands, std::size_t band, const gpu::Wa
   const KernelSet& kernels = paths_.kernels();
   const bool notes = lesson_ == Lesson::guide, guided = guide_report_ && guide_report_->used;
   const KernelSet& shading = notes ? kernels_.best(guide_pilot_need_) : guided ? kernels_.best(guided_need_) : kernels;
-  const KernelSet& connecting = lesson_ == Lesson::lights ? kernels_.best(light_pilot_need_) : kernels;
+  const KernelSet& connecting = lesson_ == Lesson::lights ? teacher_.kernels() : kernels;
   const std::uint32_t bounces = workspace_.frame.max_depth + 1;
   const bool connects = workspace_.frame.light_count > 0;
   commands.bind(paths_.bindings(band));

@@ -45,6 +45,7 @@ constinit const IntegratorKind kWhitted = {
     .name = "whitted",
     .summary = "Whitted's ray tracer: direct light, mirrors and glass",
     .settings = kSettings,
+    .walks_light_tree = false,
     .passes_panes = true,
     .first_hit_stages = kFirstHitStages,
     .features = film_features,

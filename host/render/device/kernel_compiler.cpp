@@ -35,8 +35,7 @@ KernelConfig kernel_config(gpu::Feature features, std::uint32_t stack_size, cons
   constexpr gpu::Feature kByRequest = gpu::kFeatureAovs | gpu::kFeatureAdaptive | gpu::kFeatureSharedFirstHit |
                                       gpu::kFeatureLightRows | gpu::kFeatureGuide;
   features &= ~kByRequest | features_of(settings);
-  if (settings.lights == gpu::kLightsPower || !settings.integrator->walks_light_tree)
-    features &= ~gpu::kFeatureLightTree;
+  if (!walks_light_tree(settings)) features &= ~gpu::kFeatureLightTree;
   if (!(features & gpu::kFeatureLightTree)) features &= ~gpu::kFeatureLightRows;
   if (!passes_panes(settings)) features &= ~gpu::kFeaturePanes;
   if (!settings.integrator->nests_bodies) features &= ~gpu::kLobeNested;
@@ -72,6 +71,11 @@ gpu::Feature features_of(const RenderSettings& settings) {
   const bool learned = settings.lights == gpu::kLightsLearned || settings.lights == gpu::kLightsAuto;
   if (learned && settings.integrator->light_lesson_bytes > 0) features |= gpu::kFeatureLightRows;
   return features | settings.integrator->features(settings);
+}
+
+bool walks_light_tree(const RenderSettings& settings) {
+  const bool connects = !takes(*settings.integrator, "techniques") || settings.techniques & gpu::kTechniqueLight;
+  return settings.integrator->walks_light_tree && settings.lights != gpu::kLightsPower && connects;
 }
 
 bool passes_panes(const RenderSettings& settings) {

@@ -32,6 +32,9 @@ bool generic_first(const DeviceInfo& device);
 // kFeature bits that the settings ask of kernels, whatever the scene.
 gpu::Feature features_of(const RenderSettings& settings);
 
+// Whether next-event estimation goes by the light tree where a scene has one.
+bool walks_light_tree(const RenderSettings& settings);
+
 // Whether shadow rays pass thin smooth panes where a scene has some: a pane costs them a bounce.
 bool passes_panes(const RenderSettings& settings);
 

@@ -9,6 +9,7 @@
 #include "host/film/error.h"
 #include "host/film/film.h"
 #include "host/render/bvh_choice.h"
+#include "host/render/device/kernel_compiler.h"
 #include "host/render/report/diagnosis.h"
 #include "host/render/settings/integrator_kind.h"
 #include "host/render/settings/settings_table.h"
@@ -176,8 +177,7 @@ Json light_selection_json(const Run& run) {
   const PackedScene& packed = run.packed;
   if (packed.lights.empty()) return nullptr;
   const RenderSettings& settings = run.settings;
-  const bool tree =
-      !packed.light_tree.empty() && takes(*settings.integrator, "lights") && settings.lights != gpu::kLightsPower;
+  const bool tree = !packed.light_tree.empty() && walks_light_tree(settings);
   if (!tree) return {{"by", "power"}, {"places", packed.light_places}};
   Json selection = {{"by", run.result.light_pilot.rows > 0 ? "learned" : "tree"},
                     {"places", packed.light_places},

@@ -1,0 +1,40 @@
+// The pilot that learns which lights reach where, and the shares that it leaves: for every integrator that follows
+// paths.
+#pragma once
+
+#include "host/base/clock.h"
+#include "host/integrators/path/paths.h"
+#include "host/render/loop/render_result.h"
+
+namespace wavepath {
+
+class LightTeacher {
+public:
+  LightTeacher(Workspace& workspace, KernelCompiler& kernels, Paths& paths)
+      : workspace_(workspace), kernels_(kernels), paths_(paths) {}
+
+  // Takes up settings, before the paths do; rooms() is then what they need besides.
+  void change(const RenderSettings& settings);
+  std::uint32_t rooms() const { return learns_ ? kRoomForLightSums : 0; }
+  // Begins compiling the pilot's own kernels, once the paths have taken up the settings.
+  void start_kernels();
+  bool is_ready() { return !learns_ || kernels_.ready(need_); }
+  double get_ready() { return learns_ ? kernels_.best(need_).seconds() : 0.0; }
+
+  bool learns() const { return learns_; }
+  Pilot begin();                                              // shares are by power until learn()
+  void learn();                                               // after the pilot's waves were waited for
+  const KernelSet& kernels() { return kernels_.best(need_); } // advance and connect of the pilot
+  const LightPilot& report() const { return report_; }
+
+private:
+  Workspace& workspace_;
+  KernelCompiler& kernels_;
+  Paths& paths_;
+  bool learns_ = false;
+  KernelNeed need_;
+  LightPilot report_;
+  Clock::time_point start_{};
+};
+
+} // namespace wavepath
