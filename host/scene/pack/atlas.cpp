@@ -46,21 +46,21 @@ Attempt fill_layers(const std::vector<AtlasTile>& tiles, const std::vector<std::
     auto shelf = std::ranges::find_if(
         shelves, [&](const Shelf& s) { return s.height >= tile.height && width - s.filled >= tile.width; });
     if (shelf == shelves.end()) {
-      auto end = std::ranges::find_if(ends, [&](std::uint32_t e) { return height - e >= tile.height; });
-      if (end == ends.end()) {
-        const std::uint64_t highest = std::max(odd(result.height), odd(tile.height));
-        const bool fits =
-            ends.size() < limits.layers && (ends.size() + 1) * highest * width * sizeof(std::uint32_t) <= limits.bytes;
-        if (!fits) {
-          ++result.missing;
-          continue;
-        }
-        end = ends.insert(ends.end(), 0u);
+      const auto end = std::ranges::find_if(ends, [&](std::uint32_t e) { return height - e >= tile.height; });
+      const auto layer = static_cast<std::uint32_t>(end - ends.begin());
+      const std::uint32_t y = end == ends.end() ? 0 : *end;
+      const std::size_t layers = std::max<std::size_t>(ends.size(), layer + std::size_t{1});
+      const std::uint32_t highest = std::max(result.height, y + tile.height);
+      if (layers > limits.layers ||
+          layers * width * std::uint64_t{odd(highest)} * sizeof(std::uint32_t) > limits.bytes) {
+        ++result.missing;
+        continue;
       }
-      shelves.push_back({static_cast<std::uint32_t>(end - ends.begin()), *end, tile.height, 0});
+      ends.resize(layers);
+      ends[layer] = y + tile.height;
+      result.height = highest;
+      shelves.push_back({layer, y, tile.height, 0});
       shelf = shelves.end() - 1;
-      *end += tile.height;
-      result.height = std::max(result.height, *end);
     }
     tile.x = shelf->filled, tile.y = shelf->y, tile.layer = shelf->layer;
     shelf->filled += tile.width;
