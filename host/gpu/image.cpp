@@ -245,6 +245,17 @@ VkBufferImageCopy DeviceImage::whole(Aspect aspect) const {
   return region;
 }
 
+VkBufferImageCopy DeviceImage::region_of(const ImagePart& part, std::uint32_t layer) const {
+  VkBufferImageCopy region = whole(Aspect::main);
+  region.bufferOffset = part.offset;
+  region.bufferRowLength = part.row_texels;
+  region.imageSubresource.baseArrayLayer = layer;
+  region.imageSubresource.layerCount = 1;
+  region.imageOffset = {static_cast<std::int32_t>(part.x), static_cast<std::int32_t>(part.y), 0};
+  region.imageExtent = {part.width, part.height, 1};
+  return region;
+}
+
 void DeviceImage::copy_to(VkCommandBuffer commands, const Buffer& to, Aspect aspect, std::uint64_t offset) {
   assert(to.bytes() >=
          offset + std::uint64_t{info_.width} * info_.height * info_.layers * texel_bytes(info_.format, aspect));
@@ -255,15 +266,7 @@ void DeviceImage::copy_to(VkCommandBuffer commands, const Buffer& to, Aspect asp
 
 void DeviceImage::copy_to(VkCommandBuffer commands, const Buffer& to, std::span<const ImagePart> parts) {
   std::vector<VkBufferImageCopy> regions;
-  for (const ImagePart& part : parts) {
-    VkBufferImageCopy region = whole(Aspect::main);
-    region.bufferOffset = part.offset;
-    region.bufferRowLength = part.row_texels;
-    region.imageSubresource.layerCount = 1;
-    region.imageOffset = {static_cast<std::int32_t>(part.x), static_cast<std::int32_t>(part.y), 0};
-    region.imageExtent = {part.width, part.height, 1};
-    regions.push_back(region);
-  }
+  for (const ImagePart& part : parts) regions.push_back(region_of(part, 0));
   copy_regions(commands, to, regions);
 }
 
@@ -279,12 +282,9 @@ void DeviceImage::copy_from(VkCommandBuffer commands, const Buffer& from, Aspect
   copy_region_from(commands, from, whole(aspect));
 }
 
-void DeviceImage::copy_layer_from(VkCommandBuffer commands, const Buffer& from, std::uint32_t layer) {
-  assert(from.bytes() >= std::uint64_t{info_.width} * info_.height * texel_bytes(info_.format) && layer < info_.layers);
-  VkBufferImageCopy region = whole(Aspect::main);
-  region.imageSubresource.baseArrayLayer = layer;
-  region.imageSubresource.layerCount = 1;
-  copy_region_from(commands, from, region);
+void DeviceImage::copy_from(VkCommandBuffer commands, const Buffer& from, const ImagePart& part, std::uint32_t layer) {
+  assert(layer < info_.layers);
+  copy_region_from(commands, from, region_of(part, layer));
 }
 
 void DeviceImage::copy_region_from(VkCommandBuffer commands, const Buffer& from, const VkBufferImageCopy& region) {

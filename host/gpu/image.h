@@ -72,7 +72,7 @@ struct ImageInfo {
   bool is_array = false;   // as an array, though it may have a single layer
 };
 
-// A rectangle of an image, and where a copy of it goes in a buffer: its first byte, and the texels from row to row.
+// A rectangle of an image, and where its copy is in a buffer: its first byte, and the texels from row to row.
 struct ImagePart {
   std::uint32_t x = 0, y = 0, width = 0, height = 0;
   std::uint64_t offset = 0;
@@ -108,13 +108,13 @@ public:
   // multiple of 4.
   void copy_to(VkCommandBuffer commands, const Buffer& to, Aspect aspect = Aspect::main, std::uint64_t offset = 0);
   void copy_from(VkCommandBuffer commands, const Buffer& from, Aspect aspect = Aspect::main);
-  // Of one layer, the colour alone.
-  void copy_layer_from(VkCommandBuffer commands, const Buffer& from, std::uint32_t layer);
-  // As copy_to(), of parts of the first layer, the colour alone.
+  // The same of a part of one layer, and of parts of the first, the colour alone.
+  void copy_from(VkCommandBuffer commands, const Buffer& from, const ImagePart& part, std::uint32_t layer);
   void copy_to(VkCommandBuffer commands, const Buffer& to, std::span<const ImagePart> parts);
 
 private:
   VkBufferImageCopy whole(Aspect aspect) const;
+  VkBufferImageCopy region_of(const ImagePart& part, std::uint32_t layer) const;
   void copy_regions(VkCommandBuffer commands, const Buffer& to, std::span<const VkBufferImageCopy> regions);
   void copy_region_from(VkCommandBuffer commands, const Buffer& from, const VkBufferImageCopy& region);
   void create();

@@ -80,7 +80,7 @@ std::vector<Buffer> upload_pages(Device& device, std::span<const std::uint32_t> 
   return pages;
 }
 
-// One layer after the other: only one of them is on the device twice.
+// By bands of rows, so that no more than one of them is on the device twice.
 std::unique_ptr<DeviceImage> upload_atlas(Device& device, const Atlas& atlas, bool is_color) {
   const ImageInfo info{.name = is_color ? "colour textures" : "textures of values",
                        .format = is_color ? ImageFormat::rgba8_srgb : ImageFormat::rgba8,
@@ -90,16 +90,23 @@ std::unique_ptr<DeviceImage> upload_atlas(Device& device, const Atlas& atlas, bo
                        .sampled = true,
                        .is_array = true};
   auto image = std::make_unique<DeviceImage>(device, info);
-  const std::size_t layer_texels = std::size_t{atlas.width} * atlas.height;
-  Buffer staged(device, layer_texels * sizeof(std::uint32_t));
+  constexpr std::uint32_t kBandTexels = 1u << 22; // 16 MiB
+  const std::uint32_t band = std::clamp(kBandTexels / atlas.width, 1u, atlas.height);
+  Buffer staged(device, std::uint64_t{band} * atlas.width * sizeof(std::uint32_t));
   Commands commands(device);
-  for (std::uint32_t layer = 0; layer < atlas.layers; ++layer) {
-    staged.write(atlas.words.data() + layer * layer_texels, staged.bytes());
-    if (layer > 0) commands.restart(0);
-    image->copy_layer_from(commands.handle(), staged, layer);
-    if (layer + 1 == atlas.layers) image->transition(commands.handle(), ImageUse::sampled);
-    commands.submit_and_wait();
-  }
+  const std::uint32_t* words = atlas.words.data();
+  for (std::uint32_t layer = 0; layer < atlas.layers; ++layer)
+    for (std::uint32_t y = 0; y < atlas.height; y += band) {
+      const std::uint32_t rows = std::min(band, atlas.height - y);
+      const std::size_t texels = std::size_t{rows} * atlas.width;
+      staged.write(words, texels * sizeof(std::uint32_t));
+      words += texels;
+      image->copy_from(commands.handle(), staged, {.y = y, .width = atlas.width, .height = rows}, layer);
+      commands.submit_and_wait();
+      commands.restart(0);
+    }
+  image->transition(commands.handle(), ImageUse::sampled);
+  commands.submit_and_wait();
   return image;
 }
 
