@@ -26,6 +26,8 @@ layout(set = 0, binding = kBindMaterials) uniform usamplerBuffer material_texels
 layout(set = 0, binding = kBindTextures) uniform usamplerBuffer texture_texels;
 #include "kernels/texel_pages.glsl"
 layout(set = 0, binding = kBindSrgbTable) uniform samplerBuffer srgb_table;
+layout(set = 0, binding = kBindAtlases + 0u) uniform sampler2DArray value_atlas;
+layout(set = 0, binding = kBindAtlases + 1u) uniform sampler2DArray color_atlas;
 #endif
 
 #ifdef BIND_LIGHTS

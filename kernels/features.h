@@ -72,6 +72,9 @@ GPU_CONSTANT Feature kFeatureTexelPages2 = GPU_LOBE(10);  // texels fill more th
 GPU_CONSTANT Feature kFeatureTexelPages4 = GPU_LOBE(11);  // more than two
 GPU_CONSTANT Feature kFeatureTexelPages16 = GPU_LOBE(12); // more than four
 GPU_CONSTANT Feature kFeatureTexelPages = GPU_LOBE(13) - GPU_LOBE(10);
+GPU_CONSTANT Feature kFeatureSampledTextures =
+    GPU_LOBE(13); // the device's samplers look textures up; kernels without this bit have other bindings
+GPU_CONSTANT Feature kFeatureExactTextures = GPU_LOBE(14);      // but beside these there are some that they do not
 GPU_CONSTANT Feature kLobesLayered = GPU_LOBE(8) - GPU_LOBE(0); // those that only the LAYERED builds of kernels know
 
 // ---- specialization constants ---------------------------------------------------------------------------------------

@@ -35,6 +35,10 @@ GPU_CONSTANT uint kBindTexelPages = 103u; // as kBindTexels: pages 1 to kTexelPa
 GPU_CONSTANT uint kTexelPageShift = 26u;  // of the number of words in a page, 256 MiB
 GPU_CONSTANT uint kTexelPages = 16u;
 
+// Images that the device's samplers look up (kFeatureSampledTextures), see host/scene/pack/atlas.h: values, colours.
+GPU_CONSTANT uint kBindAtlases = 118u;
+GPU_CONSTANT uint kAtlasBorder = 1u; // texels around every image: what linear filters reach
+
 // ---- geometry -------------------------------------------------------------------------------------------------------
 GPU_CONSTANT uint kNodeTexels = 3u;     // 48 bytes, see bvh/wide.h
 GPU_CONSTANT uint kCellBias = 66u;      // of the exponents of a node's grid
@@ -160,22 +164,24 @@ GPU_CONSTANT uint kWrapRepeat = 0u, kWrapClamp = 1u, kWrapMirror = 2u;
 GPU_CONSTANT uint kTextureWrapUShift = 0u; // two bits each
 GPU_CONSTANT uint kTextureWrapVShift = 2u;
 GPU_CONSTANT uint kTextureNearest = 1u << 4;
-GPU_CONSTANT uint kTextureSrgb = 1u << 5;  // RGB are sRGB bytes; alpha is linear
-GPU_CONSTANT uint kTextureFloat = 1u << 6; // four float words a texel, already linear
-GPU_CONSTANT uint kTextureUv1 = 1u << 7;   // TEXCOORD_1
-GPU_CONSTANT uint kTextureMoved = 1u << 8; // uv_matrix and uv_offset apply
-GPU_CONSTANT uint kTextureBesideShift = 9u; // two bits: how many images lie side by side with it (kernels/tile_order.h)
+GPU_CONSTANT uint kTextureSrgb = 1u << 5;    // RGB are sRGB bytes; alpha is linear
+GPU_CONSTANT uint kTextureFloat = 1u << 6;   // four float words a texel, already linear
+GPU_CONSTANT uint kTextureUv1 = 1u << 7;     // TEXCOORD_1
+GPU_CONSTANT uint kTextureMoved = 1u << 8;   // uv_matrix and uv_offset apply
+GPU_CONSTANT uint kTextureSampled = 1u << 9; // in an atlas
+GPU_CONSTANT uint kTextureBesideShift = 10u; // two bits: how many images lie side by side with it (kernels/tile_order.h)
+GPU_CONSTANT uint kTextureLayerShift = 16u;  // above it the layer of the atlas
 
 // An image as one texture of a material uses it. uv' = (dot(uv_matrix.xy, uv), dot(uv_matrix.zw, uv)) + uv_offset.
 struct Texture {
-  uint first_texel; // word index into the texel buffer
+  uint first_texel; // word index into the texel buffer; in an atlas its place, x | y << 16
   uint width;
   uint height;
   uint flags;
   vec4 uv_matrix;
   vec2 uv_offset;
   uint mip_count; // levels besides the image itself; 0 unless frames of the render may look them up
-  uint first_mip; // word index of the first of them; the others follow
+  uint first_mip; // word index of the first of them; the others follow. In an atlas they have their place beside it
 };
 GPU_CONSTANT uint kTextureTexels = 3u;
 GPU_CHECK(sizeof(Texture) == 16 * kTextureTexels);

@@ -1,5 +1,5 @@
-// Material textures: exact filtering in fp32 from texels in a buffer, so that every device yields the same bits; where
-// frames of one sample ask for it, at mip levels.
+// Material textures: exact filtering in fp32 from texels in a buffer, so that every device yields the same bits, or by
+// the device's samplers from images (--textures hardware); where frames of one sample ask for it, at mip levels.
 // Include bindings.glsl with BIND_SURFACES first.
 #ifndef WAVEPATH_TEXTURE_GLSL
 #define WAVEPATH_TEXTURE_GLSL
@@ -74,6 +74,32 @@ vec4 filter_image(Texture image, vec2 uv, bool color) {
   return mix(upper, lower, weight.y) / texel_scale(image, color);
 }
 
+// The same by the device's sampler, whose weights have few bits. A texel's centre has weights of 1 and 0: unfiltered
+// textures need no sampler of their own.
+vec4 filter_by_sampler(Texture image, vec2 uv, bool color) {
+  vec2 size = vec2(image.width, image.height);
+  vec2 at = vec2(wrap_coordinate(uv.x, (image.flags >> kTextureWrapUShift) & 3u),
+                 wrap_coordinate(uv.y, (image.flags >> kTextureWrapVShift) & 3u)) *
+            size;
+  if (has(kFeatureNearestTextures) && (image.flags & kTextureNearest) != 0u) at = min(floor(at), size - 1.0) + 0.5;
+  at += vec2(image.first_texel & 0xffffu, image.first_texel >> 16u);
+  float layer = float(image.flags >> kTextureLayerShift);
+  if (color) return textureLod(color_atlas, vec3(at / vec2(textureSize(color_atlas, 0).xy), layer), 0.0);
+  return textureLod(value_atlas, vec3(at / vec2(textureSize(value_atlas, 0).xy), layer), 0.0);
+}
+
+bool is_sampled(Texture image) {
+  return has_lobe(kFeatureSampledTextures) &&
+         (!has_lobe(kFeatureExactTextures) || (image.flags & kTextureSampled) != 0u);
+}
+
+vec4 look_up(Texture image, vec2 uv, bool color) {
+  if (!has_lobe(kFeatureSampledTextures)) return filter_image(image, uv, color);
+  if (!has_lobe(kFeatureExactTextures)) return filter_by_sampler(image, uv, color);
+  if (is_sampled(image)) return filter_by_sampler(image, uv, color);
+  return filter_image(image, uv, color);
+}
+
 // ---- mip levels -------------------------------------------------------------------------------------------------------
 
 // Area that the look-up stands for, in units of TEXCOORD_0 and of TEXCOORD_1, squared. 0 = a point, which is looked up
@@ -89,8 +115,21 @@ float mip_level(Texture image) {
   return area > 1.0 ? min(0.5 * minus_log2(1.0 / area), float(image.mip_count)) : 0.0;
 }
 
+// In an atlas all levels but the first stand to the right of that one, from its upper edge down.
+Texture sampled_at_level(Texture image, uint level) {
+  Texture small = image;
+  small.first_texel += image.width + 2u * kAtlasBorder;
+  for (uint i = 1u; i < level; ++i) small.first_texel += (mip_size(image.height, i) + 2u * kAtlasBorder) << 16u;
+  small.width = mip_size(image.width, level);
+  small.height = mip_size(image.height, level);
+  return small;
+}
+
 Texture image_at_level(Texture image, uint level) {
   if (level == 0u) return image;
+  if (has_lobe(kFeatureSampledTextures)) {
+    if (is_sampled(image)) return sampled_at_level(image, level);
+  }
   uint words = has(kFeatureFloatTextures) && (image.flags & kTextureFloat) != 0u ? 4u : 1u;
   Texture small = image;
   small.flags &= ~(3u << kTextureBesideShift); // levels lie alone
@@ -109,7 +148,7 @@ vec4 filter_levels(Texture image, vec2 uv, bool color) {
   float share = level - float(finer);
   vec4 value = vec4(0.0);
   for (uint i = 0u; i < (share > 0.0 ? 2u : 1u); ++i) { // a loop: drivers compile one copy of the filter
-    vec4 part = filter_image(image_at_level(image, finer + i), uv, color);
+    vec4 part = look_up(image_at_level(image, finer + i), uv, color);
     value = i == 0u ? part : mix(value, part, share);
   }
   return value;
@@ -121,7 +160,7 @@ vec4 sample_texture(uint index, vec4 uv_sets, bool color) {
   vec2 uv = (image.flags & kTextureUv1) != 0u ? uv_sets.zw : uv_sets.xy;
   if (has(kFeatureTextureTransform) && (image.flags & kTextureMoved) != 0u)
     uv = vec2(dot(image.uv_matrix.xy, uv), dot(image.uv_matrix.zw, uv)) + image.uv_offset;
-  return has_mips() ? filter_levels(image, uv, color) : filter_image(image, uv, color);
+  return has_mips() ? filter_levels(image, uv, color) : look_up(image, uv, color);
 }
 
 vec4 sample_chosen_texture(uint index, vec4 uv_sets, bool color) {

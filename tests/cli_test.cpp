@@ -118,6 +118,7 @@ TEST(Usage, WhatAnIntegratorCannotDoIsRefused) {
   refused({"--branching", "choice"},
           "--branching: is not taken by --integrator path; use --integrator whitted, or leave it out");
   refused({"--denoise", "--strict"}, "--denoise: is biased, which --strict refuses; leave out --denoise");
+  refused({"--textures", "hardware", "--strict"}, "--textures hardware: is biased, which --strict refuses");
   refused({"--denoise", "oidn", "--integrator", "hybrid"}, "--denoise oidn: filters no frames");
   refused({"--aov", "ao"}, "--aov ao: is not taken by --integrator path; use --integrator hybrid or ao");
   refused({"--integrator", "hybrid", "--adaptive"},

@@ -41,6 +41,11 @@ TEST(KernelConfig, CoversWhatNeedsNoMore) {
   KernelNeed elsewhere = generic;
   elsewhere.program = &another;
   EXPECT_FALSE(generic.covers(elsewhere));
+  KernelNeed sampled = generic; // its bindings are others
+  sampled.config.features |= gpu::kFeatureSampledTextures;
+  EXPECT_FALSE(sampled.covers(generic));
+  EXPECT_FALSE(generic.covers(sampled));
+  EXPECT_TRUE(sampled.covers(sampled));
   for (std::uint32_t KernelConfig::*setting :
        {&KernelConfig::sampler, &KernelConfig::direct, &KernelConfig::hemisphere, &KernelConfig::filter,
         &KernelConfig::lens, &KernelConfig::cull, &KernelConfig::motion, &KernelConfig::terminator}) {

@@ -30,9 +30,9 @@ namespace {
 // well, in a row of the table or among the exemptions.
 std::map<std::string, std::string> members(const RenderSettings& settings) {
   const auto& [integrator, width, height, first_sample, last_sample, sample_total, time_limit, target_error, max_depth,
-               sampler, hemisphere, direct, filter, seed, cull, traversal, terminator, aperture, focus, blades,
-               first_hit, shadow_samples, ao_samples, ao_radius, occlusion, antialias, ao_bias, ao_thinness, ambient,
-               shadows, shadow_size, shadow_bias, shadow_bias_amount, shadow_taps, shadow_pattern, shadow_blur,
+               sampler, hemisphere, direct, filter, seed, cull, traversal, textures, terminator, aperture, focus,
+               blades, first_hit, shadow_samples, ao_samples, ao_radius, occlusion, antialias, ao_bias, ao_thinness,
+               ambient, shadows, shadow_size, shadow_bias, shadow_bias_amount, shadow_taps, shadow_pattern, shadow_blur,
                shadow_cascades, shadow_exponent, shadow_bits, shadow_source, shadow_cookie, shadow_ambient, shading,
                interpolation, shininess, attenuation, depth_cue, transparency, transparency_layers,
                transparency_samples, branching, techniques, cutoff, denoise, antialias_over_time, mips, lights,
@@ -55,6 +55,7 @@ std::map<std::string, std::string> members(const RenderSettings& settings) {
           {"seed", text(seed)},
           {"cull", text(cull)},
           {"traversal", text(traversal)},
+          {"textures", text(textures)},
           {"terminator", text(terminator)},
           {"aperture", text(aperture)},
           {"focus", focus ? text(*focus) : "none"},

@@ -5,6 +5,7 @@
 
 #include "host/render/device/kernel_set.h"
 #include "kernels/path/shade.spv.h"
+#include "kernels/scene_types.h"
 #include "tests/probe.h"
 
 #include "tests/probes/trim_probe.spv.h"
@@ -59,6 +60,41 @@ TEST_F(TrimSpirvTest, KernelsKeepWhatTheSceneNeeds) {
   const Words trimmed = trim_spirv(wavepath_shade_spv, constants);
   EXPECT_LT(trimmed.size(), std::size(wavepath_shade_spv) / 2);
   EXPECT_LT(count(trimmed, kOpFunction), count(wavepath_shade_spv, kOpFunction) * 2 / 3);
+}
+
+// Their bindings need not be there: kernels without textures have none of images.
+TEST_F(TrimSpirvTest, ResourcesThatNothingReadsAreGone) {
+  struct Resources {
+    std::size_t declared = 0, atlases = 0, other_listed = 0; // the last: by the entry point, besides those declared
+  };
+  const auto resources = [](std::span<const std::uint32_t> spirv) {
+    Resources found;
+    for (std::size_t at = 5; at < spirv.size(); at += spirv[at] >> 16) {
+      constexpr std::uint32_t kOpEntryPoint = 15, kOpVariable = 59, kOpDecorate = 71, kBinding = 33;
+      const std::uint32_t op = spirv[at] & 0xffffu;
+      found.declared += op == kOpVariable && spirv[at + 3] == 0;
+      found.atlases += op == kOpDecorate && spirv[at + 2] == kBinding && spirv[at + 3] - gpu::kBindAtlases < 2;
+      if (op == kOpEntryPoint) found.other_listed = (spirv[at] >> 16) - 5; // behind "main"
+    }
+    found.other_listed -= found.declared;
+    return found;
+  };
+  const auto trimmed = [&](gpu::Feature features) {
+    KernelConfig config;
+    config.features = features;
+    config.stack_size = 64;
+    return resources(trim_spirv(wavepath_shade_spv, specialization(config, device().info())));
+  };
+  constexpr gpu::Feature kTextured = gpu::kFeatureTextures | gpu::kFeatureBaseColorTextures | gpu::kFeatureSpecular;
+  const Resources whole = resources(wavepath_shade_spv), without = trimmed(gpu::kFeatureEmission),
+                  exact = trimmed(kTextured), sampled = trimmed(kTextured | gpu::kFeatureSampledTextures);
+  EXPECT_EQ(whole.atlases, 2u);
+  EXPECT_EQ(without.atlases, 0u);
+  EXPECT_EQ(exact.atlases, 0u);
+  EXPECT_EQ(sampled.atlases, 2u);
+  EXPECT_LT(without.declared, exact.declared);
+  EXPECT_LT(exact.declared, whole.declared);
+  for (const Resources& some : {without, exact, sampled}) EXPECT_EQ(some.other_listed, whole.other_listed);
 }
 
 TEST_F(TrimSpirvTest, WhatIsNoModuleComesBack) {

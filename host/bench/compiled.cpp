@@ -53,10 +53,10 @@ void compile_for(Device& device, gpu::Feature features, const RenderSettings& se
 std::vector<CompiledKernel> compile_kernels(Device& device, const PackedScene& scene, const RenderSettings& settings,
                                             bool ablate, const std::function<void(const std::string&)>& progress) {
   std::vector<CompiledKernel> kernels;
-  const auto compile = [&](const RenderSettings& variant, const std::string& what) {
+  const auto compile = [&](const RenderSettings& variant, const std::string& what, gpu::Feature more = 0) {
     const std::string name = fmt::format("{}{}", variant.integrator->name, what);
     progress(name);
-    compile_for(device, scene.features, variant, name, kernels);
+    compile_for(device, scene.features | more, variant, name, kernels);
   };
   RenderSettings by_compute = settings;
   by_compute.traversal = kTraversalCompute;
@@ -67,8 +67,12 @@ std::vector<CompiledKernel> compile_kernels(Device& device, const PackedScene& s
     compile(variant, "");
     variant.specialize = false;
     compile(variant, ", generic");
-    if (!device.info().has_ray_queries || kind != &default_integrator()) continue;
+    if (kind != &default_integrator()) continue;
     variant.specialize = true;
+    const bool samples = (scene.features & gpu::kFeatureSampledTextures) != 0; // all of these do
+    if (scene.features & gpu::kFeatureTextures && !samples)
+      compile(variant, ", textures by samplers", gpu::kFeatureSampledTextures);
+    if (!device.info().has_ray_queries) continue;
     variant.traversal = kTraversalHardware;
     compile(variant, ", ray queries");
   }

@@ -21,6 +21,8 @@ namespace {
 void begin_kernels(KernelCompiler& kernels, const DeviceInfo& device, const Scene& scene,
                    const RenderSettings& settings) {
   gpu::Feature features = expected_features(scene, direct_of(settings)) | features_of(settings);
+  if (settings.textures == kTexturesHardware && features & gpu::kFeatureTextures)
+    features |= gpu::kFeatureSampledTextures;
   for (const Camera& camera : scene.cameras)
     if (camera.orthographic) features |= gpu::kFeatureOrthographic;
   settings.integrator->start_kernels(kernels, device, features, settings);

@@ -34,6 +34,7 @@
 #include "host/render/settings/mips.h"
 #include "host/render/settings/settings_table.h"
 #include "host/render/settings/shadow_settings.h"
+#include "host/render/settings/textures.h"
 #include "host/scene/scene_hash.h"
 
 namespace wavepath {
@@ -224,12 +225,14 @@ Prepared prepare(const Request& request) {
   const View view = resolve_view(scene, open.loaded.framing, request.scene.view, settings.width, settings.height);
   const bvh::Quality quality =
       request.render.bvh.value_or(choose_quality(settings, plan(scene).triangles_stored, device));
-  require_memory_for(request.scene.path, settings, plan(scene, quality, wants_mips(settings)), device);
+  std::optional<SamplerLimits> samplers = sampler_limits(settings, device);
+  for (const OtherDevice& other : prepared.others) samplers = common_limits(samplers, other.device->info());
+  require_memory_for(request.scene.path, settings, plan(scene, quality, wants_mips(settings), samplers), device);
   const std::optional<glm::dvec3>& origin = request.render.origin;
   if (needs_identity(request)) prepared.scene_hash = hash_scene(scene);
   prepared.view = view;
-  prepared.packed =
-      pack(scene, direct_of(settings), quality, origin.value_or(view.position), settings.lights, wants_mips(settings));
+  prepared.packed = pack(scene, direct_of(settings), quality, origin.value_or(view.position), settings.lights,
+                         wants_mips(settings), samplers);
   prepared.warnings = scene.warnings;
   prepared.load_seconds = loading.seconds() - prepared.packed.bvh_seconds;
   return prepared;

@@ -105,6 +105,9 @@ std::vector<std::string> list_bias(const RenderSettings& settings, const PackedS
     bias.emplace_back("rays leave meshes from the smooth surface that their normals stand for (--terminator smooth)");
   if (uses_mips(settings) && scene.features & gpu::kFeatureMips)
     bias.emplace_back("textures are looked up at mip levels, as a pixel has one sample (--mips)");
+  if (scene.features & gpu::kFeatureSampledTextures)
+    bias.emplace_back(
+        "textures are filtered by the device's samplers, whose weights have few bits, usually 8 (--textures hardware)");
   if (denoises_film(settings))
     bias.emplace_back(
         "the channels denoised.R,G,B of .exr files, and all of other files, are filtered: detail that is "

@@ -28,6 +28,7 @@
 #include "host/render/bvh_choice.h"
 #include "host/render/settings/settings_table.h"
 #include "host/render/settings/shadow_settings.h"
+#include "host/render/settings/textures.h"
 #include "host/scene/pack/plan.h"
 #include "host/study/page.h"
 #include "host/study/study_report.h"
@@ -149,7 +150,7 @@ private:
 };
 
 // Packs the scene for every light strategy of the grid, and tells each warning once.
-StudyScene pack_scene(LoadedScene& loaded, const Request& request, bvh::Quality quality) {
+StudyScene pack_scene(LoadedScene& loaded, const Request& request, bvh::Quality quality, const DeviceInfo& device) {
   StudyScene study;
   Scene& scene = loaded.scene;
   study.view =
@@ -158,7 +159,8 @@ StudyScene pack_scene(LoadedScene& loaded, const Request& request, bvh::Quality 
   const auto pack_for = [&](std::uint32_t direct) {
     if (study.packed.contains(direct)) return;
     scene.warnings = {};
-    study.packed.emplace(direct, pack(scene, direct, quality, study.view.position));
+    study.packed.emplace(direct, pack(scene, direct, quality, study.view.position, gpu::kLightsAuto, false,
+                                      sampler_limits(request.study.render, device)));
     for (const auto& [text, count] : scene.warnings.counts())
       if (!all.counts().contains(text)) all.add(text, count);
   };
@@ -186,7 +188,7 @@ int run_study_command(const CLI::App& app, Request& request) {
   whole.last_sample = 1 << 16;
   whole.time_limit = settings.budget;
   const bvh::Quality quality = choose_quality(whole, plan(loaded.scene).triangles_stored, device.info());
-  const StudyScene packed = pack_scene(loaded, request, quality);
+  const StudyScene packed = pack_scene(loaded, request, quality, device.info());
   if (std::ranges::count(settings.vary, "shadows") > 0)
     settings.render.shadow_samples = static_cast<std::uint32_t>(
         std::clamp(count_lights(packed.packed.at(gpu::kDirectMis)), std::size_t{1}, kMostShadowSamples));

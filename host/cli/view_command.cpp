@@ -20,6 +20,7 @@
 #include "host/render/settings/mips.h"
 #include "host/render/settings/settings_table.h"
 #include "host/render/settings/shadow_settings.h"
+#include "host/render/settings/textures.h"
 #include "host/scene/environment.h"
 #include "host/view/comparison_choice.h"
 #ifdef WAVEPATH_VIEWER
@@ -106,10 +107,11 @@ public:
     mips_ = wants_mips(expected);
     const DeviceInfo& device = open_.device->info();
     quality_ = request.render.bvh.value_or(choose_quality(expected, plan(scene_).triangles_stored, device));
-    require_memory_for(request.scene.path, settings, plan(scene_, quality_, mips_), device);
+    samplers_ = sampler_limits(settings, device);
+    require_memory_for(request.scene.path, settings, plan(scene_, quality_, mips_, samplers_), device);
     // Lights are packed even for --direct bsdf, because the panel can change that setting.
-    packed_ =
-        pack(scene_, gpu::kDirectMis, quality_, request.render.origin.value_or(view.position), gpu::kLightsAuto, mips_);
+    packed_ = pack(scene_, gpu::kDirectMis, quality_, request.render.origin.value_or(view.position), gpu::kLightsAuto,
+                   mips_, samplers_);
     print_warnings(scene_.warnings);
     environment_ = {request.scene.environment, request.scene.environment_intensity, request.scene.environment_degrees};
     RenderSettings shown = settings; // a window begins anew whenever the camera moves: no pilot unless asked for
@@ -206,7 +208,7 @@ private:
     PackedScene other;
     try {
       relight(wanted, open_.loaded);
-      other = pack(scene_, gpu::kDirectMis, quality_, packed_.origin, gpu::kLightsAuto, mips_);
+      other = pack(scene_, gpu::kDirectMis, quality_, packed_.origin, gpu::kLightsAuto, mips_, samplers_);
     } catch (...) {
       scene_.environment = before;
       scene_.materials = materials;
@@ -234,6 +236,7 @@ private:
   Scene& scene_; // of it
   bvh::Quality quality_{};
   bool mips_ = false; // textures have mip levels
+  std::optional<SamplerLimits> samplers_;
   PackedScene packed_;
   EnvironmentChoice environment_;
   std::unique_ptr<Progressive> progressive_;

@@ -208,6 +208,23 @@ void describe_ray_queries(VkPhysicalDevice physical, DeviceInfo& info) {
   info.max_query_instances = limits.maxInstanceCount;
 }
 
+// Every device samples both formats.
+void describe_images(VkPhysicalDevice physical, DeviceInfo& info) {
+  constexpr VkImageUsageFlags kUsage =
+      VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT;
+  info.max_image_side = info.max_image_layers = ~0u;
+  info.max_image_bytes = ~std::uint64_t{0};
+  for (const VkFormat format : {VK_FORMAT_R8G8B8A8_UNORM, VK_FORMAT_R8G8B8A8_SRGB}) {
+    VkImageFormatProperties most{};
+    check(vkGetPhysicalDeviceImageFormatProperties(physical, format, VK_IMAGE_TYPE_2D, VK_IMAGE_TILING_OPTIMAL, kUsage,
+                                                   0, &most),
+          "asking for the limits of an image");
+    info.max_image_side = std::min({info.max_image_side, most.maxExtent.width, most.maxExtent.height});
+    info.max_image_layers = std::min(info.max_image_layers, most.maxArrayLayers);
+    info.max_image_bytes = std::min<std::uint64_t>(info.max_image_bytes, most.maxResourceSize);
+  }
+}
+
 DeviceInfo describe(VkPhysicalDevice physical, Pose pose) {
   VkPhysicalDeviceProperties base{};
   vkGetPhysicalDeviceProperties(physical, &base);
@@ -240,6 +257,8 @@ DeviceInfo describe(VkPhysicalDevice physical, Pose pose) {
   info.max_storage = limits.maxPerStageDescriptorStorageBuffers;
   info.max_sampled = limits.maxPerStageDescriptorSampledImages;
   info.max_groups = limits.maxComputeWorkGroupCount[0];
+
+  describe_images(physical, info);
 
   VkPhysicalDeviceMemoryProperties memory{};
   vkGetPhysicalDeviceMemoryProperties(physical, &memory);

@@ -17,6 +17,8 @@ struct DeviceInfo {
   std::uint64_t memory_bytes = 0; // largest heap of the device; of an integrated one, largest heap
   std::uint64_t max_storage_range = 0, max_texel_elements = 0, max_allocation = 0;
   std::uint32_t max_groups = 0;
+  std::uint32_t max_image_side = 0, max_image_layers = 0;         // of images of 8 bits a channel that kernels sample,
+  std::uint64_t max_image_bytes = 0;                              // and of all their layers
   std::uint32_t max_sampled = 0;                                  // texel buffers and images of a shader
   std::uint32_t max_storage = 0;                                  // storage buffers of a shader
   double timestamp_period_ns = 0.0;                               // 0 = the queue has no timestamps

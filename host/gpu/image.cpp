@@ -18,7 +18,8 @@ struct Format {
 };
 
 // In the order of ImageFormat.
-constexpr std::array<Format, 11> kFormats{{{"rgba8", VK_FORMAT_R8G8B8A8_UNORM, 4},
+constexpr std::array<Format, 12> kFormats{{{"rgba8", VK_FORMAT_R8G8B8A8_UNORM, 4},
+                                           {"rgba8_srgb", VK_FORMAT_R8G8B8A8_SRGB, 4},
                                            {"rgba16f", VK_FORMAT_R16G16B16A16_SFLOAT, 8},
                                            {"rgba32f", VK_FORMAT_R32G32B32A32_SFLOAT, 16},
                                            {"rg32f", VK_FORMAT_R32G32_SFLOAT, 8},
@@ -192,7 +193,7 @@ void DeviceImage::create_views() {
   for (std::uint32_t i = 0; info_.attachment && i < info_.layers; ++i)
     layer_views_.push_back(view(all_aspects(info_.format), VK_IMAGE_VIEW_TYPE_2D, i, 1));
   if (!info_.sampled) return;
-  const VkImageViewType type = info_.layers > 1 ? VK_IMAGE_VIEW_TYPE_2D_ARRAY : VK_IMAGE_VIEW_TYPE_2D;
+  const VkImageViewType type = info_.layers > 1 || info_.is_array ? VK_IMAGE_VIEW_TYPE_2D_ARRAY : VK_IMAGE_VIEW_TYPE_2D;
   for (const Aspect aspect : {Aspect::main, Aspect::stencil})
     if (aspect == Aspect::main || has_stencil(info_.format))
       sampled_views_[static_cast<std::size_t>(aspect)] =
@@ -244,6 +245,17 @@ VkBufferImageCopy DeviceImage::whole(Aspect aspect) const {
   return region;
 }
 
+VkBufferImageCopy DeviceImage::region_of(const ImagePart& part, std::uint32_t layer) const {
+  VkBufferImageCopy region = whole(Aspect::main);
+  region.bufferOffset = part.offset;
+  region.bufferRowLength = part.row_texels;
+  region.imageSubresource.baseArrayLayer = layer;
+  region.imageSubresource.layerCount = 1;
+  region.imageOffset = {static_cast<std::int32_t>(part.x), static_cast<std::int32_t>(part.y), 0};
+  region.imageExtent = {part.width, part.height, 1};
+  return region;
+}
+
 void DeviceImage::copy_to(VkCommandBuffer commands, const Buffer& to, Aspect aspect, std::uint64_t offset) {
   assert(to.bytes() >=
          offset + std::uint64_t{info_.width} * info_.height * info_.layers * texel_bytes(info_.format, aspect));
@@ -254,15 +266,7 @@ void DeviceImage::copy_to(VkCommandBuffer commands, const Buffer& to, Aspect asp
 
 void DeviceImage::copy_to(VkCommandBuffer commands, const Buffer& to, std::span<const ImagePart> parts) {
   std::vector<VkBufferImageCopy> regions;
-  for (const ImagePart& part : parts) {
-    VkBufferImageCopy region = whole(Aspect::main);
-    region.bufferOffset = part.offset;
-    region.bufferRowLength = part.row_texels;
-    region.imageSubresource.layerCount = 1;
-    region.imageOffset = {static_cast<std::int32_t>(part.x), static_cast<std::int32_t>(part.y), 0};
-    region.imageExtent = {part.width, part.height, 1};
-    regions.push_back(region);
-  }
+  for (const ImagePart& part : parts) regions.push_back(region_of(part, 0));
   copy_regions(commands, to, regions);
 }
 
@@ -275,8 +279,16 @@ void DeviceImage::copy_regions(VkCommandBuffer commands, const Buffer& to, std::
 
 void DeviceImage::copy_from(VkCommandBuffer commands, const Buffer& from, Aspect aspect) {
   assert(from.bytes() >= std::uint64_t{info_.width} * info_.height * info_.layers * texel_bytes(info_.format, aspect));
+  copy_region_from(commands, from, whole(aspect));
+}
+
+void DeviceImage::copy_from(VkCommandBuffer commands, const Buffer& from, const ImagePart& part, std::uint32_t layer) {
+  assert(layer < info_.layers);
+  copy_region_from(commands, from, region_of(part, layer));
+}
+
+void DeviceImage::copy_region_from(VkCommandBuffer commands, const Buffer& from, const VkBufferImageCopy& region) {
   record_barriers(commands, std::array{barrier(ImageUse::copied_to)}, kWrittenByKernelOrCopy, kUsedByCopy);
-  const VkBufferImageCopy region = whole(aspect);
   vkCmdCopyBufferToImage(commands, from.handle(), image_, layout(use_), 1, &region);
   record_barrier(commands, kWrittenByCopy, used_by_shader_or_copy(device_));
 }

@@ -17,10 +17,11 @@ namespace wavepath {
 
 class Buffer;
 
-// Every Vulkan 1.3 device draws into and samples the formats but the last two, and filters rgba8 and rgba16f linearly.
-// What a device lacks beyond that is refused.
+// Every Vulkan 1.3 device draws into and samples the formats but the last two, and filters rgba8, rgba8_srgb and
+// rgba16f linearly. What a device lacks beyond that is refused.
 enum class ImageFormat {
-  rgba8, // fixed point, 0 to 1
+  rgba8,      // fixed point, 0 to 1
+  rgba8_srgb, // the same, colours decoded from sRGB before they are filtered
   rgba16f,
   rgba32f,
   rg32f,
@@ -68,9 +69,10 @@ struct ImageInfo {
   std::uint32_t width = 0, height = 0, layers = 1;
   bool attachment = false; // rasterization draws into it
   bool sampled = false;    // kernels sample it
+  bool is_array = false;   // as an array, though it may have a single layer
 };
 
-// A rectangle of an image, and where a copy of it goes in a buffer: its first byte, and the texels from row to row.
+// A rectangle of an image, and where its copy is in a buffer: its first byte, and the texels from row to row.
 struct ImagePart {
   std::uint32_t x = 0, y = 0, width = 0, height = 0;
   std::uint64_t offset = 0;
@@ -106,12 +108,15 @@ public:
   // multiple of 4.
   void copy_to(VkCommandBuffer commands, const Buffer& to, Aspect aspect = Aspect::main, std::uint64_t offset = 0);
   void copy_from(VkCommandBuffer commands, const Buffer& from, Aspect aspect = Aspect::main);
-  // The same of parts of the first layer, the colour alone.
+  // The same of a part of one layer, and of parts of the first, the colour alone.
+  void copy_from(VkCommandBuffer commands, const Buffer& from, const ImagePart& part, std::uint32_t layer);
   void copy_to(VkCommandBuffer commands, const Buffer& to, std::span<const ImagePart> parts);
 
 private:
   VkBufferImageCopy whole(Aspect aspect) const;
+  VkBufferImageCopy region_of(const ImagePart& part, std::uint32_t layer) const;
   void copy_regions(VkCommandBuffer commands, const Buffer& to, std::span<const VkBufferImageCopy> regions);
+  void copy_region_from(VkCommandBuffer commands, const Buffer& from, const VkBufferImageCopy& region);
   void create();
   void create_views();
   void release();

@@ -15,6 +15,7 @@ using namespace spirv;
 
 constexpr std::uint32_t kSpecId = 1; // a decoration
 constexpr std::uint32_t kNowhere = ~0u;
+constexpr std::uint32_t kUniformConstant = 0; // a storage class: textures and texel buffers
 
 using Value = std::optional<std::uint32_t>; // of an integer of 32 bits or a boolean, where it is known
 
@@ -198,11 +199,16 @@ public:
     }
     for (std::size_t at = 0; at < code.size(); at += code[at] >> 16)
       mark({code[at] & 0xffffu, std::span(code).subspan(at, code[at] >> 16)}, kept);
+    const std::vector<bool> unread = unread_resources(code);
     std::vector<std::uint32_t> module(spirv_.begin(), spirv_.begin() + kHeaderWords);
     for (const Instruction& one : globals_) {
       const bool decorates = one.op == OpDecorate || one.op == OpMemberDecorate || one.op == OpDecorateId;
-      if (decorates && in_functions[one.words[1]] && !kept[one.words[1]]) continue;
-      module.insert(module.end(), one.words.begin(), one.words.end());
+      if (decorates && ((in_functions[one.words[1]] && !kept[one.words[1]]) || unread[one.words[1]])) continue;
+      if (one.op == OpVariable && unread[one.words[2]]) continue;
+      if (one.op == OpEntryPoint)
+        put_entry(one, unread, module);
+      else
+        put(module, one);
     }
     module.insert(module.end(), code.begin(), code.end());
     return module;
@@ -427,6 +433,29 @@ private:
         put(code, OpUnreachable, {});
     }
     put(code, OpFunctionEnd, {});
+  }
+
+  // Textures and texel buffers that the code left does not name: their bindings need not be there. A number that
+  // happens to be the same keeps one.
+  std::vector<bool> unread_resources(const std::vector<std::uint32_t>& code) const {
+    std::vector<bool> unread(values_.size());
+    for (const Instruction& one : globals_)
+      if (one.op == OpVariable && one.words[3] == kUniformConstant) unread[one.words[2]] = true;
+    for (std::size_t at = 0; at < code.size(); at += code[at] >> 16)
+      for (const std::uint32_t word : std::span(code).subspan(at + 1, (code[at] >> 16) - 1))
+        if (word < unread.size()) unread[word] = false;
+    return unread;
+  }
+
+  // An entry point lists the variables that it uses, after its name, whose last word holds a zero byte.
+  static void put_entry(const Instruction& one, const std::vector<bool>& unread, std::vector<std::uint32_t>& module) {
+    std::size_t at = 3;
+    while (at < one.words.size() && one.words[at] >> 24 != 0) ++at;
+    const std::size_t begin = module.size();
+    module.insert(module.end(), one.words.begin(), one.words.begin() + static_cast<std::ptrdiff_t>(at + 1));
+    for (const std::uint32_t id : one.words.subspan(at + 1))
+      if (!unread[id]) module.push_back(id);
+    module[begin] = static_cast<std::uint32_t>(module.size() - begin) << 16 | OpEntryPoint;
   }
 
   bool is_folded(const Block& block) const { return block.end().op == OpBranchConditional && condition(block); }

@@ -9,6 +9,7 @@
 
 #include "host/film/picture_io.h"
 #include "host/gpu/commands.h"
+#include "host/render/settings/textures.h"
 #include "host/selftest/scenes.h"
 #include "host/selftest/selftest.h"
 #include "host/selftest/shapes.h"
@@ -110,6 +111,70 @@ Measurement texture_coordinates(const SelftestContext& context) {
           "0, 0, 1 texel (of 64) at 10^4 periods",
           outside + broken == 0 && worst <= 1.0 ? Verdict::pass : Verdict::fail,
           "coordinates to 3.4e38, infinite and not a number; repeated, mirrored, clamped; filtered and nearest"};
+}
+
+// Noise of an odd size behind every pair of wrap modes, filtered and not, as a colour and as values.
+Scene noisy_scene() {
+  constexpr std::uint32_t kWidth = 61, kHeight = 37;
+  Scene scene;
+  Image& image = scene.images.emplace_back();
+  image.width = kWidth, image.height = kHeight;
+  Random random(17);
+  for (std::uint32_t i = 0; i < 4 * kWidth * kHeight; ++i)
+    image.bytes.push_back(static_cast<std::uint8_t>(random.uniform(0.0f, 255.99f)));
+  constexpr Wrap kWraps[] = {Wrap::repeat, Wrap::clamp, Wrap::mirror};
+  for (int k = 0; k < 18; ++k) {
+    const std::uint32_t material = add_lambert(scene, glm::vec3(1.0f));
+    const TextureSlot slot{.image = 0, .wrap_u = kWraps[k % 3], .wrap_v = kWraps[k / 3 % 3], .nearest = k >= 9};
+    scene.materials[material].base_color_texture = scene.materials[material].metallic_roughness_texture = slot;
+    scene.materials[material].base_color_texture.srgb = true;
+    add_quad(scene, {0, 0, -float(k)}, {1, 0, 0}, {0, 1, 0}, material);
+    scene.meshes.back().uvs[0].assign(6, glm::vec2(0.0f));
+  }
+  return scene;
+}
+
+// Look-ups of all textures of a noisy scene at the same places.
+std::vector<float> look_up_noise(const SelftestContext& context, std::uint32_t textures, bool by_color) {
+  RenderSettings settings;
+  settings.textures = textures;
+  Scene source = noisy_scene();
+  TracedScene scene(context.device, context.kernels,
+                    pack(source, gpu::kDirectMis, bvh::Quality::fast, {}, gpu::kLightsAuto, false,
+                         sampler_limits(settings, context.device.info())));
+  Random random(23);
+  std::vector<gpu::Ray> requests;
+  for (int i = 0; i < 30000; ++i) {
+    const gpu::Material& material = scene.packed().materials[std::size_t(i) % 18];
+    const std::uint32_t texture = by_color ? material.base_color_texture : material.metallic_roughness_texture;
+    requests.push_back(
+        {{random.uniform(-2.0f, 3.0f), random.uniform(-2.0f, 3.0f), 0}, texture, {}, by_color ? 0.0f : -1.0f});
+  }
+  std::vector<float> values;
+  for (const gpu::Hit& hit : scene.run(wavepath_selftest_texture_spv, requests, 1))
+    values.insert(values.end(),
+                  {std::bit_cast<float>(hit.triangle), std::bit_cast<float>(hit.instance), hit.b1, hit.b2});
+  return values;
+}
+
+// Weights of 8 bits that are cut off miss by 1/256 of the contrast along each axis, and so may what the place in the
+// image loses by rounding. What the average of 240,000 channels is off by shows a shift or another decoding.
+constexpr double kSamplerError = 3.0 / 256.0, kSamplerBias = 0.0005;
+
+Measurement samplers(const SelftestContext& context) {
+  double worst = 0.0, mean = 0.0;
+  for (const bool by_color : {false, true}) {
+    const std::vector<float> exact = look_up_noise(context, kTexturesExact, by_color),
+                             found = look_up_noise(context, kTexturesHardware, by_color);
+    for (std::size_t i = 0; i < exact.size(); ++i) {
+      const double error = double{found[i]} - double{exact[i]};
+      worst = std::max(worst, std::abs(error));
+      mean += error / static_cast<double>(2 * exact.size());
+    }
+  }
+  return {"what kernels find", fmt::format("{:.5f} apart, {:+.6f} on average", worst, mean), "3/256, 0.0005",
+          worst <= kSamplerError && std::abs(mean) <= kSamplerBias ? Verdict::pass : Verdict::fail,
+          "noise of full contrast, as colours and as values, in every wrap mode, filtered and nearest"};
 }
 
 // Three lamps of these radiances on a wall, above a floor whose middle has the albedo `dark`.
@@ -235,6 +300,8 @@ constexpr SelftestCase kCases[] = {
     {40, "random numbers lie in [0, 1)", "rare samples fall outside of lights and pixels, as fireflies", unit_interval},
     {41, "texture coordinates far out", "textures that repeat often smear, broken ones turn pixels black",
      texture_coordinates},
+    {0, "samplers find what kernels find", "textures are blurred, shifted or off in colour with --textures hardware",
+     samplers},
 };
 
 } // namespace

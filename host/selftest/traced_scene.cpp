@@ -1,6 +1,7 @@
 #include "host/selftest/traced_scene.h"
 
 #include <algorithm>
+#include <iterator>
 
 #include "host/gpu/commands.h"
 #include "host/integrators/path/paths.h"
@@ -18,6 +19,8 @@ std::unique_ptr<BindingSet> bind_path_tracer(Device& device, std::span<const Bin
     const auto found = std::ranges::find(given, binding.slot, &Binding::slot);
     binding.buffer = found == given.end() ? &unused : found->buffer;
   }
+  std::ranges::copy_if(given, std::back_inserter(bindings), // which only scenes with such have
+                       [](const Binding& binding) { return binding.kind == BindingKind::sampled_image; });
   return std::make_unique<BindingSet>(device, bindings, static_cast<std::uint32_t>(sizeof(gpu::Wave)));
 }
 

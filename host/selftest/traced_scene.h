@@ -28,7 +28,7 @@ public:
 
 private:
   Device& device_;
-  std::map<std::tuple<const std::uint32_t*, std::uint32_t, std::uint32_t>, Kernel> kernels_;
+  std::map<std::tuple<const std::uint32_t*, gpu::Feature, std::uint32_t>, Kernel> kernels_;
 };
 
 class TracedScene {

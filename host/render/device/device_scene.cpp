@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "host/base/error.h"
+#include "host/gpu/commands.h"
 #include "host/render/device/query_scene.h"
 #include "host/scene/pack/srgb.h"
 #include "kernels/light_tree_types.h"
@@ -79,7 +80,57 @@ std::vector<Buffer> upload_pages(Device& device, std::span<const std::uint32_t> 
   return pages;
 }
 
+// By bands of rows, so that no more than one of them is on the device twice.
+std::unique_ptr<DeviceImage> upload_atlas(Device& device, const Atlas& atlas, bool is_color) {
+  const ImageInfo info{.name = is_color ? "colour textures" : "textures of values",
+                       .format = is_color ? ImageFormat::rgba8_srgb : ImageFormat::rgba8,
+                       .width = atlas.width,
+                       .height = atlas.height,
+                       .layers = atlas.layers,
+                       .sampled = true,
+                       .is_array = true};
+  auto image = std::make_unique<DeviceImage>(device, info);
+  constexpr std::uint32_t kBandTexels = 1u << 22; // 16 MiB
+  const std::uint32_t band = std::clamp(kBandTexels / atlas.width, 1u, atlas.height);
+  Buffer staged(device, std::uint64_t{band} * atlas.width * sizeof(std::uint32_t));
+  Commands commands(device);
+  const std::uint32_t* words = atlas.words.data();
+  for (std::uint32_t layer = 0; layer < atlas.layers; ++layer)
+    for (std::uint32_t y = 0; y < atlas.height; y += band) {
+      const std::uint32_t rows = std::min(band, atlas.height - y);
+      const std::size_t texels = std::size_t{rows} * atlas.width;
+      staged.write(words, texels * sizeof(std::uint32_t));
+      words += texels;
+      image->copy_from(commands.handle(), staged, {.y = y, .width = atlas.width, .height = rows}, layer);
+      commands.submit_and_wait();
+      commands.restart(0);
+    }
+  image->transition(commands.handle(), ImageUse::sampled);
+  commands.submit_and_wait();
+  return image;
+}
+
+bool any_sampled(const PackedScene& scene) { return !scene.atlases[0].empty() || !scene.atlases[1].empty(); }
+
 } // namespace
+
+AtlasImages upload_atlases(Device& device, const Atlases& atlases) {
+  const Atlas stand_in{1, 1, 1, {0}};
+  AtlasImages images;
+  for (std::size_t i = 0; i < images.size(); ++i)
+    images[i] = upload_atlas(device, atlases[i].empty() ? stand_in : atlases[i], i == 1);
+  return images;
+}
+
+std::vector<Binding> atlas_bindings(const AtlasImages& images) {
+  std::vector<Binding> bindings;
+  for (std::uint32_t i = 0; i < images.size(); ++i)
+    bindings.push_back({.slot = gpu::kBindAtlases + i,
+                        .kind = BindingKind::sampled_image,
+                        .image = images[i].get(),
+                        .sampling = {.filter = Filter::linear}});
+  return bindings;
+}
 
 DeviceScene upload_scene(Device& device, const PackedScene& scene, bool by_query) {
   const DeviceInfo& info = device.info();
@@ -102,7 +153,7 @@ DeviceScene upload_scene(Device& device, const PackedScene& scene, bool by_query
                               bytes_of(scene.triangle_vertices) + bytes_of(scene.vertex_normals) +
                               bytes_of(scene.vertex_uvs) + bytes_of(scene.vertex_colors) + bytes_of(scene.texels) +
                               bytes_of(scene.environment) + bytes_of(scene.lights) + bytes_of(scene.light_part_ends) +
-                              bytes_of(scene.light_tree);
+                              bytes_of(scene.light_tree) + scene.atlases[0].bytes() + scene.atlases[1].bytes();
   if (total > info.memory_bytes)
     throw Error(info.name,
                 fmt::format("the scene takes {:.0f} MiB, the device has {:.0f} MiB", total / 1048576.0,
@@ -127,7 +178,8 @@ DeviceScene upload_scene(Device& device, const PackedScene& scene, bool by_query
   result.materials = upload(device, material_bytes(scene));
   result.textures = upload(device, scene.textures);
   result.texels = upload_pages(device, scene.texels);
-  result.srgb_table = upload(device, scene.textures.empty() ? std::vector<float>{} : srgb_decoding());
+  result.srgb_table = upload(device, scene.texels.empty() ? std::vector<float>{} : srgb_decoding());
+  if (any_sampled(scene)) result.atlases = upload_atlases(device, scene.atlases);
   result.lights = upload(device, light_words(scene));
   result.light_tree = upload(device, scene.light_tree);
   result.environment = upload(device, scene.environment);
@@ -159,6 +211,8 @@ std::vector<Binding> DeviceScene::bindings() const {
                    .kind = texels_r32ui,
                    .buffer = page < texels.size() ? &texels[page] : &srgb_table,
                    .is_small = true});
+  if (atlases[0])
+    for (const Binding& binding : atlas_bindings(atlases)) all.push_back(binding);
   return all;
 }
 
@@ -169,6 +223,7 @@ std::uint64_t DeviceScene::bvh_bytes() const {
 std::uint64_t DeviceScene::other_bytes() const {
   std::uint64_t texel_bytes = 0;
   for (const Buffer& page : texels) texel_bytes += page.bytes();
+  for (const auto& atlas : atlases) texel_bytes += atlas ? atlas->bytes() : 0;
   return triangle_vertices.bytes() + vertex_normals.bytes() + vertex_uvs.bytes() + vertex_colors.bytes() +
          materials.bytes() + textures.bytes() + texel_bytes + srgb_table.bytes() + lights.bytes() + light_tree.bytes() +
          environment.bytes() + environment_ends.bytes();

@@ -8,6 +8,7 @@
 
 #include "host/base/clock.h"
 #include "host/gpu/commands.h"
+#include "host/render/device/device_scene.h"
 #include "host/render/settings/traversal.h"
 #include "kernels/frame_types.h"
 
@@ -37,7 +38,9 @@ bool sorts_for(std::uint32_t sort, std::uint32_t needed) {
 
 } // namespace
 
+// Bindings are what a set of other kernels cannot do with more or fewer of.
 bool KernelNeed::covers(const KernelNeed& need) const {
+  if ((config.features ^ need.config.features) & gpu::kFeatureSampledTextures) return false;
   KernelNeed reduced = *this;
   reduced.config.features = need.config.features;
   reduced.config.stack_size = need.config.stack_size;
@@ -79,14 +82,20 @@ KernelSet::KernelSet(Device& device, const KernelNeed& need) : need_(need), kern
   const Clock::time_point start = Clock::now();
   std::vector<Binding> slots = need.program->layout();
   constexpr auto kPushed = static_cast<std::uint32_t>(sizeof(gpu::Wave));
-  const BindingLayout layout(device, slots, kPushed);
+  const std::size_t buffers = slots.size();
+  const bool samples = (config().features & gpu::kFeatureSampledTextures) != 0;
   std::optional<Buffer> stand_in;
+  AtlasImages images;
+  if (samples && device.use() == DeviceUse::run) images = upload_atlases(device, {});
+  if (samples)
+    for (const Binding& binding : atlas_bindings(images)) slots.push_back(binding);
+  const BindingLayout layout(device, slots, kPushed);
   std::optional<BindingSet> bindings; // of what runs
   if (device.use() == DeviceUse::run) {
     stand_in.emplace(device, kStandInBytes);
     const std::vector<std::uint8_t> ones(kStandInBytes, kUniformByte);
     stand_in->write(ones.data(), ones.size());
-    for (Binding& slot : slots) slot.buffer = &*stand_in;
+    for (Binding& slot : std::span(slots).first(buffers)) slot.buffer = &*stand_in;
     bindings.emplace(device, slots, kPushed);
   }
   const auto constants = specialization(need.config, device.info());

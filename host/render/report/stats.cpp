@@ -159,6 +159,16 @@ Json nonfinite_json(const Nonfinite& nonfinite, const RenderSettings& settings) 
 
 } // namespace
 
+Json textures_json(const RenderSettings& settings, const PackedScene& packed) {
+  std::size_t sampled = 0;
+  for (const gpu::Texture& texture : packed.textures) sampled += (texture.flags & gpu::kTextureSampled) != 0;
+  return {{"filtering", kTextureFilterNames[settings.textures]},
+          {"by_sampler", sampled},
+          {"exact", packed.textures.size() - sampled},
+          {"texel_bytes", packed.texels.size() * sizeof(std::uint32_t)},
+          {"image_bytes", packed.atlases[0].bytes() + packed.atlases[1].bytes()}};
+}
+
 Json bvh_json(const PackedScene& packed) {
   const std::uint64_t bytes =
       packed.nodes.size() * sizeof(bvh::WideNode) + packed.triangles.size() * sizeof(gpu::Triangle);
@@ -261,6 +271,7 @@ Json stats_document(const Run& run) {
       {"light_selection", light_selection_json(run)},
       {"seconds", seconds_json(run)},
       {"bvh", bvh_json(run.packed)},
+      {"textures", textures_json(settings, run.packed)},
       {"traversal", result.by_query ? "hardware" : "compute"},
       {"rays", to_json(result.rays)},
       {"mrays_per_second",

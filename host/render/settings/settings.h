@@ -24,6 +24,9 @@ inline constexpr std::uint32_t kFirstHitAuto = 0, kFirstHitRaster = 1, kFirstHit
 // kernels, or by ray queries in any case.
 inline constexpr std::uint32_t kTraversalAuto = 0, kTraversalCompute = 1, kTraversalHardware = 2;
 
+// By what textures are filtered: by kernels in fp32, or by the device's samplers.
+inline constexpr std::uint32_t kTexturesExact = 0, kTexturesHardware = 1;
+
 // How noise is filtered: by filters of our own, or finished pictures by Intel's Open Image Denoise.
 inline constexpr std::uint32_t kDenoiseOff = 0, kDenoiseOn = 1, kDenoiseOidn = 2;
 
@@ -48,6 +51,7 @@ struct RenderSettings {
   std::uint32_t seed = 0;
   std::uint32_t cull = gpu::kCullCamera;    // rays that single-sided surfaces let pass from behind
   std::uint32_t traversal = kTraversalAuto; // by what rays are traced
+  std::uint32_t textures = kTexturesExact;  // by what textures are filtered; the scene was packed for it
   // Taken by some integrators only.
   std::uint32_t terminator = gpu::kTerminatorFacets; // where rays leave surfaces with vertex normals
   double aperture = 0.0;                             // metres across the lens; 0 = a pinhole

@@ -246,6 +246,11 @@ std::vector<Setting> transport_rows() {
                   "hardware for them. Of surfaces at the same place another may be met",
        .decides = Decides::nothing,
        .offered = kByAll},
+      {.name = "textures",
+       .value = ChoiceValue{&S::textures, kTextureFilterNames},
+       .meaning = "textures are filtered in single precision, which gives every device the same bits; or, those of 8 "
+                  "bits, by the device's samplers, whose weights have 8 bits as well, which is biased",
+       .offered = kByAll},
       {.name = "terminator",
        .value = ChoiceValue{&S::terminator, kTerminatorNames},
        .meaning = "where rays leave coarse meshes with smooth normals: from their facets, which is what the file holds "

@@ -20,6 +20,7 @@ inline constexpr std::string_view kCullNames[] = {"camera", "all", "none"};
 inline constexpr std::string_view kFilterNames[] = {"box", "gaussian", "blackman-harris"};
 inline constexpr std::string_view kBranchingNames[] = {"tree", "choice"};
 inline constexpr std::string_view kTraversalNames[] = {"auto", "compute", "hardware"};
+inline constexpr std::string_view kTextureFilterNames[] = {"exact", "hardware"};
 inline constexpr std::string_view kFirstHitNames[] = {"auto", "raster", "traced"};
 
 std::span<const Setting> settings_table();

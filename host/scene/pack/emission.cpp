@@ -39,8 +39,8 @@ EmissionMap build_map(const PackedScene& packed, const gpu::Material& material) 
   for (std::size_t y = 0; y < height; ++y) {
     std::uint32_t row = 0;
     for (std::size_t x = 0; x < width; ++x) {
-      const glm::vec4 texel =
-          read_texel(map.texture, packed.texels, static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y));
+      const glm::vec4 texel = read_texel(map.texture, packed.texels, packed.atlases, static_cast<std::uint32_t>(x),
+                                         static_cast<std::uint32_t>(y));
       const double value = luminance(glm::dvec3(material.emission) * glm::dvec3(texel));
       map.luminance[y * width + x] = static_cast<float>(value);
       map.mean += value / static_cast<double>(width * height);

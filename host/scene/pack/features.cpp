@@ -98,7 +98,12 @@ gpu::Feature find_features(const Scene& scene, const Usage& usage, const PackedS
   std::uint32_t flags = 0;
   for (const gpu::Triangle& triangle : packed.triangles) flags |= triangle.surface;
   std::uint32_t texture_flags = 0, mip_count = 0;
-  for (const gpu::Texture& texture : packed.textures) texture_flags |= texture.flags, mip_count |= texture.mip_count;
+  bool exact = false;
+  for (const gpu::Texture& texture : packed.textures) {
+    texture_flags |= texture.flags, mip_count |= texture.mip_count;
+    exact |= !(texture.flags & gpu::kTextureSampled);
+  }
+  const bool sampled = (texture_flags & gpu::kTextureSampled) != 0;
   return material_features(scene, usage) | light_features(packed) | bit_if(packed.root_is_top, gpu::kFeatureInstances) |
          bit_if(flags & gpu::kTriangleAlpha, gpu::kFeatureAlpha) |
          bit_if((flags & gpu::kTrianglePane) && !packed.lights.empty(), gpu::kFeaturePanes) |
@@ -108,6 +113,7 @@ gpu::Feature find_features(const Scene& scene, const Usage& usage, const PackedS
          bit_if(texture_flags & gpu::kTextureMoved, gpu::kFeatureTextureTransform) |
          bit_if(texture_flags & gpu::kTextureFloat, gpu::kFeatureFloatTextures) |
          bit_if(mip_count > 0, gpu::kFeatureMips) | page_features(packed.texels.size()) |
+         bit_if(sampled, gpu::kFeatureSampledTextures) | bit_if(sampled && exact, gpu::kFeatureExactTextures) |
          bit_if(texture_flags & gpu::kTextureNearest, gpu::kFeatureNearestTextures);
 }
 

@@ -30,7 +30,7 @@ void convert(const Material& m, const Scene& scene, MaterialTable& table) {
       [&]<class T>(const MaterialChoice<T>& row) { out.flags |= row.bits[static_cast<std::size_t>(m.*row.field)]; },
       [&](const MaterialTexture& row) {
         const bool covers = row.field == &Material::base_color_texture && m.alpha_mode != AlphaMode::opaque;
-        put(row.packed, add_texture(table.textures, scene, m.*row.field, covers));
+        put(row.packed, add_texture(table.textures, scene, m.*row.field, row.srgb, covers));
       }});
 }
 
@@ -83,9 +83,11 @@ bool may_be_pane(const Material& m) {
   return transmits && !metal && smooth;
 }
 
-MaterialTable pack_materials(const Scene& scene, const Usage& usage, bool mips) {
+MaterialTable pack_materials(const Scene& scene, const Usage& usage, bool mips,
+                             const std::optional<SamplerLimits>& samplers) {
   MaterialTable table;
   table.textures.has_mips = mips;
+  table.textures.samplers = samplers;
   table.packed_index.assign(scene.materials.size(), kNoIndex);
   const std::vector<std::uint32_t> priorities = body_priorities(scene);
   for (std::size_t m = 0; m < scene.materials.size(); ++m) {
@@ -94,6 +96,7 @@ MaterialTable pack_materials(const Scene& scene, const Usage& usage, bool mips) 
     convert(scene.materials[m], scene, table);
     table.materials.back().flags |= priorities[m] << gpu::kMaterialPriorityShift;
   }
+  place_textures(table.textures, scene);
   return table;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "host/scene/pack/textures.h"
@@ -19,7 +20,9 @@ struct MaterialTable {
 };
 
 // Texture indices point into the table's own textures; no texel is touched. `mips`: textures get mip levels.
-MaterialTable pack_materials(const Scene& scene, const Usage& usage, bool mips = false);
+// `samplers`: those of the device are to look up textures.
+MaterialTable pack_materials(const Scene& scene, const Usage& usage, bool mips = false,
+                             const std::optional<SamplerLimits>& samplers = {});
 
 // The kLobe bits of what the material has beyond metallic-roughness.
 gpu::Feature layer_lobes(const Material& material);

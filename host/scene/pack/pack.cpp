@@ -101,10 +101,21 @@ void place_origin(const Scene& scene, const std::optional<glm::dvec3>& eye, Pack
   packed.centre = glm::vec3(bounds.centre() - packed.origin);
 }
 
+// What --textures hardware cannot do for.
+void warn_of_exact(const TextureTable& textures, Warnings& warnings) {
+  const ExactTextures exact = count_exact(textures);
+  if (exact.floats > 0)
+    warnings.add("textures of more than 8 bits are filtered exactly in spite of --textures hardware", exact.floats);
+  if (exact.without_room > 0)
+    warnings.add(
+        "textures are filtered exactly in spite of --textures hardware, as the device's images cannot hold them",
+        exact.without_room);
+}
+
 } // namespace
 
 PackedScene pack(Scene& scene, std::uint32_t direct, bvh::Quality quality, const std::optional<glm::dvec3>& eye,
-                 std::uint32_t lights, bool mips) {
+                 std::uint32_t lights, bool mips, const std::optional<SamplerLimits>& samplers) {
   PackedScene packed;
   packed.bvh_quality = quality;
   place_origin(scene, eye, packed);
@@ -113,7 +124,7 @@ PackedScene pack(Scene& scene, std::uint32_t direct, bvh::Quality quality, const
   layout.usage = find_usage(scene);
   layout.image_alpha = smallest_image_alpha(scene, layout.usage);
 
-  MaterialTable materials = pack_materials(scene, layout.usage, mips);
+  MaterialTable materials = pack_materials(scene, layout.usage, mips, samplers);
   layout.material_index = std::move(materials.packed_index);
   packed.materials = std::move(materials.materials);
   for (std::size_t m = 0; m < scene.materials.size(); ++m)
@@ -122,6 +133,8 @@ PackedScene pack(Scene& scene, std::uint32_t direct, bvh::Quality quality, const
     throw Error(scene.path, "has more than 268435455 materials", "merge materials that are equal");
   packed.textures = materials.textures.textures;
   packed.texels = pack_texels(materials.textures, scene);
+  packed.atlases = pack_atlases(materials.textures, scene);
+  warn_of_exact(materials.textures, scene.warnings);
 
   const Streams streams = needed_streams(scene, layout.usage);
   layout.with_vertices = streams.any();

@@ -9,6 +9,7 @@
 #include <glm/glm.hpp>
 
 #include "bvh/build.h"
+#include "host/scene/pack/atlas.h"
 #include "kernels/features.h"
 #include "kernels/scene_types.h"
 
@@ -54,7 +55,8 @@ struct PackedScene {
   std::vector<glm::vec4> albedo_tables;
   std::vector<std::string> material_names; // for messages
   std::vector<gpu::Texture> textures;
-  std::vector<std::uint32_t> texels;
+  std::vector<std::uint32_t> texels; // of textures that kernels look up themselves;
+  Atlases atlases;                   // and of those that samplers of the device look up
 
   std::vector<gpu::Light> lights;             // that next-event estimation samples, the environment included
   std::vector<std::uint32_t> light_part_ends; // intervals of the parts of triangles that are cut, one after the other

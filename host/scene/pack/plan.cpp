@@ -17,10 +17,10 @@ std::uint64_t instance_node_bytes(std::uint64_t instances) { return (instances /
 
 } // namespace
 
-Plan plan(const Scene& scene, bvh::Quality quality, bool mips) {
+Plan plan(const Scene& scene, bvh::Quality quality, bool mips, const std::optional<SamplerLimits>& samplers) {
   const Usage usage = find_usage(scene);
   const Streams streams = needed_streams(scene, usage);
-  const MaterialTable materials = pack_materials(scene, usage, mips);
+  const MaterialTable materials = pack_materials(scene, usage, mips, samplers);
 
   Plan plan;
   plan.triangles_stored = usage.triangles_stored;
@@ -39,14 +39,16 @@ Plan plan(const Scene& scene, bvh::Quality quality, bool mips) {
   const std::uint64_t nodes = triangle_node_bytes(items) + (placed > 0 ? instance_node_bytes(plan.instances) : 0);
   plan.node_bytes = nodes + placed;
   plan.vertex_bytes = (streams.count() + (moving && streams.normals ? 1 : 0)) * stream;
-  plan.texel_bytes = materials.textures.word_count * sizeof(std::uint32_t);
+  const std::uint64_t texels = materials.textures.word_count * sizeof(std::uint32_t);
+  const Atlases& atlases = materials.textures.atlases;
+  plan.texel_bytes = texels + atlases[0].bytes() + atlases[1].bytes();
   plan.environment_bytes =
       environment + environment / 4 + scene.environment.height * sizeof(std::uint32_t); // and its distribution
   const std::uint64_t local_lights = count_emitters(scene, usage) + scene.lights.size();
   plan.light_bytes = (local_lights + 1) * sizeof(gpu::Light);
   if (local_lights > kFewLights) plan.light_tree_bytes = light_tree_bytes(local_lights);
-  plan.largest_buffer = std::max(
-      {triangles, corners, nodes, placed, streams.any() ? stream : 0, plan.texel_bytes, environment, plan.light_bytes});
+  plan.largest_buffer = std::max({triangles, corners, nodes, placed, streams.any() ? stream : 0, texels,
+                                  atlases[0].bytes(), atlases[1].bytes(), environment, plan.light_bytes});
   return plan;
 }
 

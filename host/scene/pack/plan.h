@@ -2,8 +2,10 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "bvh/build.h"
+#include "host/scene/pack/atlas.h"
 #include "host/scene/scene.h"
 
 namespace wavepath {
@@ -20,7 +22,8 @@ struct Plan {
            light_tree_bytes;
   }
 };
-// `mips`: as pack() takes it.
-Plan plan(const Scene& scene, bvh::Quality quality = bvh::Quality::fast, bool mips = false);
+// `mips`, `samplers`: as pack() takes them.
+Plan plan(const Scene& scene, bvh::Quality quality = bvh::Quality::fast, bool mips = false,
+          const std::optional<SamplerLimits>& samplers = {});
 
 } // namespace wavepath

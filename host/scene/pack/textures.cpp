@@ -84,9 +84,34 @@ void store_image(const Image& image, const StoredImage& stored, std::uint32_t* w
   });
 }
 
+// Puts the image into the texel buffer, with mip levels where it is to have some. Returns its number there.
+std::uint32_t store_exactly(TextureTable& table, const Scene& scene, std::uint32_t image, MipKind kind,
+                            gpu::Texture& texture) {
+  const bool is_float = (texture.flags & gpu::kTextureFloat) != 0;
+  const std::uint32_t stored = add_image(table, scene, image, is_float && kind.srgb);
+  texture.first_texel = static_cast<std::uint32_t>(table.images[stored].first_word);
+  texture.flags |= table.images[stored].beside << gpu::kTextureBesideShift;
+  if (texture.mip_count > 0)
+    texture.first_mip = static_cast<std::uint32_t>(table.mips[add_mips(table, scene, image, kind)].first_word);
+  return stored;
+}
+
+std::uint32_t add_tile(TextureTable& table, const AtlasTile& tile) {
+  std::vector<AtlasTile>& tiles = table.tiles[tile.kind.srgb];
+  const std::array<std::uint32_t, 5> key{tile.image, tile.kind.srgb, tile.has_mips && tile.kind.covers, tile.repeats_u,
+                                         tile.repeats_v};
+  const auto [entry, is_new] = table.known_tiles.try_emplace(key, tiles.size());
+  if (is_new) tiles.push_back(tile);
+  return entry->second;
+}
+
+// A texture that a sampler looks up.
+bool is_sampled(const gpu::Texture& texture) { return (texture.flags & gpu::kTextureSampled) != 0; }
+
 } // namespace
 
 void add_together(TextureTable& table, const Scene& scene, std::span<const TextureSlot* const> slots) {
+  if (table.samplers) return; // what these leave to the texel buffer is known only later
   constexpr std::size_t kMost = 4;
   const auto is_stored = [&](const TextureSlot& slot) { return table.known_images.contains({slot.image, 0}); };
   for (const TextureSlot* leader : slots) {
@@ -110,24 +135,30 @@ void add_together(TextureTable& table, const Scene& scene, std::span<const Textu
   }
 }
 
-std::uint32_t add_texture(TextureTable& table, const Scene& scene, const TextureSlot& slot, bool covers) {
+std::uint32_t add_texture(TextureTable& table, const Scene& scene, const TextureSlot& slot, bool is_color,
+                          bool covers) {
   if (!slot.present()) return gpu::kNone;
   const bool is_float = !scene.images[slot.image].floats.empty();
-  const std::uint32_t stored = add_image(table, scene, slot.image, is_float && slot.srgb);
-
   gpu::Texture texture{};
   texture.width = scene.images[slot.image].width;
   texture.height = scene.images[slot.image].height;
-  texture.flags = texture_flags(slot, is_float) | table.images[stored].beside << gpu::kTextureBesideShift;
+  texture.flags = texture_flags(slot, is_float);
   // glm's matrices are indexed [column][row].
   texture.uv_matrix = {slot.uv_matrix[0][0], slot.uv_matrix[1][0], slot.uv_matrix[0][1], slot.uv_matrix[1][1]};
   texture.uv_offset = slot.uv_offset;
-  texture.first_texel = static_cast<std::uint32_t>(table.images[stored].first_word);
+  if (table.has_mips) texture.mip_count = mip_count(texture.width, texture.height);
 
-  if (table.has_mips && mip_count(texture.width, texture.height) > 0) {
-    const std::uint32_t mips = add_mips(table, scene, slot.image, {slot.srgb, covers});
-    texture.mip_count = mip_count(texture.width, texture.height);
-    texture.first_mip = static_cast<std::uint32_t>(table.mips[mips].first_word);
+  const MipKind kind{slot.srgb, covers};
+  const AtlasTile tile =
+      make_tile(scene, slot.image, kind, table.has_mips, slot.wrap_u == Wrap::repeat, slot.wrap_v == Wrap::repeat);
+  // A colour that is not encoded has no atlas: kernels look colours up in that of sRGB.
+  const bool sampled = table.samplers && !is_float && slot.srgb == is_color && fits_layer(tile, *table.samplers);
+  std::uint32_t stored = 0;
+  if (sampled) {
+    texture.flags |= gpu::kTextureSampled;
+    stored = add_tile(table, tile);
+  } else {
+    stored = store_exactly(table, scene, slot.image, kind, texture);
   }
 
   std::array<std::uint32_t, 9> key{stored, texture.flags};
@@ -137,15 +168,46 @@ std::uint32_t add_texture(TextureTable& table, const Scene& scene, const Texture
     for (int i = 0; i < 2; ++i) key[6 + i] = std::bit_cast<std::uint32_t>(texture.uv_offset[i]);
   }
   const auto [entry, is_new] = table.known_textures.try_emplace(key, table.textures.size());
-  if (is_new) table.textures.push_back(texture);
+  if (is_new) {
+    table.textures.push_back(texture);
+    table.tile_of.push_back(sampled ? stored : gpu::kNone);
+  }
   return entry->second;
 }
 
+void place_textures(TextureTable& table, const Scene& scene) {
+  if (!table.samplers) return;
+  for (std::size_t i = 0; i < table.tiles.size(); ++i) table.atlases[i] = place_tiles(table.tiles[i], *table.samplers);
+  for (std::size_t i = 0; i < table.textures.size(); ++i) {
+    gpu::Texture& texture = table.textures[i];
+    if (!is_sampled(texture)) continue;
+    const AtlasTile& tile = table.tiles[(texture.flags & gpu::kTextureSrgb) != 0][table.tile_of[i]];
+    if (tile.is_placed()) {
+      texture.first_texel = (tile.x + gpu::kAtlasBorder) | (tile.y + gpu::kAtlasBorder) << 16;
+      texture.flags |= tile.layer << gpu::kTextureLayerShift;
+    } else {
+      texture.flags &= ~gpu::kTextureSampled;
+      store_exactly(table, scene, tile.image, tile.kind, texture);
+    }
+  }
+}
+
+ExactTextures count_exact(const TextureTable& table) {
+  ExactTextures count;
+  if (!table.samplers) return count;
+  for (const gpu::Texture& texture : table.textures)
+    if (!is_sampled(texture)) ++(texture.flags & gpu::kTextureFloat ? count.floats : count.without_room);
+  return count;
+}
+
 std::uint64_t absent_mip_bytes(const std::vector<gpu::Texture>& textures) {
-  std::map<std::uint32_t, std::uint64_t> by_image;
-  for (const gpu::Texture& t : textures)
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint64_t> by_image; // by place
+  for (const gpu::Texture& t : textures) {
+    const bool is_color = is_sampled(t) && (t.flags & gpu::kTextureSrgb) != 0;
+    const std::uint32_t where = is_sampled(t) ? 2 * (t.flags >> gpu::kTextureLayerShift) + is_color + 1 : 0;
     if (t.mip_count == 0)
-      by_image[t.first_texel] = mip_texels(t.width, t.height) * (t.flags & gpu::kTextureFloat ? 16 : 4);
+      by_image[{t.first_texel, where}] = mip_texels(t.width, t.height) * (t.flags & gpu::kTextureFloat ? 16 : 4);
+  }
   std::uint64_t bytes = 0;
   for (const auto& [image, size] : by_image) bytes += size;
   return bytes;
@@ -163,20 +225,39 @@ std::vector<std::uint32_t> pack_texels(const TextureTable& table, const Scene& s
   return texels;
 }
 
+Atlases pack_atlases(const TextureTable& table, const Scene& scene) {
+  Atlases atlases = table.atlases;
+  for (std::size_t i = 0; i < atlases.size(); ++i) fill_atlas(scene, table.tiles[i], atlases[i]);
+  return atlases;
+}
+
 glm::vec4 read_texel(const gpu::Texture& texture, const std::vector<std::uint32_t>& texels, std::uint32_t x,
                      std::uint32_t y) {
+  return read_texel(texture, texels, {}, x, y);
+}
+
+glm::vec4 read_texel(const gpu::Texture& texture, const std::vector<std::uint32_t>& texels, const Atlases& atlases,
+                     std::uint32_t x, std::uint32_t y) {
   const std::size_t index = gpu::texel_index(x, y, texture.width, texture.flags >> gpu::kTextureBesideShift & 3u);
   glm::vec4 value;
   if (texture.flags & gpu::kTextureFloat) {
     for (int c = 0; c < 4; ++c) value[c] = std::bit_cast<float>(texels[texture.first_texel + 4 * index + c]);
     return value;
   }
+  std::uint32_t word = 0;
+  if (is_sampled(texture)) {
+    const Atlas& atlas = atlases[(texture.flags & gpu::kTextureSrgb) != 0];
+    const std::size_t row =
+        std::size_t{texture.flags >> gpu::kTextureLayerShift} * atlas.height + (texture.first_texel >> 16) + y;
+    word = atlas.words[row * atlas.width + (texture.first_texel & 0xffffu) + x];
+  } else {
+    word = texels[texture.first_texel + index];
+  }
   static const std::array<float, 256> kLinear = [] {
     std::array<float, 256> table{};
     for (int i = 0; i < 256; ++i) table[i] = static_cast<float>(linear_from_srgb(i / 255.0));
     return table;
   }();
-  const std::uint32_t word = texels[texture.first_texel + index];
   for (int c = 0; c < 4; ++c) {
     const std::uint32_t byte = word >> (8 * c) & 255u;
     value[c] = (texture.flags & gpu::kTextureSrgb) && c < 3 ? kLinear[byte] : static_cast<float>(byte) / 255.0f;

@@ -4,9 +4,11 @@
 #include <array>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <span>
 #include <vector>
 
+#include "host/scene/pack/atlas.h"
 #include "host/scene/pack/mips.h"
 #include "host/scene/scene.h"
 #include "kernels/scene_types.h"
@@ -32,13 +34,19 @@ struct StoredMips {
 
 struct TextureTable {
   bool has_mips = false; // textures get mip levels
+  // Where images of eight bits are for samplers of the device: its limits.
+  std::optional<SamplerLimits> samplers;
   std::vector<gpu::Texture> textures;
+  std::vector<std::uint32_t> tile_of;          // by texture, into tiles[is a colour]; kNone: the texel buffer holds it
+  std::array<std::vector<AtlasTile>, 2> tiles; // of values and of colours
+  Atlases atlases;                             // without texels; place_textures() gives them their size
   std::vector<StoredImage> images;
   std::vector<StoredMips> mips;
   std::uint64_t word_count = 0; // of all that is stored
   std::map<std::array<std::uint32_t, 9>, std::uint32_t> known_textures;
   std::map<std::array<std::uint32_t, 2>, std::uint32_t> known_images;
   std::map<std::array<std::uint32_t, 3>, std::uint32_t> known_mips;
+  std::map<std::array<std::uint32_t, 5>, std::uint32_t> known_tiles;
 };
 
 // Stores the images of these textures, which a material looks up together, side by side, as far as they are bytes of one
@@ -46,9 +54,19 @@ struct TextureTable {
 // place of all of them.
 void add_together(TextureTable& table, const Scene& scene, std::span<const TextureSlot* const> slots);
 
-// Index into table.textures for this use of an image; kNone for an absent slot. Adds what is not there yet. `covers`:
-// its alpha is the coverage of its colour.
-std::uint32_t add_texture(TextureTable& table, const Scene& scene, const TextureSlot& slot, bool covers);
+// Index into table.textures for this use of an image; kNone for an absent slot. Adds what is not there yet. `is_color`:
+// kernels ask for a colour. `covers`: its alpha is the coverage of that colour.
+std::uint32_t add_texture(TextureTable& table, const Scene& scene, const TextureSlot& slot, bool is_color, bool covers);
+
+// Once all are added: gives those for samplers their places. What finds none goes to the texel buffer.
+void place_textures(TextureTable& table, const Scene& scene);
+
+// Of textures that samplers were to look up, those that the texel buffer holds: because their texels are floats, and
+// because the device's images have no room.
+struct ExactTextures {
+  std::size_t floats = 0, without_room = 0;
+};
+ExactTextures count_exact(const TextureTable& table);
 
 // Bytes that mip levels of textures without them would take.
 std::uint64_t absent_mip_bytes(const std::vector<gpu::Texture>& textures);
@@ -57,8 +75,13 @@ std::uint64_t absent_mip_bytes(const std::vector<gpu::Texture>& textures);
 // address.
 std::vector<std::uint32_t> pack_texels(const TextureTable& table, const Scene& scene);
 
+// The atlases, with their texels.
+Atlases pack_atlases(const TextureTable& table, const Scene& scene);
+
 // Reads texel (x, y) of a packed texture, linear RGBA: what the kernels see before filtering.
 glm::vec4 read_texel(const gpu::Texture& texture, const std::vector<std::uint32_t>& texels, std::uint32_t x,
                      std::uint32_t y);
+glm::vec4 read_texel(const gpu::Texture& texture, const std::vector<std::uint32_t>& texels, const Atlases& atlases,
+                     std::uint32_t x, std::uint32_t y);
 
 } // namespace wavepath
