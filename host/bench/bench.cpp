@@ -62,13 +62,13 @@ double agreement(RayKind kind, const PackedScene& scene, RayReplay& replay, cons
     std::vector<bool> theirs;
     replay.connect(rays.shadow);
     embree.occluded(rays.shadow, &theirs);
-    return agreement(replay.blocked(rays.shadow), theirs);
+    return wavepath::agreement(replay.blocked(rays.shadow), theirs);
   }
   const std::vector<gpu::Ray>& set = kind == kCameraRays ? rays.camera : rays.bounce;
   std::vector<float> theirs;
   replay.extend(set, kind == kCameraRays);
   embree.intersect(set, &theirs);
-  return agreement(replay.distances(scene, set), theirs);
+  return wavepath::agreement(replay.distances(scene, set), theirs);
 }
 
 // Embree tests neither alpha, panes nor facing, so the kernels that it is compared with leave that out too.
