@@ -155,19 +155,22 @@ void scatter(std::span<const Primitive> items, const Slabs& slabs, const Cut& cu
   Lanes least[2], most[2];
   least[0] = least[1] = splat(-Bound::kEmpty);
   most[0] = most[1] = splat(Bound::kEmpty);
+  const float lo = slabs.lo[cut.axis], scale = slabs.scale[cut.axis];
+  const Lanes slab = splat(static_cast<float>(cut.slab));
   for (const Primitive& item : items) {
-    const int in_right = slabs.of(item, cut.axis) < cut.slab ? 0 : 1;
+    const IntLanes belongs_right = splat((item.centroid(cut.axis) - lo) * scale) >= slab; // as Slabs::of()
     const Lanes centroid = item.centroid();
     const IntLanes bits = std::bit_cast<IntLanes>(centroid);
-    const int mask = -in_right;
-    const Lanes of_left = std::bit_cast<Lanes>(bits | mask), of_right = std::bit_cast<Lanes>(bits | ~mask);
+    const Lanes of_left = std::bit_cast<Lanes>(bits | belongs_right),
+                of_right = std::bit_cast<Lanes>(bits | ~belongs_right);
     least[0] = smaller(of_left, least[0]);
     most[0] = larger(of_left, most[0]);
     least[1] = smaller(of_right, least[1]);
     most[1] = larger(of_right, most[1]);
-    *(in_right ? right : left) = item;
-    left += 1 - in_right;
-    right += in_right;
+    const std::ptrdiff_t one_right = belongs_right[0] & 1;
+    *(one_right != 0 ? right : left) = item;
+    left += 1 - one_right;
+    right += one_right;
   }
   sides = {{left, right}, {{-least[0], most[0]}, {-least[1], most[1]}}};
 }
