@@ -330,7 +330,7 @@ BinaryTree build_binary(std::span<const Box> boxes, std::span<const Triangle> tr
                         BuildReport& report) {
   BinaryTree tree;
   const std::size_t given = boxes.size() + triangles.size(); // one of both is empty
-  report = {given, 0};
+  report = {given, {}, 0};
   if (given == 0) return tree;
 
   // Pages that are never written take no memory, in any of these.
@@ -342,6 +342,7 @@ BinaryTree build_binary(std::span<const Box> boxes, std::span<const Triangle> tr
       triangles.empty() ? list_primitives(boxes, primitives.get()) : list_primitives(triangles, primitives.get());
   report.dropped -= list.count;
   if (list.count == 0) return tree;
+  report.box = list.bound.box();
   if (splits)
     room = std::min(list.count + static_cast<std::size_t>(config.max_copies * static_cast<double>(list.count)), room);
   else
