@@ -20,8 +20,8 @@ struct Planes {
   std::uint8_t lo[4], hi[4];
 };
 
-// The next float towards minus infinity, and the powers of two and exponents below, by their bits: calls of the C
-// library would take longer than all the rest of the fit.
+// The next float towards minus infinity, and the powers of two and exponents below, by their bits: each node would call
+// the C library a dozen times and more.
 float below(float x) {
   const auto bits = std::bit_cast<std::uint32_t>(x);
   if (x == 0.0f) return -std::numeric_limits<float>::denorm_min();
