@@ -14,6 +14,7 @@
 #include <tbb/parallel_invoke.h>
 #include <tbb/parallel_reduce.h>
 
+#include "bvh/primitives.h"
 #include "bvh/spatial.h"
 
 namespace wavepath::bvh {
@@ -60,13 +61,14 @@ struct Builder {
   double least_shared_area;            // above which spatial splits are tried
   BinaryNode* nodes;
   std::uint32_t* order;
-  std::atomic<std::uint32_t> node_count{1};
+  std::atomic<std::uint32_t> node_count{2}; // siblings share a cache line: their indices are even and odd
 
   std::uint32_t build(const Work& work);
   std::uint32_t build_small(const Work& work, NodePool& pool);
   Cuts find_cuts(const Work& work, const Slabs& slabs) const;
   std::pair<Work, Work> cut_in_two(const Work& work, const Slabs& slabs, const Cuts& cuts) const;
   bool divide_space(const Work& work, const Slabs& slabs, const SpatialCut& cut, std::pair<Work, Work>& sides) const;
+  void fill_leaf(const Work& work);
   bool make_leaf(const Work& work, const Slabs& slabs, float cut_cost);
   std::uint32_t make_inner(const Work& work, std::uint32_t children, std::uint32_t child_height);
 };
@@ -105,8 +107,11 @@ auto fill_bins(const Work& work, const Make& make, const Add& add, const Merge& 
 }
 
 Cut find_cut(const Work& work, const Slabs& slabs) {
+  const std::span<const Primitive> items = work.items();
+  if (items.size() == 2) return best_cut_of_two(slabs, items[0], items[1]);
+  if (items.size() == 3) return best_cut_of_three(slabs, items.first<3>());
   const auto make = [&] { return Bins(slabs); };
-  const auto add = [&](Bins& bins, std::span<const Primitive> items) { bins.add(slabs, items); };
+  const auto add = [&](Bins& bins, std::span<const Primitive> some) { bins.add(slabs, some); };
   const auto merge = [&](Bins& bins, const Bins& other) { bins.merge(slabs, other); };
   return fill_bins(work, make, add, merge).best_cut(slabs);
 }
@@ -143,13 +148,31 @@ struct Sides {
 };
 
 // Appends each item to its side, in order. The side is an index rather than a branch, which would be mispredicted half
-// the time.
+// the time, and the centroids' boxes stay in registers: a centroid becomes not-a-number, which no minimum or maximum
+// takes, for the side where it does not belong.
 void scatter(std::span<const Primitive> items, const Slabs& slabs, const Cut& cut, Sides& sides) {
+  Primitive *left = sides.end[0], *right = sides.end[1];
+  Lanes least[2], most[2];
+  least[0] = least[1] = splat(-Bound::kEmpty);
+  most[0] = most[1] = splat(Bound::kEmpty);
+  const float lo = slabs.lo[cut.axis], scale = slabs.scale[cut.axis];
+  const Lanes slab = splat(static_cast<float>(cut.slab));
   for (const Primitive& item : items) {
-    const int side = slabs.of(item, cut.axis) < cut.slab ? 0 : 1;
-    sides.centroids[side].merge(item.centroid_bound());
-    *sides.end[side]++ = item;
+    const IntLanes belongs_right = splat((item.centroid(cut.axis) - lo) * scale) >= slab; // as Slabs::of()
+    const Lanes centroid = item.centroid();
+    const IntLanes bits = std::bit_cast<IntLanes>(centroid);
+    const Lanes of_left = std::bit_cast<Lanes>(bits | belongs_right),
+                of_right = std::bit_cast<Lanes>(bits | ~belongs_right);
+    least[0] = smaller(of_left, least[0]);
+    most[0] = larger(of_left, most[0]);
+    least[1] = smaller(of_right, least[1]);
+    most[1] = larger(of_right, most[1]);
+    const std::ptrdiff_t one_right = belongs_right[0] & 1;
+    *(one_right != 0 ? right : left) = item;
+    left += 1 - one_right;
+    right += one_right;
   }
+  sides = {{left, right}, {{-least[0], most[0]}, {-least[1], most[1]}}};
 }
 
 // The same by several threads: each block knows how many items before it go left.
@@ -251,10 +274,14 @@ std::pair<Work, Work> Builder::cut_in_two(const Work& work, const Slabs& slabs, 
 bool Builder::make_leaf(const Work& work, const Slabs& slabs, float cut_cost) {
   if (work.count() > config.max_leaf_size) return false;
   const float area = half_area(work.bound, slabs.inverse_size);
-  if (work.count() > 1 && cut_cost + config.node_cost * area < static_cast<float>(work.count()) * area) return false;
+  if (cut_cost + config.node_cost * area < static_cast<float>(work.count()) * area) return false;
+  fill_leaf(work);
+  return true;
+}
+
+void Builder::fill_leaf(const Work& work) {
   for (std::uint32_t i = work.begin; i < work.end; ++i) order[i] = work.primitives[i].index();
   nodes[work.node] = {work.bound.box(), work.begin, static_cast<std::uint16_t>(work.count()), 0};
-  return true;
 }
 
 std::uint32_t Builder::make_inner(const Work& work, std::uint32_t children, std::uint32_t child_height) {
@@ -263,8 +290,12 @@ std::uint32_t Builder::make_inner(const Work& work, std::uint32_t children, std:
 }
 
 std::uint32_t Builder::build_small(const Work& work, NodePool& pool) {
+  if (work.count() == 1) {
+    fill_leaf(work);
+    return 0;
+  }
   const Slabs slabs = slabs_of(work, config);
-  const Cuts cuts = work.count() > 1 ? find_cuts(work, slabs) : Cuts{};
+  const Cuts cuts = find_cuts(work, slabs);
   if (make_leaf(work, slabs, cuts.cost())) return 0;
   auto [left, right] = cut_in_two(work, slabs, cuts);
   if (pool.next == pool.end) {
@@ -298,34 +329,38 @@ std::uint32_t Builder::build(const Work& work) {
 BinaryTree build_binary(std::span<const Box> boxes, std::span<const Triangle> triangles, const BuildConfig& config,
                         BuildReport& report) {
   BinaryTree tree;
-  std::size_t kept = 0;
-  for (const Box& box : boxes) kept += is_valid(box);
-  report = {boxes.size() - kept, 0};
-  if (kept == 0) return tree;
+  const std::size_t given = boxes.size() + triangles.size(); // one of both is empty
+  report = {given, {}, 0};
+  if (given == 0) return tree;
 
   // Pages that are never written take no memory, in any of these.
   const bool splits = config.quality != Quality::fast && !triangles.empty();
-  const double spare = splits ? config.max_copies * static_cast<double>(kept) : 0.0;
-  const std::size_t room = std::min(kept + static_cast<std::size_t>(spare), std::max(kept, kMaxItems));
-  const auto primitives = std::make_unique_for_overwrite<Primitive[]>(room);
-  const auto scratch = std::make_unique_for_overwrite<Primitive[]>(room);
-  std::size_t count = 0;
-  for (std::size_t i = 0; i < boxes.size(); ++i)
-    if (is_valid(boxes[i])) primitives[count++] = Primitive(boxes[i], static_cast<std::uint32_t>(i));
+  const double spare = splits ? config.max_copies * static_cast<double>(given) : 0.0;
+  std::size_t room = std::min(given + static_cast<std::size_t>(spare), std::max(given, kMaxItems));
+  const auto primitives = make_array<Primitive>(room);
+  const PrimitiveList list =
+      triangles.empty() ? list_primitives(boxes, primitives.get()) : list_primitives(triangles, primitives.get());
+  report.dropped -= list.count;
+  if (list.count == 0) return tree;
+  report.box = list.bound.box();
+  if (splits)
+    room = std::min(list.count + static_cast<std::size_t>(config.max_copies * static_cast<double>(list.count)), room);
+  else
+    room = list.count;
 
-  tree.order = std::make_unique_for_overwrite<std::uint32_t[]>(room);
-  tree.capacity = 2 * room - 1;
-  tree.nodes = std::make_unique_for_overwrite<BinaryNode[]>(tree.capacity);
-  Work root{0,
-            0,
-            static_cast<std::uint32_t>(kept),
-            static_cast<std::uint32_t>(room),
-            0,
-            {},
-            {},
-            primitives.get(),
-            scratch.get()};
-  grow(root.items(), root.bound, root.centroids);
+  const auto scratch = make_array<Primitive>(room);
+  tree.order = make_array<std::uint32_t>(room);
+  tree.capacity = 2 * room; // the second is not used
+  tree.nodes = make_array<BinaryNode>(tree.capacity);
+  const Work root{0,
+                  0,
+                  static_cast<std::uint32_t>(list.count),
+                  static_cast<std::uint32_t>(room),
+                  0,
+                  list.bound,
+                  list.centroids,
+                  primitives.get(),
+                  scratch.get()};
   const double least_shared_area = kMinSharedArea[static_cast<int>(config.quality)] * half_area(root.bound.box());
   Builder builder{config, triangles, least_shared_area, tree.nodes.get(), tree.order.get()};
   report.binary_depth = builder.build(root);

@@ -2,11 +2,11 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
 #include <span>
 
 #include "bvh/build_config.h"
 #include "bvh/geometry.h"
+#include "bvh/memory.h"
 
 namespace wavepath::bvh {
 
@@ -18,15 +18,15 @@ struct BinaryNode {
 };
 
 struct BinaryTree {
-  std::unique_ptr<BinaryNode[]> nodes;    // the root is the first; none if there are no items
-  std::size_t capacity = 0;               // nodes allocated; their positions depend on timing, their contents do not
-  std::unique_ptr<std::uint32_t[]> order; // of items; entries outside every leaf are undefined
+  Array<BinaryNode> nodes;    // the root is the first; none if there are no items
+  std::size_t capacity = 0;   // nodes allocated; their positions depend on timing, their contents do not
+  Array<std::uint32_t> order; // of items; entries outside every leaf are undefined
 };
 
 // No path is longer, whatever the input: where cuts by area would exceed it, nodes are halved by count.
 inline constexpr std::uint32_t kMaxBinaryDepth = 64;
 
-// With `triangles`, as many as boxes, spatial splits are made as well.
+// Over boxes, or over triangles, with spatial splits if the quality asks for them.
 BinaryTree build_binary(std::span<const Box> boxes, std::span<const Triangle> triangles, const BuildConfig& config,
                         BuildReport& report);
 

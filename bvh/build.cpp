@@ -3,9 +3,6 @@
 
 #include <algorithm>
 #include <cassert>
-#include <vector>
-
-#include <tbb/parallel_for.h>
 
 #include "bvh/binary.h"
 #include "bvh/collapse.h"
@@ -18,7 +15,7 @@ namespace {
 
 WideTree build(std::span<const Box> boxes, std::span<const Triangle> triangles, const BuildConfig& config,
                BuildReport* report) {
-  assert(boxes.size() <= kMaxItems);
+  assert(boxes.size() + triangles.size() <= kMaxItems);
   BuildConfig usable = config;
   usable.max_leaf_size = std::clamp(config.max_leaf_size, 1u, kMaxLeafSize);
   usable.bin_count = std::clamp(config.bin_count, 2u, static_cast<std::uint32_t>(Bins::kMaxCount));
@@ -40,9 +37,7 @@ WideTree build(std::span<const Box> boxes, const BuildConfig& config, BuildRepor
 }
 
 WideTree build(std::span<const Triangle> triangles, const BuildConfig& config, BuildReport* report) {
-  std::vector<Box> boxes(triangles.size());
-  tbb::parallel_for(std::size_t{0}, triangles.size(), [&](std::size_t i) { boxes[i] = bounds(triangles[i]); });
-  return build(boxes, triangles, config, report);
+  return build({}, triangles, config, report);
 }
 
 } // namespace wavepath::bvh

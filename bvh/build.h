@@ -11,7 +11,7 @@
 namespace wavepath::bvh {
 
 // Item k of the tree is box order[k]; dropped boxes are not in `order`. The result depends on boxes and config alone,
-// never on the number of threads. Any input gives a tree no deeper than kMaxDepth. Peak memory is about 140 bytes a
+// never on the number of threads. Any input gives a tree no deeper than kMaxDepth. Peak memory is about 100 bytes a
 // box, result included.
 WideTree build(std::span<const Box> boxes, const BuildConfig& config = {}, BuildReport* report = nullptr);
 

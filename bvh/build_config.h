@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <span>
 
+#include "bvh/geometry.h"
 #include "bvh/wide.h"
 
 namespace wavepath::bvh {
@@ -26,6 +27,7 @@ struct BuildConfig {
 
 struct BuildReport {
   std::size_t dropped = 0;        // boxes with a NaN, an infinity, |coordinate| > kMaxCoordinate, or inverted
+  Box box;                        // of all that was kept
   std::uint32_t binary_depth = 0; // inner nodes on the longest path before the collapse
 };
 

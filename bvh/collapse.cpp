@@ -53,59 +53,111 @@ Family gather_children(const BinaryNode* nodes, std::uint32_t parent) {
   return family;
 }
 
-// Lays out nodes and items; the boxes come later, several threads at once.
+WideNode node_of(const BinaryNode* nodes, const Family& family) {
+  Box boxes[4];
+  std::uint32_t inner_count = 0, item_counts = 0;
+  for (std::uint32_t slot = 0; slot < family.count; ++slot) {
+    const BinaryNode& member = nodes[family.members[slot]];
+    boxes[slot] = member.box;
+    inner_count += member.item_count == 0;
+    item_counts |= std::uint32_t{member.item_count} << (kItemCountShift + 2 * slot);
+  }
+  WideNode node = place_on_grid({boxes, family.count});
+  node.layout |= item_counts | inner_count << kInnerCountShift;
+  return node;
+}
+
+// Subtrees at this depth, of which there are at most 4^5, are laid out by one thread each, if the tree is large.
+constexpr std::uint32_t kPartDepth = 6;
+constexpr std::size_t kLargeTree = 16384; // binary nodes
+
+// In the order in which they are laid out.
+void list_parts(const BinaryNode* nodes, const Family& family, std::uint32_t depth, std::vector<std::uint32_t>& parts) {
+  for (std::uint32_t slot = 0; slot < family.count; ++slot) {
+    const std::uint32_t member = family.members[slot];
+    if (nodes[member].item_count != 0) return;
+    if (depth + 1 == kPartDepth)
+      parts.push_back(member);
+    else
+      list_parts(nodes, gather_children(nodes, member), depth + 1, parts);
+  }
+}
+
+// Lays a tree out depth first, and leaves room for the parts.
 struct Layout {
+  struct Place {
+    std::uint32_t root, nodes, items;
+  };
+
   const BinaryTree& binary;
   WideTree& tree;
-  std::vector<Family> families; // of tree.nodes
+  std::span<const WideTree> parts{};
+  std::vector<Place> places{}; // of the parts
 
   void place(const Family& family, std::uint32_t target, std::uint32_t depth) {
-    std::uint32_t inner_count = 0;
-    WideNode node{};
+    WideNode node = node_of(binary.nodes.get(), family);
     node.first_child = static_cast<std::uint32_t>(tree.nodes.size());
     node.first_item = static_cast<std::uint32_t>(tree.order.size());
-    for (std::uint32_t slot = 0; slot < family.count; ++slot) {
+    const std::uint32_t inner = inner_count(node);
+    for (std::uint32_t slot = inner; slot < family.count; ++slot) {
       const BinaryNode& member = binary.nodes[family.members[slot]];
-      inner_count += member.item_count == 0;
-      node.layout |= std::uint32_t{member.item_count} << (kItemCountShift + 2 * slot);
       for (std::uint32_t item = member.first; item < member.first + member.item_count; ++item)
         tree.order.push_back(binary.order[item]);
     }
-    node.layout |= inner_count << kInnerCountShift;
-    tree.nodes.resize(tree.nodes.size() + inner_count);
-    families.resize(tree.nodes.size());
     tree.nodes[target] = node;
-    families[target] = family;
+    tree.nodes.resize(tree.nodes.size() + inner);
     tree.depth = std::max(tree.depth, depth);
-    for (std::uint32_t slot = 0; slot < inner_count; ++slot)
-      place(gather_children(binary.nodes.get(), family.members[slot]), node.first_child + slot, depth + 1);
+    for (std::uint32_t slot = 0; slot < inner; ++slot) {
+      if (depth + 1 == kPartDepth && !parts.empty())
+        leave_room(node.first_child + slot);
+      else
+        place(gather_children(binary.nodes.get(), family.members[slot]), node.first_child + slot, depth + 1);
+    }
+  }
+
+  void leave_room(std::uint32_t root) {
+    const WideTree& part = parts[places.size()];
+    places.push_back(
+        {root, static_cast<std::uint32_t>(tree.nodes.size()), static_cast<std::uint32_t>(tree.order.size())});
+    tree.nodes.resize(tree.nodes.size() + part.nodes.size() - 1);
+    tree.order.resize(tree.order.size() + part.order.size());
+    tree.depth = std::max(tree.depth, kPartDepth - 1 + part.depth);
   }
 };
 
-void fill_boxes(const Family& family, const BinaryNode* nodes, WideNode& node) {
-  Box boxes[4];
-  for (std::uint32_t slot = 0; slot < family.count; ++slot) boxes[slot] = nodes[family.members[slot]].box;
-  const WideNode grid = place_on_grid({boxes, family.count});
-  const WideNode links = node;
-  node = grid;
-  node.layout |= links.layout;
-  node.first_child = links.first_child;
-  node.first_item = links.first_item;
+void copy_part(const WideTree& part, const Layout::Place& place, WideTree& tree) {
+  for (std::uint32_t i = 0; i < part.nodes.size(); ++i) {
+    WideNode& node = tree.nodes[i == 0 ? place.root : place.nodes + i - 1];
+    node = part.nodes[i];
+    node.first_child += place.nodes - 1;
+    node.first_item += place.items;
+  }
+  std::copy(part.order.begin(), part.order.end(), tree.order.begin() + place.items);
 }
 
 } // namespace
 
 WideTree collapse(BinaryTree binary) {
-  WideTree tree;
-  tree.order.reserve((binary.capacity + 1) / 2); // pages that are never written take no memory
-  tree.nodes.reserve(1 + binary.capacity / 6);
-  tree.nodes.resize(1);
-  Layout layout{binary, tree, std::vector<Family>(1)};
+  const BinaryNode* nodes = binary.nodes.get();
+  WideTree tree{std::vector<WideNode>(1), {}, 0};
   Family root;
-  if (binary.nodes) root = binary.nodes[0].item_count != 0 ? Family{{0}, 1} : gather_children(binary.nodes.get(), 0);
+  if (nodes) root = nodes[0].item_count != 0 ? Family{{0}, 1} : gather_children(nodes, 0);
+  std::vector<std::uint32_t> members;
+  if (binary.capacity > kLargeTree) list_parts(nodes, root, 1, members);
+  std::vector<WideTree> parts(members.size(), WideTree{std::vector<WideNode>(1), {}, 0});
+  tbb::parallel_for(std::size_t{0}, members.size(), [&](std::size_t i) {
+    Layout{binary, parts[i]}.place(gather_children(nodes, members[i]), 0, 1);
+  });
+  std::size_t node_count = std::size_t{1} << (2 * kPartDepth), item_count = 0;
+  for (const WideTree& part : parts) {
+    node_count += part.nodes.size();
+    item_count += part.order.size();
+  }
+  tree.nodes.reserve(node_count);
+  tree.order.reserve(item_count);
+  Layout layout{binary, tree, parts};
   layout.place(root, 0, 1);
-  tbb::parallel_for(std::size_t{0}, tree.nodes.size(),
-                    [&](std::size_t i) { fill_boxes(layout.families[i], binary.nodes.get(), tree.nodes[i]); });
+  tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t i) { copy_part(parts[i], layout.places[i], tree); });
   return tree;
 }
 

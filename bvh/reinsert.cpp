@@ -29,7 +29,7 @@ class Rebuilder {
 public:
   explicit Rebuilder(const BinaryTree& tree);
   void improve();
-  std::unique_ptr<BinaryNode[]> finish() const;
+  Array<BinaryNode> finish() const;
 
 private:
   bool is_leaf(std::uint32_t node) const { return nodes_[node].item_count != 0; }
@@ -178,8 +178,8 @@ void Rebuilder::improve() {
   }
 }
 
-std::unique_ptr<BinaryNode[]> Rebuilder::finish() const {
-  auto nodes = std::make_unique_for_overwrite<BinaryNode[]>(nodes_.size());
+Array<BinaryNode> Rebuilder::finish() const {
+  auto nodes = make_array<BinaryNode>(nodes_.size());
   std::copy(nodes_.begin(), nodes_.end(), nodes.get());
   return nodes;
 }

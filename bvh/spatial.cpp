@@ -7,7 +7,7 @@ namespace {
 
 bool is_empty(const Bound& bound) { return !(bound.extent(0) >= 0 && bound.extent(1) >= 0 && bound.extent(2) >= 0); }
 
-Bound bound_of(Vec3 p) { return {{-p.x, -p.y, -p.z, 0, p.x, p.y, p.z, 0}}; }
+Bound bound_of(Vec3 p) { return {Lanes{-p.x, -p.y, -p.z, 0}, Lanes{p.x, p.y, p.z, 0}}; }
 
 // The padding of a box that must contain a triangle whatever the rounding in the triangle test: twice that of bounds(),
 // since the points below err by another 5 eps size + eps |coordinate|.
@@ -15,7 +15,7 @@ Bound padding_of(const Triangle& triangle) {
   const Vec3 lo = min(triangle.v0, min(triangle.v1, triangle.v2)), hi = max(triangle.v0, max(triangle.v1, triangle.v2));
   const float size = max_component(hi - lo) * 0x1p-19f;
   const Vec3 pad = max(abs(lo), abs(hi)) * 0x1p-22f + Vec3{size, size, size};
-  return {{pad.x, pad.y, pad.z, 0, pad.x, pad.y, pad.z, 0}};
+  return {Lanes{pad.x, pad.y, pad.z, 0}, Lanes{pad.x, pad.y, pad.z, 0}};
 }
 
 struct Halves {
@@ -42,7 +42,7 @@ Halves clip(const Triangle& triangle, const Bound& box, const Bound& padding, in
     }
   }
   for (Bound* half : {&halves.below, &halves.above})
-    for (int i = 0; i < 8; ++i) half->lane[i] = std::min(half->lane[i] + padding.lane[i], box.lane[i]);
+    *half = {smaller(half->low() + padding.low(), box.low()), smaller(half->high() + padding.high(), box.high())};
   return halves;
 }
 

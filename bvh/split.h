@@ -6,6 +6,7 @@
 #include <span>
 
 #include "bvh/geometry.h"
+#include "bvh/lanes.h"
 
 namespace wavepath::bvh {
 
@@ -14,9 +15,14 @@ struct Bound {
   static constexpr float kEmpty = std::numeric_limits<float>::lowest();
   alignas(16) float lane[8] = {kEmpty, kEmpty, kEmpty, kEmpty, kEmpty, kEmpty, kEmpty, kEmpty};
 
-  void merge(const Bound& other) {
-    for (int i = 0; i < 8; ++i) lane[i] = lane[i] < other.lane[i] ? other.lane[i] : lane[i];
+  Bound() = default;
+  Bound(Lanes low, Lanes high) {
+    store_aligned(lane, low);
+    store_aligned(lane + 4, high);
   }
+  Lanes low() const { return load_aligned(lane); }
+  Lanes high() const { return load_aligned(lane + 4); }
+  void merge(const Bound& other) { *this = {larger(other.low(), low()), larger(other.high(), high())}; }
   float extent(int axis) const { return lane[4 + axis] + lane[axis]; }
   Box box() const { return {{-lane[0], -lane[1], -lane[2]}, {lane[4], lane[5], lane[6]}}; }
 };
@@ -28,20 +34,14 @@ struct Primitive {
 
   Primitive() = default;
   Primitive(const Box& box, std::uint32_t index)
-      : bound{{-box.lo.x, -box.lo.y, -box.lo.z, std::bit_cast<float>(index | 0x40000000u), box.hi.x, box.hi.y, box.hi.z,
-               0}} {}
+      : bound(Lanes{-box.lo.x, -box.lo.y, -box.lo.z, index_lane(index)}, Lanes{box.hi.x, box.hi.y, box.hi.z, 0}) {}
+  static float index_lane(std::uint32_t index) { return std::bit_cast<float>(index | 0x40000000u); }
   std::uint32_t index() const { return std::bit_cast<std::uint32_t>(bound.lane[3]) & ~0x40000000u; }
 
   // Twice the centroid, as a point and as a bound of itself.
+  Lanes centroid() const { return bound.high() - bound.low(); }
   float centroid(int axis) const { return bound.lane[4 + axis] - bound.lane[axis]; }
-  Bound centroid_bound() const {
-    Bound point;
-    for (int i = 0; i < 4; ++i) {
-      point.lane[i] = bound.lane[i] - bound.lane[4 + i];
-      point.lane[4 + i] = bound.lane[4 + i] - bound.lane[i];
-    }
-    return point;
-  }
+  Bound centroid_bound() const { return {-centroid(), centroid()}; }
 };
 
 // A division of the centroids' box into equal slabs on each axis.
@@ -65,12 +65,16 @@ struct Cut {
   Bound left, right;
 };
 
+// What Bins would find with two slabs an axis, without the way through memory: most nodes are as small as this.
+Cut best_cut_of_two(const Slabs& slabs, const Primitive& a, const Primitive& b);
+Cut best_cut_of_three(const Slabs& slabs, std::span<const Primitive, 3> items);
+
 // What falls into each slab. Merging is exact, so that its order does not matter. The outermost slabs of a divided axis
 // are never empty, so every cut found has items on both sides.
 struct Bins {
   static constexpr int kMaxCount = 32;
   Bound bound[3][kMaxCount];
-  std::uint32_t item_count[3][kMaxCount];
+  alignas(16) int item_count[kMaxCount][4]; // by axis; the last is unused
 
   explicit Bins(const Slabs& slabs);
   void add(const Slabs& slabs, std::span<const Primitive> primitives);

@@ -2,7 +2,7 @@
 #include "bvh/words.h"
 
 #include <algorithm>
-#include <cmath>
+#include <bit>
 
 namespace wavepath::bvh {
 
@@ -20,16 +20,29 @@ struct Planes {
   std::uint8_t lo[4], hi[4];
 };
 
+// The next float towards minus infinity, and the powers of two and exponents below, by their bits: each node would call
+// the C library a dozen times and more.
+float below(float x) {
+  const auto bits = std::bit_cast<std::uint32_t>(x);
+  if (x == 0.0f) return -std::numeric_limits<float>::denorm_min();
+  return std::bit_cast<float>(x > 0.0f ? bits - 1 : bits + 1);
+}
+
+double power_of_two(int exponent) { return std::bit_cast<double>(static_cast<std::uint64_t>(exponent + 1023) << 52); }
+
+// The largest e with 2^e <= x, which is positive and no subnormal.
+int exponent_of(double x) { return static_cast<int>(std::bit_cast<std::uint64_t>(x) >> 52) - 1023; }
+
 // False if some interval, with its margin, does not fit into 255 cells of that size above that origin. Differences of
 // floats are exact in double here, or round by far less than the margin.
-bool fit(std::span<const Interval> intervals, double cell, Planes& planes) {
-  const double per_cell = 1.0 / cell; // a power of two
+bool fit(std::span<const Interval> intervals, double per_cell, Planes& planes) {
   for (std::size_t i = 0; i < intervals.size(); ++i) {
-    const double lo = std::floor((double{intervals[i].lo} - planes.origin) * per_cell - kGridMargin);
-    const double hi = std::ceil((double{intervals[i].hi} - planes.origin) * per_cell + kGridMargin);
+    const double lo = (double{intervals[i].lo} - planes.origin) * per_cell - kGridMargin;
+    const double hi = (double{intervals[i].hi} - planes.origin) * per_cell + kGridMargin;
     if (!(lo >= 0.0 && hi <= kMostCells)) return false;
+    const int rounded = static_cast<int>(hi);
     planes.lo[i] = static_cast<std::uint8_t>(lo);
-    planes.hi[i] = static_cast<std::uint8_t>(hi);
+    planes.hi[i] = static_cast<std::uint8_t>(rounded < hi ? rounded + 1 : rounded);
   }
   return true;
 }
@@ -44,15 +57,12 @@ Planes fit_axis(std::span<const Interval> intervals) {
     highest = std::max(highest, interval.hi);
   }
   // Flat boxes too need cells of a size that the origin's last place can resolve.
-  const float below = std::nextafter(lowest, std::numeric_limits<float>::lowest());
-  int exponent = 0;
-  std::frexp((double{highest} - below) / kMostCells, &exponent);
-  for (exponent = std::max(exponent - 1, -kCellBias);; ++exponent) {
-    const double cell = std::ldexp(1.0, exponent);
+  const int least = exponent_of((double{highest} - below(lowest)) / kMostCells);
+  for (int exponent = std::max(least, -kCellBias);; ++exponent) {
+    const double cell = power_of_two(exponent);
     planes.origin = static_cast<float>(lowest - 2 * kGridMargin * cell);
-    while (lowest - double{planes.origin} < kGridMargin * cell)
-      planes.origin = std::nextafter(planes.origin, std::numeric_limits<float>::lowest());
-    if (!fit(intervals, cell, planes)) continue;
+    while (lowest - double{planes.origin} < kGridMargin * cell) planes.origin = below(planes.origin);
+    if (!fit(intervals, power_of_two(-exponent), planes)) continue;
     planes.exponent = static_cast<std::uint32_t>(exponent + kCellBias);
     return planes;
   }

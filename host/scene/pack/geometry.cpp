@@ -1,6 +1,8 @@
 // Bakes, checks, orders and stores the triangles of one object; see geometry.h.
 #include "host/scene/pack/geometry.h"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
@@ -73,8 +75,8 @@ std::vector<bvh::Triangle> list_valid(const Scene& scene, std::span<const Part> 
     valid[i] = c.valid;
     triangles[i] = {to_bvh(c.position[0]), to_bvh(c.position[1]), to_bvh(c.position[2])};
   });
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < sources.size(); ++i) {
+  std::size_t kept = static_cast<std::size_t>(std::ranges::find(valid, std::uint8_t{0}) - valid.begin());
+  for (std::size_t i = kept; i < sources.size(); ++i) {
     if (!valid[i]) continue;
     sources[kept] = sources[i];
     triangles[kept++] = triangles[i];
@@ -152,17 +154,15 @@ Object append_object(const Scene& scene, std::span<const Part> parts, bool with_
   Object object;
   object.first_item = static_cast<std::uint32_t>(first);
   object.triangle_count = static_cast<std::uint32_t>(sources.size());
-  if (!triangles.empty()) {
-    bvh::Box whole;
-    for (const bvh::Triangle& triangle : triangles) whole = bvh::merge(whole, bvh::bounds(triangle));
-    for (const bvh::Box& box : boxes) whole = bvh::merge(whole, box);
-    object.lo = {whole.lo.x, whole.lo.y, whole.lo.z};
-    object.hi = {whole.hi.x, whole.hi.y, whole.hi.z};
-  }
   const std::vector<std::uint8_t> whole = list_whole(scene, parts, sources);
+  bvh::BuildReport report;
   const bvh::WideTree tree =
-      moving ? bvh::build(std::span<const bvh::Box>(boxes))
-             : bvh::build(std::span<const bvh::Triangle>(triangles), {.quality = quality, .whole = whole});
+      moving ? bvh::build(std::span<const bvh::Box>(boxes), {}, &report)
+             : bvh::build(std::span<const bvh::Triangle>(triangles), {.quality = quality, .whole = whole}, &report);
+  if (!triangles.empty()) {
+    object.lo = {report.box.lo.x, report.box.lo.y, report.box.lo.z};
+    object.hi = {report.box.hi.x, report.box.hi.y, report.box.hi.z};
+  }
   triangles = {};
   require_items(scene, first + tree.order.size());
   if (packed.nodes.size() + tree.nodes.size() > bvh::kMaxNodes)
