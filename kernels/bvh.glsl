@@ -302,6 +302,30 @@ void look_up_alpha() {
 
 bool can_visit() { return int(current) >= 0 && leaves.y == kNone && !stack_is_full(); }
 
+// Down to leaves. A driver that runs all lanes in step executes the body of a loop once more for lanes that are all done,
+// unless the loop is tested at its end; compilers of GPUs take fewer registers for the plain one.
+void visit_nodes() {
+  if (!kStackInRegisters) {
+    while (can_visit()) visit(local_ray, t_best, current);
+    return;
+  }
+  bool visiting = can_visit();
+  do {
+    if (visiting) visit(local_ray, t_best, current);
+    visiting = can_visit();
+  } while (visiting);
+}
+
+// Down to leaves, through these, and on to what waits on the stack. Returns whether the ray has been traced.
+bool walk(vec3 origin, vec3 direction, float t_max) {
+  visit_nodes();
+  test_leaves(t_max);
+  spill();
+  take_next(current == kNone, current);
+  if (has_levels()) change_level(origin, direction);
+  return is_over();
+}
+
 Hit traverse(vec3 origin, vec3 direction, float t_max) {
   const Hit none = Hit(kNone, 0u, 0.0, 0.0);
   bool valid = is_traceable(origin, direction);
@@ -316,18 +340,12 @@ Hit traverse(vec3 origin, vec3 direction, float t_max) {
   in_top_level = has_levels();
   bool done = !valid;
   do {
-    do {
-      bool visiting = can_visit();
-      do {
-        if (visiting) visit(local_ray, t_best, current);
-        visiting = can_visit();
-      } while (visiting);
-      test_leaves(t_max);
-      spill();
-      take_next(current == kNone, current);
-      if (has_levels()) change_level(origin, direction);
-      done = is_over();
-    } while (!done && pending.triangle == kNone);
+    if (kStackInRegisters) { // as in visit_nodes()
+      do done = walk(origin, direction, t_max);
+      while (!done && pending.triangle == kNone);
+    } else {
+      while (!done && pending.triangle == kNone) done = walk(origin, direction, t_max);
+    }
     if (has(TESTED_FEATURES)) {
       look_up_alpha();
 #ifdef ANY_HIT

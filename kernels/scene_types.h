@@ -169,8 +169,9 @@ GPU_CONSTANT uint kTextureFloat = 1u << 6;   // four float words a texel, alread
 GPU_CONSTANT uint kTextureUv1 = 1u << 7;     // TEXCOORD_1
 GPU_CONSTANT uint kTextureMoved = 1u << 8;   // uv_matrix and uv_offset apply
 GPU_CONSTANT uint kTextureSampled = 1u << 9; // in an atlas
-GPU_CONSTANT uint kTextureBesideShift = 10u; // two bits: how many images lie side by side with it (kernels/tile_order.h)
-GPU_CONSTANT uint kTextureLayerShift = 16u;  // above it the layer of the atlas
+GPU_CONSTANT uint kTextureBesideShift =
+    10u;                                    // two bits: how many images lie side by side with it (kernels/tile_order.h)
+GPU_CONSTANT uint kTextureLayerShift = 16u; // above it the layer of the atlas
 
 // An image as one texture of a material uses it. uv' = (dot(uv_matrix.xy, uv), dot(uv_matrix.zw, uv)) + uv_offset.
 struct Texture {

@@ -43,11 +43,11 @@ GPU_FUNCTION uint tile_order_of(uvec2 pixel, uint width, uint height) {
   return tile_row * 8u * width + tile_column * 8u * rows + in_tile;
 }
 
-// Texels lie in tiles of sixteen, which a cache line holds. An image alone has tiles of 4x4: a filtered look-up touches 1.6
-// lines on average instead of 2.1. Images that are looked up together lie side by side, 2^beside of them: each has 4x2 or
-// 2x2 of a tile, and all of them together take 1.9 or 2.3 lines.
-// Index of texel (x, y) of the first of them, counted in all texels; the others follow 16 >> beside further on, each.
-// And how many texels they take: their right and lower border are filled up to whole tiles.
+// Texels lie in tiles of sixteen, which a cache line holds. An image alone has tiles of 4x4: a filtered look-up
+// touches 1.6 lines on average instead of 2.1. Images that are looked up together lie side by side, 2^beside of them:
+// each has 4x2 or 2x2 of a tile, and all of them together take 1.9 or 2.3 lines. Index of texel (x, y) of the first of
+// them, counted in all texels; the others follow 16 >> beside further on, each. And how many texels they take: their
+// right and lower border are filled up to whole tiles.
 GPU_FUNCTION uint tile_shift_x(uint beside) { return beside == 2u ? 1u : 2u; }
 GPU_FUNCTION uint tile_shift_y(uint beside) { return beside == 0u ? 2u : 1u; }
 GPU_FUNCTION uint tiles_of(uint side, uint shift) { return (side + (1u << shift) - 1u) >> shift; }

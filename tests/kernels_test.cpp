@@ -104,8 +104,8 @@ struct Bench {
 
   Device& device;
   DeviceScene scene;
-  Buffer frame, paths, media, path_aovs, rays, hits, sorted_rays, shadow_rays, queues, counters, film, film_aovs, runs, receivers,
-      light_sums;
+  Buffer frame, paths, media, path_aovs, rays, hits, sorted_rays, shadow_rays, queues, counters, film, film_aovs, runs,
+      receivers, light_sums;
   std::array<std::uint32_t, gpu::kSpecCount> constants;
   std::unique_ptr<BindingSet> bindings;
 };

@@ -327,7 +327,8 @@ TEST(Texels, OfOneMaterialLieSideBySide) {
   Scene scene = triangle_scene();
   const auto add_image = [&](std::uint32_t width, std::uint32_t height, std::uint8_t key) {
     Image image{.width = width, .height = height};
-    for (std::uint32_t i = 0; i < 4 * width * height; ++i) image.bytes.push_back(static_cast<std::uint8_t>(key + 7 * i));
+    for (std::uint32_t i = 0; i < 4 * width * height; ++i)
+      image.bytes.push_back(static_cast<std::uint8_t>(key + 7 * i));
     scene.images.push_back(image);
     return static_cast<std::uint32_t>(scene.images.size() - 1);
   };

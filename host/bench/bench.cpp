@@ -62,13 +62,13 @@ double agreement_with(const EmbreeScene& embree, RayKind kind, const PackedScene
     std::vector<bool> theirs;
     replay.connect(rays.shadow);
     embree.occluded(rays.shadow, &theirs);
-    return wavepath::agreement(replay.blocked(rays.shadow), theirs);
+    return agreement(replay.blocked(rays.shadow), theirs);
   }
   const std::vector<gpu::Ray>& set = kind == kCameraRays ? rays.camera : rays.bounce;
   std::vector<float> theirs;
   replay.extend(set, kind == kCameraRays);
   embree.intersect(set, &theirs);
-  return wavepath::agreement(replay.distances(scene, set), theirs);
+  return agreement(replay.distances(scene, set), theirs);
 }
 
 // Embree tests neither alpha, panes nor facing, so the kernels that it is compared with leave that out too.
@@ -94,7 +94,8 @@ void compare_with_embree(Device& device, const PackedScene& scene, const View& v
     const auto over = [&](std::size_t rival) {
       return ratio_of_medians(contestants[rival].measured[kind], contestants[0].measured[kind]);
     };
-    result.rays[kind].embree = {over(1), over(2), agreement_with(robust, static_cast<RayKind>(kind), scene, replay, rays)};
+    result.rays[kind].embree = {over(1), over(2),
+                                agreement_with(robust, static_cast<RayKind>(kind), scene, replay, rays)};
   }
 }
 #endif

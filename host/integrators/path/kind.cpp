@@ -60,8 +60,10 @@ constinit const IntegratorKind kPath = {
     .first_hit_stages = kFirstHitStages,
     .features = film_features,
     .start_kernels = start_kernels,
-    .bytes_per_slot = [](gpu::Feature features,
-                         const RenderSettings&) { return bytes_per_path(features, kRoomForShadowRays | kRoomForSortedRays); },
+    .bytes_per_slot =
+        [](gpu::Feature features, const RenderSettings&) {
+          return bytes_per_path(features, kRoomForShadowRays | kRoomForSortedRays);
+        },
     .largest_record =
         [](const RenderSettings&) { return std::uint64_t{std::max(2 * sizeof(gpu::Ray), sizeof(gpu::PathAovs))}; },
     .slots_per_pixel = [](const RenderSettings&) { return 1u; },

@@ -36,8 +36,8 @@ const std::array<KernelCode, kPathStageCount> kStages = {
      {"guide note", wavepath_guide_note_spv}}};
 
 // Shade takes as long to compile as all others together.
-constexpr std::array<std::size_t, kPathStageCount> kCompileOrder = {kShade,      kExtend,  kConnect, kEscape, kGenerate,
-                                                                    kAccumulate, kAdvance, kGuideNote};
+constexpr std::array<std::size_t, kPathStageCount> kCompileOrder = {kShade,    kExtend,     kConnect, kEscape,
+                                                                    kGenerate, kAccumulate, kAdvance, kGuideNote};
 
 // Whether paths know the vertex that they were scattered at: see the function of this name in kernels/path/shade.comp.
 bool keeps_receivers(const Extent& e) {

@@ -69,7 +69,8 @@ std::uint32_t add_mips(TextureTable& table, const Scene& scene, std::uint32_t im
 void store_image(const Image& image, const StoredImage& stored, std::uint32_t* words) {
   tbb::parallel_for(0u, image.height, [&](std::uint32_t y) {
     for (std::uint32_t x = 0; x < image.width; ++x) {
-      const std::size_t from = 4 * (std::size_t{y} * image.width + x), to = gpu::texel_index(x, y, image.width, stored.beside);
+      const std::size_t from = 4 * (std::size_t{y} * image.width + x),
+                        to = gpu::texel_index(x, y, image.width, stored.beside);
       if (image.floats.empty()) {
         std::memcpy(words + to, &image.bytes[from], 4);
         continue;

@@ -49,9 +49,9 @@ struct TextureTable {
   std::map<std::array<std::uint32_t, 5>, std::uint32_t> known_tiles;
 };
 
-// Stores the images of these textures, which a material looks up together, side by side, as far as they are bytes of one
-// size at one place and not stored yet: two, or up to four, where three take the room of four. A cache line then holds a
-// place of all of them.
+// Stores the images of these textures, which a material looks up together, side by side, as far as they are bytes of
+// one size at one place and not stored yet: two, or up to four, where three take the room of four. A cache line then
+// holds a place of all of them.
 void add_together(TextureTable& table, const Scene& scene, std::span<const TextureSlot* const> slots);
 
 // Index into table.textures for this use of an image; kNone for an absent slot. Adds what is not there yet. `is_color`:
