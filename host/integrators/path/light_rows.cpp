@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <deque>
 
 #include "host/scene/pack/intervals.h"
 
@@ -34,23 +35,30 @@ double sum_at(std::span<const std::uint32_t> words, std::size_t i) { return word
 class Lesson {
 public:
   Lesson(const Shares& prior, std::span<const std::uint32_t> sums)
-      : prior_(prior), sums_(sums), known_(gpu::kLightRows, false), learned_(gpu::kLightRows) {}
+      : prior_(prior), sums_(sums), places_(gpu::kLightRows, gpu::kNone) {}
 
   // What the row has learned, its few picks filled up by those of the cell around it.
   const Shares& learned(std::uint32_t row) {
-    if (known_[row]) return learned_[row];
-    known_[row] = true;
-    learned_[row] = prior_; // ends the search, should rows that share a place lead in a circle
+    if (places_[row] != gpu::kNone) return learned_[places_[row]];
+    places_[row] = static_cast<std::uint32_t>(learned_.size());
+    Shares& own = learned_.emplace_back(prior_); // ends the search, should rows that share a place lead in a circle
     const auto sums = sums_.subspan(std::size_t{4} * row * gpu::kLightColumns, 4 * gpu::kLightColumns);
-    const std::uint32_t parent = sums[4 * gpu::kTreeColumn + 1];
+    const std::uint32_t parent = parent_of(row);
     const Shares& around = parent > 0 ? learned(parent - 1) : prior_;
-    learned_[row] = mix(sums, around);
-    return learned_[row];
+    own = mix(sums, around);
+    return own;
   }
 
   std::uint32_t picks(std::uint32_t row) const { return sums_[4 * (row * gpu::kLightColumns + gpu::kTreeColumn)]; }
+  // Whether the pilot came to its cell, or to one within.
+  bool is_touched(std::uint32_t row) const { return picks(row) > 0 || parent_of(row) > 0; }
 
 private:
+  // Row of the cell around it, plus one; 0: none.
+  std::uint32_t parent_of(std::uint32_t row) const {
+    return sums_[4 * (row * gpu::kLightColumns + gpu::kTreeColumn) + 1];
+  }
+
   // The variance is least where a column's share is in proportion to the root of the mean square of what it brings.
   // What is blocked brings nothing: of a column that brings m if visible, and is visible with probability v, that is
   // sqrt(v) m, the geometric mean of both sums.
@@ -70,8 +78,8 @@ private:
 
   const Shares& prior_;
   std::span<const std::uint32_t> sums_;
-  std::vector<bool> known_;
-  std::vector<Shares> learned_;
+  std::vector<std::uint32_t> places_; // by row, in learned_
+  std::deque<Shares> learned_;        // of the rows asked for, which are few: their places last
 };
 
 } // namespace
@@ -89,11 +97,14 @@ LightLesson learn_light_rows(const PackedScene& scene, std::span<const std::uint
   LightLesson lesson;
   lesson.ends.reserve(gpu::kLightRows * gpu::kLightColumns);
   Lesson all(prior, sums);
-  for (std::uint32_t row = 0; row < gpu::kLightRows; ++row) {
-    Shares shares = all.learned(row);
+  const auto ends_of = [&](Shares shares) {
     for (std::size_t c = 0; c < gpu::kLightColumns; ++c)
       shares[c] = kLeastPrior * prior[c] + (1.0 - kLeastPrior) * shares[c];
-    const std::vector<std::uint32_t> ends = build_intervals(shares);
+    return build_intervals(shares);
+  };
+  const std::vector<std::uint32_t> untouched = ends_of(prior);
+  for (std::uint32_t row = 0; row < gpu::kLightRows; ++row) {
+    const std::vector<std::uint32_t> ends = all.is_touched(row) ? ends_of(all.learned(row)) : untouched;
     lesson.ends.insert(lesson.ends.end(), ends.begin(), ends.end());
     lesson.rows += all.picks(row) > 0;
   }
