@@ -25,7 +25,7 @@ constexpr std::size_t kMostOnHugePages = std::size_t{128} << 20;
 void* get_memory(std::size_t bytes) {
   const std::size_t alignment = bytes >= 2 * kHugePage && bytes <= kMostOnHugePages ? kHugePage : kCacheLine;
   void* memory = std::aligned_alloc(alignment, (bytes + alignment - 1) / alignment * alignment);
-  if (!memory) std::abort();
+  if (!memory) throw std::bad_alloc(); // as containers do
 #ifdef MADV_HUGEPAGE
   if (alignment == kHugePage)
     madvise(memory, bytes / kHugePage * kHugePage, MADV_HUGEPAGE); // a wish: no matter if refused

@@ -1,6 +1,8 @@
 // Makes primitives of boxes and triangles, several threads at once.
 #include "bvh/primitives.h"
 
+#include <algorithm>
+#include <bit>
 #include <vector>
 
 #include <tbb/parallel_for.h>

@@ -11,10 +11,10 @@ namespace wavepath {
 
 // `spirv` is valid. `constants[i]` is the value of specialization constant i. The module is still to be specialized
 // with them, and then computes the same. Branches on what follows from them are taken, cases of switches left out,
-// functions that nothing calls
-// dropped, textures and texel buffers that nothing reads, names too. Conditions are followed through integers and
-// booleans, phis, and functions that return one value; not through variables. A module of another form than glslang
-// writes comes back as it is.
+// functions that nothing calls dropped, textures and texel buffers that nothing reads, names too. Conditions are
+// followed through integers and booleans, phis, and functions that return one value; not through variables. A module of
+// another form than glslang writes comes back as it is; layouts lack what kernels do not read once they are trimmed, so
+// that such a module may not fit its layout.
 std::vector<std::uint32_t> trim_spirv(std::span<const std::uint32_t> spirv, std::span<const std::uint32_t> constants);
 
 } // namespace wavepath

@@ -102,7 +102,7 @@ private:
 
   std::vector<glm::dvec2> points_;
   std::size_t reduced_ = 0, side_count_ = 0;
-  Side sides_[kMostSides];
+  Side sides_[kMostSides]{};
 };
 
 struct Outlines {

@@ -41,7 +41,7 @@ private:
   Lesson lesson_ = Lesson::none;              // that the pilot in progress, or the next one, is for
   std::optional<GuidePilot> guide_pilot_;     // until it has learned
   std::optional<GuideReport> guide_report_;   // once it has learned
-  KernelNeed guided_need_, guide_pilot_need_; // their own shade kernels
+  KernelNeed guided_need_, guide_pilot_need_; // their own shade and escape kernels
 };
 
 } // namespace wavepath

@@ -39,7 +39,8 @@ const std::array<KernelCode, kPathStageCount> kStages = {
 constexpr std::array<std::size_t, kPathStageCount> kCompileOrder = {kShade,    kExtend,     kConnect, kEscape,
                                                                     kGenerate, kAccumulate, kAdvance, kGuideNote};
 
-// Whether paths know the vertex that they were scattered at: see the function of this name in kernels/path/shade.comp.
+// Whether paths know the vertex that they were scattered at: see the function of this name in
+// kernels/path/receiver.glsl.
 bool keeps_receivers(const Extent& e) {
   const auto has = [&](gpu::Feature feature) { return (e.features & feature) != 0; };
   const bool through_panes = has(gpu::kFeaturePanes) && has(gpu::kFeatureTriangleLights);
