@@ -304,13 +304,13 @@ TEST(Features, FollowTheMaterialsInUse) {
 
 // Every texel of an image of any size is found again, and each has a place of its own.
 TEST(Texels, LieInTiles) {
-  for (const auto& [width, height] : {std::pair{1u, 1u}, {4u, 4u}, {5u, 3u}, {17u, 9u}})
+  for (const glm::uvec2 size : {glm::uvec2(1, 1), {4, 4}, {5, 3}, {17, 9}})
     for (const std::uint32_t beside : {0u, 1u, 2u}) {
-      std::vector<int> seen(gpu::texel_count(width, height, beside), 0);
+      std::vector<int> seen(gpu::texel_count(size.x, size.y, beside), 0);
       const std::uint32_t columns = beside == 2 ? 2 : 4, rows = beside == 0 ? 4 : 2;
-      const auto place = [&](std::uint32_t x, std::uint32_t y) { return gpu::texel_index(x, y, width, beside); };
-      for (std::uint32_t y = 0; y < height; ++y)
-        for (std::uint32_t x = 0; x < width; ++x) {
+      const auto place = [&](std::uint32_t x, std::uint32_t y) { return gpu::texel_index(x, y, size.x, beside); };
+      for (std::uint32_t y = 0; y < size.y; ++y)
+        for (std::uint32_t x = 0; x < size.x; ++x) {
           EXPECT_EQ(place(x, y) / 16, place(x / columns * columns, y / rows * rows) / 16);
           for (std::uint32_t image = 0; image < 1u << beside; ++image) {
             const std::uint32_t at = place(x, y) + image * (16u >> beside);
