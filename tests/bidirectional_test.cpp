@@ -399,11 +399,11 @@ TEST_P(BidirectionalLights, HowTheWorkIsCutUpDoesNotMatter) {
 TEST_F(BidirectionalTest, TreesAreThereWhereTheyAreNeeded) {
   RenderSettings asked = settings(2, 3);
   const auto walks = [&] {
-    const bool walks = kernel_config(gpu::kFeatureLightTree, 32, asked).features & gpu::kFeatureLightTree;
+    const bool has_tree = kernel_config(gpu::kFeatureLightTree, 32, asked).features & gpu::kFeatureLightTree;
     const std::uint64_t receivers =
         kBidirectional.bytes_per_slot(gpu::kFeatureLightTree, asked) - kBidirectional.bytes_per_slot(0, asked);
-    EXPECT_EQ(receivers, walks ? 16u : 0u);
-    return walks;
+    EXPECT_EQ(receivers, has_tree ? 16u : 0u);
+    return has_tree;
   };
   for (const std::uint32_t lights : {gpu::kLightsAuto, gpu::kLightsTree, gpu::kLightsLearned}) {
     asked.lights = lights;
