@@ -185,8 +185,9 @@ void Paths::shade(Commands& commands, const KernelSet& kernels, const KernelSet&
   }
   wave.bounce = bounce;
   commands.dispatch_indirect(shading[kShade], buffers[kQueues], groups, &wave);
-  if (sort == gpu::kSortEscapes)
-    commands.dispatch_indirect(shading[kEscape], buffers[kQueues], offsetof(gpu::Queues, escape_groups), &wave);
+  if (sort != gpu::kSortEscapes) return;
+  commands.barrier(); // between paths of their own in the same buffers
+  commands.dispatch_indirect(shading[kEscape], buffers[kQueues], offsetof(gpu::Queues, escape_groups), &wave);
 }
 
 void Paths::connect(Commands& commands, const KernelSet& kernels, gpu::Wave wave, std::uint32_t bounce) const {
