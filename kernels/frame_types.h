@@ -93,7 +93,7 @@ struct Hit {
 GPU_CHECK(sizeof(Hit) == 16);
 
 // The kernels that can make a sample not finite.
-GPU_CONSTANT uint kMakerGenerate = 0u, kMakerShade = 1u, kMakerConnect = 2u;
+GPU_CONSTANT uint kMakerGenerate = 0u, kMakerShade = 1u, kMakerConnect = 2u; // escape counts as shade
 GPU_CONSTANT uint kMakerCount = 3u;
 
 // What the kernels of one wave count; the host adds the waves up.

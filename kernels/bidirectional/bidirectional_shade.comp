@@ -249,8 +249,6 @@ void follow(Ray ray, Hit hit, inout PathState path, out Wants wants, out Ray nex
   store_merge(slot, merge);
 }
 
-bool is_sound(PathState path) { return is_finite(path.radiance) && is_finite(path.throughput); }
-bool is_sound(Ray ray) { return is_finite(ray.origin) && is_finite(ray.direction); }
 
 // The same for the ray at this place in the queue, whose path ends if it is no longer finite.
 void shade(uint index, out Wants wants, out Ray next, out ShadowRay shadow, out Connection connection) {

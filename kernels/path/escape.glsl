@@ -4,7 +4,7 @@
 #define WAVEPATH_PATH_ESCAPE_GLSL
 
 #include "kernels/emission.glsl"
-#include "kernels/path/gather.glsl"
+#include "kernels/path/found_light.glsl"
 #include "kernels/path/medium.glsl"
 #include "kernels/path/receiver.glsl"
 

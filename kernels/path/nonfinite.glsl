@@ -7,12 +7,16 @@
 #define WAVEPATH_NONFINITE_GLSL
 
 #include "kernels/math.glsl"
+#include "kernels/path/path_types.h"
 
 // Slots of a wave go by sample, then by pixel, so that the lowest is the first whatever the order of the lanes.
 void count_nonfinite(uint maker, uint slot) {
   atomicAdd(counters.nonfinite_count[maker], 1u);
   atomicMin(counters.nonfinite_first[maker], slot);
 }
+
+bool is_sound(PathState path) { return is_finite(path.radiance) && is_finite(path.throughput); }
+bool is_sound(Ray ray) { return is_finite(ray.origin) && is_finite(ray.direction); }
 
 // Marks a path in which a value other than its radiance is not finite.
 vec3 spoilt(vec3 radiance) { return is_finite(radiance) ? uintBitsToFloat(uvec3(0x7fc00000u)) : radiance; }

@@ -4,11 +4,19 @@
 #define WAVEPATH_PATH_RECEIVER_GLSL
 
 #include "kernels/light_selection.glsl"
-#include "kernels/surface.glsl"
+#include "kernels/vertex.glsl"
 
 // Whether a ray that a vertex scatters must know it when it arrives: for the choice of the light, or because panes between
 // make the ray begin elsewhere.
 bool keeps_receivers() { return uses_light_tree() || (uses(kFeaturePanes) && has(kFeatureTriangleLights)); }
+
+// Stores the vertex for the weight of what the scattered ray may hit.
+Receiver store_receiver(uint slot, Vertex v) {
+  if (!keeps_receivers()) return Receiver(v.surface.position, vec3(0.0));
+  uvec4 words = uvec4(floatBitsToUint(v.surface.position), lets_light_pass(v) ? 0u : pack_normal(v.normal));
+  receiver_words[slot] = words;
+  return unpack_receiver(words);
+}
 
 Receiver fetch_receiver(uint slot) {
   if (!keeps_receivers()) return Receiver(vec3(0.0), vec3(0.0));

@@ -22,10 +22,12 @@
 #include "kernels/emission.glsl"
 #include "kernels/path/escape.glsl"
 #include "kernels/path/first_hit.glsl"
+#include "kernels/path/found_light.glsl"
 #include "kernels/path/guided.glsl"
 #include "kernels/path/medium.glsl"
 #include "kernels/path/nonfinite.glsl"
 #include "kernels/path/queue.glsl"
+#include "kernels/path/receiver.glsl"
 #include "kernels/path/records.glsl"
 #include "kernels/pixel.glsl"
 #include "kernels/ray_cone.glsl"
@@ -100,14 +102,6 @@ bool scatter(Vertex v, Lobes lobes, Sampler path_sampler, uint dimension, uint s
   return true;
 }
 
-// The vertex as it receives light, stored for the weight of what the scattered ray may hit.
-Receiver store_receiver(uint slot, Vertex v) {
-  if (!keeps_receivers()) return Receiver(v.surface.position, vec3(0.0));
-  uvec4 words = uvec4(floatBitsToUint(v.surface.position), lets_light_pass(v) ? 0u : pack_normal(v.normal));
-  receiver_words[slot] = words;
-  return unpack_receiver(words);
-}
-
 // Follows the path of one ray to its next vertex. Returns which of the two rays it wants traced.
 void follow(Ray ray, Hit hit, inout PathState path, out bool wants_ray, out Ray next, out bool wants_shadow,
             out ShadowRay shadow) {
@@ -179,8 +173,6 @@ void follow(Ray ray, Hit hit, inout PathState path, out bool wants_ray, out Ray 
     if (passed && is_receiver && keeps_receivers()) receiver_words[slot] = earlier;
   }
 }
-
-bool is_sound(Ray ray) { return is_finite(ray.origin) && is_finite(ray.direction); }
 
 // The same for the ray at this place in the queue, whose path ends if it is no longer finite.
 void shade(uint index, out bool wants_ray, out Ray next, out bool wants_shadow, out ShadowRay shadow) {

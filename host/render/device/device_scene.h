@@ -15,7 +15,7 @@ namespace wavepath {
 
 // Of values and of colours, in images.
 using AtlasImages = std::array<std::unique_ptr<DeviceImage>, 2>;
-// An atlas that is empty becomes an image of one texel, since every declared binding has to be bound.
+// An atlas that is empty becomes a small image, since every declared binding has to be bound.
 AtlasImages upload_atlases(Device& device, const Atlases& atlases);
 // Of kernels with kFeatureSampledTextures, besides DeviceScene::bindings(). Null images: the layout alone.
 std::vector<Binding> atlas_bindings(const AtlasImages& images);

@@ -1,6 +1,6 @@
-// Light that a path finds on its way. Include bindings.glsl with BIND_PATHS, and BIND_SEEN where first hits are shared, first.
-#ifndef WAVEPATH_PATH_GATHER_GLSL
-#define WAVEPATH_PATH_GATHER_GLSL
+// Light that a path finds by itself. Include bindings.glsl with BIND_PATHS, and BIND_SEEN where first hits are shared, first.
+#ifndef WAVEPATH_PATH_FOUND_LIGHT_GLSL
+#define WAVEPATH_PATH_FOUND_LIGHT_GLSL
 
 #include "kernels/math.glsl"
 #include "kernels/path/records.glsl"
@@ -19,8 +19,7 @@ void add_radiance(inout PathState path, uint slot, vec3 radiance) {
   }
 }
 
+// Whether next-event estimation might have found it, too.
 bool wants_light_weight(PathState path) { return kDirect == kDirectMis && path.bsdf_pdf >= 0.0; }
-
-bool is_sound(PathState path) { return is_finite(path.radiance) && is_finite(path.throughput); }
 
 #endif
