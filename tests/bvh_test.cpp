@@ -6,6 +6,7 @@
 
 #include "bvh/coverage.h"
 #include "bvh/measure.h"
+#include "bvh/primitives.h"
 #include "bvh/reinsert.h"
 #include "bvh/traverse.h"
 #include "tests/meshes.h"
@@ -245,6 +246,84 @@ TEST_P(Build, SlabsOfAnyScaleGiveTheSameTree) {
   const WideTree unit = build(std::span(triangles), config());
   for (const float factor : {0x1p-40f, 0x1p-10f, 0x1p10f, 0x1p40f})
     EXPECT_EQ(build_checked(scaled(triangles, factor), config()).tree.order, unit.order) << factor;
+}
+
+// ---- what a build is made of: short cuts find what the long way finds
+// -------------------------------------------------------------------------------------------------------------
+
+void expect_same_bound(const Bound& found, const Bound& expected) {
+  for (const int lane : {0, 1, 2, 4, 5, 6}) EXPECT_EQ(found.lane[lane], expected.lane[lane]) << "lane " << lane;
+}
+
+void expect_same_cut(const Cut& found, const Cut& expected) {
+  ASSERT_EQ(found.left_count, expected.left_count);
+  if (expected.left_count == 0) return;
+  EXPECT_EQ(found.cost, expected.cost);
+  EXPECT_EQ(found.axis, expected.axis);
+  EXPECT_EQ(found.slab, expected.slab);
+  expect_same_bound(found.left, expected.left);
+  expect_same_bound(found.right, expected.right);
+}
+
+// Coordinates of few values, so that centroids coincide on one axis, on two, on all.
+TEST(Cuts, OfTwoAndThreeAreThoseOfBins) {
+  Random random(12);
+  int undivided = 0;
+  for (int i = 0; i < 20'000; ++i) {
+    const std::size_t count = i % 2 == 0 ? 2 : 3;
+    const float steps = i % 3 == 0 ? 2.0f : i % 3 == 1 ? 8.0f : 1e6f;
+    const auto coarse = [&](Vec3 p) {
+      return Vec3{std::round(p.x * steps), std::round(p.y * steps), std::round(p.z * steps)};
+    };
+    std::array<Primitive, 3> items;
+    Bound bound, centroids;
+    for (std::size_t k = 0; k < count; ++k) {
+      const Vec3 a = coarse(random.point()), b = coarse(random.point());
+      items[k] = Primitive(Box{min(a, b), max(a, b)}, static_cast<std::uint32_t>(k));
+      bound.merge(items[k].bound);
+      centroids.merge(items[k].centroid_bound());
+    }
+    const Slabs slabs(bound, centroids, 2);
+    Bins bins(slabs);
+    bins.add(slabs, {items.data(), count});
+    const Cut expected = bins.best_cut(slabs);
+    undivided += expected.left_count == 0;
+    SCOPED_TRACE(i);
+    expect_same_cut(count == 2 ? best_cut_of_two(slabs, items[0], items[1]) : best_cut_of_three(slabs, items),
+                    expected);
+    if (HasFailure()) return;
+  }
+  EXPECT_GT(undivided, 10);
+}
+
+// By vectors from triangles, and from their boxes one by one, with those that are dropped: the same, bit by bit.
+TEST(Primitives, OfTrianglesAreThoseOfTheirBoxes) {
+  Triangles triangles = soup(40'000, 5);
+  Random random(6);
+  const std::array<float, 5> broken = {kInf, -kInf, std::numeric_limits<float>::quiet_NaN(), 3e38f, -3e38f};
+  for (std::size_t i = 0; i < triangles.size(); i += 7) {
+    Triangle& t = triangles[i];
+    const int kind = static_cast<int>(random.uniform(0, 9));
+    float* const coordinate = &std::array{&t.v0, &t.v1, &t.v2}[static_cast<std::size_t>(random.uniform(0, 2.99f))]->y;
+    if (kind < 5) *coordinate = broken[static_cast<std::size_t>(kind)];
+    if (kind == 5) t.v2 = t.v1;                        // a line
+    if (kind == 6) t.v2 = t.v0 + (t.v1 - t.v0) * 0.5f; // nearly one
+    if (kind == 7) t = {t.v0 * 1e-30f, t.v1 * 1e-30f, t.v2 * 1e-30f};
+    if (kind == 8) t.v1 = t.v2 = t.v0; // a point
+  }
+  const std::vector<Box> boxes = boxes_of(triangles);
+  std::vector<Primitive> found(triangles.size()), expected(triangles.size());
+  const PrimitiveList of_triangles = list_primitives(triangles, found.data());
+  const PrimitiveList of_boxes = list_primitives(boxes, expected.data());
+  ASSERT_EQ(of_triangles.count, of_boxes.count);
+  EXPECT_LT(of_boxes.count, triangles.size() - 1000);
+  expect_same_bound(of_triangles.bound, of_boxes.bound);
+  expect_same_bound(of_triangles.centroids, of_boxes.centroids);
+  for (std::size_t i = 0; i < of_boxes.count; ++i) {
+    ASSERT_EQ(found[i].index(), expected[i].index());
+    expect_same_bound(found[i].bound, expected[i].bound);
+    if (HasFailure()) return;
+  }
 }
 
 // ---- validate
