@@ -78,7 +78,8 @@ RenderResult render_scene(Device& device, const fs::path& path, std::vector<std:
 
   Scene scene = load_scene(scene_request).scene;
   const View view = resolve_view(scene, {}, request.settings.width, request.settings.height);
-  const PackedScene packed = pack(scene, request.settings.direct, request.bvh.value_or(bvh::Quality::fast));
+  const PackedScene packed =
+      pack(scene, {.direct = request.settings.direct, .quality = request.bvh.value_or(bvh::Quality::fast)});
   KernelCompiler& kernels = shared_kernels(device);
   const RenderResult result = render(device, packed, view, request.settings, RenderHooks{}, kernels);
   EXPECT_EQ(result.nonfinite.samples(), 0u);
@@ -347,7 +348,7 @@ TEST_F(AnyScene, HowTheWorkIsCutUpDoesNotMatter) {
 
 TEST_F(AnyScene, TheTreeDoesNotMatter) {
   Scene showcase = load_gltf((kScenes / "showcase.glb").string(), {});
-  const PackedScene best = pack(showcase, gpu::kDirectMis, bvh::Quality::best);
+  const PackedScene best = pack(showcase, {.quality = bvh::Quality::best});
   EXPECT_GT(best.triangles.size(), best.triangles_stored) << "no triangle was split, so copies were not checked";
   for (const fs::path& path : scenes_) {
     SCOPED_TRACE(path.stem());

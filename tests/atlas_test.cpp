@@ -145,14 +145,13 @@ Scene textured_scene() {
 }
 
 PackedScene pack_sampled(Scene& scene, bool mips, const SamplerLimits& limits = kRoomy) {
-  return pack(scene, gpu::kDirectMis, bvh::Quality::fast, {}, gpu::kLightsAuto, mips, limits);
+  return pack(scene, {.mips = mips, .samplers = limits});
 }
 
 TEST(SampledTextures, HoldTheSameTexels) {
   for (const bool mips : {false, true}) {
     Scene scene = textured_scene();
-    const PackedScene exact = pack(scene, gpu::kDirectMis, bvh::Quality::fast, {}, gpu::kLightsAuto, mips),
-                      sampled = pack_sampled(scene, mips);
+    const PackedScene exact = pack(scene, {.mips = mips}), sampled = pack_sampled(scene, mips);
     ASSERT_EQ(exact.textures.size(), 8u);
     ASSERT_EQ(sampled.textures.size(), 8u);
     EXPECT_TRUE(sampled.texels.empty()) << "nothing reads it";
@@ -184,7 +183,7 @@ TEST(SampledTextures, ArePlanned) {
   for (const bool mips : {false, true}) {
     Scene scene = textured_scene();
     const PackedScene packed = pack_sampled(scene, mips);
-    const Plan planned = plan(scene, bvh::Quality::fast, mips, kRoomy);
+    const Plan planned = plan(scene, {.mips = mips, .samplers = kRoomy});
     EXPECT_EQ(planned.texel_bytes, packed.atlases[0].bytes() + packed.atlases[1].bytes());
     EXPECT_EQ(packed.atlases[1].words.size() * 4, packed.atlases[1].bytes());
     EXPECT_GT(planned.texel_bytes, 0u);
@@ -210,7 +209,7 @@ TEST(SampledTextures, WhatSamplersCannotDoStaysExact) {
   EXPECT_TRUE(mixed.features & gpu::kFeatureExactTextures);
   EXPECT_EQ(std::ranges::count_if(mixed.textures, [](const gpu::Texture& t) { return t.flags & gpu::kTextureSampled; }),
             5);
-  EXPECT_EQ(plan(scene, bvh::Quality::fast, false, kRoomy).texel_bytes,
+  EXPECT_EQ(plan(scene, {.samplers = kRoomy}).texel_bytes,
             4 * mixed.texels.size() + mixed.atlases[0].bytes() + mixed.atlases[1].bytes());
 
   // A device whose images are too small, and one that has too few layers.
@@ -222,7 +221,7 @@ TEST(SampledTextures, WhatSamplersCannotDoStaysExact) {
     EXPECT_LT(exact, 8u);
     EXPECT_EQ(exact, static_cast<std::size_t>(std::ranges::count_if(
                          packed.textures, [](const gpu::Texture& t) { return !(t.flags & gpu::kTextureSampled); })));
-    const PackedScene reference = pack(large, gpu::kDirectMis, bvh::Quality::fast, {}, gpu::kLightsAuto, true);
+    const PackedScene reference = pack(large, {.mips = true});
     for (std::size_t i = 0; i < 8; ++i)
       EXPECT_EQ(read_texel(packed.textures[i], packed.texels, packed.atlases, 0, 0),
                 read_texel(reference.textures[i], reference.texels, 0, 0));

@@ -170,7 +170,7 @@ struct Subject {
   View view;
 
   Subject(Scene scene, const RenderSettings& settings)
-      : packed(pack(scene, settings.direct, bvh::Quality::fast, {}, settings.lights)),
+      : packed(pack(scene, {.direct = settings.direct, .lights = settings.lights})),
         view(resolve_view(scene, {}, settings.width, settings.height)) {}
 };
 

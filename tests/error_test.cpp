@@ -34,7 +34,7 @@ public:
     Scene scene = load_gltf(kScenes + name, {});
     if (environment > 0.0f) scene.environment.radiance = glm::vec3(environment);
     view_ = resolve_view(scene, {}, settings.width, settings.height);
-    packed_ = pack(scene, settings.direct);
+    packed_ = pack(scene, {.direct = settings.direct});
   }
   RenderResult render(std::uint32_t seed, std::uint32_t spp = 0) {
     RenderSettings settings = settings_;
@@ -263,7 +263,7 @@ TEST_F(ErrorTest, DepthCutIsMeasuredByTheSamePaths) {
   Scene scene = load_gltf(kScenes + "cornell_box.gltf", {});
   RenderSettings settings = small(48, 16);
   const View view = resolve_view(scene, {}, settings.width, settings.height);
-  const PackedScene packed = pack(scene, settings.direct);
+  const PackedScene packed = pack(scene, {.direct = settings.direct});
   KernelCompiler kernels(device());
   const DepthCut even = measure_depth_cut(device(), packed, view, settings, kernels);
   settings.adaptive = true;

@@ -27,8 +27,7 @@ protected:
     if (!kernels_) kernels_ = std::make_unique<KernelCompiler>(device());
     Scene scene = load_gltf(kScenes + file);
     const View view = resolve_view(scene, {}, settings.width, settings.height);
-    return choose_integrator(device(), pack(scene, gpu::kDirectMis, bvh::Quality::fast, view.position), view, settings,
-                             *kernels_);
+    return choose_integrator(device(), pack(scene, {.eye = view.position}), view, settings, *kernels_);
   }
   static RenderSettings settings(std::uint32_t spp) {
     RenderSettings settings;

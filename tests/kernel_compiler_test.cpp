@@ -88,7 +88,7 @@ protected:
     settings_.last_sample = 8;
     settings_.wave_slots = 512; // many waves
     view_ = resolve_view(scene, {}, settings_.width, settings_.height);
-    packed_ = pack(scene, settings_.direct);
+    packed_ = pack(scene, {.direct = settings_.direct});
   }
   KernelNeed need(gpu::Feature features) const {
     return {&kPathProgram, kAllPathStages, kernel_config(features, packed_.stack_size, settings_)};

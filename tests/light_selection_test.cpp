@@ -110,7 +110,7 @@ protected:
     ViewRequest request;
     request.eye = glm::dvec3(-1.8, 0.1, 5.0);
     request.look_at = glm::dvec3(-1.2, 0.0, 0.0);
-    return {pack(scene, settings.direct, bvh::Quality::fast, request.eye, settings.lights),
+    return {pack(scene, {.direct = settings.direct, .eye = request.eye, .lights = settings.lights}),
             resolve_view(scene, request, settings.width, settings.height)};
   }
   RenderResult render(const Subject& subject, const RenderSettings& settings, const RenderHooks& hooks = {}) {

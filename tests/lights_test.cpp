@@ -224,7 +224,7 @@ TEST(Lights, AreNotPackedForBsdfSampling) {
   scene.materials[0] = emitter(1.0f);
   scene.lights = {punctual(LightKind::point, 1.0f)};
   scene.environment.radiance = glm::vec3(1.0f);
-  const PackedScene packed = pack(scene, gpu::kDirectBsdf);
+  const PackedScene packed = pack(scene, {.direct = gpu::kDirectBsdf});
   EXPECT_TRUE(packed.lights.empty());
   EXPECT_EQ(packed.triangles[0].light, gpu::kNone);
   EXPECT_EQ(packed.environment_probability, 0.0f);
@@ -236,8 +236,8 @@ TEST(Lights, AreNotPackedForBsdfSampling) {
 TEST(Lights, SampleConstantEnvironmentsOnlyWhereNothingElseDoes) {
   Scene scene = triangle_scene();
   scene.environment.radiance = glm::vec3(2.0f);
-  EXPECT_TRUE(pack(scene, gpu::kDirectMis).lights.empty());
-  const PackedScene nee = pack(scene, gpu::kDirectNee);
+  EXPECT_TRUE(pack(scene).lights.empty());
+  const PackedScene nee = pack(scene, {.direct = gpu::kDirectNee});
   ASSERT_EQ(nee.lights.size(), 1u);
   EXPECT_EQ(nee.lights[0].kind, gpu::kLightEnvironment);
   EXPECT_EQ(nee.environment_probability, 1.0f);

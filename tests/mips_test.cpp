@@ -163,7 +163,7 @@ protected:
   }
   RenderResult render(Scene scene, const RenderSettings& settings, bool mips) {
     const View view = resolve_view(scene, {}, settings.width, settings.height);
-    const PackedScene packed = pack(scene, gpu::kDirectMis, bvh::Quality::fast, {}, gpu::kLightsAuto, mips);
+    const PackedScene packed = pack(scene, {.mips = mips});
     return wavepath::render(device(), packed, view, settings, RenderHooks{}, shared_kernels(device()));
   }
 };
@@ -225,8 +225,7 @@ TEST(MipUse, IsThatOfFramesOfOneSample) {
 
 TEST(MipUse, CostsNothingWhereNobodyAsks) {
   Scene scene = checkered_floor();
-  const PackedScene with = pack(scene, gpu::kDirectMis, bvh::Quality::fast, {}, gpu::kLightsAuto, true),
-                    without = pack(scene);
+  const PackedScene with = pack(scene, {.mips = true}), without = pack(scene);
   EXPECT_EQ(without.texels.size(), 64u);
   EXPECT_EQ(without.textures[0].mip_count, 0u);
   EXPECT_EQ(without.features & gpu::kFeatureMips, 0u);
@@ -236,7 +235,7 @@ TEST(MipUse, CostsNothingWhereNobodyAsks) {
   EXPECT_EQ(left_out->bytes, 4 * (with.texels.size() - without.texels.size()));
   EXPECT_EQ(std::ranges::find(with.left_out, "mip levels of textures", &LeftOut::what), with.left_out.end());
   EXPECT_EQ(plan(scene).texel_bytes, 4 * without.texels.size());
-  EXPECT_EQ(plan(scene, bvh::Quality::fast, true).texel_bytes, 4 * with.texels.size());
+  EXPECT_EQ(plan(scene, {.mips = true}).texel_bytes, 4 * with.texels.size());
 }
 
 } // namespace

@@ -359,7 +359,7 @@ TEST(PackFeatures, AreForeseenBeforeImagesAreDecoded) {
         EXPECT_TRUE(described.images.empty());
         expected = expected_features(described, direct);
       });
-      const std::uint32_t found = pack(scene, direct).features;
+      const std::uint32_t found = pack(scene, {.direct = direct}).features;
       EXPECT_EQ(found & ~expected, 0u) << "bits that kernels would have to be compiled again for";
       foreseen += expected == found;
       ++scenes;

@@ -130,7 +130,8 @@ protected:
     request.look_at = upwards ? glm::dvec3(0, 2, 0) : glm::dvec3(0, 0, 0);
     request.yfov = upwards ? 0.05 : 0.7;
     const View view = resolve_view(scene, request, asked.width, asked.height);
-    const PackedScene packed = pack(scene, asked.direct, quality, view.position, asked.lights);
+    const PackedScene packed =
+        pack(scene, {.direct = asked.direct, .quality = quality, .eye = view.position, .lights = asked.lights});
     return wavepath::render(device(), packed, view, asked, RenderHooks{}, *kernels_).picture;
   }
   void expect_even(const Picture& picture, const glm::dvec3& value, double tolerance) {
@@ -322,7 +323,7 @@ TEST_F(PaneTest, LightThroughAPaneIsNotDirect) {
 TEST(PaneFeature, IsThereOnlyWhereShadowRaysMeetPanes) {
   const auto has_panes = [](Scene scene, std::uint32_t direct = gpu::kDirectMis) {
     const bool expected = (expected_features(scene, direct) & gpu::kFeaturePanes) != 0;
-    const PackedScene packed = pack(scene, direct);
+    const PackedScene packed = pack(scene, {.direct = direct});
     const bool found = (packed.features & gpu::kFeaturePanes) != 0;
     EXPECT_TRUE(expected || !found);
     const bool listed =

@@ -22,7 +22,7 @@ View front_view() {
 
 void expect_picked(const Scene& scene, const View& view, const glm::dvec2& place, const glm::dvec3& expected) {
   Scene copy = scene;
-  const PackedScene packed = pack(copy, gpu::kDirectMis, bvh::Quality::fast, view.position);
+  const PackedScene packed = pack(copy, {.eye = view.position});
   const auto point = pick(packed, view, place, {100, 100});
   ASSERT_TRUE(point);
   EXPECT_LE(glm::length(*point - expected), 1e-5) << point->x << " " << point->y << " " << point->z;
@@ -71,9 +71,9 @@ TEST(Pick, MiddleOfTheSceneWhereThePictureShowsNothing) {
 
 TEST(Pick, FindsNothingWhereNothingIs) {
   Scene scene = triangle_scene(), empty;
-  const PackedScene packed = pack(scene, gpu::kDirectMis, bvh::Quality::fast);
+  const PackedScene packed = pack(scene);
   EXPECT_FALSE(pick(packed, front_view(), {1, 1}, {100, 100}));
-  const PackedScene nothing = pack(empty, gpu::kDirectMis, bvh::Quality::fast);
+  const PackedScene nothing = pack(empty);
   EXPECT_FALSE(pick(nothing, front_view(), {50, 50}, {100, 100}));
 }
 

@@ -44,7 +44,7 @@ protected:
     settings_.width = 40, settings_.height = 29; // tiles are cut off at the borders
     settings_.last_sample = 6;
     settings_.wave_slots = 700; // no multiple of anything
-    packed_ = pack(scene_, settings_.direct);
+    packed_ = pack(scene_, {.direct = settings_.direct});
     view_ = view_at({});
   }
   View view_at(const ViewRequest& request) const { return view_at(request, settings_.width, settings_.height); }
@@ -133,7 +133,7 @@ TEST_F(ProgressiveTest, OtherSettingsLeaveNoTrace) {
   bsdf.direct = gpu::kDirectBsdf;
   progressive.set_settings(bsdf, view_);
   finish(progressive);
-  const PackedScene without_lights = pack(scene_, bsdf.direct);
+  const PackedScene without_lights = pack(scene_, {.direct = bsdf.direct});
   EXPECT_EQ(progressive.film(), *render(device(), without_lights, view_, bsdf, RenderHooks{}, kernels()).film);
 }
 
@@ -202,7 +202,7 @@ TEST_F(ProgressiveTest, AnotherSceneIsRendered) {
   Progressive progressive(device(), first, view_, settings_, kernels());
   render_some(progressive, 2);
   scene_.environment.radiance = glm::vec3(2.0f, 1.0f, 0.5f);
-  packed_ = pack(scene_, settings_.direct);
+  packed_ = pack(scene_, {.direct = settings_.direct});
   progressive.set_scene(packed_, view_);
   expect_as_rendered(progressive);
 }
@@ -210,14 +210,14 @@ TEST_F(ProgressiveTest, AnotherSceneIsRendered) {
 // What the copied command line says: the camera as it is now, and the origin as it was packed.
 TEST_F(ProgressiveTest, TheOriginRepeatsAMovedView) {
   open("showcase.glb");
-  packed_ = pack(scene_, settings_.direct, bvh::Quality::fast, view_.position);
+  packed_ = pack(scene_, {.direct = settings_.direct, .eye = view_.position});
   const PackedScene in_window = packed_;
   Progressive progressive(device(), in_window, view_, settings_, kernels());
   progressive.set_view(moved_view());
-  packed_ = pack(scene_, settings_.direct, bvh::Quality::fast, in_window.origin);
+  packed_ = pack(scene_, {.direct = settings_.direct, .eye = in_window.origin});
   EXPECT_EQ(packed_.origin, in_window.origin);
   expect_as_rendered(progressive);
-  packed_ = pack(scene_, settings_.direct, bvh::Quality::fast, moved_view().position);
+  packed_ = pack(scene_, {.direct = settings_.direct, .eye = moved_view().position});
   EXPECT_FALSE(progressive.film() == *rendered(moved_view(), settings_).film) << "there was no need of an origin";
 }
 

@@ -98,8 +98,11 @@ protected:
 
   RenderResult render(Scene scene, const RenderSettings& settings) {
     const View view = resolve_view(scene, {}, settings.width, settings.height);
-    const PackedScene packed = pack(scene, settings.direct, bvh::Quality::fast, view.position, settings.lights,
-                                    wants_mips(settings), sampler_limits(settings, device().info()));
+    const PackedScene packed = pack(scene, {.direct = settings.direct,
+                                            .eye = view.position,
+                                            .lights = settings.lights,
+                                            .mips = wants_mips(settings),
+                                            .samplers = sampler_limits(settings, device().info())});
     EXPECT_EQ((packed.features & gpu::kFeatureSampledTextures) != 0,
               settings.textures == kTexturesHardware && !packed.textures.empty());
     return wavepath::render(device(), packed, view, settings, RenderHooks{}, shared_kernels(device()));
@@ -152,8 +155,10 @@ TEST_F(SampledTextures, AWrongGuessOfTheKernelsChangesNoBit) {
     kernels.all();
     Scene scene = room();
     const View view = resolve_view(scene, {}, asked.width, asked.height);
-    const PackedScene packed = pack(scene, asked.direct, bvh::Quality::fast, view.position, asked.lights, false,
-                                    sampler_limits(asked, device().info()));
+    const PackedScene packed = pack(scene, {.direct = asked.direct,
+                                            .eye = view.position,
+                                            .lights = asked.lights,
+                                            .samplers = sampler_limits(asked, device().info())});
     EXPECT_TRUE(*wavepath::render(device(), packed, view, asked, RenderHooks{}, kernels).film == *right.film);
   }
 }

@@ -24,7 +24,7 @@ protected:
     settings_.width = 48, settings_.height = 36;
     settings_.last_sample = settings_.sample_total = 3;
     settings_.aovs = {"direct"};
-    packed_ = pack(scene_, direct_of(settings_));
+    packed_ = pack(scene_, {.direct = direct_of(settings_)});
     view_ = resolve_view(scene_, {}, settings_.width, settings_.height);
   }
   Progressive begin() { return Progressive(device(), packed_, view_, settings_, shared_kernels(device())); }

@@ -15,7 +15,7 @@
 namespace wavepath::test {
 namespace {
 
-PackedScene packed(Scene scene) { return pack(scene, gpu::kDirectNee); }
+PackedScene packed(Scene scene) { return pack(scene, {.direct = gpu::kDirectNee}); }
 
 struct Texel {
   glm::dvec3 point; // world

@@ -274,7 +274,7 @@ TEST(ShadowSources, RectanglesDiscsAndSpheresAreFoundAmongTriangles) {
   add(disc);
   add(ball({-2, 1, 0}, 0.25f));
   add({{3, 3, 0}, {4, 3, 0}, {3, 3, 1}}); // a triangle is none
-  const PackedScene packed = pack(scene, gpu::kDirectNee);
+  const PackedScene packed = pack(scene, {.direct = gpu::kDirectNee});
   const std::vector<ShadowSource> sources = find_sources(packed);
   EXPECT_EQ(names_of(sources), "1 rectangle, 1 disc, 1 sphere");
   EXPECT_EQ(count_lights(packed), 4u);
@@ -293,7 +293,7 @@ TEST(ShadowSources, RectanglesDiscsAndSpheresAreFoundAmongTriangles) {
 
 // All corners of a box lie on a sphere; half a ball is open; neither is one.
 TEST(ShadowSources, BodiesThatAreNoSphereAreNone) {
-  const auto sources_of = [](Scene scene) { return names_of(find_sources(pack(scene, gpu::kDirectNee))); };
+  const auto sources_of = [](Scene scene) { return names_of(find_sources(pack(scene, {.direct = gpu::kDirectNee}))); };
   EXPECT_EQ(sources_of(lit_by_lamp(box({0, 2, 0}, {0.1f, 0.1f, 0.1f}))), "6 rectangles");
   std::vector<glm::vec3> half = ball({0, 2, 0}, 0.2f);
   half.resize(half.size() / 2);

@@ -169,7 +169,7 @@ TEST_F(PlanarTest, SameBitsHoweverTheWorkIsCut) {
 }
 
 TEST_F(PlanarTest, LargePlanesReceive) {
-  const auto planes_of = [](Scene scene) { return receiver_planes(pack(scene, gpu::kDirectNee)); };
+  const auto planes_of = [](Scene scene) { return receiver_planes(pack(scene, {.direct = gpu::kDirectNee})); };
   Scene scene = lit_by(sun());
   std::vector<ReceiverPlane> planes = planes_of(scene);
   ASSERT_EQ(planes.size(), 1u);
@@ -196,7 +196,7 @@ TEST_F(PlanarTest, RefusesScenesWithoutPlanes) {
   scene.materials.push_back(plain_material());
   add_instance(scene, add_mesh(scene, ball({0, 0, 0}, 0.5f)));
   scene.lights.push_back(sun());
-  const PackedScene packed = pack(scene, gpu::kDirectNee);
+  const PackedScene packed = pack(scene, {.direct = gpu::kDirectNee});
   EXPECT_NE(unfit(*shadow_kind(planar_settings()), packed).find("large planes"), std::string::npos);
   EXPECT_EQ(unfit(*shadow_kind(planar_settings("projected")), packed), ""); // whose cookies shine on everything
 }

@@ -161,7 +161,7 @@ class ShadowTest : public VulkanTest {
 protected:
   RenderResult render(Scene scene, const RenderSettings& settings) {
     const View view = resolve_view(scene, {}, settings.width, settings.height);
-    const PackedScene packed = pack(scene, direct_of(settings));
+    const PackedScene packed = pack(scene, {.direct = direct_of(settings)});
     return wavepath::render(device(), packed, view, settings, RenderHooks{}, shared_kernels(device()));
   }
   // Green of every pixel.

@@ -70,7 +70,7 @@ protected:
     request.look_at = glm::dvec3(0, 0, 0);
     request.yfov = 0.7;
     const View view = resolve_view(scene, request, settings.width, settings.height);
-    const PackedScene packed = pack(scene, gpu::kDirectMis, quality, view.position);
+    const PackedScene packed = pack(scene, {.quality = quality, .eye = view.position});
     return wavepath::render(device(), packed, view, settings, RenderHooks{}, *kernels_).picture;
   }
   void expect_even(const Picture& picture, double value, double tolerance) {

@@ -40,7 +40,7 @@ protected:
   Picture render(Scene scene, const ViewRequest& request, const RenderSettings& asked) {
     if (!kernels_) kernels_ = std::make_unique<KernelCompiler>(device());
     const View view = resolve_view(scene, request, asked.width, asked.height);
-    const PackedScene packed = pack(scene, asked.direct, bvh::Quality::fast, view.position, asked.lights);
+    const PackedScene packed = pack(scene, {.direct = asked.direct, .eye = view.position, .lights = asked.lights});
     return wavepath::render(device(), packed, view, asked, RenderHooks{}, *kernels_).picture;
   }
   static RenderSettings settings(std::uint32_t side, std::uint32_t spp) {

@@ -79,7 +79,7 @@ protected:
     settings.integrator = integrator;
     settings.terminator = terminator;
     const View view = resolve_view(scene, {}, kSide, kSide);
-    const PackedScene packed = pack(scene, direct);
+    const PackedScene packed = pack(scene, {.direct = direct});
     return wavepath::render(device(), packed, view, settings, RenderHooks{}, shared_kernels(device()));
   }
 

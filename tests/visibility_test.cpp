@@ -265,7 +265,7 @@ protected:
     SCOPED_TRACE(path.filename().string());
     Scene scene = load_gltf(path);
     const View view = resolve_view(scene, request, settings.width, settings.height);
-    const PackedScene packed = pack(scene, gpu::kDirectMis, quality, view.position);
+    const PackedScene packed = pack(scene, {.quality = quality, .eye = view.position});
     expect_agreement(packed, shoot(device(), packed, view, settings));
   }
 };
@@ -320,7 +320,7 @@ TEST_F(VisibilityBuffer, NearPlane) {
   const FrameSettings settings{64, 48};
   for (const glm::dvec3 target : {glm::dvec3(0, 0, 0), glm::dvec3(3e-4, 1e-4, 0), glm::dvec3(1, 0.01, 0)}) {
     const glm::dvec3 eye(0, 0, 1e-4);
-    const PackedScene packed = pack(scene, gpu::kDirectMis, bvh::Quality::fast, eye);
+    const PackedScene packed = pack(scene, {.eye = eye});
     const Shot shot = shoot(device(), packed, look(eye, target, 60, settings), settings);
     expect_agreement(packed, shot, 0.5);
     for (std::size_t i = 0; i < shot.raster_ids.size(); ++i) // the front wall, wherever a ray meets it
@@ -333,7 +333,7 @@ TEST_F(VisibilityBuffer, WindowBelowThePrecisionOfEdges) {
   Scene scene = load_gltf(kSource / "scenes/analytic/occlusion_in_corner.gltf");
   const FrameSettings settings{40, 30};
   const View view = resolve_view(scene, {}, settings.width, settings.height);
-  const PackedScene packed = pack(scene, gpu::kDirectMis, bvh::Quality::fast, view.position);
+  const PackedScene packed = pack(scene, {.eye = view.position});
   EXPECT_FALSE(edges_hold(packed, view, settings.width, settings.height));
   const Shot shot = shoot(device(), packed, view, settings, false);
   EXPECT_EQ(shot.raster_ids, shot.traced_ids);
@@ -367,7 +367,7 @@ TEST_F(VisibilityBuffer, InsideABox) {
   const FrameSettings settings{101, 77};
   for (const glm::dvec3 eye :
        {glm::dvec3(0.1, 0.2, -0.3), glm::dvec3(0.9999, -0.9999, 0.9999), glm::dvec3(0, -0.99999, 0)}) {
-    const PackedScene packed = pack(scene, gpu::kDirectMis, bvh::Quality::fast, eye);
+    const PackedScene packed = pack(scene, {.eye = eye});
     const Shot shot = shoot(device(), packed, look(eye, {-0.3, 0.4, 0.1}, 120, settings), settings);
     expect_agreement(packed, shot);
     for (const Seen& seen : shot.raster_ids) EXPECT_NE(seen.triangle, gpu::kNone);
@@ -388,7 +388,7 @@ TEST_F(VisibilityBuffer, TrianglesAcrossTheCameraPlane) {
     }
     Scene scene = scene_of({corners});
     const FrameSettings settings{96, 64};
-    const PackedScene packed = pack(scene, gpu::kDirectMis, bvh::Quality::fast, glm::dvec3(0.0));
+    const PackedScene packed = pack(scene, {.eye = glm::dvec3(0.0)});
     expect_agreement(packed, shoot(device(), packed, look({0, 0, 0}, {0.2, 0.1, -1}, 90, settings), settings));
   }
 }
@@ -402,7 +402,7 @@ TEST_F(VisibilityBuffer, ExtremeDepths) {
                           rectangle({-0.5f, -1, -1.00001f}, {1, 0, 0}, {0, 0.8f, 0}),
                           rectangle({-0.5f, -1, -1}, {0.5f, 0, 0}, {0, 0.8f, 0})});
   const FrameSettings settings{128, 96};
-  const PackedScene packed = pack(scene, gpu::kDirectMis, bvh::Quality::fast, glm::dvec3(0.0));
+  const PackedScene packed = pack(scene, {.eye = glm::dvec3(0.0)});
   const Shot shot = shoot(device(), packed, look({0, 0, 0}, {0, 0, -1}, 50, settings), settings);
   expect_agreement(packed, shot);
   std::vector<std::uint32_t> pixels(5);

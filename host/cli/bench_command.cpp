@@ -79,8 +79,8 @@ int run_compiler(const Request& request) {
   Device device(request.render.device, {}, DeviceUse::compile);
   const RenderSettings& settings = request.render.settings;
   LoadedScene loaded = load(request);
-  const PackedScene packed = pack(loaded.scene, settings.direct, bvh::Quality::fast, {}, gpu::kLightsAuto, false,
-                                  sampler_limits(settings, device.info()));
+  const PackedScene packed =
+      pack(loaded.scene, {.direct = settings.direct, .samplers = sampler_limits(settings, device.info())});
   print_warnings(loaded.scene.warnings);
   const std::vector<CompiledKernel> kernels =
       compile_kernels(device, packed, settings, request.ablate, [&](const std::string& what) {
@@ -104,8 +104,10 @@ int run_bench(Request& request) {
   const View view =
       resolve_view(scene, loaded.framing, request.scene.view, settings.render.width, settings.render.height);
   const bvh::Quality quality = request.render.bvh.value_or(bvh::Quality::best);
-  const PackedScene packed = pack(scene, settings.render.direct, quality, view.position, gpu::kLightsAuto, false,
-                                  sampler_limits(settings.render, device.info()));
+  const PackedScene packed = pack(scene, {.direct = settings.render.direct,
+                                          .quality = quality,
+                                          .eye = view.position,
+                                          .samplers = sampler_limits(settings.render, device.info())});
   const std::string path = scene.path;
   print_warnings(scene.warnings);
   scene = Scene{};

@@ -225,14 +225,18 @@ Prepared prepare(const Request& request) {
   const View view = resolve_view(scene, open.loaded.framing, request.scene.view, settings.width, settings.height);
   const bvh::Quality quality =
       request.render.bvh.value_or(choose_quality(settings, plan(scene).triangles_stored, device));
-  std::optional<SamplerLimits> samplers = sampler_limits(settings, device);
-  for (const OtherDevice& other : prepared.others) samplers = common_limits(samplers, other.device->info());
-  require_memory_for(request.scene.path, settings, plan(scene, quality, wants_mips(settings), samplers), device);
-  const std::optional<glm::dvec3>& origin = request.render.origin;
+  Packing packing{.direct = direct_of(settings),
+                  .quality = quality,
+                  .eye = request.render.origin.value_or(view.position),
+                  .lights = settings.lights,
+                  .mips = wants_mips(settings),
+                  .samplers = sampler_limits(settings, device)};
+  for (const OtherDevice& other : prepared.others)
+    packing.samplers = common_limits(packing.samplers, other.device->info());
+  require_memory_for(request.scene.path, settings, plan(scene, packing), device);
   if (needs_identity(request)) prepared.scene_hash = hash_scene(scene);
   prepared.view = view;
-  prepared.packed = pack(scene, direct_of(settings), quality, origin.value_or(view.position), settings.lights,
-                         wants_mips(settings), samplers);
+  prepared.packed = pack(scene, packing);
   prepared.warnings = scene.warnings;
   prepared.load_seconds = loading.seconds() - prepared.packed.bvh_seconds;
   return prepared;

@@ -159,8 +159,10 @@ StudyScene pack_scene(LoadedScene& loaded, const Request& request, bvh::Quality 
   const auto pack_for = [&](std::uint32_t direct) {
     if (study.packed.contains(direct)) return;
     scene.warnings = {};
-    study.packed.emplace(direct, pack(scene, direct, quality, study.view.position, gpu::kLightsAuto, false,
-                                      sampler_limits(request.study.render, device)));
+    study.packed.emplace(direct, pack(scene, {.direct = direct,
+                                              .quality = quality,
+                                              .eye = study.view.position,
+                                              .samplers = sampler_limits(request.study.render, device)}));
     for (const auto& [text, count] : scene.warnings.counts())
       if (!all.counts().contains(text)) all.add(text, count);
   };

@@ -104,14 +104,15 @@ public:
     RenderSettings expected = settings;
     expected.last_sample = std::min(settings.last_sample, kExpectedSamples);
     expected.room_for_mips = true; // for frames in motion
-    mips_ = wants_mips(expected);
     const DeviceInfo& device = open_.device->info();
-    quality_ = request.render.bvh.value_or(choose_quality(expected, plan(scene_).triangles_stored, device));
-    samplers_ = sampler_limits(settings, device);
-    require_memory_for(request.scene.path, settings, plan(scene_, quality_, mips_, samplers_), device);
     // Lights are packed even for --direct bsdf, because the panel can change that setting.
-    packed_ = pack(scene_, gpu::kDirectMis, quality_, request.render.origin.value_or(view.position), gpu::kLightsAuto,
-                   mips_, samplers_);
+    packing_ = {.quality = request.render.bvh.value_or(choose_quality(expected, plan(scene_).triangles_stored, device)),
+                .eye = request.render.origin.value_or(view.position),
+                .mips = wants_mips(expected),
+                .samplers = sampler_limits(settings, device)};
+    require_memory_for(request.scene.path, settings, plan(scene_, packing_), device);
+    packed_ = pack(scene_, packing_);
+    packing_.eye = packed_.origin; // whatever is packed later stands where this does
     print_warnings(scene_.warnings);
     environment_ = {request.scene.environment, request.scene.environment_intensity, request.scene.environment_degrees};
     RenderSettings shown = settings; // a window begins anew whenever the camera moves: no pilot unless asked for
@@ -208,7 +209,7 @@ private:
     PackedScene other;
     try {
       relight(wanted, open_.loaded);
-      other = pack(scene_, gpu::kDirectMis, quality_, packed_.origin, gpu::kLightsAuto, mips_, samplers_);
+      other = pack(scene_, packing_);
     } catch (...) {
       scene_.environment = before;
       scene_.materials = materials;
@@ -234,9 +235,7 @@ private:
   const Request& request_;
   OpenScene open_;
   Scene& scene_; // of it
-  bvh::Quality quality_{};
-  bool mips_ = false; // textures have mip levels
-  std::optional<SamplerLimits> samplers_;
+  Packing packing_;
   PackedScene packed_;
   EnvironmentChoice environment_;
   std::unique_ptr<Progressive> progressive_;

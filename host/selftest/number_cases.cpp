@@ -68,7 +68,7 @@ Scene textured_scene() {
 
 Measurement texture_coordinates(const SelftestContext& context) {
   Scene source = textured_scene();
-  TracedScene scene(context.device, context.kernels, pack(source, gpu::kDirectMis, bvh::Quality::fast));
+  TracedScene scene(context.device, context.kernels, pack(source));
   const auto texture_of = [&](const gpu::Triangle& triangle) {
     return scene.packed().materials[triangle.surface & gpu::kTriangleMaterialMask].base_color_texture;
   };
@@ -140,8 +140,7 @@ std::vector<float> look_up_noise(const SelftestContext& context, std::uint32_t t
   settings.textures = textures;
   Scene source = noisy_scene();
   TracedScene scene(context.device, context.kernels,
-                    pack(source, gpu::kDirectMis, bvh::Quality::fast, {}, gpu::kLightsAuto, false,
-                         sampler_limits(settings, context.device.info())));
+                    pack(source, {.samplers = sampler_limits(settings, context.device.info())}));
   Random random(23);
   std::vector<gpu::Ray> requests;
   for (int i = 0; i < 30000; ++i) {

@@ -44,12 +44,12 @@ void look_at(Scene& scene, glm::dvec3 eye, glm::dvec3 target, double yfov, glm::
 PackedScene pack_positions(const std::vector<glm::vec3>& positions, bvh::Quality quality) {
   Scene scene;
   add_triangles(scene, positions, add_lambert(scene, glm::vec3(0.5f)));
-  return pack(scene, gpu::kDirectMis, quality);
+  return pack(scene, {.quality = quality});
 }
 
 RenderResult render_scene(Device& device, Scene scene, const RenderSettings& settings) {
   const View view = resolve_view(scene, {}, settings.width, settings.height);
-  return render(device, pack(scene, settings.direct, bvh::Quality::fast, view.position), view, settings);
+  return render(device, pack(scene, {.direct = settings.direct, .eye = view.position}), view, settings);
 }
 
 double mean_of(const Picture& picture, int channel) {

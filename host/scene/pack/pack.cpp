@@ -114,17 +114,16 @@ void warn_of_exact(const TextureTable& textures, Warnings& warnings) {
 
 } // namespace
 
-PackedScene pack(Scene& scene, std::uint32_t direct, bvh::Quality quality, const std::optional<glm::dvec3>& eye,
-                 std::uint32_t lights, bool mips, const std::optional<SamplerLimits>& samplers) {
+PackedScene pack(Scene& scene, const Packing& packing) {
   PackedScene packed;
-  packed.bvh_quality = quality;
-  place_origin(scene, eye, packed);
+  packed.bvh_quality = packing.quality;
+  place_origin(scene, packing.eye, packed);
   Layout layout;
-  layout.quality = quality;
+  layout.quality = packing.quality;
   layout.usage = find_usage(scene);
   layout.image_alpha = smallest_image_alpha(scene, layout.usage);
 
-  MaterialTable materials = pack_materials(scene, layout.usage, mips, samplers);
+  MaterialTable materials = pack_materials(scene, layout.usage, packing.mips, packing.samplers);
   layout.material_index = std::move(materials.packed_index);
   packed.materials = std::move(materials.materials);
   for (std::size_t m = 0; m < scene.materials.size(); ++m)
@@ -163,8 +162,8 @@ PackedScene pack(Scene& scene, std::uint32_t direct, bvh::Quality quality, const
                        packed.dropped_triangles);
 
   pack_vertices(scene, layout.usage, streams, packed);
-  const double environment = pack_environment(scene.environment, direct, packed);
-  pack_lights(scene, objects, object_of, environment, direct, lights, packed);
+  const double environment = pack_environment(scene.environment, packing.direct, packed);
+  pack_lights(scene, objects, object_of, environment, packing.direct, packing.lights, packed);
   packed.features = find_features(scene, layout.usage, packed);
   if (const gpu::Feature lobes = packed.features & gpu::kLobesAll) {
     packed.layers = std::move(materials.layers);
@@ -173,7 +172,7 @@ PackedScene pack(Scene& scene, std::uint32_t direct, bvh::Quality quality, const
     packed.albedo_tables =
         make_albedo_tables(packed.materials, packed.layers, lobes, static_cast<std::uint32_t>(texels));
   }
-  packed.left_out = list_left_out(layout.usage, packed, direct);
+  packed.left_out = list_left_out(layout.usage, packed, packing.direct);
   return packed;
 }
 

@@ -17,16 +17,16 @@ std::uint64_t instance_node_bytes(std::uint64_t instances) { return (instances /
 
 } // namespace
 
-Plan plan(const Scene& scene, bvh::Quality quality, bool mips, const std::optional<SamplerLimits>& samplers) {
+Plan plan(const Scene& scene, const Packing& packing) {
   const Usage usage = find_usage(scene);
   const Streams streams = needed_streams(scene, usage);
-  const MaterialTable materials = pack_materials(scene, usage, mips, samplers);
+  const MaterialTable materials = pack_materials(scene, usage, packing.mips, packing.samplers);
 
   Plan plan;
   plan.triangles_stored = usage.triangles_stored;
   plan.triangles_seen = usage.triangles_seen;
   plan.instances = usage.two_level() ? usage.shared_instances + 1 : 0;
-  const double copies = quality == bvh::Quality::fast ? 0.0 : bvh::BuildConfig{}.max_copies;
+  const double copies = packing.quality == bvh::Quality::fast ? 0.0 : bvh::BuildConfig{}.max_copies;
   const std::uint64_t items =
       usage.triangles_stored + static_cast<std::uint64_t>(copies * static_cast<double>(usage.triangles_stored));
   const bool moving = std::ranges::any_of(scene.meshes, &Mesh::moves);

@@ -2,10 +2,8 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 
-#include "bvh/build.h"
-#include "host/scene/pack/atlas.h"
+#include "host/scene/pack/packing.h"
 #include "host/scene/scene.h"
 
 namespace wavepath {
@@ -22,8 +20,7 @@ struct Plan {
            light_tree_bytes;
   }
 };
-// `mips`, `samplers`: as pack() takes them.
-Plan plan(const Scene& scene, bvh::Quality quality = bvh::Quality::fast, bool mips = false,
-          const std::optional<SamplerLimits>& samplers = {});
+// Of what pack() makes, whatever eye, direct and lights are.
+Plan plan(const Scene& scene, const Packing& packing = {});
 
 } // namespace wavepath

@@ -1,0 +1,27 @@
+// How a scene is packed: what plan() and pack() both go by.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include <glm/glm.hpp>
+
+#include "bvh/build.h"
+#include "host/scene/pack/atlas.h"
+#include "kernels/features.h"
+
+namespace wavepath {
+
+struct Packing {
+  std::uint32_t direct = gpu::kDirectMis; // kDirect*; with kDirectBsdf no light is packed for sampling
+  bvh::Quality quality = bvh::Quality::fast;
+  // The point around which single precision should be finest: the origin is the point of the geometry's box nearest to
+  // it, or the box's centre.
+  std::optional<glm::dvec3> eye{};
+  std::uint32_t lights = gpu::kLightsAuto; // kLights*: how they are selected, see lights.h
+  bool mips = false; // textures get mip levels, for renders that look them up (host/render/settings/mips.h)
+  // The device's samplers look up textures, within these limits.
+  std::optional<SamplerLimits> samplers{};
+};
+
+} // namespace wavepath
