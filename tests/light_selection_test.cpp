@@ -1,9 +1,7 @@
 // Choosing among many lights: power, tree and learned shares give the same picture by every estimator of direct light,
 // bits do not depend on how the work is cut up, and scenes with few lights pay nothing.
 #include <cmath>
-#include <memory>
 #include <optional>
-#include <random>
 #include <string>
 #include <vector>
 
@@ -15,147 +13,19 @@
 #include "host/integrators/hybrid/kind.h"
 #include "host/integrators/path/kind.h"
 #include "host/integrators/path/light_rows.h"
-#include "host/render/device/kernel_compiler.h"
 #include "host/render/loop/render_state.h"
-#include "host/render/render.h"
 #include "host/scene/gltf/gltf.h"
 #include "host/scene/pack/lights.h"
 #include "host/scene/pack/pack.h"
-#include "host/scene/view.h"
 #include "kernels/light_tree_types.h"
-#include "tests/scene_builder.h"
-#include "tests/vulkan_device.h"
+#include "tests/light_rooms.h"
 
 namespace wavepath::test {
 namespace {
 
 const std::string kCornell = std::string(WAVEPATH_SOURCE_DIR) + "/scenes/cornell_box.gltf";
 
-std::vector<glm::vec3> quad(const glm::vec3& corner, const glm::vec3& a, const glm::vec3& b) {
-  return {corner, corner + a, corner + a + b, corner, corner + a + b, corner + b};
-}
-
-// Two rooms side by side with a wall between them, open in front. Lamps of one mesh, placed and scaled at random, some
-// mirrored, hang in both; points and spots, a sun and a sky that shines in through the open side.
-Scene two_rooms(int lamps, bool distant_lights) {
-  Scene scene;
-  scene.path = "two rooms";
-  scene.materials = {plain_material(), plain_material(), plain_material()};
-  scene.materials[1].emission = glm::vec3(8.0f, 6.0f, 4.0f);
-  scene.materials[1].double_sided = false;
-  scene.materials[2].transmission = 0.5f;
-  std::vector<glm::vec3> walls;
-  const auto add = [&](const glm::vec3& corner, const glm::vec3& a, const glm::vec3& b) {
-    for (const glm::vec3& p : quad(corner, a, b)) walls.push_back(p);
-  };
-  add({-4, -1, -2}, {8, 0, 0}, {0, 0, 4});
-  add({-4, 1, -2}, {8, 0, 0}, {0, 0, 4});
-  add({-4, -1, -2}, {8, 0, 0}, {0, 2, 0});
-  for (const float x : {-4.0f, 0.0f, 4.0f}) add({x, -1, -2}, {0, 2, 0}, {0, 0, 4});
-  add_instance(scene, add_mesh(scene, walls));
-  add_instance(scene, add_mesh(scene, quad({-2.5f, -0.9f, -1.0f}, {1, 0, 0}, {0, 0.8f, 0.3f}), 2));
-  const std::uint32_t lamp = add_mesh(scene, quad({-0.5f, 0, -0.5f}, {1, 0, 0}, {0, 0, 1}), 1); // faces down
-  std::mt19937 random(3);
-  std::uniform_real_distribution<double> unit(0.0, 1.0);
-  for (int i = 0; i < lamps; ++i) {
-    const glm::dvec3 place(-3.8 + 7.6 * unit(random), -0.6 + 1.5 * unit(random), -1.8 + 3.5 * unit(random));
-    const double size = 0.02 + 0.1 * unit(random) * unit(random);
-    const glm::dmat4 turn =
-        glm::rotate(glm::translate(glm::dmat4(1.0), place), 3.0 * unit(random), glm::dvec3(1, 2, 3));
-    add_instance(scene, lamp, glm::scale(turn, glm::dvec3(i % 3 == 0 ? -size : size, size, 2.0 * size)));
-  }
-  for (int i = 0; i < 6; ++i) {
-    PunctualLight light;
-    light.kind = i % 2 == 0 ? LightKind::point : LightKind::spot;
-    light.intensity = glm::vec3(0.05f);
-    light.position = {-3.5 + 1.4 * i, 0.8, -0.5};
-    light.direction = {0.3, -0.9, 0.3};
-    light.direction = glm::normalize(light.direction);
-    scene.lights.push_back(light);
-  }
-  if (!distant_lights) return scene;
-  PunctualLight sun;
-  sun.kind = LightKind::directional;
-  sun.intensity = glm::vec3(0.3f);
-  sun.direction = glm::normalize(glm::vec3(0.2f, -0.5f, -1.0f));
-  scene.lights.push_back(sun);
-  scene.environment.radiance = glm::vec3(0.2f);
-  scene.environment.width = 8;
-  scene.environment.height = 4;
-  for (int i = 0; i < 32; ++i) scene.environment.map.emplace_back(i % 5 == 0 ? 2.0f : 0.1f);
-  return scene;
-}
-
-struct Subject {
-  PackedScene packed;
-  View view;
-};
-
-class LightSelection : public VulkanTest {
-protected:
-  static void TearDownTestSuite() { kernels_.reset(); }
-  static inline std::unique_ptr<KernelCompiler> kernels_; // of all tests: compiles each of them once
-
-  static RenderSettings settings(std::uint32_t lights, std::uint32_t direct, std::uint32_t spp = 64) {
-    RenderSettings settings;
-    settings.width = 24, settings.height = 16;
-    settings.last_sample = spp;
-    settings.max_depth = 3;
-    settings.integrator = &kPath;
-    settings.lights = lights;
-    settings.direct = direct;
-    return settings;
-  }
-  static Subject subject(Scene scene, const RenderSettings& settings) {
-    ViewRequest request;
-    request.eye = glm::dvec3(-1.8, 0.1, 5.0);
-    request.look_at = glm::dvec3(-1.2, 0.0, 0.0);
-    return {pack(scene, {.direct = settings.direct, .eye = request.eye, .lights = settings.lights}),
-            resolve_view(scene, request, settings.width, settings.height)};
-  }
-  RenderResult render(const Subject& subject, const RenderSettings& settings, const RenderHooks& hooks = {}) {
-    if (!kernels_) kernels_ = std::make_unique<KernelCompiler>(device());
-    return wavepath::render(device(), subject.packed, subject.view, settings, hooks, *kernels_);
-  }
-  struct Average {
-    std::vector<double> mean, variance;
-  };
-  Average average(const Subject& subject, RenderSettings settings) {
-    constexpr std::uint32_t kRenders = 8;
-    std::vector<double> sum, squares;
-    for (settings.seed = 1; settings.seed <= kRenders; ++settings.seed) {
-      const Picture picture = render(subject, settings).picture;
-      const std::size_t n = picture.channels[0].values.size();
-      sum.resize(3 * n), squares.resize(3 * n);
-      for (std::size_t i = 0; i < 3 * n; ++i) {
-        const double value = picture.channels[i / n].values[i % n];
-        sum[i] += value, squares[i] += value * value;
-      }
-    }
-    Average result;
-    for (std::size_t i = 0; i < sum.size(); ++i) {
-      const double mean = sum[i] / kRenders;
-      result.mean.push_back(mean);
-      result.variance.push_back(std::max(0.0, squares[i] / kRenders - mean * mean) / (kRenders - 1));
-    }
-    return result;
-  }
-  // By the sum of z^2 over all values, and by the mean of the picture.
-  static void expect_same_mean(const Average& a, const Average& b) {
-    double squares = 0.0, judged = 0.0, difference = 0.0, noise = 0.0, total = 0.0;
-    for (std::size_t i = 0; i < a.mean.size(); ++i) {
-      const double d = a.mean[i] - b.mean[i], variance = a.variance[i] + b.variance[i];
-      difference += d, noise += variance, total += a.mean[i];
-      if (variance < 1e-12 * (1.0 + a.mean[i] * a.mean[i])) continue;
-      squares += std::min(d * d / variance, 25.0);
-      ++judged;
-    }
-    ASSERT_GT(judged, static_cast<double>(a.mean.size()) / 2.0);
-    EXPECT_LT(squares / judged, 1.5);
-    EXPECT_LT(std::abs(difference), 4.0 * std::sqrt(noise));
-    EXPECT_LT(std::sqrt(noise), 0.01 * total) << "too much noise to tell";
-  }
-};
+class LightSelection : public LightRooms {};
 
 TEST_F(LightSelection, AllGiveTheSamePicture) {
   for (const bool distant : {false, true}) {

@@ -39,26 +39,26 @@ Json hit_json(const PathVertex& vertex, const PackedScene& scene) {
           {"barycentrics", {number(1.0 - hit.b1 - hit.b2), number(hit.b1), number(hit.b2)}}};
 }
 
-Json shadow_json(const std::optional<ShadowTrace>& shadow, const PackedScene& scene) {
-  if (!shadow) return nullptr;
-  const gpu::Light& light = scene.lights[shadow->ray.light];
-  Json json{{"light", shadow->ray.light}, {"kind", kLightNames[light.kind]}};
+Json shadow_json(const ShadowTrace& shadow, const PackedScene& scene) {
+  const gpu::Light& light = scene.lights[shadow.ray.light];
+  Json json{{"light", shadow.ray.light}, {"kind", kLightNames[light.kind]}};
   if (light.kind == gpu::kLightTriangle) json["triangle"] = light.triangle_id;
-  json["origin"] = vector(glm::dvec3(shadow->ray.origin) + scene.origin);
-  json["direction"] = vector(glm::normalize(glm::dvec3(shadow->ray.direction)));
-  json["contribution"] = vector(shadow->ray.contribution);
-  json["blocked"] = shadow->blocked;
+  json["origin"] = vector(glm::dvec3(shadow.ray.origin) + scene.origin);
+  json["direction"] = vector(glm::normalize(glm::dvec3(shadow.ray.direction)));
+  json["contribution"] = vector(shadow.ray.contribution);
+  json["blocked"] = shadow.blocked;
   return json;
 }
 
 Json vertex_json(const PathVertex& vertex, const PackedScene& scene) {
-  Json pdf = nullptr; // a delta direction has none
-  if (!(vertex.scattered.bsdf_pdf < 0.0f)) pdf = number(vertex.scattered.bsdf_pdf);
+  Json shadows = Json::array();
+  for (const ShadowTrace& shadow : vertex.shadows) shadows.push_back(shadow_json(shadow, scene));
+  const Json pdf = vertex.pdf ? number(*vertex.pdf) : Json();
   return {{"origin", vector(glm::dvec3(vertex.ray.origin) + scene.origin)},
           {"direction", vector(vertex.ray.direction)},
           {"hit", hit_json(vertex, scene)},
           {"emission_gathered", vector(vertex.scattered.radiance)},
-          {"shadow_ray", shadow_json(vertex.shadow, scene)},
+          {"shadow_rays", shadows},
           {"radiance", vector(vertex.radiance)},
           {"throughput", vector(vertex.scattered.throughput)},
           {"pdf", pdf}};
@@ -83,7 +83,6 @@ std::string hit_text(const Json& hit) {
 }
 
 std::string shadow_text(const Json& shadow) {
-  if (shadow.is_null()) return "none";
   return fmt::format("to {} light {}, contribution {}, {}", plain(shadow["kind"]), plain(shadow["light"]),
                      plain(shadow["contribution"]), shadow["blocked"].get<bool>() ? "blocked" : "arrives");
 }
@@ -113,7 +112,8 @@ std::string trace_text(const Json& document) {
     text += fmt::format("  ray         from {} along {}\n", plain(vertex["origin"]), plain(vertex["direction"]));
     text += fmt::format("  hit         {}\n", hit_text(vertex["hit"]));
     text += fmt::format("  emission    radiance so far {}\n", plain(vertex["emission_gathered"]));
-    text += fmt::format("  shadow ray  {}\n", shadow_text(vertex["shadow_ray"]));
+    for (const Json& shadow : vertex["shadow_rays"]) text += fmt::format("  shadow ray  {}\n", shadow_text(shadow));
+    if (vertex["shadow_rays"].empty()) text += "  shadow ray  none\n";
     text += fmt::format("  radiance    {}\n", plain(vertex["radiance"]));
     text += fmt::format("  throughput  {}, pdf {}\n", plain(vertex["throughput"]),
                         vertex["pdf"].is_null() ? "none (one direction)" : plain(vertex["pdf"]));

@@ -5,6 +5,7 @@
 
 #define BIND_QUEUES
 #define BIND_COUNTERS
+#include "kernels/config.glsl"
 #include "kernels/path/bindings.glsl"
 
 layout(local_size_x = 1) in;
@@ -33,11 +34,15 @@ void main() {
     SIZE(queues.extend_groups, count)
     queues.ray_count[(bounce + 1u) & 1u] = 0u;
     queues.shadow_count = queues.hit_count = queues.escape_count = 0u;
+    for (uint i = 1u; i < kLightSamples; ++i) queues.later_shadow_count[i - 1u] = 0u;
     if (bounce == 0u) COUNT(counters.camera_rays, count) else COUNT(counters.bounce_rays, count)
   } else if (step_ == kBeforeShade) {
     SIZE(queues.shade_groups, queues.hit_count)
     SIZE(queues.escape_groups, queues.escape_count)
   } else {
+    uint light_sample = step_ - kBeforeConnect;
+    if (light_sample > 0u) queues.shadow_count = queues.later_shadow_count[light_sample - 1u];
+    queues.first_shadow = light_sample * frame.slot_count;
     uint count = queues.shadow_count;
     SIZE(queues.connect_groups, count)
     COUNT(counters.shadow_rays, count)

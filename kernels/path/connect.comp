@@ -58,7 +58,7 @@ void tally(ShadowRay ray, bool blocked) {
 void main() {
   uint index = gl_GlobalInvocationID.x;
   if (index >= queues.shadow_count) return;
-  ShadowRay ray = fetch_shadow_ray(index);
+  ShadowRay ray = fetch_shadow_ray((kLightSamples > 1u ? queues.first_shadow : 0u) + index);
   if (has(kFeaturePanes) && has(kFeatureAlpha)) path_sampler = slot_sampler(ray.slot);
   if (kMoves) open_shutter(slot_sampler(ray.slot));
   begin_shadow(ray.direction);
@@ -71,11 +71,12 @@ void main() {
   bool blocked = trace(ray.origin, ray.direction, ray.t_max, target, target_instance).triangle != kNone;
   if (has(kFeatureLearning)) tally(ray, blocked);
   if (blocked) return;
-  // One shadow ray a path and bounce: no other lane writes this slot.
+  // One shadow ray a path in this queue: no other lane writes this slot.
   PathState path = fetch_path(ray.slot);
+  if (!is_finite(path.radiance)) return; // another kernel has counted it
   vec3 contribution = ray.contribution * light_passed();
   path.radiance += contribution;
-  if (!is_finite(path.radiance)) count_nonfinite(kMakerConnect, ray.slot); // it was finite, or shade had sent no ray
+  if (!is_finite(path.radiance)) count_nonfinite(kMakerConnect, ray.slot);
   store_radiance(ray.slot, path);
   bool is_direct = wave.bounce == 0u && pane_count == 0u; // a pane is a bounce
   if (has(kFeatureAovs) && is_direct) path_aovs[ray.slot].direct += contribution;

@@ -2,6 +2,7 @@
 #ifndef WAVEPATH_PATH_TYPES_H
 #define WAVEPATH_PATH_TYPES_H
 
+#include "kernels/features.h"
 #include "kernels/frame_types.h"
 
 #ifdef __cplusplus
@@ -36,8 +37,9 @@ GPU_CONSTANT uint kBindGuideRecords = 63u;   // storage vec4[]: GuideRecord[] (k
 
 struct PathState {
   vec3 throughput;
-  float bsdf_pdf; // of the direction being traced; negative after a delta lobe (no next-event estimation could find
-                  // it), but kept where the path goes straight through a pane, which shadow rays pass
+  float bsdf_pdf; // of the direction being traced, for each light sample of its vertex; negative after a delta lobe (no
+                  // next-event estimation could find it), but kept where the path goes straight through a pane, which
+                  // shadow rays pass
   vec3 radiance;
   float eta_scale; // product of squared relative iors crossed, undone for Russian roulette
 };
@@ -54,6 +56,8 @@ struct ShadowRay {
 };
 GPU_CHECK(sizeof(ShadowRay) == 48);
 
+// Each light sample of a vertex has a queue of its own, one behind the other, so that a path gets light from one lane
+// at a time.
 struct Queues {
   uint ray_count[2];
   uint shadow_count;
@@ -61,16 +65,20 @@ struct Queues {
   uint extend_groups[3]; // indirect dispatch sizes; shade uses extend's where rays are not sorted
   uint escape_count;
   uint connect_groups[3];
-  uint pad0;
+  uint first_shadow; // place of the first shadow ray that connect traces (kSpecLightSamples)
   uint shade_groups[3];
   uint pad1;
   uint escape_groups[3];
   uint pad2;
+  uint later_shadow_count[kMostLightSamples - 1u]; // of the second light sample and those after it
+  uint pad3;
 };
-GPU_CHECK(sizeof(Queues) == 80);
+GPU_CHECK(sizeof(Queues) == 80 + 4 * kMostLightSamples);
 
 // What advance prepares for: its push constant `bounce` is kAdvanceSteps * bounce + step.
-GPU_CONSTANT uint kBeforeExtend = 0u, kBeforeShade = 1u, kBeforeConnect = 2u, kAdvanceSteps = 3u;
+// Light sample i of a vertex is kBeforeConnect + i.
+GPU_CONSTANT uint kBeforeExtend = 0u, kBeforeShade = 1u, kBeforeConnect = 2u,
+                  kAdvanceSteps = kBeforeConnect + kMostLightSamples;
 
 // ---- guiding: kernels/path/guide.glsl -------------------------------------------------------------------------------
 

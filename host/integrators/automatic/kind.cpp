@@ -9,8 +9,8 @@
 namespace wavepath {
 namespace {
 
-constexpr std::array<std::string_view, 8> kSettings = {"hemisphere", "direct",  "aperture", "focus",
-                                                       "blades",     "shutter", "denoise",  "terminator"};
+constexpr std::array<std::string_view, 9> kSettings = {"hemisphere", "direct",  "light-samples", "aperture",  "focus",
+                                                       "blades",     "shutter", "denoise",       "terminator"};
 
 std::vector<RenderSettings> candidates(const RenderSettings& settings, const PackedScene& scene) {
   RenderSettings path = settings;

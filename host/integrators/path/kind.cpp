@@ -10,22 +10,24 @@
 #include "host/integrators/path/light_rows.h"
 #include "host/integrators/path/path_tracer.h"
 #include "host/render/render.h"
+#include "host/render/settings/light_samples.h"
 
 namespace wavepath {
 namespace {
 
-constexpr std::array<std::string_view, 12> kSettings = {"hemisphere", "direct",  "lights",  "adaptive",
-                                                        "guide",      "denoise", "pixel",   "aperture",
-                                                        "focus",      "blades",  "shutter", "terminator"};
+constexpr std::array<std::string_view, 13> kSettings = {
+    "hemisphere", "direct",   "lights", "light-samples", "adaptive", "guide",     "denoise",
+    "pixel",      "aperture", "focus",  "blades",        "shutter",  "terminator"};
 constexpr std::array<std::string_view, 2> kFirstHitStages = {"generate", "extend"};
 
 void start_kernels(KernelCompiler& kernels, const DeviceInfo& device, gpu::Feature features,
                    const RenderSettings& settings) {
-  const auto start = [&](gpu::Feature bits) {
-    kernels.start(path_need(kPathProgram, kAllPathStages, kernel_config(bits, kExpectedStack, settings)));
-  };
-  start(features);
-  if (generic_first(device)) start(generic_features(features));
+  kernels.start(path_need(kPathProgram, kAllPathStages, kernel_config(features, kExpectedStack, settings)));
+  if (!generic_first(device)) return;
+  RenderSettings for_scene = settings; // what generic kernels are not compiled for
+  for_scene.light_samples = light_samples_of(settings, features);
+  kernels.start(
+      path_need(kPathProgram, kAllPathStages, kernel_config(generic_features(features), kExpectedStack, for_scene)));
 }
 
 std::vector<std::string> bias(const RenderSettings& settings, const RenderResult&) {
@@ -61,11 +63,15 @@ constinit const IntegratorKind kPath = {
     .features = film_features,
     .start_kernels = start_kernels,
     .bytes_per_slot =
-        [](gpu::Feature features, const RenderSettings&) {
-          return bytes_per_path(features, kRoomForShadowRays | kRoomForSortedRays);
+        [](gpu::Feature features, const RenderSettings& settings) {
+          return bytes_per_path(features, kRoomForShadowRays | kRoomForSortedRays,
+                                light_samples_of(settings, features));
         },
     .largest_record =
-        [](const RenderSettings&) { return std::uint64_t{std::max(2 * sizeof(gpu::Ray), sizeof(gpu::PathAovs))}; },
+        [](const RenderSettings& settings) {
+          const std::uint64_t shadow_rays = light_samples_of(settings, gpu::kFeaturesAll) * sizeof(gpu::ShadowRay);
+          return std::max<std::uint64_t>({2 * sizeof(gpu::Ray), sizeof(gpu::PathAovs), shadow_rays});
+        },
     .slots_per_pixel = [](const RenderSettings&) { return 1u; },
     .bytes_per_pixel = [](const RenderSettings&) { return std::uint64_t{0}; },
     .extra_bytes = guide_bytes,

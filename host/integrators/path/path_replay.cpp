@@ -65,10 +65,11 @@ gpu::Queues PathReplay::queues() const { return download<gpu::Queues>(paths_.buf
 
 gpu::PathState PathReplay::state() const { return download<gpu::PathState>(paths_.buffers[kStates], 1).front(); }
 
-// What connect adds can be too small to change the radiance; so it first adds to a radiance of zero, which shows
-// whether the shadow ray is blocked.
-ShadowTrace PathReplay::connect(std::uint32_t bounce, const gpu::PathState& state_) {
-  ShadowTrace shadow{download<gpu::ShadowRay>(paths_.buffers[kShadowRays], 1).front()};
+// The shadow ray of one light sample. What connect adds can be too small to change the radiance; so it first adds to a
+// radiance of zero, which shows whether the ray is blocked.
+ShadowTrace PathReplay::connect(std::uint32_t bounce, std::uint32_t light_sample, const gpu::PathState& state_) {
+  const std::uint64_t queue = std::uint64_t{light_sample} * workspace_.slots * sizeof(gpu::ShadowRay);
+  ShadowTrace shadow{download<gpu::ShadowRay>(paths_.buffers[kShadowRays], 1, queue).front()};
   gpu::PathState dark = state_;
   dark.radiance = glm::vec3(0.0f);
   paths_.buffers[kStates].write(&dark, sizeof(dark));
@@ -128,7 +129,13 @@ PathTrace PathReplay::trace(glm::uvec2 pixel, std::uint32_t sample, std::uint32_
     vertex.scattered = state();
     note(vertex.scattered.radiance, gpu::kMakerShade);
     const gpu::Queues counts = queues();
-    if (counts.shadow_count > 0) vertex.shadow = connect(bounce, vertex.scattered);
+    const std::uint32_t light_samples = bounce == 0 ? paths_.config().light_samples : 1;
+    const float pdf = vertex.scattered.bsdf_pdf;
+    if (!(pdf < 0.0f)) vertex.pdf = pdf * static_cast<float>(light_samples);
+    for (std::uint32_t i = 0; i < light_samples; ++i) {
+      run(kAdvance, gpu::kAdvanceSteps * bounce + gpu::kBeforeConnect + i);
+      if (queues().shadow_count > 0) vertex.shadows.push_back(connect(bounce, i, state()));
+    }
     vertex.radiance = trace.radiance = state().radiance;
     note(vertex.radiance, gpu::kMakerConnect);
     if (counts.ray_count[(bounce + 1) & 1] == 0 || trace.maker) {

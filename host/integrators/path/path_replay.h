@@ -21,10 +21,11 @@ struct ShadowTrace {
 // One bounce: where a ray led, what the path gained there, and how it went on.
 struct PathVertex {
   gpu::Ray ray;
-  gpu::Hit hit;             // its triangle is kNone if the ray left the scene
-  gpu::PathState scattered; // after shade: throughput and pdf of the next ray, emission gathered up to here
-  std::optional<ShadowTrace> shadow;
-  glm::vec3 radiance; // gathered up to here, the light at the end of the shadow ray included
+  gpu::Hit hit;                     // its triangle is kNone if the ray left the scene
+  gpu::PathState scattered;         // after shade: throughput and pdf of the next ray, emission gathered up to here
+  std::optional<float> pdf;         // of the next ray; a delta direction has none
+  std::vector<ShadowTrace> shadows; // of its light samples that want one
+  glm::vec3 radiance;               // gathered up to here, the light at the end of the shadow rays included
 };
 
 enum class PathEnd { escaped, unlit, depth, absorbed, roulette, nonfinite };
@@ -53,7 +54,7 @@ private:
   void shade(std::uint32_t bounce);
   gpu::Queues queues() const;
   gpu::PathState state() const;
-  ShadowTrace connect(std::uint32_t bounce, const gpu::PathState& state);
+  ShadowTrace connect(std::uint32_t bounce, std::uint32_t light_sample, const gpu::PathState& state);
   PathEnd reason(std::uint32_t bounce, const PathVertex& vertex, gpu::PathState arrived);
 
   Workspace workspace_; // of one slot

@@ -85,7 +85,10 @@ void PathTracer::describe(RenderResult& result) const {
   result.guide = guide_report_;
 }
 
-std::uint32_t PathTracer::timed_dispatches() const { return std::min(2 + (workspace_.frame.max_depth + 1) * 7, 1024u); }
+std::uint32_t PathTracer::timed_dispatches() const {
+  const std::uint32_t more_samples = 2 * (paths_.config().light_samples - 1);
+  return std::min(2 + (workspace_.frame.max_depth + 1) * 7 + more_samples, 1024u);
+}
 
 void PathTracer::record_wave(Commands& commands, std::size_t band, const gpu::Wave& wave) {
   const KernelSet& kernels = paths_.kernels();

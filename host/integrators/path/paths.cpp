@@ -84,7 +84,9 @@ const std::vector<BufferRule> kRules = {
      [](const Extent& e) { return e.options & kRoomForSortedRays ? e.slots * sizeof(std::uint32_t) : 0; },
      {{gpu::kBindSortedRays, storage}, {gpu::kBindSortedRayTexels, texels_r32ui}}},
     {"shadow rays",
-     [](const Extent& e) { return e.options & kRoomForShadowRays ? e.slots * sizeof(gpu::ShadowRay) : 0; },
+     [](const Extent& e) {
+       return e.options & kRoomForShadowRays ? e.slots * e.light_samples * sizeof(gpu::ShadowRay) : 0;
+     }, // a queue for each light sample of a vertex
      {{gpu::kBindShadowRays, storage}, {gpu::kBindShadowRayTexels, texels_rgba32ui}}},
     {"queues", [](const Extent&) { return std::uint64_t{sizeof(gpu::Queues)}; }, {{gpu::kBindQueues, storage}}},
     {"light seen directly",
@@ -123,11 +125,12 @@ gpu::Feature needed_features(const PackedScene& scene, const View& view, const R
 
 gpu::Feature film_features(const RenderSettings& settings) { return records_aovs(settings) ? gpu::kFeatureAovs : 0; }
 
-std::uint64_t bytes_per_path(gpu::Feature features, std::uint32_t options) {
+std::uint64_t bytes_per_path(gpu::Feature features, std::uint32_t options, std::uint32_t light_samples) {
   std::uint64_t bytes = 0;
   for (const BufferRule& rule : kRules) {
     const auto of = [&](std::uint64_t slots) {
-      return rule.bytes({.pixels = 0, .slots = slots, .features = features, .options = options});
+      return rule.bytes(
+          {.pixels = 0, .slots = slots, .features = features, .options = options, .light_samples = light_samples});
     };
     bytes += of(1) - of(0);
   }
@@ -150,7 +153,7 @@ bool Paths::change(const RenderSettings& settings, std::uint32_t stages, std::ui
   if (!(options & kStatesAlone) && (workspace_.frame.light_count > 0 || settings.room_for_shadow_rays))
     options |= kRoomForShadowRays;
   bool moved = workspace_.fit(settings, features | film_features);
-  moved |= buffers.fit({workspace_.film.pixels(), workspace_.slots, features, options});
+  moved |= buffers.fit({workspace_.film.pixels(), workspace_.slots, features, options, need_.config.light_samples});
   if (!moved && !sets_.empty()) return false;
   std::vector<Binding> own;
   buffers.add_bindings(own);
@@ -191,9 +194,12 @@ void Paths::shade(Commands& commands, const KernelSet& kernels, const KernelSet&
 }
 
 void Paths::connect(Commands& commands, const KernelSet& kernels, gpu::Wave wave, std::uint32_t bounce) const {
-  advance(commands, kernels, wave, bounce, gpu::kBeforeConnect);
-  wave.bounce = bounce;
-  commands.dispatch_indirect(kernels[kConnect], buffers[kQueues], offsetof(gpu::Queues, connect_groups), &wave);
+  const std::uint32_t light_samples = bounce == 0 ? kernels.config().light_samples : 1;
+  for (std::uint32_t i = 0; i < light_samples; ++i) {
+    advance(commands, kernels, wave, bounce, gpu::kBeforeConnect + i);
+    wave.bounce = bounce;
+    commands.dispatch_indirect(kernels[kConnect], buffers[kQueues], offsetof(gpu::Queues, connect_groups), &wave);
+  }
 }
 
 } // namespace wavepath

@@ -82,6 +82,7 @@ public:
   // Where rays are sorted, it also ends the paths that escaped. `shading`: the set of shade, and of escape.
   void shade(Commands& commands, const KernelSet& kernels, const KernelSet& shading, gpu::Wave wave,
              std::uint32_t bounce) const;
+  // One after the other the shadow rays of each light sample.
   void connect(Commands& commands, const KernelSet& kernels, gpu::Wave wave, std::uint32_t bounce) const;
 
   const BindingSet& bindings(std::size_t band) const { return *sets_[band]; }
@@ -109,7 +110,8 @@ gpu::Feature needed_features(const PackedScene& scene, const View& view, const R
 // kFeature bits of kernels that fill the film: those of the AOVs asked for.
 gpu::Feature film_features(const RenderSettings& settings);
 
-// Bytes of path state and queues that one path in flight takes, for the features given.
-std::uint64_t bytes_per_path(gpu::Feature features, std::uint32_t options);
+// Bytes of path state and queues that one path in flight takes, for the features given and as many light samples where
+// it first scatters.
+std::uint64_t bytes_per_path(gpu::Feature features, std::uint32_t options, std::uint32_t light_samples = 1);
 
 } // namespace wavepath

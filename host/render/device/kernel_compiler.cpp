@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "host/render/settings/integrator_kind.h"
+#include "host/render/settings/light_samples.h"
 #include "host/render/settings/mips.h"
 #include "host/render/settings/shadow_settings.h"
 #include "host/render/settings/traversal.h"
@@ -31,6 +32,7 @@ gpu::Feature generic_features(gpu::Feature scene) {
 KernelConfig kernel_config(gpu::Feature features, std::uint32_t stack_size, const RenderSettings& settings) {
   // Traversal marks the bottom of its stack, and stores one entry beyond what it keeps.
   const std::uint32_t stack = (stack_size + 2 + kStackStep - 1) / kStackStep * kStackStep;
+  const std::uint32_t light_samples = light_samples_of(settings, features);
   if (!settings.specialize) features = generic_features(features);
   // Generic kernels, too, leave out what the settings do not ask for.
   constexpr gpu::Feature kByRequest = gpu::kFeatureAovs | gpu::kFeatureAdaptive | gpu::kFeatureSharedFirstHit |
@@ -64,7 +66,8 @@ KernelConfig kernel_config(gpu::Feature features, std::uint32_t stack_size, cons
           motion,
           terminator,
           traversal_of(settings),
-          sort};
+          sort,
+          light_samples};
 }
 
 gpu::Feature features_of(const RenderSettings& settings) {

@@ -75,6 +75,7 @@ std::array<std::uint32_t, gpu::kSpecCount> specialization(const KernelConfig& co
   constants[gpu::kSpecMotion] = config.motion;
   constants[gpu::kSpecTerminator] = config.terminator;
   constants[gpu::kSpecSort] = config.sort;
+  constants[gpu::kSpecLightSamples] = config.light_samples;
   return constants;
 }
 

@@ -32,6 +32,7 @@ struct KernelConfig {
   std::uint32_t terminator = gpu::kTerminatorFacets;
   std::uint32_t traversal = kTraversalCompute;
   std::uint32_t sort = gpu::kSortNone;
+  std::uint32_t light_samples = 1; // where a path first scatters
 
   bool operator==(const KernelConfig&) const = default;
 };

@@ -14,9 +14,10 @@ namespace wavepath {
 // What sizes depend on.
 struct Extent {
   std::uint64_t pixels = 0;
-  std::uint64_t slots = 0;   // paths in flight
-  gpu::Feature features = 0; // kFeature bits of all kernels that may run
-  std::uint32_t options = 0; // bits whose meaning the owner of the buffers defines
+  std::uint64_t slots = 0;         // paths in flight
+  gpu::Feature features = 0;       // kFeature bits of all kernels that may run
+  std::uint32_t options = 0;       // bits whose meaning the owner of the buffers defines
+  std::uint32_t light_samples = 1; // that a path takes where it first scatters
 };
 
 struct BufferView {

@@ -9,6 +9,7 @@
 #include "host/base/error.h"
 #include "host/render/settings/antialias_rows.h"
 #include "host/render/settings/denoising.h"
+#include "host/render/settings/light_samples.h"
 #include "host/render/settings/mips.h"
 #include "host/render/settings/occlusion_rows.h"
 #include "host/render/settings/shading_rows.h"
@@ -28,6 +29,7 @@ constexpr std::array<std::string_view, 3> kDenoiseNames = {"off", "on", "oidn"};
 constexpr double kFarthestFocus = 1e15; // metres: squares of what a camera ray is made of stay finite
 constexpr std::uint32_t kMostBlades = 64;
 constexpr double kMostRadiance = 1e30; // sums with direct light stay finite
+static_assert(std::size(kLightSamplesNames) == gpu::kMostLightSamples + 1);
 constexpr unsigned kByAll = kByRender | kByView | kByStudy | kByBench;
 constexpr unsigned kByRenderAndView = kByRender | kByView;
 
@@ -209,6 +211,14 @@ std::vector<Setting> transport_rows() {
        .takers = Takers::listed_else_ignored,
        .offered = kByRenderAndView | kByBench,
        .label = "choice of lights"},
+      {.name = "light-samples",
+       .value = ChoiceValue{&S::light_samples, kLightSamplesNames},
+       .meaning = fmt::format("light samples where a path first scatters; auto: {} under an environment map, else 1",
+                              kLightSamplesOfMaps),
+       .takers = Takers::listed_else_ignored,
+       .offered = kByRenderAndView | kByBench,
+       .label = "light samples",
+       .study = {"1", "2", "4", "8"}},
       {.name = "hemisphere",
        .value = ChoiceValue{&S::hemisphere, kHemisphereNames},
        .meaning = "how diffuse directions are sampled",

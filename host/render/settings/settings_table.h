@@ -13,6 +13,8 @@ namespace wavepath {
 // By the values of the kSampler..., kDirect..., kHemisphere..., kFilter... and kBranching... constants.
 inline constexpr std::string_view kSamplerNames[] = {"independent", "stratified", "sobol"};
 inline constexpr std::string_view kLightSelectionNames[] = {"auto", "power", "tree", "learned"};
+inline constexpr std::string_view kLightSamplesNames[] = {"auto", "1", "2", "3", "4",
+                                                          "5",    "6", "7", "8"}; // by the number
 inline constexpr std::string_view kDirectNames[] = {"mis", "nee", "bsdf"};
 inline constexpr std::string_view kHemisphereNames[] = {"cosine", "uniform"};
 inline constexpr std::string_view kTerminatorNames[] = {"facets", "smooth"};

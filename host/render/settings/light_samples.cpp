@@ -1,0 +1,13 @@
+#include "host/render/settings/light_samples.h"
+
+#include "host/render/settings/integrator_kind.h"
+
+namespace wavepath {
+
+std::uint32_t light_samples_of(const RenderSettings& settings, gpu::Feature scene) {
+  if (!takes(*settings.integrator, "light-samples") || settings.direct == gpu::kDirectBsdf) return 1;
+  if (settings.light_samples > 0) return settings.light_samples;
+  return scene & gpu::kFeatureEnvironmentMap ? kLightSamplesOfMaps : 1;
+}
+
+} // namespace wavepath

@@ -1,0 +1,160 @@
+// Several light samples where a path first scatters: the same picture however many, less noise under a map, bits that
+// do not depend on how the work is cut up, and one sample where auto expects no gain.
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "host/film/film.h"
+#include "host/integrators/bidirectional/kind.h"
+#include "host/integrators/path/kind.h"
+#include "host/integrators/path/path_replay.h"
+#include "host/render/settings/light_samples.h"
+#include "tests/light_rooms.h"
+
+namespace wavepath::test {
+namespace {
+
+class LightSamples : public LightRooms {
+protected:
+  static RenderSettings asked(std::uint32_t light_samples, std::uint32_t direct = gpu::kDirectMis,
+                              std::uint32_t spp = 64) {
+    RenderSettings result = settings(gpu::kLightsAuto, direct, spp);
+    result.light_samples = light_samples;
+    return result;
+  }
+};
+
+// The rooms' open side behind a thin pane, so that rays to the sky pass it and paths bring light through it.
+Scene glazed_rooms() {
+  Scene scene = two_rooms(4, true);
+  Material glass = plain_material();
+  glass.base_color = glm::vec4(0.9f, 0.8f, 0.7f, 1.0f);
+  glass.specular = 1.0f;
+  glass.roughness = 0.0f;
+  glass.transmission = 1.0f;
+  scene.materials.push_back(glass);
+  add_instance(scene, add_mesh(scene, quad({-4, -1, 2.2f}, {8, 0, 0}, {0, 2, 0}),
+                               static_cast<std::uint32_t>(scene.materials.size()) - 1));
+  return scene;
+}
+
+// A grey floor below a map with one bright texel.
+Scene floor_under_map() {
+  Scene scene;
+  scene.path = "floor";
+  scene.materials = {plain_material()};
+  add_instance(scene, add_mesh(scene, quad({-40, -1, -40}, {0, 0, 80}, {80, 0, 0})));
+  scene.environment.radiance = glm::vec3(1.0f);
+  scene.environment.width = 16;
+  scene.environment.height = 8;
+  for (int i = 0; i < 128; ++i) scene.environment.map.emplace_back(i == 20 ? 40.0f : 0.2f + 0.1f * float(i % 7));
+  return scene;
+}
+
+TEST_F(LightSamples, AnyNumberGivesTheSamePicture) {
+  const std::vector<Scene> scenes = {two_rooms(40, true), glazed_rooms(), floor_under_map()};
+  for (std::size_t i = 0; i < scenes.size(); ++i)
+    for (const std::uint32_t direct : {gpu::kDirectMis, gpu::kDirectNee}) {
+      const RenderSettings one = asked(1, direct, 128);
+      const Average reference = average(subject(scenes[i], one), one);
+      for (const std::uint32_t more : {3u, 8u}) {
+        SCOPED_TRACE(std::to_string(i) + " " + std::to_string(direct) + " " + std::to_string(more));
+        const RenderSettings other = asked(more, direct);
+        expect_same_mean(reference, average(subject(scenes[i], other), other));
+      }
+    }
+}
+
+TEST_F(LightSamples, LessNoiseUnderAMap) {
+  const auto noise = [&](std::uint32_t light_samples) {
+    const RenderSettings settings = asked(light_samples, gpu::kDirectMis, 16);
+    double sum = 0.0;
+    for (const double v : average(subject(floor_under_map(), settings), settings).variance) sum += v;
+    return sum;
+  };
+  const double one = noise(1);
+  EXPECT_LT(noise(2), 0.7 * one);
+  EXPECT_LT(noise(4), 0.45 * one); // 0.25 if nothing but light samples made noise
+}
+
+TEST_F(LightSamples, BitsDoNotDependOnHowTheWorkIsCut) {
+  for (const std::uint32_t sampler : {gpu::kSamplerSobol, gpu::kSamplerStratified, gpu::kSamplerIndependent}) {
+    RenderSettings whole = asked(4, gpu::kDirectMis, 16);
+    whole.sampler = sampler;
+    const Subject rooms = subject(two_rooms(40, true), whole);
+    const RenderResult expected = render(rooms, whole);
+    RenderSettings cut = whole;
+    cut.wave_slots = 777;
+    EXPECT_TRUE(*render(rooms, cut).film == *expected.film);
+    RenderSettings generic = whole;
+    generic.specialize = false;
+    EXPECT_TRUE(*render(rooms, generic).film == *expected.film);
+    RenderSettings first = whole, second = whole;
+    first.last_sample = second.first_sample = 8;
+    first.sample_total = second.sample_total = 16;
+    Film joined = *render(rooms, first).film;
+    join(joined, *render(rooms, second).film);
+    EXPECT_TRUE(joined == *expected.film);
+  }
+}
+
+TEST_F(LightSamples, AutoTakesMoreUnderAMapAlone) {
+  const RenderSettings automatic = asked(0);
+  EXPECT_EQ(light_samples_of(automatic, gpu::kFeatureEnvironment | gpu::kFeatureEnvironmentMap), kLightSamplesOfMaps);
+  EXPECT_EQ(light_samples_of(automatic, gpu::kFeatureEnvironment | gpu::kFeatureTriangleLights), 1u);
+  EXPECT_EQ(light_samples_of(asked(0, gpu::kDirectBsdf), gpu::kFeatureEnvironmentMap), 1u) << "there are none";
+  EXPECT_EQ(light_samples_of(asked(3), 0), 3u);
+  RenderSettings other = asked(3);
+  other.integrator = &kBidirectional;
+  EXPECT_EQ(light_samples_of(other, gpu::kFeatureEnvironmentMap), 1u);
+
+  const Subject open = subject(floor_under_map(), automatic);
+  EXPECT_TRUE(*render(open, automatic).film == *render(open, asked(kLightSamplesOfMaps)).film);
+  EXPECT_FALSE(*render(open, automatic).film == *render(open, asked(1)).film);
+  Scene lamps = two_rooms(4, false);
+  const Subject closed = subject(lamps, automatic);
+  EXPECT_TRUE(*render(closed, automatic).film == *render(closed, asked(1)).film);
+}
+
+// A floor alone is hit but once, so that each light sample is one shadow ray, but for those below the horizon.
+TEST_F(LightSamples, EachIsAShadowRay) {
+  const RenderSettings one = asked(1), four = asked(4);
+  const Subject open = subject(floor_under_map(), one);
+  const double ratio =
+      static_cast<double>(render(open, four).rays.shadow) / static_cast<double>(render(open, one).rays.shadow);
+  EXPECT_NEAR(ratio, 4.0, 0.1);
+}
+
+// Takes the room of its queues, and no more where one sample is taken.
+TEST_F(LightSamples, TakesRoomForItsQueues) {
+  const gpu::Feature map = gpu::kFeatureEnvironmentMap;
+  const std::uint64_t one = kPath.bytes_per_slot(map, asked(1));
+  EXPECT_EQ(kPath.bytes_per_slot(map, asked(4)) - one, 3 * sizeof(gpu::ShadowRay));
+  EXPECT_EQ(kPath.bytes_per_slot(0, asked(0)), kPath.bytes_per_slot(0, asked(1)));
+}
+
+// A path that is followed by itself has the bits that it has in the picture.
+TEST_F(LightSamples, ReplayTellsOfEach) {
+  const RenderSettings whole = asked(4, gpu::kDirectMis, 1);
+  std::size_t most = 0;
+  for (const Scene& scene : {two_rooms(4, true), floor_under_map()}) {
+    const Subject shown = subject(scene, whole);
+    const Picture picture = render(shown, whole).picture;
+    PathReplay replay(device(), shown.packed, shown.view, whole, *kernels_);
+    for (std::uint32_t i = 0; i < 12; ++i) {
+      const glm::uvec2 pixel(2 * i, i);
+      const PathTrace trace = replay.trace(pixel, 0);
+      for (std::size_t c = 0; c < 3; ++c)
+        EXPECT_EQ(picture.channels[c].values[pixel.y * whole.width + pixel.x], trace.radiance[static_cast<int>(c)]);
+      most = std::max(most, trace.vertices.front().shadows.size());
+      for (std::size_t bounce = 1; bounce < trace.vertices.size(); ++bounce)
+        EXPECT_LE(trace.vertices[bounce].shadows.size(), 1u);
+    }
+  }
+  EXPECT_EQ(most, 4u);
+}
+
+} // namespace
+} // namespace wavepath::test
