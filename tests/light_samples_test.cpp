@@ -40,7 +40,7 @@ Scene glazed_rooms() {
   return scene;
 }
 
-// A grey floor below a map with one bright texel.
+// A grey floor below a map with one bright texel, dark below the horizon.
 Scene floor_under_map() {
   Scene scene;
   scene.path = "floor";
@@ -49,7 +49,8 @@ Scene floor_under_map() {
   scene.environment.radiance = glm::vec3(1.0f);
   scene.environment.width = 16;
   scene.environment.height = 8;
-  for (int i = 0; i < 128; ++i) scene.environment.map.emplace_back(i == 20 ? 40.0f : 0.2f + 0.1f * float(i % 7));
+  for (int i = 0; i < 128; ++i)
+    scene.environment.map.emplace_back(i == 20 ? 40.0f : i < 64 ? 0.2f + 0.1f * float(i % 7) : 0.0f);
   return scene;
 }
 
