@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <glm/glm.hpp>
 #define GPU_CONSTANT inline constexpr
+#define GPU_FUNCTION inline
 #define GPU_CHECK(condition) static_assert(condition)
 namespace wavepath::gpu {
 using uint = std::uint32_t;
@@ -20,6 +21,7 @@ using glm::vec3;
 using glm::vec4;
 #else
 #define GPU_CONSTANT const
+#define GPU_FUNCTION
 #define GPU_CHECK(condition)
 #endif
 

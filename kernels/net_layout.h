@@ -11,14 +11,10 @@
 #ifndef WAVEPATH_NET_LAYOUT_H
 #define WAVEPATH_NET_LAYOUT_H
 
+#include "kernels/gpu.h"
+
 #ifdef __cplusplus
-#include <glm/glm.hpp>
-#define GPU_FUNCTION inline
 namespace wavepath::gpu {
-using uint = unsigned int;
-using glm::uvec2;
-#else
-#define GPU_FUNCTION
 #endif
 
 // Pixels of a block's side. From 262,144 pixels on larger blocks have 4,096 measured pixels as well, as many as the

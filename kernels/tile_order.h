@@ -3,14 +3,10 @@
 #ifndef WAVEPATH_TILE_ORDER_H
 #define WAVEPATH_TILE_ORDER_H
 
+#include "kernels/gpu.h"
+
 #ifdef __cplusplus
-#include <glm/glm.hpp>
-#define GPU_FUNCTION inline
 namespace wavepath::gpu {
-using uint = unsigned int;
-using glm::uvec2;
-#else
-#define GPU_FUNCTION
 #endif
 
 // Coordinates of the pixel with the given index in tile order, 0 <= index < width * height. Tiles cut off by the right

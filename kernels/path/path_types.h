@@ -56,6 +56,12 @@ struct ShadowRay {
 };
 GPU_CHECK(sizeof(ShadowRay) == 48);
 
+// Light samples of a path that takes `first` of them where it first scatters: half as many at each vertex after that,
+// as light that comes by more bounces makes less noise.
+GPU_FUNCTION uint light_samples_at(uint first, uint bounce) {
+  return bounce < 8u && (first >> bounce) > 1u ? first >> bounce : 1u;
+}
+
 // Each light sample of a vertex has a queue of its own, one behind the other, so that a path gets light from one lane
 // at a time.
 struct Queues {

@@ -38,8 +38,7 @@ layout(local_size_x = kWorkgroupSize) in;
 
 Guide guide; // of the vertex being shaded
 
-// Where a path first scatters most of what makes its noise is often decided: which part of the environment shines there.
-uint light_sample_count() { return wave.bounce == 0u ? kLightSamples : 1u; }
+uint light_sample_count() { return kLightSamples == 1u ? 1u : light_samples_at(kLightSamples, wave.bounce); }
 
 // Next-event estimation by one of light_sample_count() samples: true if there is a shadow ray worth tracing.
 bool connect_to_light(Vertex v, Lobes lobes, Receiver receiver, Sampler path_sampler, uint dimension, uint slot, vec3 throughput,

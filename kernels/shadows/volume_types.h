@@ -5,10 +5,7 @@
 #include "kernels/gpu.h"
 
 #ifdef __cplusplus
-#define GPU_FUNCTION inline
 namespace wavepath::gpu {
-#else
-#define GPU_FUNCTION
 #endif
 
 GPU_CONSTANT uint kBindVolumePieces =

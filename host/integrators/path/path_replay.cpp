@@ -129,7 +129,7 @@ PathTrace PathReplay::trace(glm::uvec2 pixel, std::uint32_t sample, std::uint32_
     vertex.scattered = state();
     note(vertex.scattered.radiance, gpu::kMakerShade);
     const gpu::Queues counts = queues();
-    const std::uint32_t light_samples = bounce == 0 ? paths_.config().light_samples : 1;
+    const std::uint32_t light_samples = gpu::light_samples_at(paths_.config().light_samples, bounce);
     const float pdf = vertex.scattered.bsdf_pdf;
     if (!(pdf < 0.0f)) vertex.pdf = pdf * static_cast<float>(light_samples);
     for (std::uint32_t i = 0; i < light_samples; ++i) {

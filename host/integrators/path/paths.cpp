@@ -194,7 +194,7 @@ void Paths::shade(Commands& commands, const KernelSet& kernels, const KernelSet&
 }
 
 void Paths::connect(Commands& commands, const KernelSet& kernels, gpu::Wave wave, std::uint32_t bounce) const {
-  const std::uint32_t light_samples = bounce == 0 ? kernels.config().light_samples : 1;
+  const std::uint32_t light_samples = gpu::light_samples_at(kernels.config().light_samples, bounce);
   for (std::uint32_t i = 0; i < light_samples; ++i) {
     advance(commands, kernels, wave, bounce, gpu::kBeforeConnect + i);
     wave.bounce = bounce;

@@ -9,7 +9,7 @@ namespace wavepath {
 
 // What auto means under an environment map. Which part of it shines where a path first scatters decides most of the
 // noise there, and a shadow ray costs little beside the rest of the path: over one sample, time times squared error is
-// 0.6 to 0.7 outdoors; of lamps in rooms it is more than 1 (benchmarks/results/NOTES.md).
+// 0.6 to 0.7 outdoors; with lamps in rooms it is more than 1 (benchmarks/results/NOTES.md).
 inline constexpr std::uint32_t kLightSamplesOfMaps = 4;
 
 // 1 to gpu::kMostLightSamples; 1 for integrators that do not take the setting. `scene`: its kFeature bits.
