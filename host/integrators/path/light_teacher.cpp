@@ -8,8 +8,7 @@
 namespace wavepath {
 namespace {
 
-// Light samples at first hits of a small picture; of a larger one, those of a path a pixel.
-constexpr std::uint64_t kPilotPicks = 1u << 16;
+constexpr std::uint64_t kPilotPaths = 1u << 16; // of a small picture; of a larger one, a path a pixel
 constexpr std::uint32_t kPilotSeed = 0x6c8e9cf5u;
 
 bool learns_lights(const PackedScene& scene, const RenderSettings& settings) {
@@ -39,8 +38,7 @@ Pilot LightTeacher::begin() {
   paths_.buffers[kLightShares].write(shares.data(), kLightRowBytes);
   paths_.buffers[kLightSums].fill_zero();
   const std::uint64_t pixels = workspace_.film.pixels();
-  const std::uint64_t picks = pixels * paths_.config().light_samples; // of a sample of every pixel
-  const auto samples = static_cast<std::uint32_t>(std::max<std::uint64_t>(kPilotPicks / picks, 1));
+  const auto samples = static_cast<std::uint32_t>(std::max<std::uint64_t>(kPilotPaths / pixels, 1));
   report_.paths = samples * pixels;
   start_ = Clock::now();
   return {even_segments(workspace_.film.bands()), samples, kPilotSeed};
