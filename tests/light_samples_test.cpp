@@ -113,6 +113,7 @@ TEST_F(LightSamples, HalfAsManyAtEachBounce) {
 TEST_F(LightSamples, AutoTakesMoreUnderAMapAlone) {
   const RenderSettings automatic = asked(0);
   EXPECT_EQ(light_samples_of(automatic, gpu::kFeatureEnvironment | gpu::kFeatureEnvironmentMap), kLightSamplesOfMaps);
+  EXPECT_EQ(light_samples_of(automatic, gpu::kFeatureEnvironmentMap | gpu::kLobeSheen), kLightSamplesOfLayers);
   EXPECT_EQ(light_samples_of(automatic, gpu::kFeatureEnvironment | gpu::kFeatureTriangleLights), 1u);
   EXPECT_EQ(light_samples_of(asked(0, gpu::kDirectBsdf), gpu::kFeatureEnvironmentMap), 1u) << "there are none";
   EXPECT_EQ(light_samples_of(asked(3), 0), 3u);

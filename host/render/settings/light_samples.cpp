@@ -7,7 +7,8 @@ namespace wavepath {
 std::uint32_t light_samples_of(const RenderSettings& settings, gpu::Feature scene) {
   if (!takes(*settings.integrator, "light-samples") || settings.direct == gpu::kDirectBsdf) return 1;
   if (settings.light_samples > 0) return settings.light_samples;
-  return scene & gpu::kFeatureEnvironmentMap ? kLightSamplesOfMaps : 1;
+  if (!(scene & gpu::kFeatureEnvironmentMap)) return 1;
+  return scene & gpu::kLobesLayered ? kLightSamplesOfLayers : kLightSamplesOfMaps;
 }
 
 } // namespace wavepath

@@ -213,9 +213,10 @@ std::vector<Setting> transport_rows() {
        .label = "choice of lights"},
       {.name = "light-samples",
        .value = ChoiceValue{&S::light_samples, kLightSamplesNames},
-       .meaning = fmt::format("light samples where a path first scatters, half as many at each bounce after that; "
-                              "auto: {} under an environment map, else 1",
-                              kLightSamplesOfMaps),
+       .meaning =
+           fmt::format("light samples where a path first scatters, half as many at each bounce after that; auto: "
+                       "{} under an environment map, {} if materials have layers, else 1",
+                       kLightSamplesOfMaps, kLightSamplesOfLayers),
        .takers = Takers::listed_else_ignored,
        .offered = kByRenderAndView | kByBench,
        .label = "light samples",
