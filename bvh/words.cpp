@@ -1,4 +1,4 @@
-// Fits a grid to the boxes of up to four children.
+// Fits a grid to the boxes of a node's children.
 #include "bvh/words.h"
 
 #include <algorithm>
@@ -11,16 +11,6 @@ namespace wavepath::bvh {
 namespace {
 
 constexpr int kMostCells = 255;
-
-struct Interval {
-  float lo, hi;
-};
-
-struct Planes {
-  float origin;
-  std::uint32_t exponent; // biased by kCellBias
-  std::uint8_t lo[4], hi[4];
-};
 
 // The next float towards minus infinity, and the powers of two and exponents below, by their bits: each node would call
 // the C library a dozen times and more.
@@ -37,7 +27,7 @@ int exponent_of(double x) { return static_cast<int>(std::bit_cast<std::uint64_t>
 
 // False if some interval, with its margin, does not fit into 255 cells of that size above that origin. Differences of
 // floats are exact in double here, or round by far less than the margin.
-bool fit(std::span<const Interval> intervals, double per_cell, Planes& planes) {
+bool fit(std::span<const Interval> intervals, double per_cell, GridAxis& planes) {
   for (std::size_t i = 0; i < intervals.size(); ++i) {
     const double lo = (double{intervals[i].lo} - planes.origin) * per_cell - kGridMargin;
     const double hi = (double{intervals[i].hi} - planes.origin) * per_cell + kGridMargin;
@@ -49,9 +39,12 @@ bool fit(std::span<const Interval> intervals, double per_cell, Planes& planes) {
   return true;
 }
 
-// The finest cells that work; the origin lies below the lowest bound by no more than the margin needs.
-Planes fit_axis(std::span<const Interval> intervals) {
-  Planes planes{0.0f, 0, {255, 255, 255, 255}, {0, 0, 0, 0}};
+} // namespace
+
+// The origin lies below the lowest bound by no more than the margin needs.
+GridAxis fit_axis(std::span<const Interval> intervals) {
+  GridAxis planes{0.0f, 0, {}, {}};
+  std::fill_n(planes.lo, kMostIntervals, std::uint8_t{kMostCells});
   if (intervals.empty()) return planes;
   float lowest = intervals[0].lo, highest = intervals[0].hi;
   for (const Interval& interval : intervals) {
@@ -70,8 +63,6 @@ Planes fit_axis(std::span<const Interval> intervals) {
   }
 }
 
-} // namespace
-
 WideNode place_on_grid(std::span<const Box> boxes) {
   WideNode node{};
   std::uint8_t* lo[3] = {node.lo_x, node.lo_y, node.lo_z};
@@ -79,7 +70,7 @@ WideNode place_on_grid(std::span<const Box> boxes) {
   for (int axis = 0; axis < 3; ++axis) {
     Interval intervals[4];
     for (std::size_t i = 0; i < boxes.size(); ++i) intervals[i] = {boxes[i].lo[axis], boxes[i].hi[axis]};
-    const Planes planes = fit_axis({intervals, boxes.size()});
+    const GridAxis planes = fit_axis({intervals, boxes.size()});
     node.origin[axis] = planes.origin;
     node.layout |= planes.exponent << (7 * axis);
     std::copy_n(planes.lo, 4, lo[axis]);

@@ -250,7 +250,7 @@ TEST_F(BenchCommand, TracesTheSameRaysInOtherStructures) {
   const Outcome outcome = bench({kCornell, "--structures", "--json", json_});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   const Json rows = Json::parse(std::ifstream(json_)).at("structures");
-  ASSERT_EQ(rows.size(), 6u);
+  ASSERT_EQ(rows.size(), 7u);
   for (const Json& row : rows) {
     EXPECT_NE(outcome.out.find(row.at("name").get<std::string>()), std::string::npos);
     EXPECT_GT(row.at("bytes"), 0);

@@ -91,7 +91,7 @@ TEST_P(Structures, FindWhatEveryTriangleTellsThem) {
        {mixture(), soup(3000, 0.2f, 7), square(), soup(1, 1.0f, 8), Triangles(200, square()[0])}) {
     std::vector<float> expected;
     for (const StructureRay& ray : rays) expected.push_back(nearest(triangles, ray));
-    const Structure built = kind().build(triangles);
+    const Structure built = kind().build(triangles, bvh::Quality::best);
     DeviceStructure structure(*test_device().device, kind().spirv, built, triangles);
     EXPECT_GE(structure.trace(rays, false), 0.0);
     const std::vector<float> closest = structure.distances();
@@ -115,8 +115,8 @@ TEST_P(Structures, StayWithinTheKernelsStacks) {
     const float size = std::ldexp(1.0f, -i);
     hard.push_back({{1 + size, 0, 0}, {1 + 2 * size, 0, 0}, {1 + size, size, size}});
   }
-  const Structure built = kind().build(hard);
-  EXPECT_LT(built.depth, kind().build == build_octree ? 16u : 64u);
+  const Structure built = kind().build(hard, bvh::Quality::best);
+  EXPECT_LT(built.depth, std::string_view(kind().name) == "octree" ? 16u : 64u);
   std::set<std::uint32_t> held(built.items.begin(), built.items.end());
   EXPECT_EQ(
       held.size(), hard.size() - [&] {
@@ -126,7 +126,7 @@ TEST_P(Structures, StayWithinTheKernelsStacks) {
       }());
 }
 
-INSTANTIATE_TEST_SUITE_P(All, Structures, testing::Range<std::size_t>(0, 5));
+INSTANTIATE_TEST_SUITE_P(All, Structures, testing::Range<std::size_t>(0, structure_kinds().size()));
 
 TEST(StructureBoxes, OverlapAsTheirPartsAre) {
   Random random(11);

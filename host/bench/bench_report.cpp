@@ -108,6 +108,8 @@ Json structures_json(const std::vector<StructureRow>& rows) {
     for (std::size_t kind = 0; kind < row.mrays_per_second.size(); ++kind)
       if (row.mrays_per_second[kind] > 0.0)
         entry[kKindNames[kind]] = {{"mrays_per_second", row.mrays_per_second[kind]},
+                                   {"visits", row.visits[kind]},
+                                   {"tests", row.tests[kind]},
                                    {"agreement", row.agreement[kind]}};
   }
   return json;
@@ -127,9 +129,19 @@ std::string structures_table(const std::vector<StructureRow>& rows) {
     }
     text += fmt::format("{:>9.4f}\n", least);
   }
-  return text +
-         "Mrays/s by kind; items that its leaves hold, per triangle; share of the rays that find what the first row "
-         "does\n";
+  text +=
+      "Mrays/s by kind; items that its leaves hold, per triangle; share of the rays that find what the first row "
+      "does\n";
+  text += fmt::format("\n{:<18}{:>15}{:>15}{:>15}\n", "visits + tests", "camera", "bounce", "shadow");
+  for (const StructureRow& row : rows) {
+    text += fmt::format("{:<18}", row.name);
+    for (std::size_t kind = 0; kind < row.mrays_per_second.size(); ++kind)
+      text += fmt::format("{:>15}", row.mrays_per_second[kind] > 0.0
+                                        ? fmt::format("{:.1f} + {:.1f}", row.visits[kind], row.tests[kind])
+                                        : "none");
+    text += "\n";
+  }
+  return text + "inner nodes or cells, and triangles, a ray\n";
 }
 
 } // namespace

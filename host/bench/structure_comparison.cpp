@@ -8,22 +8,30 @@
 #include "host/bench/contest.h"
 #include "host/bench/structures/device_structure.h"
 #include "host/bench/summary.h"
+#include "host/bench/work.h"
 #include "host/render/device/kernel_compiler.h"
 #include "host/scene/pack/flatten.h"
 #include "kernels/bench/binary_bvh.spv.h"
 #include "kernels/bench/kd_tree.spv.h"
 #include "kernels/bench/octree.spv.h"
 #include "kernels/bench/uniform_grid.spv.h"
+#include "kernels/bench/wide_bvh.spv.h"
 
 namespace wavepath {
 namespace {
 
+template <auto build>
+Structure of_any_quality(std::span<const bvh::Triangle> triangles, bvh::Quality) {
+  return build(triangles);
+}
+
 const StructureKind kKinds[] = {
-    {"binary BVH by SAH", build_sah_bvh, wavepath_binary_bvh_spv},
-    {"linear BVH", build_linear_bvh, wavepath_binary_bvh_spv},
-    {"kd-tree by SAH", build_kd_tree, wavepath_kd_tree_spv},
-    {"octree", build_octree, wavepath_octree_spv},
-    {"uniform grid", build_uniform_grid, wavepath_uniform_grid_spv},
+    {"8-wide BVH", build_wide_bvh, wavepath_wide_bvh_spv},
+    {"binary BVH by SAH", of_any_quality<build_sah_bvh>, wavepath_binary_bvh_spv},
+    {"linear BVH", of_any_quality<build_linear_bvh>, wavepath_binary_bvh_spv},
+    {"kd-tree by SAH", of_any_quality<build_kd_tree>, wavepath_kd_tree_spv},
+    {"octree", of_any_quality<build_octree>, wavepath_octree_spv},
+    {"uniform grid", of_any_quality<build_uniform_grid>, wavepath_uniform_grid_spv},
 };
 
 std::vector<bvh::Triangle> placed_triangles(const PackedScene& scene) {
@@ -39,6 +47,11 @@ std::vector<StructureRay> as_structure_rays(std::span<const Ray> rays) {
   std::vector<StructureRay> result;
   for (const Ray& ray : rays) result.push_back({ray.origin, ray.t_max, ray.direction});
   return result;
+}
+
+bvh::Counters count_work(const PackedScene& scene, const RaySets& rays, RayKind kind) {
+  if (kind == kShadowRaysKind) return count_any(scene, rays.shadow);
+  return count_closest(scene, kind == kCameraRays ? rays.camera : rays.bounce);
 }
 
 std::vector<bool> are_hits(const std::vector<float>& distances) {
@@ -75,7 +88,7 @@ std::vector<StructureRow> compare_structures(Device& device, const PackedScene& 
   std::vector<Contestant> contestants{replaying(replay, rays)};
   for (const StructureKind& kind : kKinds) {
     const Clock::time_point start = Clock::now();
-    const Structure built = kind.build(triangles);
+    const Structure built = kind.build(triangles, scene.bvh_quality);
     StructureRow& row = rows.emplace_back(StructureRow{.name = kind.name, .build_seconds = seconds_since(start)});
     row.items = static_cast<double>(built.items.size()) / static_cast<double>(triangles.size());
     structures.push_back(std::make_unique<DeviceStructure>(device, kind.spirv, built, triangles));
@@ -98,6 +111,10 @@ std::vector<StructureRow> compare_structures(Device& device, const PackedScene& 
     for (std::size_t i = 0; i < rows.size(); ++i) {
       rows[i].mrays_per_second[kind] =
           1e-6 * static_cast<double>(set.size()) / summarize(contestants[i].measured[kind]).median;
+      const bvh::Counters work = i == 0 ? count_work(scene, rays, static_cast<RayKind>(kind))
+                                        : structures[i - 1]->count(set, kind == kShadowRaysKind);
+      rows[i].visits[kind] = static_cast<double>(work.visits) / static_cast<double>(set.size());
+      rows[i].tests[kind] = static_cast<double>(work.tests) / static_cast<double>(set.size());
       rows[i].agreement[kind] = 1.0;
       if (i == 0) continue;
       structures[i - 1]->trace(set, kind == kShadowRaysKind);

@@ -13,7 +13,7 @@ namespace wavepath {
 // A textbook's structure: how it is built, and the kernel that walks it.
 struct StructureKind {
   const char* name;
-  Structure (*build)(std::span<const bvh::Triangle>);
+  Structure (*build)(std::span<const bvh::Triangle>, bvh::Quality);
   std::span<const std::uint32_t> spirv;
 };
 std::span<const StructureKind> structure_kinds();

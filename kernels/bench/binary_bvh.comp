@@ -27,6 +27,7 @@ void traverse(float t_enter, float t_exit) {
     if (item_count > 0u) {
       test_items(first, item_count);
     } else {
+      count_visit();
       float t0 = enter(first), t1 = enter(first + 1u);
       bool swapped = t1 < t0;
       float t_near = min(t0, t1), t_far = max(t0, t1);

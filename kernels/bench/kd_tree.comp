@@ -26,6 +26,7 @@ void traverse(float t_enter, float t_exit) {
         goes_on = t_enter <= t_best;
       }
     } else {
+      count_visit();
       float origin = axis == 0u ? ray.origin.x : axis == 1u ? ray.origin.y : ray.origin.z;
       float reciprocal = axis == 0u ? ray.reciprocal.x : axis == 1u ? ray.reciprocal.y : ray.reciprocal.z;
       float plane = uintBitsToFloat(entry.x), t_plane = (plane - origin) * reciprocal;

@@ -24,6 +24,7 @@ void traverse(float t_enter, float t_exit) {
     uvec2 entry = texelFetch(nodes, int(node)).xy;
     vec3 extent = whole * exp2(-float(level));
     if (entry.y == kInner) {
+      count_visit();
       vec3 middle = t0 + 0.5 * extent;
       float t = max(max(t0.x, t0.y), max(t0.z, 0.0));
       uint child = (middle.x < t ? 1u : 0u) | (middle.y < t ? 2u : 0u) | (middle.z < t ? 4u : 0u);

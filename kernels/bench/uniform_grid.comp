@@ -13,6 +13,7 @@ void traverse(float t_enter, float t_exit) {
   ivec3 steps = mix(ivec3(1), ivec3(-1), backwards);
   bool inside = true;
   while (inside) {
+    count_visit();
     int index = (cell.z * int(resolution.y) + cell.y) * int(resolution.x) + cell.x;
     uint first = texelFetch(nodes, index).x;
     test_items(first, texelFetch(nodes, index + 1).x - first);

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "bvh/traverse.h"
 #include "host/bench/structures/structure.h"
 #include "host/gpu/buffer.h"
 #include "host/gpu/kernel.h"
@@ -32,10 +33,14 @@ public:
   double trace(std::span<const StructureRay> rays, bool any_hit);
   // Of the last trace: the distance to the hit, infinite for none.
   std::vector<float> distances() const;
+  // Inner nodes or cells visited and triangles tested, for all rays; traces them anew.
+  bvh::Counters count(std::span<const StructureRay> rays, bool any_hit);
   std::uint64_t bytes() const { return corners_.bytes() + nodes_.bytes() + items_.bytes(); }
 
 private:
   void send(std::span<const StructureRay> rays);
+  Kernel compile(bool any_hit, bool counts) const; // for the rays that were sent last
+  double run(const Kernel& kernel) const;
 
   struct Parameters {
     glm::vec3 lo;
@@ -50,7 +55,7 @@ private:
   std::span<const std::uint32_t> spirv_;
   Parameters parameters_;
   BindingKind node_kind_;
-  Buffer corners_, nodes_, items_, rays_, distances_;
+  Buffer corners_, nodes_, items_, rays_, distances_, work_;
   std::unique_ptr<BindingSet> bindings_; // of the rays that were sent last
   std::deque<Kernel> kernels_;           // closest hit, any hit
   const StructureRay* sent_ = nullptr;

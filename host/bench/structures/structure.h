@@ -8,6 +8,7 @@
 
 #include <glm/glm.hpp>
 
+#include "bvh/build_config.h"
 #include "bvh/geometry.h"
 
 namespace wavepath {
@@ -19,6 +20,7 @@ struct Structure {
   std::uint32_t words_per_node = 2; // 1, 2 or 4
   std::vector<std::uint32_t> nodes; // as the kernel's comment has them
   std::vector<std::uint32_t> items; // numbers of triangles, leaf by leaf or cell by cell
+  bool items_in_place = false;      // the kernel reads the triangles themselves in this order, not their numbers
 };
 
 // About four cells a triangle, nearly cubes (Cleary and Wyvill 1988; Lagae and Dutre 2008), at most 2^24.
@@ -32,6 +34,10 @@ Structure build_octree(std::span<const bvh::Triangle> triangles);
 
 // The binary tree that the product's BVH is collapsed from: binned SAH alone, no spatial splits, no reinsertion.
 Structure build_sah_bvh(std::span<const bvh::Triangle> triangles);
+
+// The product's build at that quality, collapsed to nodes of eight children in place of four (Ylitie, Karras, Laine
+// 2017).
+Structure build_wide_bvh(std::span<const bvh::Triangle> triangles, bvh::Quality quality);
 
 // Triangles in the order of Morton codes of 21 bits an axis, cut where the codes first differ (Lauterbach et al. 2009).
 Structure build_linear_bvh(std::span<const bvh::Triangle> triangles);
