@@ -258,9 +258,12 @@ TEST_F(BenchCommand, TracesTheSameRaysInOtherStructures) {
     EXPECT_GE(row.at("build_seconds"), 0.0);
     for (const char* kind : {"camera", "bounce", "shadow"}) {
       EXPECT_GT(row.at(kind).at("mrays_per_second"), 0.0) << row;
+      EXPECT_GT(row.at(kind).at("visits"), 0.0) << row;
+      EXPECT_GT(row.at(kind).at("tests"), 0.0) << row;
       EXPECT_GT(row.at(kind).at("agreement"), 0.99) << row;
     }
   }
+  EXPECT_LT(rows[1].at("camera").at("visits"), rows[0].at("camera").at("visits")) << "eight children against four";
   EXPECT_EQ(rows[0].at("name"), "BVH of wavepath");
   const Outcome both = bench({kCornell, "--kernels", "--structures"});
   EXPECT_EQ(both.exit_code, 2);

@@ -1,12 +1,15 @@
-// The textbooks' structures of `wavepath bench --structures`: that their kernels find what testing every triangle
+// The structures of `wavepath bench --structures`: that their kernels find what testing every triangle
 // finds, to the last bit, and what the builders make of hard cases.
 #include <array>
+#include <bit>
 #include <functional>
 #include <set>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "bvh/binary.h"
+#include "bvh/build.h"
 #include "bvh/intersect.h"
 #include "host/bench/structure_comparison.h"
 #include "host/bench/structures/boxes.h"
@@ -85,6 +88,24 @@ protected:
   const StructureKind& kind() const { return structure_kinds()[GetParam()]; }
 };
 
+// Traces the rays by a structure over the triangles, for the closest hit and for any, and compares with `expected`.
+void expect_hits(DeviceStructure& structure, const std::vector<StructureRay>& rays, const std::vector<float>& expected,
+                 const std::string& what) {
+  EXPECT_GE(structure.trace(rays, false), 0.0);
+  const std::vector<float> closest = structure.distances();
+  structure.trace(rays, true);
+  const std::vector<float> any = structure.distances();
+  std::size_t hits = 0, other = 0, misjudged = 0;
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    hits += expected[i] < gpu::kFar;
+    other += closest[i] != expected[i];
+    misjudged += (any[i] < gpu::kFar) != (expected[i] < gpu::kFar);
+  }
+  EXPECT_GT(hits, 50u) << what;
+  EXPECT_EQ(other, 0u) << what << ", " << hits << " hits";
+  EXPECT_EQ(misjudged, 0u) << what;
+}
+
 TEST_P(Structures, FindWhatEveryTriangleTellsThem) {
   const std::vector<StructureRay> rays = all_rays();
   for (const Triangles& triangles :
@@ -93,19 +114,7 @@ TEST_P(Structures, FindWhatEveryTriangleTellsThem) {
     for (const StructureRay& ray : rays) expected.push_back(nearest(triangles, ray));
     const Structure built = kind().build(triangles, bvh::Quality::best);
     DeviceStructure structure(*test_device().device, kind().spirv, built, triangles);
-    EXPECT_GE(structure.trace(rays, false), 0.0);
-    const std::vector<float> closest = structure.distances();
-    structure.trace(rays, true);
-    const std::vector<float> any = structure.distances();
-    std::size_t hits = 0, other = 0, misjudged = 0;
-    for (std::size_t i = 0; i < rays.size(); ++i) {
-      hits += expected[i] < gpu::kFar;
-      other += closest[i] != expected[i];
-      misjudged += (any[i] < gpu::kFar) != (expected[i] < gpu::kFar);
-    }
-    EXPECT_GT(hits, 50u) << triangles.size();
-    EXPECT_EQ(other, 0u) << kind().name << ", " << triangles.size() << " triangles, " << hits << " hits";
-    EXPECT_EQ(misjudged, 0u) << kind().name << ", " << triangles.size() << " triangles";
+    expect_hits(structure, rays, expected, fmt::format("{}, {} triangles", kind().name, triangles.size()));
   }
 }
 
@@ -127,6 +136,121 @@ TEST_P(Structures, StayWithinTheKernelsStacks) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, Structures, testing::Range<std::size_t>(0, structure_kinds().size()));
+
+const StructureKind& wide_kind() { return structure_kinds()[0]; }
+
+class WideTraversal : public testing::Test {
+protected:
+  void SetUp() override { end_test_without_device(test_device().problem); }
+};
+
+// Triangles that all lie across each other, so that rays enter nearly every child and stacks fill.
+TEST_F(WideTraversal, FindsTheSameWhereverItsStackIs) {
+  const Triangles triangles = soup(20000, 3.0f, 12);
+  std::vector<StructureRay> rays = all_rays();
+  rays.resize(400);
+  std::vector<float> expected;
+  for (const StructureRay& ray : rays) expected.push_back(nearest(triangles, ray));
+  const Structure built = build_wide_bvh(triangles, bvh::Quality::balanced);
+  bvh::Counters work[2];
+  for (const bool in_registers : {false, true}) {
+    DeviceStructure structure(*test_device().device, wide_kind().spirv, built, triangles);
+    structure.put_stack_in_registers(in_registers);
+    expect_hits(structure, rays, expected, in_registers ? "registers" : "array");
+    work[in_registers] = structure.count(rays, false);
+    EXPECT_GT(work[in_registers].visits, 100 * rays.size());
+    EXPECT_GT(work[in_registers].tests, work[in_registers].visits);
+  }
+  // A lane whose registers are full stops, so that it tests what it has met earlier.
+  EXPECT_NEAR(static_cast<double>(work[0].visits), static_cast<double>(work[1].visits), 0.1 * work[0].visits);
+}
+
+// A single triangle is one node and one test to a ray that comes near it; of many, eight children a node save visits.
+TEST_F(WideTraversal, CountsItsWork) {
+  const std::vector<StructureRay> rays = {{{0.5f, -0.5f, 2}, gpu::kFar, {0, 0, -1}}, {{5, 5, 2}, gpu::kFar, {0, 0, 1}}};
+  const Triangles one(1, square()[0]);
+  DeviceStructure structure(*test_device().device, wide_kind().spirv, build_wide_bvh(one, bvh::Quality::fast), one);
+  const bvh::Counters work = structure.count(rays, false);
+  EXPECT_EQ(work.visits, 1u);
+  EXPECT_EQ(work.tests, 1u);
+
+  const Triangles many = soup(5000, 0.1f, 4);
+  DeviceStructure wide(*test_device().device, wide_kind().spirv, build_wide_bvh(many, bvh::Quality::fast), many);
+  DeviceStructure binary(*test_device().device, structure_kinds()[1].spirv, build_sah_bvh(many), many);
+  EXPECT_LT(3 * wide.count(all_rays(), false).visits, 2 * binary.count(all_rays(), false).visits);
+}
+
+// By its words alone, as kernels/bench/wide_bvh.comp has them: each triangle lies once in the boxes of all that holds
+// it.
+struct WideWalk {
+  const Structure& tree;
+  const Triangles& triangles;
+  std::vector<std::size_t> held; // how often, by triangle
+  std::size_t nodes = 0, outside = 0;
+
+  std::uint32_t word(std::size_t node, std::size_t at) const { return tree.nodes[20 * node + at]; }
+  float real(std::size_t node, std::size_t at) const { return std::bit_cast<float>(word(node, at)); }
+
+  bvh::Box box_of(std::size_t node, std::uint32_t slot) const {
+    float lo[3], hi[3];
+    for (std::uint32_t axis = 0; axis < 3; ++axis) {
+      const float cell = std::ldexp(1.0f, static_cast<int>(word(node, 3) >> (7 * axis) & 127u) - 66);
+      const auto plane = [&](std::size_t at) {
+        const std::uint32_t number = word(node, at + slot / 4) >> (8 * (slot % 4)) & 255u;
+        return real(node, axis) + static_cast<float>(number) * cell;
+      };
+      lo[axis] = plane(8 + 4 * axis), hi[axis] = plane(10 + 4 * axis);
+    }
+    return {{lo[0], lo[1], lo[2]}, {hi[0], hi[1], hi[2]}};
+  }
+
+  void walk(std::size_t node, const std::vector<bvh::Box>& above) {
+    ++nodes;
+    std::uint32_t child = word(node, 4), item = word(node, 5);
+    for (std::uint32_t slot = 0; slot < 8; ++slot) {
+      std::vector<bvh::Box> boxes = above;
+      boxes.push_back(box_of(node, slot));
+      for (std::uint32_t k = 0; k < 3; ++k) {
+        if (!(word(node, 6) >> (3 * slot + k) & 1u)) continue;
+        const std::uint32_t triangle = tree.items[item++];
+        ++held[triangle];
+        for (const bvh::Box& box : boxes) outside += !bvh::contains(box, bvh::bounds(triangles[triangle]));
+      }
+      if (word(node, 6) >> (24 + slot) & 1u) walk(child++, boxes);
+    }
+  }
+};
+
+TEST(WideTree, HoldsEveryTriangleInItsBoxes) {
+  for (const float scale : {1e-6f, 1.0f, 1e6f}) {
+    Triangles triangles = soup(3000, 0.1f, 9);
+    for (bvh::Triangle& triangle : triangles)
+      triangle = {triangle.v0 * scale, triangle.v1 * scale, triangle.v2 * scale};
+    const Structure tree = build_wide_bvh(triangles, bvh::Quality::fast);
+    WideWalk walk{tree, triangles, std::vector<std::size_t>(triangles.size())};
+    walk.walk(0, {});
+    EXPECT_EQ(std::set<std::size_t>(walk.held.begin(), walk.held.end()), std::set<std::size_t>{1});
+    EXPECT_EQ(walk.outside, 0u);
+    EXPECT_EQ(20 * walk.nodes, tree.nodes.size());
+    EXPECT_GT(static_cast<double>(walk.nodes), 3000.0 / 24);
+  }
+}
+
+// The collapse fills nodes: less than half as many as the 4-wide tree has.
+TEST(WideTree, HasFewNodes) {
+  const Triangles triangles = soup(5000, 0.1f, 4);
+  const std::size_t wide = build_wide_bvh(triangles, bvh::Quality::best).nodes.size() / 20;
+  const std::size_t narrow = bvh::build(triangles, {.quality = bvh::Quality::best}).nodes.size();
+  EXPECT_LT(2 * wide, narrow);
+}
+
+TEST(WideTree, IsBuiltOfNothing) {
+  for (const Triangles& triangles : {Triangles{}, Triangles{{{0, 0, 0}, {1, 1, 1}, {2, 2, 2}}}}) {
+    const Structure tree = build_wide_bvh(triangles, bvh::Quality::best);
+    EXPECT_EQ(tree.nodes.size(), 20u);
+    EXPECT_TRUE(tree.items.empty());
+  }
+}
 
 TEST(StructureBoxes, OverlapAsTheirPartsAre) {
   Random random(11);

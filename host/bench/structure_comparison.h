@@ -1,4 +1,4 @@
-// The product's BVH beside the textbooks' structures, on the same rays.
+// The product's BVH beside an 8-wide one and the textbooks' structures, on the same rays.
 #pragma once
 
 #include <span>
@@ -10,7 +10,7 @@
 
 namespace wavepath {
 
-// A textbook's structure: how it is built, and the kernel that walks it.
+// A structure: how it is built, at the quality of the product's if it has such, and the kernel that walks it.
 struct StructureKind {
   const char* name;
   Structure (*build)(std::span<const bvh::Triangle>, bvh::Quality);

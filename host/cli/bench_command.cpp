@@ -140,10 +140,12 @@ Command add_bench(CLI::App& app) {
   add_switch(*command, group,
              {"--ablate", "", "measure what each feature that this scene leaves out would cost it", "off"},
              request->ablate);
-  add_switch(*command, group,
-             {"--structures", "",
-              "also trace the same rays in a binary and a linear BVH, a kd-tree, an octree and a uniform grid", "off"},
-             request->structures);
+  add_switch(
+      *command, group,
+      {"--structures", "",
+       "also trace the same rays in an 8-wide, a binary and a linear BVH, a kd-tree, an octree and a uniform grid",
+       "off"},
+      request->structures);
   add_switch(*command, group,
              {"--kernels", "",
               "tell what the driver's compiler makes of every kernel instead (registers, spills, "

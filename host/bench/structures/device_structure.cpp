@@ -39,6 +39,7 @@ DeviceStructure::DeviceStructure(Device& device, std::span<const std::uint32_t> 
       spirv_(spirv),
       parameters_{structure.lo, 0, structure.size, 0, structure.resolution, structure.depth},
       node_kind_(node_kind(structure)),
+      stack_in_registers_(device.info().type == "cpu"),
       corners_(upload(device, list_corners(structure, triangles))),
       nodes_(upload(device, structure.nodes)),
       items_(upload(device, structure.items_in_place ? std::vector<std::uint32_t>(1) : structure.items)) {}
@@ -62,9 +63,8 @@ void DeviceStructure::send(std::span<const StructureRay> rays) {
 }
 
 Kernel DeviceStructure::compile(bool any_hit, bool counts) const {
-  const std::uint32_t stack_in_registers = device_.info().type == "cpu";
   return Kernel(device_, "structure", spirv_, *bindings_,
-                std::array{std::uint32_t{any_hit}, stack_in_registers, std::uint32_t{counts}});
+                std::array{std::uint32_t{any_hit}, std::uint32_t{stack_in_registers_}, std::uint32_t{counts}});
 }
 
 double DeviceStructure::trace(std::span<const StructureRay> rays, bool any_hit) {

@@ -28,6 +28,10 @@ public:
   DeviceStructure(Device& device, std::span<const std::uint32_t> spirv, const Structure& structure,
                   std::span<const bvh::Triangle> triangles);
 
+  // Where kernels that can do either have the top of their stack: in registers on CPUs, in an array on GPUs, unless
+  // this says otherwise. Before the first rays.
+  void put_stack_in_registers(bool in_registers) { stack_in_registers_ = in_registers; }
+
   // Seconds that the device takes for all rays; with `any_hit` it stops at the first that it finds. In dispatches that
   // no watchdog ends.
   double trace(std::span<const StructureRay> rays, bool any_hit);
@@ -55,6 +59,7 @@ private:
   std::span<const std::uint32_t> spirv_;
   Parameters parameters_;
   BindingKind node_kind_;
+  bool stack_in_registers_;
   Buffer corners_, nodes_, items_, rays_, distances_, work_;
   std::unique_ptr<BindingSet> bindings_; // of the rays that were sent last
   std::deque<Kernel> kernels_;           // closest hit, any hit

@@ -1,5 +1,5 @@
-// A structure over triangles as its kernel in kernels/bench/ reads it, and the builders of the textbooks' ones. Each is
-// built on one thread, the trees over boxes excepted; for comparison, not for rendering.
+// A structure over triangles as its kernel in kernels/bench/ reads it, and the builders of those that are compared with
+// the product's. Each is built on one thread, the product's binary tree excepted; not for rendering.
 #pragma once
 
 #include <cstdint>
