@@ -4,11 +4,17 @@
 #include <array>
 #include <cctype>
 #include <cmath>
+#include <map>
+#include <set>
+#include <span>
 
 #include <fmt/format.h>
 
 #include "host/render/device/kernel_compiler.h"
 #include "host/render/settings/integrator_kind.h"
+#include "host/render/settings/occlusion_settings.h"
+#include "host/render/settings/shading_settings.h"
+#include "host/render/settings/shadow_settings.h"
 #include "host/render/settings/traversal.h"
 
 namespace wavepath {
@@ -30,59 +36,94 @@ std::string number(double value) {
   return value == std::floor(value) ? fmt::format("{:.0f}", value) : fmt::format("{:.3f}", value);
 }
 
-// The kernels that an integrator begins to compile for a scene, those for other scenes left out.
-void compile_for(Device& device, gpu::Feature features, const RenderSettings& settings, const std::string& name,
-                 std::vector<CompiledKernel>& kernels) {
-  KernelCompiler compiler(device);
-  settings.integrator->start_kernels(compiler, device.info(), features, settings);
-  const gpu::Feature wanted = kernel_config(features, kExpectedStack, settings).features;
-  const bool by_query = traces_by_query(traversal_of(settings), device.info());
-  for (const KernelSet* set : compiler.all()) {
-    if (set->config().features != wanted) continue;
-    const KernelNeed& need = set->need();
-    for (std::size_t stage = 0; stage < need.program->stages.size(); ++stage) {
-      const KernelCode& code = need.program->stages[stage];
-      if (!(need.stages >> stage & 1u) || (by_query && code.query.empty())) continue; // such are listed without queries
-      kernels.push_back({code.name, name, kernel_statistics(device, (*set)[stage])});
+// Techniques that have kernels of their own, by the settings that name them. The first of each needs none.
+struct Techniques {
+  std::string_view setting;
+  std::uint32_t RenderSettings::*value;
+  std::span<const std::string_view> names;
+};
+constexpr std::array<Techniques, 3> kTechniques = {{{"shadows", &RenderSettings::shadows, kShadowNames},
+                                                    {"shading", &RenderSettings::shading, kShadingNames},
+                                                    {"occlusion", &RenderSettings::occlusion, kOcclusionNames}}};
+
+// The kernels of one integrator for a scene, each set once, however many settings ask for it.
+class Compilation {
+public:
+  Compilation(Device& device, std::vector<CompiledKernel>& kernels)
+      : device_(device), compiler_(device), kernels_(kernels) {}
+
+  // Adds what the integrator begins to compile, without what it begins for other scenes.
+  void add(gpu::Feature features, const RenderSettings& settings, const std::string& name) {
+    settings.integrator->start_kernels(compiler_, device_.info(), features, settings);
+    const gpu::Feature wanted = kernel_config(features, kExpectedStack, settings).features;
+    const bool by_query = traces_by_query(traversal_of(settings), device_.info());
+    for (const KernelSet* set : compiler_.all()) {
+      if (set->config().features != wanted || !added_.insert(set).second) continue;
+      const KernelNeed& need = set->need();
+      std::map<std::string_view, int> met; // some kernels of a set share a name, as of a stage whose times are added up
+      for (std::size_t stage = 0; stage < need.program->stages.size(); ++stage) {
+        const KernelCode& code = need.program->stages[stage];
+        if (!(need.stages >> stage & 1u) || (by_query && code.query.empty())) continue; // listed without queries
+        const int number = ++met[code.name];
+        kernels_.push_back({number == 1 ? code.name : fmt::format("{} {}", code.name, number), name,
+                            kernel_statistics(device_, (*set)[stage])});
+      }
     }
   }
-}
+
+private:
+  Device& device_;
+  KernelCompiler compiler_;
+  std::set<const KernelSet*> added_;
+  std::vector<CompiledKernel>& kernels_;
+};
 
 } // namespace
 
 std::vector<CompiledKernel> compile_kernels(Device& device, const PackedScene& scene, const RenderSettings& settings,
                                             bool ablate, const std::function<void(const std::string&)>& progress) {
   std::vector<CompiledKernel> kernels;
-  const auto compile = [&](const RenderSettings& variant, const std::string& what, gpu::Feature more = 0) {
+  const auto compile = [&](Compilation& to, const RenderSettings& variant, const std::string& what,
+                           gpu::Feature more = 0) {
     const std::string name = fmt::format("{}{}", variant.integrator->name, what);
     progress(name);
-    compile_for(device, scene.features | more, variant, name, kernels);
+    to.add(scene.features | more, variant, name);
   };
   RenderSettings by_compute = settings;
   by_compute.traversal = kTraversalCompute;
   for (const IntegratorKind* kind : integrators()) {
     if (kind->candidates || !kind->start_kernels) continue; // the first stands for others
+    Compilation compilation(device, kernels);
     RenderSettings variant = by_compute;
     variant.integrator = kind;
-    compile(variant, "");
+    compile(compilation, variant, "");
     variant.specialize = false;
-    compile(variant, ", generic");
-    if (kind != &default_integrator()) continue;
+    compile(compilation, variant, ", generic");
     variant.specialize = true;
+    for (const Techniques& techniques : kTechniques) {
+      if (!takes(*kind, techniques.setting)) continue;
+      RenderSettings chosen = variant;
+      for (std::uint32_t i = 1; i < techniques.names.size(); ++i) {
+        chosen.*techniques.value = i;
+        compile(compilation, chosen, fmt::format(", {} {}", techniques.setting, techniques.names[i]));
+      }
+    }
+    if (kind != &default_integrator()) continue;
     const bool samples = (scene.features & gpu::kFeatureSampledTextures) != 0; // all of these do
     if (scene.features & gpu::kFeatureTextures && !samples)
-      compile(variant, ", textures by samplers", gpu::kFeatureSampledTextures);
+      compile(compilation, variant, ", textures by samplers", gpu::kFeatureSampledTextures);
     if (!device.info().has_ray_queries) continue;
     variant.traversal = kTraversalHardware;
-    compile(variant, ", ray queries");
+    compile(compilation, variant, ", ray queries");
   }
   if (!ablate) return kernels;
+  Compilation compilation(device, kernels);
   for (const LeftOut& entry : scene.left_out) {
     if (!entry.feature) continue; // no code, only data
     RenderSettings variant = by_compute;
     variant.integrator = &default_integrator();
     variant.added_features = entry.feature;
-    compile(variant, ", with " + entry.what);
+    compile(compilation, variant, ", with " + entry.what);
   }
   return kernels;
 }

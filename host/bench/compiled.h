@@ -16,12 +16,14 @@
 namespace wavepath {
 
 struct CompiledKernel {
-  std::string kernel, configuration; // "extend"; "path", "path, generic", "path, with alpha textures"
+  std::string kernel, configuration; // "extend"; "path", "path, generic", "hybrid, shadows pcf"
   std::vector<KernelStatistic> statistics;
 };
 
-// Kernels of every integrator for this scene, and generic ones. `ablate`: those of path tracing with each feature as
-// well that the scene leaves out. The device was opened for DeviceUse::compile. `progress` is told what comes next.
+// Compute kernels of every integrator for this scene, generic ones, and those of techniques of hybrid frames; not those
+// that trace first hits or filter frames. A set is listed where it is first asked for. `ablate`: those of path tracing
+// with each feature as well that the scene leaves out. The device was opened for DeviceUse::compile. `progress` is told
+// what comes next.
 std::vector<CompiledKernel> compile_kernels(Device& device, const PackedScene& scene, const RenderSettings& settings,
                                             bool ablate, const std::function<void(const std::string&)>& progress);
 

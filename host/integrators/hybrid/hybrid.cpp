@@ -95,15 +95,31 @@ std::uint32_t transparency_flags(const RenderSettings& settings, const PackedSce
   return std::ranges::any_of(scene.materials, kind->layers ? kind->layers->holds : is_blended) ? kind->flag : 0;
 }
 
-// Light beyond the direct one is wanted where paths would be longer than it.
-std::uint32_t frame_flags(const RenderSettings& settings) {
-  if (!settings.integrator->finds_light) return gpu::kHybridAmbient;
-  return gpu::kHybridLights | (settings.max_depth > 1 ? gpu::kHybridAmbient : 0);
+// Over time, for smooth edges.
+bool joins_frames(const RenderSettings& settings) {
+  return settings.antialias_over_time || antialias_kind(settings).over_time;
 }
 
-std::uint32_t stages_of(std::uint32_t flags, bool traces_occlusion) {
+// What follows from the settings alone. Light beyond the direct one is wanted where paths would be longer than it.
+std::uint32_t frame_flags(const RenderSettings& settings) {
+  const bool shares = antialias_kind(settings).shares_shading && !joins_frames(settings);
+  const std::uint32_t shared = shares ? gpu::kHybridMultisample : 0;
+  if (!settings.integrator->finds_light) return gpu::kHybridAmbient | shared;
+  return gpu::kHybridLights | (settings.max_depth > 1 ? gpu::kHybridAmbient : 0) | shared;
+}
+
+// By rays, in the pilot or in frames. How enclosed a place is beyond the picture and a radius, which the ambient
+// radiance follows from, rays alone can tell; so it is the same for all techniques.
+bool traces_occlusion(const RenderSettings& settings) {
+  const std::uint32_t flags = frame_flags(settings);
+  return flags & gpu::kHybridAmbient &&
+         (settings.occlusion == kOcclusionTraced || (flags & gpu::kHybridLights && !settings.ambient));
+}
+
+std::uint32_t stages_of(const RenderSettings& settings) {
+  const std::uint32_t flags = frame_flags(settings);
   std::uint32_t stages = 1u << kJitter | 1u << kResolve | 1u << kComposite;
-  if (traces_occlusion) stages |= 1u << kOcclusion;
+  if (traces_occlusion(settings)) stages |= 1u << kOcclusion;
   if (flags & gpu::kHybridLights) stages |= 1u << kGather;
   if (flags & gpu::kHybridMultisample) stages |= 1u << kShare;
   return stages;
@@ -130,6 +146,12 @@ float cone_width(const View& view, const RenderSettings& settings) {
 
 } // namespace
 
+KernelNeed hybrid_need(const RenderSettings& settings, const KernelConfig& config) {
+  KernelNeed need{&kHybridProgram, stages_of(settings), config};
+  if (!settings.aovs.empty()) need.config.features |= gpu::kFeatureAovs; // which come from the G-buffer
+  return need;
+}
+
 Hybrid::Hybrid(Workspace& workspace, KernelCompiler& kernels)
     : workspace_(workspace),
       kernels_(kernels),
@@ -152,7 +174,6 @@ void Hybrid::make_frame(const View& view, const RenderSettings& settings, Past p
   camera_ = camera_of(scene, view);
   frame_ = {};
   frame_.flags = frame_flags(settings) | transparency_flags(settings, scene);
-  if (antialias_kind(settings).shares_shading && !joins_frames()) frame_.flags |= gpu::kHybridMultisample;
   next_sample_ = gpu::kNone;
   frame_.shadow_samples = lights() ? settings.shadow_samples : 1;
   frame_.ao_samples = settings.ao_samples;
@@ -174,27 +195,19 @@ void Hybrid::make_frame(const View& view, const RenderSettings& settings, Past p
       std::min<std::uint64_t>(std::uint64_t{shared.sample_total} * frame_.shadow_samples, gpu::kNone));
 }
 
-// How enclosed a place is beyond the picture and a radius, which the ambient radiance follows from, rays alone can
-// tell; so it is the same for all techniques.
-bool Hybrid::traces_occlusion() const {
-  return ambient() && (settings_.occlusion == kOcclusionTraced || (lights() && !settings_.ambient));
-}
-
 void Hybrid::make_room(const View& view, Past past) {
   const PackedScene& scene = workspace_.scene;
-  need_ = {&kHybridProgram, stages_of(frame_.flags, traces_occlusion()),
-           kernel_config(needed_features(scene, view, settings_), scene.stack_size, settings_)};
-  const gpu::Feature path_features = need_.config.features;
-  if (!settings_.aovs.empty()) need_.config.features |= gpu::kFeatureAovs; // which come from the G-buffer
+  const KernelConfig config = kernel_config(needed_features(scene, view, settings_), scene.stack_size, settings_);
+  need_ = hybrid_need(settings_, config);
   kernels_.start(need_);
   const std::uint32_t path_stages = !lights() ? 0 : shading_kind(settings_) ? kLocalPathStages : kLightingStages;
-  const std::uint32_t options = lights() || joins_frames() || filters_frames() ? kRoomForSeen : 0;
+  const std::uint32_t options = lights() || joins_frames(settings_) || filters_frames() ? kRoomForSeen : 0;
   bool moved = paths_.change(settings_, path_stages, options, kernels_.features(kHybridProgram));
   const bool layers = frame_.flags & kAnyLayers;
   moved |= buffers_.fit({.pixels = workspace_.film.pixels(),
                          .options = (layers ? kRoomForLayers : 0) | (multisamples() ? kRoomForPlaces : 0)});
   // Glass is passed through like what has alpha.
-  const gpu::Feature visible_features = path_features | (refracts() ? gpu::kFeatureAlpha : 0);
+  const gpu::Feature visible_features = config.features | (refracts() ? gpu::kFeatureAlpha : 0);
   const glm::u64vec4 made_for(settings_.width, settings_.height, visible_features,
                               settings_.cull << 1 | (rasterizes_ ? 1u : 0u));
   if (made_for != visibility_made_for_ || moved) {
@@ -254,7 +267,8 @@ void Hybrid::remake_shadows(const View& view, const std::vector<Binding>& own) {
   if (settings_.shadows != shadows_made_for_) shadows_.reset(); // the device may not hold both at once
   shadows_made_for_ = settings_.shadows;
   if (!kind) return shadows_.reset();
-  if (!shadows_) shadows_ = kind->make({workspace_, kernels_, covered_sources(*kind, workspace_.scene)});
+  if (!shadows_)
+    shadows_ = kind->make({*kind->program, workspace_, kernels_, covered_sources(*kind, workspace_.scene)});
   std::vector<Binding> shared = own;
   shared.push_back({gpu::kBindHybrid, BindingKind::uniform, &buffers_[kFrame]});
   shared.push_back({gpu::kBindVisibility, BindingKind::texels_rg32ui, &visibility_->ids()});
@@ -268,14 +282,12 @@ void Hybrid::remake_shading(const std::vector<Binding>& own) {
   shading_->change(settings_, paths_.config(), own);
 }
 
-bool Hybrid::joins_frames() const { return settings_.antialias_over_time || antialias_kind(settings_).over_time; }
-
 // Frames of a camera in motion are joined instead.
-bool Hybrid::filters_frames() const { return !joins_frames() && !antialias_kind(settings_).passes.empty(); }
+bool Hybrid::filters_frames() const { return !joins_frames(settings_) && !antialias_kind(settings_).passes.empty(); }
 
 // Memory and kernels stay, unless size or buffers are others.
 void Hybrid::remake_filters(bool moved, Past past) {
-  const std::uint32_t which = (settings_.denoise != kDenoiseOff ? 1u : 0u) | (joins_frames() ? 2u : 0u) |
+  const std::uint32_t which = (settings_.denoise != kDenoiseOff ? 1u : 0u) | (joins_frames(settings_) ? 2u : 0u) |
                               (filters_frames() ? 4u + settings_.antialias : 0u);
   const glm::uvec4 made_for =
       which ? glm::uvec4(settings_.width, settings_.height, frame_.flags, which) : glm::uvec4(0);
@@ -296,7 +308,7 @@ void Hybrid::remake_filters(bool moved, Past past) {
   if (filters_frames())
     frame_filter_ = std::make_unique<FrameFilter>(workspace_.device, antialias_kind(settings_).passes, settings_.width,
                                                   settings_.height, gbuffer, paths_.buffers[kSeen]);
-  if (joins_frames())
+  if (joins_frames(settings_))
     taa_ = std::make_unique<Taa>(workspace_.device, settings_.width, settings_.height, gbuffer, paths_.buffers[kSeen]);
   filters_made_for_ = made_for;
 }

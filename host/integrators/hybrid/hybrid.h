@@ -27,6 +27,9 @@ class FrameFilter;          // host/integrators/hybrid/frame_filter.h
 class ScreenSpaceOcclusion; // host/integrators/occlusion/screen_space.h
 class Taa;                  // host/integrators/hybrid/taa.h
 
+// The kernels of frames under these settings, those of light left out, in the configuration that paths have.
+KernelNeed hybrid_need(const RenderSettings& settings, const KernelConfig& config);
+
 class Hybrid : public Integrator {
 public:
   Hybrid(Workspace& workspace, KernelCompiler& kernels);
@@ -60,7 +63,6 @@ private:
   bool ambient() const { return frame_.flags & gpu::kHybridAmbient; }
   bool refracts() const { return frame_.flags & gpu::kHybridRefractive; }
   bool multisamples() const { return frame_.flags & gpu::kHybridMultisample; }
-  bool traces_occlusion() const; // by rays, in the pilot or in frames
   void make_frame(const View& view, const RenderSettings& settings, Past past);
   void make_room(const View& view, Past past);
   void remake_filters(bool moved, Past past);
@@ -72,8 +74,7 @@ private:
   void light(Commands& commands, std::size_t band, const gpu::Wave& wave);
   void share_shading(WaveQueue& queue);
   void composite(WaveQueue& queue, std::uint32_t flags);
-  bool joins_frames() const;   // over time, for smooth edges
-  bool filters_frames() const; // each by itself, likewise
+  bool filters_frames() const; // each by itself, for smooth edges
   void antialias(WaveQueue& queue);
   glm::vec3 enclosed_light() const;
 

@@ -78,11 +78,24 @@ constexpr const char* kFiltered = "direct light and occlusion are filtered over 
 // AOVs come from the G-buffer, not from the path tracer's kernels.
 gpu::Feature features(const RenderSettings&) { return gpu::kFeatureSharedFirstHit; }
 
-void start_path_kernels(KernelCompiler& kernels, const DeviceInfo& device, gpu::Feature features,
-                        const RenderSettings& settings) {
+// Kernels of light, and of the techniques that stand for a part of it.
+void start_lighting_kernels(KernelCompiler& kernels, const RenderSettings& settings, const KernelConfig& config) {
+  const ShadingKind* shading = shading_kind(settings);
+  kernels.start({&kPathProgram, shading ? kLocalPathStages : kLightingStages, config});
+  if (shading) kernels.start(whole_need(*shading->program, config));
+  if (const ShadowKind* shadows = shadow_kind(settings)) kernels.start(whole_need(*shadows->program, config));
+}
+
+// Those that draw, trace first hits or filter frames are made with their buffers.
+void start_kernels(KernelCompiler& kernels, const DeviceInfo& device, gpu::Feature features,
+                   const RenderSettings& settings) {
   const auto start = [&](gpu::Feature bits) {
-    const std::uint32_t stages = shading_kind(settings) ? kLocalPathStages : kLightingStages;
-    kernels.start({&kPathProgram, stages, kernel_config(bits, kExpectedStack, settings)});
+    const KernelConfig config = kernel_config(bits, kExpectedStack, settings);
+    const KernelNeed frame = hybrid_need(settings, config);
+    kernels.start(frame);
+    if (settings.integrator->finds_light) start_lighting_kernels(kernels, settings, config);
+    if (const OcclusionKind* occlusion = occlusion_kind(settings))
+      kernels.start(whole_need(*occlusion->program, frame.config));
   };
   if ((features & gpu::kFeatureTextures) && wants_mips(settings)) features |= gpu::kFeatureMips;
   start(features);
@@ -284,7 +297,7 @@ constinit const IntegratorKind kHybrid = {
     .means = means,
     .unfit = unfit_shadows,
     .features = features,
-    .start_kernels = start_path_kernels,
+    .start_kernels = start_kernels,
     .bytes_per_slot = [](gpu::Feature features,
                          const RenderSettings&) { return bytes_per_path(features, kRoomForShadowRays); },
     .largest_record = [](const RenderSettings&) { return std::uint64_t{2 * sizeof(gpu::Ray)}; },
@@ -313,7 +326,7 @@ constinit const IntegratorKind kAo = {
     .check = check_frame_settings,
     .means = takes_occlusion_setting,
     .features = features,
-    .start_kernels = [](KernelCompiler&, const DeviceInfo&, gpu::Feature, const RenderSettings&) {}, // it has no paths
+    .start_kernels = start_kernels,
     .bytes_per_slot = [](gpu::Feature features,
                          const RenderSettings&) { return bytes_per_path(features, kRoomForShadowRays); },
     .largest_record = [](const RenderSettings&) { return std::uint64_t{2 * sizeof(gpu::Ray)}; },

@@ -24,7 +24,7 @@ ScreenSpaceOcclusion::ScreenSpaceOcclusion(Workspace& workspace, KernelCompiler&
     : workspace_(workspace), kernels_(kernels), kind_(kind), pixels_a_slice_(kFirstPixels) {}
 
 void ScreenSpaceOcclusion::change(const KernelConfig& config, const std::vector<Binding>& frame) {
-  need_ = {kind_.program, 1u, config};
+  need_ = whole_need(*kind_.program, config);
   kernels_.start(need_);
   std::vector<Binding> bindings = workspace_.bindings(workspace_.film.bands().front()); // it reads no film
   bindings.insert(bindings.end(), frame.begin(), frame.end());

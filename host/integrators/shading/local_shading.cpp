@@ -34,7 +34,7 @@ LocalShading::LocalShading(Workspace& workspace, KernelCompiler& kernels, const 
 
 void LocalShading::change(const RenderSettings& settings, const KernelConfig& config,
                           const std::vector<Binding>& paths) {
-  need_ = {kind_.program, 1u, config};
+  need_ = whole_need(*kind_.program, config);
   kernels_.start(need_);
   const gpu::ShadingFrame frame = shading_frame(settings);
   frame_buffer_.write(&frame, sizeof(frame));

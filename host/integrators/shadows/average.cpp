@@ -35,7 +35,7 @@ std::vector<gpu::ShadowView> views_from_points(const ShadowFit& fit, const Shado
 const std::array<KernelCode, 1> kStages = {{{"shadow look-up", wavepath_look_up_average_spv}}};
 constexpr std::array<std::size_t, 1> kOrder = {0};
 const KernelProgram kProgram = {kStages, kOrder, shadow_layout};
-const ShadowMapRecipe kRecipe = {.program = &kProgram, .views = views_from_points};
+const ShadowMapRecipe kRecipe = {.views = views_from_points};
 constexpr std::array<std::string_view, 4> kSettings = {"shadow-size", "shadow-bias", "shadow-source", "shadow-taps"};
 
 } // namespace
@@ -45,6 +45,7 @@ constinit const ShadowKind kShadowAverage = {
     .summary = "the mean of shadow maps from --shadow-taps points of a lamp",
     .sources = kAreaSources,
     .settings = kSettings,
+    .program = &kProgram,
     .make = [](const ShadowContext& context) { return make_shadow_maps(kRecipe, context); },
 };
 

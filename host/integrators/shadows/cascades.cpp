@@ -9,7 +9,6 @@ namespace wavepath {
 namespace {
 
 const ShadowMapRecipe kRecipe = {
-    .program = &kCompareOnce,
     .views = [](const ShadowFit& fit, const ShadowSource& source, const View& view, const RenderSettings& settings) {
       return cascade_views(fit, source.direction, view, settings.shadow_cascades);
     }};
@@ -23,6 +22,7 @@ constinit const ShadowKind kShadowCascades = {
     .summary = "shadow maps of suns, one for each part of the camera's depths (Zhang et al. 2006)",
     .sources = kDirectionalSource,
     .settings = kSettings,
+    .program = &kCompareOnce,
     .make = [](const ShadowContext& context) { return make_shadow_maps(kRecipe, context); },
 };
 

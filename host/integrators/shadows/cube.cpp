@@ -5,8 +5,7 @@
 namespace wavepath {
 namespace {
 
-const ShadowMapRecipe kRecipe = {.program = &kCompareOnce,
-                                 .views = [](const ShadowFit& fit, const ShadowSource& source, const View&,
+const ShadowMapRecipe kRecipe = {.views = [](const ShadowFit& fit, const ShadowSource& source, const View&,
                                              const RenderSettings&) { return cube_views(fit, source.position); }};
 
 } // namespace
@@ -16,6 +15,7 @@ constinit const ShadowKind kShadowCube = {
     .summary = "six shadow maps around a point light",
     .sources = kPointSource,
     .settings = kMapSettings,
+    .program = &kCompareOnce,
     .make = [](const ShadowContext& context) { return make_shadow_maps(kRecipe, context); },
 };
 

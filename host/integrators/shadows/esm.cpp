@@ -14,7 +14,7 @@ const FilterableStages kStages = {{{"shadow look-up", wavepath_look_up_esm_spv},
 const KernelProgram kProgram = {kStages, kFilterableOrder, shadow_layout};
 // Of what floats hold, with room for rounding; over the whole range of depths, as 40 is from -1 to 1.
 constexpr double kExponent = 80.0;
-const ShadowMapRecipe kRecipe = filterable_recipe(kProgram, kExponent);
+const ShadowMapRecipe kRecipe = filterable_recipe(kExponent);
 constexpr std::array<std::string_view, 5> kSettings = {"shadow-size", "shadow-bias", "shadow-source", "shadow-blur",
                                                        "shadow-exponent"};
 
@@ -25,6 +25,7 @@ constinit const ShadowKind kShadowEsm = {
     .summary = "a map's depths as exponentials, averaged (Annen et al. 2008)",
     .sources = kAllSources,
     .settings = kSettings,
+    .program = &kProgram,
     .make = [](const ShadowContext& context) { return make_shadow_maps(kRecipe, context); },
 };
 

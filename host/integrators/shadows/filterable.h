@@ -20,9 +20,8 @@ inline constexpr std::array<std::string_view, 4> kFilterableSettings = {"shadow-
                                                                         "shadow-blur"};
 
 // `exponent`: --shadow-exponent unless that is given.
-constexpr ShadowMapRecipe filterable_recipe(const KernelProgram& program, double exponent = 0.0) {
-  return {.program = &program,
-          .guard = [](const RenderSettings& settings) { return settings.shadow_blur; },
+constexpr ShadowMapRecipe filterable_recipe(double exponent = 0.0) {
+  return {.guard = [](const RenderSettings& settings) { return settings.shadow_blur; },
           .filtered_bytes = [](const RenderSettings&) { return std::uint64_t{sizeof(gpu::vec4)}; },
           .scratch_bytes = [](const RenderSettings&) { return std::uint64_t{sizeof(gpu::vec4)}; },
           .passes = kBlurPasses,

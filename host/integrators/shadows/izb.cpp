@@ -67,8 +67,8 @@ public:
         chunks_(make_chunks(context.workspace.scene)) {}
 
   void change(const View& view, const RenderSettings& settings, const std::vector<Binding>& shared) override {
-    need_ = {&kProgram, (1u << kStageCount) - 1u,
-             kernel_config(needed_features(workspace_.scene, view, settings), workspace_.scene.stack_size, settings)};
+    need_ = whole_need(kProgram, kernel_config(needed_features(workspace_.scene, view, settings),
+                                               workspace_.scene.stack_size, settings));
     kernels_.start(need_);
     Device& device = workspace_.device;
     gpu::ShadowFrame frame{};
@@ -177,6 +177,7 @@ constinit const ShadowKind kShadowIzb = {
     .summary = "triangles tested with the shadow rays listed in the cells they cover (Johnson et al. 2005)",
     .sources = kPunctualSources,
     .settings = kSettings,
+    .program = &kProgram,
     .make = [](const ShadowContext& context) -> std::unique_ptr<ShadowTechnique> {
       return std::make_unique<IrregularZ>(context);
     },

@@ -13,7 +13,7 @@ const FilterableStages kStages = {{{"shadow look-up", wavepath_look_up_leak_spv}
                                    {"shadow columns", wavepath_blur_columns_spv}}};
 const KernelProgram kProgram = {kStages, kFilterableOrder, shadow_layout};
 const ShadowMapRecipe kRecipe = [] {
-  ShadowMapRecipe recipe = filterable_recipe(kProgram);
+  ShadowMapRecipe recipe = filterable_recipe();
   recipe.counts = true;
   return recipe;
 }();
@@ -25,6 +25,7 @@ constinit const ShadowKind kShadowLeak = {
     .summary = "a map and its moments where they agree, rays elsewhere (Kern, Bruell and Grosch 2024)",
     .sources = kPunctualSources,
     .settings = kFilterableSettings,
+    .program = &kProgram,
     .make = [](const ShadowContext& context) { return make_shadow_maps(kRecipe, context); },
 };
 

@@ -84,8 +84,8 @@ public:
   }
 
   void change(const View& view, const RenderSettings& settings, const std::vector<Binding>& shared) override {
-    need_ = {&kProgram, (1u << kStageCount) - 1u,
-             kernel_config(needed_features(workspace_.scene, view, settings), workspace_.scene.stack_size, settings)};
+    need_ = whole_need(kProgram, kernel_config(needed_features(workspace_.scene, view, settings),
+                                               workspace_.scene.stack_size, settings));
     kernels_.start(need_);
     const BakedFor wanted{settings.shadow_size, settings.shadow_taps, settings.cull, settings.terminator};
     if (wanted != made_for_) make_room(wanted);
@@ -219,6 +219,7 @@ constinit const ShadowKind kShadowLightmap = {
     .summary = "what arrives of each light, baked into texels on all surfaces before the first frame",
     .sources = kAllSources,
     .settings = kSettings,
+    .program = &kProgram,
     .make = [](const ShadowContext& context) -> std::unique_ptr<ShadowTechnique> {
       return std::make_unique<Lightmap>(context);
     },

@@ -13,7 +13,7 @@ std::vector<gpu::ShadowView> views(const ShadowFit& fit, const ShadowSource& sou
                                    const RenderSettings& settings) {
   return {light_space_perspective_view(fit, source.direction, view, settings.shadow_exponent)};
 }
-const ShadowMapRecipe kRecipe = {.program = &kCompareOnce, .views = views};
+const ShadowMapRecipe kRecipe = {.views = views};
 constexpr std::array<std::string_view, 4> kSettings = {"shadow-size", "shadow-bias", "shadow-source",
                                                        "shadow-exponent"};
 
@@ -24,6 +24,7 @@ constinit const ShadowKind kShadowLispsm = {
     .summary = "a sun's shadow map in perspective, across the light (Wimmer et al. 2004)",
     .sources = kDirectionalSource,
     .settings = kSettings,
+    .program = &kCompareOnce,
     .make = [](const ShadowContext& context) { return make_shadow_maps(kRecipe, context); },
 };
 

@@ -10,7 +10,7 @@ namespace {
 
 const std::array<KernelCode, 1> kStages = {{{"shadow look-up", wavepath_look_up_map_spv}}};
 constexpr std::array<std::size_t, 1> kOrder = {0};
-const ShadowMapRecipe kRecipe = {.program = &kCompareOnce};
+const ShadowMapRecipe kRecipe = {};
 
 } // namespace
 
@@ -21,6 +21,7 @@ constinit const ShadowKind kShadowMap = {
     .summary = "a shadow map, one comparison (Williams 1978)",
     .sources = kAllSources,
     .settings = kMapSettings,
+    .program = &kCompareOnce,
     .make = [](const ShadowContext& context) { return make_shadow_maps(kRecipe, context); },
 };
 

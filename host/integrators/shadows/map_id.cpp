@@ -11,7 +11,7 @@ namespace {
 const std::array<KernelCode, 1> kStages = {{{"shadow look-up", wavepath_look_up_map_id_spv}}};
 constexpr std::array<std::size_t, 1> kOrder = {0};
 const KernelProgram kProgram = {kStages, kOrder, shadow_layout};
-const ShadowMapRecipe kRecipe = {.program = &kProgram, .ids = true};
+const ShadowMapRecipe kRecipe = {.ids = true};
 constexpr std::array<std::string_view, 2> kSettings = {"shadow-size", "shadow-source"};
 
 } // namespace
@@ -21,6 +21,7 @@ constinit const ShadowKind kShadowMapId = {
     .summary = "a map of triangles instead of depths (Hourcade and Nicolas 1985)",
     .sources = kAllSources,
     .settings = kSettings,
+    .program = &kProgram,
     .make = [](const ShadowContext& context) { return make_shadow_maps(kRecipe, context); },
 };
 

@@ -12,7 +12,7 @@ const FilterableStages kStages = {{{"shadow look-up", wavepath_look_up_moment_sp
                                    {"shadow rows", wavepath_moment_rows_spv},
                                    {"shadow columns", wavepath_moment_columns_spv}}};
 const KernelProgram kProgram = {kStages, kFilterableOrder, shadow_layout};
-const ShadowMapRecipe kRecipe = filterable_recipe(kProgram);
+const ShadowMapRecipe kRecipe = filterable_recipe();
 constexpr std::array<std::string_view, 5> kSettings = {"shadow-size", "shadow-bias", "shadow-source", "shadow-blur",
                                                        "shadow-bits"};
 
@@ -23,6 +23,7 @@ constinit const ShadowKind kShadowMoment = {
     .summary = "the most light that four moments of a map's depths allow (Peters and Klein 2015)",
     .sources = kAllSources,
     .settings = kSettings,
+    .program = &kProgram,
     .make = [](const ShadowContext& context) { return make_shadow_maps(kRecipe, context); },
 };
 

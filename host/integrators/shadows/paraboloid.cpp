@@ -7,8 +7,7 @@
 namespace wavepath {
 namespace {
 
-const ShadowMapRecipe kRecipe = {.program = &kCompareOnce,
-                                 .views = [](const ShadowFit& fit, const ShadowSource& source, const View&,
+const ShadowMapRecipe kRecipe = {.views = [](const ShadowFit& fit, const ShadowSource& source, const View&,
                                              const RenderSettings&) { return paraboloid_views(fit, source.position); }};
 
 } // namespace
@@ -18,6 +17,7 @@ constinit const ShadowKind kShadowParaboloid = {
     .summary = "two shadow maps around a point light, as paraboloid mirrors show it (Brabec et al. 2002)",
     .sources = kPointSource,
     .settings = kMapSettings,
+    .program = &kCompareOnce,
     .make = [](const ShadowContext& context) { return make_shadow_maps(kRecipe, context); },
 };
 

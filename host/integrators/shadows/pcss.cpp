@@ -11,7 +11,7 @@ namespace {
 const std::array<KernelCode, 1> kStages = {{{"shadow look-up", wavepath_look_up_pcss_spv}}};
 constexpr std::array<std::size_t, 1> kOrder = {0};
 const KernelProgram kProgram = {kStages, kOrder, shadow_layout};
-const ShadowMapRecipe kRecipe = {.program = &kProgram, .taps = true};
+const ShadowMapRecipe kRecipe = {.taps = true};
 constexpr std::array<std::string_view, 5> kSettings = {"shadow-size", "shadow-bias", "shadow-source", "shadow-taps",
                                                        "shadow-pattern"};
 
@@ -22,6 +22,7 @@ constinit const ShadowKind kShadowPcss = {
     .summary = "a shadow map, filtered as wide as the blockers' mean depth tells (Fernando 2005)",
     .sources = kAreaSources,
     .settings = kSettings,
+    .program = &kProgram,
     .make = [](const ShadowContext& context) { return make_shadow_maps(kRecipe, context); },
 };
 

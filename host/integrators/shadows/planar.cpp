@@ -88,8 +88,8 @@ public:
   }
 
   void change(const View& view, const RenderSettings& settings, const std::vector<Binding>& shared) override {
-    need_ = {&kProgram, 1,
-             kernel_config(needed_features(workspace_.scene, view, settings), workspace_.scene.stack_size, settings)};
+    need_ = whole_need(kProgram, kernel_config(needed_features(workspace_.scene, view, settings),
+                                               workspace_.scene.stack_size, settings));
     kernels_.start(need_);
     make_room(settings);
     gpu::ShadowFrame frame{};
@@ -221,6 +221,7 @@ constinit const ShadowKind kShadowPlanar = {
     .name = "planar",
     .summary = "casters flattened onto the scene's large planes (Blinn 1988)",
     .sources = kPunctualSources,
+    .program = &kProgram,
     .make = [](const ShadowContext& context) -> std::unique_ptr<ShadowTechnique> {
       return std::make_unique<PlanarShadows>(context);
     },

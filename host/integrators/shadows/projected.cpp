@@ -25,7 +25,6 @@ std::vector<gpu::ShadowView> views_of_projector(const ShadowFit& fit, const Shad
 }
 
 const ShadowMapRecipe kRecipe = {
-    .program = &kProgram,
     .casters = true,
     .cookie = true,
     .guard = [](const RenderSettings&) { return -1.0; }, // nothing around the picture, of which look-ups know the edge
@@ -40,6 +39,7 @@ constinit const ShadowKind kShadowProjected = {
     .summary = "a texture of casters projected onto the scene's large planes (Segal et al. 1992)",
     .sources = kPunctualSources,
     .settings = kSettings,
+    .program = &kProgram,
     .make = [](const ShadowContext& context) { return make_shadow_maps(kRecipe, context); },
 };
 

@@ -10,7 +10,7 @@ std::vector<gpu::ShadowView> views(const ShadowFit& fit, const ShadowSource& sou
                                    const RenderSettings&) {
   return {camera_space_view(fit, source.direction, view)};
 }
-const ShadowMapRecipe kRecipe = {.program = &kCompareOnce, .views = views};
+const ShadowMapRecipe kRecipe = {.views = views};
 
 } // namespace
 
@@ -19,6 +19,7 @@ constinit const ShadowKind kShadowPsm = {
     .summary = "a sun's shadow map of the camera's image space (Stamminger and Drettakis 2002)",
     .sources = kDirectionalSource,
     .settings = kMapSettings,
+    .program = &kCompareOnce,
     .make = [](const ShadowContext& context) { return make_shadow_maps(kRecipe, context); },
 };
 

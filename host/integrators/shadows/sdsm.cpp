@@ -54,7 +54,6 @@ void fit_to_frame(const FrameFit& fit) {
 }
 
 const ShadowMapRecipe kRecipe = {
-    .program = &kProgram,
     .views =
         [](const ShadowFit& fit, const ShadowSource& source, const View&, const RenderSettings& settings) {
           return std::vector<gpu::ShadowView>(settings.shadow_cascades, parallel_view(fit, source.direction));
@@ -72,6 +71,7 @@ constinit const ShadowKind kShadowSdsm = {
     .summary = "cascades fitted to the points that a frame shows (Lauritzen et al. 2011)",
     .sources = kDirectionalSource,
     .settings = kSettings,
+    .program = &kProgram,
     .make = [](const ShadowContext& context) { return make_shadow_maps(kRecipe, context); },
 };
 

@@ -105,6 +105,7 @@ class ShadowMaps : public ShadowTechnique {
 public:
   ShadowMaps(const ShadowMapRecipe& recipe, const ShadowContext& context)
       : recipe_(recipe),
+        program_(context.program),
         workspace_(context.workspace),
         kernels_(context.kernels),
         sources_(context.sources),
@@ -116,8 +117,8 @@ public:
   void change(const View& view, const RenderSettings& settings, const std::vector<Binding>& shared) override {
     settings_ = settings;
     make_views(with_filter_margin(view, settings));
-    need_ = {recipe_.program, (1u << recipe_.program->stages.size()) - 1u,
-             kernel_config(needed_features(workspace_.scene, view, settings), workspace_.scene.stack_size, settings)};
+    need_ = whole_need(program_, kernel_config(needed_features(workspace_.scene, view, settings),
+                                               workspace_.scene.stack_size, settings));
     kernels_.start(need_);
     make_room();
     shared_ = shared;
@@ -488,6 +489,7 @@ private:
   }
 
   const ShadowMapRecipe& recipe_;
+  const KernelProgram& program_;
   Workspace& workspace_;
   KernelCompiler& kernels_;
   std::vector<ShadowSource> sources_;

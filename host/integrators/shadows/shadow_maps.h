@@ -21,14 +21,14 @@ struct ShadowMapRecipe;
 // A kernel that goes over every view, in submissions as short as they have to be. Push constant: first_pixel = first of
 // the items of this dispatch, pixel_count = how many, sample_count = the view.
 struct MapPass {
-  std::size_t stage = 0;                                    // of the recipe's program
+  std::size_t stage = 0;                                    // of the technique's program
   enum class Items { texels, lines } items = Items::texels; // lines: rows or columns
 };
 
 // For views that are fitted to what a frame shows.
 struct FrameFit {
-  // Runs a stage of the recipe's program over the pixels of the frame and returns what becomes of these words. `parts`
-  // is pushed as sample_count.
+  // Runs a stage of the technique's program over the pixels of the frame and returns what becomes of these words.
+  // `parts` is pushed as sample_count.
   std::function<std::vector<std::uint32_t>(std::size_t stage, const std::vector<std::uint32_t>& words,
                                            std::uint32_t parts)>
       reduce;
@@ -37,10 +37,9 @@ struct FrameFit {
   ShadowReport& report;
 };
 
-// What a technique of maps consists of.
+// What a technique of maps consists of, besides its program: stage 0 of that answers shadow rays, the others are the
+// filter's; their layout is shadow_layout().
 struct ShadowMapRecipe {
-  // Stage 0 answers shadow rays; the others are the filter's. Their layout is shadow_layout().
-  const KernelProgram* program = nullptr;
   bool casters = false; // maps hold what lies in none of the scene's large planes; look-ups know these planes
   bool cookie = false;  // look-ups take --shadow-cookie
   bool ids = false;     // maps hold triangles, besides depths

@@ -47,7 +47,6 @@ std::vector<Binding> volume_layout() {
 
 const std::array<KernelCode, 1> kStages = {{{kShadowLookUpStage, wavepath_look_up_volume_spv}}};
 constexpr std::array<std::size_t, 1> kOrder = {0};
-const KernelProgram kProgram = {kStages, kOrder, volume_layout};
 
 // Reversed z, as of the frame: infinity has depth 0. Stencils are cleared to 0.
 constexpr std::array<AttachmentInfo, 1> kAttachments{
@@ -91,8 +90,8 @@ public:
     if (view.orthographic)
       throw Error(fmt::format("--shadows {}", kShadowNames[settings.shadows]), "needs a camera with perspective",
                   "use --shadows traced");
-    need_ = {&kProgram, 1,
-             kernel_config(needed_features(workspace_.scene, view, settings), workspace_.scene.stack_size, settings)};
+    need_ = whole_need(kVolumeProgram, kernel_config(needed_features(workspace_.scene, view, settings),
+                                                     workspace_.scene.stack_size, settings));
     kernels_.start(need_);
     camera_ = camera_of(view);
     size_ = glm::uvec2(settings.width, settings.height);
@@ -262,6 +261,8 @@ private:
 };
 
 } // namespace
+
+const KernelProgram kVolumeProgram = {kStages, kOrder, volume_layout};
 
 std::unique_ptr<ShadowTechnique> make_shadow_volumes(const ShadowContext& context, VolumeCount count) {
   return std::make_unique<ShadowVolumes>(context, count);

@@ -7,6 +7,8 @@
 
 namespace wavepath {
 
+extern const KernelProgram kVolumeProgram; // looks up, however volumes are counted
+
 enum class VolumeCount { in_front, behind };
 
 std::unique_ptr<ShadowTechnique> make_shadow_volumes(const ShadowContext& context, VolumeCount count);

@@ -43,6 +43,7 @@ public:
 
 // What a technique is made of.
 struct ShadowContext {
+  const KernelProgram& program; // ShadowKind::program
   Workspace& workspace;
   KernelCompiler& kernels;
   std::vector<ShadowSource> sources; // that it covers
@@ -54,6 +55,7 @@ struct ShadowKind {
   std::string_view summary;
   unsigned sources = 0;                         // kinds that it covers
   std::span<const std::string_view> settings{}; // that it takes besides shadow-ambient
+  const KernelProgram* program = nullptr;       // its kernels, those of draws left out
   std::unique_ptr<ShadowTechnique> (*make)(const ShadowContext& context) = nullptr;
   std::string (*refusal)(const PackedScene& scene) =
       nullptr; // why scenes do not suit it; none: it asks for lights alone

@@ -13,7 +13,7 @@ const std::array<KernelCode, 2> kStages = {
     {{"shadow look-up", wavepath_look_up_virtual_spv}, {"shadow pages", wavepath_page_requests_spv}}};
 constexpr std::array<std::size_t, 2> kOrder = {0, 1};
 const KernelProgram kProgram = {kStages, kOrder, shadow_layout};
-const ShadowMapRecipe kRecipe = {.program = &kProgram, .pages = true};
+const ShadowMapRecipe kRecipe = {.pages = true};
 constexpr std::array<std::string_view, 3> kSettings = {"shadow-size", "shadow-bias", "shadow-source"};
 
 } // namespace
@@ -23,6 +23,7 @@ constinit const ShadowKind kShadowVirtual = {
     .summary = "a shadow map of which only pages that a frame asks for are resident",
     .sources = kAllSources,
     .settings = kSettings,
+    .program = &kProgram,
     .make = [](const ShadowContext& context) { return make_shadow_maps(kRecipe, context); },
 };
 

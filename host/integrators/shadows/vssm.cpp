@@ -18,9 +18,7 @@ constexpr std::array<std::size_t, kStageCount> kOrder = {kLookUp, kRows, kColumn
 const KernelProgram kProgram = {kStages, kOrder, shadow_layout};
 constexpr std::array<MapPass, 2> kPasses = {{{kRows, MapPass::Items::lines}, {kColumns, MapPass::Items::lines}}};
 const ShadowMapRecipe kRecipe = {
-    .program = &kProgram,
-    .scratch_bytes = [](const RenderSettings&) { return std::uint64_t{4 * sizeof(gpu::uint)}; },
-    .passes = kPasses};
+    .scratch_bytes = [](const RenderSettings&) { return std::uint64_t{4 * sizeof(gpu::uint)}; }, .passes = kPasses};
 constexpr std::array<std::string_view, 4> kSettings = {"shadow-size", "shadow-bias", "shadow-source", "shadow-taps"};
 
 } // namespace
@@ -30,6 +28,7 @@ constinit const ShadowKind kShadowVssm = {
     .summary = "soft shadows from mean and variance of depths over boxes of any size (Yang et al. 2010)",
     .sources = kAreaSources,
     .settings = kSettings,
+    .program = &kProgram,
     .make = [](const ShadowContext& context) { return make_shadow_maps(kRecipe, context); },
 };
 

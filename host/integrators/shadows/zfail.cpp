@@ -11,6 +11,7 @@ constinit const ShadowKind kShadowZfail = {
         "shadow volumes with caps, counted behind what is seen (Everitt and Kilgard 2002), in which alpha counts for "
         "nothing",
     .sources = kPunctualSources,
+    .program = &kVolumeProgram,
     .make = [](const ShadowContext& context) { return make_shadow_volumes(context, VolumeCount::behind); },
 };
 

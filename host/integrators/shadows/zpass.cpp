@@ -12,6 +12,7 @@ constinit const ShadowKind kShadowZpass = {
         "shadow volumes of closed meshes, counted up to what is seen (Crow 1977): alpha counts for nothing, and the "
         "eye is in no shadow",
     .sources = kPunctualSources,
+    .program = &kVolumeProgram,
     .make = [](const ShadowContext& context) { return make_shadow_volumes(context, VolumeCount::in_front); },
     .refusal = open_mesh,
 };

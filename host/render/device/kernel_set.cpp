@@ -52,6 +52,10 @@ bool KernelNeed::covers(const KernelNeed& need) const {
          config.nets >= need.config.nets && sorts_for(config.sort, need.config.sort);
 }
 
+KernelNeed whole_need(const KernelProgram& program, const KernelConfig& config) {
+  return {&program, (1u << program.stages.size()) - 1u, config};
+}
+
 // AMD's compiler (RADV) keeps arrays of up to 64 entries in registers, chosen among by chains of branches: traversal
 // then takes twice as many, and half as many waves fit (benchmarks/results/compilers). More entries cost no other
 // driver anything.

@@ -48,6 +48,9 @@ struct KernelNeed {
   bool covers(const KernelNeed& need) const;
 };
 
+// All kernels of a program.
+KernelNeed whole_need(const KernelProgram& program, const KernelConfig& config);
+
 // The specialization constants that make a kernel fit a configuration and a device, by kSpec...
 std::array<std::uint32_t, gpu::kSpecCount> specialization(const KernelConfig& config, const DeviceInfo& device);
 
