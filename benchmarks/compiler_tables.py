@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
-"""What compilers of GPUs make of the kernels, without a GPU: compiler_tables.py --program WAVEPATH [--check] [--only NAME ...]
+"""What compilers of GPUs make of the kernels, without a GPU:
+compiler_tables.py --program WAVEPATH [--check] [--only NAME ...] [--shims FOLDER]
 
 Runs `wavepath bench --kernels` on drivers that compile for a GPU which is not there, and writes results/compilers/NAME.csv.
 --check compares with these tables instead: exit code 1 if a kernel takes more registers, more bytes of spills or scratch
 memory, or has fewer waves at a time than its table says. A driver that is not installed, or of another version than its table
-was made with, is left out with a message. NVIDIA's and Intel's compilers want more than Debian's packages: see README.md
-there."""
+was made with, is left out with a message. NVIDIA's and Intel's (NVK, ANV) want a kernel driver to talk to: FOLDER holds
+Mesa's stand-ins for these; README.md there tells how to make them."""
 
 import argparse
 import csv
@@ -18,27 +19,51 @@ import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 TABLES = ROOT / "benchmarks" / "results" / "compilers"
-RADV = str(next(pathlib.Path("/usr/share/vulkan/icd.d").glob("radeon_icd*.json"), "radeon_icd.json"))
-DRIVERS = {  # Mesa's own names of what it poses as
-    "radv-navi21": {"VK_DRIVER_FILES": RADV, "VK_ICD_FILENAMES": RADV, "RADV_FORCE_FAMILY": "navi21"},
-    "radv-navi31": {"VK_DRIVER_FILES": RADV, "VK_ICD_FILENAMES": RADV, "RADV_FORCE_FAMILY": "gfx1100"},
+ICDS = pathlib.Path("/usr/share/vulkan/icd.d")
+NVK_SHIM, ANV_SHIM = "libnouveau_noop_drm_shim.so", "libintel_noop_drm_shim.so"
+NVK_WANTED = {"NVK_I_WANT_A_BROKEN_VULKAN_DRIVER": "1"}  # it refuses GPUs that it was not tested on
+DRIVERS = {  # driver, stand-in for its kernel driver, and Mesa's own names of what it poses as
+    "radv-navi21": ("radeon", None, {"RADV_FORCE_FAMILY": "navi21"}),
+    "radv-navi31": ("radeon", None, {"RADV_FORCE_FAMILY": "gfx1100"}),
+    "nvk-sm75": ("nouveau", NVK_SHIM, {"NOUVEAU_CHIPSET": "164", **NVK_WANTED}),  # TU104
+    "nvk-sm86": ("nouveau", NVK_SHIM, {"NOUVEAU_CHIPSET": "172", **NVK_WANTED}),  # GA102
+    "anv-dg2": ("intel", ANV_SHIM, {"INTEL_STUB_GPU_PLATFORM": "dg2"}),  # Arc A
+    "anv-lnl": ("intel", ANV_SHIM, {"INTEL_STUB_GPU_PLATFORM": "lnl"}),  # Lunar Lake
+    "anv-bmg": ("intel", ANV_SHIM, {"INTEL_STUB_GPU_PLATFORM": "bmg"}),  # Battlemage
 }
 SCENES = ["showcase.glb"]  # which has most of what materials and lights can be
 # Names of drivers, and whether more is worse (1), better (-1) or neither (0).
 COLUMNS = {
-    "Subgroup size": 0, "SGPRs": 1, "VGPRs": 1, "Spilled SGPRs": 1, "Spilled VGPRs": 1, "Scratch size": 1,
-    "Subgroups per SIMD": -1, "Code size": 0, "Instructions": 0, "Latency": 0, "Inverse Throughput": 0,
+    "Subgroup size": -1,
+    "SGPRs": 1, "VGPRs": 1, "Spilled SGPRs": 1, "Spilled VGPRs": 1, "Scratch size": 1, "Subgroups per SIMD": -1,
+    "Code size": 0, "Instructions": 0, "Latency": 0, "Inverse Throughput": 0,  # RADV
+    "Number of GPRs": 1, "SLM Size": 1, "Code Size": 0, "Instruction count": 0,  # NVK
+    "Spill Count": 1, "Fill Count": 1, "Scratch Memory Size": 1, "Max live registers": 0, "Instruction Count": 0,
+    "Cycle Count": 0,  # ANV
 }
 KEY = ["scene", "configuration", "kernel"]
 
 
-def compiled(program, driver, scene):
-    """(device, rows), or (None, why not)."""
-    environment = {**os.environ, **DRIVERS[driver]}
+def environment_of(driver, shims):
+    """(environment, None), or (None, why not)."""
+    name, shim, posing = DRIVERS[driver]
+    icd = next(ICDS.glob(f"{name}_icd*.json"), None)
+    if icd is None:
+        return None, f"{name}_icd.json is not installed"
+    if shim and not (shims and (shims / shim).exists()):
+        return None, f"{shim} is not in {shims}" if shims else f"{shim} is wanted: --shims"
+    environment = {**os.environ, "VK_DRIVER_FILES": str(icd), "VK_ICD_FILENAMES": str(icd), **posing}
     environment.pop("WAVEPATH_POSE", None)
-    icd = pathlib.Path(environment["VK_DRIVER_FILES"])
-    if not icd.exists():
-        return None, f"{icd.name} is not installed"
+    if shim:
+        environment["LD_PRELOAD"] = str((shims / shim).resolve())
+    return environment, None
+
+
+def compiled(program, driver, shims, scene):
+    """(device, rows), or (None, why not)."""
+    environment, missing = environment_of(driver, shims)
+    if missing:
+        return None, missing
     with tempfile.TemporaryDirectory() as folder:
         file = pathlib.Path(folder) / "kernels.json"
         run = subprocess.run([program, "bench", ROOT / "scenes" / scene, "--kernels", "--json", file, "--quiet"],
@@ -85,12 +110,13 @@ def main():
     parser.add_argument("--program", default=str(ROOT / "build" / "host" / "wavepath"))
     parser.add_argument("--check", action="store_true")
     parser.add_argument("--only", nargs="*", choices=DRIVERS, default=list(DRIVERS))
+    parser.add_argument("--shims", metavar="FOLDER", type=pathlib.Path)
     args = parser.parse_args()
     failed, compared = False, 0
     for driver in args.only:
         device, rows = None, []
         for scene in SCENES:
-            device, found = compiled(args.program, driver, scene)
+            device, found = compiled(args.program, driver, args.shims, scene)
             if device is None:
                 print(f"{driver}: left out: {found}")
                 break
