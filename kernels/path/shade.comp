@@ -38,7 +38,8 @@ layout(local_size_x = kWorkgroupSize) in;
 
 Guide guide; // of the vertex being shaded
 
-uint light_sample_count() { return kLightSamples == 1u ? 1u : light_samples_at(kLightSamples, wave.bounce); }
+#define TAKES_MORE_LIGHT_SAMPLES (kLightSamples > 1u) // a macro, as has() is
+uint light_sample_count() { return light_samples_at(kLightSamples, wave.bounce); }
 
 // Next-event estimation by one of light_sample_count() samples: true if there is a shadow ray worth tracing.
 bool connect_to_light(Vertex v, Lobes lobes, Receiver receiver, Sampler path_sampler, uint dimension, uint slot, vec3 throughput,
@@ -49,7 +50,8 @@ bool connect_to_light(Vertex v, Lobes lobes, Receiver receiver, Sampler path_sam
   float bsdf_pdf;
   vec3 scattered = vertex_eval(v, lobes, light.direction, bsdf_pdf);
   if (has(kFeatureGuide)) bsdf_pdf = guided_pdf(guide, bsdf_pdf, light.direction);
-  float density = light.pdf * float(light_sample_count()); // of all samples
+  float density = light.pdf; // of all samples
+  if (TAKES_MORE_LIGHT_SAMPLES) density *= float(light_sample_count());
   float weight = light.delta || kDirect == kDirectNee ? 1.0 : mis_weight(density, bsdf_pdf);
   ray.contribution = throughput * scattered * light.radiance * (weight / density);
   if (has(kFeatureVolume)) {
@@ -67,18 +69,23 @@ bool connect_to_light(Vertex v, Lobes lobes, Receiver receiver, Sampler path_sam
   return true;
 }
 
-// Next-event estimation by all of them, which are consecutive points of one net.
-void connect_to_lights(Vertex v, Lobes lobes, Receiver receiver, Sampler path_sampler, uint dimension, uint slot, vec3 throughput) {
-  path_sampler.index *= light_sample_count();
-  path_sampler.count *= light_sample_count();
-  for (uint i = 0u; i < light_sample_count(); ++i) {
+// Samples of a vertex are consecutive points of one net.
+Sampler light_sampler(Sampler path_sampler, uint light_sample) {
+  if (TAKES_MORE_LIGHT_SAMPLES) {
+    path_sampler.index = path_sampler.index * light_sample_count() + light_sample;
+    path_sampler.count *= light_sample_count();
+  }
+  return path_sampler;
+}
+
+// Next-event estimation by all of them but the first, whose shadow ray goes to its queue with the path's own.
+void connect_to_more_lights(Vertex v, Lobes lobes, Receiver receiver, Sampler path_sampler, uint dimension, uint slot, vec3 throughput) {
+  for (uint i = 1u; i < light_sample_count(); ++i) {
     ShadowRay ray;
-    bool wanted = connect_to_light(v, lobes, receiver, path_sampler, dimension, slot, throughput, ray);
+    bool wanted = connect_to_light(v, lobes, receiver, light_sampler(path_sampler, i), dimension, slot, throughput, ray);
     uint place;
-    if (i == 0u) APPEND(queues.shadow_count, wanted, place)
-    else APPEND(queues.later_shadow_count[i - 1u], wanted, place)
+    APPEND(queues.later_shadow_count[i - 1u], wanted, place)
     if (wanted) store_shadow_ray(i * frame.slot_count + place, ray);
-    ++path_sampler.index;
   }
 }
 
@@ -98,7 +105,8 @@ bool scatter(Vertex v, Lobes lobes, Sampler path_sampler, uint dimension, uint s
 
   path.throughput *= s.weight;
   // What lies behind a pane is found by the shadow rays of the vertex before it, too; so the direction keeps its density.
-  if (!passed) path.bsdf_pdf = s.pdf / float(light_sample_count());
+  if (!passed) path.bsdf_pdf = s.pdf;
+  if (!passed && TAKES_MORE_LIGHT_SAMPLES) path.bsdf_pdf /= float(light_sample_count());
   path.eta_scale *= s.eta_scale;
   // Roulette goes by the throughput that the BSDF alone would give: a guided path towards the light has little of it.
   if (has(kFeatureGuide)) path.eta_scale *= s.pdf < 0.0 ? 1.0 - guide.probability : s.pdf / max(bsdf_pdf, 1e-6 * s.pdf);
@@ -120,9 +128,10 @@ bool scatter(Vertex v, Lobes lobes, Sampler path_sampler, uint dimension, uint s
   return true;
 }
 
-// Follows the path of one ray to its next vertex. Returns whether it goes on with `next`.
-void follow(Ray ray, Hit hit, inout PathState path, out bool wants_ray, out Ray next) {
-  wants_ray = false;
+// Follows the path of one ray to its next vertex. Returns which of the two rays it wants traced.
+void follow(Ray ray, Hit hit, inout PathState path, out bool wants_ray, out Ray next, out bool wants_shadow,
+            out ShadowRay shadow) {
+  wants_ray = wants_shadow = false;
   uint slot = ray.slot;
   choose_channel(slot);
   bool scatters = is_in_scattering_medium(slot);
@@ -182,7 +191,12 @@ void follow(Ray ray, Hit hit, inout PathState path, out bool wants_ray, out Ray 
     bool is_receiver = kDirect != kDirectBsdf && frame.light_count > 0u && bsdf_has_smooth(v.bsdf), passed;
     uvec4 earlier = uvec4(0u);
     if (uses(kFeaturePanes) && keeps_receivers()) earlier = texelFetch(receiver_texels, int(slot));
-    if (is_receiver) connect_to_lights(v, lobes, store_receiver(slot, v), path_sampler, dimension, slot, path.throughput);
+    if (is_receiver) {
+      Receiver receiver = store_receiver(slot, v);
+      wants_shadow =
+          connect_to_light(v, lobes, receiver, light_sampler(path_sampler, 0u), dimension, slot, path.throughput, shadow);
+      if (TAKES_MORE_LIGHT_SAMPLES) connect_to_more_lights(v, lobes, receiver, path_sampler, dimension, slot, path.throughput);
+    }
     wants_ray = scatter(v, lobes, path_sampler, dimension, slot, path, next, passed);
     // A pane with a diffuse share receives light, too, but what goes straight on comes from the vertex before it. (A pilot
     // that learns counts the pane's own shadow ray for that vertex: it makes shares less apt, never wrong.)
@@ -191,32 +205,35 @@ void follow(Ray ray, Hit hit, inout PathState path, out bool wants_ray, out Ray 
 }
 
 // The same for the ray at this place in the queue, whose path ends if it is no longer finite.
-void shade(uint index, out bool wants_ray, out Ray next) {
-  wants_ray = false;
+void shade(uint index, out bool wants_ray, out Ray next, out bool wants_shadow, out ShadowRay shadow) {
+  wants_ray = wants_shadow = false;
   Ray ray = fetch_ray((wave.bounce & 1u) * frame.slot_count + index);
   PathState path = fetch_path(ray.slot);
   if (!is_finite(path.radiance)) return; // another kernel has counted it
   if (kMoves) open_shutter(slot_sampler(ray.slot));
   if (has(kFeatureLearning)) note_arrival(wave.first_pixel + ray.slot, wave.bounce, path.radiance);
-  follow(ray, fetch_hit(index), path, wants_ray, next);
+  follow(ray, fetch_hit(index), path, wants_ray, next, wants_shadow, shadow);
   if (has(kFeatureLearning) && !wants_ray) note_end(wave.first_pixel + ray.slot, wave.bounce);
   if (!is_sound(path) || (wants_ray && !is_sound(next))) {
     path.radiance = spoilt(path.radiance);
     count_nonfinite(kMakerShade, ray.slot);
-    wants_ray = false;
+    wants_ray = wants_shadow = false; // of its other light samples connect sees that it has ended
   }
   store_path(ray.slot, path);
 }
 
 void main() {
   uint index = gl_GlobalInvocationID.x;
-  bool wants_ray = false;
+  bool wants_ray = false, wants_shadow = false;
   Ray next;
+  ShadowRay shadow;
   if (index < (kSort != kSortNone ? queues.hit_count : queues.ray_count[wave.bounce & 1u]))
-    shade(kSort != kSortNone ? texelFetch(sorted_ray_texels, int(index)).x : index, wants_ray, next);
+    shade(kSort != kSortNone ? texelFetch(sorted_ray_texels, int(index)).x : index, wants_ray, next, wants_shadow, shadow);
 
   uint next_queue = (wave.bounce + 1u) & 1u;
   uint place;
   APPEND(queues.ray_count[next_queue], wants_ray, place);
   if (wants_ray) store_ray(next_queue * frame.slot_count + place, next);
+  APPEND(queues.shadow_count, wants_shadow, place);
+  if (wants_shadow) store_shadow_ray(place, shadow);
 }
