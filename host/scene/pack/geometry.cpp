@@ -10,6 +10,7 @@
 #include "bvh/measure.h"
 #include "host/base/error.h"
 #include "host/scene/bounds.h"
+#include "host/scene/pack/bodies.h"
 
 namespace wavepath {
 namespace {
@@ -86,6 +87,50 @@ std::vector<bvh::Triangle> list_valid(const Scene& scene, std::span<const Part> 
   return triangles;
 }
 
+// Holes that shine stay, as lights are drawn from a list of all that do, and those of bodies, whose surfaces are counted.
+bool may_leave_out(const Material& m) {
+  const bool shines = !m.unlit && m.emission != glm::vec3(0.0f);
+  return !shines && !is_body(m);
+}
+
+// What alpha does, by triangle, where traversal would have to ask. Empty if it never would.
+std::vector<Coverage> list_coverage(const Scene& scene, std::span<const Part> parts,
+                                    const std::vector<TriangleSource>& sources, const AlphaCoverage& alpha) {
+  if (std::ranges::none_of(parts, [](const Part& part) { return (part.surface & gpu::kTriangleAlpha) != 0; })) return {};
+  std::vector<Coverage> coverage(sources.size(), Coverage::none);
+  tbb::parallel_for(std::size_t{0}, sources.size(), [&](std::size_t i) {
+    const Part& part = parts[sources[i].part];
+    if (!(part.surface & gpu::kTriangleAlpha)) return;
+    const Mesh& mesh = scene.meshes[part.mesh];
+    const Material& material = scene.materials[mesh.primitives[part.primitive].material];
+    const Coverage found = alpha.of_triangle(mesh, material, sources[i].first_index);
+    const bool asks = found == Coverage::hole ? !may_leave_out(material) : found == Coverage::opaque && material.unlit;
+    coverage[i] = asks ? Coverage::mixed : found;
+  });
+  return coverage;
+}
+
+// Removes from all three what rays never meet. Returns by remaining triangle its id, its place among all: what hangs on
+// ids does not change. Empty if nothing was removed.
+std::vector<std::uint32_t> leave_out_holes(std::vector<Coverage>& coverage, std::vector<TriangleSource>& sources,
+                                           std::vector<bvh::Triangle>& triangles) {
+  if (std::ranges::find(coverage, Coverage::hole) == coverage.end()) return {};
+  std::vector<std::uint32_t> ids;
+  for (std::uint32_t i = 0; i < sources.size(); ++i) {
+    if (coverage[i] == Coverage::hole) continue;
+    const std::size_t kept = ids.size();
+    coverage[kept] = coverage[i], sources[kept] = sources[i], triangles[kept] = triangles[i];
+    ids.push_back(i);
+  }
+  coverage.resize(ids.size()), sources.resize(ids.size()), triangles.resize(ids.size());
+  return ids;
+}
+
+AlphaCounts count_alpha(const std::vector<Coverage>& coverage) {
+  const auto count = [&](Coverage kind) { return static_cast<std::uint64_t>(std::ranges::count(coverage, kind)); };
+  return {count(Coverage::mixed), count(Coverage::opaque), count(Coverage::hole)};
+}
+
 bool moves(const Scene& scene, std::span<const Part> parts) {
   return std::ranges::any_of(parts, [&](const Part& part) { return scene.meshes[part.mesh].moves(); });
 }
@@ -140,14 +185,17 @@ std::uint32_t append_tree(const bvh::WideTree& tree, std::uint32_t first_item, s
   return first_node;
 }
 
-Object append_object(const Scene& scene, std::span<const Part> parts, bool with_vertices, std::uint64_t times,
-                     bvh::Quality quality, PackedScene& packed) {
+Object append_object(const Scene& scene, std::span<const Part> parts, const AlphaCoverage& alpha, bool with_vertices,
+                     std::uint64_t times, bvh::Quality quality, PackedScene& packed) {
   std::vector<TriangleSource> sources = list_sources(scene, parts);
   const std::size_t listed = sources.size();
   std::vector<bvh::Triangle> triangles = list_valid(scene, parts, sources);
+  packed.dropped_triangles += (listed - sources.size()) * times;
+  std::vector<Coverage> coverage = list_coverage(scene, parts, sources, alpha);
+  packed.alpha += count_alpha(coverage);
+  const std::vector<std::uint32_t> ids = leave_out_holes(coverage, sources, triangles);
   const bool moving = moves(scene, parts);
   const std::vector<bvh::Box> boxes = moving ? list_motion_boxes(scene, parts, sources) : std::vector<bvh::Box>{};
-  packed.dropped_triangles += (listed - sources.size()) * times;
 
   const std::size_t first = packed.triangles.size();
   require_items(scene, first + sources.size());
@@ -176,11 +224,14 @@ Object append_object(const Scene& scene, std::span<const Part> parts, bool with_
   if (with_vertices) packed.triangle_vertices.resize(first + tree.order.size());
   if (moving) packed.motions.resize(first + tree.order.size());
   tbb::parallel_for(std::size_t{0}, tree.order.size(), [&](std::size_t i) {
-    const TriangleSource& source = sources[tree.order[i]];
+    const std::uint32_t t = tree.order[i];
+    const TriangleSource& source = sources[t];
     const Part& part = parts[source.part];
     const Corners c = find_corners(scene, part, source.first_index);
-    packed.triangles[first + i] = {c.position[0], part.surface,  c.position[1],
-                                   tree.order[i], c.position[2], gpu::kNone};
+    const bool is_opaque = !coverage.empty() && coverage[t] == Coverage::opaque;
+    const std::uint32_t surface = is_opaque ? part.surface & ~gpu::kTriangleAlpha : part.surface;
+    packed.triangles[first + i] = {c.position[0], surface, c.position[1], ids.empty() ? t : ids[t],
+                                   c.position[2], gpu::kNone};
     if (moving)
       packed.motions[first + i] = {c.end[0] - c.position[0], 0u, c.end[1] - c.position[1], 0u,
                                    c.end[2] - c.position[2], 0u};

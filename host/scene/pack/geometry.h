@@ -7,6 +7,7 @@
 
 #include <glm/glm.hpp>
 
+#include "host/scene/pack/alpha.h"
 #include "host/scene/pack/packed_scene.h"
 #include "host/scene/scene.h"
 #include "host/scene/usage.h"
@@ -36,10 +37,11 @@ struct Object {
 
 // Appends the triangles of `parts` and the tree over them to `packed` (nodes, triangles, triangle_vertices if
 // `with_vertices`). Triangles that are not finite or have exactly no area are left out and counted in
-// packed.dropped_triangles, `times` each (the number of its instances). `light` is left at kNone. Throws Error
-// if there are more items or nodes than traversal can index.
-Object append_object(const Scene& scene, std::span<const Part> parts, bool with_vertices, std::uint64_t times,
-                     bvh::Quality quality, PackedScene& packed);
+// packed.dropped_triangles, `times` each (the number of its instances). Those whose alpha lets no ray through lose
+// kTriangleAlpha, and holes are left out; packed.alpha counts them once. `light` is left at kNone. Throws Error if there
+// are more items or nodes than traversal can index.
+Object append_object(const Scene& scene, std::span<const Part> parts, const AlphaCoverage& alpha, bool with_vertices,
+                     std::uint64_t times, bvh::Quality quality, PackedScene& packed);
 
 // Appends `tree` to `nodes`, its items renumbered from `first_item`; returns its root.
 std::uint32_t append_tree(const bvh::WideTree& tree, std::uint32_t first_item, std::vector<bvh::WideNode>& nodes);

@@ -34,33 +34,6 @@ void convert(const Material& m, const Scene& scene, MaterialTable& table) {
       }});
 }
 
-float smallest_alpha(const Image& image) {
-  const std::size_t texel_count = std::size_t{image.width} * image.height;
-  float smallest = 1.0f;
-  for (std::size_t i = 0; i < texel_count; ++i)
-    smallest = std::min(
-        smallest, image.floats.empty() ? static_cast<float>(image.bytes[4 * i + 3]) / 255.0f : image.floats[4 * i + 3]);
-  return smallest;
-}
-
-float smallest_alpha(const std::vector<glm::vec4>& colors) {
-  float smallest = 1.0f;
-  for (const glm::vec4& color : colors)
-    if (!(color.a >= smallest)) smallest = color.a; // NaN counts as see-through
-  return smallest;
-}
-
-bool lets_rays_through(const Material& m, float alpha) {
-  switch (m.alpha_mode) {
-    case AlphaMode::mask:
-      return !(alpha >= m.alpha_cutoff);
-    case AlphaMode::blend:
-      return !(alpha >= 1.0f);
-    default:
-      return false;
-  }
-}
-
 } // namespace
 
 gpu::Feature layer_lobes(const Material& m) {
@@ -100,35 +73,15 @@ MaterialTable pack_materials(const Scene& scene, const Usage& usage, bool mips,
   return table;
 }
 
-std::vector<float> smallest_image_alpha(const Scene& scene, const Usage& usage) {
-  std::vector<float> alpha(scene.images.size(), 1.0f);
-  std::vector<bool> done(scene.images.size(), false);
-  for (std::size_t m = 0; m < scene.materials.size(); ++m) {
-    const std::uint32_t image = scene.materials[m].base_color_texture.image;
-    if (!usage.material_used[m] || scene.materials[m].alpha_mode == AlphaMode::opaque || image == kNoIndex ||
-        done[image])
-      continue;
-    alpha[image] = smallest_alpha(scene.images[image]);
-    done[image] = true;
-  }
-  return alpha;
-}
-
-std::vector<std::uint32_t> triangle_flags(const Scene& scene, const Mesh& mesh, const std::vector<float>& image_alpha) {
-  const bool any_alpha = std::any_of(mesh.primitives.begin(), mesh.primitives.end(), [&](const Primitive& p) {
-    return scene.materials[p.material].alpha_mode != AlphaMode::opaque;
-  });
-  const float color_alpha = any_alpha ? smallest_alpha(mesh.colors) : 1.0f;
-
+std::vector<std::uint32_t> triangle_flags(const Scene& scene, const Mesh& mesh, const AlphaCoverage& alpha) {
   std::vector<std::uint32_t> flags(mesh.primitives.size(), 0);
   for (std::size_t p = 0; p < mesh.primitives.size(); ++p) {
     const Material& m = scene.materials[mesh.primitives[p].material];
-    const float texture_alpha = m.base_color_texture.present() ? image_alpha[m.base_color_texture.image] : 1.0f;
     // A transmissive surface is never culled: rays inside the body leave through its back faces.
     if (!m.double_sided && !(m.transmission > 0.0f) && !(m.diffuse_transmission > 0.0f))
       flags[p] |= gpu::kTriangleSingleSided;
     // Unlit surfaces are there for the eye alone; traversal has to ask.
-    if (m.unlit || lets_rays_through(m, m.base_color.a * texture_alpha * color_alpha)) flags[p] |= gpu::kTriangleAlpha;
+    if (m.unlit || alpha.of_mesh(mesh, m) != Coverage::opaque) flags[p] |= gpu::kTriangleAlpha;
     if (may_be_pane(m)) flags[p] |= gpu::kTrianglePane;
     if (mesh.primitives[p].has_normals && !mesh.normals.empty()) flags[p] |= gpu::kTriangleSmooth;
   }

@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "host/scene/pack/alpha.h"
 #include "host/scene/pack/textures.h"
 #include "host/scene/scene.h"
 #include "host/scene/usage.h"
@@ -31,10 +32,7 @@ gpu::Feature layer_lobes(const Material& material);
 bool may_be_pane(const Material& material);
 
 // The kTriangle flags of each primitive of a mesh. A MASK or BLEND surface whose alpha can never let a ray through, by
-// factor, texture and vertex colours, counts as opaque. `image_alpha`: see smallest_image_alpha().
-std::vector<std::uint32_t> triangle_flags(const Scene& scene, const Mesh& mesh, const std::vector<float>& image_alpha);
-
-// By image: the smallest alpha in it, for those that are base colours of MASK or BLEND materials in use; 1 for others.
-std::vector<float> smallest_image_alpha(const Scene& scene, const Usage& usage);
+// factor, texture and vertex colours, counts as opaque.
+std::vector<std::uint32_t> triangle_flags(const Scene& scene, const Mesh& mesh, const AlphaCoverage& alpha);
 
 } // namespace wavepath

@@ -23,16 +23,18 @@ namespace {
 // Tables that the stages of packing geometry share.
 struct Layout {
   Usage usage;
+  AlphaCoverage alpha;
   std::vector<std::uint32_t> material_index; // by scene material
-  std::vector<float> image_alpha;            // by image, see smallest_image_alpha()
   bool with_vertices = false;                // triangles refer to vertex streams
   bvh::Quality quality = bvh::Quality::fast;
+
+  explicit Layout(const Scene& scene) : usage(find_usage(scene)), alpha(scene, usage) {}
 };
 
 void list_parts(const Scene& scene, const Layout& layout, std::uint32_t mesh_index,
                 const glm::dmat4& device_from_object, std::vector<Part>& parts) {
   const Mesh& mesh = scene.meshes[mesh_index];
-  const std::vector<std::uint32_t> flags = triangle_flags(scene, mesh, layout.image_alpha);
+  const std::vector<std::uint32_t> flags = triangle_flags(scene, mesh, layout.alpha);
   const bool mirrored = glm::determinant(glm::dmat3(device_from_object)) < 0.0;
   for (std::uint32_t p = 0; p < mesh.primitives.size(); ++p) {
     if (mesh.primitives[p].index_count < 3) continue;
@@ -48,7 +50,7 @@ Object pack_static(const Scene& scene, const Layout& layout, const glm::dmat4& d
     if (layout.usage.mesh_instances[instance.mesh] == 1)
       list_parts(scene, layout, instance.mesh, device_from_world * instance.world_from_object, parts);
   if (parts.empty() && layout.usage.two_level()) return {};
-  return append_object(scene, parts, layout.with_vertices, 1, layout.quality, packed);
+  return append_object(scene, parts, layout.alpha, layout.with_vertices, 1, layout.quality, packed);
 }
 
 // An object for the static part and one for every shared mesh, then the top level. Returns by instance its object.
@@ -61,8 +63,8 @@ std::vector<std::uint32_t> pack_two_level(Scene& scene, const Layout& layout, co
     std::vector<Part> parts;
     list_parts(scene, layout, m, glm::dmat4(1.0), parts);
     object_of_mesh[m] = static_cast<std::uint32_t>(objects.size());
-    objects.push_back(
-        append_object(scene, parts, layout.with_vertices, layout.usage.mesh_instances[m], layout.quality, packed));
+    objects.push_back(append_object(scene, parts, layout.alpha, layout.with_vertices, layout.usage.mesh_instances[m],
+                                    layout.quality, packed));
   }
   for (const Instance& instance : scene.instances)
     if (object_of_mesh[instance.mesh] != kNoIndex)
@@ -118,10 +120,8 @@ PackedScene pack(Scene& scene, const Packing& packing) {
   PackedScene packed;
   packed.bvh_quality = packing.quality;
   place_origin(scene, packing.eye, packed);
-  Layout layout;
+  Layout layout(scene);
   layout.quality = packing.quality;
-  layout.usage = find_usage(scene);
-  layout.image_alpha = smallest_image_alpha(scene, layout.usage);
 
   MaterialTable materials = pack_materials(scene, layout.usage, packing.mips, packing.samplers);
   layout.material_index = std::move(materials.packed_index);

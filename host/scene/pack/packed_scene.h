@@ -28,6 +28,17 @@ struct Draw {
   std::uint32_t first_instance = 0, instance_count = 1; // 0 and 1 where the scene has no instances
 };
 
+// Triangles of MASK and BLEND surfaces whose images let rays through somewhere; copies and instances do not count.
+struct AlphaCounts {
+  std::uint64_t asked = 0, opaque = 0, holes = 0; // looked up by rays; and those that rays need not look up
+
+  std::uint64_t total() const { return asked + opaque + holes; }
+  AlphaCounts& operator+=(const AlphaCounts& other) {
+    asked += other.asked, opaque += other.opaque, holes += other.holes;
+    return *this;
+  }
+};
+
 struct PackedScene {
   glm::dvec3 origin{0.0}; // world position of the device's origin
   double radius = 0.0;    // of the geometry's bounding sphere, metres
@@ -77,6 +88,7 @@ struct PackedScene {
   std::vector<LeftOut> left_out;
   std::uint64_t triangle_count = 0;    // as seen: instances counted
   std::uint64_t dropped_triangles = 0; // non-finite or degenerate
+  AlphaCounts alpha;
   double bvh_seconds = 0.0;
   bvh::Quality bvh_quality = bvh::Quality::fast;
   std::uint64_t triangles_stored = 0; // without the copies of spatial splits
