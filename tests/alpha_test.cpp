@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 #include <glm/gtc/matrix_transform.hpp>
 
+#include "bvh/traverse.h"
 #include "host/scene/pack/pack.h"
 #include "kernels/scene_types.h"
 #include "tests/scene_builder.h"
@@ -90,7 +91,8 @@ Image random_image(Dice& dice) {
                         y = static_cast<std::uint32_t>(dice.below(static_cast<int>(image.height)));
     const auto alpha = dice.one_of<std::uint8_t>({0, 100, 140, 255, 255});
     for (std::uint32_t v = y; v < std::min(y + 9, image.height); ++v)
-      for (std::uint32_t u = x; u < std::min(x + 9, image.width); ++u) image.bytes[4 * (v * image.width + u) + 3] = alpha;
+      for (std::uint32_t u = x; u < std::min(x + 9, image.width); ++u)
+        image.bytes[4 * (v * image.width + u) + 3] = alpha;
   }
   if (dice.below(4) == 0) {
     for (const std::uint8_t byte : image.bytes) image.floats.push_back(byte / 255.0f * dice.one_of({1.0f, 0.99f}));
@@ -204,6 +206,34 @@ TEST(Alpha, IsBoundedToAFractionOfATexel) {
   EXPECT_EQ(coverage_of(clamped), Coverage::hole);
   EXPECT_EQ(coverage_of(striped_scene(5.6f, 1e30f)), Coverage::mixed);
   EXPECT_EQ(coverage_of(striped_scene(5.6f, std::numeric_limits<float>::infinity())), Coverage::mixed); // u = 0
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_EQ(coverage_of(striped_scene(nan, nan)), Coverage::mixed);
+}
+
+// A long triangle in a diagonal band of texels, whose box holds others.
+TEST(Alpha, IsBoundedWithinTheTriangle) {
+  Scene scene = striped_scene(0.0f, 0.0f);
+  Image& image = scene.images[0];
+  image = {.width = 32, .height = 32};
+  for (int i = 0; i < 1024; ++i) {
+    const bool solid = std::abs(i % 32 - i / 32) < 4;
+    image.bytes.insert(image.bytes.end(), {255, 255, 255, static_cast<std::uint8_t>(solid ? 255 : 0)});
+  }
+  scene.meshes[0].uvs[0] = {{0.1f, 0.1f}, {0.9f, 0.9f}, {0.5f, 0.52f}};
+  EXPECT_EQ(coverage_of(scene), Coverage::opaque);
+  scene.meshes[0].uvs[0][2].y = 0.65f;
+  EXPECT_EQ(coverage_of(scene), Coverage::mixed);
+}
+
+TEST(Alpha, OfFloatsIsRoundedOutwards) {
+  Scene scene = striped_scene(0.0f, 16.0f);
+  for (const auto& [alpha, expected] : {std::pair{0.49f, Coverage::hole},
+                                        {0.4999f, Coverage::mixed},
+                                        {0.5001f, Coverage::mixed},
+                                        {0.51f, Coverage::opaque}}) {
+    scene.images[0] = {.width = 2, .height = 1, .floats = std::vector<float>(8, alpha)};
+    EXPECT_EQ(coverage_of(scene), expected) << alpha;
+  }
 }
 
 TEST(Alpha, OfVerticesThatIsNotANumberMayBeAnything) {
@@ -215,11 +245,11 @@ TEST(Alpha, OfVerticesThatIsNotANumberMayBeAnything) {
 }
 
 // ---- packing -----------------------------------------------------------------------------------------------------------
-// Three triangles in a row: opaque, a hole and cut out.
-Scene row_of_three() {
+// Triangles in a row: opaque, a hole, cut out, and opaque.
+Scene row_of_four() {
   Scene scene = striped_scene(5.53f, 10.47f);
   Mesh& mesh = scene.meshes[0];
-  for (const auto& [from, to] : {std::pair{11.53f, 15.0f}, {4.0f, 7.0f}}) {
+  for (const auto& [from, to] : {std::pair{11.53f, 15.0f}, {4.0f, 7.0f}, {6.0f, 9.0f}}) {
     const float x = static_cast<float>(mesh.positions.size());
     const std::vector<glm::vec2> uvs = striped_scene(from, to).meshes[0].uvs[0];
     for (std::size_t k = 0; k < 3; ++k) {
@@ -228,7 +258,7 @@ Scene row_of_three() {
       mesh.uvs[0].push_back(uvs[k]);
     }
   }
-  mesh.primitives[0].index_count = 9;
+  mesh.primitives[0].index_count = 12;
   return scene;
 }
 
@@ -239,26 +269,39 @@ std::vector<std::pair<std::uint32_t, bool>> asked_by_id(const PackedScene& packe
   return list;
 }
 
+// Whether a ray at the triangle's middle finds it in the tree.
+bool is_met(const PackedScene& packed, const gpu::Triangle& triangle) {
+  const glm::vec3 middle = (triangle.v0 + triangle.v1 + triangle.v2) / 3.0f;
+  bool met = false;
+  bvh::traverse(packed.nodes, packed.root, bvh::prepare({{middle.x, middle.y, 9.0f}, {0.0f, 0.0f, -1.0f}}),
+                bvh::Order::nearest_first, [&](std::uint32_t first, std::uint32_t count, float&) {
+                  for (std::uint32_t i = first; i < first + count; ++i) met |= &packed.triangles[i] == &triangle;
+                  return false;
+                });
+  return met;
+}
+
 using Asked = std::vector<std::pair<std::uint32_t, bool>>;
 
 TEST(Alpha, OfTrianglesDecidesWhatRaysLookUp) {
-  Scene scene = row_of_three();
+  Scene scene = row_of_four();
   const PackedScene packed = pack(scene);
-  EXPECT_EQ(asked_by_id(packed), (Asked{{0, false}, {2, true}})); // ids as if the hole were there
+  EXPECT_EQ(asked_by_id(packed), (Asked{{0, false}, {2, true}, {3, false}})); // ids as if the hole were there
   EXPECT_EQ(packed.alpha.asked, 1u);
-  EXPECT_EQ(packed.alpha.opaque, 1u);
+  EXPECT_EQ(packed.alpha.opaque, 2u);
   EXPECT_EQ(packed.alpha.holes, 1u);
-  EXPECT_EQ(packed.triangle_count, 2u);
+  EXPECT_EQ(packed.triangle_count, 3u);
   EXPECT_EQ(packed.dropped_triangles, 0u);
   EXPECT_EQ(scene.warnings.counts().size(), 0u);
   const auto told = std::ranges::find(packed.left_out, "alpha look-ups", &LeftOut::what);
   ASSERT_NE(told, packed.left_out.end());
-  EXPECT_EQ(told->why, "1 of 3 triangles are opaque, 1 are holes");
+  EXPECT_EQ(told->why, "2 of 4 triangles are opaque, 1 are holes");
   EXPECT_EQ(told->bytes, 64u);
   for (const gpu::Triangle& t : packed.triangles) { // each with its own corners and vertices
     const auto item = static_cast<std::size_t>(&t - packed.triangles.data());
     EXPECT_EQ(packed.triangle_vertices[item].x, 3 * t.id);
     EXPECT_EQ(glm::dvec3(t.v0) + packed.origin, glm::dvec3(scene.meshes[0].positions[3 * t.id]));
+    EXPECT_TRUE(is_met(packed, t));
   }
 }
 
@@ -273,27 +316,27 @@ TEST(Alpha, LeavesNoLookUpsWhereNoneAreNeeded) {
 }
 
 TEST(Alpha, KeepsHolesThatSomethingElseCounts) {
-  Scene shining = row_of_three();
+  Scene shining = row_of_four();
   shining.materials[0].emission = glm::vec3(1.0f);
   const PackedScene lights = pack(shining);
-  EXPECT_EQ(asked_by_id(lights), (Asked{{0, false}, {1, true}, {2, true}}));
-  EXPECT_EQ(lights.lights.size(), 3u);
+  EXPECT_EQ(asked_by_id(lights), (Asked{{0, false}, {1, true}, {2, true}, {3, false}}));
+  EXPECT_EQ(lights.lights.size(), 4u);
   EXPECT_EQ(lights.alpha.holes, 0u);
-  Scene glass = row_of_three();
+  Scene glass = row_of_four();
   glass.materials[0].transmission = 1.0f, glass.materials[0].volume = true;
-  EXPECT_EQ(asked_by_id(pack(glass)), (Asked{{0, false}, {1, true}, {2, true}}));
-  Scene unlit = row_of_three();
+  EXPECT_EQ(asked_by_id(pack(glass)), (Asked{{0, false}, {1, true}, {2, true}, {3, false}}));
+  Scene unlit = row_of_four();
   unlit.materials[0].unlit = true; // opaque for the eye alone
-  EXPECT_EQ(asked_by_id(pack(unlit)), (Asked{{0, true}, {2, true}}));
+  EXPECT_EQ(asked_by_id(pack(unlit)), (Asked{{0, true}, {2, true}, {3, true}}));
 }
 
 TEST(Alpha, OfSharedMeshesIsCountedOnce) {
-  Scene scene = row_of_three();
+  Scene scene = row_of_four();
   add_instance(scene, 0, glm::translate(glm::dmat4(1.0), glm::dvec3(0.0, 5.0, 0.0)));
   const PackedScene packed = pack(scene);
   EXPECT_EQ(packed.alpha.holes, 1u);
-  EXPECT_EQ(packed.triangle_count, 4u);
-  EXPECT_EQ(packed.triangles.size(), 2u);
+  EXPECT_EQ(packed.triangle_count, 6u);
+  EXPECT_EQ(packed.triangles.size(), 3u);
 }
 
 TEST(Alpha, OfAMeshThatIsAllHolesLeavesNothing) {
@@ -305,13 +348,13 @@ TEST(Alpha, OfAMeshThatIsAllHolesLeavesNothing) {
 }
 
 TEST(Alpha, OfWhatMovesKeepsTheMotionOfItsTriangle) {
-  Scene scene = row_of_three();
+  Scene scene = row_of_four();
   Mesh& mesh = scene.meshes[0];
   mesh.end_positions = mesh.positions;
-  for (std::size_t v = 0; v < 9; ++v) mesh.end_positions[v].z += static_cast<float>(v / 3);
+  for (std::size_t v = 0; v < 12; ++v) mesh.end_positions[v].z += static_cast<float>(v / 3);
   const PackedScene packed = pack(scene);
-  ASSERT_EQ(packed.motions.size(), 2u);
-  for (std::size_t i = 0; i < 2; ++i)
+  ASSERT_EQ(packed.motions.size(), 3u);
+  for (std::size_t i = 0; i < 3; ++i)
     EXPECT_EQ(packed.motions[i].v0, glm::vec3(0.0f, 0.0f, static_cast<float>(packed.triangles[i].id)));
 }
 

@@ -26,10 +26,14 @@ gpu::Feature features_of(const Material& material) {
   return pack(scene).features;
 }
 
+// Of a triangle that shows a white texel and another one.
 std::uint32_t flags_of(const Material& material, const std::vector<std::uint8_t>& texel = {255, 255, 255, 255},
                        float color_alpha = 1.0f) {
   Scene scene = triangle_scene();
-  scene.images.push_back(byte_image(1, 1, texel));
+  std::vector<std::uint8_t> bytes(4, 255);
+  bytes.insert(bytes.end(), texel.begin(), texel.end());
+  scene.images.push_back(byte_image(2, 1, bytes));
+  scene.meshes[0].uvs[0] = {{0.0f, 0.0f}, {1.0f, 0.0f}, {0.0f, 1.0f}};
   scene.materials[0] = material;
   scene.materials[0].base_color_texture.image = 0;
   scene.meshes[0].colors.assign(3, glm::vec4(1.0f));

@@ -13,8 +13,9 @@
 namespace wavepath {
 namespace {
 
-constexpr double kLargestTexel = 1 << 20; // beyond, and where a triangle spans too many copies of its image,
-constexpr double kMostCopies = 16;        // the whole image counts
+constexpr double kLargestTexel =
+    1 << 20; // beyond, and where a triangle spans more copies of its image, all of it counts
+constexpr double kMostCopies = 16;
 
 // Of the vertices' alpha, which look-ups multiply by that of a texel.
 struct ColorRange {
@@ -72,22 +73,22 @@ Footprint make_footprint(const Mesh& mesh, const TextureSlot& slot, std::uint32_
   glm::dvec2 magnitude(0.0); // of what is added up to a coordinate
   for (std::uint32_t k = 0; k < 3; ++k) {
     const std::vector<glm::vec2>& uvs = mesh.uvs[slot.uv_set];
-    glm::dvec2 uv = uvs.empty() ? glm::dvec2(0.0) : glm::dvec2(uvs[mesh.indices[first_index + k]]);
-    if (!std::isfinite(uv.x) || !std::isfinite(uv.y)) uv = glm::dvec2(0.0); // as the kernels have it
+    const glm::dvec2 uv = uvs.empty() ? glm::dvec2(0.0) : glm::dvec2(uvs[mesh.indices[first_index + k]]);
     f.corner[k] = (matrix * uv + glm::dvec2(slot.uv_offset)) * size;
     const glm::dmat2 absolute(glm::abs(matrix[0]), glm::abs(matrix[1]));
     magnitude = glm::max(magnitude, absolute * glm::abs(uv) + glm::abs(glm::dvec2(slot.uv_offset)));
   }
   set_box(f);
-  // A filter blends texels whose centres are less than one texel away. Coordinates are interpolated, moved and wrapped in
-  // some sixteen operations of single precision; the samplers of devices have steps of a 256th of a texel.
+  // A filter blends texels whose centres are less than one texel away. Coordinates are interpolated, moved and wrapped
+  // in some sixteen operations of single precision; the samplers of devices have steps of a 256th of a texel.
   f.reach = glm::dvec2((slot.nearest ? 0.0 : 0.5) + 0x1p-6) + (magnitude + 1.0) * size * 0x1p-20;
   return f;
 }
 
+// False for coordinates that are not finite, which kernels set to zero.
 bool is_near(const Footprint& f) {
   return std::ranges::all_of(f.corner, [](const glm::dvec2& corner) {
-    return glm::all(glm::lessThan(glm::abs(corner), glm::dvec2(kLargestTexel))); // false for NaN
+    return glm::all(glm::lessThan(glm::abs(corner), glm::dvec2(kLargestTexel)));
   });
 }
 
@@ -215,7 +216,8 @@ Coverage AlphaCoverage::of_triangle(const Mesh& mesh, const Material& material, 
   const Footprint placed = make_footprint(mesh, slot, first_index, pyramid.size());
   if (whole != Coverage::mixed || !is_near(placed)) return whole;
 
-  const Copies columns = copies_along(placed, 0, size.x, slot.wrap_u), rows = copies_along(placed, 1, size.y, slot.wrap_v);
+  const Copies columns = copies_along(placed, 0, size.x, slot.wrap_u),
+               rows = copies_along(placed, 1, size.y, slot.wrap_v);
   if (columns.count() * rows.count() > kMostCopies) return whole;
   Descent descent{material, pyramid, color, placed};
   for (double row = rows.first; row <= rows.last; ++row)

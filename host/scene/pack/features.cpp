@@ -197,9 +197,10 @@ std::vector<LeftOut> list_left_out(const Usage& usage, const PackedScene& packed
                                    }});
   std::erase_if(all, [&](const LeftOut& entry) { return (packed.features & entry.feature) != 0; });
   if (const AlphaCounts& alpha = packed.alpha; alpha.opaque + alpha.holes > 0)
-    all.push_back({"alpha look-ups", fmt::format("{} of {} triangles are opaque, {} are holes", alpha.opaque,
-                                                 alpha.total(), alpha.holes),
-                   alpha.holes * (sizeof(gpu::Triangle) + (packed.triangle_vertices.empty() ? 0 : sizeof(glm::uvec4)))});
+    all.push_back(
+        {"alpha look-ups",
+         fmt::format("{} of {} triangles are opaque, {} are holes", alpha.opaque, alpha.total(), alpha.holes),
+         alpha.holes * (sizeof(gpu::Triangle) + (packed.triangle_vertices.empty() ? 0 : sizeof(glm::uvec4)))});
   if (corners > 0)
     all.push_back(
         {"vertex indices", "no surface has vertex normals, texture coordinates or colours to look up", corners});

@@ -87,7 +87,8 @@ std::vector<bvh::Triangle> list_valid(const Scene& scene, std::span<const Part> 
   return triangles;
 }
 
-// Holes that shine stay, as lights are drawn from a list of all that do, and those of bodies, whose surfaces are counted.
+// Holes that shine stay, as lights are drawn from a list of all that do, and those of bodies, whose surfaces are
+// counted.
 bool may_leave_out(const Material& m) {
   const bool shines = !m.unlit && m.emission != glm::vec3(0.0f);
   return !shines && !is_body(m);
@@ -96,7 +97,8 @@ bool may_leave_out(const Material& m) {
 // What alpha does, by triangle, where traversal would have to ask. Empty if it never would.
 std::vector<Coverage> list_coverage(const Scene& scene, std::span<const Part> parts,
                                     const std::vector<TriangleSource>& sources, const AlphaCoverage& alpha) {
-  if (std::ranges::none_of(parts, [](const Part& part) { return (part.surface & gpu::kTriangleAlpha) != 0; })) return {};
+  if (std::ranges::none_of(parts, [](const Part& part) { return (part.surface & gpu::kTriangleAlpha) != 0; }))
+    return {};
   std::vector<Coverage> coverage(sources.size(), Coverage::none);
   tbb::parallel_for(std::size_t{0}, sources.size(), [&](std::size_t i) {
     const Part& part = parts[sources[i].part];
@@ -230,7 +232,7 @@ Object append_object(const Scene& scene, std::span<const Part> parts, const Alph
     const Corners c = find_corners(scene, part, source.first_index);
     const bool is_opaque = !coverage.empty() && coverage[t] == Coverage::opaque;
     const std::uint32_t surface = is_opaque ? part.surface & ~gpu::kTriangleAlpha : part.surface;
-    packed.triangles[first + i] = {c.position[0], surface, c.position[1], ids.empty() ? t : ids[t],
+    packed.triangles[first + i] = {c.position[0], surface,   c.position[1], ids.empty() ? t : ids[t],
                                    c.position[2], gpu::kNone};
     if (moving)
       packed.motions[first + i] = {c.end[0] - c.position[0], 0u, c.end[1] - c.position[1], 0u,

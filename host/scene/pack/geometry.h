@@ -38,8 +38,8 @@ struct Object {
 // Appends the triangles of `parts` and the tree over them to `packed` (nodes, triangles, triangle_vertices if
 // `with_vertices`). Triangles that are not finite or have exactly no area are left out and counted in
 // packed.dropped_triangles, `times` each (the number of its instances). Those whose alpha lets no ray through lose
-// kTriangleAlpha, and holes are left out; packed.alpha counts them once. `light` is left at kNone. Throws Error if there
-// are more items or nodes than traversal can index.
+// kTriangleAlpha, and holes are left out; packed.alpha counts them once. `light` is left at kNone. Throws Error if
+// there are more items or nodes than traversal can index.
 Object append_object(const Scene& scene, std::span<const Part> parts, const AlphaCoverage& alpha, bool with_vertices,
                      std::uint64_t times, bvh::Quality quality, PackedScene& packed);
 
