@@ -315,6 +315,15 @@ TEST(Alpha, LeavesNoLookUpsWhereNoneAreNeeded) {
   EXPECT_EQ(std::ranges::find(plain.left_out, "alpha look-ups", &LeftOut::what), plain.left_out.end());
 }
 
+TEST(Alpha, OfOpaqueUnlitSurfacesIsNotBounded) {
+  Scene scene = row_of_four();
+  scene.materials[0].unlit = true;
+  scene.materials[0].alpha_mode = AlphaMode::opaque;
+  const PackedScene packed = pack(scene);
+  EXPECT_EQ(asked_by_id(packed), (Asked{{0, true}, {1, true}, {2, true}, {3, true}})); // rays pass, except the eye's
+  EXPECT_EQ(packed.alpha.total(), 0u);
+}
+
 TEST(Alpha, KeepsHolesThatSomethingElseCounts) {
   Scene shining = row_of_four();
   shining.materials[0].emission = glm::vec3(1.0f);

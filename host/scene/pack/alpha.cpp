@@ -207,6 +207,7 @@ Coverage AlphaCoverage::of_mesh(const Mesh& mesh, const Material& material) cons
 }
 
 Coverage AlphaCoverage::of_triangle(const Mesh& mesh, const Material& material, std::uint32_t first_index) const {
+  if (material.alpha_mode == AlphaMode::opaque) return Coverage::opaque;
   const ColorRange color = color_range(mesh.colors, std::span(mesh.indices).subspan(first_index, 3));
   const TextureSlot& slot = material.base_color_texture;
   if (!slot.present()) return coverage(material, color, {255, 255});

@@ -105,6 +105,7 @@ std::vector<Coverage> list_coverage(const Scene& scene, std::span<const Part> pa
     if (!(part.surface & gpu::kTriangleAlpha)) return;
     const Mesh& mesh = scene.meshes[part.mesh];
     const Material& material = scene.materials[mesh.primitives[part.primitive].material];
+    if (material.alpha_mode == AlphaMode::opaque) return; // unlit
     const Coverage found = alpha.of_triangle(mesh, material, sources[i].first_index);
     const bool asks = found == Coverage::hole ? !may_leave_out(material) : found == Coverage::opaque && material.unlit;
     coverage[i] = asks ? Coverage::mixed : found;
