@@ -25,10 +25,8 @@ NVK_WANTED = {"NVK_I_WANT_A_BROKEN_VULKAN_DRIVER": "1"}  # it refuses GPUs that 
 DRIVERS = {  # driver, stand-in for its kernel driver, and Mesa's own names of what it poses as
     "radv-navi21": ("radeon", None, {"RADV_FORCE_FAMILY": "navi21"}),
     "radv-navi31": ("radeon", None, {"RADV_FORCE_FAMILY": "gfx1100"}),
-    "nvk-sm75": ("nouveau", NVK_SHIM, {"NOUVEAU_CHIPSET": "164", **NVK_WANTED}),  # TU104
     "nvk-sm86": ("nouveau", NVK_SHIM, {"NOUVEAU_CHIPSET": "172", **NVK_WANTED}),  # GA102
     "anv-dg2": ("intel", ANV_SHIM, {"INTEL_STUB_GPU_PLATFORM": "dg2"}),  # Arc A
-    "anv-lnl": ("intel", ANV_SHIM, {"INTEL_STUB_GPU_PLATFORM": "lnl"}),  # Lunar Lake
     "anv-bmg": ("intel", ANV_SHIM, {"INTEL_STUB_GPU_PLATFORM": "bmg"}),  # Battlemage
 }
 SCENES = ["showcase.glb"]  # which has most of what materials and lights can be
