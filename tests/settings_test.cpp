@@ -35,9 +35,10 @@ std::map<std::string, std::string> members(const RenderSettings& settings) {
                ambient, shadows, shadow_size, shadow_bias, shadow_bias_amount, shadow_taps, shadow_pattern, shadow_blur,
                shadow_cascades, shadow_exponent, shadow_bits, shadow_source, shadow_cookie, shadow_ambient, shading,
                interpolation, shininess, attenuation, depth_cue, transparency, transparency_layers,
-               transparency_samples, branching, techniques, cutoff, denoise, antialias_over_time, mips, lights, light_samples,
-               adaptive, guide, moving, specialize, aovs, guide_iterations, added_features, removed_features,
-               room_for_shadow_rays, room_for_whole_nets, room_for_mips, whole_nets_from, wave_slots] = settings;
+               transparency_samples, branching, techniques, cutoff, denoise, antialias_over_time, mips, lights,
+               light_samples, adaptive, guide, moving, specialize, aovs, guide_iterations, added_features,
+               removed_features, room_for_shadow_rays, room_for_whole_nets, room_for_mips, whole_nets_from,
+               wave_slots] = settings;
   const auto text = [](const auto& value) { return fmt::format("{}", value); };
   return {{"integrator", std::string(integrator->name)},
           {"width", text(width)},
