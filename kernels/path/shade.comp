@@ -69,22 +69,21 @@ bool connect_to_light(Vertex v, Lobes lobes, Receiver receiver, Sampler path_sam
   return true;
 }
 
-// Samples of a vertex are consecutive points of one net.
+// They are consecutive points of one net.
 Sampler light_sampler(Sampler path_sampler, uint light_sample) {
-  if (TAKES_MORE_LIGHT_SAMPLES) {
-    path_sampler.index = path_sampler.index * light_sample_count() + light_sample;
-    path_sampler.count *= light_sample_count();
-  }
+  path_sampler.index = path_sampler.index * light_sample_count() + light_sample;
+  path_sampler.count *= light_sample_count();
   return path_sampler;
 }
 
-// Next-event estimation by all of them but the first, whose shadow ray goes to its queue with the path's own.
-void connect_to_more_lights(Vertex v, Lobes lobes, Receiver receiver, Sampler path_sampler, uint dimension, uint slot, vec3 throughput) {
-  for (uint i = 1u; i < light_sample_count(); ++i) {
+// Next-event estimation by all of them, whose shadow rays go to their queues.
+void connect_to_lights(Vertex v, Lobes lobes, Receiver receiver, Sampler path_sampler, uint dimension, uint slot, vec3 throughput) {
+  for (uint i = 0u; i < light_sample_count(); ++i) {
     ShadowRay ray;
     bool wanted = connect_to_light(v, lobes, receiver, light_sampler(path_sampler, i), dimension, slot, throughput, ray);
     uint place;
-    APPEND(queues.later_shadow_count[i - 1u], wanted, place)
+    if (i == 0u) APPEND(queues.shadow_count, wanted, place)
+    else APPEND(queues.later_shadow_count[i - 1u], wanted, place)
     if (wanted) store_shadow_ray(i * frame.slot_count + place, ray);
   }
 }
@@ -193,9 +192,9 @@ void follow(Ray ray, Hit hit, inout PathState path, out bool wants_ray, out Ray 
     if (uses(kFeaturePanes) && keeps_receivers()) earlier = texelFetch(receiver_texels, int(slot));
     if (is_receiver) {
       Receiver receiver = store_receiver(slot, v);
-      wants_shadow =
-          connect_to_light(v, lobes, receiver, light_sampler(path_sampler, 0u), dimension, slot, path.throughput, shadow);
-      if (TAKES_MORE_LIGHT_SAMPLES) connect_to_more_lights(v, lobes, receiver, path_sampler, dimension, slot, path.throughput);
+      // A single one goes to its queue with the path's own ray, which takes AMD's compiler 108 registers instead of 120.
+      if (TAKES_MORE_LIGHT_SAMPLES) connect_to_lights(v, lobes, receiver, path_sampler, dimension, slot, path.throughput);
+      else wants_shadow = connect_to_light(v, lobes, receiver, path_sampler, dimension, slot, path.throughput, shadow);
     }
     wants_ray = scatter(v, lobes, path_sampler, dimension, slot, path, next, passed);
     // A pane with a diffuse share receives light, too, but what goes straight on comes from the vertex before it. (A pilot
