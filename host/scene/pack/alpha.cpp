@@ -2,10 +2,10 @@
 #include "host/scene/pack/alpha.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <initializer_list>
 #include <limits>
-#include <ranges>
 #include <span>
 
 #include <tbb/parallel_for.h>
@@ -22,15 +22,21 @@ struct ColorRange {
   float lo = 1.0f, hi = 1.0f;
 };
 
-ColorRange color_range(std::span<const glm::vec4> colors, const auto& indices) {
+ColorRange color_range(std::span<const glm::vec4> colors) {
   if (colors.empty()) return {};
   ColorRange range{std::numeric_limits<float>::max(), std::numeric_limits<float>::lowest()};
-  for (const std::size_t i : indices) {
-    const float alpha = colors[i].a;
-    if (std::isnan(alpha)) return {std::numeric_limits<float>::lowest(), std::numeric_limits<float>::max()};
-    range = {std::min(range.lo, alpha), std::max(range.hi, alpha)};
+  for (const glm::vec4& color : colors) {
+    if (std::isnan(color.a)) return {std::numeric_limits<float>::lowest(), std::numeric_limits<float>::max()};
+    range = {std::min(range.lo, color.a), std::max(range.hi, color.a)};
   }
   return range;
+}
+
+ColorRange color_range(const Mesh& mesh, std::uint32_t first_index) {
+  if (mesh.colors.empty()) return {};
+  std::array<glm::vec4, 3> corners;
+  for (std::uint32_t i = 0; i < 3; ++i) corners[i] = mesh.colors[mesh.indices[first_index + i]];
+  return color_range(corners);
 }
 
 // What a material makes of texels whose alpha lies in a range: opacity() of kernels/surface.glsl, with its arithmetic.
@@ -200,7 +206,7 @@ AlphaCoverage::AlphaCoverage(const Scene& scene, const Usage& usage) : images_(s
 
 Coverage AlphaCoverage::of_mesh(const Mesh& mesh, const Material& material) const {
   if (material.alpha_mode == AlphaMode::opaque) return Coverage::opaque;
-  const ColorRange color = color_range(mesh.colors, std::views::iota(std::size_t{0}, mesh.colors.size()));
+  const ColorRange color = color_range(mesh.colors);
   const bool textured = material.base_color_texture.present();
   return coverage(material, color,
                   textured ? images_[material.base_color_texture.image][0].whole() : AlphaPyramid::Range{255, 255});
@@ -208,7 +214,7 @@ Coverage AlphaCoverage::of_mesh(const Mesh& mesh, const Material& material) cons
 
 Coverage AlphaCoverage::of_triangle(const Mesh& mesh, const Material& material, std::uint32_t first_index) const {
   if (material.alpha_mode == AlphaMode::opaque) return Coverage::opaque;
-  const ColorRange color = color_range(mesh.colors, std::span(mesh.indices).subspan(first_index, 3));
+  const ColorRange color = color_range(mesh, first_index);
   const TextureSlot& slot = material.base_color_texture;
   if (!slot.present()) return coverage(material, color, {255, 255});
   const AlphaPyramid& pyramid = images_[slot.image][0];
