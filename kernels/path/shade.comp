@@ -72,19 +72,19 @@ bool connect_to_light(Vertex v, Lobes lobes, Receiver receiver, Sampler path_sam
 // They are consecutive points of one net.
 Sampler light_sampler(Sampler path_sampler, uint light_sample) {
   path_sampler.index = path_sampler.index * light_sample_count() + light_sample;
-  path_sampler.count *= light_sample_count();
+  path_sampler.count = min(path_sampler.count, kNone / light_sample_count()) * light_sample_count();
   return path_sampler;
 }
 
-// Next-event estimation by all of them, whose shadow rays go to their queues.
+// Next-event estimation by all of them, whose shadow rays go to their queues: lane by lane, since lanes of a subgroup need
+// not be together here.
 void connect_to_lights(Vertex v, Lobes lobes, Receiver receiver, Sampler path_sampler, uint dimension, uint slot, vec3 throughput) {
   for (uint i = 0u; i < light_sample_count(); ++i) {
     ShadowRay ray;
     bool wanted = connect_to_light(v, lobes, receiver, light_sampler(path_sampler, i), dimension, slot, throughput, ray);
-    uint place;
-    if (i == 0u) APPEND(queues.shadow_count, wanted, place)
-    else APPEND(queues.later_shadow_count[i - 1u], wanted, place)
-    if (wanted) store_shadow_ray(i * frame.slot_count + place, ray);
+    if (!wanted) continue;
+    uint place = i == 0u ? atomicAdd(queues.shadow_count, 1u) : atomicAdd(queues.later_shadow_count[i - 1u], 1u);
+    store_shadow_ray(i * frame.slot_count + place, ray);
   }
 }
 

@@ -94,8 +94,9 @@ void start_kernels(KernelCompiler& kernels, const DeviceInfo& device, gpu::Featu
     const KernelNeed frame = hybrid_need(settings, config);
     kernels.start(frame);
     if (settings.integrator->finds_light) start_lighting_kernels(kernels, settings, config);
-    if (const OcclusionKind* occlusion = occlusion_kind(settings))
-      kernels.start(whole_need(*occlusion->program, frame.config));
+    const OcclusionKind* occlusion = occlusion_kind(settings);
+    const bool wants_occlusion = !settings.integrator->finds_light || settings.max_depth > 1; // frame_flags()
+    if (occlusion && wants_occlusion) kernels.start(whole_need(*occlusion->program, frame.config));
   };
   if ((features & gpu::kFeatureTextures) && wants_mips(settings)) features |= gpu::kFeatureMips;
   start(features);
@@ -300,7 +301,7 @@ constinit const IntegratorKind kHybrid = {
     .start_kernels = start_kernels,
     .bytes_per_slot = [](gpu::Feature features,
                          const RenderSettings&) { return bytes_per_path(features, kRoomForShadowRays); },
-    .largest_record = [](const RenderSettings&) { return std::uint64_t{2 * sizeof(gpu::Ray)}; },
+    .largest_record = [](const RenderSettings&) { return kMostShadowRayBytes; }, // a window may turn to `path`
     .slots_per_pixel = [](const RenderSettings& settings) { return settings.shadow_samples; },
     .bytes_per_pixel = bytes_per_pixel,
     .is_biased =
@@ -329,7 +330,7 @@ constinit const IntegratorKind kAo = {
     .start_kernels = start_kernels,
     .bytes_per_slot = [](gpu::Feature features,
                          const RenderSettings&) { return bytes_per_path(features, kRoomForShadowRays); },
-    .largest_record = [](const RenderSettings&) { return std::uint64_t{2 * sizeof(gpu::Ray)}; },
+    .largest_record = [](const RenderSettings&) { return kMostShadowRayBytes; }, // a window may turn to `path`
     .slots_per_pixel = [](const RenderSettings&) { return 1u; },
     .bytes_per_pixel = bytes_per_pixel,
     .is_biased = has_biased_frames,

@@ -68,9 +68,8 @@ constinit const IntegratorKind kPath = {
                                 light_samples_of(settings, features));
         },
     .largest_record =
-        [](const RenderSettings& settings) {
-          const std::uint64_t shadow_rays = light_samples_of(settings, gpu::kFeaturesAll) * sizeof(gpu::ShadowRay);
-          return std::max<std::uint64_t>({2 * sizeof(gpu::Ray), sizeof(gpu::PathAovs), shadow_rays});
+        [](const RenderSettings&) {
+          return std::max<std::uint64_t>({2 * sizeof(gpu::Ray), sizeof(gpu::PathAovs), kMostShadowRayBytes});
         },
     .slots_per_pixel = [](const RenderSettings&) { return 1u; },
     .bytes_per_pixel = [](const RenderSettings&) { return std::uint64_t{0}; },

@@ -119,6 +119,7 @@ PathTrace PathReplay::trace(glm::uvec2 pixel, std::uint32_t sample, std::uint32_
   run(kGenerate, 0);
   gpu::PathState arrived = state();
   note(arrived.radiance, gpu::kMakerGenerate);
+  std::uint32_t sharing = 1; // light samples among which the density of the path's direction is divided
   for (std::uint32_t bounce = 0;; ++bounce) {
     run(kAdvance, gpu::kAdvanceSteps * bounce + gpu::kBeforeExtend);
     PathVertex& vertex = trace.vertices.emplace_back();
@@ -131,7 +132,8 @@ PathTrace PathReplay::trace(glm::uvec2 pixel, std::uint32_t sample, std::uint32_
     const gpu::Queues counts = queues();
     const std::uint32_t light_samples = gpu::light_samples_at(paths_.config().light_samples, bounce);
     const float pdf = vertex.scattered.bsdf_pdf;
-    if (!(pdf < 0.0f)) vertex.pdf = pdf * static_cast<float>(light_samples);
+    if (pdf != arrived.bsdf_pdf) sharing = light_samples; // else the path went straight through a pane, or ends here
+    if (!(pdf < 0.0f)) vertex.pdf = pdf * static_cast<float>(sharing);
     for (std::uint32_t i = 0; i < light_samples; ++i) {
       run(kAdvance, gpu::kAdvanceSteps * bounce + gpu::kBeforeConnect + i);
       if (queues().shadow_count > 0) vertex.shadows.push_back(connect(bounce, i, state()));

@@ -86,7 +86,7 @@ void PathTracer::describe(RenderResult& result) const {
 }
 
 std::uint32_t PathTracer::timed_dispatches() const {
-  const std::uint32_t more_samples = 2 * paths_.config().light_samples; // of all bounces, or fewer
+  const std::uint32_t more_samples = 4 * paths_.config().light_samples; // of all bounces, or fewer
   return std::min(2 + (workspace_.frame.max_depth + 1) * 7 + more_samples, 1024u);
 }
 

@@ -101,6 +101,9 @@ private:
 // The kernels of `stages`: escape only where escapes are sorted.
 KernelNeed path_need(const KernelProgram& program, std::uint32_t stages, const KernelConfig& config);
 
+// Of a path in the queues of its light samples, however many. A window keeps its number of paths when these change.
+inline constexpr std::uint64_t kMostShadowRayBytes = gpu::kMostLightSamples * sizeof(gpu::ShadowRay);
+
 // Numbers and kinds of all bindings of the path kernels, without buffers.
 std::vector<Binding> path_layout();
 

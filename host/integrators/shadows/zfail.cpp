@@ -8,8 +8,8 @@ namespace wavepath {
 constinit const ShadowKind kShadowZfail = {
     .name = "zfail",
     .summary =
-        "shadow volumes with caps, counted behind what is seen (Everitt and Kilgard 2002), in which alpha counts for "
-        "nothing",
+        "shadow volumes with caps, counted behind what is seen (Everitt and Kilgard 2002), in which alpha counts "
+        "only where a whole triangle is hole",
     .sources = kPunctualSources,
     .program = &kVolumeProgram,
     .make = [](const ShadowContext& context) { return make_shadow_volumes(context, VolumeCount::behind); },

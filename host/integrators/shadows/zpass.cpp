@@ -9,8 +9,8 @@ namespace wavepath {
 constinit const ShadowKind kShadowZpass = {
     .name = "zpass",
     .summary =
-        "shadow volumes of closed meshes, counted up to what is seen (Crow 1977): alpha counts for nothing, and the "
-        "eye is in no shadow",
+        "shadow volumes of closed meshes, counted up to what is seen (Crow 1977): alpha counts only where a "
+        "whole triangle is hole, and the eye is in no shadow",
     .sources = kPunctualSources,
     .program = &kVolumeProgram,
     .make = [](const ShadowContext& context) { return make_shadow_volumes(context, VolumeCount::in_front); },

@@ -51,7 +51,8 @@ Coverage coverage(const Material& m, const ColorRange& color, const AlphaPyramid
   const bool is_mask = m.alpha_mode == AlphaMode::mask;
   const float wanted = is_mask ? m.alpha_cutoff : 1.0f;
   if (lo >= wanted) return Coverage::opaque;
-  return is_mask && hi < wanted ? Coverage::hole : Coverage::mixed;
+  constexpr float kRounding = 1.0f + 0x1p-20f; // of filtering and interpolation
+  return is_mask && hi * kRounding < wanted ? Coverage::hole : Coverage::mixed;
 }
 
 AlphaPyramid::Range merge(const AlphaPyramid::Range& a, const AlphaPyramid::Range& b) {

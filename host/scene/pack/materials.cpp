@@ -76,6 +76,7 @@ MaterialTable pack_materials(const Scene& scene, const Usage& usage, bool mips,
 std::vector<std::uint32_t> triangle_flags(const Scene& scene, const Mesh& mesh, const AlphaCoverage& alpha) {
   std::vector<std::uint32_t> flags(mesh.primitives.size(), 0);
   for (std::size_t p = 0; p < mesh.primitives.size(); ++p) {
+    if (mesh.primitives[p].index_count < 3) continue; // its material may be in no use
     const Material& m = scene.materials[mesh.primitives[p].material];
     // A transmissive surface is never culled: rays inside the body leave through its back faces.
     if (!m.double_sided && !(m.transmission > 0.0f) && !(m.diffuse_transmission > 0.0f))
