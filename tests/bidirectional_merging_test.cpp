@@ -131,16 +131,7 @@ TEST_F(BidirectionalTest, TheEstimatedErrorCoversThatOfMerging) {
   fine.seed = 99;
   const Subject subject(std::move(scene), fine);
   const Picture reference = render(subject, fine).picture;
-  int covered = 0;
-  constexpr int kRenders = 16;
-  for (int i = 0; i < kRenders; ++i) {
-    RenderSettings coarse = settings(32, 4, kMerge);
-    coarse.seed = static_cast<std::uint32_t>(200 + i);
-    const RenderResult result = render(subject, coarse);
-    const double error = relative_rms(result.picture, reference);
-    covered += result.error.ci95[0] <= error && error <= result.error.ci95[1];
-  }
-  EXPECT_GE(covered, 12) << "of " << kRenders;
+  expect_intervals_cover(subject, reference, settings(32, 4, kMerge));
 }
 
 } // namespace

@@ -221,6 +221,17 @@ protected:
       EXPECT_LT(error, noise * b.mean[i]) << "part " << i << ": too much noise to tell";
     }
   }
+  // The interval of most coarse renders holds their error against the reference.
+  void expect_intervals_cover(const Subject& subject, const Picture& reference, RenderSettings coarse) {
+    constexpr std::uint32_t kRenders = 16;
+    int covered = 0;
+    for (coarse.seed = 100; coarse.seed < 100 + kRenders; ++coarse.seed) {
+      const RenderResult result = render(subject, coarse);
+      const double error = relative_rms(result.picture, reference);
+      covered += result.error.ci95[0] <= error && error <= result.error.ci95[1];
+    }
+    EXPECT_GE(covered, 12) << "of " << kRenders;
+  }
   // Each set of techniques gives what path tracing gives. `adjust`: other settings, of both.
   void expect_path_light(const Scene& scene, std::uint32_t depth, const std::vector<std::uint32_t>& sets,
                          std::uint32_t spp = 32, const std::function<void(RenderSettings&)>& adjust = {}) {

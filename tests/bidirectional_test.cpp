@@ -198,16 +198,7 @@ TEST_F(BidirectionalTest, TheEstimatedErrorCoversTheTrueOne) {
   const RenderSettings path = path_settings(4096, 3);
   const Subject subject(std::move(scene), path);
   const Picture reference = render(subject, path).picture;
-  int covered = 0;
-  constexpr int kRenders = 16;
-  for (int i = 0; i < kRenders; ++i) {
-    RenderSettings splats = settings(32, 3, kSplat);
-    splats.seed = static_cast<std::uint32_t>(100 + i);
-    const RenderResult result = render(subject, splats);
-    const double error = relative_rms(result.picture, reference);
-    covered += result.error.ci95[0] <= error && error <= result.error.ci95[1];
-  }
-  EXPECT_GE(covered, 12) << "of " << kRenders;
+  expect_intervals_cover(subject, reference, settings(32, 3, kSplat));
 }
 
 // Nothing of light paths exists where they are not asked for, and what is asked for fits into an eighth of the device's

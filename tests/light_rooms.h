@@ -1,8 +1,6 @@
 // Two rooms with lamps, a sun and a sky, and what tests of choosing lights measure of their pictures.
 #pragma once
 
-#include <algorithm>
-#include <cmath>
 #include <cstdint>
 #include <memory>
 #include <random>
@@ -11,11 +9,13 @@
 #include <gtest/gtest.h>
 #include <glm/gtc/matrix_transform.hpp>
 
+#include "host/film/film.h"
 #include "host/integrators/path/kind.h"
 #include "host/render/device/kernel_compiler.h"
 #include "host/render/render.h"
 #include "host/scene/pack/pack.h"
 #include "host/scene/view.h"
+#include "tests/mean_picture.h"
 #include "tests/scene_builder.h"
 #include "tests/vulkan_device.h"
 
@@ -108,43 +108,22 @@ protected:
     if (!kernels_) kernels_ = std::make_unique<KernelCompiler>(device());
     return wavepath::render(device(), subject.packed, subject.view, settings, hooks, *kernels_);
   }
-  struct Average {
-    std::vector<double> mean, variance;
-  };
-  Average average(const Subject& subject, RenderSettings settings) {
-    constexpr std::uint32_t kRenders = 8;
-    std::vector<double> sum, squares;
-    for (settings.seed = 1; settings.seed <= kRenders; ++settings.seed) {
-      const Picture picture = render(subject, settings).picture;
-      const std::size_t n = picture.channels[0].values.size();
-      sum.resize(3 * n), squares.resize(3 * n);
-      for (std::size_t i = 0; i < 3 * n; ++i) {
-        const double value = picture.channels[i / n].values[i % n];
-        sum[i] += value, squares[i] += value * value;
-      }
-    }
-    Average result;
-    for (std::size_t i = 0; i < sum.size(); ++i) {
-      const double mean = sum[i] / kRenders;
-      result.mean.push_back(mean);
-      result.variance.push_back(std::max(0.0, squares[i] / kRenders - mean * mean) / (kRenders - 1));
-    }
-    return result;
+  MeanPicture average(const Subject& subject, const RenderSettings& settings) {
+    return mean_picture(settings, [&](const RenderSettings& seeded) { return render(subject, seeded); });
   }
-  // By the sum of z^2 over all values, and by the mean of the picture.
-  static void expect_same_mean(const Average& a, const Average& b) {
-    double squares = 0.0, judged = 0.0, difference = 0.0, noise = 0.0, total = 0.0;
-    for (std::size_t i = 0; i < a.mean.size(); ++i) {
-      const double d = a.mean[i] - b.mean[i], variance = a.variance[i] + b.variance[i];
-      difference += d, noise += variance, total += a.mean[i];
-      if (variance < 1e-12 * (1.0 + a.mean[i] * a.mean[i])) continue;
-      squares += std::min(d * d / variance, 25.0);
-      ++judged;
-    }
-    ASSERT_GT(judged, static_cast<double>(a.mean.size()) / 2.0);
-    EXPECT_LT(squares / judged, 1.5);
-    EXPECT_LT(std::abs(difference), 4.0 * std::sqrt(noise));
-    EXPECT_LT(std::sqrt(noise), 0.01 * total) << "too much noise to tell";
+  static void expect_same(const MeanPicture& a, const MeanPicture& b) { expect_same_mean(a, b, 0.5, 0.01); }
+  // Whatever the waves are long, with generic kernels, and in two parts.
+  void expect_same_film_however_cut(const Subject& subject, const RenderSettings& whole, const Film& expected) {
+    RenderSettings cut = whole, generic = whole, first = whole, second = whole;
+    cut.wave_slots = 777;
+    EXPECT_TRUE(*render(subject, cut).film == expected) << "short waves";
+    generic.specialize = false;
+    EXPECT_TRUE(*render(subject, generic).film == expected) << "generic kernels";
+    first.last_sample = second.first_sample = whole.last_sample / 2;
+    first.sample_total = second.sample_total = whole.last_sample;
+    Film joined = *render(subject, first).film;
+    join(joined, *render(subject, second).film);
+    EXPECT_TRUE(joined == expected) << "two parts";
   }
 };
 

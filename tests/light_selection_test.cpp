@@ -30,14 +30,14 @@ class LightSelection : public LightRooms {};
 TEST_F(LightSelection, AllGiveTheSamePicture) {
   for (const bool distant : {false, true}) {
     const RenderSettings power = settings(gpu::kLightsPower, gpu::kDirectMis, 128);
-    const Average reference = average(subject(two_rooms(40, distant), power), power);
+    const MeanPicture reference = average(subject(two_rooms(40, distant), power), power);
     for (const std::uint32_t direct : {gpu::kDirectMis, gpu::kDirectNee})
       for (const std::uint32_t lights : {gpu::kLightsTree, gpu::kLightsLearned}) {
         SCOPED_TRACE(std::to_string(direct) + " " + std::to_string(lights) + " " + std::to_string(distant));
         const RenderSettings other = settings(lights, direct, 128);
         const Subject rooms = subject(two_rooms(40, distant), other);
         ASSERT_TRUE(rooms.packed.features & gpu::kFeatureLightTree);
-        expect_same_mean(reference, average(rooms, other));
+        expect_same(reference, average(rooms, other));
       }
   }
 }
@@ -47,18 +47,17 @@ TEST_F(LightSelection, HybridPicksByTheTree) {
                  tree = settings(gpu::kLightsAuto, gpu::kDirectMis, 64);
   power.integrator = tree.integrator = &kHybrid;
   power.max_depth = tree.max_depth = 1;
-  expect_same_mean(average(subject(two_rooms(40, true), power), power),
-                   average(subject(two_rooms(40, true), tree), tree));
+  expect_same(average(subject(two_rooms(40, true), power), power), average(subject(two_rooms(40, true), tree), tree));
 }
 
 TEST_F(LightSelection, BidirectionalPicksByThem) {
   RenderSettings power = settings(gpu::kLightsPower, gpu::kDirectMis, 64);
-  const Average reference = average(subject(two_rooms(40, true), power), power);
+  const MeanPicture reference = average(subject(two_rooms(40, true), power), power);
   for (const std::uint32_t lights : {gpu::kLightsTree, gpu::kLightsAuto}) {
     SCOPED_TRACE(lights);
     RenderSettings asked = settings(lights, gpu::kDirectMis, 32);
     asked.integrator = &kBidirectional;
-    expect_same_mean(reference, average(subject(two_rooms(40, true), asked), asked));
+    expect_same(reference, average(subject(two_rooms(40, true), asked), asked));
   }
 }
 
@@ -72,7 +71,7 @@ TEST_F(LightSelection, DiffuseTransmissionIsLitFromBothSides) {
     power.integrator = integrator;
     RenderSettings tree = power;
     tree.lights = gpu::kLightsTree;
-    expect_same_mean(average(subject(rooms, power), power), average(subject(rooms, tree), tree));
+    expect_same(average(subject(rooms, power), power), average(subject(rooms, tree), tree));
   }
 }
 
@@ -92,30 +91,13 @@ TEST_F(LightSelection, LessNoiseThanByPower) {
   EXPECT_LT(noise(kBidirectional, gpu::kLightsAuto), 0.8 * noise(kBidirectional, gpu::kLightsPower));
 }
 
-// The pilot's sums are integers: neither waves nor the generic kernels change a bit.
+// The pilot's sums are integers; every part, and every render that is resumed, learns the same anew.
 TEST_F(LightSelection, BitsDoNotDependOnHowTheWorkIsCut) {
   const RenderSettings whole = settings(gpu::kLightsAuto, gpu::kDirectMis, 16);
   const Subject rooms = subject(two_rooms(40, true), whole);
   const RenderResult expected = render(rooms, whole);
   EXPECT_GT(expected.light_pilot.rows, 20u);
-  RenderSettings cut = whole;
-  cut.wave_slots = 777;
-  EXPECT_TRUE(*render(rooms, cut).film == *expected.film);
-  RenderSettings generic = whole;
-  generic.specialize = false;
-  EXPECT_TRUE(*render(rooms, generic).film == *expected.film);
-}
-
-// Every part, and every render that is resumed, learns the same anew.
-TEST_F(LightSelection, PartsJoinToTheWhole) {
-  const RenderSettings whole = settings(gpu::kLightsAuto, gpu::kDirectMis, 16);
-  const Subject rooms = subject(two_rooms(40, true), whole);
-  const RenderResult expected = render(rooms, whole);
-  RenderSettings first = whole, second = whole;
-  first.last_sample = second.first_sample = 8;
-  Film joined = *render(rooms, first).film;
-  join(joined, *render(rooms, second).film);
-  EXPECT_TRUE(joined == *expected.film);
+  expect_same_film_however_cut(rooms, whole, *expected.film);
 
   std::optional<RenderState> state;
   RenderHooks hooks;

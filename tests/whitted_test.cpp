@@ -15,6 +15,7 @@
 #include "host/scene/gltf/gltf.h"
 #include "host/scene/pack/pack.h"
 #include "host/scene/view.h"
+#include "tests/mean_picture.h"
 #include "tests/scene_builder.h"
 #include "tests/shared_kernels.h"
 #include "tests/vulkan_device.h"
@@ -47,55 +48,16 @@ protected:
     KernelCompiler& kernels = shared_kernels(device());
     return wavepath::render(device(), subject.packed, subject.view, settings, RenderHooks{}, kernels);
   }
-  // The mean picture of independent renders and the variance of that mean, all channels one after the other.
-  struct Average {
-    std::vector<double> mean, variance;
-  };
-  Average average(const Subject& subject, RenderSettings settings) {
-    constexpr std::uint32_t kRenders = 8;
-    std::vector<double> sum, squares;
-    for (settings.seed = 1; settings.seed <= kRenders; ++settings.seed) {
-      const Picture picture = render(subject, settings).picture;
-      const std::size_t n = picture.channels[0].values.size();
-      sum.resize(3 * n), squares.resize(3 * n);
-      for (std::size_t i = 0; i < 3 * n; ++i) {
-        const double value = picture.channels[i / n].values[i % n];
-        sum[i] += value, squares[i] += value * value;
-      }
-    }
-    Average result;
-    for (std::size_t i = 0; i < sum.size(); ++i) {
-      const double mean = sum[i] / kRenders;
-      result.mean.push_back(mean);
-      result.variance.push_back(std::max(0.0, squares[i] / kRenders - mean * mean) / (kRenders - 1));
-    }
-    return result;
+  MeanPicture average(const Subject& subject, const RenderSettings& settings) {
+    return mean_picture(settings, [&](const RenderSettings& seeded) { return render(subject, seeded); });
   }
-  // By the sum of z^2 over all values, and by the mean of the picture, in which a bias cannot hide.
-  static void expect_same_mean(const Average& a, const Average& b) {
-    double squares = 0.0, judged = 0.0, difference = 0.0, noise = 0.0, total = 0.0;
-    for (std::size_t i = 0; i < a.mean.size(); ++i) {
-      const double d = a.mean[i] - b.mean[i], variance = a.variance[i] + b.variance[i];
-      difference += d, noise += variance, total += a.mean[i];
-      if (variance < 1e-12 * (1.0 + a.mean[i] * a.mean[i])) {
-        EXPECT_NEAR(a.mean[i], b.mean[i], 2e-5 * (1.0 + a.mean[i])) << "value " << i;
-        continue;
-      }
-      squares += std::min(d * d / variance, 25.0); // few samples: a pixel that no ray found bright has no variance
-      ++judged;
-    }
-    EXPECT_GT(total, 0.0);
-    ASSERT_GT(judged, static_cast<double>(a.mean.size()) / 4.0);
-    EXPECT_LT(squares / judged, 1.5);
-    EXPECT_LT(std::abs(difference), 4.0 * std::sqrt(noise));
-    EXPECT_LT(std::sqrt(noise), 0.03 * total) << "too much noise to tell";
-  }
+  static void expect_same(const MeanPicture& a, const MeanPicture& b) { expect_same_mean(a, b, 0.25, 0.03); }
 };
 
 TEST_F(WhittedTest, DirectLightIsThatOfPathTracing) {
   const RenderSettings whitted = settings(&kWhitted, 32, 1), path = settings(&kPath, 128, 1);
   const Subject subject(load_gltf(kScenes + "cornell_box.gltf", {}), whitted);
-  expect_same_mean(average(subject, whitted), average(subject, path));
+  expect_same(average(subject, whitted), average(subject, path));
 }
 
 // Where nothing is smooth there are no rays but the camera's: a surface is lit once, however deep the tree may grow.
@@ -110,7 +72,7 @@ TEST_F(WhittedTest, RoughSurfacesAreLitOnce) {
 TEST_F(WhittedTest, NeverBrighterThanPathTracing) {
   const RenderSettings whitted = settings(&kWhitted, 64, 8), path = settings(&kPath, 256, 8);
   const Subject subject(load_gltf(kScenes + "showcase.glb", {}), whitted);
-  const Average a = average(subject, whitted), b = average(subject, path);
+  const MeanPicture a = average(subject, whitted), b = average(subject, path);
   double found = 0.0, all = 0.0, noise = 0.0;
   for (std::size_t i = 0; i < a.mean.size(); ++i) {
     found += a.mean[i], all += b.mean[i];
@@ -133,7 +95,7 @@ TEST_F(WhittedTest, ASkyOfOneColourIsALight) {
   scene.environment.radiance = {0.5f, 1.0f, 2.0f};
   const Subject subject(std::move(scene), whitted);
   ASSERT_TRUE(subject.packed.lights.empty());
-  expect_same_mean(average(subject, whitted), average(subject, path));
+  expect_same(average(subject, whitted), average(subject, path));
 }
 
 // 232 emissive triangles, of which a surface picks 16, and a lamp without an extent, to which it always sends a ray.
@@ -148,7 +110,7 @@ TEST_F(WhittedTest, OfManyLightsSomeAreSampled) {
       {.kind = LightKind::point, .intensity = glm::vec3(3.0f), .position = glm::dvec3(0.5, 2.0, 2.0)});
   const Subject subject(std::move(scene), whitted);
   ASSERT_GT(subject.packed.lights.size(), 100u);
-  expect_same_mean(average(subject, whitted), average(subject, path));
+  expect_same(average(subject, whitted), average(subject, path));
   const RayCounts rays = render(subject, whitted).rays;
   EXPECT_LE(rays.shadow, 17u * (rays.camera + rays.bounce));
   EXPECT_GT(rays.shadow, rays.camera);
@@ -163,7 +125,7 @@ TEST_F(WhittedTest, TreeAndChoiceKeepAllLightOfAFurnace) {
   RenderSettings choice = tree;
   choice.branching = kBranchingChoice;
   choice.last_sample = 64;
-  const Average all = average(subject, tree), one = average(subject, choice);
+  const MeanPicture all = average(subject, tree), one = average(subject, choice);
   double mean_all = 0.0, mean_one = 0.0, noise = 0.0;
   for (std::size_t i = 0; i < all.mean.size(); ++i) {
     EXPECT_LE(all.mean[i], 1.0 + 1e-4 + 6.0 * std::sqrt(all.variance[i])); // rough ones are lit by chance

@@ -69,7 +69,7 @@ bool connect_to_light(Vertex v, Lobes lobes, Receiver receiver, Sampler path_sam
   return true;
 }
 
-// They are consecutive points of one net.
+// Light samples of a vertex are consecutive points of one net.
 Sampler light_sampler(Sampler path_sampler, uint light_sample) {
   path_sampler.index = path_sampler.index * light_sample_count() + light_sample;
   path_sampler.count = min(path_sampler.count, kNone / light_sample_count()) * light_sample_count();

@@ -100,12 +100,12 @@ bool joins_frames(const RenderSettings& settings) {
   return settings.antialias_over_time || antialias_kind(settings).over_time;
 }
 
-// What follows from the settings alone. Light beyond the direct one is wanted where paths would be longer than it.
+// What follows from the settings alone.
 std::uint32_t frame_flags(const RenderSettings& settings) {
   const bool shares = antialias_kind(settings).shares_shading && !joins_frames(settings);
   const std::uint32_t shared = shares ? gpu::kHybridMultisample : 0;
-  if (!settings.integrator->finds_light) return gpu::kHybridAmbient | shared;
-  return gpu::kHybridLights | (settings.max_depth > 1 ? gpu::kHybridAmbient : 0) | shared;
+  const std::uint32_t ambient = has_ambient(settings) ? gpu::kHybridAmbient : 0;
+  return (settings.integrator->finds_light ? gpu::kHybridLights : 0) | ambient | shared;
 }
 
 // By rays, in the pilot or in frames. How enclosed a place is beyond the picture and a radius, which the ambient
@@ -145,6 +145,9 @@ float cone_width(const View& view, const RenderSettings& settings) {
 }
 
 } // namespace
+
+// Light beyond the direct one is wanted where paths would be longer than it.
+bool has_ambient(const RenderSettings& settings) { return !settings.integrator->finds_light || settings.max_depth > 1; }
 
 KernelNeed hybrid_need(const RenderSettings& settings, const KernelConfig& config) {
   KernelNeed need{&kHybridProgram, stages_of(settings), config};

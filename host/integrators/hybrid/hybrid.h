@@ -27,6 +27,9 @@ class FrameFilter;          // host/integrators/hybrid/frame_filter.h
 class ScreenSpaceOcclusion; // host/integrators/occlusion/screen_space.h
 class Taa;                  // host/integrators/hybrid/taa.h
 
+// Whether frames have light beyond the direct one, or are nothing but occlusion.
+bool has_ambient(const RenderSettings& settings);
+
 // The kernels of frames under these settings, those of light left out, in the configuration that paths have.
 KernelNeed hybrid_need(const RenderSettings& settings, const KernelConfig& config);
 

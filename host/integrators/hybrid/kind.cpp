@@ -95,8 +95,7 @@ void start_kernels(KernelCompiler& kernels, const DeviceInfo& device, gpu::Featu
     kernels.start(frame);
     if (settings.integrator->finds_light) start_lighting_kernels(kernels, settings, config);
     const OcclusionKind* occlusion = occlusion_kind(settings);
-    const bool wants_occlusion = !settings.integrator->finds_light || settings.max_depth > 1; // frame_flags()
-    if (occlusion && wants_occlusion) kernels.start(whole_need(*occlusion->program, frame.config));
+    if (occlusion && has_ambient(settings)) kernels.start(whole_need(*occlusion->program, frame.config));
   };
   if ((features & gpu::kFeatureTextures) && wants_mips(settings)) features |= gpu::kFeatureMips;
   start(features);

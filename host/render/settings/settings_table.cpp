@@ -215,8 +215,8 @@ std::vector<Setting> transport_rows() {
        .value = ChoiceValue{&S::light_samples, kLightSamplesNames},
        .meaning =
            fmt::format("light samples where a path first scatters, half as many at each bounce after that; auto: "
-                       "{} under an environment map, {} if materials have layers, else 1",
-                       kLightSamplesOfMaps, kLightSamplesOfLayers),
+                       "{} under an environment map, {} if materials have layers or lights a tree, else 1",
+                       kLightSamplesOfMaps, kFewLightSamplesOfMaps),
        .takers = Takers::listed_else_ignored,
        .offered = kByRenderAndView | kByBench,
        .label = "light samples",

@@ -201,7 +201,7 @@ AlphaCoverage::AlphaCoverage(const Scene& scene, const Usage& usage) : images_(s
     const Material& material = scene.materials[m];
     const std::uint32_t image = material.base_color_texture.image;
     const bool asks = usage.material_used[m] && material.alpha_mode != AlphaMode::opaque && image != kNoIndex;
-    if (asks && images_[image].empty()) images_[image].emplace_back(scene.images[image]);
+    if (asks && !images_[image]) images_[image].emplace(scene.images[image]);
   }
 }
 
@@ -210,7 +210,7 @@ Coverage AlphaCoverage::of_mesh(const Mesh& mesh, const Material& material) cons
   const ColorRange color = color_range(mesh.colors);
   const bool textured = material.base_color_texture.present();
   return coverage(material, color,
-                  textured ? images_[material.base_color_texture.image][0].whole() : AlphaPyramid::Range{255, 255});
+                  textured ? images_[material.base_color_texture.image]->whole() : AlphaPyramid::Range{255, 255});
 }
 
 Coverage AlphaCoverage::of_triangle(const Mesh& mesh, const Material& material, std::uint32_t first_index) const {
@@ -218,7 +218,7 @@ Coverage AlphaCoverage::of_triangle(const Mesh& mesh, const Material& material, 
   const ColorRange color = color_range(mesh, first_index);
   const TextureSlot& slot = material.base_color_texture;
   if (!slot.present()) return coverage(material, color, {255, 255});
-  const AlphaPyramid& pyramid = images_[slot.image][0];
+  const AlphaPyramid& pyramid = *images_[slot.image];
   const Coverage whole = coverage(material, color, pyramid.whole());
   const glm::dvec2 size(pyramid.size());
   const Footprint placed = make_footprint(mesh, slot, first_index, pyramid.size());

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include <glm/glm.hpp>
@@ -52,7 +53,7 @@ public:
   Coverage of_triangle(const Mesh& mesh, const Material& material, std::uint32_t first_index) const;
 
 private:
-  std::vector<std::vector<AlphaPyramid>> images_; // by image: one, or none
+  std::vector<std::optional<AlphaPyramid>> images_; // by image; none where nothing asks
 };
 
 } // namespace wavepath
