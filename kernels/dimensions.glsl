@@ -6,8 +6,8 @@
 const uint kDimensionFilter = 0u;
 const uint kDimensionsPerBounce = 3u;
 
-const uint kDimensionDirection = 0u; // of the scattered ray
-const uint kDimensionChoice = 1u;    // x: lobe, y: Russian roulette
+const uint kDimensionDirection = 0u; // of the scattered ray: lobe, and the direction in it
+const uint kDimensionChoice = 1u;    // x: reflected or transmitted, y: Russian roulette
 const uint kDimensionLight = 2u;     // which light, and the point on it
 
 // Of the point on the camera's lens, and of that which a light vertex is seen from; beyond those of any bounce, so that a lens

@@ -175,13 +175,13 @@ bool weigh_sample(Vertex v, vec3 value, bool is_albedo, inout BsdfSample s) {
 }
 
 // Draws a direction; false if the path ends here.
-bool vertex_sample(Vertex v, float u_lobe, vec2 u, out BsdfSample s, out vec3 wi) {
+bool vertex_sample(Vertex v, float u_side, vec2 u, out BsdfSample s, out vec3 wi) {
   s = BsdfSample(vec3(0.0, 0.0, 1.0), vec3(0.0), 0.0, 1.0, false);
   vec3 wo = to_local(v, v.wo);
   if (!(wo.z > 0.0)) return false;
   Lobes l = lobes_of(v.bsdf, wo);
   bool delta;
-  if (!bsdf_sample_direction(v.bsdf, l, wo, u_lobe, u, s, delta)) return false;
+  if (!bsdf_sample_direction(v.bsdf, l, wo, u_side, u, s, delta)) return false;
   wi = drawn_direction(v, s);
   if (delta) return true;
   vec3 value = vertex_eval(v, l, wi, s.wi, s.pdf);

@@ -51,9 +51,9 @@ float go_probability(Vertex v, Lobes lobes) {
   return lobes.delta_reflection ? lobes.facet_probability : lobes.delta_transmission ? 0.5 : 0.0;
 }
 
-// Scatters the path by a lobe that is not delta. `u_lobe`: what the choice to do so has left of its number.
-bool scatter(Vertex v, vec3 local, float u_lobe, vec2 u, inout PathState path, inout PathWeights weights, out vec3 w, out BsdfSample s) {
-  if (!vertex_sample(v, u_lobe, u, s, w) || s.pdf < 0.0) return false;
+// Scatters the path by a lobe that is not delta. `u`: what the choice to do so has left of its numbers.
+bool scatter(Vertex v, vec3 local, float u_side, vec2 u, inout PathState path, inout PathWeights weights, out vec3 w, out BsdfSample s) {
+  if (!vertex_sample(v, u_side, u, s, w) || s.pdf < 0.0) return false;
   Vertex seen = seen_from(v, w);
   float out_cosine = surface_cosine(v, w), forward;
   if (!(out_cosine > 0.0) || !sides_agree(seen, v.wo)) return false;
@@ -63,12 +63,12 @@ bool scatter(Vertex v, vec3 local, float u_lobe, vec2 u, inout PathState path, i
   return true;
 }
 
-// Sends the path on through a delta lobe. `u_facet`: as above.
-bool pass(Vertex v, vec3 local, Lobes lobes, float go, float u_facet, vec2 u, inout PathState path, inout PathWeights weights,
+// Sends the path on through a delta lobe. `u`: as above.
+bool pass(Vertex v, vec3 local, Lobes lobes, float go, float u_side, vec2 u, inout PathState path, inout PathWeights weights,
           out vec3 w, out BsdfSample s) {
   s = BsdfSample(vec3(0.0, 0.0, 1.0), vec3(0.0), -1.0, 1.0, false);
   bool delta;
-  if (!sample_facets(v.bsdf, lobes, local, u_facet, u, s, delta) || !delta) return false;
+  if (!sample_facets(v.bsdf, lobes, local, u_side, u, s, delta) || !delta) return false;
   s.weight *= lobes.facet_probability / go;
   w = normalize(to_world(s.wi, v.tangent, v.bitangent, v.normal));
   if (!(surface_cosine(v, w) > 0.0) || !sides_agree(seen_from(v, w), v.wo)) return false;
@@ -93,8 +93,9 @@ bool follow(Ray ray, Hit hit, inout PathState path, out Ray next) {
   float go = go_probability(v, lobes);
   BsdfSample s;
   bool goes_on;
-  if (u_choice.x < go) {
-    goes_on = pass(v, local, lobes, go, min(u_choice.x / go, kOneMinusEpsilon), u, path, weights, w, s);
+  vec2 left = u;
+  if (take_share(left.y, go)) {
+    goes_on = pass(v, local, lobes, go, u_choice.x, left, path, weights, w, s);
   } else {
     if (!after_delta || !bsdf_has_smooth(v.bsdf) || wave.bounce > kMostPhotonBounces) return false;
     vec3 light = path.radiance * path.throughput / (cosine * (1.0 - go));
@@ -105,7 +106,7 @@ bool follow(Ray ray, Hit hit, inout PathState path, out Ray next) {
                 sample_2d(path_sampler, dimension + kDimensionLight).x);
     if (!lobes.delta_reflection) { // else vertex_sample() makes the same choice by the same number
       path.throughput /= 1.0 - go;
-      u_choice.x = min((u_choice.x - go) / (1.0 - go), kOneMinusEpsilon);
+      u = left;
     }
     goes_on = scatter(v, local, u_choice.x, u, path, weights, w, s);
   }

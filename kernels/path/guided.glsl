@@ -5,23 +5,21 @@
 #include "kernels/path/guide.glsl"
 #include "kernels/vertex.glsl"
 
-// As vertex_sample() for the vertex's lobes, by both techniques; kernels without guiding know the BSDF alone. `bsdf_pdf`: of
-// the BSDF alone.
-bool guided_sample(Vertex v, Lobes l, Guide guide, float u_choice, vec2 u, out BsdfSample s, out vec3 wi, out float bsdf_pdf) {
+// As vertex_sample() for the vertex's lobes, by both techniques, of which u.y picks one, too; kernels without guiding know the
+// BSDF alone. `bsdf_pdf`: of the BSDF alone.
+bool guided_sample(Vertex v, Lobes l, Guide guide, float u_side, vec2 u, out BsdfSample s, out vec3 wi, out float bsdf_pdf) {
   bool delta = false;
   bsdf_pdf = 0.0;
-  if (has(kFeatureGuide) && u_choice < guide.probability) {
+  if (has(kFeatureGuide) && take_share(u.y, guide.probability)) {
     wi = sample_guide(guide, u);
     s = BsdfSample(to_local(v, wi), vec3(0.0), 0.0, 1.0, false);
     s.transmitted = s.wi.z < 0.0;
     if (has(kFeatureTransmission) && s.transmitted && !v.bsdf.thin) s.eta_scale = l.surface.eta * l.surface.eta;
   } else {
-    float left = has(kFeatureGuide) ? 1.0 - guide.probability : 1.0;
-    float u_lobe = has(kFeatureGuide) ? min((u_choice - guide.probability) / left, kOneMinusEpsilon) : u_choice;
-    if (!bsdf_sample_direction(v.bsdf, l, to_local(v, v.wo), u_lobe, u, s, delta)) return false;
+    if (!bsdf_sample_direction(v.bsdf, l, to_local(v, v.wo), u_side, u, s, delta)) return false;
     wi = drawn_direction(v, s);
     if (delta) {
-      s.weight /= left;
+      if (has(kFeatureGuide)) s.weight /= 1.0 - guide.probability;
       return true;
     }
   }

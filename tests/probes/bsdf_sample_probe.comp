@@ -32,12 +32,12 @@ layout(set = 0, binding = 2, std430) writeonly buffer Batches { Batch results[];
 layout(set = 0, binding = 3, std430) buffer Histogram { uint histogram[]; };
 
 // As vertex_sample() has it where no map bends the normal.
-bool bsdf_sample(Bsdf b, vec3 wo, float u_lobe, vec2 u, out BsdfSample s) {
+bool bsdf_sample(Bsdf b, vec3 wo, float u_side, vec2 u, out BsdfSample s) {
   s = BsdfSample(vec3(0.0, 0.0, 1.0), vec3(0.0), 0.0, 1.0, false);
   if (!(wo.z > 0.0)) return false;
   Lobes l = lobes_of(b, wo);
   bool delta;
-  if (!bsdf_sample_direction(b, l, wo, u_lobe, u, s, delta)) return false;
+  if (!bsdf_sample_direction(b, l, wo, u_side, u, s, delta)) return false;
   if (delta) return true;
   vec3 value = eval_lobes(b, l, wo, s.wi, s.pdf);
   if (!(s.pdf > 0.0) || !is_finite(s.pdf)) return false;
