@@ -237,7 +237,7 @@ TEST(Grid, LeavesOutWhatChangesNothing) {
 class StudyCommand : public ProgramTest {
 protected:
   Outcome study(const std::vector<std::string>& extra, const RunOptions& options = {}) {
-    std::vector<std::string> arguments = {WAVEPATH_BINARY, "study", kCornell};
+    std::vector<std::string> arguments = {WAVEPATH_BINARY, "study", scene_};
     arguments.insert(arguments.end(), extra.begin(), extra.end());
     return run_program(arguments, options);
   }
@@ -253,6 +253,31 @@ protected:
     return {std::istreambuf_iterator<char>(file), {}};
   }
 
+  // Runs a command of the document in its folder.
+  Outcome repeat(const std::string& command) const {
+    std::vector<std::string> words;
+    for (std::istringstream line(command); line;) {
+      std::string word;
+      if (line >> word) words.push_back(word);
+    }
+    EXPECT_EQ(words.front(), "wavepath");
+    words.front() = WAVEPATH_BINARY;
+    words.insert(words.end(), {"--json", "-q"});
+    RunOptions options;
+    options.folder = folder_.path().string();
+    return run_program(words, options);
+  }
+
+  // The command that a row gives renders the picture that the row measured.
+  void expect_repeatable(const Json& point) const {
+    const Outcome outcome = repeat(point["command"]);
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    const Json last = Json::parse(outcome.out)["checkpoints"].back();
+    for (const char* key : {"mse", "relmse", "mrse", "flip"})
+      EXPECT_DOUBLE_EQ(last[key].get<double>(), point[key].get<double>()) << key;
+  }
+
+  std::string scene_ = kCornell;
   TemporaryFolder folder_;
   std::string out_ = folder_.file("study");
 };
@@ -360,27 +385,28 @@ TEST_F(StudyCommand, TellsWhatTheHybridLoses) {
   EXPECT_TRUE(fs::exists(out_ + "/ao-reference.exr") && fs::exists(out_ + "/pictures/ao-reference.png"));
 }
 
-// The command that a row gives renders the picture that the row measured.
 TEST_F(StudyCommand, RowsCanBeRepeated) {
   ASSERT_EQ(study({"-o", out_, "--size", "32x32", "--budget", "1", "--vary", "sampler", "--yfov", "30"}).exit_code, 0);
-  const Json json = Json::parse(read("study.json"));
-  const Json& point = json["configurations"][1]["points"].back();
-  std::vector<std::string> words;
-  for (std::istringstream line(point["command"].get<std::string>()); line;) {
-    std::string word;
-    if (line >> word) words.push_back(word);
-  }
-  EXPECT_EQ(words.front(), "wavepath");
-  words.front() = WAVEPATH_BINARY;
-  words.push_back("--json");
-  words.push_back("-q");
-  RunOptions options;
-  options.folder = folder_.path().string();
-  const Outcome outcome = run_program(words, options);
+  expect_repeatable(Json::parse(read("study.json"))["configurations"][1]["points"].back());
+}
+
+// Each way to filter textures has a packed scene of its own; the reference has exact ones, whatever the flag says.
+TEST_F(StudyCommand, VariesHowTexturesAreFiltered) {
+  scene_ = WAVEPATH_SOURCE_DIR "/scenes/showcase.glb";
+  const Outcome outcome =
+      study({"-o", out_, "--size", "32x24", "--budget", "2", "--vary", "textures", "--textures", "hardware"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
-  const Json last = Json::parse(outcome.out)["checkpoints"].back();
-  for (const char* key : {"mse", "relmse", "mrse", "flip"})
-    EXPECT_DOUBLE_EQ(last[key].get<double>(), point[key].get<double>()) << key;
+  const Json json = Json::parse(read("study.json"));
+  ASSERT_EQ(json["configurations"].size(), 2u);
+  EXPECT_EQ(json["configurations"][0]["name"], "exact");
+  EXPECT_EQ(json["configurations"][1]["name"], "hardware");
+  for (const Json& configuration : json["configurations"]) expect_repeatable(configuration["points"].back());
+  const std::string kept = folder_.file("kept.exr"), reference = json["reference"]["file"];
+  fs::copy_file(reference, kept);
+  const std::string command = json["reference"]["command"];
+  EXPECT_EQ(command.find("hardware"), std::string::npos) << command;
+  ASSERT_EQ(repeat(command).exit_code, 0);
+  EXPECT_EQ(run_program({WAVEPATH_BINARY, "compare", reference, kept, "--max", "mse=0"}).exit_code, 0);
 }
 
 TEST_F(StudyCommand, TakesAReferenceThatIsThere) {

@@ -119,8 +119,10 @@ std::string repeat_command(const CLI::App& app, const Request& request, bvh::Qua
     if (option->get_positional() == false)
       line += fmt::format(" --{} {}", option->get_lnames().front(), shell_quoted(option->results().back()));
   if (!request.render.device.empty()) line += " --device " + shell_quoted(request.render.device);
-  for (const Setting& row : settings_table())
-    if ((row.offered & kByStudy) && row.name != "seed") line += " " + flag_text(row, settings);
+  for (const Setting& row : settings_table()) {
+    const bool varied = std::ranges::count(request.study.vary, row.name) > 0;
+    if ((row.offered & kByStudy) && row.name != "seed" && !varied) line += " " + flag_text(row, settings);
+  }
   return line + fmt::format(" --bvh {}", kQualityNames[static_cast<std::size_t>(quality)]);
 }
 
@@ -149,26 +151,28 @@ private:
   Clock::time_point last_ = Clock::now();
 };
 
-// Packs the scene for every light strategy of the grid, and tells each warning once.
+// Packs the scene for all that the grid wants packed otherwise, and tells each warning once.
 StudyScene pack_scene(LoadedScene& loaded, const Request& request, bvh::Quality quality, const DeviceInfo& device) {
   StudyScene study;
   Scene& scene = loaded.scene;
   study.view =
       resolve_view(scene, loaded.framing, request.scene.view, request.study.render.width, request.study.render.height);
   Warnings all = scene.warnings;
-  const auto pack_for = [&](std::uint32_t direct) {
-    if (study.packed.contains(direct)) return;
+  const auto pack_for = [&](const RenderSettings& settings) {
+    const StudyScene::Key key = StudyScene::key_of(settings);
+    if (study.packed.contains(key)) return;
     scene.warnings = {};
-    study.packed.emplace(direct, pack(scene, {.direct = direct,
-                                              .quality = quality,
-                                              .eye = study.view.position,
-                                              .samplers = sampler_limits(request.study.render, device)}));
+    study.packed.emplace(key, pack(scene, {.direct = key.first,
+                                           .quality = quality,
+                                           .eye = study.view.position,
+                                           .samplers = sampler_limits(settings, device)}));
     for (const auto& [text, count] : scene.warnings.counts())
       if (!all.counts().contains(text)) all.add(text, count);
   };
-  pack_for(gpu::kDirectMis);
-  for (const Configuration& one : make_grid(request.study.vary, request.study.render))
-    pack_for(direct_of(one.settings));
+  RenderSettings common = request.study.render;
+  common.direct = gpu::kDirectMis;
+  pack_for(common);
+  for (const Configuration& one : make_grid(request.study.vary, request.study.render)) pack_for(one.settings);
   print_warnings(all);
   return study;
 }
@@ -178,6 +182,7 @@ int run_study_command(const CLI::App& app, Request& request) {
   const IntegratorKind* kind = settings.render.integrator;
   settings.render = request.render.settings;
   settings.render.integrator = kind;
+  if (std::ranges::count(settings.vary, "textures") > 0) settings.render.textures = kTexturesExact; // of the reference
   if (request.shadows) prepare_shadow_study(settings);
   request.scene.sun_if_unlit = request.shadows;
   check_files(request);
@@ -191,16 +196,17 @@ int run_study_command(const CLI::App& app, Request& request) {
   whole.time_limit = settings.budget;
   const bvh::Quality quality = choose_quality(whole, plan(loaded.scene).triangles_stored, device.info());
   const StudyScene packed = pack_scene(loaded, request, quality, device.info());
+  const PackedScene& common = packed.packed.at({gpu::kDirectMis, settings.render.textures});
   if (std::ranges::count(settings.vary, "shadows") > 0)
-    settings.render.shadow_samples = static_cast<std::uint32_t>(
-        std::clamp(count_lights(packed.packed.at(gpu::kDirectMis)), std::size_t{1}, kMostShadowSamples));
+    settings.render.shadow_samples =
+        static_cast<std::uint32_t>(std::clamp(count_lights(common), std::size_t{1}, kMostShadowSamples));
   std::string repeat = repeat_command(app, request, quality);
   if (loaded.sun && !request.scene.sun) repeat += fmt::format(" --sun {},{}", loaded.sun->x, loaded.sun->y);
   loaded = LoadedScene{};
   // All configurations use the default radius of hybrid, so that one reference of occlusion serves them all.
   RenderSettings hybrid = settings.render;
   hybrid.integrator = &kHybrid;
-  settings.render.ao_radius = occlusion_radius(packed.packed.at(gpu::kDirectMis), hybrid);
+  settings.render.ao_radius = occlusion_radius(common, hybrid);
 
   catch_interrupts();
   const Study study = [&] {

@@ -82,7 +82,7 @@ private:
   bool fits(const Configuration& configuration) {
     const RenderSettings& settings = configuration.settings;
     const std::string why =
-        settings.integrator->unfit ? settings.integrator->unfit(settings, scene_.packed.at(direct_of(settings))) : "";
+        settings.integrator->unfit ? settings.integrator->unfit(settings, scene_.packed_for(settings)) : "";
     if (why.empty()) return true;
     const std::string technique(configuration.value_of("shadows")); // whatever the size of its maps
     const std::string name = technique.empty() ? configuration.name() : technique;
@@ -108,7 +108,7 @@ private:
     settings.shadow_samples = rays;
     settings.last_sample = 1u << octave;
     settings.seed = settings_.render.seed + octave;
-    const PackedScene& scene = scene_.packed.at(direct_of(settings));
+    const PackedScene& scene = scene_.packed_for(settings);
     if (!settings.integrator->unfit(settings, scene).empty()) return {};
     return render_one(settings, light_kernels_, "the truth of shadows").picture;
   }
@@ -132,8 +132,8 @@ private:
     const auto on_progress = [&](const Progress& progress) {
       return progress_({fmt::format("{}, {} spp", what, settings.last_sample), seconds_ + progress.seconds});
     };
-    RenderResult result = render(device_, scene_.packed.at(direct_of(settings)), scene_.view, settings,
-                                 {.progress = on_progress}, kernels);
+    RenderResult result =
+        render(device_, scene_.packed_for(settings), scene_.view, settings, {.progress = on_progress}, kernels);
     seconds_ += result.seconds;
     study_.interrupted |= result.stop == StopReason::interrupted;
     return result;

@@ -5,6 +5,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "host/film/metrics.h"
@@ -13,6 +14,7 @@
 #include "host/render/render.h"
 #include "host/render/settings/denoising.h"
 #include "host/render/settings/integrator_kind.h"
+#include "host/render/settings/shadow_settings.h"
 #include "host/scene/pack/pack.h"
 #include "host/scene/view.h"
 #include "host/study/grid.h"
@@ -34,10 +36,17 @@ struct StudySettings {
   std::uint32_t reference_spp = 0; // 0 = what fits into its share of the budget
 };
 
-// The scene as each light strategy wants it packed, by kDirect... constant.
+// The scene as each light strategy and each way to filter textures want it packed.
 struct StudyScene {
-  std::map<std::uint32_t, PackedScene> packed;
+  // kDirect... and kTextures... constants.
+  using Key = std::pair<std::uint32_t, std::uint32_t>;
+  static Key key_of(const RenderSettings& settings) { return {direct_of(settings), settings.textures}; }
+
+  std::map<Key, PackedScene> packed;
   View view;
+
+  // For settings of the grid, or for its common ones.
+  const PackedScene& packed_for(const RenderSettings& settings) const { return packed.at(key_of(settings)); }
 };
 
 struct StudyReference {

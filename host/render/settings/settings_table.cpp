@@ -262,7 +262,8 @@ std::vector<Setting> transport_rows() {
        .value = ChoiceValue{&S::textures, kTextureFilterNames},
        .meaning = "textures are filtered in single precision, which gives every device the same bits; or, those of 8 "
                   "bits, by the device's samplers, whose weights have 8 bits as well, which is biased",
-       .offered = kByAll},
+       .offered = kByAll,
+       .study = {"exact", "hardware"}},
       {.name = "terminator",
        .value = ChoiceValue{&S::terminator, kTerminatorNames},
        .meaning = "where rays leave coarse meshes with smooth normals: from their facets, which is what the file holds "
