@@ -279,9 +279,9 @@ bool sample_facets(Bsdf b, Lobes l, vec3 wo, float u_side, vec2 u, inout BsdfSam
   return refract_direction(wo, h, l.surface.eta, s.wi) && s.wi.z < 0.0;
 }
 
-// Draws wi from the lobes of which there are any, of which u.y picks one (by u.x StanfordDragon has 1.05 times the squared error);
-// false if the path ends here (absorbed, or scattered into the wrong side by a single bounce between microfacets). `u_side`:
-// whether what reflects and transmits does the one or the other. `delta`: the lobe is a delta lobe; only then are s.pdf and s.weight set.
+// Draws wi from one of the lobes, which u.y picks (by u.x StanfordDragon has 1.05 times the squared error). False if the path
+// ends here: there is no lobe, or wi is on the wrong side after a single bounce between microfacets. `u_side` picks reflection
+// or transmission within the lobe. `delta`: the lobe is a delta lobe; only then are s.pdf and s.weight set.
 bool bsdf_sample_direction(Bsdf b, Lobes l, vec3 wo, float u_side, vec2 u, out BsdfSample s, out bool delta) {
   s = BsdfSample(vec3(0.0, 0.0, 1.0), vec3(0.0), 0.0, 1.0, false);
   delta = false;

@@ -17,8 +17,8 @@
 namespace wavepath::gpu {
 #endif
 
-// Pixels of a block's side. From 262,144 pixels on larger blocks have 4,096 measured pixels as well, which
-// is enough for the error of a picture (docs/error-and-stopping.md), for 1.6 % more samples instead of 6.3 %.
+// Pixels of a block's side. From 262,144 pixels on larger blocks have 4,096 measured pixels as well, for 1.6 %
+// more samples instead of 6.3 %; 2,048 are enough for the error of a picture (docs/error-and-stopping.md).
 GPU_FUNCTION uint net_side(uint width, uint height) { return width * height < 1u << 18u ? 4u : 8u; }
 
 // Blocks in a row, where `pixels` is the width, or in a column; the last one may be cut off by the border.
