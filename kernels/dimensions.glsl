@@ -13,6 +13,8 @@ const uint kDimensionLight = 2u;     // which light, and the point on it
 // Of the point on the camera's lens, and of that which a light vertex is seen from; beyond those of any bounce, so that a lens
 // changes no other number.
 const uint kDimensionLens = 0x80000000u;
+// Of a direction towards the sky beside that of the scattered ray, of a bounce; and, x: reflected or transmitted.
+const uint kDimensionSky = 0x20000000u;
 // x: of the moment at which a path sees the scene.
 const uint kDimensionTime = 0x40000000u;
 

@@ -93,7 +93,8 @@ GPU_CONSTANT uint kSpecMotion = 11u; // 1: corners of triangles move while the s
 GPU_CONSTANT uint kSpecTerminator = 12u;   // where rays leave surfaces with vertex normals
 GPU_CONSTANT uint kSpecSort = 13u;         // which of its rays extend puts in order for the kernels that follow
 GPU_CONSTANT uint kSpecLightSamples = 14u; // of a path where it first scatters; 1 to kMostLightSamples
-GPU_CONSTANT uint kSpecCount = 15u;
+GPU_CONSTANT uint kSpecSky = 15u; // whether shadow rays look for a sky of one colour, too; gpu::Frame says how many
+GPU_CONSTANT uint kSpecCount = 16u;
 
 GPU_CONSTANT uint kSamplerIndependent = 0u, kSamplerStratified = 1u, kSamplerSobol = 2u;
 GPU_CONSTANT uint kDirectMis = 0u, kDirectNee = 1u, kDirectBsdf = 2u;
@@ -105,6 +106,7 @@ GPU_CONSTANT uint kLensPinhole = 0u, kLensDisc = 1u; // from 3 on: a regular pol
 GPU_CONSTANT uint kCullCamera = 0u, kCullAll = 1u, kCullNone = 2u;
 GPU_CONSTANT uint kTerminatorFacets = 0u, kTerminatorSmooth = 1u;
 GPU_CONSTANT uint kSortNone = 0u, kSortHits = 1u, kSortEscapes = 2u; // escapes besides hits
+GPU_CONSTANT uint kSkyByPaths = 0u, kSkyByShadowRays = 1u; // besides paths
 GPU_CONSTANT uint kMostLightSamples = 8u;
 GPU_CONSTANT uint kFilterBox = 0u, kFilterGaussian = 1u, kFilterBlackmanHarris = 2u;
 

@@ -50,7 +50,7 @@ struct Frame {
   uvec2 bodies_at_eye;    // bodies that hold the eye, as path_media has them (kFeatureVolume): kernels/path/bodies.glsl
   float pixel_spread;     // width of the cone of a pixel in metres, at a distance of one metre where there is a
                           // perspective; 0 = textures are looked up exactly (kFeatureMips)
-  uint pad_spread;
+  uint sky_samples;       // directions in which a vertex looks for a sky of one colour (kSpecSky)
   uvec2 top_level; // device address of the scene's structure for ray queries: low, high
   uvec2 pad_top_level;
 };

@@ -175,6 +175,7 @@ TEST(Layout, Frame) {
            AT(Frame, end_normals),
            AT(Frame, bodies_at_eye),
            AT(Frame, pixel_spread),
+           AT(Frame, sky_samples),
            AT(Frame, top_level)});
   compare("Wave", sizeof(Wave),
           {AT(Wave, first_pixel), AT(Wave, pixel_count), AT(Wave, first_sample), AT(Wave, sample_count),

@@ -36,7 +36,7 @@ std::map<std::string, std::string> members(const RenderSettings& settings) {
                shadow_cascades, shadow_exponent, shadow_bits, shadow_source, shadow_cookie, shadow_ambient, shading,
                interpolation, shininess, attenuation, depth_cue, transparency, transparency_layers,
                transparency_samples, branching, techniques, cutoff, denoise, antialias_over_time, mips, lights,
-               light_samples, adaptive, guide, moving, specialize, aovs, guide_iterations, added_features,
+               light_samples, sky_samples, adaptive, guide, moving, specialize, aovs, guide_iterations, added_features,
                removed_features, room_for_shadow_rays, room_for_whole_nets, room_for_mips, whole_nets_from,
                wave_slots] = settings;
   const auto text = [](const auto& value) { return fmt::format("{}", value); };
@@ -99,6 +99,7 @@ std::map<std::string, std::string> members(const RenderSettings& settings) {
           {"mips", text(mips)},
           {"lights", text(lights)},
           {"light_samples", text(light_samples)},
+          {"sky_samples", text(sky_samples)},
           {"adaptive", text(adaptive)},
           {"guide", text(guide)},
           {"moving", text(moving)},

@@ -31,10 +31,12 @@
 #include "host/render/report/state_file.h"
 #include "host/render/settings/identity.h"
 #include "host/render/settings/integrator_kind.h"
+#include "host/render/settings/light_samples.h"
 #include "host/render/settings/mips.h"
 #include "host/render/settings/settings_table.h"
 #include "host/render/settings/shadow_settings.h"
 #include "host/render/settings/textures.h"
+#include "host/render/sky_choice.h"
 #include "host/scene/scene_hash.h"
 
 namespace wavepath {
@@ -249,34 +251,63 @@ std::string identity_as(const Request& request, const Prepared& prepared, const 
   return identity;
 }
 
-// What --integrator auto had come to when the file of --resume was begun, maybe for fewer samples. Empty if there is no
-// such file, or it is of another render.
+// What --integrator auto and --sky-samples auto may come to.
+std::vector<RenderSettings> candidates_of(const RenderSettings& settings, const PackedScene& scene) {
+  std::vector<RenderSettings> all;
+  const std::uint32_t most_sky_samples = settings.sky_samples == 0 ? gpu::kMostLightSamples : 0;
+  for (std::uint32_t i = 0; i <= most_sky_samples; ++i) {
+    RenderSettings one = settings;
+    if (most_sky_samples > 0) one.sky_samples = i;
+    if (!settings.integrator->candidates) {
+      all.push_back(one);
+      continue;
+    }
+    const std::vector<RenderSettings> candidates = settings.integrator->candidates(one, scene);
+    all.insert(all.end(), candidates.begin(), candidates.end());
+  }
+  return all;
+}
+
+// What they had come to when the file of --resume was begun, maybe for fewer samples. Empty if there is no such file, or it
+// is of another render.
 std::optional<RenderSettings> recorded_choice(const Request& request, const Prepared& prepared) {
   const RenderSettings& settings = request.render.settings;
   std::error_code error;
   if (!request.render.state.resume || !std::filesystem::exists(request.render.state.file, error)) return std::nullopt;
+  if (!settings.integrator->candidates && !may_share_sky(settings, prepared.packed.features)) return std::nullopt;
   const std::string recorded = read_state(request.render.state.file).identity;
-  for (const RenderSettings& candidate : settings.integrator->candidates(settings, prepared.packed))
+  for (const RenderSettings& candidate : candidates_of(settings, prepared.packed))
     if (identity_as(request, prepared, candidate) == recorded) return candidate;
   return std::nullopt;
 }
 
-// What --integrator auto comes to, and who the render then is.
-IntegratorChoice settle_integrator(Request& request, Prepared& prepared) {
+struct Choices {
+  SkyChoice sky;
+  IntegratorChoice integrator;
+};
+
+// What pilots decide about the render, and who it then is.
+Choices settle_choices(Request& request, Prepared& prepared) {
   RenderSettings& settings = request.render.settings;
-  IntegratorChoice choice{.settings = settings};
-  if (settings.integrator->candidates) {
-    const std::optional<RenderSettings> recorded = recorded_choice(request, prepared);
-    if (recorded)
-      choice.settings = *recorded;
-    else
-      choice = choose_integrator(*prepared.device, prepared.packed, prepared.view, settings, *prepared.kernels);
-    const bool tells = !choice.trials.empty() || is_given(request.render, "integrator");
-    if (!recorded && tells && !request.output.quiet) fmt::print(stderr, "wavepath: {}\n", choice_text(choice));
-    settings = choice.settings;
+  Choices choices;
+  if (const std::optional<RenderSettings> recorded = recorded_choice(request, prepared)) {
+    settings = *recorded;
+  } else {
+    const auto tell = [&](bool wanted, const std::string& text) {
+      if (wanted && !request.output.quiet) fmt::print(stderr, "wavepath: {}\n", text);
+    };
+    choices.sky = choose_sky_samples(*prepared.device, prepared.packed, prepared.view, settings, *prepared.kernels);
+    if (choices.sky.samples > 0) settings.sky_samples = choices.sky.samples;
+    tell(choices.sky.samples > 1, sky_choice_text(choices.sky));
+    const bool stands_for_others = settings.integrator->candidates != nullptr;
+    choices.integrator =
+        choose_integrator(*prepared.device, prepared.packed, prepared.view, settings, *prepared.kernels);
+    settings = choices.integrator.settings;
+    tell(stands_for_others && (!choices.integrator.trials.empty() || is_given(request.render, "integrator")),
+         choice_text(choices.integrator));
   }
   if (needs_identity(request)) prepared.identity = identity_as(request, prepared, settings);
-  return choice;
+  return choices;
 }
 
 // Prints the trace of one path. Writes no file.
@@ -428,7 +459,7 @@ int run_render(Request& request) {
   const std::optional<Picture> reference = check(request);
   Prepared prepared = prepare(request);
   request.render.settings.moving = prepared.packed.moves(); // else the shutter would cost something
-  const IntegratorChoice choice = settle_integrator(request, prepared);
+  const Choices choices = settle_choices(request, prepared);
   if (request.render.pixel) return replay(request, prepared);
 
   const RenderSettings& settings = request.render.settings;
@@ -439,7 +470,8 @@ int run_render(Request& request) {
   denoise_if_asked(result, settings);
   show(request, prepared, result.picture);
   Run run{request.scene.path, request.command_line, prepared.device->info(), settings, prepared.packed, result};
-  if (!choice.trials.empty()) run.choice = &choice;
+  if (!choices.integrator.trials.empty()) run.choice = &choices.integrator;
+  if (choices.sky.samples > 0) run.sky_choice = &choices.sky;
   if (shared) run.shared = &*shared;
   const RenderingDevice on = surviving(prepared, run.shared);
   run.bias = list_bias(settings, prepared.packed, result, depth_cut(request, prepared, result, on),

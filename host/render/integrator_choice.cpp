@@ -10,6 +10,7 @@
 #include "host/render/lost_light.h"
 #include "host/render/settings/settings_table.h"
 #include "host/render/small_picture.h"
+#include "host/render/trial.h"
 #include "host/scene/view.h"
 
 namespace wavepath {
@@ -30,8 +31,6 @@ constexpr double kTrialsOverFirst = 6.0, kCpuKernels = 1.2e6, kGpuKernels = 1e9;
 // A trial that lacks more light than this, beyond four standard errors, does not find all of it, however smooth it is.
 constexpr double kMissing = 0.01, kSure = 4.0;
 constexpr double kNever = 1e30; // a cost that no other exceeds
-// Paths a second, for renders that are bounded by time: orders of magnitude, so that the choice depends on no clock.
-constexpr double kCpuPaths = 1e5, kGpuPaths = 1e8;
 
 RenderSettings pilot_of(const RenderSettings& settings) {
   RenderSettings small = small_picture(settings, kLongestSide, kSamples);
@@ -40,16 +39,9 @@ RenderSettings pilot_of(const RenderSettings& settings) {
   return small;
 }
 
-double paths_of(const RenderSettings& settings) {
-  const std::uint32_t samples = settings.sample_total > 0 ? settings.sample_total : settings.last_sample;
-  return static_cast<double>(settings.width) * settings.height * samples;
-}
-
 // How many times the paths of a pilot the whole render has.
 double length_of(const RenderSettings& settings, bool cpu) {
-  double whole = paths_of(settings);
-  if (settings.time_limit > 0.0) whole = std::min(whole, settings.time_limit * (cpu ? kCpuPaths : kGpuPaths));
-  return whole / paths_of(pilot_of(settings));
+  return expected_paths(settings, cpu) / paths_of(pilot_of(settings));
 }
 
 std::string flags_text(const RenderSettings& settings) {
@@ -68,11 +60,6 @@ struct PilotRender {
   double work = 0.0;
 };
 
-RayCounts minus(RayCounts a, const RayCounts& b) {
-  a.camera -= b.camera, a.bounce -= b.bounce, a.shadow -= b.shadow, a.occlusion -= b.occlusion;
-  return a;
-}
-
 // Of the work from which a trial learned, what the samples of the trial have to bear: a whole render learns once, and
 // of guiding that pays for longer, since each iteration after the second has twice as many paths.
 double learning_share(const RenderSettings& settings, const RenderResult& trial) {
@@ -81,14 +68,10 @@ double learning_share(const RenderSettings& settings, const RenderResult& trial)
   return length * paths_of(pilot_of(settings)) / paths_of(settings);
 }
 
-// Work for the samples of the pilot picture, and a share of what the integrator learned from before the first of them,
-// which is told apart by comparing the two halves of the samples.
+// Work for the samples of the pilot picture, and a share of what the integrator learned from before the first of them.
 double work_of(const RenderSettings& settings, const RenderResult& result, double learning_share, bool cpu) {
-  const auto work = [&](const RayCounts& rays) { return settings.integrator->work(settings, rays, cpu); };
-  const std::size_t count = result.checkpoints.size();
-  const double total = work(result.rays);
-  if (count < 2) return total;
-  const double steady = 2.0 * work(minus(result.rays, result.checkpoints[count - 2].rays));
+  const double total = settings.integrator->work(settings, result.rays, cpu);
+  const double steady = steady_work(settings, result, cpu);
   return steady + std::max(0.0, total - steady) * learning_share;
 }
 

@@ -7,6 +7,7 @@
 #define BIND_COUNTERS
 #include "kernels/config.glsl"
 #include "kernels/path/bindings.glsl"
+#include "kernels/path/sky.glsl"
 
 layout(local_size_x = 1) in;
 
@@ -34,7 +35,7 @@ void main() {
     SIZE(queues.extend_groups, count)
     queues.ray_count[(bounce + 1u) & 1u] = 0u;
     queues.shadow_count = queues.hit_count = queues.escape_count = 0u;
-    for (uint i = 1u; i < kLightSamples; ++i) queues.later_shadow_count[i - 1u] = 0u;
+    for (uint i = 1u; i < shadow_queue_count(); ++i) queues.later_shadow_count[i - 1u] = 0u;
     if (bounce == 0u) COUNT(counters.camera_rays, count) else COUNT(counters.bounce_rays, count)
   } else if (step_ == kBeforeShade) {
     SIZE(queues.shade_groups, queues.hit_count)

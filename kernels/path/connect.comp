@@ -17,6 +17,7 @@
 #include "kernels/light_selection.glsl"
 #include "kernels/path/nonfinite.glsl"
 #include "kernels/path/records.glsl"
+#include "kernels/path/sky.glsl"
 #include "kernels/pixel.glsl"
 #include "kernels/records.glsl"
 
@@ -58,18 +59,19 @@ void tally(ShadowRay ray, bool blocked) {
 void main() {
   uint index = gl_GlobalInvocationID.x;
   if (index >= queues.shadow_count) return;
-  ShadowRay ray = fetch_shadow_ray((kLightSamples > 1u ? queues.first_shadow : 0u) + index);
+  ShadowRay ray = fetch_shadow_ray((kLightSamples > 1u || SHARES_SKY ? queues.first_shadow : 0u) + index);
   if (has(kFeaturePanes) && has(kFeatureAlpha)) path_sampler = slot_sampler(ray.slot);
   if (kMoves) open_shutter(slot_sampler(ray.slot));
   begin_shadow(ray.direction);
   uint target = kNone, target_instance = 0u;
-  if (has(kFeatureTriangleLights)) {
+  bool to_sky = SHARES_SKY && ray.light == kNone;
+  if (has(kFeatureTriangleLights) && !to_sky) {
     Light light = fetch_light(ray.light);
     target = light.kind == kLightTriangle ? light.triangle_id : kNone;
     target_instance = light.instance;
   }
   bool blocked = trace(ray.origin, ray.direction, ray.t_max, target, target_instance).triangle != kNone;
-  if (has(kFeatureLearning)) tally(ray, blocked);
+  if (has(kFeatureLearning) && !to_sky) tally(ray, blocked);
   if (blocked) return;
   // One shadow ray a path in this queue: no other lane writes this slot.
   PathState path = fetch_path(ray.slot);

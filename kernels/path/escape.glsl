@@ -7,6 +7,7 @@
 #include "kernels/path/found_light.glsl"
 #include "kernels/path/medium.glsl"
 #include "kernels/path/receiver.glsl"
+#include "kernels/path/sky.glsl"
 
 // The environment in the ray's direction, as much of it as next-event estimation leaves to the BSDF.
 void escape(Ray ray, inout PathState path) {
@@ -19,7 +20,7 @@ void escape(Ray ray, inout PathState path) {
   float light_pdf;
   vec3 radiance = environment_emission(ray.direction, light_pdf);
   if (wants_light_weight(path) && light_pdf > 0.0) light_pdf *= environment_ratio(fetch_receiver(slot));
-  add_radiance(path, slot, path.throughput * radiance * emission_weight(path.bsdf_pdf, light_pdf));
+  add_radiance(path, slot, path.throughput * radiance * emission_weight(path.bsdf_pdf, light_pdf) * sky_share(path.bsdf_pdf));
 }
 
 #endif

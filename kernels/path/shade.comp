@@ -29,6 +29,7 @@
 #include "kernels/path/queue.glsl"
 #include "kernels/path/receiver.glsl"
 #include "kernels/path/records.glsl"
+#include "kernels/path/sky.glsl"
 #include "kernels/pixel.glsl"
 #include "kernels/ray_cone.glsl"
 #include "kernels/records.glsl"
@@ -40,6 +41,13 @@ Guide guide; // of the vertex being shaded
 
 #define TAKES_MORE_LIGHT_SAMPLES (kLightSamples > 1u) // a macro, as has() is
 uint light_sample_count() { return light_samples_at(kLightSamples, wave.bounce); }
+
+// Of what lies on this side of the surface or behind it.
+vec3 transmittance_towards(Vertex v, vec3 direction, float distance_, uint slot) {
+  if (!has(kFeatureVolume)) return vec3(1.0);
+  bool crossing = dot(direction, v.normal) < 0.0 && !v.bsdf.thin;
+  return medium_transmittance(crossing ? body_behind(v, slot) : current_body(slot), distance_);
+}
 
 // Next-event estimation by one of light_sample_count() samples: true if there is a shadow ray worth tracing.
 bool connect_to_light(Vertex v, Lobes lobes, Receiver receiver, Sampler path_sampler, uint dimension, uint slot, vec3 throughput,
@@ -54,11 +62,7 @@ bool connect_to_light(Vertex v, Lobes lobes, Receiver receiver, Sampler path_sam
   if (TAKES_MORE_LIGHT_SAMPLES) density *= float(light_sample_count());
   float weight = light.delta || kDirect == kDirectNee ? 1.0 : mis_weight(density, bsdf_pdf);
   ray.contribution = throughput * scattered * light.radiance * (weight / density);
-  if (has(kFeatureVolume)) {
-    bool crossing = dot(light.direction, v.normal) < 0.0 && !v.bsdf.thin;
-    uint medium = crossing ? body_behind(v, slot) : current_body(slot);
-    ray.contribution *= medium_transmittance(medium, light.distant ? kFarAway : length(light.target - v.surface.position));
-  }
+  ray.contribution *= transmittance_towards(v, light.direction, light.distant ? kFarAway : length(light.target - v.surface.position), slot);
   if (is_finite(ray.contribution) && max_component(ray.contribution) <= 0.0) return false;
 
   ray.slot = slot;
@@ -69,10 +73,10 @@ bool connect_to_light(Vertex v, Lobes lobes, Receiver receiver, Sampler path_sam
   return true;
 }
 
-// Light samples of a vertex are consecutive points of one net.
-Sampler light_sampler(Sampler path_sampler, uint light_sample) {
-  path_sampler.index = path_sampler.index * light_sample_count() + light_sample;
-  path_sampler.count = min(path_sampler.count, kNone / light_sample_count()) * light_sample_count();
+// Light samples of a vertex are consecutive points of one net, and so are directions to the sky.
+Sampler one_of(Sampler path_sampler, uint i, uint count) {
+  path_sampler.index = path_sampler.index * count + i;
+  path_sampler.count = min(path_sampler.count, kNone / count) * count;
   return path_sampler;
 }
 
@@ -81,10 +85,39 @@ Sampler light_sampler(Sampler path_sampler, uint light_sample) {
 void connect_to_lights(Vertex v, Lobes lobes, Receiver receiver, Sampler path_sampler, uint dimension, uint slot, vec3 throughput) {
   for (uint i = 0u; i < light_sample_count(); ++i) {
     ShadowRay ray;
-    bool wanted = connect_to_light(v, lobes, receiver, light_sampler(path_sampler, i), dimension, slot, throughput, ray);
+    bool wanted = connect_to_light(v, lobes, receiver, one_of(path_sampler, i, light_sample_count()), dimension, slot, throughput, ray);
     if (!wanted) continue;
     uint place = i == 0u ? atomicAdd(queues.shadow_count, 1u) : atomicAdd(queues.later_shadow_count[i - 1u], 1u);
     store_shadow_ray(i * frame.slot_count + place, ray);
+  }
+}
+
+// A shadow ray to the sky, in a direction drawn as those of scattered rays are: true if it is worth tracing.
+bool connect_to_sky(Vertex v, Lobes lobes, Sampler sky_sampler, uint slot, vec3 radiance, out ShadowRay ray) {
+  uint dimension = kDimensionSky + 2u * wave.bounce;
+  BsdfSample s;
+  vec3 wi;
+  float bsdf_pdf;
+  if (!guided_sample(v, lobes, guide, sample_2d(sky_sampler, dimension + 1u).x, sample_2d(sky_sampler, dimension), s, wi, bsdf_pdf))
+    return false;
+  if (s.pdf < 0.0 || !sides_agree(v, wi)) return false; // a delta lobe is the path's own
+  ray.contribution = radiance * s.weight * transmittance_towards(v, wi, kFarAway, slot);
+  if (is_finite(ray.contribution) && max_component(ray.contribution) <= 0.0) return false;
+  ray.slot = slot;
+  ray.light = kNone;
+  ray.origin = offset_ray_origin(v.surface.position, v.surface.position_error, v.surface.geometric_normal, wi);
+  ray.direction = wi;
+  ray.t_max = kFar;
+  return true;
+}
+
+// The directions towards the sky that are not the path's own, whose shadow rays go to queues of their own.
+void connect_to_sky(Vertex v, Lobes lobes, Sampler path_sampler, uint slot, vec3 throughput) {
+  vec3 radiance = throughput * frame.environment_radiance / float(frame.sky_samples);
+  for (uint i = 1u; i < frame.sky_samples; ++i) {
+    ShadowRay ray;
+    if (!connect_to_sky(v, lobes, one_of(path_sampler, i - 1u, frame.sky_samples - 1u), slot, radiance, ray)) continue;
+    store_shadow_ray(i * frame.slot_count + atomicAdd(queues.later_shadow_count[i - 1u], 1u), ray);
   }
 }
 
@@ -196,6 +229,7 @@ void follow(Ray ray, Hit hit, inout PathState path, out bool wants_ray, out Ray 
       if (TAKES_MORE_LIGHT_SAMPLES) connect_to_lights(v, lobes, receiver, path_sampler, dimension, slot, path.throughput);
       else wants_shadow = connect_to_light(v, lobes, receiver, path_sampler, dimension, slot, path.throughput, shadow);
     }
+    if (SHARES_SKY && bsdf_has_smooth(v.bsdf)) connect_to_sky(v, lobes, path_sampler, slot, path.throughput);
     wants_ray = scatter(v, lobes, path_sampler, dimension, slot, path, next, passed);
     // A pane with a diffuse share receives light, too, but what goes straight on comes from the vertex before it. (A pilot
     // that learns counts the pane's own shadow ray for that vertex: it makes shares less apt, never wrong.)

@@ -9,7 +9,7 @@
 namespace wavepath {
 namespace {
 
-constexpr std::array<std::string_view, 9> kSettings = {"hemisphere", "direct",  "light-samples", "aperture",  "focus",
+constexpr std::array<std::string_view, 10> kSettings = {"hemisphere", "direct",  "light-samples", "sky-samples", "aperture",  "focus",
                                                        "blades",     "shutter", "denoise",       "terminator"};
 
 std::vector<RenderSettings> candidates(const RenderSettings& settings, const PackedScene& scene) {

@@ -15,19 +15,20 @@
 namespace wavepath {
 namespace {
 
-constexpr std::array<std::string_view, 13> kSettings = {
-    "hemisphere", "direct",   "lights", "light-samples", "adaptive", "guide",     "denoise",
+constexpr std::array<std::string_view, 14> kSettings = {
+    "hemisphere", "direct",   "lights", "light-samples", "sky-samples", "adaptive", "guide",     "denoise",
     "pixel",      "aperture", "focus",  "blades",        "shutter",  "terminator"};
 constexpr std::array<std::string_view, 2> kFirstHitStages = {"generate", "extend"};
 
 void start_kernels(KernelCompiler& kernels, const DeviceInfo& device, gpu::Feature features,
                    const RenderSettings& settings) {
-  kernels.start(path_need(kPathProgram, kAllPathStages, kernel_config(features, kExpectedStack, settings)));
+  const KernelConfig specialized = kernel_config(features, kExpectedStack, settings);
+  kernels.start(path_need(kPathProgram, kAllPathStages, specialized));
   if (!generic_first(device)) return;
-  RenderSettings for_scene = settings; // what generic kernels are not compiled for
-  for_scene.light_samples = light_samples_of(settings, features);
-  kernels.start(
-      path_need(kPathProgram, kAllPathStages, kernel_config(generic_features(features), kExpectedStack, for_scene)));
+  KernelConfig generic = kernel_config(generic_features(features), kExpectedStack, settings);
+  generic.light_samples = specialized.light_samples; // what generic kernels are not compiled for
+  generic.sky = specialized.sky;
+  kernels.start(path_need(kPathProgram, kAllPathStages, generic));
 }
 
 std::vector<std::string> bias(const RenderSettings& settings, const RenderResult&) {
@@ -65,7 +66,7 @@ constinit const IntegratorKind kPath = {
     .bytes_per_slot =
         [](gpu::Feature features, const RenderSettings& settings) {
           return bytes_per_path(features, kRoomForShadowRays | kRoomForSortedRays,
-                                light_samples_of(settings, features));
+                                std::max(light_samples_of(settings, features), sky_samples_of(settings, features)));
         },
     .largest_record =
         [](const RenderSettings&) {

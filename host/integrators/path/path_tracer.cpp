@@ -23,6 +23,7 @@ void PathTracer::change(const View&, const RenderSettings& settings, Past) {
     guided_need_.config.features |= gpu::kFeatureGuide;
     guide_pilot_need_ = path_need(kGuidePilotProgram, stage_bits({kShade, kEscape, kGuideNote}), guided_need_.config);
     guide_pilot_need_.config.features |= gpu::kFeatureLearning;
+    guide_pilot_need_.config.sky = gpu::kSkyByPaths; // it learns from the light that paths find themselves
     kernels_.start(guide_pilot_need_);
     kernels_.start(guided_need_);
     use_field(guide_pilot_->field());
@@ -86,8 +87,10 @@ void PathTracer::describe(RenderResult& result) const {
 }
 
 std::uint32_t PathTracer::timed_dispatches() const {
-  const std::uint32_t more_samples = 4 * paths_.config().light_samples; // of all bounces, or fewer
-  return std::min(2 + (workspace_.frame.max_depth + 1) * 7 + more_samples, 1024u);
+  const std::uint32_t bounces = workspace_.frame.max_depth + 1;
+  const std::uint32_t light_samples = 4 * paths_.config().light_samples; // of all bounces, or fewer
+  const std::uint32_t sky_samples = 2 * bounces * (workspace_.frame.sky_samples - 1);
+  return std::min(2 + bounces * 7 + light_samples + sky_samples, 1024u);
 }
 
 void PathTracer::record_wave(Commands& commands, std::size_t band, const gpu::Wave& wave) {
@@ -96,7 +99,7 @@ void PathTracer::record_wave(Commands& commands, std::size_t band, const gpu::Wa
   const KernelSet& shading = notes ? kernels_.best(guide_pilot_need_) : guided ? kernels_.best(guided_need_) : kernels;
   const KernelSet& connecting = lesson_ == Lesson::lights ? teacher_.kernels() : kernels;
   const std::uint32_t bounces = workspace_.frame.max_depth + 1;
-  const bool connects = workspace_.frame.light_count > 0;
+  const bool connects = workspace_.frame.light_count > 0 || paths_.config().sky == gpu::kSkyByShadowRays;
   commands.bind(paths_.bindings(band));
   commands.dispatch(kernels[kGenerate], groups_for(std::uint64_t{wave.pixel_count} * wave.sample_count), &wave);
   for (std::uint32_t bounce = 0; bounce < bounces; ++bounce) {

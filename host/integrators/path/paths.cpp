@@ -6,6 +6,7 @@
 #include "host/integrators/path/guiding.h"
 #include "host/integrators/path/light_rows.h"
 #include "host/render/settings/denoising.h"
+#include "host/render/settings/light_samples.h"
 #include "kernels/path/accumulate.spv.h"
 #include "kernels/path/advance.spv.h"
 #include "kernels/path/connect.spv.h"
@@ -146,14 +147,16 @@ bool Paths::change(const RenderSettings& settings, std::uint32_t stages, std::ui
   const gpu::Feature camera = workspace_.frame.orthographic ? gpu::kFeatureOrthographic : 0;
   need_ = path_need(kPathProgram, stages,
                     kernel_config(scene.features | camera | features_of(settings), scene.stack_size, settings));
+  workspace_.frame.sky_samples = sky_samples_of(settings, scene.features);
   if (need_.config.sort != gpu::kSortNone) options |= kRoomForSortedRays;
   if (stages) kernels_.start(need_);
   // Kernels that were begun for other settings may run until these are ready.
   const gpu::Feature features = need_.config.features | kernels_.features(kPathProgram);
-  if (!(options & kStatesAlone) && (workspace_.frame.light_count > 0 || settings.room_for_shadow_rays))
+  if (!(options & kStatesAlone) && (workspace_.frame.light_count > 0 || workspace_.frame.sky_samples > 1 || settings.room_for_shadow_rays))
     options |= kRoomForShadowRays;
   bool moved = workspace_.fit(settings, features | film_features);
-  moved |= buffers.fit({workspace_.film.pixels(), workspace_.slots, features, options, need_.config.light_samples});
+  moved |= buffers.fit({workspace_.film.pixels(), workspace_.slots, features, options,
+                       std::max(need_.config.light_samples, workspace_.frame.sky_samples)});
   if (!moved && !sets_.empty()) return false;
   std::vector<Binding> own;
   buffers.add_bindings(own);
@@ -194,8 +197,9 @@ void Paths::shade(Commands& commands, const KernelSet& kernels, const KernelSet&
 }
 
 void Paths::connect(Commands& commands, const KernelSet& kernels, gpu::Wave wave, std::uint32_t bounce) const {
-  const std::uint32_t light_samples = gpu::light_samples_at(kernels.config().light_samples, bounce);
-  for (std::uint32_t i = 0; i < light_samples; ++i) {
+  const std::uint32_t samples =
+      std::max(gpu::light_samples_at(kernels.config().light_samples, bounce), workspace_.frame.sky_samples);
+  for (std::uint32_t i = workspace_.frame.light_count > 0 ? 0 : 1; i < samples; ++i) {
     advance(commands, kernels, wave, bounce, gpu::kBeforeConnect + i);
     wave.bounce = bounce;
     commands.dispatch_indirect(kernels[kConnect], buffers[kQueues], offsetof(gpu::Queues, connect_groups), &wave);

@@ -33,6 +33,7 @@ KernelConfig kernel_config(gpu::Feature features, std::uint32_t stack_size, cons
   // Traversal marks the bottom of its stack, and stores one entry beyond what it keeps.
   const std::uint32_t stack = (stack_size + 2 + kStackStep - 1) / kStackStep * kStackStep;
   const std::uint32_t light_samples = light_samples_of(settings, features);
+  const std::uint32_t sky = sky_samples_of(settings, features) > 1 ? gpu::kSkyByShadowRays : gpu::kSkyByPaths;
   if (!settings.specialize) features = generic_features(features);
   // Generic kernels, too, leave out what the settings do not ask for.
   constexpr gpu::Feature kByRequest = gpu::kFeatureAovs | gpu::kFeatureAdaptive | gpu::kFeatureSharedFirstHit |
@@ -67,7 +68,8 @@ KernelConfig kernel_config(gpu::Feature features, std::uint32_t stack_size, cons
           terminator,
           traversal_of(settings),
           sort,
-          light_samples};
+          light_samples,
+          sky};
 }
 
 gpu::Feature features_of(const RenderSettings& settings) {

@@ -80,6 +80,7 @@ std::array<std::uint32_t, gpu::kSpecCount> specialization(const KernelConfig& co
   constants[gpu::kSpecTerminator] = config.terminator;
   constants[gpu::kSpecSort] = config.sort;
   constants[gpu::kSpecLightSamples] = config.light_samples;
+  constants[gpu::kSpecSky] = config.sky;
   return constants;
 }
 

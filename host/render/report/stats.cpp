@@ -212,6 +212,10 @@ Json choice_json(const IntegratorChoice& choice) {
   return {{"taken", choice.trials[choice.taken].flags}, {"seconds", choice.seconds}, {"trials", trials}};
 }
 
+Json sky_choice_json(const SkyChoice& choice) {
+  return {{"taken", choice.samples}, {"cost", choice.cost}, {"seconds", choice.seconds}};
+}
+
 // What each of several devices did.
 Json devices_json(const SharedResult& shared) {
   Json devices = Json::array();
@@ -255,6 +259,7 @@ Json stats_document(const Run& run) {
       {"sampler", kSamplerNames[settings.sampler]},
       {"integrator", settings.integrator->name},
       {"choice", run.choice ? choice_json(*run.choice) : Json()},
+      {"sky_choice", run.sky_choice ? sky_choice_json(*run.sky_choice) : Json()},
       {"max_depth", settings.max_depth},
       {"settings", settings_json(settings)},
       {"hybrid", settings.integrator->stats(settings, run.packed, result)},

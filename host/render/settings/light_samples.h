@@ -1,4 +1,4 @@
-// How many light samples a path takes where it first scatters.
+// How many light samples a path takes where it first scatters, and how many directions look for the sky.
 #pragma once
 
 #include <cstdint>
@@ -16,5 +16,11 @@ inline constexpr std::uint32_t kFewLightSamplesOfMaps = 2;
 
 // 1 to gpu::kMostLightSamples; 1 for integrators that do not take the setting. `scene`: its kFeature bits.
 std::uint32_t light_samples_of(const RenderSettings& settings, gpu::Feature scene);
+
+// Whether shadow rays may look for the sky besides paths (kernels/path/sky.glsl): it has one colour, and paths alone look
+// for it. Not where panes let shadow rays pass, since a path does not know how much of the sky is left to it behind one.
+bool may_share_sky(const RenderSettings& settings, gpu::Feature scene);
+// Directions in which every vertex looks for it, the path's own among them; 1 where it may not be shared.
+std::uint32_t sky_samples_of(const RenderSettings& settings, gpu::Feature scene);
 
 } // namespace wavepath

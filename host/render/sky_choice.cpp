@@ -1,0 +1,69 @@
+#include "host/render/sky_choice.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "host/base/clock.h"
+#include "host/gpu/device.h"
+#include "host/render/settings/light_samples.h"
+#include "host/render/small_picture.h"
+#include "host/render/trial.h"
+#include "host/scene/pack/packed_scene.h"
+
+namespace wavepath {
+namespace {
+
+constexpr std::uint32_t kLongestSide = 64, kSamples = 8; // of a pilot
+constexpr std::uint32_t kTried = 4;                      // besides 1
+constexpr double kWholeOverPilots = 20.0;                // in paths
+constexpr double kWorthwhile = 0.9;                      // costs above this are not told from chance
+
+RenderSettings pilot_of(const RenderSettings& settings, std::uint32_t sky_samples) {
+  RenderSettings small = small_picture(settings, kLongestSide, kSamples);
+  small.seed = settings.seed ^ 0x85ebca6bu;
+  small.guide = false;
+  small.sky_samples = sky_samples;
+  return small;
+}
+
+struct Cost {
+  double squared_error, work;
+};
+
+} // namespace
+
+SkyChoice choose_sky_samples(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings,
+                             KernelCompiler& kernels) {
+  const bool cpu = device.info().type == "cpu";
+  if (settings.sky_samples > 0 || !may_share_sky(settings, scene.features) ||
+      expected_paths(settings, cpu) < kWholeOverPilots * 2.0 * paths_of(pilot_of(settings, 1)))
+    return {};
+  const Clock::time_point start = Clock::now();
+  const auto measure = [&](std::uint32_t sky_samples) {
+    const RenderSettings small = pilot_of(settings, sky_samples);
+    const RenderResult result = render(device, scene, view, small, RenderHooks{}, kernels);
+    const double error = result.error.relative_rms;
+    return Cost{error * error, steady_work(small, result, cpu)};
+  };
+  const Cost one = measure(1), more = measure(kTried);
+
+  // squared_error = rest + sky / n, work = paths + n * shadow_ray
+  const double sky = (one.squared_error - more.squared_error) / (1.0 - 1.0 / kTried), rest = one.squared_error - sky;
+  const double shadow_ray = (more.work - one.work) / (kTried - 1.0), paths = one.work - shadow_ray;
+  SkyChoice choice{.samples = 1};
+  for (std::uint32_t n = 2; n <= gpu::kMostLightSamples; ++n) {
+    const double cost = (std::max(rest, 0.0) + sky / n) * (paths + n * shadow_ray) / (one.squared_error * one.work);
+    if (cost < std::min(choice.cost, kWorthwhile)) choice = {.samples = n, .cost = cost};
+  }
+  choice.seconds = seconds_since(start);
+  return choice;
+}
+
+std::string sky_choice_text(const SkyChoice& choice) {
+  return fmt::format("{} sky samples: a given error is expected to cost {:.2g} of the work of one", choice.samples,
+                     choice.cost);
+}
+
+} // namespace wavepath
