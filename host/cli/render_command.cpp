@@ -175,6 +175,7 @@ std::optional<Picture> check(Request& request) {
   check_integrator(request.render);
   check_shutter(request.scene, request.render.settings);
   settle_strict(request.render);
+  request.render.settings.tries_sky = may_try_sky(request.render.settings, false);
   check_replay(request.render);
   settle_devices(request.render);
   if (request.render.pixel && !request.output.tev.empty())
@@ -292,12 +293,14 @@ Choices settle_choices(Request& request, Prepared& prepared) {
   Choices choices;
   if (const std::optional<RenderSettings> recorded = recorded_choice(request, prepared)) {
     settings = *recorded;
+    settings.tries_sky = false;
   } else {
     const auto tell = [&](bool wanted, const std::string& text) {
       if (wanted && !request.output.quiet) fmt::print(stderr, "wavepath: {}\n", text);
     };
     choices.sky = choose_sky_samples(*prepared.device, prepared.packed, prepared.view, settings, *prepared.kernels);
     if (choices.sky.samples > 0) settings.sky_samples = choices.sky.samples;
+    settings.tries_sky = choices.sky.keeps_kernels;
     tell(choices.sky.samples > 1, sky_choice_text(choices.sky));
     const bool stands_for_others = settings.integrator->candidates != nullptr;
     choices.integrator =
@@ -358,8 +361,8 @@ SharedResult render_shared(const Request& request, Prepared& prepared, const std
 
 // Renders, from the state of --checkpoint on where --resume asks for it. `true_errors`: one for each checkpoint that
 // this run passes, if there is a reference.
-RenderResult render_prepared(const Request& request, Prepared& prepared, const std::optional<Picture>& reference,
-                             std::vector<TrueError>& true_errors) {
+RenderResult render_prepared(const Request& request, Prepared& prepared, const SkyChoice& tried,
+                             const std::optional<Picture>& reference, std::vector<TrueError>& true_errors) {
   const StateRequest& state = request.render.state;
   const DeviceInfo& device = prepared.device->info();
   const std::optional<RenderState> resumed =
@@ -370,9 +373,12 @@ RenderResult render_prepared(const Request& request, Prepared& prepared, const s
   if (resumed) hooks.resume = &*resumed;
   if (reference) hooks.checkpoint = measure_checkpoints(*reference, true_errors);
   if (prepared.viewer) hooks.show = [&](const Picture& picture) { show(request, prepared, picture); };
-  return render_shown(request, hooks, [&](const RenderHooks& shown) {
-    return render(*prepared.device, prepared.packed, prepared.view, request.render.settings, shown, *prepared.kernels);
+  RenderResult result = render_shown(request, hooks, [&](const RenderHooks& shown) {
+    return render(*prepared.device, prepared.packed, prepared.view, request.render.settings, shown, *prepared.kernels,
+                  tried.on_device);
   });
+  result.upload_seconds += tried.upload_seconds;
+  return result;
 }
 
 bool reports_bias(const Request& request) {
@@ -466,7 +472,7 @@ int run_render(Request& request) {
   std::vector<TrueError> true_errors;
   std::optional<SharedResult> shared;
   if (!prepared.others.empty()) shared = render_shared(request, prepared, reference, true_errors);
-  RenderResult result = shared ? std::move(shared->result) : render_prepared(request, prepared, reference, true_errors);
+  RenderResult result = shared ? std::move(shared->result) : render_prepared(request, prepared, choices.sky, reference, true_errors);
   denoise_if_asked(result, settings);
   show(request, prepared, result.picture);
   Run run{request.scene.path, request.command_line, prepared.device->info(), settings, prepared.packed, result};

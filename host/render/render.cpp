@@ -12,8 +12,8 @@ RenderResult render(Device& device, const PackedScene& scene, const View& view, 
 }
 
 RenderResult render(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings,
-                    const RenderHooks& hooks, KernelCompiler& kernels) {
-  RenderLoop loop(device, scene, view, settings, kernels, hooks);
+                    const RenderHooks& hooks, KernelCompiler& kernels, std::shared_ptr<const DeviceScene> uploaded) {
+  RenderLoop loop(device, scene, view, settings, kernels, hooks, {}, std::move(uploaded));
   try {
     while (loop.step()) {
     }

@@ -7,6 +7,8 @@
 
 #include "host/base/clock.h"
 #include "host/gpu/device.h"
+#include "host/render/loop/render_loop.h"
+#include "host/render/settings/integrator_kind.h"
 #include "host/render/settings/light_samples.h"
 #include "host/render/small_picture.h"
 #include "host/render/trial.h"
@@ -15,9 +17,11 @@
 namespace wavepath {
 namespace {
 
-constexpr std::uint32_t kLongestSide = 64, kSamples = 8; // of a pilot
+constexpr std::uint32_t kLongestSide = 48, kSamples = 8; // of a pilot
 constexpr std::uint32_t kTried = 4;                      // besides 1
 constexpr double kWholeOverPilots = 20.0;                // in paths
+// In paths: what compiling takes of a CPU that also renders, if it is not done while the scene is loaded.
+constexpr double kCpuKernels = 5e5;
 constexpr double kWorthwhile = 0.9;                      // costs above this are not told from chance
 
 RenderSettings pilot_of(const RenderSettings& settings, std::uint32_t sky_samples) {
@@ -25,6 +29,7 @@ RenderSettings pilot_of(const RenderSettings& settings, std::uint32_t sky_sample
   small.seed = settings.seed ^ 0x85ebca6bu;
   small.guide = false;
   small.sky_samples = sky_samples;
+  small.tries_sky = true;
   return small;
 }
 
@@ -34,16 +39,28 @@ struct Cost {
 
 } // namespace
 
+bool may_try_sky(const RenderSettings& settings, bool cpu) {
+  return settings.sky_samples == 0 && takes(*settings.integrator, "sky-samples") &&
+         expected_paths(settings, cpu) >= kWholeOverPilots * 2.0 * paths_of(pilot_of(settings, 1));
+}
+
 SkyChoice choose_sky_samples(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings,
                              KernelCompiler& kernels) {
   const bool cpu = device.info().type == "cpu";
-  if (settings.sky_samples > 0 || !may_share_sky(settings, scene.features) ||
-      expected_paths(settings, cpu) < kWholeOverPilots * 2.0 * paths_of(pilot_of(settings, 1)))
+  const bool longer = expected_paths(settings, cpu) >= kWholeOverPilots * kCpuKernels;
+  if (!may_try_sky(settings, cpu) || !may_share_sky(settings, scene.features) ||
+      !(longer || tries_sky_cheaply(scene.features)))
     return {};
   const Clock::time_point start = Clock::now();
+  SkyChoice choice{.samples = 1};
+  RenderLoop loop(device, scene, view, pilot_of(settings, kTried), kernels);
   const auto measure = [&](std::uint32_t sky_samples) {
     const RenderSettings small = pilot_of(settings, sky_samples);
-    const RenderResult result = render(device, scene, view, small, RenderHooks{}, kernels);
+    loop.restart(view, small);
+    while (loop.step()) {
+    }
+    const RenderResult result = loop.finish();
+    choice.render_seconds += result.seconds;
     const double error = result.error.relative_rms;
     return Cost{error * error, steady_work(small, result, cpu)};
   };
@@ -52,11 +69,13 @@ SkyChoice choose_sky_samples(Device& device, const PackedScene& scene, const Vie
   // squared_error = rest + sky / n, work = paths + n * shadow_ray
   const double sky = (one.squared_error - more.squared_error) / (1.0 - 1.0 / kTried), rest = one.squared_error - sky;
   const double shadow_ray = (more.work - one.work) / (kTried - 1.0), paths = one.work - shadow_ray;
-  SkyChoice choice{.samples = 1};
   for (std::uint32_t n = 2; n <= gpu::kMostLightSamples; ++n) {
     const double cost = (std::max(rest, 0.0) + sky / n) * (paths + n * shadow_ray) / (one.squared_error * one.work);
-    if (cost < std::min(choice.cost, kWorthwhile)) choice = {.samples = n, .cost = cost};
+    if (cost < std::min(choice.cost, kWorthwhile)) choice.samples = n, choice.cost = cost;
   }
+  choice.keeps_kernels = cpu && !longer;
+  choice.on_device = loop.workspace().on_device;
+  choice.upload_seconds = loop.workspace().upload_seconds;
   choice.seconds = seconds_since(start);
   return choice;
 }

@@ -33,7 +33,9 @@ KernelConfig kernel_config(gpu::Feature features, std::uint32_t stack_size, cons
   // Traversal marks the bottom of its stack, and stores one entry beyond what it keeps.
   const std::uint32_t stack = (stack_size + 2 + kStackStep - 1) / kStackStep * kStackStep;
   const std::uint32_t light_samples = light_samples_of(settings, features);
-  const std::uint32_t sky = sky_samples_of(settings, features) > 1 ? gpu::kSkyByShadowRays : gpu::kSkyByPaths;
+  const bool shares_sky = sky_samples_of(settings, features) > 1 ||
+                          (settings.tries_sky && may_share_sky(settings, features) && tries_sky_cheaply(features));
+  const std::uint32_t sky = shares_sky ? gpu::kSkyByShadowRays : gpu::kSkyByPaths;
   if (!settings.specialize) features = generic_features(features);
   // Generic kernels, too, leave out what the settings do not ask for.
   constexpr gpu::Feature kByRequest = gpu::kFeatureAovs | gpu::kFeatureAdaptive | gpu::kFeatureSharedFirstHit |

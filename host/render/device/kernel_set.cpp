@@ -46,10 +46,11 @@ bool KernelNeed::covers(const KernelNeed& need) const {
   reduced.config.stack_size = need.config.stack_size;
   reduced.config.nets = need.config.nets;
   reduced.config.sort = need.config.sort;
+  reduced.config.sky = need.config.sky;
   reduced.stages = need.stages;
   return reduced == need && (config.features & need.config.features) == need.config.features &&
          (stages & need.stages) == need.stages && config.stack_size >= need.config.stack_size &&
-         config.nets >= need.config.nets && sorts_for(config.sort, need.config.sort);
+         config.nets >= need.config.nets && config.sky >= need.config.sky && sorts_for(config.sort, need.config.sort);
 }
 
 KernelNeed whole_need(const KernelProgram& program, const KernelConfig& config) {

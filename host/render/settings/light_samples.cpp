@@ -17,6 +17,8 @@ bool may_share_sky(const RenderSettings& settings, gpu::Feature scene) {
          (scene & gpu::kFeatureEnvironment) && !(scene & (gpu::kFeatureEnvironmentMap | gpu::kFeaturePanes));
 }
 
+bool tries_sky_cheaply(gpu::Feature scene) { return !(scene & (gpu::kLobesLayered | gpu::kFeatureLightTree)); }
+
 std::uint32_t sky_samples_of(const RenderSettings& settings, gpu::Feature scene) {
   return may_share_sky(settings, scene) ? std::max(1u, settings.sky_samples) : 1;
 }

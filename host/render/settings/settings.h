@@ -97,6 +97,7 @@ struct RenderSettings {
   std::uint32_t lights = gpu::kLightsAuto; // how next-event estimation chooses among them
   std::uint32_t light_samples = 0;         // where a path first scatters; 0 = by the scene (light_samples.h)
   std::uint32_t sky_samples = 0;           // at every vertex; 0 = as sky_choice.h finds, else 1 (light_samples.h)
+  bool tries_sky = false;                  // kernels are to bear any number of sky samples, where trying costs little
   bool adaptive = false;                   // more samples where a pilot, which is thrown away, found more noise
   bool guide = false;                      // directions are also drawn from a field that a pilot learned
   bool moving = false;                     // the scene was loaded with motion, which the kernels are to see
