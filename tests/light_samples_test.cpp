@@ -1,4 +1,4 @@
-// Several light samples where a path first scatters: the same picture however many, less noise under a map, bits that
+// Several light samples where a path first scatters, and several directions towards the sky: the same picture however many, less noise under a map, bits that
 // do not depend on how the work is cut up, and one sample where auto expects no gain.
 #include <cstdint>
 #include <utility>
@@ -11,6 +11,7 @@
 #include "host/integrators/path/kind.h"
 #include "host/integrators/path/path_replay.h"
 #include "host/render/settings/light_samples.h"
+#include "host/render/sky_choice.h"
 #include "tests/light_rooms.h"
 
 namespace wavepath::test {
@@ -175,6 +176,91 @@ TEST_F(LightSamples, ReplayTellsOfEach) {
     }
   }
   EXPECT_EQ(most, 4u);
+}
+
+// ---- a sky of one colour --------------------------------------------------------------------------------------------
+
+RenderSettings with_sky_samples(RenderSettings settings, std::uint32_t sky_samples) {
+  settings.sky_samples = sky_samples;
+  return settings;
+}
+
+// The rooms with their open side towards such a sky; without lamps, nothing else shines.
+Scene rooms_under_a_sky(int lamps) {
+  Scene scene = two_rooms(lamps, true);
+  scene.materials[2].transmission = 0.0f;
+  if (lamps == 0) scene.lights.clear();
+  scene.environment = {};
+  scene.environment.radiance = glm::vec3(0.8f, 1.0f, 1.2f);
+  return scene;
+}
+
+TEST_F(LightSamples, AnyNumberOfSkySamplesGivesTheSamePicture) {
+  const std::vector<Scene> scenes = {rooms_under_a_sky(4), rooms_under_a_sky(40), rooms_under_a_sky(0)};
+  for (std::size_t i = 0; i < scenes.size(); ++i) {
+    const RenderSettings one = with_sky_samples(asked(1, gpu::kDirectMis, 128), 1);
+    const MeanPicture reference = average(subject(scenes[i], one), one);
+    for (const std::uint32_t more : {2u, 8u}) {
+      SCOPED_TRACE(std::to_string(i) + " " + std::to_string(more));
+      const RenderSettings other = with_sky_samples(asked(1), more);
+      expect_same(reference, average(subject(scenes[i], other), other));
+    }
+  }
+}
+
+TEST_F(LightSamples, SkySamplesMeanLessNoiseInARoom) {
+  const auto noise = [&](std::uint32_t sky_samples) {
+    const RenderSettings settings = with_sky_samples(asked(1, gpu::kDirectMis, 16), sky_samples);
+    double sum = 0.0;
+    for (const double v : average(subject(rooms_under_a_sky(0), settings), settings).variance) sum += v;
+    return sum;
+  };
+  EXPECT_LT(noise(4), 0.6 * noise(1));
+}
+
+TEST_F(LightSamples, BitsWithSkySamplesDoNotDependOnHowTheWorkIsCut) {
+  const RenderSettings whole = with_sky_samples(asked(1, gpu::kDirectMis, 16), 4);
+  const Subject rooms = subject(rooms_under_a_sky(4), whole);
+  const RenderResult expected = render(rooms, whole);
+  expect_same_film_however_cut(rooms, whole, *expected.film);
+}
+
+// Kernels that bear any number take one as those do that know nothing of it.
+TEST_F(LightSamples, KernelsForAnyNumberOfSkySamplesTakeOne) {
+  const RenderSettings plain = with_sky_samples(asked(1, gpu::kDirectMis, 16), 1);
+  RenderSettings trying = plain;
+  trying.tries_sky = true;
+  const Subject rooms = subject(rooms_under_a_sky(0), plain);
+  EXPECT_TRUE(*render(rooms, plain).film == *render(rooms, trying).film);
+}
+
+TEST_F(LightSamples, SkySamplesAreForASkyOfOneColour) {
+  const RenderSettings four = with_sky_samples(asked(1), 4);
+  EXPECT_EQ(sky_samples_of(four, gpu::kFeatureEnvironment), 4u);
+  EXPECT_EQ(sky_samples_of(four, 0), 1u) << "there is none";
+  EXPECT_EQ(sky_samples_of(four, gpu::kFeatureEnvironment | gpu::kFeatureEnvironmentMap), 1u);
+  EXPECT_EQ(sky_samples_of(four, gpu::kFeatureEnvironment | gpu::kFeaturePanes), 1u);
+  EXPECT_EQ(sky_samples_of(with_sky_samples(asked(1, gpu::kDirectNee), 4), gpu::kFeatureEnvironment), 1u);
+  EXPECT_EQ(sky_samples_of(with_sky_samples(asked(1), 0), gpu::kFeatureEnvironment), 1u) << "auto, before it is chosen";
+}
+
+TEST_F(LightSamples, TheRoomTakesMoreSkySamplesAndTheOpenOne) {
+  const auto choose = [&](const Scene& scene, std::uint32_t spp) {
+    RenderSettings settings = with_sky_samples(asked(0, gpu::kDirectMis, spp), 0);
+    settings.width = settings.height = 64;
+    const Subject shown = subject(scene, settings);
+    if (!kernels_) render(shown, settings); // begins the kernels
+    return choose_sky_samples(device(), shown.packed, shown.view, settings, *kernels_);
+  };
+  Scene open = floor_under_map();
+  open.environment = {};
+  open.environment.radiance = glm::vec3(1.0f);
+  const SkyChoice room = choose(rooms_under_a_sky(0), 4096), floor = choose(open, 4096);
+  EXPECT_GT(room.samples, 1u);
+  EXPECT_LT(room.cost, 0.9);
+  EXPECT_EQ(floor.samples, 1u);
+  EXPECT_EQ(choose(rooms_under_a_sky(0), 4096).samples, room.samples) << "no clock decides";
+  EXPECT_EQ(choose(rooms_under_a_sky(0), 16).samples, 0u) << "too short for pilots";
 }
 
 } // namespace
