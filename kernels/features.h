@@ -106,7 +106,7 @@ GPU_CONSTANT uint kLensPinhole = 0u, kLensDisc = 1u; // from 3 on: a regular pol
 GPU_CONSTANT uint kCullCamera = 0u, kCullAll = 1u, kCullNone = 2u;
 GPU_CONSTANT uint kTerminatorFacets = 0u, kTerminatorSmooth = 1u;
 GPU_CONSTANT uint kSortNone = 0u, kSortHits = 1u, kSortEscapes = 2u; // escapes besides hits
-GPU_CONSTANT uint kSkyByPaths = 0u, kSkyByShadowRays = 1u; // besides paths
+GPU_CONSTANT uint kSkyByPaths = 0u, kSkyByShadowRays = 1u;           // besides paths
 GPU_CONSTANT uint kMostLightSamples = 8u;
 GPU_CONSTANT uint kFilterBox = 0u, kFilterGaussian = 1u, kFilterBlackmanHarris = 2u;
 

@@ -51,7 +51,7 @@ struct Frame {
   float pixel_spread;     // width of the cone of a pixel in metres, at a distance of one metre where there is a
                           // perspective; 0 = textures are looked up exactly (kFeatureMips)
   uint sky_samples;       // directions in which a vertex looks for a sky of one colour (kSpecSky)
-  uvec2 top_level; // device address of the scene's structure for ray queries: low, high
+  uvec2 top_level;        // device address of the scene's structure for ray queries: low, high
   uvec2 pad_top_level;
 };
 GPU_CHECK(sizeof(Frame) == 192);

@@ -1,5 +1,6 @@
-// Several light samples where a path first scatters, and several directions towards the sky: the same picture however many, less noise under a map, bits that
-// do not depend on how the work is cut up, and one sample where auto expects no gain.
+// Several light samples where a path first scatters, and several directions towards the sky: the same picture however
+// many, less noise under a map, bits that do not depend on how the work is cut up, and one sample where auto expects no
+// gain.
 #include <cstdint>
 #include <utility>
 #include <vector>

@@ -269,8 +269,8 @@ std::vector<RenderSettings> candidates_of(const RenderSettings& settings, const 
   return all;
 }
 
-// What they had come to when the file of --resume was begun, maybe for fewer samples. Empty if there is no such file, or it
-// is of another render.
+// What they had come to when the file of --resume was begun, maybe for fewer samples. Empty if there is no such file,
+// or it is of another render.
 std::optional<RenderSettings> recorded_choice(const Request& request, const Prepared& prepared) {
   const RenderSettings& settings = request.render.settings;
   std::error_code error;
@@ -472,7 +472,8 @@ int run_render(Request& request) {
   std::vector<TrueError> true_errors;
   std::optional<SharedResult> shared;
   if (!prepared.others.empty()) shared = render_shared(request, prepared, reference, true_errors);
-  RenderResult result = shared ? std::move(shared->result) : render_prepared(request, prepared, choices.sky, reference, true_errors);
+  RenderResult result =
+      shared ? std::move(shared->result) : render_prepared(request, prepared, choices.sky, reference, true_errors);
   denoise_if_asked(result, settings);
   show(request, prepared, result.picture);
   Run run{request.scene.path, request.command_line, prepared.device->info(), settings, prepared.packed, result};

@@ -9,7 +9,7 @@ namespace wavepath {
 
 class Device;
 class KernelCompiler; // host/render/device/kernel_compiler.h
-struct DeviceScene; // host/render/device/device_scene.h
+struct DeviceScene;   // host/render/device/device_scene.h
 struct PackedScene;
 struct View; // host/scene/view.h: the resolved camera
 
@@ -19,8 +19,8 @@ struct View; // host/scene/view.h: the resolved camera
 RenderResult render(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings,
                     const ProgressCallback& progress = {});
 
-// The same with kernels that may have been begun before the scene was known. `uploaded`: the scene, if it is on the device
-// already.
+// The same with kernels that may have been begun before the scene was known. `uploaded`: the scene, if it is on the
+// device already.
 RenderResult render(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings,
                     const RenderHooks& hooks, KernelCompiler& kernels,
                     std::shared_ptr<const DeviceScene> uploaded = nullptr);

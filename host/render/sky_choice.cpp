@@ -22,7 +22,7 @@ constexpr std::uint32_t kTried = 4;                      // besides 1
 constexpr double kWholeOverPilots = 20.0;                // in paths
 // In paths: what compiling takes of a CPU that also renders, if it is not done while the scene is loaded.
 constexpr double kCpuKernels = 5e5;
-constexpr double kWorthwhile = 0.9;                      // costs above this are not told from chance
+constexpr double kWorthwhile = 0.9; // costs above this are not told from chance
 
 RenderSettings pilot_of(const RenderSettings& settings, std::uint32_t sky_samples) {
   RenderSettings small = small_picture(settings, kLongestSide, kSamples);

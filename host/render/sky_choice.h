@@ -12,23 +12,23 @@ struct SkyChoice {
   double cost = 1.0;           // squared error times work that is expected, over that of one
   double seconds = 0.0;        // that the pilots took, waiting for kernels and upload included
   double render_seconds = 0.0; // of these, rendering alone
-  // Kernels for pilots serve the render, too (RenderSettings::tries_sky): others are not worth compiling for 1 % of the time
-  // (StanfordDragon with one sky sample, llvmpipe).
+  // Kernels for pilots serve the render, too (RenderSettings::tries_sky): others are not worth compiling for 1 % of the
+  // time (StanfordDragon with one sky sample, llvmpipe).
   bool keeps_kernels = false;
   std::shared_ptr<const DeviceScene> on_device; // the scene, for the render; null if nothing was tried
   double upload_seconds = 0.0;                  // of it
 };
 
-// Whether a render is long enough for pilots, whatever the scene, so that kernels for them are worth beginning before it is
-// known (RenderSettings::tries_sky).
+// Whether a render is long enough for pilots, whatever the scene, so that kernels for them are worth beginning before
+// it is known (RenderSettings::tries_sky).
 bool may_try_sky(const RenderSettings& settings, bool cpu);
 
-// Renders a small picture with one direction a vertex and with four. Light that paths find in the sky makes a part of the
-// squared error that falls as 1 / directions, and each takes as much work as another; so the two tell the number with the
-// least product. More than one pays where few paths get to the sky, and costs where most do: over one direction, four take
-// .31 to .45 of the time to equal error in Sponza, 1.3 to 2.1 with a helmet or a dragon in the open. Work is counted, never
-// timed. Nothing is tried in a render of less than 20 times the paths of both pilots and of what compiling for them takes, or if a
-// number was asked for.
+// Renders a small picture with one direction a vertex and with four. Light that paths find in the sky makes a part of
+// the squared error that falls as 1 / directions, and each takes as much work as another; so the two tell the number
+// with the least product. More than one pays where few paths get to the sky, and costs where most do: over one
+// direction, four take .31 to .45 of the time to equal error in Sponza, 1.3 to 2.1 with a helmet or a dragon in the
+// open. Work is counted, never timed. Nothing is tried in a render of less than 20 times the paths of both pilots and
+// of what compiling for them takes, or if a number was asked for.
 SkyChoice choose_sky_samples(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings,
                              KernelCompiler& kernels);
 

@@ -1,4 +1,5 @@
-// What trials of ways to render have in common: short renders, of which counted work is weighed against the estimated error.
+// What trials of ways to render have in common: short renders, of which counted work is weighed against the estimated
+// error.
 #pragma once
 
 #include "host/render/render.h"
@@ -8,12 +9,12 @@ namespace wavepath {
 // A pixel's samples in all, over the picture.
 double paths_of(const RenderSettings& settings);
 
-// The same of a render that may be bounded by time; then from the type of the device alone, so that what is decided by it
-// depends on no clock.
+// The same of a render that may be bounded by time; then from the type of the device alone, so that what is decided by
+// it depends on no clock.
 double expected_paths(const RenderSettings& settings, bool cpu);
 
-// What the samples of a trial took in camera rays (IntegratorKind::work), without what was learned before the first of them:
-// twice what its last half took.
+// What the samples of a trial took in camera rays (IntegratorKind::work), without what was learned before the first of
+// them: twice what its last half took.
 double steady_work(const RenderSettings& settings, const RenderResult& result, bool cpu);
 
 } // namespace wavepath

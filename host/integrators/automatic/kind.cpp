@@ -9,8 +9,9 @@
 namespace wavepath {
 namespace {
 
-constexpr std::array<std::string_view, 10> kSettings = {"hemisphere", "direct",  "light-samples", "sky-samples", "aperture",  "focus",
-                                                       "blades",     "shutter", "denoise",       "terminator"};
+constexpr std::array<std::string_view, 10> kSettings = {"hemisphere", "direct",    "light-samples", "sky-samples",
+                                                        "aperture",   "focus",     "blades",        "shutter",
+                                                        "denoise",    "terminator"};
 
 std::vector<RenderSettings> candidates(const RenderSettings& settings, const PackedScene& scene) {
   RenderSettings path = settings;

@@ -152,11 +152,12 @@ bool Paths::change(const RenderSettings& settings, std::uint32_t stages, std::ui
   if (stages) kernels_.start(need_);
   // Kernels that were begun for other settings may run until these are ready.
   const gpu::Feature features = need_.config.features | kernels_.features(kPathProgram);
-  if (!(options & kStatesAlone) && (workspace_.frame.light_count > 0 || workspace_.frame.sky_samples > 1 || settings.room_for_shadow_rays))
+  if (!(options & kStatesAlone) &&
+      (workspace_.frame.light_count > 0 || workspace_.frame.sky_samples > 1 || settings.room_for_shadow_rays))
     options |= kRoomForShadowRays;
   bool moved = workspace_.fit(settings, features | film_features);
   moved |= buffers.fit({workspace_.film.pixels(), workspace_.slots, features, options,
-                       std::max(need_.config.light_samples, workspace_.frame.sky_samples)});
+                        std::max(need_.config.light_samples, workspace_.frame.sky_samples)});
   if (!moved && !sets_.empty()) return false;
   std::vector<Binding> own;
   buffers.add_bindings(own);

@@ -213,7 +213,10 @@ Json choice_json(const IntegratorChoice& choice) {
 }
 
 Json sky_choice_json(const SkyChoice& choice) {
-  return {{"taken", choice.samples}, {"cost", choice.cost}, {"seconds", choice.seconds}, {"render_seconds", choice.render_seconds}};
+  return {{"taken", choice.samples},
+          {"cost", choice.cost},
+          {"seconds", choice.seconds},
+          {"render_seconds", choice.render_seconds}};
 }
 
 // What each of several devices did.

@@ -17,11 +17,12 @@ inline constexpr std::uint32_t kFewLightSamplesOfMaps = 2;
 // 1 to gpu::kMostLightSamples; 1 for integrators that do not take the setting. `scene`: its kFeature bits.
 std::uint32_t light_samples_of(const RenderSettings& settings, gpu::Feature scene);
 
-// Whether shadow rays may look for the sky besides paths (kernels/path/sky.glsl): it has one colour, and paths alone look
-// for it. Not where panes let shadow rays pass, since a path does not know how much of the sky is left to it behind one.
+// Whether shadow rays may look for the sky besides paths (kernels/path/sky.glsl): it has one colour, and paths alone
+// look for it. Not where panes let shadow rays pass, since a path does not know how much of the sky is left to it
+// behind one.
 bool may_share_sky(const RenderSettings& settings, gpu::Feature scene);
-// Whether a pilot of --sky-samples auto costs little more than its paths: lights have no tree, of which it would have to
-// learn, and materials no layers, whose kernels take long to compile.
+// Whether a pilot of --sky-samples auto costs little more than its paths: lights have no tree, of which it would have
+// to learn, and materials no layers, whose kernels take long to compile.
 bool tries_sky_cheaply(gpu::Feature scene);
 // Directions in which every vertex looks for it, the path's own among them; 1 where it may not be shared.
 std::uint32_t sky_samples_of(const RenderSettings& settings, gpu::Feature scene);
