@@ -58,7 +58,8 @@ class Wavepath:
         before = processor_seconds_of_children()
         stats = json.loads(run(self.command + self.flags + ["--spp", spp, "--seed", seed, "-o", output]))
         self.device = stats["device"]
-        return {"seconds": stats["seconds"]["render"], "mrays_per_second": stats["mrays_per_second"],
+        pilots = (stats.get("sky_choice") or {}).get("render_seconds", 0)
+        return {"seconds": stats["seconds"]["render"] + pilots, "mrays_per_second": stats["mrays_per_second"],
                 "processor": processor_seconds_of_children() - before}
 
 
