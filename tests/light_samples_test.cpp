@@ -226,6 +226,25 @@ TEST_F(LightSamples, BitsWithSkySamplesDoNotDependOnHowTheWorkIsCut) {
   expect_same_film_however_cut(rooms, whole, *expected.film);
 }
 
+// A path that is followed by itself has the bits that it has in the picture, and shows its shadow rays to the sky.
+TEST_F(LightSamples, ReplayTellsOfSkySamples) {
+  const RenderSettings whole = with_sky_samples(asked(1, gpu::kDirectMis, 1), 4);
+  std::size_t most = 0;
+  for (const int lamps : {0, 4}) {
+    const Subject shown = subject(rooms_under_a_sky(lamps), whole);
+    const Picture picture = render(shown, whole).picture;
+    PathReplay replay(device(), shown.packed, shown.view, whole, *kernels_);
+    for (std::uint32_t i = 0; i < 12; ++i) {
+      const glm::uvec2 pixel(2 * i, i);
+      const PathTrace trace = replay.trace(pixel, 0);
+      for (std::size_t c = 0; c < 3; ++c)
+        EXPECT_EQ(picture.channels[c].values[pixel.y * whole.width + pixel.x], trace.radiance[static_cast<int>(c)]);
+      most = std::max(most, trace.vertices.front().shadows.size());
+    }
+  }
+  EXPECT_EQ(most, 4u) << "three to the sky, one to a lamp";
+}
+
 // Kernels that bear any number take one as those do that know nothing of it.
 TEST_F(LightSamples, KernelsForAnyNumberOfSkySamplesTakeOne) {
   const RenderSettings plain = with_sky_samples(asked(1, gpu::kDirectMis, 16), 1);

@@ -175,7 +175,7 @@ std::optional<Picture> check(Request& request) {
   check_integrator(request.render);
   check_shutter(request.scene, request.render.settings);
   settle_strict(request.render);
-  request.render.settings.tries_sky = may_try_sky(request.render.settings, false);
+  request.render.settings.tries_sky = may_try_sky(request.render.settings, false); // the device is not known yet
   check_replay(request.render);
   settle_devices(request.render);
   if (request.render.pixel && !request.output.tev.empty())

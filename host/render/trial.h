@@ -6,7 +6,7 @@
 
 namespace wavepath {
 
-// A pixel's samples in all, over the picture.
+// Of the whole render: pixels times samples, also of one that renders a part of the samples and tells their total.
 double paths_of(const RenderSettings& settings);
 
 // The same of a render that may be bounded by time; then from the type of the device alone, so that what is decided by

@@ -62,7 +62,8 @@ bool connect_to_light(Vertex v, Lobes lobes, Receiver receiver, Sampler path_sam
   if (TAKES_MORE_LIGHT_SAMPLES) density *= float(light_sample_count());
   float weight = light.delta || kDirect == kDirectNee ? 1.0 : mis_weight(density, bsdf_pdf);
   ray.contribution = throughput * scattered * light.radiance * (weight / density);
-  ray.contribution *= transmittance_towards(v, light.direction, light.distant ? kFarAway : length(light.target - v.surface.position), slot);
+  float distance_ = light.distant ? kFarAway : length(light.target - v.surface.position);
+  ray.contribution *= transmittance_towards(v, light.direction, distance_, slot);
   if (is_finite(ray.contribution) && max_component(ray.contribution) <= 0.0) return false;
 
   ray.slot = slot;
@@ -93,7 +94,7 @@ void connect_to_lights(Vertex v, Lobes lobes, Receiver receiver, Sampler path_sa
 }
 
 // A shadow ray to the sky, in a direction drawn as those of scattered rays are: true if it is worth tracing.
-bool connect_to_sky(Vertex v, Lobes lobes, Sampler sky_sampler, uint slot, vec3 radiance, out ShadowRay ray) {
+bool sample_sky(Vertex v, Lobes lobes, Sampler sky_sampler, uint slot, vec3 radiance, out ShadowRay ray) {
   uint dimension = kDimensionSky + 2u * wave.bounce;
   BsdfSample s;
   vec3 wi;
@@ -116,7 +117,7 @@ void connect_to_sky(Vertex v, Lobes lobes, Sampler path_sampler, uint slot, vec3
   vec3 radiance = throughput * frame.environment_radiance / float(frame.sky_samples);
   for (uint i = 1u; i < frame.sky_samples; ++i) {
     ShadowRay ray;
-    if (!connect_to_sky(v, lobes, one_of(path_sampler, i - 1u, frame.sky_samples - 1u), slot, radiance, ray)) continue;
+    if (!sample_sky(v, lobes, one_of(path_sampler, i - 1u, frame.sky_samples - 1u), slot, radiance, ray)) continue;
     store_shadow_ray(i * frame.slot_count + atomicAdd(queues.later_shadow_count[i - 1u], 1u), ray);
   }
 }
