@@ -190,6 +190,9 @@ RenderSettings with_sky_samples(RenderSettings settings, std::uint32_t sky_sampl
 Scene rooms_under_a_sky(int lamps) {
   Scene scene = two_rooms(lamps, true);
   scene.materials[2].transmission = 0.0f;
+  scene.materials[2].specular = 1.0f; // a mirror over its colour, in which a path alone finds the sky
+  scene.materials[2].roughness = 0.0f;
+  scene.materials[2].ior = 3.0f;
   if (lamps == 0) scene.lights.clear();
   scene.environment = {};
   scene.environment.radiance = glm::vec3(0.8f, 1.0f, 1.2f);
