@@ -9,7 +9,7 @@
 
 layout(set = 0, binding = kBindFrame, std140) uniform FrameBlock { Frame frame; };
 layout(push_constant) uniform WaveBlock { Wave wave; };
-layout(set = 0, binding = kBindRuns) uniform usamplerBuffer run_texels;
+layout(set = 0, binding = kBindPlaces) uniform usamplerBuffer place_texels;
 
 #ifdef BIND_GEOMETRY
 layout(set = 0, binding = kBindNodes) uniform usamplerBuffer nodes;

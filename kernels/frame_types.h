@@ -9,7 +9,7 @@ namespace wavepath::gpu {
 #endif
 
 GPU_CONSTANT uint kBindFrame = 0u;     // uniform Frame
-GPU_CONSTANT uint kBindRuns = 19u;     // texels R32UI: runs of kRunPixels pixels in tile order (kFeatureAdaptive)
+GPU_CONSTANT uint kBindPlaces = 19u;   // texels R32UI: places in the order of waves (kFeatureAdaptive)
 GPU_CONSTANT uint kBindCounters = 15u; // storage Counters
 
 // ---- one render -----------------------------------------------------------------------------------------------------
@@ -61,13 +61,10 @@ GPU_CHECK(sizeof(Frame) == 192);
 // spread measures the error of any sampler.
 GPU_CONSTANT uint kReplicates = 2u;
 
-GPU_CONSTANT uint kRunPixels =
-    64u; // that an adaptive render gives samples to together: a tile of 8x8, away from the borders
-
 // Push constants: the wave of (pixel, sample) pairs that a dispatch works on. Slot = local sample * pixel_count + local
 // pixel.
 struct Wave {
-  uint first_pixel; // in tile order; where runs are listed, in the order of their list; second nets after all pixels
+  uint first_pixel; // in tile order, second nets after all pixels (net_layout.h); where places are listed, in their list
   uint pixel_count;
   uint first_sample;
   uint sample_count;

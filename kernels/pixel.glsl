@@ -10,11 +10,10 @@
 // Kernels made for whole nets may serve a render of halved ones.
 bool has_whole_nets() { return kNets == kNetsWhole && frame.whole_nets != 0u; }
 
-// The pixel, in tile order, that has place `local` in the wave; of second nets the place after all pixels.
+// The pixel, in tile order, that pixel `local` of the wave is; of second nets the place after all pixels.
 uint wave_pixel(uint local) {
   uint place = wave.first_pixel + local;
-  if (!has(kFeatureAdaptive)) return place;
-  return texelFetch(run_texels, int(place / kRunPixels)).x * kRunPixels + place % kRunPixels;
+  return has(kFeatureAdaptive) ? texelFetch(place_texels, int(place)).x : place;
 }
 
 bool is_second_net(uint place) { return has_whole_nets() && place >= frame.width * frame.height; }

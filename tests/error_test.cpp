@@ -227,7 +227,7 @@ TEST_F(ErrorTest, AdaptiveSamplingKeepsTheMeanAndLowersTheError) {
   constexpr std::uint32_t kSide = kCornellSide, kSamples = 64, kRuns = 8;
   Subject even(device(), "cornell_box.gltf", small(kSide, kSamples));
   Subject adaptive(device(), "cornell_box.gltf", small(kSide, kSamples));
-  adaptive.settings_.adaptive = true;
+  adaptive.settings_.adaptive = kAdaptiveOn;
   const Picture& reference = cornell_reference(device());
   double even_error = 0.0, adaptive_error = 0.0;
   std::vector<double> differences;
@@ -251,7 +251,7 @@ TEST_F(ErrorTest, AdaptiveSamplingKeepsTheMeanAndLowersTheError) {
 
 TEST_F(ErrorTest, AdaptiveRendersAreReproducible) {
   Subject subject(device(), "cornell_box.gltf", small(30, 16)); // borders cut the last runs short
-  subject.settings_.adaptive = true;
+  subject.settings_.adaptive = kAdaptiveOn;
   const Picture first = subject.render(5).picture;
   subject.settings_.wave_slots = 4096;
   EXPECT_EQ(first.channels[0].values, subject.render(5).picture.channels[0].values);
@@ -266,7 +266,7 @@ TEST_F(ErrorTest, DepthCutIsMeasuredByTheSamePaths) {
   const PackedScene packed = pack(scene, {.direct = settings.direct});
   KernelCompiler kernels(device());
   const DepthCut even = measure_depth_cut(device(), packed, view, settings, kernels);
-  settings.adaptive = true;
+  settings.adaptive = kAdaptiveOn;
   const DepthCut adaptive = measure_depth_cut(device(), packed, view, settings, kernels);
   EXPECT_GT(even.share, 0.0);
   EXPECT_EQ(adaptive.share, even.share);

@@ -112,7 +112,7 @@ protected:
     const Buffer tree = upload(device(), field.nodes), maps = upload(device(), field.maps);
     const Buffer records = upload(device(), std::vector<glm::vec4>(1)), in_out = upload(device(), elements);
     const std::vector<Binding> bindings{{gpu::kBindFrame, BindingKind::uniform, &frame},
-                                        {gpu::kBindRuns, BindingKind::texels_r32ui, &runs},
+                                        {gpu::kBindPlaces, BindingKind::texels_r32ui, &runs},
                                         {gpu::kBindGuideTree, BindingKind::texels_rgba32ui, &tree},
                                         {gpu::kBindGuideMaps, BindingKind::texels_rgba32f, &maps},
                                         {gpu::kBindGuideRecords, BindingKind::storage, &records},

@@ -72,9 +72,9 @@ TEST(KernelConfig, FollowsSceneAndSettings) {
   EXPECT_EQ(kernel_config(0, 5, settings).nets, gpu::kNetsHalved);
   settings.aovs = {"albedo"};
   EXPECT_EQ(kernel_config(0, 5, settings).features, scenes | gpu::kFeatureAovs);
-  settings.adaptive = true;
+  settings.adaptive = kAdaptiveOn;
   EXPECT_EQ(kernel_config(0, 5, settings).features, scenes | gpu::kFeatureAovs | gpu::kFeatureAdaptive);
-  settings.adaptive = false;
+  settings.adaptive = kAdaptiveOff;
   settings.integrator = &kHybrid; // has its AOVs from the G-buffer, and no bounce left behind panes
   EXPECT_EQ(kernel_config(0, 5, settings).features, (scenes & ~gpu::kFeaturePanes) | gpu::kFeatureSharedFirstHit);
 }

@@ -80,7 +80,7 @@ struct Bench {
                            {gpu::kBindPathMedia, storage, &media},
                            {gpu::kBindPathAovs, storage, &path_aovs},
                            {gpu::kBindFilmAovs, storage, &film_aovs},
-                           {gpu::kBindRuns, texels_r32ui, &runs},
+                           {gpu::kBindPlaces, texels_r32ui, &runs},
                            {gpu::kBindCounters, storage, &counters},
                            {gpu::kBindSeen, storage, &film},
                            {gpu::kBindReceivers, storage, &receivers},

@@ -163,12 +163,12 @@ TEST_F(NonfiniteTest, AnAdaptiveRenderNamesThePixelOfItsFirst) {
   ASSERT_EQ(even.first->sample, 0u) << "a sample that every pixel of an adaptive render has";
   PathReplay replay(device(), shot.packed, shot.view, shot.settings, kernels);
 
-  shot.settings.adaptive = true;
+  shot.settings.adaptive = kAdaptiveOn;
   std::vector<std::int8_t> levels;
   RenderHooks hooks;
   hooks.save = [&](const RenderState& state) { levels = state.levels; };
   const RenderResult result = render(device(), shot.packed, shot.view, shot.settings, hooks, kernels);
-  const std::uint32_t run = even.first->at.pixel / gpu::kRunPixels;
+  const std::uint32_t run = even.first->at.pixel / kRunPixels;
   ASSERT_LT(run, levels.size());
   ASSERT_NE(std::ranges::count_if(levels, [&](std::int8_t level) { return level < levels[run]; }) +
                 std::count(levels.begin(), levels.begin() + run, levels[run]),
@@ -182,7 +182,7 @@ TEST_F(NonfiniteTest, AnAdaptiveRenderNamesThePixelOfItsFirst) {
   double finite = 0.0, rendered = 0.0;
   for (const float count : result.picture.channels.back().values) finite += count;
   for (std::uint32_t place = 0; place < 43 * 37; ++place)
-    rendered += at_level(shot.settings.last_sample, levels[place / gpu::kRunPixels]);
+    rendered += at_level(shot.settings.last_sample, levels[place / kRunPixels]);
   EXPECT_EQ(static_cast<double>(result.nonfinite.samples()), rendered - finite) << "those of the pilot do not count";
 }
 

@@ -475,7 +475,7 @@ protected:
 };
 
 TEST_F(ResumedLoop, AnInterruptedPilotLeavesNoTrace) {
-  settings_.adaptive = true;
+  settings_.adaptive = kAdaptiveOn;
   settings_.width = settings_.height = 64; // waves remain when the second one is done
   settings_.wave_slots = 2048;
   settings_.last_sample = 16;
@@ -529,9 +529,9 @@ TEST_F(ResumedLoop, AnEvenRenderAfterAnAdaptiveOneIsTheSame) {
   settings_.last_sample = 8;
   const RenderResult expected = render();
   kernels_.reset();
-  settings_.adaptive = true;
+  settings_.adaptive = kAdaptiveOn;
   render();
-  settings_.adaptive = false;
+  settings_.adaptive = kAdaptiveOff;
   EXPECT_TRUE(*render().film == *expected.film);
 }
 

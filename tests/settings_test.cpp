@@ -36,7 +36,7 @@ std::map<std::string, std::string> members(const RenderSettings& settings) {
                shadow_cascades, shadow_exponent, shadow_bits, shadow_source, shadow_cookie, shadow_ambient, shading,
                interpolation, shininess, attenuation, depth_cue, transparency, transparency_layers,
                transparency_samples, branching, techniques, cutoff, denoise, antialias_over_time, mips, lights,
-               light_samples, sky_samples, tries_sky, adaptive, guide, moving, specialize, aovs, guide_iterations,
+               light_samples, sky_samples, tries_sky, adaptive, tries_adaptive, guide, moving, specialize, aovs, guide_iterations,
                added_features, removed_features, room_for_shadow_rays, room_for_whole_nets, room_for_mips,
                whole_nets_from, wave_slots] = settings;
   const auto text = [](const auto& value) { return fmt::format("{}", value); };
@@ -102,6 +102,7 @@ std::map<std::string, std::string> members(const RenderSettings& settings) {
           {"sky_samples", text(sky_samples)},
           {"tries_sky", text(tries_sky)},
           {"adaptive", text(adaptive)},
+          {"tries_adaptive", text(tries_adaptive)},
           {"guide", text(guide)},
           {"moving", text(moving)},
           {"specialize", text(specialize)},
@@ -126,6 +127,7 @@ const std::map<std::string, std::string> kExempt = {
     {"room_for_shadow_rays", "for measurements of memory; the picture is the same"},
     {"room_for_whole_nets", "for windows, whose coarse pictures are small; the picture is the same"},
     {"tries_sky", "for pilots of sky_samples; the picture is the same"},
+    {"tries_adaptive", "whether adaptive, where it is auto, looks for noise; kept in the state of a render"},
     {"room_for_mips", "for windows, whose frames in motion have one sample; the picture is the same"},
     {"whole_nets_from", "for tests of small pictures; the identity says what comes of it"},
     {"wave_slots", "for tests of short waves; the picture is the same"},

@@ -45,9 +45,9 @@ TEST(WholeNets, AreForLargePicturesOfPathsThatStandForThemselves) {
   settings.aovs.emplace_back("variance");
   EXPECT_FALSE(has_whole_nets(settings));
   settings.aovs.clear();
-  settings.adaptive = true;
+  settings.adaptive = kAdaptiveOn;
   EXPECT_FALSE(has_whole_nets(settings));
-  settings.adaptive = false;
+  settings.adaptive = kAdaptiveOff;
   const std::map<std::string, bool> expected{
       {"path", true}, {"whitted", true}, {"bidirectional", false}, {"hybrid", false}};
   for (const auto& [name, whole] : expected) {

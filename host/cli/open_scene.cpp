@@ -9,6 +9,7 @@
 #include "host/base/memory.h"
 #include "host/film/denoise.h"
 #include "host/render/device/workspace.h"
+#include "host/render/settings/adaptivity.h"
 #include "host/render/settings/denoising.h"
 #include "host/render/settings/integrator_kind.h"
 #include "host/render/settings/shadow_settings.h"
@@ -52,7 +53,8 @@ void require_file(const std::string& path) {
 void require_memory_for(const std::string& path, const RenderSettings& settings, const Plan& plan,
                         const DeviceInfo& device) {
   const std::uint64_t pixels = std::uint64_t{settings.width} * settings.height;
-  const std::uint64_t film = film_shape(settings).bytes();
+  const FilmShape shape = film_shape(settings);
+  const std::uint64_t film = shape.bytes() + (is_adaptive(settings) ? shape.places() * sizeof(std::uint32_t) : 0);
   const IntegratorKind& kind = *settings.integrator;
   const std::uint64_t extra = kind.extra_bytes ? kind.extra_bytes(settings) : 0;
   const std::uint64_t frames = pixels * kind.bytes_per_pixel(settings) + extra;

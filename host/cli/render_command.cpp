@@ -176,6 +176,7 @@ std::optional<Picture> check(Request& request) {
   check_shutter(request.scene, request.render.settings);
   settle_strict(request.render);
   request.render.settings.tries_sky = may_try_sky(request.render.settings, false); // the device is not known yet
+  settle_adaptive(request.render);
   check_replay(request.render);
   settle_devices(request.render);
   if (request.render.pixel && !request.output.tev.empty())
@@ -365,8 +366,10 @@ RenderResult render_prepared(const Request& request, Prepared& prepared, const S
                              const std::optional<Picture>& reference, std::vector<TrueError>& true_errors) {
   const StateRequest& state = request.render.state;
   const DeviceInfo& device = prepared.device->info();
+  RenderSettings settings = request.render.settings;
   const std::optional<RenderState> resumed =
-      read_resumed(state, request.render.settings, prepared.identity, device, prepared.warnings);
+      read_resumed(state, settings, prepared.identity, device, prepared.warnings);
+  if (resumed && !resumed->levels.empty()) settings.tries_adaptive = true; // as before, however long the rest is
   RenderHooks hooks{.save = state_saver(state, prepared.identity, device, prepared.warnings),
                     .save_interval = state.interval,
                     .salvages = true};
@@ -374,7 +377,7 @@ RenderResult render_prepared(const Request& request, Prepared& prepared, const S
   if (reference) hooks.checkpoint = measure_checkpoints(*reference, true_errors);
   if (prepared.viewer) hooks.show = [&](const Picture& picture) { show(request, prepared, picture); };
   RenderResult result = render_shown(request, hooks, [&](const RenderHooks& shown) {
-    return render(*prepared.device, prepared.packed, prepared.view, request.render.settings, shown, *prepared.kernels,
+    return render(*prepared.device, prepared.packed, prepared.view, settings, shown, *prepared.kernels,
                   tried.on_device);
   });
   result.upload_seconds += tried.upload_seconds;

@@ -12,6 +12,7 @@
 #include "host/film/oidn.h"
 #include "host/gpu/context.h"
 #include "host/gpu/device_choice.h"
+#include "host/render/settings/adaptivity.h"
 #include "host/render/settings/antialias_settings.h"
 #include "host/render/settings/denoising.h"
 #include "host/render/settings/integrator_kind.h"
@@ -149,7 +150,7 @@ void settle_devices(RenderRequest& request) {
   };
   refuse(!request.device.empty(), "--device", "which names one");
   refuse(!request.state.file.empty(), "--checkpoint", "whose state is that of one device");
-  refuse(request.settings.adaptive, "--adaptive", "whose samples are not shared out evenly");
+  refuse(request.settings.adaptive == kAdaptiveOn, "--adaptive", "whose samples are not shared out evenly");
   refuse(request.pixel.has_value(), "--pixel", "which renders one path");
   const std::vector<DeviceInfo> known = list_devices();
   std::vector<std::string> wanted;
@@ -253,7 +254,7 @@ void settle_samples(RenderRequest& request) {
   if (request.state.resume && request.state.file.empty())
     throw UsageError("--resume", "there is nothing to resume from", "name the state with --checkpoint FILE");
   const bool part = is_given(request, "samples");
-  if (settings.adaptive && (part || request.mergeable))
+  if (settings.adaptive == kAdaptiveOn && (part || request.mergeable))
     throw UsageError("--adaptive", "does not share its samples out evenly, so parts of it cannot be merged",
                      "leave out --adaptive, or --samples and --mergeable");
   request.mergeable |= part;
@@ -326,6 +327,11 @@ void settle_strict(RenderRequest& request) {
   if (is_given(request, "techniques") && request.settings.techniques & gpu::kTechniqueMerge)
     throw UsageError("--strict", "refuses merging, which blurs", "leave merge out of --techniques");
   request.settings.techniques &= ~gpu::kTechniqueMerge;
+}
+
+void settle_adaptive(RenderRequest& request) {
+  const bool alone = !request.mergeable && request.devices.empty() && !request.pixel;
+  request.settings.tries_adaptive = alone && may_pay_adaptive(request.settings);
 }
 
 void check_replay(const RenderRequest& request) {

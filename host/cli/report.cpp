@@ -35,8 +35,9 @@ void print_summary(const Run& run, const OutputRequest& output) {
     error = fmt::format(", estimated error {:.3g} % ({:.3g} to {:.3g})", 100.0 * *estimate,
                         100.0 * result.error.ci95[0], 100.0 * result.error.ci95[1]) +
             halving_text(result);
-  fmt::print(stderr, "wavepath: {}: {} spp in {:.2f} s, {:.2f} Mrays/s{}\n", written_text(output, result.picture),
-             result.spp, result.seconds, speed, error);
+  const bool shared_out = result.noise && result.noise->used;
+  fmt::print(stderr, "wavepath: {}: {} spp{} in {:.2f} s, {:.2f} Mrays/s{}\n", written_text(output, result.picture),
+             result.spp, shared_out ? ", more where there is noise," : "", result.seconds, speed, error);
 }
 
 void print_shadows(const ShadowReport& shadows) {
@@ -68,6 +69,9 @@ void print_details(const Run& run) {
   if (result.by_query) fmt::print(stderr, "  traversal   by the device's ray queries\n");
   fmt::print(stderr, "  rays        camera {}, bounce {}, shadow {}, occlusion {}\n", result.rays.camera,
              result.rays.bounce, result.rays.shadow, result.rays.occlusion);
+  if (result.noise)
+    fmt::print(stderr, "  samples     {}; levels are expected to take {:.2g} of the cost of a given error\n",
+               result.noise->used ? "shared out by noise" : "even, as noise is", result.noise->cost);
   if (result.shadows) print_shadows(*result.shadows);
   for (const StageTime& stage : result.stages)
     fmt::print(stderr, "  {:<12}{:.3f} s in {} dispatches\n", stage.name, stage.seconds, stage.dispatches);

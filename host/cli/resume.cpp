@@ -6,7 +6,8 @@
 
 #include "host/base/atomic_file.h"
 #include "host/base/error.h"
-#include "host/render/loop/adaptive.h"
+#include "host/render/device/levels.h"
+#include "host/render/settings/adaptivity.h"
 #include "host/render/settings/identity.h"
 
 namespace wavepath {
@@ -37,7 +38,7 @@ std::optional<RenderState> read_resumed(const StateRequest& request, const Rende
     throw Error(request.file, fmt::format("begins at sample {}, not {}", state.first_sample, settings.first_sample),
                 "use the --samples that it was begun with");
   const std::uint32_t end = state.cursor.sample + state.cursor.pass_samples; // also of a pass that is in progress
-  if (end > (settings.adaptive ? whole_steps(settings.last_sample) : settings.last_sample))
+  if (end > (is_adaptive(settings) ? whole_steps(settings.last_sample) : settings.last_sample))
     throw Error(request.file, fmt::format("has come to sample {}, beyond {}", end, settings.last_sample),
                 fmt::format("ask for {} samples or more", end - state.first_sample));
   if (record.device != device_text(device))

@@ -11,7 +11,7 @@ RenderSettings small_picture(const RenderSettings& settings, std::uint32_t longe
   small.height = std::max(1u, settings.height * side / longest);
   small.first_sample = 0, small.last_sample = samples, small.sample_total = 0;
   small.time_limit = small.target_error = 0.0;
-  small.adaptive = false;
+  small.adaptive = kAdaptiveOff;
   return small;
 }
 

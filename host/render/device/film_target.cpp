@@ -6,6 +6,7 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
+#include "host/render/device/levels.h"
 #include "host/render/device/resources.h"
 #include "kernels/frame_types.h"
 #include "kernels/tile_order.h"
@@ -93,7 +94,7 @@ bool FilmTarget::fit(const FilmShape& shape, bool room_for_aovs) {
   const std::uint64_t range = std::min(info.max_storage_range, 16 * info.max_texels(16));
   const std::uint64_t most_places =
       range / std::max<std::uint64_t>(nets_each(shape) * sizeof(gpu::FilmPixel), sizeof(gpu::FilmAovs));
-  std::uint64_t step = gpu::kRunPixels; // no run lies in two
+  std::uint64_t step = kRunPixels; // few runs lie in two
   std::uint64_t most = most_places;
   const std::uint32_t side = gpu::net_side(shape.width, shape.height), across = gpu::net_blocks(shape.width, side);
   if (shape.whole_nets) { // nor does a block: bands are whole rows of tiles, which hold whole rows of blocks
@@ -136,6 +137,14 @@ Film FilmTarget::download() const {
     if (shape_.splats) read_rows(band, band.splats, gpu::kReplicates, film, film.splats);
   }
   count_light_paths(film);
+  return film;
+}
+
+Film FilmTarget::download_small(const FilmShape& shape) const {
+  Film film = make_film(shape);
+  FilmBand all;
+  all.pixel_count = static_cast<std::uint32_t>(shape.pixels());
+  read_rows(all, bands_.front().film, nets_each(shape), film, film.pixels);
   return film;
 }
 

@@ -36,6 +36,8 @@ public:
   // Sets all samples to none. Nothing may be in flight, here and below.
   void clear();
   Film download() const;
+  // A smaller picture, which a pilot put at the beginning of the first band. Its nets are halved, and it has no AOVs.
+  Film download_small(const FilmShape& shape) const;
   void upload(const Film& film);
 
   const std::vector<FilmBand>& bands() const { return bands_; }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "host/render/settings/adaptivity.h"
 #include "host/render/settings/integrator_kind.h"
 #include "host/render/settings/light_samples.h"
 #include "host/render/settings/mips.h"
@@ -75,7 +76,7 @@ KernelConfig kernel_config(gpu::Feature features, std::uint32_t stack_size, cons
 }
 
 gpu::Feature features_of(const RenderSettings& settings) {
-  gpu::Feature features = settings.adaptive ? gpu::kFeatureAdaptive : 0;
+  gpu::Feature features = is_adaptive(settings) ? gpu::kFeatureAdaptive : 0;
   const bool learned = settings.lights == gpu::kLightsLearned || settings.lights == gpu::kLightsAuto;
   if (learned && settings.integrator->light_lesson_bytes > 0) features |= gpu::kFeatureLightRows;
   return features | settings.integrator->features(settings);

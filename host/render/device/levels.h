@@ -3,13 +3,18 @@
 
 #include <cstdint>
 
-#include "kernels/frame_types.h"
-
 namespace wavepath {
+
+// Consecutive pixels in tile order that share a level: a tile of 8x8, away from the borders.
+inline constexpr std::uint32_t kRunPixels = 64;
+
+// The picture that a pilot learns the noise from has 1/part of the sides of one of so many pixels: a run of that has 16
+// pixels of the pilot, in large pictures 4.
+inline std::uint32_t noise_pilot_part(std::uint64_t pixels) { return pixels < 1u << 18 ? 2 : 4; }
 
 inline constexpr int kLowestLevel = -2, kHighestLevel = 3; // a run of level k gets 2^k times the samples
 inline constexpr std::uint32_t kAdaptiveStep = 4;          // samples per pixel: what every level can share out
-inline constexpr std::uint32_t kLargestRun = gpu::kRunPixels * (kAdaptiveStep << kHighestLevel); // paths of one step
+inline constexpr std::uint32_t kLargestStep = kAdaptiveStep << kHighestLevel; // paths that one is for a pixel, at most
 
 // Samples of the range [0, n) in a run of that level; n is a multiple of kAdaptiveStep.
 inline std::uint32_t at_level(std::uint32_t n, int level) { return level >= 0 ? n << level : n >> -level; }

@@ -8,6 +8,7 @@
 #include "host/render/device/kernel_compiler.h"
 #include "host/render/device/levels.h"
 #include "host/render/device/resources.h"
+#include "host/render/settings/adaptivity.h"
 #include "host/render/settings/denoising.h"
 #include "host/render/settings/integrator_kind.h"
 #include "host/render/settings/traversal.h"
@@ -21,8 +22,6 @@
 
 namespace wavepath {
 namespace {
-
-std::uint64_t run_count(const FilmTarget& film) { return (film.pixels() + gpu::kRunPixels - 1) / gpu::kRunPixels; }
 
 // As path_media has them, see kernels/path/bodies.glsl.
 glm::uvec2 bodies_at_eye(const PackedScene& scene, const glm::dvec3& eye, std::uint32_t lobes) {
@@ -112,39 +111,42 @@ void Workspace::change(const View& view, const RenderSettings& settings) {
 
 bool Workspace::fit(const RenderSettings& settings, gpu::Feature features) {
   bool moved = film.fit(film_shape(settings), features & gpu::kFeatureAovs);
-  const std::uint64_t runs = features & gpu::kFeatureAdaptive ? run_count(film) : 0;
-  moved |= make_room(device, runs_buffer_, runs * sizeof(std::uint32_t));
+  const std::uint64_t places = features & gpu::kFeatureAdaptive ? film.shape().places() : 0;
+  moved |= make_room(device, places_buffer_, places * sizeof(std::uint32_t));
   frame_buffer_.write(&frame, sizeof(frame));
-  runs_.clear();
-  if (runs > 0) { // kernels made for adaptive renders may serve this one until its own are ready
-    std::vector<std::uint32_t> all(run_count(film));
+  places_.clear();
+  if (places > 0) { // kernels made for adaptive renders may serve this one until its own are ready
+    std::vector<std::uint32_t> all(places);
     std::iota(all.begin(), all.end(), 0u);
-    set_runs(std::move(all));
+    set_places(std::move(all));
   }
   return moved;
 }
 
 void Workspace::send_frame() { frame_buffer_.write(&frame, sizeof(frame)); }
 
-void Workspace::set_runs(std::vector<std::uint32_t> runs) {
-  runs_ = std::move(runs);
-  runs_buffer_.write(runs_.data(), runs_.size() * sizeof(std::uint32_t));
+void Workspace::set_places(std::vector<std::uint32_t> places) {
+  places_ = std::move(places);
+  places_buffer_.write(places_.data(), places_.size() * sizeof(std::uint32_t));
 }
 
-PixelNet Workspace::pixel_at(std::uint32_t place) const {
+std::uint32_t Workspace::place_at(std::uint32_t index) const { return places_.empty() ? index : places_[index]; }
+
+PixelNet Workspace::pixel_at(std::uint32_t index) const {
   const FilmShape& shape = film.shape();
+  const std::uint32_t place = place_at(index);
   if (shape.whole_nets && place >= shape.pixels()) {
     const auto block = place - static_cast<std::uint32_t>(shape.pixels());
     const glm::uvec2 at = gpu::measured_pixel(block, shape.width, shape.height, shape.seed);
     return {gpu::tile_order_of(at, shape.width, shape.height), 1};
   }
-  return {runs_.empty() ? place : runs_[place / gpu::kRunPixels] * gpu::kRunPixels + place % gpu::kRunPixels, 0};
+  return {place, 0};
 }
 
 std::vector<Binding> Workspace::bindings(const FilmBand& band) const {
   std::vector<Binding> bindings = on_device->bindings();
   bindings.insert(bindings.end(), {{gpu::kBindFrame, BindingKind::uniform, &frame_buffer_},
-                                   {gpu::kBindRuns, BindingKind::texels_r32ui, &runs_buffer_},
+                                   {gpu::kBindPlaces, BindingKind::texels_r32ui, &places_buffer_},
                                    {gpu::kBindCounters, BindingKind::storage, &counters_}});
   add_bindings(band, bindings);
   return bindings;
@@ -153,7 +155,7 @@ std::vector<Binding> Workspace::bindings(const FilmBand& band) const {
 std::vector<Binding> workspace_layout() {
   std::vector<Binding> layout = DeviceScene{}.bindings();
   layout.insert(layout.end(), {{gpu::kBindFrame, BindingKind::uniform, nullptr},
-                               {gpu::kBindRuns, BindingKind::texels_r32ui, nullptr},
+                               {gpu::kBindPlaces, BindingKind::texels_r32ui, nullptr},
                                {gpu::kBindCounters, BindingKind::storage, nullptr}});
   for (const Binding& binding : film_layout()) layout.push_back(binding);
   for (Binding& binding : layout) binding.buffer = nullptr;
@@ -179,7 +181,7 @@ std::uint32_t choose_slots(const DeviceInfo& info, const PackedScene& scene, con
   if (settings.wave_slots) slots = settings.wave_slots;
   const std::uint64_t least = kind.slots_per_pixel(settings); // that a wave takes at once
   slots = std::max(std::min(slots, pixels * samples), least);
-  if (settings.adaptive) slots = std::max<std::uint64_t>(slots, kLargestRun);
+  if (is_adaptive(settings)) slots = std::max<std::uint64_t>(slots, kLargestStep);
   const std::uint64_t record = kind.largest_record(settings);
   slots = std::min(slots, info.max_storage_range / record);
   slots = std::min(slots, info.max_texels(16) / std::max<std::uint64_t>(record / 16, 4));

@@ -24,20 +24,21 @@ public:
   // Takes up another view and other settings. The integrator adapts the constants in `frame` and calls fit()
   // afterwards.
   void change(const View& view, const RenderSettings& settings);
-  // Makes room for the film and the list of runs. `features`: kFeature bits of all kernels that may run. Sends `frame`
+  // Makes room for the film and the list of places. `features`: kFeature bits of all kernels that may run. Sends `frame`
   // to the device. Returns whether a buffer that kernels are bound to was replaced.
   bool fit(const RenderSettings& settings, gpu::Feature features);
   // Sends `frame` as it was changed. Nothing may be in flight.
   void send_frame();
-  // The runs of kRunPixels pixels that places in a wave stand for, of an adaptive render. At first each stands for
-  // itself. A run cut short by the end of the picture comes last in its wave.
-  void set_runs(std::vector<std::uint32_t> runs);
-  // The pixel that has a place in waves, and which of its nets.
-  PixelNet pixel_at(std::uint32_t place) const;
+  // Adaptive renders: the places of the film (net_layout.h) in the order in which waves visit them. At first that is
+  // their own.
+  void set_places(std::vector<std::uint32_t> places);
+  // The place that waves visit after `index` others, and the pixel there and which of its nets.
+  std::uint32_t place_at(std::uint32_t index) const;
+  PixelNet pixel_at(std::uint32_t index) const;
 
   // What every kernel may be bound to; the film's is that of `band`.
   std::vector<Binding> bindings(const FilmBand& band) const;
-  std::uint64_t bytes() const { return frame_buffer_.bytes() + counters_.bytes() + runs_buffer_.bytes(); }
+  std::uint64_t bytes() const { return frame_buffer_.bytes() + counters_.bytes() + places_buffer_.bytes(); }
 
   Device& device;
   const PackedScene& scene;
@@ -51,8 +52,8 @@ public:
   const Buffer& counters() const { return counters_; }
 
 private:
-  Buffer frame_buffer_, counters_, runs_buffer_;
-  std::vector<std::uint32_t> runs_;
+  Buffer frame_buffer_, counters_, places_buffer_;
+  std::vector<std::uint32_t> places_;
 };
 
 // Numbers and kinds of Workspace::bindings(), without buffers.

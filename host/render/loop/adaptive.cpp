@@ -3,30 +3,84 @@
 #include <algorithm>
 #include <cmath>
 
-#include "kernels/frame_types.h"
 #include "kernels/tile_order.h"
 
 namespace wavepath {
 namespace {
 
-// Standard deviation by run, relative as relMSE weighs it.
-std::vector<double> run_deviations(const Film& film) {
-  const std::uint32_t pixels = film.width * film.height;
-  std::vector<double> squared((pixels + gpu::kRunPixels - 1) / gpu::kRunPixels);
-  double total = 0.0;
-  for (std::uint32_t i = 0; i < pixels; ++i) {
-    const glm::uvec2 at = gpu::pixel_in_tile_order(i, film.width, film.height);
-    const std::size_t row = std::size_t{at.y} * film.width + at.x;
-    const glm::dvec3 mean = mean_radiance(film, row), relative = mean_variance(film, row) / (mean * mean + 0.01);
-    const double pixel = (relative.x + relative.y + relative.z) / 3.0;
-    if (!std::isfinite(pixel)) continue;
-    squared[i / gpu::kRunPixels] += pixel / gpu::kRunPixels;
-    total += pixel;
+constexpr std::uint32_t kFewestSamples = 8, kMostSamples = 32; // of a pixel of the pilot
+constexpr std::uint32_t kPilotShare = 32;                      // of the render's paths: one in so many
+// A pilot misses what is rare: no run counts as quieter than this share of the average.
+constexpr double kQuietest = 0.03;
+// Runs below that share of the average are taken for backgrounds, whose samples take so much of the time of others
+// (StanfordDragon under a map, llvmpipe).
+constexpr double kNoiseless = 0.02, kBackgroundTime = 0.15;
+constexpr int kReach = 2;           // pixels of the pilot, half a run: so far neighbours tell of each other's noise
+
+// Squared error by pixel of the pilot, as relMSE weighs it.
+struct NoiseMap {
+  explicit NoiseMap(const Film& pilot) : width(pilot.width), height(pilot.height), squared(pilot.shape().pixels()) {
+    for (std::size_t i = 0; i < squared.size(); ++i) {
+      const PixelStatistics pixel = statistics(pilot, i);
+      const glm::dvec3 relative = pixel.variance / (pixel.mean * pixel.mean + 0.01);
+      const double mean = (relative.x + relative.y + relative.z) / 3.0;
+      if (std::isfinite(mean)) squared[i] = mean;
+    }
   }
-  // A pilot misses what is rare: no run counts as quieter than a tenth of the average.
-  const double floor = 0.1 * total / pixels;
-  for (double& value : squared) value = std::sqrt(std::max(value, floor));
-  return squared;
+
+  std::uint32_t width, height;
+  std::vector<double> squared;
+};
+
+// Which pixels of a chequerboard count: what one half chooses, the other may judge.
+enum class Squares { white, black, all };
+
+bool counts(Squares squares, std::uint32_t x, std::uint32_t y) {
+  return squares == Squares::all || ((x + y) % 2 == 0) == (squares == Squares::white);
+}
+
+// The mean of every pixel's surroundings.
+std::vector<double> smoothed(const NoiseMap& map, Squares squares) {
+  const auto range = [](std::uint32_t at, std::uint32_t size) {
+    const int from = std::max(static_cast<int>(at) - kReach, 0),
+              to = std::min(static_cast<int>(at) + kReach, static_cast<int>(size) - 1);
+    return std::pair(static_cast<std::uint32_t>(from), static_cast<std::uint32_t>(to));
+  };
+  std::vector<double> result(map.squared.size());
+  for (std::uint32_t y = 0; y < map.height; ++y)
+    for (std::uint32_t x = 0; x < map.width; ++x) {
+      const auto [left, right] = range(x, map.width);
+      const auto [top, bottom] = range(y, map.height);
+      double sum = 0.0, count = 0.0;
+      for (std::uint32_t v = top; v <= bottom; ++v)
+        for (std::uint32_t u = left; u <= right; ++u)
+          if (counts(squares, u, v)) sum += map.squared[std::size_t{v} * map.width + u], count += 1.0;
+      result[std::size_t{y} * map.width + x] = count > 0.0 ? sum / count : 0.0;
+    }
+  return result;
+}
+
+// Means over the runs of a picture of `width` x `height` that the pilot shows.
+std::vector<double> by_run(const NoiseMap& map, const std::vector<double>& values, Squares squares, std::uint32_t width,
+                           std::uint32_t height) {
+  const std::uint32_t pixels = width * height;
+  std::vector<double> sums((pixels + kRunPixels - 1) / kRunPixels), numbers(sums.size());
+  for (std::uint32_t i = 0; i < pixels; ++i) {
+    const glm::uvec2 at = gpu::pixel_in_tile_order(i, width, height);
+    const std::uint32_t x = static_cast<std::uint32_t>(std::uint64_t{at.x} * map.width / width),
+                        y = static_cast<std::uint32_t>(std::uint64_t{at.y} * map.height / height);
+    if (!counts(squares, x, y)) continue;
+    sums[i / kRunPixels] += values[std::size_t{y} * map.width + x];
+    numbers[i / kRunPixels] += 1.0;
+  }
+  for (std::size_t run = 0; run < sums.size(); ++run) sums[run] /= std::max(numbers[run], 1.0);
+  return sums;
+}
+
+double mean_of(const std::vector<double>& values) {
+  double sum = 0.0;
+  for (const double value : values) sum += value;
+  return sum / static_cast<double>(values.size());
 }
 
 std::int8_t level_of(double factor) {
@@ -40,28 +94,74 @@ std::vector<std::int8_t> levels_at(const std::vector<double>& deviations, double
   return levels;
 }
 
+// In proportion to the roots of squared errors by run.
+std::vector<std::int8_t> levels_for(std::vector<double> squared, std::uint64_t pixels) {
+  const double floor = kQuietest * mean_of(squared);
+  for (double& value : squared) value = std::sqrt(std::max(value, floor));
+  const double largest = *std::ranges::max_element(squared);
+  if (!(largest > 0.0)) return std::vector<std::int8_t>(squared.size(), 0); // no noise anywhere
+  double low = std::exp2(kLowestLevel - 1) / largest, high = 1e6 / largest; // scales: too few samples, too many
+  for (int i = 0; i < 60; ++i) {
+    const double middle = std::sqrt(low * high);
+    (mean_factor(levels_at(squared, middle), pixels) <= 1.0 ? low : high) = middle;
+  }
+  return levels_at(squared, low);
+}
+
+// Squared error times time with these levels, over that without, as runs of `squared` judge them.
+double cost_of(const std::vector<std::int8_t>& levels, const std::vector<double>& squared) {
+  const double least = kNoiseless * mean_of(squared);
+  double even_error = 0.0, even_time = 0.0, error = 0.0, time = 0.0;
+  for (std::size_t run = 0; run < levels.size(); ++run) {
+    const double own_time = squared[run] > least ? 1.0 : kBackgroundTime, factor = std::exp2(levels[run]);
+    even_error += squared[run], error += squared[run] / factor;
+    even_time += own_time, time += own_time * factor;
+  }
+  return even_error > 0.0 ? error * time / (even_error * even_time) : 1.0;
+}
+
 } // namespace
+
+FilmShape noise_pilot_shape(const FilmTarget& film) {
+  const FilmShape& whole = film.shape();
+  FilmShape shape;
+  std::uint32_t part = noise_pilot_part(whole.pixels());
+  do {
+    shape.width = (whole.width + part - 1) / part, shape.height = (whole.height + part - 1) / part;
+    part *= 2;
+  } while (shape.bytes() > film.bands().front().film.bytes() && shape.pixels() > 1);
+  return shape;
+}
+
+std::uint32_t noise_pilot_samples(std::uint32_t planned, std::uint64_t pixels) {
+  const std::uint32_t part = noise_pilot_part(pixels);
+  const std::uint64_t samples = std::uint64_t{planned} * part * part / kPilotShare;
+  return static_cast<std::uint32_t>(std::clamp<std::uint64_t>(samples, kFewestSamples, kMostSamples)) /
+         gpu::kReplicates * gpu::kReplicates;
+}
 
 double mean_factor(const std::vector<std::int8_t>& levels, std::uint64_t pixels) {
   double sum = 0.0;
   for (std::size_t i = 0; i < levels.size(); ++i) {
-    const std::uint64_t first = i * gpu::kRunPixels;
-    sum += std::exp2(levels[i]) * static_cast<double>(std::min<std::uint64_t>(gpu::kRunPixels, pixels - first));
+    const std::uint64_t first = i * kRunPixels;
+    sum += std::exp2(levels[i]) * static_cast<double>(std::min<std::uint64_t>(kRunPixels, pixels - first));
   }
   return sum / static_cast<double>(pixels);
 }
 
-std::vector<std::int8_t> choose_levels(const Film& pilot) {
-  const std::uint64_t pixels = std::uint64_t{pilot.width} * pilot.height;
-  const std::vector<double> deviations = run_deviations(pilot);
-  const double largest = *std::max_element(deviations.begin(), deviations.end());
-  if (!(largest > 0.0)) return std::vector<std::int8_t>(deviations.size(), 0); // no noise anywhere
-  double low = std::exp2(kLowestLevel - 1) / largest, high = 1e6 / largest;    // scales: too few samples, too many
-  for (int i = 0; i < 60; ++i) {
-    const double middle = std::sqrt(low * high);
-    (mean_factor(levels_at(deviations, middle), pixels) <= 1.0 ? low : high) = middle;
-  }
-  return levels_at(deviations, low);
+SampleShares share_samples(const Film& pilot, std::uint32_t width, std::uint32_t height) {
+  const NoiseMap map(pilot);
+  const std::uint64_t pixels = std::uint64_t{width} * height;
+  const auto levels_by = [&](Squares squares) {
+    return levels_for(by_run(map, smoothed(map, squares), Squares::all, width, height), pixels);
+  };
+  const auto judged_by = [&](Squares squares) { return by_run(map, map.squared, squares, width, height); };
+  SampleShares shares{.levels = levels_by(Squares::all)};
+  const double flattered = cost_of(shares.levels, judged_by(Squares::all));
+  const double wronged = 0.5 * (cost_of(levels_by(Squares::white), judged_by(Squares::black)) +
+                                cost_of(levels_by(Squares::black), judged_by(Squares::white)));
+  shares.cost = 0.5 * (flattered + wronged);
+  return shares;
 }
 
 } // namespace wavepath

@@ -9,16 +9,30 @@
 #include <vector>
 
 #include "host/film/film.h"
+#include "host/render/device/film_target.h"
 #include "host/render/device/levels.h"
 
 namespace wavepath {
 
-inline constexpr std::uint32_t kPilotSamples = 16;
 inline constexpr std::uint32_t kAdaptivePilotSeed = 0x9e3779b9u; // by exclusive or with the render's own
 
-// Levels of all runs of kRunPixels pixels in tile order, such that pixels get as many samples as without them, or a
-// little fewer.
-std::vector<std::int8_t> choose_levels(const Film& pilot);
+// The pilot is a picture of 1/noise_pilot_part() of the sides, as noise is even enough over so few pixels. Its nets are
+// halved, which tells the noise of every pixel. Its film lies at the beginning of the first band of `film`, and is
+// smaller yet where that is short.
+FilmShape noise_pilot_shape(const FilmTarget& film);
+
+// Samples of a pixel of it, for a render of `planned`: one of 32 paths of the render, but 8 to 32.
+std::uint32_t noise_pilot_samples(std::uint32_t planned, std::uint64_t pixels);
+
+struct SampleShares {
+  std::vector<std::int8_t> levels; // of all runs of kRunPixels pixels in tile order
+  // Squared error times time that is expected, over that without levels: the mean of what all pixels of the pilot say of
+  // levels that they chose, which flatters, and what half of them say of those that the other half chose, which wrongs.
+  double cost = 1.0;
+};
+
+// Shares out samples in a picture of that size such that pixels get as many as without levels, or a little fewer.
+SampleShares share_samples(const Film& pilot, std::uint32_t width, std::uint32_t height);
 
 // Samples that a pixel gets on average, for each that it would get without levels.
 double mean_factor(const std::vector<std::int8_t>& levels, std::uint64_t pixels);

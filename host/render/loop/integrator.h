@@ -18,11 +18,11 @@ struct View;
 // Whether coming frames use what an integrator learned from earlier ones: a camera in motion, or a cut.
 enum class Past { forget, keep };
 
-// Pixels that a pass treats alike: a band of the film, or in an adaptive render the runs of one level within a band. A
+// Pixels that a pass treats alike: a band of the film, or in an adaptive render those of one level within a band. A
 // second net counts as a pixel.
 struct Segment {
   std::size_t band = 0;
-  std::uint32_t first_place = 0, pixel_count = 0; // as in gpu::Wave
+  std::uint32_t first_place = 0, pixel_count = 0; // as gpu::Wave::first_pixel
   int level = 0;
 };
 
@@ -33,6 +33,7 @@ struct Pilot {
   std::uint32_t seed = 0; // by exclusive or with the render's own
   std::uint32_t first_sample = 0;
   std::uint32_t width = 0, height = 0; // of a picture of its own, not larger than the render's; 0 = the render's
+  bool halves_nets = false;            // even where those of the render are whole
 };
 
 // An integrator on a device. The render loop cuts passes into waves and calls, in this order: change(), get_ready(),

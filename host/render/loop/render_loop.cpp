@@ -9,13 +9,18 @@
 #include "host/film/error.h"
 #include "host/render/loop/adaptive.h"
 #include "host/render/loop/segments.h"
+#include "host/render/settings/adaptivity.h"
 #include "host/render/settings/traversal.h"
 
 namespace wavepath {
 namespace {
 
+constexpr std::uint32_t kAdaptivePass = 16; // samples
+// Of what auto tries: costs above this are not told from chance, and waves by level take a little longer.
+constexpr double kWorthwhile = 0.92;
+
 RenderSettings whole_passes(RenderSettings settings) {
-  if (!settings.adaptive) return settings;
+  if (!is_adaptive(settings)) return settings;
   settings.first_sample = whole_steps(settings.first_sample);
   settings.last_sample = whole_steps(settings.last_sample);
   return settings;
@@ -23,7 +28,7 @@ RenderSettings whole_passes(RenderSettings settings) {
 
 // Looks are apart by so many samples that all replicates have as many.
 Target make_target(const RenderSettings& settings, std::uint32_t next_check = 0) {
-  const std::uint32_t step = settings.adaptive ? kAdaptiveStep : gpu::kReplicates;
+  const std::uint32_t step = is_adaptive(settings) ? kAdaptiveStep : gpu::kReplicates;
   return {settings.target_error, settings.first_sample, settings.last_sample, step, next_check};
 }
 
@@ -148,11 +153,7 @@ void RenderLoop::begin() {
   if (hooks_.resume) restore(*hooks_.resume);
   last_save_ = Clock::now();
   if (hooks_.resume && !stopped_ && is_look_due()) checkpoint(); // the interrupt came before it
-  if (settings_.adaptive && levels_.empty()) {
-    explore({segments_, kPilotSamples, kAdaptivePilotSeed});
-    if (!stopped_) use_levels(choose_levels(workspace_.film.download())); // else a resumed render explores anew
-    workspace_.film.clear();
-  }
+  if (is_adaptive(settings_) && spp() == 0 && !in_pass()) share_out();
   pass_began_busy_ = queue_.totals.busy_seconds; // of no pass
 }
 
@@ -166,7 +167,7 @@ void RenderLoop::restore(const RenderState& state) {
   queue_.totals.stages = state.stages;
   queue_.totals.nonfinite = state.nonfinite;
   workspace_.film.upload(state.film);
-  if (settings_.adaptive && !state.levels.empty()) use_levels(state.levels);
+  if (!state.levels.empty()) use_levels(state.levels);
   target_ = make_target(settings_, state.next_check);
   if (in_pass()) integrator_->begin_pass(queue_, cursor_.sample);
 }
@@ -183,6 +184,7 @@ void RenderLoop::explore(const Pilot& pilot) {
   const gpu::Frame frame = workspace_.frame;
   workspace_.frame.seed ^= pilot.seed;
   if (pilot.width > 0) workspace_.frame.width = pilot.width, workspace_.frame.height = pilot.height;
+  if (pilot.halves_nets) workspace_.frame.whole_nets = 0;
   workspace_.send_frame();
   integrator_->begin_pass(queue_, 0);
   // A small picture's pilot may have more samples of a pixel than there is room for.
@@ -199,22 +201,46 @@ void RenderLoop::explore(const Pilot& pilot) {
   queue_.totals.nonfinite = {};
 }
 
+// Finds out where there is noise. Interrupted, it leaves that to a render that is resumed.
+void RenderLoop::share_out() {
+  const FilmShape shape = noise_pilot_shape(workspace_.film);
+  const std::uint32_t samples = noise_pilot_samples(planned(), pixels());
+  explore({.segments = {{0, 0, static_cast<std::uint32_t>(shape.pixels()), 0}},
+           .samples = samples,
+           .seed = kAdaptivePilotSeed,
+           .width = shape.width,
+           .height = shape.height,
+           .halves_nets = true});
+  if (!stopped_) {
+    const Film noise = workspace_.film.download_small(shape);
+    const SampleShares shares = share_samples(noise, workspace_.frame.width, workspace_.frame.height);
+    const bool pays = settings_.adaptive == kAdaptiveOn || shares.cost < kWorthwhile;
+    result_.noise = NoisePilot{samples, shape.width, shape.height, shares.cost, pays};
+    if (pays) use_levels(shares.levels);
+  }
+  workspace_.film.clear();
+}
+
 void RenderLoop::use_levels(const std::vector<std::int8_t>& levels) {
   levels_ = levels;
-  std::vector<std::uint32_t> runs;
-  segments_ = level_segments(workspace_.film.bands(), levels, runs);
-  workspace_.set_runs(std::move(runs));
+  std::vector<std::uint32_t> places;
+  segments_ = level_segments(workspace_.film, levels, places);
+  workspace_.set_places(std::move(places));
   mean_factor_ = mean_factor(levels, pixels());
 }
 
 // A pass covers every pixel with the same samples: one, or as many as fill a wave. It ends at a checkpoint, and where
 // the error is estimated between two.
 std::uint32_t RenderLoop::pass_end() const {
-  const std::uint32_t step = settings_.adaptive ? kAdaptiveStep : 1;
-  const std::uint64_t most =
-      settings_.adaptive ? workspace_.slots / kLargestRun * kAdaptiveStep : integrator_->most_samples(cursor_.sample);
+  const std::uint32_t step = levels_.empty() ? 1 : kAdaptiveStep;
   const std::uint32_t wave = pace_.fixed_wave ? pace_.fixed_wave : governor_.wave();
-  const auto fit = static_cast<std::uint32_t>(std::clamp<std::uint64_t>(wave / places(), 1, most));
+  const std::uint64_t most = integrator_->most_samples(cursor_.sample);
+  auto fit = static_cast<std::uint32_t>(std::clamp<std::uint64_t>(wave / places(), 1, most));
+  if (!levels_.empty()) { // each level has its waves: longer passes fill them
+    const std::uint64_t bound = std::min<std::uint64_t>(most, workspace_.slots) >> kHighestLevel;
+    fit = static_cast<std::uint32_t>(
+        std::clamp<std::uint64_t>(std::max(fit, kAdaptivePass), step, bound / step * step));
+  }
   // Counted from the first sample, because indices end at 2^32 - 1, which a sum may pass.
   const std::uint64_t full = spp() + (std::uint64_t{fit} + step - 1) / step * step;
   const std::uint64_t next_checkpoint = std::max(std::bit_ceil(spp() + std::uint64_t{1}), std::uint64_t{step});
@@ -231,10 +257,11 @@ std::uint32_t RenderLoop::submit_wave(const Segment& segment, std::uint32_t done
                                       std::uint32_t count) {
   const std::uint32_t paths = integrator_->paths_per_pixel(count);
   const std::uint32_t room = std::max((pace_.fixed_wave ? pace_.fixed_wave : governor_.wave()) / paths, 1u);
-  const std::uint32_t whole_runs = std::max(room / gpu::kRunPixels, 1u) * gpu::kRunPixels;
-  const std::uint32_t taken = std::min(settings_.adaptive ? whole_runs : room, segment.pixel_count - done);
+  const std::uint32_t taken = std::min(room, segment.pixel_count - done);
   const FilmBand& band = workspace_.film.bands()[segment.band];
-  const gpu::Wave wave = integrator_->wave(band, segment.first_place + done, taken, first, count);
+  const std::uint32_t index = segment.first_place + done;
+  gpu::Wave wave = integrator_->wave(band, workspace_.place_at(index), taken, first, count);
+  wave.first_pixel = index;
   WaveQueue::Work work{.timed_dispatches = integrator_->timed_dispatches(), .wave = wave};
   work.done = [this, slots = taken * paths](const Finished& finished) {
     const bool timed = finished.longest_dispatch > 0.0 && !pace_.by_wave; // else the whole wave bounds each dispatch

@@ -105,6 +105,7 @@ private:
   void begin();
   void restore(const RenderState& state);
   void explore(const Pilot& pilot);
+  void share_out();
   void use_levels(const std::vector<std::int8_t>& levels);
   std::uint32_t pass_end() const;
   std::uint32_t submit_wave(const Segment& segment, std::uint32_t done, std::uint32_t first, std::uint32_t count);

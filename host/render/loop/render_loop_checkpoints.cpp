@@ -191,7 +191,7 @@ RenderResult RenderLoop::finish() {
   const double seconds_rendered = seconds();
   collect_estimates(true);
   pause_clock();
-  result_.even = !in_pass() && !settings_.adaptive;
+  result_.even = !in_pass() && levels_.empty();
   const bool saved_more = result_.stop == StopReason::device_lost && saved_sample_ >= cursor_.sample;
   if (hooks_.save && !saved_more) hooks_.save(state());
   if (!has_film()) { // the last pass was no checkpoint, or was cut short

@@ -29,6 +29,13 @@ struct LightPilot {
 
 enum class StopReason { samples, time, target_error, interrupted, device_lost };
 
+// What a pilot has learned of where there is noise (--adaptive).
+struct NoisePilot {
+  std::uint32_t samples = 0, width = 0, height = 0; // of its picture
+  double cost = 1.0; // squared error times time that it foretold, over even samples
+  bool used = false; // samples were shared out by it
+};
+
 // What a pilot has learned of where light comes from (--guide).
 struct GuideReport {
   bool used = false;        // it promised a gain
@@ -103,6 +110,7 @@ struct RenderResult {
   MemoryUse memory;
   Nonfinite nonfinite;
   LightPilot light_pilot;
+  std::optional<NoisePilot> noise;
   glm::vec3 ambient{0.0f}; // radiance that a hybrid render used
   std::optional<GuideReport> guide;
   std::optional<MergeReport> merging;

@@ -15,8 +15,9 @@ std::vector<Segment> even_segments(const std::vector<FilmBand>& bands);
 // All nets of the film.
 std::vector<Segment> net_segments(const FilmTarget& film);
 
-// Sorts the runs of each band by level; `runs` becomes the list that places refer to.
-std::vector<Segment> level_segments(const std::vector<FilmBand>& bands, const std::vector<std::int8_t>& levels,
-                                    std::vector<std::uint32_t>& runs);
+// Sorts the nets of each band by the level of their pixel's run. `places` becomes the list of places that segments
+// refer to.
+std::vector<Segment> level_segments(const FilmTarget& film, const std::vector<std::int8_t>& levels,
+                                    std::vector<std::uint32_t>& places);
 
 } // namespace wavepath

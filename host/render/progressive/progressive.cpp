@@ -18,7 +18,7 @@ double pixels_of(const RenderSettings& settings) { return static_cast<double>(se
 
 // Every pixel gets the same samples, and nothing but its samples, or the user, ends the render.
 RenderSettings open_ended(RenderSettings settings) {
-  settings.adaptive = false;
+  settings.adaptive = kAdaptiveOff;
   settings.time_limit = settings.target_error = 0.0;
   // Coarse pictures are too small for whole nets, and are rendered by the kernels of the others.
   settings.room_for_whole_nets = has_whole_nets(settings);

@@ -219,6 +219,12 @@ Json sky_choice_json(const SkyChoice& choice) {
           {"render_seconds", choice.render_seconds}};
 }
 
+// What --adaptive found.
+Json noise_pilot_json(const std::optional<NoisePilot>& pilot) {
+  if (!pilot) return nullptr;
+  return {{"used", pilot->used}, {"cost", pilot->cost}, {"size", {pilot->width, pilot->height}}, {"spp", pilot->samples}};
+}
+
 // What each of several devices did.
 Json devices_json(const SharedResult& shared) {
   Json devices = Json::array();
@@ -267,6 +273,7 @@ Json stats_document(const Run& run) {
       {"settings", settings_json(settings)},
       {"hybrid", settings.integrator->stats(settings, run.packed, result)},
       {"guide", guide_json(result.guide)},
+      {"noise_pilot", noise_pilot_json(result.noise)},
       {"merge", merge_json(result.merging)},
       {"denoise", denoise_json(run)},
       {"device",

@@ -111,7 +111,7 @@ std::string flag_text(const Setting& setting, const RenderSettings& settings) {
   const auto* choice = std::get_if<ChoiceValue>(&setting.value);
   const bool may_be_bare = choice && !choice->bare.empty();
   const bool is_switch = std::holds_alternative<SwitchValue>(setting.value) || (may_be_bare && value == choice->bare);
-  if (value.empty() || ((is_switch || may_be_bare) && value == "off")) return "";
+  if (value.empty() || (is_switch && value == "off") || (may_be_bare && is_default(setting, settings))) return "";
   return is_switch ? fmt::format("--{}", setting.name) : fmt::format("--{} {}", setting.name, value);
 }
 

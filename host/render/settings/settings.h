@@ -28,6 +28,7 @@ inline constexpr std::uint32_t kTraversalAuto = 0, kTraversalCompute = 1, kTrave
 inline constexpr std::uint32_t kTexturesExact = 0, kTexturesHardware = 1;
 
 // How noise is filtered: by filters of our own, or finished pictures by Intel's Open Image Denoise.
+inline constexpr std::uint32_t kAdaptiveAuto = 0, kAdaptiveOff = 1, kAdaptiveOn = 2;
 inline constexpr std::uint32_t kDenoiseOff = 0, kDenoiseOn = 1, kDenoiseOidn = 2;
 
 struct IntegratorKind; // host/render/settings/integrator_kind.h
@@ -98,7 +99,8 @@ struct RenderSettings {
   std::uint32_t light_samples = 0;         // where a path first scatters; 0 = by the scene (light_samples.h)
   std::uint32_t sky_samples = 0;           // at every vertex; 0 = as sky_choice.h finds, else 1 (light_samples.h)
   bool tries_sky = false;                  // kernels are to bear any number of sky samples, where trying costs little
-  bool adaptive = false;                   // more samples where a pilot, which is thrown away, found more noise
+  std::uint32_t adaptive = kAdaptiveAuto;  // more samples where a pilot, which is thrown away, found more noise
+  bool tries_adaptive = false;             // auto looks for noise, and goes on evenly where it is even (adaptivity.h)
   bool guide = false;                      // directions are also drawn from a field that a pilot learned
   bool moving = false;                     // the scene was loaded with motion, which the kernels are to see
   bool specialize = true;

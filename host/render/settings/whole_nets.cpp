@@ -9,7 +9,7 @@ namespace wavepath {
 
 bool has_whole_nets(const RenderSettings& settings) {
   const IntegratorKind& kind = *settings.integrator;
-  return kind.traces_paths && !kind.splats && !settings.adaptive && !denoises_film(settings) &&
+  return kind.traces_paths && !kind.splats && !denoises_film(settings) &&
          std::ranges::find(settings.aovs, "variance") == settings.aovs.end() &&
          std::uint64_t{settings.width} * settings.height >= settings.whole_nets_from;
 }
