@@ -14,7 +14,6 @@
 #include "host/film/metrics.h"
 #include "host/render/depth_cut.h"
 #include "host/render/device/kernel_compiler.h"
-#include "host/render/loop/adaptive.h"
 #include "host/scene/gltf/gltf.h"
 #include "host/scene/pack/pack.h"
 #include "host/scene/view.h"
@@ -310,23 +309,6 @@ TEST(WholeNetsEstimate, AFireflyIsSeenWhereverItIs) {
     EXPECT_LT(error.ci95[0] * error.ci95[0], expected);
     EXPECT_GT(error.largest_sample_share, 0.9);
   }
-}
-
-TEST(Levels, GiveNoisyRunsMoreAndKeepTheTotal) {
-  Film pilot{64, 64, std::vector<gpu::FilmPixel>(64 * 64 * gpu::kReplicates), {}};
-  for (std::uint32_t y = 0; y < 64; ++y)
-    for (std::uint32_t x = 0; x < 64; ++x)
-      for (std::uint32_t r = 0; r < gpu::kReplicates; ++r) {
-        gpu::FilmPixel& pixel = pilot.pixels[(y * 64 + x) * gpu::kReplicates + r];
-        pixel.count = 1;
-        pixel.red.low[0] = x < 8 && y < 8 ? 1000 + 900 * r : 1000 + r; // one tile of 8x8 is noisy
-        pixel.tops = 5;
-      }
-  const std::vector<std::int8_t> levels = choose_levels(pilot);
-  ASSERT_EQ(levels.size(), 64u);
-  for (std::size_t i = 1; i < levels.size(); ++i) EXPECT_LT(levels[i], levels[0]);
-  EXPECT_LE(mean_factor(levels, 64 * 64), 1.0);
-  EXPECT_GT(mean_factor(levels, 64 * 64), 0.5);
 }
 
 TEST(Slope, FollowsAPowerLaw) {

@@ -46,8 +46,7 @@ TEST(WholeNets, AreForLargePicturesOfPathsThatStandForThemselves) {
   EXPECT_FALSE(has_whole_nets(settings));
   settings.aovs.clear();
   settings.adaptive = kAdaptiveOn;
-  EXPECT_FALSE(has_whole_nets(settings));
-  settings.adaptive = kAdaptiveOff;
+  EXPECT_TRUE(has_whole_nets(settings));
   const std::map<std::string, bool> expected{
       {"path", true}, {"whitted", true}, {"bidirectional", false}, {"hybrid", false}};
   for (const auto& [name, whole] : expected) {

@@ -14,7 +14,7 @@ inline std::uint32_t noise_pilot_part(std::uint64_t pixels) { return pixels < 1u
 
 inline constexpr int kLowestLevel = -2, kHighestLevel = 3; // a run of level k gets 2^k times the samples
 inline constexpr std::uint32_t kAdaptiveStep = 4;          // samples per pixel: what every level can share out
-inline constexpr std::uint32_t kLargestStep = kAdaptiveStep << kHighestLevel; // paths that one is for a pixel, at most
+inline constexpr std::uint32_t kHighestFactor = 1u << kHighestLevel;
 
 // Samples of the range [0, n) in a run of that level; n is a multiple of kAdaptiveStep.
 inline std::uint32_t at_level(std::uint32_t n, int level) { return level >= 0 ? n << level : n >> -level; }

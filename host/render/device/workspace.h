@@ -24,8 +24,8 @@ public:
   // Takes up another view and other settings. The integrator adapts the constants in `frame` and calls fit()
   // afterwards.
   void change(const View& view, const RenderSettings& settings);
-  // Makes room for the film and the list of places. `features`: kFeature bits of all kernels that may run. Sends `frame`
-  // to the device. Returns whether a buffer that kernels are bound to was replaced.
+  // Makes room for the film and the list of places. `features`: kFeature bits of all kernels that may run. Sends
+  // `frame` to the device. Returns whether a buffer that kernels are bound to was replaced.
   bool fit(const RenderSettings& settings, gpu::Feature features);
   // Sends `frame` as it was changed. Nothing may be in flight.
   void send_frame();

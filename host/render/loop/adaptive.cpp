@@ -15,7 +15,8 @@ constexpr double kQuietest = 0.03;
 // Runs below that share of the average are taken for backgrounds, whose samples take so much of the time of others
 // (StanfordDragon under a map, llvmpipe).
 constexpr double kNoiseless = 0.02, kBackgroundTime = 0.15;
-constexpr int kReach = 2;           // pixels of the pilot, half a run: so far neighbours tell of each other's noise
+constexpr double kFewest = 0.9;     // of the samples asked for
+constexpr int kReach = 2; // pixels of the pilot, half a run: so far neighbours tell of each other's noise
 
 // Squared error by pixel of the pilot, as relMSE weighs it.
 struct NoiseMap {
@@ -94,20 +95,6 @@ std::vector<std::int8_t> levels_at(const std::vector<double>& deviations, double
   return levels;
 }
 
-// In proportion to the roots of squared errors by run.
-std::vector<std::int8_t> levels_for(std::vector<double> squared, std::uint64_t pixels) {
-  const double floor = kQuietest * mean_of(squared);
-  for (double& value : squared) value = std::sqrt(std::max(value, floor));
-  const double largest = *std::ranges::max_element(squared);
-  if (!(largest > 0.0)) return std::vector<std::int8_t>(squared.size(), 0); // no noise anywhere
-  double low = std::exp2(kLowestLevel - 1) / largest, high = 1e6 / largest; // scales: too few samples, too many
-  for (int i = 0; i < 60; ++i) {
-    const double middle = std::sqrt(low * high);
-    (mean_factor(levels_at(squared, middle), pixels) <= 1.0 ? low : high) = middle;
-  }
-  return levels_at(squared, low);
-}
-
 // Squared error times time with these levels, over that without, as runs of `squared` judge them.
 double cost_of(const std::vector<std::int8_t>& levels, const std::vector<double>& squared) {
   const double least = kNoiseless * mean_of(squared);
@@ -118,6 +105,27 @@ double cost_of(const std::vector<std::int8_t>& levels, const std::vector<double>
     even_time += own_time, time += own_time * factor;
   }
   return even_error > 0.0 ? error * time / (even_error * even_time) : 1.0;
+}
+
+// In proportion to the roots of squared errors by run, as far as levels go. Where runs of like noise would be
+// rounded some up and some down for the sake of the total, fewer samples serve better.
+std::vector<std::int8_t> levels_for(const std::vector<double>& squared, std::uint64_t pixels) {
+  std::vector<double> deviations = squared;
+  const double floor = kQuietest * mean_of(squared);
+  for (double& value : deviations) value = std::sqrt(std::max(value, floor));
+  const double largest = *std::ranges::max_element(deviations);
+  if (!(largest > 0.0)) return std::vector<std::int8_t>(squared.size(), 0); // no noise anywhere
+  double low = 0.5 * std::exp2(kLowestLevel) / largest, high = 1e6 / largest; // scales: too few samples, too many
+  for (int i = 0; i < 60; ++i) {
+    const double middle = std::sqrt(low * high);
+    (mean_factor(levels_at(deviations, middle), pixels) <= 1.0 ? low : high) = middle;
+  }
+  std::vector<std::int8_t> best = levels_at(deviations, low);
+  for (double scale = low;; scale *= 0.96) {
+    std::vector<std::int8_t> levels = levels_at(deviations, scale);
+    if (mean_factor(levels, pixels) < kFewest) return best;
+    if (cost_of(levels, squared) < cost_of(best, squared)) best = std::move(levels);
+  }
 }
 
 } // namespace

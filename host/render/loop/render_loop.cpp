@@ -237,9 +237,9 @@ std::uint32_t RenderLoop::pass_end() const {
   const std::uint64_t most = integrator_->most_samples(cursor_.sample);
   auto fit = static_cast<std::uint32_t>(std::clamp<std::uint64_t>(wave / places(), 1, most));
   if (!levels_.empty()) { // each level has its waves: longer passes fill them
-    const std::uint64_t bound = std::min<std::uint64_t>(most, workspace_.slots) >> kHighestLevel;
-    fit = static_cast<std::uint32_t>(
-        std::clamp<std::uint64_t>(std::max(fit, kAdaptivePass), step, bound / step * step));
+    const std::uint64_t bound = std::min<std::uint64_t>(most, workspace_.slots) / kHighestFactor;
+    fit =
+        static_cast<std::uint32_t>(std::clamp<std::uint64_t>(std::max(fit, kAdaptivePass), step, bound / step * step));
   }
   // Counted from the first sample, because indices end at 2^32 - 1, which a sum may pass.
   const std::uint64_t full = spp() + (std::uint64_t{fit} + step - 1) / step * step;

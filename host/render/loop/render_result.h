@@ -32,8 +32,8 @@ enum class StopReason { samples, time, target_error, interrupted, device_lost };
 // What a pilot has learned of where there is noise (--adaptive).
 struct NoisePilot {
   std::uint32_t samples = 0, width = 0, height = 0; // of its picture
-  double cost = 1.0; // squared error times time that it foretold, over even samples
-  bool used = false; // samples were shared out by it
+  double cost = 1.0;                                // squared error times time that it foretold, over even samples
+  bool used = false;                                // samples were shared out by it
 };
 
 // What a pilot has learned of where light comes from (--guide).

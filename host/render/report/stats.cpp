@@ -222,7 +222,8 @@ Json sky_choice_json(const SkyChoice& choice) {
 // What --adaptive found.
 Json noise_pilot_json(const std::optional<NoisePilot>& pilot) {
   if (!pilot) return nullptr;
-  return {{"used", pilot->used}, {"cost", pilot->cost}, {"size", {pilot->width, pilot->height}}, {"spp", pilot->samples}};
+  return {
+      {"used", pilot->used}, {"cost", pilot->cost}, {"size", {pilot->width, pilot->height}}, {"spp", pilot->samples}};
 }
 
 // What each of several devices did.

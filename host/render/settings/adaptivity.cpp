@@ -24,7 +24,8 @@ bool is_adaptive(const RenderSettings& settings) {
 
 bool may_pay_adaptive(const RenderSettings& settings) {
   const std::uint64_t pixels = std::uint64_t{settings.width} * settings.height;
-  const double part = noise_pilot_part(pixels), pilot = static_cast<double>(pixels) / (part * part) * kFewestPilotSamples;
+  const double part = noise_pilot_part(pixels),
+               pilot = static_cast<double>(pixels) / (part * part) * kFewestPilotSamples;
   const bool shares_out = settings.first_sample % kAdaptiveStep == 0 && settings.last_sample % kAdaptiveStep == 0;
   return settings.adaptive == kAdaptiveAuto && takes_it(settings) && shares_out &&
          static_cast<double>(pixels) >= kFewestPixels && expected_paths(settings, true) >= kWholeOverPilot * pilot;

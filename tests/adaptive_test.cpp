@@ -1,0 +1,361 @@
+// Adaptive renders: which runs of pixels get how many samples, that every net gets those of its pixel, that the mean
+// stays and the error is told, and that auto is adaptive where that pays alone.
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "host/film/film.h"
+#include "host/render/device/kernel_compiler.h"
+#include "host/render/device/workspace.h"
+#include "host/render/loop/adaptive.h"
+#include "host/render/loop/render_state.h"
+#include "host/render/loop/segments.h"
+#include "host/render/render.h"
+#include "host/render/settings/adaptivity.h"
+#include "host/render/settings/integrator_kind.h"
+#include "host/scene/gltf/gltf.h"
+#include "host/scene/pack/pack.h"
+#include "host/scene/view.h"
+#include "kernels/net_layout.h"
+#include "kernels/tile_order.h"
+#include "tests/probe.h"
+#include "tests/shared_kernels.h"
+
+namespace wavepath::test {
+namespace {
+
+// ---- how samples are shared out -------------------------------------------------------------------------------------
+
+// Of one sample in each net of a pixel, which differ by `apart(x, y)`.
+template <class Apart>
+Film pilot_of(std::uint32_t width, std::uint32_t height, Apart apart) {
+  Film pilot = make_film({.width = width, .height = height});
+  for (std::uint32_t y = 0; y < height; ++y)
+    for (std::uint32_t x = 0; x < width; ++x)
+      for (std::uint32_t r = 0; r < gpu::kReplicates; ++r) {
+        gpu::FilmPixel& pixel = pilot.pixels[(y * width + x) * gpu::kReplicates + r];
+        pixel.count = 1;
+        pixel.red.low[0] = 1000 + apart(x, y) * r;
+        pixel.tops = 5;
+      }
+  return pilot;
+}
+
+TEST(SampleShares, GiveNoisyRunsMoreAndKeepTheTotal) {
+  const Film pilot = pilot_of(32, 32, [](auto x, auto y) { return x < 4 && y < 4 ? 60u : 10u; });
+  const SampleShares shares = share_samples(pilot, 64, 64); // one tile of 8x8 is noisy
+  ASSERT_EQ(shares.levels.size(), 64u);
+  for (std::size_t i = 1; i < shares.levels.size(); ++i) EXPECT_LT(shares.levels[i], shares.levels[0]);
+  EXPECT_LE(mean_factor(shares.levels, 64 * 64), 1.0);
+  EXPECT_GT(mean_factor(shares.levels, 64 * 64), 0.5);
+}
+
+std::uint32_t hash(std::uint32_t x, std::uint32_t y) { return gpu::net_hash(y * 4096 + x); }
+
+// Where noise is even, what single pixels show of it is chance, and chance promises nothing.
+TEST(SampleShares, PromiseNothingWhereNoiseIsEven) {
+  const Film even = pilot_of(128, 96, [](auto x, auto y) { return hash(x, y) % 200; });
+  EXPECT_GT(share_samples(even, 256, 192).cost, 0.97);
+  const Film none = pilot_of(128, 96, [](auto, auto) { return 0u; });
+  EXPECT_EQ(share_samples(none, 256, 192).cost, 1.0);
+  const std::vector<std::int8_t> levels = share_samples(none, 256, 192).levels;
+  EXPECT_EQ(std::ranges::count(levels, 0), std::ptrdiff_t{256 * 192 / kRunPixels});
+}
+
+// Half of the picture has a quarter of the noise: (1/2 + 1/8)^2 / (1/2 + 1/32) = 0.735 of the error at equal samples by
+// any factors, 0.82 by powers of two that keep the total.
+TEST(SampleShares, PromiseWhatUnequalNoiseGives) {
+  const Film halves = pilot_of(128, 96, [](auto x, auto y) { return hash(x, y) % (x < 64 ? 200u : 50u); });
+  EXPECT_NEAR(share_samples(halves, 256, 192).cost, 0.82, 0.04);
+}
+
+// A background without noise gives its samples away; but it took little of the time.
+TEST(SampleShares, CountBackgroundsAsCheap) {
+  const Film object = pilot_of(128, 96, [](auto x, auto y) { return x < 64 ? hash(x, y) % 200 : 0u; });
+  const SampleShares shares = share_samples(object, 256, 192);
+  const double factor = mean_factor(shares.levels, 256 * 192);
+  EXPECT_NEAR(factor, 1.0, 0.15);
+  EXPECT_GT(shares.cost, 0.85) << "half the picture is free: counted as dear it would promise 0.5";
+  EXPECT_LT(shares.cost, 0.99);
+}
+
+TEST(SampleShares, ComeFromAPilotOfAFewPaths) {
+  for (const std::uint64_t pixels : {std::uint64_t{1} << 15, std::uint64_t{1} << 20}) {
+    const std::uint64_t part = noise_pilot_part(pixels);
+    for (const std::uint32_t planned : {64u, 100u, 256u, 65536u}) {
+      const std::uint32_t samples = noise_pilot_samples(planned, pixels);
+      EXPECT_EQ(samples % gpu::kReplicates, 0u);
+      EXPECT_LE(samples, 32u);
+      EXPECT_LE(samples * 32u, planned * part * part) << "more than a 32nd of the render";
+    }
+  }
+}
+
+// ---- who is adaptive ------------------------------------------------------------------------------------------------
+
+TEST(Adaptivity, IsTriedWhereAPilotIsASmallPartOfTheRender) {
+  RenderSettings settings;
+  settings.integrator = find_integrator("path");
+  settings.width = 256, settings.height = 128;
+  const auto tried = [&](std::uint32_t spp) {
+    settings.last_sample = spp;
+    return may_pay_adaptive(settings);
+  };
+  EXPECT_TRUE(tried(64));
+  EXPECT_FALSE(tried(60));
+  EXPECT_FALSE(tried(66)) << "levels share out fours";
+  settings.width = 255;
+  EXPECT_FALSE(tried(256)) << "a small picture";
+  settings.width = settings.height = 512;
+  EXPECT_TRUE(tried(16));
+  EXPECT_FALSE(tried(12));
+  settings.time_limit = 1.0;
+  EXPECT_FALSE(tried(16)) << "the time ends it before";
+  settings.time_limit = 0.0;
+  for (const std::uint32_t told : {kAdaptiveOn, kAdaptiveOff}) {
+    settings.adaptive = told;
+    EXPECT_FALSE(tried(64)) << "nothing to find out";
+  }
+  settings.adaptive = kAdaptiveAuto;
+  for (const auto& [name, expected] :
+       {std::pair{"auto", true}, {"whitted", true}, {"bidirectional", false}, {"hybrid", false}}) {
+    settings.integrator = find_integrator(name);
+    EXPECT_EQ(tried(64), expected) << name;
+  }
+}
+
+TEST(Adaptivity, IsForThoseThatAskOrTry) {
+  RenderSettings settings;
+  settings.integrator = find_integrator("path");
+  EXPECT_FALSE(is_adaptive(settings)) << "windows, studies and parts do not try";
+  settings.tries_adaptive = true;
+  EXPECT_TRUE(is_adaptive(settings));
+  settings.adaptive = kAdaptiveOff;
+  EXPECT_FALSE(is_adaptive(settings));
+  settings.adaptive = kAdaptiveOn, settings.tries_adaptive = false;
+  EXPECT_TRUE(is_adaptive(settings));
+  settings.integrator = find_integrator("bidirectional");
+  EXPECT_FALSE(is_adaptive(settings));
+}
+
+// ---- renders --------------------------------------------------------------------------------------------------------
+
+class AdaptiveRender : public VulkanTest {
+protected:
+  static RenderSettings settings_of(std::uint32_t width, std::uint32_t height, std::uint32_t spp) {
+    RenderSettings settings;
+    settings.integrator = find_integrator("path");
+    settings.width = width, settings.height = height;
+    settings.last_sample = spp;
+    settings.max_depth = 3;
+    settings.filter = gpu::kFilterBox;
+    settings.whole_nets_from = 0;
+    settings.adaptive = kAdaptiveOn;
+    return settings;
+  }
+  RenderResult render(const RenderSettings& settings, const RenderHooks& hooks = {}) {
+    const View view = resolve_view(scene_, {}, settings.width, settings.height);
+    return wavepath::render(device(), packed_, view, settings, hooks, shared_kernels(device()));
+  }
+  // The levels that a render of these settings takes.
+  std::vector<std::int8_t> levels_of(const RenderSettings& settings) {
+    std::vector<std::int8_t> levels;
+    RenderHooks hooks;
+    hooks.save = [&](const RenderState& state) { levels = state.levels; };
+    render(settings, hooks);
+    return levels;
+  }
+
+  Scene scene_ = load_gltf(std::string(WAVEPATH_SOURCE_DIR) + "/scenes/cornell_box.gltf", {});
+  PackedScene packed_ = pack(scene_);
+};
+
+// Both nets of a measured pixel have as many samples, whatever its neighbours in the block have: borders cut tiles, so
+// that runs go across blocks.
+TEST_F(AdaptiveRender, EveryNetHasTheSamplesOfItsPixel) {
+  for (const char* integrator : {"path", "whitted"}) {
+    SCOPED_TRACE(integrator);
+    RenderSettings settings = settings_of(101, 67, 16);
+    settings.integrator = find_integrator(integrator);
+    const std::vector<std::int8_t> levels = levels_of(settings);
+    ASSERT_EQ(levels.size(), (101u * 67 + 63) / 64);
+    EXPECT_GE(std::ranges::max(levels), std::ranges::min(levels) + 2) << "hardly any levels to tell apart";
+    const RenderResult result = render(settings);
+    const Film& film = *result.film;
+    ASSERT_TRUE(film.whole_nets);
+    for (std::uint32_t i = 0; i < 101 * 67; ++i) {
+      const glm::uvec2 at = gpu::pixel_in_tile_order(i, 101, 67);
+      const std::size_t pixel = std::size_t{at.y} * 101 + at.x;
+      const std::uint32_t expected = at_level(16, levels[i / kRunPixels]);
+      ASSERT_EQ(film.pixels[pixel].count, expected) << i;
+      if (measured_pixel(film, block_of(film, pixel)) == pixel) {
+        ASSERT_EQ(film.pixels[101 * 67 + block_of(film, pixel)].count, expected) << i;
+      }
+    }
+    EXPECT_EQ(result.spp, static_cast<std::uint32_t>(std::lround(16 * mean_factor(levels, 101 * 67))));
+    EXPECT_FALSE(result.even);
+  }
+}
+
+// A net of a run is that of an even render of as many samples.
+TEST_F(AdaptiveRender, NetsAreThoseOfEvenRenders) {
+  RenderSettings settings = settings_of(101, 67, 16);
+  const std::vector<std::int8_t> levels = levels_of(settings);
+  const Film film = *render(settings).film;
+  std::size_t compared = 0;
+  for (const int level : {kLowestLevel, -1, 0, 1}) {
+    RenderSettings even = settings;
+    even.adaptive = kAdaptiveOff;
+    even.last_sample = at_level(16, level);
+    const Film expected = *render(even).film;
+    for (std::uint32_t i = 0; i < 101 * 67; ++i) {
+      if (levels[i / kRunPixels] != level) continue;
+      const glm::uvec2 at = gpu::pixel_in_tile_order(i, 101, 67);
+      const std::size_t pixel = std::size_t{at.y} * 101 + at.x, block = block_of(film, pixel);
+      ASSERT_TRUE(mean_radiance(film, pixel) == mean_radiance(expected, pixel)) << level << " " << i;
+      if (measured_pixel(film, block) == pixel) { // second nets among them
+        ASSERT_TRUE(mean_variance(film, pixel) == mean_variance(expected, pixel)) << level << " " << i;
+      }
+      ++compared;
+    }
+  }
+  EXPECT_GT(compared, 101u * 67 / 2);
+}
+
+TEST_F(AdaptiveRender, HowTheWorkIsCutUpDoesNotMatter) {
+  RenderSettings settings = settings_of(101, 67, 24);
+  const RenderResult expected = render(settings);
+  for (const std::uint32_t slots : {500u, 3000u}) {
+    settings.wave_slots = slots;
+    EXPECT_TRUE(*render(settings).film == *expected.film) << slots << " slots";
+  }
+  settings.wave_slots = 0;
+  std::optional<RenderState> state;
+  RenderHooks interrupt;
+  interrupt.progress = [&](const Progress& now) { return now.spp_done < 12; };
+  interrupt.save = [&](const RenderState& saved) { state = saved; };
+  render(settings, interrupt);
+  ASSERT_TRUE(state && state->cursor.sample > 0 && state->cursor.sample < 24);
+  RenderHooks resume;
+  resume.resume = &*state;
+  EXPECT_TRUE(*render(settings, resume).film == *expected.film);
+}
+
+// The mean stays, the error falls, and what is told of it is what it is, also where one pixel measures its block.
+TEST_F(AdaptiveRender, WholeNetsTellTheirError) {
+  constexpr std::uint32_t kRuns = 16;
+  RenderSettings settings = settings_of(128, 128, 16), even = settings;
+  even.adaptive = kAdaptiveOff;
+  RenderSettings truth = even;
+  truth.last_sample = 1024, truth.seed = 1000000;
+  const Film reference = *render(truth).film;
+  double told = 0.0, error = 0.0, even_error = 0.0;
+  std::vector<double> differences;
+  const auto error_of = [&](const Film& film, double& difference) {
+    double sum = 0.0;
+    difference = 0.0;
+    for (std::size_t i = 0; i < reference.shape().pixels(); ++i) {
+      const glm::dvec3 r = mean_radiance(reference, i), off = mean_radiance(film, i) - r,
+                       squared = off * off / (r * r + 0.01);
+      sum += (squared.x + squared.y + squared.z) / 3.0;
+      difference += off.y;
+    }
+    return sum / static_cast<double>(reference.shape().pixels());
+  };
+  std::size_t held = 0;
+  for (std::uint32_t seed = 0; seed < kRuns; ++seed) {
+    settings.seed = seed, even.seed = seed + 1000;
+    const RenderResult result = render(settings);
+    double difference = 0.0, other = 0.0;
+    const double own = error_of(*result.film, difference);
+    error += own / kRuns, even_error += error_of(*render(even).film, other) / kRuns;
+    told += result.error.relative_rms * result.error.relative_rms / kRuns;
+    held += std::sqrt(own) >= result.error.ci95[0] && std::sqrt(own) <= result.error.ci95[1];
+    differences.push_back(difference);
+  }
+  EXPECT_LT(error, 0.9 * even_error);
+  EXPECT_NEAR(told, error, 0.07 * error);
+  EXPECT_GE(held, kRuns - 3);
+  double mean = 0.0, squares = 0.0;
+  for (const double d : differences) mean += d / kRuns;
+  for (const double d : differences) squares += (d - mean) * (d - mean);
+  constexpr double kStudent = 2.95; // 99 % of 16 repetitions, two-sided
+  EXPECT_LT(std::abs(mean), kStudent * std::sqrt(squares / (kRuns * (kRuns - 1))));
+}
+
+// Auto shares samples out in the Cornell box, whose surroundings are black and whose corners are noisy, but not where
+// every pixel has the noise of every other; there it is bit for bit the even render.
+TEST_F(AdaptiveRender, AutoSharesOutWhereThatPays) {
+  RenderSettings settings = settings_of(256, 128, 64);
+  settings.adaptive = kAdaptiveAuto;
+  settings.tries_adaptive = true;
+  settings.max_depth = 1;
+  const RenderResult box = render(settings);
+  ASSERT_TRUE(box.noise);
+  EXPECT_TRUE(box.noise->used) << box.noise->cost;
+  EXPECT_LT(box.noise->cost, 0.92);
+  EXPECT_EQ(box.noise->width, 128u);
+  EXPECT_FALSE(box.even);
+
+  scene_ = load_gltf(std::string(WAVEPATH_SOURCE_DIR) + "/scenes/analytic/occlusion_in_corner.gltf", {});
+  scene_.environment.radiance = glm::vec3(1.0f);
+  packed_ = pack(scene_, {.direct = gpu::kDirectBsdf});
+  settings.direct = gpu::kDirectBsdf;
+  settings.sampler = gpu::kSamplerIndependent;
+  const RenderResult corner = render(settings);
+  ASSERT_TRUE(corner.noise);
+  EXPECT_FALSE(corner.noise->used) << corner.noise->cost;
+  EXPECT_TRUE(corner.even);
+  EXPECT_EQ(corner.spp, 64u);
+  settings.adaptive = kAdaptiveOff;
+  const RenderResult even = render(settings);
+  EXPECT_FALSE(even.noise);
+  EXPECT_TRUE(*corner.film == *even.film);
+}
+
+// Every net is in one segment, of its band and of its pixel's level, in which all lie as far from their film entries.
+TEST_F(AdaptiveRender, SegmentsHoldEveryNetOnce) {
+  const std::uint64_t limit = device().info().max_storage_range;
+  const auto tall =
+      static_cast<std::uint32_t>(std::min(limit, std::uint64_t{1} << 28) / sizeof(gpu::FilmPixel) / 1026 + 37);
+  for (const auto& [width, height] : {std::pair{101u, 67u}, {1026u, tall}})
+    for (const bool whole : {true, false}) {
+      if (height == tall && !whole) continue; // would take twice the memory
+      FilmTarget film(device());
+      film.fit({.width = width, .height = height, .whole_nets = whole, .seed = 3}, false);
+      const auto pixels = static_cast<std::uint32_t>(film.pixels());
+      std::vector<std::int8_t> levels((pixels + kRunPixels - 1) / kRunPixels);
+      for (std::uint32_t run = 0; run < levels.size(); ++run)
+        levels[run] = static_cast<std::int8_t>(kLowestLevel + static_cast<int>(gpu::net_hash(run) % 6));
+      std::vector<std::uint32_t> places;
+      const std::vector<Segment> segments = level_segments(film, levels, places);
+      ASSERT_EQ(places.size(), film.shape().places());
+      std::size_t wrong = 0, next = 0;
+      for (const Segment& segment : segments) {
+        const FilmBand& band = film.bands()[segment.band];
+        EXPECT_EQ(segment.first_place, next);
+        next += segment.pixel_count;
+        const std::uint32_t offset = places[segment.first_place] - band.entry_of(places[segment.first_place]);
+        for (std::uint32_t i = 0; i < segment.pixel_count; ++i) {
+          const std::uint32_t place = places[segment.first_place + i];
+          const glm::uvec2 at = place < pixels ? gpu::pixel_in_tile_order(place, width, height)
+                                               : gpu::measured_pixel(place - pixels, width, height, 3);
+          wrong += levels[gpu::tile_order_of(at, width, height) / kRunPixels] != segment.level;
+          wrong += place - band.entry_of(place) != offset || band.entry_of(place) >= band.places();
+        }
+      }
+      EXPECT_EQ(wrong, 0u);
+      EXPECT_EQ(next, places.size());
+      std::ranges::sort(places);
+      for (std::uint32_t i = 0; i < places.size(); ++i) wrong += places[i] != i;
+      EXPECT_EQ(wrong, 0u);
+    }
+}
+
+} // namespace
+} // namespace wavepath::test
