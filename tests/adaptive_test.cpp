@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "host/film/film.h"
+#include "host/render/adaptive_choice.h"
 #include "host/render/device/kernel_compiler.h"
 #include "host/render/device/workspace.h"
 #include "host/render/loop/adaptive.h"

@@ -108,6 +108,11 @@ class Benchmarks(unittest.TestCase):
                 self.assertEqual(result.returncode, 0, result.stderr)
                 self.assertIn(flag, result.stdout)
 
+    def test_scripts_that_name_their_interpreter_can_be_started(self):
+        for script in [*BENCHMARKS.glob("*.*"), *(BENCHMARKS.parent / "scenes").glob("*.py")]:
+            if script.read_bytes()[:2] == b"#!":
+                self.assertTrue(os.access(script, os.X_OK), f"{script} is not executable")
+
     def test_without_blender_it_says_how_to_get_it(self):
         result = subprocess.run([sys.executable, BENCHMARKS / "peer_cycles.py", "--blender", "no-such-blender"],
                                 capture_output=True, text=True)

@@ -116,6 +116,29 @@ TEST_F(CliRenderTest, TheFlagOfTheFilterNeedsNoValue) {
 }
 
 // A scene with a sun counts as lit: it gets no other light.
+// Longer renders look for noise by themselves, in the scene's own integrator; parts and even ones do not.
+TEST_F(CliRenderTest, LongRendersLookForNoise) {
+  const auto pilot_of = [&](std::vector<std::string> flags) {
+    flags.insert(flags.end(), {"-o", exr_, "--size", "256x128", "--max-depth", "1", "-q", "--stats", stats_});
+    const Outcome outcome = render(flags);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    const Json stats = Json::parse(std::ifstream(stats_));
+    EXPECT_EQ(stats["integrator"], "path");
+    return stats["noise_pilot"];
+  };
+  const Json pilot = pilot_of({"--spp", "64"});
+  ASSERT_TRUE(pilot.is_object());
+  EXPECT_EQ(pilot["used"], true) << pilot; // the box's surroundings are black
+  EXPECT_LT(pilot["cost"].get<double>(), 0.92);
+  EXPECT_EQ(pilot["size"], Json({128, 64}));
+  EXPECT_EQ(pilot["spp"], 8);
+  EXPECT_TRUE(pilot_of({"--spp", "32"}).is_null()) << "the pilot would be a sixteenth of it";
+  EXPECT_TRUE(pilot_of({"--spp", "64", "--adaptive", "off"}).is_null());
+  EXPECT_TRUE(pilot_of({"--spp", "64", "--samples", "0:64"}).is_null()) << "parts are even";
+  EXPECT_TRUE(pilot_of({"--spp", "64", "--mergeable"}).is_null()) << "parts are even";
+  EXPECT_TRUE(pilot_of({"--spp", "8", "--adaptive"}).is_object());
+}
+
 TEST_F(CliRenderTest, ASunIsPutIn) {
   const std::vector<std::string> common = {
       "render", scene_file("furnace_lambert.gltf"), "--size", "8x8", "--spp", "4", "-o", exr_, "--json"};

@@ -153,7 +153,7 @@ void print_scene(const Json& about, const std::vector<std::string>& extensions) 
     if (what != "total" && number(count) > 0) fmt::print("    {:<12}{}\n", what, to_size_text(number(count)));
   fmt::print("  --guide     {} more at most\n", to_size_text(number(about["guide_bytes"])));
   const Json& film = about["film_bytes"];
-  fmt::print("  film        {} at {}x{}; {} where nets are halved, as for --adaptive\n",
+  fmt::print("  film        {} at {}x{}; {} where nets are halved, as for --aov variance\n",
              to_size_text(number(film["whole_nets"])), number(film["size"][0]), number(film["size"][1]),
              to_size_text(number(film["halved_nets"])));
   fmt::print("  left out{}\n", about["left_out"].empty() ? "    nothing" : "");

@@ -12,7 +12,7 @@
 #include "host/film/oidn.h"
 #include "host/gpu/context.h"
 #include "host/gpu/device_choice.h"
-#include "host/render/settings/adaptivity.h"
+#include "host/render/adaptive_choice.h"
 #include "host/render/settings/antialias_settings.h"
 #include "host/render/settings/denoising.h"
 #include "host/render/settings/integrator_kind.h"

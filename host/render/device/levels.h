@@ -12,6 +12,8 @@ inline constexpr std::uint32_t kRunPixels = 64;
 // pixels of the pilot, in large pictures 4.
 inline std::uint32_t noise_pilot_part(std::uint64_t pixels) { return pixels < 1u << 18 ? 2 : 4; }
 
+inline constexpr std::uint32_t kFewestPilotSamples = 8; // of a pixel of it
+
 inline constexpr int kLowestLevel = -2, kHighestLevel = 3; // a run of level k gets 2^k times the samples
 inline constexpr std::uint32_t kAdaptiveStep = 4;          // samples per pixel: what every level can share out
 inline constexpr std::uint32_t kHighestFactor = 1u << kHighestLevel;

@@ -8,15 +8,15 @@
 namespace wavepath {
 namespace {
 
-constexpr std::uint32_t kFewestSamples = 8, kMostSamples = 32; // of a pixel of the pilot
-constexpr std::uint32_t kPilotShare = 32;                      // of the render's paths: one in so many
+constexpr std::uint32_t kMostPilotSamples = 32; // of a pixel of it
+constexpr std::uint32_t kPilotShare = 32;       // of the render's paths: one in so many
 // A pilot misses what is rare: no run counts as quieter than this share of the average.
 constexpr double kQuietest = 0.03;
 // Runs below that share of the average are taken for backgrounds, whose samples take so much of the time of others
 // (StanfordDragon under a map, llvmpipe).
 constexpr double kNoiseless = 0.02, kBackgroundTime = 0.15;
-constexpr double kFewest = 0.9;     // of the samples asked for
-constexpr int kReach = 2; // pixels of the pilot, half a run: so far neighbours tell of each other's noise
+constexpr double kFewest = 0.9; // of the samples asked for
+constexpr int kReach = 2;       // pixels of the pilot, half a run: so far neighbours tell of each other's noise
 
 // Squared error by pixel of the pilot, as relMSE weighs it.
 struct NoiseMap {
@@ -114,7 +114,7 @@ std::vector<std::int8_t> levels_for(const std::vector<double>& squared, std::uin
   const double floor = kQuietest * mean_of(squared);
   for (double& value : deviations) value = std::sqrt(std::max(value, floor));
   const double largest = *std::ranges::max_element(deviations);
-  if (!(largest > 0.0)) return std::vector<std::int8_t>(squared.size(), 0); // no noise anywhere
+  if (!(largest > 0.0)) return std::vector<std::int8_t>(squared.size(), 0);   // no noise anywhere
   double low = 0.5 * std::exp2(kLowestLevel) / largest, high = 1e6 / largest; // scales: too few samples, too many
   for (int i = 0; i < 60; ++i) {
     const double middle = std::sqrt(low * high);
@@ -144,7 +144,7 @@ FilmShape noise_pilot_shape(const FilmTarget& film) {
 std::uint32_t noise_pilot_samples(std::uint32_t planned, std::uint64_t pixels) {
   const std::uint32_t part = noise_pilot_part(pixels);
   const std::uint64_t samples = std::uint64_t{planned} * part * part / kPilotShare;
-  return static_cast<std::uint32_t>(std::clamp<std::uint64_t>(samples, kFewestSamples, kMostSamples)) /
+  return static_cast<std::uint32_t>(std::clamp<std::uint64_t>(samples, kFewestPilotSamples, kMostPilotSamples)) /
          gpu::kReplicates * gpu::kReplicates;
 }
 

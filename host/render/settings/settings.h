@@ -100,9 +100,9 @@ struct RenderSettings {
   std::uint32_t sky_samples = 0;           // at every vertex; 0 = as sky_choice.h finds, else 1 (light_samples.h)
   bool tries_sky = false;                  // kernels are to bear any number of sky samples, where trying costs little
   std::uint32_t adaptive = kAdaptiveAuto;  // more samples where a pilot, which is thrown away, found more noise
-  bool tries_adaptive = false;             // auto looks for noise, and goes on evenly where it is even (adaptivity.h)
-  bool guide = false;                      // directions are also drawn from a field that a pilot learned
-  bool moving = false;                     // the scene was loaded with motion, which the kernels are to see
+  bool tries_adaptive = false; // auto looks for noise, and goes on evenly where it is even (adaptive_choice.h)
+  bool guide = false;          // directions are also drawn from a field that a pilot learned
+  bool moving = false;         // the scene was loaded with motion, which the kernels are to see
   bool specialize = true;
   std::vector<std::string> aovs; // values of --aov
 

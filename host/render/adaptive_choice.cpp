@@ -1,0 +1,24 @@
+#include "host/render/adaptive_choice.h"
+
+#include "host/render/device/levels.h"
+#include "host/render/settings/adaptivity.h"
+#include "host/render/trial.h"
+
+namespace wavepath {
+namespace {
+
+constexpr std::uint64_t kFewestPixels = 1u << 15;
+constexpr double kWholeOverPilot = 32.0; // in paths
+
+} // namespace
+
+bool may_pay_adaptive(const RenderSettings& settings) {
+  const std::uint64_t pixels = std::uint64_t{settings.width} * settings.height;
+  const double part = noise_pilot_part(pixels);
+  const double pilot = static_cast<double>(pixels) * kFewestPilotSamples / (part * part);
+  const bool shares_out = settings.first_sample % kAdaptiveStep == 0 && settings.last_sample % kAdaptiveStep == 0;
+  return settings.adaptive == kAdaptiveAuto && can_be_adaptive(settings) && shares_out && pixels >= kFewestPixels &&
+         expected_paths(settings, true) >= kWholeOverPilot * pilot;
+}
+
+} // namespace wavepath
