@@ -30,8 +30,8 @@ def wavepath(binary, *arguments):
 
 def render(binary, scene, spp, size, *more):
     with tempfile.TemporaryDirectory() as folder:
-        return json.loads(wavepath(binary, "render", scene, "--spp", spp, "--size", size, "--bvh", "best", "--json",
-                                   "-q", "-o", pathlib.Path(folder) / "picture.exr", *more))
+        return json.loads(wavepath(binary, "render", scene, "--spp", spp, "--size", size, "--bvh", "best",
+                                   "--adaptive", "off", "--json", "-q", "-o", pathlib.Path(folder) / "picture.exr", *more))
 
 
 def bench(binary, scene, *more):

@@ -64,8 +64,8 @@ GPU_CONSTANT uint kReplicates = 2u;
 // Push constants: the wave of (pixel, sample) pairs that a dispatch works on. Slot = local sample * pixel_count + local
 // pixel.
 struct Wave {
-  uint
-      first_pixel; // in tile order, second nets after all pixels (net_layout.h); where places are listed, in their list
+  // In tile order, second nets after all pixels (net_layout.h); where places are listed, in the order of their list.
+  uint first_pixel;
   uint pixel_count;
   uint first_sample;
   uint sample_count;

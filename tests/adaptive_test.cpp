@@ -235,6 +235,12 @@ TEST_F(AdaptiveRender, HowTheWorkIsCutUpDoesNotMatter) {
     settings.wave_slots = slots;
     EXPECT_TRUE(*render(settings).film == *expected.film) << slots << " slots";
   }
+  settings.integrator = find_integrator("whitted"); // a sample of which takes several slots
+  settings.wave_slots = 0;
+  const RenderResult tree = render(settings);
+  settings.wave_slots = 500;
+  EXPECT_TRUE(*render(settings).film == *tree.film);
+  settings.integrator = find_integrator("path");
   settings.wave_slots = 0;
   std::optional<RenderState> state;
   RenderHooks interrupt;
@@ -313,10 +319,26 @@ TEST_F(AdaptiveRender, AutoSharesOutWhereThatPays) {
   EXPECT_FALSE(corner.noise->used) << corner.noise->cost;
   EXPECT_TRUE(corner.even);
   EXPECT_EQ(corner.spp, 64u);
-  settings.adaptive = kAdaptiveOff;
-  const RenderResult even = render(settings);
+  RenderSettings off = settings;
+  off.adaptive = kAdaptiveOff;
+  const RenderResult even = render(off);
   EXPECT_FALSE(even.noise);
   EXPECT_TRUE(*corner.film == *even.film);
+
+  settings.target_error = off.target_error = 1.05 * even.error.relative_rms; // reached between two checkpoints
+  const RenderResult reached = render(settings), expected = render(off);
+  EXPECT_EQ(expected.stop, StopReason::target_error);
+  EXPECT_EQ(reached.spp, expected.spp) << "the error was looked at elsewhere";
+  EXPECT_TRUE(*reached.film == *expected.film);
+}
+
+// A pilot of a render that may be short is short.
+TEST_F(AdaptiveRender, AnOpenEndRendersTheShortestPilot) {
+  RenderSettings settings = settings_of(64, 64, 4096);
+  settings.target_error = 0.5;
+  EXPECT_EQ(render(settings).noise->samples, kFewestPilotSamples);
+  settings.target_error = 0.0, settings.last_sample = 256;
+  EXPECT_EQ(render(settings).noise->samples, 32u);
 }
 
 // Every net is in one segment, of its band and of its pixel's level, in which all lie as far from their film entries.
@@ -340,6 +362,9 @@ TEST_F(AdaptiveRender, SegmentsHoldEveryNetOnce) {
       for (const Segment& segment : segments) {
         const FilmBand& band = film.bands()[segment.band];
         EXPECT_EQ(segment.first_place, next);
+        if (&segment != &segments.front() && (&segment)[-1].band == segment.band) {
+          EXPECT_LE(segment.level, (&segment)[-1].level) << "a pass cut short leaves noisy ones out";
+        }
         next += segment.pixel_count;
         const std::uint32_t offset = places[segment.first_place] - band.entry_of(places[segment.first_place]);
         for (std::uint32_t i = 0; i < segment.pixel_count; ++i) {

@@ -115,7 +115,6 @@ TEST_F(CliRenderTest, TheFlagOfTheFilterNeedsNoValue) {
   EXPECT_TRUE(find_channel(read_picture(exr_), "denoised.R"));
 }
 
-// A scene with a sun counts as lit: it gets no other light.
 // Longer renders look for noise by themselves, in the scene's own integrator; parts and even ones do not.
 TEST_F(CliRenderTest, LongRendersLookForNoise) {
   const auto pilot_of = [&](std::vector<std::string> flags) {
@@ -139,6 +138,7 @@ TEST_F(CliRenderTest, LongRendersLookForNoise) {
   EXPECT_TRUE(pilot_of({"--spp", "8", "--adaptive"}).is_object());
 }
 
+// A scene with a sun counts as lit: it gets no other light.
 TEST_F(CliRenderTest, ASunIsPutIn) {
   const std::vector<std::string> common = {
       "render", scene_file("furnace_lambert.gltf"), "--size", "8x8", "--spp", "4", "-o", exr_, "--json"};

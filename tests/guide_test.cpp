@@ -108,11 +108,11 @@ struct Element {
 class GuideProbe : public VulkanTest {
 protected:
   std::vector<Element> run(const GuideField& field, std::uint32_t mode, const std::vector<Element>& elements) {
-    const Buffer frame = upload(device(), std::vector<gpu::Frame>(1)), runs = upload(device(), std::vector<int>(1));
+    const Buffer frame = upload(device(), std::vector<gpu::Frame>(1)), places = upload(device(), std::vector<int>(1));
     const Buffer tree = upload(device(), field.nodes), maps = upload(device(), field.maps);
     const Buffer records = upload(device(), std::vector<glm::vec4>(1)), in_out = upload(device(), elements);
     const std::vector<Binding> bindings{{gpu::kBindFrame, BindingKind::uniform, &frame},
-                                        {gpu::kBindPlaces, BindingKind::texels_r32ui, &runs},
+                                        {gpu::kBindPlaces, BindingKind::texels_r32ui, &places},
                                         {gpu::kBindGuideTree, BindingKind::texels_rgba32ui, &tree},
                                         {gpu::kBindGuideMaps, BindingKind::texels_rgba32f, &maps},
                                         {gpu::kBindGuideRecords, BindingKind::storage, &records},

@@ -45,7 +45,7 @@ struct Bench {
         counters(device_, sizeof(gpu::Counters)),
         film(device_, kSlots * gpu::kReplicates * sizeof(gpu::FilmPixel)),
         film_aovs(device_, kSlots * sizeof(gpu::FilmAovs)),
-        runs(device_, kSlots * 4),
+        places(device_, kSlots * 4),
         receivers(device_, kSlots * 16),
         light_sums(device_, 16),
         constants{static_cast<std::uint32_t>(features),
@@ -80,7 +80,7 @@ struct Bench {
                            {gpu::kBindPathMedia, storage, &media},
                            {gpu::kBindPathAovs, storage, &path_aovs},
                            {gpu::kBindFilmAovs, storage, &film_aovs},
-                           {gpu::kBindPlaces, texels_r32ui, &runs},
+                           {gpu::kBindPlaces, texels_r32ui, &places},
                            {gpu::kBindCounters, storage, &counters},
                            {gpu::kBindSeen, storage, &film},
                            {gpu::kBindReceivers, storage, &receivers},
@@ -104,8 +104,8 @@ struct Bench {
 
   Device& device;
   DeviceScene scene;
-  Buffer frame, paths, media, path_aovs, rays, hits, sorted_rays, shadow_rays, queues, counters, film, film_aovs, runs,
-      receivers, light_sums;
+  Buffer frame, paths, media, path_aovs, rays, hits, sorted_rays, shadow_rays, queues, counters, film, film_aovs,
+      places, receivers, light_sums;
   std::array<std::uint32_t, gpu::kSpecCount> constants;
   std::unique_ptr<BindingSet> bindings;
 };

@@ -154,7 +154,7 @@ TEST_F(NonfiniteTest, NeitherWavesNorKernelsChangeWhatIsCounted) {
   }
 }
 
-// Slots of an adaptive render stand for places in its list of runs, in which quiet runs come first.
+// Slots of an adaptive render stand for places in its list, in which noisy runs come first.
 TEST_F(NonfiniteTest, AnAdaptiveRenderNamesThePixelOfItsFirst) {
   Shot shot = glowing_wall(43, 37); // around the wall there are runs of nothing but the sky
   KernelCompiler kernels(device());
@@ -170,7 +170,7 @@ TEST_F(NonfiniteTest, AnAdaptiveRenderNamesThePixelOfItsFirst) {
   const RenderResult result = render(device(), shot.packed, shot.view, shot.settings, hooks, kernels);
   const std::uint32_t run = even.first->at.pixel / kRunPixels;
   ASSERT_LT(run, levels.size());
-  ASSERT_NE(std::ranges::count_if(levels, [&](std::int8_t level) { return level < levels[run]; }) +
+  ASSERT_NE(std::ranges::count_if(levels, [&](std::int8_t level) { return level > levels[run]; }) +
                 std::count(levels.begin(), levels.begin() + run, levels[run]),
             run)
       << "its place in the list is that in the picture: any answer would be right";
@@ -285,6 +285,7 @@ TEST_F(NonfiniteCliTest, PathsThatTheRenderDoesNotHaveAreRefused) {
   const std::vector<std::vector<std::string>> wrong = {{"--pixel", "8,0", "--sample", "0"},
                                                        {"--pixel", "0,8", "--sample", "0"},
                                                        {"--pixel", "0,0", "--sample", "4"},
+                                                       {"--adaptive", "--pixel", "0,0", "--sample", "32"},
                                                        {"--pixel", "0,0", "--sample", "0", "--samples", "1:3"},
                                                        {"--pixel", "0,0"},
                                                        {"--sample", "0"},
@@ -295,6 +296,8 @@ TEST_F(NonfiniteCliTest, PathsThatTheRenderDoesNotHaveAreRefused) {
     EXPECT_TRUE(outcome.err.find("--pixel") != std::string::npos || outcome.err.find("--sample") != std::string::npos);
     EXPECT_EQ(outcome.out, "");
   }
+  const Outcome noisy = run({"--adaptive", "--pixel", "0,0", "--sample", "31"}); // of eight times four
+  EXPECT_EQ(noisy.exit_code, 0) << noisy.err;
 }
 
 } // namespace

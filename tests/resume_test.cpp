@@ -213,6 +213,27 @@ TEST_F(Resume, KeepsAdaptiveLevels) {
   expect_same_bits("part.exr", "whole.exr");
 }
 
+// Levels that auto chose last as long as the state, whatever is asked for later.
+TEST_F(Resume, KeepsTheLevelsThatAutoChose) {
+  const auto go_on = [&](std::vector<std::string> flags) {
+    flags.insert(flags.end(), {"--size", "256x128", "--max-depth", "1", "--checkpoint", "state"});
+    return render("part.exr", flags);
+  };
+  ASSERT_EQ(go_on({"--spp", "64"}).exit_code, 0);
+  for (int i = 0; i < 2; ++i) { // 70 is no multiple of four; the second time all of it is there
+    const Outcome outcome = go_on({"--spp", "70", "--resume", "--stats", path("stats.json")});
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_NE(outcome.err.find("more where there is noise"), std::string::npos) << outcome.err;
+    const auto stats = nlohmann::json::parse(std::ifstream(path("stats.json")));
+    EXPECT_EQ(stats["noise_pilot"]["used"], true);
+  }
+  const std::string before = bytes("state");
+  const Outcome merged = go_on({"--spp", "128", "--resume", "--mergeable"});
+  EXPECT_EQ(merged.exit_code, 1);
+  EXPECT_NE(merged.err.find("cannot be merged"), std::string::npos) << merged.err;
+  EXPECT_EQ(bytes("state"), before);
+}
+
 // A disk that takes the picture but no state: the render goes on, says so, and the old state stays whole.
 TEST_F(Resume, FullDiskLosesNothing) {
   SmallDisk disk(folder_.path());

@@ -334,11 +334,11 @@ TEST(Settings, TheDefaultIntegratorIsAutoUnlessAFlagSpeaksAgainstIt) {
   const auto taken = [](const char* flags) {
     return parsed(std::string("wavepath render scene.gltf ") + flags).integrator->name;
   };
-  for (const char* flags : {"", "--spp 4096 --max-depth 3", "--lights tree", "--samples 0:4 --spp 8", "--denoise",
-                            "--aov albedo,direct", "--aperture 0.1", "--time 9", "--shadow-samples 2"})
+  for (const char* flags :
+       {"", "--spp 4096 --max-depth 3", "--lights tree", "--samples 0:4 --spp 8", "--denoise", "--aov albedo,direct",
+        "--aperture 0.1", "--time 9", "--shadow-samples 2", "--adaptive", "--adaptive off"})
     EXPECT_EQ(taken(flags), "auto") << flags;
-  for (const char* flags : {"--guide", "--adaptive", "--integrator path", "--samples 0:4"})
-    EXPECT_EQ(taken(flags), "path") << flags;
+  for (const char* flags : {"--guide", "--integrator path", "--samples 0:4"}) EXPECT_EQ(taken(flags), "path") << flags;
   EXPECT_EQ(taken("--integrator hybrid"), "hybrid");
 }
 

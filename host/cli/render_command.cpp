@@ -369,7 +369,12 @@ RenderResult render_prepared(const Request& request, Prepared& prepared, const S
   RenderSettings settings = request.render.settings;
   const std::optional<RenderState> resumed =
       read_resumed(state, settings, prepared.identity, device, prepared.warnings);
-  if (resumed && !resumed->levels.empty()) settings.tries_adaptive = true; // as before, however long the rest is
+  if (resumed && !resumed->levels.empty()) {
+    if (request.render.mergeable)
+      throw Error(state.file, "has given noisy pixels more samples, so that its picture cannot be merged",
+                  "leave out --samples and --mergeable, or begin anew with them");
+    settings.tries_adaptive = true; // as before, however long the rest is
+  }
   RenderHooks hooks{.save = state_saver(state, prepared.identity, device, prepared.warnings),
                     .save_interval = state.interval,
                     .salvages = true};

@@ -13,6 +13,7 @@
 #include "host/gpu/context.h"
 #include "host/gpu/device_choice.h"
 #include "host/render/adaptive_choice.h"
+#include "host/render/device/levels.h"
 #include "host/render/settings/antialias_settings.h"
 #include "host/render/settings/denoising.h"
 #include "host/render/settings/integrator_kind.h"
@@ -350,9 +351,11 @@ void check_replay(const RenderRequest& request) {
         fmt::format("{},{} is outside the picture of {}x{}", request.pixel->x, request.pixel->y, settings.width,
                     settings.height),
         fmt::format("stay within {},{}, or give the --size of the render", settings.width - 1, settings.height - 1));
-  if (*request.sample < settings.first_sample || *request.sample >= settings.last_sample)
-    throw UsageError("--sample",
-                     fmt::format("{} is not in {}:{}", *request.sample, settings.first_sample, settings.last_sample),
+  // Noisy pixels of an adaptive render have more samples than --spp.
+  const bool may_have_more = settings.adaptive == kAdaptiveOn || may_pay_adaptive(settings);
+  const std::uint64_t end = std::uint64_t{settings.last_sample} * (may_have_more ? kHighestFactor : 1);
+  if (*request.sample < settings.first_sample || *request.sample >= end)
+    throw UsageError("--sample", fmt::format("{} is not in {}:{}", *request.sample, settings.first_sample, end),
                      "give the --spp or --samples of the render");
 }
 

@@ -1,14 +1,15 @@
 #include "host/render/adaptive_choice.h"
 
 #include "host/render/device/levels.h"
-#include "host/render/settings/adaptivity.h"
+#include "host/render/settings/integrator_kind.h"
 #include "host/render/trial.h"
 
 namespace wavepath {
 namespace {
 
 constexpr std::uint64_t kFewestPixels = 1u << 15;
-constexpr double kWholeOverPilot = 32.0; // in paths
+constexpr std::uint64_t kMostPixels = 1u << 24; // a device may not hold the list of more places in one buffer
+constexpr double kWholeOverPilot = 32.0;        // in paths
 
 } // namespace
 
@@ -17,8 +18,8 @@ bool may_pay_adaptive(const RenderSettings& settings) {
   const double part = noise_pilot_part(pixels);
   const double pilot = static_cast<double>(pixels) * kFewestPilotSamples / (part * part);
   const bool shares_out = settings.first_sample % kAdaptiveStep == 0 && settings.last_sample % kAdaptiveStep == 0;
-  return settings.adaptive == kAdaptiveAuto && can_be_adaptive(settings) && shares_out && pixels >= kFewestPixels &&
-         expected_paths(settings, true) >= kWholeOverPilot * pilot;
+  return settings.adaptive == kAdaptiveAuto && takes(*settings.integrator, "adaptive") && shares_out &&
+         pixels >= kFewestPixels && pixels <= kMostPixels && expected_paths(settings, true) >= kWholeOverPilot * pilot;
 }
 
 } // namespace wavepath

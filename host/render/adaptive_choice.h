@@ -6,8 +6,9 @@
 
 namespace wavepath {
 
-// The render has 32 times the paths of a pilot, which are 64 samples of its own in small pictures and 16 in large ones,
-// and pixels enough that runs of them differ.
+// The render has 32 times the paths of a pilot of 8 samples, which are 64 samples of its own in small pictures and 16
+// in large ones, and pixels enough that runs of them differ. One that is bounded by time is taken to have the paths of
+// a CPU, on any device: the device is not known yet.
 bool may_pay_adaptive(const RenderSettings& settings);
 
 } // namespace wavepath

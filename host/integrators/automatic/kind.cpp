@@ -9,9 +9,9 @@
 namespace wavepath {
 namespace {
 
-constexpr std::array<std::string_view, 10> kSettings = {"hemisphere", "direct",    "light-samples", "sky-samples",
-                                                        "aperture",   "focus",     "blades",        "shutter",
-                                                        "denoise",    "terminator"};
+constexpr std::array<std::string_view, 11> kSettings = {"adaptive",    "hemisphere", "direct",    "light-samples",
+                                                        "sky-samples", "aperture",   "focus",     "blades",
+                                                        "shutter",     "denoise",    "terminator"};
 
 std::vector<RenderSettings> candidates(const RenderSettings& settings, const PackedScene& scene) {
   RenderSettings path = settings;
@@ -22,7 +22,8 @@ std::vector<RenderSettings> candidates(const RenderSettings& settings, const Pac
   bidirectional.integrator = &kBidirectional;
   bidirectional.techniques &= ~gpu::kTechniqueMerge; // what is taken without being asked for is not biased
   std::vector<RenderSettings> all = {path, guided};
-  if (settings.aovs.empty() && !settings.moving && settings.terminator == gpu::kTerminatorFacets &&
+  const bool asks_for_path = settings.adaptive == kAdaptiveOn;
+  if (!asks_for_path && settings.aovs.empty() && !settings.moving && settings.terminator == gpu::kTerminatorFacets &&
       !(scene.features & (kBidirectionalLacks | gpu::kLobeNested)))
     all.push_back(bidirectional);
   return all;

@@ -181,7 +181,7 @@ std::uint32_t choose_slots(const DeviceInfo& info, const PackedScene& scene, con
   if (settings.wave_slots) slots = settings.wave_slots;
   const std::uint64_t least = kind.slots_per_pixel(settings); // that a wave takes at once
   slots = std::max(std::min(slots, pixels * samples), least);
-  if (is_adaptive(settings)) slots = std::max<std::uint64_t>(slots, kAdaptiveStep * kHighestFactor);
+  if (is_adaptive(settings)) slots = std::max(slots, kAdaptiveStep * kHighestFactor * least); // least: of one sample
   const std::uint64_t record = kind.largest_record(settings);
   slots = std::min(slots, info.max_storage_range / record);
   slots = std::min(slots, info.max_texels(16) / std::max<std::uint64_t>(record / 16, 4));

@@ -16,7 +16,8 @@ constexpr double kQuietest = 0.03;
 // (StanfordDragon under a map, llvmpipe).
 constexpr double kNoiseless = 0.02, kBackgroundTime = 0.15;
 constexpr double kFewest = 0.9; // of the samples asked for
-constexpr int kReach = 2;       // pixels of the pilot, half a run: so far neighbours tell of each other's noise
+// Pixels of the pilot, half a run or in large pictures a run: so far noise is taken for alike.
+constexpr int kReach = 2;
 
 // Squared error by pixel of the pilot, as relMSE weighs it.
 struct NoiseMap {

@@ -65,6 +65,7 @@ public:
   // A pass covers all pixels, beginning with sample `first_sample`.
   virtual void begin_pass(WaveQueue& queue, std::uint32_t first_sample) = 0;
   // What a wave's kernels are told: `count` samples from `first_sample` on of pixels at places from `first_place` on.
+  // An adaptive render then tells them where in its list these stand instead.
   virtual gpu::Wave wave(const FilmBand& band, std::uint32_t first_place, std::uint32_t pixel_count,
                          std::uint32_t first_sample, std::uint32_t count) const;
   // Records the wave, and nothing else: submits nothing and waits for nothing. `band`: its place among the film's.

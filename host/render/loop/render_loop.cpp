@@ -26,9 +26,9 @@ RenderSettings whole_passes(RenderSettings settings) {
   return settings;
 }
 
-// Looks are apart by so many samples that all replicates have as many.
-Target make_target(const RenderSettings& settings, std::uint32_t next_check = 0) {
-  const std::uint32_t step = is_adaptive(settings) ? kAdaptiveStep : gpu::kReplicates;
+// Looks are apart by so many samples that all replicates have as many, and all levels.
+Target make_target(const RenderSettings& settings, bool has_levels, std::uint32_t next_check = 0) {
+  const std::uint32_t step = has_levels ? kAdaptiveStep : gpu::kReplicates;
   return {settings.target_error, settings.first_sample, settings.last_sample, step, next_check};
 }
 
@@ -90,7 +90,7 @@ void RenderLoop::restart(const View& view, const RenderSettings& settings, Past 
   mean_factor_ = 1.0;
   cursor_ = {settings_.first_sample, 0, 0, 0};
   begun_ = stopped_ = running_ = false;
-  target_ = make_target(settings_);
+  target_ = make_target(settings_, false);
   film_.reset();
   result_ = {};
   result_.upload_seconds = workspace_.upload_seconds;
@@ -167,8 +167,9 @@ void RenderLoop::restore(const RenderState& state) {
   queue_.totals.stages = state.stages;
   queue_.totals.nonfinite = state.nonfinite;
   workspace_.film.upload(state.film);
+  result_.noise = state.noise;
   if (!state.levels.empty()) use_levels(state.levels);
-  target_ = make_target(settings_, state.next_check);
+  target_ = make_target(settings_, !levels_.empty(), state.next_check);
   if (in_pass()) integrator_->begin_pass(queue_, cursor_.sample);
 }
 
@@ -204,7 +205,8 @@ void RenderLoop::explore(const Pilot& pilot) {
 // Finds out where there is noise. Interrupted, it leaves that to a render that is resumed.
 void RenderLoop::share_out() {
   const FilmShape shape = noise_pilot_shape(workspace_.film);
-  const std::uint32_t samples = noise_pilot_samples(planned(), pixels());
+  const bool open_ended = settings_.time_limit > 0.0 || settings_.target_error > 0.0; // it may be short
+  const std::uint32_t samples = open_ended ? kFewestPilotSamples : noise_pilot_samples(planned(), pixels());
   explore({.segments = {{0, 0, static_cast<std::uint32_t>(shape.pixels()), 0}},
            .samples = samples,
            .seed = kAdaptivePilotSeed,
@@ -217,6 +219,7 @@ void RenderLoop::share_out() {
     const bool pays = settings_.adaptive == kAdaptiveOn || shares.cost < kWorthwhile;
     result_.noise = NoisePilot{samples, shape.width, shape.height, shares.cost, pays};
     if (pays) use_levels(shares.levels);
+    target_ = make_target(settings_, pays);
   }
   workspace_.film.clear();
 }
@@ -237,7 +240,8 @@ std::uint32_t RenderLoop::pass_end() const {
   const std::uint64_t most = integrator_->most_samples(cursor_.sample);
   auto fit = static_cast<std::uint32_t>(std::clamp<std::uint64_t>(wave / places(), 1, most));
   if (!levels_.empty()) { // each level has its waves: longer passes fill them
-    const std::uint64_t bound = std::min<std::uint64_t>(most, workspace_.slots) / kHighestFactor;
+    const std::uint64_t room = workspace_.slots / integrator_->paths_per_pixel(1);
+    const std::uint64_t bound = std::min(most, room) / kHighestFactor;
     fit =
         static_cast<std::uint32_t>(std::clamp<std::uint64_t>(std::max(fit, kAdaptivePass), step, bound / step * step));
   }

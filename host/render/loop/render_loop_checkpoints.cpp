@@ -170,6 +170,7 @@ RenderState RenderLoop::state() {
           queue_.totals.nonfinite,
           result_.checkpoints,
           levels_,
+          result_.noise,
           result_.stop == StopReason::device_lost ? film_next_check_ : target_.next_check(),
           has_film() ? *film_ : workspace_.film.download()};
 }

@@ -2,11 +2,13 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "host/film/error.h"
 #include "host/film/film.h"
 #include "host/render/device/totals.h"
+#include "host/render/loop/render_result.h"
 
 namespace wavepath {
 
@@ -26,6 +28,7 @@ struct RenderState {
   Nonfinite nonfinite;
   std::vector<Checkpoint> checkpoints;
   std::vector<std::int8_t> levels; // of an adaptive render, see adaptive.h
+  std::optional<NoisePilot> noise; // of which they come, or that nothing is shared out
   std::uint32_t next_check = 0;    // sample at which to look at the error next; 0 = at checkpoints only
   Film film;
 };

@@ -58,7 +58,7 @@ std::vector<Segment> level_segments(const FilmTarget& film, const std::vector<st
       else
         segments.push_back({i, first, count, level});
     };
-    for (int level = kLowestLevel; level <= kHighestLevel; ++level) {
+    for (int level = kHighestLevel; level >= kLowestLevel; --level) { // noisy ones first, in case a pass is cut short
       add(firsts[level - kLowestLevel], level);
       add(seconds[level - kLowestLevel], level);
     }

@@ -67,6 +67,15 @@ Nonfinite nonfinite_from(const Json& json) {
 
 Json to_json(const RayCounts& rays) { return {rays.camera, rays.bounce, rays.shadow, rays.occlusion}; }
 
+Json to_json(const std::optional<NoisePilot>& pilot) {
+  return pilot ? Json{pilot->samples, pilot->width, pilot->height, pilot->cost, pilot->used} : Json();
+}
+
+std::optional<NoisePilot> noise_from(const Json& json) {
+  if (json.is_null()) return std::nullopt;
+  return NoisePilot{json.at(0), json.at(1), json.at(2), json.at(3), json.at(4)};
+}
+
 Json describe(const std::string& identity, const std::string& device, const RenderState& state) {
   Json checkpoints = Json::array(), stages = Json::array();
   for (const Checkpoint& c : state.checkpoints) checkpoints.push_back(to_json(c));
@@ -83,6 +92,7 @@ Json describe(const std::string& identity, const std::string& device, const Rend
           {"stages", stages},
           {"checkpoints", checkpoints},
           {"levels", state.levels},
+          {"noise", to_json(state.noise)},
           {"next_check", state.next_check},
           {"size", {state.film.width, state.film.height}},
           {"aovs", !state.film.aovs.empty()},
@@ -104,6 +114,7 @@ RenderState state_from(const Json& json) {
   for (const Json& s : json.at("stages")) state.stages.push_back({s.at(0), s.at(1), s.at(2)});
   for (const Json& c : json.at("checkpoints")) state.checkpoints.push_back(checkpoint_from(c));
   state.levels = json.at("levels").get<std::vector<std::int8_t>>();
+  state.noise = noise_from(json.value("noise", Json()));
   state.next_check = json.at("next_check");
   return state;
 }

@@ -5,9 +5,6 @@
 
 namespace wavepath {
 
-// Whether the integrator is one that can.
-bool can_be_adaptive(const RenderSettings& settings);
-
 // Whether a pilot looks for noise: it was asked for, or the program tries on its own whether it pays.
 bool is_adaptive(const RenderSettings& settings);
 

@@ -27,8 +27,10 @@ inline constexpr std::uint32_t kTraversalAuto = 0, kTraversalCompute = 1, kTrave
 // By what textures are filtered: by kernels in fp32, or by the device's samplers.
 inline constexpr std::uint32_t kTexturesExact = 0, kTexturesHardware = 1;
 
-// How noise is filtered: by filters of our own, or finished pictures by Intel's Open Image Denoise.
+// Whether samples are shared out by noise: where that pays, never, or always.
 inline constexpr std::uint32_t kAdaptiveAuto = 0, kAdaptiveOff = 1, kAdaptiveOn = 2;
+
+// How noise is filtered: by filters of our own, or finished pictures by Intel's Open Image Denoise.
 inline constexpr std::uint32_t kDenoiseOff = 0, kDenoiseOn = 1, kDenoiseOidn = 2;
 
 struct IntegratorKind; // host/render/settings/integrator_kind.h
