@@ -6,8 +6,8 @@
 
 namespace wavepath {
 
-// The render has 32 times the paths of a pilot of 8 samples, which are 64 samples of its own in small pictures and 16
-// in large ones, and pixels enough that runs of them differ. One that is bounded by time is taken to have the paths of
+// The render has 32 times the paths of the shortest pilot, which are 8 samples of its own, and pixels enough that runs
+// of them differ. One that is bounded by time is taken to have the paths of
 // a CPU, on any device: the device is not known yet.
 bool may_pay_adaptive(const RenderSettings& settings);
 

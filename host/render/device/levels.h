@@ -8,11 +8,9 @@ namespace wavepath {
 // Consecutive pixels in tile order that share a level: a tile of 8x8, away from the borders.
 inline constexpr std::uint32_t kRunPixels = 64;
 
-// The picture that a pilot learns the noise from has 1/part of the sides of one of so many pixels: a run of that has 16
-// pixels of the pilot, in large pictures 4.
-inline std::uint32_t noise_pilot_part(std::uint64_t pixels) { return pixels < 1u << 18 ? 2 : 4; }
-
-inline constexpr std::uint32_t kFewestPilotSamples = 8; // of a pixel of it
+// The picture that a pilot learns the noise from has 1/part of the render's sides: a run of that has 4 pixels of it.
+inline constexpr std::uint32_t kNoisePilotPart = 4;
+inline constexpr std::uint32_t kFewestPilotSamples = 4; // of a pixel of it
 
 inline constexpr int kLowestLevel = -2, kHighestLevel = 3; // a run of level k gets 2^k times the samples
 inline constexpr std::uint32_t kAdaptiveStep = 4;          // samples per pixel: what every level can share out
