@@ -21,7 +21,7 @@ WideTree build(std::span<const Box> boxes, std::span<const Triangle> triangles, 
   usable.bin_count = std::clamp(config.bin_count, 2u, static_cast<std::uint32_t>(Bins::kMaxCount));
   BuildReport result;
   BinaryTree binary = build_binary(boxes, triangles, usable, result);
-  if (usable.quality == Quality::best && binary.nodes) {
+  if (usable.quality != Quality::fast && binary.nodes) {
     binary = reinsert(std::move(binary));
     result.binary_depth = binary.nodes[0].height;
   }

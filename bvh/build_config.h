@@ -13,7 +13,7 @@ namespace wavepath::bvh {
 // The limit on items: leaves on a traversal's stack hold the index of an item in 28 bits, of which all ones means none.
 inline constexpr std::size_t kMaxItems = kMaxLeafItems - kMaxLeafSize;
 
-// fast: binned SAH. balanced: with the spatial splits that gain most. best: with all that gain, and reinsertion.
+// fast: binned SAH. balanced: with the spatial splits that gain most, and reinsertion. best: with all splits that gain.
 enum class Quality { fast, balanced, best };
 
 struct BuildConfig {

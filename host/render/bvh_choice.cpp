@@ -5,10 +5,10 @@
 namespace wavepath {
 namespace {
 
-// Rays a triangle that pay for a quality. On two cores, spatial splits take 0.3 us a triangle more than none and save a
-// tenth of the 0.5 us that a ray takes on average (from nothing on StanfordDragon to a third on Sponza); `best` takes
-// 0.5 us more and saves another hundredth. See benchmarks/results/NOTES.md.
-constexpr double kBalancedPays = 6.0, kBestPays = 100.0;
+// Rays a triangle that pay for a quality. On two cores, spatial splits and reinsertion take 0.5 us a triangle more than
+// none and save a seventh of the 0.5 us that a ray takes on average (from nothing on StanfordDragon to a third on
+// Sponza); `best` takes 0.3 us more and saves another hundredth. See benchmarks/results/NOTES.md.
+constexpr double kBalancedPays = 7.0, kBestPays = 100.0;
 
 // A GPU traces rays so much faster than two cores, while the tree is built on the host all the same.
 constexpr double kGpuSpeed = 250.0;

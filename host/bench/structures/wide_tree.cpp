@@ -155,7 +155,7 @@ private:
 Structure build_wide_bvh(std::span<const bvh::Triangle> triangles, bvh::Quality quality) {
   bvh::BuildReport report;
   bvh::BinaryTree binary = bvh::build_binary({}, triangles, {.quality = quality}, report);
-  if (quality == bvh::Quality::best && binary.nodes) binary = bvh::reinsert(std::move(binary));
+  if (quality != bvh::Quality::fast && binary.nodes) binary = bvh::reinsert(std::move(binary));
   Structure tree;
   tree.words_per_node = 4; // five texels a node
   tree.items_in_place = true;
