@@ -25,8 +25,8 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 SHARED = ROOT.parent / "shared/scenes"
 # Name, scene, flags of `wavepath render`. Scenes of SHARED that are missing are left out.
 SCENES = [
-    ("cornell", ROOT / "scenes/cornell_box.gltf", "--size 512x512 --spp 16"),
-    ("showcase", ROOT / "scenes/showcase.glb", "--size 512x512 --spp 8"),
+    ("cornell", ROOT / "scenes/cornell_box.gltf", "--size 512x512 --spp 16 --adaptive off"),
+    ("showcase", ROOT / "scenes/showcase.glb", "--size 512x512 --spp 8 --adaptive off"),
     ("showcase, 64 spp", ROOT / "scenes/showcase.glb", "--size 128x128 --spp 64"),
     ("showcase, adaptive", ROOT / "scenes/showcase.glb", "--size 256x256 --spp 32 --adaptive"),
     ("showcase, hybrid", ROOT / "scenes/showcase.glb", "--size 512x512 --spp 8 --integrator hybrid"),
@@ -34,8 +34,8 @@ SCENES = [
     ("showcase, ao", ROOT / "scenes/showcase.glb", "--size 512x512 --spp 8 --integrator ao"),
     ("Sponza", SHARED / "Sponza/Sponza.gltf", "--size 512x288 --spp 4 --env 1,1,1"),
     ("Sponza, hybrid", SHARED / "Sponza/Sponza.gltf", "--size 512x288 --spp 4 --env 1,1,1 --integrator hybrid"),
-    ("DamagedHelmet", SHARED / "DamagedHelmet/glTF-Binary/DamagedHelmet.glb", "--size 512x512 --spp 8"),
-    ("HotelRoom", SHARED / "HotelRoom/HotelRoom-meshopt.glb", "--size 512x288 --spp 8"),
+    ("DamagedHelmet", SHARED / "DamagedHelmet/glTF-Binary/DamagedHelmet.glb", "--size 512x512 --spp 8 --adaptive off"),
+    ("HotelRoom", SHARED / "HotelRoom/HotelRoom-meshopt.glb", "--size 512x288 --spp 8 --adaptive off"),
     ("VeachAjar", SHARED / "VeachAjar/VeachAjar.glb", "--size 512x288 --spp 4"),
 ]
 

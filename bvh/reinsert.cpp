@@ -11,8 +11,8 @@ namespace wavepath::bvh {
 
 namespace {
 
-// Sponza's tree becomes 4.4 % cheaper with these in a fifteenth of the build time; 5.5 % with every node in twice as
-// many rounds, which take four times as long as all the rest.
+// Sponza's tree becomes 4.4 % cheaper with these in a quarter of the build time; 5.5 % with every node in twice as many
+// rounds, which take several times as long as all the rest.
 constexpr int kRounds = 4;
 constexpr std::uint32_t kShare = 16; // one node in so many, those of the largest area, is tried in a round
 constexpr std::uint32_t kNone = ~0u;

@@ -153,8 +153,17 @@ TEST(BuildSpatial, MakesNoMoreCopiesThanAllowed) {
     EXPECT_GE(mesh.tree.order.size(), fewer);
     fewer = mesh.tree.order.size();
   }
-  for (const Quality quality : {Quality::balanced, Quality::best})
-    EXPECT_EQ(build(std::span(triangles), {.quality = quality, .max_copies = 0}).order.size(), triangles.size());
+  EXPECT_EQ(build(std::span(triangles), {.quality = Quality::best, .max_copies = 0}).order.size(), triangles.size());
+}
+
+// Without copies both are the plain tree after reinsertion.
+TEST(BuildSpatial, IsReinserted) {
+  const Triangles triangles = straws(1000, 14);
+  const auto order = [&](Quality quality) {
+    return build(std::span(triangles), {.quality = quality, .max_copies = 0}).order;
+  };
+  EXPECT_EQ(order(Quality::balanced), order(Quality::best));
+  EXPECT_NE(order(Quality::balanced), order(Quality::fast));
 }
 
 // Of the inner nodes, and the first items of the leaves.

@@ -158,7 +158,7 @@ TEST_F(Resume, ALostDeviceLosesLittle) {
 
 // A state that was saved after the last estimate is not replaced by that one.
 TEST_F(Resume, ALostDeviceKeepsTheNewerState) {
-  const std::vector<std::string> long_passes{"--size", "256x192", "--spp", "24"};
+  const std::vector<std::string> long_passes{"--size", "256x192", "--spp", "24", "--adaptive", "off"};
   const auto with = [&](std::vector<std::string> flags) {
     flags.insert(flags.end(), long_passes.begin(), long_passes.end());
     return flags;
@@ -497,7 +497,7 @@ protected:
 TEST_F(ResumedLoop, AnInterruptedPilotLeavesNoTrace) {
   settings_.adaptive = kAdaptiveOn;
   settings_.width = settings_.height = 64; // waves remain when the second one is done
-  settings_.wave_slots = 2048;
+  settings_.wave_slots = 512;
   settings_.last_sample = 16;
   const RenderResult whole = render();
   int waves = 0;

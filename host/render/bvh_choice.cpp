@@ -7,7 +7,7 @@ namespace {
 
 // Rays a triangle that pay for a quality. On two cores, spatial splits and reinsertion take 0.5 us a triangle more than
 // none and save a seventh of the 0.5 us that a ray takes on average (from nothing on StanfordDragon to a third on
-// Sponza); `best` takes 0.3 us more and saves another hundredth. See benchmarks/results/NOTES.md.
+// Sponza); `best` takes 0.3 us more and saves less than another hundredth. See benchmarks/results/NOTES.md.
 constexpr double kBalancedPays = 7.0, kBestPays = 100.0;
 
 // A GPU traces rays so much faster than two cores, while the tree is built on the host all the same.

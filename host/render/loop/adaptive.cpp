@@ -62,20 +62,25 @@ std::vector<double> smoothed(const NoiseMap& map, Squares squares) {
   return result;
 }
 
-// Means over the runs of a picture of `width` x `height` that the pilot shows.
+// Means over the runs of a picture of `width` x `height` that the pilot shows; of all its pixels where none counts.
 std::vector<double> by_run(const NoiseMap& map, const std::vector<double>& values, Squares squares, std::uint32_t width,
                            std::uint32_t height) {
   const std::uint32_t pixels = width * height;
-  std::vector<double> sums((pixels + kRunPixels - 1) / kRunPixels), numbers(sums.size());
+  std::vector<double> sums((pixels + kRunPixels - 1) / kRunPixels), numbers(sums.size()), all(sums.size());
   for (std::uint32_t i = 0; i < pixels; ++i) {
     const glm::uvec2 at = gpu::pixel_in_tile_order(i, width, height);
     const std::uint32_t x = static_cast<std::uint32_t>(std::uint64_t{at.x} * map.width / width),
                         y = static_cast<std::uint32_t>(std::uint64_t{at.y} * map.height / height);
+    const double value = values[std::size_t{y} * map.width + x];
+    all[i / kRunPixels] += value;
     if (!counts(squares, x, y)) continue;
-    sums[i / kRunPixels] += values[std::size_t{y} * map.width + x];
+    sums[i / kRunPixels] += value;
     numbers[i / kRunPixels] += 1.0;
   }
-  for (std::size_t run = 0; run < sums.size(); ++run) sums[run] /= std::max(numbers[run], 1.0);
+  for (std::size_t run = 0; run < sums.size(); ++run) {
+    const std::uint64_t run_pixels = std::min<std::uint64_t>(kRunPixels, pixels - run * kRunPixels);
+    sums[run] = numbers[run] > 0.0 ? sums[run] / numbers[run] : all[run] / static_cast<double>(run_pixels);
+  }
   return sums;
 }
 
