@@ -87,13 +87,17 @@ TEST(SampleShares, CountBackgroundsAsCheap) {
 }
 
 TEST(SampleShares, ComeFromAPilotOfAFewPaths) {
-  for (const std::uint32_t planned : {8u, 12u, 64u, 100u, 65536u}) {
-    const std::uint32_t samples = noise_pilot_samples(planned);
-    EXPECT_EQ(samples % gpu::kReplicates, 0u);
-    EXPECT_GE(samples, kFewestPilotSamples);
-    EXPECT_LE(samples, 32u);
-    EXPECT_LE(samples * 32u, planned * kNoisePilotPart * kNoisePilotPart) << "more than a 32nd of the render";
+  for (const std::uint64_t pixels : {std::uint64_t{1} << 14, std::uint64_t{1} << 15}) {
+    const std::uint64_t part = noise_pilot_part(pixels);
+    for (const std::uint32_t planned : {32u, 44u, 64u, 100u, 65536u}) {
+      const std::uint32_t samples = noise_pilot_samples(planned, pixels);
+      EXPECT_EQ(samples % gpu::kReplicates, 0u);
+      EXPECT_GE(samples, kFewestPilotSamples);
+      EXPECT_LE(samples, 32u);
+      EXPECT_LE(samples * 32u, planned * part * part) << "more than a 32nd of the render";
+    }
   }
+  EXPECT_EQ(noise_pilot_samples(8, 1u << 15), kFewestPilotSamples);
 }
 
 // ---- who is adaptive ------------------------------------------------------------------------------------------------

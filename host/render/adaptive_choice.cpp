@@ -15,7 +15,8 @@ constexpr double kWholeOverPilot = 32.0;        // in paths
 
 bool may_pay_adaptive(const RenderSettings& settings) {
   const std::uint64_t pixels = std::uint64_t{settings.width} * settings.height;
-  const double pilot = static_cast<double>(pixels) * kFewestPilotSamples / (kNoisePilotPart * kNoisePilotPart);
+  const double part = noise_pilot_part(pixels);
+  const double pilot = static_cast<double>(pixels) * kFewestPilotSamples / (part * part);
   const bool shares_out = settings.first_sample % kAdaptiveStep == 0 && settings.last_sample % kAdaptiveStep == 0;
   return settings.adaptive == kAdaptiveAuto && takes(*settings.integrator, "adaptive") && shares_out &&
          pixels >= kFewestPixels && pixels <= kMostPixels && expected_paths(settings, true) >= kWholeOverPilot * pilot;

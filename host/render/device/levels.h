@@ -8,8 +8,10 @@ namespace wavepath {
 // Consecutive pixels in tile order that share a level: a tile of 8x8, away from the borders.
 inline constexpr std::uint32_t kRunPixels = 64;
 
-// The picture that a pilot learns the noise from has 1/part of the render's sides: a run of that has 4 pixels of it.
-inline constexpr std::uint32_t kNoisePilotPart = 4;
+// The picture that a pilot learns the noise from has 1/part of the sides of one of so many pixels: a run of that has 4
+// pixels of the pilot, in small pictures, which have few runs, 16.
+inline std::uint32_t noise_pilot_part(std::uint64_t pixels) { return pixels < 1u << 15 ? 2 : 4; }
+
 inline constexpr std::uint32_t kFewestPilotSamples = 4; // of a pixel of it
 
 inline constexpr int kLowestLevel = -2, kHighestLevel = 3; // a run of level k gets 2^k times the samples

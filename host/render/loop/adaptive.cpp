@@ -16,7 +16,7 @@ constexpr double kQuietest = 0.03;
 // (StanfordDragon under a map, llvmpipe).
 constexpr double kNoiseless = 0.02, kBackgroundTime = 0.15;
 constexpr double kFewest = 0.9; // of the samples asked for
-// Pixels of the pilot, a run: so far noise is taken for alike.
+// Pixels of the pilot, a run or in small pictures half a run: so far noise is taken for alike.
 constexpr int kReach = 2;
 
 // Squared error by pixel of the pilot, as relMSE weighs it.
@@ -139,7 +139,7 @@ std::vector<std::int8_t> levels_for(const std::vector<double>& squared, std::uin
 FilmShape noise_pilot_shape(const FilmTarget& film) {
   const FilmShape& whole = film.shape();
   FilmShape shape;
-  std::uint32_t part = kNoisePilotPart;
+  std::uint32_t part = noise_pilot_part(whole.pixels());
   do {
     shape.width = (whole.width + part - 1) / part, shape.height = (whole.height + part - 1) / part;
     part *= 2;
@@ -147,8 +147,9 @@ FilmShape noise_pilot_shape(const FilmTarget& film) {
   return shape;
 }
 
-std::uint32_t noise_pilot_samples(std::uint32_t planned) {
-  const std::uint64_t samples = std::uint64_t{planned} * kNoisePilotPart * kNoisePilotPart / kPilotShare;
+std::uint32_t noise_pilot_samples(std::uint32_t planned, std::uint64_t pixels) {
+  const std::uint32_t part = noise_pilot_part(pixels);
+  const std::uint64_t samples = std::uint64_t{planned} * part * part / kPilotShare;
   return static_cast<std::uint32_t>(std::clamp<std::uint64_t>(samples, kFewestPilotSamples, kMostPilotSamples)) /
          gpu::kReplicates * gpu::kReplicates;
 }

@@ -16,13 +16,13 @@ namespace wavepath {
 
 inline constexpr std::uint32_t kAdaptivePilotSeed = 0x9e3779b9u; // by exclusive or with the render's own
 
-// The pilot is a picture of 1/kNoisePilotPart of the sides, as noise is even enough over so few pixels. Its nets are
+// The pilot is a picture of 1/noise_pilot_part() of the sides, as noise is even enough over so few pixels. Its nets are
 // halved, which tells the noise of every pixel. Its film lies at the beginning of the first band of `film`, and is
 // smaller yet where that is short.
 FilmShape noise_pilot_shape(const FilmTarget& film);
 
 // Samples of a pixel of it, for a render of `planned`: one of 32 paths of the render, but 4 to 32.
-std::uint32_t noise_pilot_samples(std::uint32_t planned);
+std::uint32_t noise_pilot_samples(std::uint32_t planned, std::uint64_t pixels);
 
 struct SampleShares {
   std::vector<std::int8_t> levels; // of all runs of kRunPixels pixels in tile order

@@ -206,7 +206,7 @@ void RenderLoop::explore(const Pilot& pilot) {
 void RenderLoop::share_out() {
   const FilmShape shape = noise_pilot_shape(workspace_.film);
   const bool open_ended = settings_.time_limit > 0.0 || settings_.target_error > 0.0; // it may be short
-  const std::uint32_t samples = open_ended ? kFewestPilotSamples : noise_pilot_samples(planned());
+  const std::uint32_t samples = open_ended ? kFewestPilotSamples : noise_pilot_samples(planned(), pixels());
   explore({.segments = {{0, 0, static_cast<std::uint32_t>(shape.pixels()), 0}},
            .samples = samples,
            .seed = kAdaptivePilotSeed,
