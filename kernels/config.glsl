@@ -8,7 +8,7 @@
 layout(constant_id = kSpecFeatures) const uint kFeatures = kFeaturesAll;
 layout(constant_id = kSpecLobes) const uint kLobes = kLobesAll; // without LAYERED only of kLobeMultiple, see bsdf_types.glsl
 layout(constant_id = kSpecStackSize) const uint kStackSize = 160u;
-layout(constant_id = kSpecStack) const uint kStack = kStackArray;
+layout(constant_id = kSpecWalk) const uint kWalk = kWalkByLane;
 layout(constant_id = kSpecSampler) const uint kSampler = kSamplerSobol;
 layout(constant_id = kSpecDirect) const uint kDirect = kDirectMis;
 layout(constant_id = kSpecHemisphere) const uint kHemisphere = kHemisphereCosine;
@@ -22,7 +22,7 @@ layout(constant_id = kSpecLightSamples) const uint kLightSamples = 1u;
 layout(constant_id = kSpecSky) const uint kSky = kSkyByPaths;
 layout(constant_id = kSpecFilter) const uint kFilter = kFilterBlackmanHarris;
 
-const bool kStackInRegisters = kStack == kStackRegisters;
+const bool kInStep = kWalk == kWalkInStep;
 // Whether there are rays that single-sided surfaces let pass from behind, and whether only those of the camera are.
 #define CULLS_BACKS (has(kFeatureCull) && kCull != kCullNone)
 #define CULLS_ALL_BACKS (has(kFeatureCull) && kCull == kCullAll)

@@ -84,7 +84,7 @@ GPU_CONSTANT uint kSpecSampler = 2u;
 GPU_CONSTANT uint kSpecDirect = 3u;
 GPU_CONSTANT uint kSpecHemisphere = 4u;
 GPU_CONSTANT uint kSpecFilter = 5u;
-GPU_CONSTANT uint kSpecStack = 6u;   // where the traversal stack lives; changes no result
+GPU_CONSTANT uint kSpecWalk = 6u;    // how lanes walk through the BVH; changes no result
 GPU_CONSTANT uint kSpecNets = 7u;    // whether pixels may have whole nets; gpu::Frame says whether they have
 GPU_CONSTANT uint kSpecLobes = 8u;   // kLobe bits
 GPU_CONSTANT uint kSpecLens = 9u;    // shape of the camera's aperture: kLensPinhole, kLensDisc, or a number of blades
@@ -101,7 +101,7 @@ GPU_CONSTANT uint kDirectMis = 0u, kDirectNee = 1u, kDirectBsdf = 2u;
 GPU_CONSTANT uint kHemisphereCosine = 0u, kHemisphereUniform = 1u;
 GPU_CONSTANT uint kLightsAuto = 0u, kLightsPower = 1u, kLightsTree = 2u, kLightsLearned = 3u;
 GPU_CONSTANT uint kNetsHalved = 0u, kNetsWhole = 1u; // see kernels/net_layout.h
-GPU_CONSTANT uint kStackArray = 0u, kStackRegisters = 1u;
+GPU_CONSTANT uint kWalkByLane = 0u, kWalkInStep = 1u;
 GPU_CONSTANT uint kLensPinhole = 0u, kLensDisc = 1u; // from 3 on: a regular polygon of so many corners
 GPU_CONSTANT uint kCullCamera = 0u, kCullAll = 1u, kCullNone = 2u;
 GPU_CONSTANT uint kTerminatorFacets = 0u, kTerminatorSmooth = 1u;

@@ -40,17 +40,27 @@ uint skipped_triangle, skipped_instance; // at whose surface a shadow ray ends
 
 Hit traverse(vec3 origin, vec3 direction, float t_max);
 
+// What trace() sets for traversal.
+#ifdef ANY_HIT
+void begin_kind(uint target, uint target_instance) {
+  skipped_triangle = target;
+  skipped_instance = target_instance;
+#else
+void begin_kind() {
+#endif
+  if (CULLS_BACKS) passed_sides = PASSES_BACKS ? kTriangleSingleSided : 0u;
+}
+
 // The nearest hit with 0 < t < t_max, or with ANY_HIT the first one found that is not the triangle `target`, at whose
 // surface a shadow ray ends: rounding must not let a light hide itself. Of hits at equal t the lowest (instance,
 // triangle) by id wins, so that the result depends neither on the order of visits nor on the tree; ray queries let any win.
 #ifdef ANY_HIT
 Hit trace(vec3 origin, vec3 direction, float t_max, uint target, uint target_instance) {
-  skipped_triangle = target;
-  skipped_instance = target_instance;
+  begin_kind(target, target_instance);
 #else
 Hit trace(vec3 origin, vec3 direction, float t_max) {
+  begin_kind();
 #endif
-  if (CULLS_BACKS) passed_sides = PASSES_BACKS ? kTriangleSingleSided : 0u;
   return traverse(origin, direction, t_max);
 }
 

@@ -92,6 +92,16 @@ float squared_distance(vec3 p, vec3 q) {
 
 bool surrounds_zero(float a, float b, float c) { return min(a, min(b, c)) <= 0.0 && max(a, max(b, c)) >= 0.0; }
 
+// Whether intersect_triangle() may find a hit: its first and cheaper part.
+bool may_meet(TraversalRay ray, vec3 v0, vec3 v1, vec3 v2) {
+  vec3 a = shear_vertex(ray, v0), b = shear_vertex(ray, v1), c = shear_vertex(ray, v2);
+  precise float u = c.x * b.y - c.y * b.x;
+  precise float v = a.x * c.y - a.y * c.x;
+  precise float w = b.x * a.y - b.y * a.x;
+  return (min(u, min(v, w)) >= 0.0 || max(u, max(v, w)) <= 0.0) && surrounds_zero(a.x, b.x, c.x) &&
+         surrounds_zero(a.y, b.y, c.y);
+}
+
 Candidate intersect_triangle(TraversalRay ray, vec3 v0, vec3 v1, vec3 v2) {
   vec3 a = shear_vertex(ray, v0), b = shear_vertex(ray, v1), c = shear_vertex(ray, v2);
   // Neighbours see a shared edge with swapped ends, hence exactly negated: no ray slips between them.

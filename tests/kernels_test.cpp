@@ -30,7 +30,7 @@ constexpr std::uint32_t kSlots = 1 << 14;
 // All bindings of the path tracer, with memory that a test can fill and read.
 struct Bench {
   Bench(Device& device_, const PackedScene& packed, gpu::Feature features, const gpu::Frame& frame_,
-        std::uint32_t stack = gpu::kStackRegisters)
+        std::uint32_t walk = gpu::kWalkInStep)
       : device(device_),
         scene(upload_scene(device_, packed)),
         frame(device_, sizeof(gpu::Frame)),
@@ -54,7 +54,7 @@ struct Bench {
                   gpu::kDirectMis,
                   gpu::kHemisphereCosine,
                   gpu::kFilterBox,
-                  stack,
+                  walk,
                   gpu::kNetsHalved,
                   static_cast<std::uint32_t>(features >> 32)} {
     frame.write(&frame_, sizeof(frame_));
@@ -186,11 +186,11 @@ TEST_F(Kernels, ExtendEqualsReference) {
   const auto triangles = triangles_of(packed);
   const bvh::WideTree tree = tree_of(packed);
   const gpu::Feature all = gpu::kFeaturesAll & ~gpu::kFeatureAovs & ~gpu::kFeatureAdaptive;
-  for (const auto& [features, stack] : {std::pair{packed.features, gpu::kStackRegisters},
-                                        {packed.features, gpu::kStackArray},
-                                        {all, gpu::kStackRegisters},
-                                        {all, gpu::kStackArray}}) {
-    Bench bench(device(), packed, features, frame_of(packed), stack);
+  for (const auto& [features, walk] : {std::pair{packed.features, gpu::kWalkInStep},
+                                       {packed.features, gpu::kWalkByLane},
+                                       {all, gpu::kWalkInStep},
+                                       {all, gpu::kWalkByLane}}) {
+    Bench bench(device(), packed, features, frame_of(packed), walk);
     bench.rays.write(rays.data(), rays.size() * sizeof(gpu::Ray));
     bench.set_queues({.ray_count = {kSlots, 0}});
     bench.run(wavepath_extend_spv, kSlots / gpu::kWorkgroupSize, {0, 4096, 0, 4, 0, 0});
@@ -244,8 +244,8 @@ TEST_F(Kernels, ExtendEqualsBruteForceOverInstances) {
   ASSERT_TRUE(packed.root_is_top);
   const auto rays = random_rays(4096, 5);
   std::vector<gpu::Hit> hits;
-  for (const std::uint32_t stack : {gpu::kStackArray, gpu::kStackRegisters}) {
-    Bench bench(device(), packed, packed.features, frame_of(packed), stack);
+  for (const std::uint32_t walk : {gpu::kWalkByLane, gpu::kWalkInStep}) {
+    Bench bench(device(), packed, packed.features, frame_of(packed), walk);
     bench.rays.write(rays.data(), rays.size() * sizeof(gpu::Ray));
     bench.set_queues({.ray_count = {4096, 0}});
     bench.run(wavepath_extend_spv, 64, {0, 4096, 0, 4, 0, 0});
@@ -297,8 +297,8 @@ TEST_F(Kernels, ConnectAddsLightWhereNothingIsInBetween) {
   std::vector<gpu::ShadowRay> shadow_rays;
   for (gpu::Ray& ray : rays)
     shadow_rays.push_back({ray.origin, ray.slot, ray.direction * 12.0f, ray.slot % 2 ? 1.0f : gpu::kFar, {1, 2, 3}, 0});
-  for (const std::uint32_t stack : {gpu::kStackArray, gpu::kStackRegisters}) {
-    Bench bench(device(), packed, packed.features, frame_of(packed), stack);
+  for (const std::uint32_t walk : {gpu::kWalkByLane, gpu::kWalkInStep}) {
+    Bench bench(device(), packed, packed.features, frame_of(packed), walk);
     bench.shadow_rays.write(shadow_rays.data(), shadow_rays.size() * sizeof(gpu::ShadowRay));
     bench.set_queues({.shadow_count = kSlots});
     bench.run(wavepath_connect_spv, kSlots / gpu::kWorkgroupSize, {0, 4096, 0, 4, 0, 0});
@@ -377,10 +377,9 @@ TEST_F(Kernels, HolesAreInvisibleToExtendAndConnect) {
   std::vector<gpu::ShadowRay> shadow_rays;
   for (const gpu::Ray& ray : rays)
     shadow_rays.push_back({ray.origin, ray.slot, ray.direction, ray.t_max, {1, 2, 3}, 0});
-  for (const std::uint32_t stack :
-       {gpu::kStackRegisters, gpu::kStackArray}) { // where alpha waits, and where it does not
+  for (const std::uint32_t walk : {gpu::kWalkInStep, gpu::kWalkByLane}) { // where alpha waits, and where it does not
     Bench bench(device(), packed, packed.features, frame_of(packed));
-    bench.constants[gpu::kSpecStack] = stack;
+    bench.constants[gpu::kSpecWalk] = walk;
     bench.rays.write(rays.data(), rays.size() * sizeof(gpu::Ray));
     bench.shadow_rays.write(shadow_rays.data(), shadow_rays.size() * sizeof(gpu::ShadowRay));
     bench.set_queues({.ray_count = {kSlots, 0}, .shadow_count = kSlots});

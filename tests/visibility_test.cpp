@@ -151,7 +151,7 @@ private:
     std::array<std::uint32_t, gpu::kSpecCount> constants{};
     constants[gpu::kSpecFeatures] = features_;
     constants[gpu::kSpecStackSize] = packed_.stack_size + 2;
-    constants[gpu::kSpecStack] = device_.info().type == "cpu" ? gpu::kStackRegisters : gpu::kStackArray;
+    constants[gpu::kSpecWalk] = device_.info().type == "cpu" ? gpu::kWalkInStep : gpu::kWalkByLane;
     const Kernel kernel(device_, "probe", spirv, set, constants);
     const gpu::Wave wave{0, pixels_, settings_.sample_index, 1, 0, 0};
     Commands commands(device_);

@@ -16,6 +16,12 @@ struct RaySets {
   std::vector<gpu::ShadowRay> shadow;
 };
 
+// How often in a row a measurement is made that lasts a millisecond or less: a GPU that was idle is slow at first. Once
+// where a dispatch cannot be timed alone.
+inline std::uint32_t rounds_to_warm(const DeviceInfo& info) {
+  return info.type == "cpu" || info.timestamp_period_ns == 0.0 ? 1 : 8;
+}
+
 class RayReplay {
 public:
   // `settings` ask for room_for_shadow_rays. `uploaded`: the scene, if it is on the device already. `scene` and
@@ -41,7 +47,7 @@ public:
 
 private:
   gpu::Wave first_wave() const; // of the first sample of as many pixels as there are slots
-  double time(PathStage stage, std::size_t count, std::uint32_t bounce);
+  double time(PathStage stage, const gpu::Queues& queues, std::size_t count, std::uint32_t bounce);
 
   Workspace workspace_;
   Paths paths_;

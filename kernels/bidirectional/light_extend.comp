@@ -1,6 +1,7 @@
 // Finds the closest hit of every light ray in the queue.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_KHR_shader_subgroup_ballot : require
 
 #define BIND_GEOMETRY
 #define BIND_SURFACES

@@ -2,6 +2,7 @@
 // for every band of the film; push constants `first_film_pixel` and `sample_count` say which pixels it holds.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_KHR_shader_subgroup_ballot : require
 
 #define BIND_GEOMETRY
 #define BIND_SURFACES

@@ -34,7 +34,7 @@ void main() {
     uint count = queues.ray_count[bounce & 1u];
     SIZE(queues.extend_groups, count)
     queues.ray_count[(bounce + 1u) & 1u] = 0u;
-    queues.shadow_count = queues.hit_count = queues.escape_count = 0u;
+    queues.shadow_count = queues.hit_count = queues.escape_count = queues.next_ray = 0u;
     for (uint i = 1u; i < shadow_queue_count(); ++i) queues.later_shadow_count[i - 1u] = 0u;
     if (bounce == 0u) COUNT(counters.camera_rays, count) else COUNT(counters.bounce_rays, count)
   } else if (step_ == kBeforeShade) {
@@ -44,6 +44,7 @@ void main() {
     uint light_sample = step_ - kBeforeConnect;
     if (light_sample > 0u) queues.shadow_count = queues.later_shadow_count[light_sample - 1u];
     queues.first_shadow = light_sample * frame.slot_count;
+    queues.next_shadow_ray = 0u;
     uint count = queues.shadow_count;
     SIZE(queues.connect_groups, count)
     COUNT(counters.shadow_rays, count)

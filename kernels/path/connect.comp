@@ -1,6 +1,7 @@
 // Traces the shadow rays for any hit: a path gains the light's contribution unless its ray is blocked.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_KHR_shader_subgroup_ballot : require
 
 #define BIND_GEOMETRY
 #define BIND_SURFACES
@@ -16,6 +17,7 @@
 #include "kernels/dimensions.glsl"
 #include "kernels/light_selection.glsl"
 #include "kernels/path/nonfinite.glsl"
+#include "kernels/path/queue.glsl"
 #include "kernels/path/records.glsl"
 #include "kernels/path/sky.glsl"
 #include "kernels/pixel.glsl"
@@ -56,30 +58,45 @@ void tally(ShadowRay ray, bool blocked) {
   }
 }
 
-void main() {
-  uint index = gl_GlobalInvocationID.x;
-  if (index >= queues.shadow_count) return;
-  ShadowRay ray = fetch_shadow_ray((kLightSamples > 1u || SHARES_SKY ? queues.first_shadow : 0u) + index);
-  if (has(kFeaturePanes) && has(kFeatureAlpha)) path_sampler = slot_sampler(ray.slot);
-  if (kMoves) open_shutter(slot_sampler(ray.slot));
-  begin_shadow(ray.direction);
-  uint target = kNone, target_instance = 0u;
-  bool to_sky = SHARES_SKY && ray.light == kNone;
-  if (has(kFeatureTriangleLights) && !to_sky) {
-    Light light = fetch_light(ray.light);
-    target = light.kind == kLightTriangle ? light.triangle_id : kNone;
-    target_instance = light.instance;
+vec3 queued_origin, queued_direction;
+float queued_t_max;
+uint queued_target, queued_target_instance; // of the light
+ShadowRay shadow_ray;
+
+bool is_to_sky() { return SHARES_SKY && shadow_ray.light == kNone; }
+
+void begin_ray(uint index) {
+  shadow_ray = fetch_shadow_ray((kLightSamples > 1u || SHARES_SKY ? queues.first_shadow : 0u) + index);
+  queued_origin = shadow_ray.origin;
+  queued_direction = shadow_ray.direction;
+  queued_t_max = shadow_ray.t_max;
+  if (has(kFeaturePanes) && has(kFeatureAlpha)) path_sampler = slot_sampler(shadow_ray.slot);
+  if (kMoves) open_shutter(slot_sampler(shadow_ray.slot));
+  begin_shadow(shadow_ray.direction);
+  queued_target = kNone;
+  queued_target_instance = 0u;
+  if (has(kFeatureTriangleLights) && !is_to_sky()) {
+    Light light = fetch_light(shadow_ray.light);
+    queued_target = light.kind == kLightTriangle ? light.triangle_id : kNone;
+    queued_target_instance = light.instance;
   }
-  bool blocked = trace(ray.origin, ray.direction, ray.t_max, target, target_instance).triangle != kNone;
-  if (has(kFeatureLearning) && !to_sky) tally(ray, blocked);
+}
+
+void end_ray(uint index, Hit hit) {
+  bool blocked = hit.triangle != kNone;
+  if (has(kFeatureLearning) && !is_to_sky()) tally(shadow_ray, blocked);
   if (blocked) return;
   // One shadow ray a path in this queue: no other lane writes this slot.
-  PathState path = fetch_path(ray.slot);
+  PathState path = fetch_path(shadow_ray.slot);
   if (!is_finite(path.radiance)) return; // another kernel has counted it
-  vec3 contribution = ray.contribution * light_passed();
+  vec3 contribution = shadow_ray.contribution * light_passed();
   path.radiance += contribution;
-  if (!is_finite(path.radiance)) count_nonfinite(kMakerConnect, ray.slot);
-  store_radiance(ray.slot, path);
+  if (!is_finite(path.radiance)) count_nonfinite(kMakerConnect, shadow_ray.slot);
+  store_radiance(shadow_ray.slot, path);
   bool is_direct = wave.bounce == 0u && pane_count == 0u; // a pane is a bounce
-  if (has(kFeatureAovs) && is_direct) path_aovs[ray.slot].direct += contribution;
+  if (has(kFeatureAovs) && is_direct) path_aovs[shadow_ray.slot].direct += contribution;
 }
+
+#define RAY_COUNT queues.shadow_count
+#define NEXT_RAY queues.next_shadow_ray
+#include "kernels/path/trace_queue.glsl"

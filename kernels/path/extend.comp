@@ -28,15 +28,20 @@ Sampler path_sampler;
 
 layout(local_size_x = kWorkgroupSize) in;
 
-void main() {
-  uint index = gl_GlobalInvocationID.x;
-  uint queue = wave.bounce & 1u;
-  if (index >= queues.ray_count[queue]) return;
-  Ray ray = fetch_ray(queue * frame.slot_count + index);
+vec3 queued_origin, queued_direction;
+float queued_t_max;
+
+void begin_ray(uint index) {
+  Ray ray = fetch_ray((wave.bounce & 1u) * frame.slot_count + index);
+  queued_origin = ray.origin;
+  queued_direction = ray.direction;
+  queued_t_max = ray.t_max;
   path_slot = ray.slot;
   if (has(kFeatureAlpha)) path_sampler = slot_sampler(ray.slot);
   if (kMoves) open_shutter(slot_sampler(ray.slot));
-  Hit hit = trace(ray.origin, ray.direction, ray.t_max);
+}
+
+void end_ray(uint index, Hit hit) {
   store_hit(index, hit);
   if (kSort == kSortNone) return;
   bool escapes = hit.triangle == kNone;
@@ -48,3 +53,7 @@ void main() {
   }
   if (!escapes || kSort == kSortEscapes) sorted_rays[place] = index;
 }
+
+#define RAY_COUNT queues.ray_count[wave.bounce & 1u]
+#define NEXT_RAY queues.next_ray
+#include "kernels/path/trace_queue.glsl"

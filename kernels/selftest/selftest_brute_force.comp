@@ -3,6 +3,7 @@
 // wave.sample_count: the number of triangles, below 65,536 (Mesa 22.3 ends longer loops).
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_KHR_shader_subgroup_ballot : require
 
 #define BIND_GEOMETRY
 #define BIND_RAYS

@@ -6,6 +6,7 @@
 // misses a copy of the triangle in front of it; 0 = none.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_KHR_shader_subgroup_ballot : require
 
 #define BIND_GEOMETRY
 #define BIND_SURFACES

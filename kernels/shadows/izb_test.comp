@@ -3,6 +3,7 @@
 // result does not depend on one: a ray is blocked or it is not, and what surfaces take from it are integers.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_KHR_shader_subgroup_ballot : require
 
 #define BIND_GEOMETRY
 #define BIND_SURFACES

@@ -3,6 +3,7 @@
 // Push constant: first_pixel = first texel of this dispatch, row by row, pixel_count = how many, sample_count = the source.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_KHR_shader_subgroup_ballot : require
 
 #define BIND_GEOMETRY
 #define BIND_SURFACES

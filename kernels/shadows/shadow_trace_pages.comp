@@ -2,6 +2,7 @@
 // counted over all resident pages, pixel_count = how many.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_KHR_shader_subgroup_ballot : require
 
 #define BIND_GEOMETRY
 #define BIND_SURFACES

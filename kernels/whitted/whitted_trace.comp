@@ -2,6 +2,7 @@
 // for whitted_light.comp.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_KHR_shader_subgroup_ballot : require
 
 #define BIND_GEOMETRY
 #define BIND_SURFACES

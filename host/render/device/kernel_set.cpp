@@ -63,17 +63,17 @@ KernelNeed whole_need(const KernelProgram& program, const KernelConfig& config) 
 constexpr std::uint32_t kLeastArray = 96;
 
 std::array<std::uint32_t, gpu::kSpecCount> specialization(const KernelConfig& config, const DeviceInfo& device) {
-  const std::uint32_t stack = device.type == "cpu" ? gpu::kStackRegisters : gpu::kStackArray;
+  const std::uint32_t walk = device.type == "cpu" ? gpu::kWalkInStep : gpu::kWalkByLane;
   std::array<std::uint32_t, gpu::kSpecCount> constants{};
   constants[gpu::kSpecFeatures] = static_cast<std::uint32_t>(config.features);
   constants[gpu::kSpecLobes] = static_cast<std::uint32_t>(config.features >> 32);
   constants[gpu::kSpecStackSize] =
-      stack == gpu::kStackArray ? std::max(config.stack_size, kLeastArray) : config.stack_size;
+      walk == gpu::kWalkByLane ? std::max(config.stack_size, kLeastArray) : config.stack_size;
   constants[gpu::kSpecSampler] = config.sampler;
   constants[gpu::kSpecDirect] = config.direct;
   constants[gpu::kSpecHemisphere] = config.hemisphere;
   constants[gpu::kSpecFilter] = config.filter;
-  constants[gpu::kSpecStack] = stack;
+  constants[gpu::kSpecWalk] = walk;
   constants[gpu::kSpecNets] = config.nets;
   constants[gpu::kSpecLens] = config.lens;
   constants[gpu::kSpecCull] = config.cull;

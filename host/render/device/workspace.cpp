@@ -177,7 +177,7 @@ std::uint32_t choose_slots(const DeviceInfo& info, const PackedScene& scene, con
   const std::uint64_t pixels = std::uint64_t{settings.width} * settings.height;
   const std::uint64_t samples = settings.last_sample - settings.first_sample;
   const IntegratorKind& kind = *settings.integrator;
-  std::uint64_t slots = info.type == "cpu" ? 1u << 17 : 1u << 21;
+  std::uint64_t slots = info.type == "cpu" ? 1u << 17 : 1u << 23;
   if (settings.wave_slots) slots = settings.wave_slots;
   const std::uint64_t least = kind.slots_per_pixel(settings); // that a wave takes at once
   slots = std::max(std::min(slots, pixels * samples), least);

@@ -1,0 +1,60 @@
+// The main() of kernels that trace a queue of rays. Include it behind trace.glsl and queue.glsl, and define: RAY_COUNT; NEXT_RAY,
+// the counter of those that some lane has begun; void begin_ray(uint index), which sets the variables below;
+// void end_ray(uint index, Hit hit).
+//
+// Rays take very different numbers of steps, and a subgroup is done when its slowest ray is. So where lanes branch by
+// themselves, those that are done take the next rays of the queue as soon as too few of their subgroup have one left (Aila
+// and Laine 2009, Understanding the Efficiency of Ray Traversal on GPUs, section 4).
+#ifndef WAVEPATH_TRACE_QUEUE_GLSL
+#define WAVEPATH_TRACE_QUEUE_GLSL
+
+// A lane takes no more; there is a lane for each ray. Mesa 22.3's CPU driver stops loops after 65,535 rounds.
+const uint kMostRays = 64u;
+
+void trace_one(uint index) {
+  if (index >= RAY_COUNT) return;
+  begin_ray(index);
+#ifdef ANY_HIT
+  end_ray(index, trace(queued_origin, queued_direction, queued_t_max, queued_target, queued_target_instance));
+#else
+  end_ray(index, trace(queued_origin, queued_direction, queued_t_max));
+#endif
+}
+
+#ifndef RAY_QUERY
+void trace_many() {
+  uint count = RAY_COUNT, index = 0u, taken = 0u;
+  bool tracing = false;
+  for (;;) {
+    if (!tracing) {
+      if (taken++ == kMostRays) return;
+      APPEND(NEXT_RAY, true, index);
+      if (index >= count) return;
+      begin_ray(index);
+#ifdef ANY_HIT
+      begin_kind(queued_target, queued_target_instance);
+#else
+      begin_kind();
+#endif
+      begin_traversal(queued_origin, queued_direction, queued_t_max);
+    }
+    do {
+      tracing = !is_over_by_lane();
+      if (tracing) walk_by_lane(queued_origin, queued_direction, queued_t_max);
+    } while (2u * subgroupBallotBitCount(subgroupBallot(tracing)) > gl_SubgroupSize);
+    if (!tracing) end_ray(index, best);
+  }
+}
+#endif
+
+void main() {
+#ifndef RAY_QUERY
+  if (!kInStep && wave.bounce > 0u) {
+    trace_many();
+    return;
+  }
+#endif
+  trace_one(gl_GlobalInvocationID.x);
+}
+
+#endif
