@@ -148,7 +148,31 @@ TEST_F(HybridTest, TracedFirstHitsAreTheRasterizedOnes) {
   for (std::size_t i = 0; i < traced.size(); ++i) different += rasterized[i] != traced[i];
   EXPECT_LT(different, traced.size() / 100);
   ASSERT_GT(subject.packed.triangle_count, traced.size());
-  EXPECT_EQ(picture(kFirstHitAuto), device().info().type == "cpu" ? traced : rasterized);
+  const DeviceInfo& info = device().info();
+  EXPECT_EQ(picture(kFirstHitAuto), info.type == "cpu" || info.draws_slowly ? traced : rasterized);
+}
+
+TEST(FirstHits, AreTracedWhereThatIsFaster) {
+  RenderSettings settings;
+  settings.width = settings.height = 100;
+  const std::uint64_t few = 10'000, many = 10'001;
+  const auto on = [](const char* type, const char* name) {
+    return DeviceInfo{.name = name, .type = type, .rasterizes = true, .draws_slowly = draws_slowly(name)};
+  };
+  const DeviceInfo cpu = on("cpu", "llvmpipe (LLVM 15.0.6, 256 bits)");
+  EXPECT_TRUE(rasterizes_first_hits(settings, few, cpu));
+  EXPECT_FALSE(rasterizes_first_hits(settings, many, cpu));
+  for (const char* name : {"NVIDIA GeForce RTX 4090", "AMD Radeon RX 7900 XTX (RADV NAVI31)", "NVIDIA A100-SXM4-80GB"})
+    EXPECT_TRUE(rasterizes_first_hits(settings, many, on("discrete", name))) << name;
+  for (const char* name : {"NVIDIA H200", "NVIDIA H100 80GB HBM3", "NVIDIA GH200 480GB", "NVIDIA H800"}) {
+    EXPECT_FALSE(rasterizes_first_hits(settings, few, on("discrete", name))) << name;
+    settings.first_hit = kFirstHitRaster;
+    EXPECT_TRUE(rasterizes_first_hits(settings, few, on("discrete", name))) << name;
+    settings.first_hit = kFirstHitAuto;
+  }
+  DeviceInfo without = cpu;
+  without.rasterizes = false;
+  EXPECT_FALSE(rasterizes_first_hits(settings, few, without));
 }
 
 TEST_F(HybridTest, KnowsItsError) {

@@ -42,10 +42,11 @@ RayRate describe(RayKind kind, std::size_t count, const std::vector<double>& sec
   return rate;
 }
 
-std::array<RayRate, kRayKindCount> measure_rays(const PackedScene& scene, RayReplay& replay, const RaySets& rays,
-                                                const Ceilings& ceilings, std::uint32_t repetitions) {
+std::array<RayRate, kRayKindCount> measure_rays(Device& device, const PackedScene& scene, RayReplay& replay,
+                                                const RaySets& rays, const Ceilings& ceilings,
+                                                std::uint32_t repetitions) {
   std::vector<Contestant> alone{replaying(replay, rays)};
-  take_turns(alone, repetitions);
+  take_turns(alone, repetitions, rounds_to_warm(device.info()));
   const bvh::Counters work[] = {count_closest(scene, rays.camera), count_closest(scene, rays.bounce),
                                 count_any(scene, rays.shadow)};
   std::array<RayRate, kRayKindCount> rates;
@@ -88,7 +89,7 @@ void compare_with_embree(Device& device, const PackedScene& scene, const View& v
     }};
   };
   std::vector<Contestant> contestants{replaying(replay, rays), embree(fast), embree(robust)};
-  take_turns(contestants, settings.repetitions);
+  take_turns(contestants, settings.repetitions, rounds_to_warm(device.info()));
   for (std::size_t kind = 0; kind < kRayKindCount; ++kind) {
     if (count_rays(rays)[kind] == 0) continue;
     const auto over = [&](std::size_t rival) {
@@ -148,7 +149,7 @@ BenchResult bench(Device& device, const PackedScene& scene, const View& view, co
   RayReplay replay(device, scene, view, by_compute, *warm.kernels,
                    by_query ? nullptr : warm.loop->workspace().on_device);
   const RaySets rays = replay.capture();
-  result.rays = measure_rays(scene, replay, rays, result.ceilings, all.repetitions);
+  result.rays = measure_rays(device, scene, replay, rays, result.ceilings, all.repetitions);
   if (by_query) {
     progress("the same rays by ray queries");
     result.queries = compare_with_queries(device, scene, view, all.render, replay, rays, all.repetitions);

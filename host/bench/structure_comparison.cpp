@@ -97,7 +97,7 @@ std::vector<StructureRow> compare_structures(Device& device, const PackedScene& 
       return structure->trace(sets[rays_of], rays_of == kShadowRaysKind);
     }});
   }
-  take_turns(contestants, repetitions);
+  take_turns(contestants, repetitions, rounds_to_warm(device.info()));
   for (std::size_t kind = 0; kind < kRayKindCount; ++kind) {
     const std::vector<StructureRay>& set = sets[kind];
     if (set.empty()) continue;

@@ -271,6 +271,7 @@ DeviceInfo describe(VkPhysicalDevice physical, Pose pose) {
   describe_ray_queries(physical, info);
   const QueueFamily family = choose_family(physical);
   info.rasterizes = family.rasterizes;
+  info.draws_slowly = draws_slowly(info.name);
   if (family.index == gpu::kNone) info.missing.push_back("a queue for compute");
   if (family.timestamp_bits >= 36) {
     info.timestamp_period_ns = limits.timestampPeriod;

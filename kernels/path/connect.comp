@@ -99,4 +99,5 @@ void end_ray(uint index, Hit hit) {
 
 #define RAY_COUNT queues.shadow_count
 #define NEXT_RAY queues.next_shadow_ray
+#define IS_COHERENT false
 #include "kernels/path/trace_queue.glsl"

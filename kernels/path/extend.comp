@@ -56,4 +56,5 @@ void end_ray(uint index, Hit hit) {
 
 #define RAY_COUNT queues.ray_count[wave.bounce & 1u]
 #define NEXT_RAY queues.next_ray
+#define IS_COHERENT (wave.bounce == 0u)
 #include "kernels/path/trace_queue.glsl"

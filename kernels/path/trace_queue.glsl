@@ -1,6 +1,6 @@
 // The main() of kernels that trace a queue of rays. Include it behind trace.glsl and queue.glsl, and define: RAY_COUNT; NEXT_RAY,
-// the counter of those that some lane has begun; void begin_ray(uint index), which sets the variables below;
-// void end_ray(uint index, Hit hit).
+// the counter of those that some lane has begun; IS_COHERENT, whether neighbours in the queue take the same way; void
+// begin_ray(uint index), which sets the variables queued_...; void end_ray(uint index, Hit hit).
 //
 // Rays take very different numbers of steps, and a subgroup is done when its slowest ray is. So where lanes branch by
 // themselves, those that are done take the next rays of the queue as soon as too few of their subgroup have one left (Aila
@@ -8,8 +8,9 @@
 #ifndef WAVEPATH_TRACE_QUEUE_GLSL
 #define WAVEPATH_TRACE_QUEUE_GLSL
 
-// A lane takes no more; there is a lane for each ray. Mesa 22.3's CPU driver stops loops after 65,535 rounds.
-const uint kMostRays = 64u;
+// A lane takes no more: it matters to Mesa 22.3's CPU driver alone, which stops loops after 65,535 rounds. There is a lane for
+// each ray.
+const uint kMostRays = 256u;
 
 void trace_one(uint index) {
   if (index >= RAY_COUNT) return;
@@ -22,6 +23,9 @@ void trace_one(uint index) {
 }
 
 #ifndef RAY_QUERY
+// Half of a subgroup is kept busy.
+bool is_half_busy(bool tracing) { return 2u * subgroupBallotBitCount(subgroupBallot(tracing)) >= gl_SubgroupSize; }
+
 void trace_many() {
   uint count = RAY_COUNT, index = 0u, taken = 0u;
   bool tracing = false;
@@ -37,11 +41,14 @@ void trace_many() {
       begin_kind();
 #endif
       begin_traversal(queued_origin, queued_direction, queued_t_max);
+      tracing = !is_over_by_lane();
     }
     do {
-      tracing = !is_over_by_lane();
-      if (tracing) walk_by_lane(queued_origin, queued_direction, queued_t_max);
-    } while (2u * subgroupBallotBitCount(subgroupBallot(tracing)) > gl_SubgroupSize);
+      if (tracing) {
+        walk_by_lane(queued_origin, queued_direction, queued_t_max);
+        tracing = !is_over_by_lane();
+      }
+    } while (is_half_busy(tracing));
     if (!tracing) end_ray(index, best);
   }
 }
@@ -49,7 +56,7 @@ void trace_many() {
 
 void main() {
 #ifndef RAY_QUERY
-  if (!kInStep && wave.bounce > 0u) {
+  if (!kInStep && !IS_COHERENT) {
     trace_many();
     return;
   }

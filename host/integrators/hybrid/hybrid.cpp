@@ -125,14 +125,6 @@ std::uint32_t stages_of(const RenderSettings& settings) {
   return stages;
 }
 
-// A CPU driver takes half a microsecond and more for a triangle that it draws, wherever that is, and a tenth to a third
-// for a ray.
-bool rasterizes_here(const RenderSettings& settings, const PackedScene& scene, const DeviceInfo& device) {
-  if (settings.first_hit != kFirstHitAuto) return settings.first_hit == kFirstHitRaster;
-  const std::uint64_t rays = std::uint64_t{settings.width} * settings.height;
-  return device.rasterizes && (device.type != "cpu" || scene.triangle_count <= rays);
-}
-
 float ray_length(double radius) {
   return radius > 0.0 ? static_cast<float>(std::min<double>(radius, gpu::kFar)) : gpu::kFar;
 }
@@ -148,6 +140,12 @@ float cone_width(const View& view, const RenderSettings& settings) {
 
 // Light beyond the direct one is wanted where paths would be longer than it.
 bool has_ambient(const RenderSettings& settings) { return !settings.integrator->finds_light || settings.max_depth > 1; }
+
+bool rasterizes_first_hits(const RenderSettings& settings, std::uint64_t triangles, const DeviceInfo& device) {
+  if (settings.first_hit != kFirstHitAuto) return settings.first_hit == kFirstHitRaster;
+  const std::uint64_t rays = std::uint64_t{settings.width} * settings.height;
+  return device.rasterizes && !device.draws_slowly && (device.type != "cpu" || triangles <= rays);
+}
 
 KernelNeed hybrid_need(const RenderSettings& settings, const KernelConfig& config) {
   KernelNeed need{&kHybridProgram, stages_of(settings), config};
@@ -187,7 +185,7 @@ void Hybrid::make_frame(const View& view, const RenderSettings& settings, Past p
   const ClipPlanes planes = clip_planes(scene, view);
   frame_.near = planes.near;
   frame_.far = planes.far;
-  rasterizes_ = refracts() || (rasterizes_here(settings, scene, workspace_.device.info()) &&
+  rasterizes_ = refracts() || (rasterizes_first_hits(settings, scene.triangle_count, workspace_.device.info()) &&
                                edges_hold(scene, view, settings.width, settings.height));
   jitters_.clear();
   gpu::Frame& shared = workspace_.frame;

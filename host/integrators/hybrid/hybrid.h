@@ -30,6 +30,10 @@ class Taa;                  // host/integrators/hybrid/taa.h
 // Whether frames have light beyond the direct one, or are nothing but occlusion.
 bool has_ambient(const RenderSettings& settings);
 
+// How first hits are found where nothing else decides it: what takes this device less time. A CPU driver takes half a
+// microsecond and more for a triangle that it draws, wherever that is, and a tenth to a third for a ray.
+bool rasterizes_first_hits(const RenderSettings& settings, std::uint64_t triangles, const DeviceInfo& device);
+
 // The kernels of frames under these settings, those of light left out, in the configuration that paths have.
 KernelNeed hybrid_need(const RenderSettings& settings, const KernelConfig& config);
 

@@ -344,7 +344,8 @@ std::vector<Setting> special_rows() {
       {.name = "first-hit",
        .value = ChoiceValue{&S::first_hit, kFirstHitNames},
        .meaning = "what pixels see is rasterized, or found by camera rays; auto: rasterized, but traced on CPUs "
-                  "where the scene has more triangles than the picture has pixels",
+                  "where the scene has more triangles than the picture has pixels, and on NVIDIA's Hopper "
+                  "cards, which draw slowly",
        .takers = Takers::listed_else_ignored,
        .label = "first hits",
        .study = {"raster", "traced"}},
