@@ -59,8 +59,8 @@ bool validation_wanted() {
   return value != nullptr && *value != '\0' && std::strcmp(value, "0") != 0;
 }
 
-// A CPU driver that poses as a discrete GPU takes every choice that a GPU would get: staging for all copies, a stack in
-// an array, a large pool of paths, generic kernels first. A device may also pose as one whose texel buffers are as
+// A CPU driver that poses as a discrete GPU takes every choice that a GPU would get: staging for all copies, the
+// walk by lane, a large pool of paths, generic kernels first. A device may also pose as one whose texel buffers are as
 // small as Vulkan lets them be. Tests reach that code on machines without such devices.
 enum class Pose { none, discrete, few_texels };
 
