@@ -1,7 +1,7 @@
-// Traversal of the 4-wide BVH, one ray a lane: the tests of bvh/traverse.h, which describes them, and their results. Boxes: the
-// padded slab test of Ize 2013. Triangles: triangle.glsl. How a lane gets from one test to the next is left to
-// bvh_in_step.glsl or bvh_by_lane.glsl. Include bindings.glsl with BIND_GEOMETRY first; ray_kinds.glsl says what else to
-// define. Kernels that trace include trace.glsl and enable GL_KHR_shader_subgroup_ballot.
+// Traversal of the 4-wide BVH, one ray a lane: finds the hits that bvh/traverse.h finds. Boxes: the padded slab test of Ize
+// 2013. Triangles: triangle.glsl. How a lane gets from one test to the next is left to bvh_in_step.glsl or
+// bvh_by_lane.glsl. Include bindings.glsl with BIND_GEOMETRY first; ray_kinds.glsl says what else to define. Kernels that
+// trace include trace.glsl and enable GL_KHR_shader_subgroup_ballot.
 #ifndef WAVEPATH_BVH_GLSL
 #define WAVEPATH_BVH_GLSL
 
@@ -47,8 +47,9 @@ float cell_size(uint layout_, uint shift) {
   return uintBitsToFloat(((layout_ >> shift & 127u) + 127u - kCellBias) << 23u);
 }
 
-// The children of `node` that the ray enters: their slots, the times, and of the node's texels those that tell what they are.
-void enter_children(TraversalRay ray, float t_best, uint node, out uvec4 grid, out uvec4 zw, out ivec4 t_near, out bvec4 entered) {
+// Which children of a node the ray enters and when; also the two texels that describe the children.
+void enter_children(TraversalRay ray, float t_best, uint node, out uvec4 grid, out uvec4 zw, out ivec4 t_near,
+                    out bvec4 entered) {
   int texel = int(node * kNodeTexels);
   grid = texelFetch(nodes, texel);
   uvec4 xy = texelFetch(nodes, texel + 1);

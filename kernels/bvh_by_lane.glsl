@@ -1,8 +1,8 @@
 // The walk on devices whose lanes branch by themselves and have memory of their own that they reach fast, as GPUs do. The
 // latest entry of the stack is in a register and the others in a local array; leaves wait as groups of items with a mask
 // (Ylitie, Karras and Laine 2017, Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs, section 4).
-// Ballots steer only what is done first: lanes that do not run together change the time, not the result. bvh.glsl includes
-// this. What was measured on a GPU: benchmarks/results/NOTES.md.
+// Ballots here steer only what is done first: lanes that do not run together change the time, not the result. bvh.glsl
+// includes this. What was measured on a GPU: benchmarks/results/NOTES.md.
 #ifndef WAVEPATH_BVH_BY_LANE_GLSL
 #define WAVEPATH_BVH_BY_LANE_GLSL
 

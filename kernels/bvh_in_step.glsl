@@ -201,7 +201,7 @@ bool walk_in_step(vec3 origin, vec3 direction, float t_max) {
 }
 
 void trace_in_step(vec3 origin, vec3 direction, float t_max) {
-  bool done = current == kNone;
+  bool done;
   do {
     do done = walk_in_step(origin, direction, t_max); // as in visit_nodes()
     while (!done && pending.triangle == kNone);

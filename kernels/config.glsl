@@ -19,6 +19,7 @@ layout(constant_id = kSpecMotion) const uint kMotion = 0u;
 layout(constant_id = kSpecTerminator) const uint kTerminator = kTerminatorFacets;
 layout(constant_id = kSpecSort) const uint kSort = kSortNone;
 layout(constant_id = kSpecLightSamples) const uint kLightSamples = 1u;
+layout(constant_id = kSpecLaneRays) const uint kLaneRays = 256u;
 layout(constant_id = kSpecSky) const uint kSky = kSkyByPaths;
 layout(constant_id = kSpecFilter) const uint kFilter = kFilterBlackmanHarris;
 

@@ -94,7 +94,8 @@ GPU_CONSTANT uint kSpecTerminator = 12u;   // where rays leave surfaces with ver
 GPU_CONSTANT uint kSpecSort = 13u;         // which of its rays extend puts in order for the kernels that follow
 GPU_CONSTANT uint kSpecLightSamples = 14u; // of a path where it first scatters; 1 to kMostLightSamples
 GPU_CONSTANT uint kSpecSky = 15u; // whether shadow rays look for a sky of one colour, too; gpu::Frame says how many
-GPU_CONSTANT uint kSpecCount = 16u;
+GPU_CONSTANT uint kSpecLaneRays = 16u; // rays that a lane takes from a queue at most (trace_queue.glsl); at least 1
+GPU_CONSTANT uint kSpecCount = 17u;
 
 GPU_CONSTANT uint kSamplerIndependent = 0u, kSamplerStratified = 1u, kSamplerSobol = 2u;
 GPU_CONSTANT uint kDirectMis = 0u, kDirectNee = 1u, kDirectBsdf = 2u;

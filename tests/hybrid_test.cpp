@@ -164,7 +164,7 @@ TEST(FirstHits, AreTracedWhereThatIsFaster) {
   EXPECT_FALSE(rasterizes_first_hits(settings, many, cpu));
   for (const char* name : {"NVIDIA GeForce RTX 4090", "AMD Radeon RX 7900 XTX (RADV NAVI31)", "NVIDIA A100-SXM4-80GB"})
     EXPECT_TRUE(rasterizes_first_hits(settings, many, on("discrete", name))) << name;
-  for (const char* name : {"NVIDIA H200", "NVIDIA H100 80GB HBM3", "NVIDIA GH200 480GB", "NVIDIA H800"}) {
+  for (const char* name : {"NVIDIA H200", "NVIDIA H100 80GB HBM3", "NVIDIA GH200 480GB", "NVIDIA H20", "NVIDIA H800"}) {
     EXPECT_FALSE(rasterizes_first_hits(settings, few, on("discrete", name))) << name;
     settings.first_hit = kFirstHitRaster;
     EXPECT_TRUE(rasterizes_first_hits(settings, few, on("discrete", name))) << name;

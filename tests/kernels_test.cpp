@@ -57,6 +57,7 @@ struct Bench {
                   walk,
                   gpu::kNetsHalved,
                   static_cast<std::uint32_t>(features >> 32)} {
+    constants[gpu::kSpecLaneRays] = 2;
     frame.write(&frame_, sizeof(frame_));
     for (Buffer* buffer : {&paths, &media, &path_aovs, &film, &film_aovs}) buffer->fill_zero();
     set_queues({});
@@ -177,6 +178,13 @@ bvh::WideTree tree_of(const PackedScene& packed) {
   return tree;
 }
 
+// How lanes get their rays: where they walk by themselves, those of a bounce are taken from the queue by lanes that are
+// done. Rays of bounce 2 lie in the same queue as the camera's.
+struct Way {
+  std::uint32_t walk, bounce;
+};
+constexpr Way kWays[] = {{gpu::kWalkInStep, 0}, {gpu::kWalkByLane, 0}, {gpu::kWalkByLane, 2}};
+
 class Kernels : public VulkanTest {};
 
 TEST_F(Kernels, ExtendEqualsReference) {
@@ -186,17 +194,16 @@ TEST_F(Kernels, ExtendEqualsReference) {
   const auto triangles = triangles_of(packed);
   const bvh::WideTree tree = tree_of(packed);
   const gpu::Feature all = gpu::kFeaturesAll & ~gpu::kFeatureAovs & ~gpu::kFeatureAdaptive;
-  for (const auto& [features, walk] : {std::pair{packed.features, gpu::kWalkInStep},
-                                       {packed.features, gpu::kWalkByLane},
-                                       {all, gpu::kWalkInStep},
-                                       {all, gpu::kWalkByLane}}) {
-    Bench bench(device(), packed, features, frame_of(packed), walk);
+  constexpr std::uint32_t kRays = kSlots - 37; // the last group is not full
+  for (std::size_t run = 0; run < 2 * std::size(kWays); ++run) {
+    const Way way = kWays[run / 2];
+    Bench bench(device(), packed, run % 2 ? all : packed.features, frame_of(packed), way.walk);
     bench.rays.write(rays.data(), rays.size() * sizeof(gpu::Ray));
-    bench.set_queues({.ray_count = {kSlots, 0}});
-    bench.run(wavepath_extend_spv, kSlots / gpu::kWorkgroupSize, {0, 4096, 0, 4, 0, 0});
+    bench.set_queues({.ray_count = {kRays, 0}});
+    bench.run(wavepath_extend_spv, kSlots / gpu::kWorkgroupSize, {0, 4096, 0, 4, way.bounce, 0});
     const auto hits = download<gpu::Hit>(bench.hits, kSlots);
     std::uint32_t found = 0;
-    for (std::uint32_t i = 0; i < kSlots; ++i) {
+    for (std::uint32_t i = 0; i < kRays; ++i) {
       const bvh::Hit expected =
           bvh::closest_hit(tree, triangles, {to_bvh(rays[i].origin), to_bvh(rays[i].direction), rays[i].t_max});
       ASSERT_EQ(hits[i].triangle, expected.item) << "ray " << i;
@@ -244,11 +251,11 @@ TEST_F(Kernels, ExtendEqualsBruteForceOverInstances) {
   ASSERT_TRUE(packed.root_is_top);
   const auto rays = random_rays(4096, 5);
   std::vector<gpu::Hit> hits;
-  for (const std::uint32_t walk : {gpu::kWalkByLane, gpu::kWalkInStep}) {
+  for (const auto& [walk, bounce] : kWays) {
     Bench bench(device(), packed, packed.features, frame_of(packed), walk);
     bench.rays.write(rays.data(), rays.size() * sizeof(gpu::Ray));
     bench.set_queues({.ray_count = {4096, 0}});
-    bench.run(wavepath_extend_spv, 64, {0, 4096, 0, 4, 0, 0});
+    bench.run(wavepath_extend_spv, 64, {0, 4096, 0, 4, bounce, 0});
     const auto found = download<gpu::Hit>(bench.hits, 4096);
     for (std::uint32_t i = 0; i < hits.size(); ++i) {
       ASSERT_EQ(found[i].triangle, hits[i].triangle) << "ray " << i;
@@ -377,13 +384,13 @@ TEST_F(Kernels, HolesAreInvisibleToExtendAndConnect) {
   std::vector<gpu::ShadowRay> shadow_rays;
   for (const gpu::Ray& ray : rays)
     shadow_rays.push_back({ray.origin, ray.slot, ray.direction, ray.t_max, {1, 2, 3}, 0});
-  for (const std::uint32_t walk : {gpu::kWalkInStep, gpu::kWalkByLane}) { // where alpha waits, and where it does not
+  for (const auto& [walk, bounce] : kWays) { // alpha waits in the first one
     Bench bench(device(), packed, packed.features, frame_of(packed));
     bench.constants[gpu::kSpecWalk] = walk;
     bench.rays.write(rays.data(), rays.size() * sizeof(gpu::Ray));
     bench.shadow_rays.write(shadow_rays.data(), shadow_rays.size() * sizeof(gpu::ShadowRay));
     bench.set_queues({.ray_count = {kSlots, 0}, .shadow_count = kSlots});
-    bench.run(wavepath_extend_spv, kSlots / gpu::kWorkgroupSize, {0, 4096, 0, 4, 0, 0});
+    bench.run(wavepath_extend_spv, kSlots / gpu::kWorkgroupSize, {0, 4096, 0, 4, bounce, 0});
     bench.run(wavepath_connect_spv, kSlots / gpu::kWorkgroupSize, {0, 4096, 0, 4, 0, 0});
     const auto hits = download<gpu::Hit>(bench.hits, kSlots);
     const auto paths = download<gpu::PathState>(bench.paths, kSlots);
@@ -405,14 +412,16 @@ TEST_F(Kernels, ExtendSortsHitsAndEscapes) {
   const PackedScene packed = pack(scene);
   constexpr std::uint32_t kRays = kSlots - 37; // the last group is not full
   const auto rays = random_rays(kRays, 4);
-  for (const std::uint32_t sort : {gpu::kSortEscapes, gpu::kSortHits}) {
-    Bench bench(device(), packed, packed.features, frame_of(packed));
+  for (std::size_t run = 0; run < 2 * std::size(kWays); ++run) {
+    const auto [walk, bounce] = kWays[run / 2];
+    const std::uint32_t sort = run % 2 ? gpu::kSortEscapes : gpu::kSortHits;
+    Bench bench(device(), packed, packed.features, frame_of(packed), walk);
     bench.constants[gpu::kSpecSort] = sort;
     const std::vector<std::uint32_t> untouched(kSlots, gpu::kNone);
     bench.sorted_rays.write(untouched.data(), kSlots * 4);
     bench.rays.write(rays.data(), rays.size() * sizeof(gpu::Ray));
     bench.set_queues({.ray_count = {kRays, 0}});
-    bench.run(wavepath_extend_spv, kSlots / gpu::kWorkgroupSize, {0, 4096, 0, 4, 0, 0});
+    bench.run(wavepath_extend_spv, kSlots / gpu::kWorkgroupSize, {0, 4096, 0, 4, bounce, 0});
     const auto hits = download<gpu::Hit>(bench.hits, kSlots);
     const auto sorted = download<std::uint32_t>(bench.sorted_rays, kSlots);
     const gpu::Queues queues = bench.get_queues();
@@ -460,7 +469,12 @@ TEST_F(Kernels, AdvanceCountsRaysBeyond32Bits) {
   Scene scene = soup(1, 1, true);
   const PackedScene packed = pack(scene);
   Bench bench(device(), packed, packed.features, frame_of(packed));
-  bench.set_queues({.ray_count = {1000, 77}, .shadow_count = 65, .hit_count = 7, .escape_count = 9});
+  bench.set_queues({.ray_count = {1000, 77},
+                    .shadow_count = 65,
+                    .hit_count = 7,
+                    .escape_count = 9,
+                    .next_ray = 5,
+                    .next_shadow_ray = 6});
   bench.set_counters({.camera_rays = {0xfffffff0u, 3}});
   bench.run(wavepath_advance_spv, 1, {0, 0, 0, 0, gpu::kBeforeExtend, 0}); // of bounce 0
   gpu::Queues queues = bench.get_queues();
@@ -470,6 +484,8 @@ TEST_F(Kernels, AdvanceCountsRaysBeyond32Bits) {
   EXPECT_EQ(queues.shadow_count, 0u);
   EXPECT_EQ(queues.hit_count, 0u);
   EXPECT_EQ(queues.escape_count, 0u);
+  EXPECT_EQ(queues.next_ray, 0u);
+  EXPECT_EQ(queues.next_shadow_ray, 6u);
   EXPECT_EQ(bench.get_counters().camera_rays[0], 1000u - 16u);
   EXPECT_EQ(bench.get_counters().camera_rays[1], 4u);
   queues.hit_count = 129;
@@ -485,6 +501,7 @@ TEST_F(Kernels, AdvanceCountsRaysBeyond32Bits) {
   bench.run(wavepath_advance_spv, 1, {0, 0, 0, 0, gpu::kBeforeConnect, 0});
   queues = bench.get_queues();
   EXPECT_EQ(queues.connect_groups[0], 2u);
+  EXPECT_EQ(queues.next_shadow_ray, 0u);
   EXPECT_EQ(bench.get_counters().shadow_rays[0], 65u);
   EXPECT_EQ(bench.get_counters().camera_rays[1], 4u);
 }

@@ -301,7 +301,7 @@ TEST(PackInstances, BuildsValidTreesOfBothLevels) {
   EXPECT_EQ(roots.size(), 3u);
   EXPECT_EQ(std::count(seen.begin(), seen.end(), 1), 341);
   EXPECT_EQ(std::count(placed.begin(), placed.end(), 1), 23);
-  EXPECT_EQ(packed.stack_size, top + 1 + 4 + 1 + deepest);
+  EXPECT_EQ(packed.stack_size, top + 1 + 7 + 1 + deepest);
 }
 
 TEST(PackInstances, HaveOneLeafEach) {

@@ -7,6 +7,7 @@
 #include "host/bench/frames.h"
 #include "host/bench/ray_replay.h"
 #include "host/bench/structure_comparison.h"
+#include "host/bench/warm_up.h"
 #include "host/bench/work.h"
 #include "host/render/settings/traversal.h"
 #ifdef WAVEPATH_EMBREE
@@ -18,9 +19,9 @@ namespace {
 
 constexpr const char* kKindNames[kRayKindCount] = {"camera", "bounce", "shadow"};
 
-// Float operations of kernels/bvh.glsl. A visit: 4 children x 6 planes, each scaled and moved (2) and compared (1), and
-// the last comparison, padded (2). A test: 3 vertices moved (3) and sheared (5), 3 edge functions (3), their sum and
-// signs (8), and the place of the hit (about 80).
+// Float operations of kernels/bvh.glsl and its walk in step, for all devices. A visit: 4 children x 6 planes, each
+// scaled and moved (2) and compared (1), and the last comparison, padded (2). A test: 3 vertices moved (3) and sheared
+// (5), 3 edge functions (3), their sum and signs (8), and the place of the hit (about 80).
 constexpr double kVisitFlops = 4 * (6 * 3 + 2), kTestFlops = 3 * 8 + 3 * 3 + 8 + 80;
 
 RayRate describe(RayKind kind, std::size_t count, const std::vector<double>& seconds, const bvh::Counters& work,

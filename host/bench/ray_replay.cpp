@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "host/base/clock.h"
+#include "host/bench/warm_up.h"
 #include "host/integrators/path/path_replay.h"
 #include "host/render/settings/traversal.h"
 #include "kernels/frame_types.h"
@@ -58,23 +59,23 @@ RaySets RayReplay::capture() {
   return rays;
 }
 
-// Timed by the device where its queue has timestamps. The last of the rounds counts.
+// Timed by the device where its queue has timestamps.
 double RayReplay::time(PathStage stage, const gpu::Queues& queues, std::size_t count, std::uint32_t bounce) {
   gpu::Wave wave = first_wave();
   wave.bounce = bounce;
   const KernelSet& kernels = paths_.kernels();
-  const std::uint32_t rounds = rounds_to_warm(workspace_.device.info());
-  Commands commands(workspace_.device, rounds);
-  commands.bind(paths_.bindings(0));
-  for (std::uint32_t round = 0; round < rounds; ++round) {
+  Commands commands(workspace_.device, 1);
+  return seconds_when_warm(workspace_.device.info(), [&] {
+    commands.restart(1);
     commands.write(paths_.buffers[kQueues], &queues, sizeof(queues));
+    commands.bind(paths_.bindings(0));
     commands.dispatch(kernels[stage], groups_for(count), &wave);
-  }
-  const Clock::time_point start = Clock::now();
-  commands.submit_and_wait();
-  const double wall = seconds_since(start);
-  const double device = commands.times().empty() ? 0.0 : commands.times().back().seconds;
-  return device > 0.0 ? device : wall;
+    const Clock::time_point start = Clock::now();
+    commands.submit_and_wait();
+    const double wall = seconds_since(start);
+    const double device = commands.times().empty() ? 0.0 : commands.times().front().seconds;
+    return device > 0.0 ? device : wall;
+  });
 }
 
 double RayReplay::extend(std::span<const gpu::Ray> rays, bool from_camera) {

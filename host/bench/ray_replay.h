@@ -16,12 +16,6 @@ struct RaySets {
   std::vector<gpu::ShadowRay> shadow;
 };
 
-// How often in a row a measurement is made that lasts a millisecond or less: a GPU that was idle is slow at first. Once
-// where a dispatch cannot be timed alone.
-inline std::uint32_t rounds_to_warm(const DeviceInfo& info) {
-  return info.type == "cpu" || info.timestamp_period_ns == 0.0 ? 1 : 8;
-}
-
 class RayReplay {
 public:
   // `settings` ask for room_for_shadow_rays. `uploaded`: the scene, if it is on the device already. `scene` and

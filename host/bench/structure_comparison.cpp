@@ -8,6 +8,7 @@
 #include "host/bench/contest.h"
 #include "host/bench/structures/device_structure.h"
 #include "host/bench/summary.h"
+#include "host/bench/warm_up.h"
 #include "host/bench/work.h"
 #include "host/render/device/kernel_compiler.h"
 #include "host/scene/pack/flatten.h"

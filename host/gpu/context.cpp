@@ -247,7 +247,7 @@ DeviceInfo describe(VkPhysicalDevice physical, Pose pose) {
   vkGetPhysicalDeviceProperties2(physical, &properties);
   const VkPhysicalDeviceLimits& limits = properties.properties.limits;
   info.driver = fmt::format("{} {}", core12.driverName, core12.driverInfo);
-  info.timestamps_need_flush = core12.driverID == VK_DRIVER_ID_MESA_LLVMPIPE;
+  info.timestamps_need_flush = info.ends_long_loops = core12.driverID == VK_DRIVER_ID_MESA_LLVMPIPE;
   info.subgroup_size = core11.subgroupSize;
   info.max_allocation = core11.maxMemoryAllocationSize;
   info.max_storage_range = limits.maxStorageBufferRange - kBufferPadding;

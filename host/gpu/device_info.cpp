@@ -6,7 +6,7 @@
 namespace wavepath {
 
 bool draws_slowly(const std::string& device_name) {
-  constexpr std::array kNames = {"H100", "H200", "H800"};
+  constexpr std::array kNames = {"H100", "H20", "H800"}; // "H20": the H200 and the GH200, too
   return std::ranges::any_of(kNames, [&](const char* name) { return device_name.find(name) != std::string::npos; });
 }
 

@@ -29,6 +29,8 @@ struct DeviceInfo {
   std::uint64_t max_query_triangles = 0, max_query_instances = 0; // of a structure for ray queries
   // llvmpipe (Mesa 22.3): once anything was rasterized, a timestamp is taken at the next flush, which a barrier causes.
   bool timestamps_need_flush = false;
+  // llvmpipe (Mesa 22.3): all loops of an invocation end after 65,535 rounds together, without a word.
+  bool ends_long_loops = false;
   // Scenes do not fit into its texel buffers: kernels read theirs as storage blocks (texels_as_storage.h).
   bool has_few_texels = false;
   // Texels of that size in a binding, where there is room for their storage block.

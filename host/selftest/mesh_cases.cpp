@@ -181,6 +181,7 @@ std::uint64_t look_at_square(const SelftestContext& context, const glm::dmat4& t
   if (shared)
     scene.instances.push_back({0, glm::translate(glm::dmat4(1.0), glm::dvec3(0, 0, -100.0 * size)) * transform});
   TracedScene traced(context.device, context.kernels, pack(scene));
+  traced.use_camera_rays();
   const auto to_world = [&](glm::dvec3 p) {
     return glm::dvec3(transform * glm::dvec4(p, 1.0)) - traced.packed().origin;
   };

@@ -75,7 +75,7 @@ void TracedScene::dispatch(std::span<const std::uint32_t> spirv, std::size_t cou
   gpu::Queues queues{};
   queues.ray_count[0] = queues.shadow_count = static_cast<std::uint32_t>(count);
   queues_.write(&queues, sizeof(queues));
-  const gpu::Wave wave{0, kSlots, 0, parameter, 0, 0};
+  const gpu::Wave wave{0, kSlots, 0, parameter, bounce_, 0};
   Commands commands(device_);
   commands.bind(*bindings_);
   commands.dispatch(kernels_.get(spirv, packed_.features, packed_.stack_size, *bindings_),

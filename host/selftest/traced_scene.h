@@ -43,6 +43,10 @@ public:
 
   const PackedScene& packed() const { return packed_; }
 
+  // From now on its rays are the camera's, which single-sided surfaces let pass from behind. Else they are those of a
+  // bounce, which lanes of GPUs take from the queue one after the other.
+  void use_camera_rays() { bounce_ = 0; }
+
   // In device space (the world moved by -packed().origin), slots ignored. `closest` returns what extend.comp finds,
   // `blocked` whether connect.comp finds anything, by ray.
   std::vector<gpu::Hit> closest(std::span<const gpu::Ray> rays, std::uint32_t at_once = kSlots);
@@ -62,6 +66,7 @@ private:
   KernelCache& kernels_;
   PackedScene packed_;
   DeviceScene scene_;
+  std::uint32_t bounce_ = 2; // whose rays lie in the first queue, too
   Buffer frame_, states_, rays_, hits_, shadow_rays_, queues_, unused_;
   std::unique_ptr<BindingSet> bindings_;
 };

@@ -73,9 +73,9 @@ struct Queues {
   uint connect_groups[3];
   uint first_shadow; // place of the first shadow ray that connect traces (kSpecLightSamples)
   uint shade_groups[3];
-  uint next_ray; // that no lane has begun to trace; next_shadow_ray likewise
+  uint next_ray; // index of the next ray to be traced (trace_queue.glsl)
   uint escape_groups[3];
-  uint next_shadow_ray;
+  uint next_shadow_ray;                            // likewise
   uint later_shadow_count[kMostLightSamples - 1u]; // of the second light sample and those after it
   uint pad3;
 };

@@ -1,16 +1,13 @@
-// The main() of kernels that trace a queue of rays. Include it behind trace.glsl and queue.glsl, and define: RAY_COUNT; NEXT_RAY,
-// the counter of those that some lane has begun; IS_COHERENT, whether neighbours in the queue take the same way; void
-// begin_ray(uint index), which sets the variables queued_...; void end_ray(uint index, Hit hit).
+// The main() of kernels that trace a queue of rays. Include it behind trace.glsl and queue.glsl, and define before:
+// RAY_COUNT; NEXT_RAY, the counter of those that some lane has begun; IS_COHERENT, whether neighbours in the queue take the
+// same way; begin_ray(index), which sets the variables queued_...; end_ray(index, hit).
 //
 // Rays take very different numbers of steps, and a subgroup is done when its slowest ray is. So where lanes branch by
 // themselves, those that are done take the next rays of the queue as soon as too few of their subgroup have one left (Aila
-// and Laine 2009, Understanding the Efficiency of Ray Traversal on GPUs, section 4).
+// and Laine 2009, Understanding the Efficiency of Ray Traversal on GPUs, section 4). APPEND needs lanes that enter it
+// together to go through it together, as those of a basic block do; which lanes these are does not matter.
 #ifndef WAVEPATH_TRACE_QUEUE_GLSL
 #define WAVEPATH_TRACE_QUEUE_GLSL
-
-// A lane takes no more: it matters to Mesa 22.3's CPU driver alone, which stops loops after 65,535 rounds. There is a lane for
-// each ray.
-const uint kMostRays = 256u;
 
 void trace_one(uint index) {
   if (index >= RAY_COUNT) return;
@@ -31,7 +28,7 @@ void trace_many() {
   bool tracing = false;
   for (;;) {
     if (!tracing) {
-      if (taken++ == kMostRays) return;
+      if (taken++ == kLaneRays) return; // no ray is left over: a dispatch has a lane for each
       APPEND(NEXT_RAY, true, index);
       if (index >= count) return;
       begin_ray(index);

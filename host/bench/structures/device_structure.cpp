@@ -4,7 +4,7 @@
 #include <array>
 
 #include "host/base/clock.h"
-#include "host/bench/ray_replay.h"
+#include "host/bench/warm_up.h"
 #include "host/gpu/commands.h"
 
 namespace wavepath {
@@ -75,24 +75,23 @@ double DeviceStructure::trace(std::span<const StructureRay> rays, bool any_hit) 
 }
 
 double DeviceStructure::run(const Kernel& kernel) const {
-  const std::uint32_t rounds = rounds_to_warm(device_.info());
   double seconds = 0.0;
   for (std::size_t first = 0; first < ray_count_; first += kRaysOfDispatch) {
     const std::size_t count = std::min(kRaysOfDispatch, ray_count_ - first);
     Parameters parameters = parameters_;
     parameters.first_ray = static_cast<std::uint32_t>(first);
     parameters.ray_end = static_cast<std::uint32_t>(first + count);
-    Commands commands(device_, rounds);
-    commands.bind(*bindings_);
-    for (std::uint32_t round = 0; round < rounds; ++round) {
+    Commands commands(device_, 1);
+    seconds += seconds_when_warm(device_.info(), [&] {
+      commands.restart(1);
+      commands.bind(*bindings_);
       commands.dispatch(kernel, static_cast<std::uint32_t>((count + kGroupSize - 1) / kGroupSize), &parameters);
-      commands.barrier();
-    }
-    const Clock::time_point start = Clock::now();
-    commands.submit_and_wait();
-    const double wall = seconds_since(start);
-    const double timed = commands.times().empty() ? 0.0 : commands.times().back().seconds;
-    seconds += timed > 0.0 ? timed : wall;
+      const Clock::time_point start = Clock::now();
+      commands.submit_and_wait();
+      const double wall = seconds_since(start);
+      const double timed = commands.times().empty() ? 0.0 : commands.times().front().seconds;
+      return timed > 0.0 ? timed : wall;
+    });
   }
   return seconds;
 }

@@ -74,9 +74,12 @@ ShadowTrace PathReplay::connect(std::uint32_t bounce, std::uint32_t light_sample
   gpu::PathState dark = state_;
   dark.radiance = glm::vec3(0.0f);
   paths_.buffers[kStates].write(&dark, sizeof(dark));
+  const std::uint32_t prepare = gpu::kAdvanceSteps * bounce + gpu::kBeforeConnect + light_sample;
+  run(kAdvance, prepare);
   run(kConnect, bounce);
   shadow.blocked = state().radiance == glm::vec3(0.0f);
   paths_.buffers[kStates].write(&state_, sizeof(state_));
+  run(kAdvance, prepare);
   run(kConnect, bounce);
   return shadow;
 }

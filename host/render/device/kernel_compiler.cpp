@@ -31,8 +31,7 @@ gpu::Feature generic_features(gpu::Feature scene) {
 }
 
 KernelConfig kernel_config(gpu::Feature features, std::uint32_t stack_size, const RenderSettings& settings) {
-  // Traversal marks the bottom of its stack, and stores one entry beyond what it keeps.
-  const std::uint32_t stack = (stack_size + 2 + kStackStep - 1) / kStackStep * kStackStep;
+  const std::uint32_t stack = (stack_size + kStackStep - 1) / kStackStep * kStackStep;
   const std::uint32_t light_samples = light_samples_of(settings, features);
   const bool shares_sky = sky_samples_of(settings, features) > 1 ||
                           (settings.tries_sky && may_share_sky(settings, features) && tries_sky_cheaply(features));

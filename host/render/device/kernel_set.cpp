@@ -62,6 +62,9 @@ KernelNeed whole_need(const KernelProgram& program, const KernelConfig& config) 
 // driver anything.
 constexpr std::uint32_t kLeastArray = 96;
 
+// More than a lane comes to. With 64, renders of an NVIDIA H200 took longer.
+constexpr std::uint32_t kLaneRays = 256;
+
 std::array<std::uint32_t, gpu::kSpecCount> specialization(const KernelConfig& config, const DeviceInfo& device) {
   const std::uint32_t walk = device.type == "cpu" ? gpu::kWalkInStep : gpu::kWalkByLane;
   std::array<std::uint32_t, gpu::kSpecCount> constants{};
@@ -82,6 +85,7 @@ std::array<std::uint32_t, gpu::kSpecCount> specialization(const KernelConfig& co
   constants[gpu::kSpecSort] = config.sort;
   constants[gpu::kSpecLightSamples] = config.light_samples;
   constants[gpu::kSpecSky] = config.sky;
+  constants[gpu::kSpecLaneRays] = device.ends_long_loops ? 1 : kLaneRays;
   return constants;
 }
 

@@ -76,6 +76,12 @@ gpu::Frame make_frame(const PackedScene& scene, const View& view, const RenderSe
   return frame;
 }
 
+// Paths in flight. Dispatches of late bounces last as long as their longest ray, so that large GPUs want many paths: on
+// an NVIDIA H200, 2^23 take 0.6 to 0.8 of the time of 2^21, and 2^24 no less.
+std::uint64_t usual_slots(const DeviceInfo& info) {
+  return info.type == "cpu" ? 1u << 17 : info.type == "integrated" ? 1u << 21 : 1u << 23;
+}
+
 } // namespace
 
 FilmShape film_shape(const RenderSettings& settings) {
@@ -177,7 +183,7 @@ std::uint32_t choose_slots(const DeviceInfo& info, const PackedScene& scene, con
   const std::uint64_t pixels = std::uint64_t{settings.width} * settings.height;
   const std::uint64_t samples = settings.last_sample - settings.first_sample;
   const IntegratorKind& kind = *settings.integrator;
-  std::uint64_t slots = info.type == "cpu" ? 1u << 17 : 1u << 23;
+  std::uint64_t slots = usual_slots(info);
   if (settings.wave_slots) slots = settings.wave_slots;
   const std::uint64_t least = kind.slots_per_pixel(settings); // that a wave takes at once
   slots = std::max(std::min(slots, pixels * samples), least);

@@ -179,8 +179,7 @@ double mean_factor(const std::vector<std::int8_t>& levels, std::uint64_t pixels)
   return sum / static_cast<double>(pixels);
 }
 
-// A GPU waits for this meanwhile. So its three parts run at once; for 1920x1080 on two cores that other programs
-// shared, it took 0.40 s in one thread with a look-up by division for every pixel and part, and takes 0.15 s.
+// The device waits for this, so the three parts run at once.
 SampleShares share_samples(const Film& pilot, std::uint32_t width, std::uint32_t height) {
   const NoiseMap map(pilot);
   const std::vector<std::uint32_t> shown = shown_by(map, width, height);

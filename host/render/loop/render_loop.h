@@ -35,7 +35,8 @@ struct Pace {
   Estimates estimates = Estimates::all;
   bool clock_is_busy_time = false; // the time between steps does not count
   std::uint32_t least_slots = 0;   // of paths in flight
-  std::uint32_t fixed_wave = 0;    // paths of a wave, for measurements; 0 = governed
+  std::uint32_t most_slots = ~0u;
+  std::uint32_t fixed_wave = 0; // paths of a wave, for measurements; 0 = governed
 };
 
 class RenderLoop {

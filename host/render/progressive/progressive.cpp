@@ -10,9 +10,10 @@
 namespace wavepath {
 namespace {
 
-constexpr double kLongestWave = 0.015; // seconds: with two in flight, a window stays responsive
-constexpr double kCoarsePicture = 0.1; // seconds that a picture may take while the camera moves
-constexpr std::uint32_t kCoarsest = 8; // pixels a side
+constexpr double kLongestWave = 0.015;         // seconds: with two in flight, a window stays responsive
+constexpr double kCoarsePicture = 0.1;         // seconds that a picture may take while the camera moves
+constexpr std::uint32_t kCoarsest = 8;         // pixels a side
+constexpr std::uint32_t kMostSlots = 1u << 21; // more paths take no GPU so little time
 
 double pixels_of(const RenderSettings& settings) { return static_cast<double>(settings.width) * settings.height; }
 
@@ -31,7 +32,8 @@ Pace pace_of(const RenderSettings& settings) {
           .by_wave = true,
           .estimates = Estimates::share,
           .clock_is_busy_time = true,
-          .least_slots = settings.wave_slots ? 0 : kMostFrameRays};
+          .least_slots = settings.wave_slots ? 0 : kMostFrameRays,
+          .most_slots = settings.wave_slots ? ~0u : kMostSlots};
 }
 
 } // namespace

@@ -78,9 +78,9 @@ std::vector<std::uint32_t> pack_instances(std::span<const Object> objects, std::
   const bvh::WideTree top = bvh::build(boxes, {.max_leaf_size = 1});
   packed.root = append_tree(top, 0, packed.nodes);
   packed.root_is_top = true;
-  // While an object is traversed, the stack also holds the pending node and up to four pending instances of the top
+  // While an object is traversed, the stack also holds the pending node and up to seven pending instances of the top
   // level, and the mark that separates the levels.
-  packed.stack_size = top.depth + 1 + 4 + 1 + deepest;
+  packed.stack_size = top.depth + 1 + 7 + 1 + deepest;
   packed.instances.reserve(instances.size());
   std::vector<std::uint32_t> ordered_objects;
   ordered_objects.reserve(instances.size());
