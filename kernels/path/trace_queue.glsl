@@ -53,7 +53,7 @@ void trace_many() {
 
 void main() {
 #ifndef RAY_QUERY
-  if (!kInStep && !IS_COHERENT) {
+  if (!kInStep && kLaneRays > 1u && !IS_COHERENT) {
     trace_many();
     return;
   }
