@@ -7,8 +7,8 @@
 #include "host/bench/frames.h"
 #include "host/bench/ray_replay.h"
 #include "host/bench/structure_comparison.h"
-#include "host/bench/warm_up.h"
 #include "host/bench/work.h"
+#include "host/gpu/warm_up.h"
 #include "host/render/settings/traversal.h"
 #ifdef WAVEPATH_EMBREE
 #include "benchmarks/embree.h"

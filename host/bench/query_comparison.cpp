@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "host/bench/summary.h"
-#include "host/bench/warm_up.h"
+#include "host/gpu/warm_up.h"
 #include "host/render/device/kernel_compiler.h"
 
 namespace wavepath {

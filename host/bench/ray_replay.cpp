@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "host/base/clock.h"
-#include "host/bench/warm_up.h"
+#include "host/gpu/warm_up.h"
 #include "host/integrators/path/path_replay.h"
 #include "host/render/settings/traversal.h"
 #include "kernels/frame_types.h"

@@ -4,8 +4,8 @@
 #include <array>
 
 #include "host/base/clock.h"
-#include "host/bench/warm_up.h"
 #include "host/gpu/commands.h"
+#include "host/gpu/warm_up.h"
 
 namespace wavepath {
 namespace {
