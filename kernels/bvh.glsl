@@ -139,6 +139,16 @@ bool test_triangle(uint item, float t_max) {
   return needs_alpha;
 }
 
+// Goes on at the root of `instance`, in its space.
+void begin_instance(vec3 origin, vec3 direction) {
+  uint texel = instance * kInstanceTexels;
+  local_ray = make_traversal_ray(transform_point(texel, origin), transform_vector(texel, direction));
+  uvec4 entry = floatBitsToUint(texelFetch(instances, int(texel + 6u)));
+  current = entry.x;
+  instance_id = entry.z;
+  in_top_level = false;
+}
+
 // ---- the walk -------------------------------------------------------------------------------------------------------
 #include "kernels/bvh_by_lane.glsl"
 #include "kernels/bvh_in_step.glsl"

@@ -115,12 +115,7 @@ void enter_instance_by_lane(vec3 origin, vec3 direction) {
   }
   while (items.y != 0u) push_entry(leaf_word(take_item(), 1u));
   push_entry(kPopInstance);
-  uint texel = instance * kInstanceTexels;
-  local_ray = make_traversal_ray(transform_point(texel, origin), transform_vector(texel, direction));
-  uvec4 entry = floatBitsToUint(texelFetch(instances, int(texel + 6u)));
-  current = entry.x;
-  instance_id = entry.z;
-  in_top_level = false;
+  begin_instance(origin, direction);
 }
 
 void change_level_by_lane(vec3 origin, vec3 direction) {

@@ -146,12 +146,7 @@ void enter_instance(vec3 origin, vec3 direction) {
   }
   spill();
   push(true, kPopInstance);
-  uint texel = instance * kInstanceTexels;
-  local_ray = make_traversal_ray(transform_point(texel, origin), transform_vector(texel, direction));
-  uvec4 entry = floatBitsToUint(texelFetch(instances, int(texel + 6u)));
-  current = entry.x;
-  instance_id = entry.z;
-  in_top_level = false;
+  begin_instance(origin, direction);
 }
 
 // Between the tree of instances and their trees of triangles. An instance from the stack joins the leaf words.

@@ -85,7 +85,7 @@ std::array<std::uint32_t, gpu::kSpecCount> specialization(const KernelConfig& co
   constants[gpu::kSpecSort] = config.sort;
   constants[gpu::kSpecLightSamples] = config.light_samples;
   constants[gpu::kSpecSky] = config.sky;
-  constants[gpu::kSpecLaneRays] = device.ends_long_loops ? 1 : kLaneRays;
+  constants[gpu::kSpecLaneRays] = device.ends_long_loops ? 2 : kLaneRays;
   return constants;
 }
 
