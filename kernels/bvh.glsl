@@ -38,9 +38,11 @@ uint leaf_end(uint leaf) { return (leaf & kLeafFirstMask) + (leaf >> kLeafCountS
 // ---- boxes ----------------------------------------------------------------------------------------------------------
 ivec4 bytes_of(uint word) { return ivec4(word & 255u, word >> 8u & 255u, word >> 16u & 255u, word >> 24u); }
 
-// Times at which the ray crosses four planes of an axis, as bits: see enter_children() in bvh/intersect.h.
+// Times at which the ray crosses four planes of an axis, as bits: see enter_children() in bvh/intersect.h. GPUs multiply and
+// add at once, which errs by less; processors of CPU drivers need not be able to.
 ivec4 crossings(uint planes, float slope, float offset) {
-  return floatBitsToInt(vec4(bytes_of(planes)) * slope + offset);
+  vec4 cells = vec4(bytes_of(planes));
+  return floatBitsToInt(kInStep ? cells * slope + offset : fma(cells, vec4(slope), vec4(offset)));
 }
 
 float cell_size(uint layout_, uint shift) {

@@ -65,10 +65,11 @@ Place locate(TraversalRay ray, vec3 apex, vec3 b, vec3 c, float v, float w) {
   // From the nearer end, so that a far one adds no error beyond its share, and equal depths come out exactly.
   precise float base = abs(b.z) < abs(c.z) ? b.z + share_c * (c.z - b.z) : c.z + share_b * (b.z - c.z);
   precise float t = base + weight * (apex.z - base);
+  if (!(abs(area) >= kSmallestNormal)) return Place(0.0, 0.0, 0.0, 0.0);
   Place place = Place(t, 0.0, weight, (1.0 - weight) * share_b);
 
   // Their depths being exact in sign, with all vertices in front t needs no bound, however thin the triangle is.
-  bool in_front = min(apex.z, min(b.z, c.z)) > 0.0;
+  if (min(apex.z, min(b.z, c.z)) > 0.0) return place;
   const float kEpsilon = 5.9604645e-8;
   float extent_a = max(abs(apex.x), abs(apex.y)), extent_b = max(abs(b.x), abs(b.y)), extent_c = max(abs(c.x), abs(c.y));
   float weight_b = place.b, weight_c = (1.0 - weight) * share_c;
@@ -77,10 +78,8 @@ Place locate(TraversalRay ray, vec3 apex, vec3 b, vec3 c, float v, float w) {
   float longest = extent_a + max(extent_b, extent_c);
   float apex_error = max(abs(edge.x), abs(edge.y)) * (8.0 * move + 6.0 * extent_b + 12.0 * weight * longest) / abs(area);
   float share_error = (8.0 * move * longest + 6.0 * extent_a * (extent_b + extent_c)) / abs(area);
-  float t_error =
+  place.t_error =
       kEpsilon * (12.0 * depths + apex_error * abs(apex.z - base) + min(share_error, 16777216.0) * abs(b.z - c.z));
-  place.t_error = in_front ? 0.0 : t_error;
-  if (!(abs(area) >= kSmallestNormal)) place = Place(0.0, 0.0, 0.0, 0.0);
   return place;
 }
 
