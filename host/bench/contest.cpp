@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/base/clock.h"
+
 namespace wavepath {
 
 std::array<std::size_t, kRayKindCount> count_rays(const RaySets& rays) {
@@ -10,11 +12,14 @@ std::array<std::size_t, kRayKindCount> count_rays(const RaySets& rays) {
 }
 
 void take_turns(std::vector<Contestant>& contestants, std::uint32_t repetitions, std::uint32_t rounds) {
-  constexpr double kLongEnough = 0.03; // seconds
+  constexpr double kLongEnough = 0.03, kUntilAwake = 0.2; // seconds; an idle GPU takes its time to clock up
   for (std::size_t kind = 0; kind < kRayKindCount; ++kind) {
     std::uint32_t runs = 1;
     for (Contestant& each : contestants) { // warm-up
-      const double once = each.seconds(static_cast<RayKind>(kind));
+      const Clock::time_point start = Clock::now();
+      double once = each.seconds(static_cast<RayKind>(kind));
+      while (rounds > 1 && once > 0.0 && seconds_since(start) < kUntilAwake)
+        once = each.seconds(static_cast<RayKind>(kind));
       if (once > 0.0)
         runs = std::max(runs, static_cast<std::uint32_t>(std::ceil(kLongEnough / (rounds * std::max(once, 1e-4)))));
     }
