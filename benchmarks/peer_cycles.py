@@ -162,6 +162,8 @@ def arguments():
     parser.add_argument("--quick", action="store_true", help="one run of each, short series, rough references")
     parser.add_argument("--work", type=pathlib.Path, default=ROOT / "build/peer_cycles",
                         help="pictures; references are kept there [default: build/peer_cycles]")
+    parser.add_argument("--reference", type=int, metavar="N",
+                        help="samples a pixel of each renderer's references together [default: by scene]")
     parser.add_argument("--size", default="256x192", help="[default: 256x192]")
     parser.add_argument("--processor", action="store_true",
                         help="count the processor's seconds, by core, instead of the clock's: for a busy machine")
@@ -196,7 +198,7 @@ def main():
         print(name, file=sys.stderr)
         ours = Wavepath(args.wavepath, view)
         with Cycles(args.blender, view, args.work / "blender.log") as cycles:
-            spp = max(SCENES[name]["reference"] // share // 2, 1)  # of each of both
+            spp = max((args.reference or SCENES[name]["reference"]) // share // 2, 1)  # of each of both
             references = {r.name: references_of(r, view, spp, args.work, args.fresh) for r in (ours, cycles)}
             ours.flags = args.flags.split()  # all integrators have one picture, so that the references serve them all
             series = measure([ours, cycles], references, args.work, reps, seconds, args.processor)

@@ -25,7 +25,12 @@ struct Rows {
       : film(film_),
         begin((first > 0 ? first - 1 : 0) * film.width),
         pixels(std::min<std::size_t>(end + 1, film.height) * film.width - begin) {
-    for (std::size_t i = 0; i < pixels.size(); ++i) pixels[i] = statistics(film, begin + i);
+    NetDifference nets;
+    for (std::size_t i = 0; i < pixels.size(); ++i) {
+      const std::size_t measured = measured_for(film, begin + i); // of some pixels in a row the same
+      if (i == 0 || measured != nets.measured) nets = net_difference(film, measured);
+      pixels[i] = statistics(film, begin + i, nets);
+    }
   }
   // By the index of the pixel in the picture.
   const PixelStatistics& operator[](std::size_t index) const { return pixels[index - begin]; }

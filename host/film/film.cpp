@@ -1,6 +1,7 @@
 #include "host/film/film.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -196,18 +197,23 @@ Film make_film(const FilmShape& shape) {
   if (shape.aovs) film.aovs.resize(shape.places());
   if (shape.splats) film.splats.resize(gpu::kReplicates * shape.pixels());
   film.whole_nets = shape.whole_nets, film.seed = shape.seed;
+  film.measured.resize(shape.second_nets());
+  for (std::uint32_t block = 0; block < film.measured.size(); ++block) {
+    const glm::uvec2 at = gpu::measured_pixel(block, film.width, film.height, film.seed);
+    film.measured[block] = at.y * film.width + at.x;
+  }
   return film;
 }
 
+// gpu::net_block_of() with one division, in 32 bits.
 std::size_t block_of(const Film& film, std::size_t pixel) {
-  const auto x = static_cast<std::uint32_t>(pixel % film.width), y = static_cast<std::uint32_t>(pixel / film.width);
-  return gpu::net_block_of({x, y}, film.width, film.height);
+  const std::uint32_t side = gpu::net_side(film.width, film.height);
+  const int shift = std::countr_zero(side);
+  const auto index = static_cast<std::uint32_t>(pixel), y = index / film.width, x = index - y * film.width;
+  return std::size_t{y >> shift} * ((film.width + side - 1) >> shift) + (x >> shift);
 }
 
-std::size_t measured_pixel(const Film& film, std::size_t block) {
-  const glm::uvec2 at = gpu::measured_pixel(static_cast<std::uint32_t>(block), film.width, film.height, film.seed);
-  return std::size_t{at.y} * film.width + at.x;
-}
+std::size_t measured_pixel(const Film& film, std::size_t block) { return film.measured[block]; }
 
 void join(Film& film, const Film& other) {
   for (std::size_t i = 0; i < film.pixels.size(); ++i) join(film.pixels[i], other.pixels[i]);
@@ -250,18 +256,37 @@ gpu::FilmAovs mean_aovs(const Film& film, std::size_t pixel) {
 
 // Two nets a, b of n and m samples each vary by v / n and v / m, where (a - b)^2 estimates the sum of the two; so a
 // mean of k samples varies by v / k = (a - b)^2 nm / (n + m) / k, which is (a - b)^2 / 4 for that of both where n = m.
-PixelStatistics statistics(const Film& film, std::size_t pixel) {
+NetDifference net_difference(const Film& film, std::size_t measured) {
   static_assert(gpu::kReplicates == 2);
-  const std::size_t measured = film.whole_nets ? measured_pixel(film, block_of(film, pixel)) : pixel;
   const auto [a, b] = nets_of(film, measured);
   const double n = a->count, m = b->count;
-  const double count = pixel == measured ? n + m : film.pixels[pixel].count;
+  if (n == 0.0 || m == 0.0) return {measured, glm::dvec3(0.0), n, m};
+  const glm::dvec3 difference =
+      total_of(*a) / n - total_of(*b) / m + mean_splat(film, measured, 0) - mean_splat(film, measured, 1);
+  return {measured, difference * difference, n, m};
+}
+
+PixelStatistics statistics(const Film& film, std::size_t pixel, const NetDifference& nets) {
+  const double n = nets.first, m = nets.second;
+  const double count = pixel == nets.measured ? n + m : film.pixels[pixel].count;
   if (n == 0.0 || m == 0.0 || count == 0.0)
     return {mean_radiance(film, pixel), glm::dvec3(std::numeric_limits<double>::quiet_NaN())};
-  const glm::dvec3 sum_a = total_of(*a), sum_b = total_of(*b);
-  const glm::dvec3 difference = sum_a / n - sum_b / m + mean_splat(film, measured, 0) - mean_splat(film, measured, 1);
-  const glm::dvec3 sum = pixel == measured ? sum_a + sum_b : total_of(film.pixels[pixel]);
-  return {sum / count + mean_splat(film, pixel), difference * difference * (n * m / ((n + m) * count))};
+  glm::dvec3 sum;
+  if (pixel == nets.measured) {
+    const auto [a, b] = nets_of(film, pixel);
+    sum = total_of(*a) + total_of(*b);
+  } else {
+    sum = total_of(film.pixels[pixel]);
+  }
+  return {sum / count + mean_splat(film, pixel), nets.squared * (n * m / ((n + m) * count))};
+}
+
+std::size_t measured_for(const Film& film, std::size_t pixel) {
+  return film.whole_nets ? measured_pixel(film, block_of(film, pixel)) : pixel;
+}
+
+PixelStatistics statistics(const Film& film, std::size_t pixel) {
+  return statistics(film, pixel, net_difference(film, measured_for(film, pixel)));
 }
 
 glm::dvec3 mean_variance(const Film& film, std::size_t pixel) { return statistics(film, pixel).variance; }

@@ -47,6 +47,8 @@ struct Film {
   std::array<std::uint64_t, gpu::kReplicates> light_paths{};
   bool whole_nets = false;
   std::uint32_t seed = 0; // see FilmShape
+  // Of whole nets, by block: the pixel that is measured. A table, since every look at a pixel asks for it.
+  std::vector<std::uint32_t> measured;
 
   FilmShape shape() const { return {width, height, !aovs.empty(), !splats.empty(), whole_nets, seed}; }
   bool operator==(const Film& other) const; // bit by bit
@@ -86,6 +88,17 @@ struct PixelStatistics {
   glm::dvec3 mean, variance;
 };
 PixelStatistics statistics(const Film& film, std::size_t pixel);
+
+// The same in two steps, for those who go from pixel to pixel: what the nets of the pixel that is measured for this one
+// differ by, and the statistics from that.
+struct NetDifference {
+  std::size_t measured = 0;
+  glm::dvec3 squared{};
+  double first = 0.0, second = 0.0; // samples of the nets
+};
+std::size_t measured_for(const Film& film, std::size_t pixel);
+NetDifference net_difference(const Film& film, std::size_t measured);
+PixelStatistics statistics(const Film& film, std::size_t pixel, const NetDifference& nets);
 glm::dvec3 mean_variance(const Film& film, std::size_t pixel);
 
 } // namespace wavepath
