@@ -264,9 +264,10 @@ TEST_F(ErrorTest, DepthCutIsMeasuredByTheSamePaths) {
   const View view = resolve_view(scene, {}, settings.width, settings.height);
   const PackedScene packed = pack(scene, {.direct = settings.direct});
   KernelCompiler kernels(device());
-  const DepthCut even = measure_depth_cut(device(), packed, view, settings, kernels);
+  SceneOnDevice on_device;
+  const DepthCut even = measure_depth_cut(device(), packed, view, settings, kernels, on_device);
   settings.adaptive = kAdaptiveOn;
-  const DepthCut adaptive = measure_depth_cut(device(), packed, view, settings, kernels);
+  const DepthCut adaptive = measure_depth_cut(device(), packed, view, settings, kernels, on_device);
   EXPECT_GT(even.share, 0.0);
   EXPECT_EQ(adaptive.share, even.share);
   EXPECT_EQ(adaptive.standard_error, even.standard_error);

@@ -27,7 +27,8 @@ protected:
     if (!kernels_) kernels_ = std::make_unique<KernelCompiler>(device());
     Scene scene = load_gltf(kScenes + file);
     const View view = resolve_view(scene, {}, settings.width, settings.height);
-    return choose_integrator(device(), pack(scene, {.eye = view.position}), view, settings, *kernels_);
+    SceneOnDevice on_device;
+    return choose_integrator(device(), pack(scene, {.eye = view.position}), view, settings, *kernels_, on_device);
   }
   static RenderSettings settings(std::uint32_t spp) {
     RenderSettings settings;

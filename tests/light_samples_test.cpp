@@ -273,7 +273,8 @@ TEST_F(LightSamples, TheRoomTakesMoreSkySamplesAndTheOpenOne) {
     settings.width = settings.height = 64;
     const Subject shown = subject(scene, settings);
     if (!kernels_) render(shown, settings); // begins the kernels
-    return choose_sky_samples(device(), shown.packed, shown.view, settings, *kernels_);
+    SceneOnDevice on_device;
+    return choose_sky_samples(device(), shown.packed, shown.view, settings, *kernels_, on_device);
   };
   Scene open = floor_under_map();
   open.environment = {};

@@ -202,6 +202,7 @@ struct Prepared {
   std::unique_ptr<TevViewer> viewer; // of --tev
   View view;
   PackedScene packed;
+  SceneOnDevice on_device;      // on `device`
   std::uint64_t scene_hash = 0; // where the identity needs it
   std::string identity;         // empty where nothing needs it
   Warnings warnings;
@@ -299,13 +300,14 @@ Choices settle_choices(Request& request, Prepared& prepared) {
     const auto tell = [&](bool wanted, const std::string& text) {
       if (wanted && !request.output.quiet) fmt::print(stderr, "wavepath: {}\n", text);
     };
-    choices.sky = choose_sky_samples(*prepared.device, prepared.packed, prepared.view, settings, *prepared.kernels);
+    choices.sky = choose_sky_samples(*prepared.device, prepared.packed, prepared.view, settings, *prepared.kernels,
+                                     prepared.on_device);
     if (choices.sky.samples > 0) settings.sky_samples = choices.sky.samples;
     settings.tries_sky = choices.sky.keeps_kernels;
     tell(choices.sky.samples > 1, sky_choice_text(choices.sky));
     const bool stands_for_others = settings.integrator->candidates != nullptr;
-    choices.integrator =
-        choose_integrator(*prepared.device, prepared.packed, prepared.view, settings, *prepared.kernels);
+    choices.integrator = choose_integrator(*prepared.device, prepared.packed, prepared.view, settings,
+                                           *prepared.kernels, prepared.on_device);
     settings = choices.integrator.settings;
     tell(stands_for_others && (!choices.integrator.trials.empty() || is_given(request.render, "integrator")),
          choice_text(choices.integrator));
@@ -362,8 +364,8 @@ SharedResult render_shared(const Request& request, Prepared& prepared, const std
 
 // Renders, from the state of --checkpoint on where --resume asks for it. `true_errors`: one for each checkpoint that
 // this run passes, if there is a reference.
-RenderResult render_prepared(const Request& request, Prepared& prepared, const SkyChoice& tried,
-                             const std::optional<Picture>& reference, std::vector<TrueError>& true_errors) {
+RenderResult render_prepared(const Request& request, Prepared& prepared, const std::optional<Picture>& reference,
+                             std::vector<TrueError>& true_errors) {
   const StateRequest& state = request.render.state;
   const DeviceInfo& device = prepared.device->info();
   RenderSettings settings = request.render.settings;
@@ -383,9 +385,9 @@ RenderResult render_prepared(const Request& request, Prepared& prepared, const S
   if (prepared.viewer) hooks.show = [&](const Picture& picture) { show(request, prepared, picture); };
   RenderResult result = render_shown(request, hooks, [&](const RenderHooks& shown) {
     return render(*prepared.device, prepared.packed, prepared.view, settings, shown, *prepared.kernels,
-                  tried.on_device);
+                  &prepared.on_device);
   });
-  result.upload_seconds += tried.upload_seconds;
+  result.upload_seconds = prepared.on_device.upload_seconds; // by a pilot, perhaps
   return result;
 }
 
@@ -418,18 +420,20 @@ RenderingDevice surviving(const Prepared& prepared, const SharedResult* shared) 
 
 // What the depth costs, where a report tells it. Of integrators whose paths it cuts.
 std::optional<DepthCut> depth_cut(const Request& request, Prepared& prepared, const RenderResult& result,
-                                  const RenderingDevice& on) {
+                                  const RenderingDevice& on, SceneOnDevice& on_device) {
   const RenderSettings& settings = request.render.settings;
   if (!reports_bias(request) || !settings.integrator->measures_depth_cut || ended_early(result)) return std::nullopt;
-  return unless_lost<DepthCut>(
-      prepared, [&] { return measure_depth_cut(*on.device, prepared.packed, prepared.view, settings, *on.kernels); });
+  return unless_lost<DepthCut>(prepared, [&] {
+    return measure_depth_cut(*on.device, prepared.packed, prepared.view, settings, *on.kernels, on_device);
+  });
 }
 
 std::optional<LostLight> lost_light(const Request& request, Prepared& prepared, const RenderResult& result,
-                                    const RenderingDevice& on) {
+                                    const RenderingDevice& on, SceneOnDevice& on_device) {
   if (!reports_bias(request) || ended_early(result)) return std::nullopt;
   return unless_lost<LostLight>(prepared, [&] {
-    return measure_lost_light(*on.device, prepared.packed, prepared.view, request.render.settings, *on.kernels);
+    return measure_lost_light(*on.device, prepared.packed, prepared.view, request.render.settings, *on.kernels,
+                              on_device);
   });
 }
 
@@ -480,8 +484,7 @@ int run_render(Request& request) {
   std::vector<TrueError> true_errors;
   std::optional<SharedResult> shared;
   if (!prepared.others.empty()) shared = render_shared(request, prepared, reference, true_errors);
-  RenderResult result =
-      shared ? std::move(shared->result) : render_prepared(request, prepared, choices.sky, reference, true_errors);
+  RenderResult result = shared ? std::move(shared->result) : render_prepared(request, prepared, reference, true_errors);
   denoise_if_asked(result, settings);
   show(request, prepared, result.picture);
   Run run{request.scene.path, request.command_line, prepared.device->info(), settings, prepared.packed, result};
@@ -489,8 +492,10 @@ int run_render(Request& request) {
   if (choices.sky.samples > 0) run.sky_choice = &choices.sky;
   if (shared) run.shared = &*shared;
   const RenderingDevice on = surviving(prepared, run.shared);
-  run.bias = list_bias(settings, prepared.packed, result, depth_cut(request, prepared, result, on),
-                       lost_light(request, prepared, result, on));
+  SceneOnDevice elsewhere;
+  SceneOnDevice& on_device = on.device == prepared.device.get() ? prepared.on_device : elsewhere;
+  run.bias = list_bias(settings, prepared.packed, result, depth_cut(request, prepared, result, on, on_device),
+                       lost_light(request, prepared, result, on, on_device));
   if (reference && result.denoised) run.denoised_error = measure_true_error(shown_picture(result.picture), *reference);
   run.true_errors = align(std::move(true_errors), result.checkpoints.size());
   run.diagnosis = diagnose(result, run.true_errors, run.bias);

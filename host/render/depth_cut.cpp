@@ -8,13 +8,13 @@
 namespace wavepath {
 
 DepthCut measure_depth_cut(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings,
-                           KernelCompiler& kernels) {
+                           KernelCompiler& kernels, SceneOnDevice& shared) {
   constexpr std::uint32_t kLongestSide = 64, kSamples = 16;
   RenderSettings small = small_picture(settings, kLongestSide, kSamples);
   small.guide = false; // the same picture, without the seconds that learning a field for each of the two takes
-  const Picture cut = render(device, scene, view, small, RenderHooks{}, kernels).picture;
+  const Picture cut = render(device, scene, view, small, RenderHooks{}, kernels, &shared).picture;
   small.max_depth = settings.max_depth * 4 + 16;
-  const Picture deep = render(device, scene, view, small, RenderHooks{}, kernels).picture;
+  const Picture deep = render(device, scene, view, small, RenderHooks{}, kernels, &shared).picture;
 
   double total = 0.0, missing = 0.0, squares = 0.0;
   const std::size_t pixels = cut.channels[0].values.size();

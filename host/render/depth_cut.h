@@ -15,6 +15,6 @@ struct DepthCut {
 // paths are the same up to the cut, so that the difference is all that lies behind it and nearly free of noise. Uses
 // the kernels that are there.
 DepthCut measure_depth_cut(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings,
-                           KernelCompiler& kernels);
+                           KernelCompiler& kernels, SceneOnDevice& shared);
 
 } // namespace wavepath

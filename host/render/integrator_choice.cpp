@@ -124,7 +124,7 @@ std::size_t best_of(const std::vector<Trial>& trials) {
 } // namespace
 
 IntegratorChoice choose_integrator(Device& device, const PackedScene& scene, const View& view,
-                                   const RenderSettings& settings, KernelCompiler& kernels) {
+                                   const RenderSettings& settings, KernelCompiler& kernels, SceneOnDevice& shared) {
   if (!settings.integrator->candidates) return {.settings = settings};
   const Clock::time_point start = Clock::now();
   const std::vector<RenderSettings> candidates = settings.integrator->candidates(settings, scene);
@@ -135,7 +135,7 @@ IntegratorChoice choose_integrator(Device& device, const PackedScene& scene, con
   std::vector<PilotRender> pilots;
   for (const RenderSettings& candidate : candidates) {
     PilotRender pilot{.settings = candidate};
-    pilot.result = render(device, scene, view, pilot_of(candidate), RenderHooks{}, kernels);
+    pilot.result = render(device, scene, view, pilot_of(candidate), RenderHooks{}, kernels, &shared);
     pilot.light = light_of(*pilot.result.film);
     pilot.work = work_of(candidate, pilot.result, learning_share(candidate, pilot.result), cpu);
     pilots.push_back(std::move(pilot));

@@ -32,7 +32,7 @@ struct IntegratorChoice {
 // if it is easy (10 % error at 16 samples), or if the others would cost more than a twentieth of the whole, a fifth
 // where it is hard (100 %).
 IntegratorChoice choose_integrator(Device& device, const PackedScene& scene, const View& view,
-                                   const RenderSettings& settings, KernelCompiler& kernels);
+                                   const RenderSettings& settings, KernelCompiler& kernels, SceneOnDevice& shared);
 
 // "auto took bidirectional: a given error costs 0.21 (0.15 to 0.29) of the work of path".
 std::string choice_text(const IntegratorChoice& choice);

@@ -23,16 +23,17 @@ bool may_lose_light(const PackedScene& scene) {
 }
 
 std::optional<LostLight> measure_lost_light(Device& device, const PackedScene& scene, const View& view,
-                                            const RenderSettings& settings, KernelCompiler& kernels) {
+                                            const RenderSettings& settings, KernelCompiler& kernels,
+                                            SceneOnDevice& shared) {
   const auto finder = std::ranges::find_if(integrators(), &IntegratorKind::splats);
   const IntegratorKind& kind = *settings.integrator; // of those that claim all light up to their depth
   if (!kind.measures_depth_cut || kind.splats || finder == integrators().end() || !may_lose_light(scene))
     return std::nullopt;
   RenderSettings small = small_picture(settings, kLongestSide, kSamples);
-  const PictureLight found = light_of(*render(device, scene, view, small, RenderHooks{}, kernels).film);
+  const PictureLight found = light_of(*render(device, scene, view, small, RenderHooks{}, kernels, &shared).film);
   small.integrator = *finder;
   small.aovs.clear(); // of which it cannot give all
-  const PictureLight all = light_of(*render(device, scene, view, small, RenderHooks{}, kernels).film);
+  const PictureLight all = light_of(*render(device, scene, view, small, RenderHooks{}, kernels, &shared).film);
   if (!(all.sum > 0.0)) return LostLight{};
   return LostLight{std::max(0.0, all.sum - found.sum) / all.sum, std::sqrt(all.variance + found.variance) / all.sum};
 }

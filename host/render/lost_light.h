@@ -19,6 +19,7 @@ bool may_lose_light(const PackedScene& scene);
 // Renders a small picture with `settings`, and one by an integrator that has light paths; the difference of their light
 // is what the first one lacks. Nothing where no light can be lost, or the integrator has light paths itself.
 std::optional<LostLight> measure_lost_light(Device& device, const PackedScene& scene, const View& view,
-                                            const RenderSettings& settings, KernelCompiler& kernels);
+                                            const RenderSettings& settings, KernelCompiler& kernels,
+                                            SceneOnDevice& shared);
 
 } // namespace wavepath

@@ -12,8 +12,9 @@ RenderResult render(Device& device, const PackedScene& scene, const View& view, 
 }
 
 RenderResult render(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings,
-                    const RenderHooks& hooks, KernelCompiler& kernels, std::shared_ptr<const DeviceScene> uploaded) {
-  RenderLoop loop(device, scene, view, settings, kernels, hooks, {}, std::move(uploaded));
+                    const RenderHooks& hooks, KernelCompiler& kernels, SceneOnDevice* shared) {
+  RenderLoop loop(device, scene, view, settings, kernels, hooks, {}, shared ? shared->scene : nullptr);
+  if (shared && !shared->scene) *shared = {loop.workspace().on_device, loop.workspace().upload_seconds};
   try {
     while (loop.step()) {
     }

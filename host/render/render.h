@@ -1,6 +1,8 @@
 // Renders a scene: takes settings, returns a picture and what it cost. The loop itself is loop/render_loop.h.
 #pragma once
 
+#include <memory>
+
 #include "host/render/loop/hooks.h"
 #include "host/render/loop/render_result.h"
 #include "host/render/settings/settings.h"
@@ -19,10 +21,15 @@ struct View; // host/scene/view.h: the resolved camera
 RenderResult render(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings,
                     const ProgressCallback& progress = {});
 
-// The same with kernels that may have been begun before the scene was known. `uploaded`: the scene, if it is on the
-// device already.
+// A scene that several renders on one device share, pilots among them: the first one uploads it. Goes before the
+// device.
+struct SceneOnDevice {
+  std::shared_ptr<const DeviceScene> scene; // null before the first render
+  double upload_seconds = 0.0;
+};
+
+// The same with kernels that may have been begun before the scene was known. `shared`: null if no other render follows.
 RenderResult render(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings,
-                    const RenderHooks& hooks, KernelCompiler& kernels,
-                    std::shared_ptr<const DeviceScene> uploaded = nullptr);
+                    const RenderHooks& hooks, KernelCompiler& kernels, SceneOnDevice* shared = nullptr);
 
 } // namespace wavepath

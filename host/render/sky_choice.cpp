@@ -45,7 +45,7 @@ bool may_try_sky(const RenderSettings& settings, bool cpu) {
 }
 
 SkyChoice choose_sky_samples(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings,
-                             KernelCompiler& kernels) {
+                             KernelCompiler& kernels, SceneOnDevice& shared) {
   const bool cpu = device.info().type == "cpu";
   const bool longer = expected_paths(settings, cpu) >= kWholeOverPilots * kCpuKernels;
   if (!may_try_sky(settings, cpu) || !may_share_sky(settings, scene.features) ||
@@ -53,7 +53,8 @@ SkyChoice choose_sky_samples(Device& device, const PackedScene& scene, const Vie
     return {};
   const Clock::time_point start = Clock::now();
   SkyChoice choice{.samples = 1};
-  RenderLoop loop(device, scene, view, pilot_of(settings, kTried), kernels);
+  RenderLoop loop(device, scene, view, pilot_of(settings, kTried), kernels, {}, {}, shared.scene);
+  if (!shared.scene) shared = {loop.workspace().on_device, loop.workspace().upload_seconds};
   const auto measure = [&](std::uint32_t sky_samples) {
     const RenderSettings small = pilot_of(settings, sky_samples);
     loop.restart(view, small);
@@ -74,8 +75,6 @@ SkyChoice choose_sky_samples(Device& device, const PackedScene& scene, const Vie
     if (cost < std::min(choice.cost, kWorthwhile)) choice.samples = n, choice.cost = cost;
   }
   choice.keeps_kernels = cpu && !longer;
-  choice.on_device = loop.workspace().on_device;
-  choice.upload_seconds = loop.workspace().upload_seconds;
   choice.seconds = seconds_since(start);
   return choice;
 }

@@ -15,8 +15,6 @@ struct SkyChoice {
   // Kernels for pilots serve the render, too (RenderSettings::tries_sky): others are not worth compiling for 1 % of the
   // time (StanfordDragon with one sky sample, llvmpipe).
   bool keeps_kernels = false;
-  std::shared_ptr<const DeviceScene> on_device; // the scene, for the render; null if nothing was tried
-  double upload_seconds = 0.0;                  // of it
 };
 
 // Whether a render is long enough for pilots, whatever the scene, so that kernels for them are worth beginning before
@@ -30,7 +28,7 @@ bool may_try_sky(const RenderSettings& settings, bool cpu);
 // open. Work is counted, never timed. Nothing is tried in a render of less than 20 times the paths of both pilots and
 // of what compiling for them takes, or if a number was asked for.
 SkyChoice choose_sky_samples(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings,
-                             KernelCompiler& kernels);
+                             KernelCompiler& kernels, SceneOnDevice& shared);
 
 // "4 sky samples: a given error is expected to cost 0.45 of the work of one".
 std::string sky_choice_text(const SkyChoice& choice);
