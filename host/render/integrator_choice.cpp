@@ -8,7 +8,9 @@
 #include "host/base/clock.h"
 #include "host/gpu/device.h"
 #include "host/render/lost_light.h"
+#include "host/render/settings/adaptivity.h"
 #include "host/render/settings/settings_table.h"
+#include "host/render/settings/whole_nets.h"
 #include "host/render/small_picture.h"
 #include "host/render/trial.h"
 #include "host/scene/view.h"
@@ -20,11 +22,11 @@ constexpr std::uint32_t kLongestSide = 64, kSamples = 16; // of a pilot
 // Iterations of a guiding pilot in a trial: enough to see that it does not pay; where it does, the field of the whole
 // render, which learns for longer, is better still.
 constexpr std::uint32_t kGuideIterations = 2;
-constexpr double kWholeOverPilots = 60.0; // in paths; below that, not even the first is tried
-// Errors of the first trial. Below the one, nothing else is tried; above the other, trials may cost a fifth of the
-// render, because such scenes gain by factors, and in between a twentieth.
-constexpr double kEasy = 0.1, kHard = 1.0;
-constexpr double kWholeOverTrials = 20.0, kWholeOverTrialsIfHard = 5.0;
+constexpr double kWholeOverPilots = 20.0; // in paths; below that, not even the first is tried
+// Errors of the first trial. Below the first one, nothing else is tried; above the others, trials may cost more of the
+// render, because such scenes gain by factors.
+constexpr double kEasy = 0.1, kHard = 1.0, kHopeless = 3.0;
+constexpr double kWholeOverTrials = 20.0, kWholeOverTrialsIfHard = 5.0, kWholeOverTrialsIfHopeless = 2.0;
 // The other trials: in work of the first one, that of guiding counting for what it learns from; and compiling their
 // kernels, in camera rays: some second on llvmpipe.
 constexpr double kTrialsOverFirst = 6.0, kCpuKernels = 1.2e6, kGpuKernels = 1e9;
@@ -36,6 +38,9 @@ RenderSettings pilot_of(const RenderSettings& settings) {
   RenderSettings small = small_picture(settings, kLongestSide, kSamples);
   small.seed = settings.seed ^ 0x9e3779b9u;
   small.guide_iterations = kGuideIterations;
+  // So that kernels of the render serve the pilot.
+  small.room_for_whole_nets = has_whole_nets(settings);
+  if (is_adaptive(settings)) small.added_features |= gpu::kFeatureAdaptive;
   return small;
 }
 
@@ -80,7 +85,10 @@ bool tries_others(const PilotRender& first, double length, bool may_lack_light, 
   const double error = first.result.error.relative_rms;
   if (may_lack_light || error < kEasy) return may_lack_light;
   const double trials = kTrialsOverFirst * first.work + (cpu ? kCpuKernels : kGpuKernels);
-  return length * first.work >= (error > kHard ? kWholeOverTrialsIfHard : kWholeOverTrials) * trials;
+  const double whole_over_trials = error > kHopeless ? kWholeOverTrialsIfHopeless
+                                   : error > kHard   ? kWholeOverTrialsIfHard
+                                                     : kWholeOverTrials;
+  return length * first.work >= whole_over_trials * trials;
 }
 
 double cost_of(const PilotRender& pilot) {
@@ -136,6 +144,7 @@ IntegratorChoice choose_integrator(Device& device, const PackedScene& scene, con
   for (const RenderSettings& candidate : candidates) {
     PilotRender pilot{.settings = candidate};
     pilot.result = render(device, scene, view, pilot_of(candidate), RenderHooks{}, kernels, &shared);
+    choice.render_seconds += pilot.result.seconds;
     pilot.light = light_of(*pilot.result.film);
     pilot.work = work_of(candidate, pilot.result, learning_share(candidate, pilot.result), cpu);
     pilots.push_back(std::move(pilot));

@@ -17,20 +17,21 @@ struct Trial {
 };
 
 struct IntegratorChoice {
-  RenderSettings settings;   // never of an integrator that has candidates
-  std::vector<Trial> trials; // empty where none were made
-  std::size_t taken = 0;     // its place in `trials`
-  double seconds = 0.0;      // that the pilots took, compiling included
+  RenderSettings settings;     // never of an integrator that has candidates
+  std::vector<Trial> trials;   // empty where none were made
+  std::size_t taken = 0;       // its place in `trials`
+  double seconds = 0.0;        // that the pilots took, compiling included
+  double render_seconds = 0.0; // of these, rendering alone
 };
 
 // `settings` themselves, unless their integrator stands for the best of others (IntegratorKind::candidates). Then each
 // candidate renders a small picture; the one with the least squared error times work is taken, the first one unless
 // another is cheaper by more than a standard error or finds light that the first one lacks. Work is counted (rays by
 // kind, weighed by constants of the type of device), never timed, so that the choice depends on the device's type, the
-// scene, the view and the settings alone. Where the whole render is less than sixty times the pilots, the first
+// scene, the view and the settings alone. Where the whole render is less than twenty times the pilots, the first
 // candidate is taken without any. Where the first cannot lack light, no other is tried, and no kernel compiled for it,
 // if it is easy (10 % error at 16 samples), or if the others would cost more than a twentieth of the whole, a fifth
-// where it is hard (100 %).
+// where it is hard (100 %), half where it is hopeless (300 %).
 IntegratorChoice choose_integrator(Device& device, const PackedScene& scene, const View& view,
                                    const RenderSettings& settings, KernelCompiler& kernels, SceneOnDevice& shared);
 

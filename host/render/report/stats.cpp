@@ -209,7 +209,10 @@ Json choice_json(const IntegratorChoice& choice) {
                       {"cost", trial.cost},
                       {"cost_ci95", {trial.lo, trial.hi}},
                       {"missing_light", trial.missing}});
-  return {{"taken", choice.trials[choice.taken].flags}, {"seconds", choice.seconds}, {"trials", trials}};
+  return {{"taken", choice.trials[choice.taken].flags},
+          {"seconds", choice.seconds},
+          {"render_seconds", choice.render_seconds},
+          {"trials", trials}};
 }
 
 Json sky_choice_json(const SkyChoice& choice) {
