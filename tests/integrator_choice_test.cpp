@@ -7,6 +7,7 @@
 #include "host/integrators/path/kind.h"
 #include "host/render/device/kernel_compiler.h"
 #include "host/render/integrator_choice.h"
+#include "host/render/small_picture.h"
 #include "host/scene/gltf/gltf.h"
 #include "host/scene/pack/pack.h"
 #include "host/scene/view.h"
@@ -78,6 +79,34 @@ TEST_F(IntegratorChoiceTest, PartsChooseAsTheWholeDoes) {
   RenderSettings part = settings(64);
   part.first_sample = 2, part.last_sample = 3, part.sample_total = 64;
   EXPECT_EQ(choose("caustics/bulb_point.glb", part).settings.integrator, &kBidirectional);
+}
+
+// A small picture by the kernels of a large adaptive one, on one upload, has the bits of one by its own.
+TEST_F(IntegratorChoiceTest, PilotsShareKernelsAndUpload) {
+  Scene scene = load_gltf(kScenes + "cornell_box.gltf");
+  RenderSettings whole = settings(64);
+  whole.integrator = &kPath;
+  whole.width = 256, whole.height = 192;
+  whole.tries_adaptive = true;
+  const View view = resolve_view(scene, {}, whole.width, whole.height);
+  const PackedScene packed = pack(scene, {.eye = view.position});
+  const RenderSettings small = small_picture(whole, 64, 4);
+  EXPECT_TRUE(small.room_for_whole_nets);
+  EXPECT_NE(small.added_features & gpu::kFeatureAdaptive, 0u);
+  RenderSettings own = small;
+  own.room_for_whole_nets = false;
+  own.added_features = 0;
+  KernelCompiler kernels(device());
+  SceneOnDevice shared;
+  const RenderResult first = render(device(), packed, view, small, {}, kernels, &shared);
+  const std::shared_ptr<const DeviceScene> uploaded = shared.scene;
+  ASSERT_NE(uploaded, nullptr);
+  const RenderResult second = render(device(), packed, view, own, {}, kernels, &shared);
+  EXPECT_EQ(shared.scene, uploaded);
+  KernelCompiler fresh(device());
+  const RenderResult alone = render(device(), packed, view, own, {}, fresh);
+  EXPECT_TRUE(*first.film == *alone.film);
+  EXPECT_TRUE(*second.film == *alone.film);
 }
 
 TEST_F(IntegratorChoiceTest, LeavesOtherIntegratorsAlone) {

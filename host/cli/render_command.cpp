@@ -483,7 +483,10 @@ int run_render(Request& request) {
   const RenderSettings& settings = request.render.settings;
   std::vector<TrueError> true_errors;
   std::optional<SharedResult> shared;
-  if (!prepared.others.empty()) shared = render_shared(request, prepared, reference, true_errors);
+  if (!prepared.others.empty()) {
+    prepared.on_device = {}; // each device uploads it by itself
+    shared = render_shared(request, prepared, reference, true_errors);
+  }
   RenderResult result = shared ? std::move(shared->result) : render_prepared(request, prepared, reference, true_errors);
   denoise_if_asked(result, settings);
   show(request, prepared, result.picture);

@@ -8,9 +8,7 @@
 #include "host/base/clock.h"
 #include "host/gpu/device.h"
 #include "host/render/lost_light.h"
-#include "host/render/settings/adaptivity.h"
 #include "host/render/settings/settings_table.h"
-#include "host/render/settings/whole_nets.h"
 #include "host/render/small_picture.h"
 #include "host/render/trial.h"
 #include "host/scene/view.h"
@@ -23,8 +21,8 @@ constexpr std::uint32_t kLongestSide = 64, kSamples = 16; // of a pilot
 // render, which learns for longer, is better still.
 constexpr std::uint32_t kGuideIterations = 2;
 constexpr double kWholeOverPilots = 20.0; // in paths; below that, not even the first is tried
-// Errors of the first trial. Below the first one, nothing else is tried; above the others, trials may cost more of the
-// render, because such scenes gain by factors.
+// Errors of the first trial. Where it is below kEasy, nothing else is tried; above kHard and kHopeless, trials may cost
+// more of the render, because such scenes gain by factors.
 constexpr double kEasy = 0.1, kHard = 1.0, kHopeless = 3.0;
 constexpr double kWholeOverTrials = 20.0, kWholeOverTrialsIfHard = 5.0, kWholeOverTrialsIfHopeless = 2.0;
 // The other trials: in work of the first one, that of guiding counting for what it learns from; and compiling their
@@ -38,9 +36,6 @@ RenderSettings pilot_of(const RenderSettings& settings) {
   RenderSettings small = small_picture(settings, kLongestSide, kSamples);
   small.seed = settings.seed ^ 0x9e3779b9u;
   small.guide_iterations = kGuideIterations;
-  // So that kernels of the render serve the pilot.
-  small.room_for_whole_nets = has_whole_nets(settings);
-  if (is_adaptive(settings)) small.added_features |= gpu::kFeatureAdaptive;
   return small;
 }
 

@@ -32,6 +32,7 @@ std::optional<LostLight> measure_lost_light(Device& device, const PackedScene& s
   RenderSettings small = small_picture(settings, kLongestSide, kSamples);
   const PictureLight found = light_of(*render(device, scene, view, small, RenderHooks{}, kernels, &shared).film);
   small.integrator = *finder;
+  small.added_features = settings.added_features;
   small.aovs.clear(); // of which it cannot give all
   const PictureLight all = light_of(*render(device, scene, view, small, RenderHooks{}, kernels, &shared).film);
   if (!(all.sum > 0.0)) return LostLight{};

@@ -21,14 +21,15 @@ struct View; // host/scene/view.h: the resolved camera
 RenderResult render(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings,
                     const ProgressCallback& progress = {});
 
-// A scene that several renders on one device share, pilots among them: the first one uploads it. Goes before the
-// device.
+// A scene that several renders on one device share, pilots among them: the first one uploads it. The device outlives
+// this.
 struct SceneOnDevice {
   std::shared_ptr<const DeviceScene> scene; // null before the first render
   double upload_seconds = 0.0;
 };
 
-// The same with kernels that may have been begun before the scene was known. `shared`: null if no other render follows.
+// The same with kernels that may have been begun before the scene was known. `shared`: null where no other render
+// shares the scene.
 RenderResult render(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings,
                     const RenderHooks& hooks, KernelCompiler& kernels, SceneOnDevice* shared = nullptr);
 

@@ -87,7 +87,8 @@ float cell_size(uint layout_, uint shift) {
 }
 
 ivec4 crossings(uint planes, float slope, float offset) {
-  return floatBitsToInt(vec4(planes & 255u, planes >> 8u & 255u, planes >> 16u & 255u, planes >> 24u) * slope + offset);
+  vec4 cells = vec4(planes & 255u, planes >> 8u & 255u, planes >> 16u & 255u, planes >> 24u);
+  return floatBitsToInt(kStackInRegisters ? cells * slope + offset : fma(cells, vec4(slope), vec4(offset))); // as in bvh.glsl
 }
 
 // Tests four children. Returns the slots of those that the ray enters; their keys grow with the distance.

@@ -68,8 +68,7 @@ public:
     const Pace pace{.estimates = Estimates::none};
     loop_ = std::make_unique<RenderLoop>(*on_.device, scene_, view_, settings_, *on_.kernels, hooks, pace);
     compile_seconds = loop_->get_ready();
-    RenderSettings small = small_picture(settings_, kProbeSide, kProbeSamples);
-    small.room_for_whole_nets = has_whole_nets(settings_); // so that the kernels serve it
+    const RenderSettings small = small_picture(settings_, kProbeSide, kProbeSamples);
     loop_->restart(view_, small);
     RenderResult probe = run();
     speed = speed_of(probe, kProbeSamples, small);

@@ -110,7 +110,8 @@ struct RenderSettings {
 
   std::uint32_t guide_iterations = 4; // in which the field is learned, at most; trials make do with fewer
 
-  // For measurements. kFeature bits compiled in though the scene leaves them out, and left out though it needs them.
+  // For measurements, and pilots that the kernels of a render serve. kFeature bits compiled in though the scene leaves
+  // them out, and left out though it needs them.
   gpu::Feature added_features = 0, removed_features = 0;
   bool room_for_shadow_rays = false;        // even where no light is sampled
   bool room_for_whole_nets = false;         // in kernels, even where the picture is too small
