@@ -6,6 +6,8 @@ begins with DONE. Blender itself tells how long the rendering took (--debug-cycl
 
 import json
 import math
+import pathlib
+import struct
 import sys
 
 import bpy
@@ -73,13 +75,23 @@ def make_lambert(material):
     tree.links.new(diffuse.outputs["BSDF"], output.inputs["Surface"])
 
 
-def is_lambert(material, told):
-    """`told`: "all" of a scene, or those whose file sets the specular factor to 0."""
+def without_specular(scene):
+    """Names of the materials that the glTF file gives a specular factor of 0, which this importer leaves at 0.5."""
+    data = pathlib.Path(scene).read_bytes()
+    if data[:4] == b"glTF":  # a header of 12 bytes and one of 8 for the JSON, which begins with its length
+        data = data[20:20 + struct.unpack_from("<I", data, 12)[0]]
+    materials = json.loads(data).get("materials", [])
+    return {m.get("name") for m in materials
+            if m.get("extensions", {}).get("KHR_materials_specular", {}).get("specularFactor") == 0}
+
+
+def is_lambert(material, view):
+    """`lambert` of the view: all of a scene (all), or those whose file says that they have no specular part (told)."""
     node = principled(material)
     if node is None or shines(material):
         return False
-    value = {name: node.inputs[name].default_value for name in ("Specular", "Metallic", "Transmission")}
-    return told == "all" or (told == "told" and max(value.values()) == 0)
+    value = [node.inputs[name].default_value for name in ("Metallic", "Transmission")]
+    return view["lambert"] == "all" or (max(value) == 0 and material.name in without_specular(view["scene"]))
 
 
 def mix_layers(material, told):
@@ -160,7 +172,7 @@ def set_up(view):
         for lamp in [o for o in scene.objects if o.type == "MESH" and shines(o.data.materials[0])]:
             shield(lamp)
         for material in bpy.data.materials:
-            if is_lambert(material, view["lambert"]):
+            if is_lambert(material, view):
                 make_lambert(material)
     if "model" in view:
         set_model(view)
