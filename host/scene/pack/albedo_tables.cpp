@@ -106,20 +106,28 @@ double sheen_lambda(double cosine, double alpha) {
   return std::exp(cosine < 0.5 ? curve(cosine) : 2.0 * curve(0.5) - curve(1.0 - cosine));
 }
 
+// The half vector's z, squared, is (wo.z + wi.z)^2 / (2 + 2 wo.wi): what remains for each direction is one power.
 double sheen_albedo(double alpha, double cosine) {
   alpha = std::max(alpha, double{gpu::kMinSheenAlpha});
-  constexpr int kRings = 256, kSpokes = 128;
-  const glm::dvec3 wo(std::sqrt(1.0 - cosine * cosine), 0.0, cosine);
+  constexpr int kRings = 256, kSpokes = 64; // of half of the azimuths; the other half is the same
+  static const auto turns = [] {
+    std::array<double, kSpokes> cosines;
+    for (int j = 0; j < kSpokes; ++j) cosines[j] = std::cos(std::numbers::pi * (j + 0.5) / kSpokes);
+    return cosines;
+  }();
+  const double wo_sine = std::sqrt(1.0 - cosine * cosine), wo_lambda = sheen_lambda(cosine, alpha);
   double sum = 0.0;
-  for (int i = 0; i < kRings; ++i)
-    for (int j = 0; j < kSpokes; ++j) { // half of the azimuths; the other half is the same
-      const double theta = 0.5 * std::numbers::pi * (i + 0.5) / kRings, phi = std::numbers::pi * (j + 0.5) / kSpokes;
-      const glm::dvec3 wi(std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), std::cos(theta));
-      const double h = glm::normalize(wo + wi).z, sine = std::sqrt(std::max(1.0 - h * h, 0.0));
-      const double distribution = (2.0 + 1.0 / alpha) * std::pow(sine, 1.0 / alpha) / (2.0 * std::numbers::pi);
-      const double shadowing = 1.0 + sheen_lambda(cosine, alpha) + sheen_lambda(wi.z, alpha);
-      sum += distribution * std::min(1.0 / (4.0 * cosine * shadowing), wi.z) * std::sin(theta);
+  for (int i = 0; i < kRings; ++i) {
+    const double theta = 0.5 * std::numbers::pi * (i + 0.5) / kRings, wi_sine = std::sin(theta), wi_z = std::cos(theta);
+    double powers = 0.0;
+    for (const double turn : turns) {
+      const double h2 = (cosine + wi_z) * (cosine + wi_z) / (2.0 + 2.0 * (cosine * wi_z + wo_sine * wi_sine * turn));
+      powers += std::pow(std::max(1.0 - h2, 0.0), 0.5 / alpha);
     }
+    const double distribution = (2.0 + 1.0 / alpha) / (2.0 * std::numbers::pi);
+    const double shadowing = 1.0 + wo_lambda + sheen_lambda(wi_z, alpha);
+    sum += powers * distribution * std::min(1.0 / (4.0 * cosine * shadowing), wi_z) * wi_sine;
+  }
   return sum * (0.5 * std::numbers::pi / kRings) * (2.0 * std::numbers::pi / kSpokes);
 }
 
