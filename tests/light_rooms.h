@@ -104,9 +104,10 @@ protected:
     return {pack(scene, {.direct = settings.direct, .eye = request.eye, .lights = settings.lights}),
             resolve_view(scene, request, settings.width, settings.height)};
   }
-  RenderResult render(const Subject& subject, const RenderSettings& settings, const RenderHooks& hooks = {}) {
+  RenderResult render(const Subject& subject, const RenderSettings& settings, const RenderHooks& hooks = {},
+                      SceneOnDevice* shared = nullptr) {
     if (!kernels_) kernels_ = std::make_unique<KernelCompiler>(device());
-    return wavepath::render(device(), subject.packed, subject.view, settings, hooks, *kernels_);
+    return wavepath::render(device(), subject.packed, subject.view, settings, hooks, *kernels_, shared);
   }
   MeanPicture average(const Subject& subject, const RenderSettings& settings) {
     return mean_picture(settings, [&](const RenderSettings& seeded) { return render(subject, seeded); });

@@ -13,12 +13,19 @@ RenderResult render(Device& device, const PackedScene& scene, const View& view, 
 
 RenderResult render(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings,
                     const RenderHooks& hooks, KernelCompiler& kernels, SceneOnDevice* shared) {
-  RenderLoop loop(device, scene, view, settings, kernels, hooks, {}, shared ? shared->scene : nullptr);
-  if (shared && !shared->scene) *shared = {loop.workspace().on_device, loop.workspace().upload_seconds};
+  RenderSettings taught = settings;
+  if (settings.takes_over_lights && shared) taught.light_shares = shared->light_shares;
+  RenderLoop loop(device, scene, view, taught, kernels, hooks, {}, shared ? shared->scene : nullptr);
+  if (shared && !shared->scene) {
+    shared->scene = loop.workspace().on_device;
+    shared->upload_seconds = loop.workspace().upload_seconds;
+  }
   try {
     while (loop.step()) {
     }
-    return loop.finish();
+    RenderResult result = loop.finish();
+    if (shared && result.light_pilot.shares) shared->light_shares = result.light_pilot.shares;
+    return result;
   } catch (const DeviceLost& lost) {
     if (!hooks.salvages) throw;
     return loop.salvage(lost);

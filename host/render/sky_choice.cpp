@@ -54,7 +54,10 @@ SkyChoice choose_sky_samples(Device& device, const PackedScene& scene, const Vie
   const Clock::time_point start = Clock::now();
   SkyChoice choice{.samples = 1};
   RenderLoop loop(device, scene, view, pilot_of(settings, kTried), kernels, {}, {}, shared.scene);
-  if (!shared.scene) shared = {loop.workspace().on_device, loop.workspace().upload_seconds};
+  if (!shared.scene) {
+    shared.scene = loop.workspace().on_device;
+    shared.upload_seconds = loop.workspace().upload_seconds;
+  }
   const auto measure = [&](std::uint32_t sky_samples) {
     const RenderSettings small = pilot_of(settings, sky_samples);
     loop.restart(view, small);

@@ -180,7 +180,7 @@ void Bidirectional::change(const View& view, const RenderSettings& settings, Pas
   teacher_.change(settings);
   in_lesson_ = teacher_.learns();
   bool moved = paths_.change(settings, kSharedPathStages, kRoomForShadowRays | teacher_.rooms(), features);
-  teacher_.start_kernels();
+  teacher_.start();
   const std::uint64_t photon_pixels = merges ? std::uint64_t{settings.width} * settings.height : 0;
   moved |= buffers_.fit({.pixels = photon_pixels, .slots = workspace_.slots, .options = stored_vertices(settings)});
   send_constants(techniques_);

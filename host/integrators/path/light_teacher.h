@@ -16,8 +16,9 @@ public:
   // Takes up settings, before the paths do; rooms() is then what they need besides.
   void change(const RenderSettings& settings);
   std::uint32_t rooms() const { return learns_ ? kRoomForLightSums : 0; }
-  // Begins compiling the pilot's own kernels, once the paths have taken up the settings.
-  void start_kernels();
+  // Begins compiling the pilot's own kernels, once the paths have taken up the settings, or takes over what another
+  // picture's pilot has learned.
+  void start();
   bool is_ready() { return !learns_ || kernels_.ready(need_); }
   double get_ready() { return learns_ ? kernels_.best(need_).seconds() : 0.0; }
 
@@ -32,6 +33,7 @@ private:
   KernelCompiler& kernels_;
   Paths& paths_;
   bool learns_ = false;
+  LightShares taken_over_;
   KernelNeed need_;
   LightPilot report_;
   Clock::time_point start_{};

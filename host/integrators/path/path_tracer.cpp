@@ -17,7 +17,7 @@ void PathTracer::change(const View&, const RenderSettings& settings, Past) {
   if (settings.guide) guide_pilot_.emplace(settings.width, settings.height, settings.guide_iterations);
   lesson_ = teacher_.learns() ? Lesson::lights : settings.guide ? Lesson::guide : Lesson::none;
   paths_.change(settings, kAllPathStages, rooms());
-  teacher_.start_kernels();
+  teacher_.start();
   if (settings.guide) {
     guided_need_ = path_need(kPathProgram, stage_bits({kShade, kEscape}), paths_.config());
     guided_need_.config.features |= gpu::kFeatureGuide;

@@ -12,6 +12,7 @@
 #include "host/film/error.h"
 #include "host/film/picture.h"
 #include "host/render/device/totals.h"
+#include "host/render/settings/settings.h"
 
 namespace wavepath {
 
@@ -25,6 +26,7 @@ struct LightPilot {
   std::uint64_t paths = 0;
   double seconds = 0.0;
   std::uint32_t rows = 0;
+  LightShares shares; // null: no pilot
 };
 
 enum class StopReason { samples, time, target_error, interrupted, device_lost };

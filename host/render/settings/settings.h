@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -32,6 +33,9 @@ inline constexpr std::uint32_t kAdaptiveAuto = 0, kAdaptiveOff = 1, kAdaptiveOn 
 
 // How noise is filtered: by filters of our own, or finished pictures by Intel's Open Image Denoise.
 inline constexpr std::uint32_t kDenoiseOff = 0, kDenoiseOn = 1, kDenoiseOidn = 2;
+
+// What a pilot has learned of which lights reach where: kernels/light_selection.glsl, as light_rows.h teaches it.
+using LightShares = std::shared_ptr<const std::vector<std::uint32_t>>;
 
 struct IntegratorKind; // host/render/settings/integrator_kind.h
 const IntegratorKind& default_integrator();
@@ -113,6 +117,8 @@ struct RenderSettings {
   // For measurements, and pilots that the kernels of a render serve. kFeature bits compiled in though the scene leaves
   // them out, and left out though it needs them.
   gpu::Feature added_features = 0, removed_features = 0;
+  bool takes_over_lights = false; // the lesson of an earlier picture of the scene in place of a pilot, if there is one
+  LightShares light_shares;       // that lesson; null: none
   bool room_for_shadow_rays = false;        // even where no light is sampled
   bool room_for_whole_nets = false;         // in kernels, even where the picture is too small
   bool room_for_mips = false;               // in kernels and scene, even where this picture looks textures up exactly
