@@ -28,25 +28,39 @@ uint groups_for(uint count) { return (count + kWorkgroupSize - 1u) / kWorkgroupS
     total[1] += carry_;                    \
   }
 
+void prepare_extend(uint bounce) {
+  uint count = queues.ray_count[bounce & 1u];
+  SIZE(queues.extend_groups, count)
+  queues.ray_count[(bounce + 1u) & 1u] = 0u;
+  queues.hit_count = queues.escape_count = queues.next_ray = 0u;
+  if (bounce == 0u) COUNT(counters.camera_rays, count) else COUNT(counters.bounce_rays, count)
+}
+
+void prepare_connect(uint light_sample) {
+  if (light_sample > 0u) queues.shadow_count = queues.later_shadow_count[light_sample - 1u];
+  queues.first_shadow = light_sample * frame.slot_count;
+  queues.next_shadow_ray = 0u;
+  uint count = queues.shadow_count;
+  SIZE(queues.connect_groups, count)
+  COUNT(counters.shadow_rays, count)
+}
+
+void empty_shadow_queues() {
+  queues.shadow_count = 0u;
+  for (uint i = 1u; i < shadow_queue_count(); ++i) queues.later_shadow_count[i - 1u] = 0u;
+}
+
 void main() {
   uint bounce = wave.bounce / kAdvanceSteps, step_ = wave.bounce % kAdvanceSteps;
   if (step_ == kBeforeExtend) {
-    uint count = queues.ray_count[bounce & 1u];
-    SIZE(queues.extend_groups, count)
-    queues.ray_count[(bounce + 1u) & 1u] = 0u;
-    queues.shadow_count = queues.hit_count = queues.escape_count = queues.next_ray = 0u;
-    for (uint i = 1u; i < shadow_queue_count(); ++i) queues.later_shadow_count[i - 1u] = 0u;
-    if (bounce == 0u) COUNT(counters.camera_rays, count) else COUNT(counters.bounce_rays, count)
+    prepare_extend(bounce);
+    empty_shadow_queues();
   } else if (step_ == kBeforeShade) {
     SIZE(queues.shade_groups, queues.hit_count)
     SIZE(queues.escape_groups, queues.escape_count)
+    empty_shadow_queues();
   } else {
-    uint light_sample = step_ - kBeforeConnect;
-    if (light_sample > 0u) queues.shadow_count = queues.later_shadow_count[light_sample - 1u];
-    queues.first_shadow = light_sample * frame.slot_count;
-    queues.next_shadow_ray = 0u;
-    uint count = queues.shadow_count;
-    SIZE(queues.connect_groups, count)
-    COUNT(counters.shadow_rays, count)
+    prepare_connect((step_ - kBeforeConnect) % kMostLightSamples);
+    if (step_ >= kBeforeLastConnect) prepare_extend(bounce + 1u);
   }
 }

@@ -102,11 +102,13 @@ void PathTracer::record_wave(Commands& commands, std::size_t band, const gpu::Wa
   const bool connects = workspace_.frame.light_count > 0 || paths_.config().sky == gpu::kSkyByShadowRays;
   commands.bind(paths_.bindings(band));
   commands.dispatch(kernels[kGenerate], groups_for(std::uint64_t{wave.pixel_count} * wave.sample_count), &wave);
+  const bool sorts = shading.config().sort != gpu::kSortNone;
+  bool is_prepared = false;
   for (std::uint32_t bounce = 0; bounce < bounces; ++bounce) {
-    paths_.extend(commands, kernels, wave, bounce);
+    paths_.extend(commands, kernels, wave, bounce, is_prepared);
     paths_.shade(commands, kernels, shading, wave, bounce);
-    if (connects && bounce + 1 < bounces)
-      paths_.connect(commands, connecting, wave, bounce); // the last one only collects emission
+    is_prepared = connects && bounce + 1 < bounces && // the last one only collects emission
+                  paths_.connect(commands, connecting, wave, bounce, sorts);
   }
   if (lesson_ == Lesson::lights) return; // its samples do not reach the film
   commands.barrier();

@@ -174,8 +174,12 @@ void Paths::advance(Commands& commands, const KernelSet& kernels, gpu::Wave wave
   commands.barrier();
 }
 
-void Paths::extend(Commands& commands, const KernelSet& kernels, gpu::Wave wave, std::uint32_t bounce) const {
-  advance(commands, kernels, wave, bounce, gpu::kBeforeExtend);
+void Paths::extend(Commands& commands, const KernelSet& kernels, gpu::Wave wave, std::uint32_t bounce,
+                   bool is_prepared) const {
+  if (is_prepared)
+    commands.barrier();
+  else
+    advance(commands, kernels, wave, bounce, gpu::kBeforeExtend);
   wave.bounce = bounce;
   commands.dispatch_indirect(kernels[kExtend], buffers[kQueues], offsetof(gpu::Queues, extend_groups), &wave);
 }
@@ -197,14 +201,19 @@ void Paths::shade(Commands& commands, const KernelSet& kernels, const KernelSet&
   commands.dispatch_indirect(shading[kEscape], buffers[kQueues], offsetof(gpu::Queues, escape_groups), &wave);
 }
 
-void Paths::connect(Commands& commands, const KernelSet& kernels, gpu::Wave wave, std::uint32_t bounce) const {
+bool Paths::connect(Commands& commands, const KernelSet& kernels, gpu::Wave wave, std::uint32_t bounce,
+                    bool prepares_extend) const {
   const std::uint32_t samples =
       std::max(gpu::light_samples_at(kernels.config().light_samples, bounce), workspace_.frame.sky_samples);
-  for (std::uint32_t i = workspace_.frame.light_count > 0 ? 0 : 1; i < samples; ++i) {
-    advance(commands, kernels, wave, bounce, gpu::kBeforeConnect + i);
+  const std::uint32_t first = workspace_.frame.light_count > 0 ? 0 : 1;
+  for (std::uint32_t i = first; i < samples; ++i) {
+    const bool is_last = i + 1 == samples;
+    advance(commands, kernels, wave, bounce,
+            (is_last && prepares_extend ? gpu::kBeforeLastConnect : gpu::kBeforeConnect) + i);
     wave.bounce = bounce;
     commands.dispatch_indirect(kernels[kConnect], buffers[kQueues], offsetof(gpu::Queues, connect_groups), &wave);
   }
+  return prepares_extend && first < samples;
 }
 
 } // namespace wavepath

@@ -78,12 +78,16 @@ public:
 
   // Recorded into commands that bindings(band) are bound to; bounce 0 is that of camera rays. A barrier comes before
   // each, and none after.
-  void extend(Commands& commands, const KernelSet& kernels, gpu::Wave wave, std::uint32_t bounce) const;
+  // `is_prepared`: by connect of the bounce before.
+  void extend(Commands& commands, const KernelSet& kernels, gpu::Wave wave, std::uint32_t bounce,
+              bool is_prepared = false) const;
   // Where rays are sorted, it also ends the paths that escaped. `shading`: the set of shade, and of escape.
   void shade(Commands& commands, const KernelSet& kernels, const KernelSet& shading, gpu::Wave wave,
              std::uint32_t bounce) const;
-  // One after the other the shadow rays of each light sample.
-  void connect(Commands& commands, const KernelSet& kernels, gpu::Wave wave, std::uint32_t bounce) const;
+  // One after the other the shadow rays of each light sample. `prepares_extend`: of the next bounce as well, if there
+  // are any; shade must sort its rays then. Returns whether it has.
+  bool connect(Commands& commands, const KernelSet& kernels, gpu::Wave wave, std::uint32_t bounce,
+               bool prepares_extend = false) const;
 
   const BindingSet& bindings(std::size_t band) const { return *sets_[band]; }
   BufferSet buffers;
