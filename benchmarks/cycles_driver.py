@@ -70,7 +70,10 @@ def make_lambert(material):
     surface even then."""
     tree, node = material.node_tree, principled(material)
     diffuse = tree.nodes.new("ShaderNodeBsdfDiffuse")
-    diffuse.inputs["Color"].default_value = node.inputs["Base Color"].default_value
+    base = node.inputs["Base Color"]
+    diffuse.inputs["Color"].default_value = base.default_value
+    for link in base.links:  # of its texture
+        tree.links.new(link.from_socket, diffuse.inputs["Color"])
     output = next(n for n in tree.nodes if n.type == "OUTPUT_MATERIAL")
     tree.links.new(diffuse.outputs["BSDF"], output.inputs["Surface"])
 
@@ -85,13 +88,13 @@ def without_specular(scene):
             if m.get("extensions", {}).get("KHR_materials_specular", {}).get("specularFactor") == 0}
 
 
-def is_lambert(material, view):
-    """`lambert` of the view: all of a scene (all), or those whose file says that they have no specular part (told)."""
+def is_lambert(material, told):
+    """`told`: "all" of a scene, or the names of those whose file says that they have no specular part."""
     node = principled(material)
     if node is None or shines(material):
         return False
     value = [node.inputs[name].default_value for name in ("Metallic", "Transmission")]
-    return view["lambert"] == "all" or (max(value) == 0 and material.name in without_specular(view["scene"]))
+    return told == "all" or (max(value) == 0 and material.name in told)
 
 
 def mix_layers(material, told):
@@ -171,8 +174,9 @@ def set_up(view):
     if view["lambert"] != "none":
         for lamp in [o for o in scene.objects if o.type == "MESH" and shines(o.data.materials[0])]:
             shield(lamp)
+        told = "all" if view["lambert"] == "all" else without_specular(view["scene"])
         for material in bpy.data.materials:
-            if is_lambert(material, view):
+            if is_lambert(material, told):
                 make_lambert(material)
     if "model" in view:
         set_model(view)

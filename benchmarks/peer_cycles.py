@@ -84,7 +84,10 @@ def without_folders(view):
 def references_of(renderer, view, spp, folder, fresh):
     """Two pictures, rendered once and kept: a converged picture does not change while the renderer gets faster."""
     told = json.dumps([renderer.name, renderer.version, without_folders(view), spp], sort_keys=True)
-    key = hashlib.sha256(told.encode() + pathlib.Path(view["scene"]).read_bytes()).hexdigest()[:16]
+    sources = [pathlib.Path(view["scene"])]
+    if hasattr(renderer, "driver"):
+        sources.append(renderer.driver)  # decides which scene its renderer gets
+    key = hashlib.sha256(told.encode() + b"".join(s.read_bytes() for s in sources)).hexdigest()[:16]
     paths = []
     for seed in REFERENCE_SEEDS:
         path = folder / f"{renderer.name}-{pathlib.Path(view['scene']).stem}-{spp}-{seed}-{key}.exr"

@@ -490,20 +490,39 @@ TEST_F(Kernels, AdvanceCountsRaysBeyond32Bits) {
   EXPECT_EQ(bench.get_counters().camera_rays[1], 4u);
   queues.hit_count = 129;
   queues.escape_count = 0;
-  queues.shadow_count = 65;
+  queues.shadow_count = 7; // of the bounce before
   bench.set_queues(queues);
   bench.run(wavepath_advance_spv, 1, {0, 0, 0, 0, gpu::kBeforeShade, 0});
   queues = bench.get_queues();
   EXPECT_EQ(queues.shade_groups[0], 3u);
   EXPECT_EQ(queues.shade_groups[1], 1u);
   EXPECT_EQ(queues.escape_groups[0], 0u);
-  EXPECT_EQ(queues.shadow_count, 65u);
+  EXPECT_EQ(queues.shadow_count, 0u);
+  queues.shadow_count = 65;
+  bench.set_queues(queues);
   bench.run(wavepath_advance_spv, 1, {0, 0, 0, 0, gpu::kBeforeConnect, 0});
   queues = bench.get_queues();
   EXPECT_EQ(queues.connect_groups[0], 2u);
   EXPECT_EQ(queues.next_shadow_ray, 0u);
+  EXPECT_EQ(queues.extend_groups[0], 16u); // as it was
   EXPECT_EQ(bench.get_counters().shadow_rays[0], 65u);
   EXPECT_EQ(bench.get_counters().camera_rays[1], 4u);
+
+  // The last light sample of a bounce prepares extend of the next one as well, while its own rays wait for connect.
+  queues.ray_count[1] = 300;
+  queues.next_ray = 5;
+  bench.set_queues(queues);
+  bench.run(wavepath_advance_spv, 1, {0, 0, 0, 0, gpu::kBeforeLastConnect, 0});
+  queues = bench.get_queues();
+  EXPECT_EQ(queues.connect_groups[0], 2u);
+  EXPECT_EQ(queues.shadow_count, 65u);
+  EXPECT_EQ(queues.extend_groups[0], 5u);
+  EXPECT_EQ(queues.ray_count[0], 0u);
+  EXPECT_EQ(queues.ray_count[1], 300u);
+  EXPECT_EQ(queues.hit_count, 0u);
+  EXPECT_EQ(queues.next_ray, 0u);
+  EXPECT_EQ(bench.get_counters().bounce_rays[0], 300u);
+  EXPECT_EQ(bench.get_counters().shadow_rays[0], 130u);
 }
 
 TEST_F(Kernels, AccumulateAddsExactly) {

@@ -82,8 +82,9 @@ struct Queues {
 GPU_CHECK(sizeof(Queues) == 80 + 4 * kMostLightSamples);
 
 // What advance prepares for: its push constant `bounce` is kAdvanceSteps * bounce + step.
-// Light sample i of a vertex is kBeforeConnect + i; kBeforeLastConnect + i where rays are sorted and none follows, so
-// that extend of the next bounce is prepared as well: on CPU drivers a dispatch of one lane takes some 90 us.
+// Light sample i of a vertex is kBeforeConnect + i; kBeforeLastConnect + i where rays are sorted and no other light
+// sample follows, so that extend of the next bounce is prepared as well: on CPU drivers a dispatch of one lane takes
+// some 90 us.
 GPU_CONSTANT uint kBeforeExtend = 0u, kBeforeShade = 1u, kBeforeConnect = 2u,
                   kBeforeLastConnect = kBeforeConnect + kMostLightSamples,
                   kAdvanceSteps = kBeforeLastConnect + kMostLightSamples;
