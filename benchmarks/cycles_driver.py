@@ -6,8 +6,6 @@ begins with DONE. Blender itself tells how long the rendering took (--debug-cycl
 
 import json
 import math
-import pathlib
-import struct
 import sys
 
 import bpy
@@ -78,23 +76,13 @@ def make_lambert(material):
     tree.links.new(diffuse.outputs["BSDF"], output.inputs["Surface"])
 
 
-def without_specular(scene):
-    """Names of the materials that the glTF file gives a specular factor of 0, which this importer leaves at 0.5."""
-    data = pathlib.Path(scene).read_bytes()
-    if data[:4] == b"glTF":  # a header of 12 bytes and one of 8 for the JSON, which begins with its length
-        data = data[20:20 + struct.unpack_from("<I", data, 12)[0]]
-    materials = json.loads(data).get("materials", [])
-    return {m.get("name") for m in materials
-            if m.get("extensions", {}).get("KHR_materials_specular", {}).get("specularFactor") == 0}
-
-
-def is_lambert(material, told):
-    """`told`: "all" of a scene, or the names of those whose file says that they have no specular part."""
+def is_lambert(material, names):
+    """`names`: of those without a specular part, which this importer leaves theirs; or "all"."""
     node = principled(material)
     if node is None or shines(material):
         return False
     value = [node.inputs[name].default_value for name in ("Metallic", "Transmission")]
-    return told == "all" or (max(value) == 0 and material.name in told)
+    return names == "all" or (max(value) == 0 and material.name in names)
 
 
 def mix_layers(material, told):
@@ -174,9 +162,8 @@ def set_up(view):
     if view["lambert"] != "none":
         for lamp in [o for o in scene.objects if o.type == "MESH" and shines(o.data.materials[0])]:
             shield(lamp)
-        told = "all" if view["lambert"] == "all" else without_specular(view["scene"])
         for material in bpy.data.materials:
-            if is_lambert(material, told):
+            if is_lambert(material, view["lambert"]):
                 make_lambert(material)
     if "model" in view:
         set_model(view)

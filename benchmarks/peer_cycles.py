@@ -13,6 +13,7 @@ import os
 import pathlib
 import shutil
 import statistics
+import struct
 import sys
 
 from error_time import TARGETS, net_error, plot, summarize, table
@@ -69,7 +70,18 @@ def view_of(name, assets, made, size):
             if not path.exists():
                 return None
             view[key] = str(path.resolve())
+    if view["lambert"] == "told":
+        view["lambert"] = without_specular(view["scene"])
     return view
+
+
+def without_specular(scene):
+    """Names of the materials that a glTF file, .gltf or .glb, gives a specular factor of 0."""
+    data = pathlib.Path(scene).read_bytes()
+    if data[:4] == b"glTF":  # a header of 12 bytes and one of 8 for the JSON, which begins with its length
+        data = data[20:20 + struct.unpack_from("<I", data, 12)[0]]
+    return sorted(m["name"] for m in json.loads(data).get("materials", [])
+                  if m.get("extensions", {}).get("KHR_materials_specular", {}).get("specularFactor") == 0)
 
 
 def is_color(environment):

@@ -12,6 +12,7 @@ DepthCut measure_depth_cut(Device& device, const PackedScene& scene, const View&
   constexpr std::uint32_t kLongestSide = 64, kSamples = 16;
   RenderSettings small = small_picture(settings, kLongestSide, kSamples);
   small.guide = false; // the same picture, without the seconds that learning a field for each of the two takes
+  small.light_shares = shared.light_shares;
   const Picture cut = render(device, scene, view, small, RenderHooks{}, kernels, &shared).picture;
   small.max_depth = settings.max_depth * 4 + 16;
   const Picture deep = render(device, scene, view, small, RenderHooks{}, kernels, &shared).picture;

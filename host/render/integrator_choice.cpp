@@ -36,7 +36,6 @@ RenderSettings pilot_of(const RenderSettings& settings) {
   RenderSettings small = small_picture(settings, kLongestSide, kSamples);
   small.seed = settings.seed ^ 0x9e3779b9u;
   small.guide_iterations = kGuideIterations;
-  small.takes_over_lights = false; // each is charged with the pilot that its render would have
   return small;
 }
 

@@ -30,6 +30,7 @@ std::optional<LostLight> measure_lost_light(Device& device, const PackedScene& s
   if (!kind.measures_depth_cut || kind.splats || finder == integrators().end() || !may_lose_light(scene))
     return std::nullopt;
   RenderSettings small = small_picture(settings, kLongestSide, kSamples);
+  small.light_shares = shared.light_shares;
   const PictureLight found = light_of(*render(device, scene, view, small, RenderHooks{}, kernels, &shared).film);
   small.integrator = *finder;
   small.added_features = settings.added_features;

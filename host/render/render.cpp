@@ -13,9 +13,7 @@ RenderResult render(Device& device, const PackedScene& scene, const View& view, 
 
 RenderResult render(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings,
                     const RenderHooks& hooks, KernelCompiler& kernels, SceneOnDevice* shared) {
-  RenderSettings taught = settings;
-  if (settings.takes_over_lights && shared) taught.light_shares = shared->light_shares;
-  RenderLoop loop(device, scene, view, taught, kernels, hooks, {}, shared ? shared->scene : nullptr);
+  RenderLoop loop(device, scene, view, settings, kernels, hooks, {}, shared ? shared->scene : nullptr);
   if (shared && !shared->scene) {
     shared->scene = loop.workspace().on_device;
     shared->upload_seconds = loop.workspace().upload_seconds;

@@ -117,8 +117,7 @@ struct RenderSettings {
   // For measurements, and pilots that the kernels of a render serve. kFeature bits compiled in though the scene leaves
   // them out, and left out though it needs them.
   gpu::Feature added_features = 0, removed_features = 0;
-  bool takes_over_lights = false; // the lesson of an earlier picture of the scene in place of a pilot, if there is one
-  LightShares light_shares;       // that lesson; null: none
+  LightShares light_shares; // of another picture of the scene, in place of a pilot that learns them; null: none
   bool room_for_shadow_rays = false;        // even where no light is sampled
   bool room_for_whole_nets = false;         // in kernels, even where the picture is too small
   bool room_for_mips = false;               // in kernels and scene, even where this picture looks textures up exactly
