@@ -8,7 +8,6 @@
 #include "host/bench/ray_replay.h"
 #include "host/bench/structure_comparison.h"
 #include "host/bench/work.h"
-#include "host/gpu/warm_up.h"
 #include "host/render/settings/traversal.h"
 #ifdef WAVEPATH_EMBREE
 #include "benchmarks/embree.h"
@@ -43,11 +42,10 @@ RayRate describe(RayKind kind, std::size_t count, const std::vector<double>& sec
   return rate;
 }
 
-std::array<RayRate, kRayKindCount> measure_rays(Device& device, const PackedScene& scene, RayReplay& replay,
-                                                const RaySets& rays, const Ceilings& ceilings,
-                                                std::uint32_t repetitions) {
+std::array<RayRate, kRayKindCount> measure_rays(const PackedScene& scene, RayReplay& replay, const RaySets& rays,
+                                                const Ceilings& ceilings, std::uint32_t repetitions) {
   std::vector<Contestant> alone{replaying(replay, rays)};
-  take_turns(alone, repetitions, rounds_to_warm(device.info()));
+  take_turns(alone, repetitions);
   const bvh::Counters work[] = {count_closest(scene, rays.camera), count_closest(scene, rays.bounce),
                                 count_any(scene, rays.shadow)};
   std::array<RayRate, kRayKindCount> rates;
@@ -90,7 +88,7 @@ void compare_with_embree(Device& device, const PackedScene& scene, const View& v
     }};
   };
   std::vector<Contestant> contestants{replaying(replay, rays), embree(fast), embree(robust)};
-  take_turns(contestants, settings.repetitions, rounds_to_warm(device.info()));
+  take_turns(contestants, settings.repetitions);
   for (std::size_t kind = 0; kind < kRayKindCount; ++kind) {
     if (count_rays(rays)[kind] == 0) continue;
     const auto over = [&](std::size_t rival) {
@@ -150,7 +148,7 @@ BenchResult bench(Device& device, const PackedScene& scene, const View& view, co
   RayReplay replay(device, scene, view, by_compute, *warm.kernels,
                    by_query ? nullptr : warm.loop->workspace().on_device);
   const RaySets rays = replay.capture();
-  result.rays = measure_rays(device, scene, replay, rays, result.ceilings, all.repetitions);
+  result.rays = measure_rays(scene, replay, rays, result.ceilings, all.repetitions);
   if (by_query) {
     progress("the same rays by ray queries");
     result.queries = compare_with_queries(device, scene, view, all.render, replay, rays, all.repetitions);

@@ -11,17 +11,15 @@ std::array<std::size_t, kRayKindCount> count_rays(const RaySets& rays) {
   return {rays.camera.size(), rays.bounce.size(), rays.shadow.size()};
 }
 
-void take_turns(std::vector<Contestant>& contestants, std::uint32_t repetitions, std::uint32_t rounds) {
-  constexpr double kLongEnough = 0.03, kUntilAwake = 0.2; // seconds; an idle GPU takes its time to clock up
+void take_turns(std::vector<Contestant>& contestants, std::uint32_t repetitions) {
+  constexpr double kLongEnough = 0.03; // seconds
   for (std::size_t kind = 0; kind < kRayKindCount; ++kind) {
     std::uint32_t runs = 1;
     for (Contestant& each : contestants) { // warm-up
       const Clock::time_point start = Clock::now();
-      double once = each.seconds(static_cast<RayKind>(kind));
-      while (rounds > 1 && once > 0.0 && seconds_since(start) < kUntilAwake)
-        once = each.seconds(static_cast<RayKind>(kind));
-      if (once > 0.0)
-        runs = std::max(runs, static_cast<std::uint32_t>(std::ceil(kLongEnough / (rounds * std::max(once, 1e-4)))));
+      if (each.seconds(static_cast<RayKind>(kind)) > 0.0)
+        runs =
+            std::max(runs, static_cast<std::uint32_t>(std::ceil(kLongEnough / std::max(seconds_since(start), 1e-4))));
     }
     for (std::uint32_t turn = 0; turn < repetitions; ++turn)
       for (Contestant& each : contestants) {

@@ -22,9 +22,8 @@ struct Contestant {
 };
 
 // Measures the contestants in turns, so that other load on the machine disturbs all of them. Short measurements are
-// repeated until they are long enough; each makes `rounds` of them (host/gpu/warm_up.h), after some time that wakes the
-// device where there are more than one.
-void take_turns(std::vector<Contestant>& contestants, std::uint32_t repetitions, std::uint32_t rounds = 1);
+// repeated until they are long enough.
+void take_turns(std::vector<Contestant>& contestants, std::uint32_t repetitions);
 
 // The kernels of the product. `replay` and `rays` outlive it.
 Contestant replaying(RayReplay& replay, const RaySets& rays);

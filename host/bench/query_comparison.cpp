@@ -3,7 +3,6 @@
 #include <vector>
 
 #include "host/bench/summary.h"
-#include "host/gpu/warm_up.h"
 #include "host/render/device/kernel_compiler.h"
 
 namespace wavepath {
@@ -19,7 +18,7 @@ QueryComparison compare_with_queries(Device& device, const PackedScene& scene, c
   result.upload_seconds = queries.upload_seconds();
   result.bytes = queries.device_scene().bvh_bytes();
   std::vector<Contestant> contestants{replaying(replay, rays), replaying(queries, rays)};
-  take_turns(contestants, repetitions, rounds_to_warm(device.info()));
+  take_turns(contestants, repetitions);
   for (std::size_t i = 0; i < kRayKindCount; ++i) {
     const auto kind = static_cast<RayKind>(i);
     const std::size_t count = count_rays(rays)[kind];

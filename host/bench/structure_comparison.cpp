@@ -9,7 +9,6 @@
 #include "host/bench/structures/device_structure.h"
 #include "host/bench/summary.h"
 #include "host/bench/work.h"
-#include "host/gpu/warm_up.h"
 #include "host/render/device/kernel_compiler.h"
 #include "host/scene/pack/flatten.h"
 #include "kernels/bench/binary_bvh.spv.h"
@@ -98,7 +97,7 @@ std::vector<StructureRow> compare_structures(Device& device, const PackedScene& 
       return structure->trace(sets[rays_of], rays_of == kShadowRaysKind);
     }});
   }
-  take_turns(contestants, repetitions, rounds_to_warm(device.info()));
+  take_turns(contestants, repetitions);
   for (std::size_t kind = 0; kind < kRayKindCount; ++kind) {
     const std::vector<StructureRay>& set = sets[kind];
     if (set.empty()) continue;

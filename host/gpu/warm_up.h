@@ -1,21 +1,19 @@
 // Short measurements on devices that are slow at first when they were idle, as GPUs are.
 #pragma once
 
-#include <cstdint>
-
+#include "host/base/clock.h"
 #include "host/gpu/device_info.h"
 
 namespace wavepath {
 
-// Rounds of a measurement that is short.
-inline std::uint32_t rounds_to_warm(const DeviceInfo& info) { return info.type == "cpu" ? 1 : 8; }
-
-// What the last round of `measure`, which returns seconds, took.
+// What `measure`, which returns seconds, took: on a CPU once, elsewhere in the last of as many rounds as keep the
+// device busy until it has clocked up.
 template <class Measure>
 double seconds_when_warm(const DeviceInfo& info, const Measure& measure) {
-  constexpr double kShort = 0.02;
+  constexpr double kUntilAwake = 0.1, kShort = 0.02; // seconds
+  const Clock::time_point start = Clock::now();
   double seconds = measure();
-  for (std::uint32_t round = 1; round < rounds_to_warm(info) && seconds < kShort; ++round) seconds = measure();
+  while (info.type != "cpu" && seconds < kShort && seconds_since(start) < kUntilAwake) seconds = measure();
   return seconds;
 }
 

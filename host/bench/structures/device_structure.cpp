@@ -75,14 +75,14 @@ double DeviceStructure::trace(std::span<const StructureRay> rays, bool any_hit) 
 }
 
 double DeviceStructure::run(const Kernel& kernel) const {
-  double seconds = 0.0;
-  for (std::size_t first = 0; first < ray_count_; first += kRaysOfDispatch) {
-    const std::size_t count = std::min(kRaysOfDispatch, ray_count_ - first);
-    Parameters parameters = parameters_;
-    parameters.first_ray = static_cast<std::uint32_t>(first);
-    parameters.ray_end = static_cast<std::uint32_t>(first + count);
-    Commands commands(device_, 1);
-    seconds += seconds_when_warm(device_.info(), [&] {
+  Commands commands(device_, 1);
+  return seconds_when_warm(device_.info(), [&] {
+    double seconds = 0.0;
+    for (std::size_t first = 0; first < ray_count_; first += kRaysOfDispatch) {
+      const std::size_t count = std::min(kRaysOfDispatch, ray_count_ - first);
+      Parameters parameters = parameters_;
+      parameters.first_ray = static_cast<std::uint32_t>(first);
+      parameters.ray_end = static_cast<std::uint32_t>(first + count);
       commands.restart(1);
       commands.bind(*bindings_);
       commands.dispatch(kernel, static_cast<std::uint32_t>((count + kGroupSize - 1) / kGroupSize), &parameters);
@@ -90,10 +90,10 @@ double DeviceStructure::run(const Kernel& kernel) const {
       commands.submit_and_wait();
       const double wall = seconds_since(start);
       const double timed = commands.times().empty() ? 0.0 : commands.times().front().seconds;
-      return timed > 0.0 ? timed : wall;
-    });
-  }
-  return seconds;
+      seconds += timed > 0.0 ? timed : wall;
+    }
+    return seconds;
+  });
 }
 
 std::vector<float> DeviceStructure::distances() const { return download<float>(distances_, ray_count_); }
