@@ -119,6 +119,16 @@ class Benchmarks(unittest.TestCase):
             if script.read_bytes()[:2] == b"#!":
                 self.assertTrue(os.access(script, os.X_OK), f"{script} is not executable")
 
+    def test_the_other_lavapipe_wants_a_root_that_holds_a_debian(self):
+        script = BENCHMARKS / "other_lavapipe.sh"
+        arguments = [[], [BENCHMARKS]] if os.geteuid() == 0 else [[]]
+        for given in arguments:
+            with self.subTest(given=given):
+                result = subprocess.run([script, *given], capture_output=True, text=True)
+                self.assertEqual(result.returncode, 1)
+                self.assertEqual(len(result.stderr.splitlines()), 1, result.stderr)
+                self.assertRegex(result.stderr, "^other_lavapipe: error: .*; (write|name) ")
+
     def test_without_blender_it_says_how_to_get_it(self):
         result = subprocess.run([sys.executable, BENCHMARKS / "peer_cycles.py", "--blender", "no-such-blender"],
                                 capture_output=True, text=True)

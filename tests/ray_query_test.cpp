@@ -2,6 +2,7 @@
 // without them, such as Mesa 22.3's for CPUs, skip what needs them.
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <random>
 #include <string>
 #include <vector>
@@ -68,7 +69,11 @@ Loaded load(Scene scene, const RenderSettings& settings) {
   return {pack(scene), view};
 }
 
-Scene shipped(const char* name) { return load_gltf(std::string(WAVEPATH_SOURCE_DIR "/scenes/") + name, {}); }
+// Where the source tree is not at hand (benchmarks/gpu_day.sh), WAVEPATH_SCENES names the folder.
+Scene shipped(const char* name) {
+  const char* folder = std::getenv("WAVEPATH_SCENES");
+  return load_gltf(std::string(folder ? folder : WAVEPATH_SOURCE_DIR "/scenes") + "/" + name, {});
+}
 
 // Tumbled triangles in a ball, some of them MASK or BLEND, shown often: turned, stretched and mirrored.
 Scene tumbled_scene() {
