@@ -84,11 +84,13 @@ TEST(Work, CountsVisitsAndTests) {
   gpu::Ray passes = meets;
   passes.origin.x += 10.0f;
   const std::vector<gpu::Ray> rays{meets, passes, meets};
-  const bvh::Counters counters = count_closest(packed, rays);
-  EXPECT_EQ(counters.visits, 3u);
-  EXPECT_EQ(counters.tests, 2u);
+  const RayWork work = count_closest(packed, rays, 2);
+  EXPECT_EQ(work.total.visits, 3u);
+  EXPECT_EQ(work.total.tests, 2u);
+  EXPECT_DOUBLE_EQ(work.lanes_in_use, 5.0 / 8.0); // two subgroups of two lanes, each with a visit and a test at most
+  EXPECT_DOUBLE_EQ(count_closest(packed, rays, 1).lanes_in_use, 1.0);
   const std::vector<gpu::ShadowRay> shadow{{meets.origin, 0, meets.direction, gpu::kFar, {}, 0}};
-  EXPECT_EQ(count_any(packed, shadow).tests, 1u);
+  EXPECT_EQ(count_any(packed, shadow, 8).total.tests, 1u);
 }
 
 TEST(Work, CountsBothLevels) {
@@ -97,7 +99,7 @@ TEST(Work, CountsBothLevels) {
   const PackedScene packed = pack(scene);
   ASSERT_TRUE(packed.root_is_top);
   const std::vector<gpu::Ray> rays{{glm::vec3(-packed.origin) + glm::vec3(0.2f, 0.2f, 9.0f), 0, {0, 0, -1}, gpu::kFar}};
-  const bvh::Counters counters = count_closest(packed, rays);
+  const bvh::Counters counters = count_closest(packed, rays, 8).total;
   EXPECT_EQ(counters.visits, 3u); // the top, and each of the instances: leaves of one visit wait together
   EXPECT_GE(counters.tests, 1u);
 }
@@ -230,7 +232,8 @@ TEST_F(BenchCommand, WritesTheDocumentedKeys) {
   for (const char* key : {"build_seconds", "sah", "nodes", "bytes", "bytes_per_triangle"})
     EXPECT_TRUE(json.at("bvh").at(key).is_number()) << key;
   for (const char* kind : {"camera", "bounce", "shadow"})
-    for (const char* key : {"mrays_per_second", "spread", "visits", "tests", "bytes", "roofline_fraction"})
+    for (const char* key :
+         {"mrays_per_second", "spread", "visits", "tests", "bytes", "lanes_in_use", "roofline_fraction"})
       EXPECT_TRUE(json.at("rays").at(kind).at(key).is_number()) << kind << " " << key;
   EXPECT_EQ(json.at("stages").size(), 6u);
   for (const char* key : {"mrays_per_second", "bytes_per_path"}) EXPECT_GT(json.at("path_tracing").at(key), 0.0) << key;

@@ -23,7 +23,7 @@ constexpr const char* kKindNames[kRayKindCount] = {"camera", "bounce", "shadow"}
 // (5), 3 edge functions (3), their sum and signs (8), and the place of the hit (about 80).
 constexpr double kVisitFlops = 4 * (6 * 3 + 2), kTestFlops = 3 * 8 + 3 * 3 + 8 + 80;
 
-RayRate describe(RayKind kind, std::size_t count, const std::vector<double>& seconds, const bvh::Counters& work,
+RayRate describe(RayKind kind, std::size_t count, const std::vector<double>& seconds, const RayWork& work,
                  const Ceilings& ceilings) {
   RayRate rate;
   rate.kind = kKindNames[kind];
@@ -33,8 +33,9 @@ RayRate describe(RayKind kind, std::size_t count, const std::vector<double>& sec
   const auto n = static_cast<double>(count), rays_per_second = n / summary.median;
   rate.mrays_per_second = 1e-6 * rays_per_second;
   rate.spread = summary.spread;
-  rate.visits = static_cast<double>(work.visits) / n;
-  rate.tests = static_cast<double>(work.tests) / n;
+  rate.visits = static_cast<double>(work.total.visits) / n;
+  rate.tests = static_cast<double>(work.total.tests) / n;
+  rate.lanes_in_use = work.lanes_in_use;
   rate.bytes = rate.visits * 16 * gpu::kNodeTexels + rate.tests * 16 * gpu::kTriangleTexels +
                (kind == kShadowRaysKind ? sizeof(gpu::ShadowRay) : sizeof(gpu::Ray) + sizeof(gpu::Hit));
   rate.roofline_fraction = roofline_fraction(ceilings, rays_per_second * (rate.visits + rate.tests),
@@ -43,11 +44,12 @@ RayRate describe(RayKind kind, std::size_t count, const std::vector<double>& sec
 }
 
 std::array<RayRate, kRayKindCount> measure_rays(const PackedScene& scene, RayReplay& replay, const RaySets& rays,
-                                                const Ceilings& ceilings, std::uint32_t repetitions) {
+                                                const Ceilings& ceilings, std::uint32_t repetitions,
+                                                std::uint32_t lanes) {
   std::vector<Contestant> alone{replaying(replay, rays)};
   take_turns(alone, repetitions);
-  const bvh::Counters work[] = {count_closest(scene, rays.camera), count_closest(scene, rays.bounce),
-                                count_any(scene, rays.shadow)};
+  const RayWork work[] = {count_closest(scene, rays.camera, lanes), count_closest(scene, rays.bounce, lanes),
+                          count_any(scene, rays.shadow, lanes)};
   std::array<RayRate, kRayKindCount> rates;
   for (std::size_t kind = 0; kind < kRayKindCount; ++kind)
     rates[kind] =
@@ -148,7 +150,7 @@ BenchResult bench(Device& device, const PackedScene& scene, const View& view, co
   RayReplay replay(device, scene, view, by_compute, *warm.kernels,
                    by_query ? nullptr : warm.loop->workspace().on_device);
   const RaySets rays = replay.capture();
-  result.rays = measure_rays(scene, replay, rays, result.ceilings, all.repetitions);
+  result.rays = measure_rays(scene, replay, rays, result.ceilings, all.repetitions, device.info().subgroup_size);
   if (by_query) {
     progress("the same rays by ray queries");
     result.queries = compare_with_queries(device, scene, view, all.render, replay, rays, all.repetitions);

@@ -33,6 +33,7 @@ struct RayRate {
   std::uint64_t count = 0;
   double mrays_per_second = 0.0, spread = 0.0;
   double visits = 0.0, tests = 0.0, bytes = 0.0; // a ray, on average
+  double lanes_in_use = 1.0;                     // see RayWork
   double roofline_fraction = 0.0;
   std::optional<EmbreeRatio> embree;
 };

@@ -24,6 +24,7 @@ Json rays_json(const RayRate& rate) {
           {"visits", rate.visits},
           {"tests", rate.tests},
           {"bytes", rate.bytes},
+          {"lanes_in_use", rate.lanes_in_use},
           {"roofline_fraction", rate.roofline_fraction}};
 }
 
@@ -61,15 +62,16 @@ std::string queries_table(const QueryComparison& queries) {
 
 std::string rays_table(const BenchResult& result) {
   std::string text =
-      fmt::format("{:<10}{:>9}{:>9}{:>9}{:>9}{:>9}{:>10}{}\n", "rays", "Mrays/s", "spread", "visits", "tests", "bytes",
-                  "roofline", result.embree_build_seconds ? "   Embree   robust   agree" : "");
+      fmt::format("{:<10}{:>9}{:>9}{:>9}{:>9}{:>9}{:>9}{:>10}{}\n", "rays", "Mrays/s", "spread", "visits", "tests",
+                  "bytes", "lanes", "roofline", result.embree_build_seconds ? "   Embree   robust   agree" : "");
   for (const RayRate& rate : result.rays) {
     if (rate.count == 0) {
       text += fmt::format("{:<10}{:>9}\n", rate.kind, "none");
       continue;
     }
-    text += fmt::format("{:<10}{:>9.3f}{:>7.1f} %{:>9.1f}{:>9.1f}{:>9.0f}{:>8.1f} %", rate.kind, rate.mrays_per_second,
-                        100 * rate.spread, rate.visits, rate.tests, rate.bytes, 100 * rate.roofline_fraction);
+    text += fmt::format("{:<10}{:>9.3f}{:>7.1f} %{:>9.1f}{:>9.1f}{:>9.0f}{:>7.0f} %{:>8.1f} %", rate.kind,
+                        rate.mrays_per_second, 100 * rate.spread, rate.visits, rate.tests, rate.bytes,
+                        100 * rate.lanes_in_use, 100 * rate.roofline_fraction);
     if (rate.embree)
       text += fmt::format("{:>9.2f}{:>9.2f}{:>8.3f}", rate.embree->ratio, rate.embree->ratio_robust,
                           rate.embree->agreement);

@@ -50,8 +50,8 @@ std::vector<StructureRay> as_structure_rays(std::span<const Ray> rays) {
 }
 
 bvh::Counters count_work(const PackedScene& scene, const RaySets& rays, RayKind kind) {
-  if (kind == kShadowRaysKind) return count_any(scene, rays.shadow);
-  return count_closest(scene, kind == kCameraRays ? rays.camera : rays.bounce);
+  if (kind == kShadowRaysKind) return count_any(scene, rays.shadow, 1).total;
+  return count_closest(scene, kind == kCameraRays ? rays.camera : rays.bounce, 1).total;
 }
 
 std::vector<bool> are_hits(const std::vector<float>& distances) {

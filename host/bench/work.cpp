@@ -1,5 +1,8 @@
 #include "host/bench/work.h"
 
+#include <algorithm>
+#include <cstddef>
+
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 
@@ -62,30 +65,47 @@ bvh::Counters walk(const PackedScene& scene, glm::vec3 origin, glm::vec3 directi
   return counters;
 }
 
+struct Sums {
+  bvh::Counters own, longest; // of the rays; of their subgroups, for one lane
+};
+
 template <class Rays>
-bvh::Counters total(const PackedScene& scene, const Rays& rays, bool any) {
-  tbb::enumerable_thread_specific<bvh::Counters> sums;
-  tbb::parallel_for(std::size_t{0}, rays.size(), [&](std::size_t i) {
-    const bvh::Counters one = walk(scene, rays[i].origin, rays[i].direction, rays[i].t_max, any);
-    sums.local().visits += one.visits;
-    sums.local().tests += one.tests;
+RayWork total(const PackedScene& scene, const Rays& rays, bool any, std::uint32_t lanes) {
+  tbb::enumerable_thread_specific<Sums> sums;
+  tbb::parallel_for(std::size_t{0}, (rays.size() + lanes - 1) / lanes, [&](std::size_t subgroup) {
+    Sums& sum = sums.local();
+    bvh::Counters longest;
+    for (std::size_t i = subgroup * lanes; i < std::min(rays.size(), (subgroup + 1) * lanes); ++i) {
+      const bvh::Counters one = walk(scene, rays[i].origin, rays[i].direction, rays[i].t_max, any);
+      sum.own.visits += one.visits;
+      sum.own.tests += one.tests;
+      longest.visits = std::max(longest.visits, one.visits);
+      longest.tests = std::max(longest.tests, one.tests);
+    }
+    sum.longest.visits += longest.visits;
+    sum.longest.tests += longest.tests;
   });
-  bvh::Counters all;
-  for (const bvh::Counters& sum : sums) {
-    all.visits += sum.visits;
-    all.tests += sum.tests;
+  RayWork work;
+  std::uint64_t of_a_lane = 0;
+  for (const Sums& sum : sums) {
+    work.total.visits += sum.own.visits;
+    work.total.tests += sum.own.tests;
+    of_a_lane += sum.longest.visits + sum.longest.tests;
   }
-  return all;
+  if (of_a_lane > 0)
+    work.lanes_in_use =
+        static_cast<double>(work.total.visits + work.total.tests) / static_cast<double>(of_a_lane * lanes);
+  return work;
 }
 
 } // namespace
 
-bvh::Counters count_closest(const PackedScene& scene, std::span<const gpu::Ray> rays) {
-  return total(scene, rays, false);
+RayWork count_closest(const PackedScene& scene, std::span<const gpu::Ray> rays, std::uint32_t lanes) {
+  return total(scene, rays, false, lanes);
 }
 
-bvh::Counters count_any(const PackedScene& scene, std::span<const gpu::ShadowRay> rays) {
-  return total(scene, rays, true);
+RayWork count_any(const PackedScene& scene, std::span<const gpu::ShadowRay> rays, std::uint32_t lanes) {
+  return total(scene, rays, true, lanes);
 }
 
 } // namespace wavepath

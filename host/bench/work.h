@@ -1,6 +1,7 @@
 // How much work rays are, by the CPU reference traversal: the same visits and tests as the kernels'.
 #pragma once
 
+#include <cstdint>
 #include <span>
 
 #include "bvh/traverse.h"
@@ -10,8 +11,17 @@
 
 namespace wavepath {
 
-// Totals over the rays; nodes of the top-level tree count as well. Alpha is ignored: holes stop rays here.
-bvh::Counters count_closest(const PackedScene& scene, std::span<const gpu::Ray> rays);
-bvh::Counters count_any(const PackedScene& scene, std::span<const gpu::ShadowRay> rays);
+// Nodes of the top-level tree count as well. Alpha is ignored: holes stop rays here.
+struct RayWork {
+  bvh::Counters total; // over the rays
+  // Share of the visits and tests of all lanes that are a ray's own, if subgroups take rays in order and each lane
+  // waits for the one with the most visits and for the one with the most tests. At most 1, which is also that of no
+  // rays.
+  double lanes_in_use = 1.0;
+};
+
+// `lanes` of a subgroup are at least 1.
+RayWork count_closest(const PackedScene& scene, std::span<const gpu::Ray> rays, std::uint32_t lanes);
+RayWork count_any(const PackedScene& scene, std::span<const gpu::ShadowRay> rays, std::uint32_t lanes);
 
 } // namespace wavepath
