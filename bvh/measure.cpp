@@ -15,7 +15,7 @@ double half_area(const GridBox& box) {
   return x * y + y * z + z * x;
 }
 
-struct Walk {
+struct MeasureWalk {
   const WideTree& tree;
   Measure result;
   double cost = 0.0; // not yet divided by the root's area
@@ -59,7 +59,7 @@ GridBox root_box(const WideNode& root) {
 } // namespace
 
 Measure measure(const WideTree& tree) {
-  Walk walk{tree, {}};
+  MeasureWalk walk{tree, {}};
   Measure& result = walk.result;
   result.depth = tree.depth;
   result.node_bytes = tree.nodes.size() * sizeof(WideNode);

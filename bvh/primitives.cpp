@@ -11,7 +11,7 @@ namespace wavepath::bvh {
 
 namespace {
 
-constexpr std::size_t kBlockSize = 16384;
+constexpr std::size_t kSourceBlockSize = 16384;
 
 // False for an invalid box.
 bool make(const Box& box, std::size_t index, Primitive& primitive) {
@@ -45,10 +45,10 @@ bool make(const Triangle& triangle, std::size_t index, Primitive& primitive) {
 
 template <class Source>
 PrimitiveList list(std::span<const Source> sources, Primitive* primitives) {
-  const std::size_t block_count = (sources.size() + kBlockSize - 1) / kBlockSize;
+  const std::size_t block_count = (sources.size() + kSourceBlockSize - 1) / kSourceBlockSize;
   std::vector<PrimitiveList> blocks(block_count);
   tbb::parallel_for(std::size_t{0}, block_count, [&](std::size_t b) {
-    const std::size_t first = b * kBlockSize, last = std::min(first + kBlockSize, sources.size());
+    const std::size_t first = b * kSourceBlockSize, last = std::min(first + kSourceBlockSize, sources.size());
     Primitive* end = primitives + first;
     PrimitiveList list;
     for (std::size_t i = first; i < last; ++i) {
@@ -62,8 +62,8 @@ PrimitiveList list(std::span<const Source> sources, Primitive* primitives) {
   });
   PrimitiveList all;
   for (std::size_t b = 0; b < block_count; ++b) { // close the gaps of what was dropped
-    const Primitive* first = primitives + b * kBlockSize;
-    if (all.count != b * kBlockSize) std::copy(first, first + blocks[b].count, primitives + all.count);
+    const Primitive* first = primitives + b * kSourceBlockSize;
+    if (all.count != b * kSourceBlockSize) std::copy(first, first + blocks[b].count, primitives + all.count);
     all.count += blocks[b].count;
     all.bound.merge(blocks[b].bound);
     all.centroids.merge(blocks[b].centroids);

@@ -15,7 +15,7 @@ constexpr std::uint32_t kMaxWalk = 1000; // limits the recursion on degenerate i
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-struct Walk {
+struct ValidateWalk {
   const WideTree& tree;
   std::vector<std::string> reasons;
   std::vector<GridBox> regions = std::vector<GridBox>(tree.order.size()); // by item: in which it is met
@@ -93,7 +93,7 @@ struct Walk {
 };
 
 // Regions by primitive, of those that are valid and no others.
-std::vector<std::vector<GridBox>> regions_of(Walk& walk, const std::vector<bool>& valid) {
+std::vector<std::vector<GridBox>> regions_of(ValidateWalk& walk, const std::vector<bool>& valid) {
   std::vector<std::vector<GridBox>> regions(valid.size());
   for (std::size_t item = 0; item < walk.tree.order.size(); ++item) {
     const std::uint32_t primitive = walk.tree.order[item];
@@ -129,7 +129,7 @@ void shrink(std::vector<GridBox>& regions, const Triangle& triangle) {
 } // namespace
 
 std::vector<std::string> validate(const WideTree& tree, std::span<const Box> boxes) {
-  Walk walk{tree, {}};
+  ValidateWalk walk{tree, {}};
   walk.check_nodes();
   std::vector<bool> valid(boxes.size());
   for (std::size_t i = 0; i < boxes.size(); ++i) valid[i] = is_valid(boxes[i]);
@@ -144,7 +144,7 @@ std::vector<std::string> validate(const WideTree& tree, std::span<const Box> box
 }
 
 std::vector<std::string> validate(const WideTree& tree, std::span<const Triangle> triangles) {
-  Walk walk{tree, {}};
+  ValidateWalk walk{tree, {}};
   walk.check_nodes();
   std::vector<bool> valid(triangles.size());
   for (std::size_t i = 0; i < triangles.size(); ++i) valid[i] = is_valid(bounds(triangles[i]));

@@ -90,6 +90,58 @@ def reached_headers(path):
     return reached
 
 
+@functools.cache
+def reached_files(path):
+    """The project's own files that a file includes, itself or by way of others; generated ones as well."""
+    reached = set(includes(path))
+    for include in includes(path):
+        if (ROOT / include).exists():
+            reached |= reached_files(ROOT / include)
+    return reached
+
+
+@functools.cache
+def code_of(path):
+    return re.sub(r'R"(\w*)\(.*?\)\1"|"(?:\\.|[^"\\\n])*"|//[^\n]*', "", path.read_text(), flags=re.S)
+
+
+TYPE_WORDS = "struct|class|enum class|enum|using|typename"
+
+
+def constants_of(code, start):
+    """Of enumerations, and of declarations, those whose values are braced included."""
+    names = set()
+    for members in re.findall(start + r"enum\b[^{;]*\{([^}]*)\}", code, re.M):
+        names.update(re.findall(r"\bk[A-Z]\w*(?=\s*(?:[=,]|$))", members))
+    for statement in re.findall(start + r"(?:inline|GPU_CONSTANT|constexpr|const|extern)\b[^;]*;", code, re.M):
+        names.update(re.findall(r"(?<!&)\bk[A-Z]\w*(?=\s*[=\[{]|[;,][^={}]*$)", statement))
+    return names
+
+
+@functools.cache
+def declared_names(path):
+    """Types, constants and functions that a header declares for all."""
+    code = code_of(path)
+    types = re.findall(rf"^(?:template <.*>\s+)?(?:{TYPE_WORDS}) (\w+)(?=[^;]*?[{{=])", code, re.M)
+    functions = re.findall(rf"^(?!return|#|{TYPE_WORDS})[\w\[][\w:<>,*& \[\]]* [*&]?(\w+)\(", code, re.M)
+    return {*types, *functions} | constants_of(code, "^")
+
+
+@functools.cache
+def inner_names(path):
+    """Types and functions within others, what is declared without being defined, and template parameters."""
+    code = code_of(path)
+    types = re.findall(rf"\b(?:{TYPE_WORDS}) (\w+)", code)
+    return {*types, *re.findall(r"^ +(?!return\b|throw\b)[\w\[][\w:<>,*& \[\]]* [*&]?(\w+)\([^;]*\)[ \w]*[;{]$", code, re.M)}
+
+
+def local_names(path):
+    """Functions and constants of a file itself, and of the insides of its classes and functions."""
+    code = code_of(path)
+    variables = re.findall(r"\b(?!return\b|else\b|throw\b|case\b)\w+[>*&\]]* [*&]?([a-z]\w*)(?=\s*[={(\[,;:)])", code)
+    return {*variables} | constants_of(code, r"\b")
+
+
 class Structure(unittest.TestCase):
     def test_files_include_what_is_precompiled(self):
         for path in sources(".h", ".cpp"):
@@ -98,6 +150,27 @@ class Structure(unittest.TestCase):
                 with self.subTest(file=name(path), header=header):
                     if re.search(use, code):
                         self.assertTrue(any(h.startswith(header) for h in reached_headers(path)))
+
+    def test_files_include_what_they_use_of_ours(self):
+        """Files of a folder are compiled together (WAVEPATH_UNITY), so that no compiler misses what another one has
+        included. Functions named by one word, which members are as well, are left to it."""
+        homes = {}
+        for header in sources(".h"):
+            for declared in declared_names(header):
+                homes.setdefault(declared, set()).add(name(header))
+        self.assertGreater(len(homes), 1500)
+        for path in sources(".h", ".cpp"):
+            if path.is_relative_to(ROOT / "tests"):
+                continue
+            reached = reached_files(path)
+            known = local_names(path).union(*(inner_names(ROOT / r) for r in {name(path), *reached} if (ROOT / r).exists()))
+            used = re.findall(r"(?<![\w.>:])(?:(?:gpu|bvh|spirv)::)?([A-Z]\w*|k[A-Z]\w*|[a-z]\w*_\w*(?=\())\b", code_of(path))
+            for use in set(used) - known - declared_names(path):
+                with self.subTest(file=name(path), name=use):
+                    self.assertTrue(use not in homes or homes[use] & reached)
+            for kernel in re.findall(r"\bwavepath_(\w+)_spv\b", code_of(path)):
+                with self.subTest(file=name(path), kernel=kernel):
+                    self.assertTrue(any(r.endswith(f"/{kernel}.spv.h") for r in reached))
 
     def test_includes_go_downhill(self):
         for path in sources(".h", ".cpp", ".glsl", ".comp", ".vert", ".frag"):
@@ -137,7 +210,8 @@ class Structure(unittest.TestCase):
                 self.assertTrue(path.read_text().startswith(("// ", twin)))
 
     def test_headers_compile_alone(self):
-        """x.cpp includes x.h first, so compiling it is the proof; only headers without such a file are compiled here."""
+        """x.cpp includes x.h first, so compiling it by itself is the proof, for which test_files_include_what_they_use_of_ours
+        stands in where files are compiled together; only headers without such a file are compiled here."""
         alone = []
         for path in sources(".h"):
             twin = path.with_suffix(".cpp")

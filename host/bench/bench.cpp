@@ -16,8 +16,6 @@
 namespace wavepath {
 namespace {
 
-constexpr const char* kKindNames[kRayKindCount] = {"camera", "bounce", "shadow"};
-
 // Float operations of kernels/bvh.glsl and its walk in step, for all devices. A visit: 4 children x 6 planes, each
 // scaled and moved (2) and compared (1), and the last comparison, padded (2). A test: 3 vertices moved (3) and sheared
 // (5), 3 edge functions (3), their sum and signs (8), and the place of the hit (about 80).
@@ -26,7 +24,7 @@ constexpr double kVisitFlops = 4 * (6 * 3 + 2), kTestFlops = 3 * 8 + 3 * 3 + 8 +
 RayRate describe(RayKind kind, std::size_t count, const std::vector<double>& seconds, const RayWork& work,
                  const Ceilings& ceilings) {
   RayRate rate;
-  rate.kind = kKindNames[kind];
+  rate.kind = kRayKindNames[kind];
   rate.count = count;
   if (count == 0) return rate;
   const Summary summary = summarize(seconds);

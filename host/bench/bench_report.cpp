@@ -28,8 +28,6 @@ Json rays_json(const RayRate& rate) {
           {"roofline_fraction", rate.roofline_fraction}};
 }
 
-constexpr const char* kKindNames[] = {"camera", "bounce", "shadow"};
-
 Json embree_json(const BenchResult& result) {
   Json json{{"build_seconds", *result.embree_build_seconds}};
   for (const RayRate& rate : result.rays)
@@ -44,9 +42,9 @@ Json queries_json(const QueryComparison& queries) {
   Json json{{"upload_seconds", queries.upload_seconds}, {"bytes", queries.bytes}};
   for (std::size_t kind = 0; kind < kRayKindCount; ++kind)
     if (queries.rays[kind].mrays_per_second > 0.0)
-      json[kKindNames[kind]] = {{"mrays_per_second", queries.rays[kind].mrays_per_second},
-                                {"ratio", queries.rays[kind].ratio},
-                                {"agreement", queries.rays[kind].agreement}};
+      json[kRayKindNames[kind]] = {{"mrays_per_second", queries.rays[kind].mrays_per_second},
+                                   {"ratio", queries.rays[kind].ratio},
+                                   {"agreement", queries.rays[kind].agreement}};
   return json;
 }
 
@@ -55,7 +53,7 @@ std::string queries_table(const QueryComparison& queries) {
                                  "Mrays/s", "ours over", "agree", queries.upload_seconds, to_size_text(queries.bytes));
   for (std::size_t kind = 0; kind < kRayKindCount; ++kind)
     if (queries.rays[kind].mrays_per_second > 0.0)
-      text += fmt::format("{:<12}{:>9.3f}{:>11.2f}{:>9.5f}\n", kKindNames[kind], queries.rays[kind].mrays_per_second,
+      text += fmt::format("{:<12}{:>9.3f}{:>11.2f}{:>9.5f}\n", kRayKindNames[kind], queries.rays[kind].mrays_per_second,
                           queries.rays[kind].ratio, queries.rays[kind].agreement);
   return text;
 }
@@ -109,10 +107,10 @@ Json structures_json(const std::vector<StructureRow>& rows) {
                                          {"items_per_triangle", row.items}});
     for (std::size_t kind = 0; kind < row.mrays_per_second.size(); ++kind)
       if (row.mrays_per_second[kind] > 0.0)
-        entry[kKindNames[kind]] = {{"mrays_per_second", row.mrays_per_second[kind]},
-                                   {"visits", row.visits[kind]},
-                                   {"tests", row.tests[kind]},
-                                   {"agreement", row.agreement[kind]}};
+        entry[kRayKindNames[kind]] = {{"mrays_per_second", row.mrays_per_second[kind]},
+                                      {"visits", row.visits[kind]},
+                                      {"tests", row.tests[kind]},
+                                      {"agreement", row.agreement[kind]}};
   }
   return json;
 }

@@ -12,6 +12,7 @@
 namespace wavepath {
 
 enum RayKind : std::size_t { kCameraRays, kBounceRays, kShadowRaysKind, kRayKindCount };
+inline constexpr const char* kRayKindNames[kRayKindCount] = {"camera", "bounce", "shadow"};
 
 // How many rays of each kind there are.
 std::array<std::size_t, kRayKindCount> count_rays(const RaySets& rays);

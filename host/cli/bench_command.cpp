@@ -26,7 +26,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-struct Request {
+struct BenchCommandRequest {
   SceneRequest scene;
   RenderRequest render;
   bool quiet = false;
@@ -55,21 +55,21 @@ std::optional<Json> read_baseline(const std::string& path) {
 }
 
 // Large enough to keep the device busy, small enough to take no more than about a minute.
-void choose_size(Request& request, const DeviceInfo& device) {
+void choose_size(BenchCommandRequest& request, const DeviceInfo& device) {
   if (is_given(request.render, "size")) return;
   const bool cpu = device.type == "cpu";
   request.render.settings.width = cpu ? 480 : 1920;
   request.render.settings.height = cpu ? 270 : 1080;
 }
 
-LoadedScene load(const Request& request) {
+LoadedScene load(const BenchCommandRequest& request) {
   LoadedScene loaded = request.scene.path.empty() ? LoadedScene{builtin_scene(), {}, {}} : load_scene(request.scene);
   if (!request.quiet) print_light(loaded);
   return loaded;
 }
 
 // What a compiler makes does not depend on the picture.
-int run_compiler(const Request& request) {
+int run_compiler(const BenchCommandRequest& request) {
   turn_kernel_caches_off();
   if (!request.baseline.empty())
     throw UsageError("--kernels", "measures nothing that --baseline compares", "leave one of them out");
@@ -91,7 +91,7 @@ int run_compiler(const Request& request) {
   return kExitDone;
 }
 
-int run_bench(Request& request) {
+int run_bench(BenchCommandRequest& request) {
   turn_kernel_caches_off();
   const std::optional<Json> before = read_baseline(request.baseline);
   if (!request.json.empty()) require_writable(request.json);
@@ -133,7 +133,7 @@ int run_bench(Request& request) {
 Command add_bench(CLI::App& app) {
   CLI::App* command =
       add_command(app, "bench", "measure the kernels one by one, on a scene or on one that is built in");
-  const auto request = std::make_shared<Request>();
+  const auto request = std::make_shared<BenchCommandRequest>();
   const char* group = "Measurement";
   add_flag(*command, group, {"--repetitions", "N", "of every measurement; rivals take turns, medians count", "7"},
            [=](const FlagValue& value) { request->repetitions = value.whole_number(1, 1000); });

@@ -26,7 +26,7 @@ struct Limit {
   double value = 0.0;
 };
 
-struct Request {
+struct CompareCommandRequest {
   std::string image, reference, map;
   std::vector<Limit> limits;
   bool json = false;
@@ -45,7 +45,7 @@ bool holds_display(const std::string& path) {
   return is_display(path) || std::filesystem::path(path).extension() == ".webp";
 }
 
-Json to_json(const Request& request, const PictureMetrics& metrics, double flip) {
+Json to_json(const CompareCommandRequest& request, const PictureMetrics& metrics, double flip) {
   Json json{{"image", request.image}, {"reference", request.reference}};
   if (metrics.finite()) {
     json["mse"] = metrics.mse;
@@ -75,7 +75,7 @@ void print(const Json& json) {
   }
 }
 
-int run_compare(const Request& request) {
+int run_compare(const CompareCommandRequest& request) {
   if (!request.map.empty()) {
     if (!is_display(request.map)) throw UsageError(request.map, "is no .png or .jpg", "name the map so");
     require_writable(request.map);
@@ -126,7 +126,7 @@ Command add_compare(CLI::App& app) {
       "All metrics are of linear values over pixels and RGB; .png and .jpg are decoded from sRGB first. FLIP is "
       "HDR-FLIP unless both "
       "are .png or .jpg. PSNR takes the reference's largest value as its peak, or 1 for .png and .jpg.");
-  const auto request = std::make_shared<Request>();
+  const auto request = std::make_shared<CompareCommandRequest>();
   const auto keep = [](std::string& text) { return [&text](const FlagValue& value) { text = value.text; }; };
   require(add_flag(*command, "Pictures", {"IMAGE", "FILE", ".exr, .hdr, .png or .jpg"}, keep(request->image)));
   require(add_flag(*command, "Pictures", {"REFERENCE", "FILE", "what it should look like, of the same size"},

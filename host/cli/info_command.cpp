@@ -18,7 +18,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-struct Request {
+struct InfoCommandRequest {
   SceneRequest scene;
   bool json = false;
 };
@@ -54,7 +54,7 @@ void print_device(std::size_t index, const DeviceInfo& device) {
              device.missing.empty() ? "nothing" : fmt::format("{}", fmt::join(device.missing, "; ")));
 }
 
-int run_devices(const Request& request) {
+int run_devices(const InfoCommandRequest& request) {
   const std::vector<DeviceInfo> devices = list_devices();
   if (request.json) {
     Json list = Json::array();
@@ -162,7 +162,7 @@ void print_scene(const Json& about, const std::vector<std::string>& extensions) 
                number(entry["bytes"]) > 0 ? ", saves " + to_size_text(number(entry["bytes"])) : "");
 }
 
-int run_scene(const Request& request) {
+int run_scene(const InfoCommandRequest& request) {
   LoadedScene loaded = load_scene(request.scene);
   Scene& scene = loaded.scene;
   const Plan planned = plan(scene);
@@ -183,7 +183,7 @@ int run_scene(const Request& request) {
 
 Command add_info(CLI::App& app) {
   CLI::App* command = add_command(app, "info", "tell what devices there are, or what a scene holds and needs");
-  const auto request = std::make_shared<Request>();
+  const auto request = std::make_shared<InfoCommandRequest>();
   add_scene_flags(*command, request->scene, false);
   add_switch(*command, "Output", {"--json", "", "print one JSON document", "off"}, request->json);
   return [request] { return request->scene.path.empty() ? run_devices(*request) : run_scene(*request); };

@@ -20,7 +20,7 @@
 namespace wavepath {
 namespace {
 
-struct Request {
+struct MergeCommandRequest {
   std::vector<std::string> parts;
   OutputRequest output;
 };
@@ -156,7 +156,8 @@ void read_common(const std::string& part, PictureInfo& info) {
   info.world_to_ndc = read_matrix(part, "worldToNDC");
 }
 
-void print_merged(const Request& request, const Picture& picture, const PictureInfo& info, const ErrorEstimate& error) {
+void print_merged(const MergeCommandRequest& request, const Picture& picture, const PictureInfo& info,
+                  const ErrorEstimate& error) {
   fmt::print(stderr, "wavepath: {}: samples {} of {} parts{}\n", written_text(request.output, picture), info.samples,
              request.parts.size(),
              info.error ? fmt::format(", estimated error {:.3g} % ({:.3g} to {:.3g})", 100.0 * *info.error,
@@ -164,7 +165,7 @@ void print_merged(const Request& request, const Picture& picture, const PictureI
                         : "");
 }
 
-int run_merge(const Request& request) {
+int run_merge(const MergeCommandRequest& request) {
   if (request.parts.size() < 2) throw UsageError("merge", "takes two parts or more", "name the .exr files to join");
   check_outputs(request.output);
   const std::string& first = request.parts.front();
@@ -203,7 +204,7 @@ Command add_merge(CLI::App& app) {
       "bits of the "
       "uninterrupted render, in any order; AOVs of first hits (albedo, normal, depth, position, emission, direct) to "
       "within rounding.");
-  const auto request = std::make_shared<Request>();
+  const auto request = std::make_shared<MergeCommandRequest>();
   require(add_flag(
       *command, "Pictures", {"PARTS", "FILE.exr", "two or more"},
       [=](const FlagValue& value) { request->parts.push_back(value.text); }, true));

@@ -50,7 +50,7 @@ private:
   Clock::time_point start_ = Clock::now();
 };
 
-struct Request {
+struct RenderCommandRequest {
   SceneRequest scene;
   RenderRequest render;
   OutputRequest output;
@@ -58,7 +58,7 @@ struct Request {
 };
 
 // Refuses files that cannot be read or written.
-void check_files(Request& request) {
+void check_files(RenderCommandRequest& request) {
   OutputRequest& output = request.output;
   if (output.pictures.empty()) output.pictures = {std::filesystem::path(request.scene.path).stem().string() + ".exr"};
   for (const std::string& path : output.pictures)
@@ -83,7 +83,7 @@ void check_files(Request& request) {
 }
 
 // The reference, read early so that a wrong one is refused early. A box-filtered one asks for the same filter.
-std::optional<Picture> read_reference(Request& request) {
+std::optional<Picture> read_reference(RenderCommandRequest& request) {
   RenderSettings& settings = request.render.settings;
   const std::string& path = request.output.reference;
   std::optional<Picture> reference;
@@ -101,7 +101,7 @@ std::optional<Picture> read_reference(Request& request) {
 }
 
 // `mergeable`: the identity that parts share, or empty.
-PictureInfo picture_info(const Request& request, const View& view, const PackedScene& packed,
+PictureInfo picture_info(const RenderCommandRequest& request, const View& view, const PackedScene& packed,
                          const RenderResult& result, const DeviceInfo& device, const std::string& mergeable,
                          const std::vector<std::string>& bias, const SharedResult* shared) {
   const RenderSettings& settings = request.render.settings;
@@ -128,7 +128,7 @@ PictureInfo picture_info(const Request& request, const View& view, const PackedS
 
 // `begin`: of the hooks, with progress on the terminal and interrupts.
 template <class Begin>
-auto render_shown(const Request& request, RenderHooks hooks, const Begin& begin) {
+auto render_shown(const RenderCommandRequest& request, RenderHooks hooks, const Begin& begin) {
   const RenderSettings& settings = request.render.settings;
   ProgressDisplay display(request.output.quiet, settings.time_limit, settings.target_error);
   catch_interrupts();
@@ -140,7 +140,7 @@ auto render_shown(const Request& request, RenderHooks hooks, const Begin& begin)
 }
 
 // Tries every output even if one fails, because rendering was the expensive part; returns the first failure.
-std::exception_ptr write_pictures(const Request& request, const PictureInfo& info, const Picture& picture,
+std::exception_ptr write_pictures(const RenderCommandRequest& request, const PictureInfo& info, const Picture& picture,
                                   Warnings& warnings) {
   std::exception_ptr failure;
   for (const std::string& path : request.output.pictures) try {
@@ -152,7 +152,7 @@ std::exception_ptr write_pictures(const Request& request, const PictureInfo& inf
   return failure;
 }
 
-int exit_code(const Request& request, const RenderResult& result) {
+int exit_code(const RenderCommandRequest& request, const RenderResult& result) {
   if (result.stop == StopReason::interrupted) return kExitInterrupted;
   const double target = request.render.settings.target_error;
   const std::optional<double> error = estimated_error(result);
@@ -169,7 +169,7 @@ std::vector<TrueError> align(std::vector<TrueError> errors, std::size_t checkpoi
 }
 
 // Refuses what cannot work before the time of loading and rendering is spent. Returns the reference, if there is one.
-std::optional<Picture> check(Request& request) {
+std::optional<Picture> check(RenderCommandRequest& request) {
   settle_samples(request.render);
   settle_default_integrator(request.render);
   check_integrator(request.render);
@@ -209,9 +209,11 @@ struct Prepared {
   double load_seconds = 0.0; // without building the BVH
 };
 
-bool needs_identity(const Request& request) { return request.render.mergeable || !request.render.state.file.empty(); }
+bool needs_identity(const RenderCommandRequest& request) {
+  return request.render.mergeable || !request.render.state.file.empty();
+}
 
-Prepared prepare(const Request& request) {
+Prepared prepare(const RenderCommandRequest& request) {
   const RenderSettings& settings = request.render.settings;
   const Stopwatch loading;
   Prepared prepared;
@@ -247,7 +249,7 @@ Prepared prepare(const Request& request) {
   return prepared;
 }
 
-std::string identity_as(const Request& request, const Prepared& prepared, const RenderSettings& settings) {
+std::string identity_as(const RenderCommandRequest& request, const Prepared& prepared, const RenderSettings& settings) {
   std::string identity = identity_of(prepared.scene_hash, prepared.view, settings);
   if (const std::optional<glm::dvec3>& origin = request.render.origin)
     identity += fmt::format(";origin={:a},{:a},{:a}", origin->x, origin->y, origin->z);
@@ -273,7 +275,7 @@ std::vector<RenderSettings> candidates_of(const RenderSettings& settings, const 
 
 // What they had come to when the file of --resume was begun, maybe for fewer samples. Empty if there is no such file,
 // or it is of another render.
-std::optional<RenderSettings> recorded_choice(const Request& request, const Prepared& prepared) {
+std::optional<RenderSettings> recorded_choice(const RenderCommandRequest& request, const Prepared& prepared) {
   const RenderSettings& settings = request.render.settings;
   std::error_code error;
   if (!request.render.state.resume || !std::filesystem::exists(request.render.state.file, error)) return std::nullopt;
@@ -290,7 +292,7 @@ struct Choices {
 };
 
 // What pilots decide about the render, and who it then is.
-Choices settle_choices(Request& request, Prepared& prepared) {
+Choices settle_choices(RenderCommandRequest& request, Prepared& prepared) {
   RenderSettings& settings = request.render.settings;
   Choices choices;
   if (const std::optional<RenderSettings> recorded = recorded_choice(request, prepared)) {
@@ -317,7 +319,7 @@ Choices settle_choices(Request& request, Prepared& prepared) {
 }
 
 // Prints the trace of one path. Writes no file.
-int replay(const Request& request, Prepared& prepared) {
+int replay(const RenderCommandRequest& request, Prepared& prepared) {
   const RenderSettings& settings = request.render.settings;
   Device& device = *prepared.device;
   PathReplay replay(device, prepared.packed, prepared.view, settings, *prepared.kernels);
@@ -337,7 +339,7 @@ std::function<void(const Checkpoint&, const Picture&)> measure_checkpoints(const
 }
 
 // Shows the picture in the viewer of --tev. One that goes away does not end the render.
-void show(const Request& request, Prepared& prepared, const Picture& picture) {
+void show(const RenderCommandRequest& request, Prepared& prepared, const Picture& picture) {
   if (!prepared.viewer) return;
   if (prepared.viewer->show(request.output.pictures.front(), picture)) return;
   prepared.viewer.reset();
@@ -345,8 +347,8 @@ void show(const Request& request, Prepared& prepared, const Picture& picture) {
 }
 
 // Renders on all of --devices.
-SharedResult render_shared(const Request& request, Prepared& prepared, const std::optional<Picture>& reference,
-                           std::vector<TrueError>& true_errors) {
+SharedResult render_shared(const RenderCommandRequest& request, Prepared& prepared,
+                           const std::optional<Picture>& reference, std::vector<TrueError>& true_errors) {
   std::vector<RenderingDevice> devices{{prepared.device.get(), prepared.kernels.get()}};
   for (const OtherDevice& other : prepared.others) devices.push_back({other.device.get(), other.kernels.get()});
   RenderHooks hooks;
@@ -364,8 +366,8 @@ SharedResult render_shared(const Request& request, Prepared& prepared, const std
 
 // Renders, from the state of --checkpoint on where --resume asks for it. `true_errors`: one for each checkpoint that
 // this run passes, if there is a reference.
-RenderResult render_prepared(const Request& request, Prepared& prepared, const std::optional<Picture>& reference,
-                             std::vector<TrueError>& true_errors) {
+RenderResult render_prepared(const RenderCommandRequest& request, Prepared& prepared,
+                             const std::optional<Picture>& reference, std::vector<TrueError>& true_errors) {
   const StateRequest& state = request.render.state;
   const DeviceInfo& device = prepared.device->info();
   RenderSettings settings = request.render.settings;
@@ -391,7 +393,7 @@ RenderResult render_prepared(const Request& request, Prepared& prepared, const s
   return result;
 }
 
-bool reports_bias(const Request& request) {
+bool reports_bias(const RenderCommandRequest& request) {
   return !request.output.stats.empty() || request.output.json || request.output.verbose;
 }
 
@@ -419,7 +421,7 @@ RenderingDevice surviving(const Prepared& prepared, const SharedResult* shared) 
 }
 
 // What the depth costs, where a report tells it. Of integrators whose paths it cuts.
-std::optional<DepthCut> depth_cut(const Request& request, Prepared& prepared, const RenderResult& result,
+std::optional<DepthCut> depth_cut(const RenderCommandRequest& request, Prepared& prepared, const RenderResult& result,
                                   const RenderingDevice& on, SceneOnDevice& on_device) {
   const RenderSettings& settings = request.render.settings;
   if (!reports_bias(request) || !settings.integrator->measures_depth_cut || ended_early(result)) return std::nullopt;
@@ -428,7 +430,7 @@ std::optional<DepthCut> depth_cut(const Request& request, Prepared& prepared, co
   });
 }
 
-std::optional<LostLight> lost_light(const Request& request, Prepared& prepared, const RenderResult& result,
+std::optional<LostLight> lost_light(const RenderCommandRequest& request, Prepared& prepared, const RenderResult& result,
                                     const RenderingDevice& on, SceneOnDevice& on_device) {
   if (!reports_bias(request) || ended_early(result)) return std::nullopt;
   return unless_lost<LostLight>(prepared, [&] {
@@ -438,7 +440,7 @@ std::optional<LostLight> lost_light(const Request& request, Prepared& prepared, 
 }
 
 // Writes the pictures, reports what the run measured, and returns the exit code. Throws Error.
-int finish(const Request& request, Prepared& prepared, Run& run) {
+int finish(const RenderCommandRequest& request, Prepared& prepared, Run& run) {
   const RenderSettings& settings = request.render.settings;
   const RenderResult& result = run.result;
   Device& device = *prepared.device;
@@ -473,7 +475,7 @@ int finish(const Request& request, Prepared& prepared, Run& run) {
   return exit_code(request, result);
 }
 
-int run_render(Request& request) {
+int run_render(RenderCommandRequest& request) {
   const std::optional<Picture> reference = check(request);
   Prepared prepared = prepare(request);
   request.render.settings.moving = prepared.packed.moves(); // else the shutter would cost something
@@ -511,7 +513,7 @@ int run_render(Request& request) {
 
 Command add_render(CLI::App& app, const std::string& command_line) {
   CLI::App* command = add_command(app, "render", "path-trace a glTF scene to a picture");
-  const auto request = std::make_shared<Request>();
+  const auto request = std::make_shared<RenderCommandRequest>();
   request->command_line = command_line;
   add_output_flags(*command, request->output);
   add_picture_flags(*command, kByRender, request->render);

@@ -24,7 +24,6 @@ namespace wavepath {
 namespace {
 
 constexpr std::uint32_t kLargestIndex = std::numeric_limits<std::int32_t>::max(); // of pixels and samples
-constexpr std::uint32_t kOpenEndedSamples = 65536; // when time or error is to end the render
 constexpr std::string_view kBvhNames[] = {"auto", "fast", "balanced", "best"};
 constexpr const char* kTransport = "Light transport";
 

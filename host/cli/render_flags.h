@@ -16,6 +16,8 @@
 
 namespace wavepath {
 
+inline constexpr std::uint32_t kOpenEndedSamples = 65536; // where time, error or the user ends the render
+
 struct OutputRequest {
   std::vector<std::string> pictures; // .exr .hdr .png .jpg
   WriteOptions write;

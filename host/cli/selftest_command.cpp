@@ -9,12 +9,12 @@
 namespace wavepath {
 namespace {
 
-struct Request : SelftestRequest {
+struct SelftestCommandRequest : SelftestRequest {
   std::string device;
   bool full = false;
 };
 
-int run_selftest(const Request& request) {
+int run_selftest(const SelftestCommandRequest& request) {
   Device device(request.device);
   KernelCache kernels(device);
   return report_cases(selftest_cases(), {device, kernels, request.full}, request);
@@ -24,7 +24,7 @@ int run_selftest(const Request& request) {
 
 Command add_selftest(CLI::App& app) {
   CLI::App* command = add_command(app, "selftest", "check hard numerical cases on this device and driver");
-  const auto request = std::make_shared<Request>();
+  const auto request = std::make_shared<SelftestCommandRequest>();
   const char* group = "Cases";
   add_flag(
       *command, group, {"--only", "NAME", "repeatable; run only the cases whose name holds this", "all"},

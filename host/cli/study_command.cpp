@@ -38,7 +38,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Request {
+struct StudyCommandRequest {
   SceneRequest scene;
   RenderRequest render; // what all configurations have in common
   StudySettings study;
@@ -74,7 +74,7 @@ void prepare_shadow_study(StudySettings& study) {
 }
 
 // Refuses what cannot work before the time of rendering is spent. Creates nothing yet.
-void check_files(const Request& request) {
+void check_files(const StudyCommandRequest& request) {
   std::error_code error;
   if (!fs::is_regular_file(request.scene.path, error))
     throw Error(request.scene.path, "is not there as a file", "check the name");
@@ -84,7 +84,7 @@ void check_files(const Request& request) {
   require_writable(there ? (fs::path(request.folder) / "study.json").string() : request.folder);
 }
 
-std::optional<StudyReference> read_reference(Request& request) {
+std::optional<StudyReference> read_reference(StudyCommandRequest& request) {
   RenderSettings& settings = request.study.render;
   const bool filter_given = is_given(request.render, "filter");
   if (!filter_given) settings.filter = gpu::kFilterBox;
@@ -110,7 +110,7 @@ std::optional<StudyReference> read_reference(Request& request) {
 
 // The part that the commands repeating each row share: the scene and camera flags as they were given, then the settings
 // that all have in common. Each command has a seed of its own.
-std::string repeat_command(const CLI::App& app, const Request& request, bvh::Quality quality) {
+std::string repeat_command(const CLI::App& app, const StudyCommandRequest& request, bvh::Quality quality) {
   const RenderSettings& settings = request.study.render;
   std::string line = "wavepath render " + shell_quoted(request.scene.path);
   for (const CLI::Option* option : app.get_options([](const CLI::Option* o) {
@@ -152,7 +152,8 @@ private:
 };
 
 // Packs the scene for all that the grid wants packed otherwise, and tells each warning once.
-StudyScene pack_scene(LoadedScene& loaded, const Request& request, bvh::Quality quality, const DeviceInfo& device) {
+StudyScene pack_scene(LoadedScene& loaded, const StudyCommandRequest& request, bvh::Quality quality,
+                      const DeviceInfo& device) {
   StudyScene study;
   Scene& scene = loaded.scene;
   study.view =
@@ -177,7 +178,7 @@ StudyScene pack_scene(LoadedScene& loaded, const Request& request, bvh::Quality 
   return study;
 }
 
-int run_study_command(const CLI::App& app, Request& request) {
+int run_study_command(const CLI::App& app, StudyCommandRequest& request) {
   StudySettings& settings = request.study;
   const IntegratorKind* kind = settings.render.integrator;
   settings.render = request.render.settings;
@@ -239,7 +240,7 @@ int run_study_command(const CLI::App& app, Request& request) {
 
 Command add_study(CLI::App& app, const std::string& command_line) {
   CLI::App* command = add_command(app, "study", "measure error against time for a grid of configurations");
-  const auto request = std::make_shared<Request>();
+  const auto request = std::make_shared<StudyCommandRequest>();
   request->command_line = command_line;
   StudySettings& study = request->study;
   study.vary = {"sampler", "direct"};

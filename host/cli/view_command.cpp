@@ -30,11 +30,11 @@
 namespace wavepath {
 namespace {
 
-constexpr std::uint32_t kOpenEndedSamples = 65536, kMostFrames = 1u << 30;
+constexpr std::uint32_t kMostFrames = 1u << 30;
 // Samples per pixel that the tree is to pay for: few, because the first picture should appear soon.
 constexpr std::uint32_t kExpectedSamples = 16;
 
-struct Request {
+struct ViewCommandRequest {
   SceneRequest scene;
   RenderRequest render;
   WriteOptions tone;
@@ -45,7 +45,7 @@ struct Request {
   std::string command_line;
 };
 
-void check_comparison(Request& request) {
+void check_comparison(ViewCommandRequest& request) {
   const bool judges = request.shown == Shown::shadow_error;
   if (!request.comparison.split && !judges) return;
   RenderSettings& settings = request.render.settings;
@@ -56,7 +56,7 @@ void check_comparison(Request& request) {
   if (std::ranges::count(settings.aovs, "direct") == 0) settings.aovs.emplace_back("direct");
 }
 
-void check(Request& request) {
+void check(ViewCommandRequest& request) {
   RenderSettings& settings = request.render.settings;
   if (!can_show(*settings.integrator, request.shown))
     throw UsageError(fmt::format("--show {}", kShownNames[static_cast<std::size_t>(request.shown)]),
@@ -94,7 +94,7 @@ void check(Request& request) {
 // The scene in the window, with the device, the kernels and the render that the window shows.
 class Viewing {
 public:
-  explicit Viewing(const Request& request)
+  explicit Viewing(const ViewCommandRequest& request)
       : request_(request),
         open_(open_scene(request.scene, request.render, window_extensions())),
         scene_(open_.loaded.scene) {
@@ -232,7 +232,7 @@ private:
     environment_ = choice;
   }
 
-  const Request& request_;
+  const ViewCommandRequest& request_;
   OpenScene open_;
   Scene& scene_; // of it
   Packing packing_;
@@ -241,21 +241,21 @@ private:
   std::unique_ptr<Progressive> progressive_;
 };
 
-int run_view(Request& request) {
+int run_view(ViewCommandRequest& request) {
   check(request);
   return Viewing(request).run();
 }
 
 #else
 
-int run_view(Request& request) {
+int run_view(ViewCommandRequest& request) {
   check(request);
   throw Error("view", "this build has no window", "build with -DWAVEPATH_VIEWER=ON, or use 'wavepath render'");
 }
 
 #endif
 
-void add_window_flags(CLI::App& app, Request& request) {
+void add_window_flags(CLI::App& app, ViewCommandRequest& request) {
   const char* group = "Window";
   static constexpr Wording kWordings[] = {
       {"spp", "samples per pixel at which rendering ends", "65536", kMostFrames},
@@ -290,7 +290,7 @@ void add_window_flags(CLI::App& app, Request& request) {
 
 Command add_view(CLI::App& app, const std::string& command_line) {
   CLI::App* command = add_command(app, "view", "look at a scene in a window while it is path-traced");
-  const auto request = std::make_shared<Request>();
+  const auto request = std::make_shared<ViewCommandRequest>();
   request->command_line = command_line;
   add_window_flags(*command, *request);
   add_tone_flags(*command, request->tone);

@@ -15,9 +15,9 @@ namespace wavepath {
 namespace {
 
 using glm::dvec3;
-constexpr double kPi = std::numbers::pi;
-constexpr double kPixelsPerDegree = 0.7 * 3840.0 / 0.7 * kPi / 180.0; // 0.7 m from a 0.7 m wide monitor of 3840 pixels
-const dvec3 kWhite(0.950428545, 1.0, 1.088900371);                    // CIE XYZ of D65
+using std::numbers::pi;
+constexpr double kPixelsPerDegree = 0.7 * 3840.0 / 0.7 * pi / 180.0; // 0.7 m from a 0.7 m wide monitor of 3840 pixels
+const dvec3 kWhite(0.950428545, 1.0, 1.088900371);                   // CIE XYZ of D65
 
 // One value or colour a pixel.
 template <class T>
@@ -107,16 +107,15 @@ constexpr Sensitivity kAchromatic{1.0, 0.0047, 0.0, 1e-5}, kRedGreen{1.0, 0.0053
 Kernel gaussian(double b, int radius) {
   Kernel kernel;
   for (int k = -radius; k <= radius; ++k)
-    kernel.push_back(std::exp(-kPi * kPi * k * k / (kPixelsPerDegree * kPixelsPerDegree * b)));
+    kernel.push_back(std::exp(-pi * pi * k * k / (kPixelsPerDegree * kPixelsPerDegree * b)));
   return kernel;
 }
 
 // A sum of two separable filters, scaled to unit sum.
 Plane<double> filter(const Plane<double>& in, const Sensitivity& s) {
-  const int radius =
-      static_cast<int>(std::ceil(3.0 * std::sqrt(kBlueYellow.b1 / (2.0 * kPi * kPi)) * kPixelsPerDegree));
+  const int radius = static_cast<int>(std::ceil(3.0 * std::sqrt(kBlueYellow.b1 / (2.0 * pi * pi)) * kPixelsPerDegree));
   const Kernel first = gaussian(s.b1, radius), second = gaussian(s.b2, radius);
-  const double w1 = s.a1 * std::sqrt(kPi / s.b1), w2 = s.a2 * std::sqrt(kPi / s.b2);
+  const double w1 = s.a1 * std::sqrt(pi / s.b1), w2 = s.a2 * std::sqrt(pi / s.b2);
   const double sum = w1 * std::pow(sum_of(first), 2) + w2 * std::pow(sum_of(second), 2);
   Plane<double> out = convolve(in, first, first);
   for (double& value : out.values) value *= w1 / sum;

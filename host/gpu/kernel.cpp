@@ -13,7 +13,7 @@
 namespace wavepath {
 namespace {
 
-struct Format {
+struct TexelFormat {
   VkFormat format;
   std::uint64_t bytes;
 };
@@ -25,7 +25,7 @@ VkDescriptorType descriptor_type(BindingKind kind) {
   return VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER;
 }
 
-Format texel_format(BindingKind kind) {
+TexelFormat texel_format(BindingKind kind) {
   switch (kind) {
     case BindingKind::texels_rgba32f:
       return {VK_FORMAT_R32G32B32A32_SFLOAT, 16};

@@ -13,10 +13,10 @@ namespace {
 using namespace spirv;
 
 enum Decoration : std::uint32_t { kBlock = 2, kArrayStride = 6, kNonWritable = 24, kBinding = 33, kOffset = 35 };
-constexpr std::uint32_t kUniformConstant = 0, kStorageBuffer = 12; // storage classes
-constexpr std::uint32_t kDimBuffer = 5, kSampled = 1;              // of OpTypeImage
+constexpr std::uint32_t kStorageBuffer = 12;          // a storage class
+constexpr std::uint32_t kDimBuffer = 5, kSampled = 1; // of OpTypeImage
 
-struct Block {
+struct TexelBlock {
   std::uint32_t components = 4, slot = 0;
   std::uint32_t component = 0; // type id: of uints or floats
   std::uint32_t element = 0;   // type ids: of the component or of a vector of them,
@@ -126,7 +126,7 @@ private:
   }
 
   void fetch(std::uint32_t variable, std::uint32_t type, std::uint32_t result, std::uint32_t index) {
-    const Block& block = blocks_[variable];
+    const TexelBlock& block = blocks_[variable];
     const std::uint32_t place = next();
     put(out_, OpAccessChain, {block.pointer, place, variable, zero_, index});
     if (block.components == 4) return put(out_, OpLoad, {type, result, place});
@@ -173,7 +173,7 @@ private:
   std::span<const StorageTexels> texels_;
   std::uint32_t bound_, uint_ = 0, float_ = 0, zero_ = 0;
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> vectors_; // by type and number of components
-  std::map<std::uint32_t, Block> blocks_;                                    // by variable
+  std::map<std::uint32_t, TexelBlock> blocks_;                               // by variable
   std::map<std::uint32_t, std::uint32_t> loaded_, zeros_, ones_;             // variables by image; constants by type
   std::vector<std::uint32_t> decorations_, declarations_, out_;
 };

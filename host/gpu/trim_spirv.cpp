@@ -15,7 +15,6 @@ using namespace spirv;
 
 constexpr std::uint32_t kSpecId = 1; // a decoration
 constexpr std::uint32_t kNowhere = ~0u;
-constexpr std::uint32_t kUniformConstant = 0; // a storage class: textures and texel buffers
 
 using Value = std::optional<std::uint32_t>; // of an integer of 32 bits or a boolean, where it is known
 

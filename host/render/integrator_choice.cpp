@@ -16,7 +16,7 @@
 namespace wavepath {
 namespace {
 
-constexpr std::uint32_t kLongestSide = 64, kSamples = 16; // of a pilot
+constexpr std::uint32_t kPilotSide = 64, kPilotSamples = 16;
 // Iterations of a guiding pilot in a trial: enough to see that it does not pay; where it does, the field of the whole
 // render, which learns for longer, is better still.
 constexpr std::uint32_t kGuideIterations = 2;
@@ -33,7 +33,7 @@ constexpr double kMissing = 0.01, kSure = 4.0;
 constexpr double kNever = 1e30; // a cost that no other exceeds
 
 RenderSettings pilot_of(const RenderSettings& settings) {
-  RenderSettings small = small_picture(settings, kLongestSide, kSamples);
+  RenderSettings small = small_picture(settings, kPilotSide, kPilotSamples);
   small.seed = settings.seed ^ 0x9e3779b9u;
   small.guide_iterations = kGuideIterations;
   return small;

@@ -10,7 +10,7 @@
 namespace wavepath {
 namespace {
 
-constexpr std::uint32_t kLongestSide = 64, kSamples = 16;
+constexpr std::uint32_t kLostLightSide = 64, kLostLightSamples = 16;
 
 } // namespace
 
@@ -29,7 +29,7 @@ std::optional<LostLight> measure_lost_light(Device& device, const PackedScene& s
   const IntegratorKind& kind = *settings.integrator; // of those that claim all light up to their depth
   if (!kind.measures_depth_cut || kind.splats || finder == integrators().end() || !may_lose_light(scene))
     return std::nullopt;
-  RenderSettings small = small_picture(settings, kLongestSide, kSamples);
+  RenderSettings small = small_picture(settings, kLostLightSide, kLostLightSamples);
   small.light_shares = shared.light_shares;
   const PictureLight found = light_of(*render(device, scene, view, small, RenderHooks{}, kernels, &shared).film);
   small.integrator = *finder;

@@ -17,15 +17,15 @@
 namespace wavepath {
 namespace {
 
-constexpr std::uint32_t kLongestSide = 48, kSamples = 8; // of a pilot
-constexpr std::uint32_t kTried = 4;                      // besides 1
-constexpr double kWholeOverPilots = 20.0;                // in paths
+constexpr std::uint32_t kSkyPilotSide = 48, kSkyPilotSamples = 8;
+constexpr std::uint32_t kTried = 4;          // besides 1
+constexpr double kWholeOverSkyPilots = 20.0; // in paths
 // In paths: what compiling takes of a CPU that also renders, if it is not done while the scene is loaded.
-constexpr double kCpuKernels = 5e5;
+constexpr double kCpuSkyKernels = 5e5;
 constexpr double kWorthwhile = 0.9; // costs above this are not told from chance
 
-RenderSettings pilot_of(const RenderSettings& settings, std::uint32_t sky_samples) {
-  RenderSettings small = small_picture(settings, kLongestSide, kSamples);
+RenderSettings sky_pilot_of(const RenderSettings& settings, std::uint32_t sky_samples) {
+  RenderSettings small = small_picture(settings, kSkyPilotSide, kSkyPilotSamples);
   small.seed = settings.seed ^ 0x85ebca6bu;
   small.guide = false;
   small.sky_samples = sky_samples;
@@ -41,25 +41,25 @@ struct Cost {
 
 bool may_try_sky(const RenderSettings& settings, bool cpu) {
   return settings.sky_samples == 0 && takes(*settings.integrator, "sky-samples") &&
-         expected_paths(settings, cpu) >= kWholeOverPilots * 2.0 * paths_of(pilot_of(settings, 1));
+         expected_paths(settings, cpu) >= kWholeOverSkyPilots * 2.0 * paths_of(sky_pilot_of(settings, 1));
 }
 
 SkyChoice choose_sky_samples(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings,
                              KernelCompiler& kernels, SceneOnDevice& shared) {
   const bool cpu = device.info().type == "cpu";
-  const bool longer = expected_paths(settings, cpu) >= kWholeOverPilots * kCpuKernels;
+  const bool longer = expected_paths(settings, cpu) >= kWholeOverSkyPilots * kCpuSkyKernels;
   if (!may_try_sky(settings, cpu) || !may_share_sky(settings, scene.features) ||
       !(longer || tries_sky_cheaply(scene.features)))
     return {};
   const Clock::time_point start = Clock::now();
   SkyChoice choice{.samples = 1};
-  RenderLoop loop(device, scene, view, pilot_of(settings, kTried), kernels, {}, {}, shared.scene);
+  RenderLoop loop(device, scene, view, sky_pilot_of(settings, kTried), kernels, {}, {}, shared.scene);
   if (!shared.scene) {
     shared.scene = loop.workspace().on_device;
     shared.upload_seconds = loop.workspace().upload_seconds;
   }
   const auto measure = [&](std::uint32_t sky_samples) {
-    const RenderSettings small = pilot_of(settings, sky_samples);
+    const RenderSettings small = sky_pilot_of(settings, sky_samples);
     loop.restart(view, small);
     while (loop.step()) {
     }

@@ -12,12 +12,12 @@
 namespace wavepath {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
+using std::numbers::pi;
 // 0.18 degrees a texel, so that the sun is three texels wide: interpolation blurs its rim by a third of its width.
-constexpr std::uint32_t kWidth = 2048, kHeight = 1024;
+constexpr std::uint32_t kSkyWidth = 2048, kSkyHeight = 1024;
 constexpr double kTurbidity = 3.0; // clear, with a little haze
 constexpr double kGroundAlbedo = 0.2;
-constexpr double kSunZenith = 0.5 * kPi - kSunElevation;
+constexpr double kSunZenith = 0.5 * pi - kSunElevation;
 
 // Perez' five coefficients, each linear in turbidity: slope and constant.
 struct Perez {
@@ -39,7 +39,7 @@ constexpr Perez kChromaY{-0.0167 * kT - 0.2608, -0.0950 * kT + 0.0092, -0.0079 *
 
 // At the zenith: luminance in kcd/m^2, chromaticities.
 double zenith_luminance() {
-  const double chi = (4.0 / 9.0 - kT / 120.0) * (kPi - 2.0 * kSunZenith);
+  const double chi = (4.0 / 9.0 - kT / 120.0) * (pi - 2.0 * kSunZenith);
   return (4.0453 * kT - 4.9710) * std::tan(chi) - 0.2155 * kT + 2.4192;
 }
 
@@ -110,8 +110,8 @@ glm::dvec3 sun_illuminance() {
 void add_sun(Environment& map, const glm::dvec3& illuminance) {
   constexpr int kPieces = 16; // a side of a texel
   const glm::dvec3 sun = sun_direction();
-  const glm::dvec2 middle = environment_uv(sun, 0.0) * glm::dvec2(kWidth, kHeight);
-  const int reach_y = static_cast<int>(kSunRadius / kPi * kHeight) + 2,
+  const glm::dvec2 middle = environment_uv(sun, 0.0) * glm::dvec2(kSkyWidth, kSkyHeight);
+  const int reach_y = static_cast<int>(kSunRadius / pi * kSkyHeight) + 2,
             reach_x = static_cast<int>(reach_y / std::cos(kSunElevation)) + 1;
   struct Covered {
     std::size_t texel;
@@ -124,18 +124,19 @@ void add_sun(Environment& map, const glm::dvec3& illuminance) {
       int inside = 0;
       for (int piece = 0; piece < kPieces * kPieces; ++piece) {
         const glm::dvec2 at(x + (piece % kPieces + 0.5) / kPieces, y + (piece / kPieces + 0.5) / kPieces);
-        const glm::dvec3 d = environment_direction(at / glm::dvec2(kWidth, kHeight), 0.0);
+        const glm::dvec3 d = environment_direction(at / glm::dvec2(kSkyWidth, kSkyHeight), 0.0);
         inside += glm::length(glm::cross(d, sun)) < std::sin(kSunRadius);
       }
       if (inside == 0) continue;
       const auto row = static_cast<std::size_t>(y);
       const double share = static_cast<double>(inside) / (kPieces * kPieces);
-      covered.push_back({row * kWidth + static_cast<std::size_t>(x), share * texel_solid_angle(row, kWidth, kHeight)});
+      covered.push_back(
+          {row * kSkyWidth + static_cast<std::size_t>(x), share * texel_solid_angle(row, kSkyWidth, kSkyHeight)});
       total += covered.back().solid_angle;
     }
   for (const Covered& part : covered) {
-    const std::size_t row = part.texel / kWidth;
-    const double share = part.solid_angle / total / texel_solid_angle(row, kWidth, kHeight);
+    const std::size_t row = part.texel / kSkyWidth;
+    const double share = part.solid_angle / total / texel_solid_angle(row, kSkyWidth, kSkyHeight);
     map.map[part.texel] += glm::vec3(illuminance * share);
   }
 }
@@ -145,16 +146,16 @@ void add_sun(Environment& map, const glm::dvec3& illuminance) {
 Environment sky_environment() {
   Environment map;
   map.radiance = glm::vec3(1.0f);
-  map.width = kWidth, map.height = kHeight;
-  map.map.resize(std::size_t{kWidth} * kHeight);
+  map.width = kSkyWidth, map.height = kSkyHeight;
+  map.map.resize(std::size_t{kSkyWidth} * kSkyHeight);
   const Sky sky;
-  tbb::parallel_for(0u, kHeight / 2, [&](std::uint32_t y) {
-    for (std::uint32_t x = 0; x < kWidth; ++x)
-      map.map[std::size_t{y} * kWidth + x] =
-          glm::vec3(sky.radiance(environment_direction({(x + 0.5) / kWidth, (y + 0.5) / kHeight}, 0.0)));
+  tbb::parallel_for(0u, kSkyHeight / 2, [&](std::uint32_t y) {
+    for (std::uint32_t x = 0; x < kSkyWidth; ++x)
+      map.map[std::size_t{y} * kSkyWidth + x] =
+          glm::vec3(sky.radiance(environment_direction({(x + 0.5) / kSkyWidth, (y + 0.5) / kSkyHeight}, 0.0)));
   });
   add_sun(map, sun_illuminance());
-  const glm::vec3 ground(kGroundAlbedo / kPi * floor_irradiance(map));
+  const glm::vec3 ground(kGroundAlbedo / pi * floor_irradiance(map));
   std::fill(map.map.begin() + map.map.size() / 2, map.map.end(), ground);
   expose_for_white_floor(map);
   return map;

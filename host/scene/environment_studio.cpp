@@ -12,7 +12,8 @@
 namespace wavepath {
 namespace {
 
-constexpr std::uint32_t kWidth = 512, kHeight = 256; // 0.7 degrees a texel; the edges of the boxes are 3 wide
+constexpr std::uint32_t kStudioWidth = 512,
+                        kStudioHeight = 256; // 0.7 degrees a texel; the edges of the boxes are 3 wide
 
 // A lamp with a rectangular face that is square to the line of sight from the subject.
 struct SoftBox {
@@ -74,14 +75,14 @@ double backdrop(const glm::dvec3& d) {
 Environment studio_environment() {
   Environment studio;
   studio.radiance = glm::vec3(1.0f);
-  studio.width = kWidth, studio.height = kHeight;
-  studio.map.resize(std::size_t{kWidth} * kHeight);
-  tbb::parallel_for(0u, kHeight, [&](std::uint32_t y) {
-    for (std::uint32_t x = 0; x < kWidth; ++x) {
-      const glm::dvec3 d = environment_direction({(x + 0.5) / kWidth, (y + 0.5) / kHeight}, 0.0);
+  studio.width = kStudioWidth, studio.height = kStudioHeight;
+  studio.map.resize(std::size_t{kStudioWidth} * kStudioHeight);
+  tbb::parallel_for(0u, kStudioHeight, [&](std::uint32_t y) {
+    for (std::uint32_t x = 0; x < kStudioWidth; ++x) {
+      const glm::dvec3 d = environment_direction({(x + 0.5) / kStudioWidth, (y + 0.5) / kStudioHeight}, 0.0);
       double radiance = backdrop(d);
       for (const SoftBox& box : kBoxes) radiance += box.radiance * shine(box, d);
-      studio.map[std::size_t{y} * kWidth + x] = glm::vec3(static_cast<float>(radiance));
+      studio.map[std::size_t{y} * kStudioWidth + x] = glm::vec3(static_cast<float>(radiance));
     }
   });
   expose_for_white_floor(studio);

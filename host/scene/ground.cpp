@@ -11,7 +11,7 @@
 namespace wavepath {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
+using std::numbers::pi;
 constexpr std::uint32_t kSectors = 96;
 constexpr std::uint32_t kRings = 24; // of the part that fades
 constexpr double kOpaque = 1.0;      // radii of the asset's footprint that are opaque,
@@ -48,7 +48,7 @@ glm::vec3 albedo_under(const Environment& environment) {
   const glm::dvec3 irradiance = floor_irradiance(environment), behind = radiance_behind(environment);
   glm::vec3 albedo;
   for (int c = 0; c < 3; ++c)
-    albedo[c] = irradiance[c] > 0.0 ? static_cast<float>(std::min(kPi * behind[c] / irradiance[c], kBrightest)) : 0.2f;
+    albedo[c] = irradiance[c] > 0.0 ? static_cast<float>(std::min(pi * behind[c] / irradiance[c], kBrightest)) : 0.2f;
   return albedo;
 }
 
@@ -62,11 +62,11 @@ Mesh make_disc(double radius, std::uint32_t material) {
     const double t = static_cast<double>(ring) / kRings;
     const double r = radius * (kOpaque + (kFaded - kOpaque) * t);
     for (std::uint32_t sector = 0; sector < kSectors; ++sector) {
-      const double angle = 2.0 * kPi * sector / kSectors;
+      const double angle = 2.0 * pi * sector / kSectors;
       disc.positions.push_back(
           glm::vec3(r * std::cos(angle), 0.0, -r * std::sin(angle))); // counter-clockwise from above
       disc.colors.push_back(
-          {1.0f, 1.0f, 1.0f, ring == kRings ? 0.0f : static_cast<float>(0.5 + 0.5 * std::cos(kPi * t))});
+          {1.0f, 1.0f, 1.0f, ring == kRings ? 0.0f : static_cast<float>(0.5 + 0.5 * std::cos(pi * t))});
     }
   }
   const auto vertex = [](std::uint32_t ring, std::uint32_t sector) { return 1 + ring * kSectors + sector % kSectors; };

@@ -14,7 +14,7 @@
 namespace wavepath {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
+using std::numbers::pi;
 constexpr std::uint64_t kMostTriangles = std::uint64_t{1} << 24; // more are not looked through,
 constexpr std::uint64_t kMostAsTheyAre = std::uint64_t{1} << 14; // and more are simplified
 
@@ -135,7 +135,7 @@ Sight look(const Geometry& geometry, const glm::dvec3& eye, const glm::dvec3& di
 // Evenly over the sphere (a Fibonacci lattice).
 glm::dvec3 lattice_direction(int i, int count) {
   const double y = 1.0 - (2.0 * i + 1.0) / count, r = std::sqrt(1.0 - y * y);
-  const double phi = 2.0 * kPi * std::fmod(i / std::numbers::phi, 1.0);
+  const double phi = 2.0 * pi * std::fmod(i / std::numbers::phi, 1.0);
   return {r * std::cos(phi), y, r * std::sin(phi)};
 }
 
@@ -177,7 +177,7 @@ Way longest_way(const Geometry& geometry, const glm::dvec3& eye, double clearanc
   constexpr int kAzimuths = 96, kAside = 2, kWide = 10; // rays to either side: of 15 degrees in all, of 75
   double ways[kAzimuths], seen[kAzimuths];
   for (int a = 0; a < kAzimuths; ++a) {
-    const double azimuth = 2.0 * kPi * a / kAzimuths;
+    const double azimuth = 2.0 * pi * a / kAzimuths;
     const Sight sight = look(geometry, eye, {std::sin(azimuth), 0.0, std::cos(azimuth)});
     if (sight.distance < clearance) return {};
     seen[a] = std::isinf(sight.distance) ? clearance : sight.distance;
@@ -191,7 +191,7 @@ Way longest_way(const Geometry& geometry, const glm::dvec3& eye, double clearanc
     for (int i = -kWide; i <= kWide; ++i)
       wide += std::log(std::max(seen[(a + i + kAzimuths) % kAzimuths], clearance)) / (2 * kWide + 1);
     const double worth = near[1] * std::exp(wide);
-    if (worth > longest.worth) longest = {near[1], 2.0 * kPi * a / kAzimuths, worth};
+    if (worth > longest.worth) longest = {near[1], 2.0 * pi * a / kAzimuths, worth};
   }
   return longest;
 }

@@ -213,7 +213,7 @@ Measurement last_samples(const SelftestContext& context) {
           "samplers"};
 }
 
-constexpr SelftestCase kCases[] = {
+constexpr SelftestCase kAccumulationCases[] = {
     {35, "mean of very many samples", "long renders drift in brightness", many_samples},
     {36, "precise arithmetic survives the driver", "long renders lose light and meshes leak: the driver reorders sums",
      precise_arithmetic},
@@ -222,6 +222,6 @@ constexpr SelftestCase kCases[] = {
 
 } // namespace
 
-std::span<const SelftestCase> accumulation_cases() { return kCases; }
+std::span<const SelftestCase> accumulation_cases() { return kAccumulationCases; }
 
 } // namespace wavepath

@@ -17,7 +17,7 @@
 namespace wavepath {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
+using std::numbers::pi;
 
 Environment uniform_map(std::uint32_t width, float radiance) {
   Environment map;
@@ -33,7 +33,7 @@ glm::dvec3 direction_at(const Environment& map, double column, double row) {
 
 double solid_angle(const Environment& map, double row, double texels) { // of a piece of 1 / texels of a texel's sides
   const double step = 1.0 / texels / map.height;
-  return 2.0 * kPi / (map.width * texels) * kPi * step * std::sin(kPi * row / map.height);
+  return 2.0 * pi / (map.width * texels) * pi * step * std::sin(pi * row / map.height);
 }
 
 // A white floor under the map, seen at one point.
@@ -45,7 +45,7 @@ Scene under_sky(const Environment& map) {
   return scene;
 }
 
-constexpr double kSunRadius = 0.2666 * kPi / 180.0, kSunRadiance = 1.6e9, kSky = 0.1;
+constexpr double kSunRadius = 0.2666 * pi / 180.0, kSunRadiance = 1.6e9, kSky = 0.1;
 
 // A disc in a sky of `kSky`: each texel holds what of it the disc covers. `sun`: the direction that is its middle.
 Environment sun_and_sky(std::uint32_t width, glm::dvec3& sun) {
@@ -53,7 +53,7 @@ Environment sun_and_sky(std::uint32_t width, glm::dvec3& sun) {
   constexpr int kPieces = 16;
   const double column = 0.3 * width + 0.37, row = 0.17 * width + 0.21; // 28.8 degrees above the horizon
   sun = direction_at(map, column, row);
-  const int reach_rows = static_cast<int>(std::ceil(kSunRadius / kPi * map.height)) + 1, reach_columns = 2 * reach_rows;
+  const int reach_rows = static_cast<int>(std::ceil(kSunRadius / pi * map.height)) + 1, reach_columns = 2 * reach_rows;
   for (int y = static_cast<int>(row) - reach_rows; y <= static_cast<int>(row) + reach_rows; ++y)
     for (int x = static_cast<int>(column) - reach_columns; x <= static_cast<int>(column) + reach_columns; ++x) {
       int covered = 0;
@@ -71,12 +71,12 @@ Environment sun_and_sky(std::uint32_t width, glm::dvec3& sun) {
 Measurement sun_in_sky(const SelftestContext& context) {
   glm::dvec3 sun;
   Scene scene = under_sky(sun_and_sky(context.full ? 8192 : 2048, sun));
-  const double solid_angle_of_disc = 2.0 * kPi * (1.0 - std::cos(kSunRadius)); // 6.8018e-5 sr
-  const double expected = kSunRadiance * solid_angle_of_disc * sun.y + kPi * kSky;
+  const double solid_angle_of_disc = 2.0 * pi * (1.0 - std::cos(kSunRadius)); // 6.8018e-5 sr
+  const double expected = kSunRadiance * solid_angle_of_disc * sun.y + pi * kSky;
   Studio studio(context);
   Worst worst;
   const RenderSettings settings = square(16, context.full ? 4096 : 512, 1);
-  worst.add(studio.measure(scene, settings), expected / kPi, 1e-3 * expected / kPi, "in the sun");
+  worst.add(studio.measure(scene, settings), expected / pi, 1e-3 * expected / pi, "in the sun");
 
   const glm::dvec3 aside = glm::normalize(glm::cross(sun, glm::dvec3(0, 1, 0))), over = glm::cross(aside, sun);
   const float half = 0.05f; // ten times the sun, half a degree more than what bilinear interpolation spreads it over
@@ -84,7 +84,7 @@ Measurement sun_in_sky(const SelftestContext& context) {
   const Triangles plate = quad(glm::vec3(sun) - 0.5f * (a + b), a, b);
   add_triangles(scene, plate, add_lambert(scene, glm::vec3(0.0f)));
   const double hidden = std::max(irradiance(plate), irradiance(flipped(plate))); // only the face it turns to us counts
-  worst.add(studio.measure(scene, settings), kSky * (1.0 - hidden / kPi), 1e-5, "in the shade");
+  worst.add(studio.measure(scene, settings), kSky * (1.0 - hidden / pi), 1e-5, "in the shade");
   return worst.judge();
 }
 
@@ -101,7 +101,7 @@ void try_one_texel(const SelftestContext& context, Studio& studio, Worst& worst)
       const double u = (i + 0.5) / kPieces - 1.0, v = (j + 0.5) / kPieces - 1.0; // from the texel's centre
       const double x = column + 0.5 + u, y = row + 0.5 + v;
       expected += 1e9 * (1.0 - std::abs(u)) * (1.0 - std::abs(v)) * direction_at(map, x, y).y *
-                  solid_angle(map, y, kPieces) / kPi;
+                  solid_angle(map, y, kPieces) / pi;
     }
   const Estimate estimate = studio.measure(under_sky(map), square(16, context.full ? 4096 : 512, 1));
   worst.add(estimate, expected, 1e-4 * expected, fmt::format("one texel of 1e9 in a map of {} x {}", width, width / 2));
@@ -138,7 +138,7 @@ Measurement texel_extremes(const SelftestContext& context) {
   return worst.judge();
 }
 
-constexpr SelftestCase kCases[] = {
+constexpr SelftestCase kEnvironmentCases[] = {
     {33, "sun of 1.6e9 in a dark sky", "outdoor scenes are too bright or too dark, in the sun or in the shade",
      sun_in_sky},
     {34, "environment texels 1e9, black, NaN",
@@ -147,6 +147,6 @@ constexpr SelftestCase kCases[] = {
 
 } // namespace
 
-std::span<const SelftestCase> environment_cases() { return kCases; }
+std::span<const SelftestCase> environment_cases() { return kEnvironmentCases; }
 
 } // namespace wavepath

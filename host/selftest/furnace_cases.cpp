@@ -170,7 +170,7 @@ Measurement depth_cap(const SelftestContext& context) {
   return worst.judge();
 }
 
-constexpr SelftestCase kCases[] = {
+constexpr SelftestCase kFurnaceCases[] = {
     {22, "white furnace, Lambert", "diffuse surfaces gain or lose light at every bounce", lambert_furnace},
     {23, "white furnace, GGX", "rough metals come out too bright or too dark", ggx_furnace},
     {0, "white furnace, coated diffuse", "plastics glow at their edges", coat_furnace},
@@ -182,6 +182,6 @@ constexpr SelftestCase kCases[] = {
 
 } // namespace
 
-std::span<const SelftestCase> furnace_cases() { return kCases; }
+std::span<const SelftestCase> furnace_cases() { return kFurnaceCases; }
 
 } // namespace wavepath

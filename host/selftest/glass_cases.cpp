@@ -12,7 +12,7 @@
 namespace wavepath {
 namespace {
 
-constexpr double kRounding = 1e-5; // relative: a path crosses tens of surfaces, each of which rounds a few times
+constexpr double kGlassRounding = 1e-5; // relative: a path crosses tens of surfaces, each of which rounds a few times
 
 // A metal floor that mirrors a lamp and, beside it, a sky of another radiance: next-event estimation picks points of
 // the lamp, so that a narrow lobe is met by both techniques.
@@ -59,7 +59,7 @@ Measurement clear_bodies(const SelftestContext& context) {
         worst.add(estimate.nonfinite > 0 ? std::nan("")
                   : dark                 ? estimate.smallest
                                          : estimate.largest,
-                  1.0, kRounding,
+                  1.0, kGlassRounding,
                   fmt::format("ior {:.7g}{}, roughness {:g}", ior, bubble ? " with a bubble of ior 1" : "", roughness));
       }
     }
@@ -125,8 +125,8 @@ Measurement glass_slab(const SelftestContext& context) {
   Studio studio(context);
   Worst worst;
   const RenderSettings settings = square(16, context.full ? 8192 : 256, 32);
-  worst.add(studio.measure(slabs(1.5f, 1, false), settings), reflected, kRounding, "reflected");
-  worst.add(studio.measure(slabs(1.5f, 1, true), settings), 1.0 - reflected, kRounding, "transmitted");
+  worst.add(studio.measure(slabs(1.5f, 1, false), settings), reflected, kGlassRounding, "reflected");
+  worst.add(studio.measure(slabs(1.5f, 1, true), settings), 1.0 - reflected, kGlassRounding, "transmitted");
   return worst.judge();
 }
 
@@ -146,13 +146,13 @@ Measurement nested_glass(const SelftestContext& context) {
     look_down(scene, 0.1, 5.0);
     const double expected = 1.0 - stack_reflectance(static_cast<double>(static_cast<float>(ior)), 6);
     const std::uint32_t samples = ior < 10.0 ? 64 : 256; // of an ior of 10 little light gets through
-    worst.add(studio.measure(scene, square(16, context.full ? 8192 : samples, 128), 2), expected, kRounding,
+    worst.add(studio.measure(scene, square(16, context.full ? 8192 : samples, 128), 2), expected, kGlassRounding,
               fmt::format("ior {:.7g}", ior));
   }
   return worst.judge();
 }
 
-constexpr SelftestCase kCases[] = {
+constexpr SelftestCase kGlassCases[] = {
     {24, "roughness near zero", "polished metal shows specks, or the wrong brightness", nearly_smooth},
     {26, "white furnace, glass of ior 1 to 10", "glass gains or loses light", clear_bodies},
     {27, "total reflection", "the rim of the window seen from under water is in the wrong place, or holes show",
@@ -163,6 +163,6 @@ constexpr SelftestCase kCases[] = {
 
 } // namespace
 
-std::span<const SelftestCase> glass_cases() { return kCases; }
+std::span<const SelftestCase> glass_cases() { return kGlassCases; }
 
 } // namespace wavepath

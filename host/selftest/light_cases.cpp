@@ -12,9 +12,9 @@
 namespace wavepath {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-constexpr double kRounding = 1e-5; // relative
-constexpr double kExtent = 1e-6;   // of the picture: one point of the receiver, to 1e-6 of the distance to its lights
+using std::numbers::pi;
+constexpr double kLightRounding = 1e-5; // relative
+constexpr double kExtent = 1e-6; // of the picture: one point of the receiver, to 1e-6 of the distance to its lights
 
 // A small white receiver at zero that faces up: what it shows is irradiance / pi.
 Scene receiver(double camera_height = 0.05) {
@@ -38,7 +38,7 @@ Measurement tiny_light(const SelftestContext& context) {
     const Triangles light = ball({0, 3, 0}, radius, 16);
     const double radiance = static_cast<double>(static_cast<float>(1.0 / (radius * radius)));
     const Scene scene = under_light(light, static_cast<float>(radiance));
-    const double expected = radiance * irradiance(light) / kPi;
+    const double expected = radiance * irradiance(light) / pi;
     const std::string label = fmt::format("radius {:g} m", radius);
     worst.add(studio.measure(scene, square(16, context.full ? 2048 : 256, 1)), expected, 1e-4 * expected, label);
     // One sample a pixel: the brightest pixel is the largest sample.
@@ -55,10 +55,10 @@ Measurement dynamic_range(const SelftestContext& context) {
   Scene scene = under_light(dim, 1.0f);
   add_triangles(scene, disc({20, 1, 0}, 2.0f, 64), add_emitter(scene, 1e10f));
   add_triangles(scene, quad({10, -50, -50}, {0, 100, 0}, {0, 0, 100}), add_lambert(scene, glm::vec3(0.0f)));
-  const double expected = irradiance(dim) / kPi;
+  const double expected = irradiance(dim) / pi;
   Worst worst;
-  worst.add(Studio(context).measure(scene, square(16, context.full ? 4096 : 512, 1)), expected, kRounding * expected,
-            "radiance 1 in view, 1e10 behind a screen");
+  worst.add(Studio(context).measure(scene, square(16, context.full ? 4096 : 512, 1)), expected,
+            kLightRounding * expected, "radiance 1 in view, 1e10 behind a screen");
   return worst.judge();
 }
 
@@ -68,7 +68,7 @@ Measurement touching_light(const SelftestContext& context) {
   const Triangles light = quad({-0.05f, 1e-6f, -0.05f}, {0.1f, 0, 0}, {0, 0, 0.1f});
   add_triangles(scene, light, add_emitter(scene, 1.0f));
   Worst worst;
-  worst.add(Studio(context).measure(scene, square(16, context.full ? 1024 : 64, 1)), irradiance(light) / kPi, 1e-5,
+  worst.add(Studio(context).measure(scene, square(16, context.full ? 1024 : 64, 1)), irradiance(light) / pi, 1e-5,
             "1 um above the receiver");
   return worst.judge();
 }
@@ -99,14 +99,14 @@ Measurement estimators_agree(const SelftestContext& context) {
       if (direct == gpu::kDirectBsdf) settings.last_sample *= 4; // it finds lamps by chance
       Estimate other = studio.measure(trial.scene, settings);
       other.standard_error = std::hypot(other.standard_error, mis.standard_error);
-      worst.add(other, mis.mean, kRounding * mis.mean,
+      worst.add(other, mis.mean, kLightRounding * mis.mean,
                 fmt::format("{}, {} against mis", trial.name, direct == gpu::kDirectNee ? "nee" : "bsdf"));
     }
   }
   return worst.judge();
 }
 
-constexpr SelftestCase kCases[] = {
+constexpr SelftestCase kLightCases[] = {
     {31, "tiny bright light", "small lamps come out too bright or too dark, or sprinkle the picture with fireflies",
      tiny_light},
     {32, "light of 1 beside a light of 1e10", "dim lights vanish in scenes that hold a bright one", dynamic_range},
@@ -116,6 +116,6 @@ constexpr SelftestCase kCases[] = {
 
 } // namespace
 
-std::span<const SelftestCase> light_cases() { return kCases; }
+std::span<const SelftestCase> light_cases() { return kLightCases; }
 
 } // namespace wavepath

@@ -220,7 +220,7 @@ Measurement transforms(const SelftestContext& context) {
   return result;
 }
 
-constexpr SelftestCase kCases[] = {
+constexpr SelftestCase kMeshCases[] = {
     {12, "slivers of aspect 10^6", "finely tessellated discs and caps get holes", slivers},
     {13, "degenerate triangles", "files with empty triangles show specks or fail", degenerate_triangles},
     {14, "10,000 quads in one place", "stacked surfaces flicker between frames", coplanar_duplicates},
@@ -232,6 +232,6 @@ constexpr SelftestCase kCases[] = {
 
 } // namespace
 
-std::span<const SelftestCase> mesh_cases() { return kCases; }
+std::span<const SelftestCase> mesh_cases() { return kMeshCases; }
 
 } // namespace wavepath

@@ -294,7 +294,7 @@ Measurement half_pictures(const SelftestContext&) {
           "on the device all values are 32-bit; only --half makes 16-bit ones, and keeps depth and position at 32"};
 }
 
-constexpr SelftestCase kCases[] = {
+constexpr SelftestCase kNumberCases[] = {
     {37, "16-bit pictures", "bright pixels and far depths turn infinite in 16-bit files", half_pictures},
     {38, "denormal radiance and throughput", "very dark scenes render slowly or turn black in patches", denormals},
     {40, "random numbers lie in [0, 1)", "rare samples fall outside of lights and pixels, as fireflies", unit_interval},
@@ -306,6 +306,6 @@ constexpr SelftestCase kCases[] = {
 
 } // namespace
 
-std::span<const SelftestCase> number_cases() { return kCases; }
+std::span<const SelftestCase> number_cases() { return kNumberCases; }
 
 } // namespace wavepath

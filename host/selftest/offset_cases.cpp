@@ -107,13 +107,13 @@ Measurement smallest_gap(const SelftestContext& context) {
                   missed.size(), missed[missed.size() / 2] + 1)};
 }
 
-constexpr SelftestCase kCases[] = {
+constexpr SelftestCase kOffsetCases[] = {
     {7, "rays do not meet the surface they leave", "surfaces shade themselves with dark specks", no_self_hits},
     {0, "rays see what lies close above a surface", "light leaks where surfaces nearly touch", smallest_gap},
 };
 
 } // namespace
 
-std::span<const SelftestCase> offset_cases() { return kCases; }
+std::span<const SelftestCase> offset_cases() { return kOffsetCases; }
 
 } // namespace wavepath

@@ -70,7 +70,7 @@ Measurement against_traversal(const SelftestContext& context) {
   return judge_near(share, 0.0, 1e-3, fmt::format("share of {} answers, sizes from 10^-3 to 10^3", 2 * rays.size()));
 }
 
-constexpr SelftestCase kCases[] = {
+constexpr SelftestCase kQueryCases[] = {
     {0, "ray queries within a closed body", "light leaks through closed surfaces; use --traversal compute",
      closed_body},
     {0, "ray queries find what traversal finds", "surfaces vanish or trade places; use --traversal compute",
@@ -79,6 +79,6 @@ constexpr SelftestCase kCases[] = {
 
 } // namespace
 
-std::span<const SelftestCase> query_cases() { return kCases; }
+std::span<const SelftestCase> query_cases() { return kQueryCases; }
 
 } // namespace wavepath

@@ -136,7 +136,7 @@ Measurement garbage_rays(const SelftestContext& context) {
   return result;
 }
 
-constexpr SelftestCase kCases[] = {
+constexpr SelftestCase kRayCases[] = {
     {5, "rays along the faces of boxes", "walls that line up with an axis lose rows of pixels", rays_on_faces},
     {6, "tree against brute force, 10^-6 to 10^6", "small things beside large ones vanish or hide what is before them",
      against_brute_force},
@@ -145,6 +145,6 @@ constexpr SelftestCase kCases[] = {
 
 } // namespace
 
-std::span<const SelftestCase> ray_cases() { return kCases; }
+std::span<const SelftestCase> ray_cases() { return kRayCases; }
 
 } // namespace wavepath

@@ -124,7 +124,7 @@ Measurement bolt_on_planet(const SelftestContext& context) {
   return worst.judge();
 }
 
-constexpr SelftestCase kCases[] = {
+constexpr SelftestCase kScaleCases[] = {
     {8, "Cornell box at scales 1e-6 to 1e6", "very small or very large scenes show leaks, specks or wrong light",
      scale},
     {9, "Cornell box 1e6 m from zero", "scenes in map coordinates show cracks or noise", translation},
@@ -136,6 +136,6 @@ constexpr SelftestCase kCases[] = {
 
 } // namespace
 
-std::span<const SelftestCase> scale_cases() { return kCases; }
+std::span<const SelftestCase> scale_cases() { return kScaleCases; }
 
 } // namespace wavepath

@@ -232,7 +232,7 @@ Measurement long_strip(const SelftestContext& context) {
   return result;
 }
 
-constexpr SelftestCase kCases[] = {
+constexpr SelftestCase kTreeCases[] = {
     {18, "trees that grow deep", "rays through very uneven scenes lose objects or crash the driver", deep_trees},
     {19, "100,000 triangles with one centre", "scenes of nested shells take forever to build or show the wrong shell",
      equal_centroids},
@@ -242,6 +242,6 @@ constexpr SelftestCase kCases[] = {
 
 } // namespace
 
-std::span<const SelftestCase> tree_cases() { return kCases; }
+std::span<const SelftestCase> tree_cases() { return kTreeCases; }
 
 } // namespace wavepath

@@ -116,7 +116,7 @@ Measurement far_axis_rays(const SelftestContext& context) {
   return judge_none(leaks, trials, "misses");
 }
 
-constexpr SelftestCase kCases[] = {
+constexpr SelftestCase kWatertightCases[] = {
     {1, "closed mesh, rays from inside", "light leaks through closed surfaces as single bright or dark pixels",
      closed_mesh},
     {2, "closed mesh, aimed at vertices and edges", "light leaks along the edges of triangles", vertices_and_edges},
@@ -127,6 +127,6 @@ constexpr SelftestCase kCases[] = {
 
 } // namespace
 
-std::span<const SelftestCase> watertight_cases() { return kCases; }
+std::span<const SelftestCase> watertight_cases() { return kWatertightCases; }
 
 } // namespace wavepath

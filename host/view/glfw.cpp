@@ -10,7 +10,7 @@
 namespace wavepath {
 namespace {
 
-constexpr const char* kRemedy = "use 'wavepath render', or a virtual display: xvfb-run -a wavepath view ...";
+constexpr const char* kDisplayRemedy = "use 'wavepath render', or a virtual display: xvfb-run -a wavepath view ...";
 constexpr double kDoubleClick = 0.4;       // seconds between its clicks at most,
 constexpr double kDoubleClickDistance = 4; // and pixels
 
@@ -28,12 +28,12 @@ std::string last_error() {
 
 void open_glfw() {
   if (!is_set("DISPLAY") && !is_set("WAYLAND_DISPLAY"))
-    throw Error("view", "there is no display (DISPLAY and WAYLAND_DISPLAY are not set)", kRemedy);
+    throw Error("view", "there is no display (DISPLAY and WAYLAND_DISPLAY are not set)", kDisplayRemedy);
 #if GLFW_VERSION_MAJOR > 3 || GLFW_VERSION_MINOR >= 4
   // Or it asks for a Wayland display that nobody named, whose library then writes an error of its own.
   if (!is_set("WAYLAND_DISPLAY")) glfwInitHint(GLFW_PLATFORM, GLFW_PLATFORM_X11);
 #endif
-  if (!glfwInit()) throw Error("view", fmt::format("the display cannot be opened ({})", last_error()), kRemedy);
+  if (!glfwInit()) throw Error("view", fmt::format("the display cannot be opened ({})", last_error()), kDisplayRemedy);
   std::atexit(glfwTerminate);
   if (!glfwVulkanSupported())
     throw Error("view", "there is no Vulkan for windows", "install libvulkan1 and a driver, or use 'wavepath render'");
@@ -42,7 +42,7 @@ void open_glfw() {
 GlfwWindow::GlfwWindow(const std::string& title, std::uint32_t width, std::uint32_t height) {
   glfwWindowHint(GLFW_CLIENT_API, GLFW_NO_API);
   window_ = glfwCreateWindow(static_cast<int>(width), static_cast<int>(height), title.c_str(), nullptr, nullptr);
-  if (!window_) throw Error("view", fmt::format("a window cannot be opened ({})", last_error()), kRemedy);
+  if (!window_) throw Error("view", fmt::format("a window cannot be opened ({})", last_error()), kDisplayRemedy);
   glfwSetWindowUserPointer(window_, this);
   install_callbacks();
 }

@@ -8,7 +8,7 @@
 namespace wavepath {
 namespace {
 
-constexpr const char* kRemedy = "choose another with --device, or use 'wavepath render'";
+constexpr const char* kSurfaceRemedy = "choose another with --device, or use 'wavepath render'";
 
 // Best first. The bytes that are copied in are sRGB-encoded, so that formats that encode once more come last.
 constexpr std::array kFormats = {VK_FORMAT_B8G8R8A8_UNORM, VK_FORMAT_R8G8B8A8_UNORM, VK_FORMAT_B8G8R8A8_SRGB,
@@ -18,7 +18,7 @@ constexpr std::array kFormats = {VK_FORMAT_B8G8R8A8_UNORM, VK_FORMAT_R8G8B8A8_UN
 
 Swapchain::Swapchain(Device& device, const GlfwWindow& window) : device_(device), window_(window) {
   try {
-    if (!device.rasterizes()) throw Error(device.info().name, "cannot draw in windows", kRemedy);
+    if (!device.rasterizes()) throw Error(device.info().name, "cannot draw in windows", kSurfaceRemedy);
     create_surface();
     choose_format();
     create_pass();
@@ -39,7 +39,7 @@ void Swapchain::create_surface() {
   if (presents)
     check(vkGetPhysicalDeviceSurfaceCapabilitiesKHR(device_.physical(), surface_, &can), "asking for the surface");
   if (!presents || !(can.supportedUsageFlags & VK_IMAGE_USAGE_TRANSFER_DST_BIT))
-    throw Error(device_.info().name, "cannot show pictures on this display", kRemedy);
+    throw Error(device_.info().name, "cannot show pictures on this display", kSurfaceRemedy);
 }
 
 void Swapchain::choose_format() {
@@ -53,7 +53,7 @@ void Swapchain::choose_format() {
         format_ = format;
         return;
       }
-  throw Error(device_.info().name, "shows no 8-bit sRGB pictures on this display", kRemedy);
+  throw Error(device_.info().name, "shows no 8-bit sRGB pictures on this display", kSurfaceRemedy);
 }
 
 // Loads what was copied in and leaves it ready to be shown.

@@ -27,5 +27,4 @@ GPU_FUNCTION uint volume_picture_bytes(uint pixels) { return (pixels + 3u) & ~3u
 #ifdef __cplusplus
 } // namespace wavepath::gpu
 #endif
-#undef GPU_FUNCTION
 #endif

@@ -12,7 +12,7 @@
 namespace wavepath {
 namespace {
 
-constexpr std::size_t kMostItems = 3; // of a leaf, as the product's
+constexpr std::size_t kMostInBinaryLeaf = 3; // of a leaf, as the product's
 
 struct Coded {
   std::uint64_t code = 0;
@@ -67,7 +67,7 @@ public:
   bvh::Box build(std::size_t node, std::size_t begin, std::size_t end, std::uint32_t depth) {
     tree_.depth = std::max(tree_.depth, depth);
     bvh::Box box;
-    if (end - begin <= kMostItems) {
+    if (end - begin <= kMostInBinaryLeaf) {
       set_link(tree_, node, tree_.items.size(), end - begin);
       for (std::size_t i = begin; i < end; ++i) {
         tree_.items.push_back(sorted_[i].reference.triangle);

@@ -15,7 +15,7 @@ constexpr int kPlanes = 32;                 // candidates an axis, between 33 sl
 constexpr double kItemCost = 1.5;           // of a triangle's test over a node's visit
 constexpr double kEmptyBonus = 0.8;         // of the cost, where one side is empty
 constexpr std::uint32_t kMostBadSplits = 3; // on a path that do not pay by themselves
-constexpr double kMostOnPath = 16.0;        // how often splits may multiply what the whole scene holds
+constexpr double kMostOnKdPath = 16.0;      // how often splits may multiply what the whole scene holds
 constexpr std::uint32_t kLeaf = 3;
 
 struct Plane {
@@ -24,9 +24,9 @@ struct Plane {
   float position = 0.0f;
 };
 
-class Builder {
+class KdBuilder {
 public:
-  Builder(std::span<const bvh::Triangle> triangles, std::size_t count)
+  KdBuilder(std::span<const bvh::Triangle> triangles, std::size_t count)
       : triangles_(triangles),
         most_depth_(
             static_cast<std::uint32_t>(8.0 + 1.3 * std::log2(static_cast<double>(std::max<std::size_t>(count, 1))))) {
@@ -106,7 +106,7 @@ private:
       }
     }
     copies *= static_cast<double>(sides[0].size() + sides[1].size()) / static_cast<double>(references.size());
-    if (copies > kMostOnPath) return make_leaf(node, references);
+    if (copies > kMostOnKdPath) return make_leaf(node, references);
     references = {};
     const std::size_t child = tree_.nodes.size() / 2;
     tree_.nodes.resize(tree_.nodes.size() + 4);
@@ -127,7 +127,7 @@ Structure build_kd_tree(std::span<const bvh::Triangle> triangles) {
   bvh::Box box;
   std::vector<Reference> references = refer_to(triangles, box);
   const std::size_t count = references.size();
-  return Builder(triangles, count).build(std::move(references), box);
+  return KdBuilder(triangles, count).build(std::move(references), box);
 }
 
 } // namespace wavepath

@@ -9,15 +9,15 @@
 namespace wavepath {
 namespace {
 
-constexpr std::size_t kMostItems = 8;    // of a leaf, where halving helps
-constexpr double kMostCopies = 4.0;      // children that hold more than so many times their parent's do not pay,
-constexpr double kMostOnPath = 64.0;     // nor do levels that have multiplied so often what the whole scene holds
-constexpr std::uint32_t kMostDepth = 12; // below the 16 levels of the kernel's stack
+constexpr std::size_t kMostInOctreeLeaf = 8; // of a leaf, where halving helps
+constexpr double kMostCopies = 4.0;          // children that hold more than so many times their parent's do not pay,
+constexpr double kMostOnOctreePath = 64.0;   // nor do levels that have multiplied so often what the whole scene holds
+constexpr std::uint32_t kMostDepth = 12;     // below the 16 levels of the kernel's stack
 constexpr std::uint32_t kInner = 0xffffffffu;
 
-class Builder {
+class OctreeBuilder {
 public:
-  explicit Builder(std::span<const bvh::Triangle> triangles) : triangles_(triangles) { tree_.nodes.resize(2); }
+  explicit OctreeBuilder(std::span<const bvh::Triangle> triangles) : triangles_(triangles) { tree_.nodes.resize(2); }
 
   Structure build(const std::vector<Reference>& references, const bvh::Box& box) {
     tree_.lo = {box.lo.x, box.lo.y, box.lo.z};
@@ -42,7 +42,7 @@ private:
     tree_.depth = std::max(tree_.depth, level);
     std::array<std::vector<std::uint32_t>, 8> children;
     std::size_t held = 0;
-    const bool halves = items.size() > kMostItems && level < kMostDepth;
+    const bool halves = items.size() > kMostInOctreeLeaf && level < kMostDepth;
     for (std::uint32_t child = 0; halves && child < 8; ++child) {
       const bvh::Box box = box_of(child_place(place, child), level + 1);
       for (const std::uint32_t item : items)
@@ -50,7 +50,7 @@ private:
       held += children[child].size();
     }
     const double more = halves ? static_cast<double>(held) / static_cast<double>(items.size()) : 0.0;
-    if (!halves || more > kMostCopies || copies * more > kMostOnPath) {
+    if (!halves || more > kMostCopies || copies * more > kMostOnOctreePath) {
       tree_.nodes[2 * node] = static_cast<std::uint32_t>(tree_.items.size());
       tree_.nodes[2 * node + 1] = static_cast<std::uint32_t>(items.size());
       tree_.items.insert(tree_.items.end(), items.begin(), items.end());
@@ -77,7 +77,7 @@ private:
 Structure build_octree(std::span<const bvh::Triangle> triangles) {
   bvh::Box box;
   const std::vector<Reference> references = refer_to(triangles, box);
-  return Builder(triangles).build(references, box);
+  return OctreeBuilder(triangles).build(references, box);
 }
 
 } // namespace wavepath

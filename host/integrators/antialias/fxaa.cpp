@@ -7,13 +7,13 @@
 namespace wavepath {
 namespace {
 
-const std::array<KernelCode, 1> kPasses = {{{"fxaa", wavepath_fxaa_spv}}};
+const std::array<KernelCode, 1> kFxaaPasses = {{{"fxaa", wavepath_fxaa_spv}}};
 
 } // namespace
 
 const AntialiasKind kAntialiasFxaa = {.name = "fxaa",
                                       .summary = "edges blurred along their contrast (FXAA, Lottes 2009)",
                                       .place = pixel_centre,
-                                      .passes = kPasses};
+                                      .passes = kFxaaPasses};
 
 } // namespace wavepath

@@ -8,13 +8,13 @@
 namespace wavepath {
 namespace {
 
-const std::array<KernelCode, 2> kPasses = {{{"smaa edges", wavepath_smaa_edges_spv}, {"smaa", wavepath_smaa_spv}}};
+const std::array<KernelCode, 2> kSmaaPasses = {{{"smaa edges", wavepath_smaa_edges_spv}, {"smaa", wavepath_smaa_spv}}};
 
 } // namespace
 
 const AntialiasKind kAntialiasSmaa = {.name = "smaa",
                                       .summary = "edges redrawn from their steps (SMAA 1x, Jimenez et al. 2012)",
                                       .place = pixel_centre,
-                                      .passes = kPasses};
+                                      .passes = kSmaaPasses};
 
 } // namespace wavepath

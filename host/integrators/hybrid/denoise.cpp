@@ -21,51 +21,37 @@ constexpr std::uint32_t kSplitFrames = 16;
 // Iterations of the 3x3 filter that spreads them: 26 pixels of standard deviation.
 constexpr std::uint32_t kSpreadIterations = 6;
 
-std::uint64_t texels(const Extent& e) { return e.pixels * sizeof(gpu::vec4); }
-std::uint64_t texels_of_light(const Extent& e) { return e.options & gpu::kHybridLights ? texels(e) : 0; }
+std::uint64_t vec4_a_pixel_of_light(const Extent& e) { return e.options & gpu::kHybridLights ? vec4_a_pixel(e) : 0; }
 
 using enum BindingKind;
 
-// From kPast on in pairs, of this frame and of the one before in turns; the guides take turns within a frame.
-enum FilterBuffer {
-  kReprojection,
-  kSlopes,
-  kFirstOutput,
-  kFiltered,
-  kPast,
-  kMoments = 6,
-  kHistory = 8,
-  kGuide = 10,
-  kExcess = 12,
-  kSpreading
-};
-// By FilterBuffer. What has no view is bound by bindings(), because its role changes.
-const std::vector<BufferRule> kRules = {
+// By Denoiser::OwnBuffer. What has no view is bound by bindings(), because its role changes.
+const std::vector<BufferRule> kDenoiserRules = {
     {"reprojection",
      [](const Extent&) { return std::uint64_t{sizeof(gpu::Reprojection)}; },
      {{gpu::kFilterReprojection, uniform}}},
     {"slopes",
      [](const Extent& e) { return e.pixels * sizeof(gpu::vec2); },
      {{gpu::kFilterSlopes, storage}, {gpu::kFilterSlopeTexels, texels_rg32ui}}},
-    {"first output", texels, {}},
-    {"filtered", texels, {}},
-    {"past 0", texels, {}},
-    {"past 1", texels, {}},
-    {"moments 0", texels, {}},
-    {"moments 1", texels, {}},
-    {"history 0", texels, {}},
-    {"history 1", texels, {}},
-    {"guide 0", texels, {}},
-    {"guide 1", texels, {}},
-    {"excess", texels_of_light, {}},
-    {"excess being spread", texels_of_light, {}},
+    {"first output", vec4_a_pixel, {}},
+    {"filtered", vec4_a_pixel, {}},
+    {"past 0", vec4_a_pixel, {}},
+    {"past 1", vec4_a_pixel, {}},
+    {"moments 0", vec4_a_pixel, {}},
+    {"moments 1", vec4_a_pixel, {}},
+    {"history 0", vec4_a_pixel, {}},
+    {"history 1", vec4_a_pixel, {}},
+    {"guide 0", vec4_a_pixel, {}},
+    {"guide 1", vec4_a_pixel, {}},
+    {"excess", vec4_a_pixel_of_light, {}},
+    {"excess being spread", vec4_a_pixel_of_light, {}},
 };
 
 } // namespace
 
 std::uint64_t Denoiser::bytes_per_pixel() {
   std::uint64_t bytes = 0;
-  for (const BufferRule& rule : kRules)
+  for (const BufferRule& rule : kDenoiserRules)
     bytes += rule.bytes({.pixels = 1, .options = gpu::kHybridLights}) - rule.bytes({});
   return bytes;
 }
@@ -77,7 +63,7 @@ Denoiser::Denoiser(Device& device, std::uint32_t width, std::uint32_t height, co
       splits_((wanted & gpu::kHybridLights) != 0),
       bands_(device, width, height),
       gbuffer_(gbuffer),
-      buffers_(device, kRules) {
+      buffers_(device, kDenoiserRules) {
   buffers_.fit({.pixels = std::uint64_t{width} * height, .options = wanted});
   const Buffer *first = &buffers_[kFirstOutput], *filtered = &buffers_[kFiltered];
   const Buffer *a = &buffers_[kGuide], *b = &buffers_[kGuide + 1];
@@ -113,8 +99,8 @@ Denoiser::Denoiser(Device& device, std::uint32_t width, std::uint32_t height, co
 }
 
 std::vector<Binding> Denoiser::bindings(std::uint32_t turn, const Flow& flow) const {
-  const auto now = [&](FilterBuffer pair) { return &buffers_[pair + turn]; };
-  const auto before = [&](FilterBuffer pair) { return &buffers_[pair + 1 - turn]; };
+  const auto now = [&](OwnBuffer pair) { return &buffers_[pair + turn]; };
+  const auto before = [&](OwnBuffer pair) { return &buffers_[pair + 1 - turn]; };
   std::vector<Binding> bindings = {{gpu::kFilterGbuffer, texels_rgba32ui, &gbuffer_},
                                    {gpu::kFilterColorIn, texels_rgba32f, flow.color_in},
                                    {gpu::kFilterColorOut, storage, flow.color_out},

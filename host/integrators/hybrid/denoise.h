@@ -35,6 +35,19 @@ public:
   std::uint32_t dispatches() const; // that record() records at most
 
 private:
+  // From kPast on in pairs, of this frame and of the one before in turns; the guides take turns within a frame.
+  enum OwnBuffer {
+    kReprojection,
+    kSlopes,
+    kFirstOutput,
+    kFiltered,
+    kPast,
+    kMoments = 6,
+    kHistory = 8,
+    kGuide = 10,
+    kExcess = 12,
+    kSpreading
+  };
   enum Stage { kTemporal, kVariance, kAtrous, kSplit, kSpread, kReturn };
   // What each dispatch reads and writes: temporal and variance, after motion or without; the iterations of the a-trous
   // filter; rare bright samples, split from the light, spread and added back.

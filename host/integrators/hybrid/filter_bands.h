@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "host/gpu/commands.h"
+#include "host/render/device/resources.h"
 #include "kernels/hybrid/filter_types.h"
 
 namespace wavepath {
@@ -19,6 +20,9 @@ public:
 private:
   std::uint32_t tiles_, tiles_per_band_;
 };
+
+// Bytes of a filter's buffer.
+inline std::uint64_t vec4_a_pixel(const Extent& extent) { return extent.pixels * sizeof(gpu::vec4); }
 
 // Two frames as filters over time need them; `before` is ignored if there was no such frame.
 gpu::Reprojection reproject(const gpu::CameraView& now, const gpu::CameraView& before, bool remembers,

@@ -4,13 +4,11 @@ namespace wavepath {
 namespace {
 
 // By FrameFilter::OwnBuffer. A filter of one pass finds no edges for another.
-const std::vector<BufferRule> kRules = {
+const std::vector<BufferRule> kFrameFilterRules = {
     {"frame",
      [](const Extent&) { return std::uint64_t{sizeof(gpu::Reprojection)}; },
      {{gpu::kFilterReprojection, BindingKind::uniform}}},
-    {"result",
-     [](const Extent& e) { return e.pixels * sizeof(gpu::vec4); },
-     {{gpu::kFilterColorOut, BindingKind::storage}}},
+    {"result", vec4_a_pixel, {{gpu::kFilterColorOut, BindingKind::storage}}},
     {"edges",
      [](const Extent& e) { return e.options > 1 ? e.pixels * sizeof(gpu::uint) : 0; },
      {{gpu::kFilterEdges, BindingKind::storage}}},
@@ -20,7 +18,7 @@ const std::vector<BufferRule> kRules = {
 
 FrameFilter::FrameFilter(Device& device, std::span<const KernelCode> passes, std::uint32_t width, std::uint32_t height,
                          const Buffer& gbuffer, const Buffer& color)
-    : width_(width), height_(height), bands_(device, width, height), buffers_(device, kRules) {
+    : width_(width), height_(height), bands_(device, width, height), buffers_(device, kFrameFilterRules) {
   buffers_.fit({.pixels = std::uint64_t{width} * height, .options = static_cast<std::uint32_t>(passes.size())});
   std::vector<Binding> bindings = {{gpu::kFilterGbuffer, BindingKind::texels_rgba32ui, &gbuffer},
                                    {gpu::kFilterColorIn, BindingKind::texels_rgba32f, &color}};

@@ -52,7 +52,7 @@ constexpr std::uint32_t kRoomForLayers = 1u << 0, kRoomForPlaces = 1u << 1; // b
 std::uint64_t places(const Extent& e) { return e.options & kRoomForPlaces ? e.pixels * gpu::kSharingPlaces : 0; }
 
 // By OwnBuffer. What a pixel has is row-major from the top left.
-const std::vector<BufferRule> kRules = {
+const std::vector<BufferRule> kHybridRules = {
     {"frame",
      [](const Extent&) { return std::uint64_t{sizeof(gpu::HybridFrame)}; },
      {{gpu::kBindHybrid, BindingKind::uniform}}},
@@ -81,7 +81,7 @@ const std::vector<BufferRule> kRules = {
 
 std::vector<Binding> hybrid_layout() {
   std::vector<Binding> layout = path_layout();
-  add_layout(kRules, layout);
+  add_layout(kHybridRules, layout);
   layout.push_back({gpu::kBindVisibility, BindingKind::texels_rg32ui, nullptr});
   return layout;
 }
@@ -157,7 +157,7 @@ Hybrid::Hybrid(Workspace& workspace, KernelCompiler& kernels)
     : workspace_(workspace),
       kernels_(kernels),
       paths_(workspace, kernels),
-      buffers_(workspace.device, kRules),
+      buffers_(workspace.device, kHybridRules),
       antialias_times_(kAntialiasStage) {}
 
 Hybrid::~Hybrid() = default;

@@ -73,7 +73,7 @@ constexpr std::array<std::string_view, 2> kFirstHitStages = {"raster", "resolve"
 constexpr std::array<std::string_view, 3> kEvaluated = {
     "evaluated once a face", "evaluated at corners and interpolated (Gouraud 1971)", "evaluated in every pixel"};
 
-constexpr const char* kFiltered = "direct light and occlusion are filtered over space and time (--denoise)";
+constexpr const char* kFilterBias = "direct light and occlusion are filtered over space and time (--denoise)";
 
 // AOVs come from the G-buffer, not from the path tracer's kernels.
 gpu::Feature features(const RenderSettings&) { return gpu::kFeatureSharedFirstHit; }
@@ -148,7 +148,7 @@ void add_transparency_bias(const RenderSettings& settings, std::vector<std::stri
 
 // Of the frame, whatever it shows.
 void add_common_bias(const RenderSettings& settings, std::vector<std::string>& bias) {
-  if (settings.denoise != kDenoiseOff) bias.emplace_back(kFiltered);
+  if (settings.denoise != kDenoiseOff) bias.emplace_back(kFilterBias);
   if (const AntialiasKind& antialias = antialias_kind(settings); antialias.is_biased)
     bias.push_back(fmt::format("edges are those of {} (--antialias {})", antialias.summary, antialias.name));
   if (const OcclusionKind* occlusion = occlusion_kind(settings))

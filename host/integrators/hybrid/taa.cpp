@@ -5,22 +5,20 @@
 namespace wavepath {
 namespace {
 
-std::uint64_t texels(const Extent& e) { return e.pixels * sizeof(gpu::vec4); }
-
 // By Taa::OwnBuffer. The histories are bound by hand, because they swap roles every turn.
-const std::vector<BufferRule> kRules = {
+const std::vector<BufferRule> kTaaRules = {
     {"reprojection",
      [](const Extent&) { return std::uint64_t{sizeof(gpu::Reprojection)}; },
      {{gpu::kFilterReprojection, BindingKind::uniform}}},
-    {"result", texels, {{gpu::kFilterColorOut, BindingKind::storage}}},
-    {"history 0", texels, {}},
-    {"history 1", texels, {}},
+    {"result", vec4_a_pixel, {{gpu::kFilterColorOut, BindingKind::storage}}},
+    {"history 0", vec4_a_pixel, {}},
+    {"history 1", vec4_a_pixel, {}},
 };
 
 } // namespace
 
 Taa::Taa(Device& device, std::uint32_t width, std::uint32_t height, const Buffer& gbuffer, const Buffer& color)
-    : width_(width), height_(height), bands_(device, width, height), buffers_(device, kRules) {
+    : width_(width), height_(height), bands_(device, width, height), buffers_(device, kTaaRules) {
   buffers_.fit({.pixels = std::uint64_t{width} * height});
   for (std::uint32_t turn = 0; turn < 2; ++turn) {
     std::vector<Binding> bindings = {

@@ -8,18 +8,17 @@
 namespace wavepath {
 namespace {
 
-const std::array<KernelCode, 1> kStages = {{{kScreenOcclusionStage, wavepath_gtao_spv}}};
-constexpr std::array<std::size_t, 1> kOrder = {0};
-const KernelProgram kProgram = {kStages, kOrder, screen_space_layout};
-constexpr std::array<std::string_view, 1> kSettings = {"ao-thinness"};
+const std::array<KernelCode, 1> kGtaoStages = {{{kScreenOcclusionStage, wavepath_gtao_spv}}};
+const KernelProgram kGtaoProgram = {kGtaoStages, kOnlyStage, screen_space_layout};
+constexpr std::array<std::string_view, 1> kGtaoSettings = {"ao-thinness"};
 
 } // namespace
 
 constinit const OcclusionKind kOcclusionGtao = {
     .name = "gtao",
     .summary = "cosine-weighted visibility between two horizons a slice (GTAO, Jimenez et al. 2016)",
-    .settings = kSettings,
-    .program = &kProgram,
+    .settings = kGtaoSettings,
+    .program = &kGtaoProgram,
 };
 
 } // namespace wavepath

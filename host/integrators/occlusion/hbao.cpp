@@ -8,18 +8,17 @@
 namespace wavepath {
 namespace {
 
-const std::array<KernelCode, 1> kStages = {{{kScreenOcclusionStage, wavepath_hbao_spv}}};
-constexpr std::array<std::size_t, 1> kOrder = {0};
-const KernelProgram kProgram = {kStages, kOrder, screen_space_layout};
-constexpr std::array<std::string_view, 1> kSettings = {"ao-bias"};
+const std::array<KernelCode, 1> kHbaoStages = {{{kScreenOcclusionStage, wavepath_hbao_spv}}};
+const KernelProgram kHbaoProgram = {kHbaoStages, kOnlyStage, screen_space_layout};
+constexpr std::array<std::string_view, 1> kHbaoSettings = {"ao-bias"};
 
 } // namespace
 
 constinit const OcclusionKind kOcclusionHbao = {
     .name = "hbao",
     .summary = "horizons over the tangent plane (HBAO, Bavoil et al. 2008)",
-    .settings = kSettings,
-    .program = &kProgram,
+    .settings = kHbaoSettings,
+    .program = &kHbaoProgram,
 };
 
 } // namespace wavepath

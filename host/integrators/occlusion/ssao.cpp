@@ -8,16 +8,15 @@
 namespace wavepath {
 namespace {
 
-const std::array<KernelCode, 1> kStages = {{{kScreenOcclusionStage, wavepath_ssao_spv}}};
-constexpr std::array<std::size_t, 1> kOrder = {0};
-const KernelProgram kProgram = {kStages, kOrder, screen_space_layout};
+const std::array<KernelCode, 1> kSsaoStages = {{{kScreenOcclusionStage, wavepath_ssao_spv}}};
+const KernelProgram kSsaoProgram = {kSsaoStages, kOnlyStage, screen_space_layout};
 
 } // namespace
 
 constinit const OcclusionKind kOcclusionSsao = {
     .name = "ssao",
     .summary = "points of a ball behind the depth buffer (SSAO, Mittring 2007)",
-    .program = &kProgram,
+    .program = &kSsaoProgram,
 };
 
 } // namespace wavepath

@@ -7,9 +7,8 @@
 namespace wavepath {
 namespace {
 
-const std::array<KernelCode, 1> kStages = {{{"local shading", wavepath_blinn_phong_spv}}};
-constexpr std::array<std::size_t, 1> kOrder = {0};
-const KernelProgram kProgram = {kStages, kOrder, local_layout};
+const std::array<KernelCode, 1> kBlinnPhongStages = {{{"local shading", wavepath_blinn_phong_spv}}};
+const KernelProgram kBlinnPhongProgram = {kBlinnPhongStages, kOnlyStage, local_layout};
 
 } // namespace
 
@@ -17,7 +16,7 @@ constinit const ShadingKind kShadingBlinnPhong = {
     .name = "blinn-phong",
     .summary = "Blinn's model (1977), scaled to keep energy",
     .settings = kShadingSettings,
-    .program = &kProgram,
+    .program = &kBlinnPhongProgram,
 };
 
 } // namespace wavepath

@@ -7,9 +7,8 @@
 namespace wavepath {
 namespace {
 
-const std::array<KernelCode, 1> kStages = {{{"local shading", wavepath_lambert_spv}}};
-constexpr std::array<std::size_t, 1> kOrder = {0};
-const KernelProgram kProgram = {kStages, kOrder, local_layout};
+const std::array<KernelCode, 1> kLambertStages = {{{"local shading", wavepath_lambert_spv}}};
+const KernelProgram kLambertProgram = {kLambertStages, kOnlyStage, local_layout};
 
 } // namespace
 
@@ -17,7 +16,7 @@ constinit const ShadingKind kShadingLambert = {
     .name = "lambert",
     .summary = "Lambert's cosine law",
     .settings = std::span(kShadingSettings).first(kSettingsOfDull),
-    .program = &kProgram,
+    .program = &kLambertProgram,
 };
 
 } // namespace wavepath

@@ -7,9 +7,8 @@
 namespace wavepath {
 namespace {
 
-const std::array<KernelCode, 1> kStages = {{{"local shading", wavepath_phong_spv}}};
-constexpr std::array<std::size_t, 1> kOrder = {0};
-const KernelProgram kProgram = {kStages, kOrder, local_layout};
+const std::array<KernelCode, 1> kPhongStages = {{{"local shading", wavepath_phong_spv}}};
+const KernelProgram kPhongProgram = {kPhongStages, kOnlyStage, local_layout};
 
 } // namespace
 
@@ -17,7 +16,7 @@ constinit const ShadingKind kShadingPhong = {
     .name = "phong",
     .summary = "Phong's model (1975), scaled to keep energy",
     .settings = kShadingSettings,
-    .program = &kProgram,
+    .program = &kPhongProgram,
 };
 
 } // namespace wavepath

@@ -32,11 +32,11 @@ std::vector<gpu::ShadowView> views_from_points(const ShadowFit& fit, const Shado
   return views;
 }
 
-const std::array<KernelCode, 1> kStages = {{{"shadow look-up", wavepath_look_up_average_spv}}};
-constexpr std::array<std::size_t, 1> kOrder = {0};
-const KernelProgram kProgram = {kStages, kOrder, shadow_layout};
-const ShadowMapRecipe kRecipe = {.views = views_from_points};
-constexpr std::array<std::string_view, 4> kSettings = {"shadow-size", "shadow-bias", "shadow-source", "shadow-taps"};
+const std::array<KernelCode, 1> kAverageStages = {{{"shadow look-up", wavepath_look_up_average_spv}}};
+const KernelProgram kAverageProgram = {kAverageStages, kOnlyStage, shadow_layout};
+const ShadowMapRecipe kAverageRecipe = {.views = views_from_points};
+constexpr std::array<std::string_view, 4> kAverageSettings = {"shadow-size", "shadow-bias", "shadow-source",
+                                                              "shadow-taps"};
 
 } // namespace
 
@@ -44,9 +44,9 @@ constinit const ShadowKind kShadowAverage = {
     .name = "average",
     .summary = "the mean of shadow maps from --shadow-taps points of a lamp",
     .sources = kAreaSources,
-    .settings = kSettings,
-    .program = &kProgram,
-    .make = [](const ShadowContext& context) { return make_shadow_maps(kRecipe, context); },
+    .settings = kAverageSettings,
+    .program = &kAverageProgram,
+    .make = [](const ShadowContext& context) { return make_shadow_maps(kAverageRecipe, context); },
 };
 
 } // namespace wavepath

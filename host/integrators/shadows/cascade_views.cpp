@@ -6,13 +6,13 @@
 namespace wavepath {
 namespace {
 
-constexpr double kLogarithmic = 0.5; // weight of parts of equal ratio
-constexpr double kNearest = 1e-3;    // of the farthest depth
+constexpr double kLogarithmic = 0.5;   // weight of parts of equal ratio
+constexpr double kNearestSplit = 1e-3; // of the farthest depth
 
 } // namespace
 
 std::vector<double> split_depths(double nearest, double farthest, std::uint32_t parts) {
-  const double first = std::max(nearest, kNearest * farthest);
+  const double first = std::max(nearest, kNearestSplit * farthest);
   std::vector<double> depths = {nearest};
   for (std::uint32_t i = 1; i < parts; ++i) {
     const double share = static_cast<double>(i) / parts;

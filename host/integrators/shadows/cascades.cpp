@@ -8,12 +8,12 @@
 namespace wavepath {
 namespace {
 
-const ShadowMapRecipe kRecipe = {
+const ShadowMapRecipe kCascadesRecipe = {
     .views = [](const ShadowFit& fit, const ShadowSource& source, const View& view, const RenderSettings& settings) {
       return cascade_views(fit, source.direction, view, settings.shadow_cascades);
     }};
-constexpr std::array<std::string_view, 4> kSettings = {"shadow-size", "shadow-bias", "shadow-source",
-                                                       "shadow-cascades"};
+constexpr std::array<std::string_view, 4> kCascadesSettings = {"shadow-size", "shadow-bias", "shadow-source",
+                                                               "shadow-cascades"};
 
 } // namespace
 
@@ -21,9 +21,9 @@ constinit const ShadowKind kShadowCascades = {
     .name = "cascades",
     .summary = "shadow maps of suns, one for each part of the camera's depths (Zhang et al. 2006)",
     .sources = kDirectionalSource,
-    .settings = kSettings,
+    .settings = kCascadesSettings,
     .program = &kCompareOnce,
-    .make = [](const ShadowContext& context) { return make_shadow_maps(kRecipe, context); },
+    .make = [](const ShadowContext& context) { return make_shadow_maps(kCascadesRecipe, context); },
 };
 
 } // namespace wavepath

@@ -5,8 +5,8 @@
 namespace wavepath {
 namespace {
 
-const ShadowMapRecipe kRecipe = {.views = [](const ShadowFit& fit, const ShadowSource& source, const View&,
-                                             const RenderSettings&) { return cube_views(fit, source.position); }};
+const ShadowMapRecipe kCubeRecipe = {.views = [](const ShadowFit& fit, const ShadowSource& source, const View&,
+                                                 const RenderSettings&) { return cube_views(fit, source.position); }};
 
 } // namespace
 
@@ -16,7 +16,7 @@ constinit const ShadowKind kShadowCube = {
     .sources = kPointSource,
     .settings = kMapSettings,
     .program = &kCompareOnce,
-    .make = [](const ShadowContext& context) { return make_shadow_maps(kRecipe, context); },
+    .make = [](const ShadowContext& context) { return make_shadow_maps(kCubeRecipe, context); },
 };
 
 } // namespace wavepath

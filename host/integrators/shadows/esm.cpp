@@ -8,15 +8,15 @@
 namespace wavepath {
 namespace {
 
-const FilterableStages kStages = {{{"shadow look-up", wavepath_look_up_esm_spv},
-                                   {"shadow rows", wavepath_esm_rows_spv},
-                                   {"shadow columns", wavepath_blur_columns_spv}}};
-const KernelProgram kProgram = {kStages, kFilterableOrder, shadow_layout};
+const FilterableStages kEsmStages = {{{"shadow look-up", wavepath_look_up_esm_spv},
+                                      {"shadow rows", wavepath_esm_rows_spv},
+                                      {"shadow columns", wavepath_blur_columns_spv}}};
+const KernelProgram kEsmProgram = {kEsmStages, kFilterableOrder, shadow_layout};
 // Of what floats hold, with room for rounding; over the whole range of depths, as 40 is from -1 to 1.
-constexpr double kExponent = 80.0;
-const ShadowMapRecipe kRecipe = filterable_recipe(kExponent);
-constexpr std::array<std::string_view, 5> kSettings = {"shadow-size", "shadow-bias", "shadow-source", "shadow-blur",
-                                                       "shadow-exponent"};
+constexpr double kEsmExponent = 80.0;
+const ShadowMapRecipe kEsmRecipe = filterable_recipe(kEsmExponent);
+constexpr std::array<std::string_view, 5> kEsmSettings = {"shadow-size", "shadow-bias", "shadow-source", "shadow-blur",
+                                                          "shadow-exponent"};
 
 } // namespace
 
@@ -24,9 +24,9 @@ constinit const ShadowKind kShadowEsm = {
     .name = "esm",
     .summary = "a map's depths as exponentials, averaged (Annen et al. 2008)",
     .sources = kAllSources,
-    .settings = kSettings,
-    .program = &kProgram,
-    .make = [](const ShadowContext& context) { return make_shadow_maps(kRecipe, context); },
+    .settings = kEsmSettings,
+    .program = &kEsmProgram,
+    .make = [](const ShadowContext& context) { return make_shadow_maps(kEsmRecipe, context); },
 };
 
 } // namespace wavepath

@@ -23,34 +23,35 @@ namespace {
 
 using enum BindingKind;
 
-enum Stage : std::size_t { kList, kTest, kAnswer, kStageCount };
-const std::array<KernelCode, kStageCount> kStages = {{{kShadowLookUpStage, wavepath_izb_list_spv},
-                                                      {kShadowLookUpStage, wavepath_izb_test_spv},
-                                                      {kShadowLookUpStage, wavepath_izb_answer_spv}}};
-constexpr std::array<std::size_t, kStageCount> kOrder = {kTest, kAnswer, kList};
+enum IzbStage : std::size_t { kList, kTest, kAnswer, kIzbStageCount };
+const std::array<KernelCode, kIzbStageCount> kIzbStages = {{{kShadowLookUpStage, wavepath_izb_list_spv},
+                                                            {kShadowLookUpStage, wavepath_izb_test_spv},
+                                                            {kShadowLookUpStage, wavepath_izb_answer_spv}}};
+constexpr std::array<std::size_t, kIzbStageCount> kIzbOrder = {kTest, kAnswer, kList};
 
-enum IzbBuffer : std::size_t { kFrameData, kViews, kLightViews, kCells, kLinks, kItems, kIzbBufferCount };
+enum IzbBuffer : std::size_t { kIzbFrameData, kIzbViews, kIzbLightViews, kCells, kLinks, kItems, kIzbBufferCount };
 struct IzbBinding {
   std::uint32_t slot;
   BindingKind kind;
   IzbBuffer buffer;
 };
-constexpr std::array<IzbBinding, kIzbBufferCount> kBindings = {{{gpu::kBindShadowFrame, uniform, kFrameData},
-                                                                {gpu::kBindShadowViews, texels_rgba32f, kViews},
-                                                                {gpu::kBindShadowLights, texels_rg32ui, kLightViews},
-                                                                {gpu::kBindIzbCells, storage, kCells},
-                                                                {gpu::kBindIzbLinks, storage, kLinks},
-                                                                {gpu::kBindIzbItems, texels_rgba32ui, kItems}}};
+constexpr std::array<IzbBinding, kIzbBufferCount> kIzbBindings = {
+    {{gpu::kBindShadowFrame, uniform, kIzbFrameData},
+     {gpu::kBindShadowViews, texels_rgba32f, kIzbViews},
+     {gpu::kBindShadowLights, texels_rg32ui, kIzbLightViews},
+     {gpu::kBindIzbCells, storage, kCells},
+     {gpu::kBindIzbLinks, storage, kLinks},
+     {gpu::kBindIzbItems, texels_rgba32ui, kItems}}};
 
 std::vector<Binding> izb_layout() {
   std::vector<Binding> layout = path_layout();
-  for (const IzbBinding& binding : kBindings) layout.push_back({binding.slot, binding.kind, nullptr});
+  for (const IzbBinding& binding : kIzbBindings) layout.push_back({binding.slot, binding.kind, nullptr});
   layout.push_back({gpu::kBindHybrid, uniform, nullptr});
   layout.push_back({gpu::kBindVisibility, texels_rg32ui, nullptr});
   return layout;
 }
 
-const KernelProgram kProgram = {kStages, kOrder, izb_layout};
+const KernelProgram kIzbProgram = {kIzbStages, kIzbOrder, izb_layout};
 
 std::uint64_t shadow_rays(const std::vector<Binding>& shared) {
   for (const Binding& binding : shared)
@@ -67,18 +68,19 @@ public:
         chunks_(make_chunks(context.workspace.scene)) {}
 
   void change(const View& view, const RenderSettings& settings, const std::vector<Binding>& shared) override {
-    need_ = whole_need(kProgram, kernel_config(needed_features(workspace_.scene, view, settings),
-                                               workspace_.scene.stack_size, settings));
+    need_ = whole_need(kIzbProgram, kernel_config(needed_features(workspace_.scene, view, settings),
+                                                  workspace_.scene.stack_size, settings));
     kernels_.start(need_);
     Device& device = workspace_.device;
     gpu::ShadowFrame frame{};
     frame.size = settings.shadow_size;
     frame.ambient = static_cast<float>(settings.shadow_ambient);
-    buffers_[kFrameData] = upload(device, std::vector<gpu::ShadowFrame>{frame});
+    buffers_[kIzbFrameData] = upload(device, std::vector<gpu::ShadowFrame>{frame});
     make_views(with_filter_margin(view, settings), settings.shadow_size);
     buffers_[kLinks] = Buffer(device, shadow_rays(shared) * gpu::kIzbLinkWords * sizeof(std::uint32_t));
     std::vector<Binding> own = shared;
-    for (const IzbBinding& binding : kBindings) own.push_back({binding.slot, binding.kind, &buffers_[binding.buffer]});
+    for (const IzbBinding& binding : kIzbBindings)
+      own.push_back({binding.slot, binding.kind, &buffers_[binding.buffer]});
     sets_ = bind_bands(workspace_, own);
   }
 
@@ -141,8 +143,8 @@ private:
                   "use a smaller --shadow-size");
     item_count_ = static_cast<std::uint32_t>(items.size());
     buffers_[kItems] = upload(workspace_.device, items);
-    buffers_[kViews] = upload(workspace_.device, views_);
-    buffers_[kLightViews] = upload(workspace_.device, light_views);
+    buffers_[kIzbViews] = upload(workspace_.device, views_);
+    buffers_[kIzbLightViews] = upload(workspace_.device, light_views);
     buffers_[kCells] = Buffer(workspace_.device, words * sizeof(std::uint32_t));
     buffers_[kCells].fill_zero();
   }
@@ -168,7 +170,7 @@ private:
   std::vector<std::unique_ptr<BindingSet>> sets_; // by band
 };
 
-constexpr std::array<std::string_view, 1> kSettings = {"shadow-size"};
+constexpr std::array<std::string_view, 1> kIzbSettings = {"shadow-size"};
 
 } // namespace
 
@@ -176,8 +178,8 @@ constinit const ShadowKind kShadowIzb = {
     .name = "izb",
     .summary = "triangles tested with the shadow rays listed in the cells they cover (Johnson et al. 2005)",
     .sources = kPunctualSources,
-    .settings = kSettings,
-    .program = &kProgram,
+    .settings = kIzbSettings,
+    .program = &kIzbProgram,
     .make = [](const ShadowContext& context) -> std::unique_ptr<ShadowTechnique> {
       return std::make_unique<IrregularZ>(context);
     },

@@ -8,11 +8,11 @@
 namespace wavepath {
 namespace {
 
-const FilterableStages kStages = {{{"shadow look-up", wavepath_look_up_leak_spv},
-                                   {"shadow rows", wavepath_moment_rows_spv},
-                                   {"shadow columns", wavepath_blur_columns_spv}}};
-const KernelProgram kProgram = {kStages, kFilterableOrder, shadow_layout};
-const ShadowMapRecipe kRecipe = [] {
+const FilterableStages kLeakStages = {{{"shadow look-up", wavepath_look_up_leak_spv},
+                                       {"shadow rows", wavepath_moment_rows_spv},
+                                       {"shadow columns", wavepath_blur_columns_spv}}};
+const KernelProgram kLeakProgram = {kLeakStages, kFilterableOrder, shadow_layout};
+const ShadowMapRecipe kLeakRecipe = [] {
   ShadowMapRecipe recipe = filterable_recipe();
   recipe.counts = true;
   return recipe;
@@ -25,8 +25,8 @@ constinit const ShadowKind kShadowLeak = {
     .summary = "a map and its moments where they agree, rays elsewhere (Kern, Bruell and Grosch 2024)",
     .sources = kPunctualSources,
     .settings = kFilterableSettings,
-    .program = &kProgram,
-    .make = [](const ShadowContext& context) { return make_shadow_maps(kRecipe, context); },
+    .program = &kLeakProgram,
+    .make = [](const ShadowContext& context) { return make_shadow_maps(kLeakRecipe, context); },
 };
 
 } // namespace wavepath

@@ -24,8 +24,8 @@ namespace {
 using enum BindingKind;
 
 enum LightmapBuffer : std::size_t {
-  kFrameData,
-  kLightSources,
+  kLightmapFrameData,
+  kLightmapSources,
   kFirst,
   kCharts,
   kTexels,
@@ -38,30 +38,31 @@ struct LightmapBinding {
   BindingKind kind;
   LightmapBuffer buffer;
 };
-constexpr std::array<LightmapBinding, 9> kBindings = {{{gpu::kBindShadowFrame, uniform, kFrameData},
-                                                       {gpu::kBindShadowViews, texels_rgba32f, kPoints}, // not read
-                                                       {gpu::kBindShadowLights, texels_rg32ui, kLightSources},
-                                                       {gpu::kBindLightmapFirst, texels_r32ui, kFirst},
-                                                       {gpu::kBindLightmapCharts, texels_rg32ui, kCharts},
-                                                       {gpu::kBindLightmapTexels, texels_rg32ui, kTexels},
-                                                       {gpu::kBindLightmapShares, texels_r32f, kShares},
-                                                       {gpu::kBindLightmapShareWords, storage, kShares},
-                                                       {gpu::kBindLightmapPoints, texels_rgba32f, kPoints}}};
+constexpr std::array<LightmapBinding, 9> kLightmapBindings = {
+    {{gpu::kBindShadowFrame, uniform, kLightmapFrameData},
+     {gpu::kBindShadowViews, texels_rgba32f, kPoints}, // not read
+     {gpu::kBindShadowLights, texels_rg32ui, kLightmapSources},
+     {gpu::kBindLightmapFirst, texels_r32ui, kFirst},
+     {gpu::kBindLightmapCharts, texels_rg32ui, kCharts},
+     {gpu::kBindLightmapTexels, texels_rg32ui, kTexels},
+     {gpu::kBindLightmapShares, texels_r32f, kShares},
+     {gpu::kBindLightmapShareWords, storage, kShares},
+     {gpu::kBindLightmapPoints, texels_rgba32f, kPoints}}};
 
 std::vector<Binding> lightmap_layout() {
   std::vector<Binding> layout = path_layout();
-  for (const LightmapBinding& binding : kBindings) layout.push_back({binding.slot, binding.kind, nullptr});
+  for (const LightmapBinding& binding : kLightmapBindings) layout.push_back({binding.slot, binding.kind, nullptr});
   layout.push_back({gpu::kBindHybrid, uniform, nullptr});
   layout.push_back({gpu::kBindVisibility, texels_rg32ui, nullptr});
   return layout;
 }
 
-enum Stage : std::size_t { kLookUp, kBake, kStageCount };
-const std::array<KernelCode, kStageCount> kStages = {
+enum LightmapStage : std::size_t { kLightmapLookUp, kBake, kLightmapStageCount };
+const std::array<KernelCode, kLightmapStageCount> kLightmapStages = {
     {{kShadowLookUpStage, wavepath_look_up_lightmap_spv},
      {kShadowBuildStage, wavepath_lightmap_bake_spv, {}, wavepath_lightmap_bake_query_spv}}};
-constexpr std::array<std::size_t, kStageCount> kOrder = {kBake, kLookUp};
-const KernelProgram kProgram = {kStages, kOrder, lightmap_layout};
+constexpr std::array<std::size_t, kLightmapStageCount> kLightmapOrder = {kBake, kLightmapLookUp};
+const KernelProgram kLightmapProgram = {kLightmapStages, kLightmapOrder, lightmap_layout};
 
 constexpr std::uint64_t kRaysASlice = 1 << 14; // a few milliseconds of one core's work, and enough to fill a device
 constexpr float kShortOfTheLamp = 0.9999f;     // t_max: rays to points of a lamp end in front of its surface
@@ -80,21 +81,21 @@ public:
     std::vector<glm::uvec2> light_sources(std::max<std::size_t>(scene.lights.size(), 1), glm::uvec2(gpu::kNone, 0));
     for (std::uint32_t i = 0; i < sources_.size(); ++i)
       for (const std::uint32_t light : sources_[i].lights) light_sources[light] = glm::uvec2(i, 1);
-    buffers_[kLightSources] = upload(workspace_.device, light_sources);
+    buffers_[kLightmapSources] = upload(workspace_.device, light_sources);
   }
 
   void change(const View& view, const RenderSettings& settings, const std::vector<Binding>& shared) override {
-    need_ = whole_need(kProgram, kernel_config(needed_features(workspace_.scene, view, settings),
-                                               workspace_.scene.stack_size, settings));
+    need_ = whole_need(kLightmapProgram, kernel_config(needed_features(workspace_.scene, view, settings),
+                                                       workspace_.scene.stack_size, settings));
     kernels_.start(need_);
     const BakedFor wanted{settings.shadow_size, settings.shadow_taps, settings.cull, settings.terminator};
     if (wanted != made_for_) make_room(wanted);
     gpu::ShadowFrame frame{};
     frame.size = settings.shadow_size;
     frame.ambient = static_cast<float>(settings.shadow_ambient);
-    buffers_[kFrameData] = upload(workspace_.device, std::vector<gpu::ShadowFrame>{frame});
+    buffers_[kLightmapFrameData] = upload(workspace_.device, std::vector<gpu::ShadowFrame>{frame});
     std::vector<Binding> own = shared;
-    for (const LightmapBinding& binding : kBindings)
+    for (const LightmapBinding& binding : kLightmapBindings)
       own.push_back({binding.slot, binding.kind, &buffers_[binding.buffer]});
     sets_ = bind_bands(workspace_, own);
   }
@@ -126,8 +127,8 @@ public:
 
   void record_look_up(Commands& commands, std::size_t band, const gpu::Wave& wave) override {
     commands.bind(*sets_[band]);
-    commands.dispatch(kernels_.best(need_)[kLookUp], groups_for(std::uint64_t{wave.pixel_count} * wave.sample_count),
-                      &wave);
+    commands.dispatch(kernels_.best(need_)[kLightmapLookUp],
+                      groups_for(std::uint64_t{wave.pixel_count} * wave.sample_count), &wave);
   }
 
   std::uint64_t bytes() const override {
@@ -210,7 +211,7 @@ private:
   std::vector<std::unique_ptr<BindingSet>> sets_; // by band
 };
 
-constexpr std::array<std::string_view, 2> kSettings = {"shadow-size", "shadow-taps"};
+constexpr std::array<std::string_view, 2> kLightmapSettings = {"shadow-size", "shadow-taps"};
 
 } // namespace
 
@@ -218,8 +219,8 @@ constinit const ShadowKind kShadowLightmap = {
     .name = "lightmap",
     .summary = "what arrives of each light, baked into texels on all surfaces before the first frame",
     .sources = kAllSources,
-    .settings = kSettings,
-    .program = &kProgram,
+    .settings = kLightmapSettings,
+    .program = &kLightmapProgram,
     .make = [](const ShadowContext& context) -> std::unique_ptr<ShadowTechnique> {
       return std::make_unique<Lightmap>(context);
     },

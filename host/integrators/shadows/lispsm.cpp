@@ -9,13 +9,13 @@
 namespace wavepath {
 namespace {
 
-std::vector<gpu::ShadowView> views(const ShadowFit& fit, const ShadowSource& source, const View& view,
-                                   const RenderSettings& settings) {
+std::vector<gpu::ShadowView> lispsm_views(const ShadowFit& fit, const ShadowSource& source, const View& view,
+                                          const RenderSettings& settings) {
   return {light_space_perspective_view(fit, source.direction, view, settings.shadow_exponent)};
 }
-const ShadowMapRecipe kRecipe = {.views = views};
-constexpr std::array<std::string_view, 4> kSettings = {"shadow-size", "shadow-bias", "shadow-source",
-                                                       "shadow-exponent"};
+const ShadowMapRecipe kLispsmRecipe = {.views = lispsm_views};
+constexpr std::array<std::string_view, 4> kLispsmSettings = {"shadow-size", "shadow-bias", "shadow-source",
+                                                             "shadow-exponent"};
 
 } // namespace
 
@@ -23,9 +23,9 @@ constinit const ShadowKind kShadowLispsm = {
     .name = "lispsm",
     .summary = "a sun's shadow map in perspective, across the light (Wimmer et al. 2004)",
     .sources = kDirectionalSource,
-    .settings = kSettings,
+    .settings = kLispsmSettings,
     .program = &kCompareOnce,
-    .make = [](const ShadowContext& context) { return make_shadow_maps(kRecipe, context); },
+    .make = [](const ShadowContext& context) { return make_shadow_maps(kLispsmRecipe, context); },
 };
 
 } // namespace wavepath

@@ -8,13 +8,12 @@
 namespace wavepath {
 namespace {
 
-const std::array<KernelCode, 1> kStages = {{{"shadow look-up", wavepath_look_up_map_spv}}};
-constexpr std::array<std::size_t, 1> kOrder = {0};
-const ShadowMapRecipe kRecipe = {};
+const std::array<KernelCode, 1> kMapStages = {{{"shadow look-up", wavepath_look_up_map_spv}}};
+const ShadowMapRecipe kMapRecipe = {};
 
 } // namespace
 
-const KernelProgram kCompareOnce = {kStages, kOrder, shadow_layout};
+const KernelProgram kCompareOnce = {kMapStages, kOnlyStage, shadow_layout};
 
 constinit const ShadowKind kShadowMap = {
     .name = "map",
@@ -22,7 +21,7 @@ constinit const ShadowKind kShadowMap = {
     .sources = kAllSources,
     .settings = kMapSettings,
     .program = &kCompareOnce,
-    .make = [](const ShadowContext& context) { return make_shadow_maps(kRecipe, context); },
+    .make = [](const ShadowContext& context) { return make_shadow_maps(kMapRecipe, context); },
 };
 
 } // namespace wavepath

@@ -8,11 +8,10 @@
 namespace wavepath {
 namespace {
 
-const std::array<KernelCode, 1> kStages = {{{"shadow look-up", wavepath_look_up_map_id_spv}}};
-constexpr std::array<std::size_t, 1> kOrder = {0};
-const KernelProgram kProgram = {kStages, kOrder, shadow_layout};
-const ShadowMapRecipe kRecipe = {.ids = true};
-constexpr std::array<std::string_view, 2> kSettings = {"shadow-size", "shadow-source"};
+const std::array<KernelCode, 1> kMapIdStages = {{{"shadow look-up", wavepath_look_up_map_id_spv}}};
+const KernelProgram kMapIdProgram = {kMapIdStages, kOnlyStage, shadow_layout};
+const ShadowMapRecipe kMapIdRecipe = {.ids = true};
+constexpr std::array<std::string_view, 2> kMapIdSettings = {"shadow-size", "shadow-source"};
 
 } // namespace
 
@@ -20,9 +19,9 @@ constinit const ShadowKind kShadowMapId = {
     .name = "map-id",
     .summary = "a map of triangles instead of depths (Hourcade and Nicolas 1985)",
     .sources = kAllSources,
-    .settings = kSettings,
-    .program = &kProgram,
-    .make = [](const ShadowContext& context) { return make_shadow_maps(kRecipe, context); },
+    .settings = kMapIdSettings,
+    .program = &kMapIdProgram,
+    .make = [](const ShadowContext& context) { return make_shadow_maps(kMapIdRecipe, context); },
 };
 
 } // namespace wavepath

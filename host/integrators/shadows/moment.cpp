@@ -8,13 +8,13 @@
 namespace wavepath {
 namespace {
 
-const FilterableStages kStages = {{{"shadow look-up", wavepath_look_up_moment_spv},
-                                   {"shadow rows", wavepath_moment_rows_spv},
-                                   {"shadow columns", wavepath_moment_columns_spv}}};
-const KernelProgram kProgram = {kStages, kFilterableOrder, shadow_layout};
-const ShadowMapRecipe kRecipe = filterable_recipe();
-constexpr std::array<std::string_view, 5> kSettings = {"shadow-size", "shadow-bias", "shadow-source", "shadow-blur",
-                                                       "shadow-bits"};
+const FilterableStages kMomentStages = {{{"shadow look-up", wavepath_look_up_moment_spv},
+                                         {"shadow rows", wavepath_moment_rows_spv},
+                                         {"shadow columns", wavepath_moment_columns_spv}}};
+const KernelProgram kMomentProgram = {kMomentStages, kFilterableOrder, shadow_layout};
+const ShadowMapRecipe kMomentRecipe = filterable_recipe();
+constexpr std::array<std::string_view, 5> kMomentSettings = {"shadow-size", "shadow-bias", "shadow-source",
+                                                             "shadow-blur", "shadow-bits"};
 
 } // namespace
 
@@ -22,9 +22,9 @@ constinit const ShadowKind kShadowMoment = {
     .name = "moment",
     .summary = "the most light that four moments of a map's depths allow (Peters and Klein 2015)",
     .sources = kAllSources,
-    .settings = kSettings,
-    .program = &kProgram,
-    .make = [](const ShadowContext& context) { return make_shadow_maps(kRecipe, context); },
+    .settings = kMomentSettings,
+    .program = &kMomentProgram,
+    .make = [](const ShadowContext& context) { return make_shadow_maps(kMomentRecipe, context); },
 };
 
 } // namespace wavepath

@@ -7,8 +7,10 @@
 namespace wavepath {
 namespace {
 
-const ShadowMapRecipe kRecipe = {.views = [](const ShadowFit& fit, const ShadowSource& source, const View&,
-                                             const RenderSettings&) { return paraboloid_views(fit, source.position); }};
+const ShadowMapRecipe kParaboloidRecipe = {
+    .views = [](const ShadowFit& fit, const ShadowSource& source, const View&, const RenderSettings&) {
+      return paraboloid_views(fit, source.position);
+    }};
 
 } // namespace
 
@@ -18,7 +20,7 @@ constinit const ShadowKind kShadowParaboloid = {
     .sources = kPointSource,
     .settings = kMapSettings,
     .program = &kCompareOnce,
-    .make = [](const ShadowContext& context) { return make_shadow_maps(kRecipe, context); },
+    .make = [](const ShadowContext& context) { return make_shadow_maps(kParaboloidRecipe, context); },
 };
 
 } // namespace wavepath

@@ -8,13 +8,12 @@
 namespace wavepath {
 namespace {
 
-const std::array<KernelCode, 1> kStages = {{{"shadow look-up", wavepath_look_up_pcf_spv}}};
-constexpr std::array<std::size_t, 1> kOrder = {0};
-const KernelProgram kProgram = {kStages, kOrder, shadow_layout};
-const ShadowMapRecipe kRecipe = {.taps = true,
-                                 .guard = [](const RenderSettings& settings) { return settings.shadow_blur; }};
-constexpr std::array<std::string_view, 6> kSettings = {"shadow-size", "shadow-bias",    "shadow-source",
-                                                       "shadow-taps", "shadow-pattern", "shadow-blur"};
+const std::array<KernelCode, 1> kPcfStages = {{{"shadow look-up", wavepath_look_up_pcf_spv}}};
+const KernelProgram kPcfProgram = {kPcfStages, kOnlyStage, shadow_layout};
+const ShadowMapRecipe kPcfRecipe = {.taps = true,
+                                    .guard = [](const RenderSettings& settings) { return settings.shadow_blur; }};
+constexpr std::array<std::string_view, 6> kPcfSettings = {"shadow-size", "shadow-bias",    "shadow-source",
+                                                          "shadow-taps", "shadow-pattern", "shadow-blur"};
 
 } // namespace
 
@@ -22,9 +21,9 @@ constinit const ShadowKind kShadowPcf = {
     .name = "pcf",
     .summary = "a shadow map, comparisons averaged over a filter (Reeves, Salesin and Cook 1987)",
     .sources = kAllSources,
-    .settings = kSettings,
-    .program = &kProgram,
-    .make = [](const ShadowContext& context) { return make_shadow_maps(kRecipe, context); },
+    .settings = kPcfSettings,
+    .program = &kPcfProgram,
+    .make = [](const ShadowContext& context) { return make_shadow_maps(kPcfRecipe, context); },
 };
 
 } // namespace wavepath

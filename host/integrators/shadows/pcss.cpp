@@ -8,12 +8,11 @@
 namespace wavepath {
 namespace {
 
-const std::array<KernelCode, 1> kStages = {{{"shadow look-up", wavepath_look_up_pcss_spv}}};
-constexpr std::array<std::size_t, 1> kOrder = {0};
-const KernelProgram kProgram = {kStages, kOrder, shadow_layout};
-const ShadowMapRecipe kRecipe = {.taps = true};
-constexpr std::array<std::string_view, 5> kSettings = {"shadow-size", "shadow-bias", "shadow-source", "shadow-taps",
-                                                       "shadow-pattern"};
+const std::array<KernelCode, 1> kPcssStages = {{{"shadow look-up", wavepath_look_up_pcss_spv}}};
+const KernelProgram kPcssProgram = {kPcssStages, kOnlyStage, shadow_layout};
+const ShadowMapRecipe kPcssRecipe = {.taps = true};
+constexpr std::array<std::string_view, 5> kPcssSettings = {"shadow-size", "shadow-bias", "shadow-source", "shadow-taps",
+                                                           "shadow-pattern"};
 
 } // namespace
 
@@ -21,9 +20,9 @@ constinit const ShadowKind kShadowPcss = {
     .name = "pcss",
     .summary = "a shadow map, filtered as wide as the blockers' mean depth tells (Fernando 2005)",
     .sources = kAreaSources,
-    .settings = kSettings,
-    .program = &kProgram,
-    .make = [](const ShadowContext& context) { return make_shadow_maps(kRecipe, context); },
+    .settings = kPcssSettings,
+    .program = &kPcssProgram,
+    .make = [](const ShadowContext& context) { return make_shadow_maps(kPcssRecipe, context); },
 };
 
 } // namespace wavepath

@@ -23,33 +23,32 @@ namespace {
 
 using enum BindingKind;
 
-enum PlanarBuffer : std::size_t { kFrameData, kPairs, kLightSources, kShadows, kPlanarBufferCount };
+enum PlanarBuffer : std::size_t { kPlanarFrameData, kPairs, kPlanarSources, kShadows, kPlanarBufferCount };
 struct PlanarBinding {
   std::uint32_t slot;
   BindingKind kind;
   PlanarBuffer buffer;
 };
-constexpr std::array<PlanarBinding, 5> kBindings = {{{gpu::kBindShadowFrame, uniform, kFrameData},
-                                                     {gpu::kBindShadowViews, texels_rgba32f, kPairs}, // not read
-                                                     {gpu::kBindShadowLights, texels_rg32ui, kLightSources},
-                                                     {gpu::kBindPlanarPairs, texels_rgba32f, kPairs},
-                                                     {gpu::kBindPlanarShadows, texels_r32ui, kShadows}}};
+constexpr std::array<PlanarBinding, 5> kPlanarBindings = {{{gpu::kBindShadowFrame, uniform, kPlanarFrameData},
+                                                           {gpu::kBindShadowViews, texels_rgba32f, kPairs}, // not read
+                                                           {gpu::kBindShadowLights, texels_rg32ui, kPlanarSources},
+                                                           {gpu::kBindPlanarPairs, texels_rgba32f, kPairs},
+                                                           {gpu::kBindPlanarShadows, texels_r32ui, kShadows}}};
 
 std::vector<Binding> planar_layout() {
   std::vector<Binding> layout = path_layout();
-  for (const PlanarBinding& binding : kBindings) layout.push_back({binding.slot, binding.kind, nullptr});
+  for (const PlanarBinding& binding : kPlanarBindings) layout.push_back({binding.slot, binding.kind, nullptr});
   layout.push_back({gpu::kBindHybrid, uniform, nullptr});
   layout.push_back({gpu::kBindVisibility, texels_rg32ui, nullptr});
   return layout;
 }
 
-const std::array<KernelCode, 1> kStages = {{{kShadowLookUpStage, wavepath_look_up_planar_spv}}};
-constexpr std::array<std::size_t, 1> kOrder = {0};
-const KernelProgram kProgram = {kStages, kOrder, planar_layout};
+const std::array<KernelCode, 1> kPlanarStages = {{{kShadowLookUpStage, wavepath_look_up_planar_spv}}};
+const KernelProgram kPlanarProgram = {kPlanarStages, kOnlyStage, planar_layout};
 
-constexpr std::array<AttachmentInfo, 1> kAttachments{{{.name = "planar shadows", .format = ImageFormat::r32ui}}};
+constexpr std::array<AttachmentInfo, 1> kPlanarAttachments{{{.name = "planar shadows", .format = ImageFormat::r32ui}}};
 const RasterCode kCode{"planar shadows", wavepath_planar_vert_spv, wavepath_planar_frag_spv};
-constexpr std::uint64_t kFirstTriangles = 1 << 16; // of a slice: a guess
+constexpr std::uint64_t kPlanarFirstTriangles = 1 << 16; // of a slice: a guess
 constexpr double kGrazing = 1e-6; // cosine of the angle to a plane's normal up to which no light reaches it
 
 // Nothing where the light shines along the plane.
@@ -88,23 +87,23 @@ public:
   }
 
   void change(const View& view, const RenderSettings& settings, const std::vector<Binding>& shared) override {
-    need_ = whole_need(kProgram, kernel_config(needed_features(workspace_.scene, view, settings),
-                                               workspace_.scene.stack_size, settings));
+    need_ = whole_need(kPlanarProgram, kernel_config(needed_features(workspace_.scene, view, settings),
+                                                     workspace_.scene.stack_size, settings));
     kernels_.start(need_);
     make_room(settings);
     gpu::ShadowFrame frame{};
     frame.ambient = static_cast<float>(settings.shadow_ambient);
-    buffers_[kFrameData] = upload(workspace_.device, std::vector<gpu::ShadowFrame>{frame});
+    buffers_[kPlanarFrameData] = upload(workspace_.device, std::vector<gpu::ShadowFrame>{frame});
     std::vector<Binding> own = shared, drawn = workspace_.bindings(workspace_.film.bands().front());
     for (const Binding& binding : shared)
       if (binding.slot == gpu::kBindHybrid || binding.slot == gpu::kBindVisibility) drawn.push_back(binding);
-    for (const PlanarBinding& binding : kBindings)
+    for (const PlanarBinding& binding : kPlanarBindings)
       for (std::vector<Binding>* bindings : {&own, &drawn})
         bindings->push_back({binding.slot, binding.kind, &buffers_[binding.buffer]});
     sets_ = bind_bands(workspace_, own);
     pipeline_.reset();
     raster_set_ = std::make_unique<BindingSet>(workspace_.device, drawn, sizeof(gpu::Wave), BindingSet::kRasterStages);
-    pipeline_.emplace(workspace_.device, kCode, kAttachments, RasterState{}, *raster_set_,
+    pipeline_.emplace(workspace_.device, kCode, kPlanarAttachments, RasterState{}, *raster_set_,
                       specialization(need_.config, workspace_.device.info()));
   }
 
@@ -160,7 +159,7 @@ private:
       pairs_of_source_.emplace_back(first, static_cast<std::uint32_t>(pairs_.size()));
       for (const std::uint32_t light : sources_[i].lights) light_sources[light] = glm::uvec2(i, 1);
     }
-    buffers_[kLightSources] = upload(workspace_.device, light_sources);
+    buffers_[kPlanarSources] = upload(workspace_.device, light_sources);
     buffers_[kPairs] = upload(workspace_.device, pairs_.empty() ? std::vector<gpu::PlanarPair>(1) : pairs_);
   }
 
@@ -178,7 +177,7 @@ private:
                               sources_.size(), bytes / 1048576.0, most / 1048576.0),
                   "use a smaller --size or --shadows traced");
     buffers_[kShadows] = Buffer(workspace_.device, bytes);
-    target_ = std::make_unique<RasterTarget>(workspace_.device, size.x, size.y, kAttachments,
+    target_ = std::make_unique<RasterTarget>(workspace_.device, size.x, size.y, kPlanarAttachments,
                                              static_cast<std::uint32_t>(sources_.size()));
     made_for_ = size;
   }
@@ -212,7 +211,7 @@ private:
   std::unique_ptr<BindingSet> raster_set_;
   std::optional<RasterPipeline> pipeline_;
   std::vector<std::unique_ptr<BindingSet>> sets_; // by band
-  SliceLength triangles_a_slice_{kFirstTriangles};
+  SliceLength triangles_a_slice_{kPlanarFirstTriangles};
 };
 
 } // namespace
@@ -221,7 +220,7 @@ constinit const ShadowKind kShadowPlanar = {
     .name = "planar",
     .summary = "casters flattened onto the scene's large planes (Blinn 1988)",
     .sources = kPunctualSources,
-    .program = &kProgram,
+    .program = &kPlanarProgram,
     .make = [](const ShadowContext& context) -> std::unique_ptr<ShadowTechnique> {
       return std::make_unique<PlanarShadows>(context);
     },

@@ -9,9 +9,8 @@
 namespace wavepath {
 namespace {
 
-const std::array<KernelCode, 1> kStages = {{{"shadow look-up", wavepath_look_up_projected_spv}}};
-constexpr std::array<std::size_t, 1> kOrder = {0};
-const KernelProgram kProgram = {kStages, kOrder, shadow_layout};
+const std::array<KernelCode, 1> kProjectedStages = {{{"shadow look-up", wavepath_look_up_projected_spv}}};
+const KernelProgram kProjectedProgram = {kProjectedStages, kOnlyStage, shadow_layout};
 
 // Of suns all of the scene, whatever the camera sees of it: a picture that is projected has to stay where it is.
 std::vector<gpu::ShadowView> views_of_projector(const ShadowFit& fit, const ShadowSource& source, const View&,
@@ -24,13 +23,13 @@ std::vector<gpu::ShadowView> views_of_projector(const ShadowFit& fit, const Shad
   return {parallel_view(whole, source.direction)};
 }
 
-const ShadowMapRecipe kRecipe = {
+const ShadowMapRecipe kProjectedRecipe = {
     .casters = true,
     .cookie = true,
     .guard = [](const RenderSettings&) { return -1.0; }, // nothing around the picture, of which look-ups know the edge
     .views = views_of_projector,
 };
-constexpr std::array<std::string_view, 2> kSettings = {"shadow-size", "shadow-cookie"};
+constexpr std::array<std::string_view, 2> kProjectedSettings = {"shadow-size", "shadow-cookie"};
 
 } // namespace
 
@@ -38,9 +37,9 @@ constinit const ShadowKind kShadowProjected = {
     .name = "projected",
     .summary = "a texture of casters projected onto the scene's large planes (Segal et al. 1992)",
     .sources = kPunctualSources,
-    .settings = kSettings,
-    .program = &kProgram,
-    .make = [](const ShadowContext& context) { return make_shadow_maps(kRecipe, context); },
+    .settings = kProjectedSettings,
+    .program = &kProjectedProgram,
+    .make = [](const ShadowContext& context) { return make_shadow_maps(kProjectedRecipe, context); },
 };
 
 } // namespace wavepath

@@ -12,10 +12,10 @@
 namespace wavepath {
 namespace {
 
-constexpr double kTolerance = 1e-5;                  // of the scene's radius
-constexpr double kCellAngle = 1e-3;                  // of normals, by which triangles are sorted at first
-constexpr double kCellOffset = 1e-3;                 // of the scene's radius
-constexpr std::size_t kCandidates = 4 * kMostPlanes; // a plane may be spread over cells next to each other
+constexpr double kTolerance = 1e-5;                      // of the scene's radius
+constexpr double kCellAngle = 1e-3;                      // of normals, by which triangles are sorted at first
+constexpr double kCellOffset = 1e-3;                     // of the scene's radius
+constexpr std::size_t kMostCandidates = 4 * kMostPlanes; // a plane may be spread over cells next to each other
 
 struct PlacedTriangle {
   std::array<glm::dvec3, 3> corners;
@@ -81,7 +81,7 @@ std::vector<ReceiverPlane> receiver_planes(const PackedScene& scene) {
   std::vector<Cell> candidates;
   for (const auto& [key, cell] : cells) candidates.push_back(cell);
   std::ranges::stable_sort(candidates, std::ranges::greater(), &Cell::area);
-  candidates.resize(std::min(candidates.size(), kCandidates));
+  candidates.resize(std::min(candidates.size(), kMostCandidates));
   std::vector<ReceiverPlane> planes;
   for (const Cell& cell : candidates) planes.push_back(cell.plane);
   const double tolerance = plane_tolerance(scene);

@@ -15,12 +15,12 @@
 namespace wavepath {
 namespace {
 
-enum Stage : std::size_t { kLookUp, kDepthBounds, kSliceBounds, kStageCount };
-const std::array<KernelCode, kStageCount> kStages = {{{"shadow look-up", wavepath_look_up_map_spv},
-                                                      {"shadow bounds", wavepath_depth_bounds_spv},
-                                                      {"shadow bounds", wavepath_slice_bounds_spv}}};
-constexpr std::array<std::size_t, kStageCount> kOrder = {kLookUp, kSliceBounds, kDepthBounds};
-const KernelProgram kProgram = {kStages, kOrder, shadow_layout};
+enum SdsmStage : std::size_t { kSdsmLookUp, kDepthBounds, kSliceBounds, kSdsmStageCount };
+const std::array<KernelCode, kSdsmStageCount> kSdsmStages = {{{"shadow look-up", wavepath_look_up_map_spv},
+                                                              {"shadow bounds", wavepath_depth_bounds_spv},
+                                                              {"shadow bounds", wavepath_slice_bounds_spv}}};
+constexpr std::array<std::size_t, kSdsmStageCount> kSdsmOrder = {kSdsmLookUp, kSliceBounds, kDepthBounds};
+const KernelProgram kSdsmProgram = {kSdsmStages, kSdsmOrder, shadow_layout};
 
 constexpr std::uint32_t kNothingYet[] = {0xffffffffu, 0u}; // least and largest
 constexpr double kMargin = 1e-6;                           // of the usual view: what its places are rounded by
@@ -53,7 +53,7 @@ void fit_to_frame(const FrameFit& fit) {
   }
 }
 
-const ShadowMapRecipe kRecipe = {
+const ShadowMapRecipe kSdsmRecipe = {
     .views =
         [](const ShadowFit& fit, const ShadowSource& source, const View&, const RenderSettings& settings) {
           return std::vector<gpu::ShadowView>(settings.shadow_cascades, parallel_view(fit, source.direction));
@@ -61,8 +61,8 @@ const ShadowMapRecipe kRecipe = {
     .frame_words = [](std::uint32_t views,
                       const RenderSettings& settings) { return settings.shadow_cascades + 4 * views; },
     .fit_to_frame = fit_to_frame};
-constexpr std::array<std::string_view, 4> kSettings = {"shadow-size", "shadow-bias", "shadow-source",
-                                                       "shadow-cascades"};
+constexpr std::array<std::string_view, 4> kSdsmSettings = {"shadow-size", "shadow-bias", "shadow-source",
+                                                           "shadow-cascades"};
 
 } // namespace
 
@@ -70,9 +70,9 @@ constinit const ShadowKind kShadowSdsm = {
     .name = "sdsm",
     .summary = "cascades fitted to the points that a frame shows (Lauritzen et al. 2011)",
     .sources = kDirectionalSource,
-    .settings = kSettings,
-    .program = &kProgram,
-    .make = [](const ShadowContext& context) { return make_shadow_maps(kRecipe, context); },
+    .settings = kSdsmSettings,
+    .program = &kSdsmProgram,
+    .make = [](const ShadowContext& context) { return make_shadow_maps(kSdsmRecipe, context); },
 };
 
 } // namespace wavepath

@@ -32,15 +32,15 @@ namespace {
 using enum BindingKind;
 
 enum MapBuffer : std::size_t {
-  kFrameData,
-  kViews,
-  kLightViews,
+  kMapFrameData,
+  kMapViews,
+  kMapLightViews,
   kDepths,
   kIds,
   kTaps,
   kFiltered,
   kScratch,
-  kCounts,
+  kMapCounts,
   kPlanes,
   kCookie,
   kMapBufferCount
@@ -51,26 +51,26 @@ struct MapBinding {
   BindingKind kind;
   MapBuffer buffer;
 };
-constexpr std::array<MapBinding, 14> kBindings = {{{gpu::kBindShadowFrame, uniform, kFrameData},
-                                                   {gpu::kBindShadowViews, texels_rgba32f, kViews},
-                                                   {gpu::kBindShadowLights, texels_rg32ui, kLightViews},
-                                                   {gpu::kBindShadowDepths, texels_r32f, kDepths},
-                                                   {gpu::kBindShadowDepthWords, storage, kDepths},
-                                                   {gpu::kBindShadowIds, texels_rg32ui, kIds},
-                                                   {gpu::kBindShadowIdWords, storage, kIds},
-                                                   {gpu::kBindShadowTaps, texels_rgba32f, kTaps},
-                                                   {gpu::kBindShadowFiltered, texels_rgba32f, kFiltered},
-                                                   {gpu::kBindShadowFilteredWords, storage, kFiltered},
-                                                   {gpu::kBindShadowScratch, storage, kScratch},
-                                                   {gpu::kBindShadowCounts, storage, kCounts},
-                                                   {gpu::kBindPlanarPairs, texels_rgba32f, kPlanes},
-                                                   {gpu::kBindShadowCookie, texels_rgba32f, kCookie}}};
+constexpr std::array<MapBinding, 14> kMapBindings = {{{gpu::kBindShadowFrame, uniform, kMapFrameData},
+                                                      {gpu::kBindShadowViews, texels_rgba32f, kMapViews},
+                                                      {gpu::kBindShadowLights, texels_rg32ui, kMapLightViews},
+                                                      {gpu::kBindShadowDepths, texels_r32f, kDepths},
+                                                      {gpu::kBindShadowDepthWords, storage, kDepths},
+                                                      {gpu::kBindShadowIds, texels_rg32ui, kIds},
+                                                      {gpu::kBindShadowIdWords, storage, kIds},
+                                                      {gpu::kBindShadowTaps, texels_rgba32f, kTaps},
+                                                      {gpu::kBindShadowFiltered, texels_rgba32f, kFiltered},
+                                                      {gpu::kBindShadowFilteredWords, storage, kFiltered},
+                                                      {gpu::kBindShadowScratch, storage, kScratch},
+                                                      {gpu::kBindShadowCounts, storage, kMapCounts},
+                                                      {gpu::kBindPlanarPairs, texels_rgba32f, kPlanes},
+                                                      {gpu::kBindShadowCookie, texels_rgba32f, kCookie}}};
 
-const std::array<AttachmentInfo, 3> kAttachments{
+const std::array<AttachmentInfo, 3> kMapAttachments{
     {{.name = "shadow map", .format = ImageFormat::r32f, .clear = {.colour = {gpu::kFar, 0.0f, 0.0f, 0.0f}}},
      {.name = "depth", .format = ImageFormat::depth32f, .clear = {.depth = 0.0f}},
      {.name = "shadow map's triangles", .format = ImageFormat::rg32ui, .clear = {.words = {gpu::kNone, gpu::kNone}}}}};
-std::span<const AttachmentInfo> attachments(bool ids) { return std::span(kAttachments).first(ids ? 3 : 2); }
+std::span<const AttachmentInfo> attachments(bool ids) { return std::span(kMapAttachments).first(ids ? 3 : 2); }
 
 const KernelCode kTracer{kShadowBuildStage, wavepath_shadow_trace_spv, {}, wavepath_shadow_trace_query_spv};
 const KernelCode kPageTracer{
@@ -80,7 +80,7 @@ const RasterCode kMidpointCode{"shadow map", wavepath_shadow_map_vert_spv, wavep
 const RasterCode kCasterCode{"shadow casters", wavepath_shadow_casters_vert_spv, wavepath_shadow_map_frag_spv};
 const RasterCode kIdCode{"shadow map", wavepath_shadow_map_vert_spv, wavepath_shadow_ids_frag_spv};
 
-constexpr std::uint64_t kFirstTriangles = 1 << 16, kFirstTexels = 1 << 16; // of a slice: guesses
+constexpr std::uint64_t kMapFirstTriangles = 1 << 16, kFirstTexels = 1 << 16; // of a slice: guesses
 constexpr std::uint32_t kTimedBuilds = 5; // frames that build anew what could be kept, so that the time has a median
 constexpr std::uint32_t kReducedPixels = 1u << 18; // of a submission
 constexpr std::uint32_t kPageTexels = gpu::kShadowPage * gpu::kShadowPage;
@@ -158,7 +158,7 @@ public:
     report.pages = pages_.total();
     report.resident_pages = pages_.resident();
     if (!recipe_.counts) return;
-    const gpu::ShadowCounts counts = download<gpu::ShadowCounts>(buffers_[kCounts], 1).front();
+    const gpu::ShadowCounts counts = download<gpu::ShadowCounts>(buffers_[kMapCounts], 1).front();
     const auto whole = [](const gpu::uint* parts) { return std::uint64_t{parts[1]} << 32 | parts[0]; };
     report.answers = RayAnswers{.answered = whole(counts.answered), .traced = whole(counts.left)};
   }
@@ -241,8 +241,8 @@ private:
       }
       made_for_ = recipe_.pages ? glm::uvec3(0) : made_for; // pages come anew
     }
-    buffers_[kViews] = upload(workspace_.device, drawn_views());
-    buffers_[kLightViews] = upload(workspace_.device, light_views_);
+    buffers_[kMapViews] = upload(workspace_.device, drawn_views());
+    buffers_[kMapLightViews] = upload(workspace_.device, light_views_);
     const std::vector<glm::vec4> taps =
         recipe_.taps ? filter_taps(settings_.shadow_pattern, settings_.shadow_taps) : std::vector<glm::vec4>(1);
     buffers_[kTaps] = upload(workspace_.device, taps);
@@ -252,8 +252,8 @@ private:
     else if (settings_.shadow_cookie != cookie_)
       buffers_[kCookie] = upload(workspace_.device, read_cookie(settings_.shadow_cookie, workspace_.device.info()));
     cookie_ = settings_.shadow_cookie;
-    buffers_[kCounts] = upload(workspace_.device, std::vector<gpu::ShadowCounts>(recipe_.counts ? 1 : 0));
-    buffers_[kFrameData] = upload(workspace_.device, std::vector<gpu::ShadowFrame>{shadow_frame(tap_count)});
+    buffers_[kMapCounts] = upload(workspace_.device, std::vector<gpu::ShadowCounts>(recipe_.counts ? 1 : 0));
+    buffers_[kMapFrameData] = upload(workspace_.device, std::vector<gpu::ShadowFrame>{shadow_frame(tap_count)});
   }
 
   // All views, and behind them what is drawn at once of virtual ones.
@@ -283,7 +283,7 @@ private:
   }
 
   void add_bindings(std::vector<Binding>& bindings) const {
-    for (const MapBinding& binding : kBindings)
+    for (const MapBinding& binding : kMapBindings)
       bindings.push_back({binding.slot, binding.kind, &buffers_[binding.buffer]});
   }
 
@@ -439,7 +439,7 @@ private:
     return download<std::uint32_t>(buffers_[kScratch], words.size());
   }
 
-  void upload_views() { buffers_[kViews].write(views_.data(), views_.size() * sizeof(gpu::ShadowView)); }
+  void upload_views() { buffers_[kMapViews].write(views_.data(), views_.size() * sizeof(gpu::ShadowView)); }
 
   void trace(WaveQueue& queue) {
     gpu::Wave wave{};
@@ -505,7 +505,7 @@ private:
   std::optional<RasterPipeline> pipeline_, behind_; // behind_: of what lies behind the nearest surface
   std::optional<Kernel> tracer_;
   std::vector<std::unique_ptr<BindingSet>> sets_; // by band
-  SliceLength triangles_a_slice_{kFirstTriangles}, texels_a_slice_{kFirstTexels}, filtered_a_slice_{kFirstTexels};
+  SliceLength triangles_a_slice_{kMapFirstTriangles}, texels_a_slice_{kFirstTexels}, filtered_a_slice_{kFirstTexels};
   std::uint32_t builds_left_ = 0;
   std::optional<std::string> cookie_; // that was read
   ShadowReport report_;
@@ -518,7 +518,7 @@ private:
 
 std::vector<Binding> shadow_layout() {
   std::vector<Binding> layout = path_layout();
-  for (const MapBinding& binding : kBindings) layout.push_back({binding.slot, binding.kind, nullptr});
+  for (const MapBinding& binding : kMapBindings) layout.push_back({binding.slot, binding.kind, nullptr});
   layout.push_back({gpu::kBindHybrid, uniform, nullptr});
   layout.push_back({gpu::kBindVisibility, texels_rg32ui, nullptr});
   return layout;

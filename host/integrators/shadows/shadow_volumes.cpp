@@ -24,36 +24,42 @@ namespace {
 
 using enum BindingKind;
 
-enum VolumeBuffer : std::size_t { kFrameData, kLightSources, kPieces, kCounts, kLights, kVolumeBufferCount };
+enum VolumeBuffer : std::size_t {
+  kVolumeFrameData,
+  kVolumeSources,
+  kPieces,
+  kVolumeCounts,
+  kLights,
+  kVolumeBufferCount
+};
 struct VolumeBinding {
   std::uint32_t slot;
   BindingKind kind;
   VolumeBuffer buffer;
 };
-constexpr std::array<VolumeBinding, 6> kBindings = {{{gpu::kBindShadowFrame, uniform, kFrameData},
-                                                     {gpu::kBindShadowViews, texels_rgba32f, kLights}, // not read
-                                                     {gpu::kBindShadowLights, texels_rg32ui, kLightSources},
-                                                     {gpu::kBindVolumePieces, texels_rg32ui, kPieces},
-                                                     {gpu::kBindVolumeCounts, texels_r32ui, kCounts},
-                                                     {gpu::kBindVolumeLights, texels_rgba32f, kLights}}};
+constexpr std::array<VolumeBinding, 6> kVolumeBindings = {{{gpu::kBindShadowFrame, uniform, kVolumeFrameData},
+                                                           {gpu::kBindShadowViews, texels_rgba32f, kLights}, // not read
+                                                           {gpu::kBindShadowLights, texels_rg32ui, kVolumeSources},
+                                                           {gpu::kBindVolumePieces, texels_rg32ui, kPieces},
+                                                           {gpu::kBindVolumeCounts, texels_r32ui, kVolumeCounts},
+                                                           {gpu::kBindVolumeLights, texels_rgba32f, kLights}}};
 
 std::vector<Binding> volume_layout() {
   std::vector<Binding> layout = path_layout();
-  for (const VolumeBinding& binding : kBindings) layout.push_back({binding.slot, binding.kind, nullptr});
+  for (const VolumeBinding& binding : kVolumeBindings) layout.push_back({binding.slot, binding.kind, nullptr});
   layout.push_back({gpu::kBindHybrid, uniform, nullptr});
   layout.push_back({gpu::kBindVisibility, texels_rg32ui, nullptr});
   return layout;
 }
 
-const std::array<KernelCode, 1> kStages = {{{kShadowLookUpStage, wavepath_look_up_volume_spv}}};
-constexpr std::array<std::size_t, 1> kOrder = {0};
+const std::array<KernelCode, 1> kVolumeStages = {{{kShadowLookUpStage, wavepath_look_up_volume_spv}}};
 
 // Reversed z, as of the frame: infinity has depth 0. Stencils are cleared to 0.
-constexpr std::array<AttachmentInfo, 1> kAttachments{
+constexpr std::array<AttachmentInfo, 1> kVolumeAttachments{
     {{.name = "shadow volumes", .format = ImageFormat::depth32f_stencil8, .clear = {.depth = 0.0f}}}};
 const RasterCode kSeenCode{"depth of what is seen", wavepath_seen_depth_vert_spv, wavepath_seen_depth_frag_spv};
 const RasterCode kVolumeCode{"shadow volumes", wavepath_volume_vert_spv, {}};
-constexpr std::uint64_t kFirstTriangles = 1 << 14; // of a slice: a guess
+constexpr std::uint64_t kVolumeFirstTriangles = 1 << 14; // of a slice: a guess
 
 RasterState mark_seen() {
   const StencilFace mark{.pass = StencilOp::replace, .reference = 1};
@@ -100,11 +106,11 @@ public:
     make_room();
     gpu::ShadowFrame frame{};
     frame.ambient = static_cast<float>(settings.shadow_ambient);
-    buffers_[kFrameData] = upload(workspace_.device, std::vector<gpu::ShadowFrame>{frame});
+    buffers_[kVolumeFrameData] = upload(workspace_.device, std::vector<gpu::ShadowFrame>{frame});
     std::vector<Binding> own = shared, drawn = workspace_.bindings(workspace_.film.bands().front());
     for (const Binding& binding : shared)
       if (binding.slot == gpu::kBindHybrid || binding.slot == gpu::kBindVisibility) drawn.push_back(binding);
-    for (const VolumeBinding& binding : kBindings)
+    for (const VolumeBinding& binding : kVolumeBindings)
       for (std::vector<Binding>* bindings : {&own, &drawn})
         bindings->push_back({binding.slot, binding.kind, &buffers_[binding.buffer]});
     sets_ = bind_bands(workspace_, own);
@@ -175,7 +181,7 @@ private:
       all.insert(all.end(), pieces.inwards.begin(), pieces.inwards.end());
     }
     if (all.empty()) all.emplace_back(0);
-    buffers_[kLightSources] = upload(workspace_.device, light_sources);
+    buffers_[kVolumeSources] = upload(workspace_.device, light_sources);
     buffers_[kPieces] = upload(workspace_.device, all);
     buffers_[kLights] = upload(workspace_.device, lights);
   }
@@ -203,8 +209,8 @@ private:
                   fmt::format("cannot hold pictures of the shadows of {} lights, {:.0f} MiB; at most {:.0f} MiB",
                               sources_.size(), bytes / 1048576.0, most / 1048576.0),
                   "use a smaller --size or --shadows traced");
-    buffers_[kCounts] = Buffer(workspace_.device, bytes);
-    target_ = std::make_unique<RasterTarget>(workspace_.device, size_.x, size_.y, kAttachments);
+    buffers_[kVolumeCounts] = Buffer(workspace_.device, bytes);
+    target_ = std::make_unique<RasterTarget>(workspace_.device, size_.x, size_.y, kVolumeAttachments);
     made_for_ = size_;
   }
 
@@ -214,16 +220,18 @@ private:
     inwards_.reset();
     raster_set_ = std::make_unique<BindingSet>(workspace_.device, drawn, sizeof(gpu::Wave), BindingSet::kRasterStages);
     const auto constants = specialization(need_.config, workspace_.device.info());
-    seen_.emplace(workspace_.device, kSeenCode, kAttachments, mark_seen(), *raster_set_, constants);
-    outwards_.emplace(workspace_.device, kVolumeCode, kAttachments, counting(count_, true), *raster_set_, constants);
-    inwards_.emplace(workspace_.device, kVolumeCode, kAttachments, counting(count_, false), *raster_set_, constants);
+    seen_.emplace(workspace_.device, kSeenCode, kVolumeAttachments, mark_seen(), *raster_set_, constants);
+    outwards_.emplace(workspace_.device, kVolumeCode, kVolumeAttachments, counting(count_, true), *raster_set_,
+                      constants);
+    inwards_.emplace(workspace_.device, kVolumeCode, kVolumeAttachments, counting(count_, false), *raster_set_,
+                     constants);
   }
 
   std::uint64_t picture_bytes() const { return gpu::volume_picture_bytes(size_.x * size_.y); }
 
   std::function<void(Commands&)> copy_to_picture(std::uint32_t picture) {
     return [this, picture](Commands& commands) {
-      target_->image(0).copy_to(commands.handle(), buffers_[kCounts], Aspect::stencil, picture * picture_bytes());
+      target_->image(0).copy_to(commands.handle(), buffers_[kVolumeCounts], Aspect::stencil, picture * picture_bytes());
     };
   }
 
@@ -257,12 +265,12 @@ private:
   std::unique_ptr<BindingSet> raster_set_;
   std::optional<RasterPipeline> seen_, outwards_, inwards_;
   std::vector<std::unique_ptr<BindingSet>> sets_; // by band
-  SliceLength triangles_a_slice_{kFirstTriangles};
+  SliceLength triangles_a_slice_{kVolumeFirstTriangles};
 };
 
 } // namespace
 
-const KernelProgram kVolumeProgram = {kStages, kOrder, volume_layout};
+const KernelProgram kVolumeProgram = {kVolumeStages, kOnlyStage, volume_layout};
 
 std::unique_ptr<ShadowTechnique> make_shadow_volumes(const ShadowContext& context, VolumeCount count) {
   return std::make_unique<ShadowVolumes>(context, count);

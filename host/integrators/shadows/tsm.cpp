@@ -6,11 +6,11 @@
 namespace wavepath {
 namespace {
 
-std::vector<gpu::ShadowView> views(const ShadowFit& fit, const ShadowSource& source, const View& view,
-                                   const RenderSettings&) {
+std::vector<gpu::ShadowView> tsm_views(const ShadowFit& fit, const ShadowSource& source, const View& view,
+                                       const RenderSettings&) {
   return {trapezoidal_view(fit, source.direction, view)};
 }
-const ShadowMapRecipe kRecipe = {.views = views};
+const ShadowMapRecipe kTsmRecipe = {.views = tsm_views};
 
 } // namespace
 
@@ -20,7 +20,7 @@ constinit const ShadowKind kShadowTsm = {
     .sources = kDirectionalSource,
     .settings = kMapSettings,
     .program = &kCompareOnce,
-    .make = [](const ShadowContext& context) { return make_shadow_maps(kRecipe, context); },
+    .make = [](const ShadowContext& context) { return make_shadow_maps(kTsmRecipe, context); },
 };
 
 } // namespace wavepath

@@ -10,7 +10,6 @@ namespace {
 constexpr double kWidest = 4.0;           // tangent of a half angle; more is shown by cubes, or traced
 constexpr double kNear = 1e-4;            // of the scene's radius
 constexpr double kClearOfTheLamp = 1.001; // near end of views from within a sphere, in its radii
-constexpr double kPadding = 1e-4;         // relative, of what is fitted
 
 gpu::vec4 row(const glm::dvec3& v, double offset) { return glm::vec4(glm::dvec4(v, offset)); }
 
@@ -101,7 +100,7 @@ gpu::ShadowView parallel_view(const ShadowFit& fit, const glm::dvec3& direction,
   }
   for (const glm::dvec3& p : fit.receivers) hi.z = std::max(hi.z, glm::dot(direction, p));
   for (const glm::dvec3& p : corners_of(fit.lo, fit.hi)) lo.z = std::min(lo.z, glm::dot(direction, p));
-  const double margin = kPadding * fit.radius;
+  const double margin = kFitPadding * fit.radius;
   const double inside = fit.size / std::max(fit.size - 2.0 * fit.guard, 1.0);
   const glm::dvec2 half = inside * (0.5 * (glm::dvec2(hi) - glm::dvec2(lo)) + margin);
   const glm::dvec2 middle = 0.5 * (glm::dvec2(hi) + glm::dvec2(lo));

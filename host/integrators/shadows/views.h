@@ -14,6 +14,8 @@
 
 namespace wavepath {
 
+inline constexpr double kFitPadding = 1e-4; // relative, of what is fitted
+
 // Device world, metres.
 struct ShadowFit {
   glm::dvec3 lo{0.0}, hi{0.0};          // box of all that casts shadows

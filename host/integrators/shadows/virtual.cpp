@@ -9,12 +9,12 @@
 namespace wavepath {
 namespace {
 
-const std::array<KernelCode, 2> kStages = {
+const std::array<KernelCode, 2> kVirtualStages = {
     {{"shadow look-up", wavepath_look_up_virtual_spv}, {"shadow pages", wavepath_page_requests_spv}}};
-constexpr std::array<std::size_t, 2> kOrder = {0, 1};
-const KernelProgram kProgram = {kStages, kOrder, shadow_layout};
-const ShadowMapRecipe kRecipe = {.pages = true};
-constexpr std::array<std::string_view, 3> kSettings = {"shadow-size", "shadow-bias", "shadow-source"};
+constexpr std::array<std::size_t, 2> kVirtualOrder = {0, 1};
+const KernelProgram kVirtualProgram = {kVirtualStages, kVirtualOrder, shadow_layout};
+const ShadowMapRecipe kVirtualRecipe = {.pages = true};
+constexpr std::array<std::string_view, 3> kVirtualSettings = {"shadow-size", "shadow-bias", "shadow-source"};
 
 } // namespace
 
@@ -22,9 +22,9 @@ constinit const ShadowKind kShadowVirtual = {
     .name = "virtual",
     .summary = "a shadow map of which only pages that a frame asks for are resident",
     .sources = kAllSources,
-    .settings = kSettings,
-    .program = &kProgram,
-    .make = [](const ShadowContext& context) { return make_shadow_maps(kRecipe, context); },
+    .settings = kVirtualSettings,
+    .program = &kVirtualProgram,
+    .make = [](const ShadowContext& context) { return make_shadow_maps(kVirtualRecipe, context); },
 };
 
 } // namespace wavepath

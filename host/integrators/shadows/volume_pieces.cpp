@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "host/integrators/shadows/placed_triangles.h"
 #include "kernels/shadows/volume_types.h"
 
 namespace wavepath {
@@ -39,15 +40,10 @@ struct EdgeHash {
   std::size_t operator()(std::uint64_t edge) const { return edge * 0x9e3779b97f4a7c15u ^ edge >> 31; }
 };
 
-std::array<glm::dvec3, 3> placed_corners(const gpu::Triangle& triangle, const gpu::Instance* instance) {
-  std::array<glm::dvec3, 3> corners = {glm::dvec3(triangle.v0), glm::dvec3(triangle.v1), glm::dvec3(triangle.v2)};
-  for (glm::dvec3& corner : corners) {
-    if (instance) {
-      const glm::dvec4 p(corner, 1.0);
-      for (int axis = 0; axis < 3; ++axis) corner[axis] = glm::dot(glm::dvec4(instance->world_from_object[axis]), p);
-    }
-    corner += 0.0; // -0 is 0
-  }
+// -0 is 0 in them, so that equal ones have equal bits.
+std::array<glm::dvec3, 3> comparable_corners(const gpu::Triangle& triangle, const gpu::Instance* instance) {
+  std::array<glm::dvec3, 3> corners = placed_corners(triangle, instance);
+  for (glm::dvec3& corner : corners) corner += 0.0;
   return corners;
 }
 
@@ -79,7 +75,7 @@ VolumeCasters::VolumeCasters(const PackedScene& scene, bool culls_backs) : scene
   Numbers<std::uint64_t, EdgeHash> edge_numbers;
   for_each_caster(scene, [&](std::uint32_t t, std::uint32_t i) {
     const gpu::Instance* instance = scene.root_is_top ? &scene.instances[i] : nullptr;
-    const auto corners = placed_corners(scene.triangles[t], instance);
+    const auto corners = comparable_corners(scene.triangles[t], instance);
     Caster caster{};
     caster.triangle = t;
     caster.instance = i;

@@ -8,11 +8,11 @@
 namespace wavepath {
 namespace {
 
-const FilterableStages kStages = {{{"shadow look-up", wavepath_look_up_vsm_spv},
-                                   {"shadow rows", wavepath_vsm_rows_spv},
-                                   {"shadow columns", wavepath_blur_columns_spv}}};
-const KernelProgram kProgram = {kStages, kFilterableOrder, shadow_layout};
-const ShadowMapRecipe kRecipe = filterable_recipe();
+const FilterableStages kVsmStages = {{{"shadow look-up", wavepath_look_up_vsm_spv},
+                                      {"shadow rows", wavepath_vsm_rows_spv},
+                                      {"shadow columns", wavepath_blur_columns_spv}}};
+const KernelProgram kVsmProgram = {kVsmStages, kFilterableOrder, shadow_layout};
+const ShadowMapRecipe kVsmRecipe = filterable_recipe();
 
 } // namespace
 
@@ -21,8 +21,8 @@ constinit const ShadowKind kShadowVsm = {
     .summary = "the most light that mean and variance of a map's depths allow (Donnelly and Lauritzen 2006)",
     .sources = kAllSources,
     .settings = kFilterableSettings,
-    .program = &kProgram,
-    .make = [](const ShadowContext& context) { return make_shadow_maps(kRecipe, context); },
+    .program = &kVsmProgram,
+    .make = [](const ShadowContext& context) { return make_shadow_maps(kVsmRecipe, context); },
 };
 
 } // namespace wavepath

@@ -10,16 +10,17 @@
 namespace wavepath {
 namespace {
 
-enum Stage : std::size_t { kLookUp, kRows, kColumns, kStageCount };
-const std::array<KernelCode, kStageCount> kStages = {{{"shadow look-up", wavepath_look_up_vssm_spv},
-                                                      {"shadow rows", wavepath_sat_rows_spv},
-                                                      {"shadow columns", wavepath_sat_columns_spv}}};
-constexpr std::array<std::size_t, kStageCount> kOrder = {kLookUp, kRows, kColumns};
-const KernelProgram kProgram = {kStages, kOrder, shadow_layout};
+enum VssmStage : std::size_t { kVssmLookUp, kRows, kColumns, kVssmStageCount };
+const std::array<KernelCode, kVssmStageCount> kVssmStages = {{{"shadow look-up", wavepath_look_up_vssm_spv},
+                                                              {"shadow rows", wavepath_sat_rows_spv},
+                                                              {"shadow columns", wavepath_sat_columns_spv}}};
+constexpr std::array<std::size_t, kVssmStageCount> kVssmOrder = {kVssmLookUp, kRows, kColumns};
+const KernelProgram kVssmProgram = {kVssmStages, kVssmOrder, shadow_layout};
 constexpr std::array<MapPass, 2> kPasses = {{{kRows, MapPass::Items::lines}, {kColumns, MapPass::Items::lines}}};
-const ShadowMapRecipe kRecipe = {
+const ShadowMapRecipe kVssmRecipe = {
     .scratch_bytes = [](const RenderSettings&) { return std::uint64_t{4 * sizeof(gpu::uint)}; }, .passes = kPasses};
-constexpr std::array<std::string_view, 4> kSettings = {"shadow-size", "shadow-bias", "shadow-source", "shadow-taps"};
+constexpr std::array<std::string_view, 4> kVssmSettings = {"shadow-size", "shadow-bias", "shadow-source",
+                                                           "shadow-taps"};
 
 } // namespace
 
@@ -27,9 +28,9 @@ constinit const ShadowKind kShadowVssm = {
     .name = "vssm",
     .summary = "soft shadows from mean and variance of depths over boxes of any size (Yang et al. 2010)",
     .sources = kAreaSources,
-    .settings = kSettings,
-    .program = &kProgram,
-    .make = [](const ShadowContext& context) { return make_shadow_maps(kRecipe, context); },
+    .settings = kVssmSettings,
+    .program = &kVssmProgram,
+    .make = [](const ShadowContext& context) { return make_shadow_maps(kVssmRecipe, context); },
 };
 
 } // namespace wavepath

@@ -7,9 +7,9 @@
 namespace wavepath {
 namespace {
 
-constexpr double kParallel = 1e-3;  // sine of the angle between light and camera below which there is nothing to warp
-constexpr double kPadding = 1e-4;   // relative, of what is fitted
-constexpr double kNearest = 0.01;   // depth that counts as the nearest one, of the farthest: a hull reaches to the eye
+constexpr double kParallel = 1e-3; // sine of the angle between light and camera below which there is nothing to warp
+constexpr double kNearestDepth =
+    0.01;                           // depth that counts as the nearest one, of the farthest: a hull reaches to the eye
 constexpr double kFlattest = 0.01;  // ratio of least and largest w up to which a perspective is taken
 constexpr double kFocus = 0.25;     // share of the depths that a trapezoid gives most of the map to,
 constexpr double kFocusPlace = 0.6; // which ends there, between -1 and 1
@@ -54,7 +54,7 @@ gpu::ShadowView warped_view(const ShadowFit& fit, const glm::dvec3& direction, c
   const auto fitted = [&](const glm::dvec4& row) {
     const Range range =
         range_over(fit.receivers, [&](const glm::dvec4& p) { return glm::dot(row, p) / glm::dot(w, p); });
-    return (row - range.middle() * w) / (0.5 * inside * (1.0 + kPadding) * range.extent());
+    return (row - range.middle() * w) / (0.5 * inside * (1.0 + kFitPadding) * range.extent());
   };
   const glm::dvec4 x = fitted(map.x), y = fitted(map.y);
   gpu::ShadowView view = parallel_view(fit, direction);
@@ -95,7 +95,7 @@ struct CameraSpace {
 
   CameraSpace(const View& view, const Range& depths, double step) {
     const glm::dvec3 eye = view.position - step * view.forward;
-    const double near = std::max(depths.lo, kNearest * depths.hi) + step, far = depths.hi + step;
+    const double near = std::max(depths.lo, kNearestDepth * depths.hi) + step, far = depths.hi + step;
     const double narrower = view.orthographic ? 1.0 : depths.hi / far;
     const auto row = [&](const glm::dvec3& axis, double scale) {
       return glm::dvec4(axis, -glm::dot(axis, eye)) * scale;
@@ -134,7 +134,7 @@ gpu::ShadowView light_space_perspective_view(const ShadowFit& fit, const glm::dv
                                              std::optional<double> distance) {
   const Ground ground(fit, direction, view);
   if (ground.sine < kParallel || (view.orthographic && !distance)) return parallel_view(fit, direction);
-  const double far = depths_of(fit, view).hi, near = std::max(depths_of(fit, view).lo, kNearest * far);
+  const double far = depths_of(fit, view).hi, near = std::max(depths_of(fit, view).lo, kNearestDepth * far);
   const double best = (near + std::sqrt(near * (near + ground.extent.extent() * ground.sine))) / ground.sine;
   return warped_view(fit, direction, ground.seen_from(distance ? *distance * ground.extent.extent() : best, view));
 }
@@ -145,7 +145,7 @@ gpu::ShadowView trapezoidal_view(const ShadowFit& fit, const glm::dvec3& directi
   const Range depths = depths_of(fit, view);
   const glm::dvec3 focus = view.position + glm::mix(depths.lo, depths.hi, kFocus) * view.forward;
   const double extent = ground.extent.extent();
-  const double until = std::max(glm::dot(ground.along, focus) - ground.extent.lo, kNearest * extent);
+  const double until = std::max(glm::dot(ground.along, focus) - ground.extent.lo, kNearestDepth * extent);
   // The perspective that moves the end of the focus to its place.
   const double slack = (1.0 + kFocusPlace) * extent - 2.0 * until;
   if (slack <= 0.0) return parallel_view(fit, direction); // it has as much as that anyway

@@ -10,21 +10,21 @@
 namespace wavepath {
 namespace {
 
-const LayerRecipe kRecipe = {.code = {"layers", wavepath_layer_vert_spv, wavepath_layer_peel_frag_spv},
-                             .attachments = kFoundLayer,
-                             .finish = {"peel", wavepath_peel_under_spv},
-                             .passes = [](const RenderSettings& settings) { return settings.transparency_layers; },
-                             .bindings = kFoundLayerBindings};
-constexpr std::array<std::string_view, 1> kSettings = {"transparency-layers"};
+const LayerRecipe kPeelRecipe = {.code = {"layers", wavepath_layer_vert_spv, wavepath_layer_peel_frag_spv},
+                                 .attachments = kFoundLayer,
+                                 .finish = {"peel", wavepath_peel_under_spv},
+                                 .passes = [](const RenderSettings& settings) { return settings.transparency_layers; },
+                                 .bindings = kFoundLayerBindings};
+constexpr std::array<std::string_view, 1> kPeelSettings = {"transparency-layers"};
 
 } // namespace
 
 constinit const TransparencyKind kTransparencyPeel = {
     .name = "peel",
     .summary = "peeled off one by one, the nearest first (Everitt 2001)",
-    .settings = kSettings,
+    .settings = kPeelSettings,
     .flag = gpu::kHybridLayers,
-    .layers = &kRecipe,
+    .layers = &kPeelRecipe,
 };
 
 } // namespace wavepath

@@ -10,12 +10,13 @@
 namespace wavepath {
 namespace {
 
-const LayerRecipe kRecipe = {.code = {"layers", wavepath_layer_vert_spv, wavepath_layer_peel_frag_spv},
-                             .attachments = kFoundLayer,
-                             .finish = {"refract", wavepath_refract_spv},
-                             .passes = [](const RenderSettings&) { return 2u; }, // where rays enter, and leave
-                             .bindings = kFoundLayerBindings,
-                             .holds = [](const gpu::Material& material) { return material.transmission > 0.0f; }};
+const LayerRecipe kRefractiveRecipe = {
+    .code = {"layers", wavepath_layer_vert_spv, wavepath_layer_peel_frag_spv},
+    .attachments = kFoundLayer,
+    .finish = {"refract", wavepath_refract_spv},
+    .passes = [](const RenderSettings&) { return 2u; }, // where rays enter, and leave
+    .bindings = kFoundLayerBindings,
+    .holds = [](const gpu::Material& material) { return material.transmission > 0.0f; }};
 
 } // namespace
 
@@ -24,7 +25,7 @@ constinit const TransparencyKind kTransparencyRefractive = {
     .summary = "bent views of the opaque picture (Wyman 2005)",
     .subject = "surfaces that transmit",
     .flag = gpu::kHybridRefractive,
-    .layers = &kRecipe,
+    .layers = &kRefractiveRecipe,
 };
 
 } // namespace wavepath

@@ -10,12 +10,12 @@
 namespace wavepath {
 namespace {
 
-constexpr std::array<AttachmentInfo, 1> kAttachments{
+constexpr std::array<AttachmentInfo, 1> kSortedAttachments{
     {{.name = "layers", .clear = {.colour = {0.0f, 0.0f, 0.0f, 1.0f}}}}};
-const LayerRecipe kRecipe = {.code = {"layers", wavepath_layer_vert_spv, wavepath_layer_sorted_frag_spv},
-                             .attachments = kAttachments,
-                             .state = {.blend = Blend::over},
-                             .sorts = true};
+const LayerRecipe kSortedRecipe = {.code = {"layers", wavepath_layer_vert_spv, wavepath_layer_sorted_frag_spv},
+                                   .attachments = kSortedAttachments,
+                                   .state = {.blend = Blend::over},
+                                   .sorts = true};
 
 } // namespace
 
@@ -23,7 +23,7 @@ constinit const TransparencyKind kTransparencySorted = {
     .name = "sorted",
     .summary = "blended in the order of the middles of their triangles",
     .flag = gpu::kHybridLayers,
-    .layers = &kRecipe,
+    .layers = &kSortedRecipe,
 };
 
 } // namespace wavepath

@@ -11,21 +11,22 @@
 namespace wavepath {
 namespace {
 
-const LayerRecipe kRecipe = {.code = {"layers", wavepath_layer_vert_spv, wavepath_layer_stochastic_frag_spv},
-                             .attachments = kFoundLayer,
-                             .finish = {"stochastic mean", wavepath_stochastic_mean_spv},
-                             .passes = [](const RenderSettings& settings) { return settings.transparency_samples; },
-                             .bindings = kFoundLayerBindings};
-constexpr std::array<std::string_view, 1> kSettings = {"transparency-samples"};
+const LayerRecipe kStochasticRecipe = {
+    .code = {"layers", wavepath_layer_vert_spv, wavepath_layer_stochastic_frag_spv},
+    .attachments = kFoundLayer,
+    .finish = {"stochastic mean", wavepath_stochastic_mean_spv},
+    .passes = [](const RenderSettings& settings) { return settings.transparency_samples; },
+    .bindings = kFoundLayerBindings};
+constexpr std::array<std::string_view, 1> kStochasticSettings = {"transparency-samples"};
 
 } // namespace
 
 constinit const TransparencyKind kTransparencyStochastic = {
     .name = "stochastic",
     .summary = "sampled at a fixed number of random places (Enderton et al. 2010)",
-    .settings = kSettings,
+    .settings = kStochasticSettings,
     .flag = gpu::kHybridLayers,
-    .layers = &kRecipe,
+    .layers = &kStochasticRecipe,
 };
 
 } // namespace wavepath

@@ -13,14 +13,14 @@ namespace wavepath {
 namespace {
 
 constexpr ClearValue kNothing = {.colour = {0.0f, 0.0f, 0.0f, 1.0f}};
-constexpr std::array<AttachmentInfo, 2> kAttachments{
+constexpr std::array<AttachmentInfo, 2> kWeightedAttachments{
     {{.name = "sum of layers", .clear = kNothing}, {.name = "weight of layers", .clear = kNothing}}};
 constexpr std::array<std::uint32_t, 2> kBindings = {gpu::kBindLayerSums, gpu::kBindLayerWeights};
-const LayerRecipe kRecipe = {.code = {"layers", wavepath_layer_vert_spv, wavepath_layer_weighted_frag_spv},
-                             .attachments = kAttachments,
-                             .state = {.blend = Blend::sum},
-                             .finish = {"weighted mean", wavepath_weighted_mean_spv},
-                             .bindings = kBindings};
+const LayerRecipe kWeightedRecipe = {.code = {"layers", wavepath_layer_vert_spv, wavepath_layer_weighted_frag_spv},
+                                     .attachments = kWeightedAttachments,
+                                     .state = {.blend = Blend::sum},
+                                     .finish = {"weighted mean", wavepath_weighted_mean_spv},
+                                     .bindings = kBindings};
 
 } // namespace
 
@@ -28,7 +28,7 @@ constinit const TransparencyKind kTransparencyWeighted = {
     .name = "weighted",
     .summary = "averaged by weights that fall with depth (McGuire and Bavoil 2013)",
     .flag = gpu::kHybridLayers,
-    .layers = &kRecipe,
+    .layers = &kWeightedRecipe,
 };
 
 } // namespace wavepath

@@ -20,6 +20,8 @@ struct KernelProgram {
   std::vector<Binding> (*layout)();           // numbers and kinds of their bindings; no buffers
 };
 
+inline constexpr std::array<std::size_t, 1> kOnlyStage = {0}; // compile order of a program of one
+
 // What kernels are specialized for. Whatever they are compiled for beyond what a scene needs, the picture has the same
 // bits.
 struct KernelConfig {

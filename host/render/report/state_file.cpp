@@ -22,7 +22,7 @@ using Json = nlohmann::ordered_json;
 constexpr std::string_view kMagic = "wavepath state 5\n";
 constexpr const char* kRemedy = "start again without --resume, or name another --checkpoint";
 
-Json to_json(const Checkpoint& c) {
+Json state_json(const Checkpoint& c) {
   return {c.spp,
           c.seconds,
           c.gpu_seconds,
@@ -50,7 +50,7 @@ Checkpoint checkpoint_from(const Json& j) {
   return c;
 }
 
-Json to_json(const Nonfinite& nonfinite) {
+Json state_json(const Nonfinite& nonfinite) {
   Json first = nullptr;
   if (nonfinite.first)
     first = {nonfinite.first->sample, nonfinite.first->at.pixel, nonfinite.first->at.net, nonfinite.first->maker};
@@ -65,9 +65,9 @@ Nonfinite nonfinite_from(const Json& json) {
   return nonfinite;
 }
 
-Json to_json(const RayCounts& rays) { return {rays.camera, rays.bounce, rays.shadow, rays.occlusion}; }
+Json state_json(const RayCounts& rays) { return {rays.camera, rays.bounce, rays.shadow, rays.occlusion}; }
 
-Json to_json(const std::optional<NoisePilot>& pilot) {
+Json state_json(const std::optional<NoisePilot>& pilot) {
   return pilot ? Json{pilot->samples, pilot->width, pilot->height, pilot->cost, pilot->used} : Json();
 }
 
@@ -78,7 +78,7 @@ std::optional<NoisePilot> noise_from(const Json& json) {
 
 Json describe(const std::string& identity, const std::string& device, const RenderState& state) {
   Json checkpoints = Json::array(), stages = Json::array();
-  for (const Checkpoint& c : state.checkpoints) checkpoints.push_back(to_json(c));
+  for (const Checkpoint& c : state.checkpoints) checkpoints.push_back(state_json(c));
   for (const StageTime& s : state.stages) stages.push_back({s.name, s.seconds, s.dispatches});
   const RenderCursor& cursor = state.cursor;
   return {{"identity", identity},
@@ -87,12 +87,12 @@ Json describe(const std::string& identity, const std::string& device, const Rend
           {"first_sample", state.first_sample},
           {"seconds", state.seconds},
           {"estimate_seconds", state.estimate_seconds},
-          {"rays", to_json(state.rays)},
-          {"nonfinite", to_json(state.nonfinite)},
+          {"rays", state_json(state.rays)},
+          {"nonfinite", state_json(state.nonfinite)},
           {"stages", stages},
           {"checkpoints", checkpoints},
           {"levels", state.levels},
-          {"noise", to_json(state.noise)},
+          {"noise", state_json(state.noise)},
           {"next_check", state.next_check},
           {"size", {state.film.width, state.film.height}},
           {"aovs", !state.film.aovs.empty()},

@@ -9,7 +9,7 @@ namespace {
 
 using S = RenderSettings;
 
-constexpr double kMostBias = 90.0; // degrees
+constexpr double kMostAoBias = 90.0; // degrees
 
 } // namespace
 
@@ -23,7 +23,7 @@ std::vector<Setting> occlusion_rows() {
        .label = "occlusion",
        .study = std::vector<std::string_view>(kOcclusionNames.begin(), kOcclusionNames.end())},
       {.name = "ao-bias",
-       .value = NumberValue{&S::ao_bias, 0.0, kMostBias},
+       .value = NumberValue{&S::ao_bias, 0.0, kMostAoBias},
        .meaning = "of hbao: elevation over the tangent plane up to which nothing occludes",
        .placeholder = "DEGREES",
        .study = {"0", "10", "30"}},

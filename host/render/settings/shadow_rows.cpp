@@ -14,14 +14,14 @@ namespace {
 using S = RenderSettings;
 
 constexpr std::uint32_t kSmallestMap = 16, kLargestMap = 16384, kMostTaps = 1024, kMostCascades = 8;
-constexpr double kMostBias = 1e6, kMostBlur = 256.0, kMostExponent = 88.0; // exp(88) is the last that floats hold
+constexpr double kMostShadowBias = 1e6, kMostBlur = 256.0, kMostExponent = 88.0; // exp(88) is the last that floats hold
 
 void read_shadow_bias(const FlagValue& value, S& settings) {
   const std::size_t colon = value.text.find(':');
   settings.shadow_bias = FlagValue{value.flag, value.text.substr(0, colon)}.choice(kShadowBiasNames);
   settings.shadow_bias_amount.reset();
   if (colon != std::string::npos)
-    settings.shadow_bias_amount = FlagValue{value.flag, value.text.substr(colon + 1)}.number(0.0, kMostBias);
+    settings.shadow_bias_amount = FlagValue{value.flag, value.text.substr(colon + 1)}.number(0.0, kMostShadowBias);
 }
 
 std::string shadow_bias_text(const S& settings) {

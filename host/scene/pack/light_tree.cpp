@@ -15,13 +15,13 @@
 namespace wavepath {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
+using std::numbers::pi;
 constexpr int kBins = 12;
 constexpr std::size_t kParallelLights = 2048; // of a subtree worth a task, and of a chunk of one reduction
 
 // ---- bounds of many lights ------------------------------------------------------------------------------------------
 
-struct Bounds {
+struct ClusterBounds {
   glm::vec3 lo{INFINITY}, hi{-INFINITY};
   glm::dvec3 axis{0.0};
   double theta_o = -1.0, theta_e = 0.0; // theta_o < 0: empty
@@ -29,12 +29,12 @@ struct Bounds {
   bool two_sided = false;
 };
 
-Bounds bounds_of(const LightBounds& light) {
+ClusterBounds bounds_of(const LightBounds& light) {
   return {light.lo,
           light.hi,
           glm::dvec3(light.axis),
-          std::clamp(double{light.theta_o}, 0.0, kPi),
-          std::clamp(double{light.theta_e}, 0.0, kPi),
+          std::clamp(double{light.theta_o}, 0.0, pi),
+          std::clamp(double{light.theta_e}, 0.0, pi),
           light.power,
           light.intensity,
           light.two_sided};
@@ -53,7 +53,7 @@ glm::dvec3 turned(const glm::dvec3& axis, const glm::dvec3& target, double angle
 }
 
 // The smallest cone about two (Conty Estevez and Kulla, algorithm 1). A two-sided cone may be turned round.
-void join_cones(Bounds& into, const Bounds& other) {
+void join_cones(ClusterBounds& into, const ClusterBounds& other) {
   glm::dvec3 a = into.axis, b = other.axis;
   double theta_a = into.theta_o, theta_b = other.theta_o;
   if (glm::dot(a, b) < 0.0 && (into.two_sided || other.two_sided)) (other.two_sided ? b : a) *= -1.0;
@@ -65,11 +65,11 @@ void join_cones(Bounds& into, const Bounds& other) {
   into.axis = a;
   into.theta_o = theta_a;
   if (between + theta_b <= theta_a) return;
-  into.theta_o = std::min(0.5 * (theta_a + between + theta_b), kPi);
-  if (into.theta_o < kPi) into.axis = turned(a, b, into.theta_o - theta_a);
+  into.theta_o = std::min(0.5 * (theta_a + between + theta_b), pi);
+  if (into.theta_o < pi) into.axis = turned(a, b, into.theta_o - theta_a);
 }
 
-void join(Bounds& into, const Bounds& other) {
+void join(ClusterBounds& into, const ClusterBounds& other) {
   if (other.theta_o < 0.0) return;
   if (into.theta_o < 0.0) {
     into = other;
@@ -85,18 +85,18 @@ void join(Bounds& into, const Bounds& other) {
 }
 
 // Solid angle that the cone shines into, weighted by the cosine beyond theta_o.
-double orientation_measure(const Bounds& b) {
-  const double o = b.theta_o, w = std::min(o + b.theta_e, kPi);
+double orientation_measure(const ClusterBounds& b) {
+  const double o = b.theta_o, w = std::min(o + b.theta_e, pi);
   const double measure =
-      2.0 * kPi * (1.0 - std::cos(o)) +
-      0.5 * kPi * (2.0 * w * std::sin(o) - std::cos(o - 2.0 * w) - 2.0 * o * std::sin(o) + std::cos(o));
+      2.0 * pi * (1.0 - std::cos(o)) +
+      0.5 * pi * (2.0 * w * std::sin(o) - std::cos(o - 2.0 * w) - 2.0 * o * std::sin(o) + std::cos(o));
   return b.two_sided ? 2.0 * measure : measure;
 }
 
 // Squared diagonal in place of the surface area: the kernels bound a cluster by the sphere about its box, and rows of
 // lamps have no area. A smallest size, relative to the node that is split, keeps orientation and power in play where
 // lights share one place.
-double cost(const Bounds& b, double least_size) {
+double cost(const ClusterBounds& b, double least_size) {
   if (b.theta_o < 0.0) return 0.0;
   const glm::dvec3 size = glm::dvec3(b.hi) - glm::dvec3(b.lo);
   return b.power * (glm::dot(size, size) + least_size) * orientation_measure(b);
@@ -106,7 +106,7 @@ double cost(const Bounds& b, double least_size) {
 
 // Both children of a node, before they are rounded.
 struct Split {
-  std::array<Bounds, 2> child;
+  std::array<ClusterBounds, 2> child;
   std::array<std::uint32_t, 2> link{};
 };
 
@@ -118,7 +118,7 @@ public:
   }
 
   // Splits lights [first, first + count) of the order into the subtree whose nodes begin with record `record`.
-  Bounds build(std::uint32_t first, std::uint32_t count, std::uint32_t record, std::uint32_t depth) {
+  ClusterBounds build(std::uint32_t first, std::uint32_t count, std::uint32_t record, std::uint32_t depth) {
     if (count == 1) return bounds_of(lights_[order_[first]]);
     const std::uint32_t left = divide(first, count, depth), right = count - left;
     Split& split = splits[record - 1];
@@ -133,7 +133,7 @@ public:
     } else {
       tbb::parallel_invoke(build_left, build_right);
     }
-    Bounds both = split.child[0];
+    ClusterBounds both = split.child[0];
     join(both, split.child[1]);
     return both;
   }
@@ -163,7 +163,7 @@ private:
     glm::vec3 lo{INFINITY}, hi{-INFINITY};
   };
   struct Bin {
-    Bounds bounds;
+    ClusterBounds bounds;
     std::uint32_t count = 0;
   };
   using Bins = std::array<std::array<Bin, kBins>, 3>;
@@ -200,7 +200,7 @@ private:
     const Bins bins = reduce<Bins>(
         first, count,
         [&](Bins& into, std::uint32_t light) {
-          const Bounds bounds = bounds_of(lights_[light]);
+          const ClusterBounds bounds = bounds_of(lights_[light]);
           const glm::vec3 place = centre(light);
           for (int axis = 0; axis < 3; ++axis) {
             if (!(box.hi[axis] > box.lo[axis])) continue;
@@ -223,7 +223,7 @@ private:
     for (int axis = 0; axis < 3; ++axis) {
       if (!(box.hi[axis] > box.lo[axis])) continue;
       std::array<double, kBins> above{}; // cost of bins i and up
-      Bounds sum;
+      ClusterBounds sum;
       for (int i = kBins - 1; i > 0; --i) {
         join(sum, bins[axis][i].bounds);
         above[i] = cost(sum, least_size);
@@ -304,7 +304,7 @@ std::uint32_t round_up(float value, float lo, float hi) {
 
 // Sine of half an angle, rounded up.
 std::uint32_t half_sine(double angle) {
-  return static_cast<std::uint32_t>(std::min(std::ceil(std::sin(0.5 * std::min(angle, kPi)) * 255.0), 255.0));
+  return static_cast<std::uint32_t>(std::min(std::ceil(std::sin(0.5 * std::min(angle, pi)) * 255.0), 255.0));
 }
 
 // 6 bits of exponent and 10 of mantissa; too weak ones become the weakest that there are.
@@ -314,7 +314,7 @@ std::uint32_t intensity_bits(double share) {
   return bits < least ? 0 : std::min((bits - least) >> 13, 0xffffu);
 }
 
-gpu::LightTreeChild round_child(const Bounds& b, std::uint32_t link, const gpu::LightCluster& parent,
+gpu::LightTreeChild round_child(const ClusterBounds& b, std::uint32_t link, const gpu::LightCluster& parent,
                                 double whole_intensity) {
   gpu::LightTreeChild child{};
   std::uint32_t lo[3], hi[3];
@@ -416,21 +416,21 @@ LightBounds triangle_light_bounds(const glm::vec3 (&corners)[3], double radiance
   bounds.lo = glm::min(corners[0], glm::min(corners[1], corners[2]));
   bounds.hi = glm::max(corners[0], glm::max(corners[1], corners[2]));
   if (length > 0.0) bounds.axis = glm::vec3(normal / length);
-  bounds.theta_o = length > 0.0 ? 0.0f : static_cast<float>(kPi);
-  bounds.theta_e = static_cast<float>(0.5 * kPi);
+  bounds.theta_o = length > 0.0 ? 0.0f : static_cast<float>(pi);
+  bounds.theta_e = static_cast<float>(0.5 * pi);
   bounds.two_sided = two_sided;
   bounds.intensity = radiance * area;
-  bounds.power = kPi * bounds.intensity * (two_sided ? 2.0 : 1.0);
+  bounds.power = pi * bounds.intensity * (two_sided ? 2.0 : 1.0);
   return bounds;
 }
 
 LightBounds point_light_bounds(const glm::vec3& position, double intensity) {
   LightBounds bounds;
   bounds.lo = bounds.hi = position;
-  bounds.theta_o = static_cast<float>(kPi);
-  bounds.theta_e = static_cast<float>(0.5 * kPi);
+  bounds.theta_o = static_cast<float>(pi);
+  bounds.theta_e = static_cast<float>(0.5 * pi);
   bounds.intensity = intensity;
-  bounds.power = 4.0 * kPi * intensity;
+  bounds.power = 4.0 * pi * intensity;
   return bounds;
 }
 
@@ -453,7 +453,7 @@ LightTree build_light_tree(std::span<const LightBounds> lights) {
   tree.trails.assign(lights.size(), 0);
   Builder builder(lights);
   const auto count = static_cast<std::uint32_t>(lights.size());
-  const Bounds whole = builder.build(0, count, 1, 0);
+  const ClusterBounds whole = builder.build(0, count, 1, 0);
   const gpu::LightCluster root{whole.lo, count == 1 ? gpu::kLightLeaf | builder.only_light() : 1u, whole.hi, 0};
   tree.records[0] = std::bit_cast<LightTree::Record>(root);
   if (count > 1) round_nodes(builder.splits, root, 0, whole.intensity, tree);

@@ -21,7 +21,7 @@ namespace wavepath {
 namespace {
 
 constexpr std::size_t kMostLights = std::size_t{1} << 26; // 5 GiB
-constexpr double kPi = std::numbers::pi;
+using std::numbers::pi;
 
 // Lights of one kind of reach, whose powers can be compared with each other. Those of two groups cannot: what a lamp
 // does to a point goes by its distance, which an environment does not have.
@@ -148,7 +148,7 @@ double set_spot_falloff(const PunctualLight& source, gpu::Light& light) {
   light.spot_offset = static_cast<float>(-outer * scale);
   // Squared ramp from outer on, reaching 1 where cos = outer + 1/scale (or at cos = 1, if that comes first).
   const double full = outer + 1.0 / scale, top = std::min(full, 1.0);
-  return 2.0 * kPi * (std::pow(top - outer, 3.0) * scale * scale / 3.0 + (1.0 - top));
+  return 2.0 * pi * (std::pow(top - outer, 3.0) * scale * scale / 3.0 + (1.0 - top));
 }
 
 // The `range` of KHR_lights_punctual dims light by distance, of which the powers here take no account: they decide the
@@ -164,7 +164,7 @@ void add_punctual(const Scene& scene, const PackedScene& packed, bool directiona
     switch (source.kind) {
       case LightKind::point:
         light.kind = gpu::kLightPoint;
-        power *= 4.0 * kPi;
+        power *= 4.0 * pi;
         break;
       case LightKind::spot:
         light.kind = gpu::kLightSpot;
@@ -175,7 +175,7 @@ void add_punctual(const Scene& scene, const PackedScene& packed, bool directiona
         light.kind = gpu::kLightDirectional;
         light.direction = -source.direction;
         light.position = glm::vec3(0.0f);
-        power *= kPi * radius * radius;
+        power *= pi * radius * radius;
         break;
     }
     if (power > 0.0 && std::isfinite(power)) add_light(scene, list, light, power);
@@ -201,7 +201,7 @@ std::vector<double> weigh(const LightList& list) {
 }
 
 LightBounds bounds_of(const gpu::Light& light, double power, double area, const PackedScene& packed) {
-  if (light.kind == gpu::kLightPoint) return point_light_bounds(light.position, power / (4.0 * kPi));
+  if (light.kind == gpu::kLightPoint) return point_light_bounds(light.position, power / (4.0 * pi));
   if (light.kind == gpu::kLightSpot) {
     const double outer = std::acos(std::clamp(-double{light.spot_offset} / light.spot_scale, -1.0, 1.0));
     return spot_light_bounds(light.position, light.direction, outer, luminance(light.intensity), power);
@@ -220,7 +220,7 @@ LightBounds bounds_of(const gpu::Light& light, double power, double area, const 
   }
   // Normals keep to the front of a mirrored object, whose corners are then met clockwise.
   if (packed.root_is_top && packed.instances[light.instance].flipped) std::swap(corners[1], corners[2]);
-  return triangle_light_bounds(corners, power / (kPi * area * (two_sided ? 2.0 : 1.0)), two_sided);
+  return triangle_light_bounds(corners, power / (pi * area * (two_sided ? 2.0 : 1.0)), two_sided);
 }
 
 // In how many places the local lights are: as many cubes, an eighth of the scene's radius wide, of equal power would
@@ -273,7 +273,7 @@ void pack_lights(Scene& scene, std::span<const Object> objects, std::span<const 
   if (sample_environment) {
     gpu::Light light{};
     light.kind = gpu::kLightEnvironment;
-    add_light(scene, list, light, kPi * radius * radius * environment_integral);
+    add_light(scene, list, light, pi * radius * radius * environment_integral);
   }
   list.ends[kEnvironment] = list.lights.size();
 
@@ -289,7 +289,7 @@ void pack_lights(Scene& scene, std::span<const Object> objects, std::span<const 
   packed.local_light_count = static_cast<std::uint32_t>(list.ends[kLocal]);
   double power = 0.0; // as if all shone into the scene's sphere
   for (const double p : list.powers) power += p;
-  packed.typical_radiance = power / (4.0 * kPi * kPi * radius * radius);
+  packed.typical_radiance = power / (4.0 * pi * pi * radius * radius);
   const std::size_t least = selection == gpu::kLightsAuto ? kFewLights + 1 : 1;
   if (selection != gpu::kLightsPower && list.ends[kLocal] >= least)
     pack_light_tree(list, radius, selection == gpu::kLightsAuto, packed);
