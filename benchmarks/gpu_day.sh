@@ -160,6 +160,7 @@ run() {
       -o "$results/hybrid_$name.png" --stats "$results/hybrid_$name.json"
   done
   rm -f "$results"/compare_*.exr "$results/validation.exr"
+  [[ -s $results/steps.jsonl ]] || fail "no step is called ${GPU_DAY_STEPS:-}; see the first lines of the script"
   echo "gpu_day: commit $(cat "$here/commit"), $((SECONDS - began)) s, results in $results"
   return $failed
 }

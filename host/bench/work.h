@@ -20,7 +20,7 @@ struct RayWork {
   double lanes_in_use = 1.0;
 };
 
-// `lanes` of a subgroup are at least 1.
+// `lanes` of a subgroup are at least 1. A device tells one number; its compiler may take fewer lanes for a kernel.
 RayWork count_closest(const PackedScene& scene, std::span<const gpu::Ray> rays, std::uint32_t lanes);
 RayWork count_any(const PackedScene& scene, std::span<const gpu::ShadowRay> rays, std::uint32_t lanes);
 

@@ -42,7 +42,8 @@ struct Binding {
   Aspect aspect = Aspect::main;       // of the image
   Sampling sampling{};
   // Of texels, which kernels read as storage blocks where DeviceInfo::has_few_texels: not those that are few on any
-  // device, and those over the memory of a storage block through that one, whose slot `words` is.
+  // device or leave the block to others, and those over the memory of a storage block through that one, whose slot
+  // `words` is.
   bool is_small = false;
   std::uint32_t words = gpu::kNone;
 };

@@ -10,10 +10,10 @@ namespace wavepath {
 // device busy until it has clocked up.
 template <class Measure>
 double seconds_when_warm(const DeviceInfo& info, const Measure& measure) {
-  constexpr double kUntilAwake = 0.1, kShort = 0.02; // seconds
+  constexpr double kUntilAwake = 0.1; // seconds
   const Clock::time_point start = Clock::now();
   double seconds = measure();
-  while (info.type != "cpu" && seconds < kShort && seconds_since(start) < kUntilAwake) seconds = measure();
+  while (info.type != "cpu" && seconds_since(start) < kUntilAwake) seconds = measure();
   return seconds;
 }
 

@@ -147,6 +147,8 @@ DeviceScene upload_scene(Device& device, const PackedScene& scene, bool by_query
   check_fits(info, "vertex coordinates", bytes_of(scene.vertex_uvs), wide);
   check_fits(info, "vertex colours", bytes_of(scene.vertex_colors), wide);
   check_fits(info, "textures", bytes_of(scene.texels), pages);
+  check_fits(info, "uses of textures", bytes_of(scene.textures),
+             std::min(16 * info.max_texel_elements, info.max_allocation));
   check_fits(info, "environment texels", bytes_of(scene.environment), wide);
   check_fits(info, "lights", bytes_of(scene.lights) + bytes_of(scene.light_part_ends), wide);
   check_fits(info, "light tree", bytes_of(scene.light_tree), wide);
