@@ -6,7 +6,7 @@
 
 #include "kernels/light_sampling.glsl"
 #ifdef BIND_LIGHT_TREE
-#include "kernels/light_selection.glsl"
+#include "kernels/learned_sky.glsl"
 #endif
 #include "kernels/surface.glsl"
 
@@ -158,6 +158,7 @@ LightSample sample_light(vec3 from, uvec2 u) {
 LightSample sample_light(Receiver receiver, uvec2 u, out float ratio) {
   uint index = pick_light_for(receiver, u, ratio);
   if (index == kNone) return no_light();
+  if (uses_learned_sky() && index >= placed_lights()) ratio *= pick_sky_part(receiver, u);
   LightSample s = sample_picked_light(index, receiver.position, u);
   s.pdf *= ratio;
   return s;

@@ -112,6 +112,16 @@ vec3 environment_texel_direction(uint column, uint row, uint width, uint height,
   return vec3(2.0 * sqrt(s * (1.0 - s)) * azimuth, south ? -y : y).xzy;
 }
 
+// Where in the texel of a row such a direction lies, by solid angle: u.y of the function above.
+float environment_row_fraction(vec3 d, uint row, uint height) {
+  bool south = 2u * row >= height;
+  float k = float(south ? height - 1u - row : row);
+  float h = float(height);
+  float near = cos_sin_turns(0.25 * k / h).y, far = cos_sin_turns(0.25 * (k + 1.0) / h).y;
+  float fraction = (0.5 - 0.5 * abs(d.y) - near * near) / (far * far - near * near);
+  return south ? 1.0 - fraction : fraction;
+}
+
 // ---- from the bound buffers -------------------------------------------------------------------------------------
 
 #ifdef BIND_LIGHTS

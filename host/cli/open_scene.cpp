@@ -59,7 +59,8 @@ void require_memory_for(const std::string& path, const RenderSettings& settings,
   const std::uint64_t extra = kind.extra_bytes ? kind.extra_bytes(settings) : 0;
   const std::uint64_t frames = pixels * kind.bytes_per_pixel(settings) + extra;
   const bool learns = plan.light_tree_bytes > 0 && (features_of(settings) & gpu::kFeatureLightRows) != 0;
-  const std::uint64_t lesson = learns ? kind.light_lesson_bytes : 0;
+  const bool learns_sky = plan.environment_bytes > 0 && (features_of(settings) & gpu::kFeatureLearnedSky) != 0;
+  const std::uint64_t lesson = (learns ? kind.light_lesson_bytes : 0) + (learns_sky ? kind.sky_lesson_bytes : 0);
   const std::uint64_t picture = pixels * sizeof(float) * (4 + 3 * settings.aovs.size());
   const std::uint64_t copies = device.type == "cpu" ? 2 : 1;
   const std::uint64_t filter = denoises_film(settings) ? pixels * kDenoiseBytesPerPixel : 0;

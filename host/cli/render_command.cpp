@@ -318,10 +318,21 @@ Choices settle_choices(RenderCommandRequest& request, Prepared& prepared) {
   return choices;
 }
 
+// What the pilot of a render with these settings learns of lights: of one sample of it.
+LightShares learn_light_shares(const RenderSettings& settings, Prepared& prepared) {
+  if (!(features_of(settings) & (gpu::kFeatureLightRows | gpu::kFeatureLearnedSky))) return nullptr;
+  RenderSettings one = settings;
+  one.last_sample = one.first_sample + 1;
+  const auto rendered = render(*prepared.device, prepared.packed, prepared.view, one, RenderHooks{}, *prepared.kernels,
+                               &prepared.on_device);
+  return rendered.light_pilot.shares;
+}
+
 // Prints the trace of one path. Writes no file.
 int replay(const RenderCommandRequest& request, Prepared& prepared) {
-  const RenderSettings& settings = request.render.settings;
+  RenderSettings settings = request.render.settings;
   Device& device = *prepared.device;
+  settings.light_shares = learn_light_shares(settings, prepared);
   PathReplay replay(device, prepared.packed, prepared.view, settings, *prepared.kernels);
   const PathTrace trace = replay.trace(*request.render.pixel, *request.render.sample, request.render.net);
   device.pipeline_cache().save();

@@ -64,6 +64,8 @@ void check(ViewCommandRequest& request) {
                      "use --integrator hybrid or ao");
   if (!is_given(request.render, "spp")) settings.sample_total = request.frames ? request.frames : kOpenEndedSamples;
   settings.last_sample = settings.sample_total;
+  // A window begins anew whenever the camera moves: no pilot unless asked for.
+  if (settings.lights == gpu::kLightsAuto) settings.lights = gpu::kLightsTree;
   if (request.frames > settings.last_sample)
     throw UsageError("--frames", fmt::format("{} is more than --spp {}", request.frames, settings.last_sample),
                      "give a number up to --spp");
@@ -115,8 +117,7 @@ public:
     packing_.eye = packed_.origin; // whatever is packed later stands where this does
     print_warnings(scene_.warnings);
     environment_ = {request.scene.environment, request.scene.environment_intensity, request.scene.environment_degrees};
-    RenderSettings shown = settings; // a window begins anew whenever the camera moves: no pilot unless asked for
-    if (shown.lights == gpu::kLightsAuto && !packed_.light_tree.empty()) shown.lights = gpu::kLightsTree;
+    RenderSettings shown = settings;
     shown.moving = packed_.moves();
     progressive_ = std::make_unique<Progressive>(*open_.device, packed_, view, shown, *open_.kernels);
   }

@@ -7,6 +7,7 @@
 #define BIND_SURFACES
 #define BIND_LIGHTS
 #define BIND_LIGHT_TREE
+#define BIND_ENVIRONMENT
 #define BIND_RECEIVERS
 #define BIND_LIGHT_SUMS
 #define BIND_PATHS
@@ -15,7 +16,7 @@
 #define BIND_COUNTERS
 #include "kernels/path/bindings.glsl"
 #include "kernels/dimensions.glsl"
-#include "kernels/light_selection.glsl"
+#include "kernels/learned_sky.glsl"
 #include "kernels/path/nonfinite.glsl"
 #include "kernels/path/queue.glsl"
 #include "kernels/path/records.glsl"
@@ -39,23 +40,35 @@ void add_to_sum(uint first, uint value) {
   if (before + value < before) atomicAdd(light_sums[first + 1u], 1u);
 }
 
-// For the learned selection: what the light would bring to the cell of the vertex, and what of it arrives; in the first
-// word of the tree's column how often lights were picked there.
-void tally(ShadowRay ray, bool blocked) {
-  Receiver receiver = unpack_receiver(texelFetch(receiver_texels, int(ray.slot)));
-  uint column = ray.light >= placed_lights() ? kEnvironmentColumn : kDirectionalColumn;
-  if (ray.light < frame.local_light_count) column = light_trail_column(ray.light).y;
-  float brought = luminance(ray.contribution) * frame.light_sum_scale;
-  uint value = brought > 0.0 ? uint(min(brought, 1e9)) : 0u; // NaN: nothing
+// For the learned selection: what the light would bring to the cell of the vertex, and what of it arrives, counted for
+// one of `columns` of the rows that begin at word `first`. In the column behind them how often lights were picked there, and
+// the row of the cell around it plus one.
+void tally(Receiver receiver, uint first, uint columns, uint column, uint brought, bool blocked) {
   uint row = light_row(receiver);
   for (int level = 1; level <= int(kLightCellLevels); ++level) {
-    uint first = 4u * (row * kLightColumns + column), whole = 4u * (row * kLightColumns + kTreeColumn);
-    add_to_sum(first, value);
-    if (!blocked) add_to_sum(first + 2u, value);
-    atomicAdd(light_sums[whole], 1u);
+    uint sums = first + 4u * row * (columns + 1u), picks = sums + 4u * columns;
+    add_to_sum(sums + 4u * column, brought);
+    if (!blocked) add_to_sum(sums + 4u * column + 2u, brought);
+    atomicAdd(light_sums[picks], 1u);
     row = light_row(receiver, level);
-    if (level < int(kLightCellLevels)) atomicMax(light_sums[whole + 1u], row + 1u);
+    if (level < int(kLightCellLevels)) atomicMax(light_sums[picks + 1u], row + 1u);
   }
+}
+
+void tally(ShadowRay ray, bool blocked) {
+  Receiver receiver = unpack_receiver(texelFetch(receiver_texels, int(ray.slot)));
+  float units = luminance(ray.contribution) * frame.light_sum_scale;
+  uint brought = units > 0.0 ? uint(min(units, 1e9)) : 0u; // NaN: nothing
+  bool is_environment = ray.light >= placed_lights();
+  if (uses_light_rows()) {
+    uint column = is_environment ? kEnvironmentColumn : kDirectionalColumn;
+    if (ray.light < frame.local_light_count) column = light_trail_column(ray.light).y;
+    tally(receiver, 0u, kTreeColumn, column, brought, blocked);
+  }
+  if (!uses_learned_sky() || !is_environment) return;
+  uvec2 part = sky_part(ray.direction);
+  uint first = uses_light_rows() ? 4u * kLightRows * kLightColumns : 0u;
+  tally(receiver, first, kSkyParts, kSkySide * part.y + part.x, brought, blocked);
 }
 
 vec3 queued_origin, queued_direction;

@@ -19,7 +19,7 @@ void escape(Ray ray, inout PathState path) {
   if (has(kFeatureVolume)) path.throughput *= medium_transmittance(current_body(slot), kFarAway);
   float light_pdf;
   vec3 radiance = environment_emission(ray.direction, light_pdf);
-  if (wants_light_weight(path) && light_pdf > 0.0) light_pdf *= environment_ratio(fetch_receiver(slot));
+  if (wants_light_weight(path) && light_pdf > 0.0) light_pdf *= environment_ratio(fetch_receiver(slot), ray.direction);
   add_radiance(path, slot, path.throughput * radiance * emission_weight(path.bsdf_pdf, light_pdf) * sky_share(path.bsdf_pdf));
 }
 

@@ -9,6 +9,7 @@
 #include "host/integrators/path/guiding.h"
 #include "host/integrators/path/light_rows.h"
 #include "host/integrators/path/path_tracer.h"
+#include "host/integrators/path/sky_rows.h"
 #include "host/render/render.h"
 #include "host/render/settings/light_samples.h"
 
@@ -38,8 +39,11 @@ std::vector<std::string> bias(const RenderSettings& settings, const RenderResult
 std::uint64_t guide_bytes(const RenderSettings& settings) { return settings.guide ? kGuideBytes : 0; }
 
 std::vector<OmittedStage> omitted(const RenderSettings& settings) {
-  if (settings.guide) return {};
-  return {{"guiding field, its pilot and its kernels", "--guide was not given"}};
+  std::vector<OmittedStage> left_out;
+  if (!settings.guide) left_out.push_back({"guiding field, its pilot and its kernels", "--guide was not given"});
+  if (!(features_of(settings) & gpu::kFeatureLearnedSky))
+    left_out.push_back({"learned parts of the environment map", "--lights or --direct does not ask for them"});
+  return left_out;
 }
 
 // What a wave of these rays takes, in camera rays: shadow rays end at the first hit. The pilot's rays are counted
@@ -59,6 +63,7 @@ constinit const IntegratorKind kPath = {
     .nests_bodies = true,
     .sorts_hits = true,
     .light_lesson_bytes = kLightRowBytes + kLightSumBytes,
+    .sky_lesson_bytes = kSkyRowBytes + kSkySumBytes,
     .measures_depth_cut = true,
     .first_hit_stages = kFirstHitStages,
     .features = film_features,

@@ -2,6 +2,9 @@
 // paths.
 #pragma once
 
+#include <cstdint>
+#include <vector>
+
 #include "host/base/clock.h"
 #include "host/integrators/path/paths.h"
 #include "host/render/loop/render_result.h"
@@ -29,10 +32,13 @@ public:
   const LightPilot& report() const { return report_; }
 
 private:
+  void use(const std::vector<std::uint32_t>& shares);
+
   Workspace& workspace_;
   KernelCompiler& kernels_;
   Paths& paths_;
   bool learns_ = false;
+  bool of_lights_ = false, of_sky_ = false; // which shares there are, learned here or not
   LightShares taken_over_;
   KernelNeed need_;
   LightPilot report_;

@@ -41,10 +41,14 @@ glm::dvec3 hit_position(const PackedScene& scene, const gpu::Hit& hit) {
 
 PathReplay::PathReplay(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings,
                        KernelCompiler& kernels)
-    : workspace_(device, scene, 1, traversal_of(settings)), paths_(workspace_, kernels) {
+    : workspace_(device, scene, 1, traversal_of(settings)),
+      paths_(workspace_, kernels),
+      teacher_(workspace_, kernels, paths_) {
   const RenderSettings plain = without_extras(settings);
   workspace_.change(view, plain);
+  if (plain.light_shares) teacher_.change(plain);
   paths_.change(plain, kAllPathStages, 0);
+  if (plain.light_shares) teacher_.start();
 }
 
 void PathReplay::run(PathStage stage, std::uint32_t bounce) {

@@ -7,6 +7,7 @@
 
 #include <glm/glm.hpp>
 
+#include "host/integrators/path/light_teacher.h"
 #include "host/integrators/path/paths.h"
 #include "kernels/frame_types.h"
 #include "kernels/path/path_types.h"
@@ -44,7 +45,8 @@ public:
   PathReplay(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings,
              KernelCompiler& kernels);
 
-  // The path has the bits that it has in a render with the same settings.
+  // The path has the bits that it has in a render with the same settings, if these have the shares of lights that it
+  // learned (RenderSettings::light_shares).
   // `net`: 1 is the second one of a measured pixel; throws Error if the pixel has none.
   PathTrace trace(glm::uvec2 pixel, std::uint32_t sample, std::uint32_t net = 0);
 
@@ -59,6 +61,7 @@ private:
 
   Workspace workspace_; // of one slot
   Paths paths_;
+  LightTeacher teacher_;
   gpu::Wave wave_{};
 };
 

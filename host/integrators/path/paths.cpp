@@ -5,6 +5,7 @@
 
 #include "host/integrators/path/guiding.h"
 #include "host/integrators/path/light_rows.h"
+#include "host/integrators/path/sky_rows.h"
 #include "host/render/settings/denoising.h"
 #include "host/render/settings/light_samples.h"
 #include "kernels/path/accumulate.spv.h"
@@ -45,7 +46,13 @@ constexpr std::array<std::size_t, kPathStageCount> kCompileOrder = {kShade,    k
 bool keeps_receivers(const Extent& e) {
   const auto has = [&](gpu::Feature feature) { return (e.features & feature) != 0; };
   const bool through_panes = has(gpu::kFeaturePanes) && has(gpu::kFeatureTriangleLights);
-  return !(e.options & kStatesAlone) && (has(gpu::kFeatureLightTree) || through_panes);
+  return !(e.options & kStatesAlone) &&
+         (has(gpu::kFeatureLightTree) || has(gpu::kFeatureLearnedSky) || through_panes);
+}
+
+// Words of lights, and behind them those of parts of the sky.
+std::uint64_t learned_shares(const Extent& e, std::uint64_t of_lights, std::uint64_t of_sky) {
+  return (e.features & gpu::kFeatureLightRows ? of_lights : 0) + (e.features & gpu::kFeatureLearnedSky ? of_sky : 0);
 }
 
 using enum BindingKind;
@@ -59,10 +66,12 @@ const std::vector<BufferRule> kRules = {
      [](const Extent& e) { return keeps_receivers(e) ? e.slots * sizeof(glm::uvec4) : 0; },
      {{gpu::kBindReceivers, storage}, {gpu::kBindReceiverTexels, texels_rgba32ui}}},
     {"learned shares of lights",
-     [](const Extent& e) { return e.features & gpu::kFeatureLightRows ? kLightRowBytes : 0; },
+     [](const Extent& e) { return learned_shares(e, kLightRowBytes, kSkyRowBytes); },
      {{gpu::kBindLightRows, texels_r32ui}}},
     {"sums of the light pilot",
-     [](const Extent& e) { return e.options & kRoomForLightSums ? kLightSumBytes : 0; },
+     [](const Extent& e) {
+       return e.options & kRoomForLightSums ? learned_shares(e, kLightSumBytes, kSkySumBytes) : 0;
+     },
      {{gpu::kBindLightSums, storage}}},
     {"path media",
      [](const Extent& e) {

@@ -25,7 +25,7 @@ std::uint32_t lens_of(const RenderSettings& settings) {
 } // namespace
 
 gpu::Feature generic_features(gpu::Feature scene) {
-  return gpu::kFeaturesAll | gpu::kLobeMultiple | (scene & gpu::kLobesLayered ? gpu::kLobesLayered : 0) |
+  return gpu::kFeaturesAll | gpu::kFeatureLearnedSky | gpu::kLobeMultiple | (scene & gpu::kLobesLayered ? gpu::kLobesLayered : 0) |
          (scene &
           (gpu::kFeatureMips | gpu::kFeatureTexelPages | gpu::kFeatureSampledTextures | gpu::kFeatureExactTextures));
 }
@@ -39,10 +39,11 @@ KernelConfig kernel_config(gpu::Feature features, std::uint32_t stack_size, cons
   if (!settings.specialize) features = generic_features(features);
   // Generic kernels, too, leave out what the settings do not ask for.
   constexpr gpu::Feature kByRequest = gpu::kFeatureAovs | gpu::kFeatureAdaptive | gpu::kFeatureSharedFirstHit |
-                                      gpu::kFeatureLightRows | gpu::kFeatureGuide;
+                                      gpu::kFeatureLightRows | gpu::kFeatureLearnedSky | gpu::kFeatureGuide;
   features &= ~kByRequest | features_of(settings);
   if (!walks_light_tree(settings)) features &= ~gpu::kFeatureLightTree;
   if (!(features & gpu::kFeatureLightTree)) features &= ~gpu::kFeatureLightRows;
+  if (!(features & gpu::kFeatureEnvironmentMap)) features &= ~gpu::kFeatureLearnedSky;
   if (!passes_panes(settings)) features &= ~gpu::kFeaturePanes;
   if (!settings.integrator->nests_bodies) features &= ~gpu::kLobeNested;
   if (!wants_mips(settings)) features &= ~gpu::kFeatureMips;
@@ -78,6 +79,8 @@ gpu::Feature features_of(const RenderSettings& settings) {
   gpu::Feature features = is_adaptive(settings) ? gpu::kFeatureAdaptive : 0;
   const bool learned = settings.lights == gpu::kLightsLearned || settings.lights == gpu::kLightsAuto;
   if (learned && settings.integrator->light_lesson_bytes > 0) features |= gpu::kFeatureLightRows;
+  if (learned && settings.integrator->sky_lesson_bytes > 0 && direct_of(settings) != gpu::kDirectBsdf)
+    features |= gpu::kFeatureLearnedSky;
   return features | settings.integrator->features(settings);
 }
 

@@ -25,7 +25,7 @@ struct MemoryUse { // bytes on the device
 struct LightPilot {
   std::uint64_t paths = 0;
   double seconds = 0.0;
-  std::uint32_t rows = 0;
+  std::uint32_t rows = 0, sky_rows = 0; // of lights, of parts of an environment map
   LightShares shares; // null: no pilot
 };
 

@@ -13,6 +13,7 @@
 #include "host/render/report/diagnosis.h"
 #include "host/render/settings/integrator_kind.h"
 #include "host/render/settings/settings_table.h"
+#include "kernels/learned_sky_types.h"
 #include "kernels/tile_order.h"
 
 namespace wavepath {
@@ -182,13 +183,23 @@ Json bvh_json(const PackedScene& packed) {
            static_cast<double>(bytes) / static_cast<double>(std::max<std::uint64_t>(packed.triangles_stored, 1))}};
 }
 
+// Learned shares of the parts of an environment map; null where there are none.
+Json sky_selection_json(const LightPilot& pilot) {
+  if (pilot.sky_rows == 0) return nullptr;
+  return {{"parts", gpu::kSkyParts},
+          {"cells", pilot.sky_rows},
+          {"pilot_paths", pilot.paths},
+          {"pilot_seconds", pilot.seconds}};
+}
+
 // How next-event estimation chose among lights; null where it samples none.
 Json light_selection_json(const Run& run) {
   const PackedScene& packed = run.packed;
   if (packed.lights.empty()) return nullptr;
   const RenderSettings& settings = run.settings;
   const bool tree = !packed.light_tree.empty() && walks_light_tree(settings);
-  if (!tree) return {{"by", "power"}, {"places", packed.light_places}};
+  const Json sky = sky_selection_json(run.result.light_pilot);
+  if (!tree) return {{"by", "power"}, {"places", packed.light_places}, {"sky", sky}};
   Json selection = {{"by", run.result.light_pilot.rows > 0 ? "learned" : "tree"},
                     {"places", packed.light_places},
                     {"nodes", packed.local_light_count - 1},
@@ -198,6 +209,7 @@ Json light_selection_json(const Run& run) {
     selection.update({{"cells", run.result.light_pilot.rows},
                       {"pilot_paths", run.result.light_pilot.paths},
                       {"pilot_seconds", run.result.light_pilot.seconds}});
+  selection["sky"] = sky;
   return selection;
 }
 

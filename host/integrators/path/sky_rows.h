@@ -1,0 +1,28 @@
+// The shares of kernels/learned_sky.glsl, by row and part of the sky: as they are before a pilot, and as it teaches them.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "kernels/learned_sky_types.h"
+
+namespace wavepath {
+
+inline constexpr std::uint64_t kSkyRowBytes =
+    std::uint64_t{gpu::kLightRows} * gpu::kSkyRowWords * sizeof(std::uint32_t);
+inline constexpr std::uint64_t kSkySumBytes =
+    std::uint64_t{4} * gpu::kLightRows * gpu::kSkySumColumns * sizeof(std::uint32_t);
+
+struct SkyLesson {
+  std::vector<std::uint32_t> ends;
+  std::uint32_t rows = 0; // that learned anything
+};
+
+// Every row: all parts alike.
+std::vector<std::uint32_t> unlearned_sky_rows();
+
+// Rows that the pilot has not reached stay as they are without it.
+SkyLesson learn_sky_rows(std::span<const std::uint32_t> sums);
+
+} // namespace wavepath

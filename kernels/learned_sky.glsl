@@ -1,0 +1,73 @@
+// Parts of an environment map, chosen in shares that were learned near a receiver: indoors most of a map is hidden, and a
+// surface sees half of it at most. The map is drawn from by two numbers (sample_environment_map); a part is a square of
+// these, so that all parts have the same probability without it and a net of numbers stays a net in every part. Include
+// bindings.glsl with BIND_LIGHTS, BIND_LIGHT_TREE and BIND_ENVIRONMENT first.
+#ifndef WAVEPATH_LEARNED_SKY_GLSL
+#define WAVEPATH_LEARNED_SKY_GLSL
+
+#include "kernels/intervals.glsl"
+#include "kernels/learned_sky_types.h"
+#include "kernels/light_sampling.glsl"
+#include "kernels/light_selection.glsl"
+
+bool uses_learned_sky() { return has_lobe(kFeatureLearnedSky) && (frame.scene_lobes & kFeatureLearnedSky) != 0u; }
+
+uint first_sky_end; // of which sky_end tells
+uint sky_end(uint i) { return texelFetch(light_rows, int(first_sky_end + i)).x; }
+
+// The ends of a row's bands, and of the columns of one.
+uint first_band(Receiver receiver) {
+  return (uses_light_rows() ? kLightRows * kLightColumns : 0u) + light_row(receiver) * kSkyRowWords;
+}
+uint first_column(uint first_band_, uint band) { return first_band_ + kSkySide + band * kSkySide; }
+
+float interval_share(uint i) { return share_of_integers(sky_end(i) - (i > 0u ? sky_end(i - 1u) : 0u)); }
+
+// Turns numbers into such that the map is drawn from in the shares of the receiver's cell. Returns how many times more
+// probable its part has become.
+float pick_sky_part(Receiver receiver, inout uvec2 u) {
+  u = min(u, uvec2(kLargestPick));
+  uint first = first_band(receiver), band, column, begin, end;
+  first_sky_end = first;
+  PICK_INTERVAL(u.y, kSkySide, sky_end, band, begin, end)
+  u.y = stretch(u.y - begin, end - begin);
+  float share = share_of_integers(end - begin);
+  first_sky_end = first_column(first, band);
+  PICK_INTERVAL(u.x, kSkySide, sky_end, column, begin, end)
+  u.x = stretch(u.x - begin, end - begin);
+  share *= share_of_integers(end - begin);
+  u = u >> kSkySideBits | uvec2(column, band) << (32u - kSkySideBits);
+  return share * float(kSkyParts);
+}
+
+// The part, column and band, that has a world direction: what sample_environment_map would have drawn it by, undone.
+uvec2 sky_part(vec3 direction) {
+  vec3 d = environment_from_world(direction, frame.environment_rotation);
+  uvec2 size = uvec2(frame.environment_width, frame.environment_height);
+  vec2 place = environment_uv(d) * vec2(size);
+  uvec2 texel = min(uvec2(place), size - 1u);
+  environment_row = texel.y;
+  uvec2 begin = uvec2(texel.x > 0u ? column_end(texel.x - 1u) : 0u, texel.y > 0u ? row_end(texel.y - 1u) : 0u);
+  uvec2 end = uvec2(column_end(texel.x), row_end(texel.y));
+  vec2 fraction = clamp(vec2(place.x - float(texel.x), environment_row_fraction(d, texel.y, size.y)), 0.0, 1.0);
+  uvec2 width = max(end - begin, uvec2(1u));
+  uvec2 inside = min(uvec2(min(fraction * vec2(width), vec2(4294967040.0))), width - 1u);
+  return min(begin + inside, uvec2(kLargestPick)) >> (32u - kSkySideBits);
+}
+
+// How many times more probable the part of a direction is than without learning.
+float sky_part_ratio(Receiver receiver, vec3 direction) {
+  if (!uses_learned_sky()) return 1.0;
+  uvec2 part = sky_part(direction);
+  first_sky_end = first_band(receiver);
+  float share = interval_share(part.y);
+  first_sky_end = first_column(first_sky_end, part.y);
+  return share * interval_share(part.x) * float(kSkyParts);
+}
+
+// How many times more probable the environment, in this direction, is than by power.
+float environment_ratio(Receiver receiver, vec3 direction) {
+  return environment_ratio(receiver) * sky_part_ratio(receiver, direction);
+}
+
+#endif
