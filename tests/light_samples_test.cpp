@@ -164,8 +164,11 @@ TEST_F(LightSamples, ReplayTellsOfEach) {
   std::size_t most = 0;
   for (const Scene& scene : {two_rooms(4, true), floor_under_map()}) {
     const Subject shown = subject(scene, whole);
-    const Picture picture = render(shown, whole).picture;
-    PathReplay replay(device(), shown.packed, shown.view, whole, *kernels_);
+    const RenderResult rendered = render(shown, whole);
+    const Picture& picture = rendered.picture;
+    RenderSettings taught = whole;
+    taught.light_shares = rendered.light_pilot.shares;
+    PathReplay replay(device(), shown.packed, shown.view, taught, *kernels_);
     for (std::uint32_t i = 0; i < 12; ++i) {
       const glm::uvec2 pixel(2 * i, i);
       const PathTrace trace = replay.trace(pixel, 0);
@@ -235,8 +238,11 @@ TEST_F(LightSamples, ReplayTellsOfSkySamples) {
   std::size_t most = 0;
   for (const int lamps : {0, 4}) {
     const Subject shown = subject(rooms_under_a_sky(lamps), whole);
-    const Picture picture = render(shown, whole).picture;
-    PathReplay replay(device(), shown.packed, shown.view, whole, *kernels_);
+    const RenderResult rendered = render(shown, whole);
+    const Picture& picture = rendered.picture;
+    RenderSettings taught = whole;
+    taught.light_shares = rendered.light_pilot.shares;
+    PathReplay replay(device(), shown.packed, shown.view, taught, *kernels_);
     for (std::uint32_t i = 0; i < 12; ++i) {
       const glm::uvec2 pixel(2 * i, i);
       const PathTrace trace = replay.trace(pixel, 0);

@@ -1,0 +1,197 @@
+// Looking for an environment map where a pilot saw it: the same picture by every estimator, less noise where most of the map
+// is hidden, bits that do not depend on how the work is cut up, and nothing of it where nobody needs it.
+#include <cmath>
+#include <numeric>
+#include <optional>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "host/film/film.h"
+#include "host/integrators/bidirectional/kind.h"
+#include "host/integrators/path/kind.h"
+#include "host/integrators/path/path_replay.h"
+#include "host/integrators/path/sky_rows.h"
+#include "host/render/loop/render_state.h"
+#include "kernels/learned_sky_types.h"
+#include "tests/light_rooms.h"
+
+namespace wavepath::test {
+namespace {
+
+// A room that sees a sixth of the sky through its front, with a low sun in it, a ball of triangles and, before half of the
+// opening, a pane.
+Scene room_with_sky(bool pane) {
+  Scene scene;
+  scene.path = "room with a sky";
+  scene.materials = {plain_material(), plain_material()};
+  scene.materials[1].transmission = 1.0f;
+  scene.materials[1].roughness = 0.0f;
+  std::vector<glm::vec3> walls;
+  const auto add = [&](const glm::vec3& corner, const glm::vec3& a, const glm::vec3& b) {
+    for (const glm::vec3& p : quad(corner, a, b)) walls.push_back(p);
+  };
+  add({-2, -1, -2}, {4, 0, 0}, {0, 0, 4});
+  add({-2, 1, -2}, {4, 0, 0}, {0, 0, 4});
+  add({-2, -1, -2}, {4, 0, 0}, {0, 2, 0});
+  for (const float x : {-2.0f, 2.0f}) add({x, -1, -2}, {0, 2, 0}, {0, 0, 4});
+  add({-0.6f, -1, -0.8f}, {0.8f, 0, 0.3f}, {0.1f, 0.9f, 0});
+  add_instance(scene, add_mesh(scene, walls));
+  if (pane) add_instance(scene, add_mesh(scene, quad({-2, -1, 1.9f}, {2, 0, 0}, {0, 2, 0}), 1));
+  scene.environment.radiance = glm::vec3(1.0f);
+  scene.environment.width = 32;
+  scene.environment.height = 16;
+  for (int i = 0; i < 32 * 16; ++i) {
+    const int x = i % 32, y = i / 32;
+    scene.environment.map.emplace_back(x == 24 && y == 6 ? 60.0f : 0.2f + 0.05f * float((x + 3 * y) % 11));
+  }
+  return scene;
+}
+
+class LearnedSky : public LightRooms {
+protected:
+  static Subject seen(Scene scene, const RenderSettings& settings) {
+    ViewRequest request;
+    request.eye = glm::dvec3(0.3, 0.1, 4.5);
+    request.look_at = glm::dvec3(0.0, -0.2, 0.0);
+    request.yfov = 0.6;
+    return {pack(scene, {.direct = settings.direct, .eye = request.eye, .lights = settings.lights}),
+            resolve_view(scene, request, settings.width, settings.height)};
+  }
+};
+
+TEST_F(LearnedSky, EveryEstimatorGivesTheSamePicture) {
+  for (const bool pane : {false, true}) {
+    const RenderSettings power = settings(gpu::kLightsPower, gpu::kDirectMis, 512);
+    const MeanPicture reference = average(seen(room_with_sky(pane), power), power);
+    for (const std::uint32_t direct : {gpu::kDirectMis, gpu::kDirectNee})
+      for (const std::uint32_t samples : {1u, 4u}) {
+        SCOPED_TRACE(std::to_string(pane) + " " + std::to_string(direct) + " " + std::to_string(samples));
+        RenderSettings learned = settings(gpu::kLightsAuto, direct, 512);
+        learned.light_samples = samples;
+        expect_same(reference, average(seen(room_with_sky(pane), learned), learned));
+      }
+  }
+}
+
+TEST_F(LearnedSky, GuidedPathsKeepThePicture) {
+  RenderSettings power = settings(gpu::kLightsPower, gpu::kDirectMis, 64), guided = power;
+  guided.lights = gpu::kLightsAuto;
+  guided.guide = true;
+  expect_same(average(seen(room_with_sky(false), power), power), average(seen(room_with_sky(false), guided), guided));
+}
+
+TEST_F(LearnedSky, LessNoiseWhereMostOfTheMapIsHidden) {
+  const auto noise = [&](std::uint32_t lights) {
+    const RenderSettings asked = settings(lights, gpu::kDirectMis, 32);
+    const MeanPicture picture = average(seen(room_with_sky(false), asked), asked);
+    return std::accumulate(picture.variance.begin(), picture.variance.end(), 0.0);
+  };
+  EXPECT_LT(noise(gpu::kLightsAuto), 0.6 * noise(gpu::kLightsPower));
+}
+
+// The pilot's sums are integers; every part, and every render that is resumed, learns the same anew.
+TEST_F(LearnedSky, BitsDoNotDependOnHowTheWorkIsCut) {
+  const RenderSettings whole = settings(gpu::kLightsAuto, gpu::kDirectMis, 16);
+  const Subject room = seen(room_with_sky(true), whole);
+  const RenderResult expected = render(room, whole);
+  EXPECT_GT(expected.light_pilot.sky_rows, 20u);
+  EXPECT_EQ(expected.light_pilot.rows, 0u);
+  expect_same_film_however_cut(room, whole, *expected.film);
+
+  std::optional<RenderState> state;
+  RenderHooks hooks;
+  hooks.progress = [](const Progress& now) { return now.spp_done < 8; };
+  hooks.save = [&](const RenderState& saved) { state = saved; };
+  hooks.save_interval = 1e9; // at the end alone
+  ASSERT_EQ(render(room, whole, hooks).stop, StopReason::interrupted);
+  RenderHooks again;
+  again.resume = &state.value();
+  EXPECT_TRUE(*render(room, whole, again).film == *expected.film);
+}
+
+// With many lamps besides, whose shares lie before those of the sky.
+TEST_F(LearnedSky, LampsBesideItKeepTheirBits) {
+  const RenderSettings whole = settings(gpu::kLightsAuto, gpu::kDirectMis, 16);
+  const Subject rooms = subject(two_rooms(40, true), whole);
+  const RenderResult expected = render(rooms, whole);
+  EXPECT_GT(expected.light_pilot.rows, 20u);
+  EXPECT_GT(expected.light_pilot.sky_rows, 20u);
+  expect_same_film_however_cut(rooms, whole, *expected.film);
+}
+
+// As small pictures beside a render do, and the path of `--pixel`.
+TEST_F(LearnedSky, WhatIsRenderedBesideTakesOverItsLesson) {
+  RenderSettings asked = settings(gpu::kLightsAuto, gpu::kDirectMis, 4);
+  const Subject room = seen(room_with_sky(false), asked);
+  SceneOnDevice shared;
+  const RenderResult expected = render(room, asked, {}, &shared);
+  ASSERT_GT(expected.light_pilot.paths, 0u);
+  ASSERT_TRUE(shared.light_shares);
+  asked.light_shares = shared.light_shares;
+  const RenderResult taught = render(room, asked, {}, &shared);
+  EXPECT_EQ(taught.light_pilot.paths, 0u);
+  EXPECT_TRUE(*taught.film == *expected.film) << "the same shares, hence the same bits";
+
+  RenderSettings one = asked; // the box filter keeps a sample in its pixel
+  one.last_sample = 1;
+  one.filter = gpu::kFilterBox;
+  const Picture picture = render(room, one, {}, &shared).picture;
+  PathReplay replay(device(), room.packed, room.view, one, *kernels_);
+  for (const glm::uvec2 pixel : {glm::uvec2(11, 9), glm::uvec2(5, 12), glm::uvec2(17, 4)}) {
+    const glm::vec3 radiance = replay.trace(pixel, 0).radiance;
+    for (int c = 0; c < 3; ++c)
+      EXPECT_EQ(radiance[c], picture.channels[c].values[pixel.y * one.width + pixel.x]) << pixel.x << "," << pixel.y;
+  }
+}
+
+TEST_F(LearnedSky, NothingOfItWhereNobodyAsks) {
+  Scene constant = room_with_sky(false);
+  constant.environment.map.clear();
+  constant.environment.width = constant.environment.height = 0;
+  const RenderSettings automatic = settings(gpu::kLightsAuto, gpu::kDirectMis, 4);
+  EXPECT_EQ(render(seen(constant, automatic), automatic).light_pilot.paths, 0u);
+  const auto is_asked = [&](std::uint32_t lights, std::uint32_t direct, const IntegratorKind& integrator) {
+    RenderSettings asked = settings(lights, direct);
+    asked.integrator = &integrator;
+    const Subject room = seen(room_with_sky(false), asked);
+    return (kernel_config(room.packed.features | features_of(asked), room.packed.stack_size, asked).features &
+            gpu::kFeatureLearnedSky) != 0;
+  };
+  EXPECT_TRUE(is_asked(gpu::kLightsAuto, gpu::kDirectMis, kPath));
+  EXPECT_TRUE(is_asked(gpu::kLightsLearned, gpu::kDirectNee, kPath));
+  EXPECT_FALSE(is_asked(gpu::kLightsPower, gpu::kDirectMis, kPath));
+  EXPECT_FALSE(is_asked(gpu::kLightsTree, gpu::kDirectMis, kPath)) << "as windows pick";
+  EXPECT_FALSE(is_asked(gpu::kLightsAuto, gpu::kDirectBsdf, kPath));
+  EXPECT_FALSE(is_asked(gpu::kLightsAuto, gpu::kDirectMis, kBidirectional));
+}
+
+TEST(LearnedSkyRows, LearnFromSums) {
+  std::vector<std::uint32_t> sums(kSkySumBytes / sizeof(std::uint32_t), 0);
+  constexpr std::uint32_t kRow = 7, kAround = 9;
+  const auto word = [&](std::uint32_t row, std::uint32_t column, std::uint32_t i) -> std::uint32_t& {
+    return sums[4 * (row * gpu::kSkySumColumns + column) + i];
+  };
+  word(kRow, 2, 0) = 400, word(kRow, 2, 2) = 100; // a quarter of it visible: root of 400 * 100
+  word(kRow, 5, 0) = 1000;                        // hidden
+  word(kRow, 63, 0) = 600, word(kRow, 63, 2) = 600;
+  word(kRow, gpu::kSkyParts, 0) = 100000000; // picks: many enough to count alone
+  word(kRow, gpu::kSkyParts, 1) = kAround + 1;
+  const SkyLesson lesson = learn_sky_rows(sums);
+  EXPECT_EQ(lesson.rows, 1u);
+  const auto share = [&](std::uint32_t row, std::uint32_t part) {
+    const std::uint32_t* ends = &lesson.ends[std::size_t{row} * gpu::kSkyRowWords];
+    const auto width = [](const std::uint32_t* e, std::uint32_t i) {
+      return (e[i] - (i > 0 ? double(e[i - 1]) : 0.0)) / 0x1p32;
+    };
+    const std::uint32_t band = part / gpu::kSkySide;
+    return width(ends, band) * width(ends + gpu::kSkySide * (1 + band), part % gpu::kSkySide);
+  };
+  EXPECT_NEAR(share(kRow, 2), 0.75 * 0.25 + 0.25 / 64, 1e-4);
+  EXPECT_NEAR(share(kRow, 63), 0.75 * 0.75 + 0.25 / 64, 1e-4);
+  EXPECT_NEAR(share(kRow, 5), 0.25 / 64, 1e-4) << "never none";
+  for (std::uint32_t part = 0; part < gpu::kSkyParts; ++part) EXPECT_NEAR(share(0, part), 1.0 / 64, 1e-8) << part;
+}
+
+} // namespace
+} // namespace wavepath::test
