@@ -206,8 +206,8 @@ std::vector<Setting> transport_rows() {
       {.name = "lights",
        .value = ChoiceValue{&S::lights, kLightSelectionNames},
        .meaning = "how lights are chosen: by power; by a tree of bounds on what they bring; in shares near every place "
-                  "that a pilot, which is thrown away, has learned; auto: learned where there are many in many places, "
-                  "else by power",
+                  "that a pilot, which is thrown away, has learned, and parts of an environment map likewise; auto: "
+                  "learned where there is a map, or many lights in many places, else by power",
        .takers = Takers::listed_else_ignored,
        .offered = kByRenderAndView | kByBench,
        .label = "choice of lights"},
