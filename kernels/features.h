@@ -74,7 +74,7 @@ GPU_CONSTANT Feature kFeatureTexelPages16 = GPU_LOBE(12); // more than four
 GPU_CONSTANT Feature kFeatureTexelPages = GPU_LOBE(13) - GPU_LOBE(10);
 GPU_CONSTANT Feature kFeatureSampledTextures =
     GPU_LOBE(13); // the device's samplers look textures up; kernels without this bit have other bindings
-GPU_CONSTANT Feature kFeatureExactTextures = GPU_LOBE(14);      // but beside these there are some that they do not
+GPU_CONSTANT Feature kFeatureExactTextures = GPU_LOBE(14); // but beside these there are some that they do not
 GPU_CONSTANT Feature kFeatureLearnedSky =
     GPU_LOBE(15); // parts of the environment map are picked in shares that a pilot has learned
 GPU_CONSTANT Feature kLobesLayered = GPU_LOBE(8) - GPU_LOBE(0); // those that only the LAYERED builds of kernels know

@@ -1,5 +1,5 @@
-// Looking for an environment map where a pilot saw it: the same picture by every estimator, less noise where most of the map
-// is hidden, bits that do not depend on how the work is cut up, and nothing of it where nobody needs it.
+// Looking for an environment map where a pilot saw it: the same picture by every estimator, less noise where most of
+// the map is hidden, bits that do not depend on how the work is cut up, and nothing of it where nobody needs it.
 #include <cmath>
 #include <numeric>
 #include <optional>
@@ -19,7 +19,7 @@
 namespace wavepath::test {
 namespace {
 
-// A room that sees a sixth of the sky through its front, with a low sun in it, a ball of triangles and, before half of the
+// A room that sees part of the sky through its open front, with a low sun in it, a board within and, before half of the
 // opening, a pane.
 Scene room_with_sky(bool pane) {
   Scene scene;

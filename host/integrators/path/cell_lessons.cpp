@@ -13,7 +13,11 @@ double sum_at(const std::uint32_t* words) { return words[0] + 0x1p32 * words[1];
 } // namespace
 
 CellLessons::CellLessons(Shares prior, std::size_t columns, double prior_picks, std::span<const std::uint32_t> sums)
-    : prior_(std::move(prior)), columns_(columns), prior_picks_(prior_picks), sums_(sums), places_(gpu::kLightRows, gpu::kNone) {}
+    : prior_(std::move(prior)),
+      columns_(columns),
+      prior_picks_(prior_picks),
+      sums_(sums),
+      places_(gpu::kLightRows, gpu::kNone) {}
 
 const CellLessons::Shares& CellLessons::learned(std::uint32_t row) {
   if (places_[row] != gpu::kNone) return learned_[places_[row]];
@@ -25,8 +29,8 @@ const CellLessons::Shares& CellLessons::learned(std::uint32_t row) {
 }
 
 // The variance is least where a column's share is in proportion to the root of the mean square of what it brings. What
-// is blocked brings nothing: of a column that brings m if visible, and is visible with probability v, that is sqrt(v) m,
-// the geometric mean of both sums.
+// is blocked brings nothing: of a column that brings m if visible, and is visible with probability v, that is sqrt(v)
+// m, the geometric mean of both sums.
 CellLessons::Shares CellLessons::mix(std::uint32_t row, const Shares& around) const {
   const std::uint32_t* sums = row_of(row);
   Shares shares(prior_.size(), 0.0);

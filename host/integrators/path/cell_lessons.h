@@ -10,14 +10,14 @@
 namespace wavepath {
 
 // `sums`, as kernels/path/connect.comp makes them: a row of columns + 1 times four words for each of kLightRows cells.
-// 64 bits of what a column would bring, 64 bits of what arrives; behind the columns picks, and the row of the cell around
-// it plus one. They outlive the lessons.
+// 64 bits of what a column would bring, 64 bits of what arrives; behind the columns picks, and the row of the cell
+// around it plus one. They outlive the lessons.
 class CellLessons {
 public:
   using Shares = std::vector<double>;
 
-  // `prior`: shares without a lesson, which sum to 1; those beyond `columns` cannot be learned. `prior_picks`: as how many
-  // picks of a cell's own what is known around it counts.
+  // `prior`: shares without a lesson, which sum to 1; those beyond `columns` cannot be learned. `prior_picks`: as how
+  // many picks of a cell's own what is known around it counts.
   CellLessons(Shares prior, std::size_t columns, double prior_picks, std::span<const std::uint32_t> sums);
 
   // What the row has learned, its few picks filled up by those of the cell around it.

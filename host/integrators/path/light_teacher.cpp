@@ -74,8 +74,7 @@ Pilot LightTeacher::begin() {
 
 void LightTeacher::learn() {
   const std::uint64_t of_lights = of_lights_ ? kLightSumBytes : 0, of_sky = of_sky_ ? kSkySumBytes : 0;
-  const auto words =
-      download<std::uint32_t>(paths_.buffers[kLightSums], (of_lights + of_sky) / sizeof(std::uint32_t));
+  const auto words = download<std::uint32_t>(paths_.buffers[kLightSums], (of_lights + of_sky) / sizeof(std::uint32_t));
   const std::span sums(words);
   std::vector<std::uint32_t> shares;
   if (of_lights_) {

@@ -46,8 +46,7 @@ constexpr std::array<std::size_t, kPathStageCount> kCompileOrder = {kShade,    k
 bool keeps_receivers(const Extent& e) {
   const auto has = [&](gpu::Feature feature) { return (e.features & feature) != 0; };
   const bool through_panes = has(gpu::kFeaturePanes) && has(gpu::kFeatureTriangleLights);
-  return !(e.options & kStatesAlone) &&
-         (has(gpu::kFeatureLightTree) || has(gpu::kFeatureLearnedSky) || through_panes);
+  return !(e.options & kStatesAlone) && (has(gpu::kFeatureLightTree) || has(gpu::kFeatureLearnedSky) || through_panes);
 }
 
 // Words of lights, and behind them those of parts of the sky.

@@ -12,8 +12,8 @@ namespace {
 using Shares = CellLessons::Shares;
 
 // The share that is never learned, and as how many picks of a cell's own what is known around it counts. Sponza under a
-// sunset, direct light alone: relMSE .38 of that without learning by .1 and 128, .32 by .1 and 512; DamagedHelmet, whose
-// surfaces turn within a cell, without its worst 0.5 % of pixels .84, .81 and .78 by .1, .25 and .4 (with 512).
+// sunset, direct light alone: relMSE .38 of that without learning by .1 and 128, .32 by .1 and 512; DamagedHelmet,
+// whose surfaces turn within a cell, without its worst 0.5 % of pixels .84, .81 and .78 by .1, .25 and .4 (with 512).
 constexpr double kLeastSkyPrior = 0.25, kSkyPriorPicks = 512.0;
 
 Shares equal_shares() { return Shares(gpu::kSkyParts, 1.0 / gpu::kSkyParts); }

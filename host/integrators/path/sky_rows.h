@@ -1,4 +1,5 @@
-// The shares of kernels/learned_sky.glsl, by row and part of the sky: as they are before a pilot, and as it teaches them.
+// The shares of kernels/learned_sky.glsl, by row and part of the sky: as they are before a pilot, and as it teaches
+// them.
 #pragma once
 
 #include <cstdint>

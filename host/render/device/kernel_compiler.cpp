@@ -25,7 +25,8 @@ std::uint32_t lens_of(const RenderSettings& settings) {
 } // namespace
 
 gpu::Feature generic_features(gpu::Feature scene) {
-  return gpu::kFeaturesAll | gpu::kFeatureLearnedSky | gpu::kLobeMultiple | (scene & gpu::kLobesLayered ? gpu::kLobesLayered : 0) |
+  return gpu::kFeaturesAll | gpu::kFeatureLearnedSky | gpu::kLobeMultiple |
+         (scene & gpu::kLobesLayered ? gpu::kLobesLayered : 0) |
          (scene &
           (gpu::kFeatureMips | gpu::kFeatureTexelPages | gpu::kFeatureSampledTextures | gpu::kFeatureExactTextures));
 }
