@@ -173,12 +173,14 @@ float environment_map_pdf(uvec2 texel) {
   return probability / environment_texel_solid_angle(texel.y, frame.environment_width, frame.environment_height);
 }
 
-uint row_end(uint row) { return texelFetch(environment_ends, int(row)).x; }
-uint environment_row; // of which column_end tells
-uint column_end(uint column) {
-  uint width = frame.environment_width;
-  return texelFetch(environment_ends, int(frame.environment_height + environment_row * width + column)).x;
+// Ends of the rows and of the columns of each row, behind them the cuts of both.
+uint row_cut(uint cut) {
+  return texelFetch(environment_ends, int(frame.environment_height * (1u + frame.environment_width) + cut)).x;
 }
+uint row_end(uint row) { return texelFetch(environment_ends, int(row)).x; }
+uint first_column, first_cut; // of the row of which column_end and column_cut tell
+uint column_end(uint column) { return texelFetch(environment_ends, int(first_column + column)).x; }
+uint column_cut(uint cut) { return texelFetch(environment_ends, int(first_cut + cut)).x; }
 
 // World direction chosen in proportion to the map, its texel and its density. By inversion, first of the distribution of
 // rows, then of the columns in the row (pbrt-v4, section A.5.6): near numbers give near directions, so that nets stay
@@ -187,10 +189,11 @@ vec3 sample_environment_map(uvec2 u, out uvec2 texel, out float pdf) {
   uint width = frame.environment_width, height = frame.environment_height;
   u = min(u, uvec2(kLargestPick));
   uint begin, end;
-  PICK_INTERVAL(u.y, height, row_end, texel.y, begin, end)
+  PICK_INTERVAL_BY_CUTS(u.y, height, row_cut, row_end, texel.y, begin, end)
   u.y = stretch(u.y - begin, end - begin);
-  environment_row = texel.y;
-  PICK_INTERVAL(u.x, width, column_end, texel.x, begin, end)
+  first_column = height + texel.y * width;
+  first_cut = height * (1u + width) + (1u << cut_bits(height)) + (texel.y << cut_bits(width));
+  PICK_INTERVAL_BY_CUTS(u.x, width, column_cut, column_end, texel.x, begin, end)
   u.x = stretch(u.x - begin, end - begin);
   pdf = environment_map_pdf(texel);
   vec3 d = environment_texel_direction(texel.x, texel.y, width, height, unit_float(u));

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "host/scene/pack/environment_light.h"
 #include "tests/probe.h"
 #include "tests/statistics.h"
 
@@ -60,14 +61,7 @@ protected:
     for (const double w : weights) sum += w;
     environment_.clear();
     for (double& w : weights) environment_.emplace_back(1.0f, 1.0f, 1.0f, w /= sum);
-    std::vector<double> rows(height, 0.0);
-    for (std::size_t i = 0; i < weights.size(); ++i) rows[i / width] += weights[i];
-    ends_ = make_ends(rows);
-    for (std::uint32_t y = 0; y < height; ++y) {
-      const std::vector<std::uint32_t> columns =
-          make_ends({weights.begin() + y * width, weights.begin() + (y + 1) * width});
-      ends_.insert(ends_.end(), columns.begin(), columns.end());
-    }
+    ends_ = environment_intervals(weights, width, height);
   }
   void rotate(double degrees) {
     frame_.environment_rotation = {std::cos(degrees * kPi / 180.0), std::sin(degrees * kPi / 180.0)};
