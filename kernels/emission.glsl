@@ -47,18 +47,6 @@ vec3 surface_emission(Surface surface, Material material, bool front) {
   return material.emission * sample_color_or_1(kFeatureEmissionTextures, material.emission_texture, surface.uv).rgb;
 }
 
-// The map in a direction of its basis, interpolated between texel centres; u wraps, v ends at the poles.
-vec3 environment_map_radiance(vec3 direction) {
-  ivec2 size = ivec2(frame.environment_width, frame.environment_height);
-  vec2 position = environment_uv(direction) * vec2(size) - 0.5;
-  vec2 first = floor(position), weight = position - first;
-  int left = int(first.x) < 0 ? size.x - 1 : int(first.x);
-  int right = left + 1 == size.x ? 0 : left + 1;
-  int upper = max(int(first.y), 0) * size.x, lower = min(int(first.y) + 1, size.y - 1) * size.x;
-  return mix(mix(texelFetch(environment, upper + left).rgb, texelFetch(environment, upper + right).rgb, weight.x),
-             mix(texelFetch(environment, lower + left).rgb, texelFetch(environment, lower + right).rgb, weight.x), weight.y);
-}
-
 bool has_environment_map() { return has(kFeatureEnvironmentMap) && frame.environment_width > 0u; }
 
 // Radiance from infinity, and the density per solid angle with which next-event estimation picks the direction.
@@ -66,9 +54,9 @@ vec3 environment_emission(vec3 direction, out float pdf) {
   pdf = 0.0;
   if (!has(kFeatureEnvironment)) return vec3(0.0);
   if (has_environment_map()) {
-    vec3 d = environment_from_world(direction, frame.environment_rotation);
-    if (frame.environment_probability > 0.0) pdf = frame.environment_probability * environment_map_pdf(environment_texel(d));
-    return frame.environment_radiance * environment_map_radiance(d);
+    vec3 radiance = environment_map_radiance(environment_place(environment_from_world(direction, frame.environment_rotation)), pdf);
+    pdf *= frame.environment_probability;
+    return frame.environment_radiance * radiance;
   }
   pdf = frame.environment_probability * warp_uniform_sphere_pdf();
   return frame.environment_radiance;
@@ -121,10 +109,9 @@ LightSample sample_environment(uvec2 u) {
   LightSample s = no_light();
   s.distant = true;
   if (has_environment_map()) {
-    uvec2 texel;
-    s.direction = sample_environment_map(u, texel, s.pdf);
-    vec3 d = environment_from_world(s.direction, frame.environment_rotation);
-    s.radiance = frame.environment_radiance * environment_map_radiance(d);
+    EnvironmentPlace place;
+    s.direction = sample_environment_map(u, place);
+    s.radiance = frame.environment_radiance * environment_map_radiance(place, s.pdf);
   } else {
     s.direction = warp_uniform_sphere(unit_float(u));
     s.pdf = warp_uniform_sphere_pdf();

@@ -41,4 +41,24 @@ uint stretch(uint offset, uint width) {
     }                                                   \
   }
 
+// The same where words of cut_intervals() (host/scene/pack/intervals.h) tell between which entries the search is. CUT(i): word
+// i. Tested at its end, the loop would find wrong entries on the CPU driver where ends are a storage block
+// (benchmarks/results/NOTES.md), and it is no faster.
+uint cut_bits(uint count) { return uint(clamp(findMSB(count) - kCutShift, 0, kMostCutBits)); }
+
+#define PICK_INTERVAL_BY_CUTS(u, count, CUT, END, index, begin, end)          \
+  {                                                                           \
+    uint cut_ = CUT(((u) >> 1u) >> (31u - cut_bits(count)));                  \
+    uint coarse_ = uint(max(findMSB(count) - 15, 0));                         \
+    index = (cut_ & 0xffffu) << coarse_;                                      \
+    uint beyond_ = min((((cut_ >> 16u) + 1u) << coarse_) - 1u, (count) - 1u); \
+    while (index < beyond_) {                                                 \
+      uint middle_ = (index + beyond_) >> 1u;                                 \
+      if ((u) < END(middle_)) beyond_ = middle_;                              \
+      else index = middle_ + 1u;                                              \
+    }                                                                         \
+    begin = index > 0u ? END(index - 1u) : 0u;                                \
+    end = END(index);                                                         \
+  }
+
 #endif

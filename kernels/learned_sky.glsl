@@ -19,7 +19,7 @@ uint sky_end(uint i) { return texelFetch(light_rows, int(first_sky_end + i)).x; 
 uint first_band(Receiver receiver) {
   return (uses_light_rows() ? kLightRows * kLightColumns : 0u) + light_row(receiver) * kSkyRowWords;
 }
-uint first_column(uint first_band_, uint band) { return first_band_ + kSkySide + band * kSkySide; }
+uint first_in_band(uint first_band_, uint band) { return first_band_ + kSkySide + band * kSkySide; }
 
 float interval_share(uint i) { return share_of_integers(sky_end(i) - (i > 0u ? sky_end(i - 1u) : 0u)); }
 
@@ -32,7 +32,7 @@ float pick_sky_part(Receiver receiver, inout uvec2 u) {
   PICK_INTERVAL(u.y, kSkySide, sky_end, band, begin, end)
   u.y = stretch(u.y - begin, end - begin);
   float share = share_of_integers(end - begin);
-  first_sky_end = first_column(first, band);
+  first_sky_end = first_in_band(first, band);
   PICK_INTERVAL(u.x, kSkySide, sky_end, column, begin, end)
   u.x = stretch(u.x - begin, end - begin);
   share *= share_of_integers(end - begin);
@@ -43,13 +43,13 @@ float pick_sky_part(Receiver receiver, inout uvec2 u) {
 // The part, column and band, that has a world direction: what sample_environment_map would have drawn it by, undone.
 uvec2 sky_part(vec3 direction) {
   vec3 d = environment_from_world(direction, frame.environment_rotation);
-  uvec2 size = uvec2(frame.environment_width, frame.environment_height);
-  vec2 place = environment_uv(d) * vec2(size);
-  uvec2 texel = min(uvec2(place), size - 1u);
-  environment_row = texel.y;
+  EnvironmentPlace place = environment_place(d);
+  uvec2 texel = place.texel;
+  first_column = frame.environment_height + texel.y * frame.environment_width;
   uvec2 begin = uvec2(texel.x > 0u ? column_end(texel.x - 1u) : 0u, texel.y > 0u ? row_end(texel.y - 1u) : 0u);
   uvec2 end = uvec2(column_end(texel.x), row_end(texel.y));
-  vec2 fraction = clamp(vec2(place.x - float(texel.x), environment_row_fraction(d, texel.y, size.y)), 0.0, 1.0);
+  float across = place.position.x - float(texel.x), down = environment_row_fraction(d, texel.y, frame.environment_height);
+  vec2 fraction = clamp(vec2(across, down), 0.0, 1.0);
   uvec2 width = max(end - begin, uvec2(1u));
   uvec2 inside = min(uvec2(min(fraction * vec2(width), vec2(4294967040.0))), width - 1u);
   return min(begin + inside, uvec2(kLargestPick)) >> (32u - kSkySideBits);
@@ -61,7 +61,7 @@ float sky_part_ratio(Receiver receiver, vec3 direction) {
   uvec2 part = sky_part(direction);
   first_sky_end = first_band(receiver);
   float share = interval_share(part.y);
-  first_sky_end = first_column(first_sky_end, part.y);
+  first_sky_end = first_in_band(first_sky_end, part.y);
   return share * interval_share(part.x) * float(kSkyParts);
 }
 

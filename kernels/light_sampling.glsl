@@ -99,17 +99,19 @@ float environment_texel_solid_angle(uint row, uint width, uint height) {
   return 4.0 * kPi / float(width) * cos_sin_turns((float(row) + 0.5) / (2.0 * h)).y * cos_sin_turns(0.25 / h).y;
 }
 
-// Direction in texel (column, row), uniform in solid angle over it. Heights are measured from the nearer pole as sin^2
-// of half the polar angle, which is proportional to solid angle and keeps its precision there.
-vec3 environment_texel_direction(uint column, uint row, uint width, uint height, vec2 u) {
+// Direction in texel (column, row), uniform in solid angle over it, and its position in the map in texels, which lies in
+// that texel or on its border whatever is rounded. Heights are measured from the nearer pole as sin^2 of half the polar angle,
+// which is proportional to solid angle and keeps its precision there.
+vec3 environment_texel_direction(uint column, uint row, uint width, uint height, vec2 u, out vec2 position) {
   bool south = 2u * row >= height;
   float k = float(south ? height - 1u - row : row);
   float h = float(height);
   float near = cos_sin_turns(0.25 * k / h).y, far = cos_sin_turns(0.25 * (k + 1.0) / h).y;
   float s = mix(near * near, far * far, south ? 1.0 - u.y : u.y);
-  vec2 azimuth = cos_sin_turns((float(column) + u.x) / float(width) - 0.5);
-  float y = 1.0 - 2.0 * s;
-  return vec3(2.0 * sqrt(s * (1.0 - s)) * azimuth, south ? -y : y).xzy;
+  float x = float(column) + u.x, y = 1.0 - 2.0 * s, sine = 2.0 * sqrt(s * (1.0 - s));
+  y = south ? -y : y;
+  position = vec2(x, clamp(atan2_exact(sine, y) * kInvPi * h, float(row), float(row) + 1.0));
+  return vec3(sine * cos_sin_turns(x / float(width) - 0.5), y).xzy;
 }
 
 // Where in the texel of a row such a direction lies, by solid angle: u.y of the function above.
@@ -171,39 +173,61 @@ float light_triangle_density(uint parts, vec2 weights) {
 #endif
 
 #ifdef BIND_ENVIRONMENT
-// Texel (column, row) of a direction in the map's basis.
-uvec2 environment_texel(vec3 d) {
+// A direction as the map has it.
+struct EnvironmentPlace {
+  vec2 position; // in texels
+  uvec2 texel;   // column and row of the one that it is in
+};
+
+EnvironmentPlace environment_place(vec3 d) { // of a direction in the map's basis
   uvec2 size = uvec2(frame.environment_width, frame.environment_height);
-  return min(uvec2(environment_uv(d) * vec2(size)), size - 1u);
+  vec2 position = environment_uv(d) * vec2(size);
+  return EnvironmentPlace(position, min(uvec2(position), size - 1u));
 }
 
-// Density per solid angle with which sample_environment_map finds a direction in this texel.
-float environment_map_pdf(uvec2 texel) {
-  float probability = texelFetch(environment, int(texel.y * frame.environment_width + texel.x)).w;
-  return probability / environment_texel_solid_angle(texel.y, frame.environment_width, frame.environment_height);
+// Radiance there, interpolated between texel centres (u wraps, v ends at the poles), and the density per solid angle with
+// which sample_environment_map finds a direction in the texel: one of the four between which is interpolated.
+vec3 environment_map_radiance(EnvironmentPlace place, out float pdf) {
+  ivec2 size = ivec2(frame.environment_width, frame.environment_height), texel = ivec2(place.texel);
+  vec2 position = place.position - 0.5;
+  vec2 first = floor(position), weight = position - first;
+  int left = int(first.x) < 0 ? size.x - 1 : int(first.x);
+  int right = left + 1 == size.x ? 0 : left + 1;
+  int upper = max(int(first.y), 0), lower = min(int(first.y) + 1, size.y - 1);
+  vec4 upper_left = texelFetch(environment, upper * size.x + left), upper_right = texelFetch(environment, upper * size.x + right);
+  vec4 lower_left = texelFetch(environment, lower * size.x + left), lower_right = texelFetch(environment, lower * size.x + right);
+  vec2 column = texel.x == left ? vec2(upper_left.w, lower_left.w) : vec2(upper_right.w, lower_right.w);
+  float probability = texel.y == upper ? column.x : column.y;
+  pdf = probability / environment_texel_solid_angle(place.texel.y, frame.environment_width, frame.environment_height);
+  return mix(mix(upper_left.rgb, upper_right.rgb, weight.x), mix(lower_left.rgb, lower_right.rgb, weight.x), weight.y);
 }
 
+// Ends of the rows and of the columns of each row, behind them the cuts of both.
+uint row_cut(uint cut) {
+  return texelFetch(environment_ends, int(frame.environment_height * (1u + frame.environment_width) + cut)).x;
+}
 uint row_end(uint row) { return texelFetch(environment_ends, int(row)).x; }
-uint environment_row; // of which column_end tells
-uint column_end(uint column) {
-  uint width = frame.environment_width;
-  return texelFetch(environment_ends, int(frame.environment_height + environment_row * width + column)).x;
-}
+uint first_column, first_cut; // of the row of which column_end and column_cut tell
+uint column_end(uint column) { return texelFetch(environment_ends, int(first_column + column)).x; }
+uint column_cut(uint cut) { return texelFetch(environment_ends, int(first_cut + cut)).x; }
 
-// World direction chosen in proportion to the map, its texel and its density. By inversion, first of the distribution of
+// World direction chosen in proportion to the map, and its place there. By inversion, first of the distribution of
 // rows, then of the columns in the row (pbrt-v4, section A.5.6): near numbers give near directions, so that nets stay
 // nets. Picks from an alias table have 4 to 40 times the squared error at 128 samples.
-vec3 sample_environment_map(uvec2 u, out uvec2 texel, out float pdf) {
+vec3 sample_environment_map(uvec2 u, out EnvironmentPlace place) {
   uint width = frame.environment_width, height = frame.environment_height;
   u = min(u, uvec2(kLargestPick));
   uint begin, end;
-  PICK_INTERVAL(u.y, height, row_end, texel.y, begin, end)
+  uvec2 texel;
+  PICK_INTERVAL_BY_CUTS(u.y, height, row_cut, row_end, texel.y, begin, end)
   u.y = stretch(u.y - begin, end - begin);
-  environment_row = texel.y;
-  PICK_INTERVAL(u.x, width, column_end, texel.x, begin, end)
+  first_column = height + texel.y * width;
+  first_cut = height * (1u + width) + (1u << cut_bits(height)) + (texel.y << cut_bits(width));
+  PICK_INTERVAL_BY_CUTS(u.x, width, column_cut, column_end, texel.x, begin, end)
   u.x = stretch(u.x - begin, end - begin);
-  pdf = environment_map_pdf(texel);
-  vec3 d = environment_texel_direction(texel.x, texel.y, width, height, unit_float(u));
+  vec2 position;
+  vec3 d = environment_texel_direction(texel.x, texel.y, width, height, unit_float(u), position);
+  place = EnvironmentPlace(position, texel);
   return world_from_environment(d, frame.environment_rotation);
 }
 #endif

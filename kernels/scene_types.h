@@ -27,7 +27,8 @@ GPU_CONSTANT uint kBindTexels = 10u;      // texels R32UI: one word a texel (RGB
 GPU_CONSTANT uint kBindSrgbTable = 11u;   // texels R32F, 256: byte -> linear
 GPU_CONSTANT uint kBindLights = 12u;      // texels RGBA32UI, kLightTexels each: Light
 GPU_CONSTANT uint kBindEnvironment = 13u; // texels RGBA32F: radiance, probability of the texel
-GPU_CONSTANT uint kBindEnvironmentEnds = 14u; // texels R32UI: ends of the rows' intervals, then of every row's columns
+// Texels R32UI: ends of the rows' intervals, then of every row's columns; behind them cuts of the same.
+GPU_CONSTANT uint kBindEnvironmentEnds = 14u;
 
 // Texels of more than one page go on in buffers of their own. A page is what every GPU can see as one texel buffer; an
 // image may lie across two. Kernels of scenes with one page know no other (kFeatureTexelPages2 and those after it).
@@ -219,6 +220,9 @@ GPU_CONSTANT uint kLightTexels = 5u;
 GPU_CONSTANT uint kPartLevelShift = 28u;
 GPU_CONSTANT uint kFirstPartMask = 0x0fffffffu;
 GPU_CHECK(sizeof(Light) == 16 * kLightTexels);
+
+// Of 2^n intervals there are 2^(n - kCutShift) cuts (host/scene/pack/intervals.h), and no more than 2^kMostCutBits.
+GPU_CONSTANT int kCutShift = 2, kMostCutBits = 9;
 
 #ifdef __cplusplus
 } // namespace wavepath::gpu

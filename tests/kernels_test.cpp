@@ -307,7 +307,7 @@ TEST_F(Kernels, ConnectAddsLightWhereNothingIsInBetween) {
   for (const std::uint32_t walk : {gpu::kWalkByLane, gpu::kWalkInStep}) {
     Bench bench(device(), packed, packed.features, frame_of(packed), walk);
     bench.shadow_rays.write(shadow_rays.data(), shadow_rays.size() * sizeof(gpu::ShadowRay));
-    bench.set_queues({.shadow_count = kSlots});
+    bench.set_queues({.shadow_count = {kSlots}});
     bench.run(wavepath_connect_spv, kSlots / gpu::kWorkgroupSize, {0, 4096, 0, 4, 0, 0});
     const auto paths = download<gpu::PathState>(bench.paths, kSlots);
     std::uint32_t blocked_count = 0;
@@ -338,7 +338,7 @@ TEST_F(Kernels, ConnectIsNotBlockedByTheTriangleThatItAimsAt) {
   for (std::uint32_t i = 0; i < 3; ++i) shadow_rays.push_back({centre + normal, i, -normal, 2.0f, {1, 2, 3}, i});
   Bench bench(device(), packed, packed.features, frame_of(packed));
   bench.shadow_rays.write(shadow_rays.data(), shadow_rays.size() * sizeof(gpu::ShadowRay));
-  bench.set_queues({.shadow_count = 3});
+  bench.set_queues({.shadow_count = {3}});
   bench.run(wavepath_connect_spv, 1, {0, 4096, 0, 4, 0, 0});
   const auto paths = download<gpu::PathState>(bench.paths, 3);
   EXPECT_EQ(paths[0].radiance.x, 1.0f);
@@ -389,7 +389,7 @@ TEST_F(Kernels, HolesAreInvisibleToExtendAndConnect) {
     bench.constants[gpu::kSpecWalk] = walk;
     bench.rays.write(rays.data(), rays.size() * sizeof(gpu::Ray));
     bench.shadow_rays.write(shadow_rays.data(), shadow_rays.size() * sizeof(gpu::ShadowRay));
-    bench.set_queues({.ray_count = {kSlots, 0}, .shadow_count = kSlots});
+    bench.set_queues({.ray_count = {kSlots, 0}, .shadow_count = {kSlots}});
     bench.run(wavepath_extend_spv, kSlots / gpu::kWorkgroupSize, {0, 4096, 0, 4, bounce, 0});
     bench.run(wavepath_connect_spv, kSlots / gpu::kWorkgroupSize, {0, 4096, 0, 4, 0, 0});
     const auto hits = download<gpu::Hit>(bench.hits, kSlots);
@@ -470,18 +470,18 @@ TEST_F(Kernels, AdvanceCountsRaysBeyond32Bits) {
   const PackedScene packed = pack(scene);
   Bench bench(device(), packed, packed.features, frame_of(packed));
   bench.set_queues({.ray_count = {1000, 77},
-                    .shadow_count = 65,
                     .hit_count = 7,
                     .escape_count = 9,
                     .next_ray = 5,
-                    .next_shadow_ray = 6});
+                    .next_shadow_ray = 6,
+                    .shadow_count = {65}});
   bench.set_counters({.camera_rays = {0xfffffff0u, 3}});
   bench.run(wavepath_advance_spv, 1, {0, 0, 0, 0, gpu::kBeforeExtend, 0}); // of bounce 0
   gpu::Queues queues = bench.get_queues();
   EXPECT_EQ(queues.extend_groups[0], 16u);
   EXPECT_EQ(queues.ray_count[0], 1000u);
   EXPECT_EQ(queues.ray_count[1], 0u);
-  EXPECT_EQ(queues.shadow_count, 0u);
+  EXPECT_EQ(queues.shadow_count[0], 0u);
   EXPECT_EQ(queues.hit_count, 0u);
   EXPECT_EQ(queues.escape_count, 0u);
   EXPECT_EQ(queues.next_ray, 0u);
@@ -490,15 +490,15 @@ TEST_F(Kernels, AdvanceCountsRaysBeyond32Bits) {
   EXPECT_EQ(bench.get_counters().camera_rays[1], 4u);
   queues.hit_count = 129;
   queues.escape_count = 0;
-  queues.shadow_count = 7; // of the bounce before
+  queues.shadow_count[0] = 7; // of the bounce before
   bench.set_queues(queues);
   bench.run(wavepath_advance_spv, 1, {0, 0, 0, 0, gpu::kBeforeShade, 0});
   queues = bench.get_queues();
   EXPECT_EQ(queues.shade_groups[0], 3u);
   EXPECT_EQ(queues.shade_groups[1], 1u);
   EXPECT_EQ(queues.escape_groups[0], 0u);
-  EXPECT_EQ(queues.shadow_count, 0u);
-  queues.shadow_count = 65;
+  EXPECT_EQ(queues.shadow_count[0], 0u);
+  queues.shadow_count[0] = 65;
   bench.set_queues(queues);
   bench.run(wavepath_advance_spv, 1, {0, 0, 0, 0, gpu::kBeforeConnect, 0});
   queues = bench.get_queues();
@@ -515,7 +515,7 @@ TEST_F(Kernels, AdvanceCountsRaysBeyond32Bits) {
   bench.run(wavepath_advance_spv, 1, {0, 0, 0, 0, gpu::kBeforeLastConnect, 0});
   queues = bench.get_queues();
   EXPECT_EQ(queues.connect_groups[0], 2u);
-  EXPECT_EQ(queues.shadow_count, 65u);
+  EXPECT_EQ(queues.shadow_count[0], 65u);
   EXPECT_EQ(queues.extend_groups[0], 5u);
   EXPECT_EQ(queues.ray_count[0], 0u);
   EXPECT_EQ(queues.ray_count[1], 300u);

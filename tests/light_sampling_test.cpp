@@ -1,9 +1,12 @@
 // kernels/light_sampling.glsl on the device: which light, where on it, and how the environment is addressed and
 // sampled.
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <numbers>
+#include <span>
 
+#include "host/scene/pack/environment_light.h"
 #include "tests/probe.h"
 #include "tests/statistics.h"
 
@@ -60,14 +63,7 @@ protected:
     for (const double w : weights) sum += w;
     environment_.clear();
     for (double& w : weights) environment_.emplace_back(1.0f, 1.0f, 1.0f, w /= sum);
-    std::vector<double> rows(height, 0.0);
-    for (std::size_t i = 0; i < weights.size(); ++i) rows[i / width] += weights[i];
-    ends_ = make_ends(rows);
-    for (std::uint32_t y = 0; y < height; ++y) {
-      const std::vector<std::uint32_t> columns =
-          make_ends({weights.begin() + y * width, weights.begin() + (y + 1) * width});
-      ends_.insert(ends_.end(), columns.begin(), columns.end());
-    }
+    ends_ = environment_intervals(weights, width, height);
   }
   void rotate(double degrees) {
     frame_.environment_rotation = {std::cos(degrees * kPi / 180.0), std::sin(degrees * kPi / 180.0)};
@@ -168,6 +164,62 @@ TEST_F(LightSamplingTest, EnvironmentSamplesFollowTheMap) {
   EXPECT_GT(chi_square(counts, expected).p_value, 0.01);
   EXPECT_NEAR(solid_angle.mean(), lit, 4.0 * solid_angle.error()); // E[1/pdf] = the solid angle that can be sampled
   EXPECT_LT(strays, in.size() / 10000);
+}
+
+// The entry that u picks, by a search without cuts.
+std::uint32_t pick(std::span<const std::uint32_t> ends, std::uint32_t u) {
+  return std::uint32_t(std::ranges::upper_bound(ends, u) - ends.begin());
+}
+
+// Whatever the shape of the map: the texel that such a search finds, also at the ends of intervals; the density
+// of that very texel, however dim its neighbours; and the radiance that its direction has.
+TEST_F(LightSamplingTest, EnvironmentSamplesAreThoseOfAPlainSearch) {
+  const auto dim = [&] { return 1e-9 + 1e-6 * next(); };
+  struct Map {
+    std::uint32_t width, height, bright, black_row;
+  };
+  for (const Map& map : {Map{1, 1, 0, 9}, Map{1, 37, 36, 3}, Map{9, 1, 8, 9}, Map{24, 13, 100, 12}, Map{64, 32, 700, 0},
+                         Map{1000, 3, 1999, 2}, Map{70001, 2, 70000, 9}}) {
+    SCOPED_TRACE(map.width);
+    std::vector<double> weights(std::size_t{map.width} * map.height);
+    for (std::size_t i = 0; i < weights.size(); ++i)
+      weights[i] = i / map.width == map.black_row || i % 7 == 3 ? 0.0 : i % 5 == 0 ? 1.0 : dim();
+    weights[map.bright] = 50.0;
+    set_map(map.width, map.height, weights);
+    for (glm::vec4& texel : environment_) texel.x = next();
+    rotate(55.0);
+    const auto rows = std::span<const std::uint32_t>(ends_).first(map.height);
+    const auto columns = [&](std::size_t y) {
+      return std::span<const std::uint32_t>(ends_).subspan(map.height + y * map.width, map.width);
+    };
+
+    std::vector<glm::uvec2> picks;
+    const auto at_borders = [&](std::span<const std::uint32_t> ends, auto&& make) {
+      const std::size_t step = std::max<std::size_t>(ends.size() / 500, 1);
+      for (std::size_t i = 0; i < ends.size(); i += step)
+        for (const std::uint32_t u : {ends[i] - 1, ends[i]}) picks.push_back(make(std::min(u, 0xfffffffeu)));
+      for (std::uint64_t u = 0; u < std::uint64_t{1} << 32; u += 1u << 23) // of cuts
+        for (const std::uint32_t border : {std::uint32_t(u), std::uint32_t(u) - 1})
+          picks.push_back(make(std::min(border, 0xfffffffeu)));
+    };
+    at_borders(rows, [&](std::uint32_t u) { return glm::uvec2(std::uint32_t(next() * 0x1p32), u); });
+    for (const std::size_t y : {pick(rows, 0), map.bright / map.width})
+      at_borders(columns(y), [&](std::uint32_t u) { return glm::uvec2(u, y > 0 ? rows[y - 1] : 0); });
+    std::vector<Element> in;
+    for (const glm::uvec2& u : picks) in.push_back({.a = {std::bit_cast<float>(u.x), std::bit_cast<float>(u.y), 0, 0}});
+    const std::vector<Element> out = run(8, in);
+    for (std::size_t i = 0; i < picks.size(); ++i) {
+      const std::uint32_t y = pick(rows, picks[i].y), x = pick(columns(y), picks[i].x);
+      ASSERT_EQ(glm::vec2(out[i].b), glm::vec2(x, y)) << picks[i].x << " " << picks[i].y;
+      const double top = kPi * y / map.height, bottom = kPi * (y + 1.0) / map.height;
+      const double solid_angle =
+          4.0 * kPi / map.width * std::sin(0.5 * (top + bottom)) * std::sin(0.5 * (bottom - top));
+      const double density = environment_[std::size_t{y} * map.width + x].w / solid_angle;
+      ASSERT_NEAR(out[i].a.y, density, 1e-5 * density);
+      // Rounding, in texels, of what changes by 1 a texel at most; a direction to a pole does not know its column.
+      if (out[i].b.w > 0.0f) ASSERT_NEAR(out[i].a.x, out[i].b.z, 2e-6 * (map.width + map.height));
+    }
+  }
 }
 
 TEST_F(LightSamplingTest, EnvironmentDensityIntegratesToOne) {

@@ -1,4 +1,6 @@
 // Lights: intervals, weights by power and group, and densities on which estimation and sampling agree.
+#include <algorithm>
+#include <bit>
 #include <cmath>
 #include <numbers>
 #include <random>
@@ -97,6 +99,34 @@ TEST(Intervals, AreNoneWithoutWeight) {
   EXPECT_TRUE(build_intervals({}).empty());
   EXPECT_TRUE(build_intervals(std::vector<double>(3, 0.0)).empty());
   EXPECT_EQ(build_intervals(std::vector<double>{5.0}), (std::vector<std::uint32_t>{0xffffffffu}));
+}
+
+// Cuts bound what every integer picks, and hold no more entries than they must.
+TEST(Intervals, HaveCutsThatHoldWhatIsPicked) {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> uniform(0.0, 1.0);
+  for (const std::size_t count : {1u, 2u, 5u, 8u, 24u, 1000u, 1024u, 65535u, 65536u, 200000u}) {
+    SCOPED_TRACE(count);
+    std::vector<double> weights(count);
+    for (std::size_t i = 0; i < count; ++i) weights[i] = i % 3 == 1 ? 0.0 : uniform(random);
+    weights[count / 2] = 1e3; // most integers
+    if (count > 4) weights[0] = weights[1] = weights[count - 1] = weights[count - 2] = 0.0;
+    const std::vector<std::uint32_t> ends = build_intervals(weights), cuts = cut_intervals(ends);
+    ASSERT_EQ(cuts.size(), cut_count(count));
+    ASSERT_TRUE(std::has_single_bit(cuts.size()));
+    const std::uint64_t integers = (std::uint64_t{1} << 32) / cuts.size();
+    const int coarse = count < 65536 ? 0 : std::bit_width(count) - 16;
+    const auto picked = [&](std::uint64_t u) {
+      const auto entry =
+          std::ranges::upper_bound(ends, static_cast<std::uint32_t>(std::min<std::uint64_t>(u, 0xfffffffe)));
+      return static_cast<std::uint32_t>(entry - ends.begin()) >> coarse;
+    };
+    for (std::size_t i = 0; i < cuts.size(); ++i) {
+      ASSERT_EQ(cuts[i] & 0xffff, picked(i * integers)) << i;
+      if (i + 1 < cuts.size()) ASSERT_EQ(cuts[i] >> 16, picked((i + 1) * integers - 1)) << i;
+    }
+    EXPECT_GE(cuts.back() >> 16, picked(0xfffffffe)); // entries without weight behind it
+  }
 }
 
 TEST(Lights, AreWeightedByPower) {

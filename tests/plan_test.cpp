@@ -66,7 +66,7 @@ TEST(Plan, CountsWhatIsShown) {
   EXPECT_EQ(p.instances, 3u);
   EXPECT_EQ(p.triangle_bytes, 2u * (48 + 16));
   EXPECT_EQ(p.vertex_bytes, 6u * 16);
-  EXPECT_EQ(p.environment_bytes, 32u * 20 + 4 * 4);
+  EXPECT_EQ(p.environment_bytes, 32u * 20 + 4 * 4 + (1 + 4 * 2) * 4); // with the cuts of rows and columns
   EXPECT_EQ(p.largest_buffer, 32u * 16);
 }
 

@@ -72,7 +72,7 @@ TEST_F(TexelsAsStorage, OnlyWhatIsNamedIsRewritten) {
   EXPECT_NE(texels_as_storage(whole, std::vector<StorageTexels>{{gpu::kBindNodes, 4}}), whole);
 }
 
-// 80,000 triangles and 90,000 texels.
+// 80,000 triangles, 90,000 texels, and a map of as many that is searched for a few steps or for many.
 Scene large_scene() {
   constexpr int kSide = 200;
   Scene scene;
@@ -96,6 +96,10 @@ Scene large_scene() {
   add_instance(scene, add_mesh(scene, corners));
   scene.meshes[0].uvs[0] = uvs;
   scene.environment.radiance = glm::vec3(1.0f);
+  scene.environment.width = 450;
+  scene.environment.height = 200;
+  for (int i = 0; i < 450 * 200; ++i)
+    scene.environment.map.emplace_back(i % 450 < 30 ? 20.0f : 0.1f + 0.01f * static_cast<float>(i % 7));
   Camera camera;
   camera.world_from_camera = {{1, 0, 0, 0}, {0, 0, -1, 0}, {0, 1, 0, 0}, {0, 4, 0, 1}}; // looks along -y
   camera.yfov = 0.43;

@@ -50,7 +50,7 @@ RaySets RayReplay::capture() {
   RaySets rays;
   rays.camera = download<gpu::Ray>(paths_.buffers[kRays], wave.pixel_count);
   rays.bounce = download<gpu::Ray>(paths_.buffers[kRays], queues.ray_count[1], second_queue);
-  rays.shadow = download<gpu::ShadowRay>(paths_.buffers[kShadowRays], queues.shadow_count);
+  rays.shadow = download<gpu::ShadowRay>(paths_.buffers[kShadowRays], queues.shadow_count[0]);
   constexpr std::size_t kFewest = 4096; // that say anything about speed
   if (rays.shadow.size() < kFewest && rays.shadow.size() < rays.bounce.size()) {
     rays.shadow.clear();
@@ -102,7 +102,7 @@ std::vector<float> RayReplay::distances(const PackedScene& scene, std::span<cons
 
 double RayReplay::connect(std::span<const gpu::ShadowRay> rays) {
   gpu::Queues queues{};
-  queues.shadow_count = static_cast<std::uint32_t>(rays.size());
+  queues.shadow_count[0] = static_cast<std::uint32_t>(rays.size());
   paths_.buffers[kShadowRays].write(rays.data(), rays.size_bytes());
   paths_.buffers[kStates].fill_zero();
   return time(kConnect, queues, rays.size(), 0);

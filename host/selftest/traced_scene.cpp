@@ -74,7 +74,7 @@ TracedScene::TracedScene(Device& device, KernelCache& kernels, PackedScene packe
 
 void TracedScene::dispatch(std::span<const std::uint32_t> spirv, std::size_t count, std::uint32_t parameter) {
   gpu::Queues queues{};
-  queues.ray_count[0] = queues.shadow_count = static_cast<std::uint32_t>(count);
+  queues.ray_count[0] = queues.shadow_count[0] = static_cast<std::uint32_t>(count);
   queues_.write(&queues, sizeof(queues));
   const gpu::Wave wave{0, kSlots, 0, parameter, bounce_, 0};
   Commands commands(device_);

@@ -277,7 +277,7 @@ void main() {
   uint place;
   APPEND(queues.ray_count[next_queue], wants.ray, place);
   if (wants.ray) store_ray(next_queue * frame.slot_count + place, next);
-  APPEND(queues.shadow_count, wants.shadow, place);
+  APPEND(queues.shadow_count[0], wants.shadow, place);
   if (wants.shadow) store_shadow_ray(place, shadow);
   APPEND(connections.count, wants.connection, place);
   if (wants.connection) store_connection(place, connection);

@@ -65,7 +65,7 @@ void main() {
   if (local == 0u) {
     queues.ray_count[0] = wave.pixel_count * wave.sample_count;
     queues.ray_count[1] = 0u;
-    queues.shadow_count = 0u;
+    queues.shadow_count[0] = 0u;
   }
   if (local >= wave.pixel_count) return;
 

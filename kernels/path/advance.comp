@@ -37,17 +37,17 @@ void prepare_extend(uint bounce) {
 }
 
 void prepare_connect(uint light_sample) {
-  if (light_sample > 0u) queues.shadow_count = queues.later_shadow_count[light_sample - 1u];
+  if (light_sample > 0u) queues.shadow_count[0] = queues.shadow_count[light_sample];
   queues.first_shadow = light_sample * frame.slot_count;
   queues.next_shadow_ray = 0u;
-  uint count = queues.shadow_count;
+  uint count = queues.shadow_count[0];
   SIZE(queues.connect_groups, count)
   COUNT(counters.shadow_rays, count)
 }
 
 void empty_shadow_queues() {
-  queues.shadow_count = 0u;
-  for (uint i = 1u; i < shadow_queue_count(); ++i) queues.later_shadow_count[i - 1u] = 0u;
+  queues.shadow_count[0] = 0u;
+  for (uint i = 1u; i < shadow_queue_count(); ++i) queues.shadow_count[i] = 0u;
 }
 
 void main() {

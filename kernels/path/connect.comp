@@ -110,7 +110,7 @@ void end_ray(uint index, Hit hit) {
   if (has(kFeatureAovs) && is_direct) path_aovs[shadow_ray.slot].direct += contribution;
 }
 
-#define RAY_COUNT queues.shadow_count
+#define RAY_COUNT queues.shadow_count[0]
 #define NEXT_RAY queues.next_shadow_ray
 #define IS_COHERENT false
 #include "kernels/path/trace_queue.glsl"

@@ -66,7 +66,6 @@ GPU_FUNCTION uint light_samples_at(uint first, uint bounce) {
 // at a time.
 struct Queues {
   uint ray_count[2];
-  uint shadow_count;
   uint hit_count;        // hit_count and escape_count: of the rays that extend has sorted
   uint extend_groups[3]; // indirect dispatch sizes; shade uses extend's where rays are not sorted
   uint escape_count;
@@ -75,8 +74,8 @@ struct Queues {
   uint shade_groups[3];
   uint next_ray; // index of the next ray to be traced (trace_queue.glsl)
   uint escape_groups[3];
-  uint next_shadow_ray;                            // likewise
-  uint later_shadow_count[kMostLightSamples - 1u]; // of the second light sample and those after it
+  uint next_shadow_ray;                 // likewise
+  uint shadow_count[kMostLightSamples]; // of each light sample; connect reads the first, which advance sets for it
   uint pad3;
 };
 GPU_CHECK(sizeof(Queues) == 80 + 4 * kMostLightSamples);

@@ -88,8 +88,7 @@ void connect_to_lights(Vertex v, Lobes lobes, Receiver receiver, Sampler path_sa
     ShadowRay ray;
     bool wanted = connect_to_light(v, lobes, receiver, one_of(path_sampler, i, light_sample_count()), dimension, slot, throughput, ray);
     if (!wanted) continue;
-    uint place = i == 0u ? atomicAdd(queues.shadow_count, 1u) : atomicAdd(queues.later_shadow_count[i - 1u], 1u);
-    store_shadow_ray(i * frame.slot_count + place, ray);
+    store_shadow_ray(i * frame.slot_count + atomicAdd(queues.shadow_count[i], 1u), ray);
   }
 }
 
@@ -118,7 +117,7 @@ void connect_to_sky(Vertex v, Lobes lobes, Sampler path_sampler, uint slot, vec3
   for (uint i = 1u; i < frame.sky_samples; ++i) {
     ShadowRay ray;
     if (!sample_sky(v, lobes, one_of(path_sampler, i - 1u, frame.sky_samples - 1u), slot, radiance, ray)) continue;
-    store_shadow_ray(i * frame.slot_count + atomicAdd(queues.later_shadow_count[i - 1u], 1u), ray);
+    store_shadow_ray(i * frame.slot_count + atomicAdd(queues.shadow_count[i], 1u), ray);
   }
 }
 
@@ -268,6 +267,7 @@ void main() {
   uint place;
   APPEND(queues.ray_count[next_queue], wants_ray, place);
   if (wants_ray) store_ray(next_queue * frame.slot_count + place, next);
-  APPEND(queues.shadow_count, wants_shadow, place);
+  if (TAKES_MORE_LIGHT_SAMPLES) return; // their shadow rays are there
+  APPEND(queues.shadow_count[0], wants_shadow, place);
   if (wants_shadow) store_shadow_ray(place, shadow);
 }

@@ -193,7 +193,7 @@ void main() {
     wants_shadow = shade(ray, fetch_hit(index), shadow);
   }
   uint place;
-  APPEND(queues.shadow_count, wants_shadow, place);
+  APPEND(queues.shadow_count[0], wants_shadow, place);
   if (wants_shadow) store_shadow_ray(place, shadow);
 }
 

@@ -18,7 +18,7 @@ layout(local_size_x = kWorkgroupSize) in;
 
 void main() {
   uint index = gl_GlobalInvocationID.x;
-  if (index >= queues.shadow_count) return;
+  if (index >= queues.shadow_count[0]) return;
   uint link = link_word(index), cell = izb_links[link + 1u];
   if (cell == kNone) return;
   izb_cells[cell_word(cell)] = izb_cells[cell_word(cell) + 1u] = 0u; // all rays of a list write the same

@@ -39,7 +39,7 @@ uint find_cell(ShadowRay ray) {
 
 void main() {
   uint index = gl_GlobalInvocationID.x;
-  if (index >= queues.shadow_count) return;
+  if (index >= queues.shadow_count[0]) return;
   uint cell = find_cell(fetch_shadow_ray(index)), link = link_word(index);
   izb_links[link + 1u] = cell;
   izb_links[link + 2u] = izb_links[link + 3u] = 0u;

@@ -91,7 +91,7 @@ void count_answers(bool answered) {
 
 void main() {
   uint index = gl_GlobalInvocationID.x;
-  if (index >= queues.shadow_count) return;
+  if (index >= queues.shadow_count[0]) return;
   ShadowRay ray = fetch_shadow_ray(index);
   Receiver r;
   r.views = texelFetch(shadow_lights, int(ray.light)).xy;

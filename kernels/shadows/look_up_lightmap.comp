@@ -30,7 +30,7 @@ float share_between(uint source, vec2 place) {
 
 void main() {
   uint index = gl_GlobalInvocationID.x;
-  if (index >= queues.shadow_count) return;
+  if (index >= queues.shadow_count[0]) return;
   ShadowRay ray = fetch_shadow_ray(index);
   uint source = texelFetch(shadow_lights, int(ray.light)).x;
   if (source == kNone) return;

@@ -18,7 +18,7 @@ layout(set = 0, binding = kBindPlanarShadows) uniform usamplerBuffer planar_shad
 
 void main() {
   uint index = gl_GlobalInvocationID.x;
-  if (index >= queues.shadow_count) return;
+  if (index >= queues.shadow_count[0]) return;
   ShadowRay ray = fetch_shadow_ray(index);
   uint source = texelFetch(shadow_lights, int(ray.light)).x;
   if (source == kNone) return;

@@ -24,18 +24,20 @@ void main() {
     vec3 d = environment_from_world(e.a.xyz, frame.environment_rotation);
     e.b.xy = environment_uv(d);
     e.b.z = distance(world_from_environment(environment_direction(e.b.xy), frame.environment_rotation), e.a.xyz);
-    e.b.w = environment_map_pdf(environment_texel(d));
-  } else if (wave.bounce == 1u) { // u in a.xy -> a: direction, density; b: texel
-    uvec2 texel;
-    e.a.xyz = sample_environment_map(bits(e.a.xy), texel, e.a.w);
-    e.b.xy = vec2(texel);
-    e.b.zw = vec2(environment_texel(environment_from_world(e.a.xyz, frame.environment_rotation)));
+    environment_map_radiance(environment_place(d), e.b.w);
+  } else if (wave.bounce == 1u) { // u in a.xy -> a: direction, density; b: texel, that of the direction
+    EnvironmentPlace place;
+    e.a.xyz = sample_environment_map(bits(e.a.xy), place);
+    environment_map_radiance(place, e.a.w);
+    e.b.xy = vec2(place.texel);
+    e.b.zw = vec2(environment_place(environment_from_world(e.a.xyz, frame.environment_rotation)).texel);
   } else if (wave.bounce == 2u) { // u in a.xy -> b: light, what is left of u.x
     uvec2 u = bits(e.a.xy);
     e.b.x = float(pick_light(u));
     e.b.y = unit_float(u.x);
   } else if (wave.bounce == 3u) { // texel a.xy of a map of the size in `frame`, u in a.zw -> b: direction, solid angle
-    e.b.xyz = environment_texel_direction(uint(e.a.x), uint(e.a.y), width, height, e.a.zw);
+    vec2 position;
+    e.b.xyz = environment_texel_direction(uint(e.a.x), uint(e.a.y), width, height, e.a.zw, position);
     e.b.w = environment_texel_solid_angle(uint(e.a.y), width, height);
   } else if (wave.bounce == 4u) { // light a.w seen from a.xyz -> a: irradiance; b: towards it
     vec3 to_light;
@@ -45,6 +47,12 @@ void main() {
     e.b.w = solid_angle_pdf(e.a.w, e.a.xyz, e.b.xyz);
   } else if (wave.bounce == 6u) { // offset and width in the bits of a.xy -> bits of b.x
     e.b.x = uintBitsToFloat(stretch(floatBitsToUint(e.a.x), floatBitsToUint(e.a.y)));
+  } else if (wave.bounce == 8u) { // bits of u in a.xy -> a: radiance, density; b: texel, radiance by the direction alone, its sine
+    EnvironmentPlace place;
+    vec3 d = environment_from_world(sample_environment_map(floatBitsToUint(e.a.xy), place), frame.environment_rotation);
+    e.a.x = environment_map_radiance(place, e.a.y).x;
+    float pdf;
+    e.b = vec4(place.texel, environment_map_radiance(environment_place(d), pdf).x, length(d.xz));
   } else { // level and part in the bits of a.x, weights in it a.yz -> weights in the triangle b.xy, number of the part in the bits of b.z
     uint level = floatBitsToUint(e.a.x) >> kPartLevelShift, part = floatBitsToUint(e.a.x) & kFirstPartMask;
     e.b.xy = weights_in_part(level, part, e.a.yz);

@@ -144,7 +144,7 @@ PathTrace PathReplay::trace(glm::uvec2 pixel, std::uint32_t sample, std::uint32_
     if (!(pdf < 0.0f)) vertex.pdf = pdf * static_cast<float>(sharing);
     for (std::uint32_t i = 0; i < std::max(light_samples, workspace_.frame.sky_samples); ++i) {
       run(kAdvance, gpu::kAdvanceSteps * bounce + gpu::kBeforeConnect + i);
-      if (queues().shadow_count > 0) vertex.shadows.push_back(connect(bounce, i, state()));
+      if (queues().shadow_count[0] > 0) vertex.shadows.push_back(connect(bounce, i, state()));
     }
     vertex.radiance = trace.radiance = state().radiance;
     note(vertex.radiance, gpu::kMakerConnect);

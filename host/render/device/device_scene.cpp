@@ -150,13 +150,16 @@ DeviceScene upload_scene(Device& device, const PackedScene& scene, bool by_query
   check_fits(info, "uses of textures", bytes_of(scene.textures),
              std::min(16 * info.max_texel_elements, info.max_allocation));
   check_fits(info, "environment texels", bytes_of(scene.environment), wide);
+  check_fits(info, "environment distribution", bytes_of(scene.environment_ends),
+             std::min(4 * info.max_texels(4), info.max_allocation));
   check_fits(info, "lights", bytes_of(scene.lights) + bytes_of(scene.light_part_ends), wide);
   check_fits(info, "light tree", bytes_of(scene.light_tree), wide);
   const std::uint64_t total = node_bytes + bytes_of(scene.triangles) + bytes_of(scene.motions) +
                               bytes_of(scene.triangle_vertices) + bytes_of(scene.vertex_normals) +
                               bytes_of(scene.vertex_uvs) + bytes_of(scene.vertex_colors) + bytes_of(scene.texels) +
-                              bytes_of(scene.environment) + bytes_of(scene.lights) + bytes_of(scene.light_part_ends) +
-                              bytes_of(scene.light_tree) + scene.atlases[0].bytes() + scene.atlases[1].bytes();
+                              bytes_of(scene.environment) + bytes_of(scene.environment_ends) + bytes_of(scene.lights) +
+                              bytes_of(scene.light_part_ends) + bytes_of(scene.light_tree) + scene.atlases[0].bytes() +
+                              scene.atlases[1].bytes();
   if (total > info.memory_bytes)
     throw Error(info.name,
                 fmt::format("the scene takes {:.0f} MiB, the device has {:.0f} MiB", total / 1048576.0,

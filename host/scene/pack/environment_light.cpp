@@ -47,6 +47,33 @@ void compensate(std::vector<double>& weights, std::size_t width, std::size_t hei
 
 } // namespace
 
+std::uint64_t environment_interval_words(std::uint64_t width, std::uint64_t height) {
+  return height * (1 + width) + cut_count(height) + height * cut_count(width);
+}
+
+std::vector<std::uint32_t> environment_intervals(std::span<const double> weights, std::size_t width,
+                                                 std::size_t height) {
+  std::vector<double> rows(height, 0.0);
+  for (std::size_t y = 0; y < height; ++y)
+    for (std::size_t x = 0; x < width; ++x) rows[y] += weights[y * width + x];
+  const std::vector<std::uint32_t> row_ends = build_intervals(rows);
+  if (row_ends.empty()) return {};
+  std::vector<std::uint32_t> all(environment_interval_words(width, height));
+  const auto write = [&](const std::vector<std::uint32_t>& words, std::size_t at) {
+    std::ranges::copy(words, all.begin() + static_cast<std::ptrdiff_t>(at));
+  };
+  const std::size_t row_cuts = height * (1 + width), column_cuts = row_cuts + cut_count(height);
+  write(row_ends, 0);
+  write(cut_intervals(row_ends), row_cuts);
+  tbb::parallel_for(std::size_t{0}, height, [&](std::size_t y) {
+    const std::vector<std::uint32_t> ends = build_intervals(weights.subspan(y * width, width));
+    if (ends.empty()) return; // a row that is never picked
+    write(ends, height + y * width);
+    write(cut_intervals(ends), column_cuts + y * cut_count(width));
+  });
+  return all;
+}
+
 double pack_environment(const Environment& environment, std::uint32_t direct, PackedScene& packed) {
   if (!environment.present()) return 0.0;
   if (environment.map.empty()) {
@@ -62,26 +89,20 @@ double pack_environment(const Environment& environment, std::uint32_t direct, Pa
   });
   const double integral = std::accumulate(weights.begin(), weights.end(), 0.0);
   if (direct == gpu::kDirectMis) compensate(weights, width, height, integral);
-  std::vector<double> rows(height, 0.0);
-  for (std::size_t y = 0; y < height; ++y)
-    for (std::size_t x = 0; x < width; ++x) rows[y] += weights[y * width + x];
-  const std::vector<std::uint32_t> row_ends = build_intervals(rows);
-  if (row_ends.empty()) return 0.0; // black all over
+  packed.environment_ends = environment_intervals(weights, width, height);
+  if (packed.environment_ends.empty()) return 0.0; // black all over
 
   packed.environment_radiance = environment.radiance;
   packed.environment_rotation = environment.rotation;
   packed.environment_width = environment.width;
   packed.environment_height = environment.height;
   packed.environment.resize(width * height);
-  packed.environment_ends.resize(height + width * height);
-  std::ranges::copy(row_ends, packed.environment_ends.begin());
+  const std::span<const std::uint32_t> ends = packed.environment_ends;
   tbb::parallel_for(std::size_t{0}, height, [&](std::size_t y) {
-    const std::vector<std::uint32_t> ends = build_intervals(std::span(weights).subspan(y * width, width));
-    const double row = interval_probability(row_ends, y);
+    const double row = interval_probability(ends.first(height), y);
     for (std::size_t x = 0; x < width; ++x) {
-      const double probability = ends.empty() ? 0.0 : row * interval_probability(ends, x);
+      const double probability = row * interval_probability(ends.subspan(height + y * width, width), x);
       packed.environment[y * width + x] = {environment.map[y * width + x], static_cast<float>(probability)};
-      packed.environment_ends[height + y * width + x] = ends.empty() ? 0 : ends[x];
     }
   });
   return integral;

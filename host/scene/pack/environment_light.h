@@ -1,6 +1,10 @@
 // The environment on the device: its texels, and the distribution that samples them by importance.
 #pragma once
 
+#include <cstdint>
+#include <span>
+#include <vector>
+
 #include "host/scene/pack/packed_scene.h"
 #include "host/scene/scene.h"
 
@@ -12,5 +16,10 @@ namespace wavepath {
 // zero. With kDirectMis, dim texels weigh less than that. Returns the integral of the luminance of the radiance over
 // the sphere.
 double pack_environment(const Environment& environment, std::uint32_t direct, PackedScene& packed);
+
+// PackedScene::environment_ends for texels with these weights, row by row; empty if they sum to zero.
+std::vector<std::uint32_t> environment_intervals(std::span<const double> weights, std::size_t width,
+                                                 std::size_t height);
+std::uint64_t environment_interval_words(std::uint64_t width, std::uint64_t height); // that it has
 
 } // namespace wavepath

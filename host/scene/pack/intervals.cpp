@@ -1,8 +1,11 @@
 #include "host/scene/pack/intervals.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
+
+#include "kernels/scene_types.h"
 
 namespace wavepath {
 namespace {
@@ -31,6 +34,27 @@ std::vector<std::uint32_t> build_intervals(std::span<const double> weights) {
     ends[i] = static_cast<std::uint32_t>(share + static_cast<double>(given));
   }
   return ends;
+}
+
+std::size_t cut_count(std::size_t entries) {
+  const int bits = static_cast<int>(std::bit_width(entries)) - 1;
+  return std::size_t{1} << std::clamp(bits - gpu::kCutShift, 0, gpu::kMostCutBits);
+}
+
+std::vector<std::uint32_t> cut_intervals(std::span<const std::uint32_t> ends) {
+  std::vector<std::uint32_t> cuts(cut_count(ends.size()));
+  const std::uint64_t integers = (std::uint64_t{1} << 32) / cuts.size(); // of a cut
+  const int coarse = std::max(static_cast<int>(std::bit_width(ends.size())) - 16, 0);
+  std::size_t entry = 0;
+  const auto pick = [&](std::uint64_t u) {
+    while (u >= ends[entry] && entry + 1 < ends.size()) ++entry;
+    return static_cast<std::uint32_t>(entry >> coarse);
+  };
+  for (std::size_t i = 0; i < cuts.size(); ++i) {
+    const std::uint32_t first = pick(i * integers);
+    cuts[i] = pick((i + 1) * integers - 1) << 16 | first;
+  }
+  return cuts;
 }
 
 double interval_probability(std::span<const std::uint32_t> ends, std::size_t i) {

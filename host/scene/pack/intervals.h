@@ -12,6 +12,13 @@ namespace wavepath {
 // one has at least one integer. `weights`: finite, none negative, fewer than 2^31. Empty if they sum to zero.
 std::vector<std::uint32_t> build_intervals(std::span<const double> weights);
 
+// Where the search for the entry that u picks begins: a table of cut points (Chen and Asau, "On Generating Random
+// Variates from an Empirical Distribution", AIIE Transactions 6, 1974). Integers that agree in their top bits share a
+// word: the first entry that they pick in its lower half, the last in its upper half, both without the bits for which
+// 65,536 entries and more leave no room. `ends`: as build_intervals() makes them, at least one.
+std::vector<std::uint32_t> cut_intervals(std::span<const std::uint32_t> ends);
+std::size_t cut_count(std::size_t entries); // words of it: a power of two
+
 // With which entry i is picked: exactly its share of the integers.
 double interval_probability(std::span<const std::uint32_t> ends, std::size_t i);
 

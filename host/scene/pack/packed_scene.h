@@ -81,8 +81,9 @@ struct PackedScene {
   float environment_probability = 0.0f;
   double environment_rotation = 0.0;
   std::uint32_t environment_width = 0, environment_height = 0;
-  std::vector<glm::vec4> environment;          // radiance, probability of the texel
-  std::vector<std::uint32_t> environment_ends; // intervals of the rows, then of the columns of each (see intervals.h)
+  std::vector<glm::vec4> environment; // radiance, probability of the texel
+  // Intervals of the rows, then of the columns of each; their cuts in the same order (see intervals.h).
+  std::vector<std::uint32_t> environment_ends;
 
   gpu::Feature features = 0; // kFeature and kLobe bits
   std::vector<LeftOut> left_out;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "host/scene/pack/environment_light.h"
 #include "host/scene/pack/light_tree.h"
 #include "host/scene/pack/lights.h"
 #include "host/scene/pack/materials.h"
@@ -42,8 +43,10 @@ Plan plan(const Scene& scene, const Packing& packing) {
   const std::uint64_t texels = materials.textures.word_count * sizeof(std::uint32_t);
   const Atlases& atlases = materials.textures.atlases;
   plan.texel_bytes = texels + atlases[0].bytes() + atlases[1].bytes();
-  plan.environment_bytes =
-      environment + environment / 4 + scene.environment.height * sizeof(std::uint32_t); // and its distribution
+  plan.environment_bytes = environment;
+  if (environment > 0)
+    plan.environment_bytes +=
+        environment_interval_words(scene.environment.width, scene.environment.height) * sizeof(std::uint32_t);
   const std::uint64_t local_lights = count_emitters(scene, usage) + scene.lights.size();
   plan.light_bytes = (local_lights + 1) * sizeof(gpu::Light);
   if (local_lights > kFewLights) plan.light_tree_bytes = light_tree_bytes(local_lights);
