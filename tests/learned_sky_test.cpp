@@ -148,6 +148,24 @@ TEST_F(LearnedSky, WhatIsRenderedBesideTakesOverItsLesson) {
   }
 }
 
+// The small pictures of `bias` are rendered by another integrator as well.
+TEST_F(LearnedSky, TakersTakeTheirPartOfALesson) {
+  RenderSettings path = settings(gpu::kLightsAuto, gpu::kDirectMis, 4), both = path;
+  both.integrator = &kBidirectional; // knows lights alone
+  const Subject rooms = subject(two_rooms(40, true), path);
+  const LightShares whole = render(rooms, path).light_pilot.shares;
+  ASSERT_TRUE(whole.lights && whole.sky);
+  both.light_shares = whole;
+  const RenderResult taught = render(rooms, both);
+  EXPECT_EQ(taught.light_pilot.paths, 0u);
+  both.light_shares.sky = nullptr;
+  EXPECT_TRUE(*render(rooms, both).film == *taught.film);
+  const RenderResult alone = render(rooms, path);
+  path.light_shares.lights = whole.lights; // no sky: it learns anew
+  EXPECT_GT(render(rooms, path).light_pilot.sky_rows, 20u);
+  EXPECT_TRUE(*render(rooms, path).film == *alone.film);
+}
+
 TEST_F(LearnedSky, NothingOfItWhereNobodyAsks) {
   Scene constant = room_with_sky(false);
   constant.environment.map.clear();

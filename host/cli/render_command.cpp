@@ -320,7 +320,7 @@ Choices settle_choices(RenderCommandRequest& request, Prepared& prepared) {
 
 // What the pilot of a render with these settings learns of lights: of one sample of it.
 LightShares learn_light_shares(const RenderSettings& settings, Prepared& prepared) {
-  if (!(features_of(settings) & (gpu::kFeatureLightRows | gpu::kFeatureLearnedSky))) return nullptr;
+  if (!(features_of(settings) & (gpu::kFeatureLightRows | gpu::kFeatureLearnedSky))) return {};
   RenderSettings one = settings;
   one.last_sample = one.first_sample + 1;
   const auto rendered = render(*prepared.device, prepared.packed, prepared.view, one, RenderHooks{}, *prepared.kernels,

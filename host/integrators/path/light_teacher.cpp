@@ -16,10 +16,6 @@ namespace {
 constexpr std::uint64_t kPilotPaths = 1u << 16; // of a small picture; of a larger one, a path a pixel
 constexpr std::uint32_t kPilotSeed = 0x6c8e9cf5u;
 
-void append(std::vector<std::uint32_t>& words, std::span<const std::uint32_t> more) {
-  words.insert(words.end(), more.begin(), more.end());
-}
-
 gpu::Feature features_for(const PackedScene& scene, const RenderSettings& settings) {
   return kernel_config(scene.features | features_of(settings), scene.stack_size, settings).features;
 }
@@ -38,32 +34,39 @@ bool chooses_parts_of_sky(const PackedScene& scene, const RenderSettings& settin
 void LightTeacher::change(const RenderSettings& settings) {
   of_lights_ = chooses_by_shares(workspace_.scene, settings);
   of_sky_ = chooses_parts_of_sky(workspace_.scene, settings);
-  const bool by_shares = of_lights_ || of_sky_;
-  learns_ = by_shares && !settings.light_shares;
-  taken_over_ = by_shares ? settings.light_shares : nullptr;
+  taken_over_ = {of_lights_ ? settings.light_shares.lights : nullptr, of_sky_ ? settings.light_shares.sky : nullptr};
+  learns_ = (of_lights_ && !taken_over_.lights) || (of_sky_ && !taken_over_.sky); // all, where one is missing
   report_ = {};
   if (of_lights_) workspace_.frame.scene_features |= gpu::kFeatureLightRows;
   if (of_sky_) workspace_.frame.scene_lobes |= static_cast<std::uint32_t>(gpu::kFeatureLearnedSky >> 32);
   workspace_.frame.light_sum_scale = static_cast<float>(light_sum_scale(workspace_.scene));
 }
 
-void LightTeacher::use(const std::vector<std::uint32_t>& shares) {
-  paths_.buffers[kLightShares].write(shares.data(), shares.size() * sizeof(shares[0]));
+// Those of the sky lie behind those of lights.
+void LightTeacher::use(std::span<const std::uint32_t> lights, std::span<const std::uint32_t> sky) {
+  Buffer& buffer = paths_.buffers[kLightShares];
+  if (of_lights_) buffer.write(lights.data(), lights.size_bytes());
+  if (of_sky_) buffer.write(sky.data(), sky.size_bytes(), of_lights_ ? kLightRowBytes : 0);
 }
 
 void LightTeacher::start() {
-  if (taken_over_) use(*taken_over_);
-  if (!learns_) return;
+  if (!learns_) {
+    const auto words = [](const auto& shares) {
+      return shares ? std::span(*shares) : std::span<const std::uint32_t>();
+    };
+    use(words(taken_over_.lights), words(taken_over_.sky));
+    return;
+  }
   need_ = {&kPathProgram, stage_bits({kAdvance, kConnect}), paths_.config()};
   need_.config.features |= gpu::kFeatureLearning;
   kernels_.start(need_);
 }
 
 Pilot LightTeacher::begin() {
-  std::vector<std::uint32_t> shares;
-  if (of_lights_) shares = unlearned_light_rows(workspace_.scene);
-  if (of_sky_) append(shares, unlearned_sky_rows());
-  use(shares);
+  std::vector<std::uint32_t> lights, sky;
+  if (of_lights_) lights = unlearned_light_rows(workspace_.scene);
+  if (of_sky_) sky = unlearned_sky_rows();
+  use(lights, sky);
   paths_.buffers[kLightSums].fill_zero();
   const std::uint64_t pixels = workspace_.film.pixels();
   const auto samples = static_cast<std::uint32_t>(std::max<std::uint64_t>(kPilotPaths / pixels, 1));
@@ -76,19 +79,16 @@ void LightTeacher::learn() {
   const std::uint64_t of_lights = of_lights_ ? kLightSumBytes : 0, of_sky = of_sky_ ? kSkySumBytes : 0;
   const auto words = download<std::uint32_t>(paths_.buffers[kLightSums], (of_lights + of_sky) / sizeof(std::uint32_t));
   const std::span sums(words);
-  std::vector<std::uint32_t> shares;
-  if (of_lights_) {
-    LightLesson lesson = learn_light_rows(workspace_.scene, sums.first(of_lights / sizeof(std::uint32_t)));
-    report_.rows = lesson.rows;
-    shares = std::move(lesson.ends);
-  }
-  if (of_sky_) {
-    const SkyLesson lesson = learn_sky_rows(sums.last(of_sky / sizeof(std::uint32_t)));
-    report_.sky_rows = lesson.rows;
-    append(shares, lesson.ends);
-  }
-  use(shares);
-  report_.shares = std::make_shared<const std::vector<std::uint32_t>>(std::move(shares));
+  LightLesson lights;
+  SkyLesson sky;
+  if (of_lights_) lights = learn_light_rows(workspace_.scene, sums.first(of_lights / sizeof(std::uint32_t)));
+  if (of_sky_) sky = learn_sky_rows(sums.last(of_sky / sizeof(std::uint32_t)));
+  use(lights.ends, sky.ends);
+  report_.rows = lights.rows, report_.sky_rows = sky.rows;
+  const auto share = [](bool is_learned, std::vector<std::uint32_t>& ends) {
+    return is_learned ? std::make_shared<const std::vector<std::uint32_t>>(std::move(ends)) : nullptr;
+  };
+  report_.shares = {share(of_lights_, lights.ends), share(of_sky_, sky.ends)};
   report_.seconds = seconds_since(start_);
 }
 

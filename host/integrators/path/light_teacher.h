@@ -3,7 +3,7 @@
 #pragma once
 
 #include <cstdint>
-#include <vector>
+#include <span>
 
 #include "host/base/clock.h"
 #include "host/integrators/path/paths.h"
@@ -32,7 +32,7 @@ public:
   const LightPilot& report() const { return report_; }
 
 private:
-  void use(const std::vector<std::uint32_t>& shares);
+  void use(std::span<const std::uint32_t> lights, std::span<const std::uint32_t> sky);
 
   Workspace& workspace_;
   KernelCompiler& kernels_;

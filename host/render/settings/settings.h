@@ -34,8 +34,13 @@ inline constexpr std::uint32_t kAdaptiveAuto = 0, kAdaptiveOff = 1, kAdaptiveOn 
 // How noise is filtered: by filters of our own, or finished pictures by Intel's Open Image Denoise.
 inline constexpr std::uint32_t kDenoiseOff = 0, kDenoiseOn = 1, kDenoiseOidn = 2;
 
-// What a pilot has learned of which lights reach where: kernels/light_selection.glsl, as light_rows.h teaches it.
-using LightShares = std::shared_ptr<const std::vector<std::uint32_t>>;
+// What a pilot has learned of which lights reach where, as light_rows.h teaches it for kernels/light_selection.glsl,
+// and which parts of an environment map, as sky_rows.h does for kernels/learned_sky.glsl; null: nothing.
+struct LightShares {
+  std::shared_ptr<const std::vector<std::uint32_t>> lights, sky;
+  explicit operator bool() const { return lights || sky; }
+  bool operator==(const LightShares&) const = default;
+};
 
 struct IntegratorKind; // host/render/settings/integrator_kind.h
 const IntegratorKind& default_integrator();
@@ -117,7 +122,7 @@ struct RenderSettings {
   // For measurements, and pilots that the kernels of a render serve. kFeature bits compiled in though the scene leaves
   // them out, and left out though it needs them.
   gpu::Feature added_features = 0, removed_features = 0;
-  LightShares light_shares; // of another picture of the scene, in place of a pilot that learns them; null: none
+  LightShares light_shares;                 // of another picture of the scene, in place of a pilot that learns them
   bool room_for_shadow_rays = false;        // even where no light is sampled
   bool room_for_whole_nets = false;         // in kernels, even where the picture is too small
   bool room_for_mips = false;               // in kernels and scene, even where this picture looks textures up exactly
