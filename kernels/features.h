@@ -53,7 +53,7 @@ GPU_CONSTANT Feature kFeatureGuide = 1u << 29;     // directions are also drawn 
 GPU_CONSTANT Feature kFeaturePanes = 1u << 30;     // thin smooth panes that shadow rays pass
 GPU_CONSTANT Feature kFeaturesAll = (1u << 31) - 1u;
 GPU_CONSTANT Feature kFeatureLearning =
-    1u << 31; // of pilots alone: their kernels note what light rows and guide learn from
+    1u << 31; // of pilots alone: their kernels note what shares of lights and of the sky, and the guide, learn from
 
 // What a material may have beyond glTF's metallic-roughness model: see kernels/layers.glsl.
 GPU_CONSTANT Feature kLobeCoat = GPU_LOBE(0);

@@ -1,6 +1,6 @@
 // Choosing lights and points on them: triangles, punctual lights, and the lat-long environment.
 //
-// Everything here works on data already fetched; the two functions at the end read the buffers of kernels/bindings.glsl
+// Everything here works on data already fetched; those at the end read the buffers of kernels/bindings.glsl
 // and are there when BIND_LIGHTS or BIND_ENVIRONMENT asked for those.
 #ifndef WAVEPATH_LIGHT_SAMPLING_GLSL
 #define WAVEPATH_LIGHT_SAMPLING_GLSL
@@ -120,7 +120,8 @@ float environment_row_fraction(vec3 d, uint row, uint height) {
   float k = float(south ? height - 1u - row : row);
   float h = float(height);
   float near = cos_sin_turns(0.25 * k / h).y, far = cos_sin_turns(0.25 * (k + 1.0) / h).y;
-  float fraction = (0.5 - 0.5 * abs(d.y) - near * near) / (far * far - near * near);
+  float y = south ? -d.y : d.y, beside = 0.5 * (d.x * d.x + d.z * d.z) / (1.0 + abs(y));
+  float fraction = ((y < 0.0 ? 1.0 - beside : beside) - near * near) / (far * far - near * near);
   return south ? 1.0 - fraction : fraction;
 }
 

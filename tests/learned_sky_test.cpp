@@ -40,8 +40,8 @@ Scene room_with_sky(bool pane) {
   if (pane) add_instance(scene, add_mesh(scene, quad({-2, -1, 1.9f}, {2, 0, 0}, {0, 2, 0}), 1));
   scene.environment.radiance = glm::vec3(1.0f);
   scene.environment.width = 32;
-  scene.environment.height = 16;
-  for (int i = 0; i < 32 * 16; ++i) {
+  scene.environment.height = 15; // so that a row lies across the horizon, which the opening shows
+  for (int i = 0; i < 32 * 15; ++i) {
     const int x = i % 32, y = i / 32;
     scene.environment.map.emplace_back(x == 24 && y == 6 ? 60.0f : 0.2f + 0.05f * float((x + 3 * y) % 11));
   }

@@ -318,11 +318,13 @@ Choices settle_choices(RenderCommandRequest& request, Prepared& prepared) {
   return choices;
 }
 
-// What the pilot of a render with these settings learns of lights: of one sample of it.
+// What the pilot of a render with these settings learns of lights. One sample of the picture is rendered besides.
 LightShares learn_light_shares(const RenderSettings& settings, Prepared& prepared) {
-  if (!(features_of(settings) & (gpu::kFeatureLightRows | gpu::kFeatureLearnedSky))) return {};
+  if (!LightTeacher::has_lesson(prepared.packed, settings)) return {};
   RenderSettings one = settings;
+  one.sample_total = settings.sample_total > 0 ? settings.sample_total : settings.last_sample; // samplers may ask
   one.last_sample = one.first_sample + 1;
+  one.adaptive = kAdaptiveOff;
   const auto rendered = render(*prepared.device, prepared.packed, prepared.view, one, RenderHooks{}, *prepared.kernels,
                                &prepared.on_device);
   return rendered.light_pilot.shares;

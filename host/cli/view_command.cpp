@@ -65,7 +65,7 @@ void check(ViewCommandRequest& request) {
   if (!is_given(request.render, "spp")) settings.sample_total = request.frames ? request.frames : kOpenEndedSamples;
   settings.last_sample = settings.sample_total;
   // A window begins anew whenever the camera moves: no pilot unless asked for.
-  if (settings.lights == gpu::kLightsAuto) settings.lights = gpu::kLightsTree;
+  settings.learns_lights = settings.lights != gpu::kLightsAuto;
   if (request.frames > settings.last_sample)
     throw UsageError("--frames", fmt::format("{} is more than --spp {}", request.frames, settings.last_sample),
                      "give a number up to --spp");

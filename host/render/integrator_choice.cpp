@@ -138,7 +138,9 @@ IntegratorChoice choose_integrator(Device& device, const PackedScene& scene, con
   std::vector<PilotRender> pilots;
   for (const RenderSettings& candidate : candidates) {
     PilotRender pilot{.settings = candidate};
-    pilot.result = render(device, scene, view, pilot_of(candidate), RenderHooks{}, kernels, &shared);
+    RenderSettings small = pilot_of(candidate);
+    if (!pilots.empty()) small.light_shares = shared.light_shares; // that the first has learned, as the others would
+    pilot.result = render(device, scene, view, small, RenderHooks{}, kernels, &shared);
     choice.render_seconds += pilot.result.seconds;
     pilot.light = light_of(*pilot.result.film);
     pilot.work = work_of(candidate, pilot.result, learning_share(candidate, pilot.result), cpu);

@@ -26,10 +26,14 @@ bool chooses_by_shares(const PackedScene& scene, const RenderSettings& settings)
 
 bool chooses_parts_of_sky(const PackedScene& scene, const RenderSettings& settings) {
   return (features_for(scene, settings) & gpu::kFeatureLearnedSky) != 0 && !scene.environment_ends.empty() &&
-         scene.environment_probability > 0.0f;
+         scene.environment_probability > 0.0f && settings.max_depth > 0;
 }
 
 } // namespace
+
+bool LightTeacher::has_lesson(const PackedScene& scene, const RenderSettings& settings) {
+  return chooses_by_shares(scene, settings) || chooses_parts_of_sky(scene, settings);
+}
 
 void LightTeacher::change(const RenderSettings& settings) {
   of_lights_ = chooses_by_shares(workspace_.scene, settings);

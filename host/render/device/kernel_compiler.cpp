@@ -44,11 +44,11 @@ KernelConfig kernel_config(gpu::Feature features, std::uint32_t stack_size, cons
   features &= ~kByRequest | features_of(settings);
   if (!walks_light_tree(settings)) features &= ~gpu::kFeatureLightTree;
   if (!(features & gpu::kFeatureLightTree)) features &= ~gpu::kFeatureLightRows;
-  if (!(features & gpu::kFeatureEnvironmentMap)) features &= ~gpu::kFeatureLearnedSky;
   if (!passes_panes(settings)) features &= ~gpu::kFeaturePanes;
   if (!settings.integrator->nests_bodies) features &= ~gpu::kLobeNested;
   if (!wants_mips(settings)) features &= ~gpu::kFeatureMips;
   features = (features | settings.added_features) & ~settings.removed_features;
+  if (!(features & gpu::kFeatureEnvironmentMap)) features &= ~gpu::kFeatureLearnedSky;
   const std::uint32_t nets =
       has_whole_nets(settings) || settings.room_for_whole_nets ? gpu::kNetsWhole : gpu::kNetsHalved;
   const std::uint32_t motion = settings.moving && takes(*settings.integrator, "shutter") ? 1u : 0u;
@@ -78,7 +78,8 @@ KernelConfig kernel_config(gpu::Feature features, std::uint32_t stack_size, cons
 
 gpu::Feature features_of(const RenderSettings& settings) {
   gpu::Feature features = is_adaptive(settings) ? gpu::kFeatureAdaptive : 0;
-  const bool learned = settings.lights == gpu::kLightsLearned || settings.lights == gpu::kLightsAuto;
+  const bool learned =
+      settings.learns_lights && (settings.lights == gpu::kLightsLearned || settings.lights == gpu::kLightsAuto);
   if (learned && settings.integrator->light_lesson_bytes > 0) features |= gpu::kFeatureLightRows;
   if (learned && settings.integrator->sky_lesson_bytes > 0 && direct_of(settings) != gpu::kDirectBsdf)
     features |= gpu::kFeatureLearnedSky;
