@@ -123,7 +123,9 @@ TEST(Intervals, HaveCutsThatHoldWhatIsPicked) {
     };
     for (std::size_t i = 0; i < cuts.size(); ++i) {
       ASSERT_EQ(cuts[i] & 0xffff, picked(i * integers)) << i;
-      if (i + 1 < cuts.size()) ASSERT_EQ(cuts[i] >> 16, picked((i + 1) * integers - 1)) << i;
+      if (i + 1 < cuts.size()) {
+        ASSERT_EQ(cuts[i] >> 16, picked((i + 1) * integers - 1)) << i;
+      }
     }
     EXPECT_GE(cuts.back() >> 16, picked(0xfffffffe)); // entries without weight behind it
   }
