@@ -217,7 +217,9 @@ TEST_F(LightSamplingTest, EnvironmentSamplesAreThoseOfAPlainSearch) {
       const double density = environment_[std::size_t{y} * map.width + x].w / solid_angle;
       ASSERT_NEAR(out[i].a.y, density, 1e-5 * density);
       // Rounding, in texels, of what changes by 1 a texel at most; a direction to a pole does not know its column.
-      if (out[i].b.w > 0.0f) ASSERT_NEAR(out[i].a.x, out[i].b.z, 2e-6 * (map.width + map.height));
+      if (out[i].b.w > 0.0f) {
+        ASSERT_NEAR(out[i].a.x, out[i].b.z, 2e-6 * (map.width + map.height));
+      }
     }
   }
 }
