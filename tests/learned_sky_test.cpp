@@ -12,7 +12,6 @@
 #include "host/integrators/path/kind.h"
 #include "host/integrators/path/path_replay.h"
 #include "host/integrators/path/sky_rows.h"
-#include "host/render/loop/render_state.h"
 #include "kernels/learned_sky_types.h"
 #include "tests/light_rooms.h"
 
@@ -101,16 +100,7 @@ TEST_F(LearnedSky, BitsDoNotDependOnHowTheWorkIsCut) {
   EXPECT_GT(expected.light_pilot.sky_rows, 20u);
   EXPECT_EQ(expected.light_pilot.rows, 0u);
   expect_same_film_however_cut(room, whole, *expected.film);
-
-  std::optional<RenderState> state;
-  RenderHooks hooks;
-  hooks.progress = [](const Progress& now) { return now.spp_done < 8; };
-  hooks.save = [&](const RenderState& saved) { state = saved; };
-  hooks.save_interval = 1e9; // at the end alone
-  ASSERT_EQ(render(room, whole, hooks).stop, StopReason::interrupted);
-  RenderHooks again;
-  again.resume = &state.value();
-  EXPECT_TRUE(*render(room, whole, again).film == *expected.film);
+  expect_same_film_resumed(room, whole, *expected.film);
 }
 
 // With many lamps besides, whose shares lie before those of the sky.

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <random>
 #include <vector>
 
@@ -12,6 +13,7 @@
 #include "host/film/film.h"
 #include "host/integrators/path/kind.h"
 #include "host/render/device/kernel_compiler.h"
+#include "host/render/loop/render_state.h"
 #include "host/render/render.h"
 #include "host/scene/pack/pack.h"
 #include "host/scene/view.h"
@@ -125,6 +127,18 @@ protected:
     Film joined = *render(subject, first).film;
     join(joined, *render(subject, second).film);
     EXPECT_TRUE(joined == expected) << "two parts";
+  }
+  // Interrupted after half of its samples and resumed.
+  void expect_same_film_resumed(const Subject& subject, const RenderSettings& whole, const Film& expected) {
+    std::optional<RenderState> state;
+    RenderHooks hooks;
+    hooks.progress = [&](const Progress& now) { return now.spp_done < whole.last_sample / 2; };
+    hooks.save = [&](const RenderState& saved) { state = saved; };
+    hooks.save_interval = 1e9; // at the end alone
+    ASSERT_EQ(render(subject, whole, hooks).stop, StopReason::interrupted);
+    RenderHooks again;
+    again.resume = &state.value();
+    EXPECT_TRUE(*render(subject, whole, again).film == expected) << "resumed";
   }
 };
 

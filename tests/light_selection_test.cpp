@@ -1,7 +1,6 @@
 // Choosing among many lights: power, tree and learned shares give the same picture by every estimator of direct light,
 // bits do not depend on how the work is cut up, and scenes with few lights pay nothing.
 #include <cmath>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,7 +12,6 @@
 #include "host/integrators/hybrid/kind.h"
 #include "host/integrators/path/kind.h"
 #include "host/integrators/path/light_rows.h"
-#include "host/render/loop/render_state.h"
 #include "host/scene/gltf/gltf.h"
 #include "host/scene/pack/lights.h"
 #include "host/scene/pack/pack.h"
@@ -98,16 +96,7 @@ TEST_F(LightSelection, BitsDoNotDependOnHowTheWorkIsCut) {
   const RenderResult expected = render(rooms, whole);
   EXPECT_GT(expected.light_pilot.rows, 20u);
   expect_same_film_however_cut(rooms, whole, *expected.film);
-
-  std::optional<RenderState> state;
-  RenderHooks hooks;
-  hooks.progress = [](const Progress& now) { return now.spp_done < 8; };
-  hooks.save = [&](const RenderState& saved) { state = saved; };
-  hooks.save_interval = 1e9; // at the end alone
-  ASSERT_EQ(render(rooms, whole, hooks).stop, StopReason::interrupted);
-  RenderHooks again;
-  again.resume = &state.value();
-  EXPECT_TRUE(*render(rooms, whole, again).film == *expected.film);
+  expect_same_film_resumed(rooms, whole, *expected.film);
 }
 
 // As small pictures beside a render do.
