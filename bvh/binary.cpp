@@ -1,7 +1,7 @@
 // Top-down build of the binary tree: tasks for large nodes, plain recursion for small ones. Primitives move between two
 // buffers at each cut (a stable partition), so that the outcome is the same for any number of threads. For spatial
-// splits the buffers have spare capacity, which each cut divides between its sides in proportion to their counts: the
-// bound on copies then holds without a counter shared by threads.
+// splits the buffers have spare capacity, which each cut divides between its sides in proportion to what splits may
+// save there: the bound on copies then holds without a counter shared by threads.
 #include "bvh/binary.h"
 
 #include <atomic>
@@ -197,15 +197,37 @@ void scatter_parallel(const Work& work, const Slabs& slabs, const Cut& cut, Side
     for (int side = 0; side < 2; ++side) sides.centroids[side].merge(block.centroids[side]);
 }
 
-// Where the right side begins: the spare capacity is divided in proportion to the counts.
-std::uint32_t middle_of(const Work& work, std::uint32_t left_count, std::uint32_t right_count) {
-  const std::uint64_t spare = work.room - work.begin - left_count - right_count;
-  return work.begin + left_count + static_cast<std::uint32_t>(spare * left_count / (left_count + right_count));
+// Where the right side begins: the spare capacity is divided by the slack of the items, of which left_part(item) tells
+// how much goes left. By counts, a few long triangles among many small ones would get next to none. Adding up goes in
+// the same order for any number of threads.
+template <class LeftPart>
+std::uint32_t middle_of(const Work& work, std::uint32_t left_count, std::uint32_t right_count,
+                        const LeftPart& left_part) {
+  const std::uint32_t spare = work.room - work.begin - left_count - right_count;
+  if (spare == 0) return work.begin + left_count;
+  struct Slack {
+    double left = 0.0, all = 0.0;
+  };
+  const auto add_range = [&](const tbb::blocked_range<std::uint32_t>& range, Slack sum) {
+    for (const Primitive& item : work.items().subspan(range.begin(), range.size())) {
+      const double slack = item.slack();
+      sum.left += slack * left_part(item);
+      sum.all += slack;
+    }
+    return sum;
+  };
+  const auto join = [](const Slack& a, const Slack& b) { return Slack{a.left + b.left, a.all + b.all}; };
+  const tbb::blocked_range<std::uint32_t> range(0, work.count(), kBlockSize);
+  const Slack slack = work.count() < kParallelSize ? add_range(range, Slack{})
+                                                   : tbb::parallel_deterministic_reduce(range, Slack{}, add_range, join);
+  const double part = slack.all > 0.0 ? std::min(slack.left / slack.all, 1.0) : 0.5;
+  return work.begin + left_count + static_cast<std::uint32_t>(part * spare);
 }
 
 std::pair<Work, Work> divide(const Work& work, const Slabs& slabs, const Cut& cut) {
   const std::uint32_t right_count = work.count() - cut.left_count;
-  const std::uint32_t middle = middle_of(work, cut.left_count, right_count);
+  const auto left_part = [&](const Primitive& item) { return slabs.of(item, cut.axis) < cut.slab ? 1.0 : 0.0; };
+  const std::uint32_t middle = middle_of(work, cut.left_count, right_count, left_part);
   Sides sides{{work.scratch + work.begin, work.scratch + middle}, {}};
   if (work.count() < kParallelSize)
     scatter(work.items(), slabs, cut, sides);
@@ -221,7 +243,12 @@ std::pair<Work, Work> divide(const Work& work, const Slabs& slabs, const Cut& cu
 bool Builder::divide_space(const Work& work, const Slabs& slabs, const SpatialCut& cut,
                            std::pair<Work, Work>& sides) const {
   const SpatialSlabs spatial_slabs(work.bound);
-  const std::uint32_t middle = middle_of(work, cut.left_count, cut.right_count);
+  const auto left_part = [&](const Primitive& item) {
+    const bool in_left = spatial_slabs.first(item, cut.axis) < cut.slab,
+               in_right = spatial_slabs.last(item, cut.axis) >= cut.slab;
+    return in_left && in_right ? 0.5 : in_left ? 1.0 : 0.0;
+  };
+  const std::uint32_t middle = middle_of(work, cut.left_count, cut.right_count, left_part);
   Work left{0, work.begin, work.begin, middle, work.depth + 1, {}, {}, work.scratch, work.primitives};
   Work right{0, middle, middle, work.room, work.depth + 1, {}, {}, work.scratch, work.primitives};
   const auto put = [](Work& side, const Primitive& item) {
@@ -324,6 +351,20 @@ std::uint32_t Builder::build(const Work& work) {
   return make_inner(work, left.node, std::max(left_height, right_height));
 }
 
+// Of triangles that may be copied.
+void set_slacks(std::span<Primitive> primitives, std::span<const Triangle> triangles, const BuildConfig& config,
+                const Bound& bound) {
+  const float inverse_size = Slabs(bound, bound, 2).inverse_size;
+  const tbb::blocked_range<std::size_t> range(0, primitives.size(), kBlockSize);
+  tbb::parallel_for(range, [&](const tbb::blocked_range<std::size_t>& some) {
+    for (Primitive& item : primitives.subspan(some.begin(), some.size())) {
+      const std::uint32_t index = item.index();
+      const bool whole = !config.whole.empty() && config.whole[index] != 0;
+      item.set_slack(whole ? 0.0f : slack_of(item, triangles[index], inverse_size));
+    }
+  });
+}
+
 } // namespace
 
 BinaryTree build_binary(std::span<const Box> boxes, std::span<const Triangle> triangles, const BuildConfig& config,
@@ -348,6 +389,7 @@ BinaryTree build_binary(std::span<const Box> boxes, std::span<const Triangle> tr
   else
     room = list.count;
 
+  if (splits) set_slacks({primitives.get(), list.count}, triangles, config, list.bound);
   const auto scratch = make_array<Primitive>(room);
   tree.order = make_array<std::uint32_t>(room);
   tree.capacity = 2 * room; // the second is not used

@@ -1,6 +1,8 @@
 // Clips triangles at planes, and finds the plane to cut at.
 #include "bvh/spatial.h"
 
+#include <cmath>
+
 namespace wavepath::bvh {
 
 namespace {
@@ -47,6 +49,14 @@ Halves clip(const Triangle& triangle, const Bound& box, const Bound& padding, in
 }
 
 } // namespace
+
+float slack_of(const Primitive& primitive, const Triangle& triangle, float inverse_size) {
+  const Vec3 a = (triangle.v1 - triangle.v0) * inverse_size, b = (triangle.v2 - triangle.v0) * inverse_size;
+  const Vec3 shadows = abs(Vec3{a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x}); // twice each
+  const Bound& box = primitive.bound;
+  const float x = box.extent(0) * inverse_size, y = box.extent(1) * inverse_size, z = box.extent(2) * inverse_size;
+  return std::sqrt(std::max(x * y + y * z + z * x - (shadows.x + shadows.y + shadows.z), 0.0f));
+}
 
 SpatialSlabs::SpatialSlabs(const Bound& bound) {
   for (int axis = 0; axis < 3; ++axis) {
@@ -127,8 +137,10 @@ Pieces divide(const Primitive& primitive, const Triangle& triangle, bool whole, 
       clip(triangle, primitive.bound, padding_of(triangle), cut.axis, slabs.plane(cut.axis, cut.slab));
   pieces.in_left = !is_empty(halves.below);
   pieces.in_right = !is_empty(halves.above) || !pieces.in_left;
-  const auto set_piece = [](Primitive& piece, const Bound& half) {
+  const float whole_area = half_area(primitive.bound, inverse_size);
+  const auto set_piece = [&](Primitive& piece, const Bound& half) {
     for (const int i : {0, 1, 2, 4, 5, 6}) piece.bound.lane[i] = half.lane[i];
+    piece.set_slack(primitive.slack() * std::sqrt(half_area(piece.bound, inverse_size) / whole_area));
   };
   if (!pieces.in_left || !pieces.in_right) return pieces; // rounding: all of it lies on one side
   // Kept on one side only, it has its whole box there, and the other side has one primitive less.

@@ -9,6 +9,11 @@
 
 namespace wavepath::bvh {
 
+// The root of what the triangle leaves empty of its box, as surface area / 2 in units of half_area(): nothing for a right
+// triangle with legs along two axes, most for a long thin one between axes. n boxes around the parts of a triangle leave
+// 1/n of it empty, so that a number of copies saves most where they are shared out by this root.
+float slack_of(const Primitive& primitive, const Triangle& triangle, float inverse_size);
+
 // Primitives wholly in slabs below `slab` go left; those that reach across go to both sides, or to one if that is
 // cheaper. No cut: infinite cost.
 struct SpatialCut {

@@ -37,6 +37,9 @@ struct Primitive {
       : bound(Lanes{-box.lo.x, -box.lo.y, -box.lo.z, index_lane(index)}, Lanes{box.hi.x, box.hi.y, box.hi.z, 0}) {}
   static float index_lane(std::uint32_t index) { return std::bit_cast<float>(index | 0x40000000u); }
   std::uint32_t index() const { return std::bit_cast<std::uint32_t>(bound.lane[3]) & ~0x40000000u; }
+  // Lane 7 carries what spatial splits may save here (spatial.h); 0 in builds without them.
+  float slack() const { return bound.lane[7]; }
+  void set_slack(float slack) { bound.lane[7] = slack; }
 
   // Twice the centroid, as a point and as a bound of itself.
   Lanes centroid() const { return bound.high() - bound.low(); }

@@ -1,6 +1,7 @@
 // The BVH builder gives valid trees on any input, and the validator finds what is not valid.
 #include <array>
 #include <cstring>
+#include <numbers>
 
 #include <tbb/global_control.h>
 
@@ -143,6 +144,29 @@ TEST(BuildSpatial, HalvesTheWorkAmongLongTriangles) {
     ASSERT_EQ(a.triangle.t, b.triangle.t);
   }
   EXPECT_LT(static_cast<double>(with.visits + with.tests), 0.5 * static_cast<double>(without.visits + without.tests));
+}
+
+// Slivers all over a disc, a triangle each, among a hundred times as many small ones that gain nothing by splits.
+TEST(BuildSpatial, CopiesGoWhereTheySave) {
+  constexpr int kSlivers = 128;
+  Triangles triangles = soup(100 * kSlivers, 17, 0.01f);
+  const auto corner = [](int i) {
+    const double angle = 2.0 * std::numbers::pi * i / kSlivers;
+    return Vec3{static_cast<float>(0.5 + 0.5 * std::cos(angle)), 2, static_cast<float>(0.5 + 0.5 * std::sin(angle))};
+  };
+  for (int i = 1; i + 1 < kSlivers; ++i) triangles.push_back({corner(0), corner(i), corner(i + 1)});
+  const Mesh mesh = build_checked(triangles, {.quality = Quality::best});
+  EXPECT_GT(mesh.tree.order.size(), triangles.size() + 4 * kSlivers);
+  Random random(18);
+  Counters counters;
+  constexpr int kRays = 1000;
+  for (int i = 0; i < kRays; ++i) {
+    const Vec3 from = random.point();
+    const Ray ray{{0.25f + 0.5f * from.x, 3, 0.25f + 0.5f * from.z}, {0, -1, 0}};
+    const Hit hit = closest_hit(mesh.tree, mesh.triangles, ray, &counters);
+    ASSERT_EQ(hit.triangle.t, 1.0f);
+  }
+  EXPECT_LT(counters.tests, 6u * kRays); // 28 where copies are shared out by counts
 }
 
 TEST(BuildSpatial, MakesNoMoreCopiesThanAllowed) {
