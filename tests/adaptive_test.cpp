@@ -110,17 +110,17 @@ TEST(Adaptivity, IsTriedWhereAPilotIsASmallPartOfTheRender) {
     settings.last_sample = spp;
     return may_pay_adaptive(settings);
   };
-  EXPECT_TRUE(tried(8));
-  EXPECT_FALSE(tried(4));
+  EXPECT_TRUE(tried(4));
+  EXPECT_FALSE(tried(2));
   EXPECT_FALSE(tried(66)) << "levels share out fours";
   settings.width = 255;
   EXPECT_FALSE(tried(256)) << "a small picture";
   settings.width = settings.height = 512;
-  EXPECT_TRUE(tried(8));
-  EXPECT_FALSE(tried(4));
-  settings.time_limit = 20.0; // 2 million paths, which are 7.6 a pixel
+  EXPECT_TRUE(tried(4));
+  EXPECT_FALSE(tried(2));
+  settings.time_limit = 10.0; // 1 million paths, which are 3.8 a pixel
   EXPECT_FALSE(tried(16)) << "the time ends it before";
-  settings.time_limit = 22.0;
+  settings.time_limit = 11.0;
   EXPECT_TRUE(tried(16));
   settings.time_limit = 0.0;
   for (const std::uint32_t told : {kAdaptiveOn, kAdaptiveOff}) {

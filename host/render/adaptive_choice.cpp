@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::uint64_t kFewestPixels = 1u << 15;
 constexpr std::uint64_t kMostPixels = 1u << 24; // a device may not hold the list of more places in one buffer
-constexpr double kWholeOverPilot = 32.0;        // in paths
+constexpr double kWholeOverPilot = 16.0;        // in paths
 
 } // namespace
 

@@ -6,7 +6,7 @@
 
 namespace wavepath {
 
-// The render has 32 times the paths of the shortest pilot, which are 8 samples of its own, and pixels enough that runs
+// The render has 16 times the paths of the shortest pilot, which are 4 samples of its own, and pixels enough that runs
 // of them differ. One that is bounded by time is taken to have the paths of
 // a CPU, on any device: the device is not known yet.
 bool may_pay_adaptive(const RenderSettings& settings);

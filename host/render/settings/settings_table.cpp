@@ -331,7 +331,7 @@ std::vector<Setting> stop_rows() {
       {.name = "adaptive",
        .value = ChoiceValue{&S::adaptive, kAdaptiveNames, "on"},
        .meaning = "more samples where a pilot finds more noise; --spp is then the average. Unbiased: the pilot is "
-                  "thrown away. auto: where that pays, in renders of 8 samples or more; never in parts of a render. "
+                  "thrown away. auto: where that pays, in renders of 4 samples or more; never in parts of a render. "
                   "--adaptive alone is on",
        .group = SettingGroup::stop,
        .takers = Takers::listed_else_refused,
