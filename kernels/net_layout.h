@@ -11,7 +11,7 @@
 #ifndef WAVEPATH_NET_LAYOUT_H
 #define WAVEPATH_NET_LAYOUT_H
 
-#include "kernels/gpu.h"
+#include "kernels/division.h"
 
 #ifdef __cplusplus
 namespace wavepath::gpu {
@@ -39,11 +39,12 @@ GPU_FUNCTION uint net_hash(uint word) {
 // The pixel of a block that has the second net: each with the same chance.
 GPU_FUNCTION uvec2 measured_pixel(uint block, uint width, uint height, uint seed) {
   uint side = net_side(width, height), across = net_blocks(width, side);
-  uint left = block % across * side, top = block / across * side;
+  uint row = divide(block, across), left = (block - row * across) * side, top = row * side;
   uint columns = width - left < side ? width - left : side, rows = height - top < side ? height - top : side;
   uint random = net_hash(block + net_hash(seed)) >> 16u;
   uint place = random * (columns * rows) >> 16u;
-  return uvec2(left + place % columns, top + place / columns);
+  uint down = divide_small(place, columns);
+  return uvec2(left + (place - down * columns), top + down);
 }
 
 #ifdef __cplusplus

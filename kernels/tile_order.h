@@ -3,7 +3,7 @@
 #ifndef WAVEPATH_TILE_ORDER_H
 #define WAVEPATH_TILE_ORDER_H
 
-#include "kernels/gpu.h"
+#include "kernels/division.h"
 
 #ifdef __cplusplus
 namespace wavepath::gpu {
@@ -12,14 +12,14 @@ namespace wavepath::gpu {
 // Coordinates of the pixel with the given index in tile order, 0 <= index < width * height. Tiles cut off by the right
 // or lower border are visited row by row.
 GPU_FUNCTION uvec2 pixel_in_tile_order(uint index, uint width, uint height) {
-  uint tile_row = index / (8u * width);
+  uint tile_row = divide(index, 8u * width);
   uint in_row = index - tile_row * 8u * width;
   uint rows = height - 8u * tile_row < 8u ? height - 8u * tile_row : 8u;
-  uint tile_column = in_row / (8u * rows);
+  uint tile_column = divide_small(in_row, 8u * rows);
   uint in_tile = in_row - tile_column * 8u * rows;
   uint columns = width - 8u * tile_column < 8u ? width - 8u * tile_column : 8u;
-  uint x = in_tile % columns;
-  uint y = in_tile / columns;
+  uint y = divide_small(in_tile, columns);
+  uint x = in_tile - y * columns;
   if (rows == 8u && columns == 8u) {
     x = (in_tile & 1u) | ((in_tile >> 1u) & 2u) | ((in_tile >> 2u) & 4u);
     y = ((in_tile >> 1u) & 1u) | ((in_tile >> 2u) & 2u) | ((in_tile >> 3u) & 4u);

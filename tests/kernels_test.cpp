@@ -8,6 +8,7 @@
 #include "bvh/traverse.h"
 #include "host/film/exact_sum.h"
 #include "host/render/device/device_scene.h"
+#include "kernels/division.h"
 #include "kernels/features.h"
 #include "kernels/film/film_types.h"
 #include "kernels/frame_types.h"
@@ -562,6 +563,19 @@ TEST_F(Kernels, BindBuffersUpToTheDevicesLimit) {
   const Buffer larger(device(), limit + 1);
   const Binding bindings[] = {{0, BindingKind::storage, &larger}};
   EXPECT_THROW(BindingSet(device(), bindings, 4), Error);
+}
+
+TEST(Division, IsThatOfIntegers) {
+  for (const std::uint32_t b : {1u, 2u, 3u, 7u, 8u, 63u, 64u, 1000u, 4099u, 524'287u, 524'288u})
+    for (std::uint32_t quotient = 0; quotient < 1u << 20; quotient += quotient < 5000 ? 1 : 4999)
+      for (const std::uint64_t a : {std::uint64_t{quotient} * b, std::uint64_t{quotient} * b + b - 1}) {
+        if (a >> 32) continue;
+        const auto word = static_cast<std::uint32_t>(a);
+        ASSERT_EQ(gpu::divide(word, b), quotient) << word << " / " << b;
+        if (word < 1u << 20) {
+          ASSERT_EQ(gpu::divide_small(word, b), quotient) << word << " / " << b;
+        }
+      }
 }
 
 TEST(TileOrder, VisitsEveryPixelOnce) {
