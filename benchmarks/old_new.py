@@ -32,11 +32,11 @@ SCENES = [
     ("showcase, hybrid", ROOT / "scenes/showcase.glb", "--size 512x512 --spp 8 --integrator hybrid"),
     ("cornell, denoised", ROOT / "scenes/cornell_box.gltf", "--size 512x512 --spp 8 --integrator hybrid --denoise"),
     ("showcase, ao", ROOT / "scenes/showcase.glb", "--size 512x512 --spp 8 --integrator ao"),
-    ("Sponza", SHARED / "Sponza/Sponza.gltf", "--size 512x288 --spp 4 --env 1,1,1"),
+    ("Sponza", SHARED / "Sponza/Sponza.gltf", "--size 512x288 --spp 4 --env 1,1,1 --adaptive off"),
     ("Sponza, hybrid", SHARED / "Sponza/Sponza.gltf", "--size 512x288 --spp 4 --env 1,1,1 --integrator hybrid"),
     ("DamagedHelmet", SHARED / "DamagedHelmet/glTF-Binary/DamagedHelmet.glb", "--size 512x512 --spp 8 --adaptive off"),
     ("HotelRoom", SHARED / "HotelRoom/HotelRoom-meshopt.glb", "--size 512x288 --spp 8 --adaptive off"),
-    ("VeachAjar", SHARED / "VeachAjar/VeachAjar.glb", "--size 512x288 --spp 4"),
+    ("VeachAjar", SHARED / "VeachAjar/VeachAjar.glb", "--size 512x288 --spp 4 --adaptive off"),
 ]
 
 

@@ -236,7 +236,7 @@ private:
                       4);
         }
       }
-    } else { // what is not wanted goes to the spare record: no branches
+    } else { // what is not wanted goes to the spare record, by threads in any order: no branches, nobody reads it
       const U place = wanted ? index : splat(spare);
       const auto at = [&](int i) { return first + sizeof(Record) * lane(place, i); };
       if constexpr (W == 1) {

@@ -198,6 +198,9 @@ void scatter_parallel(const Work& work, const Slabs& slabs, const Cut& cut, Side
     for (int side = 0; side < 2; ++side) sides.centroids[side].merge(block.centroids[side]);
 }
 
+// Of the spare capacity, in case that slack tells nothing.
+constexpr double kSharedByCount = 0.0625;
+
 // Where the right side begins: the spare capacity is divided by the slack of the items, of which left_part(item) tells
 // how much goes left. By counts, a few long triangles among many small ones would get next to none. Adding up goes in
 // the same order for any number of threads.
@@ -219,9 +222,12 @@ std::uint32_t middle_of(const Work& work, std::uint32_t left_count, std::uint32_
   };
   const auto join = [](const Slack& a, const Slack& b) { return Slack{a.left + b.left, a.all + b.all}; };
   const tbb::blocked_range<std::uint32_t> range(0, work.count(), kBlockSize);
-  const Slack slack = work.count() < kParallelSize ? add_range(range, Slack{})
-                                                   : tbb::parallel_deterministic_reduce(range, Slack{}, add_range, join);
-  const double part = slack.all > 0.0 ? std::min(slack.left / slack.all, 1.0) : 0.5;
+  const Slack slack = work.count() < kParallelSize
+                          ? add_range(range, Slack{})
+                          : tbb::parallel_deterministic_reduce(range, Slack{}, add_range, join);
+  const double by_count = static_cast<double>(left_count) / (left_count + right_count);
+  const double by_slack = slack.all > 0.0 ? std::min(slack.left / slack.all, 1.0) : by_count;
+  const double part = kSharedByCount * by_count + (1.0 - kSharedByCount) * by_slack;
   return work.begin + left_count + static_cast<std::uint32_t>(part * spare);
 }
 

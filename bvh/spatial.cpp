@@ -52,7 +52,7 @@ Halves clip(const Triangle& triangle, const Bound& box, const Bound& padding, in
 
 float slack_of(const Primitive& primitive, const Triangle& triangle, float inverse_size) {
   const Vec3 a = (triangle.v1 - triangle.v0) * inverse_size, b = (triangle.v2 - triangle.v0) * inverse_size;
-  const Vec3 shadows = abs(Vec3{a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x}); // twice each
+  const Vec3 shadows = abs(Vec3{a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x}); // both halves'
   const Bound& box = primitive.bound;
   const float x = box.extent(0) * inverse_size, y = box.extent(1) * inverse_size, z = box.extent(2) * inverse_size;
   return std::sqrt(std::max(x * y + y * z + z * x - (shadows.x + shadows.y + shadows.z), 0.0f));
@@ -140,6 +140,7 @@ Pieces divide(const Primitive& primitive, const Triangle& triangle, bool whole, 
   const float whole_area = half_area(primitive.bound, inverse_size);
   const auto set_piece = [&](Primitive& piece, const Bound& half) {
     for (const int i : {0, 1, 2, 4, 5, 6}) piece.bound.lane[i] = half.lane[i];
+    // What is empty goes with the box; the part's own corners would be dear to find.
     piece.set_slack(primitive.slack() * std::sqrt(half_area(piece.bound, inverse_size) / whole_area));
   };
   if (!pieces.in_left || !pieces.in_right) return pieces; // rounding: all of it lies on one side

@@ -9,9 +9,10 @@
 
 namespace wavepath::bvh {
 
-// The root of what the triangle leaves empty of its box, as surface area / 2 in units of half_area(): nothing for a right
-// triangle with legs along two axes, most for a long thin one between axes. n boxes around the parts of a triangle leave
-// 1/n of it empty, so that a number of copies saves most where they are shared out by this root.
+// The root of what is empty of the triangle's box, as surface area / 2 in units of half_area(). What a neighbour across
+// the longest side would fill counts as full: a right triangle with legs along two axes, where cuts gain nothing, has
+// no slack, and a long thin one between axes has most. n boxes around the parts of such a one leave 1/n of that empty,
+// so that copies save most where they are shared out by this root.
 float slack_of(const Primitive& primitive, const Triangle& triangle, float inverse_size);
 
 // Primitives wholly in slabs below `slab` go left; those that reach across go to both sides, or to one if that is

@@ -12,13 +12,14 @@ namespace wavepath::gpu {
 // a / b, for a below 2^20: the quotient keeps away from integers by more than that error.
 GPU_FUNCTION uint divide_small(uint a, uint b) { return uint((float(a) + 0.5f) / float(b)); }
 
-// a / b, where that is below 2^20 and b below 2^31: the quotient of floats is one off at most, and the rest tells in
-// which direction.
-GPU_FUNCTION uint divide(uint a, uint b) {
-  uint quotient = uint(float(a) / float(b));
+// a / b from a quotient that is one off at most, b at most 2^30: the rest tells in which direction.
+GPU_FUNCTION uint corrected(uint quotient, uint a, uint b) {
   uint rest = a - quotient * b;
   return rest >= 0x80000000u ? quotient - 1u : rest >= b ? quotient + 1u : quotient;
 }
+
+// a / b, where that is below 2^20, so that the quotient of floats is one off at most, and b at most 2^30.
+GPU_FUNCTION uint divide(uint a, uint b) { return corrected(uint(float(a) / float(b)), a, b); }
 
 #ifdef __cplusplus
 } // namespace wavepath::gpu

@@ -181,6 +181,15 @@ protected:
   PackedScene packed_ = pack(scene_);
 };
 
+TEST_F(AdaptiveRender, GivesBothOfHalvedNetsASample) {
+  RenderSettings settings = settings_of(128, 96, 4);
+  settings.aovs = {"variance"}; // halves nets
+  const RenderResult result = render(settings);
+  ASSERT_TRUE(result.noise && result.noise->used);
+  EXPECT_TRUE(std::isfinite(result.error.relative_rms));
+  EXPECT_EQ(std::ranges::min(levels_of(settings)), kLowestLevelOfHalvedNets) << "the scene has quiet parts";
+}
+
 // Both nets of a measured pixel have as many samples, whatever its neighbours in the block have: borders cut tiles, so
 // that runs go across blocks.
 TEST_F(AdaptiveRender, EveryNetHasTheSamplesOfItsPixel) {

@@ -132,7 +132,8 @@ TEST_F(CliRenderTest, RendersLookForNoise) {
   EXPECT_EQ(pilot["size"], Json({64, 32}));
   EXPECT_EQ(pilot["spp"], 32);
   EXPECT_EQ(pilot_of({"--spp", "8"})["spp"], 4);
-  EXPECT_TRUE(pilot_of({"--spp", "4"}).is_null()) << "the pilot would be a sixteenth of it";
+  EXPECT_EQ(pilot_of({"--spp", "4"})["spp"], 4);
+  EXPECT_TRUE(pilot_of({"--spp", "2"}).is_null()) << "the pilot would be an eighth of it";
   EXPECT_TRUE(pilot_of({"--spp", "64", "--adaptive", "off"}).is_null());
   EXPECT_TRUE(pilot_of({"--spp", "64", "--samples", "0:64"}).is_null()) << "parts are even";
   EXPECT_TRUE(pilot_of({"--spp", "64", "--mergeable"}).is_null()) << "parts are even";

@@ -7,6 +7,7 @@
 #include "host/integrators/path/kind.h"
 #include "host/render/device/kernel_compiler.h"
 #include "host/render/integrator_choice.h"
+#include "host/render/report/diagnosis.h"
 #include "host/render/small_picture.h"
 #include "host/scene/gltf/gltf.h"
 #include "host/scene/pack/pack.h"
@@ -125,6 +126,22 @@ TEST_F(IntegratorChoiceTest, LeavesOtherIntegratorsAlone) {
   const IntegratorChoice choice = choose("cornell_box.gltf", path);
   EXPECT_EQ(choice.settings.integrator, &kPath);
   EXPECT_TRUE(choice.trials.empty());
+}
+
+TEST(FireflyRemedy, IsWhatFindsTheirLightByDesign) {
+  const auto tells = [](const std::string& words, const std::string& file, const auto& change) {
+    Scene scene = load_gltf(kScenes + file);
+    RenderSettings settings;
+    settings.integrator = &kPath;
+    change(settings);
+    return firefly_remedy(settings, pack(scene, {})).find(words) != std::string::npos;
+  };
+  const auto unchanged = [](RenderSettings&) {};
+  EXPECT_TRUE(tells("--integrator bidirectional", "caustics/mirror_caustic.glb", unchanged));
+  EXPECT_TRUE(tells("--guide", "cornell_box.gltf", unchanged));
+  EXPECT_TRUE(tells("--direct mis", "cornell_box.gltf", [](RenderSettings& s) { s.direct = gpu::kDirectBsdf; }));
+  EXPECT_TRUE(
+      tells("look for", "caustics/mirror_caustic.glb", [](RenderSettings& s) { s.integrator = &kBidirectional; }));
 }
 
 } // namespace

@@ -565,15 +565,29 @@ TEST_F(Kernels, BindBuffersUpToTheDevicesLimit) {
   EXPECT_THROW(BindingSet(device(), bindings, 4), Error);
 }
 
+// With quotients of floats as far off as devices may have them, and a little farther.
 TEST(Division, IsThatOfIntegers) {
+  const auto off_by = [](float quotient, int ulps) {
+    return static_cast<std::uint32_t>(std::bit_cast<float>(std::bit_cast<std::int32_t>(quotient) + ulps));
+  };
   for (const std::uint32_t b : {1u, 2u, 3u, 7u, 8u, 63u, 64u, 1000u, 4099u, 524'287u, 524'288u})
     for (std::uint32_t quotient = 0; quotient < 1u << 20; quotient += quotient < 5000 ? 1 : 4999)
       for (const std::uint64_t a : {std::uint64_t{quotient} * b, std::uint64_t{quotient} * b + b - 1}) {
         if (a >> 32) continue;
         const auto word = static_cast<std::uint32_t>(a);
         ASSERT_EQ(gpu::divide(word, b), quotient) << word << " / " << b;
-        if (word < 1u << 20) {
+        const bool is_small = word < 1u << 20;
+        if (is_small) {
           ASSERT_EQ(gpu::divide_small(word, b), quotient) << word << " / " << b;
+        }
+        const auto divisor = static_cast<float>(b), exact = static_cast<float>(word) / divisor;
+        const float between = (static_cast<float>(word) + 0.5f) / divisor;
+        for (const int ulps : {-3, 3}) {
+          const std::uint32_t rough = exact > 0.0f ? off_by(exact, ulps) : 0;
+          ASSERT_EQ(gpu::corrected(rough, word, b), quotient) << word << " / " << b;
+          if (is_small) {
+            ASSERT_EQ(off_by(between, ulps), quotient) << word << " / " << b;
+          }
         }
       }
 }
@@ -589,6 +603,19 @@ TEST(TileOrder, VisitsEveryPixelOnce) {
       ASSERT_EQ(gpu::tile_order_of(p, width, height), i);
     }
     for (const int times : seen) EXPECT_EQ(times, 1);
+  }
+}
+
+TEST(TileOrder, HasAnInverseInTheLargestPictures) {
+  for (const auto& [width, height] : {std::pair{65536u, 65535u}, {65535u, 7u}, {3u, 65536u}, {65531u, 65529u}}) {
+    const std::uint64_t pixels = std::uint64_t{width} * height;
+    for (std::uint64_t i = 0; i < pixels; i += std::max<std::uint64_t>(pixels / 9973, 1)) {
+      const auto index = static_cast<std::uint32_t>(i);
+      const glm::uvec2 p = gpu::pixel_in_tile_order(index, width, height);
+      ASSERT_LT(p.x, width);
+      ASSERT_LT(p.y, height);
+      ASSERT_EQ(gpu::tile_order_of(p, width, height), index);
+    }
   }
 }
 

@@ -516,7 +516,7 @@ int run_render(RenderCommandRequest& request) {
                        lost_light(request, prepared, result, on, on_device));
   if (reference && result.denoised) run.denoised_error = measure_true_error(shown_picture(result.picture), *reference);
   run.true_errors = align(std::move(true_errors), result.checkpoints.size());
-  run.diagnosis = diagnose(result, run.true_errors, run.bias);
+  run.diagnosis = diagnose(settings, prepared.packed, result, run.true_errors, run.bias);
   if (request.render.mergeable && !result.even)
     prepared.warnings.add("stopped before all pixels had the same samples, so the picture cannot be merged");
   return finish(request, prepared, run);

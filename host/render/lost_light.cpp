@@ -14,12 +14,15 @@ constexpr std::uint32_t kLostLightSide = 64, kLostLightSamples = 16;
 
 } // namespace
 
-bool may_lose_light(const PackedScene& scene) {
-  const bool smooth = std::ranges::any_of(scene.materials, [](const gpu::Material& m) {
+bool has_smooth_surface(const PackedScene& scene) {
+  return std::ranges::any_of(scene.materials, [](const gpu::Material& m) {
     return m.roughness * m.roughness < gpu::kMinAlpha &&
            (m.transmission > 0.0f || m.metallic > 0.0f || m.specular > 0.0f);
   });
-  return smooth && (scene.features & gpu::kFeaturePunctualLights) != 0;
+}
+
+bool may_lose_light(const PackedScene& scene) {
+  return has_smooth_surface(scene) && (scene.features & gpu::kFeaturePunctualLights) != 0;
 }
 
 std::optional<LostLight> measure_lost_light(Device& device, const PackedScene& scene, const View& view,

@@ -13,6 +13,9 @@ struct LostLight {
   double standard_error = 0.0; // of that
 };
 
+// Whether some surface reflects or refracts into a single direction, as mirrors and glass do.
+bool has_smooth_surface(const PackedScene& scene);
+
 // Whether the scene has both such lights and a surface of a single direction.
 bool may_lose_light(const PackedScene& scene);
 

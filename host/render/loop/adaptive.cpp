@@ -107,12 +107,12 @@ double mean_of(const std::vector<double>& values) {
 }
 
 // From the logarithms, of base 2, of the deviations and of their scale.
-std::vector<std::int8_t> levels_at(const std::vector<double>& deviations, double scale) {
+std::vector<std::int8_t> levels_at(const std::vector<double>& deviations, double scale, int lowest) {
   std::vector<std::int8_t> levels;
   levels.reserve(deviations.size());
   for (const double deviation : deviations) {
     const double level = std::floor(scale + deviation + 0.5);
-    levels.push_back(static_cast<std::int8_t>(std::clamp(level, double{kLowestLevel}, double{kHighestLevel})));
+    levels.push_back(static_cast<std::int8_t>(std::clamp(level, static_cast<double>(lowest), double{kHighestLevel})));
   }
   return levels;
 }
@@ -131,20 +131,20 @@ double cost_of(const std::vector<std::int8_t>& levels, const std::vector<double>
 
 // In proportion to the roots of squared errors by run, as far as levels go. Where runs of like noise would be
 // rounded some up and some down for the sake of the total, fewer samples serve better.
-std::vector<std::int8_t> levels_for(const std::vector<double>& squared, std::uint64_t pixels) {
+std::vector<std::int8_t> levels_for(const std::vector<double>& squared, std::uint64_t pixels, int lowest) {
   const double floor = kQuietest * mean_of(squared);
   if (!(floor > 0.0)) return std::vector<std::int8_t>(squared.size(), 0); // no noise anywhere
   std::vector<double> deviations = squared;
   for (double& value : deviations) value = 0.5 * std::log2(std::max(value, floor));
   const double largest = *std::ranges::max_element(deviations);
-  double low = kLowestLevel - 1.0 - largest, high = 20.0 - largest; // scales: too few samples, too many
+  double low = lowest - 1.0 - largest, high = 20.0 - largest; // scales: too few samples, too many
   for (int i = 0; i < 60; ++i) {
     const double middle = 0.5 * (low + high);
-    (mean_factor(levels_at(deviations, middle), pixels) <= 1.0 ? low : high) = middle;
+    (mean_factor(levels_at(deviations, middle, lowest), pixels) <= 1.0 ? low : high) = middle;
   }
-  std::vector<std::int8_t> best = levels_at(deviations, low);
+  std::vector<std::int8_t> best = levels_at(deviations, low, lowest);
   for (double scale = low;; scale -= kStep) {
-    std::vector<std::int8_t> levels = levels_at(deviations, scale);
+    std::vector<std::int8_t> levels = levels_at(deviations, scale, lowest);
     if (mean_factor(levels, pixels) < kFewest) return best;
     if (cost_of(levels, squared) < cost_of(best, squared)) best = std::move(levels);
   }
@@ -180,11 +180,11 @@ double mean_factor(const std::vector<std::int8_t>& levels, std::uint64_t pixels)
 }
 
 // The device waits for this, so the three parts run at once.
-SampleShares share_samples(const Film& pilot, std::uint32_t width, std::uint32_t height) {
+SampleShares share_samples(const Film& pilot, std::uint32_t width, std::uint32_t height, int lowest) {
   const NoiseMap map(pilot);
   const std::vector<std::uint32_t> shown = shown_by(map, width, height);
   const auto levels_by = [&](Squares squares) {
-    return levels_for(by_run(map, smoothed(map, squares), Squares::all, shown), shown.size());
+    return levels_for(by_run(map, smoothed(map, squares), Squares::all, shown), shown.size(), lowest);
   };
   const auto cost_by = [&](const std::vector<std::int8_t>& levels, Squares judges) {
     return cost_of(levels, by_run(map, map.squared, judges, shown));

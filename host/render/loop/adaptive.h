@@ -33,8 +33,9 @@ struct SampleShares {
 };
 
 // Shares out samples in a picture of that size such that pixels get as many as without levels, or a tenth
-// fewer if that serves better; where few runs hold the noise, powers of two may leave a quarter.
-SampleShares share_samples(const Film& pilot, std::uint32_t width, std::uint32_t height);
+// fewer if that serves better; where few runs hold the noise, powers of two may leave a quarter. No run has a level
+// below `lowest`.
+SampleShares share_samples(const Film& pilot, std::uint32_t width, std::uint32_t height, int lowest = kLowestLevel);
 
 // Samples that a pixel gets on average, for each that it would get without levels.
 double mean_factor(const std::vector<std::int8_t>& levels, std::uint64_t pixels);

@@ -11,6 +11,7 @@
 #include "host/render/loop/segments.h"
 #include "host/render/settings/adaptivity.h"
 #include "host/render/settings/traversal.h"
+#include "host/render/settings/whole_nets.h"
 
 namespace wavepath {
 namespace {
@@ -216,7 +217,8 @@ void RenderLoop::share_out() {
            .halves_nets = true});
   if (!stopped_) {
     const Film noise = workspace_.film.download_small(shape);
-    const SampleShares shares = share_samples(noise, workspace_.frame.width, workspace_.frame.height);
+    const int lowest = has_whole_nets(settings_) ? kLowestLevel : kLowestLevelOfHalvedNets;
+    const SampleShares shares = share_samples(noise, workspace_.frame.width, workspace_.frame.height, lowest);
     const bool pays = settings_.adaptive == kAdaptiveOn || shares.cost < kWorthwhile;
     result_.noise = NoisePilot{samples, shape.width, shape.height, shares.cost, pays};
     if (pays) use_levels(shares.levels);

@@ -7,6 +7,9 @@
 
 #include "host/film/error.h"
 #include "host/film/film.h"
+#include "host/render/lost_light.h"
+#include "host/render/settings/integrator_kind.h"
+#include "host/scene/pack/packed_scene.h"
 
 namespace wavepath {
 namespace {
@@ -36,8 +39,24 @@ bool is_trusted(const RenderResult& result) {
          !has_fireflies(result);
 }
 
-std::vector<std::string> diagnose(const RenderResult& result, const std::vector<TrueError>& true_errors,
-                                  const std::vector<std::string>& bias) {
+std::string firefly_remedy(const RenderSettings& settings, const PackedScene& scene) {
+  const IntegratorKind& kind = *settings.integrator;
+  if (takes(kind, "direct") && settings.direct != gpu::kDirectMis) return "try --direct mis";
+  const auto fits = [&](const IntegratorKind* other) {
+    return other->splats && (!other->unfit || other->unfit(settings, scene).empty());
+  };
+  const auto finder = std::ranges::find_if(integrators(), fits);
+  if (!kind.splats && kind.finds_light && finder != integrators().end() && has_smooth_surface(scene))
+    return fmt::format(
+        "try --integrator {}, without flags of {} alone: it follows light from lamps through glass and "
+        "off mirrors",
+        (*finder)->name, kind.name);
+  if (takes(kind, "guide") && !settings.guide) return "try --guide, which learns where light comes from";
+  return "look for small bright lights that are only found by chance";
+}
+
+std::vector<std::string> diagnose(const RenderSettings& settings, const PackedScene& scene, const RenderResult& result,
+                                  const std::vector<TrueError>& true_errors, const std::vector<std::string>& bias) {
   std::vector<std::string> words;
   const ErrorEstimate& error = result.error;
   if (!has_estimate(result.spp, error)) {
@@ -49,8 +68,8 @@ std::vector<std::string> diagnose(const RenderResult& result, const std::vector<
   if (has_fireflies(result))
     words.push_back(
         fmt::format("fireflies: the largest sample alone explains {} of the squared error, so the estimate depends on "
-                    "few samples; look for small bright lights that are only found by chance, or try --direct mis",
-                    percent(std::min(error.largest_sample_share, 1.0))));
+                    "few samples; {}",
+                    percent(std::min(error.largest_sample_share, 1.0)), firefly_remedy(settings, scene)));
   if (result.nonfinite.first)
     words.push_back(
         fmt::format("{} samples were not finite and are missing from the mean", result.nonfinite.samples()));
