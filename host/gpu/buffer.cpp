@@ -86,6 +86,11 @@ void Buffer::read(void* data, std::uint64_t bytes, std::uint64_t offset) const {
   std::memcpy(data, static_cast<const char*>(memory_.mapped()) + offset, bytes);
 }
 
+const void* Buffer::in_place() const {
+  if (memory_.mapped()) memory_.invalidate();
+  return memory_.mapped();
+}
+
 void Buffer::fill_zero(std::uint64_t bytes) {
   assert(bytes <= bytes_ && bytes % 4 == 0);
   if (bytes == 0) return;

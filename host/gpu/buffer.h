@@ -45,6 +45,8 @@ public:
   // the host can map is accessed at once; any other copy comes after all that was submitted to the queue.
   void write(const void* data, std::uint64_t bytes, std::uint64_t offset = 0);
   void read(void* data, std::uint64_t bytes, std::uint64_t offset = 0) const;
+  // The memory itself, as finished commands left it, where the host can map it; else null, and read() copies it.
+  const void* in_place() const;
   void fill_zero() { fill_zero(bytes_); }
   void fill_zero(std::uint64_t bytes); // of its beginning, a multiple of 4
 
@@ -64,6 +66,15 @@ Buffer upload(Device& device, const std::vector<T>& values) {
   Buffer buffer(device, values.size() * sizeof(T));
   if (!values.empty()) buffer.write(values.data(), values.size() * sizeof(T));
   return buffer;
+}
+
+// The first `count` values, in place where the host can map them; else `copy` holds them.
+template <class T>
+std::span<const T> look_at(const Buffer& buffer, std::size_t count, std::vector<T>& copy) {
+  if (const void* values = buffer.in_place()) return {static_cast<const T*>(values), count};
+  copy.resize(count);
+  if (count) buffer.read(copy.data(), count * sizeof(T));
+  return copy;
 }
 
 template <class T>

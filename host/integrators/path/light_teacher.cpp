@@ -81,8 +81,8 @@ Pilot LightTeacher::begin() {
 
 void LightTeacher::learn() {
   const std::uint64_t of_lights = of_lights_ ? kLightSumBytes : 0, of_sky = of_sky_ ? kSkySumBytes : 0;
-  const auto words = download<std::uint32_t>(paths_.buffers[kLightSums], (of_lights + of_sky) / sizeof(std::uint32_t));
-  const std::span sums(words);
+  std::vector<std::uint32_t> copy; // most rows are of cells that no path came to: not worth copying on a CPU device
+  const auto sums = look_at(paths_.buffers[kLightSums], (of_lights + of_sky) / sizeof(std::uint32_t), copy);
   LightLesson lights;
   SkyLesson sky;
   if (of_lights_) lights = learn_light_rows(workspace_.scene, sums.first(of_lights / sizeof(std::uint32_t)));
