@@ -15,11 +15,13 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "host/film/error.h"
 #include "host/film/film.h"
 #include "host/film/picture_io.h"
 #include "host/render/device/kernel_compiler.h"
 #include "host/render/render.h"
 #include "host/render/report/state_file.h"
+#include "host/render/settings/integrator_kind.h"
 #include "host/scene/gltf/gltf.h"
 #include "host/scene/pack/pack.h"
 #include "host/scene/view.h"
@@ -493,6 +495,31 @@ protected:
   RenderSettings settings_;
   std::unique_ptr<KernelCompiler> kernels_;
 };
+
+// A GPU leaves out estimates that it would have to wait for, but those that decide.
+TEST_F(ResumedLoop, EveryCheckpointIsToldAndThoseThatDecideAreEstimated) {
+  settings_.integrator = find_integrator("path");
+  settings_.adaptive = kAdaptiveOff;
+  settings_.last_sample = 64;
+  const auto estimated = [&](const RenderHooks& hooks) {
+    const std::vector<Checkpoint> points = render(hooks).checkpoints;
+    std::vector<std::uint32_t> samples;
+    std::size_t estimates = 0;
+    for (const Checkpoint& point : points) {
+      samples.push_back(point.spp);
+      estimates += has_estimate(point.spp, point.error);
+    }
+    EXPECT_EQ(samples, (std::vector<std::uint32_t>{1, 2, 4, 8, 16, 32, 64}));
+    EXPECT_TRUE(has_estimate(points.back().spp, points.back().error));
+    return estimates;
+  };
+  EXPECT_GE(estimated({}), device().info().type == "cpu" ? 6u : 2u); // two may be under way beside the last
+  RenderHooks compares;
+  compares.checkpoint = [](const Checkpoint&, const Picture&) {};
+  EXPECT_EQ(estimated(compares), 6u);
+  settings_.target_error = 1e-6;
+  EXPECT_EQ(estimated({}), 6u);
+}
 
 TEST_F(ResumedLoop, AnInterruptedPilotLeavesNoTrace) {
   settings_.adaptive = kAdaptiveOn;

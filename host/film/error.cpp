@@ -163,9 +163,9 @@ bool has_estimate(std::uint32_t spp, const ErrorEstimate& error) {
 }
 
 double fit_slope(const std::vector<Checkpoint>& checkpoints, Against against) {
-  constexpr std::size_t kPoints = 5; // four octaves
+  constexpr double kPoints = 5.0; // four octaves, if none was left out
   double n = 0.0, sx = 0.0, sy = 0.0, sxx = 0.0, sxy = 0.0;
-  for (std::size_t i = checkpoints.size() > kPoints ? checkpoints.size() - kPoints : 0; i < checkpoints.size(); ++i) {
+  for (std::size_t i = checkpoints.size(); i-- > 0 && n < kPoints;) {
     const Checkpoint& c = checkpoints[i];
     const double cost = against == Against::seconds ? c.seconds : c.spp;
     if (!(c.error.relative_rms > 0.0) || !(cost > 0.0)) continue;

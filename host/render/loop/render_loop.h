@@ -24,8 +24,8 @@
 
 namespace wavepath {
 
-// Which checkpoints get an estimate of the error: all; but for the last those alone that take no more than their share
-// of the time; none.
+// Which checkpoints get an estimate of the error: all that the device need not wait for, or that decide; but for the
+// last those alone that take no more than their share of the time; none.
 enum class Estimates { all, share, none };
 
 // How a loop is driven: to its end at once, or in steps by a window.
@@ -121,6 +121,8 @@ private:
   bool is_check() const { return cursor_.sample == target_.next_check(); }
   bool is_look_due() const;
   bool pays() const;
+  bool has_estimate_now();
+  std::size_t copies_in_use() const;
   void checkpoint();
   void measure(Pending& pending);
   void take_in_first();

@@ -46,10 +46,27 @@ bool RenderLoop::pays() const {
   return pending_.empty() && result_.estimate_seconds + cost <= kEstimateShare * seconds();
 }
 
+// Whether this checkpoint has an estimate. Where others are still being made the device would have to wait for them, so
+// that one by which nothing is decided is left out: at 1920x1080 an estimate takes as long as a fast GPU takes for 60
+// samples of the Cornell box.
+bool RenderLoop::has_estimate_now() {
+  if (spp() < gpu::kReplicates && !hooks_.checkpoint) return false; // of fewer samples there is none
+  if (estimates_at_once_ || settings_.target_error > 0.0 || hooks_.checkpoint ||
+      cursor_.sample == settings_.last_sample)
+    return true;
+  collect_estimates(false);
+  return copies_in_use() < kMostPending;
+}
+
+std::size_t RenderLoop::copies_in_use() const {
+  return static_cast<std::size_t>(std::ranges::count_if(pending_, [](const Pending& p) { return p.copy != nullptr; }));
+}
+
 // Has the device copy the film, and its error estimated beside the next waves.
 void RenderLoop::checkpoint() {
   if (!pays()) return;
-  while (pending_.size() >= kMostPending) take_in_first();
+  const bool estimates = has_estimate_now();
+  while (estimates && copies_in_use() >= kMostPending) take_in_first();
   if (estimates_at_once_) queue_.drain();
   if (stopped_) return; // meanwhile; a render that is resumed takes this look first
   Pending& pending = pending_.emplace_back();
@@ -57,7 +74,7 @@ void RenderLoop::checkpoint() {
   pending.is_checkpoint = is_checkpoint();
   pending.point.spp = samples_per_pixel();
   target_.begin(cursor_.sample, pending.point.spp);
-  if (spp() < gpu::kReplicates && !hooks_.checkpoint) { // of fewer samples there is no estimate
+  if (!estimates) {
     queue_.afterwards([this, &pending] { measure(pending); });
     return;
   }
@@ -98,7 +115,8 @@ void RenderLoop::take_in_first() {
   Pending pending = std::move(pending_.front());
   pending_.pop_front();
   Checkpoint& point = pending.point;
-  if (pending.estimate.valid()) {
+  const bool has_error = pending.estimate.valid();
+  if (has_error) {
     FilmEstimate estimate = pending.estimate.get();
     point.error = estimate.error;
     film_ = std::move(estimate.film);
@@ -109,7 +127,7 @@ void RenderLoop::take_in_first() {
     if (pending.copy) estimates_.give_back(std::move(pending.copy));
   }
   last_ = point;
-  result_.error = point.error;
+  if (has_error || result_.checkpoints.empty()) result_.error = point.error;
   if (pending.is_checkpoint) {
     result_.checkpoints.push_back(point);
     if (hooks_.checkpoint && film_) { // comparing with a reference is not rendering
