@@ -121,7 +121,7 @@ private:
   bool is_check() const { return cursor_.sample == target_.next_check(); }
   bool is_look_due() const;
   bool pays() const;
-  bool has_estimate_now();
+  bool gets_estimate() const;
   std::size_t copies_in_use() const;
   void checkpoint();
   void measure(Pending& pending);

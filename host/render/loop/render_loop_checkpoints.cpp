@@ -49,13 +49,10 @@ bool RenderLoop::pays() const {
 // Whether this checkpoint has an estimate. Where others are still being made the device would have to wait for them, so
 // that one by which nothing is decided is left out: at 1920x1080 an estimate takes as long as a fast GPU takes for 60
 // samples of the Cornell box.
-bool RenderLoop::has_estimate_now() {
+bool RenderLoop::gets_estimate() const {
   if (spp() < gpu::kReplicates && !hooks_.checkpoint) return false; // of fewer samples there is none
-  if (estimates_at_once_ || settings_.target_error > 0.0 || hooks_.checkpoint ||
-      cursor_.sample == settings_.last_sample)
-    return true;
-  collect_estimates(false);
-  return copies_in_use() < kMostPending;
+  const bool decides = settings_.target_error > 0.0 || hooks_.checkpoint || cursor_.sample == settings_.last_sample;
+  return estimates_at_once_ || decides || copies_in_use() < kMostPending;
 }
 
 std::size_t RenderLoop::copies_in_use() const {
@@ -65,7 +62,8 @@ std::size_t RenderLoop::copies_in_use() const {
 // Has the device copy the film, and its error estimated beside the next waves.
 void RenderLoop::checkpoint() {
   if (!pays()) return;
-  const bool estimates = has_estimate_now();
+  collect_estimates(false);
+  const bool estimates = gets_estimate();
   while (estimates && copies_in_use() >= kMostPending) take_in_first();
   if (estimates_at_once_) queue_.drain();
   if (stopped_) return; // meanwhile; a render that is resumed takes this look first
@@ -126,7 +124,7 @@ void RenderLoop::take_in_first() {
     result_.estimate_seconds += estimate.seconds;
     if (pending.copy) estimates_.give_back(std::move(pending.copy));
   }
-  last_ = point;
+  if (has_error) last_ = point; // of film_
   if (has_error || result_.checkpoints.empty()) result_.error = point.error;
   if (pending.is_checkpoint) {
     result_.checkpoints.push_back(point);
@@ -201,6 +199,8 @@ RenderResult RenderLoop::salvage(const DeviceLost& lost) {
   if (result_.stop != StopReason::target_error) result_.stop = StopReason::device_lost;
   cursor_ = {film_sample_, 0, 0, 0};
   queue_.totals = film_totals_;
+  // Later ones went without an estimate, and so without a film.
+  std::erase_if(result_.checkpoints, [&](const Checkpoint& c) { return c.spp > last_.spp; });
   return finish();
 }
 

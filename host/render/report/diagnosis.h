@@ -10,8 +10,7 @@
 namespace wavepath {
 
 // Why the estimate cannot be trusted, or why the error stops falling: one sentence each; empty if all is well.
-// `true_errors`: against
-// --reference, one a checkpoint, or none.
+// `true_errors`: against --reference, one a checkpoint, or none.
 std::vector<std::string> diagnose(const RenderSettings& settings, const PackedScene& scene, const RenderResult& result,
                                   const std::vector<TrueError>& true_errors, const std::vector<std::string>& bias);
 
