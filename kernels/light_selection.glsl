@@ -31,7 +31,8 @@ Receiver unpack_receiver(uvec4 words) {
 // ---- learned shares ---------------------------------------------------------------------------------------------
 
 // Row of the cell that a receiver is in. Cells are cubes whose sides double with the distance from the eye, so that they
-// look alike from there, apart by the six axes that a surface may face; rows are theirs by hash.
+// look alike from there, apart by the six axes that a surface may face; rows are theirs by hash. At a level above 0 cells are
+// 4^level times as wide: from these a pilot learns where it saw little.
 uint light_row(Receiver receiver, int level) {
   vec3 place = receiver.position - frame.camera_position;
   uint exponent = clamp(floatBitsToUint(max_component(abs(place))) >> 23u, 16u, 240u) - kLightCellShift + 2u * uint(level);

@@ -55,8 +55,7 @@ GPU_CONSTANT uint kLightRows = 1u << 14;
 GPU_CONSTANT uint kLightColumns = 64u;
 GPU_CONSTANT uint kSubtreeColumns = 61u;
 GPU_CONSTANT uint kEnvironmentColumn = 61u, kDirectionalColumn = 62u, kTreeColumn = 63u;
-GPU_CONSTANT uint kLightCellLevels = 3u; // of cells four times as wide, from which a pilot learns where it saw little
-GPU_CONSTANT uint kLightCellShift = 2u;  // a cell is a quarter to an eighth as wide as it is far
+GPU_CONSTANT uint kLightCellShift = 2u; // a cell is a quarter to an eighth as wide as it is far
 
 #ifdef __cplusplus
 } // namespace wavepath::gpu

@@ -12,6 +12,7 @@
 #include "host/integrators/path/kind.h"
 #include "host/integrators/path/path_replay.h"
 #include "host/integrators/path/sky_rows.h"
+#include "host/render/light_pilot_length.h"
 #include "kernels/learned_sky_types.h"
 #include "tests/light_rooms.h"
 
@@ -175,6 +176,59 @@ TEST_F(LearnedSky, NothingOfItWhereNobodyAsks) {
   EXPECT_FALSE(is_asked(gpu::kLightsTree, gpu::kDirectMis, kPath)) << "as windows pick";
   EXPECT_FALSE(is_asked(gpu::kLightsAuto, gpu::kDirectBsdf, kPath));
   EXPECT_FALSE(is_asked(gpu::kLightsAuto, gpu::kDirectMis, kBidirectional));
+}
+
+TEST(LightPilot, IsLongerWhereTheRenderIs) {
+  RenderSettings settings;
+  settings.width = 256, settings.height = 192;
+  const double pixels = 256.0 * 192.0;
+  const auto samples = [&](std::uint32_t spp) { // of a pixel
+    settings.last_sample = spp;
+    return static_cast<double>(light_pilot_paths(settings)) / pixels;
+  };
+  EXPECT_LT(samples(1), 0.25);
+  EXPECT_GT(samples(64), 2.0);
+  for (std::uint32_t spp = 1; spp < 4096; spp *= 2) {
+    EXPECT_GT(samples(2 * spp), samples(spp));
+    EXPECT_LT(samples(2 * spp) / (2 * spp), samples(spp) / spp) << "a smaller share of it";
+  }
+  const double of_8 = samples(8);
+  settings.target_error = 0.1;
+  EXPECT_LE(samples(65536), samples(16)) << "it may be short";
+  settings.target_error = 0.0, settings.time_limit = 1.0;
+  EXPECT_LT(samples(65536), of_8) << "as many paths as a CPU has in that time";
+  settings.time_limit = 0.0, settings.width = settings.height = 16384;
+  EXPECT_LE(samples(65536) * pixels, 0x1p26) << "counts of picks have 32 bits";
+}
+
+// Where little was picked, what cells around it have learned counts: four times as wide, and sixteen times.
+TEST(LearnedSkyRows, LearnFromCellsAround) {
+  std::vector<std::uint32_t> sums(kSkySumBytes / sizeof(std::uint32_t), 0);
+  const auto add = [&](std::uint32_t row, std::uint32_t wider, std::uint32_t widest, std::uint32_t part,
+                       std::uint32_t picks) {
+    std::uint32_t* words = &sums[std::size_t{4} * row * gpu::kSkySumColumns];
+    words[4 * part] = words[4 * part + 2] = 1000;
+    words[4 * gpu::kSkyParts] = picks;
+    words[4 * gpu::kSkyParts + 1] = (wider * gpu::kLightRows | widest) + 1;
+  };
+  add(5, 100, 200, 1, 1);
+  add(6, 100, 200, 2, 1 << 24); // teaches what lies in cell 100
+  add(7, 101, 200, 3, 1);       // only the widest cell is the same
+  add(8, 102, 201, 4, 1);
+  const SkyLesson lesson = learn_sky_rows(sums);
+  EXPECT_EQ(lesson.rows, 4u);
+  const auto band = [&](std::uint32_t row) { // the first one's share: parts 0 to 7
+    return lesson.ends[std::size_t{row} * gpu::kSkyRowWords] / 0x1p32;
+  };
+  const auto part = [&](std::uint32_t row, std::uint32_t p) {
+    const std::uint32_t* ends = &lesson.ends[std::size_t{row} * gpu::kSkyRowWords + gpu::kSkySide];
+    return band(row) * (ends[p] - double(ends[p - 1])) / 0x1p32;
+  };
+  EXPECT_NEAR(part(6, 2), 0.75 + 0.25 / 64, 0.01);
+  EXPECT_GT(part(5, 2), 0.3) << "half of what the wider cell saw";
+  EXPECT_GT(part(7, 2), 0.2) << "a third of what the widest saw";
+  EXPECT_LT(part(8, 2), 1.1 / 64) << "nothing is known around it";
+  EXPECT_GT(part(8, 4), 1.0 / 64);
 }
 
 TEST(LearnedSkyRows, LearnFromSums) {

@@ -315,6 +315,40 @@ TEST_F(Resume, RefusesAnEndWithinThePassInProgress) {
   EXPECT_NE(outcome.err.find("has come to sample 8, beyond 6; ask for 8"), std::string::npos) << outcome.err;
 }
 
+// What lights are chosen by is learned for as long as the render was to be when it began.
+TEST_F(Resume, KeepsThePilotOfLights) {
+  const auto pilot_paths = [&](std::vector<std::string> flags) {
+    flags.insert(flags.end(), {"--env", "studio", "--stats", path("stats.json")});
+    const Outcome outcome = render("part.exr", flags);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    return nlohmann::json::parse(std::ifstream(path("stats.json")))["light_selection"]["sky"]["pilot_paths"]
+        .get<std::uint64_t>();
+  };
+  const std::uint64_t of_short = pilot_paths({"--spp", "12", "--checkpoint", "state"});
+  std::filesystem::copy_file(path("state"), path("state2"));
+  EXPECT_EQ(pilot_paths({"--checkpoint", "state", "--resume"}), of_short);
+  std::filesystem::rename(path("part.exr"), path("at_once.exr"));
+  EXPECT_EQ(pilot_paths({"--spp", "25", "--checkpoint", "state2", "--resume"}), of_short);
+  EXPECT_EQ(pilot_paths({"--checkpoint", "state2", "--resume"}), of_short);
+  expect_same_bits("part.exr", "at_once.exr");
+  EXPECT_GT(pilot_paths({}), of_short);
+  EXPECT_EQ(pilot_paths({"--mergeable"}), pilot_paths({"--samples", "12:13"})) << "parts know nothing of the whole";
+}
+
+// Parts learn alike, whatever their length.
+TEST_F(Resume, PartsThatLearnOfLightsJoinToTheWhole) {
+  const std::vector<std::string> studio{"--env", "studio"};
+  const auto with = [&](std::vector<std::string> flags) {
+    flags.insert(flags.end(), studio.begin(), studio.end());
+    return flags;
+  };
+  ASSERT_EQ(render("whole.exr", with({"--mergeable"})).exit_code, 0);
+  ASSERT_EQ(render("a.exr", with({"--samples", "0:5"})).exit_code, 0);
+  ASSERT_EQ(render("b.exr", with({"--samples", "5:48"})).exit_code, 0);
+  ASSERT_EQ(wavepath({"merge", "a.exr", "b.exr", "-o", "joined.exr", "-q"}).exit_code, 0);
+  expect_same_bits("joined.exr", "whole.exr");
+}
+
 TEST_F(Resume, PartsJoinToTheWhole) {
   for (const std::string sampler : {"sobol", "stratified"}) {
     SCOPED_TRACE(sampler);

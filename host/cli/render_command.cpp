@@ -176,7 +176,7 @@ std::optional<Picture> check(RenderCommandRequest& request) {
   check_shutter(request.scene, request.render.settings);
   settle_strict(request.render);
   request.render.settings.tries_sky = may_try_sky(request.render.settings, false); // the device is not known yet
-  settle_adaptive(request.render);
+  settle_pilots(request.render);
   check_replay(request.render);
   settle_devices(request.render);
   if (request.render.pixel && !request.output.tev.empty())
@@ -392,6 +392,7 @@ RenderResult render_prepared(const RenderCommandRequest& request, Prepared& prep
                   "leave out --samples and --mergeable, or begin anew with them");
     settings.tries_adaptive = true; // as before, however long the rest is
   }
+  if (resumed) settings.light_pilot_paths = resumed->light_pilot_paths; // likewise
   RenderHooks hooks{.save = state_saver(state, prepared.identity, device, prepared.warnings),
                     .save_interval = state.interval,
                     .salvages = true};

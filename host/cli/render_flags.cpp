@@ -14,6 +14,7 @@
 #include "host/gpu/device_choice.h"
 #include "host/render/adaptive_choice.h"
 #include "host/render/device/levels.h"
+#include "host/render/light_pilot_length.h"
 #include "host/render/settings/antialias_settings.h"
 #include "host/render/settings/denoising.h"
 #include "host/render/settings/integrator_kind.h"
@@ -329,9 +330,10 @@ void settle_strict(RenderRequest& request) {
   request.settings.techniques &= ~gpu::kTechniqueMerge;
 }
 
-void settle_adaptive(RenderRequest& request) {
-  const bool alone = !request.mergeable && request.devices.empty() && !request.pixel;
-  request.settings.tries_adaptive = alone && may_pay_adaptive(request.settings);
+void settle_pilots(RenderRequest& request) {
+  const bool alone = !request.mergeable && request.devices.empty();
+  request.settings.tries_adaptive = alone && !request.pixel && may_pay_adaptive(request.settings);
+  if (alone) request.settings.light_pilot_paths = light_pilot_paths(request.settings);
 }
 
 void check_replay(const RenderRequest& request) {

@@ -90,8 +90,9 @@ void add_tone_flags(CLI::App& app, WriteOptions& options);
 void settle_samples(RenderRequest& request);
 // Leaves out what --strict refuses. Throws UsageError where a flag has asked for it.
 void settle_strict(RenderRequest& request);
-// Whether --adaptive auto looks for noise: not in parts of a render, nor where several devices share one.
-void settle_adaptive(RenderRequest& request);
+// Whether --adaptive auto looks for noise, and how long the pilot of lights is: parts of a render, and devices that
+// share one, do without.
+void settle_pilots(RenderRequest& request);
 
 // To be called after it, by commands that render a whole picture: without --integrator, `auto`. But `path` where a flag
 // asks for what `auto` leaves out; and where parts of a render do not know its --spp, because they might choose each

@@ -90,11 +90,13 @@ void Commands::stop() {
   if (timing_) write_time(static_cast<std::uint32_t>(timed_.size() * 2 - 1));
 }
 
-// Once anything has been rasterized, llvmpipe (Mesa 22.3) takes the time not here but when it next flushes, which is
-// what a barrier has it do.
+// Where dispatches are done at once, waiting for them would tell the same and takes longer than a short one.
 void Commands::write_time(std::uint32_t query) {
-  vkCmdWriteTimestamp2(commands_, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, queries_, query);
-  if (device_->info().timestamps_need_flush) barrier();
+  const bool at_once = device_->info().dispatches_at_once, flushes = at_once && device_->has_rasterized();
+  const VkPipelineStageFlags2 after =
+      at_once && !flushes ? VK_PIPELINE_STAGE_2_TOP_OF_PIPE_BIT : VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
+  vkCmdWriteTimestamp2(commands_, after, queries_, query);
+  if (flushes) barrier();
 }
 
 void Commands::dispatch(const Kernel& kernel, std::uint32_t groups, const void* push) {

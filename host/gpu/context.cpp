@@ -247,7 +247,7 @@ DeviceInfo describe(VkPhysicalDevice physical, Pose pose) {
   vkGetPhysicalDeviceProperties2(physical, &properties);
   const VkPhysicalDeviceLimits& limits = properties.properties.limits;
   info.driver = fmt::format("{} {}", core12.driverName, core12.driverInfo);
-  info.timestamps_need_flush = info.ends_long_loops = core12.driverID == VK_DRIVER_ID_MESA_LLVMPIPE;
+  info.dispatches_at_once = info.ends_long_loops = core12.driverID == VK_DRIVER_ID_MESA_LLVMPIPE;
   info.subgroup_size = core11.subgroupSize;
   info.max_allocation = core11.maxMemoryAllocationSize;
   info.max_storage_range = limits.maxStorageBufferRange - kBufferPadding;
@@ -342,7 +342,8 @@ VkResult Context::wait(VkFence fence) const {
   return result;
 }
 
-Context::Context(const std::string& wanted, std::span<const char* const> window_extensions, DeviceUse use) : use_(use) {
+Context::Context(const std::string& wanted, std::span<const char* const> window_extensions, DeviceUse use)
+    : use_(use), has_rasterized_(!window_extensions.empty()) {
   const bool validation = validation_wanted();
   const Pose pose = pose_wanted();
   instance_ = create_instance(validation, window_extensions);

@@ -59,6 +59,10 @@ public:
   // True where the host maps device memory, so that copies need no staging.
   bool unified_memory() const { return unified_memory_; }
 
+  // Whether anything may have been rasterized: a target of it was made, or the device can fill windows.
+  bool has_rasterized() const { return has_rasterized_; }
+  void note_rasterizing() { has_rasterized_ = true; }
+
   // Index of a memory type among `type_bits` that has `flags`, kNone (all ones) if there is none.
   std::uint32_t memory_type(std::uint32_t type_bits, VkMemoryPropertyFlags flags) const;
 
@@ -92,6 +96,7 @@ private:
   VkQueue queue_ = VK_NULL_HANDLE;
   std::uint32_t queue_family_ = 0;
   bool unified_memory_ = false;
+  std::atomic<bool> has_rasterized_;
   std::unique_ptr<PipelineCache> pipeline_cache_;
   VkPhysicalDeviceMemoryProperties memory_{};
   std::mutex queue_mutex_, memory_mutex_;

@@ -27,8 +27,9 @@ struct DeviceInfo {
   bool draws_slowly = false;                                      // beside what it computes: see draws_slowly()
   bool has_ray_queries = false;                                   // VK_KHR_ray_query
   std::uint64_t max_query_triangles = 0, max_query_instances = 0; // of a structure for ray queries
-  // llvmpipe (Mesa 22.3): once anything was rasterized, a timestamp is taken at the next flush, which a barrier causes.
-  bool timestamps_need_flush = false;
+  // llvmpipe (Mesa 22.3, 25.0): a dispatch is done when the next command begins. But once anything was rasterized, a
+  // timestamp is taken at the next flush, which a barrier causes.
+  bool dispatches_at_once = false;
   // llvmpipe (Mesa 22.3): all loops of an invocation end after 65,535 rounds together, without a word.
   bool ends_long_loops = false;
   // Scenes do not fit into its texel buffers: kernels read theirs as storage blocks (texels_as_storage.h).

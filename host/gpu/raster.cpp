@@ -173,6 +173,7 @@ RasterTarget::RasterTarget(Device& device, std::uint32_t width, std::uint32_t he
                            std::span<const AttachmentInfo> attachments, std::uint32_t layers)
     : size_{width, height}, attachments_(attachments.begin(), attachments.end()) {
   require_raster(device, size_, formats_of(attachments).colour.size());
+  device.note_rasterizing();
   for (const AttachmentInfo& attachment : attachments_) {
     if (!attachment.shared)
       owned_.push_back(std::make_unique<DeviceImage>(device, ImageInfo{.name = attachment.name,

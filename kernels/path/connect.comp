@@ -42,17 +42,16 @@ void add_to_sum(uint first, uint value) {
 
 // For the learned selection: what the light would bring to the cell of the vertex, and what of it arrives, counted for
 // one of `columns` of the rows that begin at word `first`. In the column behind them how often lights were picked there, and
-// the row of the cell around it plus one.
+// the two cells around it: the host adds up what cells within one teach.
 void tally(Receiver receiver, uint first, uint columns, uint column, uint brought, bool blocked) {
-  uint row = light_row(receiver);
-  for (int level = 1; level <= int(kLightCellLevels); ++level) {
-    uint sums = first + 4u * row * (columns + 1u), picks = sums + 4u * columns;
+  uint sums = first + 4u * light_row(receiver) * (columns + 1u), behind = sums + 4u * columns;
+  if (brought > 0u) {
     add_to_sum(sums + 4u * column, brought);
     if (!blocked) add_to_sum(sums + 4u * column + 2u, brought);
-    atomicAdd(light_sums[picks], 1u);
-    row = light_row(receiver, level);
-    if (level < int(kLightCellLevels)) atomicMax(light_sums[picks + 1u], row + 1u);
   }
+  atomicAdd(light_sums[behind], 1u);
+  uint around = (light_row(receiver, 1) * kLightRows | light_row(receiver, 2)) + 1u;
+  if (light_sums[behind + 1u] < around) atomicMax(light_sums[behind + 1u], around);
 }
 
 void tally(ShadowRay ray, bool blocked) {

@@ -8,39 +8,65 @@
 namespace wavepath {
 namespace {
 
-double sum_at(const std::uint32_t* words) { return words[0] + 0x1p32 * words[1]; }
+std::uint64_t sum_at(const std::uint32_t* words) { return words[0] | std::uint64_t{words[1]} << 32; }
+
+std::uint32_t widest_of(std::uint32_t around) { return (around - 1) % gpu::kLightRows; }
 
 } // namespace
 
-CellLessons::CellLessons(Shares prior, std::size_t columns, double prior_picks, std::span<const std::uint32_t> sums)
-    : prior_(std::move(prior)),
-      columns_(columns),
-      prior_picks_(prior_picks),
-      sums_(sums),
-      places_(gpu::kLightRows, gpu::kNone) {}
+std::vector<std::uint32_t> in_every_row(std::span<const std::uint32_t> row) {
+  std::vector<std::uint32_t> words;
+  words.reserve(gpu::kLightRows * row.size());
+  for (std::uint32_t r = 0; r < gpu::kLightRows; ++r) words.insert(words.end(), row.begin(), row.end());
+  return words;
+}
 
-const CellLessons::Shares& CellLessons::learned(std::uint32_t row) {
-  if (places_[row] != gpu::kNone) return learned_[places_[row]];
-  places_[row] = static_cast<std::uint32_t>(learned_.size());
-  Shares& own = learned_.emplace_back(prior_); // ends the search, should rows that share a place lead in a circle
-  const std::uint32_t parent = parent_of(row);
-  own = mix(row, parent > 0 ? learned(parent - 1) : prior_);
-  return own;
+CellLessons::CellLessons(Shares prior, std::size_t columns, double prior_picks, std::span<const std::uint32_t> sums)
+    : prior_(std::move(prior)), columns_(columns), prior_picks_(prior_picks), sums_(sums) {
+  for (std::uint32_t row = 0; row < gpu::kLightRows; ++row) {
+    const std::uint32_t cells = around(row);
+    if (cells == 0) continue;
+    rows_.push_back(row);
+    add(row, wider_[cells]);
+    add(row, widest_[widest_of(cells)]);
+  }
+}
+
+void CellLessons::add(std::uint32_t row, Sums& to) const {
+  const std::uint32_t* words = row_of(row);
+  to.brought.resize(columns_), to.arrived.resize(columns_);
+  for (std::size_t c = 0; c < columns_; ++c) {
+    to.brought[c] += sum_at(words + 4 * c);
+    to.arrived[c] += sum_at(words + 4 * c + 2);
+  }
+  to.picks += words[4 * columns_];
+}
+
+CellLessons::Shares CellLessons::learned(std::uint32_t row) {
+  const std::uint32_t cells = around(row);
+  const Shares& widest = learned(widest_.at(widest_of(cells)), prior_);
+  Sums own;
+  add(row, own);
+  return mix(own, learned(wider_.at(cells), widest));
+}
+
+const CellLessons::Shares& CellLessons::learned(Sums& sums, const Shares& around) const {
+  if (sums.learned.empty()) sums.learned = mix(sums, around);
+  return sums.learned;
 }
 
 // The variance is least where a column's share is in proportion to the root of the mean square of what it brings. What
 // is blocked brings nothing: of a column that brings m if visible, and is visible with probability v, that is sqrt(v)
 // m, the geometric mean of both sums.
-CellLessons::Shares CellLessons::mix(std::uint32_t row, const Shares& around) const {
-  const std::uint32_t* sums = row_of(row);
+CellLessons::Shares CellLessons::mix(const Sums& sums, const Shares& around) const {
   Shares shares(prior_.size(), 0.0);
   double total = 0.0;
   for (std::size_t c = 0; c < columns_; ++c) {
-    shares[c] = std::sqrt(sum_at(sums + 4 * c) * sum_at(sums + 4 * c + 2));
+    shares[c] = std::sqrt(static_cast<double>(sums.brought[c]) * static_cast<double>(sums.arrived[c]));
     total += shares[c];
   }
   if (!(total > 0.0)) return around;
-  const double kept = prior_picks_ / (prior_picks_ + picks(row));
+  const double kept = prior_picks_ / (prior_picks_ + static_cast<double>(sums.picks));
   for (std::size_t c = 0; c < shares.size(); ++c) shares[c] = kept * around[c] + (1.0 - kept) * shares[c] / total;
   return shares;
 }

@@ -3,15 +3,18 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <deque>
 #include <span>
+#include <unordered_map>
 #include <vector>
 
 namespace wavepath {
 
+// kLightRows copies of the words of a row.
+std::vector<std::uint32_t> in_every_row(std::span<const std::uint32_t> row);
+
 // `sums`, as kernels/path/connect.comp makes them: a row of columns + 1 times four words for each of kLightRows cells.
-// 64 bits of what a column would bring, 64 bits of what arrives; behind the columns picks, and the row of the cell
-// around it plus one. They outlive the lessons.
+// 64 bits of what a column would bring, 64 bits of what arrives; behind the columns picks, and which cells lie around
+// it. They outlive the lessons.
 class CellLessons {
 public:
   using Shares = std::vector<double>;
@@ -20,24 +23,32 @@ public:
   // many picks of a cell's own what is known around it counts.
   CellLessons(Shares prior, std::size_t columns, double prior_picks, std::span<const std::uint32_t> sums);
 
-  // What the row has learned, its few picks filled up by those of the cell around it.
-  const Shares& learned(std::uint32_t row);
-  std::uint32_t picks(std::uint32_t row) const { return behind(row)[0]; }
-  // Whether the pilot came to its cell, or to one within.
-  bool is_touched(std::uint32_t row) const { return picks(row) > 0 || parent_of(row) > 0; }
+  // Rows that the pilot came to, rising.
+  std::span<const std::uint32_t> rows() const { return rows_; }
+  // What such a row has learned, its few picks filled up by those of the cells around it.
+  Shares learned(std::uint32_t row);
 
 private:
+  // Of a cell, or of all cells within a wider one.
+  struct Sums {
+    std::vector<std::uint64_t> brought, arrived; // by column
+    std::uint64_t picks = 0;
+    Shares learned; // empty: not yet asked for
+  };
+  using WiderCells = std::unordered_map<std::uint32_t, Sums>;
+
   const std::uint32_t* row_of(std::uint32_t row) const { return &sums_[4 * (columns_ + 1) * row]; }
-  const std::uint32_t* behind(std::uint32_t row) const { return row_of(row) + 4 * columns_; }
-  std::uint32_t parent_of(std::uint32_t row) const { return behind(row)[1]; } // plus one; 0: none
-  Shares mix(std::uint32_t row, const Shares& around) const;
+  std::uint32_t around(std::uint32_t row) const { return row_of(row)[4 * columns_ + 1]; } // plus one; 0: no pick
+  void add(std::uint32_t row, Sums& to) const;
+  Shares mix(const Sums& sums, const Shares& around) const;
+  const Shares& learned(Sums& sums, const Shares& around) const;
 
   Shares prior_;
   std::size_t columns_;
   double prior_picks_;
   std::span<const std::uint32_t> sums_;
-  std::vector<std::uint32_t> places_; // by row, in learned_
-  std::deque<Shares> learned_;        // of the rows asked for, which are few: their places last
+  std::vector<std::uint32_t> rows_;
+  WiderCells wider_, widest_; // four and sixteen times as wide, by around() and by its lower half
 };
 
 } // namespace wavepath

@@ -1,6 +1,9 @@
 // Turns a pilot's sums into shares; see light_rows.h.
 #include "host/integrators/path/light_rows.h"
 
+#include <algorithm>
+#include <cstddef>
+
 #include "host/integrators/path/cell_lessons.h"
 #include "host/scene/pack/intervals.h"
 
@@ -29,29 +32,20 @@ Shares shares_by_power(const PackedScene& scene) {
 } // namespace
 
 std::vector<std::uint32_t> unlearned_light_rows(const PackedScene& scene) {
-  const std::vector<std::uint32_t> row = build_intervals(shares_by_power(scene));
-  std::vector<std::uint32_t> ends;
-  ends.reserve(gpu::kLightRows * gpu::kLightColumns);
-  for (std::uint32_t r = 0; r < gpu::kLightRows; ++r) ends.insert(ends.end(), row.begin(), row.end());
-  return ends;
+  return in_every_row(build_intervals(shares_by_power(scene)));
 }
 
 LightLesson learn_light_rows(const PackedScene& scene, std::span<const std::uint32_t> sums) {
   const Shares prior = shares_by_power(scene);
-  LightLesson lesson;
-  lesson.ends.reserve(gpu::kLightRows * gpu::kLightColumns);
+  LightLesson lesson{.ends = unlearned_light_rows(scene)};
   CellLessons all(prior, gpu::kTreeColumn, kPriorPicks, sums);
-  const auto ends_of = [&](Shares shares) {
+  for (const std::uint32_t row : all.rows()) {
+    Shares shares = all.learned(row);
     for (std::size_t c = 0; c < gpu::kLightColumns; ++c)
       shares[c] = kLeastPrior * prior[c] + (1.0 - kLeastPrior) * shares[c];
-    return build_intervals(shares);
-  };
-  const std::vector<std::uint32_t> untouched = ends_of(prior);
-  for (std::uint32_t row = 0; row < gpu::kLightRows; ++row) {
-    const std::vector<std::uint32_t> ends = all.is_touched(row) ? ends_of(all.learned(row)) : untouched;
-    lesson.ends.insert(lesson.ends.end(), ends.begin(), ends.end());
-    lesson.rows += all.picks(row) > 0;
+    std::ranges::copy(build_intervals(shares), lesson.ends.begin() + std::ptrdiff_t{row} * gpu::kLightColumns);
   }
+  lesson.rows = static_cast<std::uint32_t>(all.rows().size());
   return lesson;
 }
 

@@ -1,6 +1,7 @@
 #include "host/integrators/path/light_teacher.h"
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <span>
 #include <utility>
@@ -13,7 +14,7 @@
 namespace wavepath {
 namespace {
 
-constexpr std::uint64_t kPilotPaths = 1u << 16; // of a small picture; of a larger one, a path a pixel
+constexpr std::uint64_t kPartPilotPaths = 1u << 16; // of a small picture; of a larger one, a path a pixel
 constexpr std::uint32_t kPilotSeed = 0x6c8e9cf5u;
 
 gpu::Feature features_for(const PackedScene& scene, const RenderSettings& settings) {
@@ -29,6 +30,20 @@ bool chooses_parts_of_sky(const PackedScene& scene, const RenderSettings& settin
          scene.environment_probability > 0.0f && settings.max_depth > 0;
 }
 
+// A picture of about that many paths, the render's own or a smaller one.
+Pilot pilot_picture(const FilmTarget& film, std::uint64_t paths) {
+  const FilmShape& whole = film.shape();
+  if (paths == 0) paths = std::max(kPartPilotPaths, film.pixels());
+  const auto samples = static_cast<std::uint32_t>((paths + film.pixels() - 1) / film.pixels());
+  const double scale = std::sqrt(static_cast<double>(paths) / (static_cast<double>(film.pixels()) * samples));
+  const auto scaled = [&](std::uint32_t side) { return std::max(1u, static_cast<std::uint32_t>(scale * side + 0.5)); };
+  Pilot pilot{.samples = samples, .seed = kPilotSeed, .width = scaled(whole.width), .height = scaled(whole.height)};
+  pilot.segments = pilot.width == whole.width && pilot.height == whole.height
+                       ? even_segments(film.bands())
+                       : std::vector<Segment>{{.pixel_count = pilot.width * pilot.height}};
+  return pilot;
+}
+
 } // namespace
 
 bool LightTeacher::has_lesson(const PackedScene& scene, const RenderSettings& settings) {
@@ -40,6 +55,7 @@ void LightTeacher::change(const RenderSettings& settings) {
   of_sky_ = chooses_parts_of_sky(workspace_.scene, settings);
   taken_over_ = {of_lights_ ? settings.light_shares.lights : nullptr, of_sky_ ? settings.light_shares.sky : nullptr};
   learns_ = (of_lights_ && !taken_over_.lights) || (of_sky_ && !taken_over_.sky); // all, where one is missing
+  pilot_paths_ = settings.light_pilot_paths;
   report_ = {};
   if (of_lights_) workspace_.frame.scene_features |= gpu::kFeatureLightRows;
   if (of_sky_) workspace_.frame.scene_lobes |= static_cast<std::uint32_t>(gpu::kFeatureLearnedSky >> 32);
@@ -53,6 +69,7 @@ void LightTeacher::use(std::span<const std::uint32_t> lights, std::span<const st
   if (of_sky_) buffer.write(sky.data(), sky.size_bytes(), of_lights_ ? kLightRowBytes : 0);
 }
 
+// What takes the host some milliseconds is done here, while kernels compile.
 void LightTeacher::start() {
   if (!learns_) {
     const auto words = [](const auto& shares) {
@@ -64,19 +81,18 @@ void LightTeacher::start() {
   need_ = {&kPathProgram, stage_bits({kAdvance, kConnect}), paths_.config()};
   need_.config.features |= gpu::kFeatureLearning;
   kernels_.start(need_);
-}
-
-Pilot LightTeacher::begin() {
   std::vector<std::uint32_t> lights, sky;
   if (of_lights_) lights = unlearned_light_rows(workspace_.scene);
   if (of_sky_) sky = unlearned_sky_rows();
   use(lights, sky);
   paths_.buffers[kLightSums].fill_zero();
-  const std::uint64_t pixels = workspace_.film.pixels();
-  const auto samples = static_cast<std::uint32_t>(std::max<std::uint64_t>(kPilotPaths / pixels, 1));
-  report_.paths = samples * pixels;
+}
+
+Pilot LightTeacher::begin() {
+  const Pilot pilot = pilot_picture(workspace_.film, pilot_paths_);
+  report_.paths = std::uint64_t{pilot.width} * pilot.height * pilot.samples;
   start_ = Clock::now();
-  return {even_segments(workspace_.film.bands()), samples, kPilotSeed};
+  return pilot;
 }
 
 void LightTeacher::learn() {

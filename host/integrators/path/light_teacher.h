@@ -41,6 +41,7 @@ private:
   KernelCompiler& kernels_;
   Paths& paths_;
   bool learns_ = false;
+  std::uint64_t pilot_paths_ = 0;           // RenderSettings::light_pilot_paths
   bool of_lights_ = false, of_sky_ = false; // which shares there are, learned here or not
   LightShares taken_over_;
   KernelNeed need_;

@@ -32,23 +32,17 @@ std::vector<std::uint32_t> ends_of(const Shares& shares) {
 
 } // namespace
 
-std::vector<std::uint32_t> unlearned_sky_rows() {
-  const std::vector<std::uint32_t> row = ends_of(equal_shares());
-  std::vector<std::uint32_t> ends(std::size_t{gpu::kLightRows} * gpu::kSkyRowWords);
-  for (std::size_t first = 0; first < ends.size(); first += row.size()) std::ranges::copy(row, ends.begin() + first);
-  return ends;
-}
+std::vector<std::uint32_t> unlearned_sky_rows() { return in_every_row(ends_of(equal_shares())); }
 
 SkyLesson learn_sky_rows(std::span<const std::uint32_t> sums) {
   SkyLesson lesson{.ends = unlearned_sky_rows()};
   CellLessons all(equal_shares(), gpu::kSkyParts, kSkyPriorPicks, sums);
-  for (std::uint32_t row = 0; row < gpu::kLightRows; ++row) {
-    if (!all.is_touched(row)) continue;
+  for (const std::uint32_t row : all.rows()) {
     Shares shares = all.learned(row);
     for (double& share : shares) share = kLeastSkyPrior / gpu::kSkyParts + (1.0 - kLeastSkyPrior) * share;
     std::ranges::copy(ends_of(shares), lesson.ends.begin() + std::ptrdiff_t{row} * gpu::kSkyRowWords);
-    lesson.rows += all.picks(row) > 0;
   }
+  lesson.rows = static_cast<std::uint32_t>(all.rows().size());
   return lesson;
 }
 

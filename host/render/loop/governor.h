@@ -9,13 +9,17 @@
 namespace wavepath {
 
 inline constexpr double kLongestDispatch = 0.1; // seconds, far below any driver's watchdog
+// Paths, before anything is known of the device's speed. CPUs differ little, no watchdog looks at them, and a wave
+// costs them some milliseconds whatever its length.
+inline constexpr std::uint32_t kFirstWave = 8192, kFirstWaveOfCpu = 1u << 16;
 
 // Halves the wave when a dispatch took too long. Where there is time and room for at least twice as many paths, takes
 // as many at once as are sure to fit: a longer wave takes less time a path, and short ones are dear.
 class Governor {
 public:
-  explicit Governor(std::uint32_t slots, double longest = kLongestDispatch)
-      : slots_(slots), wave_(std::min(slots, kFirstWave)), longest_(longest) {}
+  // `first`: paths of the waves that are sent before the first one's time is known.
+  explicit Governor(std::uint32_t slots, double longest = kLongestDispatch, std::uint32_t first = kFirstWave)
+      : slots_(slots), wave_(std::min(slots, first)), longest_(longest) {}
   std::uint32_t wave() const { return wave_; }
   void report(double longest_dispatch, std::uint32_t paths) {
     if (longest_dispatch > longest_)
@@ -29,8 +33,6 @@ private:
   double growth(double longest_dispatch) const {
     return longest_dispatch > 0.0 ? std::min(longest_ / 2 / longest_dispatch, 8.0) : 8.0;
   }
-
-  static constexpr std::uint32_t kFirstWave = 8192; // paths, before anything is known of the device's speed
 
   std::uint32_t slots_, wave_;
   double longest_; // seconds

@@ -93,6 +93,7 @@ Json describe(const std::string& identity, const std::string& device, const Rend
           {"checkpoints", checkpoints},
           {"levels", state.levels},
           {"noise", state_json(state.noise)},
+          {"light_pilot_paths", state.light_pilot_paths},
           {"next_check", state.next_check},
           {"size", {state.film.width, state.film.height}},
           {"aovs", !state.film.aovs.empty()},
@@ -115,6 +116,7 @@ RenderState state_from(const Json& json) {
   for (const Json& c : json.at("checkpoints")) state.checkpoints.push_back(checkpoint_from(c));
   state.levels = json.at("levels").get<std::vector<std::int8_t>>();
   state.noise = noise_from(json.value("noise", Json()));
+  state.light_pilot_paths = json.value("light_pilot_paths", std::uint64_t{0});
   state.next_check = json.at("next_check");
   return state;
 }
