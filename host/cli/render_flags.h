@@ -90,8 +90,8 @@ void add_tone_flags(CLI::App& app, WriteOptions& options);
 void settle_samples(RenderRequest& request);
 // Leaves out what --strict refuses. Throws UsageError where a flag has asked for it.
 void settle_strict(RenderRequest& request);
-// Whether --adaptive auto looks for noise, and how long the pilot of lights is: parts of a render, and devices that
-// share one, do without.
+// Whether --adaptive auto looks for noise, and how long the pilot of lights is. Parts of a render, and of one that
+// devices share, do not look for noise, and their pilots are of one length.
 void settle_pilots(RenderRequest& request);
 
 // To be called after it, by commands that render a whole picture: without --integrator, `auto`. But `path` where a flag

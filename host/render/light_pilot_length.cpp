@@ -8,8 +8,8 @@
 namespace wavepath {
 namespace {
 
-// P = kOwnLength^(1/4) R^(3/4): a pilot is as long as the render where that has so many paths. 27,000 paths for 4
-// samples of 256x192 pixels, 160,000 for 64 (benchmarks/results/NOTES.md, Parts of an environment map).
+// P = kOwnLength^(1/4) R^(3/4): a pilot is as long as the render where that has so many paths. 22,000 paths for 4
+// samples of 256x192 pixels, 178,000 for 64 (benchmarks/results/NOTES.md, Parts of an environment map).
 constexpr double kOwnLength = 32.0;
 // Samples of a render whose end nobody knows.
 constexpr double kFewSamples = 16.0;
