@@ -184,7 +184,7 @@ TEST(LightPilot, IsLongerWhereTheRenderIs) {
   const double pixels = 256.0 * 192.0;
   const auto samples = [&](std::uint32_t spp) { // of a pixel
     settings.last_sample = spp;
-    return static_cast<double>(light_pilot_paths(settings)) / pixels;
+    return static_cast<double>(light_pilot_paths(settings, true)) / pixels;
   };
   EXPECT_LT(samples(1), 0.25);
   EXPECT_GT(samples(64), 2.0);
@@ -198,7 +198,24 @@ TEST(LightPilot, IsLongerWhereTheRenderIs) {
   settings.target_error = 0.0, settings.time_limit = 1.0;
   EXPECT_LT(samples(65536), of_8) << "as many paths as a CPU has in that time";
   settings.time_limit = 0.0, settings.width = settings.height = 16384;
-  EXPECT_LE(samples(65536) * pixels, 0x1p26) << "counts of picks have 32 bits";
+  EXPECT_LE(samples(65536) * pixels, 0x1p24) << "counts of picks have 32 bits";
+  settings.time_limit = 1.0;
+  EXPECT_GT(light_pilot_paths(settings, false), 20 * light_pilot_paths(settings, true)) << "a GPU renders more in it";
+}
+
+// More samples of each pixel, or a smaller picture.
+TEST_F(LearnedSky, PilotsHaveTheLengthThatIsAskedFor) {
+  RenderSettings asked = settings(gpu::kLightsAuto, gpu::kDirectMis, 1);
+  asked.width = 200, asked.height = 30;
+  const Subject room = seen(room_with_sky(false), asked);
+  for (const std::uint64_t paths : {700u, 5999u, 6000u, 6001u, 30'000u, 100'000u}) {
+    asked.light_pilot_paths = paths;
+    EXPECT_NEAR(static_cast<double>(render(room, asked).light_pilot.paths), paths, 0.05 * paths);
+  }
+  asked.light_pilot_paths = 1;
+  EXPECT_LE(render(room, asked).light_pilot.paths, 3u) << "sides have a pixel at least";
+  asked.light_pilot_paths = 0;
+  EXPECT_EQ(render(room, asked).light_pilot.paths, 10u * 6000u) << "of parts: 65,536 at most in a small picture";
 }
 
 // Where little was picked, what cells around it have learned counts: four times as wide, and sixteen times.

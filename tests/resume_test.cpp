@@ -13,6 +13,7 @@
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <glm/glm.hpp>
 #include <nlohmann/json.hpp>
 
 #include "host/film/error.h"
@@ -332,7 +333,41 @@ TEST_F(Resume, KeepsThePilotOfLights) {
   EXPECT_EQ(pilot_paths({"--checkpoint", "state2", "--resume"}), of_short);
   expect_same_bits("part.exr", "at_once.exr");
   EXPECT_GT(pilot_paths({}), of_short);
-  EXPECT_EQ(pilot_paths({"--mergeable"}), pilot_paths({"--samples", "12:13"})) << "parts know nothing of the whole";
+  EXPECT_EQ(pilot_paths({"--mergeable"}), 65536 / (64 * 48) * 64 * 48);
+  EXPECT_EQ(pilot_paths({"--spp", "960", "--samples", "12:13"}), pilot_paths({"--mergeable"}));
+
+  const Outcome merged = render("part.exr", {"--env", "studio", "--checkpoint", "state", "--resume", "--mergeable"});
+  EXPECT_EQ(merged.exit_code, 1);
+  EXPECT_NE(merged.err.find("cannot be merged"), std::string::npos) << merged.err;
+}
+
+// A path is traced with what the pilot of its render has learned, also of one that was resumed.
+TEST_F(Resume, ReplaysPathsOfRendersThatLearned) {
+  const auto with = [&](std::vector<std::string> flags) {
+    flags.insert(flags.end(), {"--env", "studio", "--filter", "box", "--integrator", "path"});
+    return flags;
+  };
+  const auto expect_replayed = [&](int spp, std::vector<std::string> flags) {
+    glm::dvec3 sum(0.0);
+    for (int sample = 0; sample < spp; ++sample) {
+      std::vector<std::string> all{
+          "render", kCornell, "--size", "64x48", "--json", "--pixel", "30,40", "--sample", std::to_string(sample)};
+      all.insert(all.end(), flags.begin(), flags.end());
+      const Outcome outcome = wavepath(all);
+      ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+      const auto radiance = nlohmann::json::parse(outcome.out)["radiance"];
+      for (int c = 0; c < 3; ++c) sum[c] += radiance[c].get<double>();
+    }
+    const Picture picture = read_picture(path("picture.exr"));
+    const char* names[] = {"R", "G", "B"};
+    for (int c = 0; c < 3; ++c)
+      EXPECT_NEAR(find_channel(picture, names[c])->values[40 * 64 + 30], sum[c] / spp, 1e-5 * sum[c]) << spp;
+  };
+  ASSERT_EQ(render("picture.exr", with({"--spp", "1", "--checkpoint", "state"})).exit_code, 0);
+  expect_replayed(1, with({"--spp", "1"}));
+  const std::vector<std::string> longer = with({"--spp", "4", "--checkpoint", "state", "--resume"});
+  ASSERT_EQ(render("picture.exr", longer).exit_code, 0);
+  expect_replayed(4, longer);
 }
 
 // Parts learn alike, whatever their length.
@@ -343,7 +378,7 @@ TEST_F(Resume, PartsThatLearnOfLightsJoinToTheWhole) {
     return flags;
   };
   ASSERT_EQ(render("whole.exr", with({"--mergeable"})).exit_code, 0);
-  ASSERT_EQ(render("a.exr", with({"--samples", "0:5"})).exit_code, 0);
+  ASSERT_EQ(render("a.exr", with({"--spp", "480", "--samples", "0:5"})).exit_code, 0); // what it tells is ignored
   ASSERT_EQ(render("b.exr", with({"--samples", "5:48"})).exit_code, 0);
   ASSERT_EQ(wavepath({"merge", "a.exr", "b.exr", "-o", "joined.exr", "-q"}).exit_code, 0);
   expect_same_bits("joined.exr", "whole.exr");

@@ -27,6 +27,7 @@
 #include "host/render/denoised.h"
 #include "host/render/depth_cut.h"
 #include "host/render/integrator_choice.h"
+#include "host/render/light_pilot_length.h"
 #include "host/render/report/diagnosis.h"
 #include "host/render/report/state_file.h"
 #include "host/render/settings/identity.h"
@@ -176,7 +177,7 @@ std::optional<Picture> check(RenderCommandRequest& request) {
   check_shutter(request.scene, request.render.settings);
   settle_strict(request.render);
   request.render.settings.tries_sky = may_try_sky(request.render.settings, false); // the device is not known yet
-  settle_pilots(request.render);
+  settle_adaptive(request.render);
   check_replay(request.render);
   settle_devices(request.render);
   if (request.render.pixel && !request.output.tev.empty())
@@ -294,6 +295,8 @@ struct Choices {
 // What pilots decide about the render, and who it then is.
 Choices settle_choices(RenderCommandRequest& request, Prepared& prepared) {
   RenderSettings& settings = request.render.settings;
+  if (stands_alone(request.render))
+    settings.light_pilot_paths = light_pilot_paths(settings, prepared.device->info().type == "cpu");
   Choices choices;
   if (const std::optional<RenderSettings> recorded = recorded_choice(request, prepared)) {
     settings = *recorded;
@@ -318,10 +321,15 @@ Choices settle_choices(RenderCommandRequest& request, Prepared& prepared) {
   return choices;
 }
 
-// What the pilot of a render with these settings learns of lights. One sample of the picture is rendered besides.
-LightShares learn_light_shares(const RenderSettings& settings, Prepared& prepared) {
+// What the pilot of a render learns of lights. One sample of the picture is rendered besides.
+LightShares learn_light_shares(const RenderCommandRequest& request, Prepared& prepared) {
+  const RenderSettings& settings = request.render.settings;
+  const StateRequest& state = request.render.state;
   if (!LightTeacher::has_lesson(prepared.packed, settings)) return {};
   RenderSettings one = settings;
+  std::error_code error;
+  if (state.resume && std::filesystem::exists(state.file, error)) // a render that was resumed keeps its pilot
+    one.light_pilot_paths = read_state(state.file).state.light_pilot_paths;
   one.sample_total = settings.sample_total > 0 ? settings.sample_total : settings.last_sample; // samplers may ask
   one.last_sample = one.first_sample + 1;
   one.adaptive = kAdaptiveOff;
@@ -334,7 +342,7 @@ LightShares learn_light_shares(const RenderSettings& settings, Prepared& prepare
 int replay(const RenderCommandRequest& request, Prepared& prepared) {
   RenderSettings settings = request.render.settings;
   Device& device = *prepared.device;
-  settings.light_shares = learn_light_shares(settings, prepared);
+  settings.light_shares = learn_light_shares(request, prepared);
   PathReplay replay(device, prepared.packed, prepared.view, settings, *prepared.kernels);
   const PathTrace trace = replay.trace(*request.render.pixel, *request.render.sample, request.render.net);
   device.pipeline_cache().save();
@@ -392,7 +400,13 @@ RenderResult render_prepared(const RenderCommandRequest& request, Prepared& prep
                   "leave out --samples and --mergeable, or begin anew with them");
     settings.tries_adaptive = true; // as before, however long the rest is
   }
-  if (resumed) settings.light_pilot_paths = resumed->light_pilot_paths; // likewise
+  if (resumed) {
+    settings.light_pilot_paths = resumed->light_pilot_paths; // likewise
+    if (request.render.mergeable && resumed->light_pilot_paths != 0 &&
+        LightTeacher::has_lesson(prepared.packed, settings))
+      throw Error(state.file, "has learned of lights as parts do not, so that its picture cannot be merged",
+                  "leave out --samples and --mergeable, or begin anew with them");
+  }
   RenderHooks hooks{.save = state_saver(state, prepared.identity, device, prepared.warnings),
                     .save_interval = state.interval,
                     .salvages = true};

@@ -14,7 +14,6 @@
 #include "host/gpu/device_choice.h"
 #include "host/render/adaptive_choice.h"
 #include "host/render/device/levels.h"
-#include "host/render/light_pilot_length.h"
 #include "host/render/settings/antialias_settings.h"
 #include "host/render/settings/denoising.h"
 #include "host/render/settings/integrator_kind.h"
@@ -109,7 +108,8 @@ void add_stop_flags(CLI::App& app, RenderRequest& request) {
   add_switch(app, group,
              {"--resume", "",
               "go on from --checkpoint to the same bits as without the stop, or begin if the file is not there; a "
-              "larger --spp goes on beyond the end. --time counts all rendering, before and after",
+              "larger --spp goes on beyond the end, by what pilots found for the shorter render. --time counts all "
+              "rendering, before and after",
               "off"},
              request.state.resume);
   add_switch(app, group,
@@ -330,10 +330,10 @@ void settle_strict(RenderRequest& request) {
   request.settings.techniques &= ~gpu::kTechniqueMerge;
 }
 
-void settle_pilots(RenderRequest& request) {
-  const bool alone = !request.mergeable && request.devices.empty();
-  request.settings.tries_adaptive = alone && !request.pixel && may_pay_adaptive(request.settings);
-  if (alone) request.settings.light_pilot_paths = light_pilot_paths(request.settings);
+bool stands_alone(const RenderRequest& request) { return !request.mergeable && request.devices.empty(); }
+
+void settle_adaptive(RenderRequest& request) {
+  request.settings.tries_adaptive = stands_alone(request) && !request.pixel && may_pay_adaptive(request.settings);
 }
 
 void check_replay(const RenderRequest& request) {

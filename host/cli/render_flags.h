@@ -90,9 +90,10 @@ void add_tone_flags(CLI::App& app, WriteOptions& options);
 void settle_samples(RenderRequest& request);
 // Leaves out what --strict refuses. Throws UsageError where a flag has asked for it.
 void settle_strict(RenderRequest& request);
-// Whether --adaptive auto looks for noise, and how long the pilot of lights is. Parts of a render, and of one that
-// devices share, do not look for noise, and their pilots are of one length.
-void settle_pilots(RenderRequest& request);
+// Whether a render is neither a part of another one nor shared by several devices.
+bool stands_alone(const RenderRequest& request);
+// Whether --adaptive auto looks for noise: in renders that stand alone.
+void settle_adaptive(RenderRequest& request);
 
 // To be called after it, by commands that render a whole picture: without --integrator, `auto`. But `path` where a flag
 // asks for what `auto` leaves out; and where parts of a render do not know its --spp, because they might choose each

@@ -16,6 +16,7 @@
 #include "host/film/picture_io.h"
 #include "host/render/denoised.h"
 #include "host/render/device/kernel_compiler.h"
+#include "host/render/light_pilot_length.h"
 #include "host/render/report/stats.h"
 #include "host/render/settings/integrator_kind.h"
 #include "host/render/settings/shadow_settings.h"
@@ -128,7 +129,9 @@ private:
     return unshadowed_[{octave, rays}] = render_light("map", octave, rays);
   }
 
-  RenderResult render_one(const RenderSettings& settings, KernelCompiler& kernels, const std::string& what) {
+  // As the command that repeats it does.
+  RenderResult render_one(RenderSettings settings, KernelCompiler& kernels, const std::string& what) {
+    settings.light_pilot_paths = light_pilot_paths(settings, device_.info().type == "cpu");
     const auto on_progress = [&](const Progress& progress) {
       return progress_({fmt::format("{}, {} spp", what, settings.last_sample), seconds_ + progress.seconds});
     };

@@ -50,8 +50,9 @@ void tally(Receiver receiver, uint first, uint columns, uint column, uint brough
     if (!blocked) add_to_sum(sums + 4u * column + 2u, brought);
   }
   atomicAdd(light_sums[behind], 1u);
-  uint around = (light_row(receiver, 1) * kLightRows | light_row(receiver, 2)) + 1u;
-  if (light_sums[behind + 1u] < around) atomicMax(light_sums[behind + 1u], around);
+  uint cells_around = light_row(receiver, 1) * kLightRows + light_row(receiver, 2) + 1u;
+  if (light_sums[behind + 1u] < cells_around) // what is read may be old: then the atomic changes nothing
+    atomicMax(light_sums[behind + 1u], cells_around);
 }
 
 void tally(ShadowRay ray, bool blocked) {

@@ -10,7 +10,7 @@ namespace {
 
 std::uint64_t sum_at(const std::uint32_t* words) { return words[0] | std::uint64_t{words[1]} << 32; }
 
-std::uint32_t widest_of(std::uint32_t around) { return (around - 1) % gpu::kLightRows; }
+std::uint32_t widest_of(std::uint32_t cells_around) { return (cells_around - 1) % gpu::kLightRows; }
 
 } // namespace
 
@@ -24,7 +24,7 @@ std::vector<std::uint32_t> in_every_row(std::span<const std::uint32_t> row) {
 CellLessons::CellLessons(Shares prior, std::size_t columns, double prior_picks, std::span<const std::uint32_t> sums)
     : prior_(std::move(prior)), columns_(columns), prior_picks_(prior_picks), sums_(sums) {
   for (std::uint32_t row = 0; row < gpu::kLightRows; ++row) {
-    const std::uint32_t cells = around(row);
+    const std::uint32_t cells = cells_around(row);
     if (cells == 0) continue;
     rows_.push_back(row);
     add(row, wider_[cells]);
@@ -43,16 +43,16 @@ void CellLessons::add(std::uint32_t row, Sums& to) const {
 }
 
 CellLessons::Shares CellLessons::learned(std::uint32_t row) {
-  const std::uint32_t cells = around(row);
-  const Shares& widest = learned(widest_.at(widest_of(cells)), prior_);
+  const std::uint32_t cells = cells_around(row);
+  const Shares& widest = lesson_of(widest_.at(widest_of(cells)), prior_);
   Sums own;
   add(row, own);
-  return mix(own, learned(wider_.at(cells), widest));
+  return mix(own, lesson_of(wider_.at(cells), widest));
 }
 
-const CellLessons::Shares& CellLessons::learned(Sums& sums, const Shares& around) const {
-  if (sums.learned.empty()) sums.learned = mix(sums, around);
-  return sums.learned;
+const CellLessons::Shares& CellLessons::lesson_of(Sums& wider, const Shares& around) const {
+  if (wider.learned.empty()) wider.learned = mix(wider, around);
+  return wider.learned;
 }
 
 // The variance is least where a column's share is in proportion to the root of the mean square of what it brings. What

@@ -13,8 +13,9 @@ namespace wavepath {
 std::vector<std::uint32_t> in_every_row(std::span<const std::uint32_t> row);
 
 // `sums`, as kernels/path/connect.comp makes them: a row of columns + 1 times four words for each of kLightRows cells.
-// 64 bits of what a column would bring, 64 bits of what arrives; behind the columns picks, and which cells lie around
-// it. They outlive the lessons.
+// 64 bits of what a column would bring, 64 bits of what arrives; behind the columns picks, and one more than kLightRows
+// times the row of the cell four times as wide plus that of the cell sixteen times as wide. Of cells that share a row
+// by chance, all of it teaches the wider cells of one. They outlive the lessons.
 class CellLessons {
 public:
   using Shares = std::vector<double>;
@@ -38,17 +39,17 @@ private:
   using WiderCells = std::unordered_map<std::uint32_t, Sums>;
 
   const std::uint32_t* row_of(std::uint32_t row) const { return &sums_[4 * (columns_ + 1) * row]; }
-  std::uint32_t around(std::uint32_t row) const { return row_of(row)[4 * columns_ + 1]; } // plus one; 0: no pick
+  std::uint32_t cells_around(std::uint32_t row) const { return row_of(row)[4 * columns_ + 1]; } // 0: no pick
   void add(std::uint32_t row, Sums& to) const;
   Shares mix(const Sums& sums, const Shares& around) const;
-  const Shares& learned(Sums& sums, const Shares& around) const;
+  const Shares& lesson_of(Sums& wider, const Shares& around) const;
 
   Shares prior_;
   std::size_t columns_;
   double prior_picks_;
   std::span<const std::uint32_t> sums_;
   std::vector<std::uint32_t> rows_;
-  WiderCells wider_, widest_; // four and sixteen times as wide, by around() and by its lower half
+  WiderCells wider_, widest_; // by cells_around(), and by its widest cell
 };
 
 } // namespace wavepath

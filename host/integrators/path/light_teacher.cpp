@@ -30,12 +30,13 @@ bool chooses_parts_of_sky(const PackedScene& scene, const RenderSettings& settin
          scene.environment_probability > 0.0f && settings.max_depth > 0;
 }
 
-// A picture of about that many paths, the render's own or a smaller one.
+// A picture of about that many paths, the render's own or a smaller one. 0: as many as parts have, of the render's own.
 Pilot pilot_picture(const FilmTarget& film, std::uint64_t paths) {
   const FilmShape& whole = film.shape();
-  if (paths == 0) paths = std::max(kPartPilotPaths, film.pixels());
-  const auto samples = static_cast<std::uint32_t>((paths + film.pixels() - 1) / film.pixels());
-  const double scale = std::sqrt(static_cast<double>(paths) / (static_cast<double>(film.pixels()) * samples));
+  const std::uint64_t pixels = film.pixels();
+  if (paths == 0) paths = pixels * std::max<std::uint64_t>(kPartPilotPaths / pixels, 1);
+  const auto samples = static_cast<std::uint32_t>((paths + pixels - 1) / pixels);
+  const double scale = std::sqrt(static_cast<double>(paths) / (static_cast<double>(pixels) * samples));
   const auto scaled = [&](std::uint32_t side) { return std::max(1u, static_cast<std::uint32_t>(scale * side + 0.5)); };
   Pilot pilot{.samples = samples, .seed = kPilotSeed, .width = scaled(whole.width), .height = scaled(whole.height)};
   pilot.segments = pilot.width == whole.width && pilot.height == whole.height

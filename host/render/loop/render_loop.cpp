@@ -20,9 +20,10 @@ constexpr std::uint32_t kAdaptivePass = 16; // samples
 // Of what auto tries: costs above this are not told from chance, and waves by level take a little longer.
 constexpr double kWorthwhile = 0.92;
 
-// A window wants to be asked again soon.
-std::uint32_t first_wave(const DeviceInfo& device, const Pace& pace) {
-  return device.type == "cpu" && !pace.by_wave ? kFirstWaveOfCpu : kFirstWave;
+// Windows, and renders that end by the clock, want to be asked again soon.
+std::uint32_t first_wave(const DeviceInfo& device, const Pace& pace, const RenderSettings& settings) {
+  const bool waits = !pace.by_wave && !(settings.time_limit > 0.0);
+  return device.type == "cpu" && waits ? kFirstWaveOfCpu : kFirstWave;
 }
 
 RenderSettings whole_passes(RenderSettings settings) {
@@ -57,7 +58,7 @@ RenderLoop::RenderLoop(Device& device, const PackedScene& scene, const View& vie
                  std::clamp(choose_slots(device.info(), scene, settings), pace.least_slots, pace.most_slots),
                  traversal_of(settings), std::move(uploaded)),
       queue_(workspace_),
-      governor_(workspace_.slots, pace.longest_dispatch, first_wave(device.info(), pace)),
+      governor_(workspace_.slots, pace.longest_dispatch, first_wave(device.info(), pace, settings)),
       estimates_(device),
       estimates_at_once_(are_at_once(device.info(), pace)) {
   restart(view, settings);
