@@ -11,8 +11,7 @@ namespace wavepath {
 // others: the longer it is, the more, and the smaller a share of it. What is learned from P paths leaves a squared
 // error in proportion to 1 + a / sqrt(P), more or less, and a render of R paths takes 1 + P / R of its time: the
 // product is least where P grows as R^(2/3), by measurement a little faster. A render that ends by its error is taken
-// to be short, and one that is bounded by time to have the paths of such a
-// device (expected_paths).
+// to be short, and one that is bounded by time to have the paths that expected_paths() tells.
 std::uint64_t light_pilot_paths(const RenderSettings& settings, bool cpu);
 
 } // namespace wavepath
