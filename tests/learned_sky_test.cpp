@@ -215,7 +215,7 @@ TEST_F(LearnedSky, PilotsHaveTheLengthThatIsAskedFor) {
   asked.light_pilot_paths = 1;
   EXPECT_LE(render(room, asked).light_pilot.paths, 3u) << "sides have a pixel at least";
   asked.light_pilot_paths = 0;
-  EXPECT_EQ(render(room, asked).light_pilot.paths, 10u * 6000u) << "of parts: 65,536 at most in a small picture";
+  EXPECT_EQ(render(room, asked).light_pilot.paths, 10u * 6000u) << "of parts: as many samples as 65,536 paths hold";
 }
 
 // Where little was picked, what cells around it have learned counts: four times as wide, and sixteen times.

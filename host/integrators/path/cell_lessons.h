@@ -13,9 +13,9 @@ namespace wavepath {
 std::vector<std::uint32_t> in_every_row(std::span<const std::uint32_t> row);
 
 // `sums`, as kernels/path/connect.comp makes them: a row of columns + 1 times four words for each of kLightRows cells.
-// 64 bits of what a column would bring, 64 bits of what arrives; behind the columns picks, and one more than kLightRows
-// times the row of the cell four times as wide plus that of the cell sixteen times as wide. Of cells that share a row
-// by chance, all of it teaches the wider cells of one. They outlive the lessons.
+// 64 bits of what a column would bring, 64 bits of what arrives; behind the columns picks, and the wider cells around
+// it: 1 + kLightRows * (row of that four times as wide) + row of that sixteen times as wide. Of cells that share a row
+// by chance, all sums teach the wider cells of one. They outlive the lessons.
 class CellLessons {
 public:
   using Shares = std::vector<double>;

@@ -14,7 +14,7 @@
 namespace wavepath {
 namespace {
 
-constexpr std::uint64_t kPartPilotPaths = 1u << 16; // of a small picture; of a larger one, a path a pixel
+constexpr std::uint64_t kPartPilotPaths = 1u << 16; // whole samples of a small picture that it holds; else one
 constexpr std::uint32_t kPilotSeed = 0x6c8e9cf5u;
 
 gpu::Feature features_for(const PackedScene& scene, const RenderSettings& settings) {

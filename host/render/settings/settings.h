@@ -123,7 +123,7 @@ struct RenderSettings {
   // them out, and left out though it needs them.
   gpu::Feature added_features = 0, removed_features = 0;
   bool learns_lights = true;                // by a pilot, where `lights` asks for it
-  std::uint64_t light_pilot_paths = 0;      // of that pilot; 0 = as parts have: one a pixel, at least 65,536
+  std::uint64_t light_pilot_paths = 0;      // of that pilot; 0 = as parts have (light_teacher.cpp)
   LightShares light_shares;                 // of another picture of the scene, in place of a pilot that learns them
   bool room_for_shadow_rays = false;        // even where no light is sampled
   bool room_for_whole_nets = false;         // in kernels, even where the picture is too small
