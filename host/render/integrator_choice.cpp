@@ -24,10 +24,10 @@ constexpr double kWholeOverPilots = 20.0; // in paths; below that, not even the 
 // Errors of the first trial. Where it is below kEasy, nothing else is tried; above kHard and kHopeless, trials may cost
 // more of the render, because such scenes gain by factors.
 constexpr double kEasy = 0.1, kHard = 1.0, kHopeless = 3.0;
-constexpr double kWholeOverTrials = 20.0, kWholeOverTrialsIfHard = 5.0, kWholeOverTrialsIfHopeless = 2.0;
+constexpr double kWholeOverTrials = 20.0, kWholeOverTrialsIfHard = 2.0, kWholeOverTrialsIfHopeless = 1.0;
 // The other trials: in work of the first one, that of guiding counting for what it learns from; and compiling their
-// kernels, in camera rays: some second on llvmpipe.
-constexpr double kTrialsOverFirst = 6.0, kCpuKernels = 1.2e6, kGpuKernels = 1e9;
+// kernels, in camera rays: 1.2 s on llvmpipe, which takes 90 to 470 ns for one.
+constexpr double kTrialsOverFirst = 6.0, kCpuKernels = 5e6, kGpuKernels = 1e9;
 // A trial that lacks more light than this, beyond four standard errors, does not find all of it, however smooth it is.
 constexpr double kMissing = 0.01, kSure = 4.0;
 constexpr double kNever = 1e30; // a cost that no other exceeds

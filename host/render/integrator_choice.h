@@ -30,8 +30,8 @@ struct IntegratorChoice {
 // kind, weighed by constants of the type of device), never timed, so that the choice depends on the device's type, the
 // scene, the view and the settings alone. Where the whole render is less than twenty times the pilots, the first
 // candidate is taken without any. Where the first cannot lack light, no other is tried, and no kernel compiled for it,
-// if it is easy (10 % error at 16 samples), or if the others would cost more than a twentieth of the whole, a fifth
-// where it is hard (100 %), half where it is hopeless (300 %).
+// if it is easy (10 % error at 16 samples), or if the others would cost more than a twentieth of the whole, half
+// of it where it is hard (100 %), as much where it is hopeless (300 %).
 IntegratorChoice choose_integrator(Device& device, const PackedScene& scene, const View& view,
                                    const RenderSettings& settings, KernelCompiler& kernels, SceneOnDevice& shared);
 

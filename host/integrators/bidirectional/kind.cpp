@@ -52,9 +52,9 @@ std::vector<OmittedStage> omitted(const RenderSettings& settings) {
   return omitted;
 }
 
-// 1.3 to 1.75 times what path tracing takes for as many rays (Cornell box, Sponza, showcase; llvmpipe).
+// 1.0 to 1.95 times what path tracing takes for as many rays (eleven scenes of benchmarks/light_table.py; llvmpipe).
 double work(const RenderSettings&, const RayCounts& rays, bool) {
-  return 1.4 * (static_cast<double>(rays.camera + rays.bounce) + 0.6 * static_cast<double>(rays.shadow));
+  return 1.5 * (static_cast<double>(rays.camera + rays.bounce) + 0.6 * static_cast<double>(rays.shadow));
 }
 
 } // namespace

@@ -180,13 +180,13 @@ std::vector<std::unique_ptr<BindingSet>> bind_bands(const Workspace& workspace, 
 }
 
 std::uint32_t choose_slots(const DeviceInfo& info, const PackedScene& scene, const RenderSettings& settings) {
-  const std::uint64_t pixels = std::uint64_t{settings.width} * settings.height;
+  const std::uint64_t places = film_shape(settings).places();
   const std::uint64_t samples = settings.last_sample - settings.first_sample;
   const IntegratorKind& kind = *settings.integrator;
   std::uint64_t slots = usual_slots(info);
   if (settings.wave_slots) slots = settings.wave_slots;
   const std::uint64_t least = kind.slots_per_pixel(settings); // that a wave takes at once
-  slots = std::max(std::min(slots, pixels * samples), least);
+  slots = std::max(std::min(slots, places * samples), least);
   if (is_adaptive(settings)) slots = std::max(slots, kAdaptiveStep * kHighestFactor * least); // least: of one sample
   const std::uint64_t record = kind.largest_record(settings);
   slots = std::min(slots, info.max_storage_range / record);
