@@ -74,6 +74,18 @@ TEST_F(IntegratorChoiceTest, TriesOthersEarlierWherePathTracingIsHopeless) {
   EXPECT_EQ(choice.settings.integrator, &kBidirectional);
 }
 
+// Between 10 and 100 % error, the others are tried where that takes a twentieth of the render, their kernels included.
+TEST_F(IntegratorChoiceTest, TriesOthersWhereThatIsASmallPart) {
+  if (device().info().type != "cpu") GTEST_SKIP() << "how long a GPU takes for kernels nobody has timed";
+  RenderSettings small = settings(4000);
+  small.width = 64, small.height = 48;
+  EXPECT_EQ(choose("showcase.glb", small).trials.size(), 1u);
+  small.last_sample = 16000;
+  const IntegratorChoice choice = choose("showcase.glb", small);
+  EXPECT_EQ(choice.trials.size(), 3u);
+  EXPECT_EQ(choice.settings.integrator, &kPath);
+}
+
 TEST_F(IntegratorChoiceTest, TriesNothingForAShortRender) {
   RenderSettings small = settings(4);
   small.width = 64, small.height = 48;
