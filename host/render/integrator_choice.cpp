@@ -26,7 +26,8 @@ constexpr double kWholeOverPilots = 20.0; // in paths; below that, not even the 
 constexpr double kEasy = 0.1, kHard = 1.0, kHopeless = 3.0;
 constexpr double kWholeOverTrials = 20.0, kWholeOverTrialsIfHard = 2.0, kWholeOverTrialsIfHopeless = 1.0;
 // The other trials: in work of the first one, that of guiding counting for what it learns from; and compiling their
-// kernels, in camera rays: 1.2 s on llvmpipe (its cache has them), which takes 90 to 470 ns for one. Nobody timed a GPU.
+// kernels, in camera rays: 1.2 s on llvmpipe (its cache has them), which takes 90 to 470 ns for one. Nobody timed a
+// GPU.
 constexpr double kTrialsOverFirst = 6.0, kCpuKernels = 5e6, kGpuKernels = 2.5e9;
 // A trial that lacks more light than this, beyond four standard errors, does not find all of it, however smooth it is.
 constexpr double kMissing = 0.01, kSure = 4.0;
