@@ -77,7 +77,7 @@ TEST_F(IntegratorChoiceTest, TriesOthersEarlierWherePathTracingIsHopeless) {
 // Between 10 and 100 % error, the others are tried where that takes a twentieth of the render, their kernels included.
 TEST_F(IntegratorChoiceTest, TriesOthersWhereThatIsASmallPart) {
   if (device().info().type != "cpu") GTEST_SKIP() << "how long a GPU takes for kernels nobody has timed";
-  RenderSettings small = settings(4000);
+  RenderSettings small = settings(8000);
   small.width = 64, small.height = 48;
   EXPECT_EQ(choose("showcase.glb", small).trials.size(), 1u);
   small.last_sample = 16000;
