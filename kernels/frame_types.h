@@ -61,8 +61,12 @@ GPU_CHECK(sizeof(Frame) == 192);
 // spread measures the error of any sampler.
 GPU_CONSTANT uint kReplicates = 2u;
 
+// Levels of an adaptive render: a run of level k gets 2^k times the samples.
+GPU_CONSTANT int kLowestLevel = -2, kHighestLevel = 3;
+GPU_CONSTANT int kLevels = kHighestLevel - kLowestLevel + 1;
+
 // Push constants: the wave of (pixel, sample) pairs that a dispatch works on. Slot = local sample * pixel_count + local
-// pixel.
+// pixel; for kernels of an adaptive render (kFeatureAdaptive) wave.h tells it, by levels.
 struct Wave {
   // In tile order, second nets after all pixels (net_layout.h); where places are listed, in the order of their list.
   uint first_pixel;
@@ -72,6 +76,8 @@ struct Wave {
   uint bounce;           // 0 = camera rays
   uint first_film_pixel; // pixel, in tile order, of the film's first entry; for second nets, what their place exceeds
                          // it by
+  uint level_places[kLevels]; // kFeatureAdaptive: places of each level, the highest first, that make up pixel_count;
+                              // first_sample and sample_count are those of level 0
 };
 
 struct Ray {

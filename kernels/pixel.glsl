@@ -6,6 +6,7 @@
 #include "kernels/net_layout.h"
 #include "kernels/sampler.glsl"
 #include "kernels/tile_order.h"
+#include "kernels/wave.h"
 
 // Kernels made for whole nets may serve a render of halved ones.
 bool has_whole_nets() { return kNets == kNetsWhole && frame.whole_nets != 0u; }
@@ -18,22 +19,28 @@ uint wave_pixel(uint local) {
 
 bool is_second_net(uint place) { return has_whole_nets() && place >= frame.width * frame.height; }
 
+WavePart slot_part(uint slot) { return has(kFeatureAdaptive) ? part_of_slot(wave, slot) : even_part(wave); }
+uint wave_slots() { return has(kFeatureAdaptive) ? level_slots(wave) : wave.pixel_count * wave.sample_count; }
+
+uint slot_place(uint slot) { return wave_pixel(local_place(slot_part(slot), slot)); }
+
 uvec2 slot_pixel(uint slot) {
-  uint place = wave_pixel(slot % wave.pixel_count);
+  uint place = slot_place(slot);
   if (is_second_net(place))
     return measured_pixel(place - frame.width * frame.height, frame.width, frame.height, frame.seed);
   return pixel_in_tile_order(place, frame.width, frame.height);
 }
 // The light samples of a hybrid frame share its replicate, as they share its entry in the film.
 uint slot_sample(uint slot) {
-  return wave.first_sample + slot / wave.pixel_count * (has(kFeatureSharedFirstHit) ? kReplicates : 1u);
+  WavePart part = slot_part(slot);
+  return part.first_sample + local_sample(part, slot) * (has(kFeatureSharedFirstHit) ? kReplicates : 1u);
 }
 
 Sampler slot_sampler(uint slot) {
   uvec2 at = slot_pixel(slot);
   uint pixel = at.y * frame.width + at.x, sample_ = slot_sample(slot);
   if (!has_whole_nets()) return make_sampler(frame.seed, pixel, sample_, frame.sample_total);
-  uint replicate = is_second_net(wave_pixel(slot % wave.pixel_count)) ? 1u : 0u;
+  uint replicate = is_second_net(slot_place(slot)) ? 1u : 0u;
   return make_net_sampler(frame.seed, pixel, replicate, sample_, frame.sample_total);
 }
 

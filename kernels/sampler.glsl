@@ -12,11 +12,10 @@
 #include "kernels/math.glsl"
 
 struct Sampler {
-  uint pixel; // pixel index
   uint replicate;
   uint index;    // of the sample in its replicate
   uint count;    // samples that the replicate will get, at least 1 (stratified)
-  uint scramble; // hash of seed, pixel and replicate
+  uint scramble; // hash of seed, pixel index and replicate
 };
 
 // Jarzynski and Olano, "Hash Functions for GPU Rendering", JCGT 2020: three words into three, nine multiplications.
@@ -34,14 +33,16 @@ uvec3 pcg3d(uvec3 v) {
 
 // Point `index` of one replicate.
 Sampler make_net_sampler(uint seed, uint pixel, uint replicate, uint index, uint count) {
-  return Sampler(pixel, replicate, index, max(1u, count), pcg3d(uvec3(seed, pixel, replicate)).x);
+  return Sampler(replicate, index, max(1u, count), pcg3d(uvec3(seed, pixel, replicate)).x);
 }
+
+// Of so many samples of halved nets, those of one replicate.
+uint samples_of_half(uint sample_total, uint replicate) { return (sample_total + kReplicates - 1u - replicate) / kReplicates; }
 
 // Sample `sample_` of halved nets.
 Sampler make_sampler(uint seed, uint pixel, uint sample_, uint sample_total) {
   uint replicate = sample_ % kReplicates;
-  return make_net_sampler(seed, pixel, replicate, sample_ / kReplicates,
-                          (sample_total + kReplicates - 1u - replicate) / kReplicates);
+  return make_net_sampler(seed, pixel, replicate, sample_ / kReplicates, samples_of_half(sample_total, replicate));
 }
 
 // ---- Owen-scrambled Sobol ---------------------------------------------------------------------------------------

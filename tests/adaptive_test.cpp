@@ -1,10 +1,15 @@
 // Adaptive renders: which runs of pixels get how many samples, that every net gets those of its pixel, that the mean
 // stays and the error is told, and that auto is adaptive where that pays alone.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <map>
+#include <numeric>
 #include <optional>
+#include <set>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -24,6 +29,7 @@
 #include "host/scene/view.h"
 #include "kernels/net_layout.h"
 #include "kernels/tile_order.h"
+#include "kernels/wave.h"
 #include "tests/probe.h"
 #include "tests/shared_kernels.h"
 
@@ -149,6 +155,39 @@ TEST(Adaptivity, IsForThoseThatAskOrTry) {
   EXPECT_FALSE(is_adaptive(settings));
 }
 
+// ---- waves by levels ------------------------------------------------------------------------------------------------
+
+// Slots and samples of places are told from each other, both ways: shade goes from slots, accumulate from places.
+TEST(WaveByLevels, EverySlotIsASampleOfAPlace) {
+  for (const std::array<std::uint32_t, gpu::kLevels>& places :
+       {std::array<std::uint32_t, gpu::kLevels>{3, 1, 7, 64, 5, 2},
+        {0, 0, 9, 0, 0, 0},
+        {0, 5, 0, 0, 11, 0},
+        {1, 0, 0, 0, 0, 130}}) {
+    gpu::Wave wave{.first_sample = 8, .sample_count = 12};
+    std::ranges::copy(places, wave.level_places);
+    wave.pixel_count = std::accumulate(places.begin(), places.end(), 0u);
+    std::map<std::pair<std::uint32_t, std::uint32_t>, int> worked_on;
+    for (std::uint32_t slot = 0; slot < gpu::level_slots(wave); ++slot) {
+      const gpu::WavePart part = gpu::part_of_slot(wave, slot);
+      const std::uint32_t place = gpu::local_place(part, slot), sample = gpu::local_sample(part, slot);
+      ++worked_on[{place, part.first_sample + sample}];
+      const gpu::WavePart same = gpu::part_of_place(wave, place);
+      EXPECT_EQ(same.first_slot + place - same.first_place + sample * same.places, slot);
+      EXPECT_LT(sample, same.samples);
+    }
+    std::uint32_t place = 0;
+    std::size_t expected = 0;
+    for (int level = kHighestLevel; level >= kLowestLevel; --level)
+      for (const std::uint32_t end = place + places[kHighestLevel - level]; place < end; ++place)
+        for (std::uint32_t sample = at_level(8, level); sample < at_level(20, level); ++sample, ++expected)
+          EXPECT_EQ((worked_on[{place, sample}]), 1)
+              << "level " << level << ", place " << place << ", sample " << sample;
+    EXPECT_EQ(worked_on.size(), expected);
+    EXPECT_EQ(gpu::level_slots(wave), expected);
+  }
+}
+
 // ---- renders --------------------------------------------------------------------------------------------------------
 
 class AdaptiveRender : public VulkanTest {
@@ -240,6 +279,20 @@ TEST_F(AdaptiveRender, NetsAreThoseOfEvenRenders) {
     }
   }
   EXPECT_GT(compared, 101u * 67 / 2);
+}
+
+// A pass of a small picture is one wave, whatever levels it has; waves of their own would cost each some milliseconds.
+TEST_F(AdaptiveRender, LevelsShareWaves) {
+  RenderSettings settings = settings_of(101, 67, 16);
+  const std::vector<std::int8_t> levels = levels_of(settings);
+  EXPECT_GE(std::set<std::int8_t>(levels.begin(), levels.end()).size(), 4u);
+  const RenderResult result = render(settings);
+  const auto accumulate = std::ranges::find(result.stages, "accumulate", &StageTime::name);
+  ASSERT_NE(accumulate, result.stages.end());
+  constexpr std::uint32_t kPilot = 1, kPasses = 3; // up to 4, 8 and 16 samples
+  if (device().info().type == "cpu") {             // whose first waves hold a pass
+    EXPECT_EQ(accumulate->dispatches, kPilot + kPasses);
+  }
 }
 
 TEST_F(AdaptiveRender, HowTheWorkIsCutUpDoesNotMatter) {

@@ -179,7 +179,7 @@ TEST(Layout, Frame) {
            AT(Frame, top_level)});
   compare("Wave", sizeof(Wave),
           {AT(Wave, first_pixel), AT(Wave, pixel_count), AT(Wave, first_sample), AT(Wave, sample_count),
-           AT(Wave, bounce), AT(Wave, first_film_pixel)});
+           AT(Wave, bounce), AT(Wave, first_film_pixel), AT(Wave, level_places)});
 }
 
 TEST(Layout, PathsAndQueues) {

@@ -108,12 +108,16 @@ BlockShare share_of(const Film& film, std::size_t measured) {
   return {pixels, 1.0 + (pixels - 1.0) * both / std::max(first, 1.0)};
 }
 
-Sums row_sums(const Rows& rows, std::size_t row) {
+// `largest_known`: of rows before, which the row's own is never less than.
+Sums row_sums(const Rows& rows, std::size_t row, double largest_known) {
   const Film& film = rows.film;
   Sums sums;
+  sums.largest_alone = largest_known;
   for (std::size_t i = row * film.width; i < (row + 1) * film.width; ++i) {
     const bool measured = !film.whole_nets || measured_pixel(film, block_of(film, i)) == i;
+    constexpr double kMostWeight = 1.0 / 0.01;
     const double largest = largest_alone(film, i), alone = largest * largest;
+    if (!measured && alone * kMostWeight <= sums.largest_alone) continue; // whatever it weighs
     // A pixel that is not measured has the variance of one that did not get its bright sample.
     const glm::dvec3 w = weight(rows, i, measured ? 0.0 : alone);
     const BlockShare share = film.whole_nets && measured ? share_of(film, i) : BlockShare{1.0, 1.0};
@@ -131,7 +135,8 @@ ErrorEstimate estimate_error(const Film& film) {
   tbb::parallel_for(std::size_t{0}, (rows.size() + kBlockRows - 1) / kBlockRows, [&](std::size_t block) {
     const std::size_t first = block * kBlockRows, end = std::min(first + kBlockRows, rows.size());
     const Rows statistics(film, first, end);
-    for (std::size_t y = first; y < end; ++y) rows[y] = row_sums(statistics, y);
+    for (std::size_t y = first; y < end; ++y)
+      rows[y] = row_sums(statistics, y, y > first ? rows[y - 1].largest_alone : 0.0);
   });
   const std::size_t pixel_count = std::size_t{film.width} * film.height;
   double sum = 0.0, sum_of_squares = 0.0, largest = 0.0;

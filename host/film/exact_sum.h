@@ -19,11 +19,15 @@ inline void set_digit_sum(std::uint32_t words[2], std::int64_t value) {
 
 // Rounded to 53 bits, a pure function of what was added. `top` is the index of the highest digit.
 inline double value_of(const gpu::ExactSum& sum, std::uint32_t top) {
-  __extension__ using Wide = __int128;
-  const Wide both = Wide{digit_sum(sum.high)} * (Wide{1} << 32) + digit_sum(sum.low);
   const std::uint64_t exponent =
       1023 + 32 * std::uint64_t{top} - 32 - 149; // of a power of two that doubles hold exactly
-  return static_cast<double>(both) * std::bit_cast<double>(exponent << 52);
+  const double unit = std::bit_cast<double>(exponent << 52);
+  const std::int64_t high = digit_sum(sum.high), low = digit_sum(sum.low);
+  constexpr std::int64_t kFew = std::int64_t{1} << 30; // both fit into 64 bits, which are faster to convert
+  if (high > -kFew && high < kFew && low > -(kFew << 32) && low < kFew << 32)
+    return static_cast<double>(high * (std::int64_t{1} << 32) + low) * unit;
+  __extension__ using Wide = __int128;
+  return static_cast<double>(Wide{high} * (Wide{1} << 32) + low) * unit;
 }
 
 // As if all of `other`'s samples had been added to `sum`.

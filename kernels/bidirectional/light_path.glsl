@@ -24,7 +24,7 @@ Sampler light_sampler(uint slot) {
   } else {
     uvec2 pixel = slot_pixel(slot);
     owner = pixel.y * frame.width + pixel.x;
-    path = wave_pixel(slot % wave.pixel_count);
+    path = slot_place(slot);
     paths = frame.width * frame.height;
   }
   Sampler s = make_sampler(seed, owner, slot_sample(slot), frame.sample_total);

@@ -17,12 +17,12 @@
 
 layout(local_size_x = kWorkgroupSize) in;
 
-// Adds the wave's samples first, first + step, ... to one entry of the film: read once, written once.
-void accumulate_net(uint local, uint entry, uint first, uint step_) {
-  if (first >= wave.sample_count) return;
+// Adds the place's samples first, first + step, ... to one entry of the film: read once, written once.
+void accumulate_net(WavePart part, uint first_slot, uint entry, uint first, uint step_) {
+  if (first >= part.samples) return;
   FilmPixel pixel = fetch_film_pixel(entry);
-  for (uint s = first; s < wave.sample_count; s += step_) {
-    uint slot = s * wave.pixel_count + local;
+  for (uint s = first; s < part.samples; s += step_) {
+    uint slot = first_slot + s * part.places;
     vec3 radiance = fetch_path(slot).radiance;
     if (is_finite(radiance)) add_sample(pixel, radiance);
   }
@@ -32,17 +32,19 @@ void accumulate_net(uint local, uint entry, uint first, uint step_) {
 void main() {
   uint local = gl_GlobalInvocationID.x;
   if (local >= wave.pixel_count) return;
-  uint film_index = wave_pixel(local) - wave.first_film_pixel;
+  WavePart part = even_part(wave);
+  if (has(kFeatureAdaptive)) part = part_of_place(wave, local);
+  uint film_index = wave_pixel(local) - wave.first_film_pixel, first_slot = part.first_slot + local - part.first_place;
   if (has_whole_nets()) {
-    accumulate_net(local, film_index, 0u, 1u);
+    accumulate_net(part, first_slot, film_index, 0u, 1u);
   } else {
     for (uint replicate = 0u; replicate < kReplicates; ++replicate)
-      accumulate_net(local, film_index * kReplicates + replicate,
-                     (replicate + kReplicates - wave.first_sample % kReplicates) % kReplicates, kReplicates);
+      accumulate_net(part, first_slot, film_index * kReplicates + replicate,
+                     (replicate + kReplicates - part.first_sample % kReplicates) % kReplicates, kReplicates);
   }
   if (!has(kFeatureAovs)) return;
-  for (uint s = 0u; s < wave.sample_count; ++s) {
-    uint slot = s * wave.pixel_count + local;
+  for (uint s = 0u; s < part.samples; ++s) {
+    uint slot = first_slot + s * part.places;
     if (is_finite(fetch_path(slot).radiance)) accumulate_aovs(film_index, path_aovs[slot]);
   }
 }

@@ -9,6 +9,8 @@
 #ifdef BIND_PATHS
 layout(set = 0, binding = kBindPaths, std430) writeonly buffer PathBlock { uvec4 path_words[]; };
 layout(set = 0, binding = kBindPathTexels) uniform samplerBuffer path_texels;
+layout(set = 0, binding = kBindPathSamplers, std430) writeonly buffer PathSamplerBlock { uvec2 path_samplers[]; };
+layout(set = 0, binding = kBindPathSamplerTexels) uniform usamplerBuffer path_sampler_texels;
 layout(set = 0, binding = kBindPathMedia, std430) buffer PathMediaBlock { uint path_media[]; };
 layout(set = 0, binding = kBindPathAovs, std430) buffer PathAovBlock { PathAovs path_aovs[]; };
 #endif

@@ -21,7 +21,7 @@
 #include "kernels/path/queue.glsl"
 #include "kernels/path/records.glsl"
 #include "kernels/path/sky.glsl"
-#include "kernels/pixel.glsl"
+#include "kernels/path/path_sampler.glsl"
 #include "kernels/records.glsl"
 
 Sampler path_sampler;
@@ -83,8 +83,8 @@ void begin_ray(uint index) {
   queued_origin = shadow_ray.origin;
   queued_direction = shadow_ray.direction;
   queued_t_max = shadow_ray.t_max;
-  if (has(kFeaturePanes) && has(kFeatureAlpha)) path_sampler = slot_sampler(shadow_ray.slot);
-  if (kMoves) open_shutter(slot_sampler(shadow_ray.slot));
+  if (has(kFeaturePanes) && has(kFeatureAlpha)) path_sampler = fetch_sampler(shadow_ray.slot);
+  if (kMoves) open_shutter(fetch_sampler(shadow_ray.slot));
   begin_shadow(shadow_ray.direction);
   queued_target = kNone;
   queued_target_instance = 0u;

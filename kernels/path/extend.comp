@@ -14,7 +14,7 @@
 #include "kernels/dimensions.glsl"
 #include "kernels/path/queue.glsl"
 #include "kernels/path/records.glsl"
-#include "kernels/pixel.glsl"
+#include "kernels/path/path_sampler.glsl"
 
 uint path_slot;
 // From the eye, or from a lobe of one direction (see PathState::bsdf_pdf).
@@ -37,8 +37,8 @@ void begin_ray(uint index) {
   queued_direction = ray.direction;
   queued_t_max = ray.t_max;
   path_slot = ray.slot;
-  if (has(kFeatureAlpha)) path_sampler = slot_sampler(ray.slot);
-  if (kMoves) open_shutter(slot_sampler(ray.slot));
+  if (has(kFeatureAlpha)) path_sampler = fetch_sampler(ray.slot);
+  if (kMoves) open_shutter(fetch_sampler(ray.slot));
 }
 
 void end_ray(uint index, Hit hit) {

@@ -13,18 +13,27 @@
 #include "kernels/filter.glsl"
 #include "kernels/path/bodies.glsl"
 #include "kernels/path/nonfinite.glsl"
+#include "kernels/path/path_sampler.glsl"
 #include "kernels/path/records.glsl"
-#include "kernels/pixel.glsl"
 
 layout(local_size_x = kWorkgroupSize) in;
 
+// Where the slot's ray stands in the queue. CPU drivers give each thread a run of the queue: where noisy levels come first,
+// every other workgroup goes to the second half, so that both have as much to do.
+uint camera_ray_place(uint slot) {
+  uint groups = wave_slots() / kWorkgroupSize, group = slot / kWorkgroupSize;
+  if (!has(kFeatureAdaptive) || group >= groups) return slot;
+  return ((group & 1u) * ((groups + 1u) / 2u) + group / 2u) * kWorkgroupSize + slot % kWorkgroupSize;
+}
+
 void main() {
   uint slot = gl_GlobalInvocationID.x;
-  if (slot == 0u) queues.ray_count[0] = wave.pixel_count * wave.sample_count;
-  if (slot >= wave.pixel_count * wave.sample_count) return;
+  if (slot == 0u) queues.ray_count[0] = wave_slots();
+  if (slot >= wave_slots()) return;
 
   uvec2 pixel = slot_pixel(slot);
   Sampler path_sampler = slot_sampler(slot);
+  store_sampler(slot, path_sampler);
   vec2 u = sample_2d(path_sampler, kDimensionFilter);
   vec3 origin, direction;
   camera_ray(vec2(pixel) + 0.5 + sample_filter(u), path_sampler, origin, direction);
@@ -34,7 +43,7 @@ void main() {
     path.radiance = spoilt(path.radiance);
     count_nonfinite(kMakerGenerate, slot);
   }
-  store_ray(slot, ray);
+  store_ray(camera_ray_place(slot), ray);
   store_path(slot, path);
   begin_bodies(slot);
   if (has(kFeatureAovs)) {

@@ -7,7 +7,7 @@
 #include "kernels/dimensions.glsl"
 #include "kernels/path/bodies.glsl"
 #include "kernels/path/records.glsl"
-#include "kernels/pixel.glsl"
+#include "kernels/path/path_sampler.glsl"
 #include "kernels/vertex.glsl"
 
 #ifdef LAYERED
@@ -53,7 +53,7 @@ bool is_in_scattering_medium(uint slot) { return uses_lobe(kLobeScattering) && c
 
 // Scatters the path within the body that it is in, before it arrives at `end` metres. False: it arrives.
 bool scatter_in_medium(Ray ray, float end, inout PathState path, out Ray next) {
-  Sampler path_sampler = slot_sampler(ray.slot);
+  Sampler path_sampler = fetch_sampler(ray.slot);
   uint medium = current_body(ray.slot);
   float distance_ = travel(medium, end, path_sampler, path.throughput);
   if (!(distance_ < end)) return false;
@@ -69,14 +69,14 @@ bool scatter_in_medium(Ray ray, float end, inout PathState path, out Ray next) {
 bool survives_medium(uint slot, inout PathState path) {
   float survival = sqrt(max_component(path.throughput) * abs(path.eta_scale));
   if (survival < 1.0 && wave.bounce > 1u) {
-    if (!(sample_2d(slot_sampler(slot), bounce_dimension(wave.bounce) + kDimensionChoice).y < survival)) return false;
+    if (!(sample_2d(fetch_sampler(slot), bounce_dimension(wave.bounce) + kDimensionChoice).y < survival)) return false;
     path.throughput /= survival;
   }
   return max_component(path.throughput) > 0.0;
 }
 
 void choose_channel(uint slot) {
-  if (uses_lobe(kLobeDispersion)) path_channel = (slot_sample(slot) + slot_sampler(slot).scramble % 3u) % 3u;
+  if (uses_lobe(kLobeDispersion)) path_channel = (fetch_sample(slot) + fetch_sampler(slot).scramble % 3u) % 3u;
 }
 
 // From the first glass that disperses on, the path carries one channel alone, three times as strong. A negative eta_scale

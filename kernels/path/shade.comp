@@ -30,7 +30,7 @@
 #include "kernels/path/receiver.glsl"
 #include "kernels/path/records.glsl"
 #include "kernels/path/sky.glsl"
-#include "kernels/pixel.glsl"
+#include "kernels/path/path_sampler.glsl"
 #include "kernels/ray_cone.glsl"
 #include "kernels/records.glsl"
 #include "kernels/vertex.glsl"
@@ -218,7 +218,7 @@ void follow(Ray ray, Hit hit, inout PathState path, out bool wants_ray, out Ray 
     Lobes lobes = lobes_of(v.bsdf, wo);
     if (has(kFeatureGuide))
       guide = bsdf_has_smooth(v.bsdf) ? find_guide(lobes, v.bsdf.alpha, v.surface.position) : no_guide();
-    Sampler path_sampler = slot_sampler(slot);
+    Sampler path_sampler = fetch_sampler(slot);
     uint dimension = bounce_dimension(wave.bounce);
     bool is_receiver = kDirect != kDirectBsdf && frame.light_count > 0u && bsdf_has_smooth(v.bsdf), passed;
     uvec4 earlier = uvec4(0u);
@@ -243,7 +243,7 @@ void shade(uint index, out bool wants_ray, out Ray next, out bool wants_shadow, 
   Ray ray = fetch_ray((wave.bounce & 1u) * frame.slot_count + index);
   PathState path = fetch_path(ray.slot);
   if (!is_finite(path.radiance)) return; // another kernel has counted it
-  if (kMoves) open_shutter(slot_sampler(ray.slot));
+  if (kMoves) open_shutter(fetch_sampler(ray.slot));
   if (has(kFeatureLearning)) note_arrival(wave.first_pixel + ray.slot, wave.bounce, path.radiance);
   follow(ray, fetch_hit(index), path, wants_ray, next, wants_shadow, shadow);
   if (has(kFeatureLearning) && !wants_ray) note_end(wave.first_pixel + ray.slot, wave.bounce);

@@ -10,12 +10,11 @@
 #define WAVEPATH_WHITTED_GLSL
 
 #include "kernels/dimensions.glsl"
+#include "kernels/pixel.glsl"
 #include "kernels/whitted/whitted_types.h"
 
 layout(set = 0, binding = kBindWhitted, std140) uniform WhittedBlock { WhittedFrame whitted; };
 layout(set = 0, binding = kBindWhittedNodes, std430) buffer WhittedNodeBlock { WhittedNode nodes_of_trees[]; };
-
-uint sample_slots() { return wave.pixel_count * wave.sample_count; }
 
 // First of the random numbers of a ray: two pairs for each shadow ray, one for the choice of a branch. They go by the place in the tree,
 // so that a branch that is cut off changes none of the others.

@@ -14,13 +14,13 @@ layout(local_size_x = kWorkgroupSize) in;
 
 void main() {
   uint index = gl_GlobalInvocationID.x;
-  if (index >= sample_slots() * whitted.width) return;
+  if (index >= wave_slots() * whitted.width) return;
   store_path(index, PathState(vec3(0.0), -1.0, vec3(0.0), 1.0));
   nodes_of_trees[index].width = 0u;
   nodes_of_trees[index].depth = kNone;
   nodes_of_trees[index].hit_depth = kNone;
   uint slot = index;
-  if (slot >= sample_slots()) return;
+  if (slot >= wave_slots()) return;
   Sampler path_sampler = slot_sampler(slot);
   vec2 u = sample_2d(path_sampler, kDimensionFilter);
   vec3 origin, direction;

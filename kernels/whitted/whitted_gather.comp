@@ -13,9 +13,9 @@ layout(local_size_x = kWorkgroupSize) in;
 
 void main() {
   uint slot = gl_GlobalInvocationID.x;
-  if (slot >= sample_slots()) return;
+  if (slot >= wave_slots()) return;
   PathState path = fetch_path(slot);
-  for (uint place = 1u; place < whitted.width; ++place) path.radiance += fetch_path(place * sample_slots() + slot).radiance;
+  for (uint place = 1u; place < whitted.width; ++place) path.radiance += fetch_path(place * wave_slots() + slot).radiance;
   if (!is_finite(path.radiance)) count_nonfinite(kMakerShade, slot);
   store_radiance(slot, path);
 }

@@ -86,10 +86,10 @@ vec3 lit_by(uint number, Vertex v, uint medium, uint path) {
 
 void main() {
   uint index = gl_GlobalInvocationID.x;
-  if (index >= sample_slots() * whitted.width) return;
+  if (index >= wave_slots() * whitted.width) return;
   WhittedNode node = nodes_of_trees[index];
   if (node.hit_depth != wave.bounce) return; // the surface of an earlier depth has been lit
-  uint slot = index % sample_slots();
+  uint slot = index % wave_slots();
   path_sampler = slot_sampler(slot);
   Surface surface = fetch_surface(node.hit);
   Vertex v = make_vertex(surface, fetch_material(surface.material), node.arrival);

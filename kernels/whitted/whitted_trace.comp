@@ -75,7 +75,7 @@ void branch(Vertex v, WhittedNode node, uint index) {
   bool both = reflects && refracts;
   reflected.width = both ? width / 2u : width;
   refracted.width = both ? width - width / 2u : width;
-  uint place = index + (both ? (width / 2u) * sample_slots() : 0u);
+  uint place = index + (both ? (width / 2u) * wave_slots() : 0u);
   if (both) refracted.hit_depth = kNone; // the surface is lit once
   if (refracts) nodes_of_trees[place] = refracted;
   if (reflects) nodes_of_trees[index] = reflected;
@@ -117,11 +117,11 @@ vec3 follow(WhittedNode node, uint index, uint slot) {
 
 void main() {
   uint index = gl_GlobalInvocationID.x;
-  if (index >= sample_slots() * whitted.width) return;
+  if (index >= wave_slots() * whitted.width) return;
   WhittedNode node = nodes_of_trees[index];
   // A ray that another lane puts here meanwhile is of the next depth; read while it is written, it has that depth or none.
   if (node.width == 0u || node.depth != wave.bounce) return;
-  uint slot = index % sample_slots();
+  uint slot = index % wave_slots();
   path_sampler = slot_sampler(slot);
   alpha_kind = alpha_key(node.path, kHashExtend);
   nodes_of_trees[index].width = 0u;

@@ -101,7 +101,7 @@ void PathTracer::record_wave(Commands& commands, std::size_t band, const gpu::Wa
   const std::uint32_t bounces = workspace_.frame.max_depth + 1;
   const bool connects = workspace_.frame.light_count > 0 || paths_.config().sky == gpu::kSkyByShadowRays;
   commands.bind(paths_.bindings(band));
-  commands.dispatch(kernels[kGenerate], groups_for(std::uint64_t{wave.pixel_count} * wave.sample_count), &wave);
+  commands.dispatch(kernels[kGenerate], groups_for(gpu::level_slots(wave)), &wave);
   const bool sorts = shading.config().sort != gpu::kSortNone;
   bool is_prepared = false;
   for (std::uint32_t bounce = 0; bounce < bounces; ++bounce) {

@@ -101,7 +101,7 @@ std::uint32_t Whitted::timed_dispatches() const {
 
 void Whitted::record_wave(Commands& commands, std::size_t band, const gpu::Wave& wave) {
   const KernelSet& kernels = kernels_.best(need_);
-  const std::uint64_t samples = std::uint64_t{wave.pixel_count} * wave.sample_count;
+  const std::uint64_t samples = gpu::level_slots(wave);
   const std::uint32_t groups = groups_for(samples * width_);
   commands.bind(*sets_[band]);
   commands.dispatch(kernels[kBegin], groups, &wave);

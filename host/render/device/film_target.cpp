@@ -62,7 +62,9 @@ auto* second_nets(const FilmBand& band, const Film& film, T& rows) {
 template <class T>
 void read_rows(const FilmBand& band, const Buffer& buffer, std::size_t each, Film& film, std::vector<T>& rows) {
   std::vector<T> values;
+  const auto* const there = static_cast<const T*>(buffer.in_place());
   in_pieces(band.pixel_count, [&](std::uint32_t first, std::uint32_t count) {
+    if (there) return to_rows(there + first * each, band.first_pixel + first, count, each, film, rows);
     values.resize(count * each);
     buffer.read(values.data(), values.size() * sizeof(T), first * each * sizeof(T));
     to_rows(values.data(), band.first_pixel + first, count, each, film, rows);

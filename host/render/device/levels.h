@@ -3,7 +3,12 @@
 
 #include <cstdint>
 
+#include "kernels/wave.h"
+
 namespace wavepath {
+
+using gpu::at_level;
+using gpu::kHighestLevel, gpu::kLowestLevel;
 
 // Consecutive pixels in tile order that share a level: a tile of 8x8, away from the borders.
 inline constexpr std::uint32_t kRunPixels = 64;
@@ -14,13 +19,9 @@ inline std::uint32_t noise_pilot_part(std::uint64_t pixels) { return pixels < 1u
 
 inline constexpr std::uint32_t kFewestPilotSamples = 4; // of a pixel of it
 
-inline constexpr int kLowestLevel = -2, kHighestLevel = 3; // a run of level k gets 2^k times the samples
-inline constexpr int kLowestLevelOfHalvedNets = -1;        // of a step's samples two are left, one for each net
-inline constexpr std::uint32_t kAdaptiveStep = 4;          // samples per pixel: what every level can share out
+inline constexpr int kLowestLevelOfHalvedNets = -1; // of a step's samples two are left, one for each net
+inline constexpr std::uint32_t kAdaptiveStep = 4;   // samples per pixel: what every level can share out
 inline constexpr std::uint32_t kHighestFactor = 1u << kHighestLevel;
-
-// Samples of the range [0, n) in a run of that level; n is a multiple of kAdaptiveStep.
-inline std::uint32_t at_level(std::uint32_t n, int level) { return level >= 0 ? n << level : n >> -level; }
 
 // The samples of an adaptive render that is asked for n.
 inline std::uint32_t whole_steps(std::uint32_t n) { return (n + kAdaptiveStep - 1) / kAdaptiveStep * kAdaptiveStep; }

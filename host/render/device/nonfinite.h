@@ -8,7 +8,7 @@
 #include <optional>
 #include <string_view>
 
-#include "kernels/frame_types.h"
+#include "kernels/wave.h"
 
 namespace wavepath {
 
@@ -47,8 +47,9 @@ struct Nonfinite {
       any = true;
       by_maker[maker] += counters.nonfinite_count[maker];
       const std::uint32_t slot = counters.nonfinite_first[maker];
-      const NonfiniteSample lowest{wave.first_sample + slot / wave.pixel_count,
-                                   pixel_at(wave.first_pixel + slot % wave.pixel_count), maker};
+      const gpu::WavePart part = gpu::level_slots(wave) > 0 ? gpu::part_of_slot(wave, slot) : gpu::even_part(wave);
+      const NonfiniteSample lowest{part.first_sample + gpu::local_sample(part, slot),
+                                   pixel_at(wave.first_pixel + gpu::local_place(part, slot)), maker};
       if (!first || lowest < *first) first = lowest;
     }
     return any;

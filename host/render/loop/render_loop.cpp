@@ -201,8 +201,12 @@ void RenderLoop::explore(const Pilot& pilot) {
   const std::uint32_t end = pilot.first_sample + pilot.samples;
   for (const Segment& segment : pilot.segments)
     for (std::uint32_t first = pilot.first_sample; first < end; first += std::min(room, end - first))
-      for (std::uint32_t done = 0; done < segment.pixel_count && !stopped_;)
-        done += submit_wave(segment, done, first, std::min(room, end - first));
+      for (std::uint32_t done = 0; done < segment.pixel_count && !stopped_;) {
+        const std::uint32_t count = std::min(room, end - first), taken = fitting(segment, done, count, 0);
+        submit_wave(segment.band, wave_of(segment, done, taken, first, count),
+                    taken * integrator_->paths_per_pixel(count));
+        done += taken;
+      }
   queue_.drain();
   exploring_ = false;
   workspace_.frame = frame;
@@ -264,36 +268,56 @@ std::uint32_t RenderLoop::pass_end() const {
   return end;
 }
 
-// Hands over samples [first, first + count) of as many pixels of a segment as a wave holds; returns how many. The only
-// place where waves are cut.
-std::uint32_t RenderLoop::submit_wave(const Segment& segment, std::uint32_t done, std::uint32_t first,
-                                      std::uint32_t count) {
+// Pixels of a segment, of which `done` have their samples, that join a wave of `slots` paths so far, with `count`
+// samples each: as many as a wave holds, one at least. The only place where waves are cut.
+std::uint32_t RenderLoop::fitting(const Segment& segment, std::uint32_t done, std::uint32_t count,
+                                  std::uint32_t slots) const {
   const std::uint32_t paths = integrator_->paths_per_pixel(count);
-  const std::uint32_t room = std::max((pace_.fixed_wave ? pace_.fixed_wave : governor_.wave()) / paths, 1u);
-  const std::uint32_t taken = std::min(room, segment.pixel_count - done);
-  const FilmBand& band = workspace_.film.bands()[segment.band];
+  const std::uint32_t room = pace_.fixed_wave ? pace_.fixed_wave : governor_.wave();
+  const std::uint32_t fit = room > slots ? (room - slots) / paths : 0;
+  return std::min(slots == 0 ? std::max(fit, 1u) : fit, segment.pixel_count - done);
+}
+
+gpu::Wave RenderLoop::wave_of(const Segment& segment, std::uint32_t done, std::uint32_t taken, std::uint32_t first,
+                              std::uint32_t count) const {
   const std::uint32_t index = segment.first_place + done;
+  const FilmBand& band = workspace_.film.bands()[segment.band];
   gpu::Wave wave = integrator_->wave(band, workspace_.place_at(index), taken, first, count);
   wave.first_pixel = index;
+  return wave;
+}
+
+void RenderLoop::submit_wave(std::size_t band, const gpu::Wave& wave, std::uint32_t slots) {
   WaveQueue::Work work{.timed_dispatches = integrator_->timed_dispatches(), .wave = wave};
-  work.done = [this, slots = taken * paths](const Finished& finished) {
+  work.done = [this, slots](const Finished& finished) {
     const bool timed = finished.longest_dispatch > 0.0 && !pace_.by_wave; // else the whole wave bounds each dispatch
     const double whole = finished.device_seconds > 0.0 ? finished.device_seconds : finished.seconds;
     governor_.report(timed ? finished.longest_dispatch : whole, slots);
     report_progress();
   };
-  queue_.submit([&](Commands& commands) { integrator_->record_wave(commands, segment.band, wave); }, std::move(work));
-  return taken;
+  queue_.submit([&](Commands& commands) { integrator_->record_wave(commands, band, wave); }, std::move(work));
 }
 
+// What is next of the pass. Levels share a wave, since the pixels of one alone may be few.
 void RenderLoop::submit_next_wave() {
-  const Segment& segment = segments_[cursor_.segment];
-  const std::uint32_t first = at_level(cursor_.sample, segment.level),
-                      count = at_level(cursor_.pass_samples, segment.level);
-  cursor_.pixels_done += submit_wave(segment, cursor_.pixels_done, first, count);
-  if (cursor_.pixels_done < segment.pixel_count) return;
-  ++cursor_.segment;
-  cursor_.pixels_done = 0;
+  const Segment first = segments_[cursor_.segment];
+  gpu::Wave wave = wave_of(first, cursor_.pixels_done, 0, cursor_.sample, cursor_.pass_samples);
+  std::uint32_t slots = 0;
+  while (!is_pass_submitted()) {
+    const Segment& segment = segments_[cursor_.segment];
+    const gpu::Wave more = wave_of(segment, cursor_.pixels_done, 0, cursor_.sample, cursor_.pass_samples);
+    if (segment.band != first.band || more.first_film_pixel != wave.first_film_pixel) break;
+    const std::uint32_t count = at_level(cursor_.pass_samples, segment.level);
+    const std::uint32_t taken = fitting(segment, cursor_.pixels_done, count, slots);
+    wave.pixel_count += taken;
+    wave.level_places[kHighestLevel - segment.level] += taken;
+    slots += taken * integrator_->paths_per_pixel(count);
+    cursor_.pixels_done += taken;
+    if (cursor_.pixels_done < segment.pixel_count) break;
+    ++cursor_.segment;
+    cursor_.pixels_done = 0;
+  }
+  submit_wave(first.band, wave, slots);
 }
 
 void RenderLoop::end_pass() {

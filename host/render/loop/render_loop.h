@@ -109,7 +109,10 @@ private:
   void share_out();
   void use_levels(const std::vector<std::int8_t>& levels);
   std::uint32_t pass_end() const;
-  std::uint32_t submit_wave(const Segment& segment, std::uint32_t done, std::uint32_t first, std::uint32_t count);
+  std::uint32_t fitting(const Segment& segment, std::uint32_t done, std::uint32_t count, std::uint32_t slots) const;
+  gpu::Wave wave_of(const Segment& segment, std::uint32_t done, std::uint32_t taken, std::uint32_t first,
+                    std::uint32_t count) const;
+  void submit_wave(std::size_t band, const gpu::Wave& wave, std::uint32_t slots);
   void submit_next_wave();
   bool is_pass_submitted() const { return cursor_.segment >= segments_.size(); }
   bool is_first_pass_complete() const;

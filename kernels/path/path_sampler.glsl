@@ -1,0 +1,32 @@
+// The random numbers of a path, for the kernels that follow it. Include bindings.glsl with BIND_PATHS first.
+//
+// In waves by levels (kFeatureAdaptive) generate finds out which pixel and sample a slot works on, and keeps the sampler:
+// CPU drivers take a sixth of shade to find it again at every vertex.
+#ifndef WAVEPATH_PATH_SAMPLER_GLSL
+#define WAVEPATH_PATH_SAMPLER_GLSL
+
+#include "kernels/pixel.glsl"
+
+const uint kSecondReplicate = 1u << 31u; // of halved nets, beside the index in its replicate
+
+void store_sampler(uint slot, Sampler s) {
+  uint replicate = has_whole_nets() ? 0u : s.replicate * kSecondReplicate;
+  if (has(kFeatureAdaptive)) path_samplers[slot] = uvec2(s.scramble, s.index | replicate);
+}
+
+Sampler fetch_sampler(uint slot) {
+  if (!has(kFeatureAdaptive)) return slot_sampler(slot);
+  uvec2 kept = texelFetch(path_sampler_texels, int(slot)).xy;
+  uint replicate = kept.y / kSecondReplicate; // not of whole nets, which nobody asks for it
+  uint count = has_whole_nets() ? frame.sample_total : samples_of_half(frame.sample_total, replicate);
+  return Sampler(replicate, kept.y % kSecondReplicate, max(1u, count), kept.x);
+}
+
+// The sample of its pixel that a slot works on.
+uint fetch_sample(uint slot) {
+  if (!has(kFeatureAdaptive)) return slot_sample(slot);
+  Sampler s = fetch_sampler(slot);
+  return has_whole_nets() ? s.index : s.index * kReplicates + s.replicate;
+}
+
+#endif
