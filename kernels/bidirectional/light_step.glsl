@@ -42,7 +42,7 @@ bool light_passes_delta(Vertex v, vec3 local, BsdfSample s, vec3 w, inout PathSt
 bool light_departs(Vertex v, bool transmitted, vec3 w, float u, uint slot, inout PathState path, out Ray ray) {
   path.eta_scale = 1.0;
   path.bsdf_pdf = 1.0;
-  float survival = sqrt(max_component(path.throughput)); // as in path/shade.comp
+  float survival = sqrt(max_component(path.throughput)); // as bidirectional_shade.comp has it
   if (survival < 1.0 && wave.bounce > 2u) {
     if (!(u < survival)) return false;
     path.throughput /= survival;

@@ -145,8 +145,9 @@ bool scatter(Vertex v, Lobes lobes, Sampler path_sampler, uint dimension, uint s
   // Russian roulette from the third bounce on, by the root of what the path can still carry. By the plain value and
   // from the second on, as pbrt-v4 has it (section 13.2.1), it ends paths that have cost much and would still bring
   // light: time times relMSE is 0.82 of that on a Cornell box, 0.74 on Sponza, 0.2 on DamagedHelmet under a studio
-  // environment (llvmpipe). Paths survive a quarter more often than that: 0.93 to 0.98 of time times relMSE on six scenes.
-  float survival = 1.25 * sqrt(max_component(path.throughput) * abs(path.eta_scale));
+  // environment (llvmpipe). Paths survive a quarter more often than that, and twice as often where they are guided to light
+  // (benchmarks/results/NOTES.md).
+  float survival = (has(kFeatureGuide) ? 2.0 : 1.25) * sqrt(max_component(path.throughput) * abs(path.eta_scale));
   if (survival < 1.0 && wave.bounce > 1u && !has(kFeatureLearning)) {
     if (!(u_choice.y < survival)) return false;
     path.throughput /= survival;
