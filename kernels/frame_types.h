@@ -106,10 +106,11 @@ struct Counters {
   uint bounce_rays[2];
   uint shadow_rays[2];
   uint occlusion_rays[2];
-  uint nonfinite_count[kMakerCount]; // by the kernel that made them
-  uint nonfinite_first[kMakerCount]; // their lowest slots, kNone if there are none
+  uint nonfinite_count[kMakerCount];           // by the kernel that made them
+  uint nonfinite_first[kMakerCount * kLevels]; // their lowest slots, by level in an adaptive render (level_index()),
+                                               // else that of index 0; kNone if there are none
 };
-GPU_CHECK(sizeof(Counters) == 56);
+GPU_CHECK(sizeof(Counters) == 116);
 
 #ifdef __cplusplus
 } // namespace wavepath::gpu

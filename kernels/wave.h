@@ -81,7 +81,25 @@ GPU_FUNCTION uint local_place(WavePart part, uint slot) {
   return part.first_place + slot - part.first_slot - local_sample(part, slot) * part.places;
 }
 
+// Of the slot's level among those of the wave, from the highest down.
+GPU_FUNCTION uint level_index(Wave wave, uint slot) {
+  WavePart part = highest_part(wave);
+  uint found = 0u;
+  for (int level = kHighestLevel - 1; level >= kLowestLevel; --level) {
+    part = next_part(part, wave, level);
+    if (part.places > 0u && slot >= part.first_slot) found = uint(kHighestLevel - level);
+  }
+  return found;
+}
+
 #ifdef __cplusplus
+// All places get as many samples: kernels of an adaptive render take them for level 0. `first_place`,
+// `first_film_pixel`: as Wave's first_pixel and first_film_pixel.
+inline Wave even_wave(uint first_place, uint places, uint first_sample, uint samples, uint first_film_pixel) {
+  Wave wave{first_place, places, first_sample, samples, 0, first_film_pixel, {}};
+  wave.level_places[kHighestLevel] = places;
+  return wave;
+}
 } // namespace wavepath::gpu
 #endif
 #endif

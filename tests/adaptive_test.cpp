@@ -19,6 +19,7 @@
 #include "host/render/device/kernel_compiler.h"
 #include "host/render/device/workspace.h"
 #include "host/render/loop/adaptive.h"
+#include "host/render/loop/render_loop.h"
 #include "host/render/loop/render_state.h"
 #include "host/render/loop/segments.h"
 #include "host/render/render.h"
@@ -188,6 +189,16 @@ TEST(WaveByLevels, EverySlotIsASampleOfAPlace) {
   }
 }
 
+// What generate keeps of a slot has room where there are levels alone.
+TEST(WaveByLevels, TakeEightBytesAPath) {
+  RenderSettings settings;
+  settings.integrator = find_integrator("path");
+  settings.adaptive = kAdaptiveOff;
+  const std::uint64_t even = settings.integrator->bytes_per_slot(0, settings);
+  settings.adaptive = kAdaptiveOn;
+  EXPECT_EQ(settings.integrator->bytes_per_slot(0, settings) - even, 8u);
+}
+
 // ---- renders --------------------------------------------------------------------------------------------------------
 
 class AdaptiveRender : public VulkanTest {
@@ -286,13 +297,15 @@ TEST_F(AdaptiveRender, LevelsShareWaves) {
   RenderSettings settings = settings_of(101, 67, 16);
   const std::vector<std::int8_t> levels = levels_of(settings);
   EXPECT_GE(std::set<std::int8_t>(levels.begin(), levels.end()).size(), 4u);
-  const RenderResult result = render(settings);
+  const View view = resolve_view(scene_, {}, settings.width, settings.height);
+  RenderLoop loop(device(), packed_, view, settings, shared_kernels(device()), {}, {.fixed_wave = 1u << 17});
+  while (loop.step()) {
+  }
+  const RenderResult result = loop.finish();
   const auto accumulate = std::ranges::find(result.stages, "accumulate", &StageTime::name);
   ASSERT_NE(accumulate, result.stages.end());
   constexpr std::uint32_t kPilot = 1, kPasses = 3; // up to 4, 8 and 16 samples
-  if (device().info().type == "cpu") {             // whose first waves hold a pass
-    EXPECT_EQ(accumulate->dispatches, kPilot + kPasses);
-  }
+  EXPECT_EQ(accumulate->dispatches, kPilot + kPasses);
 }
 
 TEST_F(AdaptiveRender, HowTheWorkIsCutUpDoesNotMatter) {

@@ -23,7 +23,7 @@ TEST(KernelConfig, CoversWhatNeedsNoMore) {
   const KernelNeed generic{&kPathProgram, kAllPathStages, {gpu::kFeaturesAll, 64, 1, 1, 1, 1}};
   EXPECT_TRUE(generic.covers(generic));
   KernelNeed need = generic;
-  need.config.features = gpu::kFeatureAlpha;
+  need.config.features = gpu::kFeatureAlpha | gpu::kFeatureAdaptive; // which the generic one has, too
   need.config.stack_size = 10;
   need.stages = kLightingStages;
   EXPECT_TRUE(generic.covers(need));
@@ -46,6 +46,10 @@ TEST(KernelConfig, CoversWhatNeedsNoMore) {
   EXPECT_FALSE(sampled.covers(generic));
   EXPECT_FALSE(generic.covers(sampled));
   EXPECT_TRUE(sampled.covers(sampled));
+  KernelNeed adaptive = generic; // its generate keeps samplers that the other's shade would not find
+  adaptive.config.features ^= gpu::kFeatureAdaptive;
+  EXPECT_FALSE(adaptive.covers(generic));
+  EXPECT_FALSE(generic.covers(adaptive));
   for (std::uint32_t KernelConfig::*setting :
        {&KernelConfig::sampler, &KernelConfig::direct, &KernelConfig::hemisphere, &KernelConfig::filter,
         &KernelConfig::lens, &KernelConfig::cull, &KernelConfig::motion, &KernelConfig::terminator}) {

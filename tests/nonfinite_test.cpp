@@ -186,6 +186,19 @@ TEST_F(NonfiniteTest, AnAdaptiveRenderNamesThePixelOfItsFirst) {
   EXPECT_EQ(static_cast<double>(result.nonfinite.samples()), rendered - finite) << "those of the pilot do not count";
 }
 
+// Nor where levels share waves, in which the lowest slot is of the noisiest run, not of the first sample.
+TEST_F(NonfiniteTest, NorDoLevelsThatShareWaves) {
+  Shot shot = glowing_wall(43, 37);
+  shot.settings.adaptive = kAdaptiveOn;
+  shot.settings.last_sample = 16;
+  const Nonfinite whole = render(device(), shot.packed, shot.view, shot.settings).nonfinite;
+  ASSERT_TRUE(whole.first);
+  for (const std::uint32_t slots : {33u, 500u, 5000u}) {
+    shot.settings.wave_slots = slots;
+    EXPECT_EQ(render(device(), shot.packed, shot.view, shot.settings).nonfinite, whole) << slots;
+  }
+}
+
 // The replay of a path has the bits of a picture that holds this path alone.
 TEST_F(NonfiniteTest, ReplaysHaveTheBitsOfTheRender) {
   for (const char* name : {"cornell_box.gltf", "showcase.glb"})
@@ -298,6 +311,17 @@ TEST_F(NonfiniteCliTest, PathsThatTheRenderDoesNotHaveAreRefused) {
   }
   const Outcome noisy = run({"--adaptive", "--pixel", "0,0", "--sample", "31"}); // of eight times four
   EXPECT_EQ(noisy.exit_code, 0) << noisy.err;
+}
+
+// A sample of an adaptive render is that of an even one.
+TEST_F(NonfiniteCliTest, AnAdaptiveRenderHasTheSamePaths) {
+  for (const char* sample : {"0", "3"}) {
+    const Outcome even = run({"--pixel", "3,4", "--sample", sample, "--adaptive", "off"}),
+                  adaptive = run({"--pixel", "3,4", "--sample", sample, "--adaptive", "on"});
+    ASSERT_EQ(even.exit_code, 0) << even.err;
+    EXPECT_NE(even.out.find("shadow ray"), std::string::npos) << even.out;
+    EXPECT_EQ(adaptive.out, even.out);
+  }
 }
 
 } // namespace

@@ -643,7 +643,7 @@ TEST_F(ResumedLoop, InterruptedBeforeALookATargetIsReachedAtTheSameSample) {
   }
 }
 
-// Kernels that were made for an adaptive render serve the next one until its own are ready.
+// Kernels that were made for an adaptive render are there, and do not serve an even one.
 TEST_F(ResumedLoop, AnEvenRenderAfterAnAdaptiveOneIsTheSame) {
   settings_.last_sample = 8;
   const RenderResult expected = render();

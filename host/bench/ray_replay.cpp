@@ -10,6 +10,7 @@
 #include "host/render/settings/traversal.h"
 #include "kernels/frame_types.h"
 #include "kernels/path/path_types.h"
+#include "kernels/wave.h"
 
 namespace wavepath {
 namespace {
@@ -32,7 +33,7 @@ RayReplay::RayReplay(Device& device, const PackedScene& scene, const View& view,
 
 gpu::Wave RayReplay::first_wave() const {
   const FilmBand& band = workspace_.film.bands().front();
-  return {band.first_pixel, std::min(band.pixel_count, workspace_.slots), 0, 1, 0, band.first_pixel};
+  return gpu::even_wave(band.first_pixel, std::min(band.pixel_count, workspace_.slots), 0, 1, band.first_pixel);
 }
 
 RaySets RayReplay::capture() {

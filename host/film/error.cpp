@@ -17,6 +17,7 @@ namespace {
 double mean_of(const glm::dvec3& v) { return (v.x + v.y + v.z) / 3.0; }
 
 constexpr std::size_t kBlockRows = 32;
+constexpr double kFloor = 0.01; // of squared radiance, as relMSE has it
 
 // Statistics of the pixels of rows [first, end) and of those beside them. In blocks, because those of a whole picture
 // take as much memory as its film.
@@ -59,14 +60,14 @@ glm::dvec3 weight(const Rows& rows, std::size_t index, double least_noise) {
       count += 1.0;
     }
   const PixelStatistics& own = rows[index];
-  if (count == 0.0) return 1.0 / (own.mean * own.mean + 0.01);
+  if (count == 0.0) return 1.0 / (own.mean * own.mean + kFloor);
   around /= count;
   noise = glm::max(glm::max(noise / (count + 1.0), own.variance), least_noise);
   const glm::dvec3 apart = own.mean - around, edge = glm::max(apart * apart - noise, 0.0);
   glm::dvec3 r = own.mean;
   for (int c = 0; c < 3; ++c)
     if (edge[c] + noise[c] > 0.0) r[c] = around[c] + apart[c] * edge[c] / (edge[c] + noise[c]);
-  return 1.0 / (glm::min(r * r, own.mean * own.mean) + 0.01);
+  return 1.0 / (glm::min(r * r, own.mean * own.mean) + kFloor);
 }
 
 // What a pixel's largest sample, as a mean over R G B, contributes to its mean.
@@ -115,9 +116,8 @@ Sums row_sums(const Rows& rows, std::size_t row, double largest_known) {
   sums.largest_alone = largest_known;
   for (std::size_t i = row * film.width; i < (row + 1) * film.width; ++i) {
     const bool measured = !film.whole_nets || measured_pixel(film, block_of(film, i)) == i;
-    constexpr double kMostWeight = 1.0 / 0.01;
     const double largest = largest_alone(film, i), alone = largest * largest;
-    if (!measured && alone * kMostWeight <= sums.largest_alone) continue; // whatever it weighs
+    if (!measured && alone / kFloor <= sums.largest_alone) continue; // whatever it weighs
     // A pixel that is not measured has the variance of one that did not get its bright sample.
     const glm::dvec3 w = weight(rows, i, measured ? 0.0 : alone);
     const BlockShare share = film.whole_nets && measured ? share_of(film, i) : BlockShare{1.0, 1.0};

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <fmt/format.h>
 
@@ -16,11 +17,17 @@
 namespace wavepath {
 namespace {
 
-constexpr std::uint32_t kPilotSide = 64, kPilotSamples = 16;
-// Iterations of a guiding pilot in a trial: enough to see that it does not pay; where it does, the field of the whole
-// render, which learns for longer, is better still.
-constexpr std::uint32_t kGuideIterations = 2;
-constexpr double kWholeOverPilots = 20.0; // in paths; below that, not even the first is tried
+constexpr std::uint32_t kPilotSide = 64;
+
+// How long a trial is. Two iterations of guiding are enough to see that it does not pay; where it does, the field of
+// the whole render, which learns for longer, is better still.
+struct Round {
+  std::uint32_t samples, guide_iterations;
+};
+constexpr Round kFirstRound{16, 2};
+constexpr std::uint32_t kSecondOverFirst = 4; // samples of a second round, which learns for as long as the render
+constexpr double kAlike = 2.0;                // of costs after 16 samples: either may be the lower one
+constexpr double kWholeOverPilots = 20.0;     // in paths; below that, not even the first is tried
 // Errors of the first trial. Where it is below kEasy, nothing else is tried; above kHard and kHopeless, trials may cost
 // more of the render, because such scenes gain by factors.
 constexpr double kEasy = 0.1, kHard = 1.0, kHopeless = 3.0;
@@ -32,11 +39,13 @@ constexpr double kTrialsOverFirst = 6.0, kCpuKernels = 5e6, kGpuKernels = 2.5e9;
 // A trial that lacks more light than this, beyond four standard errors, does not find all of it, however smooth it is.
 constexpr double kMissing = 0.01, kSure = 4.0;
 constexpr double kNever = 1e30; // a cost that no other exceeds
+// A second round is no more of the render's work than this.
+constexpr double kWholeOverSecondRound = 10.0;
 
-RenderSettings pilot_of(const RenderSettings& settings) {
-  RenderSettings small = small_picture(settings, kPilotSide, kPilotSamples);
+RenderSettings pilot_of(const RenderSettings& settings, const Round& round = kFirstRound) {
+  RenderSettings small = small_picture(settings, kPilotSide, round.samples);
   small.seed = settings.seed ^ 0x9e3779b9u;
-  small.guide_iterations = kGuideIterations;
+  small.guide_iterations = round.guide_iterations;
   return small;
 }
 
@@ -58,22 +67,17 @@ struct PilotRender {
   RenderSettings settings;
   RenderResult result;
   PictureLight light;
-  double work = 0.0;
+  double steady = 0.0, learned = 0.0; // work of the trial: for its samples, and for what came before them
+  double work = 0.0;                  // of its samples, and as much of learning as they have to bear
 };
 
 // Of the work from which a trial learned, what the samples of the trial have to bear: a whole render learns once, and
 // of guiding that pays for longer, since each iteration after the second has twice as many paths.
-double learning_share(const RenderSettings& settings, const RenderResult& trial) {
+double learning_share(const RenderSettings& settings, const RenderResult& trial, const Round& round) {
   const bool longer = trial.guide && trial.guide->used;
-  const double length = longer ? std::exp2(static_cast<double>(settings.guide_iterations - kGuideIterations)) : 1.0;
-  return length * paths_of(pilot_of(settings)) / paths_of(settings);
-}
-
-// Work for the samples of the pilot picture, and a share of what the integrator learned from before the first of them.
-double work_of(const RenderSettings& settings, const RenderResult& result, double learning_share, bool cpu) {
-  const double total = settings.integrator->work(settings, result.rays, cpu);
-  const double steady = steady_work(settings, result, cpu);
-  return steady + std::max(0.0, total - steady) * learning_share;
+  const double length =
+      longer ? std::exp2(static_cast<double>(settings.guide_iterations - round.guide_iterations)) : 1.0;
+  return length * paths_of(pilot_of(settings, round)) / paths_of(settings);
 }
 
 // Whether to try the others after the first, in a render `length` times as long as a pilot.
@@ -125,6 +129,28 @@ std::size_t best_of(const std::vector<Trial>& trials) {
   return best;
 }
 
+// Those other than the first whose costs may be alike, the best one among them. Guiding is worth more than two
+// iterations show: behind a door it costs half of what else is best, and 16 samples tell so every other time.
+std::vector<std::size_t> contenders(const std::vector<Trial>& trials, std::size_t best) {
+  std::vector<std::size_t> found;
+  for (std::size_t i = 1; i < trials.size(); ++i)
+    if (trials[i].missing == 0.0 && trials[i].cost <= kAlike * trials[best].cost) found.push_back(i);
+  return found;
+}
+
+// Whether to try those again, in a render `length` times as long as a pilot.
+bool tries_again(const std::vector<PilotRender>& pilots, const std::vector<std::size_t>& which, double length) {
+  if (which.size() < 2) return false;
+  double work = 0.0, cheapest = std::numeric_limits<double>::infinity();
+  for (const std::size_t i : which) {
+    cheapest = std::min(cheapest, pilots[i].work);
+    const int longer =
+        static_cast<int>(pilots[i].settings.guide_iterations) - static_cast<int>(kFirstRound.guide_iterations);
+    work += kSecondOverFirst * pilots[i].steady + std::ldexp(pilots[i].learned, std::max(longer, 0));
+  }
+  return length * cheapest >= kWholeOverSecondRound * work;
+}
+
 } // namespace
 
 IntegratorChoice choose_integrator(Device& device, const PackedScene& scene, const View& view,
@@ -137,21 +163,36 @@ IntegratorChoice choose_integrator(Device& device, const PackedScene& scene, con
   const double length = length_of(settings, cpu);
   if (candidates.size() < 2 || length < kWholeOverPilots * static_cast<double>(candidates.size())) return choice;
   std::vector<PilotRender> pilots;
-  for (const RenderSettings& candidate : candidates) {
+  const auto try_out = [&](const RenderSettings& candidate, const Round& round) {
     PilotRender pilot{.settings = candidate};
-    RenderSettings small = pilot_of(candidate);
+    RenderSettings small = pilot_of(candidate, round);
     if (!pilots.empty()) small.light_shares = shared.light_shares; // that the first has learned, as the others would
     pilot.result = render(device, scene, view, small, RenderHooks{}, kernels, &shared);
     choice.render_seconds += pilot.result.seconds;
     pilot.light = light_of(*pilot.result.film);
-    pilot.work = work_of(candidate, pilot.result, learning_share(candidate, pilot.result), cpu);
-    pilots.push_back(std::move(pilot));
+    pilot.steady = steady_work(candidate, pilot.result, cpu);
+    pilot.learned = std::max(0.0, candidate.integrator->work(candidate, pilot.result.rays, cpu) - pilot.steady);
+    pilot.work = pilot.steady + pilot.learned * learning_share(candidate, pilot.result, round);
+    return pilot;
+  };
+  const auto judge_all = [&] {
+    const PictureLight& brightest =
+        std::ranges::max_element(pilots, {}, [](const auto& p) { return p.light.sum; })->light;
+    choice.trials.clear();
+    for (const PilotRender& pilot : pilots) choice.trials.push_back(judge(pilot, pilots.front(), brightest));
+    choice.taken = best_of(choice.trials);
+  };
+  for (const RenderSettings& candidate : candidates) {
+    pilots.push_back(try_out(candidate, kFirstRound));
     if (pilots.size() == 1 && !tries_others(pilots[0], length, may_lose_light(scene), cpu)) break;
   }
-  const PictureLight& brightest =
-      std::ranges::max_element(pilots, {}, [](const auto& p) { return p.light.sum; })->light;
-  for (const PilotRender& pilot : pilots) choice.trials.push_back(judge(pilot, pilots.front(), brightest));
-  choice.taken = best_of(choice.trials);
+  judge_all();
+  const std::vector<std::size_t> close = contenders(choice.trials, choice.taken);
+  if (choice.taken > 0 && tries_again(pilots, close, length)) {
+    for (const std::size_t i : close)
+      pilots[i] = try_out(candidates[i], {kSecondOverFirst * kFirstRound.samples, candidates[i].guide_iterations});
+    judge_all();
+  }
   choice.settings = candidates[choice.taken];
   choice.seconds = seconds_since(start);
   return choice;

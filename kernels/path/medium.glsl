@@ -65,7 +65,7 @@ bool scatter_in_medium(Ray ray, float end, inout PathState path, out Ray next) {
   return true;
 }
 
-// Russian roulette within a body, where paths are long.
+// Russian roulette within a body, where paths are long. The factors of shade.comp were not tried here.
 bool survives_medium(uint slot, inout PathState path) {
   float survival = sqrt(max_component(path.throughput) * abs(path.eta_scale));
   if (survival < 1.0 && wave.bounce > 1u) {

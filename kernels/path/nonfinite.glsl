@@ -6,13 +6,17 @@
 #ifndef WAVEPATH_NONFINITE_GLSL
 #define WAVEPATH_NONFINITE_GLSL
 
+#include "kernels/config.glsl"
 #include "kernels/math.glsl"
 #include "kernels/path/path_types.h"
+#include "kernels/wave.h"
 
-// Slots of a wave go by sample, then by pixel, so that the lowest is the first whatever the order of the lanes.
+// Slots of a wave, or of one of its levels, go by sample, then by pixel, so that the lowest is the first whatever the order of
+// the lanes.
 void count_nonfinite(uint maker, uint slot) {
+  uint level = has(kFeatureAdaptive) ? level_index(wave, slot) : 0u;
   atomicAdd(counters.nonfinite_count[maker], 1u);
-  atomicMin(counters.nonfinite_first[maker], slot);
+  atomicMin(counters.nonfinite_first[maker * uint(kLevels) + level], slot);
 }
 
 bool is_sound(PathState path) { return is_finite(path.radiance) && is_finite(path.throughput); }

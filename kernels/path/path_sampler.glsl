@@ -17,9 +17,9 @@ void store_sampler(uint slot, Sampler s) {
 Sampler fetch_sampler(uint slot) {
   if (!has(kFeatureAdaptive)) return slot_sampler(slot);
   uvec2 kept = texelFetch(path_sampler_texels, int(slot)).xy;
-  uint replicate = kept.y / kSecondReplicate; // not of whole nets, which nobody asks for it
-  uint count = has_whole_nets() ? frame.sample_total : samples_of_half(frame.sample_total, replicate);
-  return Sampler(replicate, kept.y % kSecondReplicate, max(1u, count), kept.x);
+  if (has_whole_nets()) return Sampler(0u, kept.y, max(1u, frame.sample_total), kept.x); // replicates differ by scramble
+  uint replicate = kept.y / kSecondReplicate;
+  return Sampler(replicate, kept.y % kSecondReplicate, max(1u, samples_of_half(frame.sample_total, replicate)), kept.x);
 }
 
 // The sample of its pixel that a slot works on.

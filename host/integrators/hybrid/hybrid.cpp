@@ -25,6 +25,7 @@
 #include "kernels/hybrid/resolve.spv.h"
 #include "kernels/hybrid/share_shading.spv.h"
 #include "kernels/tile_order.h"
+#include "kernels/wave.h"
 
 namespace wavepath {
 namespace {
@@ -396,7 +397,8 @@ gpu::Wave Hybrid::wave(const FilmBand& band, std::uint32_t first_place, std::uin
                        std::uint32_t) const {
   const std::uint32_t samples = frame_.shadow_samples, round = frame_.sample_index / gpu::kReplicates,
                       replicate = frame_.sample_index % gpu::kReplicates;
-  return {first_place, pixel_count, round * samples * gpu::kReplicates + replicate, samples, 0, band.first_pixel};
+  return gpu::even_wave(first_place, pixel_count, round * samples * gpu::kReplicates + replicate, samples,
+                        band.first_pixel);
 }
 
 void Hybrid::record_wave(Commands& commands, std::size_t band, const gpu::Wave& wave) {

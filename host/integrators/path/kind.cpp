@@ -70,6 +70,7 @@ constinit const IntegratorKind kPath = {
     .start_kernels = start_kernels,
     .bytes_per_slot =
         [](gpu::Feature features, const RenderSettings& settings) {
+          features |= features_of(settings) & gpu::kFeatureAdaptive;
           if (features & gpu::kFeatureEnvironmentMap) features |= features_of(settings) & gpu::kFeatureLearnedSky;
           return bytes_per_path(features, kRoomForShadowRays | kRoomForSortedRays,
                                 std::max(light_samples_of(settings, features), sky_samples_of(settings, features)));

@@ -15,6 +15,7 @@
 #include "kernels/path/path_types.h"
 #include "kernels/scene_types.h"
 #include "kernels/tile_order.h"
+#include "kernels/wave.h"
 
 namespace wavepath {
 namespace {
@@ -117,7 +118,7 @@ std::uint32_t PathReplay::place_of(glm::uvec2 pixel, std::uint32_t net) const {
 
 PathTrace PathReplay::trace(glm::uvec2 pixel, std::uint32_t sample, std::uint32_t net) {
   const std::uint32_t place = place_of(pixel, net);
-  wave_ = {place, 1, sample, 1, 0, place};
+  wave_ = gpu::even_wave(place, 1, sample, 1, place);
   PathTrace trace{pixel, sample};
   const auto note = [&](const glm::vec3& radiance, std::uint32_t maker) {
     if (!trace.maker && !is_finite(radiance)) trace.maker = maker;

@@ -41,6 +41,8 @@ bool sorts_for(std::uint32_t sort, std::uint32_t needed) {
 // Bindings are what a set of other kernels cannot do with more or fewer of.
 bool KernelNeed::covers(const KernelNeed& need) const {
   if ((config.features ^ need.config.features) & gpu::kFeatureSampledTextures) return false;
+  // Nor are stages mixed, of which some keep samplers and some look for them.
+  if ((config.features ^ need.config.features) & gpu::kFeatureAdaptive) return false;
   KernelNeed reduced = *this;
   reduced.config.features = need.config.features;
   reduced.config.stack_size = need.config.stack_size;

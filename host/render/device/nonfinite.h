@@ -46,11 +46,14 @@ struct Nonfinite {
       if (counters.nonfinite_count[maker] == 0) continue;
       any = true;
       by_maker[maker] += counters.nonfinite_count[maker];
-      const std::uint32_t slot = counters.nonfinite_first[maker];
-      const gpu::WavePart part = gpu::level_slots(wave) > 0 ? gpu::part_of_slot(wave, slot) : gpu::even_part(wave);
-      const NonfiniteSample lowest{part.first_sample + gpu::local_sample(part, slot),
-                                   pixel_at(wave.first_pixel + gpu::local_place(part, slot)), maker};
-      if (!first || lowest < *first) first = lowest;
+      for (int level = 0; level < gpu::kLevels; ++level) {
+        const std::uint32_t slot = counters.nonfinite_first[maker * gpu::kLevels + static_cast<std::uint32_t>(level)];
+        if (slot == gpu::kNone) continue;
+        const gpu::WavePart part = gpu::part_of_slot(wave, slot);
+        const NonfiniteSample lowest{part.first_sample + gpu::local_sample(part, slot),
+                                     pixel_at(wave.first_pixel + gpu::local_place(part, slot)), maker};
+        if (!first || lowest < *first) first = lowest;
+      }
     }
     return any;
   }

@@ -121,7 +121,7 @@ bool Workspace::fit(const RenderSettings& settings, gpu::Feature features) {
   moved |= make_room(device, places_buffer_, places * sizeof(std::uint32_t));
   frame_buffer_.write(&frame, sizeof(frame));
   places_.clear();
-  if (places > 0) { // kernels made for adaptive renders may serve this one until its own are ready
+  if (places > 0) { // until samples are shared out
     std::vector<std::uint32_t> all(places);
     std::iota(all.begin(), all.end(), 0u);
     set_places(std::move(all));

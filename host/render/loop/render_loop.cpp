@@ -17,7 +17,7 @@ namespace wavepath {
 namespace {
 
 constexpr std::uint32_t kAdaptivePass = 16; // samples
-// Of what auto tries: costs above this are not told from chance, and waves by level take a little longer.
+// Of what auto tries: costs above this are not told from chance.
 constexpr double kWorthwhile = 0.92;
 
 // Windows, and renders that end by the clock, want to be asked again soon.
@@ -252,7 +252,7 @@ std::uint32_t RenderLoop::pass_end() const {
   const std::uint32_t wave = pace_.fixed_wave ? pace_.fixed_wave : governor_.wave();
   const std::uint64_t most = integrator_->most_samples(cursor_.sample);
   auto fit = static_cast<std::uint32_t>(std::clamp<std::uint64_t>(wave / places(), 1, most));
-  if (!levels_.empty()) { // each level has its waves: longer passes fill them
+  if (!levels_.empty()) { // every pass ends with a wave that is not full: longer ones have fewer
     const std::uint64_t room = workspace_.slots / integrator_->paths_per_pixel(1);
     const std::uint64_t bound = std::min(most, room) / kHighestFactor;
     fit =
