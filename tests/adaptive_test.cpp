@@ -190,13 +190,13 @@ TEST(WaveByLevels, EverySlotIsASampleOfAPlace) {
 }
 
 // What generate keeps of a slot has room where there are levels alone.
-TEST(WaveByLevels, TakeEightBytesAPath) {
+TEST(WaveByLevels, TakeSixteenBytesAPath) {
   RenderSettings settings;
   settings.integrator = find_integrator("path");
   settings.adaptive = kAdaptiveOff;
   const std::uint64_t even = settings.integrator->bytes_per_slot(0, settings);
   settings.adaptive = kAdaptiveOn;
-  EXPECT_EQ(settings.integrator->bytes_per_slot(0, settings) - even, 8u);
+  EXPECT_EQ(settings.integrator->bytes_per_slot(0, settings) - even, 16u);
 }
 
 // ---- renders --------------------------------------------------------------------------------------------------------

@@ -3,14 +3,13 @@
 #define WAVEPATH_PATH_BINDINGS_GLSL
 
 #include "kernels/bindings.glsl"
+#include "kernels/config.glsl"
 #include "kernels/film/film_types.h"
 #include "kernels/path/path_types.h"
 
 #ifdef BIND_PATHS
 layout(set = 0, binding = kBindPaths, std430) writeonly buffer PathBlock { uvec4 path_words[]; };
 layout(set = 0, binding = kBindPathTexels) uniform samplerBuffer path_texels;
-layout(set = 0, binding = kBindPathSamplers, std430) writeonly buffer PathSamplerBlock { uvec2 path_samplers[]; };
-layout(set = 0, binding = kBindPathSamplerTexels) uniform usamplerBuffer path_sampler_texels;
 layout(set = 0, binding = kBindPathMedia, std430) buffer PathMediaBlock { uint path_media[]; };
 layout(set = 0, binding = kBindPathAovs, std430) buffer PathAovBlock { PathAovs path_aovs[]; };
 #endif
@@ -18,6 +17,8 @@ layout(set = 0, binding = kBindPathAovs, std430) buffer PathAovBlock { PathAovs 
 #ifdef BIND_RECEIVERS
 layout(set = 0, binding = kBindReceivers, std430) writeonly buffer ReceiverBlock { uvec4 receiver_words[]; };
 layout(set = 0, binding = kBindReceiverTexels) uniform usamplerBuffer receiver_texels;
+// Behind the samplers that generate keeps (path_sampler.glsl).
+uint receiver_place(uint slot) { return has(kFeatureAdaptive) ? frame.slot_count + slot : slot; }
 #endif
 
 #ifdef BIND_LIGHT_SUMS

@@ -56,7 +56,7 @@ void tally(Receiver receiver, uint first, uint columns, uint column, uint brough
 }
 
 void tally(ShadowRay ray, bool blocked) {
-  Receiver receiver = unpack_receiver(texelFetch(receiver_texels, int(ray.slot)));
+  Receiver receiver = unpack_receiver(texelFetch(receiver_texels, int(receiver_place(ray.slot))));
   float units = luminance(ray.contribution) * frame.light_sum_scale;
   uint brought = units > 0.0 ? uint(min(units, 1e9)) : 0u; // NaN: nothing
   bool is_environment = ray.light >= placed_lights();

@@ -7,6 +7,7 @@
 #define BIND_GEOMETRY
 #define BIND_SURFACES
 #define BIND_PATHS
+#define BIND_RECEIVERS
 #define BIND_RAYS
 #define BIND_SORTED_RAYS
 #define BIND_QUEUES

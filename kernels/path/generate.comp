@@ -3,6 +3,7 @@
 #extension GL_GOOGLE_include_directive : require
 
 #define BIND_PATHS
+#define BIND_RECEIVERS
 #define BIND_RAYS
 #define BIND_QUEUES
 #define BIND_COUNTERS

@@ -1,7 +1,8 @@
-// The random numbers of a path, for the kernels that follow it. Include bindings.glsl with BIND_PATHS first.
+// The random numbers of a path, for the kernels that follow it. Include bindings.glsl with BIND_RECEIVERS first.
 //
 // In waves by levels (kFeatureAdaptive) generate finds out which pixel and sample a slot works on, and keeps the sampler:
-// CPU drivers take a sixth of shade to find it again at every vertex.
+// CPU drivers take a sixth of shade to find it again at every vertex. Samplers share the buffer of receivers, since the layout
+// of `path` has as many storage buffers as SwiftShader allows.
 #ifndef WAVEPATH_PATH_SAMPLER_GLSL
 #define WAVEPATH_PATH_SAMPLER_GLSL
 
@@ -11,12 +12,12 @@ const uint kSecondReplicate = 1u << 31u; // of halved nets, beside the index in 
 
 void store_sampler(uint slot, Sampler s) {
   uint replicate = has_whole_nets() ? 0u : s.replicate * kSecondReplicate;
-  if (has(kFeatureAdaptive)) path_samplers[slot] = uvec2(s.scramble, s.index | replicate);
+  if (has(kFeatureAdaptive)) receiver_words[slot] = uvec4(s.scramble, s.index | replicate, 0u, 0u);
 }
 
 Sampler fetch_sampler(uint slot) {
   if (!has(kFeatureAdaptive)) return slot_sampler(slot);
-  uvec2 kept = texelFetch(path_sampler_texels, int(slot)).xy;
+  uvec2 kept = texelFetch(receiver_texels, int(slot)).xy;
   if (has_whole_nets()) return Sampler(0u, kept.y, max(1u, frame.sample_total), kept.x); // replicates differ by scramble
   uint replicate = kept.y / kSecondReplicate;
   return Sampler(replicate, kept.y % kSecondReplicate, max(1u, samples_of_half(frame.sample_total, replicate)), kept.x);

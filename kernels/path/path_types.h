@@ -26,16 +26,15 @@ GPU_CONSTANT uint kBindShadowRayTexels = 30u; // texels RGBA32UI
 GPU_CONSTANT uint kBindSortedRays = 48u; // storage uint[], one a slot (kSpecSort): places in the queue of the rays that
                                          // hit, from the front, and of those that escaped, from the back
 GPU_CONSTANT uint kBindSortedRayTexels = 49u; // texels R32UI
-GPU_CONSTANT uint kBindReceivers = 59u;       // storage uvec4[], one a slot (kFeatureLightTree, or kFeaturePanes with
-                                        // triangle lights): position and packed normal of the vertex that the path
-                                        // was scattered at, panes that it passed straight not counted; of a light
-                                        // path: the light that it began at
-GPU_CONSTANT uint kBindReceiverTexels = 60u;     // texels RGBA32UI
-GPU_CONSTANT uint kBindPathSamplers = 120u;      // storage uvec2[], one a slot (kFeatureAdaptive): path_sampler.glsl
-GPU_CONSTANT uint kBindPathSamplerTexels = 121u; // texels RG32UI
-GPU_CONSTANT uint kBindGuideTree = 61u;          // texels RGBA32UI: nodes of the tree over space (kFeatureGuide)
-GPU_CONSTANT uint kBindGuideMaps = 62u;          // texels RGBA32F: densities of its leaves
-GPU_CONSTANT uint kBindGuideRecords = 63u;       // storage vec4[]: GuideRecord[] (kFeatureLearning)
+GPU_CONSTANT uint kBindReceivers = 59u;       // storage uvec4[], one a slot: samplers that generate keeps
+                                              // (kFeatureAdaptive), and behind all of them (kFeatureLightTree, or
+                                        // kFeaturePanes with triangle lights): position and packed normal of the vertex
+                                        // that the path was scattered at, panes that it passed straight not counted; of
+                                        // a light path: the light that it began at
+GPU_CONSTANT uint kBindReceiverTexels = 60u; // texels RGBA32UI
+GPU_CONSTANT uint kBindGuideTree = 61u;      // texels RGBA32UI: nodes of the tree over space (kFeatureGuide)
+GPU_CONSTANT uint kBindGuideMaps = 62u;      // texels RGBA32F: densities of its leaves
+GPU_CONSTANT uint kBindGuideRecords = 63u;   // storage vec4[]: GuideRecord[] (kFeatureLearning)
 
 struct PathState {
   vec3 throughput;

@@ -16,13 +16,13 @@ bool keeps_receivers() {
 Receiver store_receiver(uint slot, Vertex v) {
   if (!keeps_receivers()) return Receiver(v.surface.position, vec3(0.0));
   uvec4 words = uvec4(floatBitsToUint(v.surface.position), lets_light_pass(v) ? 0u : pack_normal(v.normal));
-  receiver_words[slot] = words;
+  receiver_words[receiver_place(slot)] = words;
   return unpack_receiver(words);
 }
 
 Receiver fetch_receiver(uint slot) {
   if (!keeps_receivers()) return Receiver(vec3(0.0), vec3(0.0));
-  return unpack_receiver(texelFetch(receiver_texels, int(slot)));
+  return unpack_receiver(texelFetch(receiver_texels, int(receiver_place(slot))));
 }
 
 #endif

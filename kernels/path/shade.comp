@@ -223,7 +223,7 @@ void follow(Ray ray, Hit hit, inout PathState path, out bool wants_ray, out Ray 
     uint dimension = bounce_dimension(wave.bounce);
     bool is_receiver = kDirect != kDirectBsdf && frame.light_count > 0u && bsdf_has_smooth(v.bsdf), passed;
     uvec4 earlier = uvec4(0u);
-    if (uses(kFeaturePanes) && keeps_receivers()) earlier = texelFetch(receiver_texels, int(slot));
+    if (uses(kFeaturePanes) && keeps_receivers()) earlier = texelFetch(receiver_texels, int(receiver_place(slot)));
     if (is_receiver) {
       Receiver receiver = store_receiver(slot, v);
       // A single one goes to its queue with the path's own ray, which takes AMD's compiler 108 registers instead of 120.
@@ -234,7 +234,7 @@ void follow(Ray ray, Hit hit, inout PathState path, out bool wants_ray, out Ray 
     wants_ray = scatter(v, lobes, path_sampler, dimension, slot, path, next, passed);
     // A pane with a diffuse share receives light, too, but what goes straight on comes from the vertex before it. (A pilot
     // that learns counts the pane's own shadow ray for that vertex: it makes shares less apt, never wrong.)
-    if (passed && is_receiver && keeps_receivers()) receiver_words[slot] = earlier;
+    if (passed && is_receiver && keeps_receivers()) receiver_words[receiver_place(slot)] = earlier;
   }
 }
 

@@ -61,13 +61,11 @@ const std::vector<BufferRule> kRules = {
     {"path states",
      [](const Extent& e) { return e.slots * sizeof(gpu::PathState); },
      {{gpu::kBindPaths, storage}, {gpu::kBindPathTexels, texels_rgba32f}}},
-    {"path samplers",
+    {"samplers, receivers of light",
      [](const Extent& e) {
-       return e.features & gpu::kFeatureAdaptive && !(e.options & kStatesAlone) ? e.slots * sizeof(glm::uvec2) : 0;
+       const bool samplers = e.features & gpu::kFeatureAdaptive && !(e.options & kStatesAlone);
+       return (samplers + keeps_receivers(e)) * e.slots * sizeof(glm::uvec4);
      },
-     {{gpu::kBindPathSamplers, storage}, {gpu::kBindPathSamplerTexels, texels_rg32ui}}},
-    {"receivers of light",
-     [](const Extent& e) { return keeps_receivers(e) ? e.slots * sizeof(glm::uvec4) : 0; },
      {{gpu::kBindReceivers, storage}, {gpu::kBindReceiverTexels, texels_rgba32ui}}},
     {"learned shares of lights",
      [](const Extent& e) { return learned_shares(e, kLightRowBytes, kSkyRowBytes); },

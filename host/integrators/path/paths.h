@@ -42,7 +42,6 @@ extern const KernelProgram kGuidePilotProgram; // the same stages; a set of one 
 // Buffers of Paths, by place.
 enum PathBuffer : std::size_t {
   kStates,
-  kPathSamplers,
   kReceivers,
   kLightShares,
   kLightSums,
