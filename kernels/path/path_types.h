@@ -26,11 +26,10 @@ GPU_CONSTANT uint kBindShadowRayTexels = 30u; // texels RGBA32UI
 GPU_CONSTANT uint kBindSortedRays = 48u; // storage uint[], one a slot (kSpecSort): places in the queue of the rays that
                                          // hit, from the front, and of those that escaped, from the back
 GPU_CONSTANT uint kBindSortedRayTexels = 49u; // texels R32UI
-GPU_CONSTANT uint kBindReceivers = 59u;       // storage uvec4[], one a slot: samplers that generate keeps
-                                              // (kFeatureAdaptive), and behind all of them (kFeatureLightTree, or
-                                        // kFeaturePanes with triangle lights): position and packed normal of the vertex
-                                        // that the path was scattered at, panes that it passed straight not counted; of
-                                        // a light path: the light that it began at
+// Storage uvec4[], one a slot: samplers that generate keeps (kFeatureAdaptive), and behind all of them the vertex that
+// the path was scattered at (kFeatureLightTree, or kFeaturePanes with triangle lights): position and packed normal,
+// panes that it passed straight not counted; of a light path: the light that it began at.
+GPU_CONSTANT uint kBindReceivers = 59u;
 GPU_CONSTANT uint kBindReceiverTexels = 60u; // texels RGBA32UI
 GPU_CONSTANT uint kBindGuideTree = 61u;      // texels RGBA32UI: nodes of the tree over space (kFeatureGuide)
 GPU_CONSTANT uint kBindGuideMaps = 62u;      // texels RGBA32F: densities of its leaves
