@@ -107,7 +107,7 @@ struct Counters {
   uint shadow_rays[2];
   uint occlusion_rays[2];
   uint nonfinite_count[kMakerCount];           // by the kernel that made them
-  uint nonfinite_first[kMakerCount * kLevels]; // their lowest slots, by level in an adaptive render (level_index()),
+  uint nonfinite_first[kMakerCount * kLevels]; // their lowest slots, by level in an adaptive render (WavePart's rank),
                                                // else that of index 0; kNone if there are none
 };
 GPU_CHECK(sizeof(Counters) == 116);

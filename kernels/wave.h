@@ -19,11 +19,12 @@ struct WavePart {
   uint first_slot;
   uint first_sample;
   uint samples;
+  uint rank; // of its level among those of a wave, the highest first
 };
 
 GPU_FUNCTION WavePart even_part(Wave wave) {
   WavePart part;
-  part.first_place = part.first_slot = 0u;
+  part.first_place = part.first_slot = part.rank = 0u;
   part.places = wave.pixel_count;
   part.first_sample = wave.first_sample;
   part.samples = wave.sample_count;
@@ -33,7 +34,7 @@ GPU_FUNCTION WavePart even_part(Wave wave) {
 // Of a wave by levels (kFeatureAdaptive): the part of the highest level, and that of the next lower one.
 GPU_FUNCTION WavePart highest_part(Wave wave) {
   WavePart part;
-  part.first_place = part.first_slot = 0u;
+  part.first_place = part.first_slot = part.rank = 0u;
   part.places = wave.level_places[0];
   part.first_sample = at_level(wave.first_sample, kHighestLevel);
   part.samples = at_level(wave.sample_count, kHighestLevel);
@@ -43,29 +44,24 @@ GPU_FUNCTION WavePart next_part(WavePart before, Wave wave, int level) {
   WavePart part;
   part.first_place = before.first_place + before.places;
   part.first_slot = before.first_slot + before.places * before.samples;
+  part.rank = uint(kHighestLevel - level);
   part.places = wave.level_places[kHighestLevel - level];
   part.first_sample = at_level(wave.first_sample, level);
   part.samples = at_level(wave.sample_count, level);
   return part;
 }
 
-// The last part that begins at or before the slot, or the place, and is not empty.
-GPU_FUNCTION WavePart part_of_slot(Wave wave, uint slot) {
+// The last part that is not empty and begins at or before `at`: a slot, or a place counted from the wave's first.
+GPU_FUNCTION WavePart part_of(Wave wave, uint at, bool is_slot) {
   WavePart part = highest_part(wave), found = part;
   for (int level = kHighestLevel - 1; level >= kLowestLevel; --level) {
     part = next_part(part, wave, level);
-    if (part.places > 0u && slot >= part.first_slot) found = part;
+    if (part.places > 0u && at >= (is_slot ? part.first_slot : part.first_place)) found = part;
   }
   return found;
 }
-GPU_FUNCTION WavePart part_of_place(Wave wave, uint place) {
-  WavePart part = highest_part(wave), found = part;
-  for (int level = kHighestLevel - 1; level >= kLowestLevel; --level) {
-    part = next_part(part, wave, level);
-    if (part.places > 0u && place >= part.first_place) found = part;
-  }
-  return found;
-}
+GPU_FUNCTION WavePart part_of_slot(Wave wave, uint slot) { return part_of(wave, slot, true); }
+GPU_FUNCTION WavePart part_of_place(Wave wave, uint place) { return part_of(wave, place, false); }
 
 // Slots of a wave by levels.
 GPU_FUNCTION uint level_slots(Wave wave) {
@@ -79,17 +75,6 @@ GPU_FUNCTION uint level_slots(Wave wave) {
 GPU_FUNCTION uint local_sample(WavePart part, uint slot) { return divide(slot - part.first_slot, part.places); }
 GPU_FUNCTION uint local_place(WavePart part, uint slot) {
   return part.first_place + slot - part.first_slot - local_sample(part, slot) * part.places;
-}
-
-// Of the slot's level among those of the wave, from the highest down.
-GPU_FUNCTION uint level_index(Wave wave, uint slot) {
-  WavePart part = highest_part(wave);
-  uint found = 0u;
-  for (int level = kHighestLevel - 1; level >= kLowestLevel; --level) {
-    part = next_part(part, wave, level);
-    if (part.places > 0u && slot >= part.first_slot) found = uint(kHighestLevel - level);
-  }
-  return found;
 }
 
 #ifdef __cplusplus

@@ -14,7 +14,7 @@
 // Slots of a wave, or of one of its levels, go by sample, then by pixel, so that the lowest is the first whatever the order of
 // the lanes.
 void count_nonfinite(uint maker, uint slot) {
-  uint level = has(kFeatureAdaptive) ? level_index(wave, slot) : 0u;
+  uint level = has(kFeatureAdaptive) ? part_of_slot(wave, slot).rank : 0u;
   atomicAdd(counters.nonfinite_count[maker], 1u);
   atomicMin(counters.nonfinite_first[maker * uint(kLevels) + level], slot);
 }
