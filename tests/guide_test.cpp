@@ -1,8 +1,10 @@
 // Path guiding: its densities are what its samples follow, the picture stays the same and gets less noise where light
 // is hidden, and the bits depend neither on how the work is cut up nor on interrupts.
+#include <bit>
 #include <cmath>
 #include <fstream>
 #include <numbers>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -11,6 +13,7 @@
 
 #include "host/film/picture_io.h"
 #include "host/integrators/path/guide_field.h"
+#include "host/integrators/path/guide_map.h"
 #include "host/integrators/path/guiding.h"
 #include "host/render/device/kernel_compiler.h"
 #include "host/render/render.h"
@@ -60,23 +63,66 @@ std::vector<GuideVertex> vertices_below_a_lamp(std::size_t count) {
   return vertices;
 }
 
-double integral(const GuideField& field, std::uint32_t leaf, std::uint32_t level) {
-  const double cell = 4.0 * kPi / double(4u << (2 * level));
-  double sum = 0.0;
-  const std::size_t first = std::size_t{leaf} * gpu::kGuideMapQuads + ((1u << (2 * level)) - 1) / 3;
-  for (std::size_t quad = 0; quad < std::size_t{1} << (2 * level); ++quad)
-    for (int k = 0; k < 4; ++k) sum += cell * field.maps[first + quad][k];
-  return sum;
+const glm::uvec4* map_of(const GuideField& field, std::uint32_t leaf) {
+  return &field.maps[std::size_t{leaf} * gpu::kGuideMapTexels];
+}
+float density_of(const glm::uvec4* map, std::uint32_t x, std::uint32_t y) {
+  const glm::uvec4& quad = map[gpu::kGuideBlocks + y / 2 * (gpu::kGuideSide / 2) + x / 2];
+  return std::bit_cast<float>(quad[static_cast<int>(2 * (y & 1) + (x & 1))]);
 }
 
-TEST(GuideField, DensitiesIntegrateToOneAtEveryLevel) {
+// How often a block draws a part.
+double share_of(const glm::uvec4& block, std::uint32_t column, std::uint32_t row) {
+  double sum = 0.0, own = 0.0;
+  for (std::uint32_t x = 0; x < 4; ++x)
+    for (std::uint32_t y = 0; y < 4; ++y) {
+      const std::uint32_t byte = block[static_cast<int>(x)] >> (8 * y) & 255u;
+      const auto weight = std::bit_cast<float>(byte << gpu::kGuideWeightShift | gpu::kGuideWeightExponent << 23);
+      sum += weight;
+      if (x == column && y == row) own = weight;
+    }
+  return own / sum;
+}
+
+TEST(GuideField, DensitiesIntegrateToOneAndAreWhatBlocksDraw) {
   const GuideField field = build_field(vertices_below_a_lamp(20000));
   ASSERT_GT(field.leaves(), 16u);
-  for (std::uint32_t leaf = 0; leaf < field.leaves(); ++leaf)
-    for (std::uint32_t level = 0; level < gpu::kGuideLevels; ++level)
-      ASSERT_NEAR(integral(field, leaf, level), 1.0, 1e-5) << leaf << " " << level;
+  constexpr double kCell = 4.0 * kPi / kGuideCells;
+  for (std::uint32_t leaf = 0; leaf < field.leaves(); ++leaf) {
+    const glm::uvec4* map = map_of(field, leaf);
+    double whole = 0.0;
+    for (std::uint32_t y = 0; y < gpu::kGuideSide; y += 2)
+      for (std::uint32_t x = 0; x < gpu::kGuideSide; x += 2) {
+        const std::uint32_t part = y / 8 * 4 + x / 8;
+        const double drawn = share_of(map[0], x / 8, y / 8) * share_of(map[1 + part], x / 2 % 4, y / 2 % 4);
+        double quad = 0.0;
+        for (std::uint32_t k = 0; k < 4; ++k) quad += kCell * density_of(map, x + k % 2, y + k / 2);
+        ASSERT_NEAR(quad / drawn, 1.0, 1e-5) << leaf << " " << x << " " << y;
+        whole += quad;
+      }
+    ASSERT_NEAR(whole, 1.0, 1e-5) << leaf;
+  }
   EXPECT_LT(field.gain, 0.3);
   EXPECT_GT(field.probability, 0.4);
+}
+
+// Rounded weights cost next to nothing, also where nearly all light comes from one cell.
+TEST(GuideMap, RoundedWeightsStayNearWhatWasLearned) {
+  Random random;
+  Histogram histogram;
+  for (int i = 0; i < 2000; ++i) histogram.add(map_cell(random.direction()), 0.01);
+  for (int i = 0; i < 2000; ++i) histogram.add(map_cell({0.6f, 0.64f, 0.48f}), 1.0);
+  const GuideMap map = learn_map(histogram, even_map());
+  std::vector<glm::uvec4> texels(gpu::kGuideMapTexels);
+  write_map(map, std::span(texels).first<gpu::kGuideMapTexels>());
+  double whole = 0.0;
+  for (std::uint32_t y = 0; y < gpu::kGuideSide; ++y)
+    for (std::uint32_t x = 0; x < gpu::kGuideSide; ++x) {
+      const float learned = map[map.size() - kGuideCells + y * gpu::kGuideSide + x];
+      EXPECT_NEAR(density_of(texels.data(), x, y) / learned, 1.0, 0.14) << x << " " << y; // 1/16 in each of two blocks
+      whole += 4.0 * kPi / kGuideCells * learned;
+    }
+  EXPECT_NEAR(whole, 1.0, 1e-4);
 }
 
 TEST(GuideField, EqualLightEverywherePromisesNoGain) {
@@ -114,7 +160,7 @@ protected:
     const std::vector<Binding> bindings{{gpu::kBindFrame, BindingKind::uniform, &frame},
                                         {gpu::kBindPlaces, BindingKind::texels_r32ui, &places},
                                         {gpu::kBindGuideTree, BindingKind::texels_rgba32ui, &tree},
-                                        {gpu::kBindGuideMaps, BindingKind::texels_rgba32f, &maps},
+                                        {gpu::kBindGuideMaps, BindingKind::texels_rgba32ui, &maps},
                                         {gpu::kBindGuideRecords, BindingKind::storage, &records},
                                         {gpu::kBindFilm, BindingKind::storage, &in_out}};
     const gpu::Wave wave{.pixel_count = std::uint32_t(elements.size()), .bounce = mode};
@@ -128,6 +174,17 @@ protected:
   }
 };
 
+// Azimuth about +y by turns that cells have equal parts of; the angle is that of an arc tangent.
+double angle_of(double turn) {
+  const double quarters = 4.0 * turn - 1.0, across = quarters > 1.0 ? 2.0 - quarters : quarters;
+  const double angle = std::atan2(across, 1.0 - std::abs(across));
+  return quarters > 1.0 ? kPi - angle : angle;
+}
+double turn_of(const glm::dvec3& d) {
+  const double across = d.z / std::max(std::abs(d.x) + std::abs(d.z), 1e-30);
+  return 0.25 * (d.x < 0.0 ? 3.0 - across : 1.0 + across);
+}
+
 TEST_F(GuideProbe, SamplesFollowTheDensity) {
   const GuideField field = build_field(vertices_below_a_lamp(20000));
   Random random;
@@ -138,7 +195,7 @@ TEST_F(GuideProbe, SamplesFollowTheDensity) {
     for (int row = 0; row < kRows * kFine; ++row)
       for (int column = 0; column < kColumns * kFine; ++column) {
         const double y = 2.0 * (row + 0.5) / (kRows * kFine) - 1.0, r = std::sqrt(1.0 - y * y);
-        const double phi = 2.0 * kPi * (column + 0.5) / (kColumns * kFine) - kPi;
+        const double phi = angle_of((column + 0.5) / (kColumns * kFine));
         grid.push_back({glm::vec4(place, 0), {r * std::cos(phi), y, r * std::sin(phi), 0}});
       }
     const auto densities = run(field, 0, grid);
@@ -147,7 +204,8 @@ TEST_F(GuideProbe, SamplesFollowTheDensity) {
     std::vector<double> expected(kColumns * kRows), counts(kColumns * kRows);
     for (std::size_t i = 0; i < grid.size(); ++i) {
       const std::size_t row = i / (kColumns * kFine) / kFine, column = i % (kColumns * kFine) / kFine;
-      const double share = densities[i].b.w * 4.0 * kPi / double(grid.size());
+      const double fine = double(i % (kColumns * kFine)) / (kColumns * kFine), width = 1.0 / (kColumns * kFine);
+      const double share = densities[i].b.w * (angle_of(fine + width) - angle_of(fine)) * 2.0 / (kRows * kFine);
       total += share;
       expected[row * kColumns + column] += share * double(kSamples);
     }
@@ -158,8 +216,7 @@ TEST_F(GuideProbe, SamplesFollowTheDensity) {
     for (const Element& e : run(field, 1, in)) {
       const glm::dvec3 d(e.b);
       ASSERT_NEAR(glm::length(d), 1.0, 1e-6);
-      const int column = int((std::atan2(d.z, d.x) + kPi) / (2.0 * kPi) * kColumns),
-                row = int((d.y + 1.0) / 2.0 * kRows);
+      const int column = int(turn_of(d) * kColumns), row = int((d.y + 1.0) / 2.0 * kRows);
       counts[std::size_t(std::min(row, kRows - 1) * kColumns + std::min(column, kColumns - 1))] += 1.0;
       inverse.add(1.0 / e.b.w);
       ASSERT_EQ(e.a.w, densities[0].a.w) << "another leaf";
@@ -167,6 +224,26 @@ TEST_F(GuideProbe, SamplesFollowTheDensity) {
     EXPECT_GT(chi_square(counts, expected).p_value, 0.005);
     EXPECT_NEAR(inverse.mean(), 4.0 * kPi, 4.0 * inverse.error());
   }
+}
+
+// Host and kernel cut the sphere alike, poles and axes included.
+TEST_F(GuideProbe, CellsAreThoseOfTheHost) {
+  const GuideField field = build_field(vertices_below_a_lamp(20000));
+  Random random;
+  std::vector<Element> in;
+  for (const glm::vec3 axis : {glm::vec3(1, 0, 0), glm::vec3(0, 1, 0), glm::vec3(0, 0, 1)})
+    for (const float sign : {-1.0f, 1.0f}) in.push_back({glm::vec4(0.3f, 0.0f, 0.6f, 0), glm::vec4(sign * axis, 0)});
+  for (int i = 0; i < 20000; ++i) in.push_back({glm::vec4(0.3f, 0.0f, 0.6f, 0), glm::vec4(random.direction(), 0)});
+  std::size_t others = 0; // a last bit may lie across a border
+  for (const Element& e : run(field, 0, in)) {
+    const std::uint32_t cell = map_cell(glm::vec3(e.b));
+    const double across = std::abs(e.b.z) / std::max(std::abs(e.b.x) + std::abs(e.b.z), 1e-30f), along = 1.0 - across;
+    const double expected =
+        density_of(map_of(field, static_cast<std::uint32_t>(e.a.w)), cell % gpu::kGuideSide, cell / gpu::kGuideSide) *
+        0.5 * kPi * (across * across + along * along);
+    if (!(std::abs(e.b.w / expected - 1.0) < 1e-5)) ++others;
+  }
+  EXPECT_LE(others, 5u);
 }
 
 // Two chambers, a hatch between them of a fiftieth of the wall; the lamp shines away from the one with the camera.

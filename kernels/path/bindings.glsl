@@ -48,7 +48,7 @@ layout(set = 0, binding = kBindQueues, std430) buffer QueueBlock { Queues queues
 
 #ifdef BIND_GUIDE
 layout(set = 0, binding = kBindGuideTree) uniform usamplerBuffer guide_tree;
-layout(set = 0, binding = kBindGuideMaps) uniform samplerBuffer guide_maps;
+layout(set = 0, binding = kBindGuideMaps) uniform usamplerBuffer guide_maps;
 layout(set = 0, binding = kBindGuideRecords, std430) buffer GuideRecordBlock { vec4 guide_records[]; };
 #endif
 

@@ -32,7 +32,7 @@ GPU_CONSTANT uint kBindSortedRayTexels = 49u; // texels R32UI
 GPU_CONSTANT uint kBindReceivers = 59u;
 GPU_CONSTANT uint kBindReceiverTexels = 60u; // texels RGBA32UI
 GPU_CONSTANT uint kBindGuideTree = 61u;      // texels RGBA32UI: nodes of the tree over space (kFeatureGuide)
-GPU_CONSTANT uint kBindGuideMaps = 62u;      // texels RGBA32F: densities of its leaves
+GPU_CONSTANT uint kBindGuideMaps = 62u;      // texels RGBA32UI: maps of its leaves
 GPU_CONSTANT uint kBindGuideRecords = 63u;   // storage vec4[]: GuideRecord[] (kFeatureLearning)
 
 struct PathState {
@@ -114,10 +114,15 @@ struct GuideNode {
 GPU_CHECK(sizeof(GuideNode) == 16);
 GPU_CONSTANT uint kGuideLeafAxis = 3u, kGuideLinkShift = 6u;
 
-// The map of a leaf is a pyramid: level l has 4^l quads, each with the densities per solid angle of its 2x2 cells.
-GPU_CONSTANT uint kGuideLevels = 5u;
-GPU_CONSTANT uint kGuideMapQuads = ((1u << (2u * kGuideLevels)) - 1u) / 3u;
-GPU_CONSTANT uint kGuideSide = 1u << kGuideLevels; // cells along an edge of the finest level
+// The map of a leaf: the sphere over (azimuth, height) in kGuideSide^2 cells (guide_map.glsl tells how it is cut). A
+// texel of kGuideQuads has the densities of 2x2 cells, as floats. Before them are blocks, from which a quad is drawn:
+// the first one is of the 4x4 parts of the map, then there is one of the 4x4 quads of each such part. A block has 16
+// weights of a byte, word c those of column c: the upper bits, without the sign, of a float whose exponent is
+// kGuideWeightExponent more.
+GPU_CONSTANT uint kGuideSide = 32u;
+GPU_CONSTANT uint kGuideBlocks = 1u + 16u, kGuideQuads = kGuideSide * kGuideSide / 4u;
+GPU_CONSTANT uint kGuideWeightShift = 20u, kGuideWeightExponent = 96u; // 2^-31 to 1.875
+GPU_CONSTANT uint kGuideMapTexels = kGuideBlocks + kGuideQuads;
 
 #ifdef __cplusplus
 } // namespace wavepath::gpu

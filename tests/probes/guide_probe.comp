@@ -34,11 +34,11 @@ void main() {
   Element e = elements[i];
   Guide guide = leaf_at(e.a.xyz);
   if (wave.bounce == 0u) { // place a.xyz, direction b.xyz -> b.w: density
-    e.b.w = guide_pdf(guide, e.b.xyz);
+    e.b.w = map_pdf(guide.map, e.b.xyz);
   } else { // place a.xyz, u in b.xy -> b: direction, density
-    e.b.xyz = sample_guide(guide, e.b.xy);
-    e.b.w = guide_pdf(guide, e.b.xyz);
+    e.b.xyz = sample_map(guide.map, e.b.xy);
+    e.b.w = map_pdf(guide.map, e.b.xyz);
   }
-  e.a.w = float(guide.map / kGuideMapQuads);
+  e.a.w = float(guide.map / kGuideMapTexels);
   elements[i] = e;
 }

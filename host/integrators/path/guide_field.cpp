@@ -3,22 +3,19 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <span>
 
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_invoke.h>
 
+#include "host/integrators/path/guide_map.h"
+
 namespace wavepath {
 namespace {
 
 constexpr std::size_t kLeafVertices = 300; // a cell with more is split
-constexpr double kPrior = 30.0;            // samples that a quad counts as spread evenly, besides its own
 constexpr double kCommon = 0.1;            // share of an average leaf in what all leaves say of the probability
-constexpr std::uint32_t kCells = gpu::kGuideSide * gpu::kGuideSide;
 constexpr std::array<double, 5> kProbabilities = {0.0, 0.15, 0.3, 0.45, 0.6};
-
-using Map = std::vector<gpu::vec4>;
 
 // A part of space: the vertices [first, last) of the order. Halved at `plane` along `axis` into the nodes `child` and
 // child + 1; a leaf has no axis.
@@ -117,90 +114,13 @@ void flatten(const Tree& tree, const std::vector<float>& probabilities, std::uin
   flat[place] = entry;
 }
 
-std::uint32_t cell_of(const glm::vec3& d) {
-  constexpr auto kSide = static_cast<double>(gpu::kGuideSide);
-  const double u = std::atan2(d.z, d.x) / (2.0 * std::numbers::pi) + 0.5, v = 0.5 * d.y + 0.5;
-  const auto place = [](double x) { return static_cast<std::uint32_t>(std::clamp(x * kSide, 0.0, kSide - 1.0)); };
-  return place(v) * gpu::kGuideSide + place(u);
-}
-
-// What the directions of some vertices weigh, by cell.
-struct Histogram {
-  std::vector<double> sum = std::vector<double>(kCells), squares = std::vector<double>(kCells);
-  void add(std::uint32_t cell, double weight) {
-    sum[cell] += weight;
-    squares[cell] += weight * weight;
-  }
-  void add(const Histogram& other) {
-    for (std::uint32_t cell = 0; cell < kCells; ++cell)
-      sum[cell] += other.sum[cell], squares[cell] += other.squares[cell];
-  }
-};
-
-// The four children of a quad at a level, of sums by cell of a level of `side` cells.
-std::array<std::size_t, 4> children(std::uint32_t x, std::uint32_t y, std::uint32_t side) {
-  const std::size_t first = std::size_t{2 * y} * side + 2 * x;
-  return {first, first + 1, first + side, first + side + 1};
-}
-
-// Densities from the root down: a quad divides its own among its cells by their sums. Few samples, or one that
-// outweighs all others, tell little: by the effective number of samples n = (sum w)^2 / sum w^2 (Kish 1965), kPrior
-// further ones count as spread like those of a larger part of the scene.
-Map make_map(const Histogram& histogram, const Map& prior_map) {
-  std::array<std::vector<double>, gpu::kGuideLevels + 1> sums, squares; // of level l: 2^l cells a side
-  sums[gpu::kGuideLevels] = histogram.sum, squares[gpu::kGuideLevels] = histogram.squares;
-  for (std::uint32_t level = gpu::kGuideLevels; level-- > 0;) {
-    const std::uint32_t side = 1u << level;
-    for (auto* pyramid : {&sums, &squares}) {
-      std::vector<double>& coarse = (*pyramid)[level];
-      coarse.resize(std::size_t{side} * side);
-      for (std::uint32_t y = 0; y < side; ++y)
-        for (std::uint32_t x = 0; x < side; ++x)
-          for (const std::size_t cell : children(x, y, 2 * side)) coarse[y * side + x] += (*pyramid)[level + 1][cell];
-    }
-  }
-  Map map(gpu::kGuideMapQuads);
-  std::vector<double> densities = {0.25 / std::numbers::pi};
-  std::size_t place = 0;
-  for (std::uint32_t level = 0; level < gpu::kGuideLevels; ++level) {
-    const std::uint32_t side = 1u << level;
-    std::vector<double> finer(4 * densities.size());
-    for (std::uint32_t y = 0; y < side; ++y)
-      for (std::uint32_t x = 0; x < side; ++x, ++place) {
-        const std::size_t quad = std::size_t{y} * side + x;
-        const double sum = sums[level][quad], square = squares[level][quad];
-        const double samples = square > 0.0 ? sum * sum / square : 0.0;
-        const gpu::vec4 expected = prior_map[place];
-        const double expected_sum = double{expected.x} + expected.y + expected.z + expected.w;
-        int k = 0;
-        for (const std::size_t cell : children(x, y, 2 * side)) {
-          const double share = sum > 0.0 ? sums[level + 1][cell] / sum : 0.0;
-          const double usual = expected_sum > 0.0 ? expected[k] / expected_sum : 0.25;
-          finer[cell] = densities[quad] * 4.0 * (samples * share + kPrior * usual) / (samples + kPrior);
-          map[place][k++] = static_cast<float>(finer[cell]);
-        }
-      }
-    densities = std::move(finer);
-  }
-  return map;
-}
-
-Map even_map() { return Map(gpu::kGuideMapQuads, gpu::vec4(static_cast<float>(0.25 / std::numbers::pi))); }
-
-float density(const Map& map, const glm::vec3& direction) {
-  const std::uint32_t cell = cell_of(direction), x = cell % gpu::kGuideSide, y = cell / gpu::kGuideSide;
-  constexpr std::uint32_t kQuads = gpu::kGuideSide / 2;
-  const gpu::vec4& quad = map[gpu::kGuideMapQuads - kQuads * kQuads + y / 2 * kQuads + x / 2];
-  return quad[static_cast<int>(2 * (y & 1) + (x & 1))];
-}
-
 // Of the contributions of some vertices, by the probability of guiding: their second moment, and their cross-entropy
 // with the density of both techniques.
 struct Judgement {
   std::array<double, kProbabilities.size()> moment{}, entropy{};
-  void add(const GuideVertex& vertex, const Map& map) {
+  void add(const GuideVertex& vertex, const GuideMap& map) {
     if (!(vertex.contribution > 0.0f)) return;
-    const double guided = density(map, vertex.direction), contribution = vertex.contribution;
+    const double guided = map_density(map, vertex.direction), contribution = vertex.contribution;
     for (std::size_t i = 0; i < kProbabilities.size(); ++i) {
       const double pdf = vertex.bsdf_pdf + kProbabilities[i] * vertex.share * (guided - vertex.bsdf_pdf);
       if (!(pdf > 0.0)) continue;
@@ -212,25 +132,25 @@ struct Judgement {
 
 // The maps of a part of space: of either half of the paths, by which the other one judges it, and of both.
 struct Maps {
-  Map half[2], both;
+  GuideMap half[2], both;
 };
 
 class Learner {
 public:
   Learner(const std::vector<GuideVertex>& of, const Tree& over)
-      : maps(over.leaves.size() * gpu::kGuideMapQuads),
+      : maps(over.leaves.size() * gpu::kGuideMapTexels),
         judgements(over.leaves.size()),
         vertices_(of),
         tree_(over),
         directions_(of.size()) {
     tbb::parallel_for(std::size_t{0}, of.size(), [&](std::size_t i) {
       const GuideVertex& v = of[over.order[i].vertex];
-      directions_[i] = {double{v.radiance} / v.pdf, cell_of(v.direction), v.odd};
+      directions_[i] = {double{v.radiance} / v.pdf, map_cell(v.direction), v.odd};
     });
     learn(0, {{even_map(), even_map()}, even_map()});
   }
 
-  Map maps; // of all leaves
+  std::vector<glm::uvec4> maps; // of all leaves
   std::vector<Judgement> judgements;
 
 private:
@@ -240,14 +160,16 @@ private:
     for (std::size_t i = node.first; i < node.last; ++i)
       if (directions_[i].weight > 0.0) halves[directions_[i].odd].add(directions_[i].cell, directions_[i].weight);
     Maps own;
-    for (const int half : {0, 1}) own.half[half] = make_map(halves[half], larger.half[half]);
+    for (const int half : {0, 1}) own.half[half] = learn_map(halves[half], larger.half[half]);
     halves[0].add(halves[1]);
-    own.both = make_map(halves[0], larger.both);
+    own.both = learn_map(halves[0], larger.both);
     if (node.axis >= 0) {
       tbb::parallel_invoke([&] { learn(node.child, own); }, [&] { learn(node.child + 1, own); });
       return;
     }
-    std::ranges::copy(own.both, maps.begin() + static_cast<std::ptrdiff_t>(node.first_leaf * gpu::kGuideMapQuads));
+    write_map(
+        own.both,
+        std::span(maps).subspan(std::size_t{node.first_leaf} * gpu::kGuideMapTexels).first<gpu::kGuideMapTexels>());
     for (std::size_t i = node.first; i < node.last; ++i)
       judgements[node.first_leaf].add(vertices_[tree_.order[i].vertex], own.half[!directions_[i].odd]);
   }
@@ -267,7 +189,8 @@ private:
 GuideField no_field() {
   GuideField field;
   field.nodes = {{glm::vec3(0.0f), gpu::kGuideLeafAxis}};
-  field.maps = even_map();
+  field.maps.resize(gpu::kGuideMapTexels);
+  write_map(even_map(), std::span(field.maps).first<gpu::kGuideMapTexels>());
   return field;
 }
 

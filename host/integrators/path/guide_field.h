@@ -13,9 +13,9 @@
 
 namespace wavepath {
 
-inline constexpr std::uint32_t kMostGuideLeaves = 8192; // 45 MB of maps
+inline constexpr std::uint32_t kMostGuideLeaves = 8192; // 36 MB of maps
 inline constexpr std::uint64_t kGuideMapBytes =
-    std::uint64_t{kMostGuideLeaves} * gpu::kGuideMapQuads * sizeof(gpu::vec4);
+    std::uint64_t{kMostGuideLeaves} * gpu::kGuideMapTexels * sizeof(glm::uvec4);
 inline constexpr std::uint64_t kGuideTreeBytes = 4 * std::uint64_t{kMostGuideLeaves} * sizeof(gpu::GuideNode);
 
 // Where a path of the pilot scattered, in which direction, and what that brought.
@@ -32,12 +32,12 @@ struct GuideVertex {
 
 struct GuideField {
   std::vector<gpu::GuideNode> nodes; // the root first
-  std::vector<gpu::vec4> maps;       // kGuideMapQuads a leaf
+  std::vector<glm::uvec4> maps;      // kGuideMapTexels a leaf
   // Second moment of the contributions with the field over that without it, as one half of the paths foretells for the
   // other: below 1 where guiding pays.
   double gain = 1.0;
   double probability = 0.0; // of guiding, over all vertices
-  std::uint32_t leaves() const { return static_cast<std::uint32_t>(maps.size() / gpu::kGuideMapQuads); }
+  std::uint32_t leaves() const { return static_cast<std::uint32_t>(maps.size() / gpu::kGuideMapTexels); }
 };
 
 // A field that guides nowhere.

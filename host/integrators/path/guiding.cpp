@@ -71,7 +71,7 @@ GuideReport GuidePilot::report() const {
           .variance = promise_,
           .probability = field_.probability,
           .leaves = field_.leaves(),
-          .bytes = field_.nodes.size() * sizeof(gpu::GuideNode) + field_.maps.size() * sizeof(gpu::vec4),
+          .bytes = field_.nodes.size() * sizeof(gpu::GuideNode) + field_.maps.size() * sizeof(glm::uvec4),
           .pilot_paths = std::uint64_t{sample_} * pixels()};
 }
 

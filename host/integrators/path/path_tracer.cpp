@@ -78,7 +78,7 @@ void PathTracer::learn_guide() {
 
 void PathTracer::use_field(const GuideField& field) {
   paths_.buffers[kGuideTree].write(field.nodes.data(), field.nodes.size() * sizeof(gpu::GuideNode));
-  paths_.buffers[kGuideMaps].write(field.maps.data(), field.maps.size() * sizeof(gpu::vec4));
+  paths_.buffers[kGuideMaps].write(field.maps.data(), field.maps.size() * sizeof(glm::uvec4));
 }
 
 void PathTracer::describe(RenderResult& result) const {

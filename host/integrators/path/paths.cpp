@@ -109,7 +109,7 @@ const std::vector<BufferRule> kRules = {
      {{gpu::kBindGuideTree, texels_rgba32ui}}},
     {"guide maps",
      [](const Extent& e) { return e.options & kRoomForGuide ? kGuideMapBytes : 0; },
-     {{gpu::kBindGuideMaps, texels_rgba32f}}},
+     {{gpu::kBindGuideMaps, texels_rgba32ui}}},
     {"guide records",
      [](const Extent& e) { return e.options & kRoomForGuideRecords ? kGuideRecordBytes : 0; },
      {{gpu::kBindGuideRecords, storage}}},
