@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <memory>
 #include <span>
 
 #include <tbb/parallel_for.h>
@@ -61,20 +62,39 @@ bool halve(std::span<Point> part, Node& node, std::size_t& below) {
   return below > 0;
 }
 
-void split(std::size_t leaf_size, Tree& tree, std::uint32_t index) {
-  Node node = tree.nodes[index];
-  node.first_leaf = static_cast<std::uint32_t>(tree.leaves.size());
-  const std::span<Point> part(tree.order.data() + node.first, node.last - node.first);
+// A node while space is divided, by as many threads as there are.
+struct Part {
+  Node node;
+  std::unique_ptr<Part> halves[2];
+};
+
+void divide(std::size_t leaf_size, std::span<Point> order, Part& part) {
+  Node& node = part.node;
+  const std::size_t size = node.last - node.first;
   std::size_t below = 0;
-  if (part.size() >= 2 * leaf_size && halve(part, node, below)) {
-    node.child = static_cast<std::uint32_t>(tree.nodes.size());
-    tree.nodes.push_back({.first = node.first, .last = node.first + below});
-    tree.nodes.push_back({.first = node.first + below, .last = node.last});
-    split(leaf_size, tree, node.child);
-    split(leaf_size, tree, node.child + 1);
-  } else {
+  if (size < 2 * leaf_size || !halve(order.subspan(node.first, size), node, below)) {
     node.axis = -1;
+    return;
+  }
+  part.halves[0] = std::make_unique<Part>(Node{.first = node.first, .last = node.first + below});
+  part.halves[1] = std::make_unique<Part>(Node{.first = node.first + below, .last = node.last});
+  const auto half = [&](int which) { return [&, which] { divide(leaf_size, order, *part.halves[which]); }; };
+  constexpr std::size_t kWorthTasks = 8192; // vertices
+  if (size < kWorthTasks)
+    half(0)(), half(1)();
+  else
+    tbb::parallel_invoke(half(0), half(1));
+}
+
+void number(const Part& part, Tree& tree, std::uint32_t index) {
+  Node node = part.node;
+  node.first_leaf = static_cast<std::uint32_t>(tree.leaves.size());
+  if (node.axis < 0) {
     tree.leaves.push_back(index);
+  } else {
+    node.child = static_cast<std::uint32_t>(tree.nodes.size());
+    tree.nodes.resize(tree.nodes.size() + 2);
+    for (std::uint32_t half = 0; half < 2; ++half) number(*part.halves[half], tree, node.child + half);
   }
   node.last_leaf = static_cast<std::uint32_t>(tree.leaves.size());
   tree.nodes[index] = node;
@@ -84,9 +104,11 @@ Tree make_tree(const std::vector<GuideVertex>& vertices) {
   Tree tree;
   tree.order.reserve(vertices.size());
   for (std::uint32_t i = 0; i < vertices.size(); ++i) tree.order.push_back({vertices[i].position, i});
-  tree.nodes.push_back({.first = 0, .last = vertices.size()});
   // A leaf holds at least half of what a part may hold unsplit, but for ties at the median.
-  split(std::max(kLeafVertices, 2 * vertices.size() / kMostGuideLeaves), tree, 0);
+  Part whole{.node = {.first = 0, .last = vertices.size()}, .halves = {}};
+  divide(std::max(kLeafVertices, 2 * vertices.size() / kMostGuideLeaves), tree.order, whole);
+  tree.nodes.resize(1);
+  number(whole, tree, 0);
   return tree;
 }
 
