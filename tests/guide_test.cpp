@@ -63,6 +63,24 @@ std::vector<GuideVertex> vertices_below_a_lamp(std::size_t count) {
   return vertices;
 }
 
+// Azimuth about +y by turns that cells have equal parts of; the angle is that of an arc tangent.
+double angle_of(double turn) {
+  const double quarters = 4.0 * turn - 1.0, across = quarters > 1.0 ? 2.0 - quarters : quarters;
+  const double angle = std::atan2(across, 1.0 - std::abs(across));
+  return quarters > 1.0 ? kPi - angle : angle;
+}
+double turn_of(const glm::dvec3& d) {
+  const double across = d.z / std::max(std::abs(d.x) + std::abs(d.z), 1e-30);
+  return 0.25 * (d.x < 0.0 ? 3.0 - across : 1.0 + across);
+}
+
+// In the middle of a cell.
+glm::vec3 direction_of(std::uint32_t x, std::uint32_t y) {
+  const double height = 2.0 * (y + 0.5) / gpu::kGuideSide - 1.0, r = std::sqrt(1.0 - height * height);
+  const double angle = angle_of((x + 0.5) / gpu::kGuideSide);
+  return {r * std::cos(angle), height, r * std::sin(angle)};
+}
+
 const glm::uvec4* map_of(const GuideField& field, std::uint32_t leaf) {
   return &field.maps[std::size_t{leaf} * gpu::kGuideMapTexels];
 }
@@ -118,7 +136,7 @@ TEST(GuideMap, RoundedWeightsStayNearWhatWasLearned) {
   double whole = 0.0;
   for (std::uint32_t y = 0; y < gpu::kGuideSide; ++y)
     for (std::uint32_t x = 0; x < gpu::kGuideSide; ++x) {
-      const float learned = map[map.size() - kGuideCells + y * gpu::kGuideSide + x];
+      const float learned = map_density(map, map_cell(direction_of(x, y)));
       EXPECT_NEAR(density_of(texels.data(), x, y) / learned, 1.0, 0.14) << x << " " << y; // 1/16 in each of two blocks
       whole += 4.0 * kPi / kGuideCells * learned;
     }
@@ -174,17 +192,6 @@ protected:
   }
 };
 
-// Azimuth about +y by turns that cells have equal parts of; the angle is that of an arc tangent.
-double angle_of(double turn) {
-  const double quarters = 4.0 * turn - 1.0, across = quarters > 1.0 ? 2.0 - quarters : quarters;
-  const double angle = std::atan2(across, 1.0 - std::abs(across));
-  return quarters > 1.0 ? kPi - angle : angle;
-}
-double turn_of(const glm::dvec3& d) {
-  const double across = d.z / std::max(std::abs(d.x) + std::abs(d.z), 1e-30);
-  return 0.25 * (d.x < 0.0 ? 3.0 - across : 1.0 + across);
-}
-
 TEST_F(GuideProbe, SamplesFollowTheDensity) {
   const GuideField field = build_field(vertices_below_a_lamp(20000));
   Random random;
@@ -236,11 +243,11 @@ TEST_F(GuideProbe, CellsAreThoseOfTheHost) {
   for (int i = 0; i < 20000; ++i) in.push_back({glm::vec4(0.3f, 0.0f, 0.6f, 0), glm::vec4(random.direction(), 0)});
   std::size_t others = 0; // a last bit may lie across a border
   for (const Element& e : run(field, 0, in)) {
-    const std::uint32_t cell = map_cell(glm::vec3(e.b));
-    const double across = std::abs(e.b.z) / std::max(std::abs(e.b.x) + std::abs(e.b.z), 1e-30f), along = 1.0 - across;
+    const auto x = std::uint32_t(std::min(turn_of(glm::dvec3(e.b)), 0.99999999) * gpu::kGuideSide);
+    const auto y = std::uint32_t(std::min(0.5 * e.b.y + 0.5, 0.99999999) * gpu::kGuideSide);
+    if (map_cell(glm::vec3(e.b)) != map_cell(direction_of(x, y))) ++others;
     const double expected =
-        density_of(map_of(field, static_cast<std::uint32_t>(e.a.w)), cell % gpu::kGuideSide, cell / gpu::kGuideSide) *
-        0.5 * kPi * (across * across + along * along);
+        density_of(map_of(field, static_cast<std::uint32_t>(e.a.w)), x, y) * map_stretch(glm::vec3(e.b));
     if (!(std::abs(e.b.w / expected - 1.0) < 1e-5)) ++others;
   }
   EXPECT_LE(others, 5u);

@@ -12,7 +12,7 @@
 #include "host/integrators/path/kind.h"
 #include "host/integrators/path/path_replay.h"
 #include "host/integrators/path/sky_rows.h"
-#include "host/render/light_pilot_length.h"
+#include "host/render/pilot_length.h"
 #include "kernels/learned_sky_types.h"
 #include "tests/light_rooms.h"
 

@@ -27,7 +27,7 @@
 #include "host/render/denoised.h"
 #include "host/render/depth_cut.h"
 #include "host/render/integrator_choice.h"
-#include "host/render/light_pilot_length.h"
+#include "host/render/pilot_length.h"
 #include "host/render/report/diagnosis.h"
 #include "host/render/report/state_file.h"
 #include "host/render/settings/identity.h"
@@ -295,8 +295,7 @@ struct Choices {
 // What pilots decide about the render, and who it then is.
 Choices settle_choices(RenderCommandRequest& request, Prepared& prepared) {
   RenderSettings& settings = request.render.settings;
-  if (stands_alone(request.render))
-    settings.light_pilot_paths = light_pilot_paths(settings, prepared.device->info().type == "cpu");
+  if (stands_alone(request.render)) set_pilot_lengths(settings, prepared.device->info().type == "cpu");
   Choices choices;
   if (const std::optional<RenderSettings> recorded = recorded_choice(request, prepared)) {
     settings = *recorded;
@@ -402,9 +401,11 @@ RenderResult render_prepared(const RenderCommandRequest& request, Prepared& prep
   }
   if (resumed) {
     settings.light_pilot_paths = resumed->light_pilot_paths; // likewise
-    if (request.render.mergeable && resumed->light_pilot_paths != 0 &&
-        LightTeacher::has_lesson(prepared.packed, settings))
-      throw Error(state.file, "has learned of lights as parts do not, so that its picture cannot be merged",
+    settings.guide_iterations = resumed->guide_iterations;
+    const bool learned_lights = resumed->light_pilot_paths != 0 && LightTeacher::has_lesson(prepared.packed, settings);
+    const bool learned_longer = settings.guide && resumed->guide_iterations != kGuideIterations;
+    if (request.render.mergeable && (learned_lights || learned_longer))
+      throw Error(state.file, "has learned of light as parts do not, so that its picture cannot be merged",
                   "leave out --samples and --mergeable, or begin anew with them");
   }
   RenderHooks hooks{.save = state_saver(state, prepared.identity, device, prepared.warnings),

@@ -25,9 +25,10 @@ struct Round {
   std::uint32_t samples, guide_iterations;
 };
 constexpr Round kFirstRound{16, 2};
-constexpr std::uint32_t kSecondOverFirst = 4; // samples of a second round, which learns for as long as the render
-constexpr double kAlike = 2.0;                // of costs after 16 samples: either may be the lower one
-constexpr double kWholeOverPilots = 20.0;     // in paths; below that, not even the first is tried
+constexpr std::uint32_t kSecondOverFirst = 4; // samples of a second round
+constexpr Round kSecondRound{kSecondOverFirst * kFirstRound.samples, kGuideIterations};
+constexpr double kAlike = 2.0;            // of costs after 16 samples: either may be the lower one
+constexpr double kWholeOverPilots = 20.0; // in paths; below that, not even the first is tried
 // Errors of the first trial. Where it is below kEasy, nothing else is tried; above kHard and kHopeless, trials may cost
 // more of the render, because such scenes gain by factors.
 constexpr double kEasy = 0.1, kHard = 1.0, kHopeless = 3.0;
@@ -144,9 +145,8 @@ bool tries_again(const std::vector<PilotRender>& pilots, const std::vector<std::
   double work = 0.0, cheapest = std::numeric_limits<double>::infinity();
   for (const std::size_t i : which) {
     cheapest = std::min(cheapest, pilots[i].work);
-    const int longer =
-        static_cast<int>(pilots[i].settings.guide_iterations) - static_cast<int>(kFirstRound.guide_iterations);
-    work += kSecondOverFirst * pilots[i].steady + std::ldexp(pilots[i].learned, std::max(longer, 0));
+    constexpr double kLonger = 1u << (kSecondRound.guide_iterations - kFirstRound.guide_iterations);
+    work += kSecondOverFirst * pilots[i].steady + kLonger * pilots[i].learned;
   }
   return length * cheapest >= kWholeOverSecondRound * work;
 }
@@ -189,8 +189,7 @@ IntegratorChoice choose_integrator(Device& device, const PackedScene& scene, con
   judge_all();
   const std::vector<std::size_t> close = contenders(choice.trials, choice.taken);
   if (choice.taken > 0 && tries_again(pilots, close, length)) {
-    for (const std::size_t i : close)
-      pilots[i] = try_out(candidates[i], {kSecondOverFirst * kFirstRound.samples, candidates[i].guide_iterations});
+    for (const std::size_t i : close) pilots[i] = try_out(candidates[i], kSecondRound);
     judge_all();
   }
   choice.settings = candidates[choice.taken];

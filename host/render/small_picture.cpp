@@ -16,6 +16,7 @@ RenderSettings small_picture(const RenderSettings& settings, std::uint32_t longe
   small.time_limit = small.target_error = 0.0;
   small.adaptive = kAdaptiveOff;
   small.light_pilot_paths = 0;
+  small.guide_iterations = std::min(small.guide_iterations, kGuideIterations);
   small.room_for_whole_nets |= has_whole_nets(settings);
   if (is_adaptive(settings)) small.added_features |= gpu::kFeatureAdaptive;
   return small;

@@ -16,7 +16,7 @@
 #include "host/film/picture_io.h"
 #include "host/render/denoised.h"
 #include "host/render/device/kernel_compiler.h"
-#include "host/render/light_pilot_length.h"
+#include "host/render/pilot_length.h"
 #include "host/render/report/stats.h"
 #include "host/render/settings/integrator_kind.h"
 #include "host/render/settings/shadow_settings.h"
@@ -131,7 +131,7 @@ private:
 
   // As the command that repeats it does.
   RenderResult render_one(RenderSettings settings, KernelCompiler& kernels, const std::string& what) {
-    settings.light_pilot_paths = light_pilot_paths(settings, device_.info().type == "cpu");
+    set_pilot_lengths(settings, device_.info().type == "cpu");
     const auto on_progress = [&](const Progress& progress) {
       return progress_({fmt::format("{}, {} spp", what, settings.last_sample), seconds_ + progress.seconds});
     };

@@ -14,7 +14,7 @@
 namespace wavepath {
 namespace {
 
-constexpr std::size_t kLeafVertices = 300; // a cell with more is split
+constexpr std::size_t kLeafVertices = 300; // of a leaf, at least; a part with twice as many is halved
 constexpr double kCommon = 0.1;            // share of an average leaf in what all leaves say of the probability
 constexpr std::array<double, 5> kProbabilities = {0.0, 0.15, 0.3, 0.45, 0.6};
 
@@ -49,8 +49,8 @@ int longest_axis(std::span<const Point> part) {
   return size[axis] > 0.0f ? axis : -1;
 }
 
-// Halves a part at the median, ties above it; false if that leaves one half empty.
-bool halve(std::span<Point> part, Node& node, std::size_t& below) {
+// Halves a part at the median, ties above it; false if one half is smaller than a leaf.
+bool halve(std::size_t leaf_size, std::span<Point> part, Node& node, std::size_t& below) {
   node.axis = longest_axis(part);
   if (node.axis < 0) return false;
   const auto key = [&](const Point& p) { return p.position[node.axis]; };
@@ -59,7 +59,7 @@ bool halve(std::span<Point> part, Node& node, std::size_t& below) {
   node.plane = key(*middle);
   const auto upper = std::partition(part.begin(), part.end(), [&](const Point& p) { return key(p) < node.plane; });
   below = static_cast<std::size_t>(upper - part.begin());
-  return below > 0;
+  return below >= leaf_size && part.size() - below >= leaf_size;
 }
 
 // A node while space is divided, by as many threads as there are.
@@ -72,7 +72,7 @@ void divide(std::size_t leaf_size, std::span<Point> order, Part& part) {
   Node& node = part.node;
   const std::size_t size = node.last - node.first;
   std::size_t below = 0;
-  if (size < 2 * leaf_size || !halve(order.subspan(node.first, size), node, below)) {
+  if (size < 2 * leaf_size || !halve(leaf_size, order.subspan(node.first, size), node, below)) {
     node.axis = -1;
     return;
   }
@@ -100,13 +100,12 @@ void number(const Part& part, Tree& tree, std::uint32_t index) {
   tree.nodes[index] = node;
 }
 
-Tree make_tree(const std::vector<GuideVertex>& vertices) {
+Tree make_tree(std::span<const GuideVertex> vertices) {
   Tree tree;
   tree.order.reserve(vertices.size());
   for (std::uint32_t i = 0; i < vertices.size(); ++i) tree.order.push_back({vertices[i].position, i});
-  // A leaf holds at least half of what a part may hold unsplit, but for ties at the median.
   Part whole{.node = {.first = 0, .last = vertices.size()}, .halves = {}};
-  divide(std::max(kLeafVertices, 2 * vertices.size() / kMostGuideLeaves), tree.order, whole);
+  divide(std::max(kLeafVertices, vertices.size() / kMostGuideLeaves + 1), tree.order, whole);
   tree.nodes.resize(1);
   number(whole, tree, 0);
   return tree;
@@ -139,10 +138,11 @@ void flatten(const Tree& tree, const std::vector<float>& probabilities, std::uin
 // Of the contributions of some vertices, by the probability of guiding: their second moment, and their cross-entropy
 // with the density of both techniques.
 struct Judgement {
+  // `guided`: density of its direction.
   std::array<double, kProbabilities.size()> moment{}, entropy{};
-  void add(const GuideVertex& vertex, const GuideMap& map) {
+  void add(const GuideVertex& vertex, double guided) {
     if (!(vertex.contribution > 0.0f)) return;
-    const double guided = map_density(map, vertex.direction), contribution = vertex.contribution;
+    const double contribution = vertex.contribution;
     for (std::size_t i = 0; i < kProbabilities.size(); ++i) {
       const double pdf = vertex.bsdf_pdf + kProbabilities[i] * vertex.share * (guided - vertex.bsdf_pdf);
       if (!(pdf > 0.0)) continue;
@@ -159,7 +159,7 @@ struct Maps {
 
 class Learner {
 public:
-  Learner(const std::vector<GuideVertex>& of, const Tree& over)
+  Learner(std::span<const GuideVertex> of, const Tree& over)
       : maps(over.leaves.size() * gpu::kGuideMapTexels),
         judgements(over.leaves.size()),
         vertices_(of),
@@ -167,7 +167,7 @@ public:
         directions_(of.size()) {
     tbb::parallel_for(std::size_t{0}, of.size(), [&](std::size_t i) {
       const GuideVertex& v = of[over.order[i].vertex];
-      directions_[i] = {double{v.radiance} / v.pdf, map_cell(v.direction), v.odd};
+      directions_[i] = {v.radiance / v.pdf, static_cast<std::uint16_t>(map_cell(v.direction)), v.odd};
     });
     learn(0, {{even_map(), even_map()}, even_map()});
   }
@@ -180,7 +180,7 @@ private:
     const Node& node = tree_.nodes[index];
     Histogram halves[2];
     for (std::size_t i = node.first; i < node.last; ++i)
-      if (directions_[i].weight > 0.0) halves[directions_[i].odd].add(directions_[i].cell, directions_[i].weight);
+      if (directions_[i].weight > 0.0f) halves[directions_[i].odd].add(directions_[i].cell, directions_[i].weight);
     Maps own;
     for (const int half : {0, 1}) own.half[half] = learn_map(halves[half], larger.half[half]);
     halves[0].add(halves[1]);
@@ -192,16 +192,20 @@ private:
     write_map(
         own.both,
         std::span(maps).subspan(std::size_t{node.first_leaf} * gpu::kGuideMapTexels).first<gpu::kGuideMapTexels>());
-    for (std::size_t i = node.first; i < node.last; ++i)
-      judgements[node.first_leaf].add(vertices_[tree_.order[i].vertex], own.half[!directions_[i].odd]);
+    for (std::size_t i = node.first; i < node.last; ++i) {
+      const GuideVertex& vertex = vertices_[tree_.order[i].vertex];
+      const Direction& direction = directions_[i];
+      judgements[node.first_leaf].add(
+          vertex, double{map_density(own.half[!direction.odd], direction.cell)} * map_stretch(vertex.direction));
+    }
   }
 
   struct Direction {
-    double weight;
-    std::uint32_t cell;
+    float weight;
+    std::uint16_t cell;
     bool odd;
   };
-  const std::vector<GuideVertex>& vertices_;
+  std::span<const GuideVertex> vertices_;
   const Tree& tree_;
   std::vector<Direction> directions_; // in the order of the tree
 };
@@ -216,7 +220,7 @@ GuideField no_field() {
   return field;
 }
 
-GuideField build_field(const std::vector<GuideVertex>& vertices) {
+GuideField build_field(std::span<const GuideVertex> vertices) {
   if (vertices.empty()) return no_field();
   const Tree tree = make_tree(vertices);
   Learner learner(vertices, tree);

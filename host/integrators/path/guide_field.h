@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include <glm/glm.hpp>
@@ -42,6 +43,6 @@ struct GuideField {
 
 // A field that guides nowhere.
 GuideField no_field();
-GuideField build_field(const std::vector<GuideVertex>& vertices);
+GuideField build_field(std::span<const GuideVertex> vertices);
 
 } // namespace wavepath

@@ -4,36 +4,45 @@
 #include <bit>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 namespace wavepath {
 namespace {
 
 constexpr std::uint32_t kGrids = 5;
 static_assert(1u << kGrids == gpu::kGuideSide);
-constexpr double kPrior = 30.0; // samples that a cell counts as spread like the larger part's, besides its own
-constexpr double kEven = 0.25 / std::numbers::pi;
+constexpr float kPrior = 30.0f; // samples that a cell counts as spread like the larger part's, besides its own
+constexpr auto kEven = static_cast<float>(0.25 / std::numbers::pi);
 
-constexpr std::uint32_t side_of(std::uint32_t grid) { return 2u << grid; }
-constexpr std::size_t first_of(std::uint32_t grid) { return 4 * ((std::size_t{1} << (2 * grid)) - 1) / 3; }
+// Of a grid of 2, 4, ..., kGuideSide cells a side, among the cells of all.
+constexpr std::size_t first_of(std::uint32_t grid) { return ((std::size_t{4} << (2 * grid)) - 4) / 3; }
 constexpr std::size_t kMapCells = first_of(kGrids);
+constexpr std::size_t kFinest = first_of(kGrids - 1);
 
-// The four cells below cell (x, y) of the next coarser grid, by two rows.
-std::array<std::size_t, 4> finer_cells(std::uint32_t grid, std::uint32_t x, std::uint32_t y) {
-  const std::size_t side = side_of(grid), first = first_of(grid) + 2 * y * side + 2 * x;
-  return {first, first + 1, first + side, first + side + 1};
+// Bits of x at the even places of a Morton number.
+constexpr std::uint32_t spread(std::uint32_t x) {
+  std::uint32_t bits = 0;
+  for (std::uint32_t bit = 0; bit < kGrids; ++bit) bits |= (x >> bit & 1u) << (2 * bit);
+  return bits;
 }
+constexpr std::uint32_t morton(std::uint32_t x, std::uint32_t y) { return spread(x) | spread(y) << 1; }
 
-// Sums of all grids from those of the finest; the whole sphere's last.
-std::vector<double> pyramid(const std::vector<double>& finest) {
-  std::vector<double> sums(kMapCells + 1);
-  std::ranges::copy(finest, sums.begin() + first_of(kGrids - 1));
-  for (std::uint32_t grid = kGrids; grid-- > 0;) {
-    const std::uint32_t coarser_side = side_of(grid) / 2;
-    for (std::uint32_t y = 0; y < coarser_side; ++y)
-      for (std::uint32_t x = 0; x < coarser_side; ++x) {
-        double& sum = sums[grid > 0 ? first_of(grid - 1) + y * coarser_side + x : kMapCells];
-        for (const std::size_t cell : finer_cells(grid, x, y)) sum += sums[cell];
-      }
+constexpr auto kSpread = [] {
+  std::array<std::uint16_t, gpu::kGuideSide> table{};
+  for (std::uint32_t x = 0; x < gpu::kGuideSide; ++x) table[x] = static_cast<std::uint16_t>(spread(x));
+  return table;
+}();
+
+// Sums of all grids from those of the finest, in a unit in which floats hold them.
+using Pyramid = std::array<float, kMapCells>;
+Pyramid pyramid(const std::vector<double>& finest, double per_unit) {
+  Pyramid sums;
+  for (std::size_t cell = 0; cell < kGuideCells; ++cell)
+    sums[kFinest + cell] = static_cast<float>(finest[cell] * per_unit);
+  for (std::uint32_t grid = kGrids - 1; grid > 0; --grid) {
+    const float* finer = &sums[first_of(grid)];
+    for (std::size_t cell = first_of(grid - 1); cell < first_of(grid); ++cell, finer += 4)
+      sums[cell] = (finer[0] + finer[1]) + (finer[2] + finer[3]);
   }
   return sums;
 }
@@ -41,8 +50,8 @@ std::vector<double> pyramid(const std::vector<double>& finest) {
 // ---- as kernels read it ----
 
 // The byte of a weight of at most 1, rounded, and what it stands for (path_types.h).
-std::uint32_t weight_byte(double weight) {
-  const auto bits = std::bit_cast<std::uint32_t>(static_cast<float>(weight));
+std::uint32_t weight_byte(float weight) {
+  const auto bits = std::bit_cast<std::uint32_t>(weight);
   const std::uint32_t rounded = (bits + (1u << (gpu::kGuideWeightShift - 1))) >> gpu::kGuideWeightShift;
   constexpr std::uint32_t kLeast = gpu::kGuideWeightExponent << (23 - gpu::kGuideWeightShift);
   return std::max(rounded, kLeast) - kLeast;
@@ -51,21 +60,18 @@ double weight_of(std::uint32_t byte) {
   return double{std::bit_cast<float>(byte << gpu::kGuideWeightShift | gpu::kGuideWeightExponent << 23)};
 }
 
-// The block of the 4x4 cells of a grid from (4 x, 4 y) on, and how often each of them is drawn (by rows).
-glm::uvec4 block_of(const GuideMap& map, std::uint32_t grid, std::uint32_t x, std::uint32_t y,
-                    std::array<double, 16>& shares) {
-  double most = 0.0;
-  for (std::uint32_t cell = 0; cell < 16; ++cell) {
-    shares[cell] = map[first_of(grid) + std::size_t{4 * y + cell / 4} * side_of(grid) + 4 * x + cell % 4];
-    most = std::max(most, shares[cell]);
-  }
+// The block of 16 cells in a row, and how often each of them is drawn.
+glm::uvec4 block_of(const float* cells, std::array<double, 16>& shares) {
+  const float most = *std::max_element(cells, cells + 16);
   glm::uvec4 block(0u);
   double sum = 0.0;
-  for (std::uint32_t cell = 0; cell < 16; ++cell) {
-    const std::uint32_t byte = weight_byte(most > 0.0 ? shares[cell] / most : 1.0);
-    block[static_cast<int>(cell % 4)] |= byte << (8 * (cell / 4));
-    sum += shares[cell] = weight_of(byte);
-  }
+  for (std::uint32_t y = 0; y < 4; ++y)
+    for (std::uint32_t x = 0; x < 4; ++x) {
+      const std::uint32_t cell = morton(x, y);
+      const std::uint32_t byte = weight_byte(most > 0.0f ? cells[cell] / most : 1.0f);
+      block[static_cast<int>(x)] |= byte << (8 * y);
+      sum += shares[cell] = weight_of(byte);
+    }
   for (double& share : shares) share /= sum;
   return block;
 }
@@ -89,57 +95,56 @@ std::uint32_t map_cell(const glm::vec3& d) {
     constexpr auto kSide = static_cast<float>(gpu::kGuideSide);
     return static_cast<std::uint32_t>(std::clamp(u * kSide, 0.0f, kSide - 1.0f));
   };
-  return place(0.5f * d.y + 0.5f) * gpu::kGuideSide + place(0.25f * (d.x < 0.0f ? 3.0f - across : 1.0f + across));
+  return kSpread[place(0.25f * (d.x < 0.0f ? 3.0f - across : 1.0f + across))] | kSpread[place(0.5f * d.y + 0.5f)] << 1u;
 }
 
-GuideMap even_map() { return GuideMap(kMapCells, static_cast<float>(kEven)); }
+GuideMap even_map() { return GuideMap(kMapCells, kEven); }
 
 GuideMap learn_map(const Histogram& histogram, const GuideMap& larger_part) {
-  const std::vector<double> sums = pyramid(histogram.sum), squares = pyramid(histogram.squares);
+  const double total = std::accumulate(histogram.sum.begin(), histogram.sum.end(), 0.0);
+  const double per_unit = total > 0.0 ? 1.0 / total : 0.0;
+  const Pyramid sums = pyramid(histogram.sum, per_unit), squares = pyramid(histogram.squares, per_unit * per_unit);
+  const auto whole = [](const Pyramid& p) { return (p[0] + p[1]) + (p[2] + p[3]); };
   GuideMap map(kMapCells);
-  for (std::uint32_t grid = 0; grid < kGrids; ++grid) {
-    const std::uint32_t coarser_side = side_of(grid) / 2;
-    for (std::uint32_t y = 0; y < coarser_side; ++y)
-      for (std::uint32_t x = 0; x < coarser_side; ++x) {
-        const std::size_t above = grid > 0 ? first_of(grid - 1) + y * coarser_side + x : kMapCells;
-        const double sum = sums[above], square = squares[above], own = grid > 0 ? double{map[above]} : kEven;
-        const double samples = square > 0.0 ? sum * sum / square : 0.0;
-        const auto cells = finer_cells(grid, x, y);
-        double usual_sum = 0.0;
-        for (const std::size_t cell : cells) usual_sum += larger_part[cell];
-        for (const std::size_t cell : cells) {
-          const double share = sum > 0.0 ? sums[cell] / sum : 0.0;
-          const double usual = usual_sum > 0.0 ? larger_part[cell] / usual_sum : 0.25;
-          map[cell] = static_cast<float>(own * 4.0 * (samples * share + kPrior * usual) / (samples + kPrior));
-        }
-      }
-  }
+  // The four cells from `first` on, finer ones of a cell with these sums and densities.
+  const auto divide = [&](std::size_t first, float sum, float square, float own, float usual) {
+    const float samples = square > 0.0f ? sum * sum / square : 0.0f, share = own / (samples + kPrior);
+    const float of_sums = sum > 0.0f ? 4.0f * share * samples / sum : 0.0f;
+    const float of_usual = usual > 0.0f ? share * kPrior / usual : 0.0f;
+    for (std::size_t cell = first; cell < first + 4; ++cell)
+      map[cell] = of_sums * sums[cell] + of_usual * larger_part[cell];
+  };
+  divide(0, whole(sums), whole(squares), kEven, kEven);
+  for (std::size_t cell = 0; cell < kFinest; ++cell)
+    divide(4 * cell + 4, sums[cell], squares[cell], map[cell], larger_part[cell]);
   return map;
 }
 
-float map_density(const GuideMap& map, const glm::vec3& direction) {
-  const float across = std::abs(direction.z) / std::max(std::abs(direction.x) + std::abs(direction.z), 1e-30f);
-  const float along = 1.0f - across; // below: map_stretch() of the kernels
-  return map[first_of(kGrids - 1) + map_cell(direction)] * 0.5f * std::numbers::pi_v<float> *
-         (across * across + along * along);
+float map_density(const GuideMap& map, std::uint32_t cell) { return map[kFinest + cell]; }
+
+float map_stretch(const glm::vec3& d) {
+  const float across = std::abs(d.z) / std::max(std::abs(d.x) + std::abs(d.z), 1e-30f), along = 1.0f - across;
+  return 0.5f * std::numbers::pi_v<float> * (across * across + along * along);
 }
 
 void write_map(const GuideMap& map, std::span<glm::uvec4, gpu::kGuideMapTexels> texels) {
   constexpr std::uint32_t kQuadSide = gpu::kGuideSide / 2;
   std::array<double, 16> parts{}, quads{};
-  texels[0] = block_of(map, 1, 0, 0, parts);
-  for (std::uint32_t part = 0; part < 16; ++part) {
-    texels[1 + part] = block_of(map, 3, part % 4, part / 4, quads);
-    for (std::uint32_t quad = 0; quad < 16; ++quad) {
-      const std::uint32_t x = part % 4 * 4 + quad % 4, y = part / 4 * 4 + quad / 4;
-      const double learned = map[first_of(3) + y * kQuadSide + x], drawn = kEven * 256.0 * parts[part] * quads[quad];
-      glm::uvec4& texel = texels[gpu::kGuideBlocks + y * kQuadSide + x];
-      const auto cells = finer_cells(4, x, y);
-      for (std::size_t k = 0; k < 4; ++k)
-        texel[static_cast<int>(k)] =
-            std::bit_cast<std::uint32_t>(static_cast<float>(learned > 0.0 ? map[cells[k]] * (drawn / learned) : drawn));
+  texels[0] = block_of(&map[first_of(1)], parts);
+  for (std::uint32_t part_y = 0; part_y < 4; ++part_y)
+    for (std::uint32_t part_x = 0; part_x < 4; ++part_x) {
+      const std::uint32_t part = morton(part_x, part_y);
+      texels[1 + 4 * part_y + part_x] = block_of(&map[first_of(3) + 16 * part], quads);
+      for (std::uint32_t y = 0; y < 4; ++y)
+        for (std::uint32_t x = 0; x < 4; ++x) {
+          const std::size_t quad = 16 * part + morton(x, y);
+          const double learned = map[first_of(3) + quad], drawn = 256.0 * kEven * parts[part] * quads[quad % 16];
+          const float scale = learned > 0.0 ? static_cast<float>(drawn / learned) : 0.0f;
+          glm::uvec4& texel = texels[gpu::kGuideBlocks + (4 * part_y + y) * kQuadSide + 4 * part_x + x];
+          for (std::size_t k = 0; k < 4; ++k)
+            texel[static_cast<int>(k)] = std::bit_cast<std::uint32_t>(scale * map[kFinest + 4 * quad + k]);
+        }
     }
-  }
 }
 
 } // namespace wavepath

@@ -22,21 +22,23 @@ struct Histogram {
   void add(const Histogram& other);
 };
 
-// Densities of the cells of grids of 2, 4, ..., kGuideSide cells a side, row by row, the coarsest first; each is the
-// mean of its four finer ones. Per solid angle where a cell has the same share of the sphere as the others
-// (map_stretch() tells what share it has).
+// Densities of the cells of grids of 2, 4, ..., kGuideSide cells a side, the coarsest first, each in Morton order:
+// cells 4 i to 4 i + 3 of a grid make up cell i of the one before it, whose density is their mean. Per solid angle,
+// over map_stretch().
 using GuideMap = std::vector<float>;
 
+// Of the finest grid, in that order.
 std::uint32_t map_cell(const glm::vec3& direction);
+// Density per solid angle over what it would be if all cells had the same share of the sphere.
+float map_stretch(const glm::vec3& direction);
+float map_density(const GuideMap& map, std::uint32_t cell);
+
 GuideMap even_map();
 
 // Densities from the whole sphere down: a cell divides its own among its four finer ones by their sums. Few samples, or
 // one that outweighs all others, tell little: by the effective number of samples n = (sum w)^2 / sum w^2 (Kish 1965),
 // some further ones count as spread like those of a larger part of the scene.
 GuideMap learn_map(const Histogram& histogram, const GuideMap& larger_part);
-
-// Per solid angle.
-float map_density(const GuideMap& map, const glm::vec3& direction);
 
 // As kernels read it, whose weights are rounded: densities are those of what is drawn.
 void write_map(const GuideMap& map, std::span<glm::uvec4, gpu::kGuideMapTexels> texels);

@@ -9,7 +9,10 @@ namespace {
 constexpr std::uint32_t kSeed = 0x6a09e667u;    // by exclusive or with the render's own
 constexpr std::uint32_t kFirstPaths = 1u << 16; // of the first two iterations; each later one has twice as many
 constexpr std::uint32_t kLeastIterations = 2;
-constexpr std::uint32_t kMostSamples = 64; // a pixel, in an iteration: small pictures learn from fewer paths
+constexpr std::uint32_t kMostSamples =
+    64;                                // a pixel, in an iteration: small pictures learn from fewer paths. Of later
+                                       // ones than kGuideIterations, which long renders alone have, there is no most
+constexpr std::size_t kLearnsFrom = 3; // iterations, for the last field
 
 // Foretold variance below which the picture is guided, and above which the pilot ends early. A guided sample costs
 // about 1.3 times an unguided one (llvmpipe).
@@ -47,7 +50,8 @@ std::uint32_t GuidePilot::iteration_end(std::uint32_t iteration) const {
   std::uint32_t end = 0;
   for (std::uint32_t i = 0; i <= iteration; ++i) {
     const std::uint32_t paths = kFirstPaths << (i > 0 ? i - 1 : 0);
-    end += std::clamp((paths + pixels() / 2) / pixels() / 2 * 2, 2u, kMostSamples);
+    const std::uint32_t samples = std::max((paths + pixels() / 2) / pixels() / 2 * 2, 2u);
+    end += i < kGuideIterations ? std::min(samples, kMostSamples) : samples;
   }
   return end;
 }
@@ -75,6 +79,23 @@ GuideReport GuidePilot::report() const {
           .pilot_paths = std::uint64_t{sample_} * pixels()};
 }
 
+// Each field guides the next iteration by what that one alone has found; the last one learns from some iterations
+// before it, too, whose fields were poorer.
+std::span<const GuideVertex> GuidePilot::lesson() const {
+  const bool is_last = iteration_ + 1 == most_iterations_;
+  return std::span(vertices_).subspan(is_last ? 0 : iteration_begins_.back());
+}
+
+// Leaves room for the vertices of the next iteration.
+void GuidePilot::forget_vertices() {
+  iteration_begins_.push_back(vertices_.size());
+  if (iteration_begins_.size() <= kLearnsFrom) return;
+  const std::size_t forgotten = iteration_begins_[1];
+  vertices_.erase(vertices_.begin(), vertices_.begin() + static_cast<std::ptrdiff_t>(forgotten));
+  iteration_begins_.erase(iteration_begins_.begin());
+  for (std::size_t& begin : iteration_begins_) begin -= forgotten;
+}
+
 Pilot GuidePilot::next() const {
   return {.segments = {{0, 0, pixels(), 0}},
           .samples = 1,
@@ -100,14 +121,15 @@ bool GuidePilot::take(const Buffer& records) {
   }
   if (++sample_ < iteration_end(iteration_)) return false;
 
-  field_ = build_field(vertices_);
+  field_ = build_field(lesson());
   const double share = guidable_share();
   promise_ = 1.0 - share * (1.0 - field_.gain);
-  vertices_.clear();
   samples_.clear();
   ++iteration_;
+  forget_vertices();
   const bool hopeless = iteration_ >= kLeastIterations && promise_ > kHopeless;
-  done_ = hopeless || iteration_ >= most_iterations_;
+  const bool unused = iteration_ >= kGuideIterations && promise_ >= kPays;
+  done_ = hopeless || unused || iteration_ >= most_iterations_;
   return true;
 }
 

@@ -1,5 +1,4 @@
-// Learning the field that guides paths from a pilot of fixed length, in iterations of which each is guided by the one
-// before.
+// Learning the field that guides paths from a pilot, in iterations of which each is guided by the one before.
 //
 // The pilot is a small picture of the same view, whose samples are thrown away. Its records come in the order of its
 // paths, however waves were cut, so that what is learned depends on the scene, the view and the seed alone: parts of a
@@ -7,6 +6,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "host/gpu/buffer.h"
@@ -38,11 +38,14 @@ private:
   std::uint32_t pixels() const { return width_ * height_; }
   std::uint32_t iteration_end(std::uint32_t iteration) const;
   double guidable_share() const;
+  std::span<const GuideVertex> lesson() const;
+  void forget_vertices();
 
   std::uint32_t width_, height_, most_iterations_;
   std::uint32_t sample_ = 0, iteration_ = 0;
   bool done_ = false;
-  std::vector<GuideVertex> vertices_; // of this iteration
+  std::vector<GuideVertex> vertices_;               // of this iteration, after those of some before it
+  std::vector<std::size_t> iteration_begins_ = {0}; // among them; of this one last
   struct Sample {
     float all, scattered; // luminance gathered; of that, from the first direction that could be guided
   };

@@ -94,6 +94,7 @@ Json describe(const std::string& identity, const std::string& device, const Rend
           {"levels", state.levels},
           {"noise", state_json(state.noise)},
           {"light_pilot_paths", state.light_pilot_paths},
+          {"guide_iterations", state.guide_iterations},
           {"next_check", state.next_check},
           {"size", {state.film.width, state.film.height}},
           {"aovs", !state.film.aovs.empty()},
@@ -117,6 +118,7 @@ RenderState state_from(const Json& json) {
   state.levels = json.at("levels").get<std::vector<std::int8_t>>();
   state.noise = noise_from(json.value("noise", Json()));
   state.light_pilot_paths = json.value("light_pilot_paths", std::uint64_t{0});
+  state.guide_iterations = json.value("guide_iterations", kGuideIterations);
   state.next_check = json.at("next_check");
   return state;
 }

@@ -28,6 +28,9 @@ inline constexpr std::uint32_t kTraversalAuto = 0, kTraversalCompute = 1, kTrave
 // By what textures are filtered: by kernels in fp32, or by the device's samplers.
 inline constexpr std::uint32_t kTexturesExact = 0, kTexturesHardware = 1;
 
+// Iterations in which guiding learns, of short renders and of parts.
+inline constexpr std::uint32_t kGuideIterations = 4;
+
 // Whether samples are shared out by noise: where that pays, never, or always.
 inline constexpr std::uint32_t kAdaptiveAuto = 0, kAdaptiveOff = 1, kAdaptiveOn = 2;
 
@@ -117,7 +120,8 @@ struct RenderSettings {
   bool specialize = true;
   std::vector<std::string> aovs; // values of --aov
 
-  std::uint32_t guide_iterations = 4; // in which the field is learned, at most; trials make do with fewer
+  // In which the field is learned, at most; trials make do with fewer, long renders that stand alone have more.
+  std::uint32_t guide_iterations = kGuideIterations;
 
   // For measurements, and pilots that the kernels of a render serve. kFeature bits compiled in though the scene leaves
   // them out, and left out though it needs them.

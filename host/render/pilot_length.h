@@ -1,4 +1,4 @@
-// How long the pilot is that learns which lights reach where.
+// How long pilots are that learn where light comes from.
 #pragma once
 
 #include <cstdint>
@@ -13,5 +13,12 @@ namespace wavepath {
 // product is least where P grows as R^(2/3), by measurement a little faster. A render that ends by its error is taken
 // to be short, and one that is bounded by time to have the paths that expected_paths() tells.
 std::uint64_t light_pilot_paths(const RenderSettings& settings, bool cpu);
+
+// RenderSettings::guide_iterations of such a render: each further one has twice as many paths as the one before it.
+// Five leave .75 of the squared error of four, six .67 (benchmarks/results/NOTES.md, Guiding).
+std::uint32_t guide_iterations(const RenderSettings& settings, bool cpu);
+
+// Both.
+void set_pilot_lengths(RenderSettings& settings, bool cpu);
 
 } // namespace wavepath

@@ -1,0 +1,49 @@
+#include "host/render/pilot_length.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "host/render/trial.h"
+
+namespace wavepath {
+namespace {
+
+// P = kEqual^(1/4) R^(3/4): a pilot has as many paths as the render where these are kEqual. 22,000 paths for 4 samples
+// of 256x192 pixels, 178,000 for 64 (benchmarks/results/NOTES.md, Parts of an environment map).
+constexpr double kEqual = 32.0;
+// Samples of a render whose end nobody knows.
+constexpr double kFewSamples = 16.0;
+constexpr double kMostPaths = 1u << 24; // counts of picks hold 256 of each path in one cell
+
+// Paths of a render that a fifth iteration of guiding pays for, and times as many for each further one.
+constexpr double kFifthIteration = 5e6, kFurtherIteration = 4.0;
+constexpr std::uint32_t kMostGuideIterations = 6; // of 2^20 paths, whose vertices take some 400 MB while it learns
+
+// Of the render, as far as pilots may rely on it.
+double reliable_paths(const RenderSettings& settings, bool cpu) {
+  const double paths = expected_paths(settings, cpu);
+  const double few = kFewSamples * static_cast<double>(settings.width) * settings.height;
+  return settings.target_error > 0.0 ? std::min(paths, few) : paths;
+}
+
+} // namespace
+
+std::uint64_t light_pilot_paths(const RenderSettings& settings, bool cpu) {
+  const double paths = kEqual * std::pow(reliable_paths(settings, cpu) / kEqual, 0.75);
+  return static_cast<std::uint64_t>(std::clamp(paths, 1.0, kMostPaths));
+}
+
+std::uint32_t guide_iterations(const RenderSettings& settings, bool cpu) {
+  const double whole = reliable_paths(settings, cpu);
+  std::uint32_t iterations = kGuideIterations;
+  for (double pays = kFifthIteration; whole >= pays && iterations < kMostGuideIterations; pays *= kFurtherIteration)
+    ++iterations;
+  return iterations;
+}
+
+void set_pilot_lengths(RenderSettings& settings, bool cpu) {
+  settings.light_pilot_paths = light_pilot_paths(settings, cpu);
+  settings.guide_iterations = guide_iterations(settings, cpu);
+}
+
+} // namespace wavepath
