@@ -16,7 +16,9 @@
 #include "host/integrators/path/guide_map.h"
 #include "host/integrators/path/guiding.h"
 #include "host/render/device/kernel_compiler.h"
+#include "host/render/pilot_length.h"
 #include "host/render/render.h"
+#include "host/render/report/state_file.h"
 #include "host/scene/gltf/gltf.h"
 #include "host/scene/pack/pack.h"
 #include "host/scene/view.h"
@@ -380,6 +382,26 @@ TEST_F(GuideTest, PilotDecides) {
   ASSERT_TRUE(guided.guide.has_value());
   EXPECT_FALSE(guided.guide->used);
   expect_same_bits(guided.picture, plain.picture);
+  asked.guide_iterations = 6;
+  EXPECT_EQ(render(asked).guide->pilot_paths, guided.guide->pilot_paths) << "no longer where it does not pay";
+}
+
+TEST(GuideIterations, AreMoreInLongRenders) {
+  RenderSettings settings;
+  settings.width = 256, settings.height = 192;
+  const auto iterations = [&](std::uint32_t spp) {
+    settings.last_sample = spp;
+    return guide_iterations(settings, true);
+  };
+  EXPECT_EQ(iterations(1), kGuideIterations);
+  EXPECT_EQ(iterations(64), kGuideIterations);
+  EXPECT_EQ(iterations(128), kGuideIterations + 1);
+  EXPECT_EQ(iterations(512), kGuideIterations + 2);
+  EXPECT_EQ(iterations(1u << 20), kGuideIterations + 2) << "the vertices of more would fill the memory";
+  settings.time_limit = 1.0;
+  EXPECT_EQ(iterations(1u << 20), kGuideIterations) << "as many paths as a CPU has in that time";
+  settings.time_limit = 0.0, settings.target_error = 0.1;
+  EXPECT_EQ(iterations(1u << 20), kGuideIterations) << "it may be short";
 }
 
 // The command line: the field is learned anew when a render is resumed, and by every part of one.
@@ -410,6 +432,38 @@ TEST_F(GuideTest, ResumedAndMergedPicturesAreThoseOfTheWhole) {
   render_as("b.exr", {"--samples", "5:12"});
   wavepath({"merge", "b.exr", "a.exr", "-o", "merged.exr"});
   expect_same_bits(picture("merged.exr"), picture("whole.exr"));
+}
+
+// A render that was to be long when it began has learned for longer, and keeps to that; parts have not.
+TEST_F(GuideTest, ResumedRendersKeepTheirPilot) {
+  const std::string state = (folder_.path() / "state").string();
+  const auto render_on = [&](std::vector<std::string> flags) {
+    std::vector<std::string> all{
+        WAVEPATH_BINARY, "render",       "hatch.gltf",  "--guide", "--integrator", "path",
+        "--size",        "64x48",        "--max-depth", "3",       "--eye",        "0.1,1.0,0.6",
+        "--look-at",     "2.2,0.9,-0.5", "--yfov",      "69",      "-q",           "-o",
+        "part.exr",      "--checkpoint", "state",       "--stats", "stats.json"};
+    all.insert(all.end(), flags.begin(), flags.end());
+    RunOptions options;
+    options.folder = folder_.path().string();
+    return run_program(all, options);
+  };
+  const auto pilot_paths = [&] {
+    return nlohmann::json::parse(std::ifstream(folder_.path() / "stats.json"))["guide"]["pilot_paths"]
+        .get<std::uint64_t>();
+  };
+  ASSERT_EQ(render_on({"--spp", "2"}).exit_code, 0);
+  const std::uint64_t of_short = pilot_paths();
+  StateRecord record = read_state(state);
+  EXPECT_EQ(record.state.guide_iterations, kGuideIterations);
+  record.state.guide_iterations = kGuideIterations + 1;
+  write_state(state, record.identity, record.device, record.state);
+  const Outcome part = render_on({"--spp", "3", "--resume", "--mergeable"});
+  EXPECT_EQ(part.exit_code, 1);
+  EXPECT_NE(part.err.find("cannot be merged"), std::string::npos) << part.err;
+  ASSERT_EQ(render_on({"--spp", "3", "--resume"}).exit_code, 0);
+  EXPECT_GT(pilot_paths(), of_short + (7u << 16)) << "an iteration of 2^19 paths more";
+  EXPECT_EQ(read_state(state).state.guide_iterations, kGuideIterations + 1);
 }
 
 } // namespace

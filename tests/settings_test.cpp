@@ -124,7 +124,7 @@ std::map<std::string, std::string> members(const RenderSettings& settings) {
 const std::map<std::string, std::string> kExempt = {
     {"antialias_over_time", "the window sets it while the camera moves; such pictures are never kept"},
     {"moving", "follows from the scene, whose hash says what moves"},
-    {"guide_iterations", "for trials of integrators, whose pictures are thrown away"},
+    {"guide_iterations", "by the length of a render; kept in its state, and fewer in trials"},
     {"added_features", "for measurements of kernels, and pilots; the picture is the same"},
     {"removed_features", "for measurements of kernels"},
     {"room_for_shadow_rays", "for measurements of memory; the picture is the same"},
