@@ -76,8 +76,9 @@ void divide(std::size_t leaf_size, std::span<Point> order, Part& part) {
     node.axis = -1;
     return;
   }
-  part.halves[0] = std::make_unique<Part>(Node{.first = node.first, .last = node.first + below});
-  part.halves[1] = std::make_unique<Part>(Node{.first = node.first + below, .last = node.last});
+  for (auto& half : part.halves) half = std::make_unique<Part>();
+  part.halves[0]->node = {.first = node.first, .last = node.first + below};
+  part.halves[1]->node = {.first = node.first + below, .last = node.last};
   const auto half = [&](int which) { return [&, which] { divide(leaf_size, order, *part.halves[which]); }; };
   constexpr std::size_t kWorthTasks = 8192; // vertices
   if (size < kWorthTasks)
