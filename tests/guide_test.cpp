@@ -1,5 +1,6 @@
 // Path guiding: its densities are what its samples follow, the picture stays the same and gets less noise where light
 // is hidden, and the bits depend neither on how the work is cut up nor on interrupts.
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <fstream>
@@ -126,6 +127,29 @@ TEST(GuideField, DensitiesIntegrateToOneAndAreWhatBlocksDraw) {
   EXPECT_GT(field.probability, 0.4);
 }
 
+// What no sample comes from has ever less density the further space is divided, until floats hold none; blocks still
+// draw it once in a great while.
+TEST(GuideMap, WhatIsDarkHasTheDensityItIsDrawnWith) {
+  Histogram lamp;
+  for (int i = 0; i < 4'000'000; ++i) lamp.add(map_cell({0.6f, 0.64f, 0.48f}), 1.0);
+  GuideMap map = even_map();
+  for (int depth = 0; depth < 16; ++depth) map = learn_map(lamp, map);
+  const auto [least, most] = std::ranges::minmax_element(map);
+  EXPECT_EQ(*least, 0.0f);
+  EXPECT_TRUE(std::isfinite(*most));
+  std::vector<glm::uvec4> texels(gpu::kGuideMapTexels);
+  write_map(map, std::span(texels).first<gpu::kGuideMapTexels>());
+  double whole = 0.0;
+  for (std::uint32_t y = 0; y < gpu::kGuideSide; ++y)
+    for (std::uint32_t x = 0; x < gpu::kGuideSide; ++x) {
+      const double quad = density_of(texels.data(), x & ~1u, y & ~1u) + density_of(texels.data(), x | 1u, y & ~1u) +
+                          density_of(texels.data(), x & ~1u, y | 1u) + density_of(texels.data(), x | 1u, y | 1u);
+      EXPECT_GT(quad, 0.0) << x << " " << y;
+      whole += 4.0 * kPi / kGuideCells * density_of(texels.data(), x, y);
+    }
+  EXPECT_NEAR(whole, 1.0, 1e-5);
+}
+
 // Rounded weights cost next to nothing, also where nearly all light comes from one cell.
 TEST(GuideMap, RoundedWeightsStayNearWhatWasLearned) {
   Random random;
@@ -159,10 +183,20 @@ TEST(GuideField, ManyVerticesOfOnePlaceEndInOneLeaf) {
   EXPECT_EQ(build_field(vertices).leaves(), 1u);
 }
 
+// Most of a scene may lie in one plane at the low end of its longest axis.
+TEST(GuideField, DividesWhatTiesLeaveAbove) {
+  std::vector<GuideVertex> vertices = vertices_below_a_lamp(20000);
+  for (std::size_t i = 0; i < vertices.size(); ++i)
+    vertices[i].position.y = i % 5 < 3 ? 0.0f : 10.0f + 1e-4f * float(i);
+  EXPECT_GT(build_field(vertices).leaves(), 16u);
+  for (GuideVertex& v : vertices) v.position.y = -v.position.y;
+  EXPECT_GT(build_field(vertices).leaves(), 16u);
+}
+
 TEST(GuideField, StaysWithinItsRoom) {
   const GuideField field = build_field(vertices_below_a_lamp(3'000'000));
   EXPECT_LE(field.leaves(), kMostGuideLeaves);
-  EXPECT_GT(field.leaves(), kMostGuideLeaves / 4);
+  EXPECT_GT(field.leaves(), kMostGuideLeaves / 2);
   EXPECT_LE(field.nodes.size() * sizeof(gpu::GuideNode), kGuideTreeBytes);
   EXPECT_LE(kGuideMapBytes + kGuideTreeBytes, 64u << 20);
 }
@@ -325,7 +359,7 @@ TEST_F(GuideTest, SamePictureWithLessNoise) {
   Mean plain, guided;
   for (std::uint32_t seed = 0; seed < kRenders; ++seed)
     for (const bool guide : {false, true}) {
-      RenderSettings asked = settings(64);
+      RenderSettings asked = settings(128); // with fewer, unguided paths have not met rare light in every pixel
       asked.seed = seed;
       asked.guide = guide;
       const RenderResult result = render(asked);
@@ -382,8 +416,68 @@ TEST_F(GuideTest, PilotDecides) {
   ASSERT_TRUE(guided.guide.has_value());
   EXPECT_FALSE(guided.guide->used);
   expect_same_bits(guided.picture, plain.picture);
-  asked.guide_iterations = 6;
-  EXPECT_EQ(render(asked).guide->pilot_paths, guided.guide->pilot_paths) << "no longer where it does not pay";
+}
+
+// A pilot whose paths scatter once, with a lamp above each iteration in a place of its own. `direct`: noise of what no
+// direction changes.
+class GuidePilotTest : public VulkanTest {
+protected:
+  GuideReport run(std::uint32_t iterations, float direct, GuideField& field) {
+    constexpr std::uint32_t kSide = 64;
+    GuidePilot pilot(kSide, kSide, iterations);
+    std::vector<gpu::GuideRecord> records(std::size_t{kSide} * kSide * gpu::kGuideBounces);
+    std::uint32_t iteration = 0;
+    while (!pilot.is_done()) {
+      for (std::size_t path = 0; path < records.size(); path += gpu::kGuideBounces) {
+        gpu::GuideRecord& note = records[path];
+        note.position = {random_.next(), 0.0f, random_.next()};
+        note.direction = random_.direction();
+        note.pdf = note.bsdf_pdf = static_cast<float>(0.25 / kPi);
+        note.throughput = note.share = 1.0f;
+        note.before = direct * random_.next();
+        note.after = note.before + (glm::dot(note.direction, lamp_of(iteration)) > 0.94f ? 25.0f : 0.1f);
+      }
+      iteration += pilot.take(upload(device(), records));
+    }
+    field = pilot.field();
+    return pilot.report();
+  }
+  // Where iterations had their lamps.
+  static glm::vec3 lamp_of(std::uint32_t iteration) {
+    const float angle = 1.2f * static_cast<float>(iteration);
+    return {std::cos(angle), 0.0f, std::sin(angle)};
+  }
+  static float density_towards(const GuideField& field, const glm::vec3& direction) {
+    const double x = turn_of(glm::dvec3(direction)) * gpu::kGuideSide, y = (0.5 * direction.y + 0.5) * gpu::kGuideSide;
+    double sum = 0.0;
+    for (std::uint32_t leaf = 0; leaf < field.leaves(); ++leaf)
+      sum += density_of(map_of(field, leaf), std::uint32_t(x), std::uint32_t(y)) / field.leaves();
+    return static_cast<float>(sum);
+  }
+  Random random_;
+};
+
+TEST_F(GuidePilotTest, LearnsFromTheLastThreeIterations) {
+  for (const std::uint32_t iterations : {kGuideIterations, kGuideIterations + 1}) {
+    GuideField field;
+    EXPECT_TRUE(run(iterations, 0.0f, field).used);
+    for (std::uint32_t i = 0; i < iterations; ++i) {
+      const bool is_learned = i + 3 >= iterations;
+      EXPECT_EQ(density_towards(field, lamp_of(i)) > 0.5 * 0.25 / kPi, is_learned) << i << " of " << iterations;
+    }
+  }
+}
+
+// With noise that no direction changes guiding gains less than it costs, but not so little that it is seen at once.
+TEST_F(GuidePilotTest, IsNoLongerWhereGuidingDoesNotPay) {
+  GuideField field;
+  const GuideReport four = run(kGuideIterations, 22.0f, field), five = run(kGuideIterations + 1, 22.0f, field);
+  EXPECT_FALSE(four.used);
+  EXPECT_GT(four.variance, 0.75);
+  EXPECT_LT(four.variance, 0.85);
+  EXPECT_GT(four.pilot_paths, 1u << 18) << "four iterations";
+  EXPECT_EQ(five.pilot_paths, four.pilot_paths);
+  EXPECT_GT(run(kGuideIterations + 1, 0.0f, field).pilot_paths, four.pilot_paths);
 }
 
 TEST(GuideIterations, AreMoreInLongRenders) {
@@ -395,9 +489,10 @@ TEST(GuideIterations, AreMoreInLongRenders) {
   };
   EXPECT_EQ(iterations(1), kGuideIterations);
   EXPECT_EQ(iterations(64), kGuideIterations);
-  EXPECT_EQ(iterations(128), kGuideIterations + 1);
-  EXPECT_EQ(iterations(512), kGuideIterations + 2);
-  EXPECT_EQ(iterations(1u << 20), kGuideIterations + 2) << "the vertices of more would fill the memory";
+  EXPECT_EQ(iterations(256), kGuideIterations + 1);
+  EXPECT_EQ(iterations(1u << 20), kGuideIterations + 1) << "the vertices of more would fill the memory";
+  settings.last_sample = 256;
+  EXPECT_EQ(guide_iterations(settings, false), kGuideIterations) << "a GPU has rendered before the host has learned";
   settings.time_limit = 1.0;
   EXPECT_EQ(iterations(1u << 20), kGuideIterations) << "as many paths as a CPU has in that time";
   settings.time_limit = 0.0, settings.target_error = 0.1;

@@ -76,8 +76,7 @@ struct PilotRender {
 // of guiding that pays for longer, since each iteration after the second has twice as many paths.
 double learning_share(const RenderSettings& settings, const RenderResult& trial, const Round& round) {
   const bool longer = trial.guide && trial.guide->used;
-  const double length =
-      longer ? std::exp2(static_cast<double>(settings.guide_iterations - round.guide_iterations)) : 1.0;
+  const double length = longer ? std::exp2(static_cast<double>(kGuideIterations - round.guide_iterations)) : 1.0;
   return length * paths_of(pilot_of(settings, round)) / paths_of(settings);
 }
 

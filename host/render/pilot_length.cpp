@@ -15,9 +15,9 @@ constexpr double kEqual = 32.0;
 constexpr double kFewSamples = 16.0;
 constexpr double kMostPaths = 1u << 24; // counts of picks hold 256 of each path in one cell
 
-// Paths of a render that a fifth iteration of guiding pays for, and times as many for each further one.
-constexpr double kFifthIteration = 5e6, kFurtherIteration = 4.0;
-constexpr std::uint32_t kMostGuideIterations = 6; // of 2^20 paths, whose vertices take some 400 MB while it learns
+// Paths of a render that an iteration of guiding more pays for. Half of what that takes is the host's, so that on a
+// GPU, of which nobody timed one, a render has to be longer by far.
+constexpr double kCpuFurtherIteration = 8e6, kGpuFurtherIteration = 8e8;
 
 // Of the render, as far as pilots may rely on it.
 double reliable_paths(const RenderSettings& settings, bool cpu) {
@@ -34,11 +34,8 @@ std::uint64_t light_pilot_paths(const RenderSettings& settings, bool cpu) {
 }
 
 std::uint32_t guide_iterations(const RenderSettings& settings, bool cpu) {
-  const double whole = reliable_paths(settings, cpu);
-  std::uint32_t iterations = kGuideIterations;
-  for (double pays = kFifthIteration; whole >= pays && iterations < kMostGuideIterations; pays *= kFurtherIteration)
-    ++iterations;
-  return iterations;
+  const bool pays = reliable_paths(settings, cpu) >= (cpu ? kCpuFurtherIteration : kGpuFurtherIteration);
+  return kGuideIterations + (pays ? 1 : 0);
 }
 
 void set_pilot_lengths(RenderSettings& settings, bool cpu) {

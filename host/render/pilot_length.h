@@ -14,8 +14,9 @@ namespace wavepath {
 // to be short, and one that is bounded by time to have the paths that expected_paths() tells.
 std::uint64_t light_pilot_paths(const RenderSettings& settings, bool cpu);
 
-// RenderSettings::guide_iterations of such a render: each further one has twice as many paths as the one before it.
-// Five leave .75 of the squared error of four, six .67 (benchmarks/results/NOTES.md, Guiding).
+// RenderSettings::guide_iterations of such a render: one more where that pays, which learns from twice as many paths
+// and leaves .8 of the squared error (benchmarks/results/NOTES.md, Guiding). A sixth one would leave .9 of that, and
+// its vertices take 1 GB of the host's memory.
 std::uint32_t guide_iterations(const RenderSettings& settings, bool cpu);
 
 // Both.

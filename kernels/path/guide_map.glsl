@@ -93,7 +93,8 @@ vec3 sample_map(uint map, vec2 u) {
   vec4 cells = map_quad(map, quad);
   bool right = choose_second(cells.x + cells.z, cells.y + cells.w, u.x);
   bool upper = choose_second(right ? cells.y : cells.x, right ? cells.w : cells.z, u.y);
-  return map_direction((vec2(2u * quad + uvec2(right, upper)) + u) / float(kGuideSide));
+  vec2 place = (vec2(2u * quad + uvec2(right, upper)) + u) / float(kGuideSide);
+  return map_direction(clamp(place, 0.0, kOneMinusEpsilon)); // a rounded difference may have left the cell
 }
 
 #endif

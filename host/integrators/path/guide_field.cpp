@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <span>
 
@@ -14,7 +15,7 @@
 namespace wavepath {
 namespace {
 
-constexpr std::size_t kLeafVertices = 300; // of a leaf, at least; a part with twice as many is halved
+constexpr std::size_t kLeafVertices = 300; // of a leaf, but for ties; a part with twice as many is halved
 constexpr double kCommon = 0.1;            // share of an average leaf in what all leaves say of the probability
 constexpr std::array<double, 5> kProbabilities = {0.0, 0.15, 0.3, 0.45, 0.6};
 
@@ -49,17 +50,23 @@ int longest_axis(std::span<const Point> part) {
   return size[axis] > 0.0f ? axis : -1;
 }
 
-// Halves a part at the median, ties above it; false if one half is smaller than a leaf.
-bool halve(std::size_t leaf_size, std::span<Point> part, Node& node, std::size_t& below) {
+// Halves a part at the median, ties above it, or below it where there is nothing else; false if all is in one place.
+bool halve(std::span<Point> part, Node& node, std::size_t& below) {
   node.axis = longest_axis(part);
   if (node.axis < 0) return false;
   const auto key = [&](const Point& p) { return p.position[node.axis]; };
   const auto middle = part.begin() + static_cast<std::ptrdiff_t>(part.size() / 2);
   std::ranges::nth_element(part, middle, {}, key);
   node.plane = key(*middle);
+  if (node.plane == key(*std::ranges::min_element(part.begin(), middle + 1, {}, key))) {
+    const float tie = node.plane;
+    node.plane = std::numeric_limits<float>::infinity();
+    for (const Point& p : part)
+      if (key(p) > tie) node.plane = std::min(node.plane, key(p));
+  }
   const auto upper = std::partition(part.begin(), part.end(), [&](const Point& p) { return key(p) < node.plane; });
   below = static_cast<std::size_t>(upper - part.begin());
-  return below >= leaf_size && part.size() - below >= leaf_size;
+  return below > 0 && below < part.size();
 }
 
 // A node while space is divided, by as many threads as there are.
@@ -68,18 +75,20 @@ struct Part {
   std::unique_ptr<Part> halves[2];
 };
 
-void divide(std::size_t leaf_size, std::span<Point> order, Part& part) {
+// Into `most_leaves` at most.
+void divide(std::uint32_t most_leaves, std::span<Point> order, Part& part) {
   Node& node = part.node;
   const std::size_t size = node.last - node.first;
   std::size_t below = 0;
-  if (size < 2 * leaf_size || !halve(leaf_size, order.subspan(node.first, size), node, below)) {
+  if (size < 2 * kLeafVertices || most_leaves < 2 || !halve(order.subspan(node.first, size), node, below)) {
     node.axis = -1;
     return;
   }
   for (auto& half : part.halves) half = std::make_unique<Part>();
   part.halves[0]->node = {.first = node.first, .last = node.first + below};
   part.halves[1]->node = {.first = node.first + below, .last = node.last};
-  const auto half = [&](int which) { return [&, which] { divide(leaf_size, order, *part.halves[which]); }; };
+  const std::uint32_t leaves[] = {most_leaves / 2, most_leaves - most_leaves / 2};
+  const auto half = [&](int which) { return [&, which] { divide(leaves[which], order, *part.halves[which]); }; };
   constexpr std::size_t kWorthTasks = 8192; // vertices
   if (size < kWorthTasks)
     half(0)(), half(1)();
@@ -106,7 +115,7 @@ Tree make_tree(std::span<const GuideVertex> vertices) {
   tree.order.reserve(vertices.size());
   for (std::uint32_t i = 0; i < vertices.size(); ++i) tree.order.push_back({vertices[i].position, i});
   Part whole{.node = {.first = 0, .last = vertices.size()}, .halves = {}};
-  divide(std::max(kLeafVertices, vertices.size() / kMostGuideLeaves + 1), tree.order, whole);
+  divide(kMostGuideLeaves, tree.order, whole);
   tree.nodes.resize(1);
   number(whole, tree, 0);
   return tree;

@@ -13,6 +13,7 @@ constexpr std::uint32_t kGrids = 5;
 static_assert(1u << kGrids == gpu::kGuideSide);
 constexpr float kPrior = 30.0f; // samples that a cell counts as spread like the larger part's, besides its own
 constexpr auto kEven = static_cast<float>(0.25 / std::numbers::pi);
+constexpr float kDark = 1e-30f; // a density of which nothing is known but that it is small
 
 // Of a grid of 2, 4, ..., kGuideSide cells a side, among the cells of all.
 constexpr std::size_t first_of(std::uint32_t grid) { return ((std::size_t{4} << (2 * grid)) - 4) / 3; }
@@ -110,9 +111,9 @@ GuideMap learn_map(const Histogram& histogram, const GuideMap& larger_part) {
   const auto divide = [&](std::size_t first, float sum, float square, float own, float usual) {
     const float samples = square > 0.0f ? sum * sum / square : 0.0f, share = own / (samples + kPrior);
     const float of_sums = sum > 0.0f ? 4.0f * share * samples / sum : 0.0f;
-    const float of_usual = usual > 0.0f ? share * kPrior / usual : 0.0f;
+    const float of_prior = share * kPrior;
     for (std::size_t cell = first; cell < first + 4; ++cell)
-      map[cell] = of_sums * sums[cell] + of_usual * larger_part[cell];
+      map[cell] = of_sums * sums[cell] + of_prior * (usual > kDark ? larger_part[cell] / usual : 1.0f);
   };
   divide(0, whole(sums), whole(squares), kEven, kEven);
   for (std::size_t cell = 0; cell < kFinest; ++cell)
@@ -138,11 +139,14 @@ void write_map(const GuideMap& map, std::span<glm::uvec4, gpu::kGuideMapTexels> 
       for (std::uint32_t y = 0; y < 4; ++y)
         for (std::uint32_t x = 0; x < 4; ++x) {
           const std::size_t quad = 16 * part + morton(x, y);
-          const double learned = map[first_of(3) + quad], drawn = 256.0 * kEven * parts[part] * quads[quad % 16];
-          const float scale = learned > 0.0 ? static_cast<float>(drawn / learned) : 0.0f;
+          // The weights of blocks have a least one, so that also what is dark may be drawn.
+          const float* cells = &map[kFinest + 4 * quad];
+          const float learned = 0.25f * ((cells[0] + cells[1]) + (cells[2] + cells[3]));
+          const auto drawn = static_cast<float>(256.0 * kEven * parts[part] * quads[quad % 16]);
           glm::uvec4& texel = texels[gpu::kGuideBlocks + (4 * part_y + y) * kQuadSide + 4 * part_x + x];
           for (std::size_t k = 0; k < 4; ++k)
-            texel[static_cast<int>(k)] = std::bit_cast<std::uint32_t>(scale * map[kFinest + 4 * quad + k]);
+            texel[static_cast<int>(k)] =
+                std::bit_cast<std::uint32_t>(learned > kDark ? drawn * (cells[k] / learned) : drawn);
         }
     }
 }

@@ -9,10 +9,10 @@ namespace {
 constexpr std::uint32_t kSeed = 0x6a09e667u;    // by exclusive or with the render's own
 constexpr std::uint32_t kFirstPaths = 1u << 16; // of the first two iterations; each later one has twice as many
 constexpr std::uint32_t kLeastIterations = 2;
-constexpr std::uint32_t kMostSamples =
-    64;                                // a pixel, in an iteration: small pictures learn from fewer paths. Of later
-                                       // ones than kGuideIterations, which long renders alone have, there is no most
-constexpr std::size_t kLearnsFrom = 3; // iterations, for the last field
+// A pixel, in an iteration: small pictures learn from fewer paths. Iterations that long renders alone have may be
+// longer.
+constexpr std::uint32_t kMostSamples = 64, kMostSamplesIfLong = 1024;
+constexpr std::size_t kLearnsFrom = 3; // iterations: the last ones
 
 // Foretold variance below which the picture is guided, and above which the pilot ends early. A guided sample costs
 // about 1.3 times an unguided one (llvmpipe).
@@ -51,7 +51,7 @@ std::uint32_t GuidePilot::iteration_end(std::uint32_t iteration) const {
   for (std::uint32_t i = 0; i <= iteration; ++i) {
     const std::uint32_t paths = kFirstPaths << (i > 0 ? i - 1 : 0);
     const std::uint32_t samples = std::max((paths + pixels() / 2) / pixels() / 2 * 2, 2u);
-    end += i < kGuideIterations ? std::min(samples, kMostSamples) : samples;
+    end += std::min(samples, i < kGuideIterations ? kMostSamples : kMostSamplesIfLong);
   }
   return end;
 }
@@ -79,21 +79,26 @@ GuideReport GuidePilot::report() const {
           .pilot_paths = std::uint64_t{sample_} * pixels()};
 }
 
-// Each field guides the next iteration by what that one alone has found; the last one learns from some iterations
-// before it, too, whose fields were poorer.
+// The first fields guide the next iteration by what their own has found; later ones, of which one guides the picture,
+// learn from some iterations before, too, whose fields were poorer.
 std::span<const GuideVertex> GuidePilot::lesson() const {
-  const bool is_last = iteration_ + 1 == most_iterations_;
-  return std::span(vertices_).subspan(is_last ? 0 : iteration_begins_.back());
+  return std::span(vertices_).subspan(iteration_ + 1 < kGuideIterations ? iteration_begins_.back() : 0);
 }
 
-// Leaves room for the vertices of the next iteration.
+// Leaves out those from which the next iteration does not learn, and makes room for its own.
 void GuidePilot::forget_vertices() {
+  const std::size_t own = vertices_.size() - iteration_begins_.back();
   iteration_begins_.push_back(vertices_.size());
-  if (iteration_begins_.size() <= kLearnsFrom) return;
-  const std::size_t forgotten = iteration_begins_[1];
-  vertices_.erase(vertices_.begin(), vertices_.begin() + static_cast<std::ptrdiff_t>(forgotten));
-  iteration_begins_.erase(iteration_begins_.begin());
-  for (std::size_t& begin : iteration_begins_) begin -= forgotten;
+  if (iteration_begins_.size() > kLearnsFrom) {
+    const std::size_t forgotten = iteration_begins_[1];
+    vertices_.erase(vertices_.begin(), vertices_.begin() + static_cast<std::ptrdiff_t>(forgotten));
+    iteration_begins_.erase(iteration_begins_.begin());
+    for (std::size_t& begin : iteration_begins_) begin -= forgotten;
+  }
+  const double longer = static_cast<double>(iteration_end(iteration_) - sample_) / (sample_ - first_sample_);
+  first_sample_ = sample_;
+  constexpr double kSpare = 1.05;
+  vertices_.reserve(vertices_.size() + static_cast<std::size_t>(kSpare * longer * static_cast<double>(own)));
 }
 
 Pilot GuidePilot::next() const {
@@ -126,10 +131,10 @@ bool GuidePilot::take(const Buffer& records) {
   promise_ = 1.0 - share * (1.0 - field_.gain);
   samples_.clear();
   ++iteration_;
-  forget_vertices();
   const bool hopeless = iteration_ >= kLeastIterations && promise_ > kHopeless;
-  const bool unused = iteration_ >= kGuideIterations && promise_ >= kPays;
+  const bool unused = iteration_ >= kGuideIterations && promise_ >= kPays; // as in a shorter render
   done_ = hopeless || unused || iteration_ >= most_iterations_;
+  if (!done_) forget_vertices();
   return true;
 }
 

@@ -1,8 +1,8 @@
 // Learning the field that guides paths from a pilot, in iterations of which each is guided by the one before.
 //
 // The pilot is a small picture of the same view, whose samples are thrown away. Its records come in the order of its
-// paths, however waves were cut, so that what is learned depends on the scene, the view and the seed alone: parts of a
-// render and resumed ones learn the same field.
+// paths, however waves were cut, so that what is learned depends on the scene, the view, its size, the seed and the
+// number of iterations alone: parts of a render and resumed ones learn the same field.
 #pragma once
 
 #include <cstdint>
@@ -42,7 +42,7 @@ private:
   void forget_vertices();
 
   std::uint32_t width_, height_, most_iterations_;
-  std::uint32_t sample_ = 0, iteration_ = 0;
+  std::uint32_t sample_ = 0, iteration_ = 0, first_sample_ = 0; // the first of the iteration
   bool done_ = false;
   std::vector<GuideVertex> vertices_;               // of this iteration, after those of some before it
   std::vector<std::size_t> iteration_begins_ = {0}; // among them; of this one last
