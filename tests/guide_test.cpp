@@ -523,6 +523,7 @@ TEST_F(GuideTest, ResumedAndMergedPicturesAreThoseOfTheWhole) {
   render_as("part.exr", {"--checkpoint", "state", "--spp", "5"});
   render_as("part.exr", {"--checkpoint", "state", "--resume"});
   expect_same_bits(picture("part.exr"), picture("whole.exr"));
+  render_as("whole.exr", {"--mergeable"}); // alone, it learns of the sky for another time
   render_as("a.exr", {"--samples", "0:5"});
   render_as("b.exr", {"--samples", "5:12"});
   wavepath({"merge", "b.exr", "a.exr", "-o", "merged.exr"});
