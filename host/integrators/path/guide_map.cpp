@@ -20,19 +20,15 @@ constexpr std::size_t first_of(std::uint32_t grid) { return ((std::size_t{4} << 
 constexpr std::size_t kMapCells = first_of(kGrids);
 constexpr std::size_t kFinest = first_of(kGrids - 1);
 
-// Bits of x at the even places of a Morton number.
-constexpr std::uint32_t spread(std::uint32_t x) {
-  std::uint32_t bits = 0;
-  for (std::uint32_t bit = 0; bit < kGrids; ++bit) bits |= (x >> bit & 1u) << (2 * bit);
-  return bits;
-}
-constexpr std::uint32_t morton(std::uint32_t x, std::uint32_t y) { return spread(x) | spread(y) << 1; }
-
+// By x, its bits at the even places of a Morton number.
 constexpr auto kSpread = [] {
   std::array<std::uint16_t, gpu::kGuideSide> table{};
-  for (std::uint32_t x = 0; x < gpu::kGuideSide; ++x) table[x] = static_cast<std::uint16_t>(spread(x));
+  for (std::uint32_t x = 0; x < gpu::kGuideSide; ++x)
+    for (std::uint32_t bit = 0; bit < kGrids; ++bit)
+      table[x] = static_cast<std::uint16_t>(table[x] | (x >> bit & 1u) << (2 * bit));
   return table;
 }();
+constexpr std::uint32_t morton(std::uint32_t x, std::uint32_t y) { return kSpread[x] | std::uint32_t{kSpread[y]} << 1; }
 
 // Sums of all grids from those of the finest, in a unit in which floats hold them.
 using Pyramid = std::array<float, kMapCells>;
@@ -96,7 +92,7 @@ std::uint32_t map_cell(const glm::vec3& d) {
     constexpr auto kSide = static_cast<float>(gpu::kGuideSide);
     return static_cast<std::uint32_t>(std::clamp(u * kSide, 0.0f, kSide - 1.0f));
   };
-  return kSpread[place(0.25f * (d.x < 0.0f ? 3.0f - across : 1.0f + across))] | kSpread[place(0.5f * d.y + 0.5f)] << 1u;
+  return morton(place(0.25f * (d.x < 0.0f ? 3.0f - across : 1.0f + across)), place(0.5f * d.y + 0.5f));
 }
 
 GuideMap even_map() { return GuideMap(kMapCells, kEven); }

@@ -95,10 +95,7 @@ void GuidePilot::forget_vertices() {
     iteration_begins_.erase(iteration_begins_.begin());
     for (std::size_t& begin : iteration_begins_) begin -= forgotten;
   }
-  const double longer = static_cast<double>(iteration_end(iteration_) - sample_) / (sample_ - first_sample_);
-  first_sample_ = sample_;
-  constexpr double kSpare = 1.05;
-  vertices_.reserve(vertices_.size() + static_cast<std::size_t>(kSpare * longer * static_cast<double>(own)));
+  vertices_.reserve(vertices_.size() + 2 * own); // an iteration has at most twice as many paths, but for small pictures
 }
 
 Pilot GuidePilot::next() const {

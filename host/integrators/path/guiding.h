@@ -42,7 +42,7 @@ private:
   void forget_vertices();
 
   std::uint32_t width_, height_, most_iterations_;
-  std::uint32_t sample_ = 0, iteration_ = 0, first_sample_ = 0; // the first of the iteration
+  std::uint32_t sample_ = 0, iteration_ = 0;
   bool done_ = false;
   std::vector<GuideVertex> vertices_;               // of this iteration, after those of some before it
   std::vector<std::size_t> iteration_begins_ = {0}; // among them; of this one last
