@@ -38,6 +38,8 @@ SCENES = {
                "reference": 2048, "eye": [-2.5, 2.2, 4.5], "look_at": [0.05, 0.95, 0], "yfov": 35},
     "sponza": {"scene": "Sponza/Sponza.gltf", "environment": "env/venice_sunset_1k.hdr", "intensity": 2,
                "reference": 1024, "eye": [4, 1.8, 0.2], "look_at": [-10, 2.2, -0.3], "yfov": 65},
+    "sponza_sky": {"scene": "Sponza/Sponza.gltf", "environment": "1,1,1", "reference": 1024,
+                   "eye": [4, 1.8, 0.2], "look_at": [-10, 2.2, -0.3], "yfov": 65},
     "sponza_lamp": {"made": "sponza_lamp.glb", "environment": "1,1,1", "lambert": "all", "reference": 1024,
                     "eye": [4, 1.8, 0.2], "look_at": [-10, 2.2, -0.3], "yfov": 65},
     "showcase": {"scene": ROOT / "scenes/showcase.glb", "lambert": "told", "reference": 2048,

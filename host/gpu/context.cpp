@@ -405,7 +405,11 @@ Context::Context(const std::string& wanted, std::span<const char* const> window_
     info.pQueueCreateInfos = &queue_info;
     info.enabledExtensionCount = static_cast<std::uint32_t>(extensions.size());
     info.ppEnabledExtensionNames = extensions.data();
-    check(vkCreateDevice(physical_, &info, nullptr, &device_), "opening the device");
+    {
+      const MakesWorkers makes_workers; // a driver that computes on the CPU starts its threads
+      check(vkCreateDevice(physical_, &info, nullptr, &device_), "opening the device");
+    }
+    workers_ = WorkerThreads::keep_apart();
     vkGetDeviceQueue(device_, queue_family_, 0, &queue_);
     pipeline_cache_ = std::make_unique<PipelineCache>(physical_, device_);
   } catch (...) {

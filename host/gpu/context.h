@@ -11,6 +11,7 @@
 
 #include <vulkan/vulkan.h>
 
+#include "host/base/worker_threads.h"
 #include "host/gpu/device_info.h"
 
 namespace wavepath {
@@ -78,6 +79,9 @@ public:
   std::uint64_t memory_peak() const { return memory_peak_; }
   std::uint64_t memory_displaced() const { return memory_displaced_; } // so far
 
+  // For threads that the driver computes on, if any (host/base/worker_threads.h): to be called between submissions.
+  void free_waiting_workers() { workers_.free_if_they_wait(); }
+
   // Validation errors and warnings of this process so far; each was printed to stderr.
   static std::uint32_t validation_messages();
 
@@ -89,6 +93,7 @@ private:
 
   DeviceInfo info_;
   DeviceUse use_;
+  WorkerThreads workers_;
   VkInstance instance_ = VK_NULL_HANDLE;
   VkDebugUtilsMessengerEXT messenger_ = VK_NULL_HANDLE;
   VkPhysicalDevice physical_ = VK_NULL_HANDLE;

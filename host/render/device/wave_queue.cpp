@@ -48,6 +48,7 @@ void WaveQueue::afterwards(std::function<void()> action) {
 bool WaveQueue::finish_one() {
   if (in_flight_.empty()) return false;
   in_flight_.front().turn->commands.wait();
+  workspace_.device.free_waiting_workers();
   Flight flight = std::move(in_flight_.front());
   in_flight_.pop_front();
   const Finished finished = count(flight);
