@@ -20,12 +20,13 @@
 #include "kernels/path/escape.glsl"
 #include "kernels/path/guide.glsl"
 #include "kernels/path/nonfinite.glsl"
+#include "kernels/path/queue_place.glsl"
 #include "kernels/path/records.glsl"
 
 layout(local_size_x = kWorkgroupSize) in;
 
 void main() {
-  uint index = gl_GlobalInvocationID.x;
+  uint index = queue_place();
   if (index >= queues.escape_count) return;
   uint place = texelFetch(sorted_ray_texels, int(frame.slot_count - 1u - index)).x;
   Ray ray = fetch_ray((wave.bounce & 1u) * frame.slot_count + place);

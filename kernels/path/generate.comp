@@ -19,14 +19,6 @@
 
 layout(local_size_x = kWorkgroupSize) in;
 
-// Where the slot's ray stands in the queue. CPU drivers give each thread a run of the queue: where noisy levels come first,
-// every other workgroup goes to the second half, so that both have as much to do. (No GPU was timed.)
-uint camera_ray_place(uint slot) {
-  uint groups = wave_slots() / kWorkgroupSize, group = slot / kWorkgroupSize;
-  if (!has(kFeatureAdaptive) || group >= groups) return slot;
-  return ((group & 1u) * ((groups + 1u) / 2u) + group / 2u) * kWorkgroupSize + slot % kWorkgroupSize;
-}
-
 void main() {
   uint slot = gl_GlobalInvocationID.x;
   if (slot == 0u) queues.ray_count[0] = wave_slots();
@@ -44,7 +36,7 @@ void main() {
     path.radiance = spoilt(path.radiance);
     count_nonfinite(kMakerGenerate, slot);
   }
-  store_ray(camera_ray_place(slot), ray);
+  store_ray(slot, ray);
   store_path(slot, path);
   begin_bodies(slot);
   if (has(kFeatureAovs)) {

@@ -27,6 +27,7 @@
 #include "kernels/path/medium.glsl"
 #include "kernels/path/nonfinite.glsl"
 #include "kernels/path/queue.glsl"
+#include "kernels/path/queue_place.glsl"
 #include "kernels/path/receiver.glsl"
 #include "kernels/path/records.glsl"
 #include "kernels/path/sky.glsl"
@@ -257,7 +258,7 @@ void shade(uint index, out bool wants_ray, out Ray next, out bool wants_shadow, 
 }
 
 void main() {
-  uint index = gl_GlobalInvocationID.x;
+  uint index = queue_place();
   bool wants_ray = false, wants_shadow = false;
   Ray next;
   ShadowRay shadow;

@@ -9,6 +9,8 @@
 #ifndef WAVEPATH_TRACE_QUEUE_GLSL
 #define WAVEPATH_TRACE_QUEUE_GLSL
 
+#include "kernels/path/queue_place.glsl"
+
 void trace_one(uint index) {
   if (index >= RAY_COUNT) return;
   begin_ray(index);
@@ -58,7 +60,7 @@ void main() {
     return;
   }
 #endif
-  trace_one(gl_GlobalInvocationID.x);
+  trace_one(queue_place());
 }
 
 #endif
