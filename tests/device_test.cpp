@@ -3,8 +3,13 @@
 #include "host/gpu/device.h"
 
 #include <algorithm>
+#include <cstdlib>
+#include <filesystem>
 #include <numeric>
+#include <string>
 #include <thread>
+
+#include <sched.h>
 
 #include "host/base/error.h"
 #include "host/gpu/commands.h"
@@ -27,6 +32,29 @@ TEST_F(DeviceTest, ACpuPosesAsADiscreteGpu) {
   EXPECT_EQ(device.info().type, "discrete");
   EXPECT_FALSE(device.unified_memory());
   for (const DeviceInfo& info : list_devices()) EXPECT_NE(info.type, "cpu");
+}
+
+// Of all threads of this process, those that may run on a single core.
+std::size_t threads_with_one_core() {
+  std::size_t found = 0;
+  for (const auto& task : std::filesystem::directory_iterator("/proc/self/task")) {
+    cpu_set_t set;
+    found += sched_getaffinity(std::stoi(task.path().filename()), sizeof(set), &set) == 0 && CPU_COUNT(&set) == 1;
+  }
+  return found;
+}
+
+// host/base/worker_threads.h knows them by what they inherit from the thread that opens the device.
+TEST_F(DeviceTest, ThreadsThatLlvmpipeComputesOnAreKeptApart) {
+  cpu_set_t set;
+  const bool known = sched_getaffinity(0, sizeof(set), &set) == 0;
+  const int cores = known ? CPU_COUNT(&set) : 0;
+  constexpr int kMostThreads = 16; // of llvmpipe
+  if (cores < 2 || cores > kMostThreads || std::getenv("LP_NUM_THREADS")) GTEST_SKIP() << "not a thread for each core";
+  const std::size_t before = threads_with_one_core();
+  const Device device(wanted_device());
+  if (!device.info().dispatches_at_once) GTEST_SKIP() << "not llvmpipe";
+  EXPECT_EQ(threads_with_one_core(), before + static_cast<std::size_t>(cores));
 }
 
 TEST_F(DeviceTest, AnUnknownPoseIsRefused) {

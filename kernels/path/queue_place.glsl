@@ -8,7 +8,7 @@
 
 #include "kernels/config.glsl"
 
-const uint kSliceGroups = 8u; // workgroups that stay neighbours, so that threads seldom write to one line of the cache
+const uint kSliceGroups = 32u; // workgroups that stay neighbours, so that threads seldom write to one line of the cache
 const uint kFarApart = 8u;    // parts of the queue that consecutive slices are taken from in turn
 
 uint queue_place() {
