@@ -75,12 +75,12 @@ void Commands::bind(const BindingSet& bindings) {
   vkCmdBindDescriptorSets(commands_, VK_PIPELINE_BIND_POINT_COMPUTE, bindings.layout(), 0, 1, &set, 0, nullptr);
 }
 
-void Commands::start(const Kernel& kernel, const void* push, bool may_be_timed) {
+void Commands::start(const Kernel& kernel, const void* push) {
   assert(bindings_ && "bind() comes first");
   vkCmdBindPipeline(commands_, VK_PIPELINE_BIND_POINT_COMPUTE, kernel.handle());
   if (push)
     vkCmdPushConstants(commands_, bindings_->layout(), bindings_->stages(), 0, bindings_->push_constant_bytes(), push);
-  timing_ = may_be_timed && timed_.size() * 2 < query_limit_;
+  timing_ = timed_.size() * 2 < query_limit_;
   if (!timing_) return;
   write_time(static_cast<std::uint32_t>(timed_.size() * 2));
   timed_.push_back(&kernel);
@@ -102,13 +102,6 @@ void Commands::write_time(std::uint32_t query) {
 void Commands::dispatch(const Kernel& kernel, std::uint32_t groups, const void* push) {
   start(kernel, push);
   vkCmdDispatch(commands_, groups, 1, 1);
-  stop();
-}
-
-// llvmpipe rasterizes an empty picture for its timestamps at the next barrier, on all its threads.
-void Commands::dispatch_one(const Kernel& kernel, const void* push) {
-  start(kernel, push, !device_->info().dispatches_at_once);
-  vkCmdDispatch(commands_, 1, 1, 1);
   stop();
 }
 

@@ -40,8 +40,6 @@ public:
   void bind(const BindingSet& bindings);
   // `push`: bindings.push_constant_bytes() bytes; `groups` workgroups along x.
   void dispatch(const Kernel& kernel, std::uint32_t groups, const void* push = nullptr);
-  // A single workgroup, of a kernel that hardly takes any time: it gets none where being timed takes longer.
-  void dispatch_one(const Kernel& kernel, const void* push = nullptr);
   // Group counts are read from `arguments` at `offset`.
   void dispatch_indirect(const Kernel& kernel, const Buffer& arguments, std::uint64_t offset,
                          const void* push = nullptr);
@@ -69,7 +67,7 @@ public:
 private:
   void create();
   void begin(std::uint32_t timed_dispatches);
-  void start(const Kernel& kernel, const void* push, bool may_be_timed = true);
+  void start(const Kernel& kernel, const void* push);
   void stop();
   void write_time(std::uint32_t query);
   void release();

@@ -278,7 +278,7 @@ void Bidirectional::record_photons(Commands& commands, const gpu::Wave& wave) {
     commands.barrier();
     commands.bind(paths_.bindings(0));
     step.bounce = gpu::kAdvanceSteps * bounce + gpu::kBeforeExtend;
-    commands.dispatch_one(paths_.kernels()[kAdvance], &step);
+    commands.dispatch(paths_.kernels()[kAdvance], 1, &step);
     commands.bind(*sets_[0]);
     commands.barrier();
     step.bounce = bounce;
@@ -319,10 +319,10 @@ void Bidirectional::record_light_paths(Commands& commands, std::size_t band, con
     commands.barrier();
     commands.bind(paths_.bindings(band));
     step.bounce = gpu::kAdvanceSteps * bounce + gpu::kBeforeExtend;
-    commands.dispatch_one(path_kernels[kAdvance], &step);
+    commands.dispatch(path_kernels[kAdvance], 1, &step);
     commands.bind(*sets_[band]);
     step.bounce = 0;
-    commands.dispatch_one(kernels[kConnectionAdvance], &step);
+    commands.dispatch(kernels[kConnectionAdvance], 1, &step);
     commands.barrier();
     step.bounce = bounce;
     const auto over_rays = [&](Stage stage) {
@@ -339,7 +339,7 @@ void Bidirectional::record_light_paths(Commands& commands, std::size_t band, con
 void Bidirectional::record_splats(Commands& commands, std::size_t band, const gpu::Wave& wave,
                                   const KernelSet& kernels) {
   commands.barrier();
-  commands.dispatch_one(kernels[kConnectionAdvance], &wave);
+  commands.dispatch(kernels[kConnectionAdvance], 1, &wave);
   commands.barrier();
   const std::vector<FilmBand>& bands = workspace_.film.bands();
   for (std::size_t i = 0; i < bands.size(); ++i) {
@@ -367,7 +367,7 @@ void Bidirectional::record_camera_paths(Commands& commands, std::size_t band, co
     paths_.extend(commands, path_kernels, wave, bounce);
     commands.bind(own);
     step.bounce = 0;
-    commands.dispatch_one(kernels[kConnectionAdvance], &step);
+    commands.dispatch(kernels[kConnectionAdvance], 1, &step);
     commands.barrier();
     step.bounce = bounce;
     if (merges() && !in_lesson_ && bounce > 0 &&
@@ -381,7 +381,7 @@ void Bidirectional::record_camera_paths(Commands& commands, std::size_t band, co
     if (bounce + 1 < bounces && lights && !in_lesson_ && techniques_ & gpu::kTechniqueConnect) {
       commands.barrier();
       step.bounce = 1; // any but 0
-      commands.dispatch_one(kernels[kConnectionAdvance], &step);
+      commands.dispatch(kernels[kConnectionAdvance], 1, &step);
       commands.barrier();
       step.bounce = bounce;
       commands.dispatch_indirect(kernels[kCameraConnect], buffers_[kConnectionQueue],

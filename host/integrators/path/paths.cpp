@@ -181,7 +181,7 @@ void Paths::advance(Commands& commands, const KernelSet& kernels, gpu::Wave wave
                     std::uint32_t step) const {
   commands.barrier();
   wave.bounce = gpu::kAdvanceSteps * bounce + step;
-  commands.dispatch_one(kernels[kAdvance], &wave);
+  commands.dispatch(kernels[kAdvance], 1, &wave);
   commands.barrier();
 }
 
