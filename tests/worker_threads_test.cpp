@@ -4,6 +4,8 @@
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
+#include <cstdint>
+#include <fstream>
 #include <memory>
 #include <mutex>
 #include <set>
@@ -77,9 +79,29 @@ Threads make_threads(std::size_t count) {
   return threads;
 }
 
-Threads make_workers(std::size_t count) {
-  const MakesWorkers makes_workers;
+Threads make_workers(WorkerThreads& workers, std::size_t count) {
+  const WorkerThreads::Making making(workers);
   return make_threads(count);
+}
+
+constexpr std::uint64_t kMillisecond = 1'000'000;
+ThreadTimes times(std::uint64_t ran, std::uint64_t waited) { return {ran * kMillisecond, waited * kMillisecond}; }
+
+TEST(WaitsForCores, WhereOneThreadSharesItsCore) {
+  for (const std::size_t count : {1u, 2u, 4u, 16u, 128u}) {
+    std::vector<ThreadTimes> threads(count, times(100, 3));
+    EXPECT_FALSE(waits_for_cores(threads)) << count;
+    threads.back() = times(100, 100);
+    EXPECT_TRUE(waits_for_cores(threads)) << count;
+    threads.back() = times(100, 30);
+    EXPECT_FALSE(waits_for_cores(threads)) << count << ", for a moment";
+  }
+  EXPECT_FALSE(waits_for_cores({}));
+}
+
+TEST(WaitsForCores, NotWhereNothingRan) {
+  EXPECT_FALSE(waits_for_cores(std::vector{times(0, 0), times(1, 5)}));
+  EXPECT_FALSE(waits_for_cores(std::vector{times(0, 50), times(60, 2)}));
 }
 
 class WorkerThreadsTest : public testing::Test {
@@ -91,62 +113,68 @@ protected:
 };
 
 TEST_F(WorkerThreadsTest, EachHasACoreOfItsOwn) {
-  const Threads others = make_threads(1), workers = make_workers(all.size());
-  const WorkerThreads kept = WorkerThreads::keep_apart();
-  EXPECT_TRUE(kept.are_apart());
+  WorkerThreads workers, others;
+  const Threads made = make_workers(workers, all.size()), made_for_others = make_workers(others, 1);
+  const Threads strangers = make_threads(1);
+  workers.settle();
+  EXPECT_TRUE(workers.are_apart());
   Cores taken;
-  for (const auto& worker : workers) {
-    const Cores own = cores_of(worker->id());
+  for (const auto& thread : made) {
+    const Cores own = cores_of(thread->id());
     EXPECT_EQ(own.size(), 1u);
     taken.insert(own.begin(), own.end());
   }
   EXPECT_EQ(taken, all);
-  EXPECT_EQ(cores_of(others.front()->id()), all) << "no worker";
+  EXPECT_EQ(cores_of(strangers.front()->id()), all);
+  EXPECT_EQ(cores_of(made_for_others.front()->id()), all);
   EXPECT_EQ(cores_of(0), all) << "who makes them may run anywhere";
 }
 
-TEST_F(WorkerThreadsTest, OfMoreTheNewestAreKept) {
-  const Threads workers = make_workers(all.size() + 1);
-  EXPECT_TRUE(WorkerThreads::keep_apart().are_apart());
-  EXPECT_EQ(cores_of(workers.front()->id()), all);
-  for (std::size_t i = 1; i < workers.size(); ++i) EXPECT_EQ(cores_of(workers[i]->id()).size(), 1u) << i;
+TEST_F(WorkerThreadsTest, WhoGivesThemTheirWorkIsFree) {
+  WorkerThreads workers;
+  const Threads made = make_workers(workers, all.size() + 1);
+  workers.settle();
+  EXPECT_TRUE(workers.are_apart());
+  EXPECT_EQ(cores_of(made.front()->id()), all);
+  for (std::size_t i = 1; i < made.size(); ++i) EXPECT_EQ(cores_of(made[i]->id()).size(), 1u) << i;
 }
 
-TEST_F(WorkerThreadsTest, FewerThanCoresAreLeftAlone) {
-  const Threads workers = make_workers(all.size() - 1);
-  EXPECT_FALSE(WorkerThreads::keep_apart().are_apart());
-  for (const auto& worker : workers) EXPECT_EQ(cores_of(worker->id()), all);
-}
-
-TEST_F(WorkerThreadsTest, ThoseThatRestStayWhereTheyAre) {
-  const Threads workers = make_workers(all.size());
-  WorkerThreads kept = WorkerThreads::keep_apart();
-  kept.free_if_they_wait();
-  EXPECT_TRUE(kept.are_apart());
-  for (const auto& worker : workers) EXPECT_EQ(cores_of(worker->id()).size(), 1u);
+TEST_F(WorkerThreadsTest, FewerOrMoreThanCoresAreLeftAlone) {
+  for (const std::size_t count : {all.size() - 1, all.size() + 2}) {
+    WorkerThreads workers;
+    const Threads made = make_workers(workers, count);
+    workers.settle();
+    EXPECT_FALSE(workers.are_apart()) << count;
+    for (const auto& thread : made) EXPECT_EQ(cores_of(thread->id()), all) << count;
+  }
 }
 
 TEST_F(WorkerThreadsTest, ThoseThatWaitAreFreed) {
-  if (access("/proc/self/schedstat", R_OK) != 0) GTEST_SKIP() << "the kernel does not tell how long threads wait";
-  const Threads workers = make_workers(all.size());
-  WorkerThreads kept = WorkerThreads::keep_apart();
+  WorkerThreads workers;
+  const Threads made = make_workers(workers, all.size());
+  workers.settle();
   const Threads others = make_threads(2 * all.size()); // of which each core has some to run
-  for (const Threads* threads : {&others, &workers})
+  for (const Threads* threads : {&others, &made})
     for (const auto& thread : *threads) thread->start();
   using namespace std::chrono_literals;
-  for (int i = 0; i < 100 && kept.are_apart(); ++i) { // ends at once as a rule; a very busy machine may take longer
+  std::this_thread::sleep_for(100ms);
+  std::uint64_t ran = 0;
+  std::ifstream("/proc/self/task/" + std::to_string(made.front()->id()) + "/schedstat") >> ran;
+  if (ran == 0) GTEST_SKIP() << "the kernel does not tell how long threads wait";
+  for (int i = 0; i < 100 && workers.are_apart(); ++i) { // ends at once as a rule; a very busy machine may take longer
+    workers.settle();
     std::this_thread::sleep_for(100ms);
-    kept.free_if_they_wait();
   }
-  EXPECT_FALSE(kept.are_apart());
-  for (const auto& worker : workers) EXPECT_EQ(cores_of(worker->id()), all);
+  EXPECT_FALSE(workers.are_apart());
+  for (const auto& thread : made) EXPECT_EQ(cores_of(thread->id()), all);
 }
 
 TEST_F(WorkerThreadsTest, TheMakerGetsItsNameBack) {
   char name[16] = {}, meanwhile[16] = {}, after[16] = {};
   pthread_getname_np(pthread_self(), name, sizeof(name));
+  WorkerThreads workers;
   {
-    const MakesWorkers makes_workers;
+    const WorkerThreads::Making making(workers);
     pthread_getname_np(pthread_self(), meanwhile, sizeof(meanwhile));
   }
   pthread_getname_np(pthread_self(), after, sizeof(after));

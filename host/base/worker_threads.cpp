@@ -1,25 +1,25 @@
 #include "host/base/worker_threads.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cstddef>
 #include <filesystem>
 #include <fstream>
-#include <functional>
-#include <string>
 #include <system_error>
 
+#include <fmt/format.h>
 #include <pthread.h>
 #include <sched.h>
 
 namespace wavepath {
 namespace {
 
-constexpr const char* kName = "wavepath-worker"; // 15 characters, the most that a name has
 constexpr const char* kTasks = "/proc/self/task";
 // Of what a worker runs it waits 1 to 3 % on a quiet machine (two cores, llvmpipe), and as long as it runs where another
 // program computes on its core.
-constexpr double kPatience = 0.3;
-constexpr std::uint64_t kTelling = 20'000'000; // nanoseconds of running, below which waiting tells nothing
+constexpr double kPatience = 0.5;
+constexpr std::uint64_t kTelling = 10'000'000;       // nanoseconds of running, below which waiting tells nothing
+constexpr std::chrono::milliseconds kBetweenLooks{20};
 
 std::vector<int> usable_cores() {
   cpu_set_t set;
@@ -31,59 +31,78 @@ std::vector<int> usable_cores() {
 }
 
 // A thread that has ended stays as it is.
-void allow(int thread, const std::vector<int>& cores) {
+void allow(int thread, std::span<const int> cores) {
   cpu_set_t set;
   CPU_ZERO(&set);
   for (const int core : cores) CPU_SET(core, &set);
   sched_setaffinity(thread, sizeof(set), &set);
 }
 
-} // namespace
-
-MakesWorkers::MakesWorkers() {
-  pthread_getname_np(pthread_self(), name_, sizeof(name_));
-  pthread_setname_np(pthread_self(), kName);
-}
-
-MakesWorkers::~MakesWorkers() { pthread_setname_np(pthread_self(), name_); }
-
-WorkerThreads WorkerThreads::keep_apart() {
-  WorkerThreads found;
+// In the order in which they were made, as the kernel lists them.
+std::vector<int> threads_named(const std::string& name) {
+  std::vector<int> found;
   std::error_code error;
-  for (const auto& task : std::filesystem::directory_iterator(kTasks, error)) {
-    std::ifstream file(task.path() / "comm");
-    std::string name;
-    if (std::getline(file, name) && name == kName) found.workers_.push_back({std::stoi(task.path().filename()), {}});
-  }
-  found.cores_ = usable_cores();
-  if (found.cores_.size() < 2 || found.workers_.size() < found.cores_.size()) return {};
-  std::ranges::sort(found.workers_, std::greater(), &Worker::id);
-  found.workers_.resize(found.cores_.size());
-  for (std::size_t i = 0; i < found.workers_.size(); ++i) {
-    found.workers_[i].seen = times_of(found.workers_[i].id);
-    allow(found.workers_[i].id, {found.cores_[i]});
+  const std::filesystem::directory_iterator end;
+  for (auto task = std::filesystem::directory_iterator(kTasks, error); task != end; task.increment(error)) {
+    std::ifstream file(task->path() / "comm");
+    std::string own;
+    if (std::getline(file, own) && own == name) found.push_back(std::stoi(task->path().filename()));
   }
   return found;
 }
 
-WorkerThreads::Times WorkerThreads::times_of(int id) {
-  Times times;
-  std::ifstream(std::filesystem::path(kTasks) / std::to_string(id) / "schedstat") >> times.ran >> times.waited;
+ThreadTimes times_of(int thread) {
+  ThreadTimes times;
+  std::ifstream(std::filesystem::path(kTasks) / std::to_string(thread) / "schedstat") >> times.ran >> times.waited;
   return times;
 }
 
-void WorkerThreads::free_if_they_wait() {
-  if (!are_apart()) return;
-  std::vector<Times> now;
-  std::uint64_t ran = 0, waited = 0;
-  for (const Worker& worker : workers_) {
-    now.push_back(times_of(worker.id));
-    ran += now.back().ran - worker.seen.ran;
-    waited += now.back().waited - worker.seen.waited;
+} // namespace
+
+bool waits_for_cores(std::span<const ThreadTimes> threads) {
+  return std::ranges::any_of(threads, [](const ThreadTimes& t) {
+    return t.ran >= kTelling && static_cast<double>(t.waited) > kPatience * static_cast<double>(t.ran);
+  });
+}
+
+WorkerThreads::Making::Making(WorkerThreads& workers) {
+  static std::atomic<std::uint32_t> made{0};
+  workers.name_ = fmt::format("worker {}", made++ % 10'000'000); // at most 15 characters
+  pthread_getname_np(pthread_self(), own_name_, sizeof(own_name_));
+  pthread_setname_np(pthread_self(), workers.name_.c_str());
+}
+
+WorkerThreads::Making::~Making() { pthread_setname_np(pthread_self(), own_name_); }
+
+void WorkerThreads::settle() {
+  if (!name_.empty())
+    keep_apart();
+  else if (are_apart() && Clock::now() - looked_ >= kBetweenLooks)
+    free_if_they_wait();
+}
+
+void WorkerThreads::keep_apart() {
+  std::vector<int> found = threads_named(name_);
+  name_.clear();
+  cores_ = usable_cores();
+  if (cores_.size() < 2 || (found.size() != cores_.size() && found.size() != cores_.size() + 1)) return;
+  found.erase(found.begin(), found.end() - static_cast<std::ptrdiff_t>(cores_.size()));
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    workers_.push_back({found[i], times_of(found[i])});
+    allow(found[i], std::span(cores_).subspan(i, 1));
   }
-  if (ran < kTelling) return;
-  for (std::size_t i = 0; i < workers_.size(); ++i) workers_[i].seen = now[i];
-  if (static_cast<double>(waited) <= kPatience * static_cast<double>(ran)) return;
+  looked_ = Clock::now();
+}
+
+void WorkerThreads::free_if_they_wait() {
+  std::vector<ThreadTimes> since;
+  for (Worker& worker : workers_) {
+    const ThreadTimes now = times_of(worker.id);
+    since.push_back({now.ran - worker.seen.ran, now.waited - worker.seen.waited});
+    worker.seen = now;
+  }
+  looked_ = Clock::now();
+  if (!waits_for_cores(since)) return;
   for (const Worker& worker : workers_) allow(worker.id, cores_);
   workers_.clear();
 }

@@ -3,54 +3,61 @@
 // Linux may wake two such threads on one core while another core has nothing to do. A core that falls idle for less than
 // half a millisecond at a time does not look for work elsewhere, so that only the tick, every 4 ms, parts them: pieces of a
 // few milliseconds then take twice as long, again and again. Each thread kept on a core of its own ends that. But where
-// other programs need a core, threads must be free to leave it: so they are, as soon as they have to wait.
+// other programs need a core, threads must be free to leave it: so they are, all of them, as soon as one has to wait.
 #pragma once
 
 #include <cstdint>
+#include <span>
+#include <string>
 #include <vector>
+
+#include "host/base/clock.h"
 
 namespace wavepath {
 
-// While it lives, threads that the calling thread starts are known as workers: they inherit its name, which is another one
-// until then.
-class MakesWorkers {
-public:
-  MakesWorkers();
-  ~MakesWorkers();
-  MakesWorkers(MakesWorkers&&) = delete;
-
-private:
-  char name_[16] = {};
+// Of a thread, as the kernel counts (schedstat of proc(5)): nanoseconds that it ran, and that it waited for a core.
+struct ThreadTimes {
+  std::uint64_t ran = 0, waited = 0;
 };
+
+// Whether one of these threads waits for a good part of the time that it runs.
+bool waits_for_cores(std::span<const ThreadTimes> threads);
 
 // Not for several threads at once.
 class WorkerThreads {
 public:
-  WorkerThreads() = default; // none
+  // While it lives, threads that the calling thread starts are the workers: they inherit a name that the calling thread
+  // bears meanwhile.
+  class Making {
+  public:
+    explicit Making(WorkerThreads& workers);
+    ~Making();
+    Making(Making&&) = delete;
 
-  // The newest workers of this process, as many as the calling thread may use cores, each kept on one of these from now on.
-  // None if there are fewer of them, or a single core.
-  static WorkerThreads keep_apart();
+  private:
+    char own_name_[16] = {};
+  };
 
-  // To be called now and then: frees them, for good, if they have waited for their cores for a good part of the time that
-  // they ran since it was called before (schedstat of proc(5); where the kernel does not tell, they stay).
-  void free_if_they_wait();
+  // To be called before each piece of work. The first time, keeps the workers on a core each, if they are as many as the
+  // cores that the calling thread may use; one more is one that gives them their work, and was made before them. Later,
+  // now and then, frees them for good if one waits; where the kernel does not tell, they stay.
+  void settle();
 
   bool are_apart() const { return !workers_.empty(); }
 
 private:
-  struct Times {
-    std::uint64_t ran = 0, waited = 0; // nanoseconds
-  };
   struct Worker {
     int id; // of the kernel
-    Times seen;
+    ThreadTimes seen;
   };
 
-  static Times times_of(int id);
+  void keep_apart();
+  void free_if_they_wait();
 
+  std::string name_; // until they are found
   std::vector<Worker> workers_;
   std::vector<int> cores_;
+  Clock::time_point looked_{};
 };
 
 } // namespace wavepath

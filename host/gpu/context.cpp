@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -406,10 +407,10 @@ Context::Context(const std::string& wanted, std::span<const char* const> window_
     info.enabledExtensionCount = static_cast<std::uint32_t>(extensions.size());
     info.ppEnabledExtensionNames = extensions.data();
     {
-      const MakesWorkers makes_workers; // a driver that computes on the CPU starts its threads
+      std::optional<WorkerThreads::Making> making; // llvmpipe starts its threads: one a core unless it is told otherwise
+      if (info_.dispatches_at_once && !std::getenv("LP_NUM_THREADS")) making.emplace(workers_);
       check(vkCreateDevice(physical_, &info, nullptr, &device_), "opening the device");
     }
-    workers_ = WorkerThreads::keep_apart();
     vkGetDeviceQueue(device_, queue_family_, 0, &queue_);
     pipeline_cache_ = std::make_unique<PipelineCache>(physical_, device_);
   } catch (...) {

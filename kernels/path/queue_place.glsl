@@ -1,6 +1,6 @@
 // Which entry of a queue an invocation takes.
 //
-// CPU drivers give each of their threads one run of a dispatch's workgroups, and wait for the slowest thread. But neighbours
+// llvmpipe gives each of its threads one run of a dispatch's workgroups, and waits for the slowest thread. But neighbours
 // in a queue are alike: noisy levels come first, and what one thread appended while the other had ended stands last. So
 // workgroups take slices of the queue from all over it, and any run of them has some of everything.
 #ifndef WAVEPATH_PATH_QUEUE_PLACE_GLSL
@@ -9,7 +9,7 @@
 #include "kernels/config.glsl"
 
 const uint kSliceGroups = 32u; // workgroups that stay neighbours, so that threads seldom write to one line of the cache
-const uint kFarApart = 8u;    // parts of the queue that consecutive slices are taken from in turn
+const uint kFarApart = 8u;     // parts of the queue that consecutive slices are taken from in turn
 
 uint queue_place() {
   if (!kInStep) return gl_GlobalInvocationID.x;

@@ -27,6 +27,7 @@ WaveQueue::WaveQueue(Workspace& workspace)
 
 void WaveQueue::submit(const std::function<void(Commands&)>& record, Work work) {
   while (in_flight_.size() >= turns_.size()) finish_one();
+  workspace_.device.settle_workers();
   Turn& turn = turns_[next_turn_];
   turn.commands.restart(work.timed_dispatches);
   const gpu::Counters none = no_counts();
@@ -48,7 +49,6 @@ void WaveQueue::afterwards(std::function<void()> action) {
 bool WaveQueue::finish_one() {
   if (in_flight_.empty()) return false;
   in_flight_.front().turn->commands.wait();
-  workspace_.device.free_waiting_workers();
   Flight flight = std::move(in_flight_.front());
   in_flight_.pop_front();
   const Finished finished = count(flight);
