@@ -291,6 +291,7 @@ TEST_F(LightSamples, TheRoomTakesMoreSkySamplesAndTheOpenOne) {
   EXPECT_LT(room.cost, 0.9);
   EXPECT_EQ(floor.samples, 1u);
   EXPECT_EQ(choose(rooms_under_a_sky(0), 4096).samples, room.samples) << "no clock decides";
+  EXPECT_GT(choose(rooms_under_a_sky(0), 64).samples, 1u) << "told by smaller pilots";
   EXPECT_EQ(choose(rooms_under_a_sky(0), 16).samples, 0u) << "too short for pilots";
 }
 

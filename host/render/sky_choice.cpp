@@ -1,6 +1,7 @@
 #include "host/render/sky_choice.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -17,20 +18,30 @@
 namespace wavepath {
 namespace {
 
-constexpr std::uint32_t kSkyPilotSide = 48, kSkyPilotSamples = 8;
+// The larger picture where two of them are a twentieth of the render's paths; a small one still tells gains by factors.
+constexpr std::array<std::uint32_t, 2> kSkyPilotSides = {48, 24};
+constexpr std::uint32_t kSkyPilotSamples = 8;
 constexpr std::uint32_t kTried = 4;          // besides 1
 constexpr double kWholeOverSkyPilots = 20.0; // in paths
 // In paths: what compiling takes of a CPU that also renders, if it is not done while the scene is loaded.
 constexpr double kCpuSkyKernels = 5e5;
 constexpr double kWorthwhile = 0.9; // costs above this are not told from chance
 
-RenderSettings sky_pilot_of(const RenderSettings& settings, std::uint32_t sky_samples) {
-  RenderSettings small = small_picture(settings, kSkyPilotSide, kSkyPilotSamples);
+RenderSettings sky_pilot_of(const RenderSettings& settings, std::uint32_t side, std::uint32_t sky_samples) {
+  RenderSettings small = small_picture(settings, side, kSkyPilotSamples);
   small.seed = settings.seed ^ 0x85ebca6bu;
   small.guide = false;
   small.sky_samples = sky_samples;
   small.tries_sky = true;
   return small;
+}
+
+// 0 = none pays.
+std::uint32_t sky_pilot_side(const RenderSettings& settings, bool cpu) {
+  for (const std::uint32_t side : kSkyPilotSides)
+    if (expected_paths(settings, cpu) >= kWholeOverSkyPilots * 2.0 * paths_of(sky_pilot_of(settings, side, 1)))
+      return side;
+  return 0;
 }
 
 struct Cost {
@@ -41,7 +52,7 @@ struct Cost {
 
 bool may_try_sky(const RenderSettings& settings, bool cpu) {
   return settings.sky_samples == 0 && takes(*settings.integrator, "sky-samples") &&
-         expected_paths(settings, cpu) >= kWholeOverSkyPilots * 2.0 * paths_of(sky_pilot_of(settings, 1));
+         sky_pilot_side(settings, cpu) > 0;
 }
 
 SkyChoice choose_sky_samples(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings,
@@ -53,13 +64,14 @@ SkyChoice choose_sky_samples(Device& device, const PackedScene& scene, const Vie
     return {};
   const Clock::time_point start = Clock::now();
   SkyChoice choice{.samples = 1};
-  RenderLoop loop(device, scene, view, sky_pilot_of(settings, kTried), kernels, {}, {}, shared.scene);
+  const std::uint32_t side = sky_pilot_side(settings, cpu);
+  RenderLoop loop(device, scene, view, sky_pilot_of(settings, side, kTried), kernels, {}, {}, shared.scene);
   if (!shared.scene) {
     shared.scene = loop.workspace().on_device;
     shared.upload_seconds = loop.workspace().upload_seconds;
   }
   const auto measure = [&](std::uint32_t sky_samples) {
-    const RenderSettings small = sky_pilot_of(settings, sky_samples);
+    const RenderSettings small = sky_pilot_of(settings, side, sky_samples);
     loop.restart(view, small);
     while (loop.step()) {
     }
