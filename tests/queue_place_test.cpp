@@ -1,4 +1,5 @@
-// Invocations take each entry of a queue once, and threads that run workgroups one after the other take some of all parts.
+// Invocations take each entry of a queue once, and threads that run workgroups one after the other take some of all
+// parts.
 #include <algorithm>
 #include <cstddef>
 #include <numeric>

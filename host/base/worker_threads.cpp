@@ -15,10 +15,10 @@ namespace wavepath {
 namespace {
 
 constexpr const char* kTasks = "/proc/self/task";
-// Of what a worker runs it waits 1 to 3 % on a quiet machine (two cores, llvmpipe), and as long as it runs where another
-// program computes on its core.
+// Of what a worker runs it waits 1 to 3 % on a quiet machine (two cores, llvmpipe), and as long as it runs where
+// another program computes on its core.
 constexpr double kPatience = 0.5;
-constexpr std::uint64_t kTelling = 10'000'000;       // nanoseconds of running, below which waiting tells nothing
+constexpr std::uint64_t kTelling = 10'000'000; // nanoseconds of running, below which waiting tells nothing
 constexpr std::chrono::milliseconds kBetweenLooks{20};
 
 std::vector<int> usable_cores() {

@@ -1,9 +1,10 @@
 // Threads of a library that shares each piece of work evenly among one thread a core, and waits for all of them.
 //
-// Linux may wake two such threads on one core while another core has nothing to do. A core that falls idle for less than
-// half a millisecond at a time does not look for work elsewhere, so that only the tick, every 4 ms, parts them: pieces of a
-// few milliseconds then take twice as long, again and again. Each thread kept on a core of its own ends that. But where
-// other programs need a core, threads must be free to leave it: so they are, all of them, as soon as one has to wait.
+// Linux may wake two such threads on one core while another core has nothing to do. A core that falls idle for less
+// than half a millisecond at a time does not look for work elsewhere, so that only the tick, every 4 ms, parts them:
+// pieces of a few milliseconds then take twice as long, again and again. Each thread kept on a core of its own ends
+// that. But where other programs need a core, threads must be free to leave it: so they are, all of them, as soon as
+// one has to wait.
 #pragma once
 
 #include <cstdint>
@@ -38,9 +39,9 @@ public:
     char own_name_[16] = {};
   };
 
-  // To be called before each piece of work. The first time, keeps the workers on a core each, if they are as many as the
-  // cores that the calling thread may use; one more is one that gives them their work, and was made before them. Later,
-  // now and then, frees them for good if one waits; where the kernel does not tell, they stay.
+  // To be called before each piece of work. The first time, keeps the workers on a core each, if they are as many as
+  // the cores that the calling thread may use; one more is one that gives them their work, and was made before them.
+  // Later, now and then, frees them for good if one waits; where the kernel does not tell, they stay.
   void settle();
 
   bool are_apart() const { return !workers_.empty(); }

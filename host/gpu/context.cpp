@@ -407,7 +407,8 @@ Context::Context(const std::string& wanted, std::span<const char* const> window_
     info.enabledExtensionCount = static_cast<std::uint32_t>(extensions.size());
     info.ppEnabledExtensionNames = extensions.data();
     {
-      std::optional<WorkerThreads::Making> making; // llvmpipe starts its threads: one a core unless it is told otherwise
+      std::optional<WorkerThreads::Making>
+          making; // llvmpipe starts its threads: one a core unless it is told otherwise
       if (info_.dispatches_at_once && !std::getenv("LP_NUM_THREADS")) making.emplace(workers_);
       check(vkCreateDevice(physical_, &info, nullptr, &device_), "opening the device");
     }

@@ -79,7 +79,8 @@ public:
   std::uint64_t memory_peak() const { return memory_peak_; }
   std::uint64_t memory_displaced() const { return memory_displaced_; } // so far
 
-  // For threads that the driver computes on, if any (host/base/worker_threads.h): to be called before work is submitted.
+  // For threads that the driver computes on, if any (host/base/worker_threads.h): to be called before work is
+  // submitted.
   void settle_workers() { workers_.settle(); }
 
   // Validation errors and warnings of this process so far; each was printed to stderr.

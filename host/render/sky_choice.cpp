@@ -51,8 +51,7 @@ struct Cost {
 } // namespace
 
 bool may_try_sky(const RenderSettings& settings, bool cpu) {
-  return settings.sky_samples == 0 && takes(*settings.integrator, "sky-samples") &&
-         sky_pilot_side(settings, cpu) > 0;
+  return settings.sky_samples == 0 && takes(*settings.integrator, "sky-samples") && sky_pilot_side(settings, cpu) > 0;
 }
 
 SkyChoice choose_sky_samples(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings,
