@@ -283,7 +283,7 @@ bool sample_facets(Bsdf b, Lobes l, vec3 wo, float u_side, vec2 u, inout BsdfSam
 // ends here: there is no lobe, or wi is on the wrong side after a single bounce between microfacets. `u_side` picks reflection
 // or transmission within the lobe. `delta`: the lobe is a delta lobe; only then are s.pdf and s.weight set.
 bool bsdf_sample_direction(Bsdf b, Lobes l, vec3 wo, float u_side, vec2 u, out BsdfSample s, out bool delta) {
-  s = BsdfSample(vec3(0.0, 0.0, 1.0), vec3(0.0), 0.0, 1.0, false);
+  s = BsdfSample(vec3(0.0, 0.0, 1.0), vec3(0.0), 0.0, 1.0, false, false);
   delta = false;
   if (l.diffuse_probability + l.facet_probability + l.coat_probability == 0.0) return false;
   if (take_share(u.y, l.coat_probability)) {
@@ -293,6 +293,7 @@ bool bsdf_sample_direction(Bsdf b, Lobes l, vec3 wo, float u_side, vec2 u, out B
   }
   if (!kMicrofacets || !take_share(u.y, l.facet_probability / (1.0 - l.coat_probability))) {
     s.wi = kHemisphere == kHemisphereUniform ? warp_uniform_hemisphere(u) : warp_cosine_hemisphere(u);
+    s.wide = true;
     if (kThrough && u_side < l.through) {
       s.wi.z = -s.wi.z;
       s.transmitted = true;

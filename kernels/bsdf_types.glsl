@@ -45,6 +45,7 @@ struct BsdfSample {
   float pdf;       // per solid angle, of all lobes together; negative: a delta lobe
   float eta_scale; // squared relative ior crossed, 1 if none
   bool transmitted;
+  bool wide; // drawn from the lobe of the diffuse base
 };
 
 // Closer to 1 than this, rough refraction bends by less than 1e-3 alpha and its half vector is lost in rounding: it
@@ -75,8 +76,6 @@ struct Lobes {
 struct Shares {
   float coat, facets, reflected, through; // the last two of wide lobes, to either side
 };
-
-const bool kMicrofacets = (kFeatures & (kFeatureSpecular | kFeatureTransmission)) != 0u;
 
 // Only materials that transmit light have an inside.
 Interface surface_of(Bsdf b) {

@@ -21,6 +21,7 @@ layout(constant_id = kSpecSort) const uint kSort = kSortNone;
 layout(constant_id = kSpecLightSamples) const uint kLightSamples = 1u;
 layout(constant_id = kSpecLaneRays) const uint kLaneRays = 256u;
 layout(constant_id = kSpecSky) const uint kSky = kSkyByPaths;
+layout(constant_id = kSpecReuse) const uint kReuse = kReuseNone;
 layout(constant_id = kSpecFilter) const uint kFilter = kFilterBlackmanHarris;
 
 const bool kInStep = kWalk == kWalkInStep;
@@ -30,6 +31,7 @@ const bool kInStep = kWalk == kWalkInStep;
 // Macros, so that conditions are constants before anything is inlined: see host/gpu/trim_spirv.h.
 #define has(feature) ((kFeatures & (feature)) != 0u)
 #define has_lobe(lobe) ((kLobes & (lobe)) != 0u)
+const bool kMicrofacets = (kFeatures & (kFeatureSpecular | kFeatureTransmission)) != 0u; // some surface is more than diffuse
 bool has_mips() { return has_lobe(kFeatureMips); }
 
 #endif

@@ -15,6 +15,8 @@ const uint kDimensionLight = 2u;     // which light, and the point on it
 const uint kDimensionLens = 0x80000000u;
 // Of a direction towards the sky beside that of the scattered ray, of a bounce; and, x: reflected or transmitted.
 const uint kDimensionSky = 0x20000000u;
+// x: of the lobe of the second vertex that sends light to neighbours (path/reuse.glsl).
+const uint kDimensionReuse = 0x10000000u;
 // x: of the moment at which a path sees the scene.
 const uint kDimensionTime = 0x40000000u;
 

@@ -52,7 +52,8 @@ struct Frame {
                           // perspective; 0 = textures are looked up exactly (kFeatureMips)
   uint sky_samples;       // directions in which a vertex looks for a sky of one colour (kSpecSky)
   uvec2 top_level;        // device address of the scene's structure for ray queries: low, high
-  uvec2 pad_top_level;
+  uint reuses_paths;      // 1: pixels share the paths of their neighbours (kSpecReuse)
+  uint pad_top_level;
 };
 GPU_CHECK(sizeof(Frame) == 192);
 

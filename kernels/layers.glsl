@@ -23,6 +23,9 @@ bool has_cover(Bsdf b) { return is_coated(b) || has_sheen(b); }
 bool has_wide_layers(Bsdf b) { return has_cover(b) || (has_lobe(kLobeDiffuseTransmission) && b.diffuse_transmission > 0.0); }
 bool has_rough_cover(Bsdf b) { return (is_coated(b) && b.coat.alpha >= kMinAlpha) || has_sheen(b); }
 
+// Whether nothing lies on the diffuse base but the interface.
+bool has_plain_base(Bsdf b) { return !has_wide_layers(b) && (!has_lobe(kLobeIridescence) || b.film.weight == 0.0); }
+
 // Share of the diffuse base that stays on its side.
 float diffuse_kept(Bsdf b) { return has_lobe(kLobeDiffuseTransmission) ? 1.0 - b.diffuse_transmission : 1.0; }
 

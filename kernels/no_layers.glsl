@@ -12,6 +12,7 @@ bool is_stretched(Bsdf b) { return false; }
 bool has_cover(Bsdf b) { return false; }
 bool has_wide_layers(Bsdf b) { return false; }
 bool has_rough_cover(Bsdf b) { return false; }
+bool has_plain_base(Bsdf b) { return true; }
 float diffuse_kept(Bsdf b) { return 1.0; }
 
 float facet_distribution(Bsdf b, vec3 h) { return ggx_distribution(h, b.alpha); }

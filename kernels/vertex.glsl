@@ -176,7 +176,7 @@ bool weigh_sample(Vertex v, vec3 value, bool is_albedo, inout BsdfSample s) {
 
 // Draws a direction; false if the path ends here.
 bool vertex_sample(Vertex v, float u_side, vec2 u, out BsdfSample s, out vec3 wi) {
-  s = BsdfSample(vec3(0.0, 0.0, 1.0), vec3(0.0), 0.0, 1.0, false);
+  s = BsdfSample(vec3(0.0, 0.0, 1.0), vec3(0.0), 0.0, 1.0, false, false);
   vec3 wo = to_local(v, v.wo);
   if (!(wo.z > 0.0)) return false;
   Lobes l = lobes_of(v.bsdf, wo);

@@ -66,7 +66,7 @@ bool scatter(Vertex v, vec3 local, float u_side, vec2 u, inout PathState path, i
 // Sends the path on through a delta lobe. `u`: as above.
 bool pass(Vertex v, vec3 local, Lobes lobes, float go, float u_side, vec2 u, inout PathState path, inout PathWeights weights,
           out vec3 w, out BsdfSample s) {
-  s = BsdfSample(vec3(0.0, 0.0, 1.0), vec3(0.0), -1.0, 1.0, false);
+  s = BsdfSample(vec3(0.0, 0.0, 1.0), vec3(0.0), -1.0, 1.0, false, false);
   bool delta;
   if (!sample_facets(v.bsdf, lobes, local, u_side, u, s, delta) || !delta) return false;
   s.weight *= lobes.facet_probability / go;

@@ -6,6 +6,7 @@
 
 #define BIND_PATHS
 #define BIND_FILM
+#define BIND_REUSE
 #include "kernels/frame_types.h"
 #include "kernels/film/bindings.glsl"
 #include "kernels/path/bindings.glsl"
@@ -13,6 +14,7 @@
 #include "kernels/film/records.glsl"
 #include "kernels/math.glsl"
 #include "kernels/path/records.glsl"
+#include "kernels/path/reuse_gather.glsl"
 #include "kernels/pixel.glsl"
 
 layout(local_size_x = kWorkgroupSize) in;
@@ -23,7 +25,7 @@ void accumulate_net(WavePart part, uint first_slot, uint entry, uint first, uint
   FilmPixel pixel = fetch_film_pixel(entry);
   for (uint s = first; s < part.samples; s += step_) {
     uint slot = first_slot + s * part.places;
-    vec3 radiance = fetch_path(slot).radiance;
+    vec3 radiance = gathered_radiance(slot);
     if (is_finite(radiance)) add_sample(pixel, radiance);
   }
   store_film_pixel(entry, pixel);

@@ -52,6 +52,11 @@ layout(set = 0, binding = kBindGuideMaps) uniform usamplerBuffer guide_maps;
 layout(set = 0, binding = kBindGuideRecords, std430) buffer GuideRecordBlock { vec4 guide_records[]; };
 #endif
 
+#ifdef BIND_REUSE
+layout(set = 0, binding = kBindReuse, std430) writeonly buffer ReuseBlock { uvec4 reuse_words[]; };
+layout(set = 0, binding = kBindReuseTexels) uniform usamplerBuffer reuse_texels;
+#endif
+
 #ifdef BIND_SEEN
 layout(set = 0, binding = kBindSeen, std430) buffer SeenBlock { vec4 seen[]; };
 #endif

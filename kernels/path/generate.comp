@@ -7,6 +7,7 @@
 #define BIND_RAYS
 #define BIND_QUEUES
 #define BIND_COUNTERS
+#define BIND_REUSE
 #include "kernels/path/bindings.glsl"
 #include "kernels/camera.glsl"
 #include "kernels/config.glsl"
@@ -16,12 +17,16 @@
 #include "kernels/path/nonfinite.glsl"
 #include "kernels/path/path_sampler.glsl"
 #include "kernels/path/records.glsl"
+#include "kernels/path/reuse.glsl"
 
 layout(local_size_x = kWorkgroupSize) in;
 
 void main() {
   uint slot = gl_GlobalInvocationID.x;
-  if (slot == 0u) queues.ray_count[0] = wave_slots();
+  if (slot == 0u) {
+    queues.ray_count[0] = wave_slots();
+    queues.sender_count = 0u;
+  }
   if (slot >= wave_slots()) return;
 
   uvec2 pixel = slot_pixel(slot);
@@ -39,6 +44,7 @@ void main() {
   store_ray(slot, ray);
   store_path(slot, path);
   begin_bodies(slot);
+  begin_reuse(slot);
   if (has(kFeatureAovs)) {
     path_aovs[slot].albedo = vec3(0.0);
     path_aovs[slot].depth = 0.0;

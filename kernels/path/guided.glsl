@@ -12,7 +12,7 @@ bool guided_sample(Vertex v, Lobes l, Guide guide, float u_side, vec2 u, out Bsd
   bsdf_pdf = 0.0;
   if (has(kFeatureGuide) && take_share(u.y, guide.probability)) {
     wi = sample_map(guide.map, u);
-    s = BsdfSample(to_local(v, wi), vec3(0.0), 0.0, 1.0, false);
+    s = BsdfSample(to_local(v, wi), vec3(0.0), 0.0, 1.0, false, false);
     s.transmitted = s.wi.z < 0.0;
     if (has(kFeatureTransmission) && s.transmitted && !v.bsdf.thin) s.eta_scale = l.surface.eta * l.surface.eta;
   } else {

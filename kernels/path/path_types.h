@@ -35,6 +35,10 @@ GPU_CONSTANT uint kBindGuideTree = 61u;      // texels RGBA32UI: nodes of the tr
 GPU_CONSTANT uint kBindGuideMaps = 62u;      // texels RGBA32UI: maps of its leaves
 GPU_CONSTANT uint kBindGuideRecords = 63u;   // storage vec4[]: GuideRecord[] (kFeatureLearning)
 
+// Storage uvec4[], kReuseTexels a slot: what pixels tell their neighbours of their paths (kSpecReuse).
+GPU_CONSTANT uint kBindReuse = 90u;
+GPU_CONSTANT uint kBindReuseTexels = 91u; // texels RGBA32UI
+
 struct PathState {
   vec3 throughput;
   float bsdf_pdf; // of the direction being traced, for each light sample of its vertex; negative after a delta lobe (no
@@ -76,7 +80,7 @@ struct Queues {
   uint escape_groups[3];
   uint next_shadow_ray;                 // likewise
   uint shadow_count[kMostLightSamples]; // of each light sample; connect reads the first, which advance sets for it
-  uint pad3;
+  uint sender_count; // of paths whose second vertex sends light to neighbours (reuse.glsl)
 };
 GPU_CHECK(sizeof(Queues) == 80 + 4 * kMostLightSamples);
 
@@ -87,6 +91,27 @@ GPU_CHECK(sizeof(Queues) == 80 + 4 * kMostLightSamples);
 GPU_CONSTANT uint kBeforeExtend = 0u, kBeforeShade = 1u, kBeforeConnect = 2u,
                   kBeforeLastConnect = kBeforeConnect + kMostLightSamples,
                   kAdvanceSteps = kBeforeLastConnect + kMostLightSamples;
+
+// ---- reuse of paths: kernels/path/reuse.glsl ------------------------------------------------------------------------
+
+// Texels of a slot. The first vertex x of its path, which receives light, and the second one y, which sends it.
+GPU_CONSTANT uint kReuseHead = 0u; // probability of the diffuse lobe at x (0: x does not share; negative: another lobe
+                                   // was drawn), instance of y + 1 (0: y does not share), place in the quad and pixels
+                                   // of the quad (reuse_quad()), triangle of y
+GPU_CONSTANT uint kReuseReceiver = 1u;       // where rays of x begin; its coupling (pack_coupling())
+GPU_CONSTANT uint kReuseReceiverColor = 2u;  // albedo of the diffuse lobe, without the coupling of the direction; ior
+GPU_CONSTANT uint kReuseReceiverNormal = 3u; // shading normal, alpha
+GPU_CONSTANT uint kReuseReceiverPlane = 4u;  // geometric normal, on the same side; where the two differ
+GPU_CONSTANT uint kReuseReceiverMirror = 5u; // Vertex::plane, or zero where no map bends the normal (kFeatureNormalMaps)
+GPU_CONSTANT uint kReuseSender = 6u;         // where rays to y end; its coupling
+GPU_CONSTANT uint kReuseSenderPlane = 7u;    // geometric normal, ior
+GPU_CONSTANT uint kReuseSenderNormal = 8u;   // shading normal, where it may be another
+GPU_CONSTANT uint kReuseOwn = 9u;            // light that the path had gathered before y; alpha of y
+GPU_CONSTANT uint kReuseOther = 10u;         // throughput of the lobes of x that share nothing, where it has any
+GPU_CONSTANT uint kReuseShares = 11u;        // what the light of y counts for each pixel of the quad
+GPU_CONSTANT uint kReuseList = 12u;          // of as many slots as have a sender, the first word: which they are
+GPU_CONSTANT uint kReuseTexels = 13u;
+GPU_CONSTANT uint kQuadPixels = 4u;
 
 // ---- guiding: kernels/path/guide.glsl -------------------------------------------------------------------------------
 

@@ -17,6 +17,7 @@
 #define BIND_COUNTERS
 #define BIND_SEEN
 #define BIND_GUIDE
+#define BIND_REUSE
 #include "kernels/path/bindings.glsl"
 #include "kernels/dimensions.glsl"
 #include "kernels/emission.glsl"
@@ -29,6 +30,7 @@
 #include "kernels/path/queue.glsl"
 #include "kernels/path/queue_place.glsl"
 #include "kernels/path/receiver.glsl"
+#include "kernels/path/reuse_vertex.glsl"
 #include "kernels/path/records.glsl"
 #include "kernels/path/sky.glsl"
 #include "kernels/path/path_sampler.glsl"
@@ -39,6 +41,8 @@
 layout(local_size_x = kWorkgroupSize) in;
 
 Guide guide; // of the vertex being shaded
+bool sends = false; // whether it sends light to neighbours,
+uint sender;        // and its slot
 
 #define TAKES_MORE_LIGHT_SAMPLES (kLightSamples > 1u) // a macro, as has() is
 uint light_sample_count() { return light_samples_at(kLightSamples, wave.bounce); }
@@ -122,9 +126,10 @@ void connect_to_sky(Vertex v, Lobes lobes, Sampler path_sampler, uint slot, vec3
   }
 }
 
-// Scatters the path: true if it goes on with `ray`. `passed`: straight through a pane, as shadow rays do.
-bool scatter(Vertex v, Lobes lobes, Sampler path_sampler, uint dimension, uint slot, inout PathState path, out Ray ray,
-             out bool passed) {
+// Scatters the path: true if it goes on with `ray`. `receives`: the vertex does, of the light that neighbours find.
+// `passed`: straight through a pane, as shadow rays do.
+bool scatter(Vertex v, Lobes lobes, Sampler path_sampler, uint dimension, uint slot, bool receives, inout PathState path,
+             out Ray ray, out bool passed) {
   passed = false;
   vec2 u = sample_2d(path_sampler, dimension + kDimensionDirection);
   vec2 u_choice = sample_2d(path_sampler, dimension + kDimensionChoice);
@@ -135,6 +140,7 @@ bool scatter(Vertex v, Lobes lobes, Sampler path_sampler, uint dimension, uint s
   passed = uses(kFeaturePanes) && is_pane(v.bsdf) && s.pdf < 0.0 && s.transmitted;
   if (passed) wi = -v.wo;
   if (!sides_agree(v, wi)) return false;
+  if (receives) scatter_receiver(v, lobes, s, wi, slot);
 
   path.throughput *= s.weight;
   // What lies behind a pane is found by the shadow rays of the vertex before it, too; so the direction keeps its density.
@@ -218,6 +224,8 @@ void follow(Ray ray, Hit hit, inout PathState path, out bool wants_ray, out Ray 
   vec3 wo = to_local(v, v.wo);
   if (wave.bounce < frame.max_depth && wo.z > 0.0) {
     Lobes lobes = lobes_of(v.bsdf, wo);
+    bool receives = REUSES_PATHS && wave.bounce == 0u && begin_receiver(v, lobes, slot);
+    if (REUSES_PATHS && wave.bounce == 1u) sends = share_sender(v, surface, hit, sender = slot, lobes, path);
     if (has(kFeatureGuide))
       guide = bsdf_has_smooth(v.bsdf) ? find_guide(lobes, v.bsdf.alpha, v.surface.position) : no_guide();
     Sampler path_sampler = fetch_sampler(slot);
@@ -232,7 +240,7 @@ void follow(Ray ray, Hit hit, inout PathState path, out bool wants_ray, out Ray 
       else wants_shadow = connect_to_light(v, lobes, receiver, path_sampler, dimension, slot, path.throughput, shadow);
     }
     if (SHARES_SKY && bsdf_has_smooth(v.bsdf)) connect_to_sky(v, lobes, path_sampler, slot, path.throughput);
-    wants_ray = scatter(v, lobes, path_sampler, dimension, slot, path, next, passed);
+    wants_ray = scatter(v, lobes, path_sampler, dimension, slot, receives, path, next, passed);
     // A pane with a diffuse share receives light, too, but what goes straight on comes from the vertex before it. (A pilot
     // that learns counts the pane's own shadow ray for that vertex: it makes shares less apt, never wrong.)
     if (passed && is_receiver && keeps_receivers()) receiver_words[receiver_place(slot)] = earlier;
@@ -265,8 +273,12 @@ void main() {
   if (index < (kSort != kSortNone ? queues.hit_count : queues.ray_count[wave.bounce & 1u]))
     shade(kSort != kSortNone ? texelFetch(sorted_ray_texels, int(index)).x : index, wants_ray, next, wants_shadow, shadow);
 
-  uint next_queue = (wave.bounce + 1u) & 1u;
   uint place;
+  if (REUSES_PATHS && wave.bounce == 1u) {
+    APPEND(queues.sender_count, sends, place);
+    if (sends) list_sender(place, sender);
+  }
+  uint next_queue = (wave.bounce + 1u) & 1u;
   APPEND(queues.ray_count[next_queue], wants_ray, place);
   if (wants_ray) store_ray(next_queue * frame.slot_count + place, next);
   if (TAKES_MORE_LIGHT_SAMPLES) return; // their shadow rays are there

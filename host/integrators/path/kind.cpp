@@ -16,8 +16,8 @@
 namespace wavepath {
 namespace {
 
-constexpr std::array<std::string_view, 14> kSettings = {
-    "hemisphere", "direct", "lights",   "light-samples", "sky-samples", "adaptive", "guide",
+constexpr std::array<std::string_view, 15> kSettings = {
+    "hemisphere", "direct", "lights",   "light-samples", "sky-samples", "reuse", "adaptive", "guide",
     "denoise",    "pixel",  "aperture", "focus",         "blades",      "shutter",  "terminator"};
 constexpr std::array<std::string_view, 2> kFirstHitStages = {"generate", "extend"};
 
@@ -29,6 +29,7 @@ void start_kernels(KernelCompiler& kernels, const DeviceInfo& device, gpu::Featu
   KernelConfig generic = kernel_config(generic_features(features), kExpectedStack, settings);
   generic.light_samples = specialized.light_samples; // what generic kernels are not compiled for
   generic.sky = specialized.sky;
+  generic.reuse = specialized.reuse;
   kernels.start(path_need(kPathProgram, kAllPathStages, generic));
 }
 

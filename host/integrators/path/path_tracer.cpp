@@ -111,6 +111,10 @@ void PathTracer::record_wave(Commands& commands, std::size_t band, const gpu::Wa
                   paths_.connect(commands, connecting, wave, bounce, sorts);
   }
   if (lesson_ == Lesson::lights) return; // its samples do not reach the film
+  if (workspace_.frame.reuses_paths && !notes) {
+    commands.barrier();
+    commands.dispatch(kernels[kReuse], groups_for(gpu::level_slots(wave)), &wave);
+  }
   commands.barrier();
   const Kernel& last = notes ? shading[kGuideNote] : kernels[kAccumulate];
   commands.dispatch(last, groups_for(wave.pixel_count), &wave);

@@ -20,6 +20,8 @@
 #include "kernels/path/extend_query.spv.h"
 #include "kernels/path/generate.spv.h"
 #include "kernels/path/guide_note.spv.h"
+#include "kernels/path/reuse.spv.h"
+#include "kernels/path/reuse_query.spv.h"
 #include "kernels/path/shade.spv.h"
 #include "kernels/path/shade_layered.spv.h"
 
@@ -35,11 +37,12 @@ const std::array<KernelCode, kPathStageCount> kStages = {
      {"connect", wavepath_connect_spv, wavepath_connect_layered_spv, wavepath_connect_query_spv,
       wavepath_connect_layered_query_spv},
      {"accumulate", wavepath_accumulate_spv},
-     {"guide note", wavepath_guide_note_spv}}};
+     {"guide note", wavepath_guide_note_spv},
+     {"reuse", wavepath_reuse_spv, {}, wavepath_reuse_query_spv}}};
 
 // Shade takes as long to compile as all others together.
 constexpr std::array<std::size_t, kPathStageCount> kCompileOrder = {kShade,    kExtend,     kConnect, kEscape,
-                                                                    kGenerate, kAccumulate, kAdvance, kGuideNote};
+                                                                    kGenerate, kAccumulate, kAdvance, kReuse, kGuideNote};
 
 // Whether paths know the vertex that they were scattered at: see the function of this name in
 // kernels/path/receiver.glsl.
@@ -113,6 +116,11 @@ const std::vector<BufferRule> kRules = {
     {"guide records",
      [](const Extent& e) { return e.options & kRoomForGuideRecords ? kGuideRecordBytes : 0; },
      {{gpu::kBindGuideRecords, storage}}},
+    {"reuse of paths",
+     [](const Extent& e) {
+       return e.options & kRoomForReuse ? e.slots * gpu::kReuseTexels * sizeof(glm::uvec4) : 0;
+     },
+     {{gpu::kBindReuse, storage}, {gpu::kBindReuseTexels, texels_rgba32ui}}},
 };
 
 } // namespace
@@ -122,6 +130,7 @@ const KernelProgram kGuidePilotProgram = {kStages, kCompileOrder, path_layout};
 
 KernelNeed path_need(const KernelProgram& program, std::uint32_t stages, const KernelConfig& config) {
   if (config.sort != gpu::kSortEscapes) stages &= ~stage_bits({kEscape});
+  if (config.reuse == gpu::kReuseNone) stages &= ~stage_bits({kReuse});
   return {&program, stages, config};
 }
 
@@ -160,6 +169,7 @@ bool Paths::change(const RenderSettings& settings, std::uint32_t stages, std::ui
                     kernel_config(scene.features | camera | features_of(settings), scene.stack_size, settings));
   workspace_.frame.sky_samples = sky_samples_of(settings, scene.features);
   if (need_.config.sort != gpu::kSortNone) options |= kRoomForSortedRays;
+  if (stages & stage_bits({kReuse}) && need_.config.reuse != gpu::kReuseNone) options |= kRoomForReuse;
   if (stages) kernels_.start(need_);
   // Kernels that were begun for other settings may run until these are ready.
   const gpu::Feature features = need_.config.features | kernels_.features(kPathProgram);

@@ -6,6 +6,7 @@
 #include "host/render/settings/integrator_kind.h"
 #include "host/render/settings/light_samples.h"
 #include "host/render/settings/mips.h"
+#include "host/render/settings/path_reuse.h"
 #include "host/render/settings/shadow_settings.h"
 #include "host/render/settings/traversal.h"
 #include "host/render/settings/whole_nets.h"
@@ -73,7 +74,8 @@ KernelConfig kernel_config(gpu::Feature features, std::uint32_t stack_size, cons
           traversal_of(settings),
           sort,
           light_samples,
-          sky};
+          sky,
+          reuses_paths(settings) || settings.tries_reuse ? gpu::kReuseQuads : gpu::kReuseNone};
 }
 
 gpu::Feature features_of(const RenderSettings& settings) {

@@ -49,10 +49,12 @@ bool KernelNeed::covers(const KernelNeed& need) const {
   reduced.config.nets = need.config.nets;
   reduced.config.sort = need.config.sort;
   reduced.config.sky = need.config.sky;
+  reduced.config.reuse = need.config.reuse;
   reduced.stages = need.stages;
   return reduced == need && (config.features & need.config.features) == need.config.features &&
          (stages & need.stages) == need.stages && config.stack_size >= need.config.stack_size &&
-         config.nets >= need.config.nets && config.sky >= need.config.sky && sorts_for(config.sort, need.config.sort);
+         config.nets >= need.config.nets && config.sky >= need.config.sky && config.reuse >= need.config.reuse &&
+         sorts_for(config.sort, need.config.sort);
 }
 
 KernelNeed whole_need(const KernelProgram& program, const KernelConfig& config) {
@@ -87,6 +89,7 @@ std::array<std::uint32_t, gpu::kSpecCount> specialization(const KernelConfig& co
   constants[gpu::kSpecSort] = config.sort;
   constants[gpu::kSpecLightSamples] = config.light_samples;
   constants[gpu::kSpecSky] = config.sky;
+  constants[gpu::kSpecReuse] = config.reuse;
   constants[gpu::kSpecLaneRays] = device.ends_long_loops ? 2 : kLaneRays;
   return constants;
 }

@@ -36,6 +36,7 @@ struct KernelConfig {
   std::uint32_t sort = gpu::kSortNone;
   std::uint32_t light_samples = 1; // where a path first scatters
   std::uint32_t sky = gpu::kSkyByPaths;
+  std::uint32_t reuse = gpu::kReuseNone;
 
   bool operator==(const KernelConfig&) const = default;
 };

@@ -1,0 +1,141 @@
+// Weighs the light of each path's second vertex for the pixels of its quad: by what of it they see, and how likely their
+// own paths would have found it (reuse.glsl). One lane a sender.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_KHR_shader_subgroup_ballot : require
+
+#define BIND_GEOMETRY
+#define BIND_SURFACES
+#define BIND_RECEIVERS
+#define BIND_PATHS
+#define BIND_REUSE
+#define BIND_QUEUES
+#define BIND_COUNTERS
+#include "kernels/path/bindings.glsl"
+#include "kernels/bsdf_types.glsl"
+#include "kernels/dimensions.glsl"
+#include "kernels/path/path_sampler.glsl"
+#include "kernels/path/queue_place.glsl"
+#include "kernels/path/reuse.glsl"
+#include "kernels/records.glsl"
+#include "kernels/shadow.glsl"
+
+#define ALPHA_TEST(hit) lets_light_through(hit)
+#define ANY_HIT
+#include "kernels/trace.glsl"
+
+layout(local_size_x = kWorkgroupSize) in;
+
+const float kLeastCosine = 1e-3; // below it the normal of a vertex would be held (held_normal())
+
+struct Sender {
+  vec3 position, plane, normal;
+  Coupling coupling;
+  uint triangle, instance;
+};
+
+Sender fetch_sender(uint slot, uvec4 head) {
+  vec4 position = fetch_reuse(slot, kReuseSender), plane = fetch_reuse(slot, kReuseSenderPlane);
+  vec3 normal = TURNS_NORMALS ? fetch_reuse(slot, kReuseSenderNormal).xyz : plane.xyz;
+  Coupling coupling = unpack_coupling(position.w, plane.w, kMicrofacets ? fetch_reuse(slot, kReuseOwn).w : 0.0);
+  return Sender(position.xyz, plane.xyz, normal, coupling, head.w, head.y - 1u);
+}
+
+// Between the receiver of a slot and the sender.
+struct Link {
+  vec3 origin, offset;
+  float density;                        // K
+  float receiver_passes, sender_passes; // T
+};
+
+// Cosine at the receiver of the mirror image of a direction, 0 if it has none: as has_image() in kernels/vertex.glsl.
+float mirrored_cosine(uint slot, vec3 normal, vec3 direction) {
+  vec3 mirror = fetch_reuse(slot, kReuseReceiverMirror).xyz;
+  float above = dot(mirror, direction);
+  return above > 0.0 ? max(dot(direction - 2.0 * above * mirror, normal), 0.0) : 0.0;
+}
+
+// False if they face away from each other.
+bool link_to(uint slot, Sender y, out Link link) {
+  vec4 position = fetch_reuse(slot, kReuseReceiver), normal = fetch_reuse(slot, kReuseReceiverNormal);
+  vec3 plane = TURNS_NORMALS ? fetch_reuse(slot, kReuseReceiverPlane).xyz : normal.xyz;
+  link.origin = position.xyz;
+  link.offset = y.position - position.xyz;
+  float squared = dot(link.offset, link.offset);
+  vec3 direction = link.offset * inversesqrt(squared);
+  float cosine = dot(normal.xyz, direction), mirrored = 0.0, cosine_y = -dot(y.plane, direction), shading_y = -dot(y.normal, direction);
+  if (has(kFeatureNormalMaps)) mirrored = mirrored_cosine(slot, normal.xyz, direction);
+  link.density = kInvPi * (cosine + mirrored) * cosine_y / squared;
+  link.receiver_passes = link.sender_passes = 1.0;
+  if (kMicrofacets) {
+    Coupling x = unpack_coupling(position.w, fetch_reuse(slot, kReuseReceiverColor).w, normal.w);
+    link.receiver_passes = coupling_passes(x, max(cosine, 0.0));
+    if (has(kFeatureNormalMaps) && mirrored > 0.0)
+      link.receiver_passes = mix(link.receiver_passes, coupling_passes(x, mirrored), mirrored / (max(cosine, 0.0) + mirrored));
+    link.sender_passes = coupling_passes(y.coupling, max(shading_y, 0.0));
+  }
+  return cosine > 0.0 && dot(plane, direction) > 0.0 && cosine_y > 0.0 && shading_y > kLeastCosine && is_finite(link.density);
+}
+
+// Of all lanes, each of which has traced 0 to 4.
+void count_rays(uint traced) {
+  uint rays = subgroupBallotBitCount(subgroupBallot((traced & 1u) != 0u));
+  rays += 2u * subgroupBallotBitCount(subgroupBallot((traced & 2u) != 0u));
+  rays += 4u * subgroupBallotBitCount(subgroupBallot((traced & 4u) != 0u));
+  if (rays == 0u || !subgroupElect()) return;
+  uint before = atomicAdd(counters.shadow_rays[0], rays);
+  if (before + rays < before) atomicAdd(counters.shadow_rays[1], 1u);
+}
+
+// Whether nothing at all lies between.
+bool is_clear(Link link, Sender y) {
+  restart_shadow();
+  Hit hit = trace(link.origin, link.offset, 1.0, y.triangle, y.instance);
+  return hit.triangle == kNone && shadow_depth == 0u;
+}
+
+// What the light of the sender of a slot counts for each pixel of the quad. Returns how many rays that took.
+uint weigh(uint slot, out vec4 shares) {
+  shares = vec4(0.0);
+  uvec4 head = texelFetch(reuse_texels, int(reuse_place(slot, kReuseHead)));
+  uint at = head.z % kQuadPixels, count = head.z / kQuadPixels, traced = 0u;
+  Sender y = fetch_sender(slot, head);
+  float density = 0.0, receiver_passes = 1.0, sender_passes = 1.0; // of the path itself
+  for (uint i = 0u; i < count; ++i) {
+    uint receiver = slot - at + i;
+    float probability = abs(fetch_reuse(receiver, kReuseHead).x);
+    if (!(probability > 0.0)) continue;
+    Link link;
+    bool sees = link_to(receiver, y, link);
+    if (i == at) {
+      receiver_passes = link.receiver_passes;
+      sender_passes = link.sender_passes;
+    }
+    if (!sees) continue;
+    // The path itself has come there; but where surfaces let paths pass by chance it may have passed some.
+    if (i != at || has(kFeatureAlpha)) {
+      ++traced;
+      if (!is_clear(link, y)) continue;
+    }
+    shares[i] = link.density * link.receiver_passes * link.sender_passes;
+    density += probability * link.density;
+  }
+  if (shares[at] > 0.0 && density > 0.0 && sender_passes > 0.0) {
+    shares /= density * sender_passes;
+  } else { // what it found is its own
+    shares = vec4(0.0);
+    shares[at] = receiver_passes / uintBitsToFloat(head.x);
+  }
+  return traced;
+}
+
+void main() {
+  uint index = queue_place(), traced = 0u;
+  if (index < queues.sender_count) {
+    uint slot = texelFetch(reuse_texels, int(reuse_place(index, kReuseList))).x;
+    vec4 shares;
+    traced = weigh(slot, shares);
+    reuse_words[reuse_place(slot, kReuseShares)] = floatBitsToUint(shares);
+  }
+  count_rays(traced);
+}

@@ -1,0 +1,66 @@
+// Reuse of paths (Bekaert, Sbert and Halton 2002, Accelerating Path Tracing by Re-Using Paths): the paths that the four
+// pixels of a quad follow for one sample share the light that they find where they first scatter. Include bindings.glsl
+// with BIND_REUSE first.
+//
+// Path j scatters at x_j, off the diffuse lobe, towards y_j, and finds there the radiance R_j that y_j sends back. Pixel i
+// may use it as well, seen from x_i:
+//
+//   sum over j of  w_i T_i(y_j) K_ij R_j T_j(x_i) / T_j(x_j) / (sum over k of P_k K_kj)
+//
+// where K_ij = cos cos / (pi distance^2) between x_i and y_j, or 0 if they do not see each other: a path from x_i finds
+// y_j with density P_i K_ij per area, P_i being the probability of the diffuse lobe. (Where a map bends the normal, the
+// cosine at x_i is the sum of two, see kernels/vertex.glsl.) w_i is the lobe's albedo, T the share
+// of light along a direction that passes the interface above the diffuse base. So every path is a sample of one technique,
+// weighed by the balance heuristic (Veach 1997, section 9.2), and the mean is that of paths that share nothing.
+//
+// Of y_j only the diffuse lobe takes part, whose light goes everywhere alike but for T: a path that arrives there goes on
+// from it or from the other lobes, by chance. What x_j scatters by its other lobes is its own, and so is what the path
+// gathers before y_j: emission, light samples at x_j, light of y_j itself.
+//
+// Between x and y must lie nothing: panes and BLEND surfaces stop the light that is shared, and paths that passed some
+// share nothing.
+#ifndef WAVEPATH_PATH_REUSE_GLSL
+#define WAVEPATH_PATH_REUSE_GLSL
+
+#include "kernels/fresnel.glsl"
+#include "kernels/path/path_types.h"
+#include "kernels/pixel.glsl"
+
+#define REUSES_PATHS (kReuse == kReuseQuads && frame.reuses_paths != 0u) // a macro, as has() is
+#define TURNS_NORMALS has(kFeatureSmoothNormals | kFeatureNormalMaps)
+
+uint reuse_place(uint slot, uint texel) { return texel * frame.slot_count + slot; }
+vec4 fetch_reuse(uint slot, uint texel) { return uintBitsToFloat(texelFetch(reuse_texels, int(reuse_place(slot, texel)))); }
+void store_reuse(uint slot, uint texel, vec3 v) { reuse_words[reuse_place(slot, texel)].xyz = floatBitsToUint(v); }
+void store_reuse(uint slot, uint texel, vec3 v, float w) { reuse_words[reuse_place(slot, texel)] = floatBitsToUint(vec4(v, w)); }
+
+// Four places whose first is a multiple of four, in tile order or among second nets: the place of a slot in its quad, and
+// how many pixels that has.
+uint reuse_quad(uint slot) {
+  uint place = slot_place(slot), end = frame.width * frame.height;
+  if (is_second_net(place)) return (place - end) % kQuadPixels + kQuadPixels * kQuadPixels;
+  return place % kQuadPixels + kQuadPixels * min(kQuadPixels, end - place / kQuadPixels * kQuadPixels);
+}
+
+void begin_reuse(uint slot) {
+  if (!REUSES_PATHS) return;
+  reuse_words[reuse_place(slot, kReuseHead)].xyz = uvec3(0u, 0u, reuse_quad(slot));
+}
+
+// How light along a direction couples to the diffuse base of a plain material: what interface_transmittance() asks for.
+struct Coupling {
+  float f0, f90, ior, alpha;
+};
+
+float pack_coupling(Interface i) { return uintBitsToFloat(packUnorm2x16(vec2(max_component(i.f0), i.f90))); }
+Coupling unpack_coupling(float packed, float ior, float alpha) {
+  vec2 ends = unpackUnorm2x16(floatBitsToUint(packed));
+  return Coupling(ends.x, ends.y, ior, alpha);
+}
+float coupling_passes(Coupling c, float mu) {
+  Interface i = make_interface(c.ior, vec3(1.0), c.f90, true);
+  i.f0 = vec3(c.f0);
+  return interface_transmittance(i, mu, c.alpha);
+}
+
+#endif
