@@ -36,7 +36,7 @@ std::map<std::string, std::string> members(const RenderSettings& settings) {
                shadow_cascades, shadow_exponent, shadow_bits, shadow_source, shadow_cookie, shadow_ambient, shading,
                interpolation, shininess, attenuation, depth_cue, transparency, transparency_layers,
                transparency_samples, branching, techniques, cutoff, denoise, antialias_over_time, mips, lights,
-               light_samples, sky_samples, tries_sky, adaptive, tries_adaptive, guide, moving, specialize, aovs,
+               light_samples, sky_samples, tries_sky, reuse, adaptive, tries_adaptive, guide, moving, specialize, aovs,
                guide_iterations, added_features, removed_features, learns_lights, light_pilot_paths, light_shares,
                room_for_shadow_rays, room_for_whole_nets, room_for_mips, whole_nets_from, wave_slots] = settings;
   const auto text = [](const auto& value) { return fmt::format("{}", value); };
@@ -101,6 +101,7 @@ std::map<std::string, std::string> members(const RenderSettings& settings) {
           {"light_samples", text(light_samples)},
           {"sky_samples", text(sky_samples)},
           {"tries_sky", text(tries_sky)},
+          {"reuse", text(reuse)},
           {"adaptive", text(adaptive)},
           {"tries_adaptive", text(tries_adaptive)},
           {"guide", text(guide)},

@@ -34,6 +34,9 @@ inline constexpr std::uint32_t kGuideIterations = 4;
 // Whether samples are shared out by noise: where that pays, never, or always.
 inline constexpr std::uint32_t kAdaptiveAuto = 0, kAdaptiveOff = 1, kAdaptiveOn = 2;
 
+// Whether pixels share the paths of their neighbours: where that pays, never, or always.
+inline constexpr std::uint32_t kReuseAuto = 0, kReuseOff = 1, kReuseOn = 2;
+
 // How noise is filtered: by filters of our own, or finished pictures by Intel's Open Image Denoise.
 inline constexpr std::uint32_t kDenoiseOff = 0, kDenoiseOn = 1, kDenoiseOidn = 2;
 
@@ -113,6 +116,7 @@ struct RenderSettings {
   std::uint32_t light_samples = 0;         // where a path first scatters; 0 = by the scene (light_samples.h)
   std::uint32_t sky_samples = 0;           // at every vertex; 0 = as sky_choice.h finds, else 1 (light_samples.h)
   bool tries_sky = false;                  // kernels are to bear any number of sky samples, where trying costs little
+  std::uint32_t reuse = kReuseAuto;        // of the paths of neighbouring pixels (path_reuse.h)
   std::uint32_t adaptive = kAdaptiveAuto;  // more samples where a pilot, which is thrown away, found more noise
   bool tries_adaptive = false; // auto looks for noise, and goes on evenly where it is even (adaptive_choice.h)
   bool guide = false;          // directions are also drawn from a field that a pilot learned

@@ -229,6 +229,15 @@ std::vector<Setting> transport_rows() {
        .offered = kByRenderAndView | kByBench,
        .label = "sky samples",
        .study = {"1", "2", "4", "8"}},
+      {.name = "reuse",
+       .value = ChoiceValue{&S::reuse, kReuseNames, "on"},
+       .meaning = "four neighbouring pixels share the light that their paths find where they first scatter off diffuse "
+                  "surfaces, weighed so that the picture is that of paths of their own; auto: where a pilot, which is "
+                  "thrown away, finds that it pays. --reuse alone is on",
+       .takers = Takers::listed_else_refused,
+       .offered = kByRenderAndView | kByBench,
+       .label = "reuse of paths",
+       .study = {"off", "on"}},
       {.name = "hemisphere",
        .value = ChoiceValue{&S::hemisphere, kHemisphereNames},
        .meaning = "how diffuse directions are sampled",

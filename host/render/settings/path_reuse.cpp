@@ -1,0 +1,16 @@
+#include "host/render/settings/path_reuse.h"
+
+#include "host/render/settings/integrator_kind.h"
+
+namespace wavepath {
+
+bool may_reuse_paths(const RenderSettings& settings) {
+  return takes(*settings.integrator, "reuse") && settings.max_depth > 1 && !settings.guide && !settings.moving &&
+         settings.hemisphere == gpu::kHemisphereCosine;
+}
+
+bool reuses_paths(const RenderSettings& settings) {
+  return settings.reuse == kReuseOn && may_reuse_paths(settings);
+}
+
+} // namespace wavepath
