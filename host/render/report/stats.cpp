@@ -72,8 +72,7 @@ const char* error_method(const Film* film) {
   if (!film || !film->whole_nets)
     return "spread of the means of 2 independently scrambled halves of the samples of every pixel";
   if (film->quads)
-    return "one whole net a pixel; spread of the means of two independently scrambled ones on one quad of neighbours of "
-           "each block";
+    return "one whole net a pixel; spread of the means of two independently scrambled ones on one quad of each block";
   return "one whole net a pixel; spread of the means of two independently scrambled ones on one pixel of each block";
 }
 
