@@ -40,7 +40,7 @@ struct Frame {
   uint scene_features;    // kFeature bits that the scene has data for, whatever the kernels were compiled with
   uint local_light_count; // triangles, points and spots, which come first among the lights
   float light_sum_scale;  // radiance to units of the sums of a pilot (kFeatureLearning)
-  uint whole_nets;        // 1: pixels have whole nets (net_layout.h)
+  uint whole_nets;        // kMeasuresAll: halved; else whole, by pixels or quads (net_layout.h)
   uint scene_lobes;       // kLobe bits, likewise
   uint first_layers;      // texel of the first MaterialLayers
   float lens_radius;      // metres, of the circle that holds the aperture (kSpecLens)

@@ -9,7 +9,7 @@
 #include "kernels/wave.h"
 
 // Kernels made for whole nets may serve a render of halved ones.
-bool has_whole_nets() { return kNets == kNetsWhole && frame.whole_nets != 0u; }
+bool has_whole_nets() { return kNets == kNetsWhole && frame.whole_nets != kMeasuresAll; }
 
 // The pixel, in tile order, that pixel `local` of the wave is; of second nets the place after all pixels.
 uint wave_pixel(uint local) {
@@ -27,7 +27,7 @@ uint slot_place(uint slot) { return wave_pixel(local_place(slot_part(slot), slot
 uvec2 slot_pixel(uint slot) {
   uint place = slot_place(slot);
   if (is_second_net(place))
-    return measured_pixel(place - frame.width * frame.height, frame.width, frame.height, frame.seed);
+    return measured_pixel(place - frame.width * frame.height, frame.width, frame.height, frame.seed, frame.whole_nets);
   return pixel_in_tile_order(place, frame.width, frame.height);
 }
 // The light samples of a hybrid frame share its replicate, as they share its entry in the film.

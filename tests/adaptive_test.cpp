@@ -434,10 +434,10 @@ TEST_F(AdaptiveRender, SegmentsHoldEveryNetOnce) {
   const auto tall =
       static_cast<std::uint32_t>(std::min(limit, std::uint64_t{1} << 28) / sizeof(gpu::FilmPixel) / 1026 + 37);
   for (const auto& [width, height] : {std::pair{101u, 67u}, {1026u, tall}})
-    for (const bool whole : {true, false}) {
+    for (const auto& [whole, quads] : {std::pair{true, false}, {true, true}, {false, false}}) {
       if (height == tall && !whole) continue; // would take twice the memory
       FilmTarget film(device());
-      film.fit({.width = width, .height = height, .whole_nets = whole, .seed = 3}, false);
+      film.fit({.width = width, .height = height, .whole_nets = whole, .seed = 3, .quads = quads}, false);
       const auto pixels = static_cast<std::uint32_t>(film.pixels());
       std::vector<std::int8_t> levels((pixels + kRunPixels - 1) / kRunPixels);
       for (std::uint32_t run = 0; run < levels.size(); ++run)
@@ -456,10 +456,13 @@ TEST_F(AdaptiveRender, SegmentsHoldEveryNetOnce) {
         const std::uint32_t offset = places[segment.first_place] - band.entry_of(places[segment.first_place]);
         for (std::uint32_t i = 0; i < segment.pixel_count; ++i) {
           const std::uint32_t place = places[segment.first_place + i];
-          const glm::uvec2 at = place < pixels ? gpu::pixel_in_tile_order(place, width, height)
-                                               : gpu::measured_pixel(place - pixels, width, height, 3);
+          const glm::uvec2 at = place < pixels
+                                    ? gpu::pixel_in_tile_order(place, width, height)
+                                    : gpu::measured_pixel(place - pixels, width, height, 3, film.shape().measures());
           wrong += levels[gpu::tile_order_of(at, width, height) / kRunPixels] != segment.level;
           wrong += place - band.entry_of(place) != offset || band.entry_of(place) >= band.places();
+          if (quads && gpu::rank_in_quad(place, pixels) > 0)
+            wrong += i == 0 || places[segment.first_place + i - 1] != place - 1;
         }
       }
       EXPECT_EQ(wrong, 0u);

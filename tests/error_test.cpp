@@ -1,5 +1,6 @@
 // The error that a render reports for itself: against exact answers and converged references, over many seeds. And that
 // neither stopping at a target nor adaptive sampling moves the mean.
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <random>
@@ -17,6 +18,8 @@
 #include "host/scene/gltf/gltf.h"
 #include "host/scene/pack/pack.h"
 #include "host/scene/view.h"
+#include "kernels/net_layout.h"
+#include "kernels/tile_order.h"
 #include "tests/probe.h"
 #include "tests/statistics.h"
 
@@ -309,6 +312,96 @@ TEST(WholeNetsEstimate, AFireflyIsSeenWhereverItIs) {
     EXPECT_GT(error.ci95[1] * error.ci95[1], 0.95 * expected);
     EXPECT_LT(error.ci95[0] * error.ci95[0], expected);
     EXPECT_GT(error.largest_sample_share, 0.9);
+  }
+}
+
+// All pixels 0.5, but for normal noise; all of a quad err alike, or each by itself.
+Film noisy_film(const FilmShape& shape, bool alike) {
+  constexpr std::uint32_t kCount = 16;
+  constexpr double kMean = 0.5, kNoise = 0.01;
+  Film film = make_film(shape);
+  std::mt19937 random(shape.seed);
+  std::normal_distribution<double> noise(0.0, kNoise);
+  const auto pixels = static_cast<std::uint32_t>(shape.pixels());
+  std::array<double, gpu::kReplicates> means{};
+  const std::uint32_t each = shape.whole_nets ? 1 : gpu::kReplicates;
+  for (std::uint32_t place = 0; place < shape.places(); ++place) {
+    const glm::uvec2 at = gpu::pixel_in_tile_order(std::min(place, pixels - 1), shape.width, shape.height);
+    const std::size_t entry = place < pixels ? std::size_t{at.y} * shape.width + at.x : place;
+    if (!alike || gpu::rank_in_quad(place, pixels) == 0)
+      for (double& mean : means) mean = kMean + noise(random);
+    for (std::uint32_t net = 0; net < each; ++net)
+      set_samples(film.pixels[each * entry + net], kCount, means[net], 0.51);
+  }
+  return film;
+}
+
+double true_error(const Film& film) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < film.shape().pixels(); ++i) {
+    const double off = mean_radiance(film, i).x - 0.5;
+    sum += off * off / (0.5 * 0.5 + 0.01);
+  }
+  return std::sqrt(sum / static_cast<double>(film.shape().pixels()));
+}
+
+// Of the squared error, without what weights are not known by (error.cpp), relative to it.
+double scatter_of(const ErrorEstimate& error) {
+  const double mean = error.relative_rms * error.relative_rms;
+  const double spread = (error.ci95[1] * error.ci95[1] - mean) / (1.959964 * mean);
+  return spread * spread - 0.05 * 0.05;
+}
+
+struct QuadCoverage {
+  double covered = 0.0, covered_before = 0.0; // share of films; as if pixels erred independently
+  Mean scatter, ratio;                        // ratio: of the squared error estimated and true
+};
+QuadCoverage coverage_of_quads(FilmShape shape, bool alike) {
+  constexpr int kRuns = 400;
+  QuadCoverage result;
+  for (shape.seed = 0; shape.seed < kRuns; ++shape.seed) {
+    Film film = noisy_film(shape, alike);
+    const double truth = true_error(film);
+    const auto holds = [&](const ErrorEstimate& error) { return truth >= error.ci95[0] && truth <= error.ci95[1]; };
+    const ErrorEstimate error = estimate_error(film);
+    result.covered += holds(error) / double{kRuns};
+    result.scatter.add(scatter_of(error));
+    result.ratio.add(std::pow(error.relative_rms / truth, 2.0));
+    if (film.whole_nets) continue; // the layout would be another
+    film.quads = false;
+    result.covered_before += holds(estimate_error(film)) / double{kRuns};
+  }
+  return result;
+}
+
+// Pixels that share light err alike, so that four tell as much as one.
+TEST(QuadsEstimate, TheIntervalHoldsTheErrorOfPixelsThatErrAlike) {
+  const FilmShape whole{.width = 64, .height = 61, .whole_nets = true, .quads = true}; // 64 quads are measured
+  const FilmShape halved{.width = 32, .height = 30, .quads = true};
+  for (const FilmShape& shape : {whole, halved}) {
+    SCOPED_TRACE(shape.whole_nets ? "whole nets" : "halved nets");
+    const QuadCoverage alike = coverage_of_quads(shape, true), apart = coverage_of_quads(shape, false);
+    EXPECT_NEAR(alike.covered, 0.95, 0.04);
+    EXPECT_GE(apart.covered, 0.93) << "the weights' share is for scenes whose weights are not known";
+    EXPECT_NEAR(alike.scatter.mean() / apart.scatter.mean(), 4.0, 0.5) << "not twice as wide";
+    EXPECT_NEAR(alike.ratio.mean(), 1.0, 0.03);
+    EXPECT_NEAR(apart.ratio.mean(), 1.0, 0.03);
+    if (!shape.whole_nets) {
+      EXPECT_LT(alike.covered_before, 0.85);
+    }
+  }
+}
+
+// Where pixels err independently quads measure as much as single pixels do.
+TEST(QuadsEstimate, IsThatOfSinglePixelsWhereTheyErrIndependently) {
+  FilmShape shape{.width = 96, .height = 96};
+  for (shape.seed = 0; shape.seed < 8; ++shape.seed) {
+    Film film = noisy_film(shape, false);
+    const ErrorEstimate single = estimate_error(film);
+    film.quads = true;
+    const ErrorEstimate quads = estimate_error(film);
+    EXPECT_NEAR(quads.relative_rms, single.relative_rms, 1e-12 * single.relative_rms);
+    EXPECT_NEAR(scatter_of(quads) / scatter_of(single), 1.0, 0.15);
   }
 }
 

@@ -439,14 +439,18 @@ TEST_F(DisplayTest, ShowsWhatElseIsKnown) {
 }
 
 // The mean of both nets of measured pixels, and everywhere the variance that the two tell.
-TEST_F(DisplayTest, ShowsWholeNets) {
+class WholeNetsDisplay : public DisplayTest, public ::testing::WithParamInterface<std::uint32_t> {};
+
+TEST_P(WholeNetsDisplay, ShowsBothNets) {
   open("cornell_box.gltf");
+  settings_.reuse = GetParam();
   settings_.whole_nets_from = 0;
   settings_.aovs = {"albedo", "direct", "indirect", "emission"};
   Progressive progressive = begin();
   expect_as_rendered(progressive);
   const Film film = progressive.film();
   ASSERT_TRUE(film.whole_nets);
+  ASSERT_EQ(film.quads, GetParam() == kReuseOn);
   Film first = film; // without second nets
   for (std::size_t i = film.shape().pixels(); i < first.pixels.size(); ++i) first.pixels[i] = {};
   const auto toned = [](const glm::vec3& radiance) {
@@ -464,6 +468,8 @@ TEST_F(DisplayTest, ShowsWholeNets) {
     return toned(glm::vec3(mean_radiance(first, i)) - film.aovs[i].direct - film.aovs[i].emission);
   });
 }
+
+INSTANTIATE_TEST_SUITE_P(PixelsAndQuads, WholeNetsDisplay, ::testing::Values(kReuseOff, kReuseOn));
 
 TEST_F(DisplayTest, KeepsWhatItShowedUntilThereIsMore) {
   open("cornell_box.gltf");

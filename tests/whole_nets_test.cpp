@@ -1,8 +1,10 @@
 // Whole nets: which renders have them, which pixels are measured, what the film then holds, and that it is the same
 // however a render is cut up, stopped, stored or joined.
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -15,6 +17,7 @@
 #include "host/integrators/path/path_replay.h"
 #include "host/render/device/kernel_compiler.h"
 #include "host/render/device/workspace.h"
+#include "host/render/loop/integrator.h"
 #include "host/render/render.h"
 #include "host/render/report/state_file.h"
 #include "host/render/settings/identity.h"
@@ -23,6 +26,9 @@
 #include "host/scene/gltf/gltf.h"
 #include "host/scene/pack/pack.h"
 #include "host/scene/view.h"
+#include "kernels/net_layout.h"
+#include "kernels/tile_order.h"
+#include "kernels/wave.h"
 #include "tests/probe.h"
 #include "tests/shared_kernels.h"
 #include "tests/statistics.h"
@@ -79,8 +85,8 @@ TEST(WholeNets, MeasureTwoThousandPixelsOrMore) {
   }
   std::vector<int> places(64);
   for (std::uint32_t block = 0; block < 4096; ++block) {
-    const glm::uvec2 at = gpu::measured_pixel(block, 512, 512, 3);
-    ASSERT_EQ(gpu::net_block_of(at, 512, 512), block);
+    const glm::uvec2 at = gpu::measured_pixel(block, 512, 512, 3, gpu::kMeasuresPixels);
+    ASSERT_EQ(gpu::net_block_of(at, 512, 512, gpu::kMeasuresPixels), block);
     ++places[at.y % 8 * 8 + at.x % 8];
   }
   for (const int times : places) EXPECT_NEAR(times, 64, 5 * 8) << "of 64 places of a block";
@@ -94,9 +100,9 @@ TEST(WholeNets, AnyPixelOfABlockMayBeMeasured) {
   for (std::uint32_t block = 0; block < 6; ++block) {
     std::map<std::pair<std::uint32_t, std::uint32_t>, double> counts;
     for (std::uint32_t seed = 0; seed < kSeeds; ++seed) {
-      const glm::uvec2 at = gpu::measured_pixel(block, kWidth, kHeight, seed);
+      const glm::uvec2 at = gpu::measured_pixel(block, kWidth, kHeight, seed, gpu::kMeasuresPixels);
       ASSERT_TRUE(at.x < kWidth && at.y < kHeight);
-      ASSERT_EQ(gpu::net_block_of(at, kWidth, kHeight), block);
+      ASSERT_EQ(gpu::net_block_of(at, kWidth, kHeight, gpu::kMeasuresPixels), block);
       counts[{at.x, at.y}] += 1.0;
     }
     EXPECT_EQ(counts.size(), (block % 3 == 2 ? 3u : 4u) * (block / 3 == 1 ? 3u : 4u));
@@ -107,12 +113,106 @@ TEST(WholeNets, AnyPixelOfABlockMayBeMeasured) {
   std::vector<double> pairs(256);
   for (std::uint32_t block = 0; block + 1 < 256 * 63; ++block) {
     const auto place = [&](std::uint32_t b) {
-      const glm::uvec2 at = gpu::measured_pixel(b, 1024, 255, 7);
+      const glm::uvec2 at = gpu::measured_pixel(b, 1024, 255, 7, gpu::kMeasuresPixels);
       return at.y % 4 * 4 + at.x % 4;
     };
     pairs[place(block) * 16 + place(block + 1)] += 1.0;
   }
   EXPECT_GT(chi_square_uniform(pairs).p_value, level);
+}
+
+// Odd sizes, whose last tiles are cut off, down to less than a quad; and large ones, with tile blocks of four tiles.
+constexpr std::pair<std::uint32_t, std::uint32_t> kSizes[] = {
+    {8, 8}, {16, 24}, {11, 7}, {43, 37}, {3, 1}, {1, 1}, {9, 9}, {17, 10}, {512, 512}, {515, 513}, {1026, 517}};
+
+TEST(Quads, EveryBlockOfTheirPixelsHasOneMeasuredPixel) {
+  for (const auto& [width, height] : kSizes) {
+    SCOPED_TRACE(std::to_string(width) + "x" + std::to_string(height));
+    const FilmShape shape{.width = width, .height = height, .whole_nets = true, .seed = 3, .quads = true};
+    const Film film = make_film(shape);
+    std::vector<std::size_t> pixels(shape.second_nets());
+    std::size_t wrong = 0;
+    for (std::uint32_t y = 0; y < height; ++y)
+      for (std::uint32_t x = 0; x < width; ++x) {
+        const std::size_t block = block_of(film, std::size_t{y} * width + x);
+        wrong += block != gpu::net_block_of({x, y}, width, height, gpu::kMeasuresQuads);
+        ASSERT_LT(block, pixels.size());
+        ++pixels[block];
+      }
+    for (std::uint32_t block = 0; block < pixels.size(); ++block) {
+      const std::size_t measured = measured_pixel(film, block);
+      const glm::uvec2 at = gpu::measured_pixel(block, width, height, 3, gpu::kMeasuresQuads);
+      wrong += at.x >= width || at.y >= height || at.y * width + at.x != measured;
+      wrong += block_of(film, measured) != block || pixels_measured_by(film, measured) != pixels[block];
+    }
+    EXPECT_EQ(wrong, 0u);
+    for (std::uint32_t rows = 8, before = 0; rows < height + 8; rows += 8) { // as bands are cut
+      const std::uint32_t end = std::min(rows, height), nets = shape.second_nets_above(end);
+      for (std::uint32_t block = before; block < nets; ++block)
+        wrong += (measured_pixel(film, block) / width - (rows - 8)) >= end - (rows - 8);
+      before = nets;
+    }
+    EXPECT_EQ(wrong, 0u);
+  }
+}
+
+// Second nets of a quad follow each other as its pixels do, which in a complete tile are a square.
+TEST(Quads, AreMeasuredWhole) {
+  for (const auto& [width, height] : kSizes) {
+    SCOPED_TRACE(std::to_string(width) + "x" + std::to_string(height));
+    const FilmShape shape{.width = width, .height = height, .whole_nets = true, .seed = 5, .quads = true};
+    const auto pixels = static_cast<std::uint32_t>(shape.pixels());
+    const auto nets = static_cast<std::uint32_t>(shape.second_nets());
+    std::size_t wrong = 0;
+    for (std::uint32_t block = 0; block < nets; ++block) {
+      const auto place_of = [&, w = width, h = height](std::uint32_t b) {
+        return gpu::tile_order_of(gpu::measured_pixel(b, w, h, 5, gpu::kMeasuresQuads), w, h);
+      };
+      const std::uint32_t rank = gpu::rank_in_quad(pixels + block, pixels), place = place_of(block);
+      wrong += gpu::rank_in_quad(place, pixels) != rank || place_of(block - rank) != place - rank;
+      wrong += gpu::quad_places(pixels + block, width, height) != gpu::quad_places(place, width, height);
+      wrong += gpu::quad_places(place, width, height) < gpu::kQuadPixels &&
+               gpu::tile_block(block / 4, width, height).pixels > 3;
+    }
+    EXPECT_EQ(wrong, 0u);
+    EXPECT_EQ(gpu::quad_places(pixels - 1, width, height), (pixels - 1) % 4 + 1);
+  }
+  for (std::uint32_t block = 0; block < 4096; block += 4) {
+    const glm::uvec2 at = gpu::measured_pixel(block, 512, 512, 5, gpu::kMeasuresQuads);
+    EXPECT_EQ(at % 2u, glm::uvec2(0));
+    for (std::uint32_t k = 1; k < 4; ++k)
+      EXPECT_EQ(gpu::measured_pixel(block + k, 512, 512, 5, gpu::kMeasuresQuads), at + glm::uvec2(k % 2, k / 2));
+  }
+}
+
+// About as many second nets as of single pixels.
+TEST(Quads, AreAsManyAsTheErrorOfAPictureTakes) {
+  for (const auto& [width, height, second] : {std::tuple{256u, 128u, 2048u},
+                                              {512u, 512u, 4096u},
+                                              {511u, 511u, 16384u},
+                                              {1280u, 720u, 14400u},
+                                              {1281u, 721u, 4u * 41 * 91 - 3}, // the last tile has one pixel
+                                              {3u, 1u, 3u}}) {
+    const FilmShape shape{.width = width, .height = height, .whole_nets = true, .quads = true};
+    EXPECT_EQ(shape.second_nets(), second);
+  }
+  EXPECT_EQ((FilmShape{.width = 64, .height = 64, .quads = true}.second_nets()), 0u);
+}
+
+TEST(Quads, AnyCompleteOneOfATileBlockMayBeMeasured) {
+  constexpr std::uint32_t kSeeds = 1 << 14, kWidth = 11, kHeight = 13; // tiles of 8x8, 3x8, 8x5 and 3x5
+  const std::size_t quads[] = {16, 6, 10, 3};
+  for (std::uint32_t tile = 0; tile < 4; ++tile) {
+    std::map<std::uint32_t, double> counts;
+    for (std::uint32_t seed = 0; seed < kSeeds; ++seed) {
+      const glm::uvec2 at = gpu::measured_pixel(4 * tile, kWidth, kHeight, seed, gpu::kMeasuresQuads);
+      counts[gpu::tile_order_of(at, kWidth, kHeight)] += 1.0;
+    }
+    EXPECT_EQ(counts.size(), quads[tile]);
+    std::vector<double> histogram;
+    for (const auto& [place, count] : counts) histogram.push_back(count);
+    EXPECT_GT(chi_square_uniform(histogram).p_value, sidak(0.01, 4)) << tile;
+  }
 }
 
 TEST(WholeNets, TakeLessMemoryThanHalvedOnes) {
@@ -147,6 +247,11 @@ protected:
   Scene scene_ = load_gltf(kScenes + "cornell_box.gltf", {});
   PackedScene packed_ = pack(scene_);
 };
+
+RenderSettings by_quads(RenderSettings settings) {
+  settings.reuse = kReuseOn;
+  return settings;
+}
 
 RenderSettings halved(RenderSettings settings) {
   settings.whole_nets_from = std::numeric_limits<std::uint32_t>::max();
@@ -189,16 +294,37 @@ TEST_F(WholeNetsRender, MeasuredPixelsShowTheMeanOfBothNets) {
 }
 
 TEST_F(WholeNetsRender, HowTheWorkIsCutUpDoesNotMatter) {
-  RenderSettings settings = settings_of(43, 37, 5);
-  settings.aovs = {"albedo", "normal", "depth", "direct"};
-  const RenderResult expected = render(settings);
-  for (const std::uint32_t slots : {64u, 700u, 1600u}) { // 1591 pixels: waves end within pixels, and within second nets
-    settings.wave_slots = slots;
-    EXPECT_TRUE(*render(settings).film == *expected.film) << slots << " slots";
+  for (RenderSettings settings : {settings_of(43, 37, 5), by_quads(settings_of(43, 37, 5))}) {
+    settings.aovs = {"albedo", "normal", "depth", "direct"};
+    const RenderResult expected = render(settings);
+    for (const std::uint32_t slots :
+         {64u, 700u, 1600u}) { // 1591 pixels: waves end within pixels, and within second nets
+      settings.wave_slots = slots;
+      EXPECT_TRUE(*render(settings).film == *expected.film) << slots << " slots";
+    }
+    settings.wave_slots = 0;
+    settings.specialize = false;
+    EXPECT_TRUE(*render(settings).film == *expected.film) << "generic kernels";
   }
-  settings.wave_slots = 0;
-  settings.specialize = false;
-  EXPECT_TRUE(*render(settings).film == *expected.film) << "generic kernels";
+}
+
+// Of what is measured by pixels: a second net is as good on another pixel. Light is shared, not changed.
+TEST_F(WholeNetsRender, ByQuadsThePictureAndItsErrorAreTheSame) {
+  const RenderSettings alone = settings_of(64, 61, 64); // 488 quads measure it
+  const RenderResult expected = render(alone);
+  for (const RenderSettings& settings : {by_quads(alone), by_quads(halved(alone))}) {
+    const RenderResult result = render(settings);
+    ASSERT_TRUE(result.film->quads);
+    double mean = 0.0, variance = 0.0;
+    for (std::size_t i = 0; i < result.film->shape().pixels(); ++i) {
+      const PixelStatistics a = statistics(*expected.film, i), b = statistics(*result.film, i);
+      ASSERT_TRUE(std::isfinite(b.variance.x));
+      mean += b.mean.x - a.mean.x, variance += a.variance.x + b.variance.x;
+    }
+    EXPECT_LT(std::abs(mean), 8.0 * std::sqrt(variance)); // four pixels may err alike
+    EXPECT_GT(result.error.ci95[0], 0.0);
+    EXPECT_LT(result.error.ci95[0], 1.2 * expected.error.relative_rms);
+  }
 }
 
 // Kernels made for whole nets serve another render until its own are ready.
@@ -210,38 +336,42 @@ TEST_F(WholeNetsRender, TheirKernelsRenderHalvedNetsAsWell) {
 }
 
 TEST_F(WholeNetsRender, FilmsJoinWithoutLoss) {
-  const RenderSettings whole = settings_of(43, 37, 7);
-  RenderSettings first = whole, second = whole;
-  first.last_sample = second.first_sample = 3;
-  first.sample_total = second.sample_total = 7;
-  Film film = *render(second).film;
-  join(film, *render(first).film);
-  EXPECT_TRUE(film == *render(whole).film);
+  for (const RenderSettings& whole : {settings_of(43, 37, 7), by_quads(settings_of(43, 37, 7))}) {
+    RenderSettings first = whole, second = whole;
+    first.last_sample = second.first_sample = 3;
+    first.sample_total = second.sample_total = 7;
+    Film film = *render(second).film;
+    join(film, *render(first).film);
+    EXPECT_TRUE(film == *render(whole).film);
+  }
 }
 
 TEST_F(WholeNetsRender, GoOnWithinSecondNetsToTheSameBits) {
-  RenderSettings settings = settings_of(43, 37, 8);
-  const RenderResult whole = render(settings);
-  settings.wave_slots = 100; // many waves a pass
-  std::optional<RenderState> state;
-  RenderHooks stopping, resuming;
-  stopping.progress = [](const Progress& now) { return now.fraction < 4.93 / 8; };
-  stopping.save = [&](const RenderState& saved) { state = saved; };
-  stopping.save_interval = 1e9; // at the end alone
-  ASSERT_EQ(render(settings, stopping).stop, StopReason::interrupted);
-  ASSERT_GT(state->cursor.pixels_done, 43u * 37) << "stopped before the second nets";
-  const TemporaryFolder folder;
-  write_state(folder.file("state"), "identity", "device", *state);
-  const StateRecord record = read_state(folder.file("state"));
-  EXPECT_TRUE(record.state.film == state->film);
-  resuming.resume = &record.state;
-  EXPECT_TRUE(*render(settings, resuming).film == *whole.film);
+  for (RenderSettings settings : {settings_of(43, 37, 8), by_quads(settings_of(43, 37, 8))}) {
+    const RenderResult whole = render(settings);
+    settings.wave_slots = 100; // many waves a pass
+    std::optional<RenderState> state;
+    RenderHooks stopping, resuming;
+    stopping.progress = [](const Progress& now) { return now.fraction < 4.93 / 8; };
+    stopping.save = [&](const RenderState& saved) { state = saved; };
+    stopping.save_interval = 1e9; // at the end alone
+    ASSERT_EQ(render(settings, stopping).stop, StopReason::interrupted);
+    ASSERT_GT(state->cursor.pixels_done, 43u * 37) << "stopped before the second nets";
+    const TemporaryFolder folder;
+    write_state(folder.file("state"), "identity", "device", *state);
+    const StateRecord record = read_state(folder.file("state"));
+    EXPECT_TRUE(record.state.film == state->film);
+    EXPECT_EQ(record.state.film.measured, state->film.measured);
+    resuming.resume = &record.state;
+    EXPECT_TRUE(*render(settings, resuming).film == *whole.film);
+  }
 }
 
 TEST_F(WholeNetsRender, FilesHoldTheWholeFilm) {
-  RenderSettings settings = settings_of(43, 37, 4);
-  settings.seed = 5;
-  for (const bool aovs : {false, true}) {
+  for (RenderSettings settings : {settings_of(43, 37, 4), by_quads(settings_of(43, 37, 4)),
+                                  by_quads(settings_of(9, 9, 4)), halved(by_quads(settings_of(9, 9, 4)))}) {
+    const bool aovs = settings.width == 43;
+    settings.seed = 5;
     if (aovs) settings.aovs = {"albedo", "depth"};
     const RenderResult result = render(settings);
     const TemporaryFolder folder;
@@ -249,7 +379,9 @@ TEST_F(WholeNetsRender, FilesHoldTheWholeFilm) {
     info.seed = settings.seed;
     info.film = result.film;
     write_exr(folder.file("film.exr"), result.picture, info, false);
-    EXPECT_TRUE(*read_film(folder.file("film.exr")) == *result.film) << "aovs " << aovs;
+    const auto film = read_film(folder.file("film.exr"));
+    EXPECT_TRUE(*film == *result.film) << "aovs " << aovs;
+    EXPECT_EQ(film->measured, result.film->measured);
   }
 }
 
@@ -270,12 +402,96 @@ TEST_F(WholeNetsRender, InSeveralBandsTheyAreTheSame) {
     differing += !same(whole->pixels[pixels + block], expected->pixels[2 * measured_pixel(*whole, block) + 1]);
   EXPECT_EQ(differing, 0u);
   FilmTarget target(device());
+  const FilmShape quads = film_shape(by_quads([&] {
+    RenderSettings deep = settings;
+    deep.max_depth = 2;
+    return deep;
+  }()));
+  ASSERT_TRUE(quads.quads);
+  target.fit(quads, false);
+  std::uint64_t pixels_of_bands = 0, second_of_bands = 0;
+  for (const FilmBand& band : target.bands()) {
+    EXPECT_EQ(band.first_second, second_of_bands);
+    EXPECT_EQ(band.first_second % 4, 0u);
+    pixels_of_bands += band.pixel_count, second_of_bands += band.second_count;
+  }
+  EXPECT_EQ(pixels_of_bands, quads.pixels());
+  EXPECT_EQ(second_of_bands, quads.second_nets());
   target.fit(film_shape(settings), false);
   std::size_t bands = 0;
   for (const FilmBand& band : target.bands()) bands += band.second_count > 0;
   EXPECT_GT(bands, 1u);
   target.upload(*whole);
   EXPECT_TRUE(target.download() == *whole);
+}
+
+// Hands everything on, and looks at the waves: each must hold the places of whole quads, one after the other.
+class Watched : public Integrator {
+public:
+  Watched(const Workspace& workspace, std::unique_ptr<Integrator> inner)
+      : workspace_(workspace), inner_(std::move(inner)) {}
+  void change(const View& view, const RenderSettings& settings, Past past) override {
+    inner_->change(view, settings, past);
+  }
+  bool is_ready() override { return inner_->is_ready(); }
+  double get_ready() override { return inner_->get_ready(); }
+  std::optional<Pilot> pilot() override { return inner_->pilot(); }
+  bool learn() override { return inner_->learn(); }
+  std::uint32_t paths_per_pixel(std::uint32_t samples) const override { return inner_->paths_per_pixel(samples); }
+  std::uint32_t most_samples(std::uint32_t first) const override { return inner_->most_samples(first); }
+  void begin_pass(WaveQueue& queue, std::uint32_t first) override { inner_->begin_pass(queue, first); }
+  gpu::Wave wave(const FilmBand& band, std::uint32_t first_place, std::uint32_t pixels, std::uint32_t first,
+                 std::uint32_t count) const override {
+    return inner_->wave(band, first_place, pixels, first, count);
+  }
+  void record_wave(Commands& commands, std::size_t band, const gpu::Wave& wave) override {
+    const gpu::Frame& frame = workspace_.frame;
+    std::uint32_t left = 0; // of the quad
+    for (std::uint32_t i = 0; i < wave.pixel_count; ++i, --left) {
+      const std::uint32_t place = workspace_.place_at(wave.first_pixel + i);
+      const std::uint32_t rank = gpu::rank_in_quad(place, frame.width * frame.height);
+      const std::uint32_t places = gpu::quad_places(place, frame.width, frame.height);
+      if (left == 0) left = places, broken += rank != 0;
+      broken += rank + left != places;
+    }
+    broken += left != 0;
+    broken += gpu::level_slots(wave) > workspace_.slots;
+    ++waves;
+    inner_->record_wave(commands, band, wave);
+  }
+  void end_pass(WaveQueue& queue) override { inner_->end_pass(queue); }
+  std::uint32_t timed_dispatches() const override { return inner_->timed_dispatches(); }
+  std::uint64_t bytes() const override { return inner_->bytes(); }
+  void describe(RenderResult& result) const override { inner_->describe(result); }
+
+  static inline std::size_t waves = 0, broken = 0;
+
+private:
+  const Workspace& workspace_;
+  std::unique_ptr<Integrator> inner_;
+};
+
+TEST_F(WholeNetsRender, NoWavePartsAQuad) {
+  IntegratorKind watched = *find_integrator("path");
+  watched.make = [](Workspace& workspace, KernelCompiler& kernels) -> std::unique_ptr<Integrator> {
+    return std::make_unique<Watched>(workspace, find_integrator("path")->make(workspace, kernels));
+  };
+  const View view = resolve_view(scene_, {}, 43, 37);
+  for (const bool whole : {true, false})
+    for (const std::uint32_t adaptive : {kAdaptiveOff, kAdaptiveOn})
+      for (const std::uint32_t slots : {1u, 7u, 64u, 701u}) {
+        if (slots == 7 && adaptive == kAdaptiveOn) continue; // has room for more than it asks for
+        RenderSettings settings = by_quads(settings_of(43, 37, adaptive == kAdaptiveOn ? 8 : 2));
+        if (!whole) settings = halved(settings);
+        settings.adaptive = adaptive, settings.wave_slots = slots;
+        settings.integrator = &watched;
+        Watched::waves = Watched::broken = 0;
+        const auto film = wavepath::render(device(), packed_, view, settings, RenderHooks{}, kernels()).film;
+        EXPECT_EQ(Watched::broken, 0u) << slots << " slots, whole " << whole << ", adaptive " << adaptive;
+        EXPECT_GT(Watched::waves, 2u);
+        settings.integrator = find_integrator("path"), settings.wave_slots = 0;
+        EXPECT_TRUE(*film == *wavepath::render(device(), packed_, view, settings, RenderHooks{}, kernels()).film);
+      }
 }
 
 // One path of a second net can be followed like any other.
@@ -285,13 +501,13 @@ TEST_F(WholeNetsRender, PathsOfSecondNetsAreReplayed) {
   const View view = resolve_view(scene_, {}, 43, 37);
   PathReplay replay(device(), packed_, view, settings, kernels());
   for (const std::uint32_t block : {37u, 49u, 60u}) {
-    const glm::uvec2 at = gpu::measured_pixel(block, 43, 37, settings.seed);
+    const glm::uvec2 at = gpu::measured_pixel(block, 43, 37, settings.seed, gpu::kMeasuresPixels);
     const glm::dvec3 both = mean_radiance(*result.film, std::size_t{at.y} * 43 + at.x);
     const glm::dvec3 first = replay.trace(at, 0, 0).radiance, second = replay.trace(at, 0, 1).radiance;
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(both[c], 0.5 * (first[c] + second[c]), 1e-6 * both[c]);
     EXPECT_NE(first, second) << "both nets have the same points";
   }
-  const glm::uvec2 other = gpu::measured_pixel(0, 43, 37, settings.seed) ^ glm::uvec2(1, 0);
+  const glm::uvec2 other = gpu::measured_pixel(0, 43, 37, settings.seed, gpu::kMeasuresPixels) ^ glm::uvec2(1, 0);
   EXPECT_THROW(replay.trace(other, 0, 1), Error);
 }
 

@@ -128,6 +128,8 @@ std::shared_ptr<Film> join_films(const std::vector<std::string>& parts, PictureI
     const std::shared_ptr<const Film> part = read_film(path);
     if (!part) throw Error(path, "holds no exact sums", "render it with --samples or --mergeable, to its end");
     const glm::dvec3 origin = read_origin(path);
+    if (film && film->shape() != part->shape())
+      throw Error(path, fmt::format("has other sums than {}", parts.front()), "render all parts alike");
     if (film)
       join(*film, *part);
     else

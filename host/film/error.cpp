@@ -1,23 +1,27 @@
 #include "host/film/error.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include <tbb/parallel_for.h>
 
 #include "host/film/film.h"
 #include "kernels/frame_types.h"
+#include "kernels/net_layout.h"
+#include "kernels/tile_order.h"
 
 namespace wavepath {
 namespace {
 
 double mean_of(const glm::dvec3& v) { return (v.x + v.y + v.z) / 3.0; }
 
-constexpr std::size_t kBlockRows = 32;
-constexpr double kFloor = 0.01; // of squared radiance, as relMSE has it
+constexpr std::size_t kTileRows = 8, kBlockRows = 4 * kTileRows; // no quad lies in two blocks
+constexpr double kFloor = 0.01;                                  // of squared radiance, as relMSE has it
 
 // Statistics of the pixels of rows [first, end) and of those beside them. In blocks, because those of a whole picture
 // take as much memory as its film.
@@ -26,11 +30,14 @@ struct Rows {
       : film(film_),
         begin((first > 0 ? first - 1 : 0) * film.width),
         pixels(std::min<std::size_t>(end + 1, film.height) * film.width - begin) {
-    NetDifference nets;
+    // Of some pixels in a row the same, by quads of those of equal rank.
+    std::array<std::optional<NetDifference>, gpu::kQuadPixels> ranks;
     for (std::size_t i = 0; i < pixels.size(); ++i) {
-      const std::size_t measured = measured_for(film, begin + i); // of some pixels in a row the same
-      if (i == 0 || measured != nets.measured) nets = net_difference(film, measured);
-      pixels[i] = statistics(film, begin + i, nets);
+      const std::size_t pixel = begin + i, block = film.whole_nets ? block_of(film, pixel) : pixel;
+      const std::size_t measured = film.whole_nets ? measured_pixel(film, block) : pixel;
+      std::optional<NetDifference>& nets = ranks[block % ranks.size()];
+      if (!nets || measured != nets->measured) nets = net_difference(film, measured);
+      pixels[i] = statistics(film, pixel, *nets);
     }
   }
   // By the index of the pixel in the picture.
@@ -83,7 +90,7 @@ double largest_alone(const Film& film, std::size_t index) {
   return std::max(alone, splat / std::max(paths, 1.0));
 }
 
-// Of squared errors of pixels, weighed.
+// Of squared errors of pixels, weighed; by quads, of the means of quads.
 struct Sums {
   double sum = 0.0, sum_of_squares = 0.0, largest_alone = 0.0;
 
@@ -101,16 +108,47 @@ struct BlockShare {
   double pixels = 0.0, times = 0.0;
 };
 BlockShare share_of(const Film& film, std::size_t measured) {
-  const std::size_t whole = gpu::net_side(film.width, film.height);
-  const auto side = [&](std::size_t at, std::uint32_t size) { return std::min(whole, size - at / whole * whole); };
-  const auto pixels =
-      static_cast<double>(side(measured % film.width, film.width) * side(measured / film.width, film.height));
+  const auto pixels = static_cast<double>(pixels_measured_by(film, measured));
   const double both = sample_count(film, measured), first = film.pixels[measured].count;
   return {pixels, 1.0 + (pixels - 1.0) * both / std::max(first, 1.0)};
 }
 
-// `largest_known`: of rows before, which the row's own is never less than.
-Sums row_sums(const Rows& rows, std::size_t row, double largest_known) {
+// What the measured pixels of a quad stand for: their squared errors, times so many pixels.
+struct Quad {
+  double squared = 0.0, pixels = 0.0;
+};
+
+// The quads of a row of tiles, which is as far as they reach. The squared errors of their pixels have light of the same
+// paths in common, and four that are alike tell no more than one: their mean counts once.
+class Quads {
+public:
+  Quads(const Film& film, std::size_t row)
+      : film_(film),
+        first_(place_of(row * film.width) / gpu::kQuadPixels),
+        quads_(kTileRows * film.width / gpu::kQuadPixels) {}
+  void add(std::size_t pixel, double squared, double pixels) {
+    Quad& quad = quads_[place_of(pixel) / gpu::kQuadPixels - first_];
+    quad.squared += squared * pixels, quad.pixels += pixels;
+  }
+  void add_to(Sums& sums) const {
+    for (const Quad& quad : quads_)
+      if (quad.pixels > 0.0) sums.add(quad.squared / quad.pixels, quad.pixels);
+  }
+
+private:
+  std::uint32_t place_of(std::size_t pixel) const {
+    const auto index = static_cast<std::uint32_t>(pixel), y = index / film_.width;
+    return gpu::tile_order_of({index - y * film_.width, y}, film_.width, film_.height);
+  }
+
+  const Film& film_;
+  std::uint32_t first_;
+  std::vector<Quad> quads_;
+};
+
+// `largest_known`: of rows before, which the row's own is never less than. `quads`: what squared errors are added to in
+// place of the sums; null without quads.
+Sums row_sums(const Rows& rows, std::size_t row, double largest_known, Quads* quads) {
   const Film& film = rows.film;
   Sums sums;
   sums.largest_alone = largest_known;
@@ -123,7 +161,11 @@ Sums row_sums(const Rows& rows, std::size_t row, double largest_known) {
     const BlockShare share = film.whole_nets && measured ? share_of(film, i) : BlockShare{1.0, 1.0};
     sums.largest_alone = std::max(sums.largest_alone, alone * mean_of(w) * share.times);
     if (!measured) continue;
-    sums.add(mean_of(rows[i].variance * w) * share.times / share.pixels, share.pixels);
+    const double squared = mean_of(rows[i].variance * w) * share.times / share.pixels;
+    if (quads)
+      quads->add(i, squared, share.pixels);
+    else
+      sums.add(squared, share.pixels);
   }
   return sums;
 }
@@ -135,8 +177,12 @@ ErrorEstimate estimate_error(const Film& film) {
   tbb::parallel_for(std::size_t{0}, (rows.size() + kBlockRows - 1) / kBlockRows, [&](std::size_t block) {
     const std::size_t first = block * kBlockRows, end = std::min(first + kBlockRows, rows.size());
     const Rows statistics(film, first, end);
-    for (std::size_t y = first; y < end; ++y)
-      rows[y] = row_sums(statistics, y, y > first ? rows[y - 1].largest_alone : 0.0);
+    std::optional<Quads> quads;
+    for (std::size_t y = first; y < end; ++y) {
+      if (film.quads && y % kTileRows == 0) quads.emplace(film, y);
+      rows[y] = row_sums(statistics, y, y > first ? rows[y - 1].largest_alone : 0.0, quads ? &*quads : nullptr);
+      if (quads && ((y + 1) % kTileRows == 0 || y + 1 == end)) quads->add_to(rows[y]);
+    }
   });
   const std::size_t pixel_count = std::size_t{film.width} * film.height;
   double sum = 0.0, sum_of_squares = 0.0, largest = 0.0;
@@ -149,10 +195,13 @@ ErrorEstimate estimate_error(const Film& film) {
   // The interval is of this picture's error, not of its expectation: both the estimate, over the measured pixels, and
   // what it estimates, over all, scatter, alike and independently (the sum and the difference of two replicates are
   // independent where they are normal). The weights are known less well: over scenes and sample counts they left the
-  // squared error 0.91 to 1.0 of the true one.
+  // squared error 0.91 to 1.0 of the true one. Of what is measured and of all there are a quarter as many quads as
+  // pixels: where their pixels err independently the means scatter a quarter as much, where they err alike as much as
+  // single ones, and the interval is twice as wide.
   constexpr double kWeights = 0.05; // standard deviation of that
   const double measured = film.whole_nets ? static_cast<double>(film.shape().second_nets()) : n;
-  const double scatter = std::max(0.0, sum_of_squares / n - mean * mean) * (1.0 / measured + 1.0 / n);
+  const double together = film.quads ? gpu::kQuadPixels : 1.0; // pixels to each squared error
+  const double scatter = std::max(0.0, sum_of_squares / n - mean * mean) * together * (1.0 / measured + 1.0 / n);
   const double spread = std::sqrt(scatter + kWeights * kWeights * mean * mean);
   constexpr double kNormal95 = 1.959964;
   double high = mean + kNormal95 * spread, share = sum > 0.0 ? largest / sum : 0.0;

@@ -109,6 +109,7 @@ constexpr std::size_t kNetWords = sizeof(gpu::FilmPixel) / 4, kPixelWords = gpu:
                       kAovWords = sizeof(gpu::FilmAovs) / 4, kSplatWords = gpu::kReplicates * gpu::kSplatWords;
 constexpr const char* kFilmPrefix = "film.";
 constexpr const char* kWholeNets = "whole"; // value of the attribute wavepath.nets
+constexpr const char* kQuads = "quads";     // of wavepath.shared: pixels that share samples
 
 std::string film_channel(std::size_t word) { return fmt::format("{}{:02}", kFilmPrefix, word); }
 std::string splat_channel(std::size_t word) { return fmt::format("{}splat.{:02}", kFilmPrefix, word); }
@@ -185,6 +186,7 @@ Imf::Header make_header(const Picture& picture, const PictureInfo& info, bool ha
     add_text("wavepath.device", info.device);
     header.insert("wavepath.origin", Imf::V3dAttribute({info.origin.x, info.origin.y, info.origin.z}));
     if (info.film->whole_nets) add_text("wavepath.nets", kWholeNets);
+    if (info.film->quads) add_text("wavepath.shared", kQuads);
     for (const std::string& channel : film_channels(info.film->shape()))
       header.channels().insert(channel, Imf::Channel(Imf::UINT));
   }
@@ -333,6 +335,7 @@ std::shared_ptr<const Film> read_film(const std::string& path) try {
   shape.aovs = channels.findChannel(film_channel(kPixelWords)) != nullptr;
   shape.splats = channels.findChannel(splat_channel(0)) != nullptr;
   shape.whole_nets = read_attribute(path, "wavepath.nets") == kWholeNets;
+  shape.quads = read_attribute(path, "wavepath.shared") == kQuads;
   if (shape.whole_nets) shape.seed = static_cast<std::uint32_t>(read_number(path, "wavepath.seed").value_or(0.0));
   const std::uint64_t spread = shape.whole_nets ? sizeof(gpu::FilmPixel) + (shape.aovs ? sizeof(gpu::FilmAovs) : 0) : 0;
   require_memory(path, "reading its sums", shape.bytes() + shape.pixels() * spread, "use a smaller picture");

@@ -189,17 +189,17 @@ void add_aov(Picture& picture, const Film& film, const std::string& name, const 
 bool Film::operator==(const Film& other) const {
   return width == other.width && height == other.height && same_bytes(pixels, other.pixels) &&
          same_bytes(aovs, other.aovs) && same_bytes(splats, other.splats) && light_paths == other.light_paths &&
-         whole_nets == other.whole_nets && (!whole_nets || seed == other.seed);
+         whole_nets == other.whole_nets && quads == other.quads && (!whole_nets || seed == other.seed);
 }
 
 Film make_film(const FilmShape& shape) {
   Film film{shape.width, shape.height, std::vector<gpu::FilmPixel>(shape.nets()), {}, {}};
   if (shape.aovs) film.aovs.resize(shape.places());
   if (shape.splats) film.splats.resize(gpu::kReplicates * shape.pixels());
-  film.whole_nets = shape.whole_nets, film.seed = shape.seed;
+  film.whole_nets = shape.whole_nets, film.seed = shape.seed, film.quads = shape.quads;
   film.measured.resize(shape.second_nets());
   for (std::uint32_t block = 0; block < film.measured.size(); ++block) {
-    const glm::uvec2 at = gpu::measured_pixel(block, film.width, film.height, film.seed);
+    const glm::uvec2 at = gpu::measured_pixel(block, film.width, film.height, film.seed, shape.measures());
     film.measured[block] = at.y * film.width + at.x;
   }
   return film;
@@ -207,13 +207,25 @@ Film make_film(const FilmShape& shape) {
 
 // gpu::net_block_of() with one division, in 32 bits.
 std::size_t block_of(const Film& film, std::size_t pixel) {
+  const auto index = static_cast<std::uint32_t>(pixel), y = index / film.width, x = index - y * film.width;
+  if (film.quads) return gpu::net_block_of({x, y}, film.width, film.height, gpu::kMeasuresQuads);
   const std::uint32_t side = gpu::net_side(film.width, film.height);
   const int shift = std::countr_zero(side);
-  const auto index = static_cast<std::uint32_t>(pixel), y = index / film.width, x = index - y * film.width;
   return std::size_t{y >> shift} * ((film.width + side - 1) >> shift) + (x >> shift);
 }
 
 std::size_t measured_pixel(const Film& film, std::size_t block) { return film.measured[block]; }
+
+std::size_t pixels_measured_by(const Film& film, std::size_t measured) {
+  if (film.quads) {
+    const auto block = static_cast<std::uint32_t>(block_of(film, measured)), rank = block % gpu::kQuadPixels;
+    const gpu::TileBlock all = gpu::tile_block(block / gpu::kQuadPixels, film.width, film.height);
+    return (all.pixels - rank + gpu::kQuadPixels - 1) / gpu::kQuadPixels; // every fourth, from that rank on
+  }
+  const std::size_t whole = gpu::net_side(film.width, film.height);
+  const auto side = [&](std::size_t at, std::uint32_t size) { return std::min(whole, size - at / whole * whole); };
+  return side(measured % film.width, film.width) * side(measured / film.width, film.height);
+}
 
 void join(Film& film, const Film& other) {
   for (std::size_t i = 0; i < film.pixels.size(); ++i) join(film.pixels[i], other.pixels[i]);
@@ -281,12 +293,9 @@ PixelStatistics statistics(const Film& film, std::size_t pixel, const NetDiffere
   return {sum / count + mean_splat(film, pixel), nets.squared * (n * m / ((n + m) * count))};
 }
 
-std::size_t measured_for(const Film& film, std::size_t pixel) {
-  return film.whole_nets ? measured_pixel(film, block_of(film, pixel)) : pixel;
-}
-
 PixelStatistics statistics(const Film& film, std::size_t pixel) {
-  return statistics(film, pixel, net_difference(film, measured_for(film, pixel)));
+  const std::size_t measured = film.whole_nets ? measured_pixel(film, block_of(film, pixel)) : pixel;
+  return statistics(film, pixel, net_difference(film, measured));
 }
 
 glm::dvec3 mean_variance(const Film& film, std::size_t pixel) { return statistics(film, pixel).variance; }

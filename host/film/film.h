@@ -21,12 +21,18 @@ struct FilmShape {
   bool aovs = false, splats = false;
   bool whole_nets = false; // see kernels/net_layout.h
   std::uint32_t seed = 0;  // of the render: it picks the measured pixels of whole nets
+  bool quads = false;      // four neighbouring pixels share samples (host/render/settings/path_reuse.h)
 
   std::uint64_t pixels() const { return std::uint64_t{width} * height; }
-  std::uint64_t second_nets() const {
-    const std::uint32_t side = gpu::net_side(width, height);
-    return whole_nets ? std::uint64_t{gpu::net_blocks(width, side)} * gpu::net_blocks(height, side) : 0;
+  // As gpu::Frame::whole_nets.
+  std::uint32_t measures() const {
+    return !whole_nets ? gpu::kMeasuresAll : quads ? gpu::kMeasuresQuads : gpu::kMeasuresPixels;
   }
+  // Of the upper rows, which are all or end with a row of tiles.
+  std::uint32_t second_nets_above(std::uint32_t rows) const {
+    return rows > 0 && width > 0 ? gpu::second_nets_above(rows, width, height, measures()) : 0;
+  }
+  std::uint64_t second_nets() const { return second_nets_above(height); }
   std::uint64_t places() const { return pixels() + second_nets(); } // with AOVs of their own
   std::uint64_t nets() const { return whole_nets ? places() : gpu::kReplicates * pixels(); }
   // Of all sums.
@@ -34,6 +40,7 @@ struct FilmShape {
     return nets() * sizeof(gpu::FilmPixel) + (aovs ? places() * sizeof(gpu::FilmAovs) : 0) +
            (splats ? gpu::kReplicates * pixels() * sizeof(gpu::SplatPixel) : 0);
   }
+  bool operator==(const FilmShape&) const = default;
 };
 
 // The exact sums of a render, row-major from the top left. Two films of different samples of one picture join without
@@ -47,10 +54,11 @@ struct Film {
   std::array<std::uint64_t, gpu::kReplicates> light_paths{};
   bool whole_nets = false;
   std::uint32_t seed = 0; // see FilmShape
+  bool quads = false;
   // Of whole nets, by block: the pixel that is measured. A table, since every look at a pixel asks for it.
   std::vector<std::uint32_t> measured;
 
-  FilmShape shape() const { return {width, height, !aovs.empty(), !splats.empty(), whole_nets, seed}; }
+  FilmShape shape() const { return {width, height, !aovs.empty(), !splats.empty(), whole_nets, seed, quads}; }
   bool operator==(const Film& other) const; // bit by bit
 };
 
@@ -60,6 +68,8 @@ Film make_film(const FilmShape& shape);
 // Whole nets: the block of a pixel, which is the place of its second net among them, and the pixel of it that has it.
 std::size_t block_of(const Film& film, std::size_t pixel);
 std::size_t measured_pixel(const Film& film, std::size_t block);
+// Pixels of the block whose measured pixel that is.
+std::size_t pixels_measured_by(const Film& film, std::size_t measured);
 
 // The sums over both sets of samples, bit for bit those of one render of them all. AOVs of first hits are running means
 // in floats, and join to within their rounding. Both have one size.
@@ -96,7 +106,6 @@ struct NetDifference {
   glm::dvec3 squared{};
   double first = 0.0, second = 0.0; // samples of the nets
 };
-std::size_t measured_for(const Film& film, std::size_t pixel);
 NetDifference net_difference(const Film& film, std::size_t measured);
 PixelStatistics statistics(const Film& film, std::size_t pixel, const NetDifference& nets);
 glm::dvec3 mean_variance(const Film& film, std::size_t pixel);

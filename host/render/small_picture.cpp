@@ -4,6 +4,7 @@
 
 #include "host/render/settings/adaptivity.h"
 #include "host/render/settings/whole_nets.h"
+#include "kernels/net_layout.h"
 
 namespace wavepath {
 
@@ -28,6 +29,7 @@ PictureLight light_of(const Film& film) {
     const PixelStatistics pixel = statistics(film, i);
     for (int c = 0; c < 3; ++c) light.sum += pixel.mean[c], light.variance += pixel.variance[c];
   }
+  if (film.quads) light.variance *= gpu::kQuadPixels; // at most, where the four pixels of each err quite alike
   return light;
 }
 

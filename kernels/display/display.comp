@@ -110,9 +110,9 @@ void main() {
   uint pixel = tile_order_of(film_at, job.film_width, job.film_height) - job.first_film_pixel;
   if (pixel >= job.film_pixel_count) return; // in another band
   vec4 a, b, sum;
-  if (job.whole_nets != 0u) {
-    uint block = net_block_of(film_at, job.film_width, job.film_height);
-    uvec2 measured_at = measured_pixel(block, job.film_width, job.film_height, job.seed);
+  if (job.whole_nets != kMeasuresAll) {
+    uint block = net_block_of(film_at, job.film_width, job.film_height, job.whole_nets);
+    uvec2 measured_at = measured_pixel(block, job.film_width, job.film_height, job.seed, job.whole_nets);
     uint measured = tile_order_of(measured_at, job.film_width, job.film_height) - job.first_film_pixel;
     a = fetch_sum(measured);
     b = fetch_sum(job.film_pixel_count + block - job.first_second);

@@ -110,8 +110,8 @@ std::uint32_t PathReplay::place_of(glm::uvec2 pixel, std::uint32_t net) const {
   const gpu::Frame& frame = workspace_.frame;
   if (net == 0) return gpu::tile_order_of(pixel, frame.width, frame.height);
   const FilmShape& shape = workspace_.film.shape();
-  const std::uint32_t block = gpu::net_block_of(pixel, frame.width, frame.height);
-  if (!shape.whole_nets || gpu::measured_pixel(block, frame.width, frame.height, shape.seed) != pixel)
+  const std::uint32_t block = gpu::net_block_of(pixel, frame.width, frame.height, shape.measures());
+  if (!shape.whole_nets || gpu::measured_pixel(block, frame.width, frame.height, shape.seed, shape.measures()) != pixel)
     throw Error("--net", fmt::format("pixel {},{} has no second net", pixel.x, pixel.y), "leave it out");
   return frame.width * frame.height + block;
 }

@@ -98,22 +98,22 @@ bool FilmTarget::fit(const FilmShape& shape, bool room_for_aovs) {
       range / std::max<std::uint64_t>(nets_each(shape) * sizeof(gpu::FilmPixel), sizeof(gpu::FilmAovs));
   std::uint64_t step = kRunPixels; // few runs lie in two
   std::uint64_t most = most_places;
-  const std::uint32_t side = gpu::net_side(shape.width, shape.height), across = gpu::net_blocks(shape.width, side);
   if (shape.whole_nets) { // nor does a block: bands are whole rows of tiles, which hold whole rows of blocks
     step = 8 * std::uint64_t{shape.width};
-    most = most_places / (step + 8 / side * across) * step;
+    most = most_places / (step + shape.second_nets_above(std::min(8u, shape.height))) * step;
   }
   most = std::max(most / step, std::uint64_t{1}) * step;
   bands_.resize(std::max<std::size_t>(bands_.size(), (pixels() + most - 1) / most));
   bool moved = false;
-  std::uint64_t first = 0, first_second = 0;
+  std::uint64_t first = 0;
+  std::uint32_t first_second = 0;
   for (FilmBand& band : bands_) {
     band.first_pixel = static_cast<std::uint32_t>(first);
     band.pixel_count = static_cast<std::uint32_t>(std::min(most, pixels() - first));
     first += band.pixel_count;
-    const std::uint64_t rows = shape.whole_nets ? (first + shape.width - 1) / shape.width : 0; // up to its end
-    band.first_second = static_cast<std::uint32_t>(first_second);
-    band.second_count = static_cast<std::uint32_t>((rows + side - 1) / side * across - first_second);
+    band.first_second = first_second;
+    const auto rows = static_cast<std::uint32_t>(first / shape.width); // up to its end, where nets are whole
+    band.second_count = shape.second_nets_above(rows) - first_second;
     first_second += band.second_count;
     band.picture_pixels = static_cast<std::uint32_t>(pixels());
     moved |= make_room(*device_, band.film, film_bytes(band, shape));

@@ -11,6 +11,7 @@
 #include "host/render/settings/adaptivity.h"
 #include "host/render/settings/denoising.h"
 #include "host/render/settings/integrator_kind.h"
+#include "host/render/settings/path_reuse.h"
 #include "host/render/settings/traversal.h"
 #include "host/render/settings/path_reuse.h"
 #include "host/render/settings/whole_nets.h"
@@ -92,7 +93,8 @@ FilmShape film_shape(const RenderSettings& settings) {
           .aovs = records_aovs(settings),
           .splats = settings.integrator->splats,
           .whole_nets = has_whole_nets(settings),
-          .seed = settings.seed};
+          .seed = settings.seed,
+          .quads = reuses_paths(settings)};
 }
 
 Workspace::Workspace(Device& device_, const PackedScene& scene_, std::uint32_t slots_, std::uint32_t traversal,
@@ -145,7 +147,7 @@ PixelNet Workspace::pixel_at(std::uint32_t index) const {
   const std::uint32_t place = place_at(index);
   if (shape.whole_nets && place >= shape.pixels()) {
     const auto block = place - static_cast<std::uint32_t>(shape.pixels());
-    const glm::uvec2 at = gpu::measured_pixel(block, shape.width, shape.height, shape.seed);
+    const glm::uvec2 at = gpu::measured_pixel(block, shape.width, shape.height, shape.seed, shape.measures());
     return {gpu::tile_order_of(at, shape.width, shape.height), 1};
   }
   return {place, 0};
@@ -187,7 +189,8 @@ std::uint32_t choose_slots(const DeviceInfo& info, const PackedScene& scene, con
   const IntegratorKind& kind = *settings.integrator;
   std::uint64_t slots = usual_slots(info);
   if (settings.wave_slots) slots = settings.wave_slots;
-  const std::uint64_t least = kind.slots_per_pixel(settings); // that a wave takes at once
+  const std::uint64_t together = reuses_paths(settings) ? gpu::kQuadPixels : 1; // pixels that no wave parts
+  const std::uint64_t least = together * kind.slots_per_pixel(settings);        // that a wave takes at once
   slots = std::max(std::min(slots, places * samples), least);
   if (is_adaptive(settings)) slots = std::max(slots, kAdaptiveStep * kHighestFactor * least); // least: of one sample
   const std::uint64_t record = kind.largest_record(settings);

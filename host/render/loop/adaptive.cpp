@@ -154,7 +154,7 @@ std::vector<std::int8_t> levels_for(const std::vector<double>& squared, std::uin
 
 FilmShape noise_pilot_shape(const FilmTarget& film) {
   const FilmShape& whole = film.shape();
-  FilmShape shape;
+  FilmShape shape{.quads = whole.quads};
   std::uint32_t part = noise_pilot_part(whole.pixels());
   do {
     shape.width = (whole.width + part - 1) / part, shape.height = (whole.height + part - 1) / part;

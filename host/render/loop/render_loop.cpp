@@ -12,6 +12,7 @@
 #include "host/render/settings/adaptivity.h"
 #include "host/render/settings/traversal.h"
 #include "host/render/settings/whole_nets.h"
+#include "kernels/net_layout.h"
 
 namespace wavepath {
 namespace {
@@ -193,11 +194,11 @@ void RenderLoop::explore(const Pilot& pilot) {
   const gpu::Frame frame = workspace_.frame;
   workspace_.frame.seed ^= pilot.seed;
   if (pilot.width > 0) workspace_.frame.width = pilot.width, workspace_.frame.height = pilot.height;
-  if (pilot.halves_nets) workspace_.frame.whole_nets = 0;
+  if (pilot.halves_nets) workspace_.frame.whole_nets = gpu::kMeasuresAll;
   workspace_.send_frame();
   integrator_->begin_pass(queue_, 0);
   // A small picture's pilot may have more samples of a pixel than there is room for.
-  const std::uint32_t room = std::max(workspace_.slots / integrator_->paths_per_pixel(1), 1u);
+  const std::uint32_t room = std::max(room_for_samples(), 1u);
   const std::uint32_t end = pilot.first_sample + pilot.samples;
   for (const Segment& segment : pilot.segments)
     for (std::uint32_t first = pilot.first_sample; first < end; first += std::min(room, end - first))
@@ -253,8 +254,7 @@ std::uint32_t RenderLoop::pass_end() const {
   const std::uint64_t most = integrator_->most_samples(cursor_.sample);
   auto fit = static_cast<std::uint32_t>(std::clamp<std::uint64_t>(wave / places(), 1, most));
   if (!levels_.empty()) { // every pass ends with a wave that is not full: longer ones have fewer
-    const std::uint64_t room = workspace_.slots / integrator_->paths_per_pixel(1);
-    const std::uint64_t bound = std::min(most, room) / kHighestFactor;
+    const std::uint64_t bound = std::min<std::uint64_t>(most, room_for_samples()) / kHighestFactor;
     fit =
         static_cast<std::uint32_t>(std::clamp<std::uint64_t>(std::max(fit, kAdaptivePass), step, bound / step * step));
   }
@@ -268,14 +268,27 @@ std::uint32_t RenderLoop::pass_end() const {
   return end;
 }
 
+// Of what a wave takes at least, a pixel or a quad.
+std::uint32_t RenderLoop::room_for_samples() const {
+  const std::uint32_t least = workspace_.film.shape().quads ? gpu::kQuadPixels : 1;
+  return workspace_.slots / (least * integrator_->paths_per_pixel(1));
+}
+
 // Pixels of a segment, of which `done` have their samples, that join a wave of `slots` paths so far, with `count`
-// samples each: as many as a wave holds, one at least. The only place where waves are cut.
+// samples each: as many as a wave holds, one at least, or one quad. The only place where waves are cut, never within a
+// quad: segments hold the places of one side by side.
 std::uint32_t RenderLoop::fitting(const Segment& segment, std::uint32_t done, std::uint32_t count,
                                   std::uint32_t slots) const {
   const std::uint32_t paths = integrator_->paths_per_pixel(count);
   const std::uint32_t room = pace_.fixed_wave ? pace_.fixed_wave : governor_.wave();
-  const std::uint32_t fit = room > slots ? (room - slots) / paths : 0;
-  return std::min(slots == 0 ? std::max(fit, 1u) : fit, segment.pixel_count - done);
+  const std::uint32_t fit = room > slots ? (room - slots) / paths : 0, left = segment.pixel_count - done;
+  if (fit >= left) return left;
+  if (!workspace_.film.shape().quads) return slots == 0 ? std::max(fit, 1u) : fit;
+  const gpu::Frame& frame = workspace_.frame; // of a pilot its own
+  const std::uint32_t next = segment.first_place + done, beyond = workspace_.place_at(next + fit);
+  const std::uint32_t whole = fit - gpu::rank_in_quad(beyond, frame.width * frame.height);
+  if (whole > 0 || slots > 0) return whole;
+  return gpu::quad_places(workspace_.place_at(next), frame.width, frame.height);
 }
 
 gpu::Wave RenderLoop::wave_of(const Segment& segment, std::uint32_t done, std::uint32_t taken, std::uint32_t first,

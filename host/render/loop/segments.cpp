@@ -36,7 +36,7 @@ std::vector<Segment> level_segments(const FilmTarget& film, const std::vector<st
   const FilmShape& shape = film.shape();
   const auto pixels = static_cast<std::uint32_t>(shape.pixels());
   const auto second_net_level = [&](std::uint32_t block) {
-    const glm::uvec2 measured = gpu::measured_pixel(block, shape.width, shape.height, shape.seed);
+    const glm::uvec2 measured = gpu::measured_pixel(block, shape.width, shape.height, shape.seed, shape.measures());
     return levels[gpu::tile_order_of(measured, shape.width, shape.height) / kRunPixels];
   };
   std::vector<Segment> segments;

@@ -68,7 +68,7 @@ void Display::draw(const Progressive& progressive, const DisplayOptions& options
   job.bgra = options.bgra ? 1 : 0;
   job.first_column = first_column;
   job.splats = shape.splats ? 1 : 0;
-  job.whole_nets = shape.whole_nets ? 1 : 0;
+  job.whole_nets = shape.measures();
   job.seed = shape.seed;
   job.gain = static_cast<float>(std::exp2(options.exposure));
   job.range = static_cast<float>(options.range > 0.0 ? options.range : automatic_range(shown, progressive));

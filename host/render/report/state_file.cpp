@@ -100,7 +100,8 @@ Json describe(const std::string& identity, const std::string& device, const Rend
           {"aovs", !state.film.aovs.empty()},
           {"splats", !state.film.splats.empty()},
           {"whole_nets", state.film.whole_nets},
-          {"seed", state.film.seed}};
+          {"seed", state.film.seed},
+          {"quads", state.film.quads}};
 }
 
 RenderState state_from(const Json& json) {
@@ -187,8 +188,8 @@ StateRecord read_state(const std::string& path) try {
   const Json json = Json::parse(document);
   StateRecord record{json.at("identity"), json.at("device"), state_from(json)};
 
-  const FilmShape shape{json.at("size").at(0), json.at("size").at(1), json.at("aovs"),
-                        json.at("splats"),     json.at("whole_nets"), json.at("seed")};
+  const FilmShape shape{json.at("size").at(0), json.at("size").at(1), json.at("aovs"),           json.at("splats"),
+                        json.at("whole_nets"), json.at("seed"),       json.value("quads", false)};
   if (reader.left() != shape.bytes() + sizeof(std::uint64_t)) throw Error(path, "is not complete", kRemedy);
   Film& film = record.state.film;
   film = make_film(shape);

@@ -68,22 +68,26 @@ Json next_halving_json(const RenderResult& result) {
   return {{"seconds", result.seconds * (growth - 1.0)}, {"spp", std::ceil(result.spp * (more - 1.0))}};
 }
 
+const char* error_method(const Film* film) {
+  if (!film || !film->whole_nets)
+    return "spread of the means of 2 independently scrambled halves of the samples of every pixel";
+  if (film->quads)
+    return "one whole net a pixel; spread of the means of two independently scrambled ones on one quad of each block";
+  return "one whole net a pixel; spread of the means of two independently scrambled ones on one pixel of each block";
+}
+
 Json error_json(const Run& run) {
   const RenderResult& result = run.result;
-  Json json{
-      {"relative_rms", nullptr},
-      {"ci95", nullptr},
-      {"method",
-       result.film && result.film->whole_nets
-           ? "one whole net a pixel; spread of the means of two independently scrambled ones on one pixel of each block"
-           : "spread of the means of 2 independently scrambled halves of the samples of every pixel"},
-      {"slope", result.slope},
-      {"slope_spp", fit_slope(result.checkpoints, Against::spp)},
-      {"next_halving", nullptr},
-      {"largest_sample_share", nullptr},
-      {"trusted", is_trusted(result)},
-      {"diagnosis", run.diagnosis},
-      {"estimate_seconds", result.estimate_seconds}};
+  Json json{{"relative_rms", nullptr},
+            {"ci95", nullptr},
+            {"method", error_method(result.film.get())},
+            {"slope", result.slope},
+            {"slope_spp", fit_slope(result.checkpoints, Against::spp)},
+            {"next_halving", nullptr},
+            {"largest_sample_share", nullptr},
+            {"trusted", is_trusted(result)},
+            {"diagnosis", run.diagnosis},
+            {"estimate_seconds", result.estimate_seconds}};
   if (has_estimate(result.spp, result.error)) {
     json["relative_rms"] = result.error.relative_rms;
     json["ci95"] = {result.error.ci95[0], result.error.ci95[1]};
