@@ -27,7 +27,8 @@ uint slot_place(uint slot) { return wave_pixel(local_place(slot_part(slot), slot
 uvec2 slot_pixel(uint slot) {
   uint place = slot_place(slot);
   if (is_second_net(place))
-    return measured_pixel(place - frame.width * frame.height, frame.width, frame.height, frame.seed, frame.whole_nets);
+    return measured_pixel(place - frame.width * frame.height, frame.width, frame.height, frame.seed,
+                          kReuse == kReuseNone ? kMeasuresPixels : frame.whole_nets);
   return pixel_in_tile_order(place, frame.width, frame.height);
 }
 // The light samples of a hybrid frame share its replicate, as they share its entry in the film.

@@ -30,6 +30,7 @@
 #include "host/render/pilot_length.h"
 #include "host/render/report/diagnosis.h"
 #include "host/render/report/state_file.h"
+#include "host/render/settings/path_reuse.h"
 #include "host/render/settings/identity.h"
 #include "host/render/settings/integrator_kind.h"
 #include "host/render/settings/light_samples.h"
@@ -37,6 +38,7 @@
 #include "host/render/settings/settings_table.h"
 #include "host/render/settings/shadow_settings.h"
 #include "host/render/settings/textures.h"
+#include "host/render/reuse_choice.h"
 #include "host/render/sky_choice.h"
 #include "host/scene/scene_hash.h"
 
@@ -177,6 +179,7 @@ std::optional<Picture> check(RenderCommandRequest& request) {
   check_shutter(request.scene, request.render.settings);
   settle_strict(request.render);
   request.render.settings.tries_sky = may_try_sky(request.render.settings, false); // the device is not known yet
+  request.render.settings.tries_reuse = may_try_reuse(request.render.settings, false);
   settle_adaptive(request.render);
   check_replay(request.render);
   settle_devices(request.render);
@@ -257,20 +260,24 @@ std::string identity_as(const RenderCommandRequest& request, const Prepared& pre
   return identity;
 }
 
-// What --integrator auto and --sky-samples auto may come to.
+// What --integrator auto, --sky-samples auto and --reuse auto may come to.
 std::vector<RenderSettings> candidates_of(const RenderSettings& settings, const PackedScene& scene) {
-  std::vector<RenderSettings> all;
-  const std::uint32_t most_sky_samples = settings.sky_samples == 0 ? gpu::kMostLightSamples : 0;
-  for (std::uint32_t i = 0; i <= most_sky_samples; ++i) {
-    RenderSettings one = settings;
-    if (most_sky_samples > 0) one.sky_samples = i;
-    if (!settings.integrator->candidates) {
-      all.push_back(one);
-      continue;
-    }
-    const std::vector<RenderSettings> candidates = settings.integrator->candidates(one, scene);
-    all.insert(all.end(), candidates.begin(), candidates.end());
+  std::vector<RenderSettings> ways = {settings}, all;
+  if (settings.reuse == kReuseAuto && may_reuse_paths(settings)) {
+    ways.push_back(settings);
+    ways.back().reuse = kReuseOn;
   }
+  const std::uint32_t most_sky_samples = settings.sky_samples == 0 ? gpu::kMostLightSamples : 0;
+  for (RenderSettings& one : ways)
+    for (std::uint32_t i = 0; i <= most_sky_samples; ++i) {
+      if (most_sky_samples > 0) one.sky_samples = i;
+      if (!settings.integrator->candidates) {
+        all.push_back(one);
+        continue;
+      }
+      const std::vector<RenderSettings> candidates = settings.integrator->candidates(one, scene);
+      all.insert(all.end(), candidates.begin(), candidates.end());
+    }
   return all;
 }
 
@@ -280,7 +287,9 @@ std::optional<RenderSettings> recorded_choice(const RenderCommandRequest& reques
   const RenderSettings& settings = request.render.settings;
   std::error_code error;
   if (!request.render.state.resume || !std::filesystem::exists(request.render.state.file, error)) return std::nullopt;
-  if (!settings.integrator->candidates && !may_share_sky(settings, prepared.packed.features)) return std::nullopt;
+  const bool chooses = settings.integrator->candidates || may_share_sky(settings, prepared.packed.features) ||
+                       (settings.reuse == kReuseAuto && may_reuse_paths(settings));
+  if (!chooses) return std::nullopt;
   const std::string recorded = read_state(request.render.state.file).identity;
   for (const RenderSettings& candidate : candidates_of(settings, prepared.packed))
     if (identity_as(request, prepared, candidate) == recorded) return candidate;
@@ -289,6 +298,7 @@ std::optional<RenderSettings> recorded_choice(const RenderCommandRequest& reques
 
 struct Choices {
   SkyChoice sky;
+  ReuseChoice reuse;
   IntegratorChoice integrator;
 };
 
@@ -299,7 +309,7 @@ Choices settle_choices(RenderCommandRequest& request, Prepared& prepared) {
   Choices choices;
   if (const std::optional<RenderSettings> recorded = recorded_choice(request, prepared)) {
     settings = *recorded;
-    settings.tries_sky = false;
+    settings.tries_sky = settings.tries_reuse = false;
   } else {
     const auto tell = [&](bool wanted, const std::string& text) {
       if (wanted && !request.output.quiet) fmt::print(stderr, "wavepath: {}\n", text);
@@ -309,6 +319,11 @@ Choices settle_choices(RenderCommandRequest& request, Prepared& prepared) {
     if (choices.sky.samples > 0) settings.sky_samples = choices.sky.samples;
     settings.tries_sky = choices.sky.keeps_kernels;
     tell(choices.sky.samples > 1, sky_choice_text(choices.sky));
+    choices.reuse = choose_reuse(*prepared.device, prepared.packed, prepared.view, settings, *prepared.kernels,
+                                 prepared.on_device);
+    if (choices.reuse.pays) settings.reuse = kReuseOn;
+    settings.tries_reuse = choices.reuse.keeps_kernels;
+    tell(choices.reuse.pays, reuse_choice_text(choices.reuse));
     const bool stands_for_others = settings.integrator->candidates != nullptr;
     choices.integrator = choose_integrator(*prepared.device, prepared.packed, prepared.view, settings,
                                            *prepared.kernels, prepared.on_device);
@@ -524,6 +539,7 @@ int run_render(RenderCommandRequest& request) {
   Run run{request.scene.path, request.command_line, prepared.device->info(), settings, prepared.packed, result};
   if (!choices.integrator.trials.empty()) run.choice = &choices.integrator;
   if (choices.sky.samples > 0) run.sky_choice = &choices.sky;
+  if (choices.reuse.tried) run.reuse_choice = &choices.reuse;
   if (shared) run.shared = &*shared;
   const RenderingDevice on = surviving(prepared, run.shared);
   SceneOnDevice elsewhere;

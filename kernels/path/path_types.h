@@ -111,7 +111,6 @@ GPU_CONSTANT uint kReuseOther = 10u;         // throughput of the lobes of x tha
 GPU_CONSTANT uint kReuseShares = 11u;        // what the light of y counts for each pixel of the quad
 GPU_CONSTANT uint kReuseList = 12u;          // of as many slots as have a sender, the first word: which they are
 GPU_CONSTANT uint kReuseTexels = 13u;
-GPU_CONSTANT uint kQuadPixels = 4u;
 
 // ---- guiding: kernels/path/guide.glsl -------------------------------------------------------------------------------
 

@@ -34,12 +34,10 @@ vec4 fetch_reuse(uint slot, uint texel) { return uintBitsToFloat(texelFetch(reus
 void store_reuse(uint slot, uint texel, vec3 v) { reuse_words[reuse_place(slot, texel)].xyz = floatBitsToUint(v); }
 void store_reuse(uint slot, uint texel, vec3 v, float w) { reuse_words[reuse_place(slot, texel)] = floatBitsToUint(vec4(v, w)); }
 
-// Four places whose first is a multiple of four, in tile order or among second nets: the place of a slot in its quad, and
-// how many pixels that has.
+// Which pixel of its quad a slot works on, and how many places that has, which are slots beside each other.
 uint reuse_quad(uint slot) {
-  uint place = slot_place(slot), end = frame.width * frame.height;
-  if (is_second_net(place)) return (place - end) % kQuadPixels + kQuadPixels * kQuadPixels;
-  return place % kQuadPixels + kQuadPixels * min(kQuadPixels, end - place / kQuadPixels * kQuadPixels);
+  uint place = slot_place(slot);
+  return rank_in_quad(place, frame.width * frame.height) + kQuadPixels * quad_places(place, frame.width, frame.height);
 }
 
 void begin_reuse(uint slot) {

@@ -9,8 +9,8 @@
 namespace wavepath {
 namespace {
 
-constexpr std::array<std::string_view, 11> kSettings = {"adaptive",    "hemisphere", "direct",    "light-samples",
-                                                        "sky-samples", "aperture",   "focus",     "blades",
+constexpr std::array<std::string_view, 12> kSettings = {"adaptive",    "hemisphere", "direct",    "light-samples",
+                                                        "sky-samples", "reuse", "aperture",   "focus",     "blades",
                                                         "shutter",     "denoise",    "terminator"};
 
 std::vector<RenderSettings> candidates(const RenderSettings& settings, const PackedScene& scene) {
@@ -18,6 +18,7 @@ std::vector<RenderSettings> candidates(const RenderSettings& settings, const Pac
   path.integrator = &kPath;
   RenderSettings guided = path;
   guided.guide = true;
+  guided.reuse = kReuseOff; // of directions that the field draws
   RenderSettings bidirectional = settings;
   bidirectional.integrator = &kBidirectional;
   bidirectional.techniques &= ~gpu::kTechniqueMerge; // what is taken without being asked for is not biased

@@ -12,6 +12,7 @@
 #include "host/integrators/path/sky_rows.h"
 #include "host/render/render.h"
 #include "host/render/settings/light_samples.h"
+#include "host/render/settings/path_reuse.h"
 
 namespace wavepath {
 namespace {
@@ -41,6 +42,8 @@ std::uint64_t guide_bytes(const RenderSettings& settings) { return settings.guid
 
 std::vector<OmittedStage> omitted(const RenderSettings& settings) {
   std::vector<OmittedStage> left_out;
+  if (!reuses_paths(settings))
+    left_out.push_back({"what pixels tell their neighbours of paths, and its kernel", "no reuse of paths"});
   if (!settings.guide) left_out.push_back({"guiding field, its pilot and its kernels", "--guide was not given"});
   if (!(features_of(settings) & gpu::kFeatureLearnedSky))
     left_out.push_back({"learned parts of the environment map", "--lights or --direct does not ask for them"});
@@ -51,7 +54,9 @@ std::vector<OmittedStage> omitted(const RenderSettings& settings) {
 // apart.
 double work(const RenderSettings& settings, const RayCounts& rays, bool cpu) {
   const double guided = settings.guide ? (cpu ? 1.45 : 1.4) : 1.0; // shade reads the field: 1.3 to 1.85 on llvmpipe
-  return guided * (static_cast<double>(rays.camera + rays.bounce) + 0.6 * static_cast<double>(rays.shadow));
+  // What sharing takes beside its rays: vertices are kept and weighed. 0.1 to 1 of a camera ray (llvmpipe).
+  const double shared = reuses_paths(settings) ? 0.6 * static_cast<double>(rays.camera) : 0.0;
+  return shared + guided * (static_cast<double>(rays.camera + rays.bounce) + 0.6 * static_cast<double>(rays.shadow));
 }
 
 } // namespace
@@ -73,12 +78,14 @@ constinit const IntegratorKind kPath = {
         [](gpu::Feature features, const RenderSettings& settings) {
           features |= features_of(settings) & gpu::kFeatureAdaptive;
           if (features & gpu::kFeatureEnvironmentMap) features |= features_of(settings) & gpu::kFeatureLearnedSky;
-          return bytes_per_path(features, kRoomForShadowRays | kRoomForSortedRays,
+          const std::uint32_t reuse = reuses_paths(settings) || settings.tries_reuse ? kRoomForReuse : 0;
+          return bytes_per_path(features, kRoomForShadowRays | kRoomForSortedRays | reuse,
                                 std::max(light_samples_of(settings, features), sky_samples_of(settings, features)));
         },
     .largest_record =
         [](const RenderSettings&) {
-          return std::max<std::uint64_t>({2 * sizeof(gpu::Ray), sizeof(gpu::PathAovs), kMostShadowRayBytes});
+          return std::max<std::uint64_t>({2 * sizeof(gpu::Ray), sizeof(gpu::PathAovs), kMostShadowRayBytes,
+                                          gpu::kReuseTexels * sizeof(glm::uvec4)});
         },
     .slots_per_pixel = [](const RenderSettings&) { return 1u; },
     .bytes_per_pixel = [](const RenderSettings&) { return std::uint64_t{0}; },

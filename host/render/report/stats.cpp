@@ -238,6 +238,13 @@ Json sky_choice_json(const SkyChoice& choice) {
           {"render_seconds", choice.render_seconds}};
 }
 
+Json reuse_choice_json(const ReuseChoice& choice) {
+  return {{"taken", choice.pays},
+          {"cost", choice.cost},
+          {"seconds", choice.seconds},
+          {"render_seconds", choice.render_seconds}};
+}
+
 // What --adaptive found.
 Json noise_pilot_json(const std::optional<NoisePilot>& pilot) {
   if (!pilot) return nullptr;
@@ -289,6 +296,7 @@ Json stats_document(const Run& run) {
       {"integrator", settings.integrator->name},
       {"choice", run.choice ? choice_json(*run.choice) : Json()},
       {"sky_choice", run.sky_choice ? sky_choice_json(*run.sky_choice) : Json()},
+      {"reuse_choice", run.reuse_choice ? reuse_choice_json(*run.reuse_choice) : Json()},
       {"max_depth", settings.max_depth},
       {"settings", settings_json(settings)},
       {"hybrid", settings.integrator->stats(settings, run.packed, result)},

@@ -12,6 +12,7 @@
 #include "host/render/integrator_choice.h"
 #include "host/render/render.h"
 #include "host/render/report/true_error.h"
+#include "host/render/reuse_choice.h"
 #include "host/render/sky_choice.h"
 #include "host/scene/pack/pack.h"
 
@@ -33,6 +34,7 @@ struct Run {
   std::vector<std::string> diagnosis{};
   std::vector<std::string> bias{};
   const IntegratorChoice* choice = nullptr; // of --integrator auto
+  const ReuseChoice* reuse_choice = nullptr; // of --reuse auto
   const SkyChoice* sky_choice = nullptr;    // of --sky-samples auto
   const SharedResult* shared = nullptr;     // of --devices
 };

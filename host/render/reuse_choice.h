@@ -1,0 +1,32 @@
+// --reuse auto: whether neighbouring pixels share the light that their paths find.
+#pragma once
+
+#include <string>
+
+#include "host/render/render.h"
+
+namespace wavepath {
+
+struct ReuseChoice {
+  bool tried = false;          // not where the render is short, or cannot reuse paths
+  bool pays = false;
+  double cost = 1.0;           // squared error times work that is expected, over that of paths of their own
+  double seconds = 0.0;        // that the pilots took, waiting for kernels and upload included
+  double render_seconds = 0.0; // of these, rendering alone
+  bool keeps_kernels = false;  // kernels for pilots serve the render, too (RenderSettings::tries_reuse)
+};
+
+// Whether a render is long enough for pilots, whatever the scene, so that kernels for them are worth beginning before
+// it is known (RenderSettings::tries_reuse).
+bool may_try_reuse(const RenderSettings& settings, bool cpu);
+
+// Renders a small picture in which paths are shared and one in which they are not, and compares squared error times
+// work. Sharing pays where light comes by diffuse surfaces: it takes .3 of the squared error in a Cornell box, but none
+// where most noise is of direct light, of metal or of glass. Work is counted, never timed.
+ReuseChoice choose_reuse(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings,
+                         KernelCompiler& kernels, SceneOnDevice& shared);
+
+// "reuse of paths: a given error is expected to cost 0.45 of the work without".
+std::string reuse_choice_text(const ReuseChoice& choice);
+
+} // namespace wavepath
