@@ -53,7 +53,7 @@ struct Frame {
   uint sky_samples;       // directions in which a vertex looks for a sky of one colour (kSpecSky)
   uvec2 top_level;        // device address of the scene's structure for ray queries: low, high
   uint reuses_paths;      // 1: pixels share the paths of their neighbours (kSpecReuse)
-  uint pad_top_level;
+  float quad_scale;       // of the four pixels of a quad about their middle, where pixels may share paths
 };
 GPU_CHECK(sizeof(Frame) == 192);
 

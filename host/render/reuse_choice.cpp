@@ -18,20 +18,25 @@ namespace {
 struct PilotSize {
   std::uint32_t side, samples;
 };
-// The larger one where both pictures of it are a twentieth of the render's paths.
-constexpr std::array<PilotSize, 2> kReusePilots = {{{48, 8}, {32, 4}}};
-constexpr double kWholeOverReusePilots = 20.0; // in paths
+// The larger one where both pictures of it are a thirtieth of the render's paths.
+constexpr std::array<PilotSize, 2> kReusePilots = {{{96, 4}, {48, 2}}};
+constexpr double kWholeOverReusePilots = 30.0; // in paths
+constexpr double kLessonPaths = 1e5; // what learning of lights takes, which pilots have to do before
 // In paths: what compiling takes of a CPU that also renders, if it is not done while the scene is loaded.
 constexpr double kCpuReuseKernels = 5e5;
 constexpr double kReuseWorthwhile = 0.9; // costs above this are not told from chance
 
+// Its pixels are those of few quads of the whole picture, as neighbours have the more in common the closer they are.
 RenderSettings reuse_pilot_of(const RenderSettings& settings, const PilotSize& size, std::uint32_t reuse) {
   RenderSettings small = small_picture(settings, size.side, size.samples);
   small.seed = settings.seed ^ 0x27d4eb2fu;
   small.reuse = reuse;
+  small.quad_scale = static_cast<double>(small.width) / settings.width;
   small.tries_reuse = true;
   return small;
 }
+
+bool may_learn(gpu::Feature scene) { return scene & (gpu::kFeatureLightTree | gpu::kFeatureEnvironmentMap); }
 
 // Null: none pays.
 const PilotSize* reuse_pilot_size(const RenderSettings& settings, bool cpu) {
@@ -52,21 +57,25 @@ ReuseChoice choose_reuse(Device& device, const PackedScene& scene, const View& v
                          KernelCompiler& kernels, SceneOnDevice& shared) {
   const bool cpu = device.info().type == "cpu";
   if (!may_try_reuse(settings, cpu)) return {};
+  if (may_learn(scene.features) && expected_paths(settings, cpu) < kWholeOverReusePilots * kLessonPaths) return {};
   const Clock::time_point start = Clock::now();
   ReuseChoice choice{.tried = true};
   const PilotSize& size = *reuse_pilot_size(settings, cpu);
-  RenderLoop loop(device, scene, view, reuse_pilot_of(settings, size, kReuseOn), kernels, {}, {}, shared.scene);
+  RenderLoop loop(device, scene, view, reuse_pilot_of(settings, size, kReuseOff), kernels, {}, {}, shared.scene);
   if (!shared.scene) {
     shared.scene = loop.workspace().on_device;
     shared.upload_seconds = loop.workspace().upload_seconds;
   }
+  LightShares shares; // the first picture learns them for the second
   const auto cost_of = [&](std::uint32_t reuse) {
-    const RenderSettings small = reuse_pilot_of(settings, size, reuse);
-    loop.restart(view, small);
+    RenderSettings small = reuse_pilot_of(settings, size, reuse);
+    small.light_shares = shares;
+    if (reuse != kReuseOff) loop.restart(view, small);
     while (loop.step()) {
     }
     const RenderResult result = loop.finish();
     choice.render_seconds += result.seconds;
+    if (result.light_pilot.shares) shares = result.light_pilot.shares;
     const double error = result.error.relative_rms;
     return error * error * steady_work(small, result, cpu);
   };

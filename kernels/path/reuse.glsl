@@ -40,6 +40,13 @@ uint reuse_quad(uint slot) {
   return rank_in_quad(place, frame.width * frame.height) + kQuadPixels * quad_places(place, frame.width, frame.height);
 }
 
+// Where a sample of a pixel lies in a picture whose quads are those of a larger one, and so less wide.
+vec2 place_in_quad(uvec2 pixel, vec2 place) {
+  if (kReuse == kReuseNone) return place;
+  vec2 middle = vec2(pixel / 2u * 2u) + 1.0;
+  return middle + (place - middle) * frame.quad_scale;
+}
+
 void begin_reuse(uint slot) {
   if (!REUSES_PATHS) return;
   reuse_words[reuse_place(slot, kReuseHead)].xyz = uvec3(0u, 0u, reuse_quad(slot));

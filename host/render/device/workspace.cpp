@@ -65,6 +65,7 @@ gpu::Frame make_frame(const PackedScene& scene, const View& view, const RenderSe
   if (!passes_panes(settings)) frame.scene_features &= ~gpu::kFeaturePanes;
   if (!settings.integrator->nests_bodies) frame.scene_lobes &= ~static_cast<std::uint32_t>(gpu::kLobeNested >> 32);
   frame.bodies_at_eye = bodies_at_eye(scene, glm::dvec3(view.position - scene.origin), frame.scene_lobes);
+  frame.quad_scale = static_cast<float>(settings.quad_scale);
   frame.reuses_paths = reuses_paths(settings) ? 1u : 0u;
   frame.whole_nets = has_whole_nets(settings) ? 1u : 0u;
   frame.local_light_count = scene.local_light_count;
