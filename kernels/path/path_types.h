@@ -35,7 +35,7 @@ GPU_CONSTANT uint kBindGuideTree = 61u;      // texels RGBA32UI: nodes of the tr
 GPU_CONSTANT uint kBindGuideMaps = 62u;      // texels RGBA32UI: maps of its leaves
 GPU_CONSTANT uint kBindGuideRecords = 63u;   // storage vec4[]: GuideRecord[] (kFeatureLearning)
 
-// Storage uvec4[], kReuseTexels a slot: what pixels tell their neighbours of their paths (kSpecReuse).
+// Storage uvec4[], reuse_texel_count() a slot: what pixels tell their neighbours of their paths (kSpecReuse).
 GPU_CONSTANT uint kBindReuse = 90u;
 GPU_CONSTANT uint kBindReuseTexels = 91u; // texels RGBA32UI
 
@@ -94,23 +94,32 @@ GPU_CONSTANT uint kBeforeExtend = 0u, kBeforeShade = 1u, kBeforeConnect = 2u,
 
 // ---- reuse of paths: kernels/path/reuse.glsl ------------------------------------------------------------------------
 
-// Texels of a slot. The first vertex x of its path, which receives light, and the second one y, which sends it.
+// Texels of a slot, as many as the features of kernels ask for. The first vertex x of its path receives light, the second
+// one y sends it.
 GPU_CONSTANT uint kReuseHead = 0u; // probability of the diffuse lobe at x (0: x does not share; negative: another lobe
-                                   // was drawn), instance of y + 1 (0: y does not share), place in the quad and pixels
-                                   // of the quad (reuse_quad()), triangle of y
+                                   // was drawn), instance of y + 1 (0: y does not share), reuse_quad(), triangle of y
 GPU_CONSTANT uint kReuseReceiver = 1u;       // where rays of x begin; its coupling (pack_coupling())
 GPU_CONSTANT uint kReuseReceiverColor = 2u;  // albedo of the diffuse lobe, without the coupling of the direction; ior
 GPU_CONSTANT uint kReuseReceiverNormal = 3u; // shading normal, alpha
-GPU_CONSTANT uint kReuseReceiverPlane = 4u;  // geometric normal, on the same side; where the two differ
-GPU_CONSTANT uint kReuseReceiverMirror = 5u; // Vertex::plane, or zero where no map bends the normal (kFeatureNormalMaps)
-GPU_CONSTANT uint kReuseSender = 6u;         // where rays to y end; its coupling
-GPU_CONSTANT uint kReuseSenderPlane = 7u;    // geometric normal, ior
-GPU_CONSTANT uint kReuseSenderNormal = 8u;   // shading normal, where it may be another
-GPU_CONSTANT uint kReuseOwn = 9u;            // light that the path had gathered before y; alpha of y
-GPU_CONSTANT uint kReuseOther = 10u;         // throughput of the lobes of x that share nothing, where it has any
-GPU_CONSTANT uint kReuseShares = 11u;        // what the light of y counts for each pixel of the quad
-GPU_CONSTANT uint kReuseList = 12u;          // of as many slots as have a sender, the first word: which they are
-GPU_CONSTANT uint kReuseTexels = 13u;
+GPU_CONSTANT uint kReuseSender = 4u;         // where rays to y end; its coupling
+GPU_CONSTANT uint kReuseSenderPlane = 5u;    // geometric normal, ior
+GPU_CONSTANT uint kReuseOwn = 6u;            // light that the path had gathered before y; alpha of y
+GPU_CONSTANT uint kReuseShares = 7u;         // what the light of y counts for each pixel of the quad
+GPU_CONSTANT uint kReuseList = 8u; // of as many slots as have a sender, the first word: which they are
+// Where there are interfaces:
+GPU_CONSTANT uint kReuseOther = 9u; // throughput of the lobes of x that share nothing
+// Where shading normals are not geometric ones:
+GPU_CONSTANT uint kReuseReceiverPlane = 10u; // geometric normal, on the side of the shading normal
+GPU_CONSTANT uint kReuseSenderNormal = 11u;  // shading normal
+// Where there are normal maps:
+GPU_CONSTANT uint kReuseReceiverMirror = 12u; // Vertex::plane, or zero where no map bends the normal
+
+GPU_FUNCTION uint reuse_texel_count(Feature features) {
+  if ((features & kFeatureNormalMaps) != 0u) return 13u;
+  if ((features & kFeatureSmoothNormals) != 0u) return 12u;
+  return (features & (kFeatureSpecular | kFeatureTransmission)) != 0u ? 10u : 9u;
+}
+GPU_CONSTANT uint kMostReuseTexels = 13u;
 
 // ---- guiding: kernels/path/guide.glsl -------------------------------------------------------------------------------
 

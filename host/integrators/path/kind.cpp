@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "host/base/error.h"
 #include "host/integrators/path/guiding.h"
 #include "host/integrators/path/light_rows.h"
 #include "host/integrators/path/path_tracer.h"
@@ -32,6 +33,15 @@ void start_kernels(KernelCompiler& kernels, const DeviceInfo& device, gpu::Featu
   generic.sky = specialized.sky;
   generic.reuse = specialized.reuse;
   kernels.start(path_need(kPathProgram, kAllPathStages, generic));
+}
+
+void check(const RenderSettings& settings) {
+  if (settings.reuse != kReuseOn) return;
+  if (settings.guide)
+    throw UsageError("--reuse", "weighs paths by the BSDF's density, not by that of a guiding field",
+                     "leave out --guide or --reuse");
+  if (settings.hemisphere != gpu::kHemisphereCosine)
+    throw UsageError("--reuse", "weighs diffuse directions by the cosine", "leave out --hemisphere uniform or --reuse");
 }
 
 std::vector<std::string> bias(const RenderSettings& settings, const RenderResult&) {
@@ -72,6 +82,7 @@ constinit const IntegratorKind kPath = {
     .sky_lesson_bytes = kSkyRowBytes + kSkySumBytes,
     .measures_depth_cut = true,
     .first_hit_stages = kFirstHitStages,
+    .check = check,
     .features = film_features,
     .start_kernels = start_kernels,
     .bytes_per_slot =
@@ -85,7 +96,7 @@ constinit const IntegratorKind kPath = {
     .largest_record =
         [](const RenderSettings&) {
           return std::max<std::uint64_t>({2 * sizeof(gpu::Ray), sizeof(gpu::PathAovs), kMostShadowRayBytes,
-                                          gpu::kReuseTexels * sizeof(glm::uvec4)});
+                                          gpu::kMostReuseTexels * sizeof(glm::uvec4)});
         },
     .slots_per_pixel = [](const RenderSettings&) { return 1u; },
     .bytes_per_pixel = [](const RenderSettings&) { return std::uint64_t{0}; },

@@ -47,6 +47,7 @@ PathReplay::PathReplay(Device& device, const PackedScene& scene, const View& vie
       teacher_(workspace_, kernels, paths_) {
   const RenderSettings plain = without_extras(settings);
   workspace_.change(view, plain);
+  workspace_.frame.reuses_paths = 0; // a path by itself shares nothing
   if (plain.light_shares) teacher_.change(plain);
   paths_.change(plain, kAllPathStages, 0);
   if (plain.light_shares) teacher_.start();

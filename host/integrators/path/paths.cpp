@@ -118,7 +118,7 @@ const std::vector<BufferRule> kRules = {
      {{gpu::kBindGuideRecords, storage}}},
     {"reuse of paths",
      [](const Extent& e) {
-       return e.options & kRoomForReuse ? e.slots * gpu::kReuseTexels * sizeof(glm::uvec4) : 0;
+       return e.options & kRoomForReuse ? e.slots * gpu::reuse_texel_count(e.features) * sizeof(glm::uvec4) : 0;
      },
      {{gpu::kBindReuse, storage}, {gpu::kBindReuseTexels, texels_rgba32ui}}},
 };
