@@ -98,7 +98,8 @@ GPU_CONSTANT uint kSpecSort = 13u;         // which of its rays extend puts in o
 GPU_CONSTANT uint kSpecLightSamples = 14u; // of a path where it first scatters; 1 to kMostLightSamples
 GPU_CONSTANT uint kSpecSky = 15u; // whether shadow rays look for a sky of one colour, too; gpu::Frame says how many
 GPU_CONSTANT uint kSpecLaneRays = 16u; // rays that a lane takes from a queue at most (trace_queue.glsl); at least 1
-GPU_CONSTANT uint kSpecReuse = 17u;    // whether pixels may share the paths of their neighbours; gpu::Frame says whether they do
+GPU_CONSTANT uint kSpecReuse =
+    17u; // whether pixels may share the paths of their neighbours; gpu::Frame says whether they do
 GPU_CONSTANT uint kSpecCount = 18u;
 
 GPU_CONSTANT uint kSamplerIndependent = 0u, kSamplerStratified = 1u, kSamplerSobol = 2u;
@@ -112,7 +113,7 @@ GPU_CONSTANT uint kCullCamera = 0u, kCullAll = 1u, kCullNone = 2u;
 GPU_CONSTANT uint kTerminatorFacets = 0u, kTerminatorSmooth = 1u;
 GPU_CONSTANT uint kSortNone = 0u, kSortHits = 1u, kSortEscapes = 2u; // escapes besides hits
 GPU_CONSTANT uint kSkyByPaths = 0u, kSkyByShadowRays = 1u;           // besides paths
-GPU_CONSTANT uint kReuseNone = 0u, kReuseQuads = 1u; // see kernels/path/reuse.glsl
+GPU_CONSTANT uint kReuseNone = 0u, kReuseQuads = 1u;                 // see kernels/path/reuse.glsl
 GPU_CONSTANT uint kMostLightSamples = 8u;
 GPU_CONSTANT uint kFilterBox = 0u, kFilterGaussian = 1u, kFilterBlackmanHarris = 2u;
 

@@ -36,9 +36,10 @@ std::map<std::string, std::string> members(const RenderSettings& settings) {
                shadow_cascades, shadow_exponent, shadow_bits, shadow_source, shadow_cookie, shadow_ambient, shading,
                interpolation, shininess, attenuation, depth_cue, transparency, transparency_layers,
                transparency_samples, branching, techniques, cutoff, denoise, antialias_over_time, mips, lights,
-               light_samples, sky_samples, tries_sky, reuse, tries_reuse, adaptive, tries_adaptive, guide, moving, specialize, aovs,
-               guide_iterations, added_features, removed_features, learns_lights, light_pilot_paths, light_shares,
-               room_for_shadow_rays, room_for_whole_nets, room_for_mips, whole_nets_from, quad_scale, wave_slots] = settings;
+               light_samples, sky_samples, tries_sky, reuse, tries_reuse, adaptive, tries_adaptive, guide, moving,
+               specialize, aovs, guide_iterations, added_features, removed_features, learns_lights, light_pilot_paths,
+               light_shares, room_for_shadow_rays, room_for_whole_nets, room_for_mips, whole_nets_from, quad_scale,
+               wave_slots] = settings;
   const auto text = [](const auto& value) { return fmt::format("{}", value); };
   return {{"integrator", std::string(integrator->name)},
           {"width", text(width)},

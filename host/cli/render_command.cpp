@@ -30,15 +30,15 @@
 #include "host/render/pilot_length.h"
 #include "host/render/report/diagnosis.h"
 #include "host/render/report/state_file.h"
-#include "host/render/settings/path_reuse.h"
+#include "host/render/reuse_choice.h"
 #include "host/render/settings/identity.h"
 #include "host/render/settings/integrator_kind.h"
 #include "host/render/settings/light_samples.h"
 #include "host/render/settings/mips.h"
+#include "host/render/settings/path_reuse.h"
 #include "host/render/settings/settings_table.h"
 #include "host/render/settings/shadow_settings.h"
 #include "host/render/settings/textures.h"
-#include "host/render/reuse_choice.h"
 #include "host/render/sky_choice.h"
 #include "host/scene/scene_hash.h"
 
@@ -319,8 +319,8 @@ Choices settle_choices(RenderCommandRequest& request, Prepared& prepared) {
     if (choices.sky.samples > 0) settings.sky_samples = choices.sky.samples;
     settings.tries_sky = choices.sky.keeps_kernels;
     tell(choices.sky.samples > 1, sky_choice_text(choices.sky));
-    choices.reuse = choose_reuse(*prepared.device, prepared.packed, prepared.view, settings, *prepared.kernels,
-                                 prepared.on_device);
+    choices.reuse =
+        choose_reuse(*prepared.device, prepared.packed, prepared.view, settings, *prepared.kernels, prepared.on_device);
     if (choices.reuse.pays) settings.reuse = kReuseOn;
     settings.tries_reuse = choices.reuse.keeps_kernels;
     tell(choices.reuse.pays, reuse_choice_text(choices.reuse));

@@ -21,7 +21,7 @@ struct PilotSize {
 // The larger one where both pictures of it are a thirtieth of the render's paths.
 constexpr std::array<PilotSize, 2> kReusePilots = {{{96, 4}, {48, 2}}};
 constexpr double kWholeOverReusePilots = 30.0; // in paths
-constexpr double kLessonPaths = 1e5; // what learning of lights takes, which pilots have to do before
+constexpr double kLessonPaths = 1e5;           // what learning of lights takes, which pilots have to do before
 // In paths: what compiling takes of a CPU that also renders, if it is not done while the scene is loaded.
 constexpr double kCpuReuseKernels = 5e5;
 constexpr double kReuseWorthwhile = 0.9; // costs above this are not told from chance

@@ -8,7 +8,7 @@
 namespace wavepath {
 
 struct ReuseChoice {
-  bool tried = false;          // not where the render is short, or cannot reuse paths
+  bool tried = false; // not where the render is short, or cannot reuse paths
   bool pays = false;
   double cost = 1.0;           // squared error times work that is expected, over that of paths of their own
   double seconds = 0.0;        // that the pilots took, waiting for kernels and upload included

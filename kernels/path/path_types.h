@@ -80,7 +80,7 @@ struct Queues {
   uint escape_groups[3];
   uint next_shadow_ray;                 // likewise
   uint shadow_count[kMostLightSamples]; // of each light sample; connect reads the first, which advance sets for it
-  uint sender_count; // of paths whose second vertex sends light to neighbours (reuse.glsl)
+  uint sender_count;                    // of paths whose second vertex sends light to neighbours (reuse.glsl)
 };
 GPU_CHECK(sizeof(Queues) == 80 + 4 * kMostLightSamples);
 
@@ -94,8 +94,8 @@ GPU_CONSTANT uint kBeforeExtend = 0u, kBeforeShade = 1u, kBeforeConnect = 2u,
 
 // ---- reuse of paths: kernels/path/reuse.glsl ------------------------------------------------------------------------
 
-// Texels of a slot, as many as the features of kernels ask for. The first vertex x of its path receives light, the second
-// one y sends it.
+// Texels of a slot, as many as the features of kernels ask for. The first vertex x of its path receives light, the
+// second one y sends it.
 GPU_CONSTANT uint kReuseHead = 0u; // probability of the diffuse lobe at x (0: x does not share; negative: another lobe
                                    // was drawn), instance of y + 1 (0: y does not share), reuse_quad(), triangle of y
 GPU_CONSTANT uint kReuseReceiver = 1u;       // where rays of x begin; its coupling (pack_coupling())
@@ -105,7 +105,7 @@ GPU_CONSTANT uint kReuseSender = 4u;         // where rays to y end; its couplin
 GPU_CONSTANT uint kReuseSenderPlane = 5u;    // geometric normal, ior
 GPU_CONSTANT uint kReuseOwn = 6u;            // light that the path had gathered before y; alpha of y
 GPU_CONSTANT uint kReuseShares = 7u;         // what the light of y counts for each pixel of the quad
-GPU_CONSTANT uint kReuseList = 8u; // of as many slots as have a sender, the first word: which they are
+GPU_CONSTANT uint kReuseList = 8u;           // of as many slots as have a sender, the first word: which they are
 // Where there are interfaces:
 GPU_CONSTANT uint kReuseOther = 9u; // throughput of the lobes of x that share nothing
 // Where shading normals are not geometric ones:

@@ -33,7 +33,7 @@ layout(set = 0, binding = 3, std430) buffer Histogram { uint histogram[]; };
 
 // As vertex_sample() has it where no map bends the normal.
 bool bsdf_sample(Bsdf b, vec3 wo, float u_side, vec2 u, out BsdfSample s) {
-  s = BsdfSample(vec3(0.0, 0.0, 1.0), vec3(0.0), 0.0, 1.0, false);
+  s = BsdfSample(vec3(0.0, 0.0, 1.0), vec3(0.0), 0.0, 1.0, false, false);
   if (!(wo.z > 0.0)) return false;
   Lobes l = lobes_of(b, wo);
   bool delta;

@@ -9,9 +9,9 @@
 namespace wavepath {
 namespace {
 
-constexpr std::array<std::string_view, 12> kSettings = {"adaptive",    "hemisphere", "direct",    "light-samples",
-                                                        "sky-samples", "reuse", "aperture",   "focus",     "blades",
-                                                        "shutter",     "denoise",    "terminator"};
+constexpr std::array<std::string_view, 12> kSettings = {"adaptive",    "hemisphere", "direct",   "light-samples",
+                                                        "sky-samples", "reuse",      "aperture", "focus",
+                                                        "blades",      "shutter",    "denoise",  "terminator"};
 
 std::vector<RenderSettings> candidates(const RenderSettings& settings, const PackedScene& scene) {
   RenderSettings path = settings;

@@ -19,8 +19,8 @@ namespace wavepath {
 namespace {
 
 constexpr std::array<std::string_view, 15> kSettings = {
-    "hemisphere", "direct", "lights",   "light-samples", "sky-samples", "reuse", "adaptive", "guide",
-    "denoise",    "pixel",  "aperture", "focus",         "blades",      "shutter",  "terminator"};
+    "hemisphere", "direct", "lights",   "light-samples", "sky-samples", "reuse",   "adaptive",  "guide",
+    "denoise",    "pixel",  "aperture", "focus",         "blades",      "shutter", "terminator"};
 constexpr std::array<std::string_view, 2> kFirstHitStages = {"generate", "extend"};
 
 void start_kernels(KernelCompiler& kernels, const DeviceInfo& device, gpu::Feature features,

@@ -41,8 +41,8 @@ const std::array<KernelCode, kPathStageCount> kStages = {
      {"reuse", wavepath_reuse_spv, {}, wavepath_reuse_query_spv}}};
 
 // Shade takes as long to compile as all others together.
-constexpr std::array<std::size_t, kPathStageCount> kCompileOrder = {kShade,    kExtend,     kConnect, kEscape,
-                                                                    kGenerate, kAccumulate, kAdvance, kReuse, kGuideNote};
+constexpr std::array<std::size_t, kPathStageCount> kCompileOrder = {
+    kShade, kExtend, kConnect, kEscape, kGenerate, kAccumulate, kAdvance, kReuse, kGuideNote};
 
 // Whether paths know the vertex that they were scattered at: see the function of this name in
 // kernels/path/receiver.glsl.

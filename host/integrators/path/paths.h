@@ -34,8 +34,9 @@ constexpr std::uint32_t stage_bits(std::initializer_list<PathStage> stages) {
 }
 inline constexpr std::uint32_t kLightingStages =
     stage_bits({kAdvance, kExtend, kShade, kConnect}); // from a first hit on
-inline constexpr std::uint32_t kAllPathStages = stage_bits(
-    {kGenerate, kAdvance, kExtend, kShade, kEscape, kConnect, kReuse, kAccumulate}); // of a path tracer that is not learning
+inline constexpr std::uint32_t kAllPathStages =
+    stage_bits({kGenerate, kAdvance, kExtend, kShade, kEscape, kConnect, kReuse,
+                kAccumulate}); // of a path tracer that is not learning
 
 extern const KernelProgram kPathProgram;
 extern const KernelProgram kGuidePilotProgram; // the same stages; a set of one never stands in for one of the other
@@ -63,7 +64,8 @@ enum PathBuffer : std::size_t {
 // Bits of Extent::options.
 inline constexpr std::uint32_t kRoomForShadowRays = 1u << 0, kRoomForSeen = 1u << 1,
                                kStatesAlone = 1u << 2, // another kernel traces the rays: no queues between stages
-    kRoomForLightSums = 1u << 3, kRoomForGuide = 1u << 4, kRoomForGuideRecords = 1u << 5, kRoomForSortedRays = 1u << 6, kRoomForReuse = 1u << 7;
+    kRoomForLightSums = 1u << 3, kRoomForGuide = 1u << 4, kRoomForGuideRecords = 1u << 5, kRoomForSortedRays = 1u << 6,
+                               kRoomForReuse = 1u << 7;
 
 class Paths {
 public:

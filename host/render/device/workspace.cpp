@@ -13,7 +13,6 @@
 #include "host/render/settings/integrator_kind.h"
 #include "host/render/settings/path_reuse.h"
 #include "host/render/settings/traversal.h"
-#include "host/render/settings/path_reuse.h"
 #include "host/render/settings/whole_nets.h"
 #include "host/scene/pack/bodies.h"
 #include "host/scene/pack/pick.h"

@@ -33,10 +33,10 @@ struct Run {
   std::optional<TrueError> denoised_error{}; // of the filtered picture
   std::vector<std::string> diagnosis{};
   std::vector<std::string> bias{};
-  const IntegratorChoice* choice = nullptr; // of --integrator auto
+  const IntegratorChoice* choice = nullptr;  // of --integrator auto
   const ReuseChoice* reuse_choice = nullptr; // of --reuse auto
-  const SkyChoice* sky_choice = nullptr;    // of --sky-samples auto
-  const SharedResult* shared = nullptr;     // of --devices
+  const SkyChoice* sky_choice = nullptr;     // of --sky-samples auto
+  const SharedResult* shared = nullptr;      // of --devices
 };
 
 // The BVH: quality, seconds to build, expected cost, size, and copies of triangles made by spatial splits.

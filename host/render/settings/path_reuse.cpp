@@ -9,8 +9,6 @@ bool may_reuse_paths(const RenderSettings& settings) {
          settings.hemisphere == gpu::kHemisphereCosine;
 }
 
-bool reuses_paths(const RenderSettings& settings) {
-  return settings.reuse == kReuseOn && may_reuse_paths(settings);
-}
+bool reuses_paths(const RenderSettings& settings) { return settings.reuse == kReuseOn && may_reuse_paths(settings); }
 
 } // namespace wavepath

@@ -139,7 +139,7 @@ struct RenderSettings {
   bool room_for_mips = false;               // in kernels and scene, even where this picture looks textures up exactly
   std::uint32_t whole_nets_from = 1u << 15; // pixels of a picture whose nets may stay whole (whole_nets.h)
   double quad_scale = 1.0; // of the quads of a pilot, which then shows few quads of a larger picture (path_reuse.h)
-  std::uint32_t wave_slots = 0;             // paths in flight; 0 = chosen from memory and measured dispatch time
+  std::uint32_t wave_slots = 0; // paths in flight; 0 = chosen from memory and measured dispatch time
 };
 
 } // namespace wavepath
