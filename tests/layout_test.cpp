@@ -176,6 +176,8 @@ TEST(Layout, Frame) {
            AT(Frame, bodies_at_eye),
            AT(Frame, pixel_spread),
            AT(Frame, sky_samples),
+           AT(Frame, reuses_paths),
+           AT(Frame, quad_scale),
            AT(Frame, top_level)});
   compare("Wave", sizeof(Wave),
           {AT(Wave, first_pixel), AT(Wave, pixel_count), AT(Wave, first_sample), AT(Wave, sample_count),
@@ -197,7 +199,7 @@ TEST(Layout, PathsAndQueues) {
   compare("Queues", sizeof(Queues),
           {AT(Queues, ray_count), AT(Queues, hit_count), AT(Queues, extend_groups), AT(Queues, escape_count),
            AT(Queues, connect_groups), AT(Queues, first_shadow), AT(Queues, shade_groups), AT(Queues, next_ray),
-           AT(Queues, escape_groups), AT(Queues, next_shadow_ray), AT(Queues, shadow_count)});
+           AT(Queues, escape_groups), AT(Queues, next_shadow_ray), AT(Queues, shadow_count), AT(Queues, sender_count)});
   compare("Counters", sizeof(Counters),
           {AT(Counters, camera_rays), AT(Counters, bounce_rays), AT(Counters, shadow_rays),
            AT(Counters, occlusion_rays), AT(Counters, nonfinite_count), AT(Counters, nonfinite_first)});

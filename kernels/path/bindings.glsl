@@ -53,7 +53,7 @@ layout(set = 0, binding = kBindGuideRecords, std430) buffer GuideRecordBlock { v
 #endif
 
 #ifdef BIND_REUSE
-layout(set = 0, binding = kBindReuse, std430) writeonly buffer ReuseBlock { uvec4 reuse_words[]; };
+layout(set = 0, binding = kBindGuideRecords, std430) writeonly buffer ReuseBlock { uvec4 reuse_words[]; };
 layout(set = 0, binding = kBindReuseTexels) uniform usamplerBuffer reuse_texels;
 #endif
 

@@ -9,15 +9,12 @@
 #include "kernels/path/reuse.glsl"
 #include "kernels/vertex.glsl"
 
-// Whether its diffuse lobe is that of reuse.glsl.
+// Whether its diffuse lobe is that of reuse.glsl, by a normal that is the same for all directions.
 bool may_share(Vertex v, Lobes l) {
-  if (!has_plain_base(v.bsdf) || max_component(l.diffuse) <= 0.0) return false;
+  if (v.normal != v.bumped || !has_plain_base(v.bsdf) || max_component(l.diffuse) <= 0.0) return false;
   if (!kMicrofacets) return true;
   return v.bsdf.transmission == 0.0 && l.through == 0.0 && max_component(l.multiple) <= 0.0;
 }
-
-// The same, where it sends light by a normal that is the same for all directions.
-bool may_send(Vertex v, Lobes l) { return v.normal == v.bumped && may_share(v, l); }
 
 // Value of the diffuse lobe, as vertex_eval() has it.
 vec3 diffuse_value(Vertex v, Lobes l, vec3 wi, vec3 local) {
@@ -54,8 +51,9 @@ bool begin_receiver(Vertex v, Lobes l, uint slot) {
 void scatter_receiver(Vertex v, Lobes l, BsdfSample s, vec3 wi, uint slot) {
   if (s.wide) reuse_words[reuse_place(slot, kReuseHead)].x = floatBitsToUint(l.diffuse_probability);
   if (!kMicrofacets) return;
-  vec3 other = s.weight;
-  if (s.pdf > 0.0) other = max(other - diffuse_value(v, l, wi, s.wi) / s.pdf, vec3(0.0));
+  vec3 other = vec3(0.0);
+  if (l.facet_probability > 0.0) other = s.weight;
+  if (l.facet_probability > 0.0 && s.pdf > 0.0) other = max(other - diffuse_value(v, l, wi, s.wi) / s.pdf, vec3(0.0));
   store_reuse(slot, kReuseOther, other);
 }
 
@@ -63,7 +61,7 @@ void scatter_receiver(Vertex v, Lobes l, BsdfSample s, vec3 wi, uint slot) {
 // ray hit it, on the triangle. Takes from the lobes those that the path does not go on with. True if the vertex sends.
 bool share_sender(Vertex v, Surface surface, Hit hit, uint slot, inout Lobes l, inout PathState path) {
   float drawn = fetch_reuse(slot, kReuseHead).x;
-  if (drawn == 0.0 || !may_send(v, l)) return false;
+  if (drawn == 0.0 || !may_share(v, l)) return false;
   float before = max_component(path.throughput);
   bool sends = true;
   float probability = 1.0;

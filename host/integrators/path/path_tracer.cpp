@@ -67,12 +67,12 @@ bool PathTracer::learn() {
 }
 
 void PathTracer::learn_guide() {
-  if (guide_pilot_->take(paths_.buffers[kGuideRecords])) use_field(guide_pilot_->field());
+  if (guide_pilot_->take(paths_.buffers[kRecords])) use_field(guide_pilot_->field());
   if (!guide_pilot_->is_done()) return;
   guide_report_ = guide_pilot_->report();
   guide_pilot_.reset();
   lesson_ = Lesson::none;
-  paths_.buffers[kGuideRecords] = Buffer(); // a place holder takes its place
+  paths_.buffers[kRecords] = Buffer(); // a place holder takes its place
   paths_.change(settings_, kAllPathStages, rooms());
 }
 

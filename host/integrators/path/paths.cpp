@@ -113,14 +113,12 @@ const std::vector<BufferRule> kRules = {
     {"guide maps",
      [](const Extent& e) { return e.options & kRoomForGuide ? kGuideMapBytes : 0; },
      {{gpu::kBindGuideMaps, texels_rgba32ui}}},
-    {"guide records",
-     [](const Extent& e) { return e.options & kRoomForGuideRecords ? kGuideRecordBytes : 0; },
-     {{gpu::kBindGuideRecords, storage}}},
-    {"reuse of paths",
-     [](const Extent& e) {
+    {"records for guiding, or for neighbours",
+     [](const Extent& e) -> std::uint64_t {
+       if (e.options & kRoomForGuideRecords) return kGuideRecordBytes;
        return e.options & kRoomForReuse ? e.slots * gpu::reuse_texel_count(e.features) * sizeof(glm::uvec4) : 0;
      },
-     {{gpu::kBindReuse, storage}, {gpu::kBindReuseTexels, texels_rgba32ui}}},
+     {{gpu::kBindGuideRecords, storage}, {gpu::kBindReuseTexels, texels_rgba32ui}}},
 };
 
 } // namespace

@@ -57,8 +57,7 @@ enum PathBuffer : std::size_t {
   kSeen,
   kGuideTree,
   kGuideMaps,
-  kGuideRecords,
-  kReuseRecords
+  kRecords
 };
 
 // Bits of Extent::options.
