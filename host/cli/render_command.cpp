@@ -179,7 +179,7 @@ std::optional<Picture> check(RenderCommandRequest& request) {
   check_shutter(request.scene, request.render.settings);
   settle_strict(request.render);
   request.render.settings.tries_sky = may_try_sky(request.render.settings, false); // the device is not known yet
-  request.render.settings.tries_reuse = may_try_reuse(request.render.settings, false);
+  request.render.settings.tries_reuse = where_to_try_reuse(request.render.settings, false);
   settle_adaptive(request.render);
   check_replay(request.render);
   settle_devices(request.render);
@@ -309,7 +309,8 @@ Choices settle_choices(RenderCommandRequest& request, Prepared& prepared) {
   Choices choices;
   if (const std::optional<RenderSettings> recorded = recorded_choice(request, prepared)) {
     settings = *recorded;
-    settings.tries_sky = settings.tries_reuse = false;
+    settings.tries_sky = false;
+    settings.tries_reuse = kTriesReuseNowhere;
   } else {
     const auto tell = [&](bool wanted, const std::string& text) {
       if (wanted && !request.output.quiet) fmt::print(stderr, "wavepath: {}\n", text);
@@ -322,7 +323,7 @@ Choices settle_choices(RenderCommandRequest& request, Prepared& prepared) {
     choices.reuse =
         choose_reuse(*prepared.device, prepared.packed, prepared.view, settings, *prepared.kernels, prepared.on_device);
     if (choices.reuse.pays) settings.reuse = kReuseOn;
-    settings.tries_reuse = choices.reuse.keeps_kernels;
+    settings.tries_reuse = choices.reuse.tries_reuse;
     tell(choices.reuse.pays, reuse_choice_text(choices.reuse));
     const bool stands_for_others = settings.integrator->candidates != nullptr;
     choices.integrator = choose_integrator(*prepared.device, prepared.packed, prepared.view, settings,

@@ -32,11 +32,9 @@ RenderSettings reuse_pilot_of(const RenderSettings& settings, const PilotSize& s
   small.seed = settings.seed ^ 0x27d4eb2fu;
   small.reuse = reuse;
   small.quad_scale = static_cast<double>(small.width) / settings.width;
-  small.tries_reuse = true;
+  small.tries_reuse = kTriesReuseAnywhere;
   return small;
 }
-
-bool may_learn(gpu::Feature scene) { return scene & (gpu::kFeatureLightTree | gpu::kFeatureEnvironmentMap); }
 
 // Null: none pays.
 const PilotSize* reuse_pilot_size(const RenderSettings& settings, bool cpu) {
@@ -49,15 +47,19 @@ const PilotSize* reuse_pilot_size(const RenderSettings& settings, bool cpu) {
 
 } // namespace
 
-bool may_try_reuse(const RenderSettings& settings, bool cpu) {
-  return settings.reuse == kReuseAuto && may_reuse_paths(settings) && reuse_pilot_size(settings, cpu);
+std::uint32_t where_to_try_reuse(const RenderSettings& settings, bool cpu) {
+  if (settings.reuse != kReuseAuto || !reuse_pilot_size(settings, cpu)) return kTriesReuseNowhere;
+  return expected_paths(settings, cpu) < kWholeOverReusePilots * kLessonPaths ? kTriesReuseUnlearned
+                                                                              : kTriesReuseAnywhere;
 }
 
 ReuseChoice choose_reuse(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings,
                          KernelCompiler& kernels, SceneOnDevice& shared) {
   const bool cpu = device.info().type == "cpu";
-  if (!may_try_reuse(settings, cpu)) return {};
-  if (may_learn(scene.features) && expected_paths(settings, cpu) < kWholeOverReusePilots * kLessonPaths) return {};
+  RenderSettings trying = settings;
+  trying.tries_reuse = where_to_try_reuse(settings, cpu);
+  if (!tries_reuse(trying, scene.features)) // a CPU had better not compile others now
+    return {.tries_reuse = cpu ? settings.tries_reuse : kTriesReuseNowhere};
   const Clock::time_point start = Clock::now();
   ReuseChoice choice{.tried = true};
   const PilotSize& size = *reuse_pilot_size(settings, cpu);
@@ -82,7 +84,8 @@ ReuseChoice choose_reuse(Device& device, const PackedScene& scene, const View& v
   const double apart = cost_of(kReuseOff), together = cost_of(kReuseOn);
   if (apart > 0.0) choice.cost = together / apart;
   choice.pays = choice.cost < kReuseWorthwhile;
-  choice.keeps_kernels = cpu && expected_paths(settings, cpu) < kWholeOverReusePilots * kCpuReuseKernels;
+  if (cpu && expected_paths(settings, cpu) < kWholeOverReusePilots * kCpuReuseKernels)
+    choice.tries_reuse = trying.tries_reuse;
   choice.seconds = seconds_since(start);
   return choice;
 }

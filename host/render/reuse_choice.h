@@ -13,12 +13,13 @@ struct ReuseChoice {
   double cost = 1.0;           // squared error times work that is expected, over that of paths of their own
   double seconds = 0.0;        // that the pilots took, waiting for kernels and upload included
   double render_seconds = 0.0; // of these, rendering alone
-  bool keeps_kernels = false;  // kernels for pilots serve the render, too (RenderSettings::tries_reuse)
+  // RenderSettings::tries_reuse of the render: in short ones the kernels for pilots serve it, too.
+  std::uint32_t tries_reuse = kTriesReuseNowhere;
 };
 
-// Whether a render is long enough for pilots, whatever the scene, so that kernels for them are worth beginning before
-// it is known (RenderSettings::tries_reuse).
-bool may_try_reuse(const RenderSettings& settings, bool cpu);
+// In which scenes a render is long enough for pilots, so that kernels for them are worth beginning before the scene is
+// known: for RenderSettings::tries_reuse.
+std::uint32_t where_to_try_reuse(const RenderSettings& settings, bool cpu);
 
 // Renders a small picture in which paths are shared and one in which they are not, and compares squared error times
 // work. Sharing pays where light comes by diffuse surfaces: it takes .3 of the squared error in a Cornell box, but none

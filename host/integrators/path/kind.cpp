@@ -89,7 +89,7 @@ constinit const IntegratorKind kPath = {
         [](gpu::Feature features, const RenderSettings& settings) {
           features |= features_of(settings) & gpu::kFeatureAdaptive;
           if (features & gpu::kFeatureEnvironmentMap) features |= features_of(settings) & gpu::kFeatureLearnedSky;
-          const std::uint32_t reuse = reuses_paths(settings) || settings.tries_reuse ? kRoomForReuse : 0;
+          const std::uint32_t reuse = reuses_paths(settings) || tries_reuse(settings, features) ? kRoomForReuse : 0;
           return bytes_per_path(features, kRoomForShadowRays | kRoomForSortedRays | reuse,
                                 std::max(light_samples_of(settings, features), sky_samples_of(settings, features)));
         },

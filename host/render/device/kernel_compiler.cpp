@@ -37,6 +37,7 @@ KernelConfig kernel_config(gpu::Feature features, std::uint32_t stack_size, cons
   const std::uint32_t light_samples = light_samples_of(settings, features);
   const bool shares_sky = sky_samples_of(settings, features) > 1 ||
                           (settings.tries_sky && may_share_sky(settings, features) && tries_sky_cheaply(features));
+  const bool reuse = reuses_paths(settings) || tries_reuse(settings, features);
   const std::uint32_t sky = shares_sky ? gpu::kSkyByShadowRays : gpu::kSkyByPaths;
   if (!settings.specialize) features = generic_features(features);
   // Generic kernels, too, leave out what the settings do not ask for.
@@ -75,7 +76,7 @@ KernelConfig kernel_config(gpu::Feature features, std::uint32_t stack_size, cons
           sort,
           light_samples,
           sky,
-          reuses_paths(settings) || settings.tries_reuse ? gpu::kReuseQuads : gpu::kReuseNone};
+          reuse ? gpu::kReuseQuads : gpu::kReuseNone};
 }
 
 gpu::Feature features_of(const RenderSettings& settings) {

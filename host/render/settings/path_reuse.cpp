@@ -11,4 +11,9 @@ bool may_reuse_paths(const RenderSettings& settings) {
 
 bool reuses_paths(const RenderSettings& settings) { return settings.reuse == kReuseOn && may_reuse_paths(settings); }
 
+bool tries_reuse(const RenderSettings& settings, gpu::Feature scene) {
+  const bool learns = scene & (gpu::kFeatureLightTree | gpu::kFeatureEnvironmentMap);
+  return may_reuse_paths(settings) && settings.tries_reuse >= (learns ? kTriesReuseAnywhere : kTriesReuseUnlearned);
+}
+
 } // namespace wavepath

@@ -12,4 +12,8 @@ bool may_reuse_paths(const RenderSettings& settings);
 // Whether it does: auto does once a pilot has found that it pays, which makes it on.
 bool reuses_paths(const RenderSettings& settings);
 
+// Whether kernels for a scene of these kFeature bits are to bear both, since pilots try it
+// (RenderSettings::tries_reuse).
+bool tries_reuse(const RenderSettings& settings, gpu::Feature scene);
+
 } // namespace wavepath

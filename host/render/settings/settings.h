@@ -36,6 +36,8 @@ inline constexpr std::uint32_t kAdaptiveAuto = 0, kAdaptiveOff = 1, kAdaptiveOn 
 
 // Whether pixels share the paths of their neighbours: where that pays, never, or always.
 inline constexpr std::uint32_t kReuseAuto = 0, kReuseOff = 1, kReuseOn = 2;
+// Where auto makes pilots: nowhere; where these need not learn of lights first; or anywhere.
+inline constexpr std::uint32_t kTriesReuseNowhere = 0, kTriesReuseUnlearned = 1, kTriesReuseAnywhere = 2;
 
 // How noise is filtered: by filters of our own, or finished pictures by Intel's Open Image Denoise.
 inline constexpr std::uint32_t kDenoiseOff = 0, kDenoiseOn = 1, kDenoiseOidn = 2;
@@ -117,8 +119,8 @@ struct RenderSettings {
   std::uint32_t sky_samples = 0;           // at every vertex; 0 = as sky_choice.h finds, else 1 (light_samples.h)
   bool tries_sky = false;                  // kernels are to bear any number of sky samples, where trying costs little
   std::uint32_t reuse = kReuseAuto;        // of the paths of neighbouring pixels (path_reuse.h)
-  bool tries_reuse = false;                // kernels are to bear both
-  std::uint32_t adaptive = kAdaptiveAuto;  // more samples where a pilot, which is thrown away, found more noise
+  std::uint32_t tries_reuse = kTriesReuseNowhere; // scenes whose kernels are to bear both
+  std::uint32_t adaptive = kAdaptiveAuto;         // more samples where a pilot, which is thrown away, found more noise
   bool tries_adaptive = false; // auto looks for noise, and goes on evenly where it is even (adaptive_choice.h)
   bool guide = false;          // directions are also drawn from a field that a pilot learned
   bool moving = false;         // the scene was loaded with motion, which the kernels are to see
