@@ -13,7 +13,6 @@
 #include "host/render/settings/integrator_kind.h"
 #include "host/render/settings/path_reuse.h"
 #include "host/render/settings/traversal.h"
-#include "host/render/settings/path_reuse.h"
 #include "host/render/settings/whole_nets.h"
 #include "host/scene/pack/bodies.h"
 #include "host/scene/pack/pick.h"
@@ -67,7 +66,7 @@ gpu::Frame make_frame(const PackedScene& scene, const View& view, const RenderSe
   frame.bodies_at_eye = bodies_at_eye(scene, glm::dvec3(view.position - scene.origin), frame.scene_lobes);
   frame.quad_scale = static_cast<float>(settings.quad_scale);
   frame.reuses_paths = reuses_paths(settings) ? 1u : 0u;
-  frame.whole_nets = has_whole_nets(settings) ? 1u : 0u;
+  frame.whole_nets = film_shape(settings).measures();
   frame.local_light_count = scene.local_light_count;
   frame.motion_texel = static_cast<std::uint32_t>(scene.triangles.size()) * gpu::kTriangleTexels;
   frame.end_normals = scene.end_normals;
