@@ -56,6 +56,7 @@ void scatter_receiver(Vertex v, Lobes l, BsdfSample s, vec3 wi, uint slot) {
   if (!kMicrofacets) return;
   vec3 other = s.weight;
   if (s.pdf > 0.0) other = max(other - diffuse_value(v, l, wi, s.wi) / s.pdf, vec3(0.0));
+  if (is_lambert(v.bsdf)) other = vec3(0.0); // exactly, as in kernels that know no other lobe
   store_reuse(slot, kReuseOther, other);
 }
 
