@@ -113,7 +113,7 @@ uint weigh(uint slot, out vec4 shares) {
     }
     if (!sees) continue;
     // The path itself has come there; but where surfaces let paths pass by chance it may have passed some.
-    if (i != at || has(kFeatureAlpha)) {
+    if (i != at || uses(kFeatureAlpha)) { // as rays are counted, whatever kernels know of
       ++traced;
       if (!is_clear(link, y)) continue;
     }
