@@ -369,8 +369,8 @@ TEST_F(PathReuse, TheSamePictureUnderTheSky) {
 
 TEST_F(PathReuse, TheSamePictureOfManyLights) {
   RenderSettings settings = asked();
-  expect_same_picture("tree", subject(two_rooms(40, true), settings), settings, 0.05);
-  settings.lights = gpu::kLightsAuto; // learned by a pilot
+  expect_same_picture("by power", subject(two_rooms(40, true), settings), settings, 0.05);
+  settings.lights = gpu::kLightsAuto; // by a tree, and learned by a pilot
   settings.light_samples = 2;
   expect_same_picture("learned", subject(two_rooms(40, true), settings), settings, 0.05);
 }
