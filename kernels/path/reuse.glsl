@@ -42,7 +42,7 @@ uint reuse_quad(uint slot) {
 
 // Where a sample of a pixel lies in a picture whose quads are those of a larger one, and so less wide.
 vec2 place_in_quad(uvec2 pixel, vec2 place) {
-  if (kReuse == kReuseNone) return place;
+  if (kReuse == kReuseNone || frame.quad_scale == 1.0) return place; // as it is, to the last bit
   vec2 middle = vec2(pixel / 2u * 2u) + 1.0;
   return middle + (place - middle) * frame.quad_scale;
 }

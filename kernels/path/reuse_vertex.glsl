@@ -57,6 +57,9 @@ void scatter_receiver(Vertex v, Lobes l, BsdfSample s, vec3 wi, uint slot) {
   store_reuse(slot, kReuseOther, other);
 }
 
+// By which rays to a surface skip its triangle; Hit::triangle is its place in the tree.
+uint triangle_id(Hit hit) { return floatBitsToUint(texelFetch(triangles, int(hit.triangle * kTriangleTexels + 1u)).w); }
+
 // The second vertex, where the path has gathered what it finds of light that y sends by itself. `surface`: where the
 // ray hit it, on the triangle. Takes from the lobes those that the path does not go on with. True if the vertex sends.
 bool share_sender(Vertex v, Surface surface, Hit hit, uint slot, inout Lobes l, inout PathState path) {
@@ -92,7 +95,7 @@ bool share_sender(Vertex v, Surface surface, Hit hit, uint slot, inout Lobes l, 
     if (TURNS_NORMALS) store_reuse(slot, kReuseSenderNormal, v.normal);
     store_with(slot, kReuseOwn, path.radiance, v.bsdf.alpha);
     reuse_words[reuse_place(slot, kReuseHead)].y = hit.instance + 1u;
-    reuse_words[reuse_place(slot, kReuseHead)].w = hit.triangle;
+    reuse_words[reuse_place(slot, kReuseHead)].w = triangle_id(hit);
     path.radiance = vec3(0.0);
     path.throughput = vec3(1.0 / probability);
   }
