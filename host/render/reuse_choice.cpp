@@ -18,12 +18,12 @@ namespace {
 struct PilotSize {
   std::uint32_t side, samples;
 };
-// The larger one where both pictures of it are a thirtieth of the render's paths.
+// The larger one where both pictures of it are a fourteenth of the render's paths.
 constexpr std::array<PilotSize, 2> kReusePilots = {{{96, 4}, {48, 2}}};
-constexpr double kWholeOverReusePilots = 30.0; // in paths
-constexpr double kLessonPaths = 1e5;           // what learning of lights takes, which pilots have to do before
+constexpr double kWholeOverReusePilots = 14.0; // in paths
+constexpr double kLessonPaths = 2e5;           // what learning of lights takes, which pilots have to do before
 // In paths: what compiling takes of a CPU that also renders, if it is not done while the scene is loaded.
-constexpr double kCpuReuseKernels = 5e5;
+constexpr double kCpuReuseKernels = 1e6;
 constexpr double kReuseWorthwhile = 0.9; // costs above this are not told from chance
 
 // Its pixels are those of few quads of the whole picture, as neighbours have the more in common the closer they are.
