@@ -98,8 +98,7 @@ GPU_CONSTANT uint kSpecSort = 13u;         // which of its rays extend puts in o
 GPU_CONSTANT uint kSpecLightSamples = 14u; // of a path where it first scatters; 1 to kMostLightSamples
 GPU_CONSTANT uint kSpecSky = 15u; // whether shadow rays look for a sky of one colour, too; gpu::Frame says how many
 GPU_CONSTANT uint kSpecLaneRays = 16u; // rays that a lane takes from a queue at most (trace_queue.glsl); at least 1
-GPU_CONSTANT uint kSpecReuse =
-    17u; // whether pixels may share the paths of their neighbours; gpu::Frame says whether they do
+GPU_CONSTANT uint kSpecReuse = 17u;    // whether pixels may share paths; gpu::Frame says whether they do
 GPU_CONSTANT uint kSpecCount = 18u;
 
 GPU_CONSTANT uint kSamplerIndependent = 0u, kSamplerStratified = 1u, kSamplerSobol = 2u;

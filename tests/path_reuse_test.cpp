@@ -59,7 +59,7 @@ protected:
   static RenderSettings asked(std::uint32_t spp = 16) {
     RenderSettings result = settings(gpu::kLightsPower, gpu::kDirectMis, spp);
     result.width = kWidth, result.height = kHeight;
-    result.tries_reuse = true; // with and without by the same kernels
+    result.tries_reuse = kTriesReuseAnywhere; // with and without by the same kernels
     result.adaptive = kAdaptiveOff;
     return result;
   }

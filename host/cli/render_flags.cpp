@@ -281,7 +281,8 @@ void settle_default_integrator(RenderRequest& request) {
     return !aov_takers_text(aov).empty() && std::ranges::count(automatic.aovs, aov) == 0;
   });
   const bool replays = request.pixel.has_value() && !takes(automatic, "pixel");
-  if (is_given(request, "integrator") || lone_part || refuses_flag || refuses_aov || replays) return;
+  const bool asks_for_path = settings.reuse == kReuseOn; // which other integrators would drop
+  if (is_given(request, "integrator") || lone_part || refuses_flag || refuses_aov || replays || asks_for_path) return;
   settings.integrator = &automatic;
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "host/render/settings/adaptivity.h"
+#include "host/render/settings/path_reuse.h"
 #include "host/render/settings/whole_nets.h"
 #include "kernels/net_layout.h"
 
@@ -18,6 +19,7 @@ RenderSettings small_picture(const RenderSettings& settings, std::uint32_t longe
   small.adaptive = kAdaptiveOff;
   small.light_pilot_paths = 0;
   small.guide_iterations = std::min(small.guide_iterations, kGuideIterations);
+  if (reuses_paths(settings)) small.quad_scale *= static_cast<double>(small.width) / settings.width;
   small.room_for_whole_nets |= has_whole_nets(settings);
   if (is_adaptive(settings)) small.added_features |= gpu::kFeatureAdaptive;
   return small;

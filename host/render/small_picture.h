@@ -9,7 +9,7 @@ namespace wavepath {
 // The same settings for a picture of the same shape, `longest_side` pixels at most and `samples` samples a pixel: no
 // part, stopped by nothing else. AOVs stay, because kernels without them would be others. Not adaptive: pilots of two
 // such pictures would choose other levels, and their paths would no longer be comparable. Kernels of the render serve
-// it where nothing else is changed.
+// it where nothing else is changed. Pixels that share paths are as close to each other as in the whole picture.
 RenderSettings small_picture(const RenderSettings& settings, std::uint32_t longest_side, std::uint32_t samples);
 
 // All light of a picture, over its pixels and channels, and an estimate of the variance of that.

@@ -1,6 +1,7 @@
 // Adds a wave's finished samples to the film, one lane a pixel, in the order of the samples.
 // Sums are exact: the mean does not depend on the order of samples or the size of waves, and many samples lose no
-// precision. A sample that is not finite is left out; the kernel that made it so has counted it.
+// precision. A sample that is not finite is left out, and with it
+// those that share its path; the kernel that made it so has counted it.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
@@ -47,6 +48,6 @@ void main() {
   if (!has(kFeatureAovs)) return;
   for (uint s = 0u; s < part.samples; ++s) {
     uint slot = first_slot + s * part.places;
-    if (is_finite(fetch_path(slot).radiance)) accumulate_aovs(film_index, path_aovs[slot]);
+    if (is_finite(gathered_radiance(slot))) accumulate_aovs(film_index, path_aovs[slot]);
   }
 }

@@ -95,9 +95,9 @@ GPU_CONSTANT uint kBeforeExtend = 0u, kBeforeShade = 1u, kBeforeConnect = 2u,
 
 // Texels of a slot, as many as the features of kernels ask for. The first vertex x of its path receives light, the
 // second one y sends it.
-GPU_CONSTANT uint kReuseHead =
-    0u; // probability of the diffuse lobe at x (0: x does not share; negative: another lobe
-        // was drawn), instance of y + 1 (0: y does not share), reuse_quad(), id of the triangle of y
+// The first one: probability of the diffuse lobe at x (0: x does not share; negative: another lobe was drawn), instance
+// of y + 1 (0: y does not share), reuse_quad(), id of the triangle of y.
+GPU_CONSTANT uint kReuseHead = 0u;
 GPU_CONSTANT uint kReuseReceiver = 1u;       // where rays of x begin; its coupling (pack_coupling())
 GPU_CONSTANT uint kReuseReceiverColor = 2u;  // albedo of the diffuse lobe, without the coupling of the direction; ior
 GPU_CONSTANT uint kReuseReceiverNormal = 3u; // shading normal, alpha

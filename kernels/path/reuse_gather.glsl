@@ -19,9 +19,9 @@ vec3 gathered_radiance(uint slot) {
   uint at = head.z % kQuadPixels, first = slot - at, count = head.z / kQuadPixels;
   vec3 shared_ = vec3(0.0);
   for (uint j = 0u; j < count; ++j) {
-    if (texelFetch(reuse_texels, int(reuse_place(first + j, kReuseHead))).y == 0u) continue;
     vec3 radiance = fetch_path(first + j).radiance;
-    if (is_finite(radiance)) shared_ += fetch_reuse(first + j, kReuseShares)[at] * radiance;
+    if (!is_finite(radiance)) return radiance; // all of the quad count on that path
+    if (texelFetch(reuse_texels, int(reuse_place(first + j, kReuseHead))).y != 0u) shared_ += fetch_reuse(first + j, kReuseShares)[at] * radiance;
   }
   return sum + fetch_reuse(slot, kReuseReceiverColor).xyz * shared_;
 }

@@ -88,7 +88,7 @@ bool share_sender(Vertex v, Surface surface, Hit hit, uint slot, inout Lobes l, 
   if (drawn < 0.0) {
     path.throughput = fetch_reuse(slot, kReuseOther).xyz / probability;
   } else {
-    vec3 plane = facing_plane(v);
+    vec3 plane = v.front ? surface.geometric_normal : -surface.geometric_normal; // the facet's, though rays leave elsewhere
     vec3 to = offset_ray_origin(surface.position, surface.position_error, surface.geometric_normal, plane);
     store_with(slot, kReuseSender, to, kMicrofacets ? pack_coupling(l.surface) : 0.0);
     store_with(slot, kReuseSenderPlane, plane, v.bsdf.ior);

@@ -225,7 +225,8 @@ void follow(Ray ray, Hit hit, inout PathState path, out bool wants_ray, out Ray 
   if (wave.bounce < frame.max_depth && wo.z > 0.0) {
     Lobes lobes = lobes_of(v.bsdf, wo);
     bool receives = REUSES_PATHS && wave.bounce == 0u && begin_receiver(v, lobes, slot);
-    if (REUSES_PATHS && wave.bounce == 1u) sends = share_sender(v, surface, hit, sender = slot, lobes, path);
+    if (REUSES_PATHS && wave.bounce == 1u) sends = share_sender(v, surface, hit, slot, lobes, path);
+    sender = slot;
     if (has(kFeatureGuide))
       guide = bsdf_has_smooth(v.bsdf) ? find_guide(lobes, v.bsdf.alpha, v.surface.position) : no_guide();
     Sampler path_sampler = fetch_sampler(slot);

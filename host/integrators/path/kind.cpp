@@ -52,7 +52,7 @@ std::uint64_t guide_bytes(const RenderSettings& settings) { return settings.guid
 
 std::vector<OmittedStage> omitted(const RenderSettings& settings) {
   std::vector<OmittedStage> left_out;
-  if (!reuses_paths(settings))
+  if (!reuses_paths(settings) && settings.tries_reuse == kTriesReuseNowhere)
     left_out.push_back({"what pixels tell their neighbours of paths, and its kernel", "no reuse of paths"});
   if (!settings.guide) left_out.push_back({"guiding field, its pilot and its kernels", "--guide was not given"});
   if (!(features_of(settings) & gpu::kFeatureLearnedSky))

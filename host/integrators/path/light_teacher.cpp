@@ -39,6 +39,7 @@ Pilot pilot_picture(const FilmTarget& film, std::uint64_t paths) {
   const double scale = std::sqrt(static_cast<double>(paths) / (static_cast<double>(pixels) * samples));
   const auto scaled = [&](std::uint32_t side) { return std::max(1u, static_cast<std::uint32_t>(scale * side + 0.5)); };
   Pilot pilot{.samples = samples, .seed = kPilotSeed, .width = scaled(whole.width), .height = scaled(whole.height)};
+  pilot.shares_paths = false; // it learns by what a light is worth to the whole path
   pilot.segments = pilot.width == whole.width && pilot.height == whole.height
                        ? even_segments(film.bands())
                        : std::vector<Segment>{{.pixel_count = pilot.width * pilot.height}};

@@ -195,6 +195,9 @@ void RenderLoop::explore(const Pilot& pilot) {
   workspace_.frame.seed ^= pilot.seed;
   if (pilot.width > 0) workspace_.frame.width = pilot.width, workspace_.frame.height = pilot.height;
   if (pilot.halves_nets) workspace_.frame.whole_nets = gpu::kMeasuresAll;
+  if (!pilot.shares_paths) workspace_.frame.reuses_paths = 0;
+  if (workspace_.frame.reuses_paths && pilot.width > 0) // pixels that share are as close as in the picture
+    workspace_.frame.quad_scale *= static_cast<float>(pilot.width) / static_cast<float>(frame.width);
   workspace_.send_frame();
   integrator_->begin_pass(queue_, 0);
   // A small picture's pilot may have more samples of a pixel than there is room for.

@@ -35,7 +35,7 @@ inline constexpr std::uint32_t kGuideIterations = 4;
 inline constexpr std::uint32_t kAdaptiveAuto = 0, kAdaptiveOff = 1, kAdaptiveOn = 2;
 
 // Whether pixels share the paths of their neighbours: where that pays, never, or always.
-inline constexpr std::uint32_t kReuseAuto = 0, kReuseOff = 1, kReuseOn = 2;
+inline constexpr std::uint32_t kReuseAuto = 0, kReuseOn = 1, kReuseOff = 2;
 // Where auto makes pilots: nowhere; where these need not learn of lights first; or anywhere.
 inline constexpr std::uint32_t kTriesReuseNowhere = 0, kTriesReuseUnlearned = 1, kTriesReuseAnywhere = 2;
 

@@ -12,6 +12,7 @@
 #include "host/render/settings/light_samples.h"
 #include "host/render/settings/mips.h"
 #include "host/render/settings/occlusion_rows.h"
+#include "host/render/settings/path_reuse.h"
 #include "host/render/settings/shading_rows.h"
 #include "host/render/settings/shadow_rows.h"
 #include "host/render/settings/transparency_rows.h"
@@ -237,7 +238,9 @@ std::vector<Setting> transport_rows() {
        .takers = Takers::listed_else_refused,
        .offered = kByRenderAndView | kByBench,
        .label = "reuse of paths",
-       .study = {"off", "on"}},
+       .study = {"off", "on"},
+       // What shares nothing has the bits, and the identity, of renders that know nothing of it.
+       .identity = [](const S& s) { return std::string(reuses_paths(s) ? "on" : ""); }},
       {.name = "hemisphere",
        .value = ChoiceValue{&S::hemisphere, kHemisphereNames},
        .meaning = "how diffuse directions are sampled",

@@ -16,7 +16,7 @@ inline constexpr std::string_view kLightSelectionNames[] = {"auto", "power", "tr
 inline constexpr std::string_view kLightSamplesNames[] = {"auto", "1", "2", "3", "4",
                                                           "5",    "6", "7", "8"}; // by the number
 inline constexpr std::string_view kDirectNames[] = {"mis", "nee", "bsdf"};
-inline constexpr std::string_view kReuseNames[] = {"auto", "off", "on"};
+inline constexpr std::string_view kReuseNames[] = {"auto", "on", "off"};
 inline constexpr std::string_view kAdaptiveNames[] = {"auto", "off", "on"};
 inline constexpr std::string_view kHemisphereNames[] = {"cosine", "uniform"};
 inline constexpr std::string_view kTerminatorNames[] = {"facets", "smooth"};
