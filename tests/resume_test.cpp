@@ -143,25 +143,25 @@ TEST_F(Resume, GoesOnAfterAnInterruptAndBeyondTheEnd) {
 
 // What the last estimate held is written, with one line that says so, and a resumed render makes up for the rest.
 TEST_F(Resume, ALostDeviceLosesLittle) {
-  RunOptions lost;
+  RunOptions lost; // without pilots of --reuse auto, which submit work as well
   lost.in_child = [] { setenv("WAVEPATH_LOSE_DEVICE", "10", 1); };
-  ASSERT_EQ(render("whole.exr", {}).exit_code, 0);
-  const Outcome outcome = render("part.exr", {"--checkpoint", "state", "--stats", "part.json"}, lost);
+  ASSERT_EQ(render("whole.exr", {"--reuse", "off"}).exit_code, 0);
+  const Outcome outcome = render("part.exr", {"--reuse", "off", "--checkpoint", "state", "--stats", "part.json"}, lost);
   EXPECT_EQ(outcome.exit_code, 1);
   EXPECT_NE(outcome.err.find("was lost while rendering"), std::string::npos) << outcome.err;
   EXPECT_NE(outcome.err.find("--resume"), std::string::npos) << outcome.err;
   const std::uint32_t samples = nlohmann::json::parse(bytes("part.json"))["spp"];
   EXPECT_GE(samples, 2u);
   EXPECT_LT(samples, 48u);
-  ASSERT_EQ(render("short.exr", {"--spp", std::to_string(samples)}).exit_code, 0);
+  ASSERT_EQ(render("short.exr", {"--reuse", "off", "--spp", std::to_string(samples)}).exit_code, 0);
   expect_same_bits("part.exr", "short.exr");
-  ASSERT_EQ(render("part.exr", {"--checkpoint", "state", "--resume"}).exit_code, 0);
+  ASSERT_EQ(render("part.exr", {"--reuse", "off", "--checkpoint", "state", "--resume"}).exit_code, 0);
   expect_same_bits("part.exr", "whole.exr");
 }
 
 // A state that was saved after the last estimate is not replaced by that one.
 TEST_F(Resume, ALostDeviceKeepsTheNewerState) {
-  const std::vector<std::string> long_passes{"--size", "256x192", "--spp", "24", "--adaptive", "off"};
+  const std::vector<std::string> long_passes{"--size", "256x192", "--spp", "24", "--adaptive", "off", "--reuse", "off"};
   const auto with = [&](std::vector<std::string> flags) {
     flags.insert(flags.end(), long_passes.begin(), long_passes.end());
     return flags;

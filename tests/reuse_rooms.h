@@ -2,6 +2,7 @@
 // columns of a quad, and blocks, lamps and panes stand before it.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <numbers>

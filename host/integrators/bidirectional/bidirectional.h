@@ -60,7 +60,7 @@ private:
 extern const KernelProgram kBidirectionalProgram;
 inline constexpr std::uint32_t kBidirectionalStages = 0x7f; // all
 // Of Paths: all but those that shade.
-inline constexpr std::uint32_t kSharedPathStages = kAllPathStages & ~stage_bits({kShade, kEscape});
+inline constexpr std::uint32_t kSharedPathStages = kAllPathStages & ~stage_bits({kShade, kEscape, kReuse});
 
 // Bytes of light vertices and connections that a slot takes. `merges`: where there are photons.
 std::uint64_t light_bytes_per_slot(const RenderSettings& settings, bool merges);

@@ -1,6 +1,8 @@
 #include "host/render/settings/identity.h"
 
+#include <algorithm>
 #include <sstream>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -14,6 +16,20 @@ std::string camera_text(const View& view) {
   const auto text = [](const glm::dvec3& v) { return fmt::format("{:a},{:a},{:a}", v.x, v.y, v.z); }; // exact
   return fmt::format("{}/{}/{}/{}/{}", view.orthographic ? "orthographic" : "perspective", text(view.position),
                      text(view.forward), text(view.right), text(view.up));
+}
+
+struct Record {
+  std::string key, value;
+};
+
+std::vector<Record> records_of(const std::string& identity) {
+  std::vector<Record> records;
+  std::istringstream lines(identity);
+  for (std::string text; std::getline(lines, text, ';');) {
+    const std::size_t split = std::min(text.find('='), text.size());
+    records.push_back({text.substr(0, split), text.substr(std::min(split + 1, text.size()))});
+  }
+  return records;
 }
 
 } // namespace
@@ -35,25 +51,24 @@ std::string identity_of(std::uint64_t scene_hash, const View& view, const Render
 }
 
 std::optional<std::string> first_difference(const std::string& identity, const std::string& expected) {
-  std::istringstream a(identity), b(expected);
-  std::string ours, theirs;
-  while (true) {
-    const bool more_a = static_cast<bool>(std::getline(a, ours, ';')),
-               more_b = static_cast<bool>(std::getline(b, theirs, ';'));
-    if (!more_a && !more_b) return std::nullopt;
-    if (!more_a || !more_b) return "other settings are recorded in it";
-    if (ours == theirs) continue;
-    const std::size_t split = ours.find('=');
-    if (split == std::string::npos || theirs.compare(0, split + 1, ours, 0, split + 1) != 0)
-      return "other settings are recorded in it";
-    const std::string key = ours.substr(0, split);
-    if (key == "scene") return "the scene is another";
-    if (key == "camera") return "the camera is another";
-    if (key == "nets") // what else decides that was compared before
+  const std::vector<Record> ours = records_of(identity), theirs = records_of(expected);
+  for (const Record& record : ours) {
+    const auto other = std::ranges::find(theirs, record.key, &Record::key);
+    if (other == theirs.end() || other->value == record.value) continue;
+    if (record.key == "scene") return "the scene is another";
+    if (record.key == "camera") return "the camera is another";
+    if (record.key == "nets") // what else decides that was compared before
       return fmt::format("its pixels have {} nets of samples, not {} ones (--aov variance and --denoise halve them)",
-                         ours.substr(split + 1), theirs.substr(split + 1));
-    return fmt::format("{} is {}, not {}", key, ours.substr(split + 1), theirs.substr(split + 1));
+                         record.value, other->value);
+    return fmt::format("{} is {}, not {}", record.key, record.value, other->value);
   }
+  // Where pixels share nothing no record says so.
+  const auto shares = [](const std::vector<Record>& records) {
+    return std::ranges::find(records, "reuse", &Record::key) != records.end();
+  };
+  if (shares(ours) != shares(theirs)) return shares(ours) ? "reuse is on, not off" : "reuse is off, not on";
+  if (identity != expected) return "other settings are recorded in it";
+  return std::nullopt;
 }
 
 } // namespace wavepath
