@@ -400,8 +400,7 @@ TEST(QuadsEstimate, IsThatOfSinglePixelsWhereTheyErrIndependently) {
     const ErrorEstimate single = estimate_error(film);
     film.quads = true;
     const ErrorEstimate quads = estimate_error(film);
-    // But for weights, which then look at neighbours in other quads alone.
-    EXPECT_NEAR(quads.relative_rms, single.relative_rms, 1e-3 * single.relative_rms);
+    EXPECT_NEAR(quads.relative_rms, single.relative_rms, 1e-12 * single.relative_rms);
     EXPECT_NEAR(scatter_of(quads) / scatter_of(single), 1.0, 0.15);
   }
 }

@@ -48,36 +48,28 @@ struct Rows {
   std::vector<PixelStatistics> pixels;
 };
 
-// Whether two neighbours have the same samples, or some in common: of a quad, which is a square but at a cut-off
-// border.
-bool errs_alike(const Film& film, int x, int y, int u, int v) {
-  return film.quads ? x / 2 == u / 2 && y / 2 == v / 2 : x == u && y == v;
-}
-
 // relMSE weighs a pixel by 1 / (r^2 + 0.01). The pixel's own mean alone would not do for r: a sample that is bright by
 // chance raises it along with the spread, and so hides its own error (up to a third of it, where noise is strong). So r
-// comes from the eight neighbours, or those of them that are in other quads, and from the pixel itself only as far as
-// it stands out from them by more than noise explains, at an edge; of that and the pixel's own mean, the one that
-// weighs more counts, because neighbours across an edge may be far brighter. `least_noise`: variance that the pixel's
-// mean has at least.
+// comes from the eight neighbours, and from the pixel itself only as far as it stands out from them by more than noise
+// explains, at an edge; of that and the pixel's own mean, the one that weighs more counts, because neighbours across an
+// edge may be far brighter. `least_noise`: variance that the pixel's mean has at least.
 glm::dvec3 weight(const Rows& rows, std::size_t index, double least_noise) {
   const int width = static_cast<int>(rows.film.width), height = static_cast<int>(rows.film.height);
   const int x = static_cast<int>(index % rows.film.width), y = static_cast<int>(index / rows.film.width);
   glm::dvec3 around(0.0), noise(0.0);
-  double count = 0.0, pixels = 0.0;
+  double count = 0.0;
   for (int v = std::max(y - 1, 0); v <= std::min(y + 1, height - 1); ++v)
     for (int u = std::max(x - 1, 0); u <= std::min(x + 1, width - 1); ++u) {
       const PixelStatistics& pixel = rows[static_cast<std::size_t>(v) * rows.film.width + static_cast<std::size_t>(u)];
       noise += pixel.variance;
-      ++pixels;
-      if (errs_alike(rows.film, x, y, u, v)) continue;
+      if (u == x && v == y) continue;
       around += pixel.mean;
       count += 1.0;
     }
   const PixelStatistics& own = rows[index];
   if (count == 0.0) return 1.0 / (own.mean * own.mean + kFloor);
   around /= count;
-  noise = glm::max(glm::max(noise / pixels, own.variance), least_noise);
+  noise = glm::max(glm::max(noise / (count + 1.0), own.variance), least_noise);
   const glm::dvec3 apart = own.mean - around, edge = glm::max(apart * apart - noise, 0.0);
   glm::dvec3 r = own.mean;
   for (int c = 0; c < 3; ++c)
