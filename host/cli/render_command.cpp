@@ -320,17 +320,18 @@ Choices settle_choices(RenderCommandRequest& request, Prepared& prepared) {
     if (choices.sky.samples > 0) settings.sky_samples = choices.sky.samples;
     settings.tries_sky = choices.sky.keeps_kernels;
     tell(choices.sky.samples > 1, sky_choice_text(choices.sky));
-    choices.reuse =
-        choose_reuse(*prepared.device, prepared.packed, prepared.view, settings, *prepared.kernels, prepared.on_device);
-    if (choices.reuse.pays) settings.reuse = kReuseOn;
-    settings.tries_reuse = choices.reuse.tries_reuse;
-    tell(choices.reuse.pays, reuse_choice_text(choices.reuse));
     const bool stands_for_others = settings.integrator->candidates != nullptr;
     choices.integrator = choose_integrator(*prepared.device, prepared.packed, prepared.view, settings,
                                            *prepared.kernels, prepared.on_device);
     settings = choices.integrator.settings;
     tell(stands_for_others && (!choices.integrator.trials.empty() || is_given(request.render, "integrator")),
          choice_text(choices.integrator));
+    // Last: what tells whether other ways are worth trying is the error of paths that share nothing.
+    choices.reuse =
+        choose_reuse(*prepared.device, prepared.packed, prepared.view, settings, *prepared.kernels, prepared.on_device);
+    if (choices.reuse.pays) settings.reuse = kReuseOn;
+    settings.tries_reuse = choices.reuse.tries_reuse;
+    tell(choices.reuse.pays, reuse_choice_text(choices.reuse));
   }
   if (needs_identity(request)) prepared.identity = identity_as(request, prepared, settings);
   return choices;

@@ -18,7 +18,6 @@ std::vector<RenderSettings> candidates(const RenderSettings& settings, const Pac
   path.integrator = &kPath;
   RenderSettings guided = path;
   guided.guide = true;
-  guided.reuse = kReuseOff; // of directions that the field draws
   RenderSettings bidirectional = settings;
   bidirectional.integrator = &kBidirectional;
   bidirectional.techniques &= ~gpu::kTechniqueMerge; // what is taken without being asked for is not biased
