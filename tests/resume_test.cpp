@@ -49,7 +49,7 @@ protected:
     all.insert(all.end(), flags.begin(), flags.end());
     return wavepath(all, options);
   }
-  // Renders that end early have no pilots of --reuse auto, and go on without: to these bits.
+  // Without pilots of --reuse auto: renders that end early have none and go on so, and pilots submit work, too.
   Outcome render_apart(const std::string& output, std::vector<std::string> flags, const RunOptions& options = {}) {
     flags.insert(flags.begin(), {"--reuse", "off"});
     return render(output, flags, options);
@@ -135,32 +135,40 @@ TEST_F(Resume, SurvivesBeingKilledAtAnyMoment) {
 }
 
 TEST_F(Resume, GoesOnAfterAnInterruptAndBeyondTheEnd) {
-  ASSERT_EQ(render_apart("whole.exr", {}).exit_code, 0);
-  ASSERT_EQ(render_apart("part.exr", {"--checkpoint", "state", "--spp", "20", "--time", "0.05"}).exit_code, 0);
-  ASSERT_EQ(render_apart("part.exr", {"--checkpoint", "state", "--resume", "--spp", "20"}).exit_code, 0);
-  ASSERT_EQ(render_apart("part.exr", {"--checkpoint", "state", "--resume"}).exit_code, 0);
-  expect_same_bits("part.exr", "whole.exr");
-  // The same again from the finished state renders nothing more.
-  const Outcome again = render_apart("again.exr", {"--checkpoint", "state", "--resume"});
-  ASSERT_EQ(again.exit_code, 0) << again.err;
-  expect_same_bits("again.exr", "whole.exr");
+  for (const char* reuse : {"off", "on"}) {
+    SCOPED_TRACE(reuse);
+    const auto go = [&](const std::string& output, std::vector<std::string> flags) {
+      flags.insert(flags.begin(), {"--reuse", reuse});
+      const Outcome outcome = render(output, flags);
+      ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    };
+    std::filesystem::remove(path("state"));
+    go("whole.exr", {});
+    go("part.exr", {"--checkpoint", "state", "--spp", "20", "--time", "0.05"});
+    go("part.exr", {"--checkpoint", "state", "--resume", "--spp", "20"});
+    go("part.exr", {"--checkpoint", "state", "--resume"});
+    expect_same_bits("part.exr", "whole.exr");
+    // The same again from the finished state renders nothing more.
+    go("again.exr", {"--checkpoint", "state", "--resume"});
+    expect_same_bits("again.exr", "whole.exr");
+  }
 }
 
 // What the last estimate held is written, with one line that says so, and a resumed render makes up for the rest.
 TEST_F(Resume, ALostDeviceLosesLittle) {
-  RunOptions lost; // without pilots of --reuse auto, which submit work as well
+  RunOptions lost;
   lost.in_child = [] { setenv("WAVEPATH_LOSE_DEVICE", "10", 1); };
-  ASSERT_EQ(render("whole.exr", {"--reuse", "off"}).exit_code, 0);
-  const Outcome outcome = render("part.exr", {"--reuse", "off", "--checkpoint", "state", "--stats", "part.json"}, lost);
+  ASSERT_EQ(render_apart("whole.exr", {}).exit_code, 0);
+  const Outcome outcome = render_apart("part.exr", {"--checkpoint", "state", "--stats", "part.json"}, lost);
   EXPECT_EQ(outcome.exit_code, 1);
   EXPECT_NE(outcome.err.find("was lost while rendering"), std::string::npos) << outcome.err;
   EXPECT_NE(outcome.err.find("--resume"), std::string::npos) << outcome.err;
   const std::uint32_t samples = nlohmann::json::parse(bytes("part.json"))["spp"];
   EXPECT_GE(samples, 2u);
   EXPECT_LT(samples, 48u);
-  ASSERT_EQ(render("short.exr", {"--reuse", "off", "--spp", std::to_string(samples)}).exit_code, 0);
+  ASSERT_EQ(render_apart("short.exr", {"--spp", std::to_string(samples)}).exit_code, 0);
   expect_same_bits("part.exr", "short.exr");
-  ASSERT_EQ(render("part.exr", {"--reuse", "off", "--checkpoint", "state", "--resume"}).exit_code, 0);
+  ASSERT_EQ(render_apart("part.exr", {"--checkpoint", "state", "--resume"}).exit_code, 0);
   expect_same_bits("part.exr", "whole.exr");
 }
 

@@ -1,7 +1,7 @@
 // Adds a wave's finished samples to the film, one lane a pixel, in the order of the samples.
 // Sums are exact: the mean does not depend on the order of samples or the size of waves, and many samples lose no
-// precision. A sample that is not finite is left out, and with it
-// those that share its path; the kernel that made it so has counted it.
+// precision. A sample that is not finite is left out, and with it those that share its path; the kernel that made it so
+// has counted it.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
