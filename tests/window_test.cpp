@@ -194,7 +194,7 @@ TEST_F(Window, ShowsThePicture) {
   const auto window = view({"--size", "360x240", "--spp", "4"});
   window->done();
   display_->xdotool({"key", "h"}); // hides the panel
-  render({"--size", "360x240", "--spp", "4", "--adaptive", "off", "-o", "whole.png"});
+  render({"--size", "360x240", "--spp", "4", "--adaptive", "off", "--reuse", "off", "-o", "whole.png"});
   const Picture whole = read_picture(path("whole.png"));
   // Values of the file are linear; on screen they are encoded.
   const auto differing = [&] {
