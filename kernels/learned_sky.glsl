@@ -1,7 +1,7 @@
-// Parts of an environment map, chosen in shares that were learned near a receiver: indoors most of a map is hidden, and a
-// surface sees half of it at most. The map is drawn from by two numbers (sample_environment_map); a part is a square of
-// these, so that all parts have the same probability without it and a net of numbers stays a net in every part. Include
-// bindings.glsl with BIND_LIGHTS, BIND_LIGHT_TREE and BIND_ENVIRONMENT first.
+// Parts of an environment map or of a sky of one colour, chosen in shares that were learned near a receiver: indoors most
+// of either is hidden, and a surface sees half of it at most. A direction is drawn by two numbers (sample_environment_map,
+// sky_direction); a part is a square of these, so that all parts have the same probability without it and a net of numbers
+// stays a net in every part. Include bindings.glsl with BIND_LIGHTS, BIND_LIGHT_TREE and BIND_ENVIRONMENT first.
 #ifndef WAVEPATH_LEARNED_SKY_GLSL
 #define WAVEPATH_LEARNED_SKY_GLSL
 
@@ -40,8 +40,17 @@ float pick_sky_part(Receiver receiver, inout uvec2 u) {
   return share * float(kSkyParts);
 }
 
-// The part, column and band, that has a world direction: what sample_environment_map would have drawn it by, undone.
+// A direction of a sky of one colour, and the two numbers that would have drawn it.
+vec3 sky_direction(uvec2 u) { return warp_uniform_sphere(unit_float(u)).xzy; }
+vec2 sky_numbers(vec3 d) {
+  float turns = atan2_exact(d.z, d.x) * (0.5 * kInvPi);
+  return vec2(0.5 - 0.5 * d.y, turns < 0.0 ? turns + 1.0 : turns);
+}
+
+// The part, column and band, that has a world direction: what it would have been drawn by, undone.
 uvec2 sky_part(vec3 direction) {
+  if (!has(kFeatureEnvironmentMap) || frame.environment_width == 0u)
+    return min(uvec2(max(sky_numbers(direction), 0.0) * float(kSkySide)), uvec2(kSkySide - 1u));
   vec3 d = environment_from_world(direction, frame.environment_rotation);
   EnvironmentPlace place = environment_place(d);
   uvec2 texel = place.texel;

@@ -37,8 +37,8 @@ std::map<std::string, std::string> members(const RenderSettings& settings) {
                interpolation, shininess, attenuation, depth_cue, transparency, transparency_layers,
                transparency_samples, branching, techniques, cutoff, denoise, antialias_over_time, mips, lights,
                light_samples, sky_samples, tries_sky, reuse, tries_reuse, adaptive, tries_adaptive, guide, moving,
-               specialize, aovs, guide_iterations, added_features, removed_features, learns_lights, light_pilot_paths,
-               light_shares, room_for_shadow_rays, room_for_whole_nets, room_for_mips, whole_nets_from, quad_scale,
+               specialize, aovs, guide_iterations, added_features, removed_features, learns_lights, learns_sky,
+               light_pilot_paths, light_shares, room_for_shadow_rays, room_for_whole_nets, room_for_mips, whole_nets_from, quad_scale,
                wave_slots] = settings;
   const auto text = [](const auto& value) { return fmt::format("{}", value); };
   return {{"integrator", std::string(integrator->name)},
@@ -114,6 +114,7 @@ std::map<std::string, std::string> members(const RenderSettings& settings) {
           {"added_features", text(added_features)},
           {"removed_features", text(removed_features)},
           {"learns_lights", text(learns_lights)},
+          {"learns_sky", text(learns_sky)},
           {"light_pilot_paths", text(light_pilot_paths)},
           {"light_shares", light_shares ? "taken over" : ""},
           {"room_for_shadow_rays", text(room_for_shadow_rays)},
@@ -136,6 +137,7 @@ const std::map<std::string, std::string> kExempt = {
     {"tries_reuse", "for pilots of reuse; the picture is the same"},
     {"tries_adaptive", "whether adaptive, where it is auto, looks for noise; kept in the state of a render"},
     {"learns_lights", "of windows, which do not where `lights` is auto"},
+    {"learns_sky", "for pilots of sky_samples, which are thrown away"},
     {"light_pilot_paths", "by the length of a render; kept in its state"},
     {"light_shares", "of pictures beside a render, which are thrown away"},
     {"room_for_mips", "for windows, whose frames in motion have one sample; the picture is the same"},

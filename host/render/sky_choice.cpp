@@ -33,6 +33,7 @@ RenderSettings sky_pilot_of(const RenderSettings& settings, std::uint32_t side, 
   small.guide = false;
   small.sky_samples = sky_samples;
   small.tries_sky = true;
+  small.learns_sky = false; // what it takes to learn depends on the length of the render
   return small;
 }
 

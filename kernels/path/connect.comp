@@ -20,7 +20,7 @@
 #include "kernels/path/nonfinite.glsl"
 #include "kernels/path/queue.glsl"
 #include "kernels/path/records.glsl"
-#include "kernels/path/sky.glsl"
+#include "kernels/path/sky_density.glsl"
 #include "kernels/path/path_sampler.glsl"
 #include "kernels/records.glsl"
 
@@ -55,12 +55,14 @@ void tally(Receiver receiver, uint first, uint columns, uint column, uint brough
     atomicMax(light_sums[behind + 1u], cells_around);
 }
 
+bool is_to_sky(ShadowRay ray) { return SHARES_SKY && ray.light == kNone; }
+
 void tally(ShadowRay ray, bool blocked) {
   Receiver receiver = unpack_receiver(texelFetch(receiver_texels, int(receiver_place(ray.slot))));
   float units = luminance(ray.contribution) * frame.light_sum_scale;
   uint brought = units > 0.0 ? uint(min(units, 1e9)) : 0u; // NaN: nothing
   bool is_environment = ray.light >= placed_lights();
-  if (uses_light_rows()) {
+  if (uses_light_rows() && !is_to_sky(ray)) {
     uint column = is_environment ? kEnvironmentColumn : kDirectionalColumn;
     if (ray.light < frame.local_light_count) column = light_trail_column(ray.light).y;
     tally(receiver, 0u, kTreeColumn, column, brought, blocked);
@@ -76,8 +78,6 @@ float queued_t_max;
 uint queued_target, queued_target_instance; // of the light
 ShadowRay shadow_ray;
 
-bool is_to_sky() { return SHARES_SKY && shadow_ray.light == kNone; }
-
 void begin_ray(uint index) {
   shadow_ray = fetch_shadow_ray((kLightSamples > 1u || SHARES_SKY ? queues.first_shadow : 0u) + index);
   queued_origin = shadow_ray.origin;
@@ -88,7 +88,7 @@ void begin_ray(uint index) {
   begin_shadow(shadow_ray.direction);
   queued_target = kNone;
   queued_target_instance = 0u;
-  if (has(kFeatureTriangleLights) && !is_to_sky()) {
+  if (has(kFeatureTriangleLights) && !is_to_sky(shadow_ray)) {
     Light light = fetch_light(shadow_ray.light);
     queued_target = light.kind == kLightTriangle ? light.triangle_id : kNone;
     queued_target_instance = light.instance;
@@ -97,7 +97,7 @@ void begin_ray(uint index) {
 
 void end_ray(uint index, Hit hit) {
   bool blocked = hit.triangle != kNone;
-  if (has(kFeatureLearning) && !is_to_sky()) tally(shadow_ray, blocked);
+  if (has(kFeatureLearning) && (LEARNS_SKY || !is_to_sky(shadow_ray))) tally(shadow_ray, blocked);
   if (blocked) return;
   // One shadow ray a path in this queue: no other lane writes this slot.
   PathState path = fetch_path(shadow_ray.slot);

@@ -7,7 +7,7 @@
 #include "kernels/path/found_light.glsl"
 #include "kernels/path/medium.glsl"
 #include "kernels/path/receiver.glsl"
-#include "kernels/path/sky.glsl"
+#include "kernels/path/sky_density.glsl"
 
 // The environment in the ray's direction, as much of it as next-event estimation leaves to the BSDF.
 void escape(Ray ray, inout PathState path) {
@@ -19,6 +19,8 @@ void escape(Ray ray, inout PathState path) {
   if (has(kFeatureVolume)) path.throughput *= medium_transmittance(current_body(slot), kFarAway);
   float light_pdf;
   vec3 radiance = environment_emission(ray.direction, light_pdf);
+  if (LEARNS_SKY) // over the light samples, as the density that the path keeps
+    light_pdf = learned_sky_pdf(1.0) / float(light_samples_at(kLightSamples, max(wave.bounce, 1u) - 1u));
   if (wants_light_weight(path) && light_pdf > 0.0) light_pdf *= environment_ratio(fetch_receiver(slot), ray.direction);
   add_radiance(path, slot, path.throughput * radiance * emission_weight(path.bsdf_pdf, light_pdf) * sky_share(path.bsdf_pdf));
 }

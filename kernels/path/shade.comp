@@ -32,7 +32,7 @@
 #include "kernels/path/receiver.glsl"
 #include "kernels/path/reuse_vertex.glsl"
 #include "kernels/path/records.glsl"
-#include "kernels/path/sky.glsl"
+#include "kernels/path/sky_density.glsl"
 #include "kernels/path/path_sampler.glsl"
 #include "kernels/ray_cone.glsl"
 #include "kernels/records.glsl"
@@ -97,31 +97,40 @@ void connect_to_lights(Vertex v, Lobes lobes, Receiver receiver, Sampler path_sa
   }
 }
 
-// A shadow ray to the sky, in a direction drawn as those of scattered rays are: true if it is worth tracing.
-bool sample_sky(Vertex v, Lobes lobes, Sampler sky_sampler, uint slot, vec3 radiance, out ShadowRay ray) {
+// A direction in which a vertex looks for the sky, and the weight of the sky's radiance: false if it brings nothing.
+bool sample_sky(Vertex v, Lobes lobes, Receiver receiver, Sampler sky_sampler, out vec3 wi, out vec3 weight) {
   uint dimension = kDimensionSky + 2u * wave.bounce;
-  BsdfSample s;
-  vec3 wi;
   float bsdf_pdf;
+  if (LEARNS_SKY) {
+    uvec2 u = sample_bits(sky_sampler, dimension);
+    float density = learned_sky_pdf(pick_sky_part(receiver, u));
+    wi = sky_direction(u);
+    if (!sides_agree(v, wi)) return false;
+    weight = vertex_eval(v, lobes, wi, bsdf_pdf);
+    if (has(kFeatureGuide)) bsdf_pdf = guided_pdf(guide, bsdf_pdf, wi);
+    weight *= mis_weight(density, bsdf_pdf) / density;
+    return true;
+  }
+  BsdfSample s;
   if (!guided_sample(v, lobes, guide, sample_2d(sky_sampler, dimension + 1u).x, sample_2d(sky_sampler, dimension), s, wi, bsdf_pdf))
     return false;
-  if (s.pdf < 0.0 || !sides_agree(v, wi)) return false; // a delta lobe is the path's own
-  ray.contribution = radiance * s.weight * transmittance_towards(v, wi, kFarAway, slot);
-  if (is_finite(ray.contribution) && max_component(ray.contribution) <= 0.0) return false;
-  ray.slot = slot;
-  ray.light = kNone;
-  ray.origin = offset_ray_origin(v.surface.position, v.surface.position_error, v.surface.geometric_normal, wi);
-  ray.direction = wi;
-  ray.t_max = kFar;
-  return true;
+  weight = s.weight / float(frame.sky_samples);
+  return s.pdf >= 0.0 && sides_agree(v, wi); // a delta lobe is the path's own
 }
 
 // The directions towards the sky that are not the path's own, whose shadow rays go to queues of their own.
-void connect_to_sky(Vertex v, Lobes lobes, Sampler path_sampler, uint slot, vec3 throughput) {
-  vec3 radiance = throughput * frame.environment_radiance / float(frame.sky_samples);
+void connect_to_sky(Vertex v, Lobes lobes, Receiver receiver, Sampler path_sampler, uint slot, vec3 throughput) {
   for (uint i = 1u; i < frame.sky_samples; ++i) {
+    vec3 wi, weight;
+    if (!sample_sky(v, lobes, receiver, one_of(path_sampler, i - 1u, frame.sky_samples - 1u), wi, weight)) continue;
     ShadowRay ray;
-    if (!sample_sky(v, lobes, one_of(path_sampler, i - 1u, frame.sky_samples - 1u), slot, radiance, ray)) continue;
+    ray.contribution = throughput * frame.environment_radiance * weight * transmittance_towards(v, wi, kFarAway, slot);
+    if (is_finite(ray.contribution) && max_component(ray.contribution) <= 0.0) continue;
+    ray.slot = slot;
+    ray.light = kNone;
+    ray.origin = offset_ray_origin(v.surface.position, v.surface.position_error, v.surface.geometric_normal, wi);
+    ray.direction = wi;
+    ray.t_max = kFar;
     store_shadow_ray(i * frame.slot_count + atomicAdd(queues.shadow_count[i], 1u), ray);
   }
 }
@@ -231,20 +240,22 @@ void follow(Ray ray, Hit hit, inout PathState path, out bool wants_ray, out Ray 
       guide = bsdf_has_smooth(v.bsdf) ? find_guide(lobes, v.bsdf.alpha, v.surface.position) : no_guide();
     Sampler path_sampler = fetch_sampler(slot);
     uint dimension = bounce_dimension(wave.bounce);
-    bool is_receiver = kDirect != kDirectBsdf && frame.light_count > 0u && bsdf_has_smooth(v.bsdf), passed;
+    bool connects = kDirect != kDirectBsdf && frame.light_count > 0u && bsdf_has_smooth(v.bsdf), passed;
+    bool looks_for_sky = SHARES_SKY && bsdf_has_smooth(v.bsdf);
     uvec4 earlier = uvec4(0u);
     if (uses(kFeaturePanes) && keeps_receivers()) earlier = texelFetch(receiver_texels, int(receiver_place(slot)));
-    if (is_receiver) {
-      Receiver receiver = store_receiver(slot, v);
+    Receiver receiver;
+    if (connects || looks_for_sky) receiver = store_receiver(slot, v);
+    if (connects) {
       // A single one goes to its queue with the path's own ray, which takes AMD's compiler 108 registers instead of 120.
       if (TAKES_MORE_LIGHT_SAMPLES) connect_to_lights(v, lobes, receiver, path_sampler, dimension, slot, path.throughput);
       else wants_shadow = connect_to_light(v, lobes, receiver, path_sampler, dimension, slot, path.throughput, shadow);
     }
-    if (SHARES_SKY && bsdf_has_smooth(v.bsdf)) connect_to_sky(v, lobes, path_sampler, slot, path.throughput);
+    if (looks_for_sky) connect_to_sky(v, lobes, receiver, path_sampler, slot, path.throughput);
     wants_ray = scatter(v, lobes, path_sampler, dimension, slot, receives, path, next, passed);
     // A pane with a diffuse share receives light, too, but what goes straight on comes from the vertex before it. (A pilot
     // that learns counts the pane's own shadow ray for that vertex: it makes shares less apt, never wrong.)
-    if (passed && is_receiver && keeps_receivers()) receiver_words[receiver_place(slot)] = earlier;
+    if (passed && connects && keeps_receivers()) receiver_words[receiver_place(slot)] = earlier;
   }
 }
 

@@ -88,7 +88,8 @@ constinit const IntegratorKind kPath = {
     .bytes_per_slot =
         [](gpu::Feature features, const RenderSettings& settings) {
           features |= features_of(settings) & gpu::kFeatureAdaptive;
-          if (features & gpu::kFeatureEnvironmentMap) features |= features_of(settings) & gpu::kFeatureLearnedSky;
+          if (features & gpu::kFeatureEnvironmentMap || sky_samples_of(settings, features) > 1)
+            features |= features_of(settings) & gpu::kFeatureLearnedSky;
           const std::uint32_t reuse = reuses_paths(settings) || tries_reuse(settings, features) ? kRoomForReuse : 0;
           return bytes_per_path(features, kRoomForShadowRays | kRoomForSortedRays | reuse,
                                 std::max(light_samples_of(settings, features), sky_samples_of(settings, features)));

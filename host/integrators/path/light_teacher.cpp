@@ -10,6 +10,7 @@
 #include "host/integrators/path/light_rows.h"
 #include "host/integrators/path/sky_rows.h"
 #include "host/render/loop/segments.h"
+#include "host/render/settings/light_samples.h"
 
 namespace wavepath {
 namespace {
@@ -26,8 +27,9 @@ bool chooses_by_shares(const PackedScene& scene, const RenderSettings& settings)
 }
 
 bool chooses_parts_of_sky(const PackedScene& scene, const RenderSettings& settings) {
-  return (features_for(scene, settings) & gpu::kFeatureLearnedSky) != 0 && !scene.environment_ends.empty() &&
-         scene.environment_probability > 0.0f && settings.max_depth > 0;
+  const bool of_map = !scene.environment_ends.empty() && scene.environment_probability > 0.0f && settings.max_depth > 0;
+  const bool of_one_colour = settings.learns_sky && sky_samples_of(settings, scene.features) > 1;
+  return (features_for(scene, settings) & gpu::kFeatureLearnedSky) != 0 && (of_map || of_one_colour);
 }
 
 // A picture of about that many paths, the render's own or a smaller one. 0: as many as parts have, of the render's own.

@@ -50,7 +50,7 @@ KernelConfig kernel_config(gpu::Feature features, std::uint32_t stack_size, cons
   if (!settings.integrator->nests_bodies) features &= ~gpu::kLobeNested;
   if (!wants_mips(settings)) features &= ~gpu::kFeatureMips;
   features = (features | settings.added_features) & ~settings.removed_features;
-  if (!(features & gpu::kFeatureEnvironmentMap)) features &= ~gpu::kFeatureLearnedSky;
+  if (!(features & gpu::kFeatureEnvironmentMap) && !shares_sky) features &= ~gpu::kFeatureLearnedSky;
   const std::uint32_t nets =
       has_whole_nets(settings) || settings.room_for_whole_nets ? gpu::kNetsWhole : gpu::kNetsHalved;
   const std::uint32_t motion = settings.moving && takes(*settings.integrator, "shutter") ? 1u : 0u;

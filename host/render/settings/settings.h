@@ -134,6 +134,7 @@ struct RenderSettings {
   // them out, and left out though it needs them.
   gpu::Feature added_features = 0, removed_features = 0;
   bool learns_lights = true;                // by a pilot, where `lights` asks for it
+  bool learns_sky = true;                   // of one colour, where lights are learned and sky_samples > 1
   std::uint64_t light_pilot_paths = 0;      // of that pilot; 0 = as parts have (light_teacher.cpp)
   LightShares light_shares;                 // of another picture of the scene, in place of a pilot that learns them
   bool room_for_shadow_rays = false;        // even where no light is sampled

@@ -1,0 +1,21 @@
+// With which density the vertices of sky.glsl look for the sky, and what of it that leaves to the path's own ray. Include
+// bindings.glsl with BIND_LIGHTS, BIND_LIGHT_TREE and BIND_ENVIRONMENT first.
+#ifndef WAVEPATH_PATH_SKY_DENSITY_GLSL
+#define WAVEPATH_PATH_SKY_DENSITY_GLSL
+
+#include "kernels/learned_sky.glsl"
+#include "kernels/path/sky.glsl"
+
+#define LEARNS_SKY (SHARES_SKY && uses_learned_sky()) // whether further directions are drawn by what was learned
+
+// The density per solid angle of all of them together, given how many times more probable the part of one has become.
+float learned_sky_pdf(float part_ratio) {
+  return float(frame.sky_samples - 1u) * warp_uniform_sphere_pdf() * part_ratio;
+}
+
+// What is left of the sky to the path's own ray, whose PathState holds `bsdf_pdf`, where nothing was learned.
+float sky_share(float bsdf_pdf) {
+  return SHARES_SKY && !LEARNS_SKY && bsdf_pdf >= 0.0 ? 1.0 / float(frame.sky_samples) : 1.0;
+}
+
+#endif
