@@ -9,6 +9,7 @@
 #include "host/cli/scene_flags.h"
 #include "host/gpu/device.h"
 #include "host/render/device/workspace.h"
+#include "host/render/memory_plan.h"
 #include "host/render/report/stats.h"
 #include "host/render/settings/integrator_kind.h"
 #include "host/scene/pack/plan.h"
@@ -72,7 +73,7 @@ int run_devices(const InfoCommandRequest& request) {
 std::uint64_t guide_bytes() {
   RenderSettings guided;
   guided.guide = true;
-  return guided.integrator->extra_bytes ? guided.integrator->extra_bytes(guided) : 0;
+  return total_bytes(guided.integrator->items(guided, {}, 0));
 }
 
 // Of the film of a picture of the usual size, with whole and with halved nets.
