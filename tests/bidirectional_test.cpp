@@ -212,7 +212,7 @@ TEST_F(BidirectionalTest, LightVerticesAreCounted) {
   const Subject subject(corner(), deep);
   DeviceInfo small = device().info();
   small.memory_bytes = std::uint64_t{64} << 20;
-  const std::uint64_t slots = choose_slots(small, subject.packed, deep);
+  const std::uint64_t slots = choose_slots(small, subject.packed.features, deep);
   EXPECT_LE(slots * kBidirectional.bytes_per_slot(subject.packed.features, deep), small.memory_bytes / 8);
   EXPECT_TRUE(render(Subject(corner(), shallow), path_settings(1, 1)).film->splats.empty());
 }

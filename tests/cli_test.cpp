@@ -214,6 +214,52 @@ TEST(Info, TellsWhatASceneHolds) {
   EXPECT_NE(text.out.find("triangles   36 seen"), std::string::npos) << text.out;
 }
 
+TEST(Info, TellsWhatARenderTakes) {
+  using Json = nlohmann::json;
+  const auto renders = [](const std::string& scene, const std::vector<std::string>& flags) {
+    std::vector<std::string> arguments = {"info", scene, "--json", "--size", "64x48"};
+    arguments.insert(arguments.end(), flags.begin(), flags.end());
+    const Outcome outcome = run_wavepath(arguments);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    return Json::parse(outcome.out)["renders"];
+  };
+  const auto only = [&](const std::string& scene, const std::vector<std::string>& flags) {
+    const Json all = renders(scene, flags);
+    EXPECT_EQ(all.size(), 1u);
+    return all[0];
+  };
+  const Json path = only(kBox, {"--integrator", "path", "--reuse", "off"});
+  EXPECT_EQ(path["flags"], "path --reuse off");
+  EXPECT_EQ(path["size"], Json({64, 48}));
+  for (const char* item : {"film of splats", "photons", "guiding field", "learned lights", "learned sky"})
+    EXPECT_FALSE(path["bytes"].contains(item)) << item;
+  EXPECT_EQ(path["path_bytes"].size(), 2u) << path["path_bytes"]; // with the total
+  EXPECT_GT(only(kBox, {"--reuse", "on"})["path_bytes"]["records for neighbours"], 0);
+  EXPECT_GT(only(kBox, {"--guide"})["bytes"]["guiding field"], 1 << 20);
+
+  const std::string bulb = scene_file("caustics/bulb_point.glb"), lit = scene_file("furnace_lambert.gltf");
+  const std::vector<std::string> both = {"--integrator", "bidirectional", "--max-depth", "5"};
+  const Json dull = only(kBox, both), smooth = only(bulb, both);
+  EXPECT_EQ(dull["path_bytes"]["light vertices"], 4 * 64);
+  EXPECT_GT(dull["bytes"]["film of splats"], 0);
+  EXPECT_FALSE(dull["bytes"].contains("photons")) << "no surface is smooth";
+  EXPECT_GT(smooth["bytes"]["photons"], 0);
+  EXPECT_GT(only(lit, {"--integrator", "path"})["bytes"]["learned sky"], 0);
+  std::uint64_t sum = 0;
+  for (const auto& [name, bytes] : smooth["bytes"].items())
+    if (name != "total") sum += bytes.get<std::uint64_t>();
+  EXPECT_EQ(smooth["bytes"]["total"], sum);
+
+  const Json ways = renders(bulb, {});
+  ASSERT_EQ(ways.size(), 3u) << "those of --integrator auto";
+  EXPECT_EQ(ways[1]["flags"], "path --guide");
+  const Outcome text = run_wavepath({"info", kBox, "--integrator", "bidirectional"});
+  for (const char* words :
+       {"\n  bidirectional\n    at 1280x720 at most ", "\n    film of splats ", "\n    light vertices "})
+    EXPECT_NE(text.out.find(words), std::string::npos) << words << "\n" << text.out;
+  expect_error({"info", kBox, "--integrator", "hybrid", "--guide"}, 2, "is not taken by --integrator hybrid");
+}
+
 TEST(Info, TellsWhatLightsTheSceneByRule) {
   const auto lights = [](const char* scene, const std::vector<std::string>& extra = {}) {
     std::vector<std::string> arguments = {"info", scene_file(scene), "--json"};

@@ -1,6 +1,8 @@
 // --integrator auto: what it takes, that it takes the same each time, and that short renders pay nothing for it.
-#include <gtest/gtest.h>
+#include <functional>
 #include <memory>
+
+#include <gtest/gtest.h>
 
 #include "host/integrators/automatic/kind.h"
 #include "host/integrators/bidirectional/kind.h"
@@ -25,12 +27,15 @@ protected:
   static inline std::unique_ptr<KernelCompiler> kernels_;
   static void TearDownTestSuite() { kernels_.reset(); }
 
-  IntegratorChoice choose(const std::string& file, RenderSettings settings, const ViewRequest& seen = {}) {
+  using Fits = std::function<bool(const RenderSettings&)>;
+  IntegratorChoice choose(
+      const std::string& file, RenderSettings settings, const ViewRequest& seen = {},
+      const Fits& fits = [](const RenderSettings&) { return true; }) {
     if (!kernels_) kernels_ = std::make_unique<KernelCompiler>(device());
     Scene scene = load_gltf(kScenes + file);
     const View view = resolve_view(scene, seen, settings.width, settings.height);
     SceneOnDevice on_device;
-    return choose_integrator(device(), pack(scene, {.eye = view.position}), view, settings, *kernels_, on_device);
+    return choose_integrator(device(), pack(scene, {.eye = view.position}), view, settings, *kernels_, on_device, fits);
   }
   static RenderSettings settings(std::uint32_t spp) {
     RenderSettings settings;
@@ -55,6 +60,22 @@ TEST_F(IntegratorChoiceTest, TakesBidirectionalWhereALampIsBehindGlass) {
     EXPECT_EQ(first.trials[i].cost, again.trials[i].cost); // by counted work, not by the clock
     EXPECT_EQ(first.trials[i].hi, again.trials[i].hi);
   }
+}
+
+TEST_F(IntegratorChoiceTest, LeavesOutWhatDoesNotFitIntoMemory) {
+  const auto paths_alone = [](const RenderSettings& way) { return !way.guide && !way.integrator->splats; };
+  const IntegratorChoice alone = choose("caustics/bulb_point.glb", settings(64), {}, paths_alone);
+  EXPECT_EQ(alone.settings.integrator, &kPath);
+  EXPECT_TRUE(alone.trials.empty());
+  EXPECT_EQ(choice_text(alone),
+            "auto took path without a trial; there is too little memory for path --guide or "
+            "bidirectional --techniques hit,light,connect,splat");
+  const auto no_guide = [](const RenderSettings& way) { return !way.guide; };
+  const IntegratorChoice two = choose("caustics/bulb_point.glb", settings(64), {}, no_guide);
+  EXPECT_EQ(two.settings.integrator, &kBidirectional);
+  EXPECT_EQ(two.trials.size(), 2u);
+  EXPECT_NE(choice_text(two).find("; there is too little memory for path --guide"), std::string::npos)
+      << choice_text(two);
 }
 
 TEST_F(IntegratorChoiceTest, TriesNothingElseWhereTheSceneIsEasy) {

@@ -70,6 +70,16 @@ TEST(Plan, CountsWhatIsShown) {
   EXPECT_EQ(p.largest_buffer, 32u * 16);
 }
 
+TEST(Plan, TellsOfSmoothSurfacesInUse) {
+  Scene scene = triangle_scene();
+  scene.materials[0].specular = scene.materials[0].roughness = 1.0f;
+  scene.materials.push_back(scene.materials[0]); // not in use
+  scene.materials[1].roughness = 0.0f;
+  EXPECT_FALSE(plan(scene).smooth_surfaces);
+  scene.materials[0].roughness = 0.0f;
+  EXPECT_TRUE(plan(scene).smooth_surfaces);
+}
+
 TEST(Plan, CountsTexelsOnceAnImage) {
   Scene scene = triangle_scene();
   scene.images.push_back({"bytes", 16, 16, std::vector<std::uint8_t>(1024, 255), {}});

@@ -69,8 +69,8 @@ std::uint64_t available_memory() {
   return std::min({read_entry("/proc/meminfo", "MemAvailable:", 1024), control_group_room(), address_space_room()});
 }
 
-void require_memory(const std::string& where, const std::string& what, std::uint64_t bytes, const std::string& remedy) {
-  const std::uint64_t available = available_memory();
+void require_memory(const std::string& where, const std::string& what, std::uint64_t bytes, const std::string& remedy,
+                    std::uint64_t available) {
   if (bytes > available)
     throw Error(
         where,

@@ -11,8 +11,9 @@ namespace wavepath {
 // its address-space limit. The maximum of the type if none of them is known.
 std::uint64_t available_memory();
 
-// Throws Error(where, ...) naming both numbers if `bytes` for `what` exceed available_memory(); `remedy` as in Error.
-void require_memory(const std::string& where, const std::string& what, std::uint64_t bytes, const std::string& remedy);
+// Throws Error(where, ...) naming both numbers if `bytes` for `what` exceed `available`; `remedy` as in Error.
+void require_memory(const std::string& where, const std::string& what, std::uint64_t bytes, const std::string& remedy,
+                    std::uint64_t available = available_memory());
 
 // "1.5 GiB".
 std::string to_size_text(std::uint64_t bytes);

@@ -23,7 +23,7 @@ gpu::ShadowRay as_shadow_ray(const gpu::Ray& ray) {
 
 RayReplay::RayReplay(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings,
                      KernelCompiler& kernels, std::shared_ptr<const DeviceScene> uploaded)
-    : workspace_(device, scene, choose_slots(device.info(), scene, settings), traversal_of(settings),
+    : workspace_(device, scene, choose_slots(device.info(), scene.features, settings), traversal_of(settings),
                  std::move(uploaded)),
       paths_(workspace_, kernels) {
   workspace_.change(view, settings);

@@ -1,4 +1,4 @@
-// wavepath info: the Vulkan devices of this machine, or the contents and needs of a scene.
+// wavepath info: the Vulkan devices of this machine, or the contents of a scene and what a render of it needs.
 #include <memory>
 
 #include <fmt/format.h>
@@ -6,11 +6,16 @@
 #include "host/base/memory.h"
 #include "host/cli/commands.h"
 #include "host/cli/flags.h"
+#include "host/cli/render_flags.h"
 #include "host/cli/scene_flags.h"
 #include "host/gpu/device.h"
 #include "host/render/device/workspace.h"
+#include "host/render/integrator_choice.h"
+#include "host/render/memory_plan.h"
 #include "host/render/report/stats.h"
 #include "host/render/settings/integrator_kind.h"
+#include "host/render/settings/mips.h"
+#include "host/render/settings/shadow_settings.h"
 #include "host/scene/pack/plan.h"
 
 namespace wavepath {
@@ -20,6 +25,7 @@ using Json = nlohmann::ordered_json;
 
 struct InfoCommandRequest {
   SceneRequest scene;
+  RenderRequest render;
   bool json = false;
 };
 
@@ -68,11 +74,33 @@ int run_devices(const InfoCommandRequest& request) {
   return kExitDone;
 }
 
+Json to_json(const std::vector<MemoryItem>& items) {
+  Json json = Json::object();
+  for (const MemoryItem& item : items) json[std::string(item.name)] = item.bytes;
+  json["total"] = total_bytes(items);
+  return json;
+}
+
+// What a render takes besides the scene: each of the ways that --integrator auto may take.
+Json describe_renders(const RenderSettings& settings, const Plan& planned, const PackedScene& packed) {
+  std::vector<RenderSettings> ways = {settings};
+  if (settings.integrator->candidates) ways = settings.integrator->candidates(settings, packed);
+  Json renders = Json::array();
+  for (const RenderSettings& way : ways) {
+    const MemoryPlan plan = plan_memory(way, planned, packed.features);
+    renders.push_back({{"flags", way_text(way)},
+                       {"size", {way.width, way.height}},
+                       {"bytes", to_json(plan.render)},
+                       {"path_bytes", to_json(plan.path)}});
+  }
+  return renders;
+}
+
 // What --guide takes besides, whatever the scene.
 std::uint64_t guide_bytes() {
   RenderSettings guided;
   guided.guide = true;
-  return guided.integrator->extra_bytes ? guided.integrator->extra_bytes(guided) : 0;
+  return total_bytes(guided.integrator->items(guided, {}, 0));
 }
 
 // Of the film of a picture of the usual size, with whole and with halved nets.
@@ -130,6 +158,18 @@ std::string join_or_none(const std::vector<std::string>& words) {
   return words.empty() ? "none" : fmt::format("{}", fmt::join(words, ", "));
 }
 
+void print_render(const Json& render) {
+  const auto number = [](const Json& json) { return json.get<std::uint64_t>(); };
+  const Json &bytes = render["bytes"], &path_bytes = render["path_bytes"];
+  fmt::print("  {}\n    at {}x{} at most {} more, and {} for each path in flight\n", render["flags"].get<std::string>(),
+             number(render["size"][0]), number(render["size"][1]), to_size_text(number(bytes["total"])),
+             to_size_text(number(path_bytes["total"])));
+  for (const auto& [what, count] : bytes.items())
+    if (what != "total") fmt::print("    {:<24}{}\n", what, to_size_text(number(count)));
+  for (const auto& [what, count] : path_bytes.items())
+    if (what != "total") fmt::print("    {:<24}{} a path\n", what, to_size_text(number(count)));
+}
+
 void print_scene(const Json& about, const std::vector<std::string>& extensions) {
   const auto number = [](const Json& json) { return json.get<std::uint64_t>(); };
   const Json &lights = about["lights"], &bytes = about["bytes"];
@@ -151,25 +191,26 @@ void print_scene(const Json& about, const std::vector<std::string>& extensions) 
   fmt::print("  planned     {} on the device\n", to_size_text(number(bytes["total"])));
   for (const auto& [what, count] : bytes.items())
     if (what != "total" && number(count) > 0) fmt::print("    {:<12}{}\n", what, to_size_text(number(count)));
-  fmt::print("  --guide     {} more at most\n", to_size_text(number(about["guide_bytes"])));
-  const Json& film = about["film_bytes"];
-  fmt::print("  film        {} at {}x{}; {} where nets are halved, as for --aov variance\n",
-             to_size_text(number(film["whole_nets"])), number(film["size"][0]), number(film["size"][1]),
-             to_size_text(number(film["halved_nets"])));
+  for (const Json& render : about["renders"]) print_render(render);
   fmt::print("  left out{}\n", about["left_out"].empty() ? "    nothing" : "");
   for (const Json& entry : about["left_out"])
     fmt::print("    {}: {}{}\n", entry["what"].get<std::string>(), entry["why"].get<std::string>(),
                number(entry["bytes"]) > 0 ? ", saves " + to_size_text(number(entry["bytes"])) : "");
 }
 
-int run_scene(const InfoCommandRequest& request) {
+int run_scene(InfoCommandRequest& request) {
+  settle_settings(request.scene, request.render);
+  RenderSettings& settings = request.render.settings;
   LoadedScene loaded = load_scene(request.scene);
   Scene& scene = loaded.scene;
-  const Plan planned = plan(scene);
+  const Packing packing{.direct = direct_of(settings), .lights = settings.lights, .mips = wants_mips(settings)};
+  const Plan planned = plan(scene, packing);
   require_memory(request.scene.path, "packing it", planned.total(), "use a simpler scene");
-  const PackedScene packed = pack(scene);
+  const PackedScene packed = pack(scene, packing);
+  settings.moving = packed.moves();
   Json about = describe(request.scene.path, scene, planned, packed);
   about["lights"]["by_rule"] = loaded.light;
+  about["renders"] = describe_renders(settings, planned, packed);
   if (request.json) {
     fmt::print("{}", to_text(about));
   } else {
@@ -182,9 +223,12 @@ int run_scene(const InfoCommandRequest& request) {
 } // namespace
 
 Command add_info(CLI::App& app) {
-  CLI::App* command = add_command(app, "info", "tell what devices there are, or what a scene holds and needs");
+  CLI::App* command =
+      add_command(app, "info", "tell what devices there are, or what a scene holds and a render of it needs");
   const auto request = std::make_shared<InfoCommandRequest>();
   add_scene_flags(*command, request->scene, false);
+  add_shutter_flag(*command, request->scene);
+  add_settings_of_render(*command, request->render);
   add_switch(*command, "Output", {"--json", "", "print one JSON document", "off"}, request->json);
   return [request] { return request->scene.path.empty() ? run_devices(*request) : run_scene(*request); };
 }

@@ -10,7 +10,6 @@
 #include "host/gpu/device.h"
 #include "host/render/device/kernel_compiler.h"
 #include "host/scene/pack/pack.h"
-#include "host/scene/pack/plan.h"
 
 namespace wavepath {
 
@@ -27,10 +26,5 @@ OpenScene open_scene(const SceneRequest& scene, const RenderRequest& render,
 
 // Throws Error unless there is such a file.
 void require_file(const std::string& path);
-
-// Throws Error unless host memory holds the packed scene, the film as read back and the picture; with a CPU device, its
-// buffers as well.
-void require_memory_for(const std::string& path, const RenderSettings& settings, const Plan& plan,
-                        const DeviceInfo& device);
 
 } // namespace wavepath

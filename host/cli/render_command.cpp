@@ -27,6 +27,7 @@
 #include "host/render/denoised.h"
 #include "host/render/depth_cut.h"
 #include "host/render/integrator_choice.h"
+#include "host/render/memory_plan.h"
 #include "host/render/pilot_length.h"
 #include "host/render/report/diagnosis.h"
 #include "host/render/report/state_file.h"
@@ -40,6 +41,8 @@
 #include "host/render/settings/shadow_settings.h"
 #include "host/render/settings/textures.h"
 #include "host/render/sky_choice.h"
+#include "host/scene/pack/features.h"
+#include "host/scene/pack/plan.h"
 #include "host/scene/scene_hash.h"
 
 namespace wavepath {
@@ -173,14 +176,7 @@ std::vector<TrueError> align(std::vector<TrueError> errors, std::size_t checkpoi
 
 // Refuses what cannot work before the time of loading and rendering is spent. Returns the reference, if there is one.
 std::optional<Picture> check(RenderCommandRequest& request) {
-  settle_samples(request.render);
-  settle_default_integrator(request.render);
-  check_integrator(request.render);
-  check_shutter(request.scene, request.render.settings);
-  settle_strict(request.render);
-  request.render.settings.tries_sky = may_try_sky(request.render.settings, false); // the device is not known yet
-  request.render.settings.tries_reuse = where_to_try_reuse(request.render.settings, false);
-  settle_adaptive(request.render);
+  settle_settings(request.scene, request.render);
   check_replay(request.render);
   settle_devices(request.render);
   if (request.render.pixel && !request.output.tev.empty())
@@ -205,6 +201,7 @@ struct Prepared {
   std::vector<OtherDevice> others;
   std::unique_ptr<TevViewer> viewer; // of --tev
   View view;
+  std::optional<MemoryCheck> memory;
   PackedScene packed;
   SceneOnDevice on_device;      // on `device`
   std::uint64_t scene_hash = 0; // where the identity needs it
@@ -244,7 +241,8 @@ Prepared prepare(const RenderCommandRequest& request) {
                   .samplers = sampler_limits(settings, device)};
   for (const OtherDevice& other : prepared.others)
     packing.samplers = common_limits(packing.samplers, other.device->info());
-  require_memory_for(request.scene.path, settings, plan(scene, packing), device);
+  prepared.memory.emplace(request.scene.path, plan(scene, packing), expected_features(scene, packing.direct), device);
+  prepared.memory->require(settings);
   if (needs_identity(request)) prepared.scene_hash = hash_scene(scene);
   prepared.view = view;
   prepared.packed = pack(scene, packing);
@@ -321,11 +319,12 @@ Choices settle_choices(RenderCommandRequest& request, Prepared& prepared) {
     settings.tries_sky = choices.sky.keeps_kernels;
     tell(choices.sky.samples > 1, sky_choice_text(choices.sky));
     const bool stands_for_others = settings.integrator->candidates != nullptr;
-    choices.integrator = choose_integrator(*prepared.device, prepared.packed, prepared.view, settings,
-                                           *prepared.kernels, prepared.on_device);
+    choices.integrator =
+        choose_integrator(*prepared.device, prepared.packed, prepared.view, settings, *prepared.kernels,
+                          prepared.on_device, [&](const RenderSettings& way) { return prepared.memory->fits(way); });
     settings = choices.integrator.settings;
-    tell(stands_for_others && (!choices.integrator.trials.empty() || is_given(request.render, "integrator")),
-         choice_text(choices.integrator));
+    const bool chose = !choices.integrator.trials.empty() || !choices.integrator.too_large.empty();
+    tell(stands_for_others && (chose || is_given(request.render, "integrator")), choice_text(choices.integrator));
     // Last: what tells whether other ways are worth trying is the error of paths that share nothing.
     choices.reuse =
         choose_reuse(*prepared.device, prepared.packed, prepared.view, settings, *prepared.kernels, prepared.on_device);
@@ -333,6 +332,7 @@ Choices settle_choices(RenderCommandRequest& request, Prepared& prepared) {
     settings.tries_reuse = choices.reuse.tries_reuse;
     tell(choices.reuse.pays, reuse_choice_text(choices.reuse));
   }
+  prepared.memory->require(settings); // which a state may have told, or pilots made to take more
   if (needs_identity(request)) prepared.identity = identity_as(request, prepared, settings);
   return choices;
 }

@@ -9,16 +9,19 @@
 #include <fmt/format.h>
 
 #include "host/base/error.h"
+#include "host/cli/scene_flags.h"
 #include "host/film/oidn.h"
 #include "host/gpu/context.h"
 #include "host/gpu/device_choice.h"
 #include "host/render/adaptive_choice.h"
 #include "host/render/device/levels.h"
+#include "host/render/reuse_choice.h"
 #include "host/render/settings/antialias_settings.h"
 #include "host/render/settings/denoising.h"
 #include "host/render/settings/integrator_kind.h"
 #include "host/render/settings/mips.h"
 #include "host/render/settings/settings_table.h"
+#include "host/render/sky_choice.h"
 
 namespace wavepath {
 namespace {
@@ -30,6 +33,9 @@ constexpr const char* kTransport = "Light transport";
 // By SettingGroup.
 constexpr const char* kHeadings[] = {"Picture", "When to stop (the first one reached)", kTransport,
                                      "Settings of some integrators"};
+
+constexpr std::array kOfRender = {
+    Wording{.name = "integrator", .initial = "auto, or path where a flag asks for what auto leaves out"}};
 
 const Wording* find(std::span<const Wording> wordings, std::string_view name) {
   const auto found = std::ranges::find(wordings, name, &Wording::name);
@@ -93,6 +99,12 @@ void add_settings(CLI::App& app, Offer command, SettingGroup group, RenderReques
     else
       add_flag(app, heading, flag_of(row, command, wording), read);
   }
+}
+
+void add_settings_of_render(CLI::App& app, RenderRequest& request) {
+  for (const SettingGroup group :
+       {SettingGroup::picture, SettingGroup::stop, SettingGroup::transport, SettingGroup::special})
+    add_settings(app, kByRender, group, request, kOfRender);
 }
 
 void add_stop_flags(CLI::App& app, RenderRequest& request) {
@@ -182,8 +194,6 @@ void add_picture_flags(CLI::App& app, Offer command, RenderRequest& request) {
 }
 
 void add_transport_flags(CLI::App& app, Offer command, RenderRequest& request) {
-  constexpr std::array kOfRender = {
-      Wording{.name = "integrator", .initial = "auto, or path where a flag asks for what auto leaves out"}};
   add_settings(app, command, SettingGroup::transport, request,
                command == kByRender ? std::span<const Wording>(kOfRender) : std::span<const Wording>());
   add_bvh_flag(app, request);
@@ -335,6 +345,17 @@ bool stands_alone(const RenderRequest& request) { return !request.mergeable && r
 
 void settle_adaptive(RenderRequest& request) {
   request.settings.tries_adaptive = stands_alone(request) && !request.pixel && may_pay_adaptive(request.settings);
+}
+
+void settle_settings(const SceneRequest& scene, RenderRequest& request) {
+  settle_samples(request);
+  settle_default_integrator(request);
+  check_integrator(request);
+  check_shutter(scene, request.settings);
+  settle_strict(request);
+  request.settings.tries_sky = may_try_sky(request.settings, false); // the device is not known yet
+  request.settings.tries_reuse = where_to_try_reuse(request.settings, false);
+  settle_adaptive(request);
 }
 
 void check_replay(const RenderRequest& request) {

@@ -18,6 +18,8 @@ namespace wavepath {
 
 inline constexpr std::uint32_t kOpenEndedSamples = 65536; // where time, error or the user ends the render
 
+struct SceneRequest; // host/cli/scene_flags.h
+
 struct OutputRequest {
   std::vector<std::string> pictures; // .exr .hdr .png .jpg
   WriteOptions write;
@@ -72,6 +74,9 @@ struct Wording {
 void add_settings(CLI::App& app, Offer command, SettingGroup group, RenderRequest& request,
                   std::span<const Wording> wordings = {}, const char* heading = nullptr);
 
+// All settings of `render`, for a command that tells of a render without making it.
+void add_settings_of_render(CLI::App& app, RenderRequest& request);
+
 // Groups of settings, each with the flags of its subject that are no settings of a render:
 void add_picture_flags(CLI::App& app, Offer command, RenderRequest& request);
 void add_transport_flags(CLI::App& app, Offer command, RenderRequest& request);
@@ -102,6 +107,9 @@ void settle_default_integrator(RenderRequest& request);
 
 // To be called after it. Throws UsageError for settings and flags that the chosen integrator does not take.
 void check_integrator(const RenderRequest& request);
+
+// All of these, in their order, with the shutter of the scene and the pilots that may be made.
+void settle_settings(const SceneRequest& scene, RenderRequest& request);
 
 // To be called after it. Throws UsageError where a path is to be replayed that the render does not have.
 void check_replay(const RenderRequest& request);

@@ -14,6 +14,7 @@
 #include "host/cli/report.h"
 #include "host/gpu/pipeline_cache.h"
 #include "host/render/bvh_choice.h"
+#include "host/render/memory_plan.h"
 #include "host/render/progressive/display.h"
 #include "host/render/progressive/progressive.h"
 #include "host/render/settings/denoising.h"
@@ -22,6 +23,8 @@
 #include "host/render/settings/shadow_settings.h"
 #include "host/render/settings/textures.h"
 #include "host/scene/environment.h"
+#include "host/scene/pack/features.h"
+#include "host/scene/pack/plan.h"
 #include "host/view/comparison_choice.h"
 #ifdef WAVEPATH_VIEWER
 #include "host/view/window.h"
@@ -112,7 +115,8 @@ public:
                 .eye = request.render.origin.value_or(view.position),
                 .mips = wants_mips(expected),
                 .samplers = sampler_limits(settings, device)};
-    require_memory_for(request.scene.path, settings, plan(scene_, packing_), device);
+    MemoryCheck(request.scene.path, plan(scene_, packing_), expected_features(scene_, packing_.direct), device)
+        .require(settings);
     packed_ = pack(scene_, packing_);
     packing_.eye = packed_.origin; // whatever is packed later stands where this does
     print_warnings(scene_.warnings);

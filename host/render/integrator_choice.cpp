@@ -55,15 +55,6 @@ double length_of(const RenderSettings& settings, bool cpu) {
   return expected_paths(settings, cpu) / paths_of(pilot_of(settings));
 }
 
-std::string flags_text(const RenderSettings& settings) {
-  std::string text(settings.integrator->name);
-  for (const Setting& row : settings_table())
-    if (row.decides == Decides::picture && row.takers != Takers::all && is_taken(row, *settings.integrator) &&
-        !is_default(row, settings))
-      text += " " + flag_text(row, settings);
-  return text;
-}
-
 struct PilotRender {
   RenderSettings settings;
   RenderResult result;
@@ -104,7 +95,7 @@ double doubt_of(const PilotRender& pilot) {
 
 // Against the first and the brightest of the pilots.
 Trial judge(const PilotRender& pilot, const PilotRender& first, const PictureLight& brightest) {
-  Trial trial{.flags = flags_text(pilot.settings)};
+  Trial trial{.flags = way_text(pilot.settings)};
   const double ours = cost_of(pilot), theirs = cost_of(first);
   trial.cost = theirs > 0.0 ? ours / theirs : ours > 0.0 ? kNever : 1.0; // a black picture is as good as another
   const double doubt = &pilot == &first ? 0.0 : std::hypot(doubt_of(pilot), doubt_of(first));
@@ -150,17 +141,52 @@ bool tries_again(const std::vector<PilotRender>& pilots, const std::vector<std::
   return length * cheapest >= kWholeOverSecondRound * work;
 }
 
+std::string reason_text(const IntegratorChoice& choice) {
+  if (choice.trials.empty())
+    return fmt::format("auto took {} without a trial{}", way_text(choice.settings),
+                       choice.too_large.empty() ? ": the render is short" : "");
+  const Trial &taken = choice.trials[choice.taken], &first = choice.trials.front();
+  if (choice.taken > 0 && first.missing > 0.0)
+    return fmt::format("auto took {}: {} lacks {:.3g} % of the light", taken.flags, first.flags, 100.0 * first.missing);
+  if (choice.taken > 0)
+    return fmt::format("auto took {}: a given error costs {:.2g} ({:.2g} to {:.2g}) of the work of {}", taken.flags,
+                       taken.cost, taken.lo, taken.hi, first.flags);
+  if (choice.trials.size() == 1)
+    return fmt::format("auto took {}: the others would cost more than they may gain", taken.flags);
+  const auto second = std::min_element(choice.trials.begin() + 1, choice.trials.end(),
+                                       [](const Trial& a, const Trial& b) { return a.cost < b.cost; });
+  return fmt::format("auto took {}: a given error costs {} {:.2g} ({:.2g} to {:.2g}) times the work", taken.flags,
+                     second->flags, second->cost, second->lo, second->hi);
+}
+
 } // namespace
 
+std::string way_text(const RenderSettings& settings) {
+  std::string text(settings.integrator->name);
+  for (const Setting& row : settings_table())
+    if (row.decides == Decides::picture && row.takers != Takers::all && is_taken(row, *settings.integrator) &&
+        !is_default(row, settings))
+      text += " " + flag_text(row, settings);
+  return text;
+}
+
 IntegratorChoice choose_integrator(Device& device, const PackedScene& scene, const View& view,
-                                   const RenderSettings& settings, KernelCompiler& kernels, SceneOnDevice& shared) {
+                                   const RenderSettings& settings, KernelCompiler& kernels, SceneOnDevice& shared,
+                                   const std::function<bool(const RenderSettings&)>& fits) {
   if (!settings.integrator->candidates) return {.settings = settings};
   const Clock::time_point start = Clock::now();
-  const std::vector<RenderSettings> candidates = settings.integrator->candidates(settings, scene);
+  const std::vector<RenderSettings> all = settings.integrator->candidates(settings, scene);
   const bool cpu = device.info().type == "cpu";
-  IntegratorChoice choice{.settings = candidates.front()};
+  IntegratorChoice choice{.settings = all.front()};
   const double length = length_of(settings, cpu);
-  if (candidates.size() < 2 || length < kWholeOverPilots * static_cast<double>(candidates.size())) return choice;
+  if (all.size() < 2 || length < kWholeOverPilots * static_cast<double>(all.size())) return choice;
+  std::vector<RenderSettings> candidates = {all.front()};
+  for (std::size_t i = 1; i < all.size(); ++i)
+    if (fits(all[i]))
+      candidates.push_back(all[i]);
+    else
+      choice.too_large.push_back(way_text(all[i]));
+  if (candidates.size() < 2) return choice;
   std::vector<PilotRender> pilots;
   const auto try_out = [&](const RenderSettings& candidate, const Round& round) {
     PilotRender pilot{.settings = candidate};
@@ -197,20 +223,9 @@ IntegratorChoice choose_integrator(Device& device, const PackedScene& scene, con
 }
 
 std::string choice_text(const IntegratorChoice& choice) {
-  if (choice.trials.empty())
-    return fmt::format("auto took {} without a trial: the render is short", flags_text(choice.settings));
-  const Trial &taken = choice.trials[choice.taken], &first = choice.trials.front();
-  if (choice.taken > 0 && first.missing > 0.0)
-    return fmt::format("auto took {}: {} lacks {:.3g} % of the light", taken.flags, first.flags, 100.0 * first.missing);
-  if (choice.taken > 0)
-    return fmt::format("auto took {}: a given error costs {:.2g} ({:.2g} to {:.2g}) of the work of {}", taken.flags,
-                       taken.cost, taken.lo, taken.hi, first.flags);
-  if (choice.trials.size() == 1)
-    return fmt::format("auto took {}: the others would cost more than they may gain", taken.flags);
-  const auto second = std::min_element(choice.trials.begin() + 1, choice.trials.end(),
-                                       [](const Trial& a, const Trial& b) { return a.cost < b.cost; });
-  return fmt::format("auto took {}: a given error costs {} {:.2g} ({:.2g} to {:.2g}) times the work", taken.flags,
-                     second->flags, second->cost, second->lo, second->hi);
+  const std::string reason = reason_text(choice);
+  if (choice.too_large.empty()) return reason;
+  return fmt::format("{}; there is too little memory for {}", reason, fmt::join(choice.too_large, " or "));
 }
 
 } // namespace wavepath

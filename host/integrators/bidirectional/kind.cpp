@@ -80,13 +80,15 @@ constinit const IntegratorKind kBidirectional = {
         [](const RenderSettings& settings) {
           return std::max<std::uint64_t>(light_vertex_bytes_per_slot(settings), sizeof(gpu::PathAovs));
         },
+    .slot_items = [](gpu::Feature, const RenderSettings& settings) -> std::vector<MemoryItem> {
+      return {{"light vertices", light_vertex_bytes_per_slot(settings)}};
+    },
     .slots_per_pixel = [](const RenderSettings&) { return 1u; },
     .bytes_per_pixel = [](const RenderSettings&) { return std::uint64_t{0}; },
-    .extra_bytes =
-        [](const RenderSettings& settings) { // at most: a scene that has no use for photons gets none
-          const std::uint64_t pixels = std::uint64_t{settings.width} * settings.height;
-          return asks_for_photons(settings) ? plan_photons(pixels).bytes() : 0;
-        },
+    .items = [](const RenderSettings& settings, const Plan& scene, gpu::Feature features) -> std::vector<MemoryItem> {
+      const std::uint64_t pixels = std::uint64_t{settings.width} * settings.height;
+      return {{"photons", may_have_photons(settings, scene, features) ? plan_photons(pixels).bytes() : 0}};
+    },
     .is_biased = is_biased,
     .bias = bias,
     .omitted = omitted,

@@ -7,6 +7,7 @@
 
 #include "host/render/settings/settings.h"
 #include "host/scene/pack/packed_scene.h"
+#include "host/scene/pack/plan.h"
 
 namespace wavepath {
 namespace {
@@ -51,6 +52,11 @@ DeltaSurfaces find_delta_surfaces(const PackedScene& scene) {
 
 bool asks_for_photons(const RenderSettings& settings) {
   return (settings.techniques & gpu::kTechniqueMerge) != 0 && settings.max_depth >= kLeastBounces;
+}
+
+bool may_have_photons(const RenderSettings& settings, const Plan& scene, gpu::Feature features) {
+  constexpr gpu::Feature kLights = gpu::kFeatureTriangleLights | gpu::kFeaturePunctualLights | gpu::kFeatureEnvironment;
+  return asks_for_photons(settings) && scene.smooth_surfaces && !(features & gpu::kLobeCoat) && (features & kLights);
 }
 
 std::uint64_t PhotonPlan::bytes() const {

@@ -48,7 +48,26 @@ std::vector<std::string> bias(const RenderSettings& settings, const RenderResult
   return {fmt::format("light paths end after {} bounces (--max-depth)", settings.max_depth)};
 }
 
-std::uint64_t guide_bytes(const RenderSettings& settings) { return settings.guide ? kGuideBytes : 0; }
+std::vector<MemoryItem> memory_items(const RenderSettings& settings, const Plan&, gpu::Feature) {
+  return {{"guiding field", settings.guide ? kGuideBytes : 0}};
+}
+
+std::uint64_t slot_bytes(gpu::Feature features, const RenderSettings& settings, std::uint32_t more_rooms) {
+  features |= features_of(settings) & gpu::kFeatureAdaptive;
+  if (features & gpu::kFeatureEnvironmentMap || sky_samples_of(settings, features) > 1)
+    features |= features_of(settings) & gpu::kFeatureLearnedSky;
+  return bytes_per_path(features, kRoomForShadowRays | kRoomForSortedRays | more_rooms,
+                        std::max(light_samples_of(settings, features), sky_samples_of(settings, features)));
+}
+
+std::uint64_t bytes_per_slot(gpu::Feature features, const RenderSettings& settings) {
+  const bool reuses = reuses_paths(settings) || tries_reuse(settings, features);
+  return slot_bytes(features, settings, reuses ? kRoomForReuse : 0);
+}
+
+std::vector<MemoryItem> slot_items(gpu::Feature features, const RenderSettings& settings) {
+  return {{"records for neighbours", bytes_per_slot(features, settings) - slot_bytes(features, settings, 0)}};
+}
 
 std::vector<OmittedStage> omitted(const RenderSettings& settings) {
   std::vector<OmittedStage> left_out;
@@ -85,23 +104,16 @@ constinit const IntegratorKind kPath = {
     .check = check,
     .features = film_features,
     .start_kernels = start_kernels,
-    .bytes_per_slot =
-        [](gpu::Feature features, const RenderSettings& settings) {
-          features |= features_of(settings) & gpu::kFeatureAdaptive;
-          if (features & gpu::kFeatureEnvironmentMap || sky_samples_of(settings, features) > 1)
-            features |= features_of(settings) & gpu::kFeatureLearnedSky;
-          const std::uint32_t reuse = reuses_paths(settings) || tries_reuse(settings, features) ? kRoomForReuse : 0;
-          return bytes_per_path(features, kRoomForShadowRays | kRoomForSortedRays | reuse,
-                                std::max(light_samples_of(settings, features), sky_samples_of(settings, features)));
-        },
+    .bytes_per_slot = bytes_per_slot,
     .largest_record =
         [](const RenderSettings&) {
           return std::max<std::uint64_t>({2 * sizeof(gpu::Ray), sizeof(gpu::PathAovs), kMostShadowRayBytes,
                                           gpu::kMostReuseTexels * sizeof(glm::uvec4)});
         },
+    .slot_items = slot_items,
     .slots_per_pixel = [](const RenderSettings&) { return 1u; },
     .bytes_per_pixel = [](const RenderSettings&) { return std::uint64_t{0}; },
-    .extra_bytes = guide_bytes,
+    .items = memory_items,
     .is_biased = [](const RenderSettings&) { return false; },
     .bias = bias,
     .omitted = omitted,

@@ -183,7 +183,7 @@ std::vector<std::unique_ptr<BindingSet>> bind_bands(const Workspace& workspace, 
   return sets;
 }
 
-std::uint32_t choose_slots(const DeviceInfo& info, const PackedScene& scene, const RenderSettings& settings) {
+std::uint32_t choose_slots(const DeviceInfo& info, gpu::Feature features, const RenderSettings& settings) {
   const std::uint64_t places = film_shape(settings).places();
   const std::uint64_t samples = settings.last_sample - settings.first_sample;
   const IntegratorKind& kind = *settings.integrator;
@@ -197,8 +197,8 @@ std::uint32_t choose_slots(const DeviceInfo& info, const PackedScene& scene, con
   slots = std::min(slots, info.max_storage_range / record);
   slots = std::min(slots, info.max_texels(16) / std::max<std::uint64_t>(record / 16, 4));
   slots = std::min<std::uint64_t>(slots, std::uint64_t{info.max_groups} * gpu::kWorkgroupSize);
-  slots = std::min(
-      slots, std::max<std::uint64_t>(info.memory_bytes / 8 / kind.bytes_per_slot(scene.features, settings), 1024));
+  slots =
+      std::min(slots, std::max<std::uint64_t>(info.memory_bytes / 8 / kind.bytes_per_slot(features, settings), 1024));
   return static_cast<std::uint32_t>(std::max(slots, least));
 }
 

@@ -67,6 +67,7 @@ FilmShape film_shape(const RenderSettings& settings);
 
 // Paths in flight: as many as the render has, within an eighth of the device's memory, one storage buffer, and what a
 // dispatch may hold. A CPU gains nothing from more than fill its caches; a GPU needs millions to hide latency.
-std::uint32_t choose_slots(const DeviceInfo& info, const PackedScene& scene, const RenderSettings& settings);
+// `features`: kFeature bits of the scene.
+std::uint32_t choose_slots(const DeviceInfo& info, gpu::Feature features, const RenderSettings& settings);
 
 } // namespace wavepath

@@ -56,7 +56,7 @@ RenderLoop::RenderLoop(Device& device, const PackedScene& scene, const View& vie
       pace_(pace),
       kernels_(kernels),
       workspace_(device, scene,
-                 std::clamp(choose_slots(device.info(), scene, settings), pace.least_slots, pace.most_slots),
+                 std::clamp(choose_slots(device.info(), scene.features, settings), pace.least_slots, pace.most_slots),
                  traversal_of(settings), std::move(uploaded)),
       queue_(workspace_),
       governor_(workspace_.slots, pace.longest_dispatch, first_wave(device.info(), pace, settings)),

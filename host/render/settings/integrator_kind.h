@@ -10,6 +10,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
+#include "host/render/settings/memory_item.h"
 #include "host/render/settings/settings.h"
 
 namespace wavepath {
@@ -19,6 +20,7 @@ class KernelCompiler;
 class Workspace;
 struct DeviceInfo;
 struct PackedScene;
+struct Plan;
 struct RayCounts;
 struct RenderResult;
 
@@ -63,12 +65,14 @@ struct IntegratorKind {
   // buffer.
   std::uint64_t (*bytes_per_slot)(gpu::Feature features, const RenderSettings& settings) = nullptr;
   std::uint64_t (*largest_record)(const RenderSettings& settings) = nullptr;
+  // What of bytes_per_slot() not every render takes, by name. Null = nothing.
+  std::vector<MemoryItem> (*slot_items)(gpu::Feature features, const RenderSettings& settings) = nullptr;
   // Paths that a pixel takes in every wave.
   std::uint32_t (*slots_per_pixel)(const RenderSettings& settings) = nullptr;
   // Device memory that a pixel takes besides paths and film.
   std::uint64_t (*bytes_per_pixel)(const RenderSettings& settings) = nullptr;
-  // Device memory besides, whatever the size of the picture; null = none.
-  std::uint64_t (*extra_bytes)(const RenderSettings& settings) = nullptr;
+  // Device memory besides, by name, at most; of no bytes where this scene has no use for it. Null = none.
+  std::vector<MemoryItem> (*items)(const RenderSettings& settings, const Plan& scene, gpu::Feature features) = nullptr;
   // Whether the picture converges to something else than the light of all paths up to --max-depth.
   bool (*is_biased)(const RenderSettings& settings) = nullptr;
   // What of the light is approximated or missing, a sentence each; the first one is about long paths.

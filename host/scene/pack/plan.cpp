@@ -16,6 +16,11 @@ namespace {
 std::uint64_t triangle_node_bytes(std::uint64_t triangles) { return (2 * triangles / 7 + 1) * sizeof(bvh::WideNode); }
 std::uint64_t instance_node_bytes(std::uint64_t instances) { return (instances / 2 + 1) * sizeof(bvh::WideNode); }
 
+bool is_smooth(const Material& m) {
+  return !m.unlit && m.roughness * m.roughness < gpu::kMinAlpha &&
+         (m.transmission > 0.0f || m.metallic > 0.0f || m.specular > 0.0f);
+}
+
 } // namespace
 
 Plan plan(const Scene& scene, const Packing& packing) {
@@ -50,6 +55,8 @@ Plan plan(const Scene& scene, const Packing& packing) {
   const std::uint64_t local_lights = count_emitters(scene, usage) + scene.lights.size();
   plan.light_bytes = (local_lights + 1) * sizeof(gpu::Light);
   if (local_lights > kFewLights) plan.light_tree_bytes = light_tree_bytes(local_lights);
+  for (std::size_t m = 0; m < scene.materials.size(); ++m)
+    plan.smooth_surfaces |= usage.material_used[m] && is_smooth(scene.materials[m]);
   plan.largest_buffer = std::max({triangles, corners, nodes, placed, streams.any() ? stream : 0, texels,
                                   atlases[0].bytes(), atlases[1].bytes(), environment, plan.light_bytes});
   return plan;

@@ -1,0 +1,83 @@
+#include "host/render/memory_plan.h"
+
+#include <algorithm>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "host/film/denoise.h"
+#include "host/render/device/kernel_compiler.h"
+#include "host/render/device/workspace.h"
+#include "host/render/settings/adaptivity.h"
+#include "host/render/settings/denoising.h"
+#include "host/render/settings/integrator_kind.h"
+#include "host/render/settings/light_samples.h"
+
+namespace wavepath {
+namespace {
+
+std::vector<MemoryItem> plan_path(const RenderSettings& settings, gpu::Feature features) {
+  const IntegratorKind& kind = *settings.integrator;
+  std::vector<MemoryItem> named;
+  if (kind.slot_items) named = kind.slot_items(features, settings);
+  std::vector<MemoryItem> items = {{"state and queues", kind.bytes_per_slot(features, settings) - total_bytes(named)}};
+  items.insert(items.end(), named.begin(), named.end());
+  return items;
+}
+
+} // namespace
+
+std::uint64_t total_bytes(const std::vector<MemoryItem>& items) {
+  std::uint64_t sum = 0;
+  for (const MemoryItem& item : items) sum += item.bytes;
+  return sum;
+}
+
+MemoryPlan plan_memory(const RenderSettings& settings, const Plan& scene, gpu::Feature features) {
+  const std::uint64_t pixels = std::uint64_t{settings.width} * settings.height;
+  const IntegratorKind& kind = *settings.integrator;
+  const FilmShape shape = film_shape(settings);
+  FilmShape without_splats = shape;
+  without_splats.splats = false;
+  const std::uint64_t film = without_splats.bytes();
+  const bool learns_lights = scene.light_tree_bytes > 0 && (features_of(settings) & gpu::kFeatureLightRows) != 0;
+  const bool has_parts = scene.environment_bytes > 0 || sky_samples_of(settings, features) > 1;
+  const bool learns_sky = has_parts && (features_of(settings) & gpu::kFeatureLearnedSky) != 0;
+  std::vector<MemoryItem> items = {
+      {"film", film, MemoryPlace::both},
+      {"film of splats", shape.bytes() - film, MemoryPlace::both},
+      {"order of samples", is_adaptive(settings) ? shape.places() * sizeof(std::uint32_t) : 0, MemoryPlace::both},
+      {"frames", pixels * kind.bytes_per_pixel(settings)},
+      {"learned lights", learns_lights ? kind.light_lesson_bytes : 0},
+      {"learned sky", learns_sky ? kind.sky_lesson_bytes : 0},
+      {"picture", pixels * sizeof(float) * (4 + 3 * settings.aovs.size()), MemoryPlace::host},
+      {"filter", denoises_film(settings) ? pixels * kDenoiseBytesPerPixel : 0, MemoryPlace::host}};
+  if (kind.items)
+    for (const MemoryItem& item : kind.items(settings, scene, features)) items.push_back(item);
+  std::erase_if(items, [](const MemoryItem& item) { return item.bytes == 0; });
+  std::vector<MemoryItem> path = plan_path(settings, features);
+  std::erase_if(path, [](const MemoryItem& item) { return item.bytes == 0; });
+  return {std::move(items), std::move(path)};
+}
+
+MemoryCheck::MemoryCheck(std::string file, const Plan& scene, gpu::Feature features, DeviceInfo device,
+                         std::uint64_t available)
+    : file_(std::move(file)), scene_(scene), features_(features), device_(std::move(device)), available_(available) {}
+
+std::uint64_t MemoryCheck::bytes(const RenderSettings& settings) const {
+  const bool cpu = device_.type == "cpu"; // the device's memory is the host's
+  const MemoryPlan plan = plan_memory(settings, scene_, features_);
+  std::uint64_t sum = (cpu ? 2 : 1) * scene_.total();
+  for (const MemoryItem& item : plan.render) {
+    if (item.place != MemoryPlace::device) sum += item.bytes;
+    if (item.place != MemoryPlace::host && cpu) sum += item.bytes;
+  }
+  return sum + (cpu ? choose_slots(device_, features_, settings) * total_bytes(plan.path) : 0);
+}
+
+void MemoryCheck::require(const RenderSettings& settings) const {
+  require_memory(file_, fmt::format("rendering it at {}x{}", settings.width, settings.height), bytes(settings),
+                 "use a smaller --size, fewer --aov or a simpler scene", available_);
+}
+
+} // namespace wavepath

@@ -1,0 +1,18 @@
+// Memory that a render takes for one purpose.
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+namespace wavepath {
+
+enum class MemoryPlace { device, host, both };
+
+struct MemoryItem {
+  std::string_view name;
+  std::uint64_t bytes = 0; // in each of its places
+  MemoryPlace place = MemoryPlace::device;
+};
+
+} // namespace wavepath
