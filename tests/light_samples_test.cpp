@@ -185,8 +185,9 @@ TEST_F(LightSamples, ReplayTellsOfEach) {
 
 // ---- a sky of one colour --------------------------------------------------------------------------------------------
 
-RenderSettings with_sky_samples(RenderSettings settings, std::uint32_t sky_samples) {
+RenderSettings with_sky_samples(RenderSettings settings, std::uint32_t sky_samples, bool learns = true) {
   settings.sky_samples = sky_samples;
+  settings.learns_sky = learns;
   return settings;
 }
 
@@ -208,22 +209,44 @@ TEST_F(LightSamples, AnyNumberOfSkySamplesGivesTheSamePicture) {
   for (std::size_t i = 0; i < scenes.size(); ++i) {
     const RenderSettings one = with_sky_samples(asked(1, gpu::kDirectMis, 128), 1);
     const MeanPicture reference = average(subject(scenes[i], one), one);
-    for (const std::uint32_t more : {2u, 8u}) {
-      SCOPED_TRACE(std::to_string(i) + " " + std::to_string(more));
-      const RenderSettings other = with_sky_samples(asked(1), more);
-      expect_same(reference, average(subject(scenes[i], other), other));
-    }
+    for (const std::uint32_t more : {2u, 8u})
+      for (const bool learns : {false, true}) {
+        SCOPED_TRACE(std::to_string(i) + " " + std::to_string(more) + (learns ? " learned" : ""));
+        const RenderSettings other = with_sky_samples(asked(1), more, learns);
+        expect_same(reference, average(subject(scenes[i], other), other));
+      }
+    // The density that a path keeps is divided among several light samples.
+    const RenderSettings lit = with_sky_samples(asked(4), 5);
+    expect_same(reference, average(subject(scenes[i], lit), lit));
   }
 }
 
 TEST_F(LightSamples, SkySamplesMeanLessNoiseInARoom) {
-  const auto noise = [&](std::uint32_t sky_samples) {
-    const RenderSettings settings = with_sky_samples(asked(1, gpu::kDirectMis, 16), sky_samples);
+  const auto noise = [&](std::uint32_t sky_samples, bool learns) {
+    const RenderSettings settings = with_sky_samples(asked(1, gpu::kDirectMis, 16), sky_samples, learns);
     double sum = 0.0;
     for (const double v : average(subject(rooms_under_a_sky(0), settings), settings).variance) sum += v;
     return sum;
   };
-  EXPECT_LT(noise(4), 0.6 * noise(1));
+  const double several = noise(4, false);
+  EXPECT_LT(several, 0.6 * noise(1, false));
+  EXPECT_LT(noise(8, true), 0.8 * several) << "with as many rays, since later vertices send fewer";
+}
+
+// Without lessons directions are those of paths, and nothing is learned for one that paths find anyway.
+TEST_F(LightSamples, TheSkyIsLearnedWhereLightsAre) {
+  const Subject rooms = subject(rooms_under_a_sky(0), with_sky_samples(asked(1), 4));
+  const auto rendered = [&](std::uint32_t sky_samples, bool learns, std::uint32_t lights) {
+    RenderSettings settings = with_sky_samples(asked(1, gpu::kDirectMis, 4), sky_samples, learns);
+    settings.lights = lights;
+    return render(rooms, settings);
+  };
+  const RenderResult unlearned = rendered(4, false, gpu::kLightsAuto), learned = rendered(4, true, gpu::kLightsAuto);
+  EXPECT_GT(learned.light_pilot.sky_rows, 0u);
+  EXPECT_EQ(unlearned.light_pilot.paths, 0u);
+  EXPECT_FALSE(*learned.film == *unlearned.film);
+  EXPECT_TRUE(*rendered(4, true, gpu::kLightsPower).film == *unlearned.film);
+  EXPECT_EQ(rendered(1, true, gpu::kLightsAuto).light_pilot.paths, 0u);
 }
 
 TEST_F(LightSamples, BitsWithSkySamplesDoNotDependOnHowTheWorkIsCut) {
@@ -287,9 +310,11 @@ TEST_F(LightSamples, TheRoomTakesMoreSkySamplesAndTheOpenOne) {
   open.environment = {};
   open.environment.radiance = glm::vec3(1.0f);
   const SkyChoice room = choose(rooms_under_a_sky(0), 4096), floor = choose(open, 4096);
-  EXPECT_GT(room.samples, 1u);
+  EXPECT_EQ(room.samples, kLearnedSkySamples);
+  EXPECT_TRUE(room.learns);
   EXPECT_LT(room.cost, 0.9);
   EXPECT_EQ(floor.samples, 1u);
+  EXPECT_FALSE(floor.learns);
   EXPECT_EQ(choose(rooms_under_a_sky(0), 4096).samples, room.samples) << "no clock decides";
   EXPECT_GT(choose(rooms_under_a_sky(0), 64).samples, 1u) << "told by smaller pilots";
   EXPECT_EQ(choose(rooms_under_a_sky(0), 16).samples, 0u) << "too short for pilots";

@@ -89,14 +89,17 @@ SkyChoice choose_sky_samples(Device& device, const PackedScene& scene, const Vie
     const double cost = (std::max(rest, 0.0) + sky / n) * (paths + n * shadow_ray) / (one.squared_error * one.work);
     if (cost < std::min(choice.cost, kWorthwhile)) choice.samples = n, choice.cost = cost;
   }
+  choice.learns = choice.samples > 1 && (features_of(settings) & gpu::kFeatureLearnedSky) != 0;
+  if (choice.learns) choice.samples = kLearnedSkySamples;
   choice.keeps_kernels = cpu && !longer;
   choice.seconds = seconds_since(start);
   return choice;
 }
 
 std::string sky_choice_text(const SkyChoice& choice) {
-  return fmt::format("{} sky samples: a given error is expected to cost {:.2g} of the work of one", choice.samples,
-                     choice.cost);
+  return fmt::format("{} sky samples{}: a given error is expected to cost {}{:.2g} of the work of one", choice.samples,
+                     choice.learns ? ", towards parts of the sky that a pilot has seen" : "",
+                     choice.learns ? "less than " : "", choice.cost);
 }
 
 } // namespace wavepath

@@ -19,8 +19,10 @@ void escape(Ray ray, inout PathState path) {
   if (has(kFeatureVolume)) path.throughput *= medium_transmittance(current_body(slot), kFarAway);
   float light_pdf;
   vec3 radiance = environment_emission(ray.direction, light_pdf);
-  if (LEARNS_SKY) // over the light samples, as the density that the path keeps
-    light_pdf = learned_sky_pdf(1.0) / float(light_samples_at(kLightSamples, max(wave.bounce, 1u) - 1u));
+  if (LEARNS_SKY) { // over the light samples of the vertex before, as the density that the path keeps
+    uint before = max(wave.bounce, 1u) - 1u;
+    light_pdf = learned_sky_pdf(before, 1.0) / float(light_samples_at(kLightSamples, before));
+  }
   if (wants_light_weight(path) && light_pdf > 0.0) light_pdf *= environment_ratio(fetch_receiver(slot), ray.direction);
   add_radiance(path, slot, path.throughput * radiance * emission_weight(path.bsdf_pdf, light_pdf) * sky_share(path.bsdf_pdf));
 }

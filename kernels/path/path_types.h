@@ -65,6 +65,12 @@ GPU_FUNCTION uint light_samples_at(uint first, uint bounce) {
   return bounce < 8u && (first >> bounce) > 1u ? first >> bounce : 1u;
 }
 
+// Directions in which a vertex looks for a sky of one colour, the path's own among them, of `first` where the path first
+// scatters: as many at every vertex, but where they are learned the further ones become fewer as light samples do.
+GPU_FUNCTION uint sky_samples_at(uint first, bool learned, uint bounce) {
+  return learned && first > 1u ? 1u + light_samples_at(first - 1u, bounce) : first;
+}
+
 // Each light sample of a vertex has a queue of its own, one behind the other, so that a path gets light from one lane
 // at a time.
 struct Queues {

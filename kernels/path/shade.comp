@@ -103,7 +103,7 @@ bool sample_sky(Vertex v, Lobes lobes, Receiver receiver, Sampler sky_sampler, o
   float bsdf_pdf;
   if (LEARNS_SKY) {
     uvec2 u = sample_bits(sky_sampler, dimension);
-    float density = learned_sky_pdf(pick_sky_part(receiver, u));
+    float density = learned_sky_pdf(wave.bounce, pick_sky_part(receiver, u));
     wi = sky_direction(u);
     if (!sides_agree(v, wi)) return false;
     weight = vertex_eval(v, lobes, wi, bsdf_pdf);
@@ -120,9 +120,10 @@ bool sample_sky(Vertex v, Lobes lobes, Receiver receiver, Sampler sky_sampler, o
 
 // The directions towards the sky that are not the path's own, whose shadow rays go to queues of their own.
 void connect_to_sky(Vertex v, Lobes lobes, Receiver receiver, Sampler path_sampler, uint slot, vec3 throughput) {
-  for (uint i = 1u; i < frame.sky_samples; ++i) {
+  uint further = further_directions(wave.bounce);
+  for (uint i = 1u; i <= further; ++i) {
     vec3 wi, weight;
-    if (!sample_sky(v, lobes, receiver, one_of(path_sampler, i - 1u, frame.sky_samples - 1u), wi, weight)) continue;
+    if (!sample_sky(v, lobes, receiver, one_of(path_sampler, i - 1u, further), wi, weight)) continue;
     ShadowRay ray;
     ray.contribution = throughput * frame.environment_radiance * weight * transmittance_towards(v, wi, kFarAway, slot);
     if (is_finite(ray.contribution) && max_component(ray.contribution) <= 0.0) continue;

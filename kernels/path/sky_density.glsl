@@ -8,9 +8,12 @@
 
 #define LEARNS_SKY (SHARES_SKY && uses_learned_sky()) // whether further directions are drawn by what was learned
 
-// The density per solid angle of all of them together, given how many times more probable the part of one has become.
-float learned_sky_pdf(float part_ratio) {
-  return float(frame.sky_samples - 1u) * warp_uniform_sphere_pdf() * part_ratio;
+uint further_directions(uint bounce) { return sky_samples_at(frame.sky_samples, LEARNS_SKY, bounce) - 1u; } // of a vertex
+
+// The density per solid angle of all of them together, where they are learned, given how many times more probable the part
+// of one has become.
+float learned_sky_pdf(uint bounce, float part_ratio) {
+  return float(further_directions(bounce)) * warp_uniform_sphere_pdf() * part_ratio;
 }
 
 // What is left of the sky to the path's own ray, whose PathState holds `bsdf_pdf`, where nothing was learned.

@@ -222,8 +222,10 @@ void Paths::shade(Commands& commands, const KernelSet& kernels, const KernelSet&
 
 bool Paths::connect(Commands& commands, const KernelSet& kernels, gpu::Wave wave, std::uint32_t bounce,
                     bool prepares_extend) const {
-  const std::uint32_t samples =
-      std::max(gpu::light_samples_at(kernels.config().light_samples, bounce), workspace_.frame.sky_samples);
+  const gpu::Frame& frame = workspace_.frame;
+  const bool learns_sky = frame.scene_lobes & static_cast<std::uint32_t>(gpu::kFeatureLearnedSky >> 32);
+  const std::uint32_t samples = std::max(gpu::light_samples_at(kernels.config().light_samples, bounce),
+                                         gpu::sky_samples_at(frame.sky_samples, learns_sky, bounce));
   const std::uint32_t first = workspace_.frame.light_count > 0 ? 0 : 1;
   for (std::uint32_t i = first; i < samples; ++i) {
     const bool is_last = i + 1 == samples;
