@@ -247,6 +247,21 @@ def point_light_in_sphere():
     return g
 
 
+def lit_ceiling():
+    """The receiver sees no light but by way of the ceiling: the sun shines past its edge, from below."""
+    g = Gltf("small ceiling that the sun lights from below")
+    white = (0.9, 0.6, 0.3)
+    floor(g, g.lambert("receiver", ALBEDO), size=0.2)
+    g.mesh("ceiling", rectangle(-0.25, 0.25, -0.25, 0.25), g.lambert("ceiling", white))
+    g.light("directional", 10.0, COLOR_UNIT, direction=(1.0, 1.0, 0.0))
+    look_down(g)
+    f = 4 * oracles.corner_rectangle_form_factor(0.25, 0.25, 1)
+    ceiling = each(lambda r, e: r * e / PI, white, scale(COLOR_UNIT, 10.0 / math.sqrt(2.0)))
+    g.expect("E = pi L F of a ceiling whose L = albedo E_sun cos/pi", reflected(PI * f, ceiling), flags(1024, depth=2),
+             estimators=NEEDS_LIGHT_SAMPLING)
+    return g
+
+
 def ambient_occlusion(name, about, walls, expected):
     g = Gltf(name)
     floor(g, g.lambert("receiver", (1.0, 1.0, 1.0)), size=1000.0)
@@ -290,6 +305,6 @@ def scenes():
     for build in (disc_light, half_hidden_disc_light, sphere_light, tilted_sphere_light, rectangle_light_corner,
                   rectangle_light_centre, rectangle_light_below_horizon, touching_light, point_light, point_light_with_range,
                   roof_under_the_sun, directional_light, spot_light, lights_of_all_sizes, facing_squares, adjacent_squares, inside_glowing_cube, enclosure,
-                  truncated_enclosure, point_light_in_sphere, occlusion_by_wall, occlusion_in_wedge,
+                  truncated_enclosure, point_light_in_sphere, lit_ceiling, occlusion_by_wall, occlusion_in_wedge,
                   occlusion_in_corner, occlusion_in_open_box):
         yield build.__name__, build()

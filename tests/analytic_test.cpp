@@ -238,6 +238,33 @@ std::vector<fs::path> scenes_for_whitted() {
 
 INSTANTIATE_TEST_SUITE_P(Scenes, AnalyticWhitted, ::testing::ValuesIn(scenes_for_whitted()), name_of);
 
+// Paths that neighbouring pixels share, and those that a learned field guides, find all light that bounces. Where it
+// comes from all directions alike, as in closed rooms, none are guided.
+class AnalyticIndirect : public Analytic {
+protected:
+  RenderResult expect_found(std::vector<std::string> flags) {
+    const Oracle oracle = read_oracle(GetParam());
+    flags = oracle.render + flags;
+    RenderResult first = render_scene(device(), GetParam(), flags + std::vector<std::string>{"--seed", "1"});
+    const RenderResult second = render_scene(device(), GetParam(), flags + std::vector<std::string>{"--seed", "2"});
+    expect_mean(first.picture, second.picture, oracle);
+    return first;
+  }
+};
+class AnalyticGuided : public AnalyticIndirect {};
+class AnalyticShared : public AnalyticIndirect {};
+
+TEST_P(AnalyticGuided, FindsIt) { EXPECT_TRUE(expect_found({"--guide"}).guide.value().used); }
+
+TEST_P(AnalyticShared, FindsIt) { EXPECT_TRUE(expect_found({"--reuse", "on"}).film->quads); }
+
+INSTANTIATE_TEST_SUITE_P(Scenes, AnalyticGuided, ::testing::Values(kScenes / "analytic/lit_ceiling.gltf"), name_of);
+INSTANTIATE_TEST_SUITE_P(Scenes, AnalyticShared,
+                         ::testing::Values(kScenes / "analytic/lit_ceiling.gltf",
+                                           kScenes / "analytic/point_light_in_sphere.gltf",
+                                           kScenes / "analytic/truncated_enclosure.gltf"),
+                         name_of);
+
 // Bidirectional path tracing finds all of it.
 class AnalyticBidirectional : public Analytic {};
 

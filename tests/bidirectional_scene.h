@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <string>
@@ -18,6 +19,7 @@
 #include "host/render/render.h"
 #include "host/scene/pack/pack.h"
 #include "host/scene/view.h"
+#include "tests/coverage.h"
 #include "tests/scene_builder.h"
 #include "tests/vulkan_device.h"
 
@@ -26,6 +28,14 @@ namespace wavepath::test {
 inline constexpr std::uint32_t kHit = gpu::kTechniqueHit, kLight = gpu::kTechniqueLight,
                                kConnect = gpu::kTechniqueConnect, kSplat = gpu::kTechniqueSplat,
                                kMerge = gpu::kTechniqueMerge;
+
+// All sets of `techniques` that hold at least one of `needed`.
+inline std::vector<std::uint32_t> sets_of(std::uint32_t techniques, std::uint32_t needed) {
+  std::vector<std::uint32_t> sets;
+  for (std::uint32_t set = 1; set <= techniques; ++set)
+    if ((set & ~techniques) == 0 && (set & needed) != 0) sets.push_back(set);
+  return sets;
+}
 
 inline std::vector<glm::vec3> quad(glm::vec3 a, glm::vec3 b, glm::vec3 c, glm::vec3 d) { return {a, b, c, a, c, d}; }
 
@@ -153,16 +163,6 @@ inline std::array<double, kParts> parts_of(const Picture& picture) {
   return parts;
 }
 
-inline double relative_rms(const Picture& picture, const Picture& reference) {
-  const std::size_t n = picture.channels[0].values.size();
-  double sum = 0.0;
-  for (std::size_t k = 0; k < 3 * n; ++k) {
-    const double r = reference.channels[k / n].values[k % n], d = picture.channels[k / n].values[k % n] - r;
-    sum += d * d / (r * r + 0.01);
-  }
-  return std::sqrt(sum / (3.0 * static_cast<double>(n)));
-}
-
 class BidirectionalTest : public VulkanTest {
 protected:
   // Compiles each of them once, and waits for what is being compiled before the driver's own statics go.
@@ -224,13 +224,11 @@ protected:
   // The interval of most coarse renders holds their error against the reference.
   void expect_intervals_cover(const Subject& subject, const Picture& reference, RenderSettings coarse) {
     constexpr std::uint32_t kRenders = 16;
-    int covered = 0;
-    for (coarse.seed = 100; coarse.seed < 100 + kRenders; ++coarse.seed) {
-      const RenderResult result = render(subject, coarse);
-      const double error = relative_rms(result.picture, reference);
-      covered += result.error.ci95[0] <= error && error <= result.error.ci95[1];
-    }
-    EXPECT_GE(covered, 12) << "of " << kRenders;
+    const Coverage found = measure_coverage(reference, kRenders, [&](std::uint32_t seed) {
+      coarse.seed = 100 + seed;
+      return render(subject, coarse);
+    });
+    EXPECT_GE(found.covered, 12u) << "of " << kRenders;
   }
   // Each set of techniques gives what path tracing gives. `adjust`: other settings, of both.
   void expect_path_light(const Scene& scene, std::uint32_t depth, const std::vector<std::uint32_t>& sets,

@@ -18,12 +18,38 @@ TEST_F(BidirectionalTest, FindsTheLightOfTheCornellBoxInEveryWay) {
       {gpu::kTechniquesAll, kHit | kLight, kHit | kSplat, kHit | kConnect | kLight, kHit | kConnect | kSplat});
 }
 
-// What none but its own technique can find: the others are left out one by one.
-TEST_F(BidirectionalTest, FindsTheLightOfAQuad) {
+constexpr std::uint32_t kAllButMerge = gpu::kTechniquesAll & ~kMerge;
+
+// Where all surfaces are rough, each technique but connecting two vertices finds all light by itself.
+TEST_F(BidirectionalTest, EverySetFindsTheLightOfAQuad) {
   Scene scene = corner();
   add_shining_quad(scene, 2.5f);
-  expect_path_light(scene, 3, {kHit}, 128);
-  expect_path_light(scene, 3, {gpu::kTechniquesAll, kHit | kLight | kSplat, kHit | kConnect | kSplat});
+  expect_path_light(scene, 3, sets_of(kAllButMerge, kLight | kSplat));
+  expect_path_light(scene, 3, {kHit, kHit | kConnect}, 128);
+}
+
+// Nothing meets a lamp by chance, and weights know it.
+TEST_F(BidirectionalTest, EverySetFindsTheLightOfAllLightsAtOnce) {
+  Scene scene = corner();
+  add_sky(scene);
+  add_shining_quad(scene);
+  add_lamp(scene, LightKind::point);
+  expect_path_light(scene, 3, sets_of(kAllButMerge, kLight | kSplat));
+}
+
+// By connections alone, all light is found that was scattered twice or more, and what the camera sees of lights.
+TEST_F(BidirectionalTest, ConnectionsAloneFindIndirectLight) {
+  Scene scene = corner();
+  add_shining_quad(scene, 2.5f);
+  const RenderSettings asked = settings(128, 3, kConnect);
+  const Subject subject(scene, asked);
+  Average expected = average(subject, path_settings(512, 3));
+  const Average once = average(subject, path_settings(512, 1)), seen = average(subject, path_settings(512, 0));
+  for (std::size_t i = 0; i < kParts; ++i) {
+    expected.mean[i] += seen.mean[i] - once.mean[i];
+    expected.variance[i] += seen.variance[i] + once.variance[i];
+  }
+  expect_same_mean(average(subject, asked), expected, 0.1);
 }
 
 TEST_F(BidirectionalTest, FindsTheLightOfLamps) {

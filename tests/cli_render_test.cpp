@@ -2,10 +2,14 @@
 #include <algorithm>
 #include <cmath>
 #include <csignal>
+#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <numeric>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include <dlfcn.h>
 #include <gtest/gtest.h>
@@ -229,6 +233,27 @@ TEST_F(CliRenderTest, BiasTellsWhoSeesOverlappingBodiesSurfaceBySurface) {
   for (const std::string integrator : {"path", "ao"})
     EXPECT_FALSE(tells("caustics/bulb_in_sphere.glb", integrator)) << integrator;
   EXPECT_FALSE(tells("caustics/bulb_point.glb", "whitted")) << "one mesh";
+}
+
+// Nearly all light of a lamp in thick glass is lost to paths from the camera, and none of one above thin panes, which
+// shadow rays pass.
+TEST_F(CliRenderTest, BiasTellsHowMuchLightIsLost) {
+  const auto lost = [&](const std::string& scene) { // per cent, and the error of that
+    const Outcome outcome = run_wavepath({"render", scene_file(scene), "--size", "64x64", "--spp", "1", "--max-depth",
+                                          "4", "--integrator", "path", "-o", exr_, "-q", "--json"});
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    const std::string bias = Json::parse(outcome.out)["bias"].dump();
+    const std::size_t at = std::min(bias.find("off mirrors"), bias.size());
+    double share = -1.0, error = -1.0;
+    EXPECT_EQ(std::sscanf(bias.c_str() + at, "off mirrors is missing: %lf %% +- %lf %%", &share, &error), 2) << bias;
+    return std::pair{share, error};
+  };
+  const auto [of_bulb, bulb_error] = lost("caustics/bulb_point.glb");
+  EXPECT_GT(of_bulb, 90.0);
+  EXPECT_LT(bulb_error, 5.0);
+  const auto [of_panes, panes_error] = lost("caustics/panes.glb");
+  EXPECT_LT(of_panes, 3.0 * panes_error);
+  EXPECT_LT(panes_error, 10.0);
 }
 
 TEST_F(CliRenderTest, StatsHaveTheDocumentedKeys) {

@@ -11,12 +11,16 @@
 #include <set>
 #include <string>
 #include <thread>
+#include <utility>
+#include <vector>
 
 #include <sched.h>
 
 #include "host/base/error.h"
 #include "host/gpu/commands.h"
 #include "host/gpu/device_choice.h"
+#include "host/gpu/device_limit.h"
+#include "host/gpu/kernel.h"
 #include "tests/pose.h"
 #include "tests/probe.h"
 
@@ -35,6 +39,17 @@ TEST_F(DeviceTest, ACpuPosesAsADiscreteGpu) {
   EXPECT_EQ(device.info().type, "discrete");
   EXPECT_FALSE(device.unified_memory());
   for (const DeviceInfo& info : list_devices()) EXPECT_NE(info.type, "cpu");
+}
+
+TEST_F(DeviceTest, RefusesMoreBuffersThanAKernelSees) {
+  const DeviceInfo& info = device().info();
+  for (const auto& [kind, most] :
+       {std::pair{BindingKind::storage, info.max_storage}, {BindingKind::texels_r32ui, info.max_sampled}}) {
+    if (most > 1000) continue; // whatever kernels ask for
+    std::vector<Binding> bindings;
+    for (std::uint32_t slot = 0; slot <= most; ++slot) bindings.push_back({slot, kind, nullptr});
+    EXPECT_THROW(BindingLayout(device(), bindings, 0), DeviceLimit) << most;
+  }
 }
 
 std::set<int> threads() {

@@ -20,6 +20,7 @@
 #include "host/scene/view.h"
 #include "kernels/net_layout.h"
 #include "kernels/tile_order.h"
+#include "tests/coverage.h"
 #include "tests/probe.h"
 #include "tests/statistics.h"
 
@@ -117,16 +118,8 @@ struct Case {
 // Renders with 100 seeds: intervals hold the true error, and are no wider than they must be.
 void expect_coverage(Subject& subject, const Picture& reference) {
   constexpr std::uint32_t kRuns = 100;
-  std::uint32_t covered = 0;
-  Mean ratio, half_width; // estimate over truth, and half of the interval over the estimate
-  for (std::uint32_t seed = 0; seed < kRuns; ++seed) {
-    const RenderResult result = subject.render(seed);
-    const double truth = std::sqrt(compare_pictures(result.picture, reference).relmse);
-    const auto& [low, high] = result.error.ci95;
-    covered += truth >= low && truth <= high;
-    ratio.add(result.error.relative_rms / truth);
-    half_width.add(0.5 * (high - low) / result.error.relative_rms);
-  }
+  const auto& [covered, ratio, half_width] =
+      measure_coverage(reference, kRuns, [&](std::uint32_t seed) { return subject.render(seed); });
   const double scatter = ratio.error() * std::sqrt(double{kRuns}); // of a single estimate
   EXPECT_GE(covered, 90u);
   EXPECT_NEAR(ratio.mean(), 1.0, 0.05) << "its own noise is " << ratio.error();

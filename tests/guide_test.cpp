@@ -23,6 +23,7 @@
 #include "host/scene/gltf/gltf.h"
 #include "host/scene/pack/pack.h"
 #include "host/scene/view.h"
+#include "tests/coverage.h"
 #include "tests/gltf_builder.h"
 #include "tests/probe.h"
 #include "tests/run_wavepath.h"
@@ -387,6 +388,25 @@ TEST_F(GuideTest, SamePictureWithLessNoise) {
   }
   EXPECT_LT(far, pixels.size() / 50); // Student's t with about 14 degrees of freedom: 0.1 %
   EXPECT_LT(guided_error, 0.6 * plain_error);
+}
+
+// As in error_test.cpp, by fewer seeds, of which each learns a field of its own.
+TEST_F(GuideTest, TheIntervalHoldsTheTrueError) {
+  constexpr std::uint32_t kRuns = 12, kReference = 16;
+  RenderSettings coarse = settings(32);
+  coarse.max_depth = 3;
+  coarse.guide = true;
+  coarse.filter = gpu::kFilterBox;
+  RenderSettings fine = coarse;
+  fine.last_sample *= kReference, fine.seed = 1000000;
+  const Coverage found = measure_coverage(render(fine).picture, kRuns, [&](std::uint32_t seed) {
+    coarse.seed = seed;
+    RenderResult result = render(coarse);
+    EXPECT_TRUE(result.guide->used);
+    return result;
+  });
+  EXPECT_GE(found.covered, 9u);
+  EXPECT_NEAR(found.ratio.mean(), 1.0, 0.1) << "its own noise is " << found.ratio.error();
 }
 
 TEST_F(GuideTest, BitsDependNeitherOnWavesNorOnGenericKernels) {

@@ -16,6 +16,7 @@
 #include "host/scene/pack/lights.h"
 #include "host/scene/pack/pack.h"
 #include "kernels/light_tree_types.h"
+#include "tests/coverage.h"
 #include "tests/light_rooms.h"
 
 namespace wavepath::test {
@@ -87,6 +88,30 @@ TEST_F(LightSelection, LessNoiseThanByPower) {
   EXPECT_LT(by_lesson, 0.8 * by_tree);
   // Light paths, which begin by power, find the lamps as well; the tree alone gains nothing here.
   EXPECT_LT(noise(kBidirectional, gpu::kLightsAuto), 0.8 * noise(kBidirectional, gpu::kLightsPower));
+}
+
+// As in error_test.cpp, by fewer seeds, of which each learns shares of lights and of the sky by itself. The camera
+// looks at the floor from below all lamps, whose edges would be most of the error.
+TEST_F(LightSelection, TheIntervalHoldsTheTrueError) {
+  constexpr std::uint32_t kRuns = 16, kReference = 32;
+  RenderSettings coarse = settings(gpu::kLightsLearned, gpu::kDirectMis, 16);
+  coarse.width = coarse.height = 32;
+  coarse.filter = gpu::kFilterBox;
+  const ViewRequest below{.eye = glm::dvec3(-1.0, -0.7, 0.5), .look_at = glm::dvec3(-1.0, -1.0, 0.4), .yfov = 1.2};
+  Scene scene = two_rooms(40, true);
+  const Subject rooms{pack(scene, {.eye = below.eye, .lights = coarse.lights}),
+                      resolve_view(scene, below, coarse.width, coarse.height)};
+  RenderSettings fine = coarse;
+  fine.last_sample *= kReference, fine.seed = 1000000;
+  const Coverage found = measure_coverage(render(rooms, fine).picture, kRuns, [&](std::uint32_t seed) {
+    coarse.seed = seed;
+    RenderResult result = render(rooms, coarse);
+    EXPECT_GT(result.light_pilot.rows, 20u);
+    EXPECT_GT(result.light_pilot.sky_rows, 20u);
+    return result;
+  });
+  EXPECT_GE(found.covered, 13u);
+  EXPECT_NEAR(found.ratio.mean(), 1.0, 0.05) << "its own noise is " << found.ratio.error();
 }
 
 // The pilot's sums are integers; every part, and every render that is resumed, learns the same anew.

@@ -19,6 +19,7 @@
 #include "host/film/metrics.h"
 #include "host/render/reuse_choice.h"
 #include "host/render/settings/path_reuse.h"
+#include "tests/coverage.h"
 #include "tests/light_rooms.h"
 #include "tests/reuse_rooms.h"
 #include "tests/statistics.h"
@@ -581,19 +582,14 @@ TEST_F(PathReuse, TheIntervalHoldsTheTrueError) {
     RenderSettings long_one = settings;
     long_one.last_sample *= kReference, long_one.seed = 1000000;
     const Picture reference = render(shown, long_one).picture;
-    std::uint32_t covered = 0;
-    Mean ratio; // estimate over truth
-    for (settings.seed = 0; settings.seed < kRuns; ++settings.seed) {
-      const RenderResult result = render(shown, settings);
-      const double truth = std::sqrt(compare_pictures(result.picture, reference).relmse);
-      const auto& [low, high] = result.error.ci95;
-      covered += truth >= low && truth <= high;
-      ratio.add(result.error.relative_rms / truth);
-    }
+    const Coverage found = measure_coverage(reference, kRuns, [&](std::uint32_t seed) {
+      settings.seed = seed;
+      return render(shown, settings);
+    });
     // 38 are expected. Of second nets there are 576 here, a quarter of what pictures have whose nets stay whole by
     // themselves: 34 are covered without reuse, of half as many samples.
-    EXPECT_GE(covered, whole_nets ? 31u : 35u);
-    EXPECT_NEAR(ratio.mean(), 1.0, whole_nets ? 0.1 : 0.05) << "its own noise is " << ratio.error();
+    EXPECT_GE(found.covered, whole_nets ? 31u : 35u);
+    EXPECT_NEAR(found.ratio.mean(), 1.0, whole_nets ? 0.1 : 0.05) << "its own noise is " << found.ratio.error();
   }
 }
 

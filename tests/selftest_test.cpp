@@ -9,6 +9,7 @@
 #include "host/base/error.h"
 #include "host/cli/commands.h"
 #include "host/cli/selftest_report.h"
+#include "host/gpu/device_limit.h"
 #include "host/selftest/traced_scene.h"
 #include "tests/probe.h"
 #include "tests/run_wavepath.h"
@@ -56,6 +57,9 @@ constexpr SelftestCase kFails = {2, "one that fails", "all is wrong",
 constexpr SelftestCase kThrows = {3, "one that breaks", "all is wrong", [](const SelftestContext&) -> Measurement {
                                     throw Error("FILE", "is broken", "mend it");
                                   }};
+constexpr SelftestCase kIsRefused = {5, "one that asks too much", "nothing", [](const SelftestContext&) -> Measurement {
+                                       throw DeviceLimit("DEVICE", "has few buffers", "use another device");
+                                     }};
 constexpr SelftestCase kSkips = {4, "one that cannot be", "nothing", [](const SelftestContext&) {
                                    return Measurement{"x", "y", "z", Verdict::skip, "for a reason"};
                                  }};
@@ -78,6 +82,13 @@ TEST_F(SelftestReport, OneFailureFailsAll) {
   EXPECT_EQ(report({kPasses, kSkips}).exit_code, kExitDone);
   EXPECT_EQ(report({kPasses, kFails}).exit_code, kExitFailed);
   EXPECT_EQ(report({kThrows, kPasses}).exit_code, kExitFailed);
+}
+
+TEST_F(SelftestReport, SkipsWhatTheDeviceRefuses) {
+  const Output output = report({kPasses, kIsRefused});
+  EXPECT_EQ(output.exit_code, kExitDone);
+  EXPECT_NE(output.text.find("SKIP  one that asks too much"), std::string::npos) << output.text;
+  EXPECT_NE(output.text.find("has few buffers"), std::string::npos) << output.text;
 }
 
 TEST_F(SelftestReport, TellsALineACaseAndWhatAFailureMeans) {

@@ -1,7 +1,9 @@
 // Whitted's ray tracer: it agrees with path tracing where both find the same light, its two ways to branch agree, the
-// ambient term and the cutoff do what they say, and the bits do not depend on how the work is cut up. (Scenes with
-// known answers: analytic_test.cpp.)
+// ambient term and the cutoff do what they say, the estimated error is true, and the bits do not depend on how the work
+// is cut up. (Scenes with known answers: analytic_test.cpp.)
 #include <cmath>
+#include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,10 +13,12 @@
 #include "host/integrators/path/kind.h"
 #include "host/integrators/whitted/kind.h"
 #include "host/render/device/kernel_compiler.h"
+#include "host/render/loop/render_state.h"
 #include "host/render/render.h"
 #include "host/scene/gltf/gltf.h"
 #include "host/scene/pack/pack.h"
 #include "host/scene/view.h"
+#include "tests/coverage.h"
 #include "tests/mean_picture.h"
 #include "tests/scene_builder.h"
 #include "tests/shared_kernels.h"
@@ -44,9 +48,9 @@ protected:
     settings.cutoff = 0.0;
     return settings;
   }
-  RenderResult render(const Subject& subject, const RenderSettings& settings) {
+  RenderResult render(const Subject& subject, const RenderSettings& settings, const RenderHooks& hooks = {}) {
     KernelCompiler& kernels = shared_kernels(device());
-    return wavepath::render(device(), subject.packed, subject.view, settings, RenderHooks{}, kernels);
+    return wavepath::render(device(), subject.packed, subject.view, settings, hooks, kernels);
   }
   MeanPicture average(const Subject& subject, const RenderSettings& settings) {
     return mean_picture(settings, [&](const RenderSettings& seeded) { return render(subject, seeded); });
@@ -176,6 +180,52 @@ TEST_F(WhittedTest, TheAmbientTermIsAlbedoTimesRadiance) {
     ASSERT_NEAR(picture.channels[1].values[i], 0.5f, 1e-6f);
     ASSERT_NEAR(picture.channels[2].values[i], 3.0f, 1e-6f);
   }
+}
+
+// As in error_test.cpp, by fewer seeds, and where all pixels have the same noise.
+TEST_F(WhittedTest, TheIntervalHoldsTheTrueError) {
+  constexpr std::uint32_t kRuns = 40, kReference = 32;
+  RenderSettings coarse = settings(&kWhitted, 8, 1);
+  coarse.width = coarse.height = 32;
+  coarse.filter = gpu::kFilterBox;
+  const Subject subject(load_gltf(kScenes + "analytic/half_hidden_disc_light.gltf", {}), coarse);
+  RenderSettings fine = coarse;
+  fine.last_sample *= kReference, fine.seed = 1000000;
+  const Coverage found = measure_coverage(render(subject, fine).picture, kRuns, [&](std::uint32_t seed) {
+    coarse.seed = seed;
+    return render(subject, coarse);
+  });
+  EXPECT_GE(found.covered, 35u);
+  EXPECT_NEAR(found.ratio.mean(), 1.0, 0.05) << "its own noise is " << found.ratio.error();
+}
+
+// Trees of rays take several slots of a wave, so that a wave ends within a sample.
+TEST_F(WhittedTest, PartsJoinToTheWhole) {
+  RenderSettings whole = settings(&kWhitted, 7, 4);
+  const Subject subject(load_gltf(kScenes + "showcase.glb", {}), whole);
+  RenderSettings first = whole, second = whole;
+  first.last_sample = second.first_sample = 3;
+  first.sample_total = second.sample_total = 7;
+  Film joined = *render(subject, second).film;
+  join(joined, *render(subject, first).film);
+  EXPECT_TRUE(joined == *render(subject, whole).film);
+}
+
+// Stopped within the second pass, at whatever place the waves have come to.
+TEST_F(WhittedTest, ResumedRendersGiveTheSameBits) {
+  RenderSettings whole = settings(&kWhitted, 6, 4);
+  whole.wave_slots = 500;
+  const Subject subject(load_gltf(kScenes + "showcase.glb", {}), whole);
+  std::optional<RenderState> state;
+  RenderHooks interrupt;
+  interrupt.progress = [](const Progress& now) { return now.spp_done < 3; };
+  interrupt.save = [&](const RenderState& saved) { state = saved; };
+  interrupt.save_interval = 1e9; // at the end alone
+  EXPECT_EQ(render(subject, whole, interrupt).stop, StopReason::interrupted);
+  ASSERT_TRUE(state);
+  RenderHooks resume;
+  resume.resume = &*state;
+  EXPECT_TRUE(*render(subject, whole, resume).film == *render(subject, whole).film);
 }
 
 TEST_F(WhittedTest, HowTheWorkIsCutUpDoesNotMatter) {

@@ -79,19 +79,28 @@ void print_details(const Run& run) {
     fmt::print(stderr, "  left out    {}: {} ({})\n", entry.what, entry.why, to_size_text(entry.bytes));
 }
 
+// "1.8 % +- 0.3 %", "100 % +- 2 %".
+std::string percent_text(double share, double error) {
+  const auto text = [](double percent, int digits) { // those that count, and none after an exponent
+    return percent < std::pow(10.0, digits) - 0.5 ? fmt::format("{:.{}g}", percent, digits)
+                                                  : fmt::format("{:.0f}", percent);
+  };
+  return fmt::format("{} % +- {} %", text(100.0 * share, 2), text(100.0 * error, 1));
+}
+
 } // namespace
 
 std::vector<std::string> list_bias(const RenderSettings& settings, const PackedScene& scene, const RenderResult& result,
                                    const std::optional<DepthCut>& cut, const std::optional<LostLight>& lost) {
   std::vector<std::string> bias = settings.integrator->bias(settings, result);
   if (cut)
-    bias.front() += fmt::format(": {:.2g} % +- {:.1g} % of the light is missing, measured to {} bounces",
-                                100.0 * cut->share, 100.0 * cut->standard_error, cut->deeper);
+    bias.front() += fmt::format(": {} of the light is missing, measured to {} bounces",
+                                percent_text(cut->share, cut->standard_error), cut->deeper);
   if (lost)
-    bias.push_back(
-        fmt::format("light of lamps and suns through thick smooth glass and off mirrors is missing: {:.2g} % +- {:.1g} "
-                    "% of all light; --integrator bidirectional finds it",
-                    100.0 * lost->share, 100.0 * lost->standard_error));
+    bias.push_back(fmt::format(
+        "light of lamps and suns through thick smooth glass and off mirrors is missing: {} of all light; --integrator "
+        "bidirectional finds it",
+        percent_text(lost->share, lost->standard_error)));
   if (std::ranges::any_of(scene.lights, [](const gpu::Light& light) { return light.inverse_range > 0.0f; }))
     bias.emplace_back(
         "light of lamps with a `range` fades to nothing there, as viewers of glTF have it (KHR_lights_punctual)");

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "host/base/error.h"
+#include "host/gpu/device_limit.h"
 #include "host/gpu/pipeline_cache.h"
 #include "host/gpu/shader_module.h"
 
@@ -45,10 +46,14 @@ void check_count(const DeviceInfo& info, std::span<const Binding> bindings) {
   const auto sampled = static_cast<std::uint32_t>(std::count_if(bindings.begin(), bindings.end(), [](const Binding& b) {
     return b.kind != BindingKind::uniform && b.kind != BindingKind::storage;
   }));
-  if (sampled > info.max_sampled)
-    throw Error(info.name,
-                fmt::format("kernels see at most {} texel buffers and images, not {}", info.max_sampled, sampled),
-                "use another device");
+  const auto storage = static_cast<std::uint32_t>(std::ranges::count(bindings, BindingKind::storage, &Binding::kind));
+  const auto bound = [&](const char* what, std::uint32_t count, std::uint32_t most) {
+    if (count > most)
+      throw DeviceLimit(info.name, fmt::format("kernels see at most {} {}, not {}", most, what, count),
+                        "use another device or --integrator");
+  };
+  bound("texel buffers and images", sampled, info.max_sampled);
+  bound("storage buffers", storage, info.max_storage);
 }
 
 } // namespace
@@ -137,7 +142,7 @@ void BindingSet::check_limits(const Binding& binding) const {
   const std::uint64_t limit =
       texels ? info.max_texel_elements * texel_format(binding.kind).bytes : info.max_storage_range;
   if (bytes > limit)
-    throw Error(
+    throw DeviceLimit(
         info.name,
         fmt::format("a buffer of {:.0f} MiB exceeds its limit of {:.0f} MiB", bytes / 1048576.0, limit / 1048576.0),
         "use a smaller scene or --size, or another device");

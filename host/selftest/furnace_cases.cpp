@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "host/render/settings/integrator_kind.h"
 #include "host/selftest/oracles.h"
 #include "host/selftest/props.h"
 #include "host/selftest/scenes.h"
@@ -170,6 +171,15 @@ Measurement depth_cap(const SelftestContext& context) {
   return worst.judge();
 }
 
+// Of the many ways to join two paths into one of so many bounces, the weights add up to 1.
+Measurement both_ends(const SelftestContext& context) {
+  RenderSettings settings = square(16, context.full ? 1024 : 32, 8);
+  settings.integrator = find_integrator("bidirectional");
+  Worst worst;
+  worst.add(Studio(context).measure(glowing_box(0.9), settings), after_bounces(0.9, 8), 2e-6, "1 - 0.9^9");
+  return worst.judge();
+}
+
 constexpr SelftestCase kFurnaceCases[] = {
     {22, "white furnace, Lambert", "diffuse surfaces gain or lose light at every bounce", lambert_furnace},
     {23, "white furnace, GGX", "rough metals come out too bright or too dark", ggx_furnace},
@@ -178,6 +188,8 @@ constexpr SelftestCase kFurnaceCases[] = {
     {29, "closed white room, albedo 0.99 and 0.999", "rooms with bright walls come out too dark or too bright",
      white_room},
     {30, "bias of the depth cap", "light of late bounces is lost or counted twice", depth_cap},
+    {0, "closed room, paths from both ends", "pictures of --integrator bidirectional are too dark or too bright",
+     both_ends},
 };
 
 } // namespace

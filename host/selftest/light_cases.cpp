@@ -1,4 +1,5 @@
-// Cases of lights: tiny, touching, a sun's strength or ten decades apart, and three estimators that must agree.
+// Cases of lights: tiny, touching, a sun's strength or ten decades apart, three estimators that must agree, and light
+// that bounces.
 #include <cmath>
 #include <numbers>
 
@@ -106,12 +107,46 @@ Measurement estimators_agree(const SelftestContext& context) {
   return worst.judge();
 }
 
+// A receiver that sees no light but a small ceiling, which the sun lights from below, past the receiver's edge.
+Measurement indirect_light(const SelftestContext& context, const RenderSettings& settings) {
+  const Triangles ceiling = disc({0, 1, 0}, 0.3f, 32);
+  Scene scene;
+  const std::uint32_t white = add_lambert(scene, glm::vec3(1.0f));
+  add_triangles(scene, floor_quad(0.2f), white);
+  add_triangles(scene, ceiling, white);
+  look_down(scene, kExtent, 0.05);
+  PunctualLight sun;
+  sun.kind = LightKind::directional;
+  sun.intensity = glm::vec3(10.0f);
+  sun.direction = glm::normalize(glm::dvec3(1, 1, 0));
+  scene.lights.push_back(sun);
+  const double radiance = 10.0 * sun.direction.y / pi, expected = irradiance(ceiling) * radiance / pi;
+  Worst worst;
+  worst.add(Studio(context).measure(scene, settings), expected, kLightRounding * expected,
+            "a ceiling that the sun lights");
+  return worst.judge();
+}
+
+Measurement guided_paths(const SelftestContext& context) {
+  RenderSettings settings = square(16, context.full ? 2048 : 128, 2);
+  settings.guide = true;
+  return indirect_light(context, settings);
+}
+
+Measurement shared_paths(const SelftestContext& context) {
+  RenderSettings settings = square(16, context.full ? 2048 : 128, 2);
+  settings.reuse = kReuseOn;
+  return indirect_light(context, settings);
+}
+
 constexpr SelftestCase kLightCases[] = {
     {31, "tiny bright light", "small lamps come out too bright or too dark, or sprinkle the picture with fireflies",
      tiny_light},
     {32, "light of 1 beside a light of 1e10", "dim lights vanish in scenes that hold a bright one", dynamic_range},
     {43, "light 1 um above a surface", "lights that touch a surface leak, flicker or leave it black", touching_light},
     {44, "three estimators agree", "the picture depends on --direct by more than noise", estimators_agree},
+    {0, "indirect light, guided paths", "pictures with --guide are too dark or too bright", guided_paths},
+    {0, "indirect light, shared paths", "pictures with --reuse are too dark or too bright", shared_paths},
 };
 
 } // namespace

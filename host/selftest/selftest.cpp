@@ -6,6 +6,7 @@
 
 #include "host/base/clock.h"
 #include "host/base/error.h"
+#include "host/gpu/device_limit.h"
 
 namespace wavepath {
 
@@ -24,6 +25,8 @@ SelftestResult run_case(const SelftestCase& test, const SelftestContext& context
   SelftestResult result{&test, {}, 0.0};
   try {
     result.measurement = test.run(context);
+  } catch (const DeviceLimit& error) {
+    result.measurement = {"runs", "refused", "", Verdict::skip, error.what()};
   } catch (const Error& error) {
     result.measurement = {"runs", "error", "", Verdict::fail, error.what()};
   }

@@ -62,7 +62,8 @@ struct SelftestResult {
   double seconds = 0.0;
 };
 
-// Runs one; an Error that it throws is a failure with that text.
+// Runs one; an Error that it throws is a failure with that text, but the case is skipped where a DeviceLimit is in its
+// way.
 SelftestResult run_case(const SelftestCase& test, const SelftestContext& context);
 
 std::string_view verdict_name(Verdict verdict); // PASS, FAIL, SKIP
