@@ -366,6 +366,8 @@ TEST_F(PathReuse, TheSamePictureUnderTheSky) {
     settings.sky_samples = samples;
     expect_same_picture(samples == 1 ? "sky" : "sky, four samples", room(sky, settings), settings, 0.02);
   }
+  settings.lights = gpu::kLightsAuto;
+  expect_same_picture("sky, four learned samples", room(sky, settings), settings, 0.02);
 }
 
 TEST_F(PathReuse, TheSamePictureOfManyLights) {

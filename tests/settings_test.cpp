@@ -38,8 +38,8 @@ std::map<std::string, std::string> members(const RenderSettings& settings) {
                transparency_samples, branching, techniques, cutoff, denoise, antialias_over_time, mips, lights,
                light_samples, sky_samples, tries_sky, reuse, tries_reuse, adaptive, tries_adaptive, guide, moving,
                specialize, aovs, guide_iterations, added_features, removed_features, learns_lights, learns_sky,
-               light_pilot_paths, light_shares, room_for_shadow_rays, room_for_whole_nets, room_for_mips, whole_nets_from, quad_scale,
-               wave_slots] = settings;
+               light_pilot_paths, light_shares, room_for_shadow_rays, room_for_whole_nets, room_for_mips,
+               whole_nets_from, quad_scale, wave_slots] = settings;
   const auto text = [](const auto& value) { return fmt::format("{}", value); };
   return {{"integrator", std::string(integrator->name)},
           {"width", text(width)},

@@ -8,6 +8,7 @@
 
 #include "host/base/clock.h"
 #include "host/gpu/device.h"
+#include "host/gpu/device_limit.h"
 #include "host/render/lost_light.h"
 #include "host/render/settings/settings_table.h"
 #include "host/render/small_picture.h"
@@ -151,6 +152,7 @@ std::string reason_text(const IntegratorChoice& choice) {
   if (choice.taken > 0)
     return fmt::format("auto took {}: a given error costs {:.2g} ({:.2g} to {:.2g}) of the work of {}", taken.flags,
                        taken.cost, taken.lo, taken.hi, first.flags);
+  if (choice.trials.size() == 1 && !choice.refused.empty()) return fmt::format("auto took {}", taken.flags);
   if (choice.trials.size() == 1)
     return fmt::format("auto took {}: the others would cost more than they may gain", taken.flags);
   const auto second = std::min_element(choice.trials.begin() + 1, choice.trials.end(),
@@ -207,10 +209,15 @@ IntegratorChoice choose_integrator(Device& device, const PackedScene& scene, con
     for (const PilotRender& pilot : pilots) choice.trials.push_back(judge(pilot, pilots.front(), brightest));
     choice.taken = best_of(choice.trials);
   };
-  for (const RenderSettings& candidate : candidates) {
-    pilots.push_back(try_out(candidate, kFirstRound));
-    if (pilots.size() == 1 && !tries_others(pilots[0], length, may_lose_light(scene), cpu)) break;
-  }
+  pilots.push_back(try_out(candidates.front(), kFirstRound));
+  if (tries_others(pilots[0], length, may_lose_light(scene), cpu))
+    for (std::size_t i = 1; i < candidates.size();) try {
+        pilots.push_back(try_out(candidates[i], kFirstRound));
+        ++i;
+      } catch (const DeviceLimit&) {
+        choice.refused.push_back(way_text(candidates[i]));
+        candidates.erase(candidates.begin() + static_cast<std::ptrdiff_t>(i));
+      }
   judge_all();
   const std::vector<std::size_t> close = contenders(choice.trials, choice.taken);
   if (choice.taken > 0 && tries_again(pilots, close, length)) {
@@ -223,9 +230,12 @@ IntegratorChoice choose_integrator(Device& device, const PackedScene& scene, con
 }
 
 std::string choice_text(const IntegratorChoice& choice) {
-  const std::string reason = reason_text(choice);
-  if (choice.too_large.empty()) return reason;
-  return fmt::format("{}; there is too little memory for {}", reason, fmt::join(choice.too_large, " or "));
+  std::string reason = reason_text(choice);
+  if (!choice.too_large.empty())
+    reason += fmt::format("; there is too little memory for {}", fmt::join(choice.too_large, " or "));
+  if (!choice.refused.empty())
+    reason += fmt::format("; the device's limits rule out {}", fmt::join(choice.refused, " and "));
+  return reason;
 }
 
 } // namespace wavepath

@@ -21,6 +21,7 @@ struct IntegratorChoice {
   RenderSettings settings;            // never of an integrator that has candidates
   std::vector<Trial> trials;          // empty where none were made
   std::vector<std::string> too_large; // flags of those that were not tried because they would not fit into memory
+  std::vector<std::string> refused;   // and of those that the device cannot run
   std::size_t taken = 0;              // its place in `trials`
   double seconds = 0.0;               // that the pilots took, compiling included
   double render_seconds = 0.0;        // of these, rendering alone

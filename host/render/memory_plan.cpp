@@ -41,7 +41,7 @@ MemoryPlan plan_memory(const RenderSettings& settings, const Plan& scene, gpu::F
   without_splats.splats = false;
   const std::uint64_t film = without_splats.bytes();
   const bool learns_lights = scene.light_tree_bytes > 0 && (features_of(settings) & gpu::kFeatureLightRows) != 0;
-  const bool has_parts = scene.environment_bytes > 0 || sky_samples_of(settings, features) > 1;
+  const bool has_parts = scene.environment_bytes > 0 || most_sky_samples_of(settings, features) > 1;
   const bool learns_sky = has_parts && (features_of(settings) & gpu::kFeatureLearnedSky) != 0;
   std::vector<MemoryItem> items = {
       {"film", film, MemoryPlace::both},
@@ -65,14 +65,14 @@ MemoryCheck::MemoryCheck(std::string file, const Plan& scene, gpu::Feature featu
     : file_(std::move(file)), scene_(scene), features_(features), device_(std::move(device)), available_(available) {}
 
 std::uint64_t MemoryCheck::bytes(const RenderSettings& settings) const {
-  const bool cpu = device_.type == "cpu"; // the device's memory is the host's
+  const bool shared = device_.type == "cpu" || device_.type == "integrated"; // the device's memory is the host's
   const MemoryPlan plan = plan_memory(settings, scene_, features_);
-  std::uint64_t sum = (cpu ? 2 : 1) * scene_.total();
+  std::uint64_t sum = (shared ? 2 : 1) * scene_.total();
   for (const MemoryItem& item : plan.render) {
     if (item.place != MemoryPlace::device) sum += item.bytes;
-    if (item.place != MemoryPlace::host && cpu) sum += item.bytes;
+    if (item.place != MemoryPlace::host && shared) sum += item.bytes;
   }
-  return sum + (cpu ? choose_slots(device_, features_, settings) * total_bytes(plan.path) : 0);
+  return sum + (shared ? choose_slots(device_, features_, settings) * total_bytes(plan.path) : 0);
 }
 
 void MemoryCheck::require(const RenderSettings& settings) const {

@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <string_view>
 
 #include <fmt/format.h>
 
 #include "host/base/clock.h"
 #include "host/gpu/device.h"
+#include "host/render/device/kernel_compiler.h"
 #include "host/render/loop/render_loop.h"
 #include "host/render/settings/integrator_kind.h"
 #include "host/render/settings/light_samples.h"
@@ -97,9 +99,9 @@ SkyChoice choose_sky_samples(Device& device, const PackedScene& scene, const Vie
 }
 
 std::string sky_choice_text(const SkyChoice& choice) {
-  return fmt::format("{} sky samples{}: a given error is expected to cost {}{:.2g} of the work of one", choice.samples,
-                     choice.learns ? ", towards parts of the sky that a pilot has seen" : "",
-                     choice.learns ? "less than " : "", choice.cost);
+  const std::string_view how =
+      choice.learns ? ", learned (drawn like paths' they would have cost" : " (a given error costs";
+  return fmt::format("{} sky samples{} {:.2g} of the work of one)", choice.samples, how, choice.cost);
 }
 
 } // namespace wavepath

@@ -8,9 +8,10 @@
 namespace wavepath {
 
 struct SkyChoice {
-  std::uint32_t samples = 0;   // 0: nothing was tried, because the render is short or no sky can be shared
-  bool learns = false;         // where the sky is seen, by a pilot of the render (learned_sky.glsl)
-  double cost = 1.0;           // squared error times work that is expected, over that of one; at most, if it learns
+  std::uint32_t samples = 0; // 0: nothing was tried, because the render is short or no sky can be shared
+  bool learns = false;       // where the sky is seen, by a pilot of the render (learned_sky.glsl)
+  // Squared error times work that is expected of the best number of directions drawn like the path's, over that of one.
+  double cost = 1.0;
   double seconds = 0.0;        // that the pilots took, waiting for kernels and upload included
   double render_seconds = 0.0; // of these, rendering alone
   // Kernels for pilots serve the render, too (RenderSettings::tries_sky): others are not worth compiling for 1 % of the
@@ -26,13 +27,13 @@ bool may_try_sky(const RenderSettings& settings, bool cpu);
 // the squared error that falls as 1 / directions, and each takes as much work as another; so the two tell the number
 // with the least product. More than one pays where few paths get to the sky, and costs where most do: over one
 // direction, four take .31 to .45 of the time to equal error in Sponza, 1.3 to 2.1 with a helmet or a dragon in the
-// open. Where more pay and lights are learned, directions are learned as well, which takes another .5 to .65 of that time.
-// Work is counted, never timed. Nothing is tried in a render of less than 20 times the paths of both pilots and
-// of what compiling for them takes, or if a number was asked for.
+// open. Where more pay and lights are learned, directions are learned as well. Work is counted, never timed. Nothing is
+// tried in a render of less than 20 times the paths of both pilots and of what compiling for them takes, or if a number
+// was asked for.
 SkyChoice choose_sky_samples(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings,
                              KernelCompiler& kernels, SceneOnDevice& shared);
 
-// "4 sky samples: a given error is expected to cost 0.45 of the work of one".
+// "5 sky samples, learned (drawn like paths' they would have cost 0.45 of the work of one)".
 std::string sky_choice_text(const SkyChoice& choice);
 
 } // namespace wavepath

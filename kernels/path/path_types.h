@@ -65,8 +65,9 @@ GPU_FUNCTION uint light_samples_at(uint first, uint bounce) {
   return bounce < 8u && (first >> bounce) > 1u ? first >> bounce : 1u;
 }
 
-// Directions in which a vertex looks for a sky of one colour, the path's own among them, of `first` where the path first
-// scatters: as many at every vertex, but where they are learned the further ones become fewer as light samples do.
+// Directions in which a vertex looks for a sky of one colour, the path's own among them, of `first` where the path
+// first scatters: as many at every vertex, but where they are learned the further ones become fewer as light samples
+// do.
 GPU_FUNCTION uint sky_samples_at(uint first, bool learned, uint bounce) {
   return learned && first > 1u ? 1u + light_samples_at(first - 1u, bounce) : first;
 }
@@ -84,14 +85,14 @@ struct Queues {
   uint next_ray; // index of the next ray to be traced (trace_queue.glsl)
   uint escape_groups[3];
   uint next_shadow_ray;                 // likewise
-  uint shadow_count[kMostLightSamples]; // of each light sample; connect reads the first, which advance sets for it
+  uint shadow_count[kMostLightSamples]; // by queue (sky.glsl); connect reads the first, which advance sets for it
   uint sender_count;                    // of paths whose second vertex sends light to neighbours (reuse.glsl)
 };
 GPU_CHECK(sizeof(Queues) == 80 + 4 * kMostLightSamples);
 
 // What advance prepares for: its push constant `bounce` is kAdvanceSteps * bounce + step.
-// Light sample i of a vertex is kBeforeConnect + i; kBeforeLastConnect + i where rays are sorted and no other light
-// sample follows, so that extend of the next bounce is prepared as well: on CPU drivers a dispatch of one lane takes
+// Queue i of shadow rays is kBeforeConnect + i; kBeforeLastConnect + i where rays are sorted and no other queue
+// follows, so that extend of the next bounce is prepared as well: on CPU drivers a dispatch of one lane takes
 // some 90 us.
 GPU_CONSTANT uint kBeforeExtend = 0u, kBeforeShade = 1u, kBeforeConnect = 2u,
                   kBeforeLastConnect = kBeforeConnect + kMostLightSamples,

@@ -132,7 +132,8 @@ void connect_to_sky(Vertex v, Lobes lobes, Receiver receiver, Sampler path_sampl
     ray.origin = offset_ray_origin(v.surface.position, v.surface.position_error, v.surface.geometric_normal, wi);
     ray.direction = wi;
     ray.t_max = kFar;
-    store_shadow_ray(i * frame.slot_count + atomicAdd(queues.shadow_count[i], 1u), ray);
+    uint queue_ = kLightSamples - 1u + i;
+    store_shadow_ray(queue_ * frame.slot_count + atomicAdd(queues.shadow_count[queue_], 1u), ray);
   }
 }
 
@@ -256,7 +257,7 @@ void follow(Ray ray, Hit hit, inout PathState path, out bool wants_ray, out Ray 
     wants_ray = scatter(v, lobes, path_sampler, dimension, slot, receives, path, next, passed);
     // A pane with a diffuse share receives light, too, but what goes straight on comes from the vertex before it. (A pilot
     // that learns counts the pane's own shadow ray for that vertex: it makes shares less apt, never wrong.)
-    if (passed && connects && keeps_receivers()) receiver_words[receiver_place(slot)] = earlier;
+    if (passed && (connects || looks_for_sky) && keeps_receivers()) receiver_words[receiver_place(slot)] = earlier;
   }
 }
 

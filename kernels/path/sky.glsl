@@ -10,7 +10,7 @@
 
 #define SHARES_SKY (kSky == kSkyByShadowRays) // a macro, as has() is
 
-// The first is that of the first light sample; sky samples begin at the second.
-uint shadow_queue_count() { return SHARES_SKY ? max(kLightSamples, frame.sky_samples) : kLightSamples; }
+// Each light sample has a queue of its own; those of the directions to the sky that are not the path's own lie behind.
+uint shadow_queue_count() { return SHARES_SKY ? kLightSamples - 1u + frame.sky_samples : kLightSamples; }
 
 #endif

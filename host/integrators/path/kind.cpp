@@ -54,10 +54,11 @@ std::vector<MemoryItem> memory_items(const RenderSettings& settings, const Plan&
 
 std::uint64_t slot_bytes(gpu::Feature features, const RenderSettings& settings, std::uint32_t more_rooms) {
   features |= features_of(settings) & gpu::kFeatureAdaptive;
-  if (features & gpu::kFeatureEnvironmentMap || sky_samples_of(settings, features) > 1)
+  const std::uint32_t sky_samples = most_sky_samples_of(settings, features);
+  if (features & gpu::kFeatureEnvironmentMap || sky_samples > 1)
     features |= features_of(settings) & gpu::kFeatureLearnedSky;
   return bytes_per_path(features, kRoomForShadowRays | kRoomForSortedRays | more_rooms,
-                        std::max(light_samples_of(settings, features), sky_samples_of(settings, features)));
+                        shadow_queues(light_samples_of(settings, features), sky_samples));
 }
 
 std::uint64_t bytes_per_slot(gpu::Feature features, const RenderSettings& settings) {

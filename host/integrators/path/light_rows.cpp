@@ -5,6 +5,7 @@
 #include <cstddef>
 
 #include "host/integrators/path/cell_lessons.h"
+#include "host/scene/pack/emission.h"
 #include "host/scene/pack/intervals.h"
 
 namespace wavepath {
@@ -50,8 +51,10 @@ LightLesson learn_light_rows(const PackedScene& scene, std::span<const std::uint
 }
 
 // 2^20 units for what is typical: a millionth of that still counts, and 2^10 times that is where samples are cut.
-double light_sum_scale(const PackedScene& scene) {
-  return scene.typical_radiance > 0.0 ? 0x1p20 / scene.typical_radiance : 1.0;
+double light_sum_scale(const PackedScene& scene, bool of_one_colour) {
+  const double sky = of_one_colour ? luminance(glm::dvec3(scene.environment_radiance)) : 0.0;
+  const double typical = scene.typical_radiance + sky;
+  return typical > 0.0 ? 0x1p20 / typical : 1.0;
 }
 
 } // namespace wavepath

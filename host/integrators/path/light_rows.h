@@ -27,7 +27,7 @@ std::vector<std::uint32_t> unlearned_light_rows(const PackedScene& scene);
 // Rows that the pilot has not reached stay as they are without it.
 LightLesson learn_light_rows(const PackedScene& scene, std::span<const std::uint32_t> sums);
 
-// Units of the sums for one of radiance.
-double light_sum_scale(const PackedScene& scene);
+// Units of the sums for one of radiance. `of_one_colour`: the pilot looks for such a sky as well.
+double light_sum_scale(const PackedScene& scene, bool of_one_colour);
 
 } // namespace wavepath

@@ -26,10 +26,15 @@ bool chooses_by_shares(const PackedScene& scene, const RenderSettings& settings)
   return (features_for(scene, settings) & gpu::kFeatureLightRows) != 0 && !scene.light_tree.empty();
 }
 
+bool learns_one_colour(const PackedScene& scene, const RenderSettings& settings) {
+  return settings.learns_sky && sky_samples_of(settings, scene.features) > 1 &&
+         (features_for(scene, settings) & gpu::kFeatureLearnedSky) != 0;
+}
+
 bool chooses_parts_of_sky(const PackedScene& scene, const RenderSettings& settings) {
   const bool of_map = !scene.environment_ends.empty() && scene.environment_probability > 0.0f && settings.max_depth > 0;
-  const bool of_one_colour = settings.learns_sky && sky_samples_of(settings, scene.features) > 1;
-  return (features_for(scene, settings) & gpu::kFeatureLearnedSky) != 0 && (of_map || of_one_colour);
+  return (of_map && (features_for(scene, settings) & gpu::kFeatureLearnedSky) != 0) ||
+         learns_one_colour(scene, settings);
 }
 
 // A picture of about that many paths, the render's own or a smaller one. 0: as many as parts have, of the render's own.
@@ -63,7 +68,8 @@ void LightTeacher::change(const RenderSettings& settings) {
   report_ = {};
   if (of_lights_) workspace_.frame.scene_features |= gpu::kFeatureLightRows;
   if (of_sky_) workspace_.frame.scene_lobes |= static_cast<std::uint32_t>(gpu::kFeatureLearnedSky >> 32);
-  workspace_.frame.light_sum_scale = static_cast<float>(light_sum_scale(workspace_.scene));
+  workspace_.frame.light_sum_scale =
+      static_cast<float>(light_sum_scale(workspace_.scene, learns_one_colour(workspace_.scene, settings)));
 }
 
 // Those of the sky lie behind those of lights.

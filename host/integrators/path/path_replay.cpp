@@ -144,7 +144,7 @@ PathTrace PathReplay::trace(glm::uvec2 pixel, std::uint32_t sample, std::uint32_
     const float pdf = vertex.scattered.bsdf_pdf;
     if (pdf != arrived.bsdf_pdf) sharing = light_samples; // else the path went straight through a pane, or ends here
     if (!(pdf < 0.0f)) vertex.pdf = pdf * static_cast<float>(sharing);
-    for (std::uint32_t i = 0; i < std::max(light_samples, workspace_.frame.sky_samples); ++i) {
+    for (std::uint32_t i = 0; i < shadow_queues(paths_.config().light_samples, workspace_.frame.sky_samples); ++i) {
       run(kAdvance, gpu::kAdvanceSteps * bounce + gpu::kBeforeConnect + i);
       if (queues().shadow_count[0] > 0) vertex.shadows.push_back(connect(bounce, i, state()));
     }

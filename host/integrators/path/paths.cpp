@@ -176,7 +176,7 @@ bool Paths::change(const RenderSettings& settings, std::uint32_t stages, std::ui
     options |= kRoomForShadowRays;
   bool moved = workspace_.fit(settings, features | film_features);
   moved |= buffers.fit({workspace_.film.pixels(), workspace_.slots, features, options,
-                        std::max(need_.config.light_samples, workspace_.frame.sky_samples)});
+                        shadow_queues(need_.config.light_samples, workspace_.frame.sky_samples)});
   if (!moved && !sets_.empty()) return false;
   std::vector<Binding> own;
   buffers.add_bindings(own);
@@ -224,17 +224,18 @@ bool Paths::connect(Commands& commands, const KernelSet& kernels, gpu::Wave wave
                     bool prepares_extend) const {
   const gpu::Frame& frame = workspace_.frame;
   const bool learns_sky = frame.scene_lobes & static_cast<std::uint32_t>(gpu::kFeatureLearnedSky >> 32);
-  const std::uint32_t samples = std::max(gpu::light_samples_at(kernels.config().light_samples, bounce),
-                                         gpu::sky_samples_at(frame.sky_samples, learns_sky, bounce));
-  const std::uint32_t first = workspace_.frame.light_count > 0 ? 0 : 1;
-  for (std::uint32_t i = first; i < samples; ++i) {
-    const bool is_last = i + 1 == samples;
+  const std::uint32_t light_samples = kernels.config().light_samples, lights = frame.light_count > 0 ? 1 : 0;
+  const std::uint32_t of_lights = lights * gpu::light_samples_at(light_samples, bounce);
+  const std::uint32_t of_sky = gpu::sky_samples_at(frame.sky_samples, learns_sky, bounce) - 1;
+  for (std::uint32_t i = 0; i < of_lights + of_sky; ++i) {
+    const std::uint32_t queue = i < of_lights ? i : light_samples + i - of_lights;
+    const bool is_last = i + 1 == of_lights + of_sky;
     advance(commands, kernels, wave, bounce,
-            (is_last && prepares_extend ? gpu::kBeforeLastConnect : gpu::kBeforeConnect) + i);
+            (is_last && prepares_extend ? gpu::kBeforeLastConnect : gpu::kBeforeConnect) + queue);
     wave.bounce = bounce;
     commands.dispatch_indirect(kernels[kConnect], buffers[kQueues], offsetof(gpu::Queues, connect_groups), &wave);
   }
-  return prepares_extend && first < samples;
+  return prepares_extend && of_lights + of_sky > 0;
 }
 
 } // namespace wavepath

@@ -233,6 +233,7 @@ Json choice_json(const IntegratorChoice& choice) {
 
 Json sky_choice_json(const SkyChoice& choice) {
   return {{"taken", choice.samples},
+          {"learns", choice.learns},
           {"cost", choice.cost},
           {"seconds", choice.seconds},
           {"render_seconds", choice.render_seconds}};

@@ -20,7 +20,17 @@ bool may_share_sky(const RenderSettings& settings, gpu::Feature scene) {
 bool tries_sky_cheaply(gpu::Feature scene) { return !(scene & (gpu::kLobesLayered | gpu::kFeatureLightTree)); }
 
 std::uint32_t sky_samples_of(const RenderSettings& settings, gpu::Feature scene) {
-  return may_share_sky(settings, scene) ? std::max(1u, settings.sky_samples) : 1;
+  if (!may_share_sky(settings, scene)) return 1;
+  return std::clamp(settings.sky_samples, 1u, gpu::kMostLightSamples + 1 - light_samples_of(settings, scene));
+}
+
+std::uint32_t most_sky_samples_of(const RenderSettings& settings, gpu::Feature scene) {
+  const bool chooses = settings.sky_samples == 0 && settings.tries_sky && may_share_sky(settings, scene);
+  return chooses ? kLearnedSkySamples : sky_samples_of(settings, scene);
+}
+
+std::uint32_t shadow_queues(std::uint32_t light_samples, std::uint32_t sky_samples) {
+  return light_samples + sky_samples - 1;
 }
 
 } // namespace wavepath

@@ -24,11 +24,18 @@ bool may_share_sky(const RenderSettings& settings, gpu::Feature scene);
 // Whether a pilot of --sky-samples auto costs little more than its paths: lights have no tree, of which it would have
 // to learn, and materials no layers, whose kernels take long to compile.
 bool tries_sky_cheaply(gpu::Feature scene);
-// Directions in which every vertex looks for it, the path's own among them; 1 where it may not be shared. Where they are
-// learned, those of the first vertex, as light samples are (gpu::sky_samples_at).
+// Directions in which every vertex looks for it, the path's own among them; 1 where it may not be shared. Where they
+// are learned, those of the first vertex, as light samples are (gpu::sky_samples_at). As many as leave light samples
+// their queues: together they have gpu::kMostLightSamples.
 std::uint32_t sky_samples_of(const RenderSettings& settings, gpu::Feature scene);
 // What --sky-samples auto takes where it pays to look and directions are learned: as many light samples as under a map.
 // 8 give the same squared error times rays (benchmarks/results/NOTES.md).
 inline constexpr std::uint32_t kLearnedSkySamples = 1 + kLightSamplesOfMaps;
+
+// The most that the settings may come to when --sky-samples auto has chosen.
+std::uint32_t most_sky_samples_of(const RenderSettings& settings, gpu::Feature scene);
+
+// Queues of shadow rays: one for each light sample, and one for each direction to the sky that is not the path's own.
+std::uint32_t shadow_queues(std::uint32_t light_samples, std::uint32_t sky_samples);
 
 } // namespace wavepath

@@ -207,8 +207,8 @@ std::vector<Setting> transport_rows() {
       {.name = "lights",
        .value = ChoiceValue{&S::lights, kLightSelectionNames},
        .meaning = "how lights are chosen: by power; by a tree of bounds on what they bring; in shares near every place "
-                  "that a pilot, which is thrown away, has learned, and parts of an environment map likewise; auto: "
-                  "learned where there is a map, or many lights in many places, else by power",
+                  "that a pilot, which is thrown away, has learned, and parts of an environment map or of a sky "
+                  "likewise; auto: learned where there is a map, or many lights in many places, else by power",
        .takers = Takers::listed_else_ignored,
        .offered = kByRenderAndView | kByBench,
        .label = "choice of lights"},
@@ -224,8 +224,11 @@ std::vector<Setting> transport_rows() {
        .study = {"1", "2", "4", "8"}},
       {.name = "sky-samples",
        .value = ChoiceValue{&S::sky_samples, kLightSamplesNames},
-       .meaning = "directions in which every vertex looks for a sky of one colour, that of the path among them; auto: "
-                  "what a pilot, which is thrown away, finds to pay in a render that is long enough, else 1",
+       .meaning =
+           "directions in which every vertex looks for a sky of one colour, that of the path among them; where "
+           "--lights learns, the others go where the sky was seen, half as many at each bounce; auto: what a "
+           "pilot, which is thrown away, finds to pay in a render that is long enough, else 1; no more than 9 less "
+           "the light samples",
        .takers = Takers::listed_else_ignored,
        .offered = kByRenderAndView | kByBench,
        .label = "sky samples",

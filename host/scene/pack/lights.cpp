@@ -277,10 +277,6 @@ void pack_lights(Scene& scene, std::span<const Object> objects, std::span<const 
   }
   list.ends[kEnvironment] = list.lights.size();
 
-  double power = 0.0; // as if all shone into the scene's sphere
-  for (const double p : list.powers) power += p;
-  packed.typical_radiance = power / (4.0 * pi * pi * radius * radius);
-  if (!sample_environment) packed.typical_radiance += environment_integral / (4.0 * pi);
   const std::vector<std::uint32_t> ends = build_intervals(weigh(list));
   if (ends.empty()) return;
   for (std::size_t i = 0; i < list.lights.size(); ++i) {
@@ -291,6 +287,9 @@ void pack_lights(Scene& scene, std::span<const Object> objects, std::span<const 
   }
   if (sample_environment) packed.environment_probability = list.lights.back().probability;
   packed.local_light_count = static_cast<std::uint32_t>(list.ends[kLocal]);
+  double power = 0.0; // as if all shone into the scene's sphere
+  for (const double p : list.powers) power += p;
+  packed.typical_radiance = power / (4.0 * pi * pi * radius * radius);
   const std::size_t least = selection == gpu::kLightsAuto ? kFewLights + 1 : 1;
   if (selection != gpu::kLightsPower && list.ends[kLocal] >= least)
     pack_light_tree(list, radius, selection == gpu::kLightsAuto, packed);
