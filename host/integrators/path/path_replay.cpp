@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "host/base/error.h"
+#include "host/render/settings/light_samples.h"
 #include "host/render/settings/traversal.h"
 #include "host/render/settings/whole_nets.h"
 #include "kernels/frame_types.h"
