@@ -251,6 +251,9 @@ TEST_F(LightSamples, TheSkyIsLearnedWhereLightsAre) {
   EXPECT_FALSE(*learned.film == *unlearned.film);
   EXPECT_TRUE(*rendered(4, true, gpu::kLightsPower).film == *unlearned.film);
   EXPECT_EQ(rendered(1, true, gpu::kLightsAuto).light_pilot.paths, 0u);
+  RenderSettings brief = with_sky_samples(asked(1, gpu::kDirectMis, 4), 4);
+  brief.light_pilot_paths = 1000;
+  EXPECT_TRUE(*render(rooms, brief).film == *unlearned.film) << "too short a pilot to pay";
 }
 
 TEST_F(LightSamples, BitsWithSkySamplesDoNotDependOnHowTheWorkIsCut) {

@@ -137,7 +137,7 @@ const std::map<std::string, std::string> kExempt = {
     {"tries_reuse", "for pilots of reuse; the picture is the same"},
     {"tries_adaptive", "whether adaptive, where it is auto, looks for noise; kept in the state of a render"},
     {"learns_lights", "of windows, which do not where `lights` is auto"},
-    {"learns_sky", "for pilots of sky_samples, which are thrown away"},
+    {"learns_sky", "for pilots and small pictures beside a render, which are thrown away"},
     {"light_pilot_paths", "by the length of a render; kept in its state"},
     {"light_shares", "of pictures beside a render, which are thrown away"},
     {"room_for_mips", "for windows, whose frames in motion have one sample; the picture is the same"},

@@ -419,7 +419,9 @@ RenderResult render_prepared(const RenderCommandRequest& request, Prepared& prep
   if (resumed) {
     settings.light_pilot_paths = resumed->light_pilot_paths; // likewise
     settings.guide_iterations = resumed->guide_iterations;
-    const bool learned_lights = resumed->light_pilot_paths != 0 && LightTeacher::has_lesson(prepared.packed, settings);
+    RenderSettings part = settings;
+    part.light_pilot_paths = 0;
+    const bool learned_lights = resumed->light_pilot_paths != 0 && LightTeacher::has_lesson(prepared.packed, part);
     const bool learned_longer = settings.guide && resumed->guide_iterations != kGuideIterations;
     if (request.render.mergeable && (learned_lights || learned_longer))
       throw Error(state.file, "has learned of light as parts do not, so that its picture cannot be merged",

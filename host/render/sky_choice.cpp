@@ -91,7 +91,8 @@ SkyChoice choose_sky_samples(Device& device, const PackedScene& scene, const Vie
     const double cost = (std::max(rest, 0.0) + sky / n) * (paths + n * shadow_ray) / (one.squared_error * one.work);
     if (cost < std::min(choice.cost, kWorthwhile)) choice.samples = n, choice.cost = cost;
   }
-  choice.learns = choice.samples > 1 && (features_of(settings) & gpu::kFeatureLearnedSky) != 0;
+  choice.learns =
+      choice.samples > 1 && pays_to_learn_sky(settings) && (features_of(settings) & gpu::kFeatureLearnedSky) != 0;
   if (choice.learns) choice.samples = kLearnedSkySamples;
   choice.keeps_kernels = cpu && !longer;
   choice.seconds = seconds_since(start);

@@ -32,6 +32,11 @@ std::uint32_t sky_samples_of(const RenderSettings& settings, gpu::Feature scene)
 // 8 give the same squared error times rays (benchmarks/results/NOTES.md).
 inline constexpr std::uint32_t kLearnedSkySamples = 1 + kLightSamplesOfMaps;
 
+// Whether a render's pilot of lights, the longer the longer the render is, is long enough for such directions to be
+// learned. Sponza under a white sky, 256x192: at 8 samples, of 38,000 paths, learning takes 1.1 of the squared error
+// times seconds, at 16, of 63,000, .68. Parts, whose pilots depend on the picture alone (0), learn.
+bool pays_to_learn_sky(const RenderSettings& settings);
+
 // The most that the settings may come to when --sky-samples auto has chosen.
 std::uint32_t most_sky_samples_of(const RenderSettings& settings, gpu::Feature scene);
 
