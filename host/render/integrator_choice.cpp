@@ -210,21 +210,22 @@ IntegratorChoice choose_integrator(Device& device, const PackedScene& scene, con
     choice.taken = best_of(choice.trials);
   };
   pilots.push_back(try_out(candidates.front(), kFirstRound));
-  if (tries_others(pilots[0], length, may_lose_light(scene), cpu))
-    for (std::size_t i = 1; i < candidates.size();) try {
+  if (tries_others(pilots[0], length, may_lose_light(scene), cpu)) {
+    for (std::size_t i = 1; i < candidates.size(); ++i) {
+      try {
         pilots.push_back(try_out(candidates[i], kFirstRound));
-        ++i;
       } catch (const DeviceLimit&) {
         choice.refused.push_back(way_text(candidates[i]));
-        candidates.erase(candidates.begin() + static_cast<std::ptrdiff_t>(i));
       }
+    }
+  }
   judge_all();
   const std::vector<std::size_t> close = contenders(choice.trials, choice.taken);
   if (choice.taken > 0 && tries_again(pilots, close, length)) {
-    for (const std::size_t i : close) pilots[i] = try_out(candidates[i], kSecondRound);
+    for (const std::size_t i : close) pilots[i] = try_out(pilots[i].settings, kSecondRound);
     judge_all();
   }
-  choice.settings = candidates[choice.taken];
+  choice.settings = pilots[choice.taken].settings;
   choice.seconds = seconds_since(start);
   return choice;
 }

@@ -76,7 +76,7 @@ std::vector<OmittedStage> omitted(const RenderSettings& settings) {
     left_out.push_back({"what pixels tell their neighbours of paths, and its kernel", "no reuse of paths"});
   if (!settings.guide) left_out.push_back({"guiding field, its pilot and its kernels", "--guide was not given"});
   if (!(features_of(settings) & gpu::kFeatureLearnedSky))
-    left_out.push_back({"learned parts of the environment map", "--lights or --direct does not ask for them"});
+    left_out.push_back({"learned parts of the sky", "--lights or --direct does not ask for them"});
   return left_out;
 }
 

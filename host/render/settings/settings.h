@@ -116,7 +116,7 @@ struct RenderSettings {
   bool mips = true;                        // textures at mip levels in frames of one sample (mips.h); biased
   std::uint32_t lights = gpu::kLightsAuto; // how next-event estimation chooses among them
   std::uint32_t light_samples = 0;         // where a path first scatters; 0 = by the scene (light_samples.h)
-  std::uint32_t sky_samples = 0;           // at every vertex; 0 = as sky_choice.h finds, else 1 (light_samples.h)
+  std::uint32_t sky_samples = 0;           // a vertex; 0 = as sky_choice.h finds, else 1 (light_samples.h)
   bool tries_sky = false;                  // kernels are to bear any number of sky samples, where trying costs little
   std::uint32_t reuse = kReuseAuto;        // of the paths of neighbouring pixels (path_reuse.h)
   std::uint32_t tries_reuse = kTriesReuseNowhere; // scenes whose kernels are to bear both
