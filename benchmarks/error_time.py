@@ -13,9 +13,11 @@ def net_error(errors, between):
 
 
 def slope(points):
-    """Of log relMSE against log seconds, by least squares over the last four points; independent samples give -1."""
-    x = [math.log(p["seconds"]) for p in points[-4:]]
-    y = [math.log(p["relmse"]) for p in points[-4:]]
+    """Of log relMSE against log seconds, by least squares over the last three octaves of samples; independent samples
+    give -1."""
+    last = [p for p in points if p["spp"] * 8 >= points[-1]["spp"]]
+    x = [math.log(p["seconds"]) for p in last]
+    y = [math.log(p["relmse"]) for p in last]
     mx, my = statistics.fmean(x), statistics.fmean(y)
     return sum((a - mx) * (b - my) for a, b in zip(x, y)) / sum((a - mx) ** 2 for a in x)
 

@@ -42,6 +42,8 @@ SCENES = {
                    "eye": [4, 1.8, 0.2], "look_at": [-10, 2.2, -0.3], "yfov": 65},
     "sponza_lamp": {"made": "sponza_lamp.glb", "environment": "1,1,1", "lambert": "all", "reference": 1024,
                     "eye": [4, 1.8, 0.2], "look_at": [-10, 2.2, -0.3], "yfov": 65},
+    "hotel": {"scene": "HotelRoom/HotelRoom-plain.glb", "environment": "env/venice_sunset_1k.hdr", "reference": 1024,
+              "eye": [10000, 1200, -6000], "look_at": [10200, 1100, -7000], "yfov": 75},
     "showcase": {"scene": ROOT / "scenes/showcase.glb", "lambert": "told", "reference": 2048,
                  "eye": [0, 2.35, 7.4], "look_at": [0, 0.86, 0], "yfov": 26.3561},
     "slit": {"scene": ROOT / "scenes/rooms/slit_room.glb", "lambert": "all", "reference": 4096,
@@ -57,6 +59,8 @@ SCENES = {
     "mirror": {"scene": ROOT / "scenes/caustics/mirror_caustic.glb", "lambert": "told", "reference": 8192,
                "max_depth": 8, "eye": [-0.1, 0.6, 1.9], "look_at": [0, 0.22, -0.4], "yfov": 40.107},
 }
+
+
 def view_of(name, assets, made, size):
     """The scene as both renderers get it, or None where its files are not there."""
     view = {"environment": None, "intensity": 1, "lambert": "none", "punctual": False, "max_depth": MAX_DEPTH,
@@ -125,9 +129,16 @@ def count_processor(points):
     points[0]["seconds"] = points[1]["seconds"] / 2
 
 
+def half_octave_after(spp):
+    """1, 2, 3, 4, 6, 8, 12 ..."""
+    power_of_two = spp & (spp - 1) == 0
+    return spp + max(spp // 2, 1) if power_of_two else spp // 3 * 4
+
+
 def measure(renderers, references, folder, reps, seconds, processor):
-    """One series a renderer: 1, 2, 4 ... samples a pixel, taking turns, till the last target or the limit, which is of
-    the processor's seconds where these count."""
+    """One series a renderer: 1, 2, 3, 4, 6, 8, 12 ... samples a pixel, taking turns, till the last target or the limit,
+    which is of the processor's seconds where these count. Half octaves: an error that falls faster than by halves, as
+    where pilots begin to pay, is reached well before the straight line between two octaves."""
     binary = renderers[0].binary
 
     def relmse(picture, reference):
@@ -161,7 +172,7 @@ def measure(renderers, references, folder, reps, seconds, processor):
             took = min(r["processor"] for r in done) / os.cpu_count() if processor else point["seconds"]
             if spp > 1 and (point["relmse"] < TARGETS[-1] or took > seconds):
                 running.discard(name)
-        spp *= 2
+        spp = half_octave_after(spp)
     return series
 
 

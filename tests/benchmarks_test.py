@@ -28,6 +28,16 @@ class Benchmarks(unittest.TestCase):
     def test_slope_of_independent_samples_is_minus_one(self):
         self.assertAlmostEqual(error_time.slope(HALVING), -1)
 
+    def test_slope_is_of_the_last_three_octaves(self):
+        late = [dict(p, relmse=1 if p["spp"] < 4 else p["relmse"]) for p in HALVING]
+        self.assertAlmostEqual(error_time.slope(late), -1)
+
+    def test_samples_go_by_half_octaves(self):
+        spp = [1]
+        while spp[-1] < 48:
+            spp.append(peer_cycles.half_octave_after(spp[-1]))
+        self.assertEqual(spp, [1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48])
+
     def test_time_to_an_error_lies_between_the_points_around_it(self):
         seconds, measured = error_time.time_to(HALVING, 1e-2)
         self.assertAlmostEqual(seconds, 20)
