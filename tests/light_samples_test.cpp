@@ -253,7 +253,7 @@ TEST_F(LightSamples, TheSkyIsLearnedWhereLightsAre) {
   EXPECT_EQ(rendered(1, true, gpu::kLightsAuto).light_pilot.paths, 0u);
   RenderSettings brief = with_sky_samples(asked(1, gpu::kDirectMis, 4), 4);
   brief.light_pilot_paths = 1000;
-  EXPECT_TRUE(*render(rooms, brief).film == *unlearned.film) << "too short a pilot to pay";
+  EXPECT_GT(render(rooms, brief).light_pilot.sky_rows, 0u) << "a short pilot pays as well";
 }
 
 TEST_F(LightSamples, BitsWithSkySamplesDoNotDependOnHowTheWorkIsCut) {
@@ -323,7 +323,9 @@ TEST_F(LightSamples, TheRoomTakesMoreSkySamplesAndTheOpenOne) {
   EXPECT_EQ(floor.samples, 1u);
   EXPECT_FALSE(floor.learns);
   EXPECT_EQ(choose(rooms_under_a_sky(0), 4096).samples, room.samples) << "no clock decides";
-  EXPECT_GT(choose(rooms_under_a_sky(0), 64).samples, 1u) << "told by smaller pilots";
+  const SkyChoice brief = choose(rooms_under_a_sky(0), 64);
+  EXPECT_EQ(brief.samples, kLearnedSkySamples) << "told by smaller pilots";
+  EXPECT_TRUE(brief.learns);
   EXPECT_EQ(choose(rooms_under_a_sky(0), 16).samples, 0u) << "too short for pilots";
 }
 

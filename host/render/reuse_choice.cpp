@@ -31,6 +31,7 @@ RenderSettings reuse_pilot_of(const RenderSettings& settings, const PilotSize& s
   RenderSettings small = small_picture(settings, size.side, size.samples);
   small.seed = settings.seed ^ 0x27d4eb2fu;
   small.reuse = reuse;
+  if (settings.sky_samples > 1) small.learns_sky = false; // a lesson would take longer than both pictures
   small.quad_scale = static_cast<double>(small.width) / settings.width;
   small.tries_reuse = kTriesReuseAnywhere;
   return small;

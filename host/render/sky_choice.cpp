@@ -35,7 +35,7 @@ RenderSettings sky_pilot_of(const RenderSettings& settings, std::uint32_t side, 
   small.guide = false;
   small.sky_samples = sky_samples;
   small.tries_sky = true;
-  small.learns_sky = false; // what it takes to learn depends on the length of the render
+  small.learns_sky = false; // a lesson would take longer than the pilot
   return small;
 }
 
@@ -91,8 +91,7 @@ SkyChoice choose_sky_samples(Device& device, const PackedScene& scene, const Vie
     const double cost = (std::max(rest, 0.0) + sky / n) * (paths + n * shadow_ray) / (one.squared_error * one.work);
     if (cost < std::min(choice.cost, kWorthwhile)) choice.samples = n, choice.cost = cost;
   }
-  choice.learns =
-      choice.samples > 1 && pays_to_learn_sky(settings) && (features_of(settings) & gpu::kFeatureLearnedSky) != 0;
+  choice.learns = choice.samples > 1 && (features_of(settings) & gpu::kFeatureLearnedSky) != 0;
   if (choice.learns) choice.samples = kLearnedSkySamples;
   choice.keeps_kernels = cpu && !longer;
   choice.seconds = seconds_since(start);

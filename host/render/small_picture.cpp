@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "host/render/settings/adaptivity.h"
-#include "host/render/settings/light_samples.h"
 #include "host/render/settings/path_reuse.h"
 #include "host/render/settings/whole_nets.h"
 #include "kernels/net_layout.h"
@@ -18,7 +17,6 @@ RenderSettings small_picture(const RenderSettings& settings, std::uint32_t longe
   small.first_sample = 0, small.last_sample = samples, small.sample_total = 0;
   small.time_limit = small.target_error = 0.0;
   small.adaptive = kAdaptiveOff;
-  small.learns_sky = settings.learns_sky && pays_to_learn_sky(settings);
   small.light_pilot_paths = 0;
   small.guide_iterations = std::min(small.guide_iterations, kGuideIterations);
   if (reuses_paths(settings)) small.quad_scale *= static_cast<double>(small.width) / settings.width;

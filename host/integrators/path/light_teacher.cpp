@@ -27,7 +27,7 @@ bool chooses_by_shares(const PackedScene& scene, const RenderSettings& settings)
 }
 
 bool learns_one_colour(const PackedScene& scene, const RenderSettings& settings) {
-  return settings.learns_sky && pays_to_learn_sky(settings) && sky_samples_of(settings, scene.features) > 1 &&
+  return settings.learns_sky && sky_samples_of(settings, scene.features) > 1 &&
          (features_for(scene, settings) & gpu::kFeatureLearnedSky) != 0;
 }
 

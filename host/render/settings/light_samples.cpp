@@ -24,11 +24,6 @@ std::uint32_t sky_samples_of(const RenderSettings& settings, gpu::Feature scene)
   return std::clamp(settings.sky_samples, 1u, gpu::kMostLightSamples + 1 - light_samples_of(settings, scene));
 }
 
-bool pays_to_learn_sky(const RenderSettings& settings) {
-  constexpr std::uint64_t kLeastPilot = 50'000;
-  return settings.light_pilot_paths == 0 || settings.light_pilot_paths >= kLeastPilot;
-}
-
 std::uint32_t most_sky_samples_of(const RenderSettings& settings, gpu::Feature scene) {
   const bool chooses = settings.sky_samples == 0 && settings.tries_sky && may_share_sky(settings, scene);
   return chooses ? kLearnedSkySamples : sky_samples_of(settings, scene);

@@ -28,14 +28,9 @@ bool tries_sky_cheaply(gpu::Feature scene);
 // are learned, those of the first vertex, as light samples are (gpu::sky_samples_at). As many as leave light samples
 // their queues: together they have gpu::kMostLightSamples.
 std::uint32_t sky_samples_of(const RenderSettings& settings, gpu::Feature scene);
-// What --sky-samples auto takes where it pays to look and directions are learned: as many light samples as under a map.
-// 8 give the same squared error times rays (benchmarks/results/NOTES.md).
-inline constexpr std::uint32_t kLearnedSkySamples = 1 + kLightSamplesOfMaps;
-
-// Whether a render's pilot of lights, the longer the longer the render is, is long enough for such directions to be
-// learned. Sponza under a white sky, 256x192: at 8 samples, of 38,000 paths, learning takes 1.1 of the squared error
-// times seconds, at 16, of 63,000, .68. Parts, whose pilots depend on the picture alone (0), learn.
-bool pays_to_learn_sky(const RenderSettings& settings);
+// What --sky-samples auto takes where it pays to look and directions are learned. 5 take 1.15 of the squared error times
+// seconds in Sponza and as much in HotelRoom, 8 as much and a little more (benchmarks/results/NOTES.md).
+inline constexpr std::uint32_t kLearnedSkySamples = 7;
 
 // The most that the settings may come to when --sky-samples auto has chosen.
 std::uint32_t most_sky_samples_of(const RenderSettings& settings, gpu::Feature scene);
