@@ -4,6 +4,7 @@ import math
 import statistics
 
 TARGETS = [1e-2, 1e-3]  # relMSE
+JUMP = 4  # from one number of samples to the next, no more than an octave apart
 
 
 def net_error(errors, between):
@@ -14,8 +15,11 @@ def net_error(errors, between):
 
 def slope(points):
     """Of log relMSE against log seconds, by least squares over the last three octaves of samples; independent samples
-    give -1."""
+    give -1. From the last jump on, if there is one: where renders are long enough for another pilot, it says nothing of
+    longer ones."""
     last = [p for p in points if p["spp"] * 8 >= points[-1]["spp"]]
+    jumps = [i for i in range(1, len(last) - 1) if last[i - 1]["relmse"] > JUMP * last[i]["relmse"]]
+    last = last[jumps[-1]:] if jumps else last
     x = [math.log(p["seconds"]) for p in last]
     y = [math.log(p["relmse"]) for p in last]
     mx, my = statistics.fmean(x), statistics.fmean(y)

@@ -179,7 +179,8 @@ def measure(renderers, references, folder, reps, seconds, processor):
 def arguments():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("names", nargs="*", metavar="SCENE", help=f"{', '.join(SCENES)} [default: all that are there]")
-    parser.add_argument("--assets", type=pathlib.Path, help="folder that has Sponza, DamagedHelmet and env")
+    parser.add_argument("--assets", type=pathlib.Path,
+                        help="folder that has Sponza, DamagedHelmet, HotelRoom, StanfordDragon, VeachAjar and env")
     parser.add_argument("--wavepath", type=pathlib.Path, default=ROOT / "build/host/wavepath",
                         help="the program [default: build/host/wavepath]")
     parser.add_argument("--flags", default="", help="of `wavepath render`, besides those of the view: --flags=--guide")

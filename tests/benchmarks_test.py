@@ -32,6 +32,10 @@ class Benchmarks(unittest.TestCase):
         late = [dict(p, relmse=1 if p["spp"] < 4 else p["relmse"]) for p in HALVING]
         self.assertAlmostEqual(error_time.slope(late), -1)
 
+    def test_slope_begins_after_a_jump(self):
+        better = [dict(p, relmse=p["relmse"] * (10 if p["spp"] < 8 else 1)) for p in HALVING]
+        self.assertAlmostEqual(error_time.slope(better), -1)
+
     def test_samples_go_by_half_octaves(self):
         spp = [1]
         while spp[-1] < 48:

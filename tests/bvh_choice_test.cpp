@@ -20,6 +20,7 @@ Quality choose(std::uint32_t spp, const char* device, double time_limit = 0.0, s
 
 TEST(BvhChoice, GrowsWithTheNumberOfRays) {
   EXPECT_EQ(choose(1, "cpu"), Quality::fast);
+  EXPECT_EQ(choose(2, "cpu"), Quality::balanced) << "a sample is several rays";
   EXPECT_EQ(choose(4, "cpu"), Quality::balanced);
   EXPECT_EQ(choose(64, "cpu"), Quality::best);
   EXPECT_EQ(choose(64, "cpu", 0.0, 1'000'000'000), Quality::fast);

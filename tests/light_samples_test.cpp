@@ -253,7 +253,7 @@ TEST_F(LightSamples, TheSkyIsLearnedWhereLightsAre) {
   EXPECT_EQ(rendered(1, true, gpu::kLightsAuto).light_pilot.paths, 0u);
   RenderSettings brief = with_sky_samples(asked(1, gpu::kDirectMis, 4), 4);
   brief.light_pilot_paths = 1000;
-  EXPECT_GT(render(rooms, brief).light_pilot.sky_rows, 0u) << "a short pilot pays as well";
+  EXPECT_GT(render(rooms, brief).light_pilot.sky_rows, 0u) << "renders of any length learn";
 }
 
 TEST_F(LightSamples, BitsWithSkySamplesDoNotDependOnHowTheWorkIsCut) {
@@ -302,6 +302,8 @@ TEST_F(LightSamples, SkySamplesAreForASkyOfOneColour) {
   EXPECT_EQ(sky_samples_of(four, gpu::kFeatureEnvironment | gpu::kFeaturePanes), 1u);
   EXPECT_EQ(sky_samples_of(with_sky_samples(asked(1, gpu::kDirectNee), 4), gpu::kFeatureEnvironment), 1u);
   EXPECT_EQ(sky_samples_of(with_sky_samples(asked(1), 0), gpu::kFeatureEnvironment), 1u) << "auto, before it is chosen";
+  EXPECT_EQ(learned_sky_samples(four, gpu::kFeatureEnvironment), 7u);
+  EXPECT_EQ(learned_sky_samples(asked(4), gpu::kFeatureEnvironment), 5u) << "the light samples have the other queues";
 }
 
 TEST_F(LightSamples, TheRoomTakesMoreSkySamplesAndTheOpenOne) {
@@ -317,14 +319,14 @@ TEST_F(LightSamples, TheRoomTakesMoreSkySamplesAndTheOpenOne) {
   open.environment = {};
   open.environment.radiance = glm::vec3(1.0f);
   const SkyChoice room = choose(rooms_under_a_sky(0), 4096), floor = choose(open, 4096);
-  EXPECT_EQ(room.samples, kLearnedSkySamples);
+  EXPECT_EQ(room.samples, 7u);
   EXPECT_TRUE(room.learns);
   EXPECT_LT(room.cost, 0.9);
   EXPECT_EQ(floor.samples, 1u);
   EXPECT_FALSE(floor.learns);
   EXPECT_EQ(choose(rooms_under_a_sky(0), 4096).samples, room.samples) << "no clock decides";
   const SkyChoice brief = choose(rooms_under_a_sky(0), 64);
-  EXPECT_EQ(brief.samples, kLearnedSkySamples) << "told by smaller pilots";
+  EXPECT_EQ(brief.samples, 7u) << "told by smaller pilots";
   EXPECT_TRUE(brief.learns);
   EXPECT_EQ(choose(rooms_under_a_sky(0), 16).samples, 0u) << "too short for pilots";
 }

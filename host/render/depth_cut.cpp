@@ -14,6 +14,7 @@ DepthCut measure_depth_cut(Device& device, const PackedScene& scene, const View&
   small.guide = false; // the same picture, without the seconds that learning a field for each of the two takes
   small.light_shares = shared.light_shares;
   const Picture cut = render(device, scene, view, small, RenderHooks{}, kernels, &shared).picture;
+  small.light_shares = shared.light_shares; // both with the same, wherever they were learned
   small.max_depth = settings.max_depth * 4 + 16;
   const Picture deep = render(device, scene, view, small, RenderHooks{}, kernels, &shared).picture;
 

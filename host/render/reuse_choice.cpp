@@ -31,7 +31,6 @@ RenderSettings reuse_pilot_of(const RenderSettings& settings, const PilotSize& s
   RenderSettings small = small_picture(settings, size.side, size.samples);
   small.seed = settings.seed ^ 0x27d4eb2fu;
   small.reuse = reuse;
-  if (settings.sky_samples > 1) small.learns_sky = false; // a lesson would take longer than both pictures
   small.quad_scale = static_cast<double>(small.width) / settings.width;
   small.tries_reuse = kTriesReuseAnywhere;
   return small;
@@ -61,17 +60,18 @@ ReuseChoice choose_reuse(Device& device, const PackedScene& scene, const View& v
   trying.tries_reuse = where_to_try_reuse(settings, cpu);
   if (!tries_reuse(trying, scene.features)) // a CPU had better not compile others now
     return {.tries_reuse = cpu ? settings.tries_reuse : kTriesReuseNowhere};
+  trying.learns_sky = settings.learns_sky && trying.tries_reuse == kTriesReuseAnywhere; // else its lesson is too long
   const Clock::time_point start = Clock::now();
   ReuseChoice choice{.tried = true};
   const PilotSize& size = *reuse_pilot_size(settings, cpu);
-  RenderLoop loop(device, scene, view, reuse_pilot_of(settings, size, kReuseOff), kernels, {}, {}, shared.scene);
+  RenderLoop loop(device, scene, view, reuse_pilot_of(trying, size, kReuseOff), kernels, {}, {}, shared.scene);
   if (!shared.scene) {
     shared.scene = loop.workspace().on_device;
     shared.upload_seconds = loop.workspace().upload_seconds;
   }
   LightShares shares; // the first picture learns them for the second
   const auto cost_of = [&](std::uint32_t reuse) {
-    RenderSettings small = reuse_pilot_of(settings, size, reuse);
+    RenderSettings small = reuse_pilot_of(trying, size, reuse);
     small.light_shares = shares;
     if (reuse != kReuseOff) loop.restart(view, small);
     while (loop.step()) {

@@ -87,12 +87,13 @@ SkyChoice choose_sky_samples(Device& device, const PackedScene& scene, const Vie
   // squared_error = rest + sky / n, work = paths + n * shadow_ray
   const double sky = (one.squared_error - more.squared_error) / (1.0 - 1.0 / kTried), rest = one.squared_error - sky;
   const double shadow_ray = (more.work - one.work) / (kTried - 1.0), paths = one.work - shadow_ray;
-  for (std::uint32_t n = 2; n <= gpu::kMostLightSamples; ++n) {
+  const std::uint32_t most = sky_samples_that_fit(settings, scene.features);
+  for (std::uint32_t n = 2; n <= most; ++n) {
     const double cost = (std::max(rest, 0.0) + sky / n) * (paths + n * shadow_ray) / (one.squared_error * one.work);
     if (cost < std::min(choice.cost, kWorthwhile)) choice.samples = n, choice.cost = cost;
   }
   choice.learns = choice.samples > 1 && (features_of(settings) & gpu::kFeatureLearnedSky) != 0;
-  if (choice.learns) choice.samples = kLearnedSkySamples;
+  if (choice.learns) choice.samples = learned_sky_samples(settings, scene.features);
   choice.keeps_kernels = cpu && !longer;
   choice.seconds = seconds_since(start);
   return choice;

@@ -33,7 +33,7 @@ bool may_try_sky(const RenderSettings& settings, bool cpu);
 SkyChoice choose_sky_samples(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings,
                              KernelCompiler& kernels, SceneOnDevice& shared);
 
-// "5 sky samples, learned (drawn like paths' they would have cost 0.45 of the work of one)".
+// "7 sky samples, learned (drawn like paths' they would have cost 0.45 of the work of one)".
 std::string sky_choice_text(const SkyChoice& choice);
 
 } // namespace wavepath

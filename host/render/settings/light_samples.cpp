@@ -21,12 +21,21 @@ bool tries_sky_cheaply(gpu::Feature scene) { return !(scene & (gpu::kLobesLayere
 
 std::uint32_t sky_samples_of(const RenderSettings& settings, gpu::Feature scene) {
   if (!may_share_sky(settings, scene)) return 1;
-  return std::clamp(settings.sky_samples, 1u, gpu::kMostLightSamples + 1 - light_samples_of(settings, scene));
+  return std::clamp(settings.sky_samples, 1u, sky_samples_that_fit(settings, scene));
+}
+
+std::uint32_t sky_samples_that_fit(const RenderSettings& settings, gpu::Feature scene) {
+  return gpu::kMostLightSamples + 1 - light_samples_of(settings, scene);
+}
+
+std::uint32_t learned_sky_samples(const RenderSettings& settings, gpu::Feature scene) {
+  constexpr std::uint32_t kBest = 7;
+  return std::min(kBest, sky_samples_that_fit(settings, scene));
 }
 
 std::uint32_t most_sky_samples_of(const RenderSettings& settings, gpu::Feature scene) {
   const bool chooses = settings.sky_samples == 0 && settings.tries_sky && may_share_sky(settings, scene);
-  return chooses ? kLearnedSkySamples : sky_samples_of(settings, scene);
+  return chooses ? sky_samples_that_fit(settings, scene) : sky_samples_of(settings, scene);
 }
 
 std::uint32_t shadow_queues(std::uint32_t light_samples, std::uint32_t sky_samples) {

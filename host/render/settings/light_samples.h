@@ -25,12 +25,14 @@ bool may_share_sky(const RenderSettings& settings, gpu::Feature scene);
 // to learn, and materials no layers, whose kernels take long to compile.
 bool tries_sky_cheaply(gpu::Feature scene);
 // Directions in which every vertex looks for it, the path's own among them; 1 where it may not be shared. Where they
-// are learned, those of the first vertex, as light samples are (gpu::sky_samples_at). As many as leave light samples
-// their queues: together they have gpu::kMostLightSamples.
+// are learned, those of the first vertex, as light samples are (gpu::sky_samples_at).
 std::uint32_t sky_samples_of(const RenderSettings& settings, gpu::Feature scene);
-// What --sky-samples auto takes where it pays to look and directions are learned. 5 take 1.15 of the squared error times
-// seconds in Sponza and as much in HotelRoom, 8 as much and a little more (benchmarks/results/NOTES.md).
-inline constexpr std::uint32_t kLearnedSkySamples = 7;
+// As many as leave light samples their queues: together they have gpu::kMostLightSamples.
+std::uint32_t sky_samples_that_fit(const RenderSettings& settings, gpu::Feature scene);
+// What --sky-samples auto takes where it pays to look and directions are learned: 7, if they fit. 5 take 1.15 of the
+// squared error times seconds in Sponza, 8 no less than 7, and 1.04 of that of 5 in HotelRoom
+// (benchmarks/results/NOTES.md).
+std::uint32_t learned_sky_samples(const RenderSettings& settings, gpu::Feature scene);
 
 // The most that the settings may come to when --sky-samples auto has chosen.
 std::uint32_t most_sky_samples_of(const RenderSettings& settings, gpu::Feature scene);
