@@ -3,7 +3,7 @@
 
     OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 nice -n 19 python3 benchmarks/manifold_study.py --json study.json
 
-A picture of a diffuse floor, whose light is that of a point lamp through a chain of smooth dielectrics of ior 1.5. Pixels
+Needs numpy. A picture of a diffuse floor, whose light is that of a point lamp through a chain of smooth dielectrics of ior 1.5. Pixels
 are means of irradiance over their squares, and every sample falls elsewhere in its pixel. Normals, curvatures and
 intersections are exact and in double precision, which is the best case of manifold sampling.
 
@@ -394,6 +394,8 @@ def main():
     parser.add_argument("--directions", type=int, default=1 << 22, help="of each of the reference's two lattices")
     parser.add_argument("--json", help="file for all numbers")
     args = parser.parse_args()
+    if args.rays < 1e5:
+        parser.error("--rays is less than 1e5: slopes are of the last of two decades")
     np.seterr(all="ignore")  # rays that miss are not numbers
     grid, results, scenes = 10 ** (np.arange(16, 4 * math.log10(args.rays) + 1e-6) / 4), {}, make_scenes(args.side)
     for name in args.scenes.split(","):
