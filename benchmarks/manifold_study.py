@@ -3,9 +3,9 @@
 
     OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 nice -n 19 python3 benchmarks/manifold_study.py --json study.json
 
-Needs numpy. A picture of a diffuse floor, whose light is that of a point lamp through a chain of smooth dielectrics of ior 1.5. Pixels
-are means of irradiance over their squares, and every sample falls elsewhere in its pixel. Normals, curvatures and
-intersections are exact and in double precision, which is the best case of manifold sampling.
+A picture of a diffuse floor, whose light is that of a point lamp through a chain of smooth dielectrics of ior 1.5.
+Pixels are means of irradiance over their squares, and every sample falls elsewhere in its pixel. Normals, curvatures and
+intersections are exact and in double precision, which is the best case of manifold sampling. Needs numpy.
 
 manifold  Specular manifold sampling (Zeltner, Georgiev, Jakob 2020), unbiased: one walk a sample, by Newton steps that are
           halved where the chain breaks or ends no nearer. Once it has found a root, walks until that is found again count

@@ -128,6 +128,17 @@ class Benchmarks(unittest.TestCase):
                 self.assertEqual(result.returncode, 0, result.stderr)
                 self.assertIn(flag, result.stdout)
 
+    def test_manifolds_and_merging_agree_with_the_reference(self):
+        try:
+            import manifold_study
+        except ImportError as error:
+            self.skipTest(f"{error}")
+        scene = manifold_study.make_scenes(4)["bulb"]
+        truth, _, reach = manifold_study.reference(scene, 1 << 16)
+        for method in (manifold_study.Manifold(scene, 1.02 * reach, 1000), manifold_study.Merging(scene, False)):
+            _, light = manifold_study.run(method, truth, 1, [1e4, 1e5], 2)
+            self.assertAlmostEqual(light, 1, delta=0.03)
+
     def test_scripts_that_name_their_interpreter_can_be_started(self):
         for script in [*BENCHMARKS.glob("*.*"), *(BENCHMARKS.parent / "scenes").glob("*.py")]:
             if script.read_bytes()[:2] == b"#!":
