@@ -56,9 +56,15 @@ PunctualLight sun_at(const glm::dvec2& degrees) {
   return sun;
 }
 
+// With a sun that was added, and in studies of the shadows of lamps, the lights that there are shine alone.
+DefaultLight rule_light(const SceneRequest& request, const Scene& scene, const LoadedScene& loaded) {
+  if (loaded.sun || (request.sun_if_unlit && is_lit(scene))) return DefaultLight::authored;
+  return choose_light(scene, loaded.framing.inside);
+}
+
 // `scene` is, or will be, that of `loaded`.
 void light_by_rule(const SceneRequest& request, Scene& scene, LoadedScene& loaded) {
-  const DefaultLight light = choose_light(scene, loaded.framing.inside);
+  const DefaultLight light = rule_light(request, scene, loaded);
   scene.environment = requested_environment(request, light);
   loaded.light = reason(light);
   loaded.room_lamp = light == DefaultLight::lamp;
@@ -84,8 +90,8 @@ void add_scene_flags(CLI::App& app, SceneRequest& request, bool required) {
        "environment: lat-long .exr or .hdr, its centre along world +X and three quarters across along +Z; constant "
        "radiance; soft boxes of a studio, or a clear sky with the sun, under both of which a white floor has radiance "
        "1",
-       "a file with punctual lights, or with a camera and lamps, is lit as authored (black); anything else is an asset "
-       "and gets studio, an interior sky, or a lamp where it is closed"},
+       "a file with a camera and lights or lamps is lit as authored (black); anything else is an asset and gets studio, "
+       "an interior sky, or a lamp where it is closed and has no lights; punctual lights of its own shine besides"},
       [&](const FlagValue& value) { read_environment(value, request); });
   add_flag(app, group, {"--env-intensity", "X", "factor on the environment's radiance", "1"},
            [&](const FlagValue& value) { request.environment_intensity = value.number(0.0, kLargest); });
@@ -139,7 +145,8 @@ void add_view_flags(CLI::App& app, ViewRequest& request) {
   };
   add_flag(app, group,
            {"--camera", "NAME|INDEX",
-            "glTF camera; without any in the file an object is framed from the front, and an interior seen from within",
+            "glTF camera, of whose view no --size crops anything; without any in the file an object is framed from the "
+            "front, and an interior seen from within",
             "0"},
            [&](const FlagValue& value) { request.camera = value.text; });
   add_flag(app, group,
@@ -164,10 +171,9 @@ LoadedScene load_scene(const SceneRequest& request, const SceneDescribed& descri
   if (!request.environment.empty()) environment = requested_environment(request);
   loaded.sun = request.sun;
   loaded.scene = load_gltf(request.path, request.load, [&](Scene& scene) {
-    if (request.sun_if_unlit && !loaded.sun && choose_light(scene, {}) != DefaultLight::authored)
-      loaded.sun = kUsualSun;
+    if (request.sun_if_unlit && !loaded.sun && !is_lit(scene)) loaded.sun = kUsualSun;
     if (loaded.sun) scene.lights.push_back(sun_at(*loaded.sun));
-    const bool unlit = !environment && choose_light(scene, {}) != DefaultLight::authored;
+    const bool unlit = !environment && rule_light(request, scene, loaded) != DefaultLight::authored;
     if (unlit || request.ground || is_framed(scene, request.view)) loaded.framing = find_framing(scene);
     if (environment)
       scene.environment = *std::move(environment);

@@ -20,15 +20,24 @@ bool has_lamp(const Scene& scene) {
   return false;
 }
 
+bool has_punctual_light(const Scene& scene) {
+  return std::ranges::any_of(scene.lights, [](const PunctualLight& light) {
+    return glm::any(glm::greaterThan(light.intensity, glm::vec3(0.0f)));
+  });
+}
+
 } // namespace
 
+bool is_lit(const Scene& scene) {
+  return has_punctual_light(scene) || (!scene.cameras.empty() && has_lamp(scene));
+}
+
 DefaultLight choose_light(const Scene& scene, const std::optional<Standpoint>& inside) {
-  const auto shines = [](const PunctualLight& light) {
-    return glm::any(glm::greaterThan(light.intensity, glm::vec3(0.0f)));
-  };
-  if (std::ranges::any_of(scene.lights, shines)) return DefaultLight::authored;
-  if (!scene.cameras.empty() && has_lamp(scene)) return DefaultLight::authored;
-  return !inside ? DefaultLight::studio : inside->lamp ? DefaultLight::lamp : DefaultLight::sky;
+  if (!scene.cameras.empty() && is_lit(scene)) return DefaultLight::authored;
+  const bool besides = has_punctual_light(scene);
+  if (!inside) return besides ? DefaultLight::studio_besides : DefaultLight::studio;
+  if (inside->lamp) return besides ? DefaultLight::authored : DefaultLight::lamp;
+  return besides ? DefaultLight::sky_besides : DefaultLight::sky;
 }
 
 PunctualLight room_lamp(const Standpoint& inside) {
@@ -40,7 +49,16 @@ PunctualLight room_lamp(const Standpoint& inside) {
 }
 
 std::string_view environment_name(DefaultLight light) {
-  return light == DefaultLight::studio ? "studio" : light == DefaultLight::sky ? "sky" : "black";
+  switch (light) {
+    case DefaultLight::studio:
+    case DefaultLight::studio_besides:
+      return "studio";
+    case DefaultLight::sky:
+    case DefaultLight::sky_besides:
+      return "sky";
+    default:
+      return "black";
+  }
 }
 
 std::string_view reason(DefaultLight light) {
@@ -51,6 +69,10 @@ std::string_view reason(DefaultLight light) {
       return "--env sky, as for an interior without lights of its own";
     case DefaultLight::lamp:
       return "a lamp under the ceiling, as for a closed interior without lights of its own (--env leaves it out)";
+    case DefaultLight::studio_besides:
+      return "--env studio besides its own lights, as for an asset without a camera (--env black leaves those alone)";
+    case DefaultLight::sky_besides:
+      return "--env sky besides its own lights, as for an interior without a camera (--env black leaves those alone)";
     default:
       return "--env studio, as for an asset without lights of its own";
   }

@@ -57,7 +57,7 @@ struct Camera {
   std::string name;
   bool orthographic = false;
   double yfov = 0.8;                 // radians, perspective
-  double aspect = 0.0;               // 0 = the image's
+  double aspect = 0.0;               // width over height that it was authored for; 0 = any
   double xmag = 1.0, ymag = 1.0;     // half extents, orthographic
   glm::dmat4 world_from_camera{1.0}; // looks along its -Z, +Y up
 };

@@ -18,7 +18,11 @@ struct Pose {
   bool orthographic = false;
   glm::dvec3 position{0.0}, forward{0.0, 0.0, -1.0}, up{0.0, 1.0, 0.0};
   double half_height = 1.0; // of the image, at unit distance or in metres
+  double half_width = 0.0;  // that the image has at least
 };
+
+// An image in the authored shape keeps the authored height to the last bit, though exporters round the ratio to floats.
+constexpr double kSameShape = 1e-6;
 
 std::string camera_names(const Scene& scene) {
   std::string names;
@@ -48,6 +52,7 @@ Pose pose_of(const Camera& camera) {
   pose.forward = -glm::dvec3(camera.world_from_camera[2]);
   pose.up = glm::dvec3(camera.world_from_camera[1]);
   pose.half_height = camera.orthographic ? camera.ymag : std::tan(0.5 * camera.yfov);
+  pose.half_width = camera.orthographic ? camera.xmag : camera.aspect * pose.half_height;
   return pose;
 }
 
@@ -101,7 +106,14 @@ void apply_request(const ViewRequest& request, const std::optional<glm::dvec3>& 
   if (request.yfov) {
     pose.orthographic = false;
     pose.half_height = std::tan(0.5 * *request.yfov);
+    pose.half_width = 0.0;
   }
+}
+
+// An image narrower than the camera was authored for shows more above and below instead of less at its sides.
+double shown_half_height(const Pose& pose, double aspect) {
+  const double needed = pose.half_width / aspect;
+  return needed > (1.0 + kSameShape) * pose.half_height ? needed : pose.half_height;
 }
 
 } // namespace
@@ -142,8 +154,9 @@ View resolve_view(const Scene& scene, const Framing& framing, const ViewRequest&
   view.orthographic = pose.orthographic;
   view.position = pose.position;
   view.forward = forward;
-  view.right = glm::normalize(right) * (pose.half_height * aspect);
-  view.up = glm::cross(glm::normalize(right), forward) * pose.half_height;
+  const double half_height = shown_half_height(pose, aspect);
+  view.right = glm::normalize(right) * (half_height * aspect);
+  view.up = glm::cross(glm::normalize(right), forward) * half_height;
   return view;
 }
 

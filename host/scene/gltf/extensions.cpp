@@ -12,7 +12,7 @@ namespace {
 
 // Those that the importer reads, and those that change no picture. KHR_texture_basisu is not decoded: a texture may
 // have a fallback image, so that texture.cpp decides.
-constexpr std::array<std::string_view, 27> kSupported = {"EXT_mesh_gpu_instancing",
+constexpr std::array<std::string_view, 28> kSupported = {"EXT_mesh_gpu_instancing",
                                                          "EXT_meshopt_compression",
                                                          "EXT_texture_webp",
                                                          "KHR_draco_mesh_compression",
@@ -33,6 +33,7 @@ constexpr std::array<std::string_view, 27> kSupported = {"EXT_mesh_gpu_instancin
                                                          "KHR_materials_volume",
                                                          "KHR_materials_volume_scatter",
                                                          "KHR_mesh_quantization",
+                                                         "KHR_node_visibility",
                                                          "KHR_texture_basisu",
                                                          "KHR_texture_transform",
                                                          "KHR_xmp",

@@ -5,12 +5,14 @@
 #include <cmath>
 #include <future>
 #include <map>
+#include <tuple>
 
 #include <glm/gtc/matrix_access.hpp>
 
 #include "host/base/error.h"
 #include "host/scene/gltf/accessor.h"
 #include "host/scene/gltf/extensions.h"
+#include "host/scene/gltf/flat.h"
 #include "host/scene/gltf/instancing.h"
 #include "host/scene/gltf/material.h"
 #include "host/scene/gltf/mesh.h"
@@ -24,25 +26,33 @@ namespace {
 
 using gltf::Document;
 
+// A mesh that is flattened, and along what.
+using FlatUse = std::tuple<std::uint32_t, double, double, double>;
+
 // The state of an import.
 struct Import {
   Document& document;
   Scene& scene;
   std::vector<glm::dmat4> world;
-  gltf::MaterialMap materials;
-  std::map<gltf::MeshUse, std::uint32_t> meshes;
+  bool keeps_lines = false; // instances without area stay, as they may have some when the shutter closes
+  gltf::MaterialMap materials{};
+  std::map<gltf::MeshUse, std::uint32_t> meshes{};
+  std::map<FlatUse, std::uint32_t> flat_meshes{};
+  std::vector<glm::dmat4> upright{}; // Scales::never_zero, once it is needed
 };
 
-// Finite, affine and invertible, with a determinant whose reciprocal is finite.
-bool is_usable(const glm::dmat4& matrix) {
+bool is_affine(const glm::dmat4& matrix) {
   for (int i = 0; i < 4; ++i) {
     for (int j = 0; j < 4; ++j) {
       if (!std::isfinite(matrix[i][j])) return false;
     }
   }
-  if (glm::row(matrix, 3) != glm::dvec4(0.0, 0.0, 0.0, 1.0)) return false;
-  const double determinant = glm::determinant(glm::dmat3(matrix));
-  return std::isfinite(determinant) && std::isfinite(1.0 / determinant);
+  return glm::row(matrix, 3) == glm::dvec4(0.0, 0.0, 0.0, 1.0);
+}
+
+const glm::dmat4& upright_matrix(Import& import, std::size_t node) {
+  if (import.upright.empty()) import.upright = gltf::world_matrices(import.document, gltf::Scales::never_zero);
+  return import.upright[node];
 }
 
 // Converts the materials of a node's mesh before its geometry is read, so that images are decoded at the same time.
@@ -54,33 +64,55 @@ void convert_materials(Import& import, const tinygltf::Node& node) {
       gltf::use_material(import.document, import.scene, import.materials, primitive.material);
 }
 
+std::uint32_t add_mesh(Import& import, Mesh mesh) {
+  import.scene.meshes.push_back(std::move(mesh));
+  return static_cast<std::uint32_t>(import.scene.meshes.size() - 1);
+}
+
+void place_instance(Import& import, std::uint32_t mesh, const glm::dmat4& place) {
+  Scene& scene = import.scene;
+  const glm::dmat3 linear(place);
+  const gltf::Extent extent = gltf::extent_of(linear);
+  if (!is_affine(place) || !std::isfinite(glm::determinant(linear))) {
+    scene.warnings.add("instance with a transform that is not affine or not finite left out");
+  } else if (extent == gltf::Extent::flat) {
+    const gltf::FlatPlace flat = gltf::flat_place(place);
+    const glm::dvec3& d = flat.direction;
+    const auto [found, is_new] = import.flat_meshes.emplace(FlatUse{mesh, d.x, d.y, d.z}, 0);
+    if (is_new) found->second = add_mesh(import, gltf::flattened(scene.meshes[mesh], d));
+    scene.instances.push_back({found->second, flat.world_from_flat});
+  } else if (extent == gltf::Extent::solid && std::isfinite(1.0 / glm::determinant(linear))) {
+    scene.instances.push_back({mesh, place});
+  } else if (import.keeps_lines) {
+    scene.instances.push_back({add_mesh(import, gltf::collapsed(scene.meshes[mesh], place)), glm::dmat4(1.0)});
+  } else {
+    scene.warnings.add("instance whose scale leaves it without area left out");
+  }
+}
+
 void place_mesh(Import& import, int node_index) {
   const auto& node = import.document.model.nodes[static_cast<std::size_t>(node_index)];
   const auto& source = import.document.model.meshes[static_cast<std::size_t>(node.mesh)];
   gltf::MeshUse use{node.mesh, node.weights.empty() ? source.weights : node.weights, node.skin};
-  const auto [found, is_new] = import.meshes.emplace(use, static_cast<std::uint32_t>(import.scene.meshes.size()));
+  const auto [found, is_new] = import.meshes.emplace(use, 0);
   if (is_new)
-    import.scene.meshes.push_back(gltf::read_mesh(import.document, import.scene, import.materials, use, import.world));
-  if (import.scene.meshes[found->second].indices.empty()) return;
-
-  std::vector<glm::dmat4> places = {glm::dmat4(1.0)}; // of a skinned mesh, which is in world space already
-  if (node.skin < 0)
-    places = gltf::instance_matrices(import.document, node, import.world[static_cast<std::size_t>(node_index)]);
-  for (const glm::dmat4& place : places) {
-    if (is_usable(place)) {
-      import.scene.instances.push_back({found->second, place});
-    } else {
-      import.scene.warnings.add("instance with a transform that is not an invertible affine map left out");
-    }
-  }
+    found->second =
+        add_mesh(import, gltf::read_mesh(import.document, import.scene, import.materials, use, import.world));
+  const std::uint32_t mesh = found->second;
+  if (import.scene.meshes[mesh].indices.empty()) return;
+  if (node.skin >= 0) return place_instance(import, mesh, glm::dmat4(1.0)); // in world space already
+  const glm::dmat4& world = import.world[static_cast<std::size_t>(node_index)];
+  for (const glm::dmat4& place : gltf::instance_matrices(import.document, import.scene.warnings, node, world))
+    place_instance(import, mesh, place);
 }
 
-void place_camera(Import& import, const tinygltf::Node& node, const glm::dmat4& world) {
+void place_camera(Import& import, std::size_t node_index) {
+  const tinygltf::Node& node = import.document.model.nodes[node_index];
   const auto& source = import.document.model.cameras[static_cast<std::size_t>(node.camera)];
   Camera camera;
   camera.name = !source.name.empty() ? source.name : node.name;
   camera.orthographic = source.type == "orthographic";
-  camera.world_from_camera = world;
+  camera.world_from_camera = import.world[node_index];
   if (camera.orthographic) {
     camera.xmag = std::abs(source.orthographic.xmag);
     camera.ymag = std::abs(source.orthographic.ymag);
@@ -94,10 +126,14 @@ void place_camera(Import& import, const tinygltf::Node& node, const glm::dmat4& 
     import.document.fail("camera " + std::to_string(node.camera) +
                          " has a field of view, aspect ratio or size that no camera can have");
   }
-  if (is_usable(world)) {
+  // A scale has no meaning for a camera, so that one of zero takes no direction from it.
+  glm::dmat4& world = camera.world_from_camera;
+  if (gltf::extent_of(glm::dmat3(world)) != gltf::Extent::solid)
+    for (int i = 0; i < 3; ++i) world[i] = upright_matrix(import, node_index)[i];
+  if (is_affine(world)) {
     import.scene.cameras.push_back(camera);
   } else {
-    import.scene.warnings.add("camera with a transform that is not an invertible affine map left out");
+    import.scene.warnings.add("camera with a transform that is not affine or not finite left out");
   }
 }
 
@@ -117,7 +153,22 @@ void set_cone(Import& import, const tinygltf::Light& source, PunctualLight& ligh
   }
 }
 
-void place_light(Import& import, const tinygltf::Node& node, const glm::dmat4& world) {
+glm::dvec3 unit(const glm::dvec3& v) {
+  return glm::normalize(v / std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)})); // not a number for none
+}
+
+// KHR_lights_punctual: a scale is ignored but for its effect on position and orientation. Where it leaves nothing of
+// the direction, that is the limit of small scales.
+glm::dvec3 light_direction(Import& import, std::size_t node) {
+  const glm::dmat4& world = import.world[node];
+  if (gltf::extent_of(glm::dmat3(world)) == gltf::Extent::solid) return unit(-glm::dvec3(world[2]));
+  const glm::dvec3 left(world[2]), upright(upright_matrix(import, node)[2]);
+  return unit(glm::length(left) > gltf::kFlatRounding * glm::length(upright) ? -left : -upright);
+}
+
+void place_light(Import& import, std::size_t node_index) {
+  const tinygltf::Node& node = import.document.model.nodes[node_index];
+  const glm::dmat4& world = import.world[node_index];
   const auto extension = node.extensions.find("KHR_lights_punctual");
   if (extension == node.extensions.end()) return;
   const auto index = static_cast<std::size_t>(extension->second.Get("light").GetNumberAsInt());
@@ -134,13 +185,14 @@ void place_light(Import& import, const tinygltf::Node& node, const glm::dmat4& w
   if (light.kind != LightKind::directional && source.range > 0.0 && std::isfinite(source.range))
     light.range = source.range;
   if (light.kind == LightKind::spot) set_cone(import, source, light);
-  if (!is_usable(world) || !glm::all(glm::lessThan(light.intensity, glm::vec3(1e30f)))) {
-    import.scene.warnings.add(
-        "light with an intensity that is not finite or a transform that is not invertible left out");
+  light.position = glm::dvec3(world[3]);
+  light.direction = light_direction(import, node_index);
+  const bool finite =
+      glm::all(glm::lessThan(light.intensity, glm::vec3(1e30f))) && std::isfinite(glm::length(light.direction));
+  if (!is_affine(world) || !finite) {
+    import.scene.warnings.add("light with an intensity or a transform that is not affine or not finite left out");
     return;
   }
-  light.position = glm::dvec3(world[3]);
-  light.direction = glm::normalize(-glm::dvec3(world[2]));
   import.scene.lights.push_back(light);
 }
 
@@ -153,19 +205,22 @@ Scene load_moment(const std::filesystem::path& path, const LoadOptions& options,
   scene.extensions_used = document.model.extensionsUsed;
   gltf::warn_of_unsupported_extensions(scene.extensions_used, scene.warnings);
   if (!options.animation.empty()) gltf::pose(document, scene.warnings, options.animation, seconds);
-  Import import{document, scene, gltf::world_matrices(document), {}, {}};
+  Import import{document, scene, gltf::world_matrices(document), options.shutter.has_value()};
   const std::vector<int> nodes = gltf::scene_nodes(document, options.scene);
+  const std::vector<bool> hidden = gltf::hidden_nodes(document);
   for (const int node_index : nodes)
-    convert_materials(import, document.model.nodes[static_cast<std::size_t>(node_index)]);
+    if (!hidden[static_cast<std::size_t>(node_index)])
+      convert_materials(import, document.model.nodes[static_cast<std::size_t>(node_index)]);
   std::future<std::vector<Image>> images;
   if (decode)
     images = std::async(std::launch::async, gltf::decode_images, gltf::image_files(document, import.materials.images));
   for (const int node_index : nodes) {
-    const tinygltf::Node& node = document.model.nodes[static_cast<std::size_t>(node_index)];
-    const glm::dmat4& world = import.world[static_cast<std::size_t>(node_index)];
+    const auto index = static_cast<std::size_t>(node_index);
+    const tinygltf::Node& node = document.model.nodes[index];
+    if (node.camera >= 0) place_camera(import, index); // visibility affects no cameras
+    if (hidden[index]) continue;
     if (node.mesh >= 0) place_mesh(import, node_index);
-    if (node.camera >= 0) place_camera(import, node, world);
-    place_light(import, node, world);
+    place_light(import, index);
   }
   if (described) described(scene);
   if (decode) scene.images = images.get();

@@ -5,12 +5,15 @@
 
 #include <glm/glm.hpp>
 
+#include "host/base/warnings.h"
 #include "host/scene/gltf/document.h"
 
 namespace wavepath::gltf {
 
 // World matrices of the instances of a node's mesh: `world`, or with the extension `world` times each of its
-// transforms. Throws Error.
-std::vector<glm::dmat4> instance_matrices(Document& document, const tinygltf::Node& node, const glm::dmat4& world);
+// transforms. There are as many as any attribute has elements, also one of the file's own that changes nothing. Throws
+// Error.
+std::vector<glm::dmat4> instance_matrices(Document& document, Warnings& warnings, const tinygltf::Node& node,
+                                          const glm::dmat4& world);
 
 } // namespace wavepath::gltf

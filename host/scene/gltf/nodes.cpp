@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <charconv>
 
+#include <glm/gtc/matrix_access.hpp>
 #include <glm/gtc/matrix_transform.hpp>
 #include <glm/gtc/quaternion.hpp>
 #include <glm/gtc/type_ptr.hpp>
@@ -42,8 +43,36 @@ std::vector<int> roots(const std::vector<int>& parent_of) {
   return result;
 }
 
-glm::dmat4 local_matrix(const tinygltf::Node& node) {
-  if (!node.matrix.empty()) return glm::make_mat4(node.matrix.data());
+// Exporters invert and multiply in floats, which leaves rounding in the last row.
+void round_to_affine(glm::dmat4& matrix) {
+  const glm::dvec4 off = glm::row(matrix, 3) - glm::dvec4(0.0, 0.0, 0.0, 1.0);
+  if (glm::all(glm::lessThanEqual(glm::abs(off), glm::dvec4(kAffineRounding))))
+    matrix = glm::row(matrix, 3, glm::dvec4(0.0, 0.0, 0.0, 1.0));
+}
+
+// Columns of no length become unit vectors that stand on the others.
+void fill_columns(glm::dmat4& matrix) {
+  for (int i = 0; i < 3; ++i) {
+    if (glm::dvec3(matrix[i]) != glm::dvec3(0.0)) continue;
+    const glm::dvec3 next(matrix[(i + 1) % 3]), last(matrix[(i + 2) % 3]);
+    glm::dvec3 column = glm::cross(next, last);
+    if (column == glm::dvec3(0.0)) { // of two or three such columns the first stands on the one that there may be
+      column[i] = 1.0;
+      const glm::dvec3& only = next != glm::dvec3(0.0) ? next : last;
+      if (only != glm::dvec3(0.0)) column -= only * (glm::dot(only, column) / glm::dot(only, only));
+      if (column == glm::dvec3(0.0)) column[(i + 1) % 3] = 1.0; // that one lies along the axis
+    }
+    matrix[i] = glm::dvec4(glm::normalize(column), 0.0);
+  }
+}
+
+glm::dmat4 local_matrix(const tinygltf::Node& node, Scales scales) {
+  if (!node.matrix.empty()) {
+    glm::dmat4 matrix = glm::make_mat4(node.matrix.data());
+    round_to_affine(matrix);
+    if (scales == Scales::never_zero) fill_columns(matrix);
+    return matrix;
+  }
   glm::dmat4 matrix(1.0);
   if (!node.translation.empty()) matrix = glm::translate(matrix, glm::make_vec3(node.translation.data()));
   if (!node.rotation.empty()) {
@@ -52,8 +81,19 @@ glm::dmat4 local_matrix(const tinygltf::Node& node) {
     const double length = glm::length(rotation);
     if (length > 0.0) matrix *= glm::mat4_cast(rotation / length);
   }
-  if (!node.scale.empty()) matrix = glm::scale(matrix, glm::make_vec3(node.scale.data()));
+  if (!node.scale.empty()) {
+    glm::dvec3 scale = glm::make_vec3(node.scale.data());
+    for (int i = 0; scales == Scales::never_zero && i < 3; ++i)
+      if (scale[i] == 0.0) scale[i] = 1.0;
+    matrix = glm::scale(matrix, scale);
+  }
   return matrix;
+}
+
+bool is_hidden(const tinygltf::Node& node) {
+  const auto extension = node.extensions.find("KHR_node_visibility");
+  if (extension == node.extensions.end() || !extension->second.Has("visible")) return false;
+  return !extension->second.Get("visible").Get<bool>();
 }
 
 } // namespace
@@ -95,17 +135,27 @@ std::vector<int> scene_nodes(const Document& document, const std::string& reques
   return with_descendants(document, std::move(nodes));
 }
 
-std::vector<glm::dmat4> world_matrices(const Document& document) {
+std::vector<glm::dmat4> world_matrices(const Document& document, Scales scales) {
   const auto parent_of = parents(document);
   const auto order = with_descendants(document, roots(parent_of));
   // Every node has at most one parent, so what no root reaches is a ring.
   if (order.size() < parent_of.size()) document.fail("its nodes contain a cycle");
   std::vector<glm::dmat4> world(parent_of.size());
   for (const int node : order) {
-    const glm::dmat4 local = local_matrix(document.model.nodes[at(node)]);
+    const glm::dmat4 local = local_matrix(document.model.nodes[at(node)], scales);
     world[at(node)] = parent_of[at(node)] < 0 ? local : world[at(parent_of[at(node)])] * local;
   }
   return world;
+}
+
+std::vector<bool> hidden_nodes(const Document& document) {
+  const auto parent_of = parents(document);
+  std::vector<bool> hidden(parent_of.size());
+  for (const int node : with_descendants(document, roots(parent_of))) {
+    const int parent = parent_of[at(node)];
+    hidden[at(node)] = is_hidden(document.model.nodes[at(node)]) || (parent >= 0 && hidden[at(parent)]);
+  }
+  return hidden;
 }
 
 } // namespace wavepath::gltf

@@ -19,7 +19,15 @@ std::size_t choose(const Document& document, const std::string& kind, const std:
 // before children. Throws Error.
 std::vector<int> scene_nodes(const Document& document, const std::string& request);
 
-// World matrices of all nodes, composed in double. Throws Error if a node has two parents or contains itself.
-std::vector<glm::dmat4> world_matrices(const Document& document);
+// World matrices of all nodes, composed in double. A node's matrix whose last row is 0,0,0,1 but for kAffineRounding is
+// taken as affine. `scales`: as authored, or with each scale of zero taken as one, for what has a direction but no
+// size. Throws Error if a node has two parents or contains itself.
+enum class Scales { authored, never_zero };
+inline constexpr double kAffineRounding = 1e-5;
+std::vector<glm::dmat4> world_matrices(const Document& document, Scales scales = Scales::authored);
+
+// By node: whether KHR_node_visibility hides it or a node above it. Nodes must form no cycle, as world_matrices() has
+// found out.
+std::vector<bool> hidden_nodes(const Document& document);
 
 } // namespace wavepath::gltf

@@ -164,6 +164,7 @@ std::vector<Rule> extension_rules() {
       {"nodes[].extensions.KHR_lights_punctual.light", Kind::index, kRequired, "extensions.KHR_lights_punctual.lights"},
       {"nodes[].extensions.EXT_mesh_gpu_instancing.attributes", Kind::object, kRequired},
       {"nodes[].extensions.EXT_mesh_gpu_instancing.attributes.*", Kind::index, false, "accessors"},
+      {"nodes[].extensions.KHR_node_visibility.visible", Kind::boolean},
       {"textures[].extensions.EXT_texture_webp.source", Kind::index, false, "images"},
   };
 }

@@ -1,0 +1,30 @@
+// Matrices without an inverse: what of a mesh they leave, and how it is placed all the same.
+#pragma once
+
+#include <glm/glm.hpp>
+
+#include "host/scene/scene.h"
+
+namespace wavepath::gltf {
+
+// What a matrix makes of a solid: a solid, a flat thing, or a line or point, which has no area. A side that is
+// kFlatRounding times the longest or less counts as none: matrices that were multiplied have such remains of zero.
+enum class Extent { solid, flat, none };
+inline constexpr double kFlatRounding = 1e-14;
+Extent extent_of(const glm::dmat3& linear);
+
+// A flat matrix as two steps: everything moves along `direction`, a unit vector of object space, into the plane that
+// stands on it in zero; an invertible matrix that does not mirror does the rest. Counter-clockwise stays the front.
+struct FlatPlace {
+  glm::dvec3 direction{0.0, 0.0, 1.0};
+  glm::dmat4 world_from_flat{1.0};
+};
+FlatPlace flat_place(const glm::dmat4& world_from_object);
+
+// The mesh after the first step. Its normals are those of its faces.
+Mesh flattened(const Mesh& mesh, const glm::dvec3& direction);
+
+// The mesh where the matrix puts it, for what has no area now and will have some later.
+Mesh collapsed(const Mesh& mesh, const glm::dmat4& world_from_object);
+
+} // namespace wavepath::gltf
