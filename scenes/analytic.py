@@ -165,6 +165,21 @@ def spot_light():
     return g
 
 
+def flat_scales():
+    """A ball that its scale makes a disc, under a spot light whose own scale is zero."""
+    g = Gltf("ball flattened to a disc, under a spot light of scale zero")
+    g.mesh("disc", sphere(8), g.lambert("receiver", ALBEDO), translation=[0.3, 0.0, 0.1], scale=[1.0, 0.0, 1.0])
+    look_down(g)
+    angle = 0.4
+    g.light("spot", 10.0, COLOR_UNIT, position=(0.0, 2.0, 0.0), direction=(math.sin(angle), -math.cos(angle), 0.0),
+            spot=(0.2, 0.6))
+    g.doc["nodes"][-1]["scale"] = [0.0, 0.0, 0.0]
+    e = 10.0 * oracles.spot_falloff(math.cos(angle), 0.2, 0.6) / 4
+    g.expect("E = I falloff/h^2 as without the scales", reflected(e, COLOR_UNIT), flags(), exact=1e-5,
+             estimators=NEEDS_LIGHT_SAMPLING)
+    return g
+
+
 def lights_of_all_sizes():
     """Checks that the probability of picking a light cancels, however unequal the lights are."""
     g = receiver("seven lights over six decades")
@@ -304,7 +319,7 @@ def scenes():
     """File stem, scene."""
     for build in (disc_light, half_hidden_disc_light, sphere_light, tilted_sphere_light, rectangle_light_corner,
                   rectangle_light_centre, rectangle_light_below_horizon, touching_light, point_light, point_light_with_range,
-                  roof_under_the_sun, directional_light, spot_light, lights_of_all_sizes, facing_squares, adjacent_squares, inside_glowing_cube, enclosure,
+                  roof_under_the_sun, directional_light, spot_light, flat_scales, lights_of_all_sizes, facing_squares, adjacent_squares, inside_glowing_cube, enclosure,
                   truncated_enclosure, point_light_in_sphere, lit_ceiling, occlusion_by_wall, occlusion_in_wedge,
                   occlusion_in_corner, occlusion_in_open_box):
         yield build.__name__, build()

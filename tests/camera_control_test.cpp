@@ -100,6 +100,25 @@ TEST(CameraControl, FocusesOnAPoint) {
   expect_near(control.view().forward, {0, 1, 0});
 }
 
+// A window made narrow shows what the camera was authored to show, and is as before when it is wide again.
+TEST(CameraControl, CropsNothingWhenTheWindowIsResized) {
+  Scene scene = triangle_scene();
+  Camera camera;
+  camera.yfov = kQuarter;
+  camera.aspect = 2.0;
+  scene.cameras = {camera};
+  CameraControl control(scene, unit_framing(), {});
+  const auto expect_extent = [&](std::uint32_t width, std::uint32_t height, double right, double up) {
+    control.resize(width, height);
+    EXPECT_NEAR(glm::length(control.view().right), right, 1e-12);
+    EXPECT_NEAR(glm::length(control.view().up), up, 1e-12);
+  };
+  expect_extent(400, 200, 2.0, 1.0);
+  expect_extent(100, 200, 2.0, 4.0);
+  expect_extent(800, 200, 4.0, 1.0);
+  expect_extent(400, 200, 2.0, 1.0);
+}
+
 TEST(CameraControl, ChoosesFramesAndResets) {
   CameraControl control = front_camera();
   EXPECT_FALSE(control.choose(2));

@@ -49,13 +49,32 @@ Material shining(float radiance, bool textured = false) {
   return material;
 }
 
-TEST(DefaultLight, IsAuthoredWhereSomebodyLitTheScene) {
-  Scene lit = triangle_scene();
-  lit.lights.emplace_back();
-  EXPECT_EQ(choose_light(lit, {}), DefaultLight::authored);
-  EXPECT_EQ(choose_light(lit, Standpoint{}), DefaultLight::authored);
+Scene with_lamp(bool camera) {
+  Scene scene = with_material(plain_material(), camera);
+  scene.lights.emplace_back();
+  return scene;
+}
+
+TEST(DefaultLight, IsAuthoredWhereSomebodyLitAndFramedTheScene) {
+  Scene interior = with_lamp(true);
+  EXPECT_EQ(choose_light(interior, {}), DefaultLight::authored);
+  EXPECT_EQ(choose_light(interior, Standpoint{}), DefaultLight::authored);
   EXPECT_EQ(choose_light(with_material(shining(0.5f), true), {}), DefaultLight::authored);
   EXPECT_EQ(choose_light(with_material(shining(4.0f, true), true), {}), DefaultLight::authored);
+}
+
+TEST(DefaultLight, LightsTheAssetBesidesItsOwnLights) {
+  const Scene scene = with_lamp(false);
+  EXPECT_EQ(choose_light(scene, {}), DefaultLight::studio_besides);
+  EXPECT_EQ(environment_name(DefaultLight::studio_besides), "studio");
+  EXPECT_NE(reason(DefaultLight::studio_besides).find("besides its own lights"), std::string_view::npos);
+  EXPECT_EQ(choose_light(scene, Standpoint{}), DefaultLight::sky_besides);
+  EXPECT_EQ(environment_name(DefaultLight::sky_besides), "sky");
+  Standpoint closed;
+  closed.lamp = glm::dvec3(0.0);
+  EXPECT_EQ(choose_light(scene, closed), DefaultLight::authored) << "no sky reaches it";
+  EXPECT_TRUE(is_lit(scene));
+  EXPECT_FALSE(is_lit(with_material(shining(4.0f), false)));
 }
 
 TEST(DefaultLight, IsTheStudioForAssets) {

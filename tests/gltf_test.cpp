@@ -223,29 +223,6 @@ TEST(Gltf, RepeatedMeshesAreInstances) {
   EXPECT_EQ(scene.instances[3].world_from_object[3].x, 3.0);
 }
 
-TEST(Gltf, SingularTransformsAreLeftOut) {
-  GltfBuilder b = GltfBuilder::triangle();
-  b.add("nodes", {{"mesh", 0}, {"scale", {1, 0, 1}}});
-  b.add("nodes", {{"mesh", 0}, {"scale", {1e200, 1e200, 1e200}}});
-  const Scene scene = load(b);
-  EXPECT_EQ(scene.instances.size(), 1u);
-  EXPECT_EQ(warning_count(scene, "instance"), 2u);
-}
-
-TEST(Gltf, GpuInstancing) {
-  GltfBuilder b = GltfBuilder::triangle();
-  b.root["nodes"][0]["translation"] = {10, 0, 0};
-  b.root["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"] = {
-      {"TRANSLATION", b.floats("VEC3", {0, 0, 0, 0, 5, 0})},
-      {"ROTATION", b.accessor<std::int8_t>("VEC4", test::kByte, {0, 0, 0, 127, 0, 0, 127, 0}, true)},
-      {"SCALE", b.floats("VEC3", {1, 1, 1, 2, 2, 2})}};
-  const Scene scene = load(b);
-  EXPECT_EQ(scene.meshes.size(), 1u);
-  ASSERT_EQ(scene.instances.size(), 2u);
-  expect_near(scene.instances[0].world_from_object * glm::dvec4(1, 0, 0, 1), {11, 0, 0});
-  expect_near(scene.instances[1].world_from_object * glm::dvec4(1, 0, 0, 1), {8, 5, 0}); // half a turn about z
-}
-
 TEST(Gltf, ScenesAreChosenByDefaultIndexAndName) {
   GltfBuilder b = GltfBuilder::triangle();
   b.mesh_node({{"POSITION", b.floats("VEC3", {0, 0, 0, 7, 0, 0, 0, 1, 0})}});

@@ -22,7 +22,7 @@ Scene camera_scene() {
   Camera wide, flat;
   wide.name = "wide";
   wide.yfov = 2.0 * std::atan(0.5);
-  wide.aspect = 4.0; // the image's is used instead
+  wide.aspect = 4.0;
   wide.world_from_camera =
       glm::translate(glm::dmat4(1.0), glm::dvec3(1e7, 2, 3)) * glm::scale(glm::dmat4(1.0), glm::dvec3(2.0));
   flat.name = "1"; // a name that looks like an index goes first
@@ -33,20 +33,53 @@ Scene camera_scene() {
   return scene;
 }
 
-TEST(View, KeepsTheVerticalAngleAndTheImagesShape) {
-  const View view = resolve_view(camera_scene(), {}, 200, 100);
-  EXPECT_FALSE(view.orthographic);
-  expect_near(view.position, {1e7, 2, 3});
-  expect_near(view.forward, {0, 0, -1});
-  expect_near(view.right, {1.0, 0, 0});
-  expect_near(view.up, {0, 0.5, 0});
+TEST(View, KeepsTheVerticalAngleInImagesAsWideAsTheCamera) {
+  for (const std::uint32_t width : {400u, 800u}) {
+    const View view = resolve_view(camera_scene(), {}, width, 100);
+    EXPECT_FALSE(view.orthographic);
+    expect_near(view.position, {1e7, 2, 3});
+    expect_near(view.forward, {0, 0, -1});
+    expect_near(view.right, {0.5 * width / 100.0, 0, 0});
+    expect_near(view.up, {0, 0.5, 0});
+  }
 }
 
-TEST(View, KeepsTheHeightOfOrthographicCameras) {
-  const View view = resolve_view(camera_scene(), {.camera = "1"}, 100, 200);
-  EXPECT_TRUE(view.orthographic);
-  expect_near(view.right, {1.5, 0, 0});
-  expect_near(view.up, {0, 3, 0});
+TEST(View, KeepsTheHorizontalAngleInNarrowerImages) {
+  for (const std::uint32_t height : {101u, 200u, 4000u}) {
+    const View view = resolve_view(camera_scene(), {}, 400, height);
+    expect_near(view.right, {2.0, 0, 0}); // 4 to 1, and half of 1 high
+    expect_near(view.up, {0, 2.0 * height / 400.0, 0});
+  }
+}
+
+TEST(View, CropsNothingOfOrthographicCameras) {
+  const auto expect_extent = [](std::uint32_t width, std::uint32_t height, double right, double up) {
+    const View view = resolve_view(camera_scene(), {.camera = "1"}, width, height);
+    EXPECT_TRUE(view.orthographic);
+    expect_near(view.right, {right, 0, 0});
+    expect_near(view.up, {0, up, 0});
+  };
+  expect_extent(500, 300, 5.0, 3.0);
+  expect_extent(200, 100, 6.0, 3.0);
+  expect_extent(100, 100, 5.0, 5.0);
+  expect_extent(100, 200, 5.0, 10.0);
+}
+
+TEST(View, AnyImageFitsACameraWithoutAnAspectRatioOrWithAnAngleOfTheUsers) {
+  Scene scene = camera_scene();
+  expect_near(resolve_view(scene, {.yfov = std::numbers::pi / 2}, 50, 100).right, {0.5, 0, 0});
+  scene.cameras[0].aspect = 0.0;
+  expect_near(resolve_view(scene, {}, 50, 100).right, {0.25, 0, 0});
+}
+
+// Exporters store the ratio as a float: the picture that it was made for has the same bits as without it.
+TEST(View, RoundingOfTheAspectRatioMovesNothing) {
+  Scene scene = camera_scene();
+  for (const auto& [width, height] : {std::pair{1280u, 720u}, std::pair{640u, 480u}, std::pair{1000u, 300u}}) {
+    scene.cameras[0].aspect = std::nextafter(static_cast<float>(width) / static_cast<float>(height), 9.0f);
+    const View view = resolve_view(scene, {}, width, height);
+    EXPECT_EQ(glm::length(view.up), std::tan(0.5 * scene.cameras[0].yfov));
+  }
 }
 
 TEST(View, FindsCamerasByNameAndIndex) {
@@ -80,13 +113,13 @@ TEST(View, TakesWhatIsLeftOutFromTheCamera) {
   expect_near(resolve_view(camera_scene(), eye_only, 1, 1).forward, {0, 0, -1});
   ViewRequest target_only;
   target_only.look_at = glm::dvec3(1e7 + 5, 2, 3);
-  const View turned = resolve_view(camera_scene(), target_only, 100, 100);
+  const View turned = resolve_view(camera_scene(), target_only, 400, 100);
   expect_near(turned.position, {1e7, 2, 3});
   expect_near(turned.forward, {1, 0, 0});
   expect_near(turned.up, {0, 0.5, 0});
   ViewRequest rolled;
   rolled.up = glm::dvec3(1, 0, 0);
-  expect_near(resolve_view(camera_scene(), rolled, 100, 100).up, {0.5, 0, 0});
+  expect_near(resolve_view(camera_scene(), rolled, 400, 100).up, {0.5, 0, 0});
   ViewRequest with_angle;
   with_angle.camera = "1";
   with_angle.yfov = std::numbers::pi / 2;
