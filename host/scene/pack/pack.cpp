@@ -73,7 +73,7 @@ std::vector<std::uint32_t> pack_two_level(Scene& scene, const Layout& layout, co
   std::size_t skipped = 0;
   std::vector<std::uint32_t> object_of = pack_instances(objects, placements, packed, skipped);
   if (skipped > 0)
-    scene.warnings.add("instances too large, too far or too flat for single precision were dropped", skipped);
+    scene.warnings.add("instances too large, too far or too small for single precision were dropped", skipped);
   return object_of;
 }
 
