@@ -1,5 +1,5 @@
-// What nodes place: meshes, lights and cameras under any scale, matrices that are affine but for rounding, hidden nodes,
-// and instances by any attribute.
+// What nodes place: meshes, lights and cameras under any scale, matrices that are affine but for rounding, hidden
+// nodes, and instances by any attribute.
 #include <cmath>
 #include <numbers>
 
@@ -8,6 +8,7 @@
 
 #include "host/base/error.h"
 #include "host/scene/bounds.h"
+#include "host/scene/gltf/flat.h"
 #include "host/scene/pack/pack.h"
 #include "host/scene/view.h"
 #include "kernels/gpu.h"
@@ -56,7 +57,33 @@ TEST(GltfPlaces, AFlatMeshIsTheSameWhereItsScaleIsZeroAcross) {
   expect_near(corners[2], {0, 1, 0});
 }
 
-// The corners of the scaled triangle are those of the formula, in the order that keeps the front.
+// Which side is the front is as if the scale were not zero but small.
+TEST(GltfPlaces, AFlatMeshKeepsItsFront) {
+  const auto normal = [](const glm::dvec3& scale) {
+    GltfBuilder b = leaning_triangle();
+    b.root["nodes"][0]["scale"] = {scale.x, scale.y, scale.z};
+    const Scene scene = load(b);
+    const glm::dmat4& place = scene.instances.at(0).world_from_object;
+    const auto corners = only_triangle(scene);
+    EXPECT_LE(glm::length(glm::cross(glm::dvec3(place[0]), {scale.x, 0, 0})), 1e-12);
+    return glm::normalize(glm::cross(corners[1] - corners[0], corners[2] - corners[0]));
+  };
+  for (const double x : {-2.0, -1.0, 1.0})
+    for (const double y : {-1.0, 0.5})
+      for (const double z : {0.0, 1e-20}) expect_near(normal({x, y, z}), {0, 0, 1});
+}
+
+TEST(GltfPlaces, MirroredFlatInstancesKeepTheirFronts) {
+  GltfBuilder b = leaning_triangle();
+  b.root["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"] = {
+      {"SCALE", b.floats("VEC3", {1, 1, 0, -1, 1, 0, 1, -1, 0, -1, -1, 0})}};
+  const Scene scene = load(b);
+  ASSERT_EQ(scene.instances.size(), 4u);
+  for (const Instance& instance : scene.instances) expect_near(instance.world_from_object[2], {0, 0, 1});
+  EXPECT_EQ(scene.meshes.size(), 2u);
+}
+
+// The corners of the scaled triangle are those of the formula.
 TEST(GltfPlaces, FlatScalesOfEveryKind) {
   const auto turn = glm::rotate(glm::dmat4(1.0), 0.7, glm::normalize(glm::dvec3(1, 2, 3)));
   const auto back = glm::rotate(glm::dmat4(1.0), -1.1, glm::normalize(glm::dvec3(3, -1, 1)));
@@ -88,8 +115,9 @@ TEST(GltfPlaces, FlatScalesOfEveryKind) {
     const Scene scene = load(b);
     EXPECT_TRUE(scene.warnings.empty()) << i;
     ASSERT_EQ(scene.instances.size(), 1u) << i;
-    EXPECT_GT(glm::determinant(glm::dmat3(scene.instances[0].world_from_object)), 0.0) << i;
-    const auto corners = only_triangle(scene);
+    EXPECT_EQ(gltf::extent_of(glm::dmat3(scene.instances[0].world_from_object)), gltf::Extent::solid) << i;
+    auto corners = only_triangle(scene);
+    if (glm::determinant(glm::dmat3(scene.instances[0].world_from_object)) < 0.0) std::swap(corners[1], corners[2]);
     const double size = glm::length(glm::dvec3(world[0])) + glm::length(glm::dvec3(world[1])) + 10.0;
     expect_near(corners[0], world * glm::dvec4(0, 0, 0, 1), 1e-6 * size);
     expect_near(corners[1], world * glm::dvec4(1, 0, 0, 1), 1e-6 * size);
@@ -166,10 +194,10 @@ TEST(GltfPlaces, AnimatedScalesPassZero) {
 
 TEST(GltfPlaces, WhatGrowsFromNothingMoves) {
   GltfBuilder b = leaning_triangle();
-  b.add("animations", {{"name", "move"},
-                       {"samplers",
-                        {{{"input", b.floats("SCALAR", {0, 1})}, {"output", b.floats("VEC3", {0, 0, 0, 2, 2, 2})}}}},
-                       {"channels", {{{"sampler", 0}, {"target", {{"node", 0}, {"path", "scale"}}}}}}});
+  b.add("animations",
+        {{"name", "move"},
+         {"samplers", {{{"input", b.floats("SCALAR", {0, 1})}, {"output", b.floats("VEC3", {0, 0, 0, 2, 2, 2})}}}},
+         {"channels", {{{"sampler", 0}, {"target", {{"node", 0}, {"path", "scale"}}}}}}});
   LoadOptions options{"", "move", 0.0};
   options.shutter = {0.0, 1.0};
   Scene scene = load(b, options);
@@ -222,8 +250,9 @@ PunctualLight only_light(const GltfBuilder& builder) {
 
 TEST(GltfPlaces, ALightOfItsOwnScaleIsTheSameLight) {
   for (const char* type : {"point", "spot", "directional"})
-    for (const json& scale : {json{1, 1, 1}, json{0, 0, 0}, json{5, 5, 5}, json{1, 0, 2}, json{1, 1, 0}, json{0, 0, 1},
-                              json{-2, 0, 1}, json{1e-200, 1e-200, 1e-200}, json{1e200, 1e200, 1e200}, json{3, -1, 2}}) {
+    for (const json& scale :
+         {json{1, 1, 1}, json{0, 0, 0}, json{5, 5, 5}, json{1, 0, 2}, json{1, 1, 0}, json{0, 0, 1}, json{-2, 0, 1},
+          json{1e-200, 1e-200, 1e-200}, json{1e200, 1e200, 1e200}, json{3, -1, 2}}) {
       GltfBuilder b = with_light(type);
       b.root["nodes"][0]["translation"] = {1, 2, 3};
       b.root["nodes"][0]["rotation"] = kAboutX; // from -z to +y
@@ -271,10 +300,10 @@ TEST(GltfPlaces, ALightBelowAFlatMatrixKeepsADirection) {
 TEST(GltfPlaces, AnAnimatedScaleOfZeroKeepsTheLight) {
   GltfBuilder b = with_light("point");
   b.root["nodes"][0]["translation"] = {0, 0, 2};
-  b.add("animations", {{"name", "move"},
-                       {"samplers",
-                        {{{"input", b.floats("SCALAR", {0, 1})}, {"output", b.floats("VEC3", {1, 1, 1, 0, 0, 0})}}}},
-                       {"channels", {{{"sampler", 0}, {"target", {{"node", 0}, {"path", "scale"}}}}}}});
+  b.add("animations",
+        {{"name", "move"},
+         {"samplers", {{{"input", b.floats("SCALAR", {0, 1})}, {"output", b.floats("VEC3", {1, 1, 1, 0, 0, 0})}}}},
+         {"channels", {{{"sampler", 0}, {"target", {{"node", 0}, {"path", "scale"}}}}}}});
   for (const double seconds : {0.0, 0.5, 1.0}) {
     const Scene scene = load(b, {"", "move", seconds});
     ASSERT_EQ(scene.lights.size(), 1u) << seconds;
@@ -300,14 +329,16 @@ TEST(GltfPlaces, ACameraOfAnyScaleSeesTheSame) {
 
 TEST(GltfPlaces, HiddenNodesHideAllBelowThemButCameras) {
   GltfBuilder b = with_light("point"); // node 0
-  b.add("meshes", {{"primitives", {{{"attributes", {{"POSITION", b.floats("VEC3", {0, 0, 0, 1, 0, 0, 0, 1, 0})}}},
-                                    {"material", 0}}}}});
+  b.add("meshes",
+        {{"primitives",
+          {{{"attributes", {{"POSITION", b.floats("VEC3", {0, 0, 0, 1, 0, 0, 0, 1, 0})}}}, {"material", 0}}}}});
   b.add("materials", {{"name", "of a hidden mesh"}});
   b.add("cameras", {{"type", "perspective"}, {"perspective", {{"yfov", 1.0}, {"znear", 0.1}}}});
-  const json shown = {{"KHR_node_visibility", {{"visible", true}}}}, hidden = {{"KHR_node_visibility", {{"visible", false}}}};
-  b.add("nodes", {{"mesh", 0}, {"extensions", shown}});                    // 1: below a hidden node
-  b.add("nodes", {{"camera", 0}});                                         // 2: likewise
-  b.add("nodes", {{"children", {0, 1, 2}}});                               // 3
+  const json shown = {{"KHR_node_visibility", {{"visible", true}}}},
+             hidden = {{"KHR_node_visibility", {{"visible", false}}}};
+  b.add("nodes", {{"mesh", 0}, {"extensions", shown}});                     // 1: below a hidden node
+  b.add("nodes", {{"camera", 0}});                                          // 2: likewise
+  b.add("nodes", {{"children", {0, 1, 2}}});                                // 3
   b.add("nodes", {{"children", {3}}, {"mesh", 0}, {"extensions", hidden}}); // 4
   b.root["extensionsUsed"] = {"KHR_node_visibility", "KHR_lights_punctual"};
   b.root["extensionsRequired"] = {"KHR_node_visibility"};
@@ -370,7 +401,8 @@ TEST(GltfPlaces, InstancesAreCountedByAnyAttribute) {
   EXPECT_EQ(none.instances.size(), 1u) << "the mesh itself";
   EXPECT_EQ(warning_count(none, "without attributes"), 1u);
   for (const json& wrong : {json{{"_ID", ids}, {"ROTATION", turns}}, json{{"SCALE", three}, {"_ID", bytes}},
-                            json{{"TRANSLATION", ids}}, json{{"ROTATION", three}}}) try {
+                            json{{"TRANSLATION", ids}}, json{{"ROTATION", three}}})
+    try {
       load_with(b, wrong);
       ADD_FAILURE() << wrong;
     } catch (const Error& error) {

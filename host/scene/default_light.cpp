@@ -28,9 +28,7 @@ bool has_punctual_light(const Scene& scene) {
 
 } // namespace
 
-bool is_lit(const Scene& scene) {
-  return has_punctual_light(scene) || (!scene.cameras.empty() && has_lamp(scene));
-}
+bool is_lit(const Scene& scene) { return has_punctual_light(scene) || (!scene.cameras.empty() && has_lamp(scene)); }
 
 DefaultLight choose_light(const Scene& scene, const std::optional<Standpoint>& inside) {
   if (!scene.cameras.empty() && is_lit(scene)) return DefaultLight::authored;

@@ -10,6 +10,7 @@
 #include <glm/gtc/matrix_access.hpp>
 
 #include "host/base/error.h"
+#include "host/base/memory.h"
 #include "host/scene/gltf/accessor.h"
 #include "host/scene/gltf/extensions.h"
 #include "host/scene/gltf/flat.h"
@@ -38,7 +39,7 @@ struct Import {
   gltf::MaterialMap materials{};
   std::map<gltf::MeshUse, std::uint32_t> meshes{};
   std::map<FlatUse, std::uint32_t> flat_meshes{};
-  std::vector<glm::dmat4> upright{}; // Scales::never_zero, once it is needed
+  std::vector<glm::dmat4> upright{}; // of Scales::signs, once one is needed
 };
 
 bool is_affine(const glm::dmat4& matrix) {
@@ -51,7 +52,7 @@ bool is_affine(const glm::dmat4& matrix) {
 }
 
 const glm::dmat4& upright_matrix(Import& import, std::size_t node) {
-  if (import.upright.empty()) import.upright = gltf::world_matrices(import.document, gltf::Scales::never_zero);
+  if (import.upright.empty()) import.upright = gltf::world_matrices(import.document, gltf::Scales::signs);
   return import.upright[node];
 }
 
@@ -69,29 +70,56 @@ std::uint32_t add_mesh(Import& import, Mesh mesh) {
   return static_cast<std::uint32_t>(import.scene.meshes.size() - 1);
 }
 
-void place_instance(Import& import, std::uint32_t mesh, const glm::dmat4& place) {
+// A place may need a copy of the mesh of its own.
+void require_copy(const Import& import, const Mesh& mesh) {
+  const std::uint64_t vertex = 3 * sizeof(glm::vec3) + 2 * sizeof(glm::vec4) + 2 * sizeof(glm::vec2);
+  require_memory(import.document.file, "a flattened copy of a mesh",
+                 vertex * mesh.positions.size() + sizeof(std::uint32_t) * mesh.indices.size(),
+                 "use a machine with more memory");
+}
+
+// `mirrors`: what the place would do if its scales were not zero.
+void place_flat(Import& import, std::uint32_t mesh, const glm::dmat4& place, bool mirrors) {
+  const gltf::FlatPlace flat = gltf::flat_place(place, mirrors);
+  const glm::dvec3& d = flat.direction;
+  const auto [found, is_new] = import.flat_meshes.emplace(FlatUse{mesh, d.x, d.y, d.z}, 0);
+  if (is_new) {
+    require_copy(import, import.scene.meshes[mesh]);
+    found->second = add_mesh(import, gltf::flattened(import.scene.meshes[mesh], d));
+  }
+  import.scene.instances.push_back({found->second, flat.world_from_flat});
+}
+
+// Of a node whose mesh is not placed by a skin.
+void place_instances(Import& import, std::size_t node_index, std::uint32_t mesh) {
   Scene& scene = import.scene;
-  const glm::dmat3 linear(place);
-  const gltf::Extent extent = gltf::extent_of(linear);
-  if (!is_affine(place) || !std::isfinite(glm::determinant(linear))) {
-    scene.warnings.add("instance with a transform that is not affine or not finite left out");
-  } else if (extent == gltf::Extent::flat) {
-    const gltf::FlatPlace flat = gltf::flat_place(place);
-    const glm::dvec3& d = flat.direction;
-    const auto [found, is_new] = import.flat_meshes.emplace(FlatUse{mesh, d.x, d.y, d.z}, 0);
-    if (is_new) found->second = add_mesh(import, gltf::flattened(scene.meshes[mesh], d));
-    scene.instances.push_back({found->second, flat.world_from_flat});
-  } else if (extent == gltf::Extent::solid && std::isfinite(1.0 / glm::determinant(linear))) {
-    scene.instances.push_back({mesh, place});
-  } else if (import.keeps_lines) {
-    scene.instances.push_back({add_mesh(import, gltf::collapsed(scene.meshes[mesh], place)), glm::dmat4(1.0)});
-  } else {
-    scene.warnings.add("instance whose scale leaves it without area left out");
+  const auto list = [&](const glm::dmat4& world, gltf::Scales scales) {
+    return gltf::instance_matrices(import.document, scene.warnings, import.document.model.nodes[node_index], world,
+                                   scales);
+  };
+  const std::vector<glm::dmat4> places = list(import.world[node_index], gltf::Scales::authored);
+  std::vector<glm::dmat4> upright; // once one is flat
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const glm::dmat3 linear(places[i]);
+    const gltf::Extent extent = gltf::extent_of(linear);
+    if (!is_affine(places[i]) || !std::isfinite(glm::determinant(linear))) {
+      scene.warnings.add("instance with a transform that is not affine or not finite left out");
+    } else if (extent == gltf::Extent::flat) {
+      if (upright.empty()) upright = list(upright_matrix(import, node_index), gltf::Scales::signs);
+      place_flat(import, mesh, places[i], glm::determinant(glm::dmat3(upright[i])) < -gltf::kFlatRounding);
+    } else if (extent == gltf::Extent::solid && std::isfinite(1.0 / glm::determinant(linear))) {
+      scene.instances.push_back({mesh, places[i]});
+    } else if (import.keeps_lines) {
+      require_copy(import, scene.meshes[mesh]);
+      scene.instances.push_back({add_mesh(import, gltf::collapsed(scene.meshes[mesh], places[i])), glm::dmat4(1.0)});
+    } else {
+      scene.warnings.add("instance whose scale leaves it without area left out");
+    }
   }
 }
 
-void place_mesh(Import& import, int node_index) {
-  const auto& node = import.document.model.nodes[static_cast<std::size_t>(node_index)];
+void place_mesh(Import& import, std::size_t node_index) {
+  const auto& node = import.document.model.nodes[node_index];
   const auto& source = import.document.model.meshes[static_cast<std::size_t>(node.mesh)];
   gltf::MeshUse use{node.mesh, node.weights.empty() ? source.weights : node.weights, node.skin};
   const auto [found, is_new] = import.meshes.emplace(use, 0);
@@ -100,10 +128,11 @@ void place_mesh(Import& import, int node_index) {
         add_mesh(import, gltf::read_mesh(import.document, import.scene, import.materials, use, import.world));
   const std::uint32_t mesh = found->second;
   if (import.scene.meshes[mesh].indices.empty()) return;
-  if (node.skin >= 0) return place_instance(import, mesh, glm::dmat4(1.0)); // in world space already
-  const glm::dmat4& world = import.world[static_cast<std::size_t>(node_index)];
-  for (const glm::dmat4& place : gltf::instance_matrices(import.document, import.scene.warnings, node, world))
-    place_instance(import, mesh, place);
+  if (node.skin >= 0) {
+    import.scene.instances.push_back({mesh, glm::dmat4(1.0)}); // in world space already
+  } else {
+    place_instances(import, node_index, mesh);
+  }
 }
 
 void place_camera(Import& import, std::size_t node_index) {
@@ -162,8 +191,9 @@ glm::dvec3 unit(const glm::dvec3& v) {
 glm::dvec3 light_direction(Import& import, std::size_t node) {
   const glm::dmat4& world = import.world[node];
   if (gltf::extent_of(glm::dmat3(world)) == gltf::Extent::solid) return unit(-glm::dvec3(world[2]));
-  const glm::dvec3 left(world[2]), upright(upright_matrix(import, node)[2]);
-  return unit(glm::length(left) > gltf::kFlatRounding * glm::length(upright) ? -left : -upright);
+  const double size = std::max({glm::length(world[0]), glm::length(world[1]), glm::length(world[2])});
+  const bool is_left = glm::length(world[2]) > gltf::kFlatRounding * size;
+  return unit(-glm::dvec3(is_left ? world[2] : upright_matrix(import, node)[2]));
 }
 
 void place_light(Import& import, std::size_t node_index) {
@@ -219,7 +249,7 @@ Scene load_moment(const std::filesystem::path& path, const LoadOptions& options,
     const tinygltf::Node& node = document.model.nodes[index];
     if (node.camera >= 0) place_camera(import, index); // visibility affects no cameras
     if (hidden[index]) continue;
-    if (node.mesh >= 0) place_mesh(import, node_index);
+    if (node.mesh >= 0) place_mesh(import, index);
     place_light(import, index);
   }
   if (described) described(scene);

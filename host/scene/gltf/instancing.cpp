@@ -38,7 +38,7 @@ std::map<std::string, Elements> open_instance_attributes(Document& document, con
 } // namespace
 
 std::vector<glm::dmat4> instance_matrices(Document& document, Warnings& warnings, const tinygltf::Node& node,
-                                          const glm::dmat4& world) {
+                                          const glm::dmat4& world, Scales scales) {
   const auto extension = node.extensions.find("EXT_mesh_gpu_instancing");
   if (extension == node.extensions.end()) return {world};
   auto attributes = open_instance_attributes(document, extension->second.Get("attributes"));
@@ -63,7 +63,7 @@ std::vector<glm::dmat4> instance_matrices(Document& document, Warnings& warnings
       const glm::dquat q(component(rotation, i, 3), xyz.x, xyz.y, xyz.z);
       if (glm::length(q) > 0.0) places[i] *= glm::mat4_cast(glm::normalize(q));
     }
-    if (scale.present()) places[i] = glm::scale(places[i], vector(scale, i));
+    if (scale.present()) places[i] = glm::scale(places[i], take_scale(vector(scale, i), scales));
   }
   return places;
 }

@@ -7,13 +7,14 @@
 
 #include "host/base/warnings.h"
 #include "host/scene/gltf/document.h"
+#include "host/scene/gltf/nodes.h"
 
 namespace wavepath::gltf {
 
 // World matrices of the instances of a node's mesh: `world`, or with the extension `world` times each of its
-// transforms. There are as many as any attribute has elements, also one of the file's own that changes nothing. Throws
-// Error.
+// transforms, `scales` as in world_matrices(). There are as many as any attribute has elements, also one of the file's
+// own that changes nothing. Throws Error.
 std::vector<glm::dmat4> instance_matrices(Document& document, Warnings& warnings, const tinygltf::Node& node,
-                                          const glm::dmat4& world);
+                                          const glm::dmat4& world, Scales scales);
 
 } // namespace wavepath::gltf

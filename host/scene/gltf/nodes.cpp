@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 
 #include <glm/gtc/matrix_access.hpp>
 #include <glm/gtc/matrix_transform.hpp>
@@ -50,16 +51,21 @@ void round_to_affine(glm::dmat4& matrix) {
     matrix = glm::row(matrix, 3, glm::dvec4(0.0, 0.0, 0.0, 1.0));
 }
 
-// Columns of no length become unit vectors that stand on the others.
-void fill_columns(glm::dmat4& matrix) {
+// Columns of unit length; those that have none become vectors that stand on the others.
+void take_length(glm::dmat4& matrix) {
+  for (int i = 0; i < 3; ++i) {
+    const glm::dvec3 column(matrix[i]);
+    const double size = std::max({std::abs(column.x), std::abs(column.y), std::abs(column.z)});
+    if (size > 0.0) matrix[i] = glm::dvec4(glm::normalize(column / size), 0.0);
+  }
   for (int i = 0; i < 3; ++i) {
     if (glm::dvec3(matrix[i]) != glm::dvec3(0.0)) continue;
     const glm::dvec3 next(matrix[(i + 1) % 3]), last(matrix[(i + 2) % 3]);
     glm::dvec3 column = glm::cross(next, last);
     if (column == glm::dvec3(0.0)) { // of two or three such columns the first stands on the one that there may be
+      const glm::dvec3 only = next + last;
       column[i] = 1.0;
-      const glm::dvec3& only = next != glm::dvec3(0.0) ? next : last;
-      if (only != glm::dvec3(0.0)) column -= only * (glm::dot(only, column) / glm::dot(only, only));
+      column -= only * glm::dot(only, column);
       if (column == glm::dvec3(0.0)) column[(i + 1) % 3] = 1.0; // that one lies along the axis
     }
     matrix[i] = glm::dvec4(glm::normalize(column), 0.0);
@@ -70,7 +76,7 @@ glm::dmat4 local_matrix(const tinygltf::Node& node, Scales scales) {
   if (!node.matrix.empty()) {
     glm::dmat4 matrix = glm::make_mat4(node.matrix.data());
     round_to_affine(matrix);
-    if (scales == Scales::never_zero) fill_columns(matrix);
+    if (scales == Scales::signs) take_length(matrix);
     return matrix;
   }
   glm::dmat4 matrix(1.0);
@@ -81,12 +87,7 @@ glm::dmat4 local_matrix(const tinygltf::Node& node, Scales scales) {
     const double length = glm::length(rotation);
     if (length > 0.0) matrix *= glm::mat4_cast(rotation / length);
   }
-  if (!node.scale.empty()) {
-    glm::dvec3 scale = glm::make_vec3(node.scale.data());
-    for (int i = 0; scales == Scales::never_zero && i < 3; ++i)
-      if (scale[i] == 0.0) scale[i] = 1.0;
-    matrix = glm::scale(matrix, scale);
-  }
+  if (!node.scale.empty()) matrix = glm::scale(matrix, take_scale(glm::make_vec3(node.scale.data()), scales));
   return matrix;
 }
 
@@ -133,6 +134,11 @@ std::vector<int> scene_nodes(const Document& document, const std::string& reques
     seen[at(node)] = true;
   }
   return with_descendants(document, std::move(nodes));
+}
+
+glm::dvec3 take_scale(const glm::dvec3& scale, Scales scales) {
+  if (scales == Scales::authored) return scale;
+  return glm::mix(glm::dvec3(1.0), glm::dvec3(-1.0), glm::lessThan(scale, glm::dvec3(0.0)));
 }
 
 std::vector<glm::dmat4> world_matrices(const Document& document, Scales scales) {

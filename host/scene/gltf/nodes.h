@@ -20,10 +20,11 @@ std::size_t choose(const Document& document, const std::string& kind, const std:
 std::vector<int> scene_nodes(const Document& document, const std::string& request);
 
 // World matrices of all nodes, composed in double. A node's matrix whose last row is 0,0,0,1 but for kAffineRounding is
-// taken as affine. `scales`: as authored, or with each scale of zero taken as one, for what has a direction but no
-// size. Throws Error if a node has two parents or contains itself.
-enum class Scales { authored, never_zero };
+// taken as affine. `scales`: as authored, or their signs alone, zero as +1, which tells the directions that a scale of
+// zero leaves open. Throws Error if a node has two parents or contains itself.
+enum class Scales { authored, signs };
 inline constexpr double kAffineRounding = 1e-5;
+glm::dvec3 take_scale(const glm::dvec3& scale, Scales scales);
 std::vector<glm::dmat4> world_matrices(const Document& document, Scales scales = Scales::authored);
 
 // By node: whether KHR_node_visibility hides it or a node above it. Nodes must form no cycle, as world_matrices() has
