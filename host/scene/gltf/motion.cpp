@@ -21,7 +21,10 @@ void set_motion(Mesh& mesh, const Mesh& end, const glm::dmat4& object_from_end) 
   const glm::dmat3 linear(object_from_end), normal_matrix = glm::transpose(glm::inverse(linear));
   const auto unit = [](const glm::dvec3& v) { return glm::vec3(v / std::max(glm::length(v), 1e-300)); };
   for (const glm::vec3& p : end.positions) mesh.end_positions.emplace_back(object_from_end * glm::dvec4(p, 1.0));
-  for (const glm::vec3& n : end.normals) mesh.end_normals.push_back(unit(normal_matrix * glm::dvec3(n)));
+  if (end.normals.size() == mesh.normals.size())
+    for (const glm::vec3& n : end.normals) mesh.end_normals.push_back(unit(normal_matrix * glm::dvec3(n)));
+  else
+    mesh.end_normals = mesh.normals; // one of the two is flat, and has those of its faces
   for (const glm::vec4& t : end.tangents) mesh.end_tangents.emplace_back(unit(linear * glm::dvec3(glm::vec3(t))), t.w);
 }
 
