@@ -27,9 +27,13 @@ void load_buffer(Document& document, std::size_t buffer) {
 std::vector<std::uint8_t> uri_bytes(const Document& document, const std::string& what, const std::string& uri,
                                     std::uint64_t wanted) {
   if (is_data_uri(uri)) {
-    auto decoded = decode_data_uri(uri);
-    if (!decoded) document.fail(what + " has a malformed data URI");
-    return std::move(*decoded);
+    UriData data = decode_data_uri(uri);
+    if (!data.problem.empty()) document.fail(what + " has a malformed data URI: " + data.problem);
+    if (data.is_text && wanted && data.bytes.size() != wanted)
+      document.fail(what + " has a data URI of " + std::to_string(data.bytes.size()) + " bytes of text instead of " +
+                        std::to_string(wanted) + " bytes",
+                    "mark it as ';base64' if that is what it holds");
+    return std::move(data.bytes);
   }
   const auto path = resolve_uri(document.path.parent_path(), uri);
   const auto size = path ? regular_file_size(*path) : std::nullopt;
