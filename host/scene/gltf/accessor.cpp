@@ -96,8 +96,11 @@ Elements open_accessor(Document& document, int index, const std::string& what, c
   elements.stride = size;
 
   if (const auto found = decoded.find(index); found != decoded.end()) {
-    elements.bytes = found->second.data();
-    return elements; // sized by the accessor when it was decoded
+    elements.bytes = found->second.bytes.data();
+    elements.count = found->second.count;
+    elements.components = found->second.components;
+    elements.stride = element_size(accessor, elements.components);
+    return elements;
   }
   if (accessor.bufferView >= 0) {
     const auto& view = document.model.bufferViews[static_cast<std::size_t>(accessor.bufferView)];
@@ -123,8 +126,8 @@ Elements open_accessor(Document& document, int index, const std::string& what, c
   return elements;
 }
 
-Elements open_indices(Document& document, int index, const Decoded& decoded) {
-  const Elements indices = open_accessor(document, index, "indices", decoded);
+Elements open_indices(Document& document, int index) {
+  const Elements indices = open_accessor(document, index, "indices");
   const bool unsigned_integer = indices.component_type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE ||
                                 indices.component_type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT ||
                                 indices.component_type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT;

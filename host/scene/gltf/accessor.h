@@ -25,7 +25,13 @@ struct Elements {
   bool present() const { return components > 0; }
 };
 
-using Decoded = std::map<int, std::vector<std::uint8_t>>; // what decode_draco returns
+// The contents of an accessor that was compressed, tightly packed.
+struct DecodedAccessor {
+  std::vector<std::uint8_t> bytes;
+  std::size_t count = 0;
+  int components = 0;
+};
+using Decoded = std::map<int, DecodedAccessor>; // by accessor
 
 // Opens an accessor of any type; sparse ones are filled in. `what` names it in messages. `decoded` replaces the
 // contents of the accessors that it holds, and must outlive the result. Throws Error if it is out of bounds or
@@ -33,7 +39,7 @@ using Decoded = std::map<int, std::vector<std::uint8_t>>; // what decode_draco r
 Elements open_accessor(Document& document, int accessor, const std::string& what, const Decoded& decoded = {});
 
 // The same for indices: SCALAR, unsigned integer.
-Elements open_indices(Document& document, int accessor, const Decoded& decoded = {});
+Elements open_indices(Document& document, int accessor);
 
 // One component as the specification converts it: normalized integers to -1..1 or 0..1, others by value.
 double component(const Elements& elements, std::size_t element, int index);

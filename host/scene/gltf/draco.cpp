@@ -1,6 +1,7 @@
 // Decompresses with Draco and checks the result against the accessors.
 #include "host/scene/gltf/draco.h"
 
+#include <algorithm>
 #include <cstring>
 #include <memory>
 
@@ -12,21 +13,14 @@
 namespace wavepath::gltf {
 namespace {
 
-std::vector<std::uint8_t> packed_indices(const Document& document, const draco::Mesh& mesh,
-                                         const tinygltf::Accessor& accessor) {
-  const std::size_t size =
-      static_cast<std::size_t>(tinygltf::GetComponentSizeInBytes(static_cast<std::uint32_t>(accessor.componentType)));
-  if (accessor.count != std::size_t{mesh.num_faces()} * 3) {
-    document.fail("an index accessor has " + std::to_string(accessor.count) + " elements, but its Draco data has " +
-                  std::to_string(mesh.num_faces()) + " triangles");
-  }
-  std::vector<std::uint8_t> bytes(accessor.count * size);
-  for (std::size_t i = 0; i < accessor.count; ++i) {
-    const std::uint32_t index = mesh.face(draco::FaceIndex(static_cast<std::uint32_t>(i / 3)))[i % 3].value();
-    if (size < 4 && index >> (8 * size)) document.fail("a Draco index does not fit the component type of its accessor");
-    std::memcpy(&bytes[i * size], &index, size); // little-endian, as glTF is
-  }
-  return bytes;
+constexpr const char* kOtherCount = "accessor whose count is not that of its Draco data, which were taken as they are";
+
+std::vector<std::uint32_t> corners_of(const draco::Mesh& mesh) {
+  std::vector<std::uint32_t> corners;
+  corners.reserve(std::size_t{mesh.num_faces()} * 3);
+  for (std::uint32_t i = 0; i < mesh.num_faces(); ++i)
+    for (const draco::PointIndex& corner : mesh.face(draco::FaceIndex(i))) corners.push_back(corner.value());
+  return corners;
 }
 
 template <typename T>
@@ -42,15 +36,20 @@ bool pack(const draco::Mesh& mesh, const draco::PointAttribute& attribute, int c
   return true;
 }
 
-std::vector<std::uint8_t> packed_attribute(const Document& document, const draco::Mesh& mesh, int id,
-                                           const tinygltf::Accessor& accessor, const std::string& name) {
+DecodedAccessor packed_attribute(const Document& document, Warnings& warnings, const draco::Mesh& mesh, int id,
+                                 const tinygltf::Accessor& accessor, const std::string& name) {
   const draco::PointAttribute* attribute = mesh.GetAttributeByUniqueId(static_cast<std::uint32_t>(id));
-  const int components = tinygltf::GetNumComponentsInType(static_cast<std::uint32_t>(accessor.type));
+  if (!attribute)
+    document.fail("its Draco data hold no attribute " + std::to_string(id) + ", which should be " + shown(name));
   const int size = tinygltf::GetComponentSizeInBytes(static_cast<std::uint32_t>(accessor.componentType));
-  if (!attribute || accessor.count != mesh.num_points() || components > 4 || size > 4) {
+  // Of colours Draco may hold three components where the accessor tells of four.
+  const int components = std::min(tinygltf::GetNumComponentsInType(static_cast<std::uint32_t>(accessor.type)),
+                                  static_cast<int>(attribute->num_components()));
+  if (components < 1 || components > 4 || size > 4)
     document.fail("the accessor of " + shown(name) + " does not fit its Draco data");
-  }
-  std::vector<std::uint8_t> bytes(accessor.count * static_cast<std::size_t>(components * size));
+  if (accessor.count != mesh.num_points()) warnings.add(kOtherCount);
+  const std::size_t count = mesh.num_points();
+  std::vector<std::uint8_t> bytes(count * static_cast<std::size_t>(components * size));
   bool done = false;
   switch (accessor.componentType) {
     case TINYGLTF_COMPONENT_TYPE_BYTE:
@@ -75,7 +74,7 @@ std::vector<std::uint8_t> packed_attribute(const Document& document, const draco
       break;
   }
   if (!done) document.fail("the Draco data of " + shown(name) + " cannot be converted");
-  return bytes;
+  return {std::move(bytes), count, components};
 }
 
 std::unique_ptr<draco::Mesh> read_draco_mesh(const Document& document, Bytes bytes) {
@@ -94,23 +93,32 @@ std::unique_ptr<draco::Mesh> read_draco_mesh(const Document& document, Bytes byt
 
 } // namespace
 
-std::map<int, std::vector<std::uint8_t>> decode_draco(Document& document, const tinygltf::Primitive& primitive) {
-  std::map<int, std::vector<std::uint8_t>> decoded;
+std::optional<DracoMesh> decode_draco(Document& document, Warnings& warnings, const tinygltf::Primitive& primitive) {
   const auto extension = primitive.extensions.find("KHR_draco_mesh_compression");
-  if (extension == primitive.extensions.end()) return decoded;
-  if (primitive.mode != TINYGLTF_MODE_TRIANGLES) document.fail("a Draco primitive is not a list of triangles");
+  if (extension == primitive.extensions.end()) return {};
+  const auto accessor_of = [&](int index) -> const tinygltf::Accessor& {
+    return document.model.accessors[static_cast<std::size_t>(index)];
+  };
   const auto view = static_cast<std::size_t>(extension->second.Get("bufferView").GetNumberAsInt());
   const auto mesh = read_draco_mesh(document, view_bytes(document, view));
-  if (const auto indices = primitive.attributes.find(kIndices); indices != primitive.attributes.end()) {
-    decoded[indices->second] =
-        packed_indices(document, *mesh, document.model.accessors[static_cast<std::size_t>(indices->second)]);
-  }
+  DracoMesh decoded;
+  decoded.corners = corners_of(*mesh);
+  const auto indices = primitive.attributes.find(kIndices);
+  const bool is_list = primitive.mode == TINYGLTF_MODE_TRIANGLES;
+  if (is_list && indices != primitive.attributes.end() && accessor_of(indices->second).count != decoded.corners.size())
+    warnings.add(kOtherCount);
   const tinygltf::Value& ids = extension->second.Get("attributes");
   for (const std::string& name : ids.Keys()) {
     const auto attribute = primitive.attributes.find(name);
     if (attribute == primitive.attributes.end()) document.fail("Draco attribute " + shown(name) + " has no accessor");
-    const auto& accessor = document.model.accessors[static_cast<std::size_t>(attribute->second)];
-    decoded[attribute->second] = packed_attribute(document, *mesh, ids.Get(name).GetNumberAsInt(), accessor, name);
+    decoded.attributes[attribute->second] = packed_attribute(document, warnings, *mesh, ids.Get(name).GetNumberAsInt(),
+                                                             accessor_of(attribute->second), name);
+  }
+  for (const auto& [name, index] : primitive.attributes) {
+    const bool elsewhere = accessor_of(index).bufferView >= 0 || accessor_of(index).sparse.isSparse;
+    if (name == kIndices || elsewhere || decoded.attributes.contains(index)) continue;
+    if (name == "POSITION") document.fail("its Draco data hold no positions");
+    warnings.add("attribute that its Draco data lack taken as 0");
   }
   return decoded;
 }

@@ -2,15 +2,22 @@
 #pragma once
 
 #include <cstdint>
-#include <map>
+#include <optional>
 #include <vector>
 
+#include "host/base/warnings.h"
+#include "host/scene/gltf/accessor.h"
 #include "host/scene/gltf/document.h"
 
 namespace wavepath::gltf {
 
-// The decompressed accessors of a primitive, tightly packed, by accessor index; none if it is not compressed. Throws
-// Error.
-std::map<int, std::vector<std::uint8_t>> decode_draco(Document& document, const tinygltf::Primitive& primitive);
+struct DracoMesh {
+  Decoded attributes;
+  // Of its triangles: Draco stores these whatever the mode of the primitive, and orders vertices anew.
+  std::vector<std::uint32_t> corners;
+};
+
+// The decompressed contents of a primitive; none if it is not compressed. Throws Error.
+std::optional<DracoMesh> decode_draco(Document& document, Warnings& warnings, const tinygltf::Primitive& primitive);
 
 } // namespace wavepath::gltf

@@ -61,7 +61,7 @@ std::vector<glm::dmat4> instance_matrices(Document& document, Warnings& warnings
     if (rotation.present()) {
       const glm::dvec3 xyz = vector(rotation, i);
       const glm::dquat q(component(rotation, i, 3), xyz.x, xyz.y, xyz.z);
-      if (glm::length(q) > 0.0) places[i] *= glm::mat4_cast(glm::normalize(q));
+      if (glm::length(q) != 0.0) places[i] *= glm::mat4_cast(glm::normalize(q));
     }
     if (scale.present()) places[i] = glm::scale(places[i], take_scale(vector(scale, i), scales));
   }

@@ -175,7 +175,40 @@ std::uint32_t use_material(const Document& document, Scene& scene, MaterialMap& 
   const auto [found, is_new] = map.materials.emplace(material, static_cast<std::uint32_t>(scene.materials.size()));
   if (is_new) {
     json source = material < 0 ? json::object() : (*document.materials)[static_cast<std::size_t>(material)];
-    scene.materials.push_back(read_material(document, map.images, scene.warnings, std::move(source)));
+    Material read = read_material(document, map.images, scene.warnings, std::move(source));
+    const std::optional<UvSets> sets = take_uv_sets(read);
+    if (!sets) map.crowded.emplace(found->second, read);
+    scene.materials.push_back(std::move(read));
+    map.uv_sets.push_back(sets.value_or(UvSets{0, 1}));
+  }
+  return found->second;
+}
+
+std::uint32_t use_material(Document& document, Scene& scene, MaterialMap& map, const tinygltf::Primitive& primitive,
+                           const Decoded& decoded) {
+  const std::uint32_t index = use_material(document, scene, map, primitive.material);
+  const auto crowded = map.crowded.find(index);
+  if (crowded == map.crowded.end()) return index;
+  Material fitted = crowded->second;
+  const UvSets sets = fit_uv_sets(document, scene.warnings, primitive, decoded, fitted);
+  std::vector<float> key = {static_cast<float>(sets[0]), static_cast<float>(sets[1])};
+  const auto add_slot = [&](const MaterialTexture& row) {
+    const TextureSlot& slot = fitted.*row.field;
+    key.insert(key.end(), {slot.present() ? 1.0f : 0.0f, static_cast<float>(slot.uv_set)});
+    key.insert(key.end(), {slot.uv_offset.x, slot.uv_offset.y});
+    key.insert(key.end(), &slot.uv_matrix[0][0], &slot.uv_matrix[0][0] + 4);
+  };
+  visit_material_fields(Overloaded{add_slot, [](const auto&) {}});
+  // The first takes the place of the material itself.
+  const bool is_first = map.fitted.lower_bound({index, {}}) == map.fitted.lower_bound({index + 1, {}});
+  const auto next = static_cast<std::uint32_t>(scene.materials.size());
+  const auto [found, is_new] = map.fitted.emplace(std::pair{index, std::move(key)}, is_first ? index : next);
+  if (is_new && is_first) {
+    scene.materials[index] = std::move(fitted);
+    map.uv_sets[index] = sets;
+  } else if (is_new) {
+    scene.materials.push_back(std::move(fitted));
+    map.uv_sets.push_back(sets);
   }
   return found->second;
 }

@@ -15,9 +15,11 @@
 namespace wavepath::gltf {
 namespace {
 
+constexpr const char* kColors = "COLOR_0";
+
 struct Target {
   double weight;
-  Elements position, normal, tangent; // displacements
+  Elements position, normal, tangent, uvs[2], color; // displacements
 };
 
 // The open accessors of a primitive, all with the same count.
@@ -32,7 +34,7 @@ Elements open_attribute(Document& document, const std::map<std::string, int>& at
   const auto found = attributes.find(name);
   if (found == attributes.end()) return {};
   const Elements elements = open_accessor(document, found->second, name, decoded);
-  const bool color = name == "COLOR_0" && elements.components == 3; // RGB or RGBA
+  const bool color = name == kColors && elements.components == 3; // RGB or RGBA
   if (elements.components != components && !color) {
     document.fail(name + " (accessor " + std::to_string(found->second) + ") does not have " +
                   std::to_string(components) + " components");
@@ -51,36 +53,51 @@ bool uses_uv_set(const Material& material, std::uint32_t set) {
 }
 
 Attributes open_attributes(Document& document, Scene& scene, const tinygltf::Primitive& primitive, const MeshUse& use,
-                           const Material& material, const Decoded& decoded) {
+                           const Material& material, const UvSets& uv_sets, const Decoded& decoded) {
   Attributes result;
-  const std::size_t count =
-      document.model.accessors[static_cast<std::size_t>(primitive.attributes.at("POSITION"))].count;
+  const int position = primitive.attributes.at("POSITION");
+  const auto compressed = decoded.find(position);
+  const std::size_t count = compressed != decoded.end()
+                                ? compressed->second.count
+                                : document.model.accessors[static_cast<std::size_t>(position)].count;
   const auto open = [&](const std::string& name, int components) {
     return open_attribute(document, primitive.attributes, name, components, count, decoded);
   };
   result.position = open("POSITION", 3);
+  std::string uv_names[2];
+  for (std::uint32_t set = 0; set < 2; ++set)
+    if (uses_uv_set(material, set)) uv_names[set] = "TEXCOORD_" + std::to_string(uv_sets[set]);
   result.normal = open("NORMAL", 3);
   // Tangents without normals must be ignored; they would not be orthogonal to the flat ones.
   if (needs_tangents(material) && result.normal.present()) result.tangent = open("TANGENT", 4);
-  for (std::uint32_t set = 0; set < 2; ++set) {
-    if (!uses_uv_set(material, set)) continue;
-    result.uvs[set] = open("TEXCOORD_" + std::to_string(set), 2);
-    if (!result.uvs[set].present())
-      scene.warnings.add("primitive lacks the texture coordinates that its material uses; 0 taken");
+  for (int set = 0; set < 2; ++set) {
+    if (uv_names[set].empty()) continue;
+    result.uvs[set] = open(uv_names[set], 2);
+    if (!result.uvs[set].present()) scene.warnings.add(kNoUvSet);
   }
-  result.color = open("COLOR_0", 4);
+  result.color = open(kColors, 4);
   for (std::size_t i = 0; i < primitive.targets.size() && i < use.weights.size(); ++i) {
     if (use.weights[i] == 0.0) continue;
-    const auto displacement = [&](const char* name) {
-      return open_attribute(document, primitive.targets[i], name, 3, count, {});
+    const auto displacement = [&](const std::string& name, int components) {
+      return open_attribute(document, primitive.targets[i], name, components, count, {});
     };
-    result.targets.push_back(
-        {use.weights[i], displacement("POSITION"), displacement("NORMAL"), displacement("TANGENT")});
+    result.targets.push_back({use.weights[i],
+                              displacement("POSITION", 3),
+                              displacement("NORMAL", 3),
+                              displacement("TANGENT", 3),
+                              {displacement(uv_names[0], 2), displacement(uv_names[1], 2)},
+                              displacement(kColors, 4)});
   }
   return result;
 }
 
-// Corners of the triangles that a primitive draws.
+void require_vertex(const Document& document, std::uint32_t index, std::size_t vertex_count) {
+  if (index >= vertex_count)
+    document.fail("index " + std::to_string(index) + " is out of range: there are " + std::to_string(vertex_count) +
+                  " vertices");
+}
+
+// Corners of the triangles that a primitive draws, from vertices in the order of its mode.
 std::vector<std::uint32_t> triangulate(const Document& document, int mode, const Elements& indices,
                                        std::size_t vertex_count) {
   const std::size_t count = indices.present() ? indices.count : vertex_count;
@@ -90,10 +107,7 @@ std::vector<std::uint32_t> triangulate(const Document& document, int mode, const
   require_memory(document.file, "a primitive", std::uint64_t{triangle_count} * 48, "use a machine with more memory");
   const auto corner = [&](std::size_t i) {
     const std::uint32_t index = indices.present() ? index_at(indices, i) : static_cast<std::uint32_t>(i);
-    if (index >= vertex_count) {
-      document.fail("index " + std::to_string(index) + " is out of range: there are " + std::to_string(vertex_count) +
-                    " vertices");
-    }
+    require_vertex(document, index, vertex_count);
     return index;
   };
   std::vector<std::uint32_t> corners;
@@ -133,33 +147,71 @@ void gather(const Elements& elements, const std::vector<std::uint32_t>& used, st
   for (std::size_t i = 0; i < used.size(); ++i) out[i] = vector_at<N>(elements, used[i], fill);
 }
 
-template <typename Vector>
-void displace(const Elements& elements, double weight, const std::vector<std::uint32_t>& used,
-              std::vector<Vector>& out) {
-  if (!elements.present() || out.empty()) return;
-  for (std::size_t i = 0; i < used.size(); ++i) {
-    const glm::vec3 by = static_cast<float>(weight) * vector_at<3>(elements, used[i]);
-    for (int c = 0; c < 3; ++c) out[i][c] += by[c];
+// Numbers that are not finite become `value`. Returns how many vectors held one.
+template <int N>
+std::size_t mend(std::vector<glm::vec<N, float>>& vectors, float value) {
+  std::size_t count = 0;
+  for (auto& vector : vectors) {
+    bool bad = false;
+    for (int c = 0; c < N; ++c) {
+      if (std::isfinite(vector[c])) continue;
+      vector[c] = value;
+      bad = true;
+    }
+    count += bad;
   }
+  return count;
 }
 
-void gather_vertices(const Attributes& attributes, const std::vector<std::uint32_t>& used, Mesh& part) {
+// Returns how many displacements were left out because they are not finite.
+template <int N>
+std::size_t displace(const Elements& elements, double weight, const std::vector<std::uint32_t>& used,
+                     std::vector<glm::vec<N, float>>& out) {
+  if (!elements.present() || out.empty()) return 0;
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < used.size(); ++i) {
+    const glm::vec<N, float> by = static_cast<float>(weight) * vector_at<N>(elements, used[i]);
+    bool finite = true;
+    for (int c = 0; c < N; ++c) finite = finite && std::isfinite(by[c]);
+    if (finite)
+      out[i] += by;
+    else
+      ++count;
+  }
+  return count;
+}
+
+// What is wrong with positions, normals and tangents is mended later: by the packer, and by repair_normals().
+void gather_vertices(const Attributes& attributes, const std::vector<std::uint32_t>& used, Warnings& warnings,
+                     Mesh& part) {
+  const auto tell = [&](const char* what, std::size_t count) {
+    if (count) warnings.add(what, count);
+  };
   gather(attributes.position, used, part.positions);
   gather(attributes.normal, used, part.normals);
   gather(attributes.tangent, used, part.tangents);
-  for (int set = 0; set < 2; ++set) gather(attributes.uvs[set], used, part.uvs[set]);
-  gather(attributes.color, used, part.colors, 1.0f);
-  for (glm::vec4& color : part.colors) color = glm::clamp(color, 0.0f, 1.0f); // as the specification asks
-  for (const Target& target : attributes.targets) {
-    displace(target.position, target.weight, used, part.positions);
-    displace(target.normal, target.weight, used, part.normals);
-    displace(target.tangent, target.weight, used, part.tangents);
+  for (int set = 0; set < 2; ++set) {
+    gather(attributes.uvs[set], used, part.uvs[set]);
+    tell("texture coordinates that are not finite were set to zero", mend(part.uvs[set], 0.0f));
   }
+  gather(attributes.color, used, part.colors, 1.0f);
+  tell("vertex colours that are not finite were set to one", mend(part.colors, 1.0f));
+  for (const Target& target : attributes.targets) {
+    std::size_t left_out = displace(target.position, target.weight, used, part.positions);
+    left_out += displace(target.normal, target.weight, used, part.normals);
+    left_out += displace(target.tangent, target.weight, used, part.tangents);
+    for (int set = 0; set < 2; ++set) left_out += displace(target.uvs[set], target.weight, used, part.uvs[set]);
+    left_out += displace(target.color, target.weight, used, part.colors);
+    tell("displacements of morph targets that are not finite were left out", left_out);
+  }
+  for (glm::vec4& color : part.colors) color = glm::clamp(color, 0.0f, 1.0f); // as the specification asks
 }
 
-void apply_skin(const Document& document, const Skin& skin, const std::vector<std::uint32_t>& used, Mesh& part) {
+void apply_skin(const Document& document, const Skin& skin, const std::vector<std::uint32_t>& used, Warnings& warnings,
+                Mesh& part) {
+  std::size_t not_finite = 0;
   for (std::size_t i = 0; i < used.size(); ++i) {
-    const glm::dmat4 matrix = blend(document, skin, used[i]);
+    const glm::dmat4 matrix = blend(document, skin, used[i], not_finite);
     part.positions[i] = glm::vec3(matrix * glm::dvec4(part.positions[i], 1.0));
     const glm::dmat3 linear(matrix);
     if (!part.normals.empty()) {
@@ -175,6 +227,7 @@ void apply_skin(const Document& document, const Skin& skin, const std::vector<st
       part.tangents[i] = glm::vec4(glm::vec3(tangent / std::max(glm::length(tangent), 1e-300)), part.tangents[i].w);
     }
   }
+  if (not_finite) warnings.add("weights of joints that are not finite were set to zero", not_finite);
 }
 
 // The triangles of one primitive as a mesh of their own; empty for points and lines.
@@ -193,29 +246,34 @@ Mesh read_primitive(Document& document, Scene& scene, MaterialMap& map, const ti
     scene.warnings.add("primitive without positions left out");
     return part;
   }
-  const Decoded decoded = decode_draco(document, primitive);
-  const std::size_t vertex_count = document.model.accessors[static_cast<std::size_t>(position->second)].count;
+  std::optional<DracoMesh> compressed = decode_draco(document, scene.warnings, primitive);
+  const Decoded decoded = compressed ? std::move(compressed->attributes) : Decoded{};
   const auto indices = primitive.attributes.find(kIndices);
   Elements opened_indices;
-  if (indices != primitive.attributes.end()) opened_indices = open_indices(document, indices->second, decoded);
-  const std::uint32_t material_index = use_material(document, scene, map, primitive.material);
+  if (indices != primitive.attributes.end() && !compressed) opened_indices = open_indices(document, indices->second);
+  const std::uint32_t material_index = use_material(document, scene, map, primitive, decoded);
   const Material& material = scene.materials[material_index];
-  Attributes attributes = open_attributes(document, scene, primitive, use, material, decoded);
-  attributes.skin = open_skin(document, primitive, use.skin, world, decoded);
+  Attributes attributes =
+      open_attributes(document, scene, primitive, use, material, map.uv_sets[material_index], decoded);
+  const std::size_t vertex_count = attributes.position.count;
+  attributes.skin = open_skin(document, scene.warnings, primitive, use.skin, world, vertex_count, decoded);
 
-  part.indices = triangulate(document, primitive.mode, opened_indices, vertex_count);
+  part.indices =
+      compressed ? std::move(compressed->corners) : triangulate(document, primitive.mode, opened_indices, vertex_count);
   if (part.indices.empty()) return part;
+  if (compressed)
+    for (const std::uint32_t index : part.indices) require_vertex(document, index, vertex_count);
   const auto used = keep_used(part.indices, vertex_count);
-  gather_vertices(attributes, used, part);
-  if (attributes.skin.present()) apply_skin(document, attributes.skin, used, part);
+  gather_vertices(attributes, used, scene.warnings, part);
+  if (attributes.skin.present()) apply_skin(document, attributes.skin, used, scene.warnings, part);
   const bool has_normals = !part.normals.empty();
   if (has_normals) {
     if (const auto count = repair_normals(part))
-      scene.warnings.add("vertex normal of no length replaced by that of its faces", count);
+      scene.warnings.add("vertex normal without a direction replaced by that of its faces", count);
   }
   if (needs_tangents(material)) {
     const std::size_t count = part.tangents.empty() ? 0 : repair_tangents(part);
-    if (count) scene.warnings.add("vertex tangent of no length replaced by an arbitrary one", count);
+    if (count) scene.warnings.add("vertex tangent without a direction replaced by an arbitrary one", count);
     if (part.tangents.empty()) generate_tangents(part, part.uvs[tangent_uv_set(material)]);
   }
   part.primitives = {{0, static_cast<std::uint32_t>(part.indices.size()), material_index, has_normals}};

@@ -1,12 +1,16 @@
 // Linear blend skinning (glTF 2.0 specification, 3.7.3).
 #include "host/scene/gltf/skin.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include <glm/gtc/type_ptr.hpp>
 
 namespace wavepath::gltf {
 namespace {
 
-std::vector<glm::dmat4> joint_matrices(Document& document, int index, const std::vector<glm::dmat4>& world) {
+std::vector<glm::dmat4> joint_matrices(Document& document, Warnings& warnings, int index,
+                                       const std::vector<glm::dmat4>& world) {
   const tinygltf::Skin& skin = document.model.skins[static_cast<std::size_t>(index)];
   const std::string what = "skin " + std::to_string(index);
   if (skin.joints.empty()) document.fail(what + " has no joints");
@@ -21,7 +25,11 @@ std::vector<glm::dmat4> joint_matrices(Document& document, int index, const std:
   }
   std::vector<glm::dmat4> joints;
   for (std::size_t i = 0; i < skin.joints.size(); ++i) {
-    const glm::dmat4 inverse = inverse_bind.empty() ? glm::dmat4(1.0) : glm::make_mat4(&inverse_bind[i * 16]);
+    glm::dmat4 inverse = inverse_bind.empty() ? glm::dmat4(1.0) : glm::make_mat4(&inverse_bind[i * 16]);
+    if (!std::all_of(&inverse[0][0], &inverse[0][0] + 16, [](double x) { return std::isfinite(x); })) {
+      warnings.add("inverse bind matrix that is not finite taken as one that changes nothing");
+      inverse = glm::dmat4(1.0);
+    }
     joints.push_back(world[static_cast<std::size_t>(skin.joints[i])] * inverse);
   }
   return joints;
@@ -29,13 +37,11 @@ std::vector<glm::dmat4> joint_matrices(Document& document, int index, const std:
 
 } // namespace
 
-Skin open_skin(Document& document, const tinygltf::Primitive& primitive, int index,
-               const std::vector<glm::dmat4>& world, const Decoded& decoded) {
+Skin open_skin(Document& document, Warnings& warnings, const tinygltf::Primitive& primitive, int index,
+               const std::vector<glm::dmat4>& world, std::size_t vertex_count, const Decoded& decoded) {
   Skin skin;
   if (index < 0) return skin;
-  skin.joints = joint_matrices(document, index, world);
-  const std::size_t vertex_count =
-      document.model.accessors[static_cast<std::size_t>(primitive.attributes.at("POSITION"))].count;
+  skin.joints = joint_matrices(document, warnings, index, world);
   for (int set = 0;; ++set) {
     const auto joints = primitive.attributes.find("JOINTS_" + std::to_string(set));
     const auto weights = primitive.attributes.find("WEIGHTS_" + std::to_string(set));
@@ -52,13 +58,14 @@ Skin open_skin(Document& document, const tinygltf::Primitive& primitive, int ind
   return skin;
 }
 
-glm::dmat4 blend(const Document& document, const Skin& skin, std::size_t vertex) {
+glm::dmat4 blend(const Document& document, const Skin& skin, std::size_t vertex, std::size_t& not_finite) {
   glm::dmat4 sum(0.0);
   double total = 0.0;
   for (std::size_t set = 0; set < skin.indices.size(); ++set) {
     for (int i = 0; i < 4; ++i) {
       const double weight = component(skin.weights[set], vertex, i);
-      if (!(weight > 0.0)) continue;
+      if (!std::isfinite(weight)) ++not_finite;
+      if (!(weight > 0.0) || std::isinf(weight)) continue;
       const double joint = component(skin.indices[set], vertex, i);
       if (!(joint >= 0.0 && joint < static_cast<double>(skin.joints.size()))) {
         document.fail("vertex " + std::to_string(vertex) +

@@ -62,11 +62,16 @@ glm::vec2 pair(const json& transform, const char* name, glm::vec2 otherwise) {
   return found == transform.end() ? otherwise : glm::vec2((*found)[0].get<double>(), (*found)[1].get<double>());
 }
 
-void apply_transform(TextureSlot& slot, const json& transform) {
+void apply_transform(TextureSlot& slot, Warnings& warnings, const json& transform) {
   const glm::vec2 scale = pair(transform, "scale", glm::vec2(1.0f));
   const double angle = transform.value("rotation", 0.0);
   const auto c = static_cast<float>(std::cos(angle)), s = static_cast<float>(std::sin(angle));
-  slot.uv_offset = pair(transform, "offset", glm::vec2(0.0f));
+  const glm::vec2 offset = pair(transform, "offset", glm::vec2(0.0f));
+  if (!std::isfinite(scale.x + scale.y) || !std::isfinite(offset.x + offset.y)) {
+    warnings.add("texture transform of numbers too large for floats ignored");
+    return;
+  }
+  slot.uv_offset = offset;
   // Counter-clockwise as seen, and v points down: u' = cu + sv, v' = cv - su.
   slot.uv_matrix = glm::mat2(c, -s, s, c) * glm::mat2(scale.x, 0.0f, 0.0f, scale.y);
 }
@@ -78,10 +83,6 @@ TextureSlot read_texture(const Document& document, ImageMap& images, Warnings& w
   const json* transform = find_property(info, "extensions.KHR_texture_transform");
   slot.uv_set = info.value("texCoord", 0u);
   if (transform) slot.uv_set = transform->value("texCoord", slot.uv_set);
-  if (slot.uv_set > 1) {
-    warnings.add("texture that uses TEXCOORD_2 or above left out");
-    return {};
-  }
   slot.srgb = srgb;
   const int texture = info["index"];
   slot.image = use_image(document, images, image_of_texture(document, texture));
@@ -92,7 +93,7 @@ TextureSlot read_texture(const Document& document, ImageMap& images, Warnings& w
     slot.wrap_v = to_wrap(document, source.wrapT);
     slot.nearest = source.magFilter == TINYGLTF_TEXTURE_FILTER_NEAREST;
   }
-  if (transform) apply_transform(slot, *transform);
+  if (transform) apply_transform(slot, warnings, *transform);
   return slot;
 }
 

@@ -19,7 +19,7 @@ struct ImageMap {
   std::vector<std::size_t> sources;              // glTF image of each of Scene::images
 };
 
-// The slot that a textureInfo object of a material describes. Throws Error.
+// The slot that a textureInfo object of a material describes; its set is that of the file. Throws Error.
 TextureSlot read_texture(const Document& document, ImageMap& images, Warnings& warnings, const nlohmann::json& info,
                          bool srgb);
 
