@@ -11,6 +11,7 @@
 
 #include "host/base/error.h"
 #include "host/base/memory.h"
+#include "host/scene/bounds.h"
 #include "host/scene/gltf/accessor.h"
 #include "host/scene/gltf/extensions.h"
 #include "host/scene/gltf/flat.h"
@@ -149,8 +150,15 @@ void place_camera(Import& import, std::size_t node_index) {
     camera.yfov = source.perspective.yfov;
     camera.aspect = source.perspective.aspectRatio;
   }
-  const bool sound = camera.orthographic ? camera.xmag > 0.0 && camera.ymag > 0.0
-                                         : camera.yfov > 0.0 && camera.yfov < 3.141592653589793 && camera.aspect >= 0.0;
+  if (!finite_point(glm::dvec3(camera.world_from_camera[3]))) {
+    import.scene.warnings.add("camera farther away than coordinates reach left out");
+    return;
+  }
+  const double widest = std::max({camera.xmag, camera.ymag, camera.aspect});
+  const bool sound =
+      (camera.orthographic ? camera.xmag > 0.0 && camera.ymag > 0.0
+                           : camera.yfov > 0.0 && camera.yfov < 3.141592653589793 && camera.aspect >= 0.0) &&
+      widest < kLargestCoordinate;
   if (!sound) {
     import.document.fail("camera " + std::to_string(node.camera) +
                          " has a field of view, aspect ratio or size that no camera can have");

@@ -16,6 +16,11 @@ bool moves(const Mesh& mesh, const glm::dmat4& place, const Mesh& end, const glm
   return place != end_place || mesh.positions != end.positions || mesh.normals != end.normals;
 }
 
+// Kernels interpolate positions, normals and tangents alone.
+bool is_repainted(const Mesh& mesh, const Mesh& end) {
+  return mesh.uvs[0] != end.uvs[0] || mesh.uvs[1] != end.uvs[1] || mesh.colors != end.colors;
+}
+
 // `object_from_end`: from the object at the end to the object at the beginning, which is the space of the mesh.
 void set_motion(Mesh& mesh, const Mesh& end, const glm::dmat4& object_from_end) {
   const glm::dmat3 linear(object_from_end), normal_matrix = glm::transpose(glm::inverse(linear));
@@ -39,6 +44,8 @@ void add_motion(Scene& scene, const Scene& end) {
     const glm::dmat4& end_place = end.instances[i].world_from_object;
     const Mesh& end_mesh = end.meshes[end.instances[i].mesh];
     if (scene.meshes[instance.mesh].positions.size() != end_mesh.positions.size()) refuse(scene);
+    if (is_repainted(scene.meshes[instance.mesh], end_mesh))
+      scene.warnings.add("texture coordinates or colours that change while the shutter is open stay as it opens");
     if (!moves(scene.meshes[instance.mesh], instance.world_from_object, end_mesh, end_place)) continue;
     if (--uses[instance.mesh] > 0) {
       Mesh copy = scene.meshes[instance.mesh];

@@ -59,8 +59,9 @@ std::size_t repair_tangents(Mesh& mesh) {
     // Below this the remainder is rounding of a tangent that lies along the normal.
     const bool bad = !(glm::length(across) > 1e-6 * glm::length(given)) || !std::isfinite(glm::length(across));
     const glm::vec3 tangent = bad ? any_tangent(mesh.normals[i]) : direction(given);
-    mesh.tangents[i] = glm::vec4(tangent, mesh.tangents[i].w < 0.0f ? -1.0f : 1.0f);
-    count += bad;
+    const float w = mesh.tangents[i].w;
+    mesh.tangents[i] = glm::vec4(tangent, w < 0.0f ? -1.0f : 1.0f);
+    count += bad || !std::isfinite(w);
   }
   return count;
 }

@@ -13,6 +13,8 @@ namespace {
 
 using Values = std::vector<double>;
 
+constexpr const char* kMovesNothing = "animation channel that moves nothing known ignored";
+
 struct Track {
   Values times,
       values; // values: width for each key; three times that for cubic splines: in-tangent, value, out-tangent
@@ -113,7 +115,10 @@ void pose(Document& document, Warnings& warnings, const std::string& request, do
     const auto& channel = animation.channels[i];
     const std::string what = "channel " + std::to_string(i) + " of animation " + std::to_string(chosen);
     if (static_cast<std::size_t>(channel.sampler) >= animation.samplers.size()) document.fail(what + " has no sampler");
-    if (channel.target_node < 0) continue;
+    if (channel.target_node < 0) { // an extension may say what else it moves
+      warnings.add(kMovesNothing);
+      continue;
+    }
     tinygltf::Node& node = document.model.nodes[static_cast<std::size_t>(channel.target_node)];
     const std::string& path = channel.target_path;
     Values* target = path == "translation" ? &node.translation
@@ -123,7 +128,7 @@ void pose(Document& document, Warnings& warnings, const std::string& request, do
                                            : nullptr;
     const std::size_t width = path == "rotation" ? 4 : path == "weights" ? target_count(document, node) : 3;
     if (!target || width == 0) {
-      warnings.add("animation channel that moves nothing known ignored");
+      warnings.add(kMovesNothing);
       continue;
     }
     if (target != &node.weights && !node.matrix.empty()) document.fail(what + " moves a node that has a matrix");
