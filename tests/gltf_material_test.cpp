@@ -307,6 +307,152 @@ TEST(GltfTexture, Transform) {
   EXPECT_NEAR(v.y, 0, 1e-6);
 }
 
+// --- sets of texture coordinates ---
+
+// A quad whose TEXCOORD_n are functions of the place, and a material whose textures read the sets that `used` says:
+// base colour, metallic-roughness, normal, emission.
+using UvSet = glm::vec2 (*)(float x, float y);
+GltfBuilder with_sets(const std::vector<UvSet>& sets, const std::vector<int>& used) {
+  GltfBuilder b = with_texture(json::object());
+  b.root["meshes"][0]["primitives"][0]["attributes"] = {
+      {"POSITION", b.floats("VEC3", {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 0, 0, 1, 1, 0, 0.25, 1, 0})},
+      {"NORMAL", b.floats("VEC3", {0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1})}};
+  for (std::size_t set = 0; set < sets.size(); ++set) {
+    if (!sets[set]) continue;
+    std::vector<float> uvs;
+    for (const glm::vec2 p : {glm::vec2(0, 0), {1, 0}, {1, 1}, {0, 0}, {1, 1}, {0.25, 1}})
+      uvs.insert(uvs.end(), {sets[set](p.x, p.y).x, sets[set](p.x, p.y).y});
+    b.primitive()["attributes"]["TEXCOORD_" + std::to_string(set)] = b.floats("VEC2", uvs);
+  }
+  json& material = b.root["materials"][0];
+  material["name"] = "paint";
+  material["emissiveFactor"] = {1, 1, 1};
+  const char* names[] = {"/pbrMetallicRoughness/baseColorTexture", "/pbrMetallicRoughness/metallicRoughnessTexture",
+                         "/normalTexture", "/emissiveTexture"};
+  for (std::size_t i = 0; i < used.size(); ++i)
+    if (used[i] >= 0) material[json::json_pointer(names[i])] = {{"index", 0}, {"texCoord", used[i]}};
+  return b;
+}
+
+const TextureSlot& slot_of(const Scene& scene, std::size_t texture, std::uint32_t material = 0) {
+  const Material& m = scene.materials.at(material);
+  return *std::array{&m.base_color_texture, &m.metallic_roughness_texture, &m.normal_texture,
+                     &m.emission_texture}[texture];
+}
+
+// How far a texture is read from where the set of the file says, at most.
+float set_error(const Scene& scene, std::size_t texture, UvSet wanted, const Mesh& mesh, std::uint32_t material = 0) {
+  const TextureSlot& slot = slot_of(scene, texture, material);
+  EXPECT_TRUE(slot.present() && slot.uv_set < 2);
+  float error = 0.0f;
+  for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
+    const glm::vec2 read = slot.uv_matrix * mesh.uvs[slot.uv_set].at(i) + slot.uv_offset;
+    error = std::max(error, glm::length(read - wanted(mesh.positions[i].x, mesh.positions[i].y)));
+  }
+  return error;
+}
+
+constexpr UvSet kPlain = [](float x, float y) { return glm::vec2(x, y); };
+constexpr UvSet kBent = [](float x, float y) { return glm::vec2(x * y, y); };
+constexpr UvSet kCurved = [](float x, float y) { return glm::vec2(x, x * x * y); };
+constexpr UvSet kHalf = [](float x, float y) { return glm::vec2(0.5f * x + 0.25f, 0.5f * y); };
+constexpr UvSet kTurned = [](float x, float y) { return glm::vec2(3.0f * y - 1.0f, 0.5f - 2.0f * x); };
+constexpr UvSet kBentHalf = [](float x, float y) { return glm::vec2(0.5f * x * y + 0.125f, 0.5f * y); };
+
+TEST(GltfUvSets, AnyTwoSetsAreRead) {
+  const std::vector<UvSet> sets = {kPlain, kHalf, kBent, kCurved, nullptr, kTurned};
+  for (const auto& [first, second] :
+       {std::pair{0, 1}, {1, 0}, {0, 2}, {2, 0}, {1, 2}, {2, 3}, {5, 3}, {5, 0}, {2, 2}, {5, 5}}) {
+    const Scene scene = load(with_sets(sets, {first, second, first, second}));
+    SCOPED_TRACE(testing::Message() << first << " " << second);
+    EXPECT_TRUE(scene.warnings.empty());
+    for (const std::size_t texture : {0u, 1u, 2u, 3u}) {
+      const UvSet wanted = sets[static_cast<std::size_t>(texture % 2 ? second : first)];
+      EXPECT_EQ(set_error(scene, texture, wanted, scene.meshes.at(0)), 0.0f) << texture;
+      EXPECT_FALSE(slot_of(scene, texture).transformed());
+    }
+  }
+  const Scene plain = load(with_sets(sets, {0, 1}));
+  EXPECT_EQ(slot_of(plain, 1).uv_set, 1u) << "TEXCOORD_0 and _1 stay what they are";
+}
+
+TEST(GltfUvSets, TangentsAreThoseOfTheNormalTexture) {
+  for (const int other : {0, 1, 2}) {
+    const Scene scene = load(with_sets({kPlain, kHalf, kBent, kTurned}, {other, -1, 3}));
+    // u grows along y alone, v against x: turned, but mirrored no more than the plain set, whose v runs along +y.
+    for (const glm::vec4& tangent : scene.meshes.at(0).tangents) {
+      EXPECT_NEAR(tangent.y, 1.0f, 1e-6f);
+      EXPECT_EQ(tangent.w, -1.0f);
+    }
+  }
+}
+
+TEST(GltfUvSets, SetsThatFollowFromOthersAreTransforms) {
+  const std::vector<UvSet> sets = {kPlain, kHalf, kBent, kPlain, kTurned, kBentHalf};
+  for (const std::vector<int>& used : {std::vector<int>{0, 1, -1, 2},
+                                       {2, 3, 0, 1},
+                                       {0, 2, 3, 5},
+                                       {5, 4, 3, 2},
+                                       {1, 2, 4, 5},
+                                       {0, 1, 3, 4},
+                                       {4, 5, 0, 1},
+                                       {2, 0, 5, 4},
+                                       {3, 5, 1, 0},
+                                       {0, 2, 1, 4}}) {
+    const Scene scene = load(with_sets(sets, used));
+    SCOPED_TRACE(testing::Message() << used[0] << used[1] << used[2] << used[3]);
+    EXPECT_TRUE(scene.warnings.empty()) << scene.warnings.counts().begin()->first;
+    for (std::size_t texture = 0; texture < 4; ++texture) {
+      if (used[texture] < 0) continue;
+      EXPECT_LT(set_error(scene, texture, sets[static_cast<std::size_t>(used[texture])], scene.meshes.at(0)), 1e-6f)
+          << texture;
+    }
+    EXPECT_FALSE(slot_of(scene, 2).transformed()) << "tangents are those of the set itself";
+  }
+}
+
+// A transform of the texture comes after that of the set.
+TEST(GltfUvSets, TransformsAreJoined) {
+  GltfBuilder b = with_sets({kPlain, kHalf, kBent}, {0, 2, -1, 1});
+  b.root["materials"][0]["emissiveTexture"]["extensions"]["KHR_texture_transform"] = {{"scale", {4, 2}},
+                                                                                      {"offset", {0.5, 0}}};
+  const Scene scene = load(b);
+  const UvSet wanted = [](float x, float y) {
+    return 4.0f * glm::vec2(0.5f * x + 0.25f, 0.25f * y) + glm::vec2(0.5f, 0.0f);
+  };
+  EXPECT_LT(set_error(scene, 3, wanted, scene.meshes.at(0)), 1e-6f);
+}
+
+TEST(GltfUvSets, AThirdSetOfItsOwnIsToldByName) {
+  const Scene scene = load(with_sets({kPlain, kCurved, kBent}, {0, 1, -1, 2}));
+  EXPECT_EQ(set_error(scene, 0, kPlain, scene.meshes.at(0)), 0.0f);
+  EXPECT_EQ(set_error(scene, 1, kCurved, scene.meshes.at(0)), 0.0f);
+  EXPECT_FALSE(slot_of(scene, 3).present());
+  EXPECT_EQ(warning_count(scene, "emissiveTexture of material 'paint' left out: with TEXCOORD_2"), 1u);
+  const Scene absent = load(with_sets({kPlain, kCurved, nullptr}, {0, 1, -1, 2}));
+  EXPECT_EQ(set_error(
+                absent, 3, [](float, float) { return glm::vec2(0.0f); }, absent.meshes.at(0)),
+            0.0f);
+  EXPECT_EQ(warning_count(absent, "lacks the texture coordinates"), 1u);
+}
+
+// Primitives may give one material different sets.
+TEST(GltfUvSets, PrimitivesFitTheirOwn) {
+  GltfBuilder b = with_sets({kPlain, kHalf, kBent, kTurned}, {0, 2, -1, 1});
+  json second = b.primitive(); // whose TEXCOORD_1 is another map
+  second["attributes"]["TEXCOORD_1"] = second["attributes"]["TEXCOORD_3"];
+  b.root["meshes"][0]["primitives"].push_back(second);
+  b.root["meshes"][0]["primitives"].push_back(b.primitive());
+  const Scene scene = load(b);
+  ASSERT_EQ(scene.materials.size(), 2u);
+  ASSERT_EQ(scene.meshes.size(), 1u);
+  const auto& primitives = scene.meshes[0].primitives;
+  ASSERT_EQ(primitives.size(), 3u);
+  EXPECT_EQ(primitives[0].material, primitives[2].material);
+  EXPECT_LT(set_error(scene, 3, kHalf, scene.meshes[0], primitives[0].material), 1e-6f);
+  EXPECT_LT(set_error(scene, 3, kTurned, scene.meshes[0], primitives[1].material), 1e-6f);
+}
+
 TEST(GltfTexture, SpecularAndTransmissionTextures) {
   const json texture = {{"index", 0}, {"texCoord", 1}};
   const Scene scene = load(with_texture(

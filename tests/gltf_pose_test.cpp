@@ -8,6 +8,7 @@
 namespace wavepath {
 namespace {
 
+using nlohmann::json;
 using test::expect_near;
 using test::GltfBuilder;
 using test::load;
@@ -29,6 +30,80 @@ TEST(GltfPose, MorphTargetsAtMeshAndNodeWeights) {
   EXPECT_EQ(scene.meshes[1].positions[0], glm::vec3(0, 0, 2));
   EXPECT_EQ(scene.meshes[1].positions[1], glm::vec3(1, 0, 0));
   EXPECT_EQ(scene.meshes[1].normals[0], glm::vec3(1, 0, 0));
+}
+
+// What a target moves besides the surface, of every type that the specification allows.
+TEST(GltfPose, MorphTargetsMoveTextureCoordinatesAndColors) {
+  GltfBuilder b = GltfBuilder::triangle();
+  json& primitive = b.primitive();
+  primitive["attributes"]["TEXCOORD_0"] = b.floats("VEC2", {0, 0, 1, 0, 0, 1});
+  primitive["attributes"]["TEXCOORD_1"] = b.floats("VEC2", {0, 0, 2, 0, 0, 2});
+  primitive["attributes"]["COLOR_0"] = b.floats("VEC4", {0.5, 0.5, 0.5, 1, 0.5, 0.5, 0.5, 1, 0.25, 0, 1, 0.5});
+  primitive["targets"] = {
+      {{"TEXCOORD_0", b.floats("VEC2", {0, 0, 1, 2, 0, 0})},
+       {"COLOR_0", b.floats("VEC4", {0.5, -0.25, 4, 0, -9, 0, 0, -0.5, 0, 0, 0, 0})}},
+      {{"TEXCOORD_1", b.accessor<std::int8_t>("VEC2", test::kByte, {0, 0, 0, 0, 127, -127}, true)},
+       {"COLOR_0", b.floats("VEC3", {0, 0, 0, 0, 0, 0, 0.5, 0.5, -1})}},
+      {{"COLOR_0", b.accessor<std::int16_t>("VEC4", test::kShort, {0, 0, 0, 0, 0, 32767, 0, 0, 0, 0, 0, 0}, true)}},
+      {{"TEXCOORD_0", b.floats("VEC2", {9, 9, 9, 9, 9, 9})}}}; // weighs nothing
+  b.root["meshes"][0]["weights"] = {0.5, 1, -0.25, 0};
+  b.add("images", {{"bufferView", b.view(std::string(test::kPng, sizeof(test::kPng) - 1))}});
+  b.add("textures", {{"source", 0}});
+  primitive["material"] =
+      b.add("materials",
+            {{"pbrMetallicRoughness",
+              {{"baseColorTexture", {{"index", 0}}}, {"metallicRoughnessTexture", {{"index", 0}, {"texCoord", 1}}}}}});
+  const Mesh mesh = load(b).meshes.at(0);
+  EXPECT_EQ(mesh.uvs[0], (std::vector<glm::vec2>{{0, 0}, {1.5, 1}, {0, 1}}));
+  EXPECT_EQ(mesh.uvs[1], (std::vector<glm::vec2>{{0, 0}, {2, 0}, {1, 1}}));
+  // Clamped when all targets are in.
+  EXPECT_EQ(mesh.colors, (std::vector<glm::vec4>{{0.75, 0.375, 1, 1}, {0, 0.25, 0.5, 0.75}, {0.75, 0.5, 0, 0.5}}));
+}
+
+// The tangents of a normal map follow the morphed coordinates.
+TEST(GltfPose, MorphedTextureCoordinatesTurnTangents) {
+  GltfBuilder b = GltfBuilder::triangle();
+  json& primitive = b.primitive();
+  primitive["attributes"]["NORMAL"] = b.floats("VEC3", {0, 0, 1, 0, 0, 1, 0, 0, 1});
+  primitive["attributes"]["TEXCOORD_0"] = b.floats("VEC2", {0, 0, 1, 0, 0, 1});
+  primitive["targets"] = {{{"TEXCOORD_0", b.floats("VEC2", {0, 0, -1, 1, 1, -1})}}}; // u and v change places
+  b.root["meshes"][0]["weights"] = {1};
+  b.add("images", {{"bufferView", b.view(std::string(test::kPng, sizeof(test::kPng) - 1))}});
+  b.add("textures", {{"source", 0}});
+  primitive["material"] = b.add("materials", {{"normalTexture", {{"index", 0}}}});
+  expect_near(glm::vec3(load(b).meshes.at(0).tangents.at(0)), {0, 1, 0});
+}
+
+TEST(GltfPose, ShutterTellsOfWhatItDoesNotMove) {
+  GltfBuilder b = GltfBuilder::triangle();
+  b.primitive()["attributes"]["COLOR_0"] = b.floats("VEC3", std::vector<float>(9, 0.0f));
+  b.primitive()["targets"] = {{{"COLOR_0", b.floats("VEC3", std::vector<float>(9, 1.0f))}}};
+  const int times = b.floats("SCALAR", {0, 1}), weights = b.floats("SCALAR", {0, 1});
+  b.add("animations", {{"samplers", {{{"input", times}, {"output", weights}}}},
+                       {"channels", {{{"sampler", 0}, {"target", {{"node", 0}, {"path", "weights"}}}}}}});
+  LoadOptions options{"", "0", 0.0};
+  options.shutter = {0.25, 0.75};
+  const Scene scene = load(b, options);
+  EXPECT_EQ(scene.meshes.at(0).colors[0], glm::vec4(0.25, 0.25, 0.25, 1));
+  EXPECT_EQ(test::warning_count(scene, "stay as it opens"), 1u);
+}
+
+// KHR_animation_pointer moves what has no node, and other paths may come.
+TEST(GltfPose, ChannelsThatMoveNothingKnownAreTold) {
+  GltfBuilder b = GltfBuilder::triangle();
+  const int times = b.floats("SCALAR", {0, 1}), values = b.floats("VEC3", {0, 0, 0, 1, 0, 0});
+  b.add(
+      "animations",
+      {{"samplers", {{{"input", times}, {"output", values}}}},
+       {"channels",
+        {{{"sampler", 0},
+          {"target",
+           {{"path", "pointer"}, {"extensions", {{"KHR_animation_pointer", {{"pointer", "/nodes/0/translation"}}}}}}}},
+         {{"sampler", 0}, {"target", {{"path", "shape"}, {"node", 0}}}}}}});
+  EXPECT_EQ(test::warning_count(load(b, {"", "0", 1.0}), "channel that moves nothing known"), 2u);
+  EXPECT_TRUE(load(b).warnings.empty());
+  b.root["extensionsUsed"] = {"KHR_animation_pointer"};
+  EXPECT_EQ(test::warning_count(load(b), "not supported, ignored: KHR_animation_pointer"), 1u);
 }
 
 GltfBuilder skinned() {

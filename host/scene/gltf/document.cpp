@@ -1,6 +1,7 @@
 // Opens glTF documents: splits the container, checks the JSON and has tinygltf parse it.
 #include "host/scene/gltf/document.h"
 
+#include <algorithm>
 #include <charconv>
 #include <compare>
 
@@ -78,6 +79,11 @@ void take_sources(Document& document, json& root) {
   }
   document.materials = std::make_shared<const json>(root.value("materials", json::array()));
   for (const char* list : {"buffers", "images", "materials"}) root.erase(list);
+  for (const json& animation : root.value("animations", json::array())) {
+    const json& channels = animation["channels"];
+    document.nodeless_channels.push_back(static_cast<std::size_t>(
+        std::ranges::count_if(channels, [](const json& channel) { return !channel["target"].contains("node"); })));
+  }
   if (!root.contains("meshes")) return;
   for (json& mesh : root["meshes"]) {
     for (json& primitive : mesh["primitives"]) {

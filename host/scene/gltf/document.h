@@ -33,6 +33,8 @@ struct Document {
   tinygltf::Model model; // without buffers, images and materials; every index in it is in range
   std::shared_ptr<const nlohmann::json> materials;
   std::vector<Source> buffers, images;
+  std::vector<std::size_t>
+      nodeless_channels;            // by animation: how many of its channels name no node; they are not in `model`
   std::vector<std::uint8_t> binary; // of a .glb: the contents of buffer 0
 
   // Contents by buffer and by compressed view, empty until asked for.

@@ -111,14 +111,12 @@ void pose(Document& document, Warnings& warnings, const std::string& request, do
   for (const auto& animation : document.model.animations) names.push_back(animation.name);
   const std::size_t chosen = choose(document, "animation", names, request);
   const tinygltf::Animation& animation = document.model.animations[chosen];
+  // Extensions may say what else these move.
+  if (const std::size_t count = document.nodeless_channels[chosen]) warnings.add(kMovesNothing, count);
   for (std::size_t i = 0; i < animation.channels.size(); ++i) {
     const auto& channel = animation.channels[i];
     const std::string what = "channel " + std::to_string(i) + " of animation " + std::to_string(chosen);
     if (static_cast<std::size_t>(channel.sampler) >= animation.samplers.size()) document.fail(what + " has no sampler");
-    if (channel.target_node < 0) { // an extension may say what else it moves
-      warnings.add(kMovesNothing);
-      continue;
-    }
     tinygltf::Node& node = document.model.nodes[static_cast<std::size_t>(channel.target_node)];
     const std::string& path = channel.target_path;
     Values* target = path == "translation" ? &node.translation
