@@ -1,5 +1,6 @@
 // KHR_draco_mesh_compression and EXT_meshopt_compression, on data that the libraries' own encoders make here.
 #include <cmath>
+#include <random>
 
 #include <draco/compression/encode.h>
 #include <gtest/gtest.h>
@@ -182,6 +183,28 @@ TEST(GltfDraco, NumbersThatAreNotFiniteAreMended) {
   const Scene scene = load(compressed(draco::MESH_SEQUENTIAL_ENCODING, {colors, kDracoPositions}));
   EXPECT_EQ(warning_count(scene, "colours that are not finite"), 1u);
   expect_square(scene); // mended to one, which it was
+}
+
+// Whatever happens to the data: they are read, or refused by an Error.
+TEST(GltfDraco, DamagedDataAreReadOrRefused) {
+  std::mt19937 random(1);
+  int accepted = 0, refused = 0;
+  for (const auto method : {draco::MESH_SEQUENTIAL_ENCODING, draco::MESH_EDGEBREAKER_ENCODING}) {
+    const GltfBuilder sound = compressed(method);
+    for (int trial = 0; trial < 150; ++trial) {
+      GltfBuilder b = sound;
+      for (std::size_t edits = 1 + random() % 2; edits > 0; --edits)
+        b.bytes[11 + random() % (b.bytes.size() - 11)] = static_cast<char>(random()); // behind the header
+      try {
+        load(b);
+        ++accepted;
+      } catch (const Error&) {
+        ++refused;
+      }
+    }
+  }
+  EXPECT_GT(accepted, 50);
+  EXPECT_GT(refused, 50);
 }
 
 // --- meshopt ---
