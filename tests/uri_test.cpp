@@ -1,5 +1,8 @@
 // What URIs in glTF files mean: data of every spelling that RFC 2397 allows, and files by the path segments of RFC
 // 3986.
+#include <cstdio>
+#include <random>
+
 #include <gtest/gtest.h>
 
 #include "host/base/error.h"
@@ -49,6 +52,22 @@ TEST(Uri, DataOfEverySpelling) {
   EXPECT_EQ(bytes_of("data:,100%"), "100%"); // no escape follows
   for (const char* name : {"dat:a", "data", "data.bin", "datax:,a", "database:,a", "x/data:,a", ""})
     EXPECT_FALSE(gltf::is_data_uri(name)) << name;
+}
+
+TEST(Uri, DataOfEveryLengthBrokenAnywhere) {
+  std::mt19937 random(1);
+  for (std::size_t length = 0; length < 40; ++length) {
+    std::string bytes;
+    for (std::size_t i = 0; i < length; ++i) bytes.push_back(static_cast<char>(random()));
+    const std::string whole = GltfBuilder::base64(bytes);
+    for (std::size_t at = 0; at <= whole.size(); ++at) {
+      EXPECT_EQ(bytes_of("data:;base64," + std::string(whole).insert(at, "\r\n")), bytes) << length << " " << at;
+      if (at == whole.size()) continue;
+      char escaped[4];
+      std::snprintf(escaped, sizeof(escaped), "%%%02X", whole[at]);
+      EXPECT_EQ(bytes_of("data:;base64," + std::string(whole).replace(at, 1, escaped)), bytes) << length << " " << at;
+    }
+  }
 }
 
 TEST(Uri, DataThatAreWrongSaySo) {

@@ -82,12 +82,22 @@ std::string describe_wrong_digit(int c) {
 // Escapes may stand for any character, and blanks anywhere. Padding may be missing.
 UriData base64_decoded(std::string_view text) {
   UriData data;
-  data.bytes.reserve(text.size() / 4 * 3 + 2);
+  data.bytes.resize(text.size() / 4 * 3 + 3);
+  std::uint8_t* out = data.bytes.data();
   std::uint32_t bits = 0;
-  int bit_count = 0;
   std::size_t digits = 0;
   bool padded = false;
+  const auto digit_at = [&](std::size_t i) { return int{kBase64[static_cast<std::uint8_t>(text[i])]}; };
   for (std::size_t i = 0; i < text.size(); ++i) {
+    // Four digits at once, as nearly all of them come.
+    for (; digits % 4 == 0 && !padded && i + 4 <= text.size(); i += 4, digits += 4) {
+      const int a = digit_at(i), b = digit_at(i + 1), c = digit_at(i + 2), d = digit_at(i + 3);
+      if ((a | b | c | d) < 0) break;
+      *out++ = static_cast<std::uint8_t>(a << 2 | b >> 4);
+      *out++ = static_cast<std::uint8_t>(b << 4 | c >> 2);
+      *out++ = static_cast<std::uint8_t>(c << 6 | d);
+    }
+    if (i == text.size()) break;
     auto c = static_cast<std::uint8_t>(text[i]);
     int digit = kBase64[c];
     if (digit == kPercent) {
@@ -100,19 +110,12 @@ UriData base64_decoded(std::string_view text) {
       padded = true;
       continue;
     }
-    if (digit < 0 || padded) {
-      data.problem = describe_wrong_digit(padded && digit >= 0 ? '=' : c);
-      return data;
-    }
-    ++digits;
+    if (digit < 0 || padded) return {{}, describe_wrong_digit(padded && digit >= 0 ? '=' : c)};
     bits = bits << 6 | static_cast<std::uint32_t>(digit);
-    bit_count += 6;
-    if (bit_count >= 8) {
-      bit_count -= 8;
-      data.bytes.push_back(static_cast<std::uint8_t>(bits >> bit_count));
-    }
+    if (const std::size_t place = digits++ % 4) *out++ = static_cast<std::uint8_t>(bits >> (6 - 2 * place));
   }
-  if (digits % 4 == 1) data.problem = "its base64 is cut short: " + std::to_string(digits) + " digits";
+  if (digits % 4 == 1) return {{}, "its base64 is cut short: " + std::to_string(digits) + " digits"};
+  data.bytes.resize(static_cast<std::size_t>(out - data.bytes.data()));
   return data;
 }
 
