@@ -428,6 +428,7 @@ TEST(GltfUvSets, AThirdSetOfItsOwnIsToldByName) {
   EXPECT_EQ(set_error(scene, 0, kPlain, scene.meshes.at(0)), 0.0f);
   EXPECT_EQ(set_error(scene, 1, kCurved, scene.meshes.at(0)), 0.0f);
   EXPECT_FALSE(slot_of(scene, 3).present());
+  EXPECT_EQ(scene.materials[0].emission, glm::vec3(0.0f)) << "rather dark than bright all over";
   EXPECT_EQ(warning_count(scene, "emissiveTexture of material 'paint' left out: with TEXCOORD_2"), 1u);
   const Scene absent = load(with_sets({kPlain, kCurved, nullptr}, {0, 1, -1, 2}));
   EXPECT_EQ(set_error(

@@ -118,7 +118,7 @@ TEST(Uri, DotSegmentsAreRemovedBeforeThePolicyAsks) {
   TempFolder folder;
   const auto home = folder.path() / "home";
   for (const char* name :
-       {"t.png", "sub/t.png", "sub/deep/t.png", "..t.png", "...", "c:t.png", "a b.png", "\xc3\xbc.png"})
+       {"t.png", "sub/t.png", "sub/deep/t.png", "..t.png", "...", "c:t.png", "a b.png", "a?b#1.png", "\xc3\xbc.png"})
     folder.write("home/" + std::string(name), "x");
   folder.write("x.png", "x");
   const std::pair<const char*, const char*> inside[] = {
@@ -147,6 +147,10 @@ TEST(Uri, DotSegmentsAreRemovedBeforeThePolicyAsks) {
       {"sub\\t.png", "sub/t.png"}, // as Windows writes it
       {"sub\\..\\t.png", "t.png"},
       {".\\sub\\deep/../t.png", "sub/t.png"},
+      {"sub/t.png?version=2", "sub/t.png"},
+      {"t.png#1", "t.png"},
+      {"a%3Fb%231.png", "a?b#1.png"},
+      {"a?b#1.png", "a?b#1.png"}, // not encoded
   };
   for (const auto& [uri, file] : inside) {
     const auto path = resolve_uri(home, uri);
@@ -179,6 +183,8 @@ TEST(Uri, DotSegmentsAreRemovedBeforeThePolicyAsks) {
                                 "c:t.png",
                                 "",
                                 "t.png%00",
+                                "../x.png?a",
+                                "?a/../../x.png",
                                 ".."})
     EXPECT_FALSE(resolve_uri(home, uri)) << uri;
   // A way that is inside by name, whatever is there.

@@ -193,8 +193,11 @@ std::optional<std::filesystem::path> resolve_uri(const std::filesystem::path& fo
   // Some exporters leave names such as "50%20.png" unencoded.
   const auto literal = path_inside(folder, uri, "/");
   if (!decoded || !split || !literal) return std::nullopt;
-  for (const auto& path : {split, decoded, literal})
-    if (regular_file_size(*path)) return path;
+  // Last, because they may as well stand for themselves in a name.
+  const auto without_query =
+      path_inside(folder, percent_decoded<std::string>(uri.substr(0, uri.find_first_of("?#"))), "/");
+  for (const auto& path : {split, decoded, literal, without_query})
+    if (path && regular_file_size(*path)) return path;
   return decoded;
 }
 

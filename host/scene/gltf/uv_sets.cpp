@@ -96,12 +96,13 @@ void apply(const Place& place, TextureSlot& slot) {
   slot.uv_set = place.set;
 }
 
-void leave_out(const MaterialTexture& row, TextureSlot& slot, const Material& material, Warnings& warnings) {
+void leave_out(const MaterialTexture& row, TextureSlot& slot, Material& material, Warnings& warnings) {
   const std::string property = row.gltf;
   warnings.add(property.substr(property.rfind('.') + 1) + " of material '" + shown(material.name) +
                "' left out: with TEXCOORD_" + std::to_string(slot.uv_set) +
                " the material reads more than two sets of texture coordinates");
   slot = {};
+  if (row.field == &Material::emission_texture) material.emission = glm::vec3(0.0f); // or all of it would shine
 }
 
 } // namespace
