@@ -379,6 +379,7 @@ TEST(GltfUvSets, AnyTwoSetsAreRead) {
 TEST(GltfUvSets, TangentsAreThoseOfTheNormalTexture) {
   for (const int other : {0, 1, 2}) {
     const Scene scene = load(with_sets({kPlain, kHalf, kBent, kTurned}, {other, -1, 3}));
+    ASSERT_GT(scene.meshes.at(0).tangents.size(), 0u);
     // u grows along y alone, v against x: turned, but mirrored no more than the plain set, whose v runs along +y.
     for (const glm::vec4& tangent : scene.meshes.at(0).tangents) {
       EXPECT_NEAR(tangent.y, 1.0f, 1e-6f);
@@ -421,6 +422,7 @@ TEST(GltfUvSets, TransformsAreJoined) {
     return 4.0f * glm::vec2(0.5f * x + 0.25f, 0.25f * y) + glm::vec2(0.5f, 0.0f);
   };
   EXPECT_LT(set_error(scene, 3, wanted, scene.meshes.at(0)), 1e-6f);
+  EXPECT_EQ(set_error(scene, 1, kBent, scene.meshes.at(0)), 0.0f);
 }
 
 TEST(GltfUvSets, AThirdSetOfItsOwnIsToldByName) {
