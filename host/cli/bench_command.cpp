@@ -9,6 +9,8 @@
 
 #include "host/base/atomic_file.h"
 #include "host/base/error.h"
+#include "host/base/failure.h"
+#include "host/base/print.h"
 #include "host/base/read_file.h"
 #include "host/bench/bench_report.h"
 #include "host/bench/builtin_scene.h"
@@ -84,10 +86,10 @@ int run_compiler(const BenchCommandRequest& request) {
   print_warnings(loaded.scene.warnings);
   const std::vector<CompiledKernel> kernels =
       compile_kernels(device, packed, settings, request.ablate, [&](const std::string& what) {
-        if (!request.quiet) fmt::print(stderr, "wavepath: compiling: {}\n", what);
+        if (!request.quiet) print_err("wavepath: compiling: {}\n", what);
       });
   if (!request.json.empty()) write_file(request.json, to_text(compiled_document(device.info(), kernels)));
-  fmt::print("{}", compiled_table(device.info(), kernels));
+  print_out("{}", compiled_table(device.info(), kernels));
   return kExitDone;
 }
 
@@ -113,18 +115,20 @@ int run_bench(BenchCommandRequest& request) {
   scene = Scene{};
 
   const BenchResult result = bench(device, packed, view, settings, [&](const std::string& what) {
-    if (!request.quiet) fmt::print(stderr, "wavepath: measuring: {}\n", what);
+    if (!request.quiet) print_err("wavepath: measuring: {}\n", what);
   });
   const BenchRun run{path, device.info(), packed, settings, result};
   const Json document = bench_document(run);
-  if (!request.json.empty()) write_file(request.json, to_text(document));
-  fmt::print("{}", bench_table(run));
+  Attempts attempts;
+  if (!request.json.empty()) attempts.attempt([&] { write_file(request.json, to_text(document)); });
+  attempts.attempt([&] { print_out("{}", bench_table(run)); });
+  attempts.finish();
   if (!before) return kExitDone;
 
   const Change change = compare_with_baseline(document, *before, request.baseline);
-  fmt::print("\nsince {}\n{}", request.baseline, change.text);
+  print_out("\nsince {}\n{}", request.baseline, change.text);
   if (change.worst_percent <= request.threshold) return kExitDone;
-  fmt::print("slower by more than {} %\n", request.threshold);
+  print_out("slower by more than {} %\n", request.threshold);
   return kExitFailed;
 }
 

@@ -17,6 +17,8 @@ using Command = std::function<int()>;
 
 // The exit codes, which scripts rely on.
 inline constexpr int kExitDone = 0, kExitFailed = 1, kExitUsage = 2, kExitTargetMissed = 3, kExitInterrupted = 130;
+// Whoever read stdout is gone: as shells tell it of programs that a broken pipe ends.
+inline constexpr int kExitReaderGone = 141;
 
 // `command_line`: as the user typed it, for the record.
 Command add_render(CLI::App& app, const std::string& command_line);

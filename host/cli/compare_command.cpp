@@ -9,6 +9,7 @@
 
 #include "host/base/atomic_file.h"
 #include "host/base/error.h"
+#include "host/base/print.h"
 #include "host/cli/commands.h"
 #include "host/cli/flags.h"
 #include "host/film/error_map.h"
@@ -71,7 +72,7 @@ void print(const Json& json) {
     if (name == "nonfinite")
       text = fmt::format("image {}, reference {}", value["image"].get<std::uint64_t>(),
                          value["reference"].get<std::uint64_t>());
-    fmt::print("{:<13}{}\n", name, text);
+    print_out("{:<13}{}\n", name, text);
   }
 }
 
@@ -99,7 +100,7 @@ int run_compare(const CompareCommandRequest& request) {
         exceeded += fmt::format("{}{} is {:.8g}, more than {:.8g}", exceeded.empty() ? "" : ", ", limit.metric, value,
                                 limit.value);
   if (request.json) {
-    fmt::print("{}", to_text(json));
+    print_out("{}", to_text(json));
   } else {
     print(json);
   }

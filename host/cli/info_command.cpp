@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "host/base/memory.h"
+#include "host/base/print.h"
 #include "host/cli/commands.h"
 #include "host/cli/flags.h"
 #include "host/cli/render_flags.h"
@@ -45,18 +46,18 @@ Json to_json(const DeviceInfo& device) {
 }
 
 void print_device(std::size_t index, const DeviceInfo& device) {
-  fmt::print("device {}: {}\n", index, device.name);
-  fmt::print("  driver                    {}\n", device.driver);
-  fmt::print("  type                      {}, Vulkan {}\n", device.type, device.api);
-  fmt::print("  subgroup size             {}\n", device.subgroup_size);
-  fmt::print("  memory                    {}\n", to_size_text(device.memory_bytes));
-  fmt::print("  largest allocation        {}\n", to_size_text(device.max_allocation));
-  fmt::print("  largest storage buffer    {}\n", to_size_text(device.max_storage_range));
-  fmt::print("  largest texel buffer      {} texels\n", device.max_texel_elements);
-  fmt::print("  workgroups in a dispatch  {}\n", device.max_groups);
-  fmt::print("  timestamps                {}\n",
+  print_out("device {}: {}\n", index, device.name);
+  print_out("  driver                    {}\n", device.driver);
+  print_out("  type                      {}, Vulkan {}\n", device.type, device.api);
+  print_out("  subgroup size             {}\n", device.subgroup_size);
+  print_out("  memory                    {}\n", to_size_text(device.memory_bytes));
+  print_out("  largest allocation        {}\n", to_size_text(device.max_allocation));
+  print_out("  largest storage buffer    {}\n", to_size_text(device.max_storage_range));
+  print_out("  largest texel buffer      {} texels\n", device.max_texel_elements);
+  print_out("  workgroups in a dispatch  {}\n", device.max_groups);
+  print_out("  timestamps                {}\n",
              device.timestamp_period_ns > 0.0 ? fmt::format("every {} ns", device.timestamp_period_ns) : "none");
-  fmt::print("  missing for wavepath      {}\n",
+  print_out("  missing for wavepath      {}\n",
              device.missing.empty() ? "nothing" : fmt::format("{}", fmt::join(device.missing, "; ")));
 }
 
@@ -65,12 +66,12 @@ int run_devices(const InfoCommandRequest& request) {
   if (request.json) {
     Json list = Json::array();
     for (const DeviceInfo& device : devices) list.push_back(to_json(device));
-    fmt::print("{}", to_text({{"wavepath", WAVEPATH_VERSION}, {"devices", list}}));
+    print_out("{}", to_text({{"wavepath", WAVEPATH_VERSION}, {"devices", list}}));
     return kExitDone;
   }
-  fmt::print("wavepath {}\n", WAVEPATH_VERSION);
+  print_out("wavepath {}\n", WAVEPATH_VERSION);
   for (std::size_t i = 0; i < devices.size(); ++i) print_device(i, devices[i]);
-  if (devices.empty()) fmt::print("no Vulkan device: install a driver, such as mesa-vulkan-drivers\n");
+  if (devices.empty()) print_out("no Vulkan device: install a driver, such as mesa-vulkan-drivers\n");
   return kExitDone;
 }
 
@@ -161,40 +162,40 @@ std::string join_or_none(const std::vector<std::string>& words) {
 void print_render(const Json& render) {
   const auto number = [](const Json& json) { return json.get<std::uint64_t>(); };
   const Json &bytes = render["bytes"], &path_bytes = render["path_bytes"];
-  fmt::print("  {}\n    at {}x{} at most {} more, and {} for each path in flight\n", render["flags"].get<std::string>(),
+  print_out("  {}\n    at {}x{} at most {} more, and {} for each path in flight\n", render["flags"].get<std::string>(),
              number(render["size"][0]), number(render["size"][1]), to_size_text(number(bytes["total"])),
              to_size_text(number(path_bytes["total"])));
   for (const auto& [what, count] : bytes.items())
-    if (what != "total") fmt::print("    {:<24}{}\n", what, to_size_text(number(count)));
+    if (what != "total") print_out("    {:<24}{}\n", what, to_size_text(number(count)));
   for (const auto& [what, count] : path_bytes.items())
-    if (what != "total") fmt::print("    {:<24}{} a path\n", what, to_size_text(number(count)));
+    if (what != "total") print_out("    {:<24}{} a path\n", what, to_size_text(number(count)));
 }
 
 void print_scene(const Json& about, const std::vector<std::string>& extensions) {
   const auto number = [](const Json& json) { return json.get<std::uint64_t>(); };
   const Json &lights = about["lights"], &bytes = about["bytes"];
-  fmt::print("{}\n", about["scene"].get<std::string>());
-  fmt::print("  triangles   {} seen, {} stored, {} instances of {} meshes\n", number(about["triangles"]),
+  print_out("{}\n", about["scene"].get<std::string>());
+  print_out("  triangles   {} seen, {} stored, {} instances of {} meshes\n", number(about["triangles"]),
              number(about["triangles_stored"]), number(about["instances"]), number(about["meshes"]));
-  fmt::print("  materials   {}\n", number(about["materials"]));
-  fmt::print("  textures    {} uses of {} images\n", number(about["textures"]), number(about["images"]));
-  fmt::print("  lights      {} punctual, {} emissive triangles, {}\n", number(lights["punctual"]),
+  print_out("  materials   {}\n", number(about["materials"]));
+  print_out("  textures    {} uses of {} images\n", number(about["textures"]), number(about["images"]));
+  print_out("  lights      {} punctual, {} emissive triangles, {}\n", number(lights["punctual"]),
              number(lights["emissive_triangles"]),
              lights["environment"].get<bool>() ? "an environment" : "no environment");
-  if (const auto rule = lights["by_rule"].get<std::string>(); !rule.empty()) fmt::print("  lit         {}\n", rule);
+  if (const auto rule = lights["by_rule"].get<std::string>(); !rule.empty()) print_out("  lit         {}\n", rule);
   std::vector<std::string> cameras;
   for (const Json& camera : about["cameras"])
     cameras.push_back(fmt::format("{} '{}' ({})", cameras.size(), camera["name"].get<std::string>(),
                                   camera["kind"].get<std::string>()));
-  fmt::print("  cameras     {}\n", cameras.empty() ? "none: the scene is framed automatically" : join_or_none(cameras));
-  fmt::print("  extensions  {}\n", join_or_none(extensions));
-  fmt::print("  planned     {} on the device\n", to_size_text(number(bytes["total"])));
+  print_out("  cameras     {}\n", cameras.empty() ? "none: the scene is framed automatically" : join_or_none(cameras));
+  print_out("  extensions  {}\n", join_or_none(extensions));
+  print_out("  planned     {} on the device\n", to_size_text(number(bytes["total"])));
   for (const auto& [what, count] : bytes.items())
-    if (what != "total" && number(count) > 0) fmt::print("    {:<12}{}\n", what, to_size_text(number(count)));
+    if (what != "total" && number(count) > 0) print_out("    {:<12}{}\n", what, to_size_text(number(count)));
   for (const Json& render : about["renders"]) print_render(render);
-  fmt::print("  left out{}\n", about["left_out"].empty() ? "    nothing" : "");
+  print_out("  left out{}\n", about["left_out"].empty() ? "    nothing" : "");
   for (const Json& entry : about["left_out"])
-    fmt::print("    {}: {}{}\n", entry["what"].get<std::string>(), entry["why"].get<std::string>(),
+    print_out("    {}: {}{}\n", entry["what"].get<std::string>(), entry["why"].get<std::string>(),
                number(entry["bytes"]) > 0 ? ", saves " + to_size_text(number(entry["bytes"])) : "");
 }
 
@@ -212,7 +213,7 @@ int run_scene(InfoCommandRequest& request) {
   about["lights"]["by_rule"] = loaded.light;
   about["renders"] = describe_renders(settings, planned, packed);
   if (request.json) {
-    fmt::print("{}", to_text(about));
+    print_out("{}", to_text(about));
   } else {
     print_scene(about, scene.extensions_used);
   }

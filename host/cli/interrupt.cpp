@@ -9,8 +9,9 @@ namespace {
 
 volatile std::sig_atomic_t interrupt_count = 0;
 
-void on_signal(int) {
+void on_signal(int signal) {
   interrupt_count = 1;
+  if (signal == SIGHUP) return;
   // Both, so that one after the other ends the process too.
   std::signal(SIGINT, SIG_DFL);
   std::signal(SIGTERM, SIG_DFL);
@@ -25,14 +26,17 @@ void catch_interrupts() {
   action.sa_flags = SA_RESTART;
   sigemptyset(&action.sa_mask);
   // A signal that the parent told us to ignore (nohup, background jobs) stays ignored.
-  for (const int signal : {SIGINT, SIGTERM}) {
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
     struct sigaction before {};
     sigaction(signal, nullptr, &before);
     if (before.sa_handler != SIG_IGN) sigaction(signal, &action, nullptr);
   }
 }
 
-void ignore_file_size_signal() { std::signal(SIGXFSZ, SIG_IGN); }
+void ignore_write_signals() {
+  std::signal(SIGXFSZ, SIG_IGN);
+  std::signal(SIGPIPE, SIG_IGN);
+}
 
 bool interrupted() { return interrupt_count != 0; }
 

@@ -7,6 +7,7 @@
 
 #include "host/base/atomic_file.h"
 #include "host/base/error.h"
+#include "host/base/print.h"
 #include "host/cli/commands.h"
 #include "host/cli/flags.h"
 #include "host/cli/render_flags.h"
@@ -160,14 +161,14 @@ void read_common(const std::string& part, PictureInfo& info) {
 
 void print_merged(const MergeCommandRequest& request, const Picture& picture, const PictureInfo& info,
                   const ErrorEstimate& error) {
-  fmt::print(stderr, "wavepath: {}: samples {} of {} parts{}\n", written_text(request.output, picture), info.samples,
+  print_err("wavepath: {}: samples {} of {} parts{}\n", written_text(request.output, picture), info.samples,
              request.parts.size(),
              info.error ? fmt::format(", estimated error {:.3g} % ({:.3g} to {:.3g})", 100.0 * *info.error,
                                       100.0 * error.ci95[0], 100.0 * error.ci95[1])
                         : "");
 }
 
-int run_merge(const MergeCommandRequest& request) {
+int run_merge(MergeCommandRequest& request) {
   if (request.parts.size() < 2) throw UsageError("merge", "takes two parts or more", "name the .exr files to join");
   check_outputs(request.output);
   const std::string& first = request.parts.front();
@@ -188,12 +189,11 @@ int run_merge(const MergeCommandRequest& request) {
   info.film = film;
   read_common(first, info);
 
-  for (const std::string& path : request.output.pictures) {
-    const std::uint64_t clamped = write_picture(path, picture, info, request.output.write);
-    if (clamped > 0) warnings.add(path + ": value clamped to what the format holds", clamped);
-  }
+  Attempts attempts;
+  write_pictures(request.output, info, picture, warnings, attempts);
   print_warnings(warnings);
   if (!request.output.quiet) print_merged(request, picture, info, error);
+  attempts.finish();
   return kExitDone;
 }
 

@@ -13,6 +13,7 @@
 
 #include <fmt/format.h>
 
+#include "host/base/print.h"
 #include "host/film/error.h"
 
 namespace wavepath {
@@ -73,7 +74,7 @@ ProgressDisplay::ProgressDisplay(bool quiet, double time_limit, double target_er
 }
 
 ProgressDisplay::~ProgressDisplay() {
-  if (drawn_ && terminal_) std::fputs("\r\x1b[K", stderr);
+  if (drawn_ && terminal_) write_err("\r\x1b[K");
 }
 
 void ProgressDisplay::show(const Progress& progress) {
@@ -82,12 +83,11 @@ void ProgressDisplay::show(const Progress& progress) {
   last_ = now;
   drawn_ = true;
   if (!terminal_) {
-    fmt::print(stderr, "wavepath: {}\n", progress_text(progress, time_limit_, target_error_, 0));
+    print_err("wavepath: {}\n", progress_text(progress, time_limit_, target_error_, 0));
     return;
   }
   const std::size_t width = static_cast<std::size_t>(terminal_width() - 1);
-  fmt::print(stderr, "\r\x1b[K{}", progress_text(progress, time_limit_, target_error_, 20).substr(0, width));
-  std::fflush(stderr);
+  print_err("\r\x1b[K{}", progress_text(progress, time_limit_, target_error_, 20).substr(0, width));
 }
 
 } // namespace wavepath

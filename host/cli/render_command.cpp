@@ -1,6 +1,5 @@
 // wavepath render: checks the request, prepares the scene, renders, writes and reports.
 #include <algorithm>
-#include <exception>
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -10,6 +9,8 @@
 #include "host/base/atomic_file.h"
 #include "host/base/clock.h"
 #include "host/base/error.h"
+#include "host/base/failure.h"
+#include "host/base/print.h"
 #include "host/base/process_clock.h"
 #include "host/cli/commands.h"
 #include "host/cli/flags.h"
@@ -145,33 +146,11 @@ auto render_shown(const RenderCommandRequest& request, RenderHooks hooks, const 
   return begin(hooks);
 }
 
-// Tries every output even if one fails, because rendering was the expensive part; returns the first failure.
-std::exception_ptr write_pictures(const RenderCommandRequest& request, const PictureInfo& info, const Picture& picture,
-                                  Warnings& warnings) {
-  std::exception_ptr failure;
-  for (const std::string& path : request.output.pictures) try {
-      const std::uint64_t clamped = write_picture(path, picture, info, request.output.write);
-      if (clamped > 0) warnings.add(path + ": value clamped to what the format holds", clamped);
-    } catch (const Error&) {
-      if (!failure) failure = std::current_exception();
-    }
-  return failure;
-}
-
 int exit_code(const RenderCommandRequest& request, const RenderResult& result) {
   if (result.stop == StopReason::interrupted) return kExitInterrupted;
   const double target = request.render.settings.target_error;
   const std::optional<double> error = estimated_error(result);
   return target > 0.0 && !(error && *error <= target) ? kExitTargetMissed : kExitDone;
-}
-
-// A resumed render measures only the checkpoints that it passes itself; those before have no true error.
-std::vector<TrueError> align(std::vector<TrueError> errors, std::size_t checkpoints) {
-  if (errors.empty()) return errors;
-  TrueError unknown;
-  unknown.metrics.nonfinite_image = 1; // as of a picture that has no score
-  errors.insert(errors.begin(), checkpoints - std::min(errors.size(), checkpoints), unknown);
-  return errors;
 }
 
 // Refuses what cannot work before the time of loading and rendering is spent. Returns the reference, if there is one.
@@ -311,7 +290,7 @@ Choices settle_choices(RenderCommandRequest& request, Prepared& prepared) {
     settings.tries_reuse = kTriesReuseNowhere;
   } else {
     const auto tell = [&](bool wanted, const std::string& text) {
-      if (wanted && !request.output.quiet) fmt::print(stderr, "wavepath: {}\n", text);
+      if (wanted && !request.output.quiet) print_err("wavepath: {}\n", text);
     };
     choices.sky = choose_sky_samples(*prepared.device, prepared.packed, prepared.view, settings, *prepared.kernels,
                                      prepared.on_device);
@@ -364,15 +343,47 @@ int replay(const RenderCommandRequest& request, Prepared& prepared) {
   device.pipeline_cache().save();
   print_warnings(prepared.warnings);
   const nlohmann::ordered_json document = trace_document(trace, prepared.packed, settings);
-  fmt::print("{}", request.output.json ? to_text(document) : trace_text(document));
+  print_out("{}", request.output.json ? to_text(document) : trace_text(document));
   return kExitDone;
 }
 
+// The picture is there, or will be, whatever becomes of what a report tells besides: where that fails, why it did.
+// `what` was not measured then, which a warning tells.
+template <class Measure>
+std::string why_not_measured(Prepared& prepared, const char* what, const Measure& measure) {
+  std::string why;
+  try {
+    measure();
+  } catch (const DeviceLost&) {
+    why = "the device was lost after the last sample";
+  } catch (const std::exception& failure) {
+    why = failure_text(failure);
+  }
+  if (!why.empty()) prepared.warnings.add(fmt::format("{} not measured: {}", what, why));
+  return why;
+}
+
+TrueError unknown_error() {
+  TrueError unknown;
+  unknown.metrics.nonfinite_image = 1; // as of a picture that has no score
+  return unknown;
+}
+
 // Notes in `true_errors` one for each checkpoint that this run passes.
-std::function<void(const Checkpoint&, const Picture&)> measure_checkpoints(const Picture& reference,
-                                                                           std::vector<TrueError>& true_errors) {
-  return
-      [&](const Checkpoint&, const Picture& picture) { true_errors.push_back(measure_true_error(picture, reference)); };
+std::function<void(const Checkpoint&, const Picture&)>
+measure_checkpoints(Prepared& prepared, const Picture& reference, std::vector<TrueError>& true_errors) {
+  return [&](const Checkpoint&, const Picture& picture) {
+    TrueError error = unknown_error();
+    why_not_measured(prepared, "the true error was", [&] { error = measure_true_error(picture, reference); });
+    true_errors.push_back(error);
+  };
+}
+
+// A resumed render measures only the checkpoints that it passes itself; those before have no true error.
+std::vector<TrueError> align(std::vector<TrueError> errors, std::size_t checkpoints) {
+  if (errors.empty()) return errors;
+  errors.insert(errors.begin(), checkpoints - std::min(errors.size(), checkpoints), unknown_error());
+  return errors;
 }
 
 // Shows the picture in the viewer of --tev. One that goes away does not end the render.
@@ -389,7 +400,7 @@ SharedResult render_shared(const RenderCommandRequest& request, Prepared& prepar
   std::vector<RenderingDevice> devices{{prepared.device.get(), prepared.kernels.get()}};
   for (const OtherDevice& other : prepared.others) devices.push_back({other.device.get(), other.kernels.get()});
   RenderHooks hooks;
-  if (reference) hooks.checkpoint = measure_checkpoints(*reference, true_errors);
+  if (reference) hooks.checkpoint = measure_checkpoints(prepared, *reference, true_errors);
   if (prepared.viewer) hooks.show = [&](const Picture& picture) { show(request, prepared, picture); };
   SharedResult shared = render_shown(request, hooks, [&](const RenderHooks& shown) {
     return render_by_several(devices, prepared.packed, prepared.view, request.render.settings, shown);
@@ -431,7 +442,7 @@ RenderResult render_prepared(const RenderCommandRequest& request, Prepared& prep
                     .save_interval = state.interval,
                     .salvages = true};
   if (resumed) hooks.resume = &*resumed;
-  if (reference) hooks.checkpoint = measure_checkpoints(*reference, true_errors);
+  if (reference) hooks.checkpoint = measure_checkpoints(prepared, *reference, true_errors);
   if (prepared.viewer) hooks.show = [&](const Picture& picture) { show(request, prepared, picture); };
   RenderResult result = render_shown(request, hooks, [&](const RenderHooks& shown) {
     return render(*prepared.device, prepared.packed, prepared.view, settings, shown, *prepared.kernels,
@@ -450,17 +461,6 @@ bool ended_early(const RenderResult& result) {
   return result.stop == StopReason::interrupted || result.stop == StopReason::device_lost;
 }
 
-// The picture is there, whatever becomes of what a report tells besides.
-template <class Measured>
-std::optional<Measured> unless_lost(Prepared& prepared, const std::function<std::optional<Measured>()>& measure) {
-  try {
-    return measure();
-  } catch (const DeviceLost&) {
-    prepared.warnings.add("the device was lost after the last sample: how much light is missing was not measured");
-    return std::nullopt;
-  }
-}
-
 // The first device that was not lost, for what is measured after the render.
 RenderingDevice surviving(const Prepared& prepared, const SharedResult* shared) {
   for (std::size_t i = 1; shared && i < shared->shares.size() && shared->shares.front().lost; ++i)
@@ -468,27 +468,31 @@ RenderingDevice surviving(const Prepared& prepared, const SharedResult* shared) 
   return {prepared.device.get(), prepared.kernels.get()};
 }
 
-// What the depth costs, where a report tells it. Of integrators whose paths it cuts.
-std::optional<DepthCut> depth_cut(const RenderCommandRequest& request, Prepared& prepared, const RenderResult& result,
-                                  const RenderingDevice& on, SceneOnDevice& on_device) {
+// What light is missing, where a report tells it. An interrupt ends the measurement, not the command.
+MissingLight missing_light(const RenderCommandRequest& request, Prepared& prepared, const RenderResult& result,
+                           const SharedResult* shared) {
+  MissingLight missing;
+  if (!reports_bias(request) || ended_early(result)) return missing;
   const RenderSettings& settings = request.render.settings;
-  if (!reports_bias(request) || !settings.integrator->measures_depth_cut || ended_early(result)) return std::nullopt;
-  return unless_lost<DepthCut>(prepared, [&] {
-    return measure_depth_cut(*on.device, prepared.packed, prepared.view, settings, *on.kernels, on_device);
+  const RenderingDevice on = surviving(prepared, shared);
+  SceneOnDevice elsewhere;
+  SceneOnDevice& on_device = on.device == prepared.device.get() ? prepared.on_device : elsewhere;
+  const auto go_on = [](const Progress&) { return !interrupted(); };
+  constexpr const char* kWhat = "how much light is missing was";
+  if (settings.integrator->measures_depth_cut) // its paths are cut
+    missing.no_cut = why_not_measured(prepared, kWhat, [&] {
+      missing.cut =
+          measure_depth_cut(*on.device, prepared.packed, prepared.view, settings, *on.kernels, on_device, go_on);
+    });
+  missing.no_lost = why_not_measured(prepared, kWhat, [&] {
+    missing.lost =
+        measure_lost_light(*on.device, prepared.packed, prepared.view, settings, *on.kernels, on_device, go_on);
   });
-}
-
-std::optional<LostLight> lost_light(const RenderCommandRequest& request, Prepared& prepared, const RenderResult& result,
-                                    const RenderingDevice& on, SceneOnDevice& on_device) {
-  if (!reports_bias(request) || ended_early(result)) return std::nullopt;
-  return unless_lost<LostLight>(prepared, [&] {
-    return measure_lost_light(*on.device, prepared.packed, prepared.view, request.render.settings, *on.kernels,
-                              on_device);
-  });
+  return missing;
 }
 
 // Writes the pictures, reports what the run measured, and returns the exit code. Throws Error.
-int finish(const RenderCommandRequest& request, Prepared& prepared, Run& run) {
+int finish(const RenderCommandRequest& request, Prepared& prepared, Run& run, Attempts& attempts) {
   const RenderSettings& settings = request.render.settings;
   const RenderResult& result = run.result;
   Device& device = *prepared.device;
@@ -496,7 +500,8 @@ int finish(const RenderCommandRequest& request, Prepared& prepared, Run& run) {
   const std::string mergeable = request.render.mergeable ? prepared.identity : "";
   const PictureInfo info =
       picture_info(request, prepared.view, prepared.packed, result, device.info(), mergeable, run.bias, run.shared);
-  const std::exception_ptr failure = write_pictures(request, info, result.picture, prepared.warnings);
+  OutputRequest output = request.output;
+  write_pictures(output, info, result.picture, prepared.warnings, attempts);
   run.write_seconds = writing.seconds();
   run.load_seconds = prepared.load_seconds;
   run.peak_bytes = device.memory_peak();
@@ -506,8 +511,8 @@ int finish(const RenderCommandRequest& request, Prepared& prepared, Run& run) {
   run.total_seconds = seconds_since_process_start();
   device.pipeline_cache().save();
   run.kernel_cache = device.pipeline_cache().describe();
-  report(run, request.output, prepared.warnings);
-  if (failure) std::rethrow_exception(failure);
+  report(run, output, prepared.warnings, attempts);
+  attempts.finish();
   if (request.render.strict && result.nonfinite.first)
     throw Error(request.scene.path,
                 fmt::format("samples that were not finite: {}, {}", result.nonfinite.samples(),
@@ -538,24 +543,25 @@ int run_render(RenderCommandRequest& request) {
     shared = render_shared(request, prepared, reference, true_errors);
   }
   RenderResult result = shared ? std::move(shared->result) : render_prepared(request, prepared, reference, true_errors);
-  denoise_if_asked(result, settings);
+  Attempts attempts; // the picture as it was rendered is there, whatever becomes of its filtered one
+  attempts.attempt([&] { denoise_if_asked(result, settings); });
   show(request, prepared, result.picture);
   Run run{request.scene.path, request.command_line, prepared.device->info(), settings, prepared.packed, result};
   if (!choices.integrator.trials.empty()) run.choice = &choices.integrator;
   if (choices.sky.samples > 0) run.sky_choice = &choices.sky;
   if (choices.reuse.tried) run.reuse_choice = &choices.reuse;
   if (shared) run.shared = &*shared;
-  const RenderingDevice on = surviving(prepared, run.shared);
-  SceneOnDevice elsewhere;
-  SceneOnDevice& on_device = on.device == prepared.device.get() ? prepared.on_device : elsewhere;
-  run.bias = list_bias(settings, prepared.packed, result, depth_cut(request, prepared, result, on, on_device),
-                       lost_light(request, prepared, result, on, on_device));
-  if (reference && result.denoised) run.denoised_error = measure_true_error(shown_picture(result.picture), *reference);
+  run.bias =
+      list_bias(settings, prepared.packed, result, missing_light(request, prepared, result, run.shared));
+  if (reference && result.denoised)
+    why_not_measured(prepared, "the true error of the filtered picture was", [&] {
+      run.denoised_error = measure_true_error(shown_picture(result.picture), *reference);
+    });
   run.true_errors = align(std::move(true_errors), result.checkpoints.size());
   run.diagnosis = diagnose(settings, prepared.packed, result, run.true_errors, run.bias);
   if (request.render.mergeable && !result.even)
     prepared.warnings.add("stopped before all pixels had the same samples, so the picture cannot be merged");
-  return finish(request, prepared, run);
+  return finish(request, prepared, run, attempts);
 }
 
 } // namespace

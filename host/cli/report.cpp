@@ -10,6 +10,7 @@
 
 #include "host/base/atomic_file.h"
 #include "host/base/memory.h"
+#include "host/base/print.h"
 #include "host/cli/commands.h"
 #include "host/cli/progress.h"
 #include "host/film/error.h"
@@ -36,47 +37,47 @@ void print_summary(const Run& run, const OutputRequest& output) {
                         100.0 * result.error.ci95[0], 100.0 * result.error.ci95[1]) +
             halving_text(result);
   const bool shared_out = result.noise && result.noise->used;
-  fmt::print(stderr, "wavepath: {}: {} spp{} in {:.2f} s, {:.2f} Mrays/s{}\n", written_text(output, result.picture),
+  print_err("wavepath: {}: {} spp{} in {:.2f} s, {:.2f} Mrays/s{}\n", written_text(output, result.picture),
              result.spp, shared_out ? ", more where there is noise," : "", result.seconds, speed, error);
 }
 
 void print_shadows(const ShadowReport& shadows) {
-  fmt::print(stderr, "  shadows     {} views, {}", shadows.views, to_size_text(shadows.bytes));
+  print_err("  shadows     {} views, {}", shadows.views, to_size_text(shadows.bytes));
   if (const auto& answers = shadows.answers) {
     const std::uint64_t all = std::max<std::uint64_t>(answers->answered + answers->traced, 1);
-    fmt::print(stderr, "; {} look-ups, {:.3g} % of them left to rays", all,
+    print_err("; {} look-ups, {:.3g} % of them left to rays", all,
                100.0 * static_cast<double>(answers->traced) / static_cast<double>(all));
   }
-  fmt::print(stderr, "\n");
+  print_err("\n");
 }
 
 void print_details(const Run& run) {
   const RenderResult& result = run.result;
-  fmt::print(stderr, "  device      {} ({}, {})\n", run.device.name, run.device.driver, run.device.type);
+  print_err("  device      {} ({}, {})\n", run.device.name, run.device.driver, run.device.type);
   for (const DeviceShare& share : run.shared ? run.shared->shares : std::vector<DeviceShare>{})
-    fmt::print(stderr, "  shares      {}: {} samples in {:.2f} s{}\n", share.name, share.samples(), share.seconds,
+    print_err("  shares      {}: {} samples in {:.2f} s{}\n", share.name, share.samples(), share.seconds,
                share.lost ? ", then lost" : "");
-  fmt::print(stderr, "  scene       {} triangles, {} lights\n", run.packed.triangle_count, run.packed.lights.size());
-  fmt::print(stderr, "  memory      {} on the device at most: scene {}, BVH {}, paths {}, film {}\n",
+  print_err("  scene       {} triangles, {} lights\n", run.packed.triangle_count, run.packed.lights.size());
+  print_err("  memory      {} on the device at most: scene {}, BVH {}, paths {}, film {}\n",
              to_size_text(run.peak_bytes), to_size_text(result.memory.scene), to_size_text(result.memory.bvh),
              to_size_text(result.memory.paths), to_size_text(result.memory.film));
-  fmt::print(stderr,
+  print_err(
              "  seconds     load {:.2f}, BVH {:.2f}, upload {:.2f}, compile {:.2f}, render {:.2f}, write {:.2f}; first "
              "pixel after {:.2f}\n",
              run.load_seconds, run.packed.bvh_seconds, result.upload_seconds, result.compile_seconds, result.seconds,
              run.write_seconds, result.first_pixel_seconds);
-  fmt::print(stderr, "  kernels     cache {}\n", run.kernel_cache);
-  if (result.by_query) fmt::print(stderr, "  traversal   by the device's ray queries\n");
-  fmt::print(stderr, "  rays        camera {}, bounce {}, shadow {}, occlusion {}\n", result.rays.camera,
+  print_err("  kernels     cache {}\n", run.kernel_cache);
+  if (result.by_query) print_err("  traversal   by the device's ray queries\n");
+  print_err("  rays        camera {}, bounce {}, shadow {}, occlusion {}\n", result.rays.camera,
              result.rays.bounce, result.rays.shadow, result.rays.occlusion);
   if (result.noise)
-    fmt::print(stderr, "  samples     {}; levels are expected to take {:.2g} of the cost of a given error\n",
+    print_err("  samples     {}; levels are expected to take {:.2g} of the cost of a given error\n",
                result.noise->used ? "shared out by noise" : "even, as noise is", result.noise->cost);
   if (result.shadows) print_shadows(*result.shadows);
   for (const StageTime& stage : result.stages)
-    fmt::print(stderr, "  {:<12}{:.3f} s in {} dispatches\n", stage.name, stage.seconds, stage.dispatches);
+    print_err("  {:<12}{:.3f} s in {} dispatches\n", stage.name, stage.seconds, stage.dispatches);
   for (const LeftOut& entry : run.packed.left_out)
-    fmt::print(stderr, "  left out    {}: {} ({})\n", entry.what, entry.why, to_size_text(entry.bytes));
+    print_err("  left out    {}: {} ({})\n", entry.what, entry.why, to_size_text(entry.bytes));
 }
 
 // "1.8 % +- 0.3 %", "100 % +- 2 %".
@@ -91,8 +92,17 @@ std::string percent_text(double share, double error) {
 } // namespace
 
 std::vector<std::string> list_bias(const RenderSettings& settings, const PackedScene& scene, const RenderResult& result,
-                                   const std::optional<DepthCut>& cut, const std::optional<LostLight>& lost) {
+                                   const MissingLight& missing) {
+  const std::optional<DepthCut>& cut = missing.cut;
+  const std::optional<LostLight>& lost = missing.lost;
   std::vector<std::string> bias = settings.integrator->bias(settings, result);
+  if (!missing.no_cut.empty())
+    bias.front() += fmt::format(": how much light is missing was not measured ({})", missing.no_cut);
+  if (!missing.no_lost.empty())
+    bias.push_back(
+        fmt::format("light of lamps and suns through thick smooth glass and off mirrors may be missing: how much was "
+                    "not measured ({})",
+                    missing.no_lost));
   if (cut)
     bias.front() += fmt::format(": {} of the light is missing, measured to {} bounces",
                                 percent_text(cut->share, cut->standard_error), cut->deeper);
@@ -121,7 +131,7 @@ std::vector<std::string> list_bias(const RenderSettings& settings, const PackedS
   if (scene.features & gpu::kFeatureSampledTextures)
     bias.emplace_back(
         "textures are filtered by the device's samplers, whose weights have few bits, usually 8 (--textures hardware)");
-  if (denoises_film(settings))
+  if (result.denoised && denoises_film(settings))
     bias.emplace_back(
         "the channels denoised.R,G,B of .exr files, and all of other files, are filtered: detail that is "
         "smaller than the noise is lost (--denoise)");
@@ -141,6 +151,16 @@ std::string describe_first(const Nonfinite& nonfinite, const RenderSettings& set
       at.y, first.sample, first.at.net ? " --net 1" : "", settings.seed);
 }
 
+void write_pictures(OutputRequest& output, const PictureInfo& info, const Picture& picture, Warnings& warnings,
+                    Attempts& attempts) {
+  std::erase_if(output.pictures, [&](const std::string& path) {
+    return !attempts.attempt([&] {
+      const std::uint64_t clamped = write_picture(path, picture, info, output.write);
+      if (clamped > 0) warnings.add(path + ": value clamped to what the format holds", clamped);
+    });
+  });
+}
+
 std::string written_text(const OutputRequest& output, const Picture& picture) {
   const auto is_tonemapped = [](const std::string& path) {
     const std::optional<PictureFormat> format = picture_format(path);
@@ -152,7 +172,7 @@ std::string written_text(const OutputRequest& output, const Picture& picture) {
   std::string text;
   for (const std::string& path : output.pictures)
     text += (text.empty() ? "" : ", ") + path + (is_tonemapped(path) ? exposure : "");
-  return text;
+  return text.empty() ? "nothing written" : text;
 }
 
 TrueError measure_true_error(const Picture& picture, const Picture& reference) {
@@ -163,7 +183,7 @@ TrueError measure_true_error(const Picture& picture, const Picture& reference) {
   return error;
 }
 
-void report(const Run& run, const OutputRequest& output, Warnings warnings) {
+void report(const Run& run, const OutputRequest& output, Warnings warnings, Attempts& attempts) {
   const RenderResult& result = run.result;
   if (result.nonfinite.first)
     warnings.add("non-finite sample left out, " + describe_first(result.nonfinite, run.settings),
@@ -173,20 +193,25 @@ void report(const Run& run, const OutputRequest& output, Warnings warnings) {
   if (last && !last->metrics.finite()) warnings.add(output.reference + ": not compared, a value is not finite");
   print_warnings(warnings);
 
-  const std::string document = to_text(stats_document(run));
-  if (!output.stats.empty()) write_file(output.stats, document);
-  if (output.json) fmt::print("{}", document);
+  std::string document;
+  attempts.attempt([&] { document = to_text(stats_document(run)); });
+  if (!output.stats.empty() && !document.empty()) attempts.attempt([&] { write_file(output.stats, document); });
+  if (output.json && !document.empty())
+    attempts.attempt([&] {
+      write_out(document);
+      flush_out();
+    });
   if (output.quiet) return;
   print_summary(run, output);
   if (last && last->metrics.finite())
-    fmt::print(stderr, "wavepath: against {}: relMSE {:.6g}, MSE {:.6g}, MRSE {:.6g}, FLIP {:.4f}\n", output.reference,
+    print_err("wavepath: against {}: relMSE {:.6g}, MSE {:.6g}, MRSE {:.6g}, FLIP {:.4f}\n", output.reference,
                last->metrics.relmse, last->metrics.mse, last->metrics.mrse, last->flip);
-  if (result.denoised) fmt::print(stderr, "wavepath: denoised in {:.2f} s\n", result.denoised->seconds);
+  if (result.denoised) print_err("wavepath: denoised in {:.2f} s\n", result.denoised->seconds);
   if (run.denoised_error && run.denoised_error->metrics.finite())
-    fmt::print(stderr, "wavepath: denoised, against {}: relMSE {:.6g}, MSE {:.6g}, MRSE {:.6g}, FLIP {:.4f}\n",
+    print_err("wavepath: denoised, against {}: relMSE {:.6g}, MSE {:.6g}, MRSE {:.6g}, FLIP {:.4f}\n",
                output.reference, run.denoised_error->metrics.relmse, run.denoised_error->metrics.mse,
                run.denoised_error->metrics.mrse, run.denoised_error->flip);
-  for (const std::string& sentence : run.diagnosis) fmt::print(stderr, "wavepath: note: {}\n", sentence);
+  for (const std::string& sentence : run.diagnosis) print_err("wavepath: note: {}\n", sentence);
   if (output.verbose) print_details(run);
 }
 

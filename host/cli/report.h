@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "host/base/failure.h"
 #include "host/base/warnings.h"
 #include "host/cli/render_flags.h"
 #include "host/render/depth_cut.h"
@@ -13,20 +14,32 @@
 
 namespace wavepath {
 
+// What is measured of the light that is missing, where it is asked for, or why it could not be.
+struct MissingLight {
+  std::optional<DepthCut> cut;   // what the depth costs
+  std::optional<LostLight> lost; // what paths from the camera cannot find
+  std::string no_cut, no_lost;   // why they were not measured; empty = they were, or nobody asked
+};
+
 // Every reason why the expected picture is not the full light transport of the scene, a sentence each.
-// `cut`: what the depth costs, `lost`: what paths from the camera cannot find, if those were measured.
 std::vector<std::string> list_bias(const RenderSettings& settings, const PackedScene& scene, const RenderResult& result,
-                                   const std::optional<DepthCut>& cut, const std::optional<LostLight>& lost);
+                                   const MissingLight& missing = {});
 
 // The first sample that was not finite and how to replay it. There must be one.
 std::string describe_first(const Nonfinite& nonfinite, const RenderSettings& settings);
 
 TrueError measure_true_error(const Picture& picture, const Picture& reference);
 
+// Tries every picture of `output`, even if one fails, because rendering was the expensive part. Leaves those in it that
+// were written.
+void write_pictures(OutputRequest& output, const PictureInfo& info, const Picture& picture, Warnings& warnings,
+                    Attempts& attempts);
+
 // The pictures written, separated by commas, those that are tonemapped with their exposure.
 std::string written_text(const OutputRequest& output, const Picture& picture);
 
-// Writes the stats file and, as asked for, the document to stdout, and warnings and a summary to stderr.
-void report(const Run& run, const OutputRequest& output, Warnings warnings);
+// Writes the stats file and, as asked for, the document to stdout, and warnings and a summary to stderr, each whatever
+// becomes of the others.
+void report(const Run& run, const OutputRequest& output, Warnings warnings, Attempts& attempts);
 
 } // namespace wavepath

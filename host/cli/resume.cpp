@@ -6,6 +6,7 @@
 
 #include "host/base/atomic_file.h"
 #include "host/base/error.h"
+#include "host/base/failure.h"
 #include "host/render/device/levels.h"
 #include "host/render/settings/adaptivity.h"
 #include "host/render/settings/identity.h"
@@ -54,8 +55,8 @@ std::function<void(const RenderState&)> state_saver(const StateRequest& request,
   return [&request, identity, text = device_text(device), &warnings](const RenderState& state) {
     try {
       write_state(request.file, identity, text, state);
-    } catch (const Error& error) {
-      warnings.add(fmt::format("{} (the render goes on; the file is as it was)", error.what()));
+    } catch (const std::exception& failure) {
+      warnings.add(fmt::format("{} (the render goes on; the file is as it was)", failure_text(failure)));
     }
   };
 }

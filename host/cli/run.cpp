@@ -7,6 +7,7 @@
 #include <CLI/CLI.hpp>
 
 #include "host/base/error.h"
+#include "host/base/print.h"
 #include "host/base/shell_quote.h"
 #include "host/cli/commands.h"
 #include "host/cli/flags.h"
@@ -62,14 +63,15 @@ void refuse_leftovers(const CLI::App& app, const CLI::App* chosen) {
 } // namespace
 
 int run(int argument_count, const char* const* arguments) {
-  ignore_file_size_signal();
+  ignore_write_signals();
   CLI::App app("path-traced reference images of glTF scenes, in Vulkan compute", "wavepath");
   set_help_layout(app);
   app.set_help_flag("-h,--help", "show this and exit")->group(kHelpGroup);
   app.set_version_flag("--version", "wavepath " WAVEPATH_VERSION, "show the version and exit")->group(kHelpGroup);
   app.footer(
       "wavepath COMMAND --help tells the flags of a command. Exit codes: 0 done, 1 the input or the machine failed, 2 "
-      "wrong usage, 3 the asked-for error was not reached, 130 interrupted (the result so far was saved). "
+      "wrong usage, 3 the asked-for error was not reached, 130 interrupted (the result so far was saved), 141 the "
+      "reader of stdout is gone (files were written). "
       "Compiled kernels are kept in $XDG_CACHE_HOME/wavepath or ~/.cache/wavepath; WAVEPATH_CACHE=FOLDER moves that, "
       "WAVEPATH_CACHE=off leaves it out.");
   const std::string line = quote(argument_count, arguments);
@@ -84,10 +86,10 @@ int run(int argument_count, const char* const* arguments) {
     words.pop_back();                         // the program
     app.parse(words);
   } catch (const CLI::CallForHelp&) {
-    fmt::print("{}", app.help());
+    print_out("{}", app.help());
     return kExitDone;
   } catch (const CLI::CallForVersion& version) {
-    fmt::print("{}\n", version.what());
+    print_out("{}\n", version.what());
     return kExitDone;
   } catch (const CLI::ParseError& error) {
     refuse_leftovers(app, app.get_subcommands().empty() ? nullptr : app.get_subcommands().front());
@@ -102,7 +104,7 @@ int run(int argument_count, const char* const* arguments) {
 void print_warnings(const Warnings& warnings) {
   for (const auto& [text, count] : warnings.counts()) {
     const std::string times = count > 1 ? fmt::format(" ({} times)", count) : "";
-    fmt::print(stderr, "wavepath: warning: {}{}\n", text, times);
+    print_err("wavepath: warning: {}{}\n", text, times);
   }
 }
 

@@ -11,6 +11,7 @@
 #include <glm/gtc/constants.hpp>
 
 #include "host/base/error.h"
+#include "host/base/print.h"
 #include "host/cli/flags.h"
 #include "host/render/settings/setting.h"
 #include "host/scene/default_light.h"
@@ -190,7 +191,7 @@ LoadedScene load_scene(const SceneRequest& request, const SceneDescribed& descri
 }
 
 void print_light(const LoadedScene& loaded) {
-  if (!loaded.light.empty()) fmt::print(stderr, "wavepath: light: {}\n", loaded.light);
+  if (!loaded.light.empty()) print_err("wavepath: light: {}\n", loaded.light);
 }
 
 void relight(const SceneRequest& request, LoadedScene& loaded) {

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "host/base/error.h"
+#include "host/base/print.h"
 #include "host/cli/commands.h"
 #include "host/render/report/stats.h"
 
@@ -22,11 +23,11 @@ bool wanted(const SelftestRequest& request, const SelftestCase& test) {
 
 void print(const SelftestResult& result) {
   const Measurement& m = result.measurement;
-  fmt::print("{}  {:<44} expected {}, measured {}, tolerance {}  ({:.1f} s)\n", verdict_name(m.verdict),
+  print_out("{}  {:<44} expected {}, measured {}, tolerance {}  ({:.1f} s)\n", verdict_name(m.verdict),
              result.of->name, m.expected, m.measured, m.tolerance, result.seconds);
-  if (!m.note.empty()) fmt::print("      {}\n", m.note);
-  if (m.verdict == Verdict::fail) fmt::print("      what this means for your images: {}\n", result.of->meaning);
-  std::fflush(stdout);
+  if (!m.note.empty()) print_out("      {}\n", m.note);
+  if (m.verdict == Verdict::fail) print_out("      what this means for your images: {}\n", result.of->meaning);
+  flush_out();
 }
 
 Json to_json(const SelftestResult& result) {
@@ -48,7 +49,7 @@ Json to_json(const SelftestResult& result) {
 
 int report_cases(std::span<const SelftestCase> cases, const SelftestContext& context, const SelftestRequest& request) {
   const DeviceInfo& device = context.device.info();
-  if (!request.json) fmt::print("{} ({})\n", device.name, device.driver);
+  if (!request.json) print_out("{} ({})\n", device.name, device.driver);
   Json document = Json::array();
   std::size_t failed = 0, skipped = 0, run = 0;
   for (const SelftestCase& test : cases) {
@@ -64,9 +65,9 @@ int report_cases(std::span<const SelftestCase> cases, const SelftestContext& con
   }
   if (run == 0) throw UsageError("--only", "names no case", "see the names in the output of 'wavepath selftest'");
   if (request.json)
-    fmt::print("{}", to_text(document));
+    print_out("{}", to_text(document));
   else
-    fmt::print("{} cases: {} passed, {} failed, {} skipped\n", run, run - failed - skipped, failed, skipped);
+    print_out("{} cases: {} passed, {} failed, {} skipped\n", run, run - failed - skipped, failed, skipped);
   return failed > 0 ? kExitFailed : kExitDone;
 }
 

@@ -16,6 +16,7 @@
 #include "host/base/atomic_file.h"
 #include "host/base/clock.h"
 #include "host/base/error.h"
+#include "host/base/print.h"
 #include "host/base/shell_quote.h"
 #include "host/cli/commands.h"
 #include "host/cli/flags.h"
@@ -131,7 +132,7 @@ class StudyDisplay {
 public:
   StudyDisplay(bool quiet, double budget) : quiet_(quiet), terminal_(isatty(STDERR_FILENO) != 0), budget_(budget) {}
   ~StudyDisplay() {
-    if (drawn_ && terminal_) std::fputs("\r\x1b[K", stderr);
+    if (drawn_ && terminal_) write_err("\r\x1b[K");
   }
   StudyDisplay(StudyDisplay&&) = delete;
 
@@ -141,8 +142,7 @@ public:
     last_ = now;
     drawn_ = true;
     const std::string text = fmt::format("{:.0f} of {:.0f} s: {}", progress.seconds, budget_, progress.what);
-    fmt::print(stderr, "{}", terminal_ ? "\r\x1b[K" + text : "wavepath: " + text + "\n");
-    std::fflush(stderr);
+    print_err("{}", terminal_ ? "\r\x1b[K" + text : "wavepath: " + text + "\n");
   }
 
 private:
@@ -232,7 +232,7 @@ int run_study_command(const CLI::App& app, StudyCommandRequest& request) {
                            study};
   write_study(record);
   write_page(request.folder);
-  if (!request.quiet) fmt::print(stderr, "wavepath: {}/report.html\n", request.folder);
+  if (!request.quiet) print_err("wavepath: {}/report.html\n", request.folder);
   return study.interrupted ? kExitInterrupted : kExitDone;
 }
 

@@ -143,7 +143,7 @@ public:
     window.target_error = request_.render.settings.target_error;
     window.frames = request_.frames;
     window.screenshot = request_.screenshot;
-    window.notes = [this](const RenderSettings& settings) { return list_bias(settings, packed_, so_far(), {}, {}); };
+    window.notes = [this](const RenderSettings& settings) { return list_bias(settings, packed_, so_far()); };
     window.save = [this](const std::string& path, const Picture& picture, const DisplayOptions& display) {
       save(path, picture, display);
     };
@@ -195,7 +195,7 @@ private:
     info.scene = request_.scene.path;
     info.command = request_.command_line;
     info.filter = kFilterNames[settings.filter];
-    info.bias = fmt::format("{}", fmt::join(list_bias(settings, packed_, so_far(), {}, {}), "; "));
+    info.bias = fmt::format("{}", fmt::join(list_bias(settings, packed_, so_far()), "; "));
     info.view = progressive_->view();
     const std::optional<double> exposure = display.auto_exposure ? std::nullopt : std::optional(display.exposure);
     write_picture(path, picture, info, {.exposure = exposure, .tonemap = display.tonemap});

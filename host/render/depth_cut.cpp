@@ -8,15 +8,15 @@
 namespace wavepath {
 
 DepthCut measure_depth_cut(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings,
-                           KernelCompiler& kernels, SceneOnDevice& shared) {
+                           KernelCompiler& kernels, SceneOnDevice& shared, const ProgressCallback& progress) {
   constexpr std::uint32_t kLongestSide = 64, kSamples = 16;
   RenderSettings small = small_picture(settings, kLongestSide, kSamples);
   small.guide = false; // the same picture, without the seconds that learning a field for each of the two takes
   small.light_shares = shared.light_shares;
-  const Picture cut = render(device, scene, view, small, RenderHooks{}, kernels, &shared).picture;
+  const Picture cut = render_whole(device, scene, view, small, progress, kernels, shared).picture;
   small.light_shares = shared.light_shares; // both with the same, wherever they were learned
   small.max_depth = settings.max_depth * 4 + 16;
-  const Picture deep = render(device, scene, view, small, RenderHooks{}, kernels, &shared).picture;
+  const Picture deep = render_whole(device, scene, view, small, progress, kernels, shared).picture;
 
   double total = 0.0, missing = 0.0, squares = 0.0;
   const std::size_t pixels = cut.channels[0].values.size();

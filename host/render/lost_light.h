@@ -20,9 +20,10 @@ bool has_smooth_surface(const PackedScene& scene);
 bool may_lose_light(const PackedScene& scene);
 
 // Renders a small picture with `settings`, and one by an integrator that has light paths; the difference of their light
-// is what the first one lacks. Nothing where no light can be lost, or the integrator has light paths itself.
+// is what the first one lacks. Nothing where no light can be lost, or the integrator has light paths itself. `progress`
+// may end it: then, where the other integrator cannot render the scene, and where the device fails, it throws Error.
 std::optional<LostLight> measure_lost_light(Device& device, const PackedScene& scene, const View& view,
                                             const RenderSettings& settings, KernelCompiler& kernels,
-                                            SceneOnDevice& shared);
+                                            SceneOnDevice& shared, const ProgressCallback& progress = {});
 
 } // namespace wavepath

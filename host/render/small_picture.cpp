@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "host/base/error.h"
 #include "host/render/settings/adaptivity.h"
 #include "host/render/settings/path_reuse.h"
 #include "host/render/settings/whole_nets.h"
@@ -23,6 +24,13 @@ RenderSettings small_picture(const RenderSettings& settings, std::uint32_t longe
   small.room_for_whole_nets |= has_whole_nets(settings);
   if (is_adaptive(settings)) small.added_features |= gpu::kFeatureAdaptive;
   return small;
+}
+
+RenderResult render_whole(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings,
+                          const ProgressCallback& progress, KernelCompiler& kernels, SceneOnDevice& shared) {
+  RenderResult result = render(device, scene, view, settings, RenderHooks{progress}, kernels, &shared);
+  if (result.stop == StopReason::interrupted) throw Error("the small picture", "was interrupted", "let it end");
+  return result;
 }
 
 PictureLight light_of(const Film& film) {

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "host/base/error.h"
+#include "host/base/print.h"
 #include "host/film/exposure.h"
 #include "host/render/progressive/shadow_comparison.h"
 #include "host/render/settings/shadow_settings.h"
@@ -418,8 +419,11 @@ void Viewer::copy() {
   const std::string line = render_line(request_.scene->path, camera_.request(), progressive_.settings(), panel_.display,
                                        request_.more_flags ? request_.more_flags() : std::string());
   glfwSetClipboardString(window_.handle(), line.c_str());
-  fmt::print("{}\n", line);
-  std::fflush(stdout);
+  try {
+    print_out("{}\n", line);
+    flush_out();
+  } catch (const Error&) { // the clipboard has it
+  }
   panel_.message = "copied: " + line;
 }
 

@@ -9,6 +9,7 @@
 #include "host/integrators/bidirectional/bidirectional.h"
 #include "host/integrators/path/light_rows.h"
 #include "host/render/loop/render_result.h"
+#include "host/scene/pack/features.h"
 
 namespace wavepath {
 namespace {
@@ -68,6 +69,8 @@ constinit const IntegratorKind kBidirectional = {
     .light_lesson_bytes = kLightRowBytes + kLightSumBytes,
     .measures_depth_cut = true,
     .first_hit_stages = kFirstHitStages,
+    .unfit = [](const RenderSettings&,
+                const PackedScene& scene) { return lacked_lobes(scene, kBidirectionalLacks); },
     .features = film_features,
     .start_kernels = start_kernels,
     .bytes_per_slot =

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/integrators/whitted/whitted.h"
+#include "host/scene/pack/features.h"
 
 namespace wavepath {
 namespace {
@@ -48,6 +49,7 @@ constinit const IntegratorKind kWhitted = {
     .walks_light_tree = false,
     .passes_panes = true,
     .first_hit_stages = kFirstHitStages,
+    .unfit = [](const RenderSettings&, const PackedScene& scene) { return lacked_lobes(scene, kWhittedLacks); },
     .features = film_features,
     .start_kernels = start_kernels,
     .bytes_per_slot =

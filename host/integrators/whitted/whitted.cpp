@@ -69,7 +69,7 @@ Whitted::Whitted(Workspace& workspace, KernelCompiler& kernels)
 
 void Whitted::change(const View& view, const RenderSettings& settings, Past) {
   const PackedScene& scene = workspace_.scene;
-  refuse_lobes(scene, gpu::kLobeDispersion | gpu::kLobeScattering, "whitted");
+  refuse_lobes(scene, kWhittedLacks, "whitted");
   need_ = {&kWhittedProgram, kWhittedStages,
            kernel_config(needed_features(scene, view, settings), scene.stack_size, settings)};
   kernels_.start(need_);

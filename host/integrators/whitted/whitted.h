@@ -37,6 +37,7 @@ private:
 
 extern const KernelProgram kWhittedProgram;
 inline constexpr std::uint32_t kWhittedStages = 0xf; // all
+inline constexpr gpu::Feature kWhittedLacks = gpu::kLobeDispersion | gpu::kLobeScattering;
 
 // Rays of a sample that are followed at once.
 std::uint32_t tree_width(const RenderSettings& settings);

@@ -207,12 +207,16 @@ std::vector<LeftOut> list_left_out(const Usage& usage, const PackedScene& packed
   return all;
 }
 
-void refuse_lobes(const PackedScene& packed, gpu::Feature lacked, std::string_view integrator) {
+std::string lacked_lobes(const PackedScene& packed, gpu::Feature lacked) {
   const gpu::Feature found = packed.features & lacked;
-  if (!found) return;
+  if (!found) return "";
   const char* what = found & gpu::kLobeDispersion ? "glass that disperses light" : "volumes that scatter light";
-  throw Error("--integrator " + std::string(integrator), std::string("cannot render ") + what + ", which the scene has",
-              "use --integrator path");
+  return fmt::format("cannot render {}, which the scene has", what);
+}
+
+void refuse_lobes(const PackedScene& packed, gpu::Feature lacked, std::string_view integrator) {
+  if (const std::string problem = lacked_lobes(packed, lacked); !problem.empty())
+    throw Error("--integrator " + std::string(integrator), problem, "use --integrator path");
 }
 
 } // namespace wavepath

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "host/scene/pack/packed_scene.h"
@@ -17,7 +18,9 @@ gpu::Feature find_features(const Scene& scene, const Usage& usage, const PackedS
 // can be compiled while the scene is packed. A bit too many costs speed; a bit too few costs a second compilation.
 gpu::Feature expected_features(const Scene& scene, std::uint32_t direct);
 
-// Throws Error if the scene has lobes of `lacked`, which `integrator` cannot render.
+// Which of the lobes `lacked` a scene has, as why it cannot be rendered without them; empty = none.
+std::string lacked_lobes(const PackedScene& packed, gpu::Feature lacked);
+// Throws Error if the scene has any, which `integrator` cannot render.
 void refuse_lobes(const PackedScene& packed, gpu::Feature lacked, std::string_view integrator);
 
 // One entry for every clear bit of packed.features: the reason, and the bytes that its data would have taken.

@@ -1,0 +1,37 @@
+// Failures of any kind: what they tell the user, and steps that are all tried whichever of them fail.
+#pragma once
+
+#include <exception>
+#include <string>
+
+namespace wavepath {
+
+// Where, what is wrong and what to do, as Error has it: also for memory and threads that cannot be had.
+std::string failure_text(const std::exception& failure);
+
+// Steps of which each is tried, whatever became of those before: one output that fails does not cost the others.
+class Attempts {
+public:
+  // Whether it did not fail.
+  template <class Step>
+  bool attempt(const Step& step) {
+    try {
+      step();
+      return true;
+    } catch (const std::exception& failure) {
+      note(failure);
+      return false;
+    }
+  }
+  // Throws the first failure, if there was any, and tells the others as warnings.
+  void finish();
+
+private:
+  void note(const std::exception& failure); // of the handler that calls it
+
+  std::exception_ptr first_;
+  bool only_reader_gone_ = false; // which any other failure replaces
+  std::string others_; // lines
+};
+
+} // namespace wavepath
