@@ -1,4 +1,5 @@
-// Listens as tev does and keeps what it is shown. Reads packets strictly: one that tev would refuse is a failure.
+// Listens as tev does and keeps what it is shown. Reads packets strictly: one that tev would refuse is a failure. And
+// one that hangs.
 #pragma once
 
 #include <algorithm>
@@ -134,6 +135,41 @@ private:
   int listener_ = -1, connection_ = -1;
   std::uint16_t port_ = 0;
   std::thread thread_;
+};
+
+// A viewer that hangs: the system takes connections for it, and as much as its buffers hold. With a queue that is full,
+// not even that.
+class SilentTev {
+public:
+  explicit SilentTev(bool is_full = false) {
+    listener_ = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    const int small = 4096;
+    setsockopt(listener_, SOL_SOCKET, SO_RCVBUF, &small, sizeof small);
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    socklen_t size = sizeof address;
+    EXPECT_EQ(bind(listener_, reinterpret_cast<sockaddr*>(&address), size), 0);
+    EXPECT_EQ(listen(listener_, is_full ? 0 : 8), 0);
+    EXPECT_EQ(getsockname(listener_, reinterpret_cast<sockaddr*>(&address), &size), 0);
+    port_ = ntohs(address.sin_port);
+    for (int i = 0; is_full && i < 4; ++i) {
+      guests_.push_back(socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
+      connect(guests_.back(), reinterpret_cast<sockaddr*>(&address), size);
+    }
+  }
+  ~SilentTev() {
+    for (const int guest : guests_) close(guest);
+    close(listener_);
+  }
+  SilentTev(const SilentTev&) = delete;
+
+  std::string address() const { return "127.0.0.1:" + std::to_string(port_); }
+
+private:
+  int listener_ = -1;
+  std::vector<int> guests_;
+  std::uint16_t port_ = 0;
 };
 
 } // namespace wavepath::test

@@ -2,9 +2,11 @@
 #include "host/film/tev.h"
 
 #include <numeric>
+#include <utility>
 
 #include <gtest/gtest.h>
 
+#include "host/base/clock.h"
 #include "host/base/error.h"
 #include "tests/fake_tev.h"
 
@@ -35,9 +37,10 @@ TEST(Tev, ShowsEveryChannelAndWhatChanges) {
   const Picture first = picture_of(7, 5, 0.0f), last = picture_of(7, 5, 1000.0f);
   {
     TevViewer viewer(tev.address());
-    EXPECT_TRUE(viewer.show("a.exr", first));
-    EXPECT_TRUE(viewer.show("a.exr", last));
-    EXPECT_TRUE(viewer.show("b.exr", first));
+    for (const auto& [name, picture] : {std::pair{"a.exr", &first}, {"a.exr", &last}, {"b.exr", &first}}) {
+      EXPECT_TRUE(viewer.show(name, *picture));
+      EXPECT_TRUE(viewer.finish());
+    }
   }
   tev.wait();
   EXPECT_EQ(tev.packets, 5) << "two images are made, and three pictures sent";
@@ -53,6 +56,7 @@ TEST(Tev, CutsLargePictures) {
   {
     TevViewer viewer(tev.address());
     EXPECT_TRUE(viewer.show("large", large));
+    EXPECT_TRUE(viewer.finish());
   }
   tev.wait();
   EXPECT_EQ(tev.packets, 1 + 3);
@@ -67,9 +71,57 @@ TEST(Tev, SaysOnceThatTheViewerIsGone) {
   EXPECT_TRUE(viewer.show("a", picture));
   tev.wait();
   bool shown = true;
-  for (int i = 0; i < 100 && shown; ++i) shown = viewer.show("a", picture); // the system takes some bytes more
+  for (int i = 0; i < 100 && shown; ++i) // the system takes some bytes more
+    shown = viewer.show("a", picture) && viewer.finish();
   EXPECT_FALSE(shown);
+  EXPECT_FALSE(viewer.finish());
   EXPECT_FALSE(viewer.show("a", picture));
+}
+
+// Pictures that have not begun to be sent are replaced by later ones.
+TEST(Tev, ShowsTheLatest) {
+  FakeTev tev;
+  const Picture last = picture_of(700, 500, 1000.0f);
+  {
+    TevViewer viewer(tev.address());
+    for (int i = 0; i < 20; ++i) EXPECT_TRUE(viewer.show("a", picture_of(700, 500, static_cast<float>(i))));
+    EXPECT_TRUE(viewer.show("a", last));
+    EXPECT_TRUE(viewer.finish());
+  }
+  tev.wait();
+  EXPECT_GE(tev.pictures, 1);
+  EXPECT_LE(tev.pictures, 21);
+  expect_same(tev.images["a"], last);
+}
+
+// One that reads nothing costs nothing while there is something to render, and a second at the end.
+TEST(Tev, WaitsForNoneThatHangs) {
+  const SilentTev tev;
+  const Clock::time_point start = Clock::now();
+  {
+    TevViewer viewer(tev.address());
+    const Picture large = picture_of(2000, 1000, 0.0f); // 40 MB
+    for (int i = 0; i < 5; ++i) EXPECT_TRUE(viewer.show("a", large));
+    const Clock::time_point shown = Clock::now();
+    EXPECT_FALSE(viewer.finish());
+    EXPECT_GT(seconds_since(shown), 0.9);
+    EXPECT_LT(seconds_since(shown), 2.5);
+    EXPECT_FALSE(viewer.show("a", large));
+  }
+  EXPECT_LT(seconds_since(start), 4.0);
+}
+
+TEST(Tev, WaitsASecondForAnAnswer) {
+  const SilentTev tev(true);
+  const Clock::time_point start = Clock::now();
+  try {
+    TevViewer viewer(tev.address());
+    FAIL() << "it has no room for another connection";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.what(), "--tev: no tev answers at " + tev.address() +
+                                ": Connection timed out; start tev there, or leave out --tev");
+  }
+  EXPECT_LT(seconds_since(start), 2.5);
 }
 
 TEST(Tev, RefusesWhereNoneIs) {

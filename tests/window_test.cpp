@@ -316,6 +316,36 @@ TEST_F(Window, FollowsItsSize) {
   EXPECT_EQ(window->close(), 0);
 }
 
+// What is saved while the window changes its size, or the camera moves, has the size that the window comes to: neither
+// the one before, nor that of a coarse picture. A scripted window's has the size asked for, whatever becomes of it.
+TEST_F(Window, SavesWholePicturesWhileItChanges) {
+  const auto window = view({"--size", "120x90", "--spp", "64"});
+  window->until([&] { return window->title().find(" spp") != std::string::npos; });
+  int number = 0;
+  const auto next = [&] { return path(fmt::format("cornell_box-{:04}.exr", ++number)); };
+  for (const auto& [width, height] : {std::pair{200u, 150u}, {64u, 48u}, {320u, 200u}}) {
+    display_->xdotool({"windowsize", window->window(), std::to_string(width), std::to_string(height), "key", "x"});
+    const std::string name = next();
+    window->until([&] { return std::filesystem::exists(name); });
+    EXPECT_EQ(read_picture(name).width, width);
+    EXPECT_EQ(read_picture(name).height, height);
+  }
+  display_->xdotool({"mousemove", "60", "45", "mousedown", "1", "mousemove", "80", "50", "key", "x", "mousemove", "90",
+                     "60", "mouseup", "1"});
+  const std::string name = next();
+  window->until([&] { return std::filesystem::exists(name); });
+  EXPECT_EQ(read_picture(name).width, 320u);
+  EXPECT_EQ(window->close(), 0);
+
+  const auto scripted = view({"--size", "120x90", "--frames", "32", "--screenshot", "shot.exr"});
+  window->until([&] { return !scripted->window().empty(); });
+  for (int i = 1; i < 6; ++i)
+    display_->xdotool({"windowsize", scripted->window(), std::to_string(120 + 30 * i), std::to_string(90 + 20 * i)});
+  EXPECT_EQ(scripted->wait(), 0);
+  EXPECT_EQ(read_picture(path("shot.exr")).width, 120u);
+  EXPECT_EQ(read_picture(path("shot.exr")).height, 90u);
+}
+
 double processor_seconds(pid_t process) {
   std::istringstream fields(contents(fmt::format("/proc/{}/stat", process)));
   std::string field;

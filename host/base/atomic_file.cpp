@@ -14,18 +14,12 @@
 #include <fmt/format.h>
 
 #include "host/base/error.h"
+#include "host/base/output_files.h"
 
 namespace wavepath {
 namespace {
 
 namespace fs = std::filesystem;
-
-// The target with symbolic links followed, so that a link is not replaced by a regular file.
-fs::path resolve(const std::string& target) {
-  std::error_code error;
-  const fs::path resolved = fs::weakly_canonical(target, error);
-  return error ? fs::path(target) : resolved;
-}
 
 bool is_special(const fs::path& path) {
   struct stat status {};
@@ -48,7 +42,7 @@ void refuse_hopeless(const std::string& target, const fs::path& path) {
 } // namespace
 
 AtomicFile::AtomicFile(const std::string& target) : target_(target) {
-  const fs::path path = resolve(target);
+  const fs::path path = place_of(target); // so that a link is not replaced by a regular file
   refuse_hopeless(target, path);
   if (is_special(path)) {
     // The name as given: /dev/stdout resolves to a pipe that has no path of its own.

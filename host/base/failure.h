@@ -31,7 +31,7 @@ private:
 
   std::exception_ptr first_;
   bool only_reader_gone_ = false; // which any other failure replaces
-  std::string others_; // lines
+  std::string others_;            // lines
 };
 
 } // namespace wavepath

@@ -10,6 +10,7 @@
 #include "host/base/atomic_file.h"
 #include "host/base/error.h"
 #include "host/base/failure.h"
+#include "host/base/output_files.h"
 #include "host/base/print.h"
 #include "host/base/read_file.h"
 #include "host/bench/bench_report.h"
@@ -64,8 +65,15 @@ void choose_size(BenchCommandRequest& request, const DeviceInfo& device) {
   request.render.settings.height = cpu ? 270 : 1080;
 }
 
+void refuse_to_overwrite(const BenchCommandRequest& request) {
+  if (request.json.empty()) return;
+  refuse_overwriting({&request.json, 1}, inputs_of(request.scene, request.render.settings, request.baseline));
+  require_writable(request.json);
+}
+
 LoadedScene load(const BenchCommandRequest& request) {
   LoadedScene loaded = request.scene.path.empty() ? LoadedScene{builtin_scene(), {}, {}} : load_scene(request.scene);
+  if (!request.json.empty()) refuse_overwriting({&request.json, 1}, loaded.scene.files);
   if (!request.quiet) print_light(loaded);
   return loaded;
 }
@@ -77,7 +85,7 @@ int run_compiler(const BenchCommandRequest& request) {
     throw UsageError("--kernels", "measures nothing that --baseline compares", "leave one of them out");
   if (request.structures)
     throw UsageError("--kernels", "traces no rays that --structures compares", "leave one of them out");
-  if (!request.json.empty()) require_writable(request.json);
+  refuse_to_overwrite(request);
   Device device(request.render.device, {}, DeviceUse::compile);
   const RenderSettings& settings = request.render.settings;
   LoadedScene loaded = load(request);
@@ -96,7 +104,7 @@ int run_compiler(const BenchCommandRequest& request) {
 int run_bench(BenchCommandRequest& request) {
   turn_kernel_caches_off();
   const std::optional<Json> before = read_baseline(request.baseline);
-  if (!request.json.empty()) require_writable(request.json);
+  refuse_to_overwrite(request);
   Device device(request.render.device);
   choose_size(request, device.info());
 

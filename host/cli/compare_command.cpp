@@ -9,6 +9,7 @@
 
 #include "host/base/atomic_file.h"
 #include "host/base/error.h"
+#include "host/base/output_files.h"
 #include "host/base/print.h"
 #include "host/cli/commands.h"
 #include "host/cli/flags.h"
@@ -79,9 +80,12 @@ void print(const Json& json) {
 int run_compare(const CompareCommandRequest& request) {
   if (!request.map.empty()) {
     if (!is_display(request.map)) throw UsageError(request.map, "is no .png or .jpg", "name the map so");
+    const std::string inputs[] = {request.image, request.reference};
+    refuse_overwriting({&request.map, 1}, inputs);
     require_writable(request.map);
   }
   const Picture image = read_picture(request.image), reference = read_picture(request.reference);
+  if (!request.map.empty()) require_format(request.map, image.width, image.height);
   const bool display = holds_display(request.image) && holds_display(request.reference);
   const PictureMetrics metrics = compare_pictures(image, reference, display ? 1.0 : 0.0);
   double flip = 0.0;

@@ -10,6 +10,7 @@
 #include "host/cli/render_flags.h"
 #include "host/cli/scene_flags.h"
 #include "host/gpu/device.h"
+#include "host/gpu/device_choice.h"
 #include "host/render/device/workspace.h"
 #include "host/render/integrator_choice.h"
 #include "host/render/memory_plan.h"
@@ -56,9 +57,9 @@ void print_device(std::size_t index, const DeviceInfo& device) {
   print_out("  largest texel buffer      {} texels\n", device.max_texel_elements);
   print_out("  workgroups in a dispatch  {}\n", device.max_groups);
   print_out("  timestamps                {}\n",
-             device.timestamp_period_ns > 0.0 ? fmt::format("every {} ns", device.timestamp_period_ns) : "none");
+            device.timestamp_period_ns > 0.0 ? fmt::format("every {} ns", device.timestamp_period_ns) : "none");
   print_out("  missing for wavepath      {}\n",
-             device.missing.empty() ? "nothing" : fmt::format("{}", fmt::join(device.missing, "; ")));
+            device.missing.empty() ? "nothing" : fmt::format("{}", fmt::join(device.missing, "; ")));
 }
 
 int run_devices(const InfoCommandRequest& request) {
@@ -71,7 +72,7 @@ int run_devices(const InfoCommandRequest& request) {
   }
   print_out("wavepath {}\n", WAVEPATH_VERSION);
   for (std::size_t i = 0; i < devices.size(); ++i) print_device(i, devices[i]);
-  if (devices.empty()) print_out("no Vulkan device: install a driver, such as mesa-vulkan-drivers\n");
+  if (devices.empty()) print_out("no Vulkan device: {}\n", driver_remedy());
   return kExitDone;
 }
 
@@ -163,8 +164,8 @@ void print_render(const Json& render) {
   const auto number = [](const Json& json) { return json.get<std::uint64_t>(); };
   const Json &bytes = render["bytes"], &path_bytes = render["path_bytes"];
   print_out("  {}\n    at {}x{} at most {} more, and {} for each path in flight\n", render["flags"].get<std::string>(),
-             number(render["size"][0]), number(render["size"][1]), to_size_text(number(bytes["total"])),
-             to_size_text(number(path_bytes["total"])));
+            number(render["size"][0]), number(render["size"][1]), to_size_text(number(bytes["total"])),
+            to_size_text(number(path_bytes["total"])));
   for (const auto& [what, count] : bytes.items())
     if (what != "total") print_out("    {:<24}{}\n", what, to_size_text(number(count)));
   for (const auto& [what, count] : path_bytes.items())
@@ -176,12 +177,12 @@ void print_scene(const Json& about, const std::vector<std::string>& extensions) 
   const Json &lights = about["lights"], &bytes = about["bytes"];
   print_out("{}\n", about["scene"].get<std::string>());
   print_out("  triangles   {} seen, {} stored, {} instances of {} meshes\n", number(about["triangles"]),
-             number(about["triangles_stored"]), number(about["instances"]), number(about["meshes"]));
+            number(about["triangles_stored"]), number(about["instances"]), number(about["meshes"]));
   print_out("  materials   {}\n", number(about["materials"]));
   print_out("  textures    {} uses of {} images\n", number(about["textures"]), number(about["images"]));
   print_out("  lights      {} punctual, {} emissive triangles, {}\n", number(lights["punctual"]),
-             number(lights["emissive_triangles"]),
-             lights["environment"].get<bool>() ? "an environment" : "no environment");
+            number(lights["emissive_triangles"]),
+            lights["environment"].get<bool>() ? "an environment" : "no environment");
   if (const auto rule = lights["by_rule"].get<std::string>(); !rule.empty()) print_out("  lit         {}\n", rule);
   std::vector<std::string> cameras;
   for (const Json& camera : about["cameras"])
@@ -196,7 +197,7 @@ void print_scene(const Json& about, const std::vector<std::string>& extensions) 
   print_out("  left out{}\n", about["left_out"].empty() ? "    nothing" : "");
   for (const Json& entry : about["left_out"])
     print_out("    {}: {}{}\n", entry["what"].get<std::string>(), entry["why"].get<std::string>(),
-               number(entry["bytes"]) > 0 ? ", saves " + to_size_text(number(entry["bytes"])) : "");
+              number(entry["bytes"]) > 0 ? ", saves " + to_size_text(number(entry["bytes"])) : "");
 }
 
 int run_scene(InfoCommandRequest& request) {

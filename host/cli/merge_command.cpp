@@ -7,6 +7,7 @@
 
 #include "host/base/atomic_file.h"
 #include "host/base/error.h"
+#include "host/base/output_files.h"
 #include "host/base/print.h"
 #include "host/cli/commands.h"
 #include "host/cli/flags.h"
@@ -102,12 +103,11 @@ glm::dvec3 read_origin(const std::string& path) {
   return *origin;
 }
 
-void check_outputs(const OutputRequest& output) {
-  for (const std::string& path : output.pictures) {
-    if (!picture_format(path))
-      throw UsageError(path, "has no extension that names a picture format", "end it in .exr, .hdr, .png or .jpg");
-    require_writable(path);
-  }
+void check_outputs(const MergeCommandRequest& request) {
+  const std::vector<std::string>& pictures = request.output.pictures;
+  for (const std::string& path : pictures) require_format(path, 1, 1);
+  refuse_overwriting(pictures, request.parts);
+  for (const std::string& path : pictures) require_writable(path);
 }
 
 // Of all parts, which must have the given identity and no sample in common.
@@ -162,15 +162,15 @@ void read_common(const std::string& part, PictureInfo& info) {
 void print_merged(const MergeCommandRequest& request, const Picture& picture, const PictureInfo& info,
                   const ErrorEstimate& error) {
   print_err("wavepath: {}: samples {} of {} parts{}\n", written_text(request.output, picture), info.samples,
-             request.parts.size(),
-             info.error ? fmt::format(", estimated error {:.3g} % ({:.3g} to {:.3g})", 100.0 * *info.error,
-                                      100.0 * error.ci95[0], 100.0 * error.ci95[1])
-                        : "");
+            request.parts.size(),
+            info.error ? fmt::format(", estimated error {:.3g} % ({:.3g} to {:.3g})", 100.0 * *info.error,
+                                     100.0 * error.ci95[0], 100.0 * error.ci95[1])
+                       : "");
 }
 
 int run_merge(MergeCommandRequest& request) {
   if (request.parts.size() < 2) throw UsageError("merge", "takes two parts or more", "name the .exr files to join");
-  check_outputs(request.output);
+  check_outputs(request);
   const std::string& first = request.parts.front();
   PictureInfo info;
   info.identity = read_identity(first);
@@ -178,6 +178,7 @@ int run_merge(MergeCommandRequest& request) {
 
   Warnings warnings;
   const std::shared_ptr<Film> film = join_films(request.parts, info, warnings);
+  for (const std::string& path : request.output.pictures) require_format(path, film->width, film->height);
   const Picture part = read_picture(first);
   Picture picture = develop(*film, aovs_of(part), info.origin);
   if (find_channel(part, std::string(kShownPrefix) + "R") && !film->aovs.empty())

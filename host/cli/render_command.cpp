@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <new>
 
 #include <fmt/format.h>
 
@@ -10,6 +11,7 @@
 #include "host/base/clock.h"
 #include "host/base/error.h"
 #include "host/base/failure.h"
+#include "host/base/output_files.h"
 #include "host/base/print.h"
 #include "host/base/process_clock.h"
 #include "host/cli/commands.h"
@@ -64,29 +66,39 @@ struct RenderCommandRequest {
   std::string command_line;
 };
 
+// Every file that the command writes.
+std::vector<std::string> targets_of(const RenderCommandRequest& request) {
+  std::vector<std::string> targets = request.output.pictures;
+  for (const std::string& file : {request.output.stats, request.render.state.file})
+    if (!file.empty()) targets.push_back(file);
+  return targets;
+}
+
+// Channels and sums that no output would hold.
+void check_channels(const RenderCommandRequest& request) {
+  const auto& pictures = request.output.pictures;
+  if (std::ranges::count(pictures, PictureFormat::exr, picture_format) > 0) return;
+  const bool shown = !request.output.tev.empty(); // tev has all channels
+  if (!request.render.settings.aovs.empty() && !shown)
+    throw UsageError("--aov", fmt::format("channels go into .exr files, and {} is none", fmt::join(pictures, ", ")),
+                     "add -o FILE.exr, or leave out --aov");
+  if (request.render.mergeable && !is_given(request.render, "samples"))
+    throw UsageError("--mergeable", fmt::format("sums go into .exr files, and {} is none", fmt::join(pictures, ", ")),
+                     "add -o FILE.exr, or leave out --mergeable");
+}
+
 // Refuses files that cannot be read or written.
 void check_files(RenderCommandRequest& request) {
   OutputRequest& output = request.output;
   if (output.pictures.empty()) output.pictures = {std::filesystem::path(request.scene.path).stem().string() + ".exr"};
-  for (const std::string& path : output.pictures)
-    if (!picture_format(path))
-      throw UsageError(path, "has no extension that names a picture format", "end it in .exr, .hdr, .png or .jpg");
+  const RenderSettings& settings = request.render.settings;
+  for (const std::string& path : output.pictures) require_format(path, settings.width, settings.height);
+  check_channels(request);
   require_file(request.scene.path);
-
-  std::vector<std::string> targets = output.pictures;
-  if (!output.stats.empty()) targets.push_back(output.stats);
-  if (!request.render.state.file.empty()) targets.push_back(request.render.state.file);
+  const std::vector<std::string> targets = targets_of(request);
+  refuse_overwriting(targets, inputs_of(request.scene, settings, output.reference));
   check_state_file(request.render.state);
-  for (const std::string& target : targets) {
-    require_writable(target);
-    if (std::count(targets.begin(), targets.end(), target) > 1)
-      throw UsageError(target, "is written twice", "give every output a name of its own");
-    for (const std::string& input : {request.scene.path, output.reference, request.scene.environment}) {
-      std::error_code error;
-      if (std::filesystem::equivalent(target, input, error))
-        throw UsageError(target, "would overwrite an input", "write somewhere else");
-    }
-  }
+  for (const std::string& target : targets) require_writable(target);
 }
 
 // The reference, read early so that a wrong one is refused early. A box-filtered one asks for the same filter.
@@ -208,6 +220,7 @@ Prepared prepare(const RenderCommandRequest& request) {
   }
   const DeviceInfo& device = prepared.device->info();
   Scene& scene = open.loaded.scene;
+  if (!request.render.pixel) refuse_overwriting(targets_of(request), scene.files);
   if (!request.output.quiet) print_light(open.loaded);
   const View view = resolve_view(scene, open.loaded.framing, request.scene.view, settings.width, settings.height);
   const bvh::Quality quality =
@@ -370,8 +383,8 @@ TrueError unknown_error() {
 }
 
 // Notes in `true_errors` one for each checkpoint that this run passes.
-std::function<void(const Checkpoint&, const Picture&)>
-measure_checkpoints(Prepared& prepared, const Picture& reference, std::vector<TrueError>& true_errors) {
+std::function<void(const Checkpoint&, const Picture&)> measure_checkpoints(Prepared& prepared, const Picture& reference,
+                                                                           std::vector<TrueError>& true_errors) {
   return [&](const Checkpoint&, const Picture& picture) {
     TrueError error = unknown_error();
     why_not_measured(prepared, "the true error was", [&] { error = measure_true_error(picture, reference); });
@@ -389,7 +402,10 @@ std::vector<TrueError> align(std::vector<TrueError> errors, std::size_t checkpoi
 // Shows the picture in the viewer of --tev. One that goes away does not end the render.
 void show(const RenderCommandRequest& request, Prepared& prepared, const Picture& picture) {
   if (!prepared.viewer) return;
-  if (prepared.viewer->show(request.output.pictures.front(), picture)) return;
+  try {
+    if (prepared.viewer->show(request.output.pictures.front(), picture)) return;
+  } catch (const std::bad_alloc&) { // no room for a copy
+  }
   prepared.viewer.reset();
   prepared.warnings.add("--tev: the viewer is gone; the render went on without it");
 }
@@ -512,6 +528,8 @@ int finish(const RenderCommandRequest& request, Prepared& prepared, Run& run, At
   device.pipeline_cache().save();
   run.kernel_cache = device.pipeline_cache().describe();
   report(run, output, prepared.warnings, attempts);
+  if (prepared.viewer && !prepared.viewer->finish()) // all else is done, so that it costs a second at most
+    print_err("wavepath: warning: --tev: the viewer did not take the whole picture\n");
   attempts.finish();
   if (request.render.strict && result.nonfinite.first)
     throw Error(request.scene.path,
@@ -551,12 +569,10 @@ int run_render(RenderCommandRequest& request) {
   if (choices.sky.samples > 0) run.sky_choice = &choices.sky;
   if (choices.reuse.tried) run.reuse_choice = &choices.reuse;
   if (shared) run.shared = &*shared;
-  run.bias =
-      list_bias(settings, prepared.packed, result, missing_light(request, prepared, result, run.shared));
+  run.bias = list_bias(settings, prepared.packed, result, missing_light(request, prepared, result, run.shared));
   if (reference && result.denoised)
-    why_not_measured(prepared, "the true error of the filtered picture was", [&] {
-      run.denoised_error = measure_true_error(shown_picture(result.picture), *reference);
-    });
+    why_not_measured(prepared, "the true error of the filtered picture was",
+                     [&] { run.denoised_error = measure_true_error(shown_picture(result.picture), *reference); });
   run.true_errors = align(std::move(true_errors), result.checkpoints.size());
   run.diagnosis = diagnose(settings, prepared.packed, result, run.true_errors, run.bias);
   if (request.render.mergeable && !result.even)

@@ -37,8 +37,8 @@ void print_summary(const Run& run, const OutputRequest& output) {
                         100.0 * result.error.ci95[0], 100.0 * result.error.ci95[1]) +
             halving_text(result);
   const bool shared_out = result.noise && result.noise->used;
-  print_err("wavepath: {}: {} spp{} in {:.2f} s, {:.2f} Mrays/s{}\n", written_text(output, result.picture),
-             result.spp, shared_out ? ", more where there is noise," : "", result.seconds, speed, error);
+  print_err("wavepath: {}: {} spp{} in {:.2f} s, {:.2f} Mrays/s{}\n", written_text(output, result.picture), result.spp,
+            shared_out ? ", more where there is noise," : "", result.seconds, speed, error);
 }
 
 void print_shadows(const ShadowReport& shadows) {
@@ -46,7 +46,7 @@ void print_shadows(const ShadowReport& shadows) {
   if (const auto& answers = shadows.answers) {
     const std::uint64_t all = std::max<std::uint64_t>(answers->answered + answers->traced, 1);
     print_err("; {} look-ups, {:.3g} % of them left to rays", all,
-               100.0 * static_cast<double>(answers->traced) / static_cast<double>(all));
+              100.0 * static_cast<double>(answers->traced) / static_cast<double>(all));
   }
   print_err("\n");
 }
@@ -56,23 +56,23 @@ void print_details(const Run& run) {
   print_err("  device      {} ({}, {})\n", run.device.name, run.device.driver, run.device.type);
   for (const DeviceShare& share : run.shared ? run.shared->shares : std::vector<DeviceShare>{})
     print_err("  shares      {}: {} samples in {:.2f} s{}\n", share.name, share.samples(), share.seconds,
-               share.lost ? ", then lost" : "");
+              share.lost ? ", then lost" : "");
   print_err("  scene       {} triangles, {} lights\n", run.packed.triangle_count, run.packed.lights.size());
   print_err("  memory      {} on the device at most: scene {}, BVH {}, paths {}, film {}\n",
-             to_size_text(run.peak_bytes), to_size_text(result.memory.scene), to_size_text(result.memory.bvh),
-             to_size_text(result.memory.paths), to_size_text(result.memory.film));
+            to_size_text(run.peak_bytes), to_size_text(result.memory.scene), to_size_text(result.memory.bvh),
+            to_size_text(result.memory.paths), to_size_text(result.memory.film));
   print_err(
-             "  seconds     load {:.2f}, BVH {:.2f}, upload {:.2f}, compile {:.2f}, render {:.2f}, write {:.2f}; first "
-             "pixel after {:.2f}\n",
-             run.load_seconds, run.packed.bvh_seconds, result.upload_seconds, result.compile_seconds, result.seconds,
-             run.write_seconds, result.first_pixel_seconds);
+      "  seconds     load {:.2f}, BVH {:.2f}, upload {:.2f}, compile {:.2f}, render {:.2f}, write {:.2f}; first "
+      "pixel after {:.2f}\n",
+      run.load_seconds, run.packed.bvh_seconds, result.upload_seconds, result.compile_seconds, result.seconds,
+      run.write_seconds, result.first_pixel_seconds);
   print_err("  kernels     cache {}\n", run.kernel_cache);
   if (result.by_query) print_err("  traversal   by the device's ray queries\n");
-  print_err("  rays        camera {}, bounce {}, shadow {}, occlusion {}\n", result.rays.camera,
-             result.rays.bounce, result.rays.shadow, result.rays.occlusion);
+  print_err("  rays        camera {}, bounce {}, shadow {}, occlusion {}\n", result.rays.camera, result.rays.bounce,
+            result.rays.shadow, result.rays.occlusion);
   if (result.noise)
     print_err("  samples     {}; levels are expected to take {:.2g} of the cost of a given error\n",
-               result.noise->used ? "shared out by noise" : "even, as noise is", result.noise->cost);
+              result.noise->used ? "shared out by noise" : "even, as noise is", result.noise->cost);
   if (result.shadows) print_shadows(*result.shadows);
   for (const StageTime& stage : result.stages)
     print_err("  {:<12}{:.3f} s in {} dispatches\n", stage.name, stage.seconds, stage.dispatches);
@@ -205,12 +205,12 @@ void report(const Run& run, const OutputRequest& output, Warnings warnings, Atte
   print_summary(run, output);
   if (last && last->metrics.finite())
     print_err("wavepath: against {}: relMSE {:.6g}, MSE {:.6g}, MRSE {:.6g}, FLIP {:.4f}\n", output.reference,
-               last->metrics.relmse, last->metrics.mse, last->metrics.mrse, last->flip);
+              last->metrics.relmse, last->metrics.mse, last->metrics.mrse, last->flip);
   if (result.denoised) print_err("wavepath: denoised in {:.2f} s\n", result.denoised->seconds);
   if (run.denoised_error && run.denoised_error->metrics.finite())
-    print_err("wavepath: denoised, against {}: relMSE {:.6g}, MSE {:.6g}, MRSE {:.6g}, FLIP {:.4f}\n",
-               output.reference, run.denoised_error->metrics.relmse, run.denoised_error->metrics.mse,
-               run.denoised_error->metrics.mrse, run.denoised_error->flip);
+    print_err("wavepath: denoised, against {}: relMSE {:.6g}, MSE {:.6g}, MRSE {:.6g}, FLIP {:.4f}\n", output.reference,
+              run.denoised_error->metrics.relmse, run.denoised_error->metrics.mse, run.denoised_error->metrics.mrse,
+              run.denoised_error->flip);
   for (const std::string& sentence : run.diagnosis) print_err("wavepath: note: {}\n", sentence);
   if (output.verbose) print_details(run);
 }

@@ -140,6 +140,15 @@ void check_shutter(const SceneRequest& request, RenderSettings& settings) {
                      fmt::format("use --integrator {}", takers_text("shutter")));
 }
 
+std::vector<std::string> inputs_of(const SceneRequest& request, const RenderSettings& settings,
+                                   const std::string& reference) {
+  std::vector<std::string> inputs = {request.path, settings.shadow_cookie, reference};
+  const bool builtin = std::ranges::count(kEnvironmentNames, request.environment) > 0;
+  std::error_code error;
+  if (!builtin && std::filesystem::exists(request.environment, error)) inputs.push_back(request.environment);
+  return inputs;
+}
+
 void add_view_flags(CLI::App& app, ViewRequest& request) {
   const char* group = "Camera";
   const auto triple = [](std::optional<glm::dvec3>& target) {

@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "host/render/settings/settings.h"
 #include "host/scene/framing.h"
@@ -33,6 +34,9 @@ void add_scene_flags(CLI::App& app, SceneRequest& request, bool required);
 void add_shutter_flag(CLI::App& app, SceneRequest& request);
 // Refuses a shutter that the integrator cannot show, or that opens on nothing; tells the settings of it.
 void check_shutter(const SceneRequest& request, RenderSettings& settings);
+// The files that a command reads besides those that the scene names; `reference` may be empty.
+std::vector<std::string> inputs_of(const SceneRequest& request, const RenderSettings& settings,
+                                   const std::string& reference = "");
 void add_view_flags(CLI::App& app, ViewRequest& request);
 
 // A scene that is lit and can be framed.

@@ -23,8 +23,8 @@ bool wanted(const SelftestRequest& request, const SelftestCase& test) {
 
 void print(const SelftestResult& result) {
   const Measurement& m = result.measurement;
-  print_out("{}  {:<44} expected {}, measured {}, tolerance {}  ({:.1f} s)\n", verdict_name(m.verdict),
-             result.of->name, m.expected, m.measured, m.tolerance, result.seconds);
+  print_out("{}  {:<44} expected {}, measured {}, tolerance {}  ({:.1f} s)\n", verdict_name(m.verdict), result.of->name,
+            m.expected, m.measured, m.tolerance, result.seconds);
   if (!m.note.empty()) print_out("      {}\n", m.note);
   if (m.verdict == Verdict::fail) print_out("      what this means for your images: {}\n", result.of->meaning);
   flush_out();

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <ctime>
 #include <filesystem>
+#include <map>
 #include <memory>
 
 #include <unistd.h>
@@ -16,6 +17,7 @@
 #include "host/base/atomic_file.h"
 #include "host/base/clock.h"
 #include "host/base/error.h"
+#include "host/base/output_files.h"
 #include "host/base/print.h"
 #include "host/base/shell_quote.h"
 #include "host/cli/commands.h"
@@ -74,6 +76,13 @@ void prepare_shadow_study(StudySettings& study) {
   study.render.max_depth = 1;
 }
 
+// Those that the study may write, but for a reference that it is given.
+std::vector<std::string> targets_of(const StudyCommandRequest& request) {
+  std::vector<std::string> targets = study_files(request.folder, make_grid(request.study.vary, request.study.render));
+  if (!request.reference.empty()) std::erase(targets, (fs::path(request.folder) / kReferenceFile).string());
+  return targets;
+}
+
 // Refuses what cannot work before the time of rendering is spent. Creates nothing yet.
 void check_files(const StudyCommandRequest& request) {
   std::error_code error;
@@ -82,6 +91,7 @@ void check_files(const StudyCommandRequest& request) {
   const bool there = fs::is_directory(request.folder, error);
   if (!there && fs::exists(request.folder, error))
     throw Error(request.folder, "is no folder", "name a folder, or one that is yet to be made");
+  refuse_overwriting(targets_of(request), inputs_of(request.scene, request.study.render, request.reference));
   require_writable(there ? (fs::path(request.folder) / "study.json").string() : request.folder);
 }
 
@@ -178,6 +188,13 @@ StudyScene pack_scene(LoadedScene& loaded, const StudyCommandRequest& request, b
   return study;
 }
 
+// What was left out, by reason.
+void print_unfit(const Study& study) {
+  std::map<std::string, std::vector<std::string>> names;
+  for (const Unfit& one : study.unfit) names[one.why].push_back(one.name);
+  for (const auto& [why, of] : names) print_err("wavepath: left out {}: {}\n", fmt::join(of, ", "), why);
+}
+
 int run_study_command(const CLI::App& app, StudyCommandRequest& request) {
   StudySettings& settings = request.study;
   const IntegratorKind* kind = settings.render.integrator;
@@ -191,6 +208,7 @@ int run_study_command(const CLI::App& app, StudyCommandRequest& request) {
 
   Device device(request.render.device);
   LoadedScene loaded = load_scene(request.scene);
+  refuse_overwriting(targets_of(request), loaded.scene.files);
   if (!request.quiet) print_light(loaded);
   RenderSettings whole = settings.render;
   whole.last_sample = 1 << 16;
@@ -220,7 +238,14 @@ int run_study_command(const CLI::App& app, StudyCommandRequest& request) {
   if (study.series.empty())
     throw Error(request.scene.path, "no configuration could be measured: " + study.unfit.front().why,
                 "ask for smaller maps or other techniques, or choose another device");
-  if (study.series.front().points.empty()) return kExitInterrupted;
+  if (!request.quiet) print_unfit(study);
+  if (study.series.front().points.empty() && study.lost.empty()) return kExitInterrupted;
+  const auto end_if_lost = [&] {
+    if (!study.lost.empty())
+      throw DeviceLost(device.info().name, fmt::format("was lost while rendering ({})", study.lost),
+                       "what had been measured is written; run again, or choose another device with --device");
+  };
+  if (study.series.front().points.empty()) end_if_lost();
   const auto now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
   const StudyRecord record{request.scene.path,
                            request.command_line,
@@ -233,6 +258,7 @@ int run_study_command(const CLI::App& app, StudyCommandRequest& request) {
   write_study(record);
   write_page(request.folder);
   if (!request.quiet) print_err("wavepath: {}/report.html\n", request.folder);
+  end_if_lost();
   return study.interrupted ? kExitInterrupted : kExitDone;
 }
 

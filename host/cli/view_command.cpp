@@ -7,6 +7,7 @@
 
 #include "host/base/atomic_file.h"
 #include "host/base/error.h"
+#include "host/base/output_files.h"
 #include "host/base/shell_quote.h"
 #include "host/cli/commands.h"
 #include "host/cli/flags.h"
@@ -86,12 +87,9 @@ void check(ViewCommandRequest& request) {
   if (screenshot.empty()) return;
   if (request.frames == 0)
     throw UsageError("--screenshot", "does not say when", "add --frames N, the samples per pixel to wait for");
-  if (!picture_format(screenshot))
-    throw UsageError(screenshot, "has no extension that names a picture format", "end it in .exr, .hdr, .png or .jpg");
+  require_format(screenshot, settings.width, settings.height);
+  refuse_overwriting({&screenshot, 1}, inputs_of(request.scene, settings));
   require_writable(screenshot);
-  std::error_code error;
-  if (std::filesystem::equivalent(screenshot, request.scene.path, error))
-    throw UsageError(screenshot, "would overwrite an input", "write somewhere else");
 }
 
 #ifdef WAVEPATH_VIEWER
@@ -104,6 +102,7 @@ public:
         open_(open_scene(request.scene, request.render, window_extensions())),
         scene_(open_.loaded.scene) {
     const RenderSettings& settings = request.render.settings;
+    if (!request.screenshot.empty()) refuse_overwriting({&request.screenshot, 1}, scene_.files);
     print_light(open_.loaded);
     const View view = resolve_view(scene_, open_.loaded.framing, request.scene.view, settings.width, settings.height);
     RenderSettings expected = settings;

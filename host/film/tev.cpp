@@ -1,22 +1,30 @@
 #include "host/film/tev.h"
 
 #include <algorithm>
+#include <atomic>
 #include <bit>
 #include <cerrno>
+#include <chrono>
+#include <condition_variable>
+#include <cstdint>
 #include <cstring>
 #include <memory>
+#include <mutex>
+#include <new>
+#include <optional>
 #include <span>
+#include <thread>
 #include <utility>
 
 #include <fcntl.h>
 #include <netdb.h>
 #include <poll.h>
 #include <sys/socket.h>
-#include <sys/time.h>
 #include <unistd.h>
 
 #include <fmt/format.h>
 
+#include "host/base/clock.h"
 #include "host/base/error.h"
 
 namespace wavepath {
@@ -25,8 +33,9 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "packets are written as the host has numbers");
 
 constexpr const char* kDefaultPort = "14158";
-constexpr int kLongestConnect = 5000;           // ms
-constexpr int kLongestSend = 10;                // s
+constexpr std::chrono::seconds kLongestConnect{1}, kLongestSend{10};
+constexpr std::chrono::seconds kEndWait{1}; // at the end, for each kEndBytes
+constexpr std::uint64_t kEndBytes = 1u << 20;
 constexpr std::uint64_t kMostValues = 1u << 20; // of a packet: tev keeps a buffer of the largest that it was sent
 
 enum Operation : char { create_image = 4, update_image = 5 };
@@ -67,75 +76,125 @@ std::pair<std::string, std::string> host_and_port(const std::string& address) {
   return {host, port};
 }
 
-// A socket that is connected within kLongestConnect, or -1.
-int connect_to(const addrinfo& target) {
+int milliseconds_until(Clock::time_point end) {
+  const auto left = std::chrono::ceil<std::chrono::milliseconds>(end - Clock::now());
+  return static_cast<int>(std::max<std::chrono::milliseconds::rep>(left.count(), 0));
+}
+
+// A socket that is connected by then, or -1 with the reason in errno.
+int connect_to(const addrinfo& target, Clock::time_point end) {
   const int socket = ::socket(target.ai_family, target.ai_socktype | SOCK_NONBLOCK | SOCK_CLOEXEC, target.ai_protocol);
   if (socket < 0) return -1;
   int problem = connect(socket, target.ai_addr, target.ai_addrlen) == 0 ? 0 : errno;
   if (problem == EINPROGRESS) {
     pollfd waiting{socket, POLLOUT, 0};
     socklen_t size = sizeof problem;
-    if (poll(&waiting, 1, kLongestConnect) != 1)
+    if (poll(&waiting, 1, milliseconds_until(end)) != 1)
       problem = ETIMEDOUT;
     else
       getsockopt(socket, SOL_SOCKET, SO_ERROR, &problem, &size);
   }
-  const timeval longest{kLongestSend, 0};
-  if (problem == 0 && fcntl(socket, F_SETFL, 0) == 0 &&
-      setsockopt(socket, SOL_SOCKET, SO_SNDTIMEO, &longest, sizeof longest) == 0)
-    return socket;
+  if (problem == 0) return socket;
   close(socket);
-  errno = problem != 0 ? problem : errno;
+  errno = problem;
   return -1;
 }
 
 } // namespace
 
-TevViewer::TevViewer(const std::string& address) {
-  const auto [host, port] = host_and_port(address);
+struct TevViewer::Link {
+  struct Shown {
+    std::string name;
+    Picture picture;
+  };
+
+  // Of the thread alone.
+  void serve(const std::string& host, const std::string& port);
+  void connect_within(const std::string& host, const std::string& port, Clock::time_point end);
+  bool send(std::string& packet);
+  bool send(const Shown& shown);
+  int socket = -1;
+  std::string named; // image that tev has
+
+  std::mutex mutex;
+  std::condition_variable changed;
+  // Guarded.
+  bool connecting = true, gone = false, closing = false, sending = false;
+  std::string no_host, problem; // why there is no connection
+  std::optional<Shown> waiting;
+  std::atomic<bool> abandoned = false;  // nobody waits for what is still to be sent
+  std::atomic<std::uint64_t> bytes = 0; // sent so far
+};
+
+void TevViewer::Link::connect_within(const std::string& host, const std::string& port, Clock::time_point end) {
   addrinfo wanted{};
   wanted.ai_socktype = SOCK_STREAM;
   addrinfo* found = nullptr;
   const int result = getaddrinfo(host.c_str(), port.c_str(), &wanted, &found);
-  if (result != 0)
-    throw Error("--tev", fmt::format("the host {} is not known: {}", host, gai_strerror(result)),
-                "check its name, or leave out --tev");
-  const std::unique_ptr<addrinfo, decltype(&freeaddrinfo)> targets(found, &freeaddrinfo);
-  for (const addrinfo* target = found; target && socket_ < 0; target = target->ai_next) socket_ = connect_to(*target);
-  if (socket_ < 0)
-    throw Error("--tev", fmt::format("no tev answers at {}:{}: {}", host, port, std::strerror(errno)),
-                "start tev there, or leave out --tev");
+  const std::unique_ptr<addrinfo, void (*)(addrinfo*)> targets(found, [](addrinfo* list) {
+    if (list) freeaddrinfo(list);
+  });
+  // Half of the time for each but the last: the first address of a host may be one that its network drops.
+  for (const addrinfo* target = found; target && socket < 0; target = target->ai_next)
+    socket = connect_to(*target, target->ai_next ? Clock::now() + (end - Clock::now()) / 2 : end);
+  const std::string why = std::strerror(errno);
+  const std::lock_guard lock(mutex);
+  if (result != 0) no_host = gai_strerror(result);
+  if (socket < 0) problem = why;
+  connecting = false;
+  gone |= socket < 0;
 }
 
-TevViewer::~TevViewer() {
-  if (socket_ >= 0) close(socket_);
+void TevViewer::Link::serve(const std::string& host, const std::string& port) {
+  connect_within(host, port, Clock::now() + kLongestConnect);
+  changed.notify_all();
+  std::unique_lock lock(mutex);
+  while (!gone) {
+    changed.wait(lock, [&] { return waiting || closing; });
+    if (!waiting || abandoned) break;
+    const Shown shown = *std::exchange(waiting, std::nullopt);
+    sending = true;
+    lock.unlock();
+    const bool sent = send(shown);
+    lock.lock();
+    sending = false;
+    gone |= !sent;
+    changed.notify_all();
+  }
+  if (socket >= 0) close(std::exchange(socket, -1));
 }
 
-bool TevViewer::send(std::string& packet) {
+bool TevViewer::Link::send(std::string& packet) {
   const auto length = static_cast<std::uint32_t>(packet.size());
   std::memcpy(packet.data(), &length, sizeof length);
+  Clock::time_point taken = Clock::now();
   for (std::size_t sent = 0; sent < packet.size();) {
-    const ssize_t count = ::send(socket_, packet.data() + sent, packet.size() - sent, MSG_NOSIGNAL);
-    if (count < 0 && errno == EINTR) continue;
-    if (count <= 0) {
-      close(std::exchange(socket_, -1));
-      return false;
+    const ssize_t count = ::send(socket, packet.data() + sent, packet.size() - sent, MSG_NOSIGNAL);
+    if (count > 0) {
+      sent += static_cast<std::size_t>(count);
+      bytes += static_cast<std::uint64_t>(count);
+      taken = Clock::now();
+      continue;
     }
-    sent += static_cast<std::size_t>(count);
+    if (count < 0 && errno == EINTR) continue;
+    const bool full = count < 0 && (errno == EAGAIN || errno == EWOULDBLOCK);
+    if (!full || abandoned || Clock::now() - taken > kLongestSend) return false;
+    pollfd waiting_for{socket, POLLOUT, 0};
+    poll(&waiting_for, 1, 100);
   }
   return true;
 }
 
-bool TevViewer::show(const std::string& name, const Picture& picture) {
-  if (socket_ < 0) return false;
+bool TevViewer::Link::send(const Shown& shown) {
+  const auto& [name, picture] = shown;
   const std::uint64_t count = picture.channels.size();
-  if (name != shown_) {
+  if (name != named) {
     std::string packet = begin_packet(create_image, true, name);
     for (const std::uint64_t number : {std::uint64_t{picture.width}, std::uint64_t{picture.height}, count})
       add(packet, static_cast<std::uint32_t>(number));
     add_names(packet, picture.channels);
     if (!send(packet)) return false;
-    shown_ = name;
+    named = name;
   }
   const auto rows = static_cast<std::uint32_t>(std::clamp<std::uint64_t>(
       kMostValues / std::max<std::uint64_t>(picture.width * count, 1), 1, std::max(picture.height, 1u)));
@@ -151,6 +210,58 @@ bool TevViewer::show(const std::string& name, const Picture& picture) {
     if (!send(packet)) return false;
   }
   return true;
+}
+
+TevViewer::TevViewer(const std::string& address) : link_(std::make_shared<Link>()) {
+  const auto [host, port] = host_and_port(address);
+  std::thread([link = link_, host = host, port = port] {
+    try {
+      link->serve(host, port);
+    } catch (const std::bad_alloc&) { // a picture that there is no room for is none that can be shown
+      const std::lock_guard lock(link->mutex);
+      link->gone = true, link->connecting = link->sending = false;
+      link->changed.notify_all();
+    }
+  }).detach();
+  std::unique_lock lock(link_->mutex);
+  const bool answered = link_->changed.wait_for(lock, kLongestConnect, [&] { return !link_->connecting; });
+  if (!link_->no_host.empty())
+    throw Error("--tev", fmt::format("the host {} is not known: {}", host, link_->no_host),
+                "check its name, or leave out --tev");
+  if (answered && !link_->gone) return;
+  link_->closing = link_->abandoned = true;
+  link_->changed.notify_all();
+  throw Error("--tev",
+              fmt::format("no tev answers at {}:{}: {}", host, port,
+                          answered ? link_->problem : std::string(std::strerror(ETIMEDOUT))),
+              "start tev there, or leave out --tev");
+}
+
+TevViewer::~TevViewer() {
+  const std::lock_guard lock(link_->mutex);
+  link_->closing = link_->abandoned = true;
+  link_->changed.notify_all();
+}
+
+bool TevViewer::show(const std::string& name, const Picture& picture) {
+  Link::Shown shown{name, picture};
+  const std::lock_guard lock(link_->mutex);
+  if (link_->gone) return false;
+  link_->waiting = std::move(shown);
+  link_->changed.notify_all();
+  return true;
+}
+
+bool TevViewer::finish() {
+  std::unique_lock lock(link_->mutex);
+  const auto is_over = [&] { return link_->gone || (!link_->waiting && !link_->sending); };
+  std::uint64_t before = link_->bytes;
+  while (!link_->changed.wait_for(lock, kEndWait, is_over)) {
+    const std::uint64_t now = link_->bytes;
+    if (now - before < kEndBytes) link_->gone = true;
+    before = now;
+  }
+  return !link_->gone;
 }
 
 } // namespace wavepath

@@ -10,6 +10,7 @@
 #include <optional>
 
 #include <fmt/format.h>
+#include <sys/resource.h>
 
 #include "host/base/error.h"
 #include "host/gpu/device_choice.h"
@@ -130,7 +131,9 @@ VkInstance create_instance(bool validation, std::span<const char* const> window_
   info.enabledExtensionCount = static_cast<std::uint32_t>(extensions.size());
   info.ppEnabledExtensionNames = extensions.data();
   VkInstance instance = VK_NULL_HANDLE;
-  check(vkCreateInstance(&info, nullptr, &instance), "creating a Vulkan instance");
+  const VkResult result = vkCreateInstance(&info, nullptr, &instance);
+  if (result == VK_ERROR_INCOMPATIBLE_DRIVER) throw Error("Vulkan", "there is no driver", driver_remedy());
+  check(result, "creating a Vulkan instance");
   return instance;
 }
 
@@ -294,6 +297,12 @@ void check(VkResult result, const char* what) {
     throw DeviceLost("Vulkan", fmt::format("{} failed: {}", what, result_name(result)),
                      "see the system's log for why; run again, or choose another device with --device");
   const bool memory = result == VK_ERROR_OUT_OF_HOST_MEMORY || result == VK_ERROR_OUT_OF_DEVICE_MEMORY;
+  rlimit limit{};
+  if (result == VK_ERROR_INITIALIZATION_FAILED && getrlimit(RLIMIT_AS, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY)
+    throw Error("Vulkan",
+                fmt::format("{} failed: the driver finds too little memory, of which {} MiB are allowed", what,
+                            limit.rlim_cur >> 20),
+                "allow more (ulimit -v)");
   throw Error("Vulkan", fmt::format("{} failed: {} ({})", what, result_name(result), static_cast<int>(result)),
               memory ? "use a smaller --size or scene, or close other programs"
                      : "run `wavepath info` to see the device, or choose another with --device");

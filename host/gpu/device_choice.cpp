@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cstdlib>
 
 #include <fmt/format.h>
 
@@ -34,9 +35,18 @@ bool has_number(const std::string& name, const std::string& number) {
 
 } // namespace
 
+std::string driver_remedy() {
+  std::string set;
+  for (const char* name : {"VK_DRIVER_FILES", "VK_ICD_FILENAMES", "VK_ADD_DRIVER_FILES", "VK_LOADER_DRIVERS_SELECT",
+                           "VK_LOADER_DRIVERS_DISABLE"})
+    if (const char* value = std::getenv(name); value && *value)
+      set += fmt::format("{}{} is '{}'", set.empty() ? "" : " and ", name, value);
+  if (set.empty()) return "install a driver; mesa-vulkan-drivers has one for any CPU";
+  return fmt::format("{}, which hides the drivers: unset it, or name the .json file of one that is installed", set);
+}
+
 std::size_t choose_device(const std::vector<DeviceInfo>& devices, const std::string& wanted) {
-  if (devices.empty())
-    throw Error("Vulkan", "no device found", "install a driver; mesa-vulkan-drivers has one for any CPU");
+  if (devices.empty()) throw Error("Vulkan", "no device found", driver_remedy());
   std::string known;
   for (std::size_t i = 0; i < devices.size(); ++i) known += fmt::format("{}{} = {}", i ? ", " : "", i, devices[i].name);
 

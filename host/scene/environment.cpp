@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <optional>
 #include <sstream>
+#include <utility>
 
 #include "host/base/error.h"
 #include "host/base/read_file.h"
@@ -122,6 +123,24 @@ void read_map(const std::string& file, bool is_exr, Environment& environment) {
     check_texel(file, environment.map[i], i % environment.width, i / environment.width);
 }
 
+// Sums of radiance overflow above, as of the lights of a file.
+constexpr double kBrightestEnvironment = 1e30;
+
+Environment not_too_bright(Environment environment) {
+  double largest = 1.0;
+  if (!environment.map.empty()) largest = 0.0;
+  for (const glm::vec3& texel : environment.map)
+    largest = std::max<double>(largest, std::max({texel.r, texel.g, texel.b}));
+  largest *= std::max({environment.radiance.r, environment.radiance.g, environment.radiance.b});
+  if (!(largest <= kBrightestEnvironment)) {
+    std::ostringstream value;
+    value << largest;
+    throw UsageError("--env-intensity", "makes the environment as bright as " + value.str() + ", more than 1e30",
+                     "give a smaller factor, or a darker environment");
+  }
+  return environment;
+}
+
 Environment make_builtin(const std::string& name) {
   if (name == "studio") return studio_environment();
   if (name == "sky") return sky_environment();
@@ -145,13 +164,13 @@ Environment load_environment(const std::string& source, double intensity, double
     for (int c = 0; c < 3; ++c)
       if (!std::isfinite(environment.radiance[c]) || environment.radiance[c] < 0.0f)
         throw UsageError("--env", "radiance " + source + " must be finite and not negative", "give R,G,B of 0 or more");
-    return environment;
+    return not_too_bright(std::move(environment));
   }
   if (std::ranges::count(kEnvironmentNames, source) > 0) {
     Environment builtin = make_builtin(source);
     builtin.radiance *= environment.radiance;
     builtin.rotation = rotation;
-    return builtin;
+    return not_too_bright(std::move(builtin));
   }
   const std::string extension = lower_extension(source);
   if (extension != ".exr" && extension != ".hdr")
@@ -159,7 +178,7 @@ Environment load_environment(const std::string& source, double intensity, double
                      "'" + source + "' is neither R,G,B nor a .exr or .hdr file, nor studio, sky, black or white",
                      "give one of these names, a constant such as 1,1,1, or a lat-long image of one of these types");
   read_map(source, extension == ".exr", environment);
-  return environment;
+  return not_too_bright(std::move(environment));
 }
 
 } // namespace wavepath

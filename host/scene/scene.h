@@ -87,6 +87,7 @@ struct Environment {
 
 struct Scene {
   std::string path;
+  std::vector<std::string> files; // buffers and images beside it, those that nothing uses included
   std::vector<Image> images;
   std::vector<Material> materials;
   std::vector<Mesh> meshes;

@@ -13,6 +13,7 @@
 #include <fmt/format.h>
 
 #include "host/base/error.h"
+#include "host/base/failure.h"
 #include "host/film/picture_io.h"
 #include "host/render/denoised.h"
 #include "host/render/device/kernel_compiler.h"
@@ -228,9 +229,15 @@ private:
          ++octave)
       for (std::size_t i = 0; i < active.size(); ++i) {
         if (!active[i]) continue;
-        if (octave == 0) warm_up(study_.series[i], *active[i]);
-        measure(study_.series[i], octave, *active[i]);
+        const bool measured = is_rendered(study_.series[i], [&] {
+          if (octave == 0) warm_up(study_.series[i], *active[i]);
+          measure(study_.series[i], octave, *active[i]);
+        });
         if (study_.interrupted) return;
+        if (!measured) {
+          active[i] = nullptr;
+          continue;
+        }
         const double seconds = study_.series[i].points.back().seconds * (by_signal_ ? 2.0 : 1.0); // see measure()
         used[i] += seconds;
         if (used[i] + 2.0 * seconds > share || (1u << octave) >= kMostSamples) active[i] = nullptr;
@@ -265,25 +272,34 @@ private:
     if (octave == kFirstOctave) return;
     for (Series* series : fitting) {
       Series longer{series->configuration, {}, {}};
-      measure(longer, octave, kernels);
+      const bool measured = is_rendered(*series, [&] { measure(longer, octave, kernels); });
       if (study_.interrupted) return;
-      *series = std::move(longer);
+      if (measured) *series = std::move(longer);
     }
   }
 
   // Measures the first octave. False if the device cannot hold it, where that is a matter of one configuration: the
   // size of its maps.
   bool fits_device(Series& series, KernelCompiler& kernels) {
-    try {
+    return is_rendered(series, [&] {
       if (warm_.insert(std::string(series.configuration.value_of("shadows"))).second) warm_up(series, kernels);
       if (!study_.interrupted) measure(series, kFirstOctave, kernels);
-    } catch (const DeviceLost&) {
-      throw;
-    } catch (const Error& error) {
-      study_.unfit.push_back({series.configuration.name(), error.what()});
-      return false;
+    });
+  }
+
+  // A configuration that fails is left out, or ends with what it has; a device that is lost ends the study so.
+  template <class Step>
+  bool is_rendered(const Series& series, const Step& step) {
+    try {
+      step();
+      return true;
+    } catch (const DeviceLost& lost) {
+      study_.lost = lost.what();
+      study_.interrupted = true;
+    } catch (const std::exception& failure) {
+      study_.unfit.push_back({series.configuration.name(), failure_text(failure)});
     }
-    return true;
+    return false;
   }
 
   // The first render of a kernel also takes the time of what drivers postpone until then.

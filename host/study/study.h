@@ -113,6 +113,7 @@ struct Study {
   std::vector<Series> series;              // the naive configuration first
   std::vector<Unfit> unfit;
   bool interrupted = false;
+  std::string lost; // what ended it, if that was the device
 
   const StudyReference& reference_of(const Series& one) const { return one.shows_occlusion() ? *occlusion : reference; }
   bool at_floor(const Series& one, double relative_rms) const {

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <filesystem>
 
-#include "host/base/error.h"
 #include "host/film/error_map.h"
 #include "host/film/picture_io.h"
 #include "host/study/tables.h"
@@ -39,18 +38,20 @@ StudyPictures plan_pictures(const Study& study) {
   return {seconds, middle_exposure(study.reference.picture), brightest_flip(study, seconds)};
 }
 
-std::string picture_name(const Series& series) { return "pictures/" + series.configuration.name("-") + ".png"; }
-std::string map_name(const Series& series) { return "pictures/" + series.configuration.name("-") + "-error.png"; }
-
-std::string false_shadow_name(const Series& series) {
-  return "pictures/" + series.configuration.name("-") + "-false-shadows.png";
+std::vector<std::string> picture_names(const std::string& configuration) {
+  std::vector<std::string> names;
+  for (const char* kind : {"", "-error", "-false-shadows"})
+    names.push_back("pictures/" + configuration + kind + ".png");
+  return names;
 }
+
+std::string picture_name(const Series& series) { return picture_names(series.configuration.name("-"))[0]; }
+std::string map_name(const Series& series) { return picture_names(series.configuration.name("-"))[1]; }
+
+std::string false_shadow_name(const Series& series) { return picture_names(series.configuration.name("-"))[2]; }
 
 void write_pictures(const std::string& folder, const Study& study, const StudyPictures& plan) {
   const std::filesystem::path path = folder;
-  std::error_code error;
-  std::filesystem::create_directories(path / "pictures", error);
-  if (error) throw Error(folder, "cannot be made (" + error.message() + ")", "name another folder");
   WriteOptions shown_at;
   shown_at.exposure = plan.exposure;
   const WriteOptions as_they_are{false, 0.0, Tonemap::none};

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "host/study/study.h"
 
@@ -17,10 +18,13 @@ StudyPictures plan_pictures(const Study& study);
 // Names within the folder of the study.
 inline constexpr const char* kReferencePicture = "pictures/reference.png";
 inline constexpr const char* kOcclusionPicture = "pictures/ao-reference.png";
+// Of one configuration, by its name: the picture, its error map, its false shadows.
+std::vector<std::string> picture_names(const std::string& configuration);
 std::string picture_name(const Series& series);
 std::string map_name(const Series& series);
 std::string false_shadow_name(const Series& series);
 
+// Into a folder that has one called pictures.
 void write_pictures(const std::string& folder, const Study& study, const StudyPictures& plan);
 
 } // namespace wavepath

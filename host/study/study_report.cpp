@@ -1,11 +1,15 @@
 #include "host/study/study_report.h"
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <iterator>
 
 #include <fmt/format.h>
 
 #include "host/base/atomic_file.h"
+#include "host/base/error.h"
+#include "host/base/failure.h"
 #include "host/base/shell_quote.h"
 #include "host/film/picture_io.h"
 #include "host/render/report/stats.h"
@@ -18,6 +22,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+constexpr const char* kOcclusionFile = "ao-reference.exr";
 constexpr std::string_view kReachNames[] = {"interpolated", "extrapolated", "at_most", "not_reached"}; // as Reach
 
 Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
@@ -29,10 +34,10 @@ std::string in_folder(const StudyRecord& record, const std::string& name) {
 
 std::string reference_file(const StudyRecord& record) {
   const std::string& own = record.study.reference.file;
-  return own.empty() ? in_folder(record, "reference.exr") : own;
+  return own.empty() ? in_folder(record, kReferenceFile) : own;
 }
 
-std::string occlusion_file(const StudyRecord& record) { return in_folder(record, "ao-reference.exr"); }
+std::string occlusion_file(const StudyRecord& record) { return in_folder(record, kOcclusionFile); }
 
 // The flags that all frames of the grid share, and that paths do not take.
 std::string frame_flags(const StudyRecord& record) {
@@ -305,14 +310,31 @@ std::string study_csv(const StudyRecord& record) {
   return text;
 }
 
+std::vector<std::string> study_files(const std::string& folder, const std::vector<Configuration>& grid) {
+  std::vector<std::string> names = {"study.csv",    "study.json",      "report.html",    kReferenceFile,
+                                    kOcclusionFile, kReferencePicture, kOcclusionPicture};
+  for (const Configuration& one : grid) std::ranges::copy(picture_names(one.name("-")), std::back_inserter(names));
+  for (std::string& name : names) name = (std::filesystem::path(folder) / name).string();
+  return names;
+}
+
 void write_study(const StudyRecord& record) {
-  write_pictures(record.folder, record.study, plan_pictures(record.study));
   const Study& study = record.study;
-  if (study.reference.file.empty())
-    write_reference(record, study.reference, reference_file(record), reference_command(record));
-  if (study.occlusion) write_reference(record, *study.occlusion, occlusion_file(record), occlusion_command(record));
-  write_file(in_folder(record, "study.csv"), study_csv(record));
-  write_file(in_folder(record, "study.json"), to_text(study_document(record)));
+  std::error_code error;
+  std::filesystem::create_directories(in_folder(record, "pictures"), error);
+  if (error) throw Error(record.folder, fmt::format("cannot be made ({})", error.message()), "name another folder");
+  Attempts attempts;
+  attempts.attempt([&] { write_file(in_folder(record, "study.csv"), study_csv(record)); });
+  attempts.attempt([&] { write_file(in_folder(record, "study.json"), to_text(study_document(record))); });
+  attempts.attempt([&] {
+    if (study.reference.file.empty())
+      write_reference(record, study.reference, reference_file(record), reference_command(record));
+  });
+  attempts.attempt([&] {
+    if (study.occlusion) write_reference(record, *study.occlusion, occlusion_file(record), occlusion_command(record));
+  });
+  attempts.attempt([&] { write_pictures(record.folder, study, plan_pictures(study)); });
+  attempts.finish();
 }
 
 } // namespace wavepath

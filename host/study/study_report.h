@@ -3,6 +3,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include <nlohmann/json.hpp>
 
@@ -22,7 +23,12 @@ struct StudyRecord {
 nlohmann::ordered_json study_document(const StudyRecord& record);
 std::string study_csv(const StudyRecord& record);
 
-// Into the folder of the record, which is created if its parent is there. Each file is whole or not there.
+inline constexpr const char* kReferenceFile = "reference.exr"; // in the folder, where none is given
+// The files that a study of these configurations may write into `folder`.
+std::vector<std::string> study_files(const std::string& folder, const std::vector<Configuration>& grid);
+
+// Into the folder of the record, which is created if its parent is there. Each file is whole or not there, and written
+// whatever becomes of the others.
 void write_study(const StudyRecord& record);
 
 } // namespace wavepath

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -66,6 +69,8 @@ private:
   void take_settings();
   void act(const PanelWishes& wishes);
   void save(const char* extension);
+  void save_what_waits();
+  bool resizing() const;
   void write(const std::string& path);
   bool compares() const;
   // The map of errors is of both, and shown whole.
@@ -108,6 +113,7 @@ private:
   bool exposed_ = false;          // it was chosen at all
   int redraws_ = kSettling;
   bool worked_ = false, drawn_done_ = false;
+  std::vector<std::string> waiting_; // extensions of pictures to save
   double last_draw_ = 0.0, last_move_ = 0.0;
   glm::uvec2 resizing_to_{0}, refused_{0};
   double resized_ = -1.0; // when the window's size changed; below zero: it has not
@@ -142,6 +148,7 @@ int Viewer::run() {
     worked_ = (has_work() || done()) && // once done, it takes in the last estimate of the error
               (comparison_ ? comparison_->step() : progressive_.step());
     status_ = progressive_.status();
+    save_what_waits();
     if (scripted() && done() && (drawn_done_ || !seen())) {
       if (!request_.screenshot.empty()) write(request_.screenshot);
       break;
@@ -272,11 +279,19 @@ void Viewer::focus() {
   move_camera();
 }
 
-// The picture follows the window once its edges have come to rest. That of a scripted window has the size asked for.
+// Whether the picture is to follow the window, which has another size. That of a scripted window has the size asked
+// for.
+bool Viewer::resizing() const {
+  const glm::uvec2 size = window_.size();
+  const RenderSettings& settings = progressive_.settings();
+  return !scripted() && size.x > 0 && size != refused_ && (size.x != settings.width || size.y != settings.height);
+}
+
+// The picture follows the window once its edges have come to rest.
 void Viewer::fit_size() {
   const glm::uvec2 size = window_.size();
   const RenderSettings& settings = progressive_.settings();
-  if (scripted() || size.x == 0 || size == refused_ || (size.x == settings.width && size.y == settings.height)) {
+  if (!resizing()) {
     resized_ = -1.0;
     return;
   }
@@ -343,13 +358,23 @@ void Viewer::act(const PanelWishes& wishes) {
 }
 
 void Viewer::save(const char* extension) {
-  try {
-    const std::string name = free_name(request_.scene->path, extension);
-    write(name);
-    panel_.message = "saved " + name;
-  } catch (const Error& error) {
-    panel_.message = error.what();
-  }
+  waiting_.emplace_back(extension);
+  save_what_waits();
+  if (!waiting_.empty()) panel_.message = "saving once the picture is whole";
+}
+
+// While the window is resized or the camera moves, a picture is a coarse one, or has another size than the window.
+void Viewer::save_what_waits() {
+  if (waiting_.empty() || resizing() || progressive_.moving() || progressive_.coarse() > 1 || progressive_.spp() == 0)
+    return;
+  for (const std::string& extension : std::exchange(waiting_, {})) try {
+      const std::string name = free_name(request_.scene->path, extension.c_str());
+      write(name);
+      panel_.message = "saved " + name;
+    } catch (const Error& error) {
+      panel_.message = error.what();
+    }
+  redraws_ = kSettling; // of the message
 }
 
 // The picture as it is shown: split, or where its shadows are false.

@@ -69,8 +69,7 @@ constinit const IntegratorKind kBidirectional = {
     .light_lesson_bytes = kLightRowBytes + kLightSumBytes,
     .measures_depth_cut = true,
     .first_hit_stages = kFirstHitStages,
-    .unfit = [](const RenderSettings&,
-                const PackedScene& scene) { return lacked_lobes(scene, kBidirectionalLacks); },
+    .unfit = [](const RenderSettings&, const PackedScene& scene) { return lacked_lobes(scene, kBidirectionalLacks); },
     .features = film_features,
     .start_kernels = start_kernels,
     .bytes_per_slot =

@@ -1,5 +1,7 @@
 #include "host/render/loop/film_estimates.h"
 
+#include <system_error>
+
 #include "host/base/clock.h"
 
 namespace wavepath {
@@ -27,8 +29,14 @@ std::shared_ptr<FilmSnapshot> FilmEstimates::copy(Commands& commands, const Film
 }
 
 std::future<FilmEstimate> FilmEstimates::begin(std::shared_ptr<FilmSnapshot> copy) {
-  return std::async(std::launch::async,
-                    [copy = std::move(copy)] { return make_estimate([&] { return copy->read(); }); });
+  const auto estimate = [copy = std::move(copy)] { return make_estimate([&] { return copy->read(); }); };
+  try {
+    return std::async(std::launch::async, estimate);
+  } catch (const std::system_error&) { // no thread can be had, and a render must not end for that
+    std::promise<FilmEstimate> now;
+    now.set_value(estimate());
+    return now.get_future();
+  }
 }
 
 std::future<FilmEstimate> estimate_now(const FilmTarget& film) {

@@ -240,6 +240,10 @@ Scene load_moment(const std::filesystem::path& path, const LoadOptions& options,
   Document document = gltf::open_document(path);
   Scene scene;
   scene.path = path.string();
+  for (const auto* sources : {&document.buffers, &document.images})
+    for (const gltf::Source& source : *sources)
+      if (!source.uri.empty() && !gltf::is_data_uri(source.uri))
+        if (const auto file = gltf::resolve_uri(path.parent_path(), source.uri)) scene.files.push_back(file->string());
   scene.extensions_used = document.model.extensionsUsed;
   gltf::warn_of_unsupported_extensions(scene.extensions_used, scene.warnings);
   if (!options.animation.empty()) gltf::pose(document, scene.warnings, options.animation, seconds);

@@ -1,0 +1,235 @@
+// Nothing that a render has made is lost: not to what is measured after it, to an output that fails, to a terminal or a
+// reader that goes away, or to a viewer that hangs.
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include <fcntl.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <unistd.h>
+#include <nlohmann/json.hpp>
+
+#include <gtest/gtest.h>
+
+#include "host/base/clock.h"
+#include "tests/fake_tev.h"
+#include "tests/scene_folder.h"
+#include "tests/vulkan_device.h"
+
+namespace wavepath::test {
+namespace {
+
+using Json = nlohmann::json;
+
+const std::string kBox = std::string(WAVEPATH_SOURCE_DIR) + "/scenes/cornell_box.gltf";
+
+class OutputsRender : public SceneFolder {
+protected:
+  void SetUp() override { end_test_without_device(list_devices().empty() ? "no driver offers one" : ""); }
+
+  Outcome render(const std::string& scene, const std::vector<std::string>& flags,
+                 const RunOptions& options = {}) const {
+    std::vector<std::string> words = {"render", scene, "--size", "16x12", "--spp", "2"};
+    words.insert(words.end(), flags.begin(), flags.end());
+    return run(words, options);
+  }
+  bool whole(const std::string& name) const { return read_picture(file(name)).width == 16; }
+
+  // A slab of glass under a lamp, whose glass disperses light, or whose body scatters it.
+  std::string slab(const std::string& extension, const Json& values) const {
+    Json root =
+        Json::parse(std::ifstream(std::string(WAVEPATH_SOURCE_DIR) + "/scenes/analytic/absorbing_glass_slab.gltf"));
+    root["materials"][1]["extensions"][extension] = values;
+    root["extensionsUsed"].push_back(extension);
+    root["extensionsUsed"].push_back("KHR_lights_punctual");
+    root["extensions"]["KHR_lights_punctual"]["lights"] = {{{"type", "point"}, {"intensity", 3.0}}};
+    root["nodes"].push_back({{"extensions", {{"KHR_lights_punctual", {{"light", 0}}}}}, {"translation", {0, 2, 0}}});
+    root["scenes"][0]["nodes"].push_back(root["nodes"].size() - 1);
+    const std::string path = file(extension + ".gltf");
+    std::ofstream(path) << root;
+    return path;
+  }
+  std::string dispersing() const { return slab("KHR_materials_dispersion", {{"dispersion", 0.3}}); }
+};
+
+// Textures and buffers are known once the scene is read.
+TEST_F(OutputsRender, ReplaceNoFileOfTheScene) {
+  for (const char* line : {"render scene.gltf -o skin.png", "render scene.gltf -o hard.png",
+                           "render scene.gltf -o a.exr -o sub/../unused.png",
+                           "render scene.gltf -o a.exr --stats shape.bin", "bench scene.gltf --json shape.bin"})
+    expect_refused(line, "would overwrite an input");
+  std::filesystem::create_directories(file("sub/pictures"));
+  std::filesystem::create_hard_link(file("skin.png"), file("sub/pictures/reference.png"));
+  expect_refused("study scene.gltf -o sub --vary sampler --budget 1", "would overwrite an input");
+}
+
+// How much light paths from the camera cannot find is measured by an integrator that cannot render every scene.
+TEST_F(OutputsRender, WhatCannotBeMeasuredIsTold) {
+  const std::string scatter = "KHR_materials_volume_scatter";
+  for (const auto& [scene, problem] : {std::pair{dispersing(), "cannot render glass that disperses light"},
+                                       std::pair{slab(scatter, {{"multiscatterColor", {0.5, 0.5, 0.5}}}),
+                                                 "cannot render volumes that scatter light"}}) {
+    SCOPED_TRACE(problem);
+    const Outcome outcome = render(scene, {"-o", "a.exr", "--stats", "s.json", "--json", "-v"});
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_TRUE(whole("a.exr"));
+    const Json stats = Json::parse(contents(file("s.json")));
+    EXPECT_EQ(stats, Json::parse(outcome.out));
+    EXPECT_NE(
+        stats["bias"].dump().find("how much was not measured (--integrator bidirectional: " + std::string(problem)),
+        std::string::npos)
+        << stats["bias"];
+    const std::string warning =
+        "wavepath: warning: how much light is missing was not measured: --integrator bidirectional";
+    EXPECT_NE(outcome.err.find(warning), std::string::npos) << outcome.err;
+    EXPECT_EQ(outcome.err.find(warning), outcome.err.rfind(warning)) << outcome.err;
+    const Outcome quiet = render(scene, {"-o", "b.png", "-q"});
+    EXPECT_EQ(quiet.exit_code, 0);
+    EXPECT_EQ(quiet.err, "") << "nobody asked";
+  }
+}
+
+// Of a grid, what can be rendered is, and the rest is named.
+TEST_F(OutputsRender, AStudyLeavesOutWhatCannotBeRendered) {
+  const Outcome outcome = run({"study", dispersing(), "-o", "study", "--vary", "integrator", "--size", "8x8",
+                               "--budget", "0.5", "--reference-spp", "2"});
+  const Json study = Json::parse(contents(file("study/study.json")));
+  std::string left_out;
+  for (const Json& one : study["unfit"]) left_out += one["configuration"].get<std::string>() + " ";
+  EXPECT_EQ(left_out, "bidirectional whitted ");
+  EXPECT_GT(study["configurations"].size(), 1u);
+  EXPECT_NE(outcome.err.find("wavepath: left out bidirectional, whitted: cannot render glass that disperses light"),
+            std::string::npos)
+      << outcome.err;
+}
+
+// The device goes while the report is measured: the picture and the stats are there.
+TEST_F(OutputsRender, ADeviceThatIsLostInTheReportCostsNoPicture) {
+  bool lost = false;
+  for (int submissions = 4; submissions < 200 && !lost; submissions = submissions * 5 / 4) {
+    RunOptions options;
+    options.in_child = [&] { setenv("WAVEPATH_LOSE_DEVICE", std::to_string(submissions).c_str(), 1); };
+    const Outcome outcome = render(kBox, {"--integrator", "path", "-o", "a.exr", "--stats", "s.json"}, options);
+    if (outcome.err.find("not measured: the device was lost") == std::string::npos) continue;
+    lost = true;
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_TRUE(whole("a.exr"));
+    EXPECT_NE(Json::parse(contents(file("s.json")))["bias"].dump().find("was not measured (the device was lost"),
+              std::string::npos);
+  }
+  EXPECT_TRUE(lost) << "no number of submissions ended within the report";
+}
+
+TEST_F(OutputsRender, OneThatFailsDoesNotCostTheOthers) {
+  // What is a folder, or leads into nothing, by the time it is written: the folder of `gone` is removed meanwhile.
+  RunOptions full;
+  full.in_child = [] { // files of at most 1 KiB
+    const rlimit limit{1024, 1024};
+    setrlimit(RLIMIT_FSIZE, &limit);
+    setenv("MESA_SHADER_CACHE_DISABLE", "1", 1);
+    setenv("WAVEPATH_CACHE", "off", 1);
+  };
+  const Outcome outcome =
+      render(kBox, {"--integrator", "path", "-o", "a.exr", "-o", "small.png", "--stats", "s.json", "--json"}, full);
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_NE(outcome.err.find("wavepath: error: "), std::string::npos) << outcome.err;
+  EXPECT_NE(outcome.err.find("a.exr: cannot write"), std::string::npos) << outcome.err;
+  EXPECT_NE(outcome.err.find("wavepath: warning: "), std::string::npos) << "of the stats file: " << outcome.err;
+  EXPECT_NE(outcome.err.find("wavepath: small.png (exposure"), std::string::npos) << outcome.err;
+  EXPECT_TRUE(whole("small.png"));
+  EXPECT_FALSE(std::filesystem::exists(file("a.exr")));
+  EXPECT_EQ(Json::parse(outcome.out)["spp"], 2);
+
+  RunOptions no_reader;
+  no_reader.in_child = [] { dup2(open("/dev/full", O_WRONLY), STDOUT_FILENO); };
+  const Outcome told = render(kBox, {"--integrator", "path", "-o", "b.exr", "--stats", "t.json", "--json"}, no_reader);
+  EXPECT_EQ(told.exit_code, 1);
+  EXPECT_NE(told.err.find("wavepath: error: stdout: cannot be written (No space left on device)"), std::string::npos);
+  EXPECT_TRUE(whole("b.exr"));
+  EXPECT_EQ(Json::parse(contents(file("t.json")))["spp"], 2);
+}
+
+// Streams that nobody reads, or that are not there at all, and a disk under stderr that is full.
+TEST_F(OutputsRender, BrokenStreamsCostNoPicture) {
+  const auto broken = [](int descriptor) {
+    int ends[2];
+    if (pipe(ends) != 0) _exit(98);
+    dup2(ends[1], descriptor);
+    close(ends[0]), close(ends[1]);
+  };
+  const std::vector<std::pair<const char*, std::function<void()>>> ways = {
+      {"stderr: broken pipe", [&] { broken(STDERR_FILENO); }},
+      {"stderr: closed", [] { close(STDERR_FILENO); }},
+      {"stderr: full", [] { dup2(open("/dev/full", O_WRONLY), STDERR_FILENO); }},
+      {"stdout: broken pipe", [&] { broken(STDOUT_FILENO); }},
+      {"stdout: closed", [] { close(STDOUT_FILENO); }},
+      {"all closed", [] { close(STDIN_FILENO), close(STDOUT_FILENO), close(STDERR_FILENO); }},
+      {"both: broken pipes", [&] { broken(STDOUT_FILENO), broken(STDERR_FILENO); }}};
+  for (const auto& [name, in_child] : ways) {
+    SCOPED_TRACE(name);
+    RunOptions options;
+    options.in_child = in_child;
+    const bool out = std::string(name).find("stderr") != 0;
+    std::vector<std::string> flags = {"--integrator", "path",   "-o",           "a.exr",
+                                      "--stats",      "s.json", "--checkpoint", "state"};
+    if (out) flags.emplace_back("--json");
+    const Outcome outcome = render(kBox, flags, options);
+    const bool reader_gone = std::string(name).find("stdout: broken") == 0 || std::string(name).find("both") == 0;
+    EXPECT_EQ(outcome.exit_code, reader_gone ? 141 : out ? 1 : 0) << outcome.err;
+    EXPECT_TRUE(whole("a.exr"));
+    EXPECT_EQ(Json::parse(contents(file("s.json")))["spp"], 2);
+    for (const char* made : {"a.exr", "s.json", "state"}) EXPECT_TRUE(std::filesystem::remove(file(made))) << made;
+  }
+}
+
+// A terminal that closes sends SIGHUP, often more than once, and takes stderr with it.
+TEST_F(OutputsRender, AHangUpSavesAndExits130) {
+  for (const int times : {1, 3}) {
+    RunOptions options;
+    options.in_child = [=] { // this process sends them, from a child of its own, once the state is there
+      const pid_t parent = getpid();
+      if (fork() != 0) return;
+      prctl(PR_SET_PDEATHSIG, SIGKILL);
+      for (int i = 0; i < 3000 && access("state", F_OK) != 0; ++i) usleep(10000);
+      for (int i = 0; i < times; ++i) kill(parent, SIGHUP), usleep(2000);
+      _exit(0);
+    };
+    const Outcome outcome = render(kBox,
+                                   {"--integrator", "path", "--spp", "100000000", "-o", "a.exr", "--checkpoint",
+                                    "state", "--checkpoint-interval", "0"},
+                                   options);
+    EXPECT_EQ(outcome.exit_code, 130) << outcome.err;
+    EXPECT_TRUE(whole("a.exr"));
+    EXPECT_TRUE(std::filesystem::remove(file("state")));
+    EXPECT_TRUE(std::filesystem::remove(file("a.exr")));
+  }
+}
+
+// It takes the connection and reads nothing.
+TEST_F(OutputsRender, AViewerThatHangsStallsNothing) {
+  const SilentTev tev;
+  const std::vector<std::string> flags = {"--integrator", "path",
+                                          "--size",       "640x480",
+                                          "--max-depth",  "1",
+                                          "-o",           "a.exr",
+                                          "--aov",        "albedo,normal,position,direct,indirect"};
+  const auto seconds = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), flags.begin(), flags.end());
+    const Clock::time_point start = Clock::now();
+    const Outcome outcome = render(kBox, more);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    if (more.size() > flags.size())
+      EXPECT_NE(outcome.err.find("--tev: the viewer did not take the whole picture"), std::string::npos) << outcome.err;
+    return seconds_since(start);
+  };
+  seconds({}); // the kernels are in the cache
+  const double without = seconds({}), with = seconds({"--tev", tev.address()});
+  EXPECT_LT(with, without + 3.0) << "a second, and what a busy machine adds; before, ten";
+}
+
+} // namespace
+} // namespace wavepath::test
