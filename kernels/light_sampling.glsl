@@ -21,27 +21,31 @@ float solid_angle_pdf(float pdf_area, vec3 to_light, vec3 n) {
   return cosine > 0.0 ? pdf_area * d2 / cosine : 0.0;
 }
 
-// A triangle whose emission texture varies is cut into n * n congruent parts, each picked by an interval of its own: rows of
-// upright and inverted triangles in turn along its first edge, numbered row by row.
+// A triangle whose emission texture varies is cut into parts, each picked by an interval of its own. The middles of its edges
+// cut it into quarters, those cut each of them, and so on, down to 4^depth cells. The number of a cell has two bits for every
+// cut, the first one on top: 0 to 2 for the quarter at that corner, 3 for the one in the middle, which is turned by half a
+// turn about the middle of the whole. A part is 1, 4, 16, ... cells in a row, from where the part before ends to its own end.
 
-// Barycentric weights of a point of a part that has these weights within the part.
-vec2 weights_in_part(uint level, uint part, vec2 weights) {
-  int n = 1 << level, index = int(part);
-  int row = clamp(n - int(sqrt(float(n * n - index)) + 0.5), 0, n - 1);
-  if (row * (2 * n - row) > index) --row; // the root is one off at most
-  if ((row + 1) * (2 * n - row - 1) <= index) ++row;
-  int step_ = index - row * (2 * n - row);
-  vec2 corner = vec2(step_ >> 1, row);
-  return ((step_ & 1) != 0 ? corner + 1.0 - weights : corner + weights) / float(n);
+// Number of the cell that has the point with these barycentric weights.
+uint cell_at(uint depth, vec2 weights) {
+  uint cell = 0u;
+  for (uint i = 0u; i < depth; ++i) {
+    bool first = weights.x >= 0.5, second = !first && weights.y >= 0.5;
+    bool middle = !first && !second && weights.x + weights.y > 0.5;
+    cell = cell << 2u | (first ? 1u : second ? 2u : middle ? 3u : 0u);
+    weights = middle ? 1.0 - 2.0 * weights : 2.0 * weights - vec2(first ? 1.0 : 0.0, second ? 1.0 : 0.0);
+  }
+  return cell;
 }
 
-// Number of the part that has the point with these barycentric weights.
-uint part_at(uint level, vec2 weights) {
-  int n = 1 << level;
-  vec2 place = weights * float(n);
-  int row = clamp(int(place.y), 0, n - 1), column = clamp(int(place.x), 0, n - 1 - row);
-  bool inverted = column + row < n - 1 && place.x - float(column) + (place.y - float(row)) > 1.0;
-  return uint(row * (2 * n - row) + 2 * column) + (inverted ? 1u : 0u);
+// Barycentric weights of a point that has these weights within the part of so many cells from `cell` on.
+vec2 weights_in_part(uint depth, uint cell, uint cells, vec2 weights) {
+  for (uint shift = uint(findMSB(cells)); shift < 2u * depth; shift += 2u) {
+    uint quarter = cell >> shift & 3u;
+    weights *= 0.5;
+    weights = quarter == 3u ? 0.5 - weights : weights + vec2(quarter == 1u ? 0.5 : 0.0, quarter == 2u ? 0.5 : 0.0);
+  }
+  return weights;
 }
 
 // ---- punctual lights --------------------------------------------------------------------------------------------
@@ -139,37 +143,48 @@ uint pick_light(inout uvec2 u) {
   return index;
 }
 
-uint first_part; // of the triangle of which part_end tells
-uint part_end(uint part) {
-  uint word = first_part + part;
+// Behind the lights: of every triangle that is cut the number of its parts, their ends among the numbers that pick, and
+// their ends among the cells.
+uint part_word(uint word) {
   return texelFetch(light_texels, int(frame.light_count * kLightTexels + (word >> 2u)))[word & 3u];
+}
+uint first_part, part_count; // of the triangle of which these tell
+uint part_end(uint part) { return part_word(first_part + part); }
+uint part_cell_end(uint part) { return part_word(first_part + part_count + part); }
+void find_parts(uint parts) {
+  uint word = parts & kFirstPartMask;
+  part_count = part_word(word);
+  first_part = word + 1u;
 }
 
 // How many times denser the points of a part are picked than those of the triangle on average.
-float part_density(uint level, uint begin, uint end) {
-  return float(end - begin) * (1.0 / 4294967296.0) * float(1u << (2u * level));
+float part_density(uint depth, uint cells, uint begin, uint end) {
+  return float(end - begin) * (1.0 / 4294967296.0) * (float(1u << (2u * depth)) / float(cells));
 }
 
 // Barycentric weights of a point on a triangle light, and its density over the mean. `parts`: Light::parts.
 vec2 sample_light_triangle(uint parts, uvec2 u, out float density) {
   density = 1.0;
-  uint level = parts >> kPartLevelShift;
-  if (!has(kFeatureEmissionTextures) || level == 0u) return warp_triangle(unit_float(u));
-  first_part = parts & kFirstPartMask;
+  uint depth = parts >> kPartDepthShift;
+  if (!has(kFeatureEmissionTextures) || depth == 0u) return warp_triangle(unit_float(u));
+  find_parts(parts);
   uint part, begin, end, pick = min(u.x, kLargestPick);
-  PICK_INTERVAL(pick, 1u << (2u * level), part_end, part, begin, end)
+  PICK_INTERVAL(pick, part_count, part_end, part, begin, end)
   u.x = stretch(pick - begin, end - begin);
-  density = part_density(level, begin, end);
-  return weights_in_part(level, part, warp_triangle(unit_float(u)));
+  uint cell = part > 0u ? part_cell_end(part - 1u) : 0u, cells = part_cell_end(part) - cell;
+  density = part_density(depth, cells, begin, end);
+  return weights_in_part(depth, cell, cells, warp_triangle(unit_float(u)));
 }
 
 // That density of a point with these weights.
 float light_triangle_density(uint parts, vec2 weights) {
-  uint level = parts >> kPartLevelShift;
-  if (!has(kFeatureEmissionTextures) || level == 0u) return 1.0;
-  first_part = parts & kFirstPartMask;
-  uint part = part_at(level, weights);
-  return part_density(level, part > 0u ? part_end(part - 1u) : 0u, part_end(part));
+  uint depth = parts >> kPartDepthShift;
+  if (!has(kFeatureEmissionTextures) || depth == 0u) return 1.0;
+  find_parts(parts);
+  uint part, cell, cell_end, place = cell_at(depth, weights);
+  PICK_INTERVAL(place, part_count, part_cell_end, part, cell, cell_end)
+  cell_end = min(cell_end, 1u << (2u * depth));
+  return part_density(depth, cell_end - cell, part > 0u ? part_end(part - 1u) : 0u, part_end(part));
 }
 #endif
 

@@ -210,14 +210,13 @@ struct Light {
   uint triangle_id; // kLightTriangle
   float spot_scale; // cosine falloff: clamp(cos*scale + offset, 0, 1)^2, as KHR_lights_punctual gives it
   float spot_offset;
-  uint parts; // kLightTriangle, where its emission varies: log2(n) << kPartLevelShift | the first of its n * n parts
+  uint parts; // kLightTriangle, where its emission varies: depth << kPartDepthShift | its first word, see below
   float inverse_range; // 1/metre: where a point or spot light has faded to nothing; 0 = nowhere
 };
 GPU_CONSTANT uint kLightTexels = 5u;
 
-// Behind the lights stand the ends of the intervals of parts of triangles, four a texel. See
-// kernels/light_sampling.glsl.
-GPU_CONSTANT uint kPartLevelShift = 28u;
+// Behind the lights stand the parts of triangles, four words a texel. See kernels/light_sampling.glsl.
+GPU_CONSTANT uint kPartDepthShift = 28u;
 GPU_CONSTANT uint kFirstPartMask = 0x0fffffffu;
 GPU_CHECK(sizeof(Light) == 16 * kLightTexels);
 

@@ -410,7 +410,7 @@ TEST(TexturedLights, AreCutWhereTheTextureVaries) {
     EXPECT_NEAR(light.probability / light.pdf_area, world_area(packed, light), 1e-6);
     const std::uint32_t n = 1u << (light.parts >> gpu::kPartLevelShift);
     ASSERT_GE(n, 16u);
-    const std::span ends = std::span(packed.light_part_ends).subspan(light.parts & gpu::kFirstPartMask, n * n);
+    const std::span ends = std::span(packed.light_parts).subspan(light.parts & gpu::kFirstPartMask, n * n);
     const gpu::Triangle& t = packed.triangles[light.triangle];
     std::uint32_t part = 0;
     for (std::uint32_t row = 0; row < n; ++row)
@@ -434,7 +434,7 @@ TEST(TexturedLights, AreWholeWhereTheTextureIsEven) {
   for (std::uint8_t& byte : scene.images[0].bytes) byte = 200;
   const PackedScene packed = pack(scene);
   EXPECT_EQ(packed.lights.size(), 2u);
-  EXPECT_TRUE(packed.light_part_ends.empty());
+  EXPECT_TRUE(packed.light_parts.empty());
 }
 
 // Kernels are guessed while images are still being decoded.

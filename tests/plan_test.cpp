@@ -23,7 +23,7 @@ std::uint64_t bytes(const std::vector<Item>& items) {
 std::uint64_t packed_bytes(const PackedScene& p) {
   return bytes(p.nodes) + bytes(p.triangles) + bytes(p.instances) + bytes(p.triangle_vertices) +
          bytes(p.vertex_normals) + bytes(p.vertex_uvs) + bytes(p.vertex_colors) + bytes(p.texels) + bytes(p.lights) +
-         bytes(p.light_part_ends) + bytes(p.light_tree) + bytes(p.environment) + bytes(p.environment_ends);
+         bytes(p.light_parts) + bytes(p.light_tree) + bytes(p.environment) + bytes(p.environment_ends);
 }
 
 // The kernels index with what they find here; every index must have something to point at.

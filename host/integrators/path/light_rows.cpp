@@ -5,7 +5,7 @@
 #include <cstddef>
 
 #include "host/integrators/path/cell_lessons.h"
-#include "host/scene/pack/emission.h"
+#include "host/scene/pack/emission_map.h"
 #include "host/scene/pack/intervals.h"
 
 namespace wavepath {

@@ -49,12 +49,12 @@ std::vector<gpu::Triangle> with_motions(const PackedScene& scene) {
   return all;
 }
 
-// Lights, and behind them the ends of the parts of their triangles.
+// Lights, and behind them the parts of their triangles.
 std::vector<std::uint32_t> light_words(const PackedScene& scene) {
   constexpr std::size_t kWords = sizeof(gpu::Light) / sizeof(std::uint32_t);
-  std::vector<std::uint32_t> words(scene.lights.size() * kWords + (scene.light_part_ends.size() + 3) / 4 * 4);
+  std::vector<std::uint32_t> words(scene.lights.size() * kWords + (scene.light_parts.size() + 3) / 4 * 4);
   if (!scene.lights.empty()) std::memcpy(words.data(), scene.lights.data(), scene.lights.size() * sizeof(gpu::Light));
-  std::ranges::copy(scene.light_part_ends, words.begin() + static_cast<std::ptrdiff_t>(scene.lights.size() * kWords));
+  std::ranges::copy(scene.light_parts, words.begin() + static_cast<std::ptrdiff_t>(scene.lights.size() * kWords));
   return words;
 }
 
@@ -152,14 +152,13 @@ DeviceScene upload_scene(Device& device, const PackedScene& scene, bool by_query
   check_fits(info, "environment texels", bytes_of(scene.environment), wide);
   check_fits(info, "environment distribution", bytes_of(scene.environment_ends),
              std::min(4 * info.max_texels(4), info.max_allocation));
-  check_fits(info, "lights", bytes_of(scene.lights) + bytes_of(scene.light_part_ends), wide);
+  check_fits(info, "lights", bytes_of(scene.lights) + bytes_of(scene.light_parts), wide);
   check_fits(info, "light tree", bytes_of(scene.light_tree), wide);
-  const std::uint64_t total = node_bytes + bytes_of(scene.triangles) + bytes_of(scene.motions) +
-                              bytes_of(scene.triangle_vertices) + bytes_of(scene.vertex_normals) +
-                              bytes_of(scene.vertex_uvs) + bytes_of(scene.vertex_colors) + bytes_of(scene.texels) +
-                              bytes_of(scene.environment) + bytes_of(scene.environment_ends) + bytes_of(scene.lights) +
-                              bytes_of(scene.light_part_ends) + bytes_of(scene.light_tree) + scene.atlases[0].bytes() +
-                              scene.atlases[1].bytes();
+  const std::uint64_t total =
+      node_bytes + bytes_of(scene.triangles) + bytes_of(scene.motions) + bytes_of(scene.triangle_vertices) +
+      bytes_of(scene.vertex_normals) + bytes_of(scene.vertex_uvs) + bytes_of(scene.vertex_colors) +
+      bytes_of(scene.texels) + bytes_of(scene.environment) + bytes_of(scene.environment_ends) + bytes_of(scene.lights) +
+      bytes_of(scene.light_parts) + bytes_of(scene.light_tree) + scene.atlases[0].bytes() + scene.atlases[1].bytes();
   if (total > info.memory_bytes)
     throw Error(info.name,
                 fmt::format("the scene takes {:.0f} MiB, the device has {:.0f} MiB", total / 1048576.0,

@@ -1,34 +1,39 @@
-// Emitted power per area of each triangle and its parts, which light selection is weighted with.
+// Emission of each triangle and its parts, which light selection is weighted with.
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
-#include <glm/glm.hpp>
-
+#include "host/scene/pack/emission_map.h"
 #include "host/scene/pack/packed_scene.h"
 
 namespace wavepath {
 
-// Rec. 709.
-inline double luminance(const glm::dvec3& rgb) { return 0.2126 * rgb.r + 0.7152 * rgb.g + 0.0722 * rgb.b; }
+struct Object; // of geometry.h
 
-// Emission of triangles, each cut into 4^level congruent parts (numbered as part_at() in kernels/light_sampling.glsl
-// has it): pi * luminance of the mean emission over a part, twice that if both sides emit; watts per square metre in
-// photometric terms.
-struct Emission {
-  std::vector<std::uint8_t> levels;  // by triangle of packed.triangles
-  std::vector<std::uint64_t> firsts; // by triangle: of its parts in `densities`; kDark for triangles that emit nothing
-  std::vector<double> densities;
-  static constexpr std::uint64_t kDark = ~std::uint64_t{0};
-
-  bool empty() const { return densities.empty(); }
+// Of a triangle's 4^depth cells (kernels/light_sampling.glsl), those from the end of the part before to `end`.
+struct EmissionPart {
+  std::uint32_t end = 0;
+  double density = 0.0; // pi times the root-mean-square of the luminance, twice that if both sides emit
 };
 
-// Triangles are cut where their emission texture varies over many texels; all copies of a triangle alike. Densities are
-// zero exactly where nothing emits and on unlit triangles; where any texel in the footprint of a part emits, its
-// density is at least a hundredth of the texture's mean, so that every emitting point can be sampled. Empty if no
-// triangle emits.
-Emission find_emission(const PackedScene& packed);
+// Points that are picked in proportion to the root-mean-square of each part have the least variance that one density a
+// part can have; where a part is even, it is its mean, so that the density is power per area.
+struct Emission {
+  // By triangle of packed.triangles: the first of its parts, and log4 of the cells that it is cut into.
+  std::vector<std::uint64_t> firsts; // kDark for triangles that emit nothing
+  std::vector<std::uint8_t> depths;
+  std::vector<EmissionPart> parts; // of a triangle until its cells end
+  static constexpr std::uint64_t kDark = ~std::uint64_t{0};
+
+  bool empty() const { return parts.empty(); }
+  std::span<const EmissionPart> parts_of(std::size_t triangle) const;
+};
+
+// Triangles are cut where their emission texture varies, down to half a texel where much of the light comes from; all
+// copies of a triangle alike. The density of a part is zero exactly where no look-up within it can yield light, and on
+// unlit triangles. Empty if no triangle emits.
+Emission find_emission(const PackedScene& packed, std::span<const Object> objects);
 
 } // namespace wavepath

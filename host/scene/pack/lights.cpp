@@ -104,15 +104,23 @@ struct ShiningTriangle {
   double density = 0.0;    // mean of its parts, see Emission
 };
 
-ShiningTriangle cut_in_parts(std::uint32_t item, const Emission& emission, std::vector<std::uint32_t>& part_ends) {
-  const std::uint32_t level = emission.levels[item];
-  const std::span densities = std::span(emission.densities).subspan(emission.firsts[item], std::size_t{1} << 2 * level);
-  const double sum = std::accumulate(densities.begin(), densities.end(), 0.0);
-  ShiningTriangle shining{item, 0, sum / static_cast<double>(densities.size())};
-  if (level == 0) return shining;
-  shining.parts = level << gpu::kPartLevelShift | static_cast<std::uint32_t>(part_ends.size());
-  const std::vector<std::uint32_t> ends = build_intervals(densities);
-  part_ends.insert(part_ends.end(), ends.begin(), ends.end());
+ShiningTriangle cut_in_parts(std::uint32_t item, const Emission& emission, std::vector<std::uint32_t>& words) {
+  const std::span parts = emission.parts_of(item);
+  std::vector<double> weights;
+  std::uint32_t begin = 0;
+  for (const EmissionPart& part : parts) {
+    weights.push_back(part.density * static_cast<double>(part.end - begin));
+    begin = part.end;
+  }
+  const double sum = std::accumulate(weights.begin(), weights.end(), 0.0);
+  ShiningTriangle shining{item, 0, sum / static_cast<double>(parts.back().end)};
+  if (parts.size() == 1) return shining;
+  shining.parts =
+      std::uint32_t{emission.depths[item]} << gpu::kPartDepthShift | static_cast<std::uint32_t>(words.size());
+  words.push_back(static_cast<std::uint32_t>(parts.size()));
+  const std::vector<std::uint32_t> ends = build_intervals(weights);
+  words.insert(words.end(), ends.begin(), ends.end());
+  for (const EmissionPart& part : parts) words.push_back(part.end);
   return shining;
 }
 
@@ -121,7 +129,7 @@ void add_triangles(const Scene& scene, std::span<const Object> objects, std::spa
   std::vector<std::vector<ShiningTriangle>> shining(objects.size());
   for (std::size_t i = 0; i < objects.size(); ++i)
     for (const std::uint32_t item : list_shining(objects[i], emission, packed, packed.triangles))
-      shining[i].push_back(cut_in_parts(item, emission, packed.light_part_ends));
+      shining[i].push_back(cut_in_parts(item, emission, packed.light_parts));
   std::vector<std::uint32_t> placed(packed.root_is_top ? object_of.size() : 1); // by the order of the source
   for (std::uint32_t i = 0; i < packed.instances.size(); ++i) placed[packed.instances[i].id] = i;
   for (const std::uint32_t i : placed) {
@@ -262,7 +270,7 @@ void pack_lights(Scene& scene, std::span<const Object> objects, std::span<const 
   }
   const double radius = packed.radius > 0.0 ? packed.radius : 1.0;
   LightList list;
-  const Emission emission = find_emission(packed);
+  const Emission emission = find_emission(packed, objects);
   if (!emission.empty()) add_triangles(scene, objects, object_of, emission, packed, list);
   add_punctual(scene, packed, false, radius, list);
   list.ends[kLocal] = list.lights.size();

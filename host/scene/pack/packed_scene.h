@@ -69,9 +69,9 @@ struct PackedScene {
   std::vector<std::uint32_t> texels; // of textures that kernels look up themselves;
   Atlases atlases;                   // and of those that samplers of the device look up
 
-  std::vector<gpu::Light> lights;             // that next-event estimation samples, the environment included
-  std::vector<std::uint32_t> light_part_ends; // intervals of the parts of triangles that are cut, one after the other
-  std::uint32_t local_light_count = 0;        // of those that have a place; they come first
+  std::vector<gpu::Light> lights;         // that next-event estimation samples, the environment included
+  std::vector<std::uint32_t> light_parts; // of triangles that are cut: see kernels/light_sampling.glsl
+  std::uint32_t local_light_count = 0;    // of those that have a place; they come first
   // The light tree as kernels/light_tree_types.h has it, empty where lights are picked by power; and its columns.
   std::vector<glm::uvec4> light_tree;
   std::uint32_t light_tree_depth = 0;

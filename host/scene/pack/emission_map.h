@@ -1,0 +1,48 @@
+// What an emission texture shines like: at a point, filtered as kernels/texture.glsl filters, and over regions.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <glm/glm.hpp>
+
+#include "host/scene/pack/packed_scene.h"
+
+namespace wavepath {
+
+// Rec. 709.
+inline double luminance(const glm::dvec3& rgb) { return 0.2126 * rgb.r + 0.7152 * rgb.g + 0.0722 * rgb.b; }
+
+// Of an emission over something: its mean and the root of the mean of its squares.
+struct EmissionMoments {
+  double mean = 0.0, rms = 0.0;
+};
+
+// The emission texture of one material, with the factor applied. Places are in texels: texture coordinates times the
+// size.
+struct EmissionMap {
+  gpu::Texture texture;
+  std::vector<float> luminance;        // by texel
+  std::vector<std::uint32_t> lit_sums; // summed-area table of lit texels, (width + 1) x (height + 1)
+  // Those of luminance and its square over blocks of texels, (columns + 1) x (rows + 1).
+  std::uint32_t columns = 0, rows = 0;
+  std::vector<glm::dvec2> block_sums;
+  EmissionMoments whole;
+};
+
+EmissionMap build_emission_map(const PackedScene& packed, const gpu::Material& material);
+
+glm::dvec2 emission_place(const gpu::Texture& texture, const glm::vec4& uvs); // `uvs`: a vertex of packed.vertex_uvs
+
+// False where places are so far out that floats do not tell texels apart.
+bool is_near(const EmissionMap& map, const glm::dvec2& place);
+
+double filtered_emission(const EmissionMap& map, const glm::dvec2& place);
+
+// Whether a look-up anywhere in the box may yield more than 0: whether a texel is lit that filtering can reach.
+bool shines_within(const EmissionMap& map, const glm::dvec2& lo, const glm::dvec2& hi);
+
+// Over the blocks that filtering can reach from anywhere in the box.
+EmissionMoments block_moments(const EmissionMap& map, const glm::dvec2& lo, const glm::dvec2& hi);
+
+} // namespace wavepath
