@@ -297,20 +297,36 @@ TEST_F(LightSamplingTest, WhatIsLeftOfAPickIsExact) {
   }
 }
 
-// Parts of a triangle: a point of a part lies in the part that it is looked up in, and all parts are met.
+// Parts of a triangle: a point of a part lies in one of its cells, whatever its size, and all cells are met.
 TEST_F(LightSamplingTest, PartsOfATriangleTileIt) {
-  for (const std::uint32_t level : {0u, 1u, 3u, 6u}) {
-    std::vector<Element> in;
-    const std::uint32_t n = 1u << level;
-    for (std::uint32_t part = 0; part < n * n; ++part)
-      in.push_back({.a = {std::bit_cast<float>(level << gpu::kPartLevelShift | part), 0.05f + 0.4f * next(),
-                          0.05f + 0.4f * next(), 0}});
-    const std::vector<Element> out = run(7, in);
-    for (std::size_t i = 0; i < in.size(); ++i) {
-      EXPECT_TRUE(out[i].b.x >= 0.0f && out[i].b.y >= 0.0f && out[i].b.x + out[i].b.y <= 1.0f);
-      ASSERT_EQ(std::bit_cast<std::uint32_t>(out[i].b.z), i);
+  const auto to_bits = [](std::uint32_t word) { return std::bit_cast<float>(word); };
+  for (const std::uint32_t depth : {1u, 3u, 6u, 12u})
+    for (std::uint32_t level = depth > 6 ? 10 : 0; level <= depth; ++level) {
+      std::vector<Element> in;
+      const std::uint32_t parts = std::min(1u << 2 * level, 4096u), cells = 1u << 2 * (depth - level);
+      const std::uint32_t stride = (1u << 2 * level) / parts;
+      for (std::uint32_t part = 0; part < parts; ++part)
+        in.push_back({.a = {to_bits(depth), to_bits((part * stride + part % stride) * cells), to_bits(cells), 0},
+                      .b = {0.05f + 0.4f * next(), 0.05f + 0.4f * next(), 0, 0}});
+      const std::vector<Element> out = run(7, in);
+      for (std::size_t i = 0; i < in.size(); ++i) {
+        EXPECT_TRUE(out[i].b.x >= 0.0f && out[i].b.y >= 0.0f && out[i].b.x + out[i].b.y <= 1.0f);
+        ASSERT_EQ(std::bit_cast<std::uint32_t>(out[i].b.z) / cells, std::bit_cast<std::uint32_t>(in[i].a.y) / cells);
+      }
     }
-  }
+}
+
+// The corners of quarters are where the host has them (quarter_of() in host/scene/pack/emission.cpp).
+TEST_F(LightSamplingTest, QuartersOfATriangleStandAtItsCorners) {
+  const auto to_bits = [](std::uint32_t word) { return std::bit_cast<float>(word); };
+  std::vector<Element> in;
+  for (std::uint32_t quarter = 0; quarter < 4; ++quarter)
+    for (const glm::vec2& corner : {glm::vec2(0, 0), glm::vec2(1, 0), glm::vec2(0, 1)})
+      in.push_back({.a = {to_bits(1), to_bits(quarter), to_bits(1), 0}, .b = {corner.x, corner.y, 0, 0}});
+  const glm::vec2 expected[] = {{0, 0},    {0.5f, 0},    {0, 0.5f}, {0.5f, 0},    {1, 0},    {0.5f, 0.5f},
+                                {0, 0.5f}, {0.5f, 0.5f}, {0, 1},    {0.5f, 0.5f}, {0, 0.5f}, {0.5f, 0}};
+  const std::vector<Element> out = run(7, in);
+  for (std::size_t i = 0; i < out.size(); ++i) EXPECT_EQ(glm::vec2(out[i].b), expected[i]) << i;
 }
 
 TEST_F(LightSamplingTest, PunctualLightsFollowTheirLaws) {

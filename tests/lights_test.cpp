@@ -400,33 +400,167 @@ Scene sign_with_one_lit_block() {
   return scene;
 }
 
+// Density of the points of each cell of a triangle, over the mean.
+std::vector<double> cell_densities(const PackedScene& packed, const gpu::Light& light) {
+  const std::uint32_t depth = light.parts >> gpu::kPartDepthShift;
+  if (depth == 0) return {1.0};
+  const std::span words = std::span(packed.light_parts).subspan(light.parts & gpu::kFirstPartMask);
+  const std::uint32_t count = words[0];
+  const std::span picks = words.subspan(1, count), ends = words.subspan(1 + count, count);
+  std::vector<double> densities;
+  for (std::uint32_t part = 0; part < count; ++part) {
+    const double cells = ends[part] - (part > 0 ? ends[part - 1] : 0);
+    densities.resize(ends[part], interval_probability(picks, part) / cells * std::exp2(2.0 * depth));
+  }
+  EXPECT_EQ(densities.size(), std::size_t{1} << 2 * depth);
+  return densities;
+}
+
+// The cell that has these weights, counted as kernels/light_sampling.glsl does, in integers: of 2^24.
+std::size_t cell_of(std::uint32_t depth, double b1, double b2) {
+  auto x = static_cast<std::int64_t>(b1 * 0x1p24), y = static_cast<std::int64_t>(b2 * 0x1p24);
+  const std::int64_t half = 1 << 23;
+  std::size_t cell = 0;
+  for (std::uint32_t i = 0; i < depth; ++i) {
+    const std::size_t quarter = x >= half ? 1 : y >= half ? 2 : x + y > half ? 3 : 0;
+    cell = cell << 2 | quarter;
+    x = quarter == 3 ? 2 * half - 2 * x : 2 * x - (quarter == 1 ? 2 * half : 0);
+    y = quarter == 3 ? 2 * half - 2 * y : 2 * y - (quarter == 2 ? 2 * half : 0);
+  }
+  return cell;
+}
+
 TEST(TexturedLights, AreCutWhereTheTextureVaries) {
   Scene scene = sign_with_one_lit_block();
   const PackedScene packed = pack(scene);
   expect_consistent(packed);
   ASSERT_EQ(packed.lights.size(), 1u); // the block lies in the first triangle alone
-  double near = 0.0;
-  for (const gpu::Light& light : packed.lights) {
-    EXPECT_NEAR(light.probability / light.pdf_area, world_area(packed, light), 1e-6);
-    const std::uint32_t n = 1u << (light.parts >> gpu::kPartLevelShift);
-    ASSERT_GE(n, 16u);
-    const std::span ends = std::span(packed.light_parts).subspan(light.parts & gpu::kFirstPartMask, n * n);
-    const gpu::Triangle& t = packed.triangles[light.triangle];
-    std::uint32_t part = 0;
-    for (std::uint32_t row = 0; row < n; ++row)
-      for (std::uint32_t step = 0; step < 2 * (n - row) - 1; ++step, ++part) {
-        const double probability = interval_probability(ends, part);
-        if (probability == 0.0) continue; // dark
-        // The first corner of the part, in the triangle's plane.
-        const double b1 = (step / 2 + step % 2) / double(n), b2 = (row + step % 2) / double(n);
+  const gpu::Light& light = packed.lights[0];
+  EXPECT_NEAR(light.probability / light.pdf_area, world_area(packed, light), 1e-6);
+  const std::uint32_t depth = light.parts >> gpu::kPartDepthShift;
+  const std::vector<double> densities = cell_densities(packed, light);
+  const gpu::Triangle& t = packed.triangles[light.triangle];
+  double sum = 0.0;
+  for (int i = 0; i < 256; ++i)
+    for (int j = 0; j < 256 - i; ++j) {
+      const double b1 = (i + 0.33) / 256.0, b2 = (j + 0.33) / 256.0;
+      const double density = densities[cell_of(depth, b1, b2)];
+      sum += density;
+      const glm::dvec3 p =
+          (1.0 - b1 - b2) * glm::dvec3(t.v0) + b1 * glm::dvec3(t.v1) + b2 * glm::dvec3(t.v2) + packed.origin;
+      if (std::abs(p.x - 38.0 / 64.0) > 4.0 / 64.0 || std::abs(p.y - 22.0 / 64.0) > 4.0 / 64.0)
+        EXPECT_LT(density, 1.0) << p.x << " " << p.y; // 100 times that where it shines
+    }
+  EXPECT_NEAR(sum / (256 * 257 / 2), 1.0, 0.05);
+}
+
+struct Lamp {
+  int size, x, y, side; // of the texture, and the lit texels
+  Wrap wrap;
+  glm::vec2 lo{0.0f}, hi{1.0f}; // texture coordinates
+  glm::mat2 matrix{1.0f};
+  glm::vec2 offset{0.0f};
+  bool second = false; // TEXCOORD_1
+  bool nearest = false;
+};
+
+Scene scene_of(const Lamp& lamp) {
+  Scene scene;
+  scene.materials = {emitter(1.0f)};
+  scene.images.push_back(
+      {"lamp", static_cast<std::uint32_t>(lamp.size), static_cast<std::uint32_t>(lamp.size), {}, {}});
+  for (int y = 0; y < lamp.size; ++y)
+    for (int x = 0; x < lamp.size; ++x) {
+      const bool lit = x >= lamp.x && x < lamp.x + lamp.side && y >= lamp.y && y < lamp.y + lamp.side;
+      const std::uint8_t g = lit ? 255 : 0;
+      scene.images[0].bytes.insert(scene.images[0].bytes.end(), {g, g, g, 255});
+    }
+  TextureSlot& slot = scene.materials[0].emission_texture;
+  slot = {
+      .image = 0, .wrap_u = lamp.wrap, .wrap_v = lamp.wrap, .nearest = lamp.nearest, .uv_set = lamp.second ? 1u : 0u};
+  slot.uv_matrix = lamp.matrix;
+  slot.uv_offset = lamp.offset;
+  const std::vector<glm::vec3> positions = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 0, 0}, {1, 1, 0}, {0, 1, 0}};
+  add_instance(scene, add_mesh(scene, positions));
+  for (const glm::vec3& p : positions) {
+    const glm::vec2 uv = lamp.lo + glm::vec2(p) * (lamp.hi - lamp.lo);
+    scene.meshes[0].uvs[0].push_back(lamp.second ? glm::vec2(0.0f) : uv);
+    if (lamp.second) scene.meshes[0].uvs[1].push_back(uv);
+  }
+  return scene;
+}
+
+// What a look-up yields: a bilinear filter over an endless row of images.
+double lit_at(const Lamp& lamp, const glm::dvec2& place) {
+  const auto texel = [&](int i) {
+    if (lamp.wrap == Wrap::clamp) return std::clamp(i, 0, lamp.size - 1);
+    const int period = lamp.wrap == Wrap::mirror ? 2 * lamp.size : lamp.size;
+    i = ((i % period) + period) % period;
+    return i < lamp.size ? i : period - 1 - i;
+  };
+  const auto lit = [&](int x, int y) {
+    x = texel(x) - lamp.x, y = texel(y) - lamp.y;
+    return x >= 0 && y >= 0 && x < lamp.side && y < lamp.side ? 1.0 : 0.0;
+  };
+  const glm::dvec2 first = glm::floor(lamp.nearest ? place : place - 0.5), w = place - 0.5 - first;
+  const int x = static_cast<int>(first.x), y = static_cast<int>(first.y);
+  if (lamp.nearest) return lit(x, y);
+  return (1 - w.y) * ((1 - w.x) * lit(x, y) + w.x * lit(x + 1, y)) +
+         w.y * ((1 - w.x) * lit(x, y + 1) + w.x * lit(x + 1, y + 1));
+}
+
+// Wherever a look-up yields light its point is picked, and by about as much as it shines: of one sample, the square's
+// mean is at most 1.2 times the mean's square, where it is 1 for an even lamp (light that arrives is the same from
+// everywhere).
+void expect_followed(const Lamp& lamp) {
+  Scene scene = scene_of(lamp);
+  const PackedScene packed = pack(scene);
+  expect_consistent(packed);
+  double sum = 0.0, squares = 0.0;
+  const int n = lamp.size > 64 ? 1536 : 512;
+  for (std::uint32_t item = 0; item < packed.triangles.size(); ++item) {
+    const gpu::Triangle& t = packed.triangles[item];
+    const gpu::Light* light = light_of(packed, item);
+    std::vector<double> densities;
+    if (light != nullptr) densities = cell_densities(packed, *light);
+    for (int i = 0; i < n; ++i)
+      for (int j = 0; j < n - i; ++j) {
+        const double b1 = (i + 0.31) / n, b2 = (j + 0.35) / n;
         const glm::dvec3 p =
             (1.0 - b1 - b2) * glm::dvec3(t.v0) + b1 * glm::dvec3(t.v1) + b2 * glm::dvec3(t.v2) + packed.origin;
-        const double reach = 2.0 / n + 2.0 / 64.0; // of a part around its corner, and of the bilinear taps
-        if (std::abs(p.x - 38.0 / 64.0) < reach && std::abs(p.y - 22.0 / 64.0) < reach)
-          near += light.probability * probability;
+        glm::dvec2 uv = glm::dvec2(lamp.lo) + glm::dvec2(p) * glm::dvec2(lamp.hi - lamp.lo);
+        uv = glm::dmat2(lamp.matrix) * uv + glm::dvec2(lamp.offset);
+        const double lit = lit_at(lamp, uv * double(lamp.size));
+        if (lit < 1e-6) continue;
+        const double density =
+            light == nullptr ? 0.0 : light->pdf_area * densities[cell_of(light->parts >> gpu::kPartDepthShift, b1, b2)];
+        ASSERT_GT(density, 0.0) << "texel " << uv.x * lamp.size << " " << uv.y * lamp.size << ", lit by " << lit;
+        sum += lit, squares += lit * lit / density;
       }
   }
-  EXPECT_NEAR(near, 1.0, 1e-6);
+  ASSERT_GT(sum, 0.0);
+  const double pieces = double(n) * n;
+  EXPECT_LT(squares / pieces / (sum / pieces * sum / pieces), 1.2);
+}
+
+TEST(TexturedLights, FollowWhatFilteredLookUpsYield) {
+  std::vector<Lamp> lamps;
+  for (const Wrap wrap : {Wrap::repeat, Wrap::mirror, Wrap::clamp}) {
+    for (int at = 0; at < 9; ++at) lamps.push_back({64, 24 + at, 16 + at, 1 + at % 4, wrap}); // against cells
+    for (const int at : {0, 1, 61, 63}) lamps.push_back({64, at, 30, 1, wrap, {-0.25f, -0.25f}, {1.3f, 1.3f}}); // seams
+    lamps.push_back({64, 63, 0, 1, wrap, {-1.5f, 0.5f}, {2.5f, -2.5f}});     // several tiles, mirrored
+    lamps.push_back({256, 200, 100, 4, wrap});                               // the reported one
+    lamps.push_back({64, 30, 30, 2, wrap, {0.47f, 0.47f}, {0.49f, 0.485f}}); // a corner of it, magnified
+    lamps.push_back({64, 0, 0, 2, wrap, {0, 0}, {1, 1}, {0.8f, 0.6f, -0.6f, 0.8f}, {0.3f, -0.1f}}); // turned
+    lamps.push_back({64, 40, 20, 3, wrap, {0, 0}, {1, 1}, {-1.7f, 0, 0, 1.2f}, {0.9f, 0.0f}});      // scaled, mirrored
+    lamps.push_back({64, 9, 50, 1, wrap, {0, 0}, {1, 1}, glm::mat2(1.0f), {0, 0}, true});           // TEXCOORD_1
+    lamps.push_back({64, 32, 32, 4, wrap, {0, 0}, {1, 1}, glm::mat2(1.0f), {0, 0}, false, true});   // nearest
+  }
+  for (std::size_t i = 0; i < lamps.size(); ++i) {
+    SCOPED_TRACE(i);
+    expect_followed(lamps[i]);
+    if (HasFatalFailure()) return;
+  }
 }
 
 TEST(TexturedLights, AreWholeWhereTheTextureIsEven) {

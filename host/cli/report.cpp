@@ -189,6 +189,7 @@ void report(const Run& run, const OutputRequest& output, Warnings warnings, Atte
     warnings.add("non-finite sample left out, " + describe_first(result.nonfinite, run.settings),
                  result.nonfinite.samples());
   if (result.spp == 0) warnings.add("stopped within the first sample; pixels that it had not reached are black");
+  if (result.shadows && !result.shadows->smaller.empty()) warnings.add(result.shadows->smaller);
   const TrueError* last = run.true_errors.empty() ? nullptr : &run.true_errors.back();
   if (last && !last->metrics.finite()) warnings.add(output.reference + ": not compared, a value is not finite");
   print_warnings(warnings);

@@ -53,10 +53,10 @@ void main() {
     e.a.x = environment_map_radiance(place, e.a.y).x;
     float pdf;
     e.b = vec4(place.texel, environment_map_radiance(environment_place(d), pdf).x, length(d.xz));
-  } else { // level and part in the bits of a.x, weights in it a.yz -> weights in the triangle b.xy, number of the part in the bits of b.z
-    uint level = floatBitsToUint(e.a.x) >> kPartLevelShift, part = floatBitsToUint(e.a.x) & kFirstPartMask;
-    e.b.xy = weights_in_part(level, part, e.a.yz);
-    e.b.z = uintBitsToFloat(part_at(level, e.b.xy));
+  } else { // bits of a: depth, first cell, cells, none; weights in the part b.xy -> weights in the triangle b.xy, bits of b.z: its cell
+    uvec4 part = floatBitsToUint(e.a);
+    e.b.xy = weights_in_part(part.x, part.y, part.z, e.b.xy);
+    e.b.z = uintBitsToFloat(cell_at(part.x, e.b.xy));
   }
   elements[i] = e;
 }

@@ -384,7 +384,13 @@ void Hybrid::describe(RenderResult& result) const {
                     .look_up = shadow_times_.look_up.cost(),
                     .views = shadows_->view_count(),
                     .bytes = shadows_->bytes()};
-  shadows_->describe(*result.shadows);
+  ShadowReport& report = *result.shadows;
+  shadows_->describe(report);
+  if (report.size != 0 && report.size != settings_.shadow_size)
+    report.smaller = fmt::format(
+        "shadow maps have {} texels along a side instead of {}, as the device cannot hold {} "
+        "larger ones (--shadow-size)",
+        report.size, settings_.shadow_size, report.views);
 }
 
 // What a pixel counts for in a wave: its light samples, which take slots, or its occlusion rays if those are more.

@@ -174,6 +174,7 @@ std::vector<std::string> hybrid_bias(const RenderSettings& settings, const Rende
   if (!shadows || !result.shadows) return bias;
   bias.push_back(fmt::format("shadows of {} are those of {} (--shadows {})", result.shadows->covered, shadows->summary,
                              shadows->name));
+  if (!result.shadows->smaller.empty()) bias.push_back(result.shadows->smaller);
   if (!result.shadows->traced.empty())
     bias.push_back(fmt::format("shadows of {} are traced: --shadows {} does not cover them", result.shadows->traced,
                                shadows->name));
@@ -188,6 +189,7 @@ Json shadow_json(const RenderSettings& settings, const std::optional<ShadowRepor
                {"covered", shadows->covered},
                {"traced", shadows->traced},
                {"views", shadows->views},
+               {"size", shadows->size > 0 ? Json(shadows->size) : Json()},
                {"bytes", shadows->bytes},
                {"build_ms", cost_json(shadows->build)},
                {"look_up_ms", cost_json(shadows->look_up)}};

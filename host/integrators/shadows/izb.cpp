@@ -9,6 +9,7 @@
 #include "host/base/error.h"
 #include "host/integrators/shadows/kinds.h"
 #include "host/integrators/shadows/light_cells.h"
+#include "host/integrators/shadows/map_size.h"
 #include "host/integrators/shadows/scene_fit.h"
 #include "host/integrators/shadows/times.h"
 #include "kernels/hybrid/hybrid_types.h"
@@ -72,11 +73,11 @@ public:
                                                   workspace_.scene.stack_size, settings));
     kernels_.start(need_);
     Device& device = workspace_.device;
+    make_views(with_filter_margin(view, settings), settings.shadow_size);
     gpu::ShadowFrame frame{};
-    frame.size = settings.shadow_size;
+    frame.size = size_;
     frame.ambient = static_cast<float>(settings.shadow_ambient);
     buffers_[kIzbFrameData] = upload(device, std::vector<gpu::ShadowFrame>{frame});
-    make_views(with_filter_margin(view, settings), settings.shadow_size);
     buffers_[kLinks] = Buffer(device, shadow_rays(shared) * gpu::kIzbLinkWords * sizeof(std::uint32_t));
     std::vector<Binding> own = shared;
     for (const IzbBinding& binding : kIzbBindings)
@@ -113,30 +114,26 @@ public:
   }
   std::uint32_t view_count() const override { return static_cast<std::uint32_t>(views_.size()); }
   void describe(ShadowReport& report) const override {
+    report.size = size_;
     report.longest_list = download<std::uint32_t>(buffers_[kCells], 1).front();
   }
 
 private:
   // Views, the cells that triangles cover in them, and empty lists.
-  void make_views(const View& world, std::uint32_t size) {
+  void make_views(const View& world, std::uint32_t set) {
     const PackedScene& scene = workspace_.scene;
     ShadowFit fit = fit_to_scene(scene, chunks_, world);
-    fit.size = size;
-    std::vector<glm::uvec2> light_views(std::max<std::size_t>(scene.lights.size(), 1), glm::uvec2(gpu::kNone, 0));
-    views_.clear();
-    for (const ShadowSource& source : sources_) {
-      const std::vector<gpu::ShadowView> views = usual_views(fit, source);
-      for (const std::uint32_t light : source.lights) light_views[light] = glm::uvec2(views_.size(), views.size());
-      views_.insert(views_.end(), views.begin(), views.end());
-    }
-    const std::uint64_t cells_of_view = std::uint64_t{size} * size;
-    const std::uint64_t words = gpu::kIzbFirstCell + gpu::kIzbCellWords * cells_of_view * views_.size();
-    check_fits(words * sizeof(std::uint32_t), size);
+    size_ = set;
+    find_views(fit);
+    size_ = size_that_fits(set, [&](std::uint32_t size) { return fits(bytes_at(size)); });
+    const std::vector<glm::uvec2> light_views = find_views(fit);
+    check_fits(bytes_at(size_));
+    const std::uint64_t cells_of_view = std::uint64_t{size_} * size_;
     for (std::size_t i = 0; i < views_.size(); ++i) {
       views_[i].first_texel = static_cast<std::uint32_t>(i * cells_of_view);
-      bound_rounding(views_[i], size, fit.lo, fit.hi);
+      bound_rounding(views_[i], size_, fit.lo, fit.hi);
     }
-    const std::vector<glm::uvec4> items = cover_cells(scene, views_, size);
+    const std::vector<glm::uvec4> items = cover_cells(scene, views_, size_);
     const DeviceInfo& info = workspace_.device.info();
     if (items.size() > info.max_texels(16))
       throw Error(info.name, fmt::format("holds {} pieces of triangles, of {}", info.max_texels(16), items.size()),
@@ -145,18 +142,41 @@ private:
     buffers_[kItems] = upload(workspace_.device, items);
     buffers_[kIzbViews] = upload(workspace_.device, views_);
     buffers_[kIzbLightViews] = upload(workspace_.device, light_views);
-    buffers_[kCells] = Buffer(workspace_.device, words * sizeof(std::uint32_t));
+    buffers_[kCells] = Buffer(workspace_.device, bytes_at(size_));
     buffers_[kCells].fill_zero();
   }
 
-  void check_fits(std::uint64_t bytes, std::uint32_t size) const {
+  // Views of that size, and which light has which.
+  std::vector<glm::uvec2> find_views(ShadowFit& fit) {
+    const PackedScene& scene = workspace_.scene;
+    fit.size = size_;
+    std::vector<glm::uvec2> light_views(std::max<std::size_t>(scene.lights.size(), 1), glm::uvec2(gpu::kNone, 0));
+    views_.clear();
+    for (const ShadowSource& source : sources_) {
+      const std::vector<gpu::ShadowView> views = usual_views(fit, source);
+      for (const std::uint32_t light : source.lights) light_views[light] = glm::uvec2(views_.size(), views.size());
+      views_.insert(views_.end(), views.begin(), views.end());
+    }
+    return light_views;
+  }
+
+  std::uint64_t bytes_at(std::uint32_t size) const {
+    const std::uint64_t cells = std::uint64_t{size} * size * views_.size();
+    return (gpu::kIzbFirstCell + gpu::kIzbCellWords * cells) * sizeof(std::uint32_t);
+  }
+  std::uint64_t most_bytes() const {
     const DeviceInfo& info = workspace_.device.info();
-    const std::uint64_t most = std::min({info.max_storage_range, info.max_allocation, info.memory_bytes});
-    if (bytes > most)
-      throw Error(info.name,
-                  fmt::format("cannot hold lists of {} views of {}x{} cells, {:.0f} MiB; at most {:.0f} MiB",
-                              views_.size(), size, size, bytes / 1048576.0, most / 1048576.0),
-                  "use a smaller --shadow-size");
+    return std::min({info.max_storage_range, info.max_allocation, info.memory_bytes});
+  }
+  bool fits(std::uint64_t bytes) const { return bytes <= most_bytes(); }
+
+  void check_fits(std::uint64_t bytes) const {
+    if (fits(bytes)) return;
+    throw Error(workspace_.device.info().name,
+                fmt::format("cannot hold lists of {} views of {}x{} cells, {:.0f} MiB; at most {:.0f} MiB",
+                            views_.size(), size_, size_, static_cast<double>(bytes) / 1048576.0,
+                            static_cast<double>(most_bytes()) / 1048576.0),
+                "use a smaller --shadow-size or --shadows traced");
   }
 
   Workspace& workspace_;
@@ -164,6 +184,7 @@ private:
   std::vector<ShadowSource> sources_;
   std::vector<Chunk> chunks_;
   std::vector<gpu::ShadowView> views_;
+  std::uint32_t size_ = 0; // cells along a side of a view
   std::uint32_t item_count_ = 0;
   KernelNeed need_;
   std::array<Buffer, kIzbBufferCount> buffers_;

@@ -10,6 +10,7 @@
 #include "host/integrators/shadows/kinds.h"
 #include "host/integrators/shadows/lamp_points.h"
 #include "host/integrators/shadows/lightmap_charts.h"
+#include "host/integrators/shadows/map_size.h"
 #include "host/integrators/shadows/times.h"
 #include "kernels/hybrid/hybrid_types.h"
 #include "kernels/shadows/lightmap_bake.spv.h"
@@ -88,10 +89,12 @@ public:
     need_ = whole_need(kLightmapProgram, kernel_config(needed_features(workspace_.scene, view, settings),
                                                        workspace_.scene.stack_size, settings));
     kernels_.start(need_);
-    const BakedFor wanted{settings.shadow_size, settings.shadow_taps, settings.cull, settings.terminator};
+    const std::uint32_t size =
+        size_that_fits(settings.shadow_size, [&](std::uint32_t at_size) { return fits(at_size); });
+    const BakedFor wanted{size, settings.shadow_taps, settings.cull, settings.terminator};
     if (wanted != made_for_) make_room(wanted);
     gpu::ShadowFrame frame{};
-    frame.size = settings.shadow_size;
+    frame.size = size;
     frame.ambient = static_cast<float>(settings.shadow_ambient);
     buffers_[kLightmapFrameData] = upload(workspace_.device, std::vector<gpu::ShadowFrame>{frame});
     std::vector<Binding> own = shared;
@@ -137,6 +140,7 @@ public:
     return bytes;
   }
   std::uint32_t view_count() const override { return static_cast<std::uint32_t>(sources_.size()); }
+  void describe(ShadowReport& report) const override { report.size = made_for_.size; }
 
 private:
   static bool is_lamp(const ShadowSource& source) { return source.kind & kAreaSources; }
@@ -144,7 +148,7 @@ private:
   void make_room(const BakedFor& wanted) {
     made_for_ = {};
     is_baked_ = false;
-    check_fits(wanted);
+    check_fits(wanted.size);
     const LightmapCharts charts = make_lightmap_charts(workspace_.scene, wanted.size);
     if (charts.texels.empty())
       throw Error("--shadow-size",
@@ -159,20 +163,35 @@ private:
     made_for_ = wanted;
   }
 
-  // Throws before anything is allocated.
-  void check_fits(const BakedFor& wanted) const {
+  struct Room {
+    std::uint64_t entries, largest, bytes; // largest: elements of a buffer
+  };
+  Room room_at(std::uint32_t size) const {
+    const std::uint64_t texels = std::uint64_t{size} * size, shares = texels * sources_.size(),
+                        entries = placed_triangles(workspace_.scene);
+    return {entries, std::max({texels, shares, entries}),
+            shares * sizeof(float) + (texels + entries) * sizeof(glm::uvec2)};
+  }
+  std::uint64_t most_elements() const {
     const DeviceInfo& info = workspace_.device.info();
-    const std::uint64_t texels = std::uint64_t{wanted.size} * wanted.size, shares = texels * sources_.size(),
-                        entries = placed_triangles(workspace_.scene), largest = std::max({texels, shares, entries}),
-                        bytes = shares * sizeof(float) + (texels + entries) * sizeof(glm::uvec2);
-    const std::uint64_t most_elements = std::min({info.max_texels(16), info.max_allocation / sizeof(glm::uvec2),
-                                                  info.max_storage_range / sizeof(float), std::uint64_t{gpu::kNone}});
-    if (largest <= most_elements && bytes <= info.memory_bytes) return;
+    return std::min({info.max_texels(16), info.max_allocation / sizeof(glm::uvec2),
+                     info.max_storage_range / sizeof(float), std::uint64_t{gpu::kNone}});
+  }
+  bool fits(std::uint32_t size) const {
+    const Room room = room_at(size);
+    return room.largest <= most_elements() && room.bytes <= workspace_.device.info().memory_bytes;
+  }
+
+  // Throws before anything is allocated.
+  void check_fits(std::uint32_t size) const {
+    if (fits(size)) return;
+    const DeviceInfo& info = workspace_.device.info();
+    const Room room = room_at(size);
     throw Error(info.name,
                 fmt::format("cannot hold lightmaps of {} lights, {}x{} texels each, and charts of {} triangles, {:.0f} "
                             "MiB; at most {} of each and {:.0f} MiB",
-                            sources_.size(), wanted.size, wanted.size, entries, bytes / 1048576.0, most_elements,
-                            info.memory_bytes / 1048576.0),
+                            sources_.size(), size, size, room.entries, static_cast<double>(room.bytes) / 1048576.0,
+                            most_elements(), static_cast<double>(info.memory_bytes) / 1048576.0),
                 "use a smaller --shadow-size or --shadows traced");
   }
 

@@ -7,6 +7,7 @@
 
 #include "host/base/error.h"
 #include "host/integrators/shadows/cookie.h"
+#include "host/integrators/shadows/map_size.h"
 #include "host/integrators/shadows/receiver_planes.h"
 #include "host/integrators/shadows/scene_fit.h"
 #include "host/integrators/shadows/taps.h"
@@ -116,7 +117,10 @@ public:
 
   void change(const View& view, const RenderSettings& settings, const std::vector<Binding>& shared) override {
     settings_ = settings;
-    make_views(with_filter_margin(view, settings));
+    const View seen = with_filter_margin(view, settings);
+    make_views(seen);
+    settings_.shadow_size = size_that_fits(settings.shadow_size, [&](std::uint32_t size) { return fits(size); });
+    if (settings_.shadow_size != settings.shadow_size) make_views(seen);
     need_ = whole_need(program_, kernel_config(needed_features(workspace_.scene, view, settings),
                                                workspace_.scene.stack_size, settings));
     kernels_.start(need_);
@@ -153,6 +157,7 @@ public:
   }
   std::uint32_t view_count() const override { return static_cast<std::uint32_t>(views_.size()); }
   void describe(ShadowReport& report) const override {
+    report.size = settings_.shadow_size;
     report.nearest = report_.nearest;
     report.farthest = report_.farthest;
     report.pages = pages_.total();
@@ -207,33 +212,55 @@ private:
                      std::uint64_t{gpu::kNone}});
   }
 
+  struct TexelBytes {
+    std::uint64_t ids, filtered, scratch; // of a buffer each
+    std::uint64_t largest, all;           // of one, depths included; of all and of what is rasterized
+  };
+  TexelBytes texel_bytes() const {
+    TexelBytes bytes{recipe_.ids ? sizeof(glm::uvec2) : 0,
+                     recipe_.filtered_bytes ? recipe_.filtered_bytes(settings_) : 0,
+                     recipe_.scratch_bytes ? recipe_.scratch_bytes(settings_) : 0, 0, 0};
+    bytes.largest = std::max({std::uint64_t{sizeof(float)}, bytes.ids, bytes.filtered, bytes.scratch});
+    bytes.all =
+        (is_raster() ? 3 : 1) * sizeof(float) + (is_raster() ? 2 : 1) * bytes.ids + bytes.filtered + bytes.scratch;
+    return bytes;
+  }
+
+  bool fits(std::uint32_t size) const {
+    const TexelBytes bytes = texel_bytes();
+    const std::uint64_t all = recipe_.pages ? 0 : std::uint64_t{size} * size * views_.size();
+    return all <= most_texels(bytes.largest) && all * bytes.all <= workspace_.device.info().memory_bytes;
+  }
+
   // Throws before anything is allocated.
-  void check_fits(std::uint64_t bytes_per_texel, std::uint64_t largest) const {
+  void check_fits() const {
     const DeviceInfo& info = workspace_.device.info();
-    const std::uint64_t most = most_texels(largest);
-    if (texels() <= most && texels() * bytes_per_texel <= info.memory_bytes) return;
+    if (is_raster() && !recipe_.pages && views_.size() > info.max_image_layers)
+      throw Error(info.name,
+                  fmt::format("rasterizes {} shadow maps at most, of {}", info.max_image_layers, views_.size()),
+                  "use --shadow-source rays or --shadows traced");
+    if (fits(settings_.shadow_size)) return;
+    const TexelBytes bytes = texel_bytes();
     throw Error(info.name,
                 fmt::format("cannot hold {} shadow maps of {}x{} texels, {:.0f} MiB; at most {} texels", views_.size(),
-                            settings_.shadow_size, settings_.shadow_size, texels() * bytes_per_texel / 1048576.0, most),
-                "use a smaller --shadow-size");
+                            settings_.shadow_size, settings_.shadow_size,
+                            static_cast<double>(texels() * bytes.all) / 1048576.0, most_texels(bytes.largest)),
+                "use a smaller --shadow-size or --shadows traced");
   }
 
   void make_room() {
-    const std::uint64_t ids = recipe_.ids ? sizeof(glm::uvec2) : 0,
-                        filtered = recipe_.filtered_bytes ? recipe_.filtered_bytes(settings_) : 0,
-                        scratch = recipe_.scratch_bytes ? recipe_.scratch_bytes(settings_) : 0;
+    check_fits();
+    const TexelBytes bytes = texel_bytes();
     const bool raster = is_raster();
-    check_fits((raster ? 3 : 1) * sizeof(float) + (raster ? 2 : 1) * ids + filtered + scratch,
-               std::max({sizeof(float), ids, filtered, scratch}));
     const glm::uvec3 made_for(settings_.shadow_size, views_.size(), raster);
     if (made_for != made_for_) {
       made_for_ = glm::uvec3(0);
       target_.reset(); // the device may not hold both at once
       Device& device = workspace_.device;
       buffers_[kDepths] = Buffer(device, texels() * sizeof(float));
-      buffers_[kIds] = Buffer(device, texels() * ids);
-      buffers_[kFiltered] = Buffer(device, texels() * filtered);
-      buffers_[kScratch] = Buffer(device, texels() * scratch + scratch_words() * sizeof(std::uint32_t));
+      buffers_[kIds] = Buffer(device, texels() * bytes.ids);
+      buffers_[kFiltered] = Buffer(device, texels() * bytes.filtered);
+      buffers_[kScratch] = Buffer(device, texels() * bytes.scratch + scratch_words() * sizeof(std::uint32_t));
       if (raster) {
         const std::uint32_t side = recipe_.pages ? pages_.tile_size() : settings_.shadow_size;
         target_ = std::make_unique<RasterTarget>(device, side, side, attachments(recipe_.ids),

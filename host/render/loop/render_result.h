@@ -72,6 +72,8 @@ struct ShadowReport {
   std::string covered, traced; // lights: those that it answers for, and those whose rays are traced
   ShadowCost build, look_up;
   std::uint32_t views = 0; // directions from lights that it keeps something of
+  std::uint32_t size = 0;  // texels along a side of each, where they have any: --shadow-size, or what fits
+  std::string smaller;     // says so where that is less
   std::uint64_t bytes = 0;
   std::optional<RayAnswers> answers;           // since change(), of a technique that traces some rays by choice
   float nearest = 0.0f, farthest = 0.0f;       // depths that the last frame showed, where views are fitted to it

@@ -59,7 +59,7 @@ std::vector<Setting> shadow_rows() {
        .study = std::vector<std::string_view>(kShadowNames.begin(), kShadowNames.end())},
       {.name = "shadow-size",
        .value = WholeValue{&S::shadow_size, kSmallestMap, kLargestMap},
-       .meaning = "texels along a side of what a light sees",
+       .meaning = "texels along a side of what a light sees; by default fewer where the device cannot hold as many",
        .placeholder = "N",
        .label = "map size",
        .study = {"256", "512", "1024", "2048", "4096"}},
