@@ -15,7 +15,7 @@ namespace wavepath {
 namespace {
 
 constexpr int kSubdivision = 8;                // 64 congruent pieces of a part, one look-up in the middle of each
-constexpr double kFewTexels = 12.0;            // along a side: such parts are judged by look-ups, larger ones by blocks
+constexpr double kFewTexels = 4.0;             // along a side: such parts are integrated, larger ones judged by blocks
 constexpr double kSmallestSide = 0.5;          // texels: of parts that are not cut
 constexpr std::uint32_t kMostDepth = 12;       // 4096 cells along a side
 constexpr std::uint64_t kMostParts = 1u << 18; // of all triangles that are cut: 2 MiB
@@ -23,12 +23,12 @@ constexpr std::uint64_t kMostParts = 1u << 18; // of all triangles that are cut:
 constexpr double kWorthCutting = 0x1p-13;
 
 // A part of a triangle, by what its corners look up.
-struct Part3 {
+struct PartPlace {
   glm::dvec2 corner[3];
 };
 
 // Quarters as kernels/light_sampling.glsl numbers them.
-Part3 quarter_of(const Part3& part, int quarter) {
+PartPlace quarter_of(const PartPlace& part, int quarter) {
   const glm::dvec2* const c = part.corner;
   const glm::dvec2 m[3] = {0.5 * (c[1] + c[2]), 0.5 * (c[2] + c[0]), 0.5 * (c[0] + c[1])};
   switch (quarter) {
@@ -43,7 +43,7 @@ Part3 quarter_of(const Part3& part, int quarter) {
   }
 }
 
-EmissionMoments looked_up(const EmissionMap& map, const Part3& part) {
+EmissionMoments looked_up(const EmissionMap& map, const PartPlace& part) {
   double sum = 0.0, squares = 0.0;
   const auto add = [&](double i, double j) {
     const double b1 = i / kSubdivision, b2 = j / kSubdivision;
@@ -60,6 +60,61 @@ EmissionMoments looked_up(const EmissionMap& map, const Part3& part) {
   return {sum / kCount, std::sqrt(squares / kCount)};
 }
 
+struct Integral {
+  double area = 0.0, sum = 0.0, squares = 0.0;
+};
+
+// Of a triangle within which the emission is bilinear, whose square has the fourth degree (Dunavant 1985).
+void add_triangle(const EmissionMap& map, const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& c,
+                  Integral& all) {
+  const glm::dvec2 ab = b - a, ac = c - a;
+  const double area = 0.5 * std::abs(ab.x * ac.y - ab.y * ac.x);
+  if (!(area > 0.0)) return;
+  all.area += area;
+  constexpr double kNear = 0.445948490915965, kFar = 0.091576213509771;
+  for (const auto& [at, weight] : {std::pair{kNear, 0.223381589678011}, std::pair{kFar, 0.109951743655322}})
+    for (int corner = 0; corner < 3; ++corner) {
+      const double b1 = corner == 1 ? 1.0 - 2.0 * at : at, b2 = corner == 2 ? 1.0 - 2.0 * at : at;
+      const double value = filtered_emission(map, a + b1 * ab + b2 * ac);
+      all.sum += area * weight * value, all.squares += area * weight * value * value;
+    }
+}
+
+// What of a convex polygon lies where sign * (p[axis] - limit) >= 0.
+using Polygon = std::vector<glm::dvec2>;
+void clip(Polygon& polygon, Polygon& rest, int axis, double limit, double sign) {
+  rest.clear();
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    const glm::dvec2 &p = polygon[i], &next = polygon[(i + 1) % polygon.size()];
+    const double here = sign * (p[axis] - limit), there = sign * (next[axis] - limit);
+    if (here >= 0.0) rest.push_back(p);
+    if ((here < 0.0) != (there < 0.0)) rest.push_back(p + (next - p) * (here / (here - there)));
+  }
+  std::swap(polygon, rest);
+}
+
+// Exact: between texel centres, or where nothing is filtered within a texel, the emission is a polynomial.
+std::optional<EmissionMoments> integrated(const EmissionMap& map, const PartPlace& part, const glm::dvec2& lo,
+                                          const glm::dvec2& hi) {
+  const double shift = map.texture.flags & gpu::kTextureNearest ? 0.0 : 0.5;
+  Integral all;
+  Polygon column, cell, rest;
+  for (double x = std::floor(lo.x - shift) + shift; x < hi.x; x += 1.0) {
+    column.assign(part.corner, part.corner + 3);
+    clip(column, rest, 0, x, 1.0);
+    clip(column, rest, 0, x + 1.0, -1.0);
+    if (column.size() < 3) continue;
+    for (double y = std::floor(lo.y - shift) + shift; y < hi.y; y += 1.0) {
+      cell = column;
+      clip(cell, rest, 1, y, 1.0);
+      clip(cell, rest, 1, y + 1.0, -1.0);
+      for (std::size_t i = 2; i < cell.size(); ++i) add_triangle(map, cell[0], cell[i - 1], cell[i], all);
+    }
+  }
+  if (!(all.area > 1e-12)) return {};
+  return EmissionMoments{all.sum / all.area, std::sqrt(all.squares / all.area)};
+}
+
 struct PartLight {
   double density = 0.0; // 0 where nothing shines
   double mean = 0.0;
@@ -67,20 +122,23 @@ struct PartLight {
   double side = 0.0;   // the longest, in texels; 0 of those that cannot be cut
 };
 
-PartLight light_of(const EmissionMap& map, const Part3& part) {
+PartLight light_of(const EmissionMap& map, const PartPlace& part) {
   const glm::dvec2* const c = part.corner;
   if (!is_near(map, c[0]) || !is_near(map, c[1]) || !is_near(map, c[2]))
     return {map.whole.rms, map.whole.mean, 0.0, 0.0};
   const glm::dvec2 lo = glm::min(c[0], glm::min(c[1], c[2])), hi = glm::max(c[0], glm::max(c[1], c[2]));
   if (!shines_within(map, lo, hi)) return {};
   const double side = std::max({glm::distance(c[0], c[1]), glm::distance(c[1], c[2]), glm::distance(c[2], c[0])});
-  const EmissionMoments seen = looked_up(map, part), around = block_moments(map, lo, hi);
-  // Look-ups may miss what shines. A large part that holds a small light of little weight gets half of the density that
-  // the light has if all of it is within; a small part, of which they miss a corner at most, as much as that could
-  // weigh.
-  const bool large = side > kFewTexels;
-  const EmissionMoments& judged = large ? around : seen;
-  return {std::max(seen.rms, around.rms * (large ? 0.5 : 1.0 / 32.0)), judged.mean, judged.rms - judged.mean, side};
+  const EmissionMoments around = block_moments(map, lo, hi);
+  if (side > kFewTexels) {
+    // Look-ups may miss a small light: it gets half of the density that it has if all of it is within.
+    const EmissionMoments seen = looked_up(map, part);
+    return {std::max(seen.rms, 0.5 * around.rms), around.mean, around.rms - around.mean, side};
+  }
+  // What only rounding can reach is picked, but hardly ever.
+  const std::optional<EmissionMoments> integral = integrated(map, part, lo, hi);
+  const EmissionMoments exact = integral ? *integral : looked_up(map, part);
+  return {std::max(exact.rms, 1e-3 * around.rms), exact.mean, exact.rms - exact.mean, side};
 }
 
 class Cutter {
@@ -88,7 +146,7 @@ public:
   // `worth`: excess of density times the part's share of the triangle.
   Cutter(const EmissionMap& map, double worth) : map_(map), worth_(worth) {}
 
-  std::vector<EmissionPart> cut(const Part3& whole, std::uint8_t& depth) {
+  std::vector<EmissionPart> cut(const PartPlace& whole, std::uint8_t& depth) {
     add(whole, 0, 0);
     depth = static_cast<std::uint8_t>(*std::ranges::max_element(levels_));
     for (std::size_t i = 0; i < parts_.size(); ++i) parts_[i].end = (parts_[i].end + 1) << 2u * (depth - levels_[i]);
@@ -97,7 +155,7 @@ public:
 
 private:
   // `end` is the number of the part among all of its size until all of them are there.
-  void add(const Part3& part, std::uint32_t level, std::uint32_t number) {
+  void add(const PartPlace& part, std::uint32_t level, std::uint32_t number) {
     const PartLight light = light_of(map_, part);
     const bool cut = level < kMostDepth && light.side > kSmallestSide &&
                      light.excess > worth_ * static_cast<double>(std::uint64_t{1} << 2 * level);
@@ -128,7 +186,7 @@ private:
 struct Textured {
   std::uint32_t item = 0;
   std::uint32_t material = 0;
-  Part3 whole;
+  PartPlace whole;
   double area = 0.0;
   std::uint8_t depth = 0;
   std::vector<EmissionPart> parts{};
