@@ -39,17 +39,24 @@ vec4 unpack_tangent(float packed) {
   return vec4(normalize(direction), (bits & 1u) != 0u ? -1.0 : 1.0);
 }
 
+// A value of three corners at a point between them. Weights sum to 1 but for rounding, so that only a form in which the
+// first of them does not enter gives back a value that is the same at all corners, to the last bit.
+vec3 interpolated(vec3 v0, vec3 v1, vec3 v2, vec3 weights) { return v0 + weights.y * (v1 - v0) + weights.z * (v2 - v0); }
+vec4 interpolated(vec4 v0, vec4 v1, vec4 v2, vec3 weights) { return v0 + weights.y * (v1 - v0) + weights.z * (v2 - v0); }
+
 // uv of a point on a triangle, for tests that need nothing else.
 vec4 surface_uv(uint triangle, vec3 weights) {
   uvec3 vertex = texelFetch(triangle_vertices, int(triangle)).xyz;
-  return weights.x * texelFetch(vertex_uvs, int(vertex.x)) + weights.y * texelFetch(vertex_uvs, int(vertex.y)) +
-         weights.z * texelFetch(vertex_uvs, int(vertex.z));
+  return interpolated(texelFetch(vertex_uvs, int(vertex.x)), texelFetch(vertex_uvs, int(vertex.y)),
+                      texelFetch(vertex_uvs, int(vertex.z)), weights);
 }
 
+// Never beyond those of the corners: host/scene/pack/alpha.cpp decides by them what needs no look-up.
 vec4 surface_color(uint triangle, vec3 weights) {
   uvec3 vertex = texelFetch(triangle_vertices, int(triangle)).xyz;
-  return weights.x * texelFetch(vertex_colors, int(vertex.x)) + weights.y * texelFetch(vertex_colors, int(vertex.y)) +
-         weights.z * texelFetch(vertex_colors, int(vertex.z));
+  vec4 c0 = texelFetch(vertex_colors, int(vertex.x)), c1 = texelFetch(vertex_colors, int(vertex.y)),
+       c2 = texelFetch(vertex_colors, int(vertex.z));
+  return clamp(interpolated(c0, c1, c2, weights), min(c0, min(c1, c2)), max(c0, max(c1, c2)));
 }
 
 // Object to world: exact bounds on what the transform adds to the position's error.
@@ -153,11 +160,11 @@ Surface fetch_surface(Hit hit) {
     fetch_normal(vertex.z, n2, t2);
     if ((floatBitsToUint(v0.w) & kTriangleSmooth) != 0u) {
       surface.vertex_normal =
-          safe_normalize(weights.x * n0 + weights.y * n1 + weights.z * n2, surface.geometric_normal);
+          safe_normalize(interpolated(n0, n1, n2, weights), surface.geometric_normal);
       if (kTerminator == kTerminatorSmooth) find_lifts(v0.xyz, v1.xyz, v2.xyz, n0, n1, n2, weights, surface);
     }
     if (uses(kFeatureNormalMaps)) {
-      surface.tangent = vec4(weights.x * t0.xyz + weights.y * t1.xyz + weights.z * t2.xyz, t0.w);
+      surface.tangent = vec4(interpolated(t0.xyz, t1.xyz, t2.xyz, weights), t0.w);
     }
   }
   if (uses(kFeatureTextures)) surface.uv = surface_uv(hit.triangle, weights);

@@ -57,6 +57,10 @@ ivec2 neighbours(float x, int size, uint mode, out float weight) {
   return clamp(texel, ivec2(0), ivec2(size - 1));
 }
 
+// Between two values. Equal ones come out exactly, which mix() leaves open, and bytes never beyond the two: what a cut-off
+// is compared with.
+vec4 between(vec4 first, vec4 second, float share) { return first + share * (second - first); }
+
 // Bilinear, or the nearest texel.
 vec4 filter_image(Texture image, vec2 uv, bool color) {
   uint mode_u = (image.flags >> kTextureWrapUShift) & 3u, mode_v = (image.flags >> kTextureWrapVShift) & 3u;
@@ -69,9 +73,11 @@ vec4 filter_image(Texture image, vec2 uv, bool color) {
   vec2 weight;
   ivec2 columns = neighbours(x, int(image.width), mode_u, weight.x);
   ivec2 rows = neighbours(y, int(image.height), mode_v, weight.y);
-  vec4 upper = mix(fetch_texel(image, columns.x, rows.x, color), fetch_texel(image, columns.y, rows.x, color), weight.x);
-  vec4 lower = mix(fetch_texel(image, columns.x, rows.y, color), fetch_texel(image, columns.y, rows.y, color), weight.x);
-  return mix(upper, lower, weight.y) / texel_scale(image, color);
+  vec4 upper =
+      between(fetch_texel(image, columns.x, rows.x, color), fetch_texel(image, columns.y, rows.x, color), weight.x);
+  vec4 lower =
+      between(fetch_texel(image, columns.x, rows.y, color), fetch_texel(image, columns.y, rows.y, color), weight.x);
+  return between(upper, lower, weight.y) / texel_scale(image, color);
 }
 
 // The same by the device's sampler, whose weights have few bits. A texel's centre has weights of 1 and 0: unfiltered
@@ -149,7 +155,7 @@ vec4 filter_levels(Texture image, vec2 uv, bool color) {
   vec4 value = vec4(0.0);
   for (uint i = 0u; i < (share > 0.0 ? 2u : 1u); ++i) { // a loop: drivers compile one copy of the filter
     vec4 part = look_up(image_at_level(image, finer + i), uv, color);
-    value = i == 0u ? part : mix(value, part, share);
+    value = i == 0u ? part : between(value, part, share);
   }
   return value;
 }
