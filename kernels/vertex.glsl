@@ -99,18 +99,33 @@ Vertex make_vertex(Surface surface, Material material, vec3 direction) {
   return v;
 }
 
-// A direction must lie on the same side of the real surface as of the shading normal, or light would leak through.
-bool sides_agree(Vertex v, vec3 wi) {
+bool is_bent(Vertex v) { return has(kFeatureNormalMaps) && v.material.normal_texture != kNone; }
+
+// Whether the vertex reflects what it scatters to wi, rather than letting it through: by the surface that a map stands for,
+// not by the normal that it bends, since lobes are folded at that surface (below).
+bool is_above(Vertex v, vec3 wi) { return dot(wi, is_bent(v) ? v.plane : v.normal) > 0.0; }
+bool is_below(Vertex v, vec3 wi) { return dot(wi, is_bent(v) ? v.plane : v.normal) < 0.0; }
+
+// Whether a direction leaves to the viewer's side of the facet.
+bool is_on_viewers_side(Vertex v, vec3 wi) {
   vec3 facing = v.front ? v.surface.geometric_normal : -v.surface.geometric_normal;
-  return (dot(wi, facing) > 0.0) == (dot(wi, v.normal) > 0.0);
+  return dot(wi, facing) > 0.0;
+}
+
+// A direction must lie on the same side of the real surface as of the shading normal, or light would leak through.
+bool sides_agree(Vertex v, vec3 wi) { return is_on_viewers_side(v, wi) == is_above(v, wi); }
+
+// The same of a drawn direction. Delta lobes need not be folded: there the lobe tells the side.
+bool sides_agree(Vertex v, BsdfSample s, vec3 wi) {
+  return is_bent(v) && s.pdf < 0.0 ? is_on_viewers_side(v, wi) != s.transmitted : sides_agree(v, wi);
 }
 
 // ---- scattering in world space --------------------------------------------------------------------------------------
 // Half of what a bent normal scatters may head below the surface that the map stands for, where no light is. It is mirrored
-// up at that surface: value and density of a direction are those of the BSDF for it and for its mirror image, so that a
-// white surface returns all light whatever its map (cutting these directions off returned 57 % in a strong map). What a
-// mirror folds cannot be followed back from the light, so that kernels of light paths, and those that meet them, define
-// KEEPS_MIRRORS.
+// up at that surface, and what it lets through down: value and density of a direction are those of the BSDF for it and for
+// its mirror image, of each where the BSDF sends its light to wi's side of that surface. So a white surface returns all
+// light whatever its map (cutting these directions off returned 57 % in a strong map). What a mirror folds cannot be
+// followed back from the light, so that kernels of light paths, and those that meet them, define KEEPS_MIRRORS.
 #ifdef KEEPS_MIRRORS
 const bool kFoldsMirrors = false;
 #else
@@ -119,7 +134,10 @@ const bool kFoldsMirrors = true;
 
 vec3 to_local(Vertex v, vec3 direction) { return to_local(direction, v.tangent, v.bitangent, v.normal); }
 
-bool is_bent(Vertex v) { return has(kFeatureNormalMaps) && v.material.normal_texture != kNone; }
+// Whether the BSDF sends light to wi itself that is not folded away. local: wi in the local basis.
+bool has_itself(Vertex v, vec3 wi, vec3 local) {
+  return !is_bent(v) || v.plane == v.normal || (local.z > 0.0) == (dot(wi, v.plane) > 0.0);
+}
 
 // The mirror image of wi, if the BSDF sends light on wi's side there.
 bool has_image(Vertex v, vec3 wi, out vec3 image) {
@@ -132,8 +150,8 @@ bool has_image(Vertex v, vec3 wi, out vec3 image) {
 vec3 vertex_eval(Vertex v, Lobes l, vec3 wi, vec3 local, out float pdf) {
   vec3 value = vec3(0.0), wo = to_local(v, v.wo), image;
   pdf = 0.0;
-  const int count = has_image(v, wi, image) ? 2 : 1; // a loop: drivers compile one copy of the BSDF
-  for (int i = 0; i < count; ++i) {
+  const int end = has_image(v, wi, image) ? 2 : 1; // a loop: drivers compile one copy of the BSDF
+  for (int i = has_itself(v, wi, local) ? 0 : 1; i < end; ++i) {
     float lobes_pdf;
     value += eval_lobes(v.bsdf, l, wo, i == 0 ? local : image, lobes_pdf);
     pdf += lobes_pdf;

@@ -38,7 +38,7 @@ bool connects_behind() { return uses_technique(wave.bounce == 0u ? kTechniqueSpl
 // Of the light that a segment from v carries when it leaves towards `wi`.
 vec3 transmittance(Vertex v, vec3 wi, uint slot, float distance_) {
   if (!has(kFeatureVolume)) return vec3(1.0);
-  bool crossing = dot(wi, v.normal) < 0.0 && !v.bsdf.thin;
+  bool crossing = is_below(v, wi) && !v.bsdf.thin;
   return medium_transmittance(crossing ? medium_behind(v) : path_media[slot], distance_);
 }
 
@@ -147,7 +147,7 @@ bool scatter(Vertex v, Sampler path_sampler, uint dimension, uint slot, inout Pa
   BsdfSample s;
   vec3 wi;
   if (!vertex_sample(v, u_choice.x, u, s, wi)) return false;
-  if (!sides_agree(v, wi)) return false;
+  if (!sides_agree(v, s, wi)) return false;
 
   float cosine = surface_cosine(v, wi);
   if (s.pdf < 0.0) {

@@ -124,7 +124,7 @@ bool scatter(Vertex v, Sampler path_sampler, uint dimension, uint slot, inout Pa
   if (!vertex_sample(v, u_choice.x, u, s, w)) return false;
   Vertex seen = seen_from(v, w);
   float out_cosine = surface_cosine(v, w), in_cosine = surface_cosine(v, v.wo);
-  if (!(out_cosine > 0.0) || !sides_agree(seen, v.wo)) return false;
+  if (!(out_cosine > 0.0) || !sides_agree(seen, s, v.wo)) return false;
 
   if (s.pdf < 0.0) {
     if (!light_passes_delta(v, local, s, w, path, weights)) return false;

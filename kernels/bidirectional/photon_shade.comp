@@ -71,7 +71,7 @@ bool pass(Vertex v, vec3 local, Lobes lobes, float go, float u_side, vec2 u, ino
   if (!sample_facets(v.bsdf, lobes, local, u_side, u, s, delta) || !delta) return false;
   s.weight *= lobes.facet_probability / go;
   w = normalize(to_world(s.wi, v.tangent, v.bitangent, v.normal));
-  if (!(surface_cosine(v, w) > 0.0) || !sides_agree(seen_from(v, w), v.wo)) return false;
+  if (!(surface_cosine(v, w) > 0.0) || !sides_agree(seen_from(v, w), s, v.wo)) return false;
   return light_passes_delta(v, local, s, w, path, weights);
 }
 

@@ -13,7 +13,7 @@ bool guided_sample(Vertex v, Lobes l, Guide guide, float u_side, vec2 u, out Bsd
   if (has(kFeatureGuide) && take_share(u.y, guide.probability)) {
     wi = sample_map(guide.map, u);
     s = BsdfSample(to_local(v, wi), vec3(0.0), 0.0, 1.0, false, false);
-    s.transmitted = s.wi.z < 0.0;
+    s.transmitted = is_below(v, wi);
     if (has(kFeatureTransmission) && s.transmitted && !v.bsdf.thin) s.eta_scale = l.surface.eta * l.surface.eta;
   } else {
     if (!bsdf_sample_direction(v.bsdf, l, to_local(v, v.wo), u_side, u, s, delta)) return false;

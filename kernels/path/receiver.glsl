@@ -15,7 +15,9 @@ bool keeps_receivers() {
 // Stores the vertex for the weight of what the scattered ray may hit.
 Receiver store_receiver(uint slot, Vertex v) {
   if (!keeps_receivers()) return Receiver(v.surface.position, vec3(0.0));
-  uvec4 words = uvec4(floatBitsToUint(v.surface.position), lets_light_pass(v) ? 0u : pack_normal(v.normal));
+  // A map may bend the normal so far that what is folded at its surface leaves below the normal.
+  bool any_side = lets_light_pass(v) || (is_bent(v) && !(dot(v.plane, v.normal) > 0.0));
+  uvec4 words = uvec4(floatBitsToUint(v.surface.position), any_side ? 0u : pack_normal(v.normal));
   receiver_words[receiver_place(slot)] = words;
   return unpack_receiver(words);
 }

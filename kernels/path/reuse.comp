@@ -48,10 +48,13 @@ struct Link {
   float receiver_passes, sender_passes; // T
 };
 
-// Cosine at the receiver of the mirror image of a direction, 0 if it has none: as has_image() in kernels/vertex.glsl.
-float mirrored_cosine(uint slot, vec3 normal, vec3 direction) {
+// Cosine at the receiver of the mirror image of a direction, 0 if it has none, and that of the direction itself, 0 below the
+// surface that a map stands for: as has_image() and has_itself() in kernels/vertex.glsl.
+float mirrored_cosine(uint slot, vec3 normal, vec3 direction, inout float cosine) {
   vec3 mirror = fetch_reuse(slot, kReuseReceiverMirror).xyz;
+  if (mirror == vec3(0.0)) return 0.0;
   float above = dot(mirror, direction);
+  cosine = above > 0.0 ? max(cosine, 0.0) : 0.0;
   return above > 0.0 ? max(dot(direction - 2.0 * above * mirror, normal), 0.0) : 0.0;
 }
 
@@ -64,7 +67,7 @@ bool link_to(uint slot, Sender y, out Link link) {
   float squared = dot(link.offset, link.offset);
   vec3 direction = link.offset * inversesqrt(squared);
   float cosine = dot(normal.xyz, direction), mirrored = 0.0, cosine_y = -dot(y.plane, direction), shading_y = -dot(y.normal, direction);
-  if (has(kFeatureNormalMaps)) mirrored = mirrored_cosine(slot, normal.xyz, direction);
+  if (has(kFeatureNormalMaps)) mirrored = mirrored_cosine(slot, normal.xyz, direction, cosine);
   link.density = kInvPi * (cosine + mirrored) * cosine_y / squared;
   link.receiver_passes = link.sender_passes = 1.0;
   if (kMicrofacets) {
@@ -74,7 +77,7 @@ bool link_to(uint slot, Sender y, out Link link) {
       link.receiver_passes = mix(link.receiver_passes, coupling_passes(x, mirrored), mirrored / (max(cosine, 0.0) + mirrored));
     link.sender_passes = coupling_passes(y.coupling, max(shading_y, 0.0));
   }
-  return cosine > 0.0 && dot(plane, direction) > 0.0 && cosine_y > 0.0 && shading_y > kLeastCosine && is_finite(link.density);
+  return cosine + mirrored > 0.0 && dot(plane, direction) > 0.0 && cosine_y > 0.0 && shading_y > kLeastCosine && is_finite(link.density);
 }
 
 // Of all lanes, each of which has traced 0 to 4.

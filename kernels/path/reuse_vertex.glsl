@@ -20,7 +20,7 @@ bool may_share(Vertex v, Lobes l) {
 vec3 diffuse_value(Vertex v, Lobes l, vec3 wi, vec3 local) {
   vec3 value = vec3(0.0), image;
   float pdf;
-  if (local.z > 0.0) value = eval_diffuse(v.bsdf, l, local, pdf);
+  if (local.z > 0.0 && has_itself(v, wi, local)) value = eval_diffuse(v.bsdf, l, local, pdf);
   if (has_image(v, wi, image) && image.z > 0.0) value += eval_diffuse(v.bsdf, l, image, pdf);
   return value;
 }

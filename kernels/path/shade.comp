@@ -50,7 +50,7 @@ uint light_sample_count() { return light_samples_at(kLightSamples, wave.bounce);
 // Of what lies on this side of the surface or behind it.
 vec3 transmittance_towards(Vertex v, vec3 direction, float distance_, uint slot) {
   if (!has(kFeatureVolume)) return vec3(1.0);
-  bool crossing = dot(direction, v.normal) < 0.0 && !v.bsdf.thin;
+  bool crossing = is_below(v, direction) && !v.bsdf.thin;
   return medium_transmittance(crossing ? body_behind(v, slot) : current_body(slot), distance_);
 }
 
@@ -150,7 +150,7 @@ bool scatter(Vertex v, Lobes lobes, Sampler path_sampler, uint dimension, uint s
   if (!guided_sample(v, lobes, guide, u_choice.x, u, s, wi, bsdf_pdf)) return false;
   passed = uses(kFeaturePanes) && is_pane(v.bsdf) && s.pdf < 0.0 && s.transmitted;
   if (passed) wi = -v.wo;
-  if (!sides_agree(v, wi)) return false;
+  if (!sides_agree(v, s, wi)) return false;
   if (receives) scatter_receiver(v, lobes, s, wi, slot);
 
   path.throughput *= s.weight;

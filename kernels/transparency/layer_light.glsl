@@ -17,7 +17,7 @@ vec3 layer_direct(Vertex v, uvec2 pixel) {
   LightSample light = sample_light(v.surface.position,
                                    sample_bits(hybrid_sampler(pixel), bounce_dimension(kLayerBounce) + kDimensionLight));
   if (!(light.pdf > 0.0) || !sides_agree(v, light.direction)) return vec3(0.0);
-  if (v.bsdf.transmission > 0.0 && dot(light.direction, v.normal) < 0.0) return vec3(0.0); // is seen behind it, as all there
+  if (v.bsdf.transmission > 0.0 && is_below(v, light.direction)) return vec3(0.0); // is seen behind it, as all there
   float bsdf_pdf;
   return vertex_eval(v, light.direction, bsdf_pdf) * light.radiance / light.pdf;
 }

@@ -71,7 +71,7 @@ vec3 lit_by(uint number, Vertex v, uint medium, uint path) {
   float bsdf_pdf;
   precise vec3 value = vertex_eval(v, s.direction, bsdf_pdf) * s.radiance / pdf;
   if (has(kFeatureVolume)) {
-    bool crossing = dot(s.direction, v.normal) < 0.0 && !v.bsdf.thin;
+    bool crossing = is_below(v, s.direction) && !v.bsdf.thin;
     value *= medium_transmittance(crossing ? medium_behind(v) : medium,
                                   s.distant ? kFarAway : length(s.target - v.surface.position));
   }

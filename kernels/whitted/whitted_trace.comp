@@ -33,7 +33,7 @@ WhittedNode child(Vertex v, WhittedNode node, vec3 local, vec3 weight, bool tran
   next.origin = offset_ray_origin(v.surface.position, v.surface.position_error, v.surface.geometric_normal, wi);
   next.direction = wi;
   precise vec3 through = node.weight * weight;
-  next.weight = sides_agree(v, wi) ? through : vec3(0.0);
+  next.weight = sides_agree(v, BsdfSample(local, weight, -1.0, 1.0, transmitted, false), wi) ? through : vec3(0.0);
   next.medium = transmitted && !v.bsdf.thin ? medium_behind(v) : node.medium;
   next.path = node.path * 1664525u + (transmitted ? 1013904223u : 0x3c6ef35bu); // no two rays of a tree should share it
   next.depth = node.depth + 1u;
