@@ -225,12 +225,6 @@ vec3 eval_lobes(Bsdf b, Lobes l, vec3 wo, vec3 wi, out float pdf) {
   return value;
 }
 
-vec3 bsdf_eval(Bsdf b, vec3 wo, vec3 wi, out float pdf) {
-  pdf = 0.0;
-  if (!(wo.z > 0.0)) return vec3(0.0);
-  return eval_lobes(b, lobes_of(b, wo), wo, wi, pdf);
-}
-
 // ---- sampling ---------------------------------------------------------------------------------------------------
 
 // wo bent at a microfacet h; false where it is totally reflected. Normalized, because 1/eta and the root near the

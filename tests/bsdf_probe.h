@@ -36,9 +36,12 @@ struct Config {
   float diffuse_transmission = 0.0f;
   glm::vec2 stretched_alpha{0.0f}; // 0: alpha
   glm::vec2 pad{0.0f};
+  glm::vec3 plane{0.0f, 0.0f, 1.0f};
+  std::uint32_t bent = 0;
+  glm::vec4 facet{0.0f, 0.0f, 1.0f, 0.0f};
   glm::vec4 window{0.0f};
 };
-static_assert(sizeof(Config) == 160);
+static_assert(sizeof(Config) == 192);
 
 // GGX, sheen, glass of this ior from outside and from inside: as probes/bsdf_config.glsl expects them.
 inline ProbeBuffer albedo_tables(double glass_ior = 1.5) {
@@ -75,7 +78,7 @@ struct Drawn {
   double delta = 0.0, rejected = 0.0, transmitted = 0.0; // fractions
   double bad = 0.0;                                      // count
   double least = 1e30, most = 0.0;                       // weight component of accepted samples
-  double mismatch = 0.0;                                 // with bsdf_eval
+  double mismatch = 0.0;                                 // with value_of()
   double farthest = 0.0;                                 // from the mirror direction
 };
 
@@ -138,7 +141,7 @@ inline DrawResult draw(Device& device, const std::vector<Config>& configs, const
   return result;
 }
 
-// bsdf_eval of every pair: value in xyz, pdf in w.
+// value_of() of every pair: value in xyz, pdf in w.
 inline std::vector<glm::vec4> evaluate(Device& device, const std::vector<Config>& configs,
                                        const std::vector<Pair>& pairs,
                                        std::uint32_t hemisphere = gpu::kHemisphereCosine,

@@ -49,7 +49,8 @@ struct Link {
 };
 
 // Cosine at the receiver of the mirror image of a direction, 0 if it has none, and that of the direction itself, 0 below the
-// surface that a map stands for: as has_image() and has_itself() in kernels/vertex.glsl.
+// surface that a map stands for: as has_image() and has_itself() in
+// kernels/world_scattering.glsl.
 float mirrored_cosine(uint slot, vec3 normal, vec3 direction, inout float cosine) {
   vec3 mirror = fetch_reuse(slot, kReuseReceiverMirror).xyz;
   if (mirror == vec3(0.0)) return 0.0;

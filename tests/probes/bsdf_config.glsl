@@ -1,5 +1,5 @@
-// What the BSDF probes share: a material, the direction it is seen from, and the region of directions that is
-// histogrammed.
+// What the BSDF probes share: a material, the direction it is seen from, the surface that it lies on, and the region of
+// directions that is histogrammed.
 #ifndef WAVEPATH_TESTS_BSDF_CONFIG_GLSL
 #define WAVEPATH_TESTS_BSDF_CONFIG_GLSL
 
@@ -31,6 +31,9 @@ struct Config {
   float diffuse_transmission;
   vec2 stretched_alpha; // 0: alpha
   vec2 pad;
+  vec3 plane; // the normal before a map bent it to +Z,
+  uint bent;  // if one did
+  vec4 facet; // the normal of the triangle
   vec4 window; // axis and half width of a square window around it; zero width: the whole sphere
 };
 
@@ -41,6 +44,33 @@ Bsdf bsdf_of(Config c) {
   return Bsdf(c.base_color, c.metallic, c.specular_color, c.specular, c.alpha, c.transmission, c.ior,
               (c.flags & 1u) != 0u, (c.flags & 2u) != 0u, 0u, 2u * kTableTexels, coat, sheen, Film(c.film, c.film_ior, c.film_nanometres),
               stretched, c.diffuse_through, c.diffuse_transmission, false);
+}
+
+// A vertex as kernels/vertex.glsl has it, in a world whose axes are those of the local basis.
+struct Facet {
+  vec3 geometric_normal;
+};
+struct Map {
+  uint normal_texture;
+};
+struct Vertex {
+  Facet surface;
+  Map material;
+  bool front;
+  vec3 wo, normal, tangent, bitangent, plane;
+  Bsdf bsdf;
+};
+#include "kernels/world_scattering.glsl"
+
+Vertex vertex_of(Config c) {
+  return Vertex(Facet(c.facet.xyz), Map(c.bent != 0u ? 0u : kNone), true, c.wo.xyz, vec3(0.0, 0.0, 1.0), vec3(1.0, 0.0, 0.0),
+                vec3(0.0, 1.0, 0.0), c.plane, bsdf_of(c));
+}
+
+// What light from wi gives, and the density with which it is drawn, as kernels/path/shade.comp has both.
+vec3 value_of(Vertex v, vec3 wi, out float pdf) {
+  pdf = 0.0;
+  return sides_agree(v, wi) ? vertex_eval(v, wi, pdf) : vec3(0.0);
 }
 
 // Position of a direction in the region, in [0,1)^2; false if it lies outside.

@@ -1,4 +1,4 @@
-// Evaluates bsdf_eval for pairs of directions: (wo, index of the material), (wi, unused) -> value, pdf.
+// Evaluates what a vertex scatters for pairs of directions: (wo, index of the material), (wi, unused) -> value, pdf.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #define LAYERED
@@ -20,6 +20,8 @@ void main() {
   uint i = gl_GlobalInvocationID.x;
   if (i >= invocations) return;
   float pdf;
-  vec3 value = bsdf_eval(bsdf_of(configs[pairs[i].config]), pairs[i].wo, pairs[i].wi.xyz, pdf);
+  Config c = configs[pairs[i].config];
+  c.wo.xyz = pairs[i].wo;
+  vec3 value = value_of(vertex_of(c), pairs[i].wi.xyz, pdf);
   values[i] = vec4(value, pdf);
 }
