@@ -194,7 +194,7 @@ vec3 eval_refraction(Bsdf b, Interface surface, vec3 wo, vec3 wi, out float pdf)
   return transmittance * (facet_distribution(b, h) * facet_visibility(b, wo, wi) * -wi.z * jacobian);
 }
 
-// f |cos(wi)| of all lobes that are not delta, and the density with which bsdf_sample draws wi from them.
+// f |cos(wi)| of all lobes that are not delta, and the density with which bsdf_sample_direction draws wi from them.
 vec3 eval_lobes(Bsdf b, Lobes l, vec3 wo, vec3 wi, out float pdf) {
   vec3 value = vec3(0.0);
   pdf = 0.0;

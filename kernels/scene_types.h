@@ -134,7 +134,8 @@ struct MaterialLayers {
   float anisotropy;
   float anisotropy_rotation; // radians, counter-clockwise from the tangent
   uint anisotropy_texture;
-  uint pad0;
+  uint layer_tangents; // vertices from one's normal to its tangents of coat and grain; 0 = they have those of the
+                       // normal map
   float iridescence;
   float film_ior;
   float film_lo; // thickness in nanometres where the texture is 0

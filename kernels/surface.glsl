@@ -21,6 +21,9 @@ struct Surface {
   uint material;
   uint light; // see Triangle
   vec3 lift_front, lift_back; // to the smooth surface, seen from either side: see lift_surface()
+#ifdef LAYERED
+  Hit hit;
+#endif
 };
 
 // Compiled in, and there is data for it: generic kernels must not read streams that this scene left out.
@@ -59,6 +62,17 @@ vec4 surface_color(uint triangle, vec3 weights) {
   return clamp(interpolated(c0, c1, c2, weights), min(c0, min(c1, c2)), max(c0, max(c1, c2)));
 }
 
+// Tangents go by the transform itself; where it mirrors, the handedness changes.
+vec4 tangent_to_world(vec4 to0, vec4 to1, vec4 to2, bool flipped, vec4 tangent) {
+  vec3 t = tangent.xyz;
+  return vec4(dot(to0.xyz, t), dot(to1.xyz, t), dot(to2.xyz, t), flipped ? -tangent.w : tangent.w);
+}
+vec4 tangent_to_world(uint instance, vec4 tangent) {
+  int texel = int(instance * kInstanceTexels);
+  return tangent_to_world(texelFetch(instances, texel + 3), texelFetch(instances, texel + 4), texelFetch(instances, texel + 5),
+                          floatBitsToUint(texelFetch(instances, texel + 6).y) != 0u, tangent);
+}
+
 // Object to world: exact bounds on what the transform adds to the position's error.
 void to_world(uint instance, inout Surface surface) {
   int texel = int(instance * kInstanceTexels);
@@ -82,9 +96,7 @@ void to_world(uint instance, inout Surface surface) {
     surface.lift_front = vec3(dot(to0.xyz, a), dot(to1.xyz, a), dot(to2.xyz, a));
     surface.lift_back = vec3(dot(to0.xyz, b), dot(to1.xyz, b), dot(to2.xyz, b));
   }
-  vec3 t = surface.tangent.xyz;
-  surface.tangent.xyz = vec3(dot(to0.xyz, t), dot(to1.xyz, t), dot(to2.xyz, t));
-  surface.tangent.w = flipped ? -surface.tangent.w : surface.tangent.w;
+  surface.tangent = tangent_to_world(to0, to1, to2, flipped, surface.tangent);
 }
 
 // Normal and tangent of a vertex at the moment of the path; the tangent only where there are normal maps.
@@ -139,6 +151,9 @@ Surface fetch_surface(Hit hit) {
   v2.xyz = moved(v2.xyz, texel + 2);
   vec3 weights = vec3(1.0 - hit.b1 - hit.b2, hit.b1, hit.b2);
   Surface surface;
+#ifdef LAYERED
+  surface.hit = hit;
+#endif
   surface.position = weights.x * v0.xyz + weights.y * v1.xyz + weights.z * v2.xyz;
   surface.position_error =
       gamma_bound(7) * (abs(weights.x * v0.xyz) + abs(weights.y * v1.xyz) + abs(weights.z * v2.xyz));
@@ -213,11 +228,11 @@ bool is_hole(Hit hit, Sampler path_sampler, uint kind) {
 }
 
 // A normal that a map bends, in world space.
-vec3 mapped_normal(Surface surface, vec3 n, uint texture_, float scale) {
+vec3 mapped_normal(Surface surface, vec4 tangent, vec3 n, uint texture_, float scale) {
   vec3 mapped = sample_texture(texture_, surface.uv, false).xyz * 2.0 - 1.0;
   mapped.xy *= scale;
-  vec3 t = safe_normalize(surface.tangent.xyz - n * dot(n, surface.tangent.xyz), vec3(0.0));
-  vec3 b = cross(n, t) * surface.tangent.w;
+  vec3 t = safe_normalize(tangent.xyz - n * dot(n, tangent.xyz), vec3(0.0));
+  vec3 b = cross(n, t) * tangent.w;
   return safe_normalize(t * mapped.x + b * mapped.y + n * mapped.z, n);
 }
 
@@ -230,7 +245,7 @@ vec3 bumped_normal(Surface surface, Material material, bool front) {
   vec3 n = surface.vertex_normal;
   bool reversed = dot(n, facing) < 0.0;
   if (has(kFeatureNormalMaps) && material.normal_texture != kNone && has_tangent(surface))
-    n = mapped_normal(surface, n, material.normal_texture, material.normal_scale);
+    n = mapped_normal(surface, surface.tangent, n, material.normal_texture, material.normal_scale);
   return reversed ? -n : n;
 }
 

@@ -9,6 +9,22 @@ uint path_channel = 1u;
 vec4 layer_value(uint index, vec4 uv) { return index == kNone ? vec4(1.0) : sample_texture(index, uv, false); }
 vec4 layer_color(uint index, vec4 uv) { return index == kNone ? vec4(1.0) : sample_texture(index, uv, true); }
 
+// Tangent of a layer whose texture is read by other coordinates than the normal map. layer: 0 = coat, 1 = grain. `first`: see
+// MaterialLayers.
+vec4 layer_tangent(Surface surface, uint first, int layer) {
+  if (first == 0u) return surface.tangent;
+  uvec3 vertex = texelFetch(triangle_vertices, int(surface.hit.triangle)).xyz;
+  vec4 t[3];
+  for (int k = 0; k < 3; ++k) {
+    vec4 texel = texelFetch(vertex_normals, int(vertex[k] + first));
+    t[k] = unpack_tangent(texel[layer]);
+    if (kMoves) t[k].xyz = mix(t[k].xyz, unpack_tangent(texel[layer + 2]).xyz, shutter_time);
+  }
+  vec3 weights = vec3(1.0 - surface.hit.b1 - surface.hit.b2, surface.hit.b1, surface.hit.b2);
+  vec4 tangent = vec4(interpolated(t[0].xyz, t[1].xyz, t[2].xyz, weights), t[0].w);
+  return is_instanced() ? tangent_to_world(surface.hit.instance, tangent) : tangent;
+}
+
 // Fills in what the material has beyond metallic-roughness: rows of MaterialLayers.
 void read_layers(inout Vertex v) {
   v.bsdf.coat = Coat(0.0, 0.0, vec3(0.0, 0.0, 1.0));
@@ -31,7 +47,8 @@ void read_layers(inout Vertex v) {
       v.bsdf.coat.alpha = roughness * roughness;
       vec3 n = v.surface.vertex_normal;
       bool reversed = dot(n, v.front ? v.surface.geometric_normal : -v.surface.geometric_normal) < 0.0;
-      if (maps.y != kNone && has(kFeatureNormalMaps) && has_tangent(v.surface)) n = mapped_normal(v.surface, n, maps.y, factors.z);
+      if (maps.y != kNone && has(kFeatureNormalMaps) && has_tangent(v.surface))
+        n = mapped_normal(v.surface, layer_tangent(v.surface, fetch_layers(m, 3u).w, 0), n, maps.y, factors.z);
       v.coat_normal = reversed ? -n : n;
     }
   }
@@ -56,8 +73,9 @@ void read_layers(inout Vertex v) {
       }
       direction = mat2(cos(rotation), sin(rotation), -sin(rotation), cos(rotation)) * direction;
       vec3 n = v.surface.vertex_normal;
-      vec3 t = safe_normalize(v.surface.tangent.xyz - n * dot(n, v.surface.tangent.xyz), vec3(0.0));
-      v.grain = t * direction.x + cross(n, t) * (v.surface.tangent.w * direction.y);
+      vec4 tangent = layer_tangent(v.surface, words.w, 1);
+      vec3 t = safe_normalize(tangent.xyz - n * dot(n, tangent.xyz), vec3(0.0));
+      v.grain = t * direction.x + cross(n, t) * (tangent.w * direction.y);
       float across = max(v.bsdf.alpha, kMinAlpha);
       v.bsdf.stretched_alpha = vec2(mix(across, 1.0, strength * strength), across);
     }

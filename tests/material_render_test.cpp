@@ -8,6 +8,7 @@
 
 #include "host/integrators/path/kind.h"
 #include "host/render/render.h"
+#include "host/scene/gltf/tangents.h"
 #include "host/scene/pack/pack.h"
 #include "host/scene/view.h"
 #include "tests/scene_builder.h"
@@ -21,16 +22,22 @@ constexpr double kPi = std::numbers::pi;
 
 class MaterialRender : public VulkanTest {
 protected:
-  // Mean over the picture.
-  glm::dvec3 mean(Scene scene, const View& view, std::uint32_t side, std::uint32_t spp, std::uint32_t depth) {
+  Picture render_picture(Scene scene, const View& view, std::uint32_t side, std::uint32_t spp, std::uint32_t depth,
+                         std::uint32_t direct = gpu::kDirectMis) {
     RenderSettings asked;
     asked.width = asked.height = side;
     asked.last_sample = spp;
     asked.max_depth = depth;
     asked.integrator = &kPath;
     asked.filter = gpu::kFilterBox;
-    const PackedScene packed = pack(scene);
-    const Picture picture = render(device(), packed, view, asked, RenderHooks{}, shared_kernels(device())).picture;
+    asked.direct = direct;
+    const PackedScene packed = pack(scene, {.direct = direct});
+    return render(device(), packed, view, asked, RenderHooks{}, shared_kernels(device())).picture;
+  }
+  // Mean over the picture.
+  glm::dvec3 mean(const Scene& scene, const View& view, std::uint32_t side, std::uint32_t spp, std::uint32_t depth,
+                  std::uint32_t direct = gpu::kDirectMis) {
+    const Picture picture = render_picture(scene, view, side, spp, depth, direct);
     glm::dvec3 sum(0.0);
     for (int c = 0; c < 3; ++c)
       for (const float v : picture.channels[static_cast<std::size_t>(c)].values) sum[c] += v;
@@ -293,6 +300,42 @@ TEST_F(MaterialRender, TheInnerBodyCounts) {
               0.01);
 }
 
+// ---- cut-offs -------------------------------------------------------------------------------------------------------
+
+// Alpha that equals the cut-off is kept at every point, whatever the weights of the corners and of texels round to.
+TEST_F(MaterialRender, CutoffsKeepWhatEqualsThem) {
+  struct Case {
+    float vertex, factor;
+    int texel; // of 255
+  };
+  for (const Case& c : {Case{1.0f, 1.0f, 255}, Case{0.5f, 1.0f, 255}, Case{0.3f, 1.0f, 255}, Case{1.0f, 0.3f, 255},
+                        Case{128 / 255.0f, 0.7f, 255}, Case{1.0f, 1.0f, 77}, Case{0.3f, 0.9f, 200}}) {
+    Scene scene;
+    scene.path = "test";
+    Material leaf = plain_material();
+    leaf.unlit = true;
+    leaf.base_color = {1.0f, 1.0f, 1.0f, c.factor};
+    leaf.alpha_mode = AlphaMode::mask;
+    leaf.alpha_cutoff = c.factor * c.vertex * (static_cast<float>(c.texel) / 255.0f);
+    leaf.base_color_texture.image = 0;
+    leaf.base_color_texture.wrap_u = leaf.base_color_texture.wrap_v = Wrap::clamp;
+    Image image{.name = "leaf", .width = 4, .height = 2};
+    for (int i = 0; i < 8; ++i) // clear on the left, so that the host cannot tell all of it
+      image.bytes.insert(image.bytes.end(), {255, 255, 255, static_cast<std::uint8_t>(i % 4 == 0 ? 0 : c.texel)});
+    scene.images = {image};
+    scene.materials = {leaf};
+    const glm::vec3 a{-1.0f, -0.98f, 0}, b{1.01f, -1, 0}, d{-1, 1.03f, 0}, e{0.97f, 1, 0};
+    const std::uint32_t quad = add_mesh(scene, {a, b, e, a, e, d});
+    for (const glm::vec3& p : scene.meshes[quad].positions) {
+      scene.meshes[quad].uvs[0].push_back(0.5f + 0.49f * glm::vec2(p));
+      scene.meshes[quad].colors.emplace_back(1.0f, 1.0f, 1.0f, c.vertex);
+    }
+    add_instance(scene, quad);
+    const glm::dvec3 seen = mean(scene, orthographic({0.4, 0, 0}, {0, 0, -1}, 0.5, 5.0), 32, 16, 1);
+    EXPECT_EQ(seen, glm::dvec3(1.0)) << c.vertex << " x " << c.factor << " x " << c.texel;
+  }
+}
+
 // ---- normal maps ----------------------------------------------------------------------------------------------------
 
 // White surfaces return all light whatever their map says.
@@ -328,6 +371,100 @@ TEST_F(MaterialRender, NormalMapsKeepTheLight) {
       const View view = orthographic({0, 0, 0}, {std::sqrt(1.0 - mu * mu), -mu, 0.0}, 1.0, 5.0);
       EXPECT_NEAR(mean(scene, view, 32, 256, 1).y, 1.0, 0.01)
           << "metallic " << metallic << ", roughness " << roughness << ", cosine " << mu;
+    }
+  }
+}
+
+// Facet, smooth normal and map that lean different ways: light samples find no light that drawn directions do not.
+TEST_F(MaterialRender, BentNormalsReturnWhatArrives) {
+  Scene scene;
+  scene.path = "test";
+  Environment& sky = scene.environment; // a picture, which light samples look for
+  sky.radiance = glm::vec3(1.0f);
+  sky.width = 8, sky.height = 4;
+  sky.map.assign(32, glm::vec3(1.0f));
+  Material matt = plain_material();
+  matt.base_color = glm::vec4(1.0f);
+  matt.normal_texture.image = 0;
+  scene.materials = {matt};
+  const auto byte = [](double v) { return static_cast<std::uint8_t>(std::lround(127.5 + 127.5 * v)); };
+  scene.images = {{"lean", 1, 1, {byte(-std::sin(0.6)), byte(0.0), byte(std::cos(0.6)), 255}, {}}};
+  const std::uint32_t floor = add_mesh(scene, {{-9, 0, -9}, {9, 0, 9}, {9, 0, -9}, {-9, 0, -9}, {-9, 0, 9}, {9, 0, 9}});
+  Mesh& mesh = scene.meshes[floor];
+  mesh.normals.assign(6, glm::vec3(std::sin(0.5f), std::cos(0.5f), 0.0f));
+  mesh.tangents.assign(6, glm::vec4(std::cos(0.5f), -std::sin(0.5f), 0.0f, 1.0f));
+  mesh.uvs[0].assign(6, glm::vec2(0.5f));
+  mesh.primitives[0].has_normals = true;
+  add_instance(scene, floor);
+  const View view = orthographic({0, 0, 0}, {0, -1, 0}, 1.0, 5.0);
+  const double expected = mean(scene, view, 16, 256, 1, gpu::kDirectBsdf).y;
+  EXPECT_GT(expected, 0.9);
+  for (const std::uint32_t estimator : {gpu::kDirectNee, gpu::kDirectMis})
+    EXPECT_NEAR(mean(scene, view, 16, 256, 1, estimator).y, expected, 0.004) << estimator;
+}
+
+// ---- texture transforms ---------------------------------------------------------------------------------------------
+
+// A textured quad that is turned and leaning, with generated tangents.
+Scene mapped_quad(const Material& material, const glm::mat2& first, const glm::mat2& second) {
+  Scene scene;
+  scene.path = "test";
+  PunctualLight sun;
+  sun.kind = LightKind::directional;
+  sun.direction = glm::normalize(glm::dvec3(-1, -2, -1));
+  sun.intensity = glm::vec3(3.0f);
+  scene.lights = {sun};
+  scene.materials = {material};
+  Image slopes{.name = "slopes", .width = 4, .height = 4};
+  for (int i = 0; i < 16; ++i)
+    slopes.bytes.insert(slopes.bytes.end(), {static_cast<std::uint8_t>(60 + 40 * (i % 4)),
+                                             static_cast<std::uint8_t>(90 + 20 * (i / 4)), 220, 255});
+  Image grain = slopes;
+  for (std::size_t i = 2; i < grain.bytes.size(); i += 4) grain.bytes[i] = 255;
+  scene.images = {slopes, grain};
+  const glm::vec3 a{-1, 0, -1}, b{-1, 0.2f, 1}, c{1, 0.1f, 1}, d{1, -0.1f, -1};
+  const std::uint32_t quad = add_mesh(scene, {a, b, c, a, c, d});
+  Mesh& mesh = scene.meshes[quad];
+  for (const glm::vec3& p : mesh.positions) {
+    const glm::vec2 uv(0.4f * p.x + 0.1f * p.z, 0.3f * p.z);
+    mesh.uvs[0].push_back(first * uv), mesh.uvs[1].push_back(second * uv);
+  }
+  generate_tangents(mesh, material);
+  add_instance(scene, quad);
+  return scene;
+}
+
+// A texture that is moved looks as one whose coordinates were: its tangents go with it, of each texture by itself.
+TEST_F(MaterialRender, TangentsGoWithTheTexture) {
+  const View view = orthographic({0, 0, 0}, glm::normalize(glm::dvec3(0.3, -1, -0.2)), 0.7, 5.0);
+  const glm::mat2 same(1.0f), turned(0.0f, 1.0f, -1.0f, 0.0f), mirrored(1.0f, 0.0f, 0.0f, -1.5f),
+      sheared(1.0f, 0.5f, 0.8f, 1.2f);
+  for (const auto& [first, second] :
+       {std::pair{turned, same}, {mirrored, turned}, {same, sheared}, {sheared, mirrored}}) {
+    for (const bool coated : {true, false}) {
+      Material m = plain_material();
+      m.specular = 1.0f, m.roughness = 0.5f, m.base_color = {0.3f, 0.5f, 0.8f, 1.0f};
+      m.normal_texture.image = 0;
+      TextureSlot& layer = coated ? m.coat_normal_texture : m.anisotropy_texture;
+      layer.image = coated ? 0 : 1;
+      if (coated)
+        m.coat = 1.0f, m.coat_roughness = 0.4f;
+      else
+        m.metallic = 1.0f, m.anisotropy = 0.8f, m.anisotropy_rotation = 0.4f;
+      Material moved = m;
+      moved.normal_texture.uv_matrix = first;
+      (coated ? moved.coat_normal_texture : moved.anisotropy_texture).uv_matrix = second;
+      layer.uv_set = 1;
+      const auto by_transform = render_picture(mapped_quad(moved, same, same), view, 16, 4, 1),
+                 by_coordinates = render_picture(mapped_quad(m, first, second), view, 16, 4, 1);
+      double difference = 0.0, light = 0.0;
+      for (std::size_t i = 0; i < 256; ++i) {
+        const double a = by_transform.channels[1].values[i], b = by_coordinates.channels[1].values[i];
+        difference += std::abs(a - b), light += b;
+      }
+      EXPECT_GT(light, 10.0);
+      EXPECT_LT(difference, 2e-3 * light) << (coated ? "coat" : "grain") << ", " << first[0].x << " " << first[0].y
+                                          << ", " << second[0].x << " " << second[0].y;
     }
   }
 }

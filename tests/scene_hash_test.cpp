@@ -98,6 +98,10 @@ TEST_F(SceneHash, SeesGeometry) {
   expect_seen("positions", mesh.positions);
   expect_seen("normals", mesh.normals);
   expect_seen("tangents", mesh.tangents);
+  for (std::vector<glm::vec4>& tangents : mesh.layer_tangents) {
+    tangents = mesh.tangents;
+    expect_seen("layer_tangents", tangents);
+  }
   expect_seen("uvs[0]", mesh.uvs[0]);
   expect_seen("uvs[1]", mesh.uvs[1]);
   expect_seen("colors", mesh.colors);

@@ -34,6 +34,64 @@ TEST(Tangents, PointAlongUAndSayTheHandedness) {
   for (const glm::vec4& t : mirrored.tangents) EXPECT_EQ(t, glm::vec4(-1, 0, 0, -1));
 }
 
+// KHR_texture_transform, of the map itself and of layers that are read by other coordinates.
+TEST(Tangents, GoByTheCoordinatesThatTexturesAreReadWith) {
+  const float c = std::cos(0.7f), s = std::sin(0.7f);
+  const glm::mat2 turned(0.0f, -1.0f, 1.0f, 0.0f), oblique(c, -s, s, c), flipped_u(-2.0f, 0.0f, 0.0f, 1.0f),
+      flipped_v(1.0f, 0.0f, 0.0f, -1.0f), both(-1.0f, 0.0f, 0.0f, -3.0f), large(1e20f, 0.0f, 0.0f, 1e20f),
+      smeared(0.0f, 0.0f, 0.0f, 1.0f), turned_and_smeared(0.0f, -1.0f, 0.0f, 0.0f), point(0.0f);
+  struct Case {
+    glm::mat2 matrix;
+    glm::dvec3 tangent;
+    float handedness;
+  };
+  for (const Case& k :
+       {Case{glm::mat2(1.0f), {1, 0, 0}, 1.0f}, Case{turned, {0, -1, 0}, 1.0f}, Case{oblique, {c, -s, 0}, 1.0f},
+        Case{flipped_u, {-1, 0, 0}, -1.0f}, Case{flipped_v, {1, 0, 0}, -1.0f}, Case{both, {-1, 0, 0}, 1.0f},
+        Case{large, {1, 0, 0}, 1.0f}, Case{smeared, {1, 0, 0}, 1.0f}, Case{turned_and_smeared, {0, -1, 0}, 1.0f},
+        Case{point, {1, 0, 0}, 1.0f}}) {
+    Material m;
+    m.normal_texture.image = m.coat_normal_texture.image = m.anisotropy_texture.image = 0;
+    m.coat = m.anisotropy = 1.0f;
+    Mesh mesh = quad(false);
+    mesh.uvs[1] = quad(true).uvs[0];
+    m.normal_texture.uv_matrix = k.matrix;
+    m.normal_texture.uv_offset = {3.0f, -7.0f};
+    m.coat_normal_texture.uv_set = 1;
+    m.anisotropy_texture.uv_matrix = k.matrix;
+    generate_tangents(mesh, m);
+    ASSERT_EQ(mesh.tangents.size(), 4u);
+    ASSERT_EQ(mesh.layer_tangents[kCoatTangents].size(), 4u);
+    EXPECT_TRUE(mesh.layer_tangents[kGrainTangents].empty()); // it is read as the normal map
+    for (std::size_t v = 0; v < 4; ++v) {
+      expect_near(glm::vec3(mesh.tangents[v]), k.tangent, 1e-6);
+      EXPECT_EQ(mesh.tangents[v].w, k.handedness);
+      EXPECT_EQ(mesh.layer_tangents[kCoatTangents][v], glm::vec4(-1, 0, 0, -1)); // TEXCOORD_1 is mirrored
+    }
+  }
+}
+
+TEST(Tangents, OfAllLayersAreSplitWithTheirVertices) {
+  Mesh mesh;
+  mesh.positions = {{0, 0, 0}, {0, 1, 0}, {1, 0, 0}, {-1, 0, 0}};
+  mesh.normals.assign(4, {0, 0, 1});
+  mesh.uvs[0] = {{0, 1}, {0, 0}, {1, 1}, {-1, 1}};
+  mesh.uvs[1] = {{0, 1}, {0, 0}, {1, 1}, {1, 1}}; // mirrored at the edge
+  mesh.indices = {0, 2, 1, 0, 1, 3};
+  Material m;
+  m.normal_texture.image = m.coat_normal_texture.image = 0;
+  m.coat_normal_texture.uv_set = 1;
+  generate_tangents(mesh, m);
+  ASSERT_EQ(mesh.positions.size(), 6u);
+  ASSERT_EQ(mesh.tangents.size(), 6u);
+  ASSERT_EQ(mesh.layer_tangents[kCoatTangents].size(), 6u);
+  for (std::size_t i = 0; i < 6; ++i) {
+    EXPECT_EQ(mesh.tangents[mesh.indices[i]], glm::vec4(1, 0, 0, 1));
+    EXPECT_EQ(mesh.layer_tangents[kCoatTangents][mesh.indices[i]],
+              i < 3 ? glm::vec4(1, 0, 0, 1) : glm::vec4(-1, 0, 0, -1));
+  }
+}
+
 TEST(Tangents, VerticesAreSplitWhereHandednessChanges) {
   Mesh mesh;
   mesh.positions = {{0, 0, 0}, {0, 1, 0}, {1, 0, 0}, {-1, 0, 0}};

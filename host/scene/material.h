@@ -76,10 +76,24 @@ struct Material {
 inline bool needs_tangents(const Material& m) {
   return m.normal_texture.present() || m.coat_normal_texture.present() || m.anisotropy > 0.0f;
 }
-inline std::uint32_t tangent_uv_set(const Material& m) {
+// The texture by whose coordinates they go: the first that there is.
+inline const TextureSlot& tangent_slot(const Material& m) {
   for (const TextureSlot* slot : {&m.normal_texture, &m.coat_normal_texture, &m.anisotropy_texture})
-    if (slot->present()) return slot->uv_set;
-  return 0;
+    if (slot->present()) return *slot;
+  return m.normal_texture;
+}
+// Layers whose texture may be read by other coordinates, which then have tangents of their own.
+inline constexpr std::size_t kCoatTangents = 0, kGrainTangents = 1;
+inline const TextureSlot& layer_tangent_slot(const Material& m, std::size_t layer) {
+  const TextureSlot& slot = layer == kCoatTangents ? m.coat_normal_texture : m.anisotropy_texture;
+  return slot.present() ? slot : tangent_slot(m);
+}
+inline bool has_layer_tangents(const Material& m, std::size_t layer) {
+  const TextureSlot &own = layer_tangent_slot(m, layer), &others = tangent_slot(m);
+  return needs_tangents(m) && (own.uv_set != others.uv_set || own.uv_matrix != others.uv_matrix);
+}
+inline bool has_layer_tangents(const Material& m) {
+  return has_layer_tangents(m, kCoatTangents) || has_layer_tangents(m, kGrainTangents);
 }
 
 // Where the kernels read a field: in one of the two records.

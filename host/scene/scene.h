@@ -36,6 +36,9 @@ struct Mesh {
   std::vector<glm::vec3> normals; // unit length; zero where a primitive is flat
   std::vector<glm::vec4>
       tangents; // xyz unit, w = +-1; given or MikkTSpace-compatible; filled only where a normal map needs it
+  // Of layers (kCoatTangents, kGrainTangents) whose texture is read by other coordinates; empty where they are as
+  // those.
+  std::vector<glm::vec4> layer_tangents[2];
   std::vector<glm::vec2> uvs[2];
   std::vector<glm::vec4> colors; // COLOR_0, linear RGBA
   std::vector<std::uint32_t> indices;
@@ -43,7 +46,7 @@ struct Mesh {
   // What moves while the shutter is open: the same vertices when it closes, in the space of the others. Empty = as they
   // are.
   std::vector<glm::vec3> end_positions, end_normals;
-  std::vector<glm::vec4> end_tangents;
+  std::vector<glm::vec4> end_tangents, end_layer_tangents[2];
 
   bool moves() const { return !end_positions.empty(); }
 };

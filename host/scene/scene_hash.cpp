@@ -54,11 +54,12 @@ void add(Hash& hash, const Primitive& primitive) {
 }
 
 void add(Hash& hash, const Mesh& mesh) {
-  const auto& [name, positions, normals, tangents, uvs, colors, indices, primitives, end_positions, end_normals,
-               end_tangents] = mesh;
+  const auto& [name, positions, normals, tangents, layer_tangents, uvs, colors, indices, primitives, end_positions,
+               end_normals, end_tangents, end_layer_tangents] = mesh;
   hash.add_all(positions);
   hash.add_all(normals);
   hash.add_all(tangents);
+  for (const auto& layer : layer_tangents) hash.add_all(layer);
   for (const auto& set : uvs) hash.add_all(set);
   hash.add_all(colors);
   hash.add_all(indices);
@@ -67,6 +68,7 @@ void add(Hash& hash, const Mesh& mesh) {
   hash.add_all(end_positions);
   hash.add_all(end_normals);
   hash.add_all(end_tangents);
+  for (const auto& layer : end_layer_tangents) hash.add_all(layer);
 }
 
 void add(Hash& hash, const Instance& instance) {

@@ -47,7 +47,7 @@ Elements open_attribute(Document& document, const std::map<std::string, int>& at
 }
 
 bool uses_uv_set(const Material& material, std::uint32_t set) {
-  bool used = needs_tangents(material) && tangent_uv_set(material) == set;
+  bool used = needs_tangents(material) && tangent_slot(material).uv_set == set;
   visit_textures(material, [&](const MaterialTexture&, const TextureSlot& slot) { used |= slot.uv_set == set; });
   return used;
 }
@@ -274,7 +274,7 @@ Mesh read_primitive(Document& document, Scene& scene, MaterialMap& map, const ti
   if (needs_tangents(material)) {
     const std::size_t count = part.tangents.empty() ? 0 : repair_tangents(part);
     if (count) scene.warnings.add("vertex tangent without a direction replaced by an arbitrary one", count);
-    if (part.tangents.empty()) generate_tangents(part, part.uvs[tangent_uv_set(material)]);
+    if (part.tangents.empty()) generate_tangents(part, material);
   }
   part.primitives = {{0, static_cast<std::uint32_t>(part.indices.size()), material_index, has_normals}};
   return part;
@@ -299,6 +299,8 @@ void append(const Document& document, Mesh& mesh, const Mesh& part) {
   append(mesh.positions, part.positions, first_vertex, count, glm::vec3(0.0f));
   append(mesh.normals, part.normals, first_vertex, count, glm::vec3(0.0f));
   append(mesh.tangents, part.tangents, first_vertex, count, glm::vec4(0.0f));
+  for (std::size_t layer = 0; layer < 2; ++layer)
+    append(mesh.layer_tangents[layer], part.layer_tangents[layer], first_vertex, count, glm::vec4(0.0f));
   for (int set = 0; set < 2; ++set) append(mesh.uvs[set], part.uvs[set], first_vertex, count, glm::vec2(0.0f));
   append(mesh.colors, part.colors, first_vertex, count, glm::vec4(1.0f));
   mesh.indices.reserve(first_index + part.indices.size());

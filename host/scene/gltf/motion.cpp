@@ -30,7 +30,11 @@ void set_motion(Mesh& mesh, const Mesh& end, const glm::dmat4& object_from_end) 
     for (const glm::vec3& n : end.normals) mesh.end_normals.push_back(unit(normal_matrix * glm::dvec3(n)));
   else
     mesh.end_normals = mesh.normals; // one of the two is flat, and has those of its faces
-  for (const glm::vec4& t : end.tangents) mesh.end_tangents.emplace_back(unit(linear * glm::dvec3(glm::vec3(t))), t.w);
+  const auto turn = [&](const std::vector<glm::vec4>& tangents, std::vector<glm::vec4>& turned) {
+    for (const glm::vec4& t : tangents) turned.emplace_back(unit(linear * glm::dvec3(glm::vec3(t))), t.w);
+  };
+  turn(end.tangents, mesh.end_tangents);
+  for (std::size_t layer = 0; layer < 2; ++layer) turn(end.layer_tangents[layer], mesh.end_layer_tangents[layer]);
 }
 
 } // namespace

@@ -118,15 +118,44 @@ void repeat(std::vector<T>& values, std::uint32_t vertex) {
 std::uint32_t split_vertex(Mesh& mesh, std::uint32_t vertex) {
   repeat(mesh.positions, vertex);
   repeat(mesh.normals, vertex);
+  repeat(mesh.tangents, vertex);
+  for (std::vector<glm::vec4>& layer : mesh.layer_tangents) repeat(layer, vertex);
   repeat(mesh.uvs[0], vertex);
   repeat(mesh.uvs[1], vertex);
   repeat(mesh.colors, vertex);
   return static_cast<std::uint32_t>(mesh.positions.size() - 1);
 }
 
+// How a slot turns coordinates. A scale of 0, which smears the texture along an axis, turns them as one of any other
+// size does; without any scale nothing is known of a rotation.
+glm::dmat2 turn_of(const TextureSlot& slot) {
+  glm::dmat2 m(slot.uv_matrix);
+  const bool first = m[0] != glm::dvec2(0.0), second = m[1] != glm::dvec2(0.0);
+  if (!first && !second) return glm::dmat2(1.0);
+  if (!first) m[0] = {m[1].y, -m[1].x};
+  if (!second) m[1] = {-m[0].y, m[0].x};
+  return m;
+}
+
+// The coordinates that a slot is read with, but for its offset, which turns nothing.
+std::vector<glm::vec2> turned_uvs(const Mesh& mesh, const TextureSlot& slot) {
+  std::vector<glm::vec2> uvs = mesh.uvs[slot.uv_set];
+  if (slot.uv_matrix == glm::mat2(1.0f)) return uvs;
+  const glm::dmat2 turn = turn_of(slot);
+  for (glm::vec2& uv : uvs) uv = glm::vec2(turn * glm::dvec2(uv));
+  return uvs;
+}
+
 } // namespace
 
-void generate_tangents(Mesh& mesh, const std::vector<glm::vec2>& uvs) {
+void generate_tangents(Mesh& mesh, const Material& material) {
+  generate_tangents(mesh, turned_uvs(mesh, tangent_slot(material)), mesh.tangents);
+  for (std::size_t layer = 0; layer < 2; ++layer)
+    if (has_layer_tangents(material, layer))
+      generate_tangents(mesh, turned_uvs(mesh, layer_tangent_slot(material, layer)), mesh.layer_tangents[layer]);
+}
+
+void generate_tangents(Mesh& mesh, const std::vector<glm::vec2>& uvs, std::vector<glm::vec4>& into) {
   const Sums sums = sum_tangents(mesh, uvs);
   std::vector<glm::vec4> corners(mesh.indices.size());
   for (std::size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
@@ -150,7 +179,7 @@ void generate_tangents(Mesh& mesh, const std::vector<glm::vec2>& uvs) {
     tangents[vertex] = corners[i];
     mesh.indices[i] = vertex;
   }
-  mesh.tangents = std::move(tangents);
+  into = std::move(tangents);
 }
 
 } // namespace wavepath

@@ -167,6 +167,9 @@ PackedScene pack(Scene& scene, const Packing& packing) {
   packed.features = find_features(scene, layout.usage, packed);
   if (const gpu::Feature lobes = packed.features & gpu::kLobesAll) {
     packed.layers = std::move(materials.layers);
+    for (std::size_t m = 0; m < scene.materials.size(); ++m)
+      if (layout.material_index[m] != kNoIndex && has_layer_tangents(scene.materials[m]))
+        packed.layers[layout.material_index[m]].layer_tangents = packed.layer_tangents;
     const std::size_t texels =
         packed.materials.size() * gpu::kMaterialTexels + packed.layers.size() * gpu::kLayerTexels;
     packed.albedo_tables =

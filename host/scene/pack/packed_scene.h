@@ -58,6 +58,8 @@ struct PackedScene {
   // Empty where no surface of the scene needs them (see the kFeature bits).
   std::vector<glm::uvec4> triangle_vertices;
   std::vector<glm::vec4> vertex_normals, vertex_uvs, vertex_colors;
+  std::uint32_t layer_tangents =
+      0;                         // vertices from one's normal to its tangents of layers that have their own; 0 = none
   std::uint32_t end_normals = 0; // where in vertex_normals those of a scene that moves stand when the shutter closes
 
   std::vector<gpu::Material> materials;

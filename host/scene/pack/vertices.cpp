@@ -41,6 +41,21 @@ void pack_normals(const std::vector<glm::vec3>& normals, const std::vector<glm::
   });
 }
 
+// Into the components of `out` from `component` on, the mesh's tangents of coat and grain; where it has none, those of
+// its normal map stand there.
+void pack_layer_tangents(const std::vector<glm::vec4>* layers, const std::vector<glm::vec4>& tangents,
+                         std::size_t count, const glm::dmat3& linear, int component, glm::vec4* out) {
+  const float handedness = glm::determinant(linear) < 0.0 ? -1.0f : 1.0f;
+  for (int layer = 0; layer < 2; ++layer)
+    for (std::size_t v = 0; v < count; ++v) {
+      const bool own = !layers[layer].empty() && layers[layer][v].w != 0.0f;
+      if (!own && tangents.empty()) continue;
+      const glm::vec4& tangent = own ? layers[layer][v] : tangents[v];
+      const glm::dvec3 t = unit_or_zero(linear * glm::dvec3(glm::vec3(tangent)));
+      out[v][component + layer] = pack_tangent({glm::vec3(t), tangent.w * handedness});
+    }
+}
+
 // Returns how many coordinates were not finite.
 std::size_t pack_uvs(const Mesh& mesh, std::uint32_t first, std::vector<glm::vec4>& out) {
   std::size_t repaired = 0;
@@ -83,6 +98,7 @@ Streams needed_streams(const Scene& scene, const Usage& usage) {
   for (std::size_t m = 0; m < scene.materials.size(); ++m) {
     if (!usage.material_used[m]) continue;
     streams.normals = streams.normals || needs_tangents(scene.materials[m]);
+    streams.layer_tangents = streams.layer_tangents || has_layer_tangents(scene.materials[m]);
     visit_textures(scene.materials[m], [&](const MaterialTexture&, const TextureSlot&) { streams.uvs = true; });
   }
   return streams;
@@ -94,7 +110,11 @@ void pack_vertices(Scene& scene, const Usage& usage, const Streams& streams, Pac
     if (usage.mesh_instances[instance.mesh] == 1) linear[instance.mesh] = glm::dmat3(instance.world_from_object);
 
   if (packed.moves()) packed.end_normals = static_cast<std::uint32_t>(usage.vertex_count);
-  if (streams.normals) packed.vertex_normals.assign(usage.vertex_count + packed.end_normals, glm::vec4(0.0f));
+  if (streams.layer_tangents)
+    packed.layer_tangents = static_cast<std::uint32_t>(usage.vertex_count) + packed.end_normals;
+  const std::size_t normals = usage.vertex_count + packed.end_normals;
+  if (streams.normals)
+    packed.vertex_normals.assign(normals + (streams.layer_tangents ? usage.vertex_count : 0), glm::vec4(0.0f));
   if (streams.uvs) packed.vertex_uvs.assign(usage.vertex_count, glm::vec4(0.0f));
   if (streams.colors) packed.vertex_colors.assign(usage.vertex_count, glm::vec4(1.0f));
   std::size_t repaired = 0;
@@ -108,6 +128,14 @@ void pack_vertices(Scene& scene, const Usage& usage, const Streams& streams, Pac
       const auto& normals = mesh.moves() ? mesh.end_normals : mesh.normals;
       const auto& tangents = mesh.moves() ? mesh.end_tangents : mesh.tangents;
       pack_normals(normals, tangents, count, linear[m], first + packed.end_normals, packed.vertex_normals);
+    }
+    if (streams.layer_tangents) {
+      glm::vec4* out = packed.vertex_normals.data() + first + packed.layer_tangents;
+      pack_layer_tangents(mesh.layer_tangents, mesh.tangents, count, linear[m], 0, out);
+      const bool moves = mesh.moves();
+      if (packed.moves())
+        pack_layer_tangents(moves ? mesh.end_layer_tangents : mesh.layer_tangents,
+                            moves ? mesh.end_tangents : mesh.tangents, count, linear[m], 2, out);
     }
     if (streams.uvs) repaired += pack_uvs(mesh, first, packed.vertex_uvs);
     if (streams.colors) std::copy(mesh.colors.begin(), mesh.colors.end(), packed.vertex_colors.begin() + first);

@@ -8,16 +8,17 @@ namespace wavepath {
 
 // Which streams a scene needs. A stream that exists covers all vertices.
 struct Streams {
-  bool normals = false, uvs = false, colors = false;
+  bool normals = false, uvs = false, colors = false, layer_tangents = false;
   bool any() const { return normals || uvs || colors; }
-  unsigned count() const { return unsigned{normals} + unsigned{uvs} + unsigned{colors}; }
+  unsigned count() const { return unsigned{normals} + unsigned{uvs} + unsigned{colors} + unsigned{layer_tangents}; }
 };
 Streams needed_streams(const Scene& scene, const Usage& usage);
 
-// Fills packed.vertex_normals (in a scene that moves twice: open shutter, closed shutter), vertex_uvs and
-// vertex_colors. Normals and tangents of meshes that are shown once are turned into world space (normals by the inverse
-// transpose), those of shared meshes stay as they are. A normal that is not finite becomes zero; a texture coordinate
-// that is not finite becomes zero, with a warning.
+// Fills packed.vertex_normals (in a scene that moves twice: open shutter, closed shutter; then packed tangents of coat
+// and grain, open and closed, where layers have their own), vertex_uvs and vertex_colors. Normals and tangents of
+// meshes that are shown once are turned into world space (normals by the inverse transpose), those of shared meshes
+// stay as they are. A normal that is not finite becomes zero; a texture coordinate that is not finite becomes zero,
+// with a warning.
 void pack_vertices(Scene& scene, const Usage& usage, const Streams& streams, PackedScene& packed);
 
 // Packed tangent in the w of vertex_normals, as float bits: 31..16 and 15..1 hold the octahedral x and y of the
