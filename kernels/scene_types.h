@@ -16,7 +16,7 @@ namespace wavepath::gpu {
 GPU_CONSTANT uint kBindNodes =
     1u; // texels RGBA32UI, kNodeTexels each: bvh::WideNode; for ray queries QueryScene::items
 GPU_CONSTANT uint kBindTriangles = 2u;        // texels RGBA32F, kTriangleTexels each: Triangle, in BVH leaf order
-GPU_CONSTANT uint kBindTriangleVertices = 3u; // texels RGBA32UI, one a triangle: three vertex indices, unused
+GPU_CONSTANT uint kBindTriangleVertices = 3u; // texels RGBA32UI, one a triangle: three vertex indices, see kPieceId
 GPU_CONSTANT uint kBindVertexNormals = 4u;    // texels RGBA32F, one a vertex: normal, packed tangent (see pack_tangent)
 GPU_CONSTANT uint kBindVertexUvs = 5u;        // texels RGBA32F, one a vertex: TEXCOORD_0, TEXCOORD_1
 GPU_CONSTANT uint kBindVertexColors = 6u;     // texels RGBA32F, one a vertex: COLOR_0, linear
@@ -59,13 +59,17 @@ GPU_CONSTANT uint kTriangleSmooth = 1u << 29;      // has vertex normals
 GPU_CONSTANT uint kTrianglePane = 1u << 28;        // its material may be a thin smooth pane, which light passes unbent
 GPU_CONSTANT uint kTriangleMaterialMask = kTrianglePane - 1u;
 
+// Set in the id of a piece that a huge triangle was cut into (host/scene/pack/cut.h), but for the first one, which keeps
+// the triangle's: the rest counts the pieces of the scene. Every piece has the triangle's id behind its vertices.
+GPU_CONSTANT uint kPieceId = 1u << 28;
+
 // Object space for instanced meshes, device world space for everything else. A tree with spatial splits holds copies of
 // a triangle; all that chooses between triangles goes by `id`, so that no picture depends on how the tree was built.
 struct Triangle {
   vec3 v0;
   uint surface;
   vec3 v1;
-  uint id; // among the triangles of its object, in the order of the source
+  uint id; // among the triangles of its object, in the order of the source; or see kPieceId
   vec3 v2;
   uint light; // its own, counted from Instance::first_light; kNone: next-event estimation does not pick it
 };

@@ -117,6 +117,7 @@ int run_bench(BenchCommandRequest& request) {
   const PackedScene packed = pack(scene, {.direct = settings.render.direct,
                                           .quality = quality,
                                           .eye = view.position,
+                                          .near = {view.position},
                                           .samplers = sampler_limits(settings.render, device.info())});
   const std::string path = scene.path;
   print_warnings(scene.warnings);

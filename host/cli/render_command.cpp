@@ -228,6 +228,7 @@ Prepared prepare(const RenderCommandRequest& request) {
   Packing packing{.direct = direct_of(settings),
                   .quality = quality,
                   .eye = request.render.origin.value_or(view.position),
+                  .near = {view.position},
                   .lights = settings.lights,
                   .mips = wants_mips(settings),
                   .samplers = sampler_limits(settings, device)};

@@ -176,6 +176,7 @@ StudyScene pack_scene(LoadedScene& loaded, const StudyCommandRequest& request, b
     study.packed.emplace(key, pack(scene, {.direct = key.first,
                                            .quality = quality,
                                            .eye = study.view.position,
+                                           .near = {study.view.position},
                                            .samplers = sampler_limits(settings, device)}));
     for (const auto& [text, count] : scene.warnings.counts())
       if (!all.counts().contains(text)) all.add(text, count);

@@ -31,7 +31,7 @@ Json hit_json(const PathVertex& vertex, const PackedScene& scene) {
   const glm::dvec3 position = hit_position(scene, hit);
   Json instance = nullptr;
   if (scene.root_is_top) instance = scene.instances[hit.instance].id;
-  return {{"triangle", triangle.id},
+  return {{"triangle", scene.source_id(hit.triangle)},
           {"instance", instance},
           {"material", scene.material_names[material]},
           {"position", vector(position + scene.origin)},
@@ -42,7 +42,7 @@ Json hit_json(const PathVertex& vertex, const PackedScene& scene) {
 Json shadow_json(const ShadowTrace& shadow, const PackedScene& scene) {
   const gpu::Light& light = scene.lights[shadow.ray.light];
   Json json{{"light", shadow.ray.light}, {"kind", kLightNames[light.kind]}};
-  if (light.kind == gpu::kLightTriangle) json["triangle"] = light.triangle_id;
+  if (light.kind == gpu::kLightTriangle) json["triangle"] = scene.source_id(light.triangle);
   json["origin"] = vector(glm::dvec3(shadow.ray.origin) + scene.origin);
   json["direction"] = vector(glm::normalize(glm::dvec3(shadow.ray.direction)));
   json["contribution"] = vector(shadow.ray.contribution);

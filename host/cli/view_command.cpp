@@ -112,6 +112,7 @@ public:
     // Lights are packed even for --direct bsdf, because the panel can change that setting.
     packing_ = {.quality = request.render.bvh.value_or(choose_quality(expected, plan(scene_).triangles_stored, device)),
                 .eye = request.render.origin.value_or(view.position),
+                .near = {view.position},
                 .mips = wants_mips(expected),
                 .samplers = sampler_limits(settings, device)};
     MemoryCheck(request.scene.path, plan(scene_, packing_), expected_features(scene_, packing_.direct), device)

@@ -14,8 +14,8 @@ std::vector<SelftestCase> selftest_cases() {
   std::vector<SelftestCase> cases;
   for (const std::span<const SelftestCase> table :
        {watertight_cases(), ray_cases(), query_cases(), offset_cases(), mesh_cases(), tree_cases(),
-        accumulation_cases(), number_cases(), scale_cases(), furnace_cases(), glass_cases(), light_cases(),
-        environment_cases()})
+        accumulation_cases(), number_cases(), scale_cases(), ground_cases(), furnace_cases(), glass_cases(),
+        light_cases(), environment_cases()})
     cases.insert(cases.end(), table.begin(), table.end());
   return cases;
 }

@@ -52,6 +52,7 @@ std::span<const SelftestCase> glass_cases();
 std::span<const SelftestCase> light_cases();
 std::span<const SelftestCase> environment_cases();
 std::span<const SelftestCase> scale_cases();
+std::span<const SelftestCase> ground_cases();
 
 // All of them, in the order of the tables.
 std::vector<SelftestCase> selftest_cases();

@@ -22,14 +22,14 @@ RenderSettings square(std::uint32_t size, std::uint32_t samples, std::uint32_t m
 
 RenderResult Studio::render(Scene scene, const RenderSettings& settings) {
   const View view = resolve_view(scene, {}, settings.width, settings.height);
-  const PackedScene packed = pack(scene, {.direct = settings.direct, .eye = view.position});
+  const PackedScene packed = pack(scene, {.direct = settings.direct, .eye = view.position, .near = {view.position}});
   return wavepath::render(context_.device, packed, view, settings, {}, kernels_);
 }
 
 Estimate Studio::measure(const Scene& scene, RenderSettings settings, std::uint32_t seeds) {
   Scene copy = scene;
   const View view = resolve_view(copy, {}, settings.width, settings.height);
-  const PackedScene packed = pack(copy, {.direct = settings.direct, .eye = view.position});
+  const PackedScene packed = pack(copy, {.direct = settings.direct, .eye = view.position, .near = {view.position}});
   const std::size_t pixels = std::size_t{settings.width} * settings.height;
   std::vector<double> sum(pixels), squares(pixels);
   Estimate estimate;

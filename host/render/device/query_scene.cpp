@@ -21,12 +21,14 @@ Added add_object(const PackedScene& scene, const Draw& draw, QueryScene& result)
     std::vector<std::uint32_t> items;
   };
   Geometry opaque, asked;
-  std::vector<bool> seen; // by id: copies are not needed
+  std::vector<bool> seen_by_id[2]; // copies are not needed; of triangles, of pieces
   for (std::uint32_t i = draw.first_triangle; i < draw.first_triangle + draw.triangle_count; ++i) {
     const gpu::Triangle& t = scene.triangles[i];
-    if (t.id >= seen.size()) seen.resize(std::max<std::size_t>(t.id + std::size_t{1}, 2 * seen.size()));
-    if (seen[t.id]) continue;
-    seen[t.id] = true;
+    std::vector<bool>& seen = seen_by_id[(t.id & gpu::kPieceId) != 0];
+    const std::size_t id = t.id & ~gpu::kPieceId;
+    if (id >= seen.size()) seen.resize(std::max(id + 1, 2 * seen.size()));
+    if (seen[id]) continue;
+    seen[id] = true;
     Geometry& geometry = (t.surface & kAsked) != 0 ? asked : opaque;
     geometry.corners.insert(geometry.corners.end(), {t.v0, t.v1, t.v2});
     geometry.items.push_back(i);

@@ -15,14 +15,16 @@
 namespace wavepath {
 namespace {
 
-// Where a triangle comes from: its part, and its first index in the mesh's index list.
+// Where a triangle comes from: its part, its first index in the mesh's index list, and which of the object's pieces it
+// is.
 struct TriangleSource {
   std::uint32_t part, first_index;
+  std::uint32_t piece = kNoIndex;
 };
 
 struct Corners {
   glm::vec3 position[3], end[3]; // when the shutter opens, and when it closes
-  std::uint32_t vertex[3];       // of the mesh
+  std::uint32_t vertex[3];       // in the vertex streams
   bool valid;                    // finite, with an area at either moment
 };
 
@@ -35,44 +37,92 @@ bool has_area(const glm::vec3 (&p)[3]) {
   return normal.x != 0.0 || normal.y != 0.0 || normal.z != 0.0;
 }
 
-Corners find_corners(const Scene& scene, const Part& part, std::uint32_t first_index) {
-  const Mesh& mesh = scene.meshes[part.mesh];
+// An object to be packed.
+struct ObjectSource {
+  const Scene& scene;
+  std::span<const Part> parts;
+  const PlacedCut& cut;
+};
+
+Corners find_corners(const ObjectSource& object, const TriangleSource& source) {
+  const Part& part = object.parts[source.part];
+  const Mesh& mesh = object.scene.meshes[part.mesh];
   Corners corners;
   corners.valid = true;
-  for (int k = 0; k < 3; ++k) {
-    const int slot = part.mirrored && k > 0 ? 3 - k : k;
-    corners.vertex[slot] = mesh.indices[first_index + k];
-    const glm::dvec3 p = transform_point(part.device_from_object, mesh.positions[corners.vertex[slot]]);
+  for (std::uint32_t k = 0; k < 3; ++k) {
+    const std::uint32_t slot = part.mirrored && k > 0 ? 3 - k : k;
+    glm::dvec3 p, end;
+    if (source.piece != kNoIndex) {
+      const Piece& piece = object.cut.cut.pieces[source.piece];
+      p = piece.position[k], end = piece.end[k];
+      corners.vertex[slot] = object.cut.first_vertex + 3 * (object.cut.first_piece + source.piece) + k;
+    } else {
+      const std::uint32_t vertex = mesh.indices[source.first_index + k];
+      p = end = transform_point(part.device_from_object, mesh.positions[vertex]);
+      if (mesh.moves()) end = transform_point(part.device_from_object, mesh.end_positions[vertex]);
+      corners.vertex[slot] = part.first_vertex + vertex;
+    }
     corners.position[slot] = p;
-    corners.valid = corners.valid && finite_point(p);
-    const glm::dvec3 end =
-        mesh.moves() ? transform_point(part.device_from_object, mesh.end_positions[corners.vertex[slot]]) : p;
     corners.end[slot] = end;
-    corners.valid = corners.valid && finite_point(end);
+    corners.valid = corners.valid && finite_point(p) && finite_point(end);
   }
   corners.valid = corners.valid && (has_area(corners.position) || has_area(corners.end));
   return corners;
 }
 
-std::vector<TriangleSource> list_sources(const Scene& scene, std::span<const Part> parts) {
-  std::size_t count = 0;
-  for (const Part& part : parts) count += scene.meshes[part.mesh].primitives[part.primitive].index_count / 3;
+// Triangles in the order of the source, the first piece of one in its place; then the other pieces.
+std::vector<TriangleSource> list_sources(const ObjectSource& object) {
+  const Cut& cut = object.cut.cut;
+  std::size_t count = cut.pieces.size() - cut.triangles.size();
+  for (const Part& part : object.parts)
+    count += object.scene.meshes[part.mesh].primitives[part.primitive].index_count / 3;
   std::vector<TriangleSource> sources;
   sources.reserve(count);
-  for (std::uint32_t p = 0; p < parts.size(); ++p) {
-    const Primitive& primitive = scene.meshes[parts[p].mesh].primitives[parts[p].primitive];
-    for (std::uint32_t i = 0; i + 2 < primitive.index_count; i += 3) sources.push_back({p, primitive.first_index + i});
+  auto next = cut.triangles.begin();
+  for (std::uint32_t p = 0; p < object.parts.size(); ++p) {
+    const Primitive& primitive = object.scene.meshes[object.parts[p].mesh].primitives[object.parts[p].primitive];
+    for (std::uint32_t i = 0; i + 2 < primitive.index_count; i += 3) {
+      TriangleSource& source = sources.emplace_back(p, primitive.first_index + i, kNoIndex);
+      if (next == cut.triangles.end() || next->part != p || next->first_index != source.first_index) continue;
+      source.piece = next->first_piece;
+      ++next;
+    }
   }
+  for (const CutTriangle& whole : cut.triangles)
+    for (std::uint32_t k = 1; k < whole.piece_count; ++k)
+      sources.push_back({whole.part, whole.first_index, whole.first_piece + k});
   return sources;
 }
 
+// By triangle its id, and for pieces that of the triangle they were cut from.
+struct Ids {
+  std::vector<std::uint32_t> own, source;
+};
+
+// `sources`: the valid ones.
+Ids number_pieces(const PlacedCut& cut, const std::vector<TriangleSource>& sources) {
+  Ids ids;
+  std::vector<std::uint32_t> first_pieces(cut.cut.pieces.size(), 0); // by piece, of those that stand for their triangle
+  for (std::uint32_t i = 0; i < sources.size(); ++i)
+    if (sources[i].piece != kNoIndex) first_pieces[sources[i].piece] = i;
+  std::vector<std::uint32_t> triangle_of(cut.cut.pieces.size());
+  for (const CutTriangle& whole : cut.cut.triangles)
+    for (std::uint32_t k = 0; k < whole.piece_count; ++k) triangle_of[whole.first_piece + k] = whole.first_piece;
+  for (std::uint32_t i = 0; i < sources.size(); ++i) {
+    const std::uint32_t piece = sources[i].piece;
+    const bool whole = piece == kNoIndex || triangle_of[piece] == piece;
+    ids.own.push_back(whole ? i : gpu::kPieceId | (cut.first_piece + piece));
+    ids.source.push_back(whole ? i : first_pieces[triangle_of[piece]]);
+  }
+  return ids;
+}
+
 // The valid triangles; the others are removed from `sources` as well.
-std::vector<bvh::Triangle> list_valid(const Scene& scene, std::span<const Part> parts,
-                                      std::vector<TriangleSource>& sources) {
+std::vector<bvh::Triangle> list_valid(const ObjectSource& object, std::vector<TriangleSource>& sources) {
   std::vector<bvh::Triangle> triangles(sources.size());
   std::vector<std::uint8_t> valid(sources.size());
   tbb::parallel_for(std::size_t{0}, sources.size(), [&](std::size_t i) {
-    const Corners c = find_corners(scene, parts[sources[i].part], sources[i].first_index);
+    const Corners c = find_corners(object, sources[i]);
     valid[i] = c.valid;
     triangles[i] = {to_bvh(c.position[0]), to_bvh(c.position[1]), to_bvh(c.position[2])};
   });
@@ -140,11 +190,10 @@ bool moves(const Scene& scene, std::span<const Part> parts) {
 
 // Boxes that hold the triangles all the way, padded as bvh::bounds() pads those of triangles, and twice: the corner of
 // a moment is rounded, too.
-std::vector<bvh::Box> list_motion_boxes(const Scene& scene, std::span<const Part> parts,
-                                        std::span<const TriangleSource> sources) {
+std::vector<bvh::Box> list_motion_boxes(const ObjectSource& object, std::span<const TriangleSource> sources) {
   std::vector<bvh::Box> boxes(sources.size());
   tbb::parallel_for(std::size_t{0}, sources.size(), [&](std::size_t i) {
-    const Corners c = find_corners(scene, parts[sources[i].part], sources[i].first_index);
+    const Corners c = find_corners(object, sources[i]);
     bvh::Box box;
     for (int k = 0; k < 3; ++k) box = bvh::merge(bvh::merge(box, to_bvh(c.position[k])), to_bvh(c.end[k]));
     const float size = bvh::max_component(box.hi - box.lo) * 0x1p-19f;
@@ -188,17 +237,21 @@ std::uint32_t append_tree(const bvh::WideTree& tree, std::uint32_t first_item, s
   return first_node;
 }
 
-Object append_object(const Scene& scene, std::span<const Part> parts, const AlphaCoverage& alpha, bool with_vertices,
-                     std::uint64_t times, bvh::Quality quality, PackedScene& packed) {
-  std::vector<TriangleSource> sources = list_sources(scene, parts);
-  const std::size_t listed = sources.size();
-  std::vector<bvh::Triangle> triangles = list_valid(scene, parts, sources);
-  packed.dropped_triangles += (listed - sources.size()) * times;
+Object append_object(const Scene& scene, std::span<const Part> parts, const PlacedCut& cut, const AlphaCoverage& alpha,
+                     bool with_vertices, std::uint64_t times, bvh::Quality quality, PackedScene& packed) {
+  const ObjectSource whole_object{scene, parts, cut};
+  std::vector<TriangleSource> sources = list_sources(whole_object);
+  // Pieces too thin for single precision are no fault of the source.
+  const auto count_whole = [&] { return std::ranges::count(sources, kNoIndex, &TriangleSource::piece); };
+  const auto listed = count_whole();
+  std::vector<bvh::Triangle> triangles = list_valid(whole_object, sources);
+  packed.dropped_triangles += static_cast<std::uint64_t>(listed - count_whole()) * times;
+  const Ids ids_of_pieces = cut.cut.empty() ? Ids{} : number_pieces(cut, sources);
   std::vector<Coverage> coverage = list_coverage(scene, parts, sources, alpha);
   packed.alpha += count_alpha(coverage);
   const std::vector<std::uint32_t> ids = leave_out_holes(coverage, sources, triangles);
   const bool moving = moves(scene, parts);
-  const std::vector<bvh::Box> boxes = moving ? list_motion_boxes(scene, parts, sources) : std::vector<bvh::Box>{};
+  const std::vector<bvh::Box> boxes = moving ? list_motion_boxes(whole_object, sources) : std::vector<bvh::Box>{};
 
   const std::size_t first = packed.triangles.size();
   require_items(scene, first + sources.size());
@@ -230,17 +283,18 @@ Object append_object(const Scene& scene, std::span<const Part> parts, const Alph
     const std::uint32_t t = tree.order[i];
     const TriangleSource& source = sources[t];
     const Part& part = parts[source.part];
-    const Corners c = find_corners(scene, part, source.first_index);
+    const Corners c = find_corners(whole_object, source);
+    const std::uint32_t place = ids.empty() ? t : ids[t];
     const bool is_opaque = !coverage.empty() && coverage[t] == Coverage::opaque;
     const std::uint32_t surface = is_opaque ? part.surface & ~gpu::kTriangleAlpha : part.surface;
-    packed.triangles[first + i] = {c.position[0], surface,   c.position[1], ids.empty() ? t : ids[t],
-                                   c.position[2], gpu::kNone};
+    const std::uint32_t id = ids_of_pieces.own.empty() ? place : ids_of_pieces.own[place];
+    packed.triangles[first + i] = {c.position[0], surface, c.position[1], id, c.position[2], gpu::kNone};
     if (moving)
       packed.motions[first + i] = {c.end[0] - c.position[0], 0u, c.end[1] - c.position[1], 0u,
                                    c.end[2] - c.position[2], 0u};
     if (with_vertices)
-      packed.triangle_vertices[first + i] = {part.first_vertex + c.vertex[0], part.first_vertex + c.vertex[1],
-                                             part.first_vertex + c.vertex[2], 0u};
+      packed.triangle_vertices[first + i] = {c.vertex[0], c.vertex[1], c.vertex[2],
+                                             source.piece == kNoIndex ? 0u : ids_of_pieces.source[place]};
   });
   return object;
 }

@@ -8,21 +8,19 @@
 #include <glm/glm.hpp>
 
 #include "host/scene/pack/alpha.h"
+#include "host/scene/pack/cut.h"
 #include "host/scene/pack/packed_scene.h"
+#include "host/scene/pack/part.h"
 #include "host/scene/scene.h"
 #include "host/scene/usage.h"
 
 namespace wavepath {
 
-// A primitive to be packed. A mesh with one instance is transformed here ("baked"); a mesh with several has the
-// identity here, and its instances hold the transforms.
-struct Part {
-  std::uint32_t mesh = 0;
-  std::uint32_t primitive = 0;
-  std::uint32_t surface = 0;      // kTriangle bits and an index into PackedScene::materials, see gpu::Triangle
-  std::uint32_t first_vertex = 0; // of the mesh, in the vertex streams
-  glm::dmat4 device_from_object{1.0};
-  bool mirrored = false; // the transform mirrors: v1 and v2 change places, so that counter-clockwise stays the front
+// The cut of an object's parts, and where its pieces stand among those of all objects.
+struct PlacedCut {
+  Cut cut;
+  std::uint32_t first_piece = 0;
+  std::uint32_t first_vertex = 0; // in the vertex streams, of the first piece of all; a piece has three of its own
 };
 
 // A tree of triangles inside PackedScene::nodes and ::triangles.
@@ -39,9 +37,11 @@ struct Object {
 // `with_vertices`). Triangles that are not finite or have exactly no area are left out and counted in
 // packed.dropped_triangles, `times` each (the number of its instances). Those whose alpha lets no ray through lose
 // kTriangleAlpha, and holes are left out; packed.alpha counts them once. `light` is left at kNone. Throws Error if
-// there are more items or nodes than traversal can index.
-Object append_object(const Scene& scene, std::span<const Part> parts, const AlphaCoverage& alpha, bool with_vertices,
-                     std::uint64_t times, bvh::Quality quality, PackedScene& packed);
+// there are more items or nodes than traversal can index. `cut`: of the parts. The first piece of a triangle takes its
+// place and id, those of the others have gpu::kPieceId. With `with_vertices`, gpu::Triangle::id of the triangle that a
+// piece was cut from is its fourth word in triangle_vertices.
+Object append_object(const Scene& scene, std::span<const Part> parts, const PlacedCut& cut, const AlphaCoverage& alpha,
+                     bool with_vertices, std::uint64_t times, bvh::Quality quality, PackedScene& packed);
 
 // Appends `tree` to `nodes`, its items renumbered from `first_item`; returns its root.
 std::uint32_t append_tree(const bvh::WideTree& tree, std::uint32_t first_item, std::vector<bvh::WideNode>& nodes);

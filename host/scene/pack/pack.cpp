@@ -9,6 +9,7 @@
 #include "host/base/error.h"
 #include "host/scene/bounds.h"
 #include "host/scene/pack/albedo_tables.h"
+#include "host/scene/pack/cut_scene.h"
 #include "host/scene/pack/environment_light.h"
 #include "host/scene/pack/features.h"
 #include "host/scene/pack/geometry.h"
@@ -27,6 +28,8 @@ struct Layout {
   std::vector<std::uint32_t> material_index; // by scene material
   bool with_vertices = false;                // triangles refer to vertex streams
   bvh::Quality quality = bvh::Quality::fast;
+  std::vector<glm::dvec3> near; // see Packing, world space
+  std::vector<CutVertex> cut_vertices;
 
   explicit Layout(const Scene& scene) : usage(find_usage(scene)), alpha(scene, usage) {}
 };
@@ -43,18 +46,36 @@ void list_parts(const Scene& scene, const Layout& layout, std::uint32_t mesh_ind
   }
 }
 
+// `near`: in the space of the parts. `times`: instances of the object.
+Object pack_parts(const Scene& scene, Layout& layout, const std::vector<Part>& parts, std::span<const glm::dvec3> near,
+                  std::uint64_t times, PackedScene& packed) {
+  const PlacedCut cut{cut_huge(scene, parts, near), static_cast<std::uint32_t>(packed.cut.pieces),
+                      static_cast<std::uint32_t>(layout.usage.vertex_count)};
+  packed.cut.triangles += cut.cut.triangles.size();
+  packed.cut.pieces += cut.cut.pieces.size();
+  packed.cut.coarse |= cut.cut.coarse;
+  if (!cut.cut.empty() && !layout.with_vertices) {
+    layout.with_vertices = true;
+    packed.triangle_vertices.resize(packed.triangles.size(), glm::uvec4(0));
+  }
+  list_cut_vertices(scene, parts, cut.cut, layout.cut_vertices);
+  return append_object(scene, parts, cut, layout.alpha, layout.with_vertices, times, layout.quality, packed);
+}
+
 // Meshes that are shown once, baked into one object around the origin; without triangles if all of them are shared.
-Object pack_static(const Scene& scene, const Layout& layout, const glm::dmat4& device_from_world, PackedScene& packed) {
+Object pack_static(const Scene& scene, Layout& layout, const glm::dmat4& device_from_world, PackedScene& packed) {
   std::vector<Part> parts;
   for (const Instance& instance : scene.instances)
     if (layout.usage.mesh_instances[instance.mesh] == 1)
       list_parts(scene, layout, instance.mesh, device_from_world * instance.world_from_object, parts);
   if (parts.empty() && layout.usage.two_level()) return {};
-  return append_object(scene, parts, layout.alpha, layout.with_vertices, 1, layout.quality, packed);
+  std::vector<glm::dvec3> near;
+  for (const glm::dvec3& p : layout.near) near.push_back(p - packed.origin);
+  return pack_parts(scene, layout, parts, near, 1, packed);
 }
 
 // An object for the static part and one for every shared mesh, then the top level. Returns by instance its object.
-std::vector<std::uint32_t> pack_two_level(Scene& scene, const Layout& layout, const glm::dmat4& device_from_world,
+std::vector<std::uint32_t> pack_two_level(Scene& scene, Layout& layout, const glm::dmat4& device_from_world,
                                           PackedScene& packed, std::vector<Object>& objects) {
   std::vector<Placement> placements{{0, glm::dmat4(1.0)}};
   std::vector<std::uint32_t> object_of_mesh(scene.meshes.size(), kNoIndex);
@@ -63,8 +84,8 @@ std::vector<std::uint32_t> pack_two_level(Scene& scene, const Layout& layout, co
     std::vector<Part> parts;
     list_parts(scene, layout, m, glm::dmat4(1.0), parts);
     object_of_mesh[m] = static_cast<std::uint32_t>(objects.size());
-    objects.push_back(append_object(scene, parts, layout.alpha, layout.with_vertices, layout.usage.mesh_instances[m],
-                                    layout.quality, packed));
+    objects.push_back(pack_parts(scene, layout, parts, near_instances(scene, m, layout.near),
+                                 layout.usage.mesh_instances[m], packed));
   }
   for (const Instance& instance : scene.instances)
     if (object_of_mesh[instance.mesh] != kNoIndex)
@@ -122,6 +143,7 @@ PackedScene pack(Scene& scene, const Packing& packing) {
   place_origin(scene, packing.eye, packed);
   Layout layout(scene);
   layout.quality = packing.quality;
+  layout.near = packing.near;
 
   MaterialTable materials = pack_materials(scene, layout.usage, packing.mips, packing.samplers);
   layout.material_index = std::move(materials.packed_index);
@@ -157,11 +179,15 @@ PackedScene pack(Scene& scene, const Packing& packing) {
   for (const Object& object : objects) packed.triangles_stored += object.triangle_count;
   packed.sah_cost = std::ranges::max_element(objects, {}, &Object::triangle_count)->sah_cost;
   packed.bvh_seconds = seconds_since(start);
+  if (packed.cut.coarse)
+    scene.warnings.add(
+        "triangles that are huge beside their distance to the eye were cut less finely than they should "
+        "be, as there are so many");
   if (packed.dropped_triangles > 0)
     scene.warnings.add("triangles without area or with coordinates that are not finite were dropped",
                        packed.dropped_triangles);
 
-  pack_vertices(scene, layout.usage, streams, packed);
+  pack_vertices(scene, layout.usage, streams, layout.cut_vertices, packed);
   const double environment = pack_environment(scene.environment, packing.direct, packed);
   pack_lights(scene, objects, object_of, environment, packing.direct, packing.lights, packed);
   packed.features = find_features(scene, layout.usage, packed);

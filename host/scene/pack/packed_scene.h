@@ -39,6 +39,12 @@ struct AlphaCounts {
   }
 };
 
+// Triangles that were cut because they are huge beside their distance to the eye, see cut.h; instances do not count.
+struct CutCounts {
+  std::uint64_t triangles = 0, pieces = 0;
+  bool coarse = false; // see Cut
+};
+
 struct PackedScene {
   glm::dvec3 origin{0.0}; // world position of the device's origin
   double radius = 0.0;    // of the geometry's bounding sphere, metres
@@ -56,7 +62,7 @@ struct PackedScene {
   std::vector<Draw> draws;              // together, every triangle that can be seen
 
   // Empty where no surface of the scene needs them (see the kFeature bits).
-  std::vector<glm::uvec4> triangle_vertices;
+  std::vector<glm::uvec4> triangle_vertices; // there too where triangles were cut
   std::vector<glm::vec4> vertex_normals, vertex_uvs, vertex_colors;
   std::uint32_t layer_tangents =
       0;                         // vertices from one's normal to its tangents of layers that have their own; 0 = none
@@ -92,12 +98,18 @@ struct PackedScene {
   std::uint64_t triangle_count = 0;    // as seen: instances counted
   std::uint64_t dropped_triangles = 0; // non-finite or degenerate
   AlphaCounts alpha;
+  CutCounts cut;
   double bvh_seconds = 0.0;
   bvh::Quality bvh_quality = bvh::Quality::fast;
   std::uint64_t triangles_stored = 0; // without the copies of spatial splits
   double sah_cost = 0.0;              // of the tree over the most triangles, see bvh::Measure
 
   bool moves() const { return !motions.empty(); }
+  // As Triangle::id, of the triangle of the source.
+  std::uint32_t source_id(std::uint32_t item) const {
+    const std::uint32_t id = triangles[item].id;
+    return id & gpu::kPieceId ? triangle_vertices[item].w : id;
+  }
 };
 
 } // namespace wavepath

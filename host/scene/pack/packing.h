@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <vector>
 
 #include <glm/glm.hpp>
 
@@ -18,6 +19,8 @@ struct Packing {
   // The point around which single precision should be finest: the origin is the point of the geometry's box nearest to
   // it, or the box's centre.
   std::optional<glm::dvec3> eye{};
+  std::vector<glm::dvec3>
+      near{}; // where pictures are taken from: triangles that are huge beside that are cut, see cut.h
   std::uint32_t lights = gpu::kLightsAuto; // kLights*: how they are selected, see lights.h
   bool mips = false; // textures get mip levels, for renders that look them up (host/render/settings/mips.h)
   // The device's samplers look up textures, within these limits.

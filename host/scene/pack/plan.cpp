@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "host/scene/pack/cut_scene.h"
 #include "host/scene/pack/environment_light.h"
 #include "host/scene/pack/light_tree.h"
 #include "host/scene/pack/lights.h"
@@ -32,13 +33,15 @@ Plan plan(const Scene& scene, const Packing& packing) {
   plan.triangles_stored = usage.triangles_stored;
   plan.triangles_seen = usage.triangles_seen;
   plan.instances = usage.two_level() ? usage.shared_instances + 1 : 0;
+  const CutSize cut = count_pieces(scene, usage, packing.near);
+  const std::uint64_t whole = usage.triangles_stored + cut.pieces - cut.triangles;
+  const std::uint64_t vertices = usage.vertex_count + 3 * cut.pieces;
   const double copies = packing.quality == bvh::Quality::fast ? 0.0 : bvh::BuildConfig{}.max_copies;
-  const std::uint64_t items =
-      usage.triangles_stored + static_cast<std::uint64_t>(copies * static_cast<double>(usage.triangles_stored));
+  const std::uint64_t items = whole + static_cast<std::uint64_t>(copies * static_cast<double>(whole));
   const bool moving = std::ranges::any_of(scene.meshes, &Mesh::moves);
   const std::uint64_t triangles = (moving ? 2 : 1) * items * sizeof(gpu::Triangle);
-  const std::uint64_t corners = streams.any() ? items * sizeof(glm::uvec4) : 0;
-  const std::uint64_t stream = usage.vertex_count * sizeof(glm::vec4);
+  const std::uint64_t corners = streams.any() || cut.pieces > 0 ? items * sizeof(glm::uvec4) : 0;
+  const std::uint64_t stream = vertices * sizeof(glm::vec4);
   const std::uint64_t placed = plan.instances * sizeof(gpu::Instance);
   const std::uint64_t environment = scene.environment.present() ? scene.environment.map.size() * sizeof(glm::vec4) : 0;
   plan.triangle_bytes = triangles + corners;
@@ -52,7 +55,7 @@ Plan plan(const Scene& scene, const Packing& packing) {
   if (environment > 0)
     plan.environment_bytes +=
         environment_interval_words(scene.environment.width, scene.environment.height) * sizeof(std::uint32_t);
-  const std::uint64_t local_lights = count_emitters(scene, usage) + scene.lights.size();
+  const std::uint64_t local_lights = count_emitters(scene, usage) + cut.shining + scene.lights.size();
   plan.light_bytes = (local_lights + 1) * sizeof(gpu::Light);
   if (local_lights > kFewLights) plan.light_tree_bytes = light_tree_bytes(local_lights);
   for (std::size_t m = 0; m < scene.materials.size(); ++m)

@@ -7,6 +7,8 @@
 
 #include <tbb/parallel_for.h>
 
+#include "host/base/error.h"
+
 namespace wavepath {
 namespace {
 
@@ -54,6 +56,74 @@ void pack_layer_tangents(const std::vector<glm::vec4>* layers, const std::vector
       const glm::dvec3 t = unit_or_zero(linear * glm::dvec3(glm::vec3(tangent)));
       out[v][component + layer] = pack_tangent({glm::vec3(t), tangent.w * handedness});
     }
+}
+
+// Of a vertex of a piece, packed, in the space that `linear` leads to.
+float cut_tangent(const Mesh& mesh, const std::vector<glm::vec4>& tangents, const CutVertex& vertex,
+                  const glm::dmat3& linear) {
+  if (tangents.empty()) return 0.0f;
+  const float handedness = glm::determinant(linear) < 0.0 ? -1.0f : 1.0f;
+  glm::dvec3 sum(0.0);
+  for (std::uint32_t k = 0; k < 3; ++k)
+    sum += vertex.weights[k] *
+           unit_or_zero(linear * glm::dvec3(glm::vec3(tangents[mesh.indices[vertex.first_index + k]])));
+  return pack_tangent({glm::vec3(unit_or_zero(sum)), tangents[mesh.indices[vertex.first_index]].w * handedness});
+}
+
+// A normal is not made a unit vector: blended again, kernels find the direction that the whole triangle has there.
+void pack_cut_normals(const Scene& scene, const Usage& usage, std::span<const CutVertex> cut,
+                      const std::vector<glm::dmat3>& linear, bool closed, std::size_t first, std::size_t first_normal,
+                      std::vector<glm::vec4>& out) {
+  tbb::parallel_for(std::size_t{0}, cut.size(), [&](std::size_t i) {
+    const Mesh& mesh = scene.meshes[cut[i].mesh];
+    glm::dvec3 normal(0.0);
+    for (std::uint32_t k = 0; k < 3; ++k) {
+      const std::uint32_t v = mesh.indices[cut[i].first_index + k];
+      normal += cut[i].weights[k] * glm::dvec3(out[first_normal + usage.first_vertex[cut[i].mesh] + v]);
+    }
+    const std::vector<glm::vec4>& tangents = closed && mesh.moves() ? mesh.end_tangents : mesh.tangents;
+    out[first + i] = {normal, cut_tangent(mesh, tangents, cut[i], linear[cut[i].mesh])};
+  });
+}
+
+// As pack_layer_tangents().
+void pack_cut_layer_tangents(const Scene& scene, std::span<const CutVertex> cut, const std::vector<glm::dmat3>& linear,
+                             bool closed, glm::vec4* out) {
+  for (std::size_t i = 0; i < cut.size(); ++i) {
+    const Mesh& mesh = scene.meshes[cut[i].mesh];
+    const bool moved = closed && mesh.moves();
+    const std::uint32_t v = mesh.indices[cut[i].first_index];
+    for (int layer = 0; layer < 2; ++layer) {
+      const std::vector<glm::vec4>& own = (moved ? mesh.end_layer_tangents : mesh.layer_tangents)[layer];
+      const bool has_own = !own.empty() && own[v].w != 0.0f;
+      out[i][layer + (closed ? 2 : 0)] = cut_tangent(mesh,
+                                                     has_own ? own
+                                                     : moved ? mesh.end_tangents
+                                                             : mesh.tangents,
+                                                     cut[i], linear[cut[i].mesh]);
+    }
+  }
+}
+
+glm::dvec4 blend(const Scene& scene, const Usage& usage, const CutVertex& vertex,
+                 const std::vector<glm::vec4>& stream) {
+  glm::dvec4 sum(0.0);
+  for (std::uint32_t k = 0; k < 3; ++k)
+    sum +=
+        vertex.weights[k] *
+        glm::dvec4(stream[usage.first_vertex[vertex.mesh] + scene.meshes[vertex.mesh].indices[vertex.first_index + k]]);
+  return sum;
+}
+
+// Whether every texture that the material reads with this set repeats, so that whole pairs of tiles can be taken from
+// its coordinates.
+bool repeats(const Material& material, std::uint32_t uv_set) {
+  bool all = true;
+  visit_textures(material, [&](const MaterialTexture&, const TextureSlot& slot) {
+    if (slot.uv_set != uv_set) return;
+    all = all && slot.wrap_u != Wrap::clamp && slot.wrap_v != Wrap::clamp && slot.uv_matrix == glm::mat2(1.0f);
+  });
+  return all;
 }
 
 // Returns how many coordinates were not finite.
@@ -104,19 +174,50 @@ Streams needed_streams(const Scene& scene, const Usage& usage) {
   return streams;
 }
 
-void pack_vertices(Scene& scene, const Usage& usage, const Streams& streams, PackedScene& packed) {
+void list_cut_vertices(const Scene& scene, std::span<const Part> parts, const Cut& cut, std::vector<CutVertex>& list) {
+  // Far from zero, coordinates are no finer than a part of a tile.
+  constexpr double kFarTiles = 16.0;
+  for (const CutTriangle& whole : cut.triangles) {
+    const Mesh& mesh = scene.meshes[parts[whole.part].mesh];
+    const Material& material = scene.materials[mesh.primitives[parts[whole.part].primitive].material];
+    const bool moved[2] = {!mesh.uvs[0].empty() && repeats(material, 0), !mesh.uvs[1].empty() && repeats(material, 1)};
+    for (std::uint32_t p = 0; p < whole.piece_count; ++p) {
+      const Piece& piece = cut.pieces[whole.first_piece + p];
+      CutVertex vertex{parts[whole.part].mesh, whole.first_index};
+      const glm::dvec3 middle = (piece.weights[0] + piece.weights[1] + piece.weights[2]) / 3.0;
+      for (std::uint32_t set = 0; set < 2; ++set) {
+        if (!moved[set]) continue;
+        glm::dvec2 uv(0.0);
+        for (std::uint32_t k = 0; k < 3; ++k)
+          uv += middle[k] * glm::dvec2(mesh.uvs[set][mesh.indices[whole.first_index + k]]);
+        for (int axis = 0; axis < 2; ++axis)
+          if (std::abs(uv[axis]) > kFarTiles && std::abs(uv[axis]) < 0x1p23)
+            vertex.uv_shift[set][axis] = static_cast<float>(2.0 * std::floor(0.5 * uv[axis]));
+      }
+      for (const glm::dvec3& weights : piece.weights) {
+        vertex.weights = weights;
+        list.push_back(vertex);
+      }
+    }
+  }
+}
+
+void pack_vertices(Scene& scene, const Usage& usage, const Streams& streams, std::span<const CutVertex> cut,
+                   PackedScene& packed) {
+  const std::size_t vertex_count = usage.vertex_count + cut.size();
+  if (vertex_count > kNoIndex)
+    throw Error(scene.path, "has more than 4294967295 vertices", "simplify or split the scene");
   std::vector<glm::dmat3> linear(scene.meshes.size(), glm::dmat3(1.0));
   for (const Instance& instance : scene.instances)
     if (usage.mesh_instances[instance.mesh] == 1) linear[instance.mesh] = glm::dmat3(instance.world_from_object);
 
-  if (packed.moves()) packed.end_normals = static_cast<std::uint32_t>(usage.vertex_count);
-  if (streams.layer_tangents)
-    packed.layer_tangents = static_cast<std::uint32_t>(usage.vertex_count) + packed.end_normals;
-  const std::size_t normals = usage.vertex_count + packed.end_normals;
+  if (packed.moves()) packed.end_normals = static_cast<std::uint32_t>(vertex_count);
+  if (streams.layer_tangents) packed.layer_tangents = static_cast<std::uint32_t>(vertex_count) + packed.end_normals;
+  const std::size_t normals = vertex_count + packed.end_normals;
   if (streams.normals)
-    packed.vertex_normals.assign(normals + (streams.layer_tangents ? usage.vertex_count : 0), glm::vec4(0.0f));
-  if (streams.uvs) packed.vertex_uvs.assign(usage.vertex_count, glm::vec4(0.0f));
-  if (streams.colors) packed.vertex_colors.assign(usage.vertex_count, glm::vec4(1.0f));
+    packed.vertex_normals.assign(normals + (streams.layer_tangents ? vertex_count : 0), glm::vec4(0.0f));
+  if (streams.uvs) packed.vertex_uvs.assign(vertex_count, glm::vec4(0.0f));
+  if (streams.colors) packed.vertex_colors.assign(vertex_count, glm::vec4(1.0f));
   std::size_t repaired = 0;
   for (std::size_t m = 0; m < scene.meshes.size(); ++m) {
     if (usage.mesh_instances[m] == 0) continue;
@@ -139,6 +240,24 @@ void pack_vertices(Scene& scene, const Usage& usage, const Streams& streams, Pac
     }
     if (streams.uvs) repaired += pack_uvs(mesh, first, packed.vertex_uvs);
     if (streams.colors) std::copy(mesh.colors.begin(), mesh.colors.end(), packed.vertex_colors.begin() + first);
+  }
+  if (!cut.empty() && streams.normals) {
+    pack_cut_normals(scene, usage, cut, linear, false, usage.vertex_count, 0, packed.vertex_normals);
+    if (packed.moves())
+      pack_cut_normals(scene, usage, cut, linear, true, packed.end_normals + usage.vertex_count, packed.end_normals,
+                       packed.vertex_normals);
+  }
+  if (!cut.empty() && streams.layer_tangents) {
+    glm::vec4* out = packed.vertex_normals.data() + packed.layer_tangents + usage.vertex_count;
+    pack_cut_layer_tangents(scene, cut, linear, false, out);
+    if (packed.moves()) pack_cut_layer_tangents(scene, cut, linear, true, out);
+  }
+  for (std::size_t i = 0; i < cut.size(); ++i) {
+    const glm::dvec4 shift(glm::dvec2(cut[i].uv_shift[0]), glm::dvec2(cut[i].uv_shift[1]));
+    if (streams.uvs)
+      packed.vertex_uvs[usage.vertex_count + i] = glm::vec4(blend(scene, usage, cut[i], packed.vertex_uvs) - shift);
+    if (streams.colors)
+      packed.vertex_colors[usage.vertex_count + i] = glm::vec4(blend(scene, usage, cut[i], packed.vertex_colors));
   }
   if (repaired > 0) scene.warnings.add("texture coordinates that are not finite were set to zero", repaired);
 }
