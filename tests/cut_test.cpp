@@ -108,7 +108,7 @@ TEST(CutHuge, NeighboursAreSplitAlike) {
   ASSERT_EQ(cut.triangles.size(), 3u);
   for (const auto& [edge, count] : count_edges(cut)) {
     const bool on_seam = edge.first[2] == 1e3 && edge.second[2] == 1e3 && edge.first[1] == 0.0 && edge.second[1] == 0.0;
-    if (on_seam) EXPECT_EQ(count, 2) << edge.first[0] << " " << edge.second[0];
+    EXPECT_TRUE(!on_seam || count == 2) << edge.first[0] << " " << edge.second[0];
   }
 }
 
@@ -128,12 +128,14 @@ TEST(CutHuge, PiecesAreAsSmallAsTheyAreNear) {
 }
 
 TEST(CutHuge, TellsWhenThereWereTooMany) {
-  std::vector<glm::dvec3> near;
-  for (int i = 0; i < 400; ++i) near.emplace_back(2e4 * (i % 20), 1.0, 2e4 * (i / 20));
-  const Cut cut = cut_of(ground_scene(1e6f), near);
+  Scene scene = ground_scene(1e7f);
+  EXPECT_FALSE(cut_of(scene, {{0.0, 1.0, 0.0}}).coarse);
+  for (int i = 0; i < 300; ++i)
+    add_instance(scene, 0, glm::translate(glm::dmat4(1.0), glm::dvec3(0.0, -0.01 * i, 0.0)));
+  const Cut cut = cut_of(scene, {{0.0, 1.0, 0.0}});
   EXPECT_TRUE(cut.coarse);
   EXPECT_LE(cut.pieces.size(), kMostPieces);
-  EXPECT_FALSE(cut_of(ground_scene(1e6f), {near[0]}).coarse);
+  EXPECT_GT(cut.pieces.size(), kMostPieces / 16);
 }
 
 TEST(CutHuge, AnEyeInThePlaneEnds) {

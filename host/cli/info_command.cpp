@@ -130,6 +130,7 @@ Json describe(const std::string& path, const Scene& scene, const Plan& planned, 
           {"scene", path},
           {"triangles", packed.triangle_count},
           {"triangles_stored", planned.triangles_stored},
+          {"cut", {{"triangles", packed.cut.triangles}, {"pieces", packed.cut.pieces}, {"coarse", packed.cut.coarse}}},
           {"instances", scene.instances.size()},
           {"meshes", scene.meshes.size()},
           {"materials", scene.materials.size()},
@@ -178,6 +179,9 @@ void print_scene(const Json& about, const std::vector<std::string>& extensions) 
   print_out("{}\n", about["scene"].get<std::string>());
   print_out("  triangles   {} seen, {} stored, {} instances of {} meshes\n", number(about["triangles"]),
             number(about["triangles_stored"]), number(about["instances"]), number(about["meshes"]));
+  if (const Json& cut = about["cut"]; number(cut["triangles"]) > 0)
+    print_out("  cut         {} that are huge beside their distance to the eye, into {} pieces\n",
+              number(cut["triangles"]), number(cut["pieces"]));
   print_out("  materials   {}\n", number(about["materials"]));
   print_out("  textures    {} uses of {} images\n", number(about["textures"]), number(about["images"]));
   print_out("  lights      {} punctual, {} emissive triangles, {}\n", number(lights["punctual"]),
@@ -205,7 +209,9 @@ int run_scene(InfoCommandRequest& request) {
   RenderSettings& settings = request.render.settings;
   LoadedScene loaded = load_scene(request.scene);
   Scene& scene = loaded.scene;
-  const Packing packing{.direct = direct_of(settings), .lights = settings.lights, .mips = wants_mips(settings)};
+  const View view = resolve_view(scene, loaded.framing, request.scene.view, settings.width, settings.height);
+  const Packing packing{
+      .direct = direct_of(settings), .near = {view.position}, .lights = settings.lights, .mips = wants_mips(settings)};
   const Plan planned = plan(scene, packing);
   require_memory(request.scene.path, "packing it", planned.total(), "use a simpler scene");
   const PackedScene packed = pack(scene, packing);

@@ -113,8 +113,7 @@ Measurement bolt_on_planet(const SelftestContext& context) {
   const Picture on_planet = studio.render(scene, settings).picture;
   worst.add(compare_pictures(on_planet, alone).mrse, 0.0, 1e-3, "MRSE of a bolt of 1e-4 m on a planet of 1e8 m");
 
-  // The planet from 100 m above, under a white sky: what is less than 1 was hidden by the ground itself. From much
-  // closer than 1e-6 of their edges, here 5 m, single precision cannot tell on which side of its triangles a camera is.
+  // The planet from 100 m above, under a white sky: what is less than 1 was hidden by the ground itself.
   Scene ground;
   add_planet(ground, 0.0);
   ground.environment.radiance = glm::vec3(1.0f);

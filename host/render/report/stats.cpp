@@ -311,6 +311,8 @@ Json stats_document(const Run& run) {
       {"size", {settings.width, settings.height}},
       {"spp", result.spp},
       {"triangles", run.packed.triangle_count},
+      {"cut",
+       {{"triangles", run.packed.cut.triangles}, {"pieces", run.packed.cut.pieces}, {"coarse", run.packed.cut.coarse}}},
       {"lights", run.packed.lights.size()},
       {"light_selection", light_selection_json(run)},
       {"seconds", seconds_json(run)},

@@ -258,6 +258,9 @@ Object append_object(const Scene& scene, std::span<const Part> parts, const Plac
   Object object;
   object.first_item = static_cast<std::uint32_t>(first);
   object.triangle_count = static_cast<std::uint32_t>(sources.size());
+  object.source_count =
+      object.triangle_count - static_cast<std::uint32_t>(std::ranges::count_if(
+                                  ids_of_pieces.own, [](std::uint32_t id) { return (id & gpu::kPieceId) != 0; }));
   const std::vector<std::uint8_t> whole = list_whole(scene, parts, sources);
   bvh::BuildReport report;
   const bvh::WideTree tree =

@@ -26,11 +26,12 @@ struct PlacedCut {
 // A tree of triangles inside PackedScene::nodes and ::triangles.
 struct Object {
   std::uint32_t first_item = 0, item_count = 0; // in PackedScene::triangles, copies included
-  std::uint32_t triangle_count = 0;
-  std::uint32_t root = 0;       // node of PackedScene::nodes
-  std::uint32_t depth = 0;      // nodes on the longest path from there
-  double sah_cost = 0.0;        // see bvh::Measure
-  glm::vec3 lo{0.0f}, hi{0.0f}; // around its boxes in the tree, in its own space; 0 if it is empty
+  std::uint32_t triangle_count = 0;             // pieces count
+  std::uint32_t source_count = 0;               // those that pieces were cut from count once
+  std::uint32_t root = 0;                       // node of PackedScene::nodes
+  std::uint32_t depth = 0;                      // nodes on the longest path from there
+  double sah_cost = 0.0;                        // see bvh::Measure
+  glm::vec3 lo{0.0f}, hi{0.0f};                 // around its boxes in the tree, in its own space; 0 if it is empty
 };
 
 // Appends the triangles of `parts` and the tree over them to `packed` (nodes, triangles, triangle_vertices if

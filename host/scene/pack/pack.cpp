@@ -75,21 +75,30 @@ Object pack_static(const Scene& scene, Layout& layout, const glm::dmat4& device_
 }
 
 // An object for the static part and one for every shared mesh, then the top level. Returns by instance its object.
+// Where an instance is cut, the object's zero is where the eye is to the nearest one: floats are finest there.
 std::vector<std::uint32_t> pack_two_level(Scene& scene, Layout& layout, const glm::dmat4& device_from_world,
                                           PackedScene& packed, std::vector<Object>& objects) {
   std::vector<Placement> placements{{0, glm::dmat4(1.0)}};
   std::vector<std::uint32_t> object_of_mesh(scene.meshes.size(), kNoIndex);
+  std::vector<glm::dvec3> centres(scene.meshes.size(), glm::dvec3(0.0)); // in the mesh, what becomes the object's zero
   for (std::uint32_t m = 0; m < scene.meshes.size(); ++m) {
     if (layout.usage.mesh_instances[m] < 2) continue;
     std::vector<Part> parts;
     list_parts(scene, layout, m, glm::dmat4(1.0), parts);
+    std::vector<glm::dvec3> near = near_instances(scene, m, layout.near);
+    if (!cut_huge(scene, parts, near).empty()) {
+      centres[m] = near[0];
+      parts.clear();
+      list_parts(scene, layout, m, glm::translate(glm::dmat4(1.0), -centres[m]), parts);
+      for (glm::dvec3& p : near) p -= centres[m];
+    }
     object_of_mesh[m] = static_cast<std::uint32_t>(objects.size());
-    objects.push_back(pack_parts(scene, layout, parts, near_instances(scene, m, layout.near),
-                                 layout.usage.mesh_instances[m], packed));
+    objects.push_back(pack_parts(scene, layout, parts, near, layout.usage.mesh_instances[m], packed));
   }
   for (const Instance& instance : scene.instances)
     if (object_of_mesh[instance.mesh] != kNoIndex)
-      placements.push_back({object_of_mesh[instance.mesh], device_from_world * instance.world_from_object});
+      placements.push_back({object_of_mesh[instance.mesh],
+                            glm::translate(device_from_world * instance.world_from_object, centres[instance.mesh])});
 
   std::size_t skipped = 0;
   std::vector<std::uint32_t> object_of = pack_instances(objects, placements, packed, skipped);
@@ -167,11 +176,11 @@ PackedScene pack(Scene& scene, const Packing& packing) {
   std::vector<std::uint32_t> object_of;
   if (layout.usage.two_level()) {
     object_of = pack_two_level(scene, layout, device_from_world, packed, objects);
-    for (const std::uint32_t object : object_of) packed.triangle_count += objects[object].triangle_count;
+    for (const std::uint32_t object : object_of) packed.triangle_count += objects[object].source_count;
   } else {
     packed.root = objects[0].root;
     packed.stack_size = objects[0].depth;
-    packed.triangle_count = objects[0].triangle_count;
+    packed.triangle_count = objects[0].source_count;
   }
   if (packed.moves())
     packed.motions.resize(packed.triangles.size(), gpu::Triangle{}); // objects after the first stand still

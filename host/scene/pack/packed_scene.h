@@ -95,13 +95,13 @@ struct PackedScene {
 
   gpu::Feature features = 0; // kFeature and kLobe bits
   std::vector<LeftOut> left_out;
-  std::uint64_t triangle_count = 0;    // as seen: instances counted
+  std::uint64_t triangle_count = 0;    // of the source, as seen: instances counted
   std::uint64_t dropped_triangles = 0; // non-finite or degenerate
   AlphaCounts alpha;
   CutCounts cut;
   double bvh_seconds = 0.0;
   bvh::Quality bvh_quality = bvh::Quality::fast;
-  std::uint64_t triangles_stored = 0; // without the copies of spatial splits
+  std::uint64_t triangles_stored = 0; // pieces included, without the copies of spatial splits
   double sah_cost = 0.0;              // of the tree over the most triangles, see bvh::Measure
 
   bool moves() const { return !motions.empty(); }
