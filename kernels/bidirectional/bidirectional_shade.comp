@@ -25,6 +25,7 @@
 #include "kernels/bidirectional/receiver.glsl"
 #include "kernels/bidirectional/records.glsl"
 #include "kernels/bidirectional/scattering.glsl"
+#include "kernels/path/crossing.glsl"
 #include "kernels/path/first_hit.glsl"
 #include "kernels/path/nonfinite.glsl"
 #include "kernels/path/queue.glsl"
@@ -39,7 +40,7 @@ bool connects_behind() { return uses_technique(wave.bounce == 0u ? kTechniqueSpl
 vec3 transmittance(Vertex v, vec3 wi, uint slot, float distance_) {
   if (!has(kFeatureVolume)) return vec3(1.0);
   bool crossing = is_below(v, wi) && !v.bsdf.thin;
-  return medium_transmittance(crossing ? medium_behind(v) : path_media[slot], distance_);
+  return medium_transmittance(crossing ? body_behind(v, slot) : current_body(slot), distance_);
 }
 
 // Weight of light that the path met by chance. `connect_pdf`: density with which the point, or the direction, is picked to
@@ -91,6 +92,7 @@ vec3 connect_to_vertex(Vertex v, LightVertex at, uint slot, PathWeights weights,
   vec3 value = scatter_value(v, wi, forward, reverse);
   if (!(max_component(value) > 0.0)) return vec3(0.0);
   Vertex light_end = make_vertex(target, fetch_material(target.material), wi); // seen from v
+  set_outside(light_end, at.outside);
   float light_forward, light_reverse;
   vec3 light_value = scatter_value(light_end, at.direction, light_forward, light_reverse);
   float cosine = surface_cosine(v, wi), light_cosine = surface_cosine(light_end, wi);
@@ -169,7 +171,7 @@ bool scatter(Vertex v, Sampler path_sampler, uint dimension, uint slot, inout Pa
   }
   if (!(max_component(path.throughput) > 0.0)) return false;
 
-  if (has(kFeatureVolume) && s.transmitted && !v.bsdf.thin) path_media[slot] = medium_behind(v);
+  if (has(kFeatureVolume) && s.transmitted && !v.bsdf.thin) cross_surface(v, slot);
   ray = Ray(offset_ray_origin(v.surface.position, v.surface.position_error, v.surface.geometric_normal, wi), slot, wi, kFar);
   return true;
 }
@@ -186,6 +188,19 @@ PathWeights arrive(Ray ray, vec3 offset, float cosine) {
   return arrived(fetch_weights(ray.slot), dot(offset, offset), cosine);
 }
 
+// Straight on through a surface that another body hides, as through a delta lobe.
+bool pass_hidden(Vertex v, Ray ray, vec3 offset, inout PathState path, out Ray next) {
+  float cosine = surface_cosine(v, v.wo);
+  if (!(cosine > 0.0)) return false;
+  store_weights(ray.slot, scattered_delta(arrive(ray, offset, cosine), cosine, 1.0));
+  store_merge(ray.slot, merge_scattered_delta(merge_arrived(fetch_merge(ray.slot), cosine), cosine, 1.0));
+  path.bsdf_pdf = -1.0;
+  cross_surface(v, ray.slot);
+  next = Ray(offset_ray_origin(v.surface.position, v.surface.position_error, v.surface.geometric_normal, ray.direction), ray.slot,
+             ray.direction, kFar);
+  return true;
+}
+
 struct Wants {
   bool ray, shadow, connection;
 };
@@ -198,7 +213,7 @@ void follow(Ray ray, Hit hit, inout PathState path, out Wants wants, out Ray nex
 
   if (hit.triangle == kNone) {
     if (!hits) return;
-    if (has(kFeatureVolume)) path.throughput *= medium_transmittance(path_media[slot], kFarAway);
+    if (has(kFeatureVolume)) path.throughput *= medium_transmittance(current_body(slot), kFarAway);
     float pdf;
     vec3 radiance = environment_emission(ray.direction, pdf);
     float merged = merge_met_light(fetch_merge(slot), path.bsdf_pdf);
@@ -212,8 +227,12 @@ void follow(Ray ray, Hit hit, inout PathState path, out Wants wants, out Ray nex
   Surface surface = fetch_surface(hit);
   Material material = fetch_material(surface.material);
   vec3 offset = surface.position - ray.origin;
-  if (has(kFeatureVolume)) path.throughput *= medium_transmittance(path_media[slot], length(offset));
+  if (has(kFeatureVolume)) path.throughput *= medium_transmittance(current_body(slot), length(offset));
   Vertex v = make_vertex(surface, material, ray.direction);
+  if (is_hidden(v, slot)) {
+    wants.ray = wave.bounce < frame.max_depth && pass_hidden(v, ray, offset, path, next);
+    return;
+  }
   if (has(kFeatureAovs) && wave.bounce == 0u) record_first_hit(slot, hit, v, surface.position, ray.origin);
 
   if (has(kFeatureEmission) && (material.flags & kMaterialUnlit) != 0u) { // as in path/shade.comp: no light

@@ -31,7 +31,7 @@ struct BidirectionalFrame {
   float pixel_area;  // orthographic: of a pixel; perspective: of a pixel at unit distance along the view axis
   float light_paths; // that a sample of all pixels traces
   uint techniques;
-  uint pad0;
+  uint lamps_in_bodies; // 1: the box of a body holds a lamp
 };
 GPU_CHECK(sizeof(BidirectionalFrame) == 32);
 
@@ -53,9 +53,9 @@ struct LightVertex {
   float b1;
   float b2;
   float others;
+  uint outside; // the body that its surface borders on (kLobeNested), kNone: the open
   uint pad0;
   uint pad1;
-  uint pad2;
 };
 GPU_CHECK(sizeof(LightVertex) == 64);
 

@@ -13,6 +13,7 @@
 #define SEES_UNLIT false
 #include "kernels/bidirectional/bindings.glsl"
 #include "kernels/bidirectional/light_path.glsl"
+#include "kernels/path/bodies.glsl"
 #include "kernels/path/records.glsl"
 
 Sampler path_sampler;
@@ -37,6 +38,27 @@ const float kPassing = 1.0 / 8.0;
 
 bool is_passable(Hit hit, Surface surface, vec3 direction) {
   return is_single_sided(hit) && dot(surface.geometric_normal, direction) < 0.0;
+}
+
+// Light begins in the bodies that hold its lamp: those whose surfaces its ray, led straight on through everything, leaves before
+// it enters them. What lies beyond kMostPassed surfaces is not seen: loops end after 65,535 trips on CPU drivers.
+const uint kMostPassed = 64u;
+
+void begin_in_bodies(Ray ray, Hit hit) {
+  uvec4 bodies = uvec4(kNoBody), met = uvec4(kNoBody); // the first bodies of four materials
+  for (uint passed = 0u; passed < kMostPassed && hit.triangle != kNone; ++passed) {
+    Surface surface = fetch_surface(hit);
+    bool is_met = any(equal(met, uvec4(surface.material)));
+    if (!is_met && body_priority(surface.material) > 0u) {
+      if (dot(surface.geometric_normal, ray.direction) > 0.0) bodies = with_body(bodies, surface.material);
+      if (!is_nested()) break;
+      met = uvec4(surface.material, met.xyz);
+    }
+    vec3 origin = offset_ray_origin(surface.position, surface.position_error, surface.geometric_normal, ray.direction);
+    hit = trace(origin, ray.direction, kFar);
+  }
+  if (is_nested()) store_bodies(ray.slot, bodies);
+  else path_media[ray.slot] = bodies.x == kNoBody ? kNone : bodies.x;
 }
 
 void main() {
@@ -70,4 +92,6 @@ void main() {
     store_path(ray.slot, path);
   }
   store_hit(index, hit);
+  bool may_begin_inside = has(kFeatureVolume) && wave.bounce == 1u && bidirectional.lamps_in_bodies != 0u && ray.t_max > 0.0;
+  if (may_begin_inside && fetch_path(ray.slot).bsdf_pdf != 0.0) begin_in_bodies(ray, hit);
 }

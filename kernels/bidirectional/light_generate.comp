@@ -15,6 +15,7 @@
 #include "kernels/bidirectional/bindings.glsl"
 #include "kernels/bidirectional/light_path.glsl"
 #include "kernels/bidirectional/records.glsl"
+#include "kernels/path/bodies.glsl"
 #include "kernels/path/records.glsl"
 
 layout(local_size_x = kWorkgroupSize) in;
@@ -35,5 +36,5 @@ void main() {
   store_weights(slot, start.weights);
   light_counts[slot] = 0u;
   if (uses(kFeatureLightTree)) receiver_words[slot] = uvec4(start.index, 0u, 0u, 0u);
-  if (has(kFeatureVolume)) path_media[slot] = kNone;
+  begin_outside(slot); // light_extend finds the bodies that hold the lamp
 }

@@ -102,6 +102,7 @@ bool connect_to_camera(Vertex v, Hit hit, uint slot, vec2 u, vec3 lens, vec3 lig
   bool connects = wave.bounce == 1u || uses_technique(kTechniqueConnect); // to the light itself: `connect` holds that
   float weight = 1.0 / (1.0 + nearer(weights, camera_pdf / bidirectional.light_paths, forward, connects));
   c.contribution = light * value * (camera_pdf * filter_weight * weight);
+  if (has(kFeatureVolume)) c.contribution *= medium_transmittance(body_at_eye(), length(v.surface.position - origin));
   if (is_finite(c.contribution) && !(max_component(c.contribution) > 0.0)) return false;
 
   c.origin = origin;
@@ -144,6 +145,12 @@ void follow(Ray ray, Hit hit, inout PathState path, out bool wants_ray, out Ray 
   float cosine;
   PathWeights weights;
   if (!light_arrives(ray, hit, path, v, cosine, weights)) return;
+  uint outside = outside_body(v, ray.slot);
+  if (is_hidden(v, ray.slot)) {
+    wants_ray = wave.bounce < frame.max_depth && light_passes_hidden(ray, v, cosine, path, weights, next);
+    store_weights(ray.slot, weights);
+    return;
+  }
   if (wave.bounce == 1u && uses_light_tree() && bsdf_has_smooth(v.bsdf)) { // a camera path would choose the light by this vertex
     uint light = texelFetch(receiver_texels, int(ray.slot)).x;
     weights = bounded(PathWeights(weights.connect * square(light_ratio(receiver_at(v), light)), weights.others));
@@ -163,7 +170,7 @@ void follow(Ray ray, Hit hit, inout PathState path, out bool wants_ray, out Ray 
       uint place = light_counts[ray.slot]++;
       store_light_vertex(light_vertex_place(ray.slot, place),
                          LightVertex(v.wo, wave.bounce, light, weights.connect, hit.triangle, hit.instance, hit.b1, hit.b2,
-                                     weights.others, 0u, 0u, 0u));
+                                     weights.others, outside, 0u, 0u));
     }
   }
   if (wave.bounce < frame.max_depth) {

@@ -6,6 +6,7 @@
 #include "kernels/bidirectional/light_path.glsl"
 #include "kernels/bidirectional/records.glsl"
 #include "kernels/bidirectional/scattering.glsl"
+#include "kernels/path/crossing.glsl"
 #include "kernels/path/records.glsl"
 
 // Where the ray met a surface; `cosine` to it. False if no camera path would find the light there.
@@ -18,10 +19,7 @@ bool light_arrives(Ray ray, Hit hit, inout PathState path, out Vertex v, out flo
   vec3 offset = surface.position - ray.origin;
   v = make_vertex(surface, material, ray.direction);
   if (CULLS_ALL_BACKS && !v.front && is_single_sided(hit)) return false; // no camera path sees this side
-  if (has(kFeatureVolume)) { // inside, whatever the path met before: a lamp may hang in the glass
-    uint medium = !v.front && !v.bsdf.thin ? surface.material : path_media[ray.slot];
-    path.throughput *= medium_transmittance(medium, length(offset));
-  }
+  if (has(kFeatureVolume)) path.throughput *= medium_transmittance(current_body(ray.slot), length(offset));
   float distance_squared = path.bsdf_pdf != 0.0 ? dot(offset, offset) : 1.0;
   if (path.bsdf_pdf < 0.0) path.throughput *= range_window(path.bsdf_pdf, distance_squared);
   weights = arrived(fetch_weights(ray.slot), distance_squared, cosine);
@@ -38,6 +36,17 @@ bool light_passes_delta(Vertex v, vec3 local, BsdfSample s, vec3 w, inout PathSt
   return true;
 }
 
+// Straight on through a surface that another body hides, as camera paths go. False where these see an unlit surface instead.
+bool light_passes_hidden(Ray ray, Vertex v, float cosine, inout PathState path, inout PathWeights weights, out Ray next) {
+  if (path.eta_scale < 0.0) return false;
+  path.bsdf_pdf = 1.0;
+  weights = scattered_delta(weights, cosine, 1.0);
+  cross_surface(v, ray.slot);
+  next = Ray(offset_ray_origin(v.surface.position, v.surface.position_error, v.surface.geometric_normal, ray.direction), ray.slot,
+             ray.direction, kFar);
+  return true;
+}
+
 // Departure towards `w`: false if Russian roulette ends the path.
 bool light_departs(Vertex v, bool transmitted, vec3 w, float u, uint slot, inout PathState path, out Ray ray) {
   path.eta_scale = 1.0;
@@ -49,7 +58,7 @@ bool light_departs(Vertex v, bool transmitted, vec3 w, float u, uint slot, inout
   }
   if (!(max_component(path.throughput) > 0.0)) return false;
 
-  if (has(kFeatureVolume) && transmitted && !v.bsdf.thin) path_media[slot] = medium_behind(v);
+  if (has(kFeatureVolume) && transmitted && !v.bsdf.thin) cross_surface(v, slot);
   ray = Ray(offset_ray_origin(v.surface.position, v.surface.position_error, v.surface.geometric_normal, w), slot, w, kFar);
   return true;
 }

@@ -16,6 +16,7 @@
 #include "kernels/bidirectional/merging.glsl"
 #include "kernels/bidirectional/photons.glsl"
 #include "kernels/bidirectional/scattering.glsl"
+#include "kernels/path/crossing.glsl"
 #include "kernels/path/nonfinite.glsl"
 #include "kernels/path/records.glsl"
 #include "kernels/pixel.glsl"
@@ -91,11 +92,11 @@ void main() {
   Material material = fetch_material(surface.material);
   if ((material.flags & kMaterialUnlit) != 0u) return;
   Vertex v = make_vertex(surface, material, ray.direction);
-  if (!(surface_cosine(v, v.wo) > 0.0) || !bsdf_has_smooth(v.bsdf)) return;
+  if (!(surface_cosine(v, v.wo) > 0.0) || !bsdf_has_smooth(v.bsdf) || is_hidden(v, ray.slot)) return;
   PathState path = fetch_path(ray.slot);
   if (!is_finite(path.radiance)) return; // another kernel has counted it
   vec3 throughput = path.throughput;
-  if (has(kFeatureVolume)) throughput *= medium_transmittance(path_media[ray.slot], length(surface.position - ray.origin));
+  if (has(kFeatureVolume)) throughput *= medium_transmittance(current_body(ray.slot), length(surface.position - ray.origin));
   path.radiance += throughput * gather(v, slot_sample(ray.slot) % kReplicates);
   if (!is_finite(path.radiance)) count_nonfinite(kMakerConnect, ray.slot);
   store_radiance(ray.slot, path);

@@ -83,6 +83,11 @@ bool follow(Ray ray, Hit hit, inout PathState path, out Ray next) {
   float cosine;
   PathWeights weights;
   if (!light_arrives(ray, hit, path, v, cosine, weights)) return false;
+  if (is_hidden(v, ray.slot)) {
+    bool passes = light_passes_hidden(ray, v, cosine, path, weights, next);
+    store_weights(ray.slot, weights);
+    return passes;
+  }
   vec3 local = to_local(v, v.wo), w;
   if (!(local.z > 0.0)) return false;
   Sampler path_sampler = light_sampler(ray.slot);

@@ -15,15 +15,15 @@ LightVertex fetch_light_vertex(uint place) {
   uvec4 direction_bounce = texelFetch(light_vertex_texels, texel);
   vec4 light_connect = uintBitsToFloat(texelFetch(light_vertex_texels, texel + 1));
   uvec4 hit = texelFetch(light_vertex_texels, texel + 2);
-  float others = uintBitsToFloat(texelFetch(light_vertex_texels, texel + 3).x);
+  uvec4 others_outside = texelFetch(light_vertex_texels, texel + 3);
   return LightVertex(uintBitsToFloat(direction_bounce.xyz), direction_bounce.w, light_connect.xyz, light_connect.w, hit.x,
-                     hit.y, uintBitsToFloat(hit.z), uintBitsToFloat(hit.w), others, 0u, 0u, 0u);
+                     hit.y, uintBitsToFloat(hit.z), uintBitsToFloat(hit.w), uintBitsToFloat(others_outside.x), others_outside.y, 0u, 0u);
 }
 void store_light_vertex(uint place, LightVertex v) {
   light_vertex_words[4u * place] = uvec4(floatBitsToUint(v.direction), v.bounce);
   light_vertex_words[4u * place + 1u] = uvec4(floatBitsToUint(v.light), floatBitsToUint(v.connect));
   light_vertex_words[4u * place + 2u] = uvec4(v.triangle, v.instance, floatBitsToUint(v.b1), floatBitsToUint(v.b2));
-  light_vertex_words[4u * place + 3u] = uvec4(floatBitsToUint(v.others), 0u, 0u, 0u);
+  light_vertex_words[4u * place + 3u] = uvec4(floatBitsToUint(v.others), v.outside, 0u, 0u);
 }
 #endif
 

@@ -1,11 +1,10 @@
-// Light within bodies: which body a path is in, also where bodies overlap; scattering (KHR_materials_volume_scatter):
-// homogeneous, by a random walk; and the channel that a path carries behind glass that disperses (KHR_materials_dispersion).
+// Light within bodies: scattering (KHR_materials_volume_scatter): homogeneous, by a random walk; and the channel that a path carries behind glass that disperses (KHR_materials_dispersion).
 // Include bindings.glsl with BIND_PATHS first.
 #ifndef WAVEPATH_PATH_MEDIUM_GLSL
 #define WAVEPATH_PATH_MEDIUM_GLSL
 
 #include "kernels/dimensions.glsl"
-#include "kernels/path/bodies.glsl"
+#include "kernels/path/crossing.glsl"
 #include "kernels/path/records.glsl"
 #include "kernels/path/path_sampler.glsl"
 #include "kernels/vertex.glsl"
@@ -87,68 +86,13 @@ void disperse(Vertex v, inout PathState path) {
   path.eta_scale = -path.eta_scale;
 }
 
-// ---- bodies that overlap --------------------------------------------------------------------------------------------
-
-uvec4 without_body(uvec4 bodies, uint body) {
-  if (bodies.x == body) return uvec4(bodies.yzw, kNoBody);
-  if (bodies.y == body) return uvec4(bodies.x, bodies.zw, kNoBody);
-  if (bodies.z == body) return uvec4(bodies.xy, bodies.w, kNoBody);
-  if (bodies.w == body) return uvec4(bodies.xyz, kNoBody);
-  return bodies;
-}
-
-uint body_priority(uint body) { return body == kNoBody ? 0u : fetch_material(body).flags >> kMaterialPriorityShift; }
-
-uvec4 with_body(uvec4 bodies, uint body) {
-  uint priority = body_priority(body);
-  if (body_priority(bodies.x) < priority) return uvec4(body, bodies.xyz);
-  if (body_priority(bodies.y) < priority) return uvec4(bodies.x, body, bodies.yz);
-  if (body_priority(bodies.z) < priority) return uvec4(bodies.xy, body, bodies.z);
-  if (body_priority(bodies.w) < priority) return uvec4(bodies.xyz, body);
-  return bodies;
-}
-
-// The other bodies at a surface that the path meets.
-uvec4 other_bodies(Vertex v, uint slot) {
-  uvec4 bodies = fetch_bodies(slot);
-  return v.bsdf.entering ? bodies : without_body(bodies, v.surface.material);
-}
-
-// Whether the surface lies within a body of higher priority: the path goes straight on. Else its ior becomes that against the
-// body outside.
-bool is_hidden(inout Vertex v, uint slot) {
-  if (!is_nested() || v.bsdf.thin) return false;
-  uint outside = other_bodies(v, slot).x;
-  if (outside == kNoBody) return false;
-  Material other = fetch_material(outside);
-  if ((other.flags >> kMaterialPriorityShift) >= (v.material.flags >> kMaterialPriorityShift)) return true;
-  if (v.bsdf.ior > 0.0 && other.ior > 0.0) v.bsdf.ior /= other.ior;
-  return false;
-}
-
-// The body behind a surface, for light that passes it.
-uint body_behind(Vertex v, uint slot) {
-  if (!is_nested() || v.bsdf.entering) return medium_behind(v);
-  uint next = other_bodies(v, slot).x;
-  return next == kNoBody ? kNone : next;
-}
-
-// Once the path has passed it.
-void cross_surface(Vertex v, uint slot) {
-  if (!is_nested()) path_media[slot] = medium_behind(v);
-  else store_bodies(slot, v.bsdf.entering ? with_body(fetch_bodies(slot), v.surface.material) : other_bodies(v, slot));
-}
-
-#else // bodies neither scatter nor disperse, nor overlap
+#else // bodies neither scatter nor disperse
 
 bool is_in_scattering_medium(uint slot) { return false; }
 bool scatter_in_medium(Ray ray, float end, inout PathState path, out Ray next) { return false; }
 bool survives_medium(uint slot, inout PathState path) { return true; }
 void choose_channel(uint slot) {}
 void disperse(Vertex v, inout PathState path) {}
-bool is_hidden(inout Vertex v, uint slot) { return false; }
-uint body_behind(Vertex v, uint slot) { return medium_behind(v); }
-void cross_surface(Vertex v, uint slot) { path_media[slot] = medium_behind(v); }
 
 #endif
 #endif

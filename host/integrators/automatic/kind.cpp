@@ -24,7 +24,7 @@ std::vector<RenderSettings> candidates(const RenderSettings& settings, const Pac
   std::vector<RenderSettings> all = {path, guided};
   const bool asks_for_path = settings.adaptive == kAdaptiveOn;
   if (!asks_for_path && settings.aovs.empty() && !settings.moving && settings.terminator == gpu::kTerminatorFacets &&
-      !(scene.features & (kBidirectionalLacks | gpu::kLobeNested)))
+      !(scene.features & kBidirectionalLacks))
     all.push_back(bidirectional);
   return all;
 }

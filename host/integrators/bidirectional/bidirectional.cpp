@@ -6,6 +6,7 @@
 
 #include "host/render/device/wave_queue.h"
 #include "host/render/loop/render_result.h"
+#include "host/scene/pack/bodies.h"
 #include "host/scene/pack/features.h"
 #include "kernels/bidirectional/bidirectional_connect.spv.h"
 #include "kernels/bidirectional/bidirectional_connect_query.spv.h"
@@ -121,14 +122,16 @@ std::uint32_t stored_vertices(const RenderSettings& settings) {
   return settings.techniques & gpu::kTechniqueConnect && settings.max_depth > 0 ? settings.max_depth - 1 : 0;
 }
 
-gpu::BidirectionalFrame make_frame(const PackedScene& scene, const gpu::Frame& frame, std::uint32_t techniques) {
+gpu::BidirectionalFrame make_frame(const PackedScene& scene, const gpu::Frame& frame, std::uint32_t techniques,
+                                   bool lamps_in_bodies) {
   constexpr float kMargin = 1.001f; // for rounding: no light from infinity may begin inside the scene
   const float pixels = static_cast<float>(frame.width) * static_cast<float>(frame.height);
   return {.scene_centre = scene.centre,
           .scene_radius = std::max(static_cast<float>(scene.radius), 1e-6f) * kMargin,
           .pixel_area = 4.0f * glm::length(glm::cross(frame.camera_right, frame.camera_up)) / pixels,
           .light_paths = pixels,
-          .techniques = techniques};
+          .techniques = techniques,
+          .lamps_in_bodies = lamps_in_bodies ? 1u : 0u};
 }
 
 } // namespace
@@ -156,7 +159,8 @@ Bidirectional::Bidirectional(Workspace& workspace, KernelCompiler& kernels)
       paths_(workspace, kernels),
       teacher_(workspace, kernels, paths_),
       buffers_(workspace.device, kRules),
-      delta_surfaces_(find_delta_surfaces(workspace.scene)) {}
+      delta_surfaces_(find_delta_surfaces(workspace.scene)),
+      lamps_in_bodies_(lamps_in_bodies(workspace.scene)) {}
 
 void Bidirectional::change(const View& view, const RenderSettings& settings, Past) {
   const PackedScene& scene = workspace_.scene;
@@ -197,7 +201,7 @@ void Bidirectional::change(const View& view, const RenderSettings& settings, Pas
 }
 
 void Bidirectional::send_constants(std::uint32_t techniques) {
-  const gpu::BidirectionalFrame frame = make_frame(workspace_.scene, workspace_.frame, techniques);
+  const gpu::BidirectionalFrame frame = make_frame(workspace_.scene, workspace_.frame, techniques, lamps_in_bodies_);
   buffers_[kConstants].write(&frame, sizeof(frame));
 }
 

@@ -50,6 +50,7 @@ private:
   KernelNeed need_;
   std::uint32_t techniques_ = 0; // those that the scene has use for
   const DeltaSurfaces delta_surfaces_;
+  const bool lamps_in_bodies_;
   PhotonPlan photons_; // no paths where nothing merges
   float first_radius_ = 0.0f;
   std::optional<std::uint32_t> first_block_, block_; // of the render, and that the map is of

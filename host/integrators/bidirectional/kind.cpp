@@ -65,6 +65,7 @@ constinit const IntegratorKind kBidirectional = {
     .summary = "paths from the camera and from the lights, joined in every way",
     .settings = kSettings,
     .lacks_aovs = kLackedAovs,
+    .nests_bodies = true,
     .splats = true,
     .light_lesson_bytes = kLightRowBytes + kLightSumBytes,
     .measures_depth_cut = true,

@@ -40,22 +40,58 @@ bool meet(const Bounds& a, const Bounds& b) {
   return glm::all(glm::lessThan(a.lo, b.hi)) && glm::all(glm::lessThan(b.lo, a.hi));
 }
 
+bool touch(const Bounds& a, const Bounds& b) {
+  return glm::all(glm::lessThanEqual(a.lo, b.hi)) && glm::all(glm::lessThanEqual(b.lo, a.hi));
+}
+
 double volume(const Bounds& box) {
   const glm::dvec3 size = box.hi - box.lo;
   return size.x * size.y * size.z;
+}
+
+bool is_body(const gpu::Material& material) { return (material.flags >> gpu::kMaterialPriorityShift) != 0; }
+
+glm::dmat4x3 world_from_object(const PackedScene& scene, std::uint32_t instance) {
+  if (!scene.root_is_top) return glm::dmat4x3(1.0);
+  glm::dmat4x3 matrix;
+  for (int row = 0; row < 3; ++row)
+    for (int column = 0; column < 4; ++column)
+      matrix[column][row] = scene.instances[instance].world_from_object[row][column];
+  return matrix;
+}
+
+Bounds box_of(const gpu::Triangle& triangle, const glm::dmat4x3& world) {
+  Bounds box;
+  for (const glm::vec3& corner : {triangle.v0, triangle.v1, triangle.v2}) box.add(world * glm::dvec4(corner, 1.0));
+  return box;
+}
+
+std::vector<Bounds> body_boxes(const PackedScene& scene) {
+  std::vector<Bounds> boxes;
+  for (const Draw& draw : scene.draws)
+    for (std::uint32_t i = 0; i < (scene.root_is_top ? draw.instance_count : 1); ++i) {
+      const glm::dmat4x3 world = world_from_object(scene, draw.first_instance + i);
+      std::map<std::uint32_t, Bounds> by_material;
+      for (std::uint32_t t = draw.first_triangle; t < draw.first_triangle + draw.triangle_count; ++t) {
+        const std::uint32_t material = scene.triangles[t].surface & gpu::kTriangleMaterialMask;
+        if (is_body(scene.materials[material])) by_material[material].add(box_of(scene.triangles[t], world));
+      }
+      for (const auto& [material, box] : by_material) boxes.push_back(box);
+    }
+  return boxes;
 }
 
 // Surfaces of bodies that a ray from `point` leaves by, less those that it enters by, by material.
 std::map<std::uint32_t, int> count_exits(const PackedScene& scene, const glm::dvec3& point,
                                          const glm::dvec3& direction) {
   std::map<std::uint32_t, int> exits;
-  const auto count = [&](const Draw& draw, const glm::dmat4x3& world_from_object, bool flipped) {
+  const auto count = [&](const Draw& draw, const glm::dmat4x3& world, bool flipped) {
     std::set<std::uint32_t> counted; // trees with spatial splits hold copies
     for (std::uint32_t t = draw.first_triangle; t < draw.first_triangle + draw.triangle_count; ++t) {
       const gpu::Triangle& triangle = scene.triangles[t];
       const std::uint32_t material = triangle.surface & gpu::kTriangleMaterialMask;
-      if ((scene.materials[material].flags >> gpu::kMaterialPriorityShift) == 0) continue;
-      const auto place = [&](const glm::vec3& v) { return world_from_object * glm::dvec4(v, 1.0) - point; };
+      if (!is_body(scene.materials[material])) continue;
+      const auto place = [&](const glm::vec3& v) { return world * glm::dvec4(v, 1.0) - point; };
       const glm::dvec3 a = place(triangle.v0), b = place(triangle.v1), c = place(triangle.v2);
       const double u = glm::dot(direction, glm::cross(b, c)), v = glm::dot(direction, glm::cross(c, a)),
                    w = glm::dot(direction, glm::cross(a, b));
@@ -71,14 +107,8 @@ std::map<std::uint32_t, int> count_exits(const PackedScene& scene, const glm::dv
       count(draw, glm::dmat4x3(1.0), false);
       continue;
     }
-    for (std::uint32_t i = draw.first_instance; i < draw.first_instance + draw.instance_count; ++i) {
-      const gpu::Instance& instance = scene.instances[i];
-      glm::dmat4x3 world_from_object;
-      for (int row = 0; row < 3; ++row)
-        for (int column = 0; column < 4; ++column)
-          world_from_object[column][row] = instance.world_from_object[row][column];
-      count(draw, world_from_object, instance.flipped != 0);
-    }
+    for (std::uint32_t i = draw.first_instance; i < draw.first_instance + draw.instance_count; ++i)
+      count(draw, world_from_object(scene, i), scene.instances[i].flipped != 0);
   }
   return exits;
 }
@@ -125,6 +155,21 @@ std::vector<std::uint32_t> bodies_at(const PackedScene& scene, const glm::dvec3&
     if (count >= 2) bodies.push_back(material);
   std::ranges::sort(bodies, [&](std::uint32_t a, std::uint32_t b) { return priority(a) > priority(b); });
   return bodies;
+}
+
+bool lamps_in_bodies(const PackedScene& scene) {
+  if (!(scene.features & gpu::kFeatureVolume)) return false;
+  const std::vector<Bounds> bodies = body_boxes(scene);
+  return std::ranges::any_of(scene.lights, [&](const gpu::Light& light) {
+    Bounds lamp;
+    if (light.kind == gpu::kLightTriangle)
+      lamp = box_of(scene.triangles[light.triangle], world_from_object(scene, light.instance));
+    else if (light.kind == gpu::kLightPoint || light.kind == gpu::kLightSpot)
+      lamp.add(glm::dvec3(light.position));
+    else
+      return false;
+    return std::ranges::any_of(bodies, [&](const Bounds& body) { return touch(body, lamp); });
+  });
 }
 
 } // namespace wavepath

@@ -1,5 +1,5 @@
 // Bodies: closed volumes that light passes through (KHR_materials_volume). Which of them overlap, which counts where
-// they do, and which hold the eye. See kernels/path/bodies.glsl.
+// they do, and which hold the eye or a lamp. See kernels/path/bodies.glsl.
 #pragma once
 
 #include <cstdint>
@@ -26,5 +26,8 @@ std::vector<std::uint32_t> body_priorities(const Scene& scene);
 // Materials of the bodies that hold a point of the device's world, by falling priority; by counting surfaces along
 // three rays. A body with holes holds what two of them say.
 std::vector<std::uint32_t> bodies_at(const PackedScene& scene, const glm::dvec3& point);
+
+// Whether the box of a body of the device's world holds a lamp, or a part of one. Suns and skies are outside all bodies.
+bool lamps_in_bodies(const PackedScene& scene);
 
 } // namespace wavepath
