@@ -45,7 +45,12 @@ bool is_pane(Bsdf b) {
   return has(kFeatureTransmission) && b.thin && is_mirror(b) && b.transmission > 0.0 && !has_cover(b);
 }
 
-// What passes it at this cosine: the throughput of the delta lobe that sample_facets() draws, over all its draws.
+// A wall between bodies of the same ior, which light passes likewise. Its roughness bends nothing.
+bool is_unbending_wall(Bsdf b) {
+  return has(kFeatureTransmission) && !b.thin && b.ior == 1.0 && b.transmission > 0.0 && !has_cover(b);
+}
+
+// What passes either at this cosine: the throughput of the delta lobe that sample_facets() draws, over all its draws.
 vec3 pane_transmittance(Bsdf b, float c) { return facet_transmittance(b, surface_of(b), c); }
 
 // Probability of reflecting rather than transmitting at the microfacet.

@@ -1,11 +1,12 @@
 // How much light passes the surfaces along a shadow ray: BLEND by its exact share, MASK by all or nothing, unlit surfaces
-// by all; thin smooth panes by what they transmit straight on, for kernels that define SHADOW_PASSES_PANES and have a
-// Sampler path_sampler. Include bindings.glsl with BIND_GEOMETRY and BIND_SURFACES first, and this before trace.glsl.
+// by all; thin smooth panes, and walls of bodies of ior 1, by what they transmit straight on, for kernels that define
+// SHADOW_PASSES_PANES and have a Sampler path_sampler; these ask bodies_passed() of walls.glsl besides. Include bindings.glsl with BIND_GEOMETRY and BIND_SURFACES first, and this before trace.glsl.
 #ifndef WAVEPATH_SHADOW_GLSL
 #define WAVEPATH_SHADOW_GLSL
 
 #ifdef SHADOW_PASSES_PANES
 #include "kernels/vertex.glsl"
+#include "kernels/walls.glsl"
 #define TESTED_FEATURES (kFeatureAlpha | kFeaturePanes)
 #define TESTED_TRIANGLES (kTriangleAlpha | kTrianglePane)
 #else
@@ -38,13 +39,15 @@ uint pane_count;       // panes that the ray has passed
 // bounces left are stopped, so that they find the light that paths of --max-depth find by chance.
 bool is_pane_too_many() { return pane_count + wave.bounce >= frame.max_depth; }
 
-// Whether the ray goes on behind a surface that may be a pane there.
-bool passes_pane(Hit hit) {
+// Whether the ray goes on behind a surface that may be a pane, or a wall, there. `place`: along the ray.
+bool passes_pane(Hit hit, float place) {
   Surface surface = fetch_surface(hit);
   Vertex v = make_vertex(surface, fetch_material(surface.material), shadow_direction);
   ++pane_count;
-  vec3 passed = is_pane(v.bsdf) ? pane_transmittance(v.bsdf, dot(v.wo, v.normal)) : vec3(0.0);
+  bool is_wall = uses_walls() && is_unbending_wall(v.bsdf);
+  vec3 passed = is_wall || is_pane(v.bsdf) ? pane_transmittance(v.bsdf, dot(v.wo, v.normal)) : vec3(0.0);
   if (is_pane_too_many() || !(max_component(passed) > 0.0)) return false;
+  if (is_wall && !keep_wall(v.surface.material, v.front, place)) return false;
   uvec3 steps = uvec3(shadow_steps(min(passed.x, 1.0)), shadow_steps(min(passed.y, 1.0)), shadow_steps(min(passed.z, 1.0)));
   steps = mix(uvec3(kOpaqueShadow), steps, greaterThan(passed, vec3(0.0)));
   pane_depth = min(pane_depth + steps, uvec3(kOpaqueShadow)); // a colour that is gone stays gone
@@ -54,6 +57,7 @@ bool passes_pane(Hit hit) {
 void restart_shadow() {
   shadow_depth = pane_count = 0u;
   pane_depth = uvec3(0u);
+  wall_count = 0u;
 }
 void begin_shadow(vec3 direction) {
   restart_shadow();
@@ -64,14 +68,15 @@ void restart_shadow() { shadow_depth = 0u; }
 void begin_shadow() { restart_shadow(); }
 #endif
 
-// Traversal asks this of a surface that may let light through (TESTED_TRIANGLES): whether it goes on behind it.
-bool lets_light_through(Hit hit) {
+// Traversal asks this of a surface that may let light through (TESTED_TRIANGLES): whether it goes on behind it. `place`: of the
+// hit along the ray.
+bool lets_light_through(Hit hit, float place) {
 #ifdef SHADOW_PASSES_PANES
   uint flags = floatBitsToUint(texelFetch(triangles, int(hit.triangle * kTriangleTexels)).w);
   if (uses(kFeaturePanes) && (flags & kTrianglePane) != 0u) {
     // Through a hole or through the glass: the two differ in bounces, so a coin decides, as for rays of paths.
     if (has(kFeatureAlpha) && (flags & kTriangleAlpha) != 0u && is_hole(hit, path_sampler, kHashConnect)) return true;
-    return passes_pane(hit);
+    return passes_pane(hit, place);
   }
 #endif
   float passed = 1.0 - hit_opacity(hit, SHADOW_SEES_UNLIT);
@@ -79,6 +84,8 @@ bool lets_light_through(Hit hit) {
   shadow_depth += shadow_steps(passed);
   return shadow_depth < kOpaqueShadow;
 }
+
+bool lets_light_through(Hit hit) { return lets_light_through(hit, 0.0); } // where no walls are passed
 
 // Share of the light that arrives, of a ray that nothing blocked: exactly 1 if it met nothing, with generic kernels too.
 vec3 light_passed() {

@@ -1,16 +1,10 @@
-// The bodies that a path is in: one, or where bodies overlap (kLobeNested) a list by priority, as Schmidt and Budge have it
-// ("Simple Nested Dielectrics in Ray Traced Images", 2002): a surface within a body of higher priority is not there, and
-// light bends by the ratio of the two bodies that do meet. Two words a path hold four bodies; what is entered beyond is lost.
-// Include bindings.glsl with BIND_PATHS first.
+// The bodies that a path is in: one, or where bodies overlap (kLobeNested) a list, see kernels/bodies.glsl. Two words a path
+// hold four bodies. Where shadow rays pass walls (kFeatureWalls), the lists of those of a vertex stand behind: before it crosses
+// its surface, and after. Include bindings.glsl with BIND_PATHS first.
 #ifndef WAVEPATH_PATH_BODIES_GLSL
 #define WAVEPATH_PATH_BODIES_GLSL
 
-#include "kernels/config.glsl"
-#include "kernels/records.glsl"
-
-const uint kNoBody = 0xffffu;
-
-bool is_nested() { return has_lobe(kLobeNested) && (frame.scene_lobes & kLobeNested) != 0u; }
+#include "kernels/bodies.glsl"
 
 // The body around the eye that counts, kNone in the open.
 uint body_at_eye() {
@@ -44,36 +38,31 @@ uint current_body(uint slot) {
   return first == kNoBody ? kNone : first;
 }
 
-// The list: materials by falling priority, filled up with kNoBody.
-uvec4 fetch_bodies(uint slot) {
-  uvec2 words = uvec2(path_media[2u * slot], path_media[2u * slot + 1u]);
+// The list. `kind`: kBodiesOfPath, or those of a vertex.
+const uint kBodiesOfPath = 0u, kBodiesHere = 1u, kBodiesBehind = 2u;
+
+uvec4 fetch_bodies(uint kind, uint slot) {
+  uint place = kind * frame.slot_count + slot;
+  if (!is_nested()) return one_body(path_media[place]);
+  uvec2 words = uvec2(path_media[2u * place], path_media[2u * place + 1u]);
   return uvec4(words.x & 0xffffu, words.x >> 16u, words.y & 0xffffu, words.y >> 16u);
 }
 
-void store_bodies(uint slot, uvec4 bodies) {
-  path_media[2u * slot] = bodies.x | bodies.y << 16u;
-  path_media[2u * slot + 1u] = bodies.z | bodies.w << 16u;
+void store_bodies(uint kind, uint slot, uvec4 bodies) {
+  uint place = kind * frame.slot_count + slot;
+  if (is_nested()) {
+    path_media[2u * place] = bodies.x | bodies.y << 16u;
+    path_media[2u * place + 1u] = bodies.z | bodies.w << 16u;
+  } else {
+    path_media[place] = bodies.x == kNoBody ? kNone : bodies.x;
+  }
 }
 
-#ifdef BIND_SURFACES
-uvec4 without_body(uvec4 bodies, uint body) {
-  if (bodies.x == body) return uvec4(bodies.yzw, kNoBody);
-  if (bodies.y == body) return uvec4(bodies.x, bodies.zw, kNoBody);
-  if (bodies.z == body) return uvec4(bodies.xy, bodies.w, kNoBody);
-  if (bodies.w == body) return uvec4(bodies.xyz, kNoBody);
-  return bodies;
-}
+// Shadow rays say by `t_max` that they begin behind the surface of their vertex.
+float behind_t_max(float t_max) { return uintBitsToFloat(floatBitsToUint(t_max) ^ 1u); }
+float plain_t_max(float t_max) { return t_max > 2.0 ? kFar : 1.0; }
 
-uint body_priority(uint body) { return body == kNoBody ? 0u : fetch_material(body).flags >> kMaterialPriorityShift; }
-
-uvec4 with_body(uvec4 bodies, uint body) {
-  uint priority = body_priority(body);
-  if (body_priority(bodies.x) < priority) return uvec4(body, bodies.xyz);
-  if (body_priority(bodies.y) < priority) return uvec4(bodies.x, body, bodies.yz);
-  if (body_priority(bodies.z) < priority) return uvec4(bodies.xy, body, bodies.z);
-  if (body_priority(bodies.w) < priority) return uvec4(bodies.xyz, body);
-  return bodies;
-}
-#endif
+uvec4 fetch_bodies(uint slot) { return fetch_bodies(kBodiesOfPath, slot); }
+void store_bodies(uint slot, uvec4 bodies) { store_bodies(kBodiesOfPath, slot, bodies); }
 
 #endif

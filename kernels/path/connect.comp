@@ -17,6 +17,7 @@
 #include "kernels/path/bindings.glsl"
 #include "kernels/dimensions.glsl"
 #include "kernels/learned_sky.glsl"
+#include "kernels/path/bodies.glsl"
 #include "kernels/path/nonfinite.glsl"
 #include "kernels/path/queue.glsl"
 #include "kernels/path/records.glsl"
@@ -28,7 +29,7 @@ Sampler path_sampler;
 #define SHADOW_PASSES_PANES
 #include "kernels/shadow.glsl"
 
-#define ALPHA_TEST(hit) lets_light_through(hit)
+#define ALPHA_TEST(hit) lets_light_through(hit, t_pending)
 #define ANY_HIT
 #include "kernels/trace.glsl"
 
@@ -82,7 +83,7 @@ void begin_ray(uint index) {
   shadow_ray = fetch_shadow_ray((kLightSamples > 1u || SHARES_SKY ? queues.first_shadow : 0u) + index);
   queued_origin = shadow_ray.origin;
   queued_direction = shadow_ray.direction;
-  queued_t_max = shadow_ray.t_max;
+  queued_t_max = has(kFeatureVolume) && uses_walls() ? plain_t_max(shadow_ray.t_max) : shadow_ray.t_max;
   if (has(kFeaturePanes) && has(kFeatureAlpha)) path_sampler = fetch_sampler(shadow_ray.slot);
   if (kMoves) open_shutter(fetch_sampler(shadow_ray.slot));
   begin_shadow(shadow_ray.direction);
@@ -103,6 +104,12 @@ void end_ray(uint index, Hit hit) {
   PathState path = fetch_path(shadow_ray.slot);
   if (!is_finite(path.radiance)) return; // another kernel has counted it
   vec3 contribution = shadow_ray.contribution * light_passed();
+  if (has(kFeatureVolume) && uses_walls()) {
+    uvec4 bodies = fetch_bodies(shadow_ray.t_max == queued_t_max ? kBodiesHere : kBodiesBehind, shadow_ray.slot);
+    bool distant = queued_t_max == kFar;
+    float metre = distant ? 1.0 : length(queued_direction);
+    contribution *= bodies_passed(bodies, metre, distant ? kFarAway : metre);
+  }
   path.radiance += contribution;
   if (!is_finite(path.radiance)) count_nonfinite(kMakerConnect, shadow_ray.slot);
   store_radiance(shadow_ray.slot, path);

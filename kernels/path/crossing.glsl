@@ -45,10 +45,15 @@ uint body_behind(Vertex v, uint slot) {
   return next == kNoBody ? kNone : next;
 }
 
+uvec4 bodies_behind(Vertex v, uint slot) {
+  if (!is_nested()) return one_body(medium_behind(v));
+  return v.bsdf.entering ? with_body(fetch_bodies(slot), v.surface.material) : other_bodies(v, slot);
+}
+
 // Once the path has passed it.
 void cross_surface(Vertex v, uint slot) {
   if (!is_nested()) path_media[slot] = medium_behind(v);
-  else store_bodies(slot, v.bsdf.entering ? with_body(fetch_bodies(slot), v.surface.material) : other_bodies(v, slot));
+  else store_bodies(slot, bodies_behind(v, slot));
 }
 
 #else // bodies do not overlap
@@ -57,6 +62,7 @@ bool is_hidden(inout Vertex v, uint slot) { return false; }
 uint outside_body(Vertex v, uint slot) { return kNone; }
 void set_outside(inout Vertex v, uint outside) {}
 uint body_behind(Vertex v, uint slot) { return medium_behind(v); }
+uvec4 bodies_behind(Vertex v, uint slot) { return one_body(medium_behind(v)); }
 void cross_surface(Vertex v, uint slot) { path_media[slot] = medium_behind(v); }
 
 #endif

@@ -48,6 +48,14 @@ vec3 sample_phase(float g, vec3 forward, vec2 u) {
   return normalize(tangent * around.x + bitangent * around.y + forward * cosine);
 }
 
+// Its density per solid angle, by the cosine between the two; what it scatters there as well.
+float phase_pdf(float g, float cosine) {
+  float d = max(1.0 + g * g - 2.0 * g * cosine, 1e-12);
+  return 0.25 * kInvPi * (1.0 - g * g) / (d * sqrt(d));
+}
+
+float medium_anisotropy(uint slot) { return uintBitsToFloat(fetch_layers(current_body(slot), 5u).w); }
+
 bool is_in_scattering_medium(uint slot) { return uses_lobe(kLobeScattering) && current_body(slot) != kNone; }
 
 // Scatters the path within the body that it is in, before it arrives at `end` metres. False: it arrives.
@@ -57,9 +65,9 @@ bool scatter_in_medium(Ray ray, float end, inout PathState path, out Ray next) {
   float distance_ = travel(medium, end, path_sampler, path.throughput);
   if (!(distance_ < end)) return false;
   uint dimension = bounce_dimension(wave.bounce);
-  float g = uintBitsToFloat(fetch_layers(medium, 5u).w);
+  float g = medium_anisotropy(ray.slot);
   vec3 wi = sample_phase(g, ray.direction, sample_2d(path_sampler, dimension + kDimensionDirection));
-  path.bsdf_pdf = -1.0; // no light sample: the surface of the body would stop it
+  path.bsdf_pdf = kDirect == kDirectBsdf || frame.light_count == 0u ? -1.0 : phase_pdf(g, dot(wi, ray.direction));
   next = Ray(ray.origin + distance_ * ray.direction, ray.slot, wi, kFar);
   return true;
 }
@@ -88,6 +96,8 @@ void disperse(Vertex v, inout PathState path) {
 
 #else // bodies neither scatter nor disperse
 
+float phase_pdf(float g, float cosine) { return 0.0; }
+float medium_anisotropy(uint slot) { return 0.0; }
 bool is_in_scattering_medium(uint slot) { return false; }
 bool scatter_in_medium(Ray ray, float end, inout PathState path, out Ray next) { return false; }
 bool survives_medium(uint slot, inout PathState path) { return true; }

@@ -16,7 +16,7 @@ GPU_CONSTANT uint kBindHits = 23u;       // storage Hit[], one a ray in the queu
 GPU_CONSTANT uint kBindShadowRays = 24u; // storage ShadowRay[]
 GPU_CONSTANT uint kBindQueues = 25u;     // storage Queues
 GPU_CONSTANT uint kBindPathMedia =
-    26u; // storage uint[], one a slot: material whose inside the path is in (kFeatureVolume)
+    26u; // storage uint[], one a slot: material whose inside the path is in (kFeatureVolume): path/bodies.glsl
 GPU_CONSTANT uint kBindPathAovs = 27u;   // storage PathAovs[], one a slot (kFeatureAovs)
 GPU_CONSTANT uint kBindPathTexels = 28u; // texels RGBA32F
 GPU_CONSTANT uint kBindHitTexels = 29u;  // texels RGBA32UI

@@ -37,6 +37,7 @@
 #include "kernels/ray_cone.glsl"
 #include "kernels/records.glsl"
 #include "kernels/vertex.glsl"
+#include "kernels/walls.glsl"
 
 layout(local_size_x = kWorkgroupSize) in;
 
@@ -47,11 +48,25 @@ uint sender;        // and its slot
 #define TAKES_MORE_LIGHT_SAMPLES (kLightSamples > 1u) // a macro, as has() is
 uint light_sample_count() { return light_samples_at(kLightSamples, wave.bounce); }
 
-// Of what lies on this side of the surface or behind it.
+bool is_behind(Vertex v, vec3 direction) { return is_below(v, direction) && !v.bsdf.thin; }
+
+// Of what lies on this side of the surface or behind it; where shadow rays pass walls, connect finds out.
 vec3 transmittance_towards(Vertex v, vec3 direction, float distance_, uint slot) {
-  if (!has(kFeatureVolume)) return vec3(1.0);
-  bool crossing = is_below(v, direction) && !v.bsdf.thin;
-  return medium_transmittance(crossing ? body_behind(v, slot) : current_body(slot), distance_);
+  if (!has(kFeatureVolume) || uses_walls()) return vec3(1.0);
+  return medium_transmittance(is_behind(v, direction) ? body_behind(v, slot) : current_body(slot), distance_);
+}
+
+// For connect: where the shadow rays of the vertex begin,
+void store_bodies_around(Vertex v, uint slot) {
+  if (!has(kFeatureVolume) || !uses_walls()) return;
+  store_bodies(kBodiesHere, slot, fetch_bodies(slot));
+  store_bodies(kBodiesBehind, slot, bodies_behind(v, slot));
+}
+
+// and whether a ray begins behind its surface.
+float t_max_of(Vertex v, vec3 direction, bool distant) {
+  float t_max = distant ? kFar : 1.0;
+  return has(kFeatureVolume) && uses_walls() && is_behind(v, direction) ? behind_t_max(t_max) : t_max;
 }
 
 // Next-event estimation by one of light_sample_count() samples: true if there is a shadow ray worth tracing.
@@ -75,6 +90,25 @@ bool connect_to_light(Vertex v, Lobes lobes, Receiver receiver, Sampler path_sam
   ray.light = light.light;
   ray.origin = offset_ray_origin(v.surface.position, v.surface.position_error, v.surface.geometric_normal, light.direction);
   ray.direction = light.distant ? light.direction : light.target - ray.origin;
+  ray.t_max = t_max_of(v, light.direction, light.distant);
+  return true;
+}
+
+// The same at a point within a body that scatters, of a path that arrives along `forward`; by one sample.
+bool connect_to_light(vec3 place, vec3 forward, float g, Receiver receiver, Sampler path_sampler, uint dimension, uint slot,
+                      vec3 throughput, out ShadowRay ray) {
+  LightSample light = sample_light(receiver, sample_bits(path_sampler, dimension + kDimensionLight));
+  if (max_component(light.radiance) <= 0.0 || !(light.pdf > 0.0)) return false;
+  float density = phase_pdf(g, dot(forward, light.direction));
+  float weight = light.delta || kDirect == kDirectNee ? 1.0 : mis_weight(light.pdf, density);
+  ray.contribution = throughput * density * light.radiance * (weight / light.pdf);
+  float distance_ = light.distant ? kFarAway : length(light.target - place);
+  if (!uses_walls()) ray.contribution *= medium_transmittance(current_body(slot), distance_);
+  if (is_finite(ray.contribution) && max_component(ray.contribution) <= 0.0) return false;
+  ray.slot = slot;
+  ray.light = light.light;
+  ray.origin = place;
+  ray.direction = light.distant ? light.direction : light.target - place;
   ray.t_max = light.distant ? kFar : 1.0;
   return true;
 }
@@ -131,7 +165,7 @@ void connect_to_sky(Vertex v, Lobes lobes, Receiver receiver, Sampler path_sampl
     ray.light = kNone;
     ray.origin = offset_ray_origin(v.surface.position, v.surface.position_error, v.surface.geometric_normal, wi);
     ray.direction = wi;
-    ray.t_max = kFar;
+    ray.t_max = t_max_of(v, wi, true);
     uint queue_ = kLightSamples - 1u + i;
     store_shadow_ray(queue_ * frame.slot_count + atomicAdd(queues.shadow_count[queue_], 1u), ray);
   }
@@ -148,7 +182,8 @@ bool scatter(Vertex v, Lobes lobes, Sampler path_sampler, uint dimension, uint s
   vec3 wi;
   float bsdf_pdf;
   if (!guided_sample(v, lobes, guide, u_choice.x, u, s, wi, bsdf_pdf)) return false;
-  passed = uses(kFeaturePanes) && is_pane(v.bsdf) && s.pdf < 0.0 && s.transmitted;
+  bool is_straight = is_pane(v.bsdf) || (uses_walls() && v.material.ior == 1.0 && is_unbending_wall(v.bsdf));
+  passed = uses(kFeaturePanes) && is_straight && s.pdf < 0.0 && s.transmitted;
   if (passed) wi = -v.wo;
   if (!sides_agree(v, s, wi)) return false;
   if (receives) scatter_receiver(v, lobes, s, wi, slot);
@@ -179,6 +214,21 @@ bool scatter(Vertex v, Lobes lobes, Sampler path_sampler, uint dimension, uint s
   return true;
 }
 
+// Next-event estimation where the path is scattered within a body, at the origin of its next ray.
+bool light_in_medium(Ray ray, Ray next, PathState path, out ShadowRay shadow) {
+  if (kDirect == kDirectBsdf || frame.light_count == 0u) return false;
+  uint slot = ray.slot;
+  uvec4 words = uvec4(floatBitsToUint(next.origin), 0u);
+  if (keeps_receivers()) receiver_words[receiver_place(slot)] = words;
+  if (uses_walls()) store_bodies(kBodiesHere, slot, fetch_bodies(slot));
+  Receiver receiver = keeps_receivers() ? unpack_receiver(words) : Receiver(next.origin, vec3(0.0));
+  bool wanted = connect_to_light(next.origin, ray.direction, medium_anisotropy(slot), receiver, fetch_sampler(slot),
+                                 bounce_dimension(wave.bounce), slot, path.throughput, shadow);
+  if (!TAKES_MORE_LIGHT_SAMPLES) return wanted;
+  if (wanted) store_shadow_ray(atomicAdd(queues.shadow_count[0], 1u), shadow);
+  return false;
+}
+
 // Follows the path of one ray to its next vertex. Returns which of the two rays it wants traced.
 void follow(Ray ray, Hit hit, inout PathState path, out bool wants_ray, out Ray next, out bool wants_shadow,
             out ShadowRay shadow) {
@@ -197,7 +247,9 @@ void follow(Ray ray, Hit hit, inout PathState path, out bool wants_ray, out Ray 
   vec3 offset = surface.position - ray.origin;
   if (scatters) {
     if (scatter_in_medium(ray, length(offset), path, next)) {
-      wants_ray = wave.bounce < frame.max_depth && survives_medium(slot, path);
+      wants_ray = wave.bounce < frame.max_depth;
+      if (wants_ray) wants_shadow = light_in_medium(ray, next, path, shadow);
+      wants_ray = wants_ray && survives_medium(slot, path);
       return;
     }
   } else if (has(kFeatureVolume)) {
@@ -247,7 +299,10 @@ void follow(Ray ray, Hit hit, inout PathState path, out bool wants_ray, out Ray 
     uvec4 earlier = uvec4(0u);
     if (uses(kFeaturePanes) && keeps_receivers()) earlier = texelFetch(receiver_texels, int(receiver_place(slot)));
     Receiver receiver;
-    if (connects || looks_for_sky) receiver = store_receiver(slot, v);
+    if (connects || looks_for_sky) {
+      receiver = store_receiver(slot, v);
+      store_bodies_around(v, slot);
+    }
     if (connects) {
       // A single one goes to its queue with the path's own ray, which takes AMD's compiler 108 registers instead of 120.
       if (TAKES_MORE_LIGHT_SAMPLES) connect_to_lights(v, lobes, receiver, path_sampler, dimension, slot, path.throughput);

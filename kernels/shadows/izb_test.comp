@@ -19,7 +19,7 @@ Sampler path_sampler;
 #define SHADOW_PASSES_PANES
 #include "kernels/shadow.glsl"
 
-#define ALPHA_TEST(hit) lets_light_through(hit)
+#define ALPHA_TEST(hit) lets_light_through(hit, t_pending)
 #define ANY_HIT
 #include "kernels/bvh.glsl"
 

@@ -21,7 +21,7 @@ Sampler path_sampler;
 #define SHADOW_PASSES_PANES
 #include "kernels/shadow.glsl"
 
-#define ALPHA_TEST(hit) lets_light_through(hit)
+#define ALPHA_TEST(hit) lets_light_through(hit, t_pending)
 #define ANY_HIT
 #include "kernels/trace.glsl"
 
@@ -70,18 +70,18 @@ vec3 lit_by(uint number, Vertex v, uint medium, uint path) {
   if (max_component(s.radiance) <= 0.0 || !(pdf > 0.0) || !sides_agree(v, s.direction)) return vec3(0.0);
   float bsdf_pdf;
   precise vec3 value = vertex_eval(v, s.direction, bsdf_pdf) * s.radiance / pdf;
-  if (has(kFeatureVolume)) {
-    bool crossing = is_below(v, s.direction) && !v.bsdf.thin;
-    value *= medium_transmittance(crossing ? medium_behind(v) : medium,
-                                  s.distant ? kFarAway : length(s.target - v.surface.position));
-  }
+  float distance_ = s.distant ? kFarAway : length(s.target - v.surface.position);
+  if (is_below(v, s.direction) && !v.bsdf.thin) medium = medium_behind(v);
+  if (has(kFeatureVolume) && !uses_walls()) value *= medium_transmittance(medium, distance_);
   if (is_finite(value) && max_component(value) <= 0.0) return vec3(0.0);
   vec3 origin = offset_ray_origin(v.surface.position, v.surface.position_error, v.surface.geometric_normal, s.direction);
   ++shadow_ray_count;
   vec3 direction = s.distant ? s.direction : s.target - origin;
   begin_shadow(direction);
   bool blocked = trace(origin, direction, s.distant ? kFar : 1.0, triangle.x, triangle.y).triangle != kNone;
-  return blocked ? vec3(0.0) : value * light_passed();
+  if (blocked) return vec3(0.0);
+  if (has(kFeatureVolume) && uses_walls()) value *= bodies_passed(one_body(medium), s.distant ? 1.0 : length(direction), distance_);
+  return value * light_passed();
 }
 
 void main() {

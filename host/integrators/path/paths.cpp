@@ -80,7 +80,7 @@ const std::vector<BufferRule> kRules = {
      {{gpu::kBindLightSums, storage}}},
     {"path media",
      [](const Extent& e) {
-       const std::uint64_t words = e.features & gpu::kLobeNested ? 2 : 1;
+       const std::uint64_t words = (e.features & gpu::kLobeNested ? 2 : 1) * (e.features & gpu::kFeatureWalls ? 3 : 1);
        return e.features & gpu::kFeatureVolume ? e.slots * words * sizeof(std::uint32_t) : 0;
      },
      {{gpu::kBindPathMedia, storage}}},

@@ -29,7 +29,8 @@ gpu::Feature generic_features(gpu::Feature scene) {
   return gpu::kFeaturesAll | gpu::kFeatureLearnedSky | gpu::kLobeMultiple |
          (scene & gpu::kLobesLayered ? gpu::kLobesLayered : 0) |
          (scene &
-          (gpu::kFeatureMips | gpu::kFeatureTexelPages | gpu::kFeatureSampledTextures | gpu::kFeatureExactTextures));
+          (gpu::kFeatureMips | gpu::kFeatureTexelPages | gpu::kFeatureSampledTextures | gpu::kFeatureExactTextures |
+           gpu::kFeatureWalls));
 }
 
 KernelConfig kernel_config(gpu::Feature features, std::uint32_t stack_size, const RenderSettings& settings) {
@@ -46,7 +47,7 @@ KernelConfig kernel_config(gpu::Feature features, std::uint32_t stack_size, cons
   features &= ~kByRequest | features_of(settings);
   if (!walks_light_tree(settings)) features &= ~gpu::kFeatureLightTree;
   if (!(features & gpu::kFeatureLightTree)) features &= ~gpu::kFeatureLightRows;
-  if (!passes_panes(settings)) features &= ~gpu::kFeaturePanes;
+  if (!passes_panes(settings)) features &= ~(gpu::kFeaturePanes | gpu::kFeatureWalls);
   if (!settings.integrator->nests_bodies) features &= ~gpu::kLobeNested;
   if (!wants_mips(settings)) features &= ~gpu::kFeatureMips;
   features = (features | settings.added_features) & ~settings.removed_features;

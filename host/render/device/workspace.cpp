@@ -61,7 +61,10 @@ gpu::Frame make_frame(const PackedScene& scene, const View& view, const RenderSe
   frame.scene_lobes = static_cast<std::uint32_t>(scene.features >> 32);
   frame.first_layers = static_cast<std::uint32_t>(scene.materials.size() * gpu::kMaterialTexels);
   if (!walks_light_tree(settings)) frame.scene_features &= ~gpu::kFeatureLightTree;
-  if (!passes_panes(settings)) frame.scene_features &= ~gpu::kFeaturePanes;
+  if (!passes_panes(settings)) {
+    frame.scene_features &= ~gpu::kFeaturePanes;
+    frame.scene_lobes &= ~static_cast<std::uint32_t>(gpu::kFeatureWalls >> 32);
+  }
   if (!settings.integrator->nests_bodies) frame.scene_lobes &= ~static_cast<std::uint32_t>(gpu::kLobeNested >> 32);
   frame.bodies_at_eye = bodies_at_eye(scene, glm::dvec3(view.position - scene.origin), frame.scene_lobes);
   frame.quad_scale = static_cast<float>(settings.quad_scale);

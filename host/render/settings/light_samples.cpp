@@ -14,7 +14,8 @@ std::uint32_t light_samples_of(const RenderSettings& settings, gpu::Feature scen
 
 bool may_share_sky(const RenderSettings& settings, gpu::Feature scene) {
   return takes(*settings.integrator, "sky-samples") && settings.direct == gpu::kDirectMis && settings.max_depth > 0 &&
-         (scene & gpu::kFeatureEnvironment) && !(scene & (gpu::kFeatureEnvironmentMap | gpu::kFeaturePanes));
+         (scene & gpu::kFeatureEnvironment) &&
+         !(scene & (gpu::kFeatureEnvironmentMap | gpu::kFeaturePanes | gpu::kLobeScattering));
 }
 
 bool tries_sky_cheaply(gpu::Feature scene) { return !(scene & (gpu::kLobesLayered | gpu::kFeatureLightTree)); }

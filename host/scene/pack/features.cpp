@@ -109,6 +109,7 @@ gpu::Feature find_features(const Scene& scene, const Usage& usage, const PackedS
   return material_features(scene, usage) | light_features(packed) | bit_if(packed.root_is_top, gpu::kFeatureInstances) |
          bit_if(flags & gpu::kTriangleAlpha, gpu::kFeatureAlpha) |
          bit_if((flags & gpu::kTrianglePane) && !packed.lights.empty(), gpu::kFeaturePanes) |
+         bit_if(any_used_material(scene, usage, may_be_wall) && !packed.lights.empty(), gpu::kFeatureWalls) |
          bit_if(flags & gpu::kTriangleSingleSided, gpu::kFeatureCull) |
          bit_if(flags & gpu::kTriangleSmooth, gpu::kFeatureSmoothNormals) |
          bit_if(!packed.vertex_colors.empty(), gpu::kFeatureVertexColors) |
@@ -131,6 +132,7 @@ gpu::Feature expected_features(const Scene& scene, std::uint32_t direct) {
          bit_if(any([](const Material& m) { return m.unlit || m.alpha_mode != AlphaMode::opaque; }),
                 gpu::kFeatureAlpha) |
          bit_if(sampled && any(may_be_pane), gpu::kFeaturePanes) |
+         bit_if(sampled && any(may_be_wall), gpu::kFeaturePanes | gpu::kFeatureWalls) |
          bit_if(any([](const Material& m) {
                   return !m.double_sided && !(m.transmission > 0.0f) && !(m.diffuse_transmission > 0.0f);
                 }),
@@ -156,6 +158,8 @@ std::vector<LeftOut> list_left_out(const Usage& usage, const PackedScene& packed
       {"alpha test", "no surface lets rays through by its alpha", 0, gpu::kFeatureAlpha},
       {"shadow rays through panes", no_sampling ? not_sampled : "no light, or no thin smooth glass", 0,
        gpu::kFeaturePanes},
+      {"shadow rays through walls of bodies of ior 1", no_sampling ? not_sampled : "no light, or no such body", 0,
+       gpu::kFeatureWalls},
       {"culling of back faces", "every surface is double-sided or transmissive", 0, gpu::kFeatureCull},
       {"textures", "no material in use has a texture", packed.vertex_uvs.empty() ? stream : 0, gpu::kFeatureTextures},
       {"mip levels of textures", "no frame of one sample asks for them", absent_mip_bytes(packed.textures),

@@ -56,6 +56,12 @@ bool may_be_pane(const Material& m) {
   return transmits && !metal && smooth;
 }
 
+bool may_be_wall(const Material& m) {
+  const bool metal = m.metallic == 1.0f && !m.metallic_roughness_texture.present();
+  return !m.unlit && m.volume && m.ior == 1.0f && m.transmission > 0.0f && !metal && !(m.coat > 0.0f) &&
+         m.sheen_color == glm::vec3(0.0f);
+}
+
 MaterialTable pack_materials(const Scene& scene, const Usage& usage, bool mips,
                              const std::optional<SamplerLimits>& samplers) {
   MaterialTable table;
@@ -83,7 +89,7 @@ std::vector<std::uint32_t> triangle_flags(const Scene& scene, const Mesh& mesh, 
       flags[p] |= gpu::kTriangleSingleSided;
     // Unlit surfaces are there for the eye alone; traversal has to ask.
     if (m.unlit || alpha.of_mesh(mesh, m) != Coverage::opaque) flags[p] |= gpu::kTriangleAlpha;
-    if (may_be_pane(m)) flags[p] |= gpu::kTrianglePane;
+    if (may_be_pane(m) || may_be_wall(m)) flags[p] |= gpu::kTrianglePane;
     if (mesh.primitives[p].has_normals && !mesh.normals.empty()) flags[p] |= gpu::kTriangleSmooth;
   }
   return flags;

@@ -30,6 +30,8 @@ gpu::Feature layer_lobes(const Material& material);
 
 // Whether the surface is a thin smooth pane (is_pane() of kernels/bsdf.glsl), at some texels at least.
 bool may_be_pane(const Material& material);
+// Whether it is the wall of a body that does not bend light (is_unbending_wall()).
+bool may_be_wall(const Material& material);
 
 // The kTriangle flags of each primitive of a mesh. A MASK or BLEND surface whose alpha can never let a ray through, by
 // factor, texture and vertex colours, counts as opaque.
