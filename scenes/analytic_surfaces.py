@@ -3,7 +3,7 @@
 import math
 
 import oracles
-from analytic import COLOR, flags, look_down, product
+from analytic import COLOR, COLOR_UNIT, NEEDS_LIGHT_SAMPLING, flags, look_down, product, receiver, reflected
 from gltf import Gltf, box, quad
 
 WIDE = 0.1
@@ -103,6 +103,43 @@ def absorbing_glass_slab():
                 [oracles.slab(0.04, t * t) for t in tint], slack=ABSORBING_SLACK, ior=1.5, attenuation=tint, distance=0.1)
 
 
+SLANTED_SUN = (0.6, -0.8, 0.0)
+
+
+def fog(tint, color=0.0, g=0.0):
+    """A material of ior 1, and its extinction and scattering by channel, per metre."""
+    extinction = [-math.log(t) for t in tint]
+    return dict(ior=1.0, attenuation=tint, distance=1.0), extinction, [e * oracles.scattering_albedo(color, g) for e in extinction]
+
+
+def floor_in_fog():
+    g = receiver("floor in a box of fog that absorbs, under a slanted sun")
+    glass, extinction, _ = fog((0.9, 0.6, 0.3))
+    g.mesh("fog", box((-5.0, -0.5, -5.0), (5.0, 2.0, 5.0)), g.glass("fog", **glass))
+    g.light("directional", 10.0, COLOR_UNIT, direction=SLANTED_SUN)
+    way = 2.0 / 0.8 + 0.05
+    g.expect("L = albedo E cos/pi exp(-extinction x (2 m/cos + 0.05 m)): shadow rays pass walls of ior 1",
+             product(reflected(8.0, COLOR_UNIT), [math.exp(-e * way) for e in extinction]), flags(16, 2), exact=2e-5,
+             estimators=NEEDS_LIGHT_SAMPLING)
+    return g
+
+
+def sunbeam_in_fog():
+    g = Gltf("slanted sun, scattered once in a box of fog")
+    color, forward = 0.6, 0.5
+    glass, extinction, scattering = fog((0.9, 0.6, 0.3), color, forward)
+    index = g.glass("fog", **glass)
+    g.extend(g.doc["materials"][index], KHR_materials_volume_scatter={"multiscatterColor": [color] * 3, "scatterAnisotropy": forward})
+    g.mesh("fog", box((-9.0, 0.0, -1.0), (9.0, 2.0, 1.0)), index)
+    g.light("directional", 10.0, COLOR_UNIT, direction=SLANTED_SUN)
+    g.camera((0.0, 1.0, 3.0), (0.0, 1.0, 0.0), extent=1e-6)
+    phase = oracles.henyey_greenstein(forward, 0.0)
+    once = [s * phase * math.exp(-e / 0.8) * (1 - math.exp(-2 * e)) / e for e, s in zip(extinction, scattering)]
+    g.expect("L = E p(90 deg) exp(-extinction x 1 m/cos) integral of scattering exp(-extinction z) over 2 m: three bounces are two "
+             "walls and one event", product([10.0] * 3, COLOR_UNIT, once), flags(1024, 3), estimators=NEEDS_LIGHT_SAMPLING)
+    return g
+
+
 def rough_metal(alpha, cosine):
     g = Gltf(f"GGX alpha {alpha}, F = 1, cosine {cosine}")
     g.mesh("sheet", quad((-1.0, 0.0, -1.0), (-1.0, 0.0, 1.0), (1.0, 0.0, 1.0), (1.0, 0.0, -1.0)),
@@ -118,7 +155,7 @@ def rough_metal(alpha, cosine):
 def scenes():
     """File stem, scene."""
     for build in (emitter, unlit, alpha_blend, alpha_mask_kept, alpha_mask_cut, mirror, glass_slab, absorbing_slab,
-                  absorbing_glass_slab):
+                  absorbing_glass_slab, floor_in_fog, sunbeam_in_fog):
         yield build.__name__, build()
     for alpha_value, cosine in ((0.25, 1.0), (0.25, 0.5), (0.5, 1.0), (0.5, 0.5), (1.0, 1.0), (1.0, 0.5)):
         yield f"ggx_alpha_{alpha_value:g}_cosine_{cosine:g}".replace(".", "_"), rough_metal(alpha_value, cosine)

@@ -55,6 +55,16 @@ def slab(f, transmittance=1.0):
     return (1 - f) ** 2 * transmittance / (1 - (f * transmittance) ** 2)
 
 
+def scattering_albedo(color, g):
+    """Of a single event, where a deep body reflects `color` (KHR_materials_volume_scatter; Kulla and Conty Estevez 2017)."""
+    s = 4.09712 + 4.20863 * color - math.sqrt(9.59217 + 41.6808 * color + 17.7126 * color * color)
+    return (1 - s * s) / (1 - g * s * s)
+
+
+def henyey_greenstein(g, cosine):
+    return (1 - g * g) / (4 * math.pi * (1 + g * g - 2 * g * cosine) ** 1.5)
+
+
 def spot_falloff(cosine, inner, outer):
     """KHR_lights_punctual's recommended cone."""
     s = 1 / max(0.001, math.cos(inner) - math.cos(outer))

@@ -156,9 +156,11 @@ inline BodyScene body_scene_of(std::uint32_t seed) {
     if (dice.one_in(2)) add_sky(scene);
     else scene.environment.radiance = glm::vec3(0.4f, 0.5f, 0.6f);
   }
-  glm::dvec3 eye = dice.one_in(2) ? glm::dvec3(dice.between(-1, 2), dice.between(0, 1.2), dice.between(2.8, 3.6))
-                                  : middle + 0.4 * large * glm::dvec3(dice.between(0.2, 0.9), dice.between(0, 0.8), 0.9);
-  scene.cameras.push_back(camera_at(eye, dice.one_in(6)));
+  const bool outside = dice.one_in(2), orthographic = outside && dice.one_in(3); // its rays must begin in one body, too
+  const glm::dvec3 eye =
+      outside ? glm::dvec3(dice.between(-1, 2), dice.between(0, 1.2), dice.between(2.9, 3.6))
+              : middle + 0.4 * large * glm::dvec3(dice.between(0.2, 0.9), dice.between(0, 0.8), 0.9);
+  scene.cameras.push_back(camera_at(eye, orthographic));
   scene.cameras.back().yfov = 1.0;
   if (dice.one_in(4)) made.aperture = 0.1;
   return made;

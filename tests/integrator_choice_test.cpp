@@ -7,6 +7,7 @@
 #include "host/integrators/automatic/kind.h"
 #include "host/integrators/bidirectional/kind.h"
 #include "host/integrators/path/kind.h"
+#include "host/render/agreement.h"
 #include "host/render/device/kernel_compiler.h"
 #include "host/render/integrator_choice.h"
 #include "host/render/report/diagnosis.h"
@@ -167,6 +168,48 @@ TEST_F(IntegratorChoiceTest, PilotsShareKernelsAndUpload) {
   const RenderResult alone = render(device(), packed, view, own, {}, fresh);
   EXPECT_TRUE(*first.film == *alone.film);
   EXPECT_TRUE(*second.film == *alone.film);
+}
+
+// Light that is scattered once is found by every complete way; one that lacks the technique for it stands for a wrong one.
+TEST_F(IntegratorChoiceTest, DisagreementIsFoundAfterOneBounce) {
+  for (const char* file : {"analytic/point_light.gltf", "cornell_box.gltf", "caustics/bulb_point.glb"}) {
+    Scene scene = load_gltf(kScenes + file);
+    RenderSettings path = settings(64);
+    path.width = path.height = 16;
+    path.integrator = &kPath;
+    RenderSettings whole = path, wrong = path;
+    whole.integrator = wrong.integrator = &kBidirectional;
+    wrong.techniques = gpu::kTechniqueConnect;
+    const View view = resolve_view(scene, {}, path.width, path.height);
+    const PackedScene packed = pack(scene, {.eye = view.position});
+    KernelCompiler kernels(device());
+    SceneOnDevice shared;
+    EXPECT_FALSE(find_disagreement(device(), packed, view, path, whole, kernels, shared)) << file;
+    if (std::string(file).starts_with("caustics")) continue; // all is behind glass there
+    const auto apart = find_disagreement(device(), packed, view, path, wrong, kernels, shared);
+    ASSERT_TRUE(apart) << file;
+    EXPECT_LT(apart->share, -0.05) << file;
+  }
+}
+
+// Pictures from two sides differ both ways; chance does not make them, nor does light that one of them lacks.
+TEST_F(IntegratorChoiceTest, PicturesThatDifferBothWaysAreFound) {
+  Scene scene = load_gltf(kScenes + "cornell_box.gltf");
+  const auto film = [&](std::uint32_t seed, std::uint32_t depth, bool mirrored) {
+    RenderSettings asked = settings(16);
+    asked.width = asked.height = 32;
+    asked.integrator = &kPath;
+    asked.seed = seed;
+    asked.max_depth = depth;
+    View view = resolve_view(scene, {}, asked.width, asked.height);
+    if (mirrored) view.right = -view.right;
+    KernelCompiler kernels(device());
+    return render(device(), pack(scene, {.eye = view.position}), view, asked, {}, kernels).film;
+  };
+  const auto one = film(1, 4, false);
+  EXPECT_FALSE(differ_both_ways(*one, *film(2, 4, false)));
+  EXPECT_FALSE(differ_both_ways(*one, *film(3, 1, false)));
+  EXPECT_TRUE(differ_both_ways(*one, *film(4, 4, true)));
 }
 
 TEST_F(IntegratorChoiceTest, LeavesOtherIntegratorsAlone) {

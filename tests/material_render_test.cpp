@@ -77,6 +77,12 @@ std::vector<glm::vec3> box(glm::vec3 half) {
   return mesh;
 }
 
+std::vector<glm::vec3> slab(float low, float high) {
+  std::vector<glm::vec3> mesh = box({20.0f, 0.5f * (high - low), 20.0f});
+  for (glm::vec3& p : mesh) p.y += 0.5f * (high + low);
+  return mesh;
+}
+
 Material clear_body(float ior) {
   Material body = plain_material();
   body.base_color = glm::vec4(1.0f);
@@ -171,6 +177,81 @@ TEST_F(MaterialRender, MistScattersAsItsPhaseFunctionSays) {
   }
 }
 
+// A floor under fog of ior 1 has what the sun keeps on its way, whatever the walls: rough, tinted, nested, overlapping, mirrored.
+TEST_F(MaterialRender, FogDimsTheSun) {
+  constexpr float kThick = 0.3f, kOther = 0.9f;
+  constexpr double kCosine = 0.8, kAbove = 0.5; // of the sun; the camera above the floor, which lies at y = -1
+  Material fog = clear_body(1.0f), other = clear_body(1.0f), glass = clear_body(1.0f);
+  fog.attenuation = glm::vec3(kThick), other.attenuation = glm::vec3(kOther);
+  glass.volume = false;
+  glass.base_color = {0.5f, 0.5f, 0.5f, 1.0f};
+  const auto narrow = [](float low, float high) {
+    std::vector<glm::vec3> mesh = slab(low, high);
+    for (glm::vec3& p : mesh) p.x *= 0.8f, p.z *= 0.8f;
+    return mesh;
+  };
+  struct Case {
+    const char* name;
+    std::vector<std::pair<std::vector<glm::vec3>, Material>> bodies;
+    double fog, other; // metres up
+    double passed = 1.0;
+    bool mirrored = false;
+  };
+  Material rough = fog, tinted = fog;
+  rough.roughness = 1.0f;
+  tinted.base_color = {0.25f, 0.25f, 0.25f, 1.0f};
+  const std::vector<glm::vec3> around = slab(-2.0f, 2.0f);
+  for (const Case& c : std::vector<Case>{{"around all", {{around, fog}}, 3.0, 0.0},
+                                         {"above all", {{slab(0.0f, 1.5f), fog}}, 1.5, 0.0},
+                                         {"rough", {{around, rough}}, 3.0, 0.0},
+                                         {"tinted", {{around, tinted}}, 3.0, 0.0, 0.25},
+                                         {"mirrored", {{around, fog}}, 3.0, 0.0, 1.0, true},
+                                         {"nested", {{around, fog}, {narrow(0.0f, 1.0f), other}}, 2.0, 1.0},
+                                         {"overlapping", {{around, fog}, {narrow(1.5f, 3.0f), other}}, 2.5, 1.5},
+                                         {"one above the other", {{around, fog}, {slab(2.5f, 3.5f), other}}, 3.0, 1.0},
+                                         {"around and within", {{around, fog}, {narrow(-1.8f, 1.0f), other}}, 1.0, 2.0},
+                                         {"a pane above", {{around, fog}, {slab(4.0f, 4.0f), glass}}, 3.0, 0.0, 0.25}}) {
+    Scene scene;
+    scene.path = "test";
+    scene.materials.push_back(plain_material());
+    std::vector<glm::vec3> floor;
+    add_face(floor, {-9, -1, -9}, {-9, -1, 9}, {9, -1, 9}, {9, -1, -9});
+    add_instance(scene, add_mesh(scene, floor));
+    for (const auto& [mesh, material] : c.bodies) {
+      scene.materials.push_back(material);
+      const glm::dmat4 place(glm::dvec4(c.mirrored ? -1 : 1, 0, 0, 0), {0, 1, 0, 0}, {0, 0, 1, 0}, {0, 0, 0, 1});
+      add_instance(scene, add_mesh(scene, mesh, static_cast<std::uint32_t>(scene.materials.size() - 1)), place);
+    }
+    PunctualLight sun;
+    sun.kind = LightKind::directional;
+    sun.direction = {0.6, -0.8, 0.0};
+    scene.lights.push_back(sun);
+    const bool camera_in_fog = c.name != std::string("above all"), in_other = c.name == std::string("around and within");
+    const double eye = !camera_in_fog ? 0.0 : in_other ? kOther * kAbove : kThick * kAbove;
+    const double passed = c.passed * std::exp(-(kThick * c.fog + kOther * c.other) / kCosine - eye);
+    const double expected = 0.5 / kPi * kCosine * passed;
+    EXPECT_NEAR(mean(scene, orthographic({0, -1, 0}, {0, -1, 0}, 0.01, kAbove), 2, 4, 6).y, expected, 2e-5 * expected) << c.name;
+  }
+}
+
+// A lamp within milk that bends light, which no shadow ray could leave, lights it: radiance of a thin body that scatters once.
+TEST_F(MaterialRender, LampsWithinBodiesLightThem) {
+  constexpr float kDensity = 0.01f; // per metre: little is scattered twice
+  for (const float ior : {1.0f, 1.33f}) {
+    Material milk = clear_body(ior);
+    milk.attenuation = milk.scattering = glm::vec3(kDensity);
+    Scene scene = body_scene(box(glm::vec3(1.0f)), milk);
+    scene.environment.radiance = glm::vec3(0.0f);
+    PunctualLight lamp;
+    lamp.position = {0.0, 0.5, 0.0};
+    scene.lights.push_back(lamp);
+    // Along x from the eye within, past the lamp at half a metre: the integral of p I / (x^2 + 1/4).
+    View view = orthographic({0, 0, 0}, {1, 0, 0}, 1e-3, 0.9);
+    const double expected = kDensity / (4.0 * kPi) * 2.0 * (std::atan(2.0 * 0.9) + std::atan(2.0));
+    EXPECT_NEAR(mean(scene, view, 8, 4096, 1).y, expected, 0.04 * expected) << ior;
+  }
+}
+
 // ---- dispersion -----------------------------------------------------------------------------------------------------
 
 double fresnel(double c, double eta) {
@@ -224,12 +305,6 @@ Scene over_dark_side(Scene scene, bool from_above) { // white where the camera l
   for (std::size_t i = 0; i < 8 * 64; ++i)
     if ((i / 8 < 32) != from_above) sky.map[i] = glm::vec3(1.0f);
   return scene;
-}
-
-std::vector<glm::vec3> slab(float low, float high) {
-  std::vector<glm::vec3> mesh = box({20.0f, 0.5f * (high - low), 20.0f});
-  for (glm::vec3& p : mesh) p.y += 0.5f * (high + low);
-  return mesh;
 }
 
 // Water that reaches into the wall of its glass: where they overlap there is one of them alone, the thinner one, from

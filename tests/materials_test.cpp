@@ -253,6 +253,8 @@ TEST(TriangleFlags, FindThinSmoothGlass) {
   m = pane;
   m.volume = true;
   EXPECT_EQ(flags_of(m), 0u);
+  m.ior = 1.0f, m.roughness = 0.5f; // the wall of a body that bends nothing
+  EXPECT_EQ(flags_of(m), gpu::kTrianglePane);
   m = pane;
   m.metallic = 1.0f;
   EXPECT_EQ(flags_of(m), 0u);

@@ -552,6 +552,8 @@ int run_render(RenderCommandRequest& request) {
   Prepared prepared = prepare(request);
   request.render.settings.moving = prepared.packed.moves(); // else the shutter would cost something
   const Choices choices = settle_choices(request, prepared);
+  if (!choices.integrator.disagreement.empty()) prepared.warnings.add(choices.integrator.disagreement);
+  if (const std::string unlit = unlit_bodies(prepared.packed); !unlit.empty()) prepared.warnings.add(unlit);
   if (request.render.pixel) return replay(request, prepared);
 
   const RenderSettings& settings = request.render.settings;

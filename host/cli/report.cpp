@@ -109,11 +109,17 @@ std::vector<std::string> list_bias(const RenderSettings& settings, const PackedS
   if (cut)
     bias.front() += fmt::format(": {} of the light is missing, measured to {} bounces",
                                 percent_text(cut->share, cut->standard_error), cut->deeper);
-  if (lost)
+  if (lost && lost->disagrees)
+    bias.emplace_back(
+        "path and bidirectional disagree on light that both find, after one bounce: one of them is wrong; please report "
+        "this with the scene");
+  else if (lost)
     bias.push_back(fmt::format(
         "light of lamps and suns through thick smooth glass and off mirrors is missing: {} of all light; --integrator "
         "bidirectional finds it",
         percent_text(lost->share, lost->standard_error)));
+  if (const std::string unlit = unlit_bodies(scene); !unlit.empty() && settings.integrator->nests_bodies)
+    bias.push_back(unlit);
   if (std::ranges::any_of(scene.lights, [](const gpu::Light& light) { return light.inverse_range > 0.0f; }))
     bias.emplace_back(
         "light of lamps with a `range` fades to nothing there, as viewers of glTF have it (KHR_lights_punctual)");

@@ -9,6 +9,7 @@
 #include "host/base/clock.h"
 #include "host/gpu/device.h"
 #include "host/gpu/device_limit.h"
+#include "host/render/agreement.h"
 #include "host/render/lost_light.h"
 #include "host/render/settings/settings_table.h"
 #include "host/render/small_picture.h"
@@ -43,6 +44,8 @@ constexpr double kMissing = 0.01, kSure = 4.0;
 constexpr double kNever = 1e30; // a cost that no other exceeds
 // A second round is no more of the render's work than this.
 constexpr double kWholeOverSecondRound = 10.0;
+// Pictures that seem to differ both ways are looked at again with other random numbers.
+constexpr std::uint32_t kSeedOfConfirmation = 0x6c8e9cf5u;
 
 RenderSettings pilot_of(const RenderSettings& settings, const Round& round = kFirstRound) {
   RenderSettings small = small_picture(settings, kPilotSide, round.samples);
@@ -114,7 +117,7 @@ std::size_t best_of(const std::vector<Trial>& trials) {
   std::size_t best = 0;
   for (std::size_t i = 1; i < trials.size(); ++i) {
     const Trial &trial = trials[i], &so_far = trials[best];
-    if (trial.missing > 0.0) continue;
+    if (trial.missing > 0.0 || trial.disagrees) continue;
     const bool surely = std::sqrt(trial.cost * trial.hi) < 1.0;
     if (so_far.missing > 0.0 || (surely && trial.cost < so_far.cost)) best = i;
   }
@@ -147,6 +150,8 @@ std::string reason_text(const IntegratorChoice& choice) {
     return fmt::format("auto took {} without a trial{}", way_text(choice.settings),
                        choice.too_large.empty() ? ": the render is short" : "");
   const Trial &taken = choice.trials[choice.taken], &first = choice.trials.front();
+  if (choice.taken == 0 && first.missing > 0.0 && !choice.disagreement.empty())
+    return fmt::format("auto took {}", taken.flags);
   if (choice.taken > 0 && first.missing > 0.0)
     return fmt::format("auto took {}: {} lacks {:.3g} % of the light", taken.flags, first.flags, 100.0 * first.missing);
   if (choice.taken > 0)
@@ -225,6 +230,25 @@ IntegratorChoice choose_integrator(Device& device, const PackedScene& scene, con
     for (const std::size_t i : close) pilots[i] = try_out(pilots[i].settings, kSecondRound);
     judge_all();
   }
+  const auto disagree = [&](std::size_t i, const std::string& how) {
+    choice.trials[i].disagrees = true;
+    choice.disagreement = fmt::format("{} and {} disagree on light that both find, {}: one of them is wrong, please report it with the scene",
+                                      choice.trials[i].flags, choice.trials[0].flags, how);
+    choice.taken = best_of(choice.trials);
+  };
+  for (std::size_t i = 1; i < pilots.size(); ++i) {
+    if (!differ_both_ways(*pilots[i].result.film, *pilots[0].result.film)) continue;
+    RenderSettings ours = pilots[i].settings, theirs = pilots[0].settings;
+    ours.seed ^= kSeedOfConfirmation, theirs.seed ^= kSeedOfConfirmation;
+    const Round again{kSecondRound.samples, kFirstRound.guide_iterations};
+    if (differ_both_ways(*try_out(ours, again).result.film, *try_out(theirs, again).result.film))
+      disagree(i, "each brighter than the other somewhere");
+  }
+  if (choice.taken > 0 && pilots[choice.taken].settings.integrator != pilots[0].settings.integrator)
+    if (const auto apart = find_disagreement(device, scene, view, pilots[0].settings,
+                                             pilots[choice.taken].settings, kernels, shared))
+      disagree(choice.taken, fmt::format("by {:.2g} % +- {:.1g} % after one bounce", 100.0 * apart->share,
+                                         100.0 * apart->standard_error));
   choice.settings = pilots[choice.taken].settings;
   choice.seconds = seconds_since(start);
   return choice;

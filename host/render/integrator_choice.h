@@ -15,6 +15,7 @@ struct Trial {
   double cost = 0.0;         // squared error times work, over that of the first trial
   double lo = 0.0, hi = 0.0; // 95 % interval of `cost`, from those of both errors
   double missing = 0.0;      // share of the brightest trial's light that this one lacks beyond noise
+  bool disagrees = false;    // with the first trial, on light that both find (agreement.h): one of the two is wrong
 };
 
 struct IntegratorChoice {
@@ -23,6 +24,7 @@ struct IntegratorChoice {
   std::vector<std::string> too_large; // flags of those that were not tried because they would not fit into memory
   std::vector<std::string> refused;   // and of those that the device cannot run
   std::size_t taken = 0;              // its place in `trials`
+  std::string disagreement;           // what one that disagrees finds; empty where all agree
   double seconds = 0.0;               // that the pilots took, compiling included
   double render_seconds = 0.0;        // of these, rendering alone
 };
@@ -35,7 +37,7 @@ struct IntegratorChoice {
 // first candidate is taken without any. Where the first cannot lack light, no other is tried, and no kernel compiled
 // for it, if it is easy (10 % error at 16 samples), or if the others would cost more than a twentieth of the whole,
 // half of it where it is hard (100 %), as much where it is hopeless (300 %). Others than the first are left out where a
-// whole render by them does not fit into memory (`fits`).
+// whole render by them does not fit into memory (`fits`). One that disagrees with the first (agreement.h) is not taken.
 IntegratorChoice choose_integrator(Device& device, const PackedScene& scene, const View& view,
                                    const RenderSettings& settings, KernelCompiler& kernels, SceneOnDevice& shared,
                                    const std::function<bool(const RenderSettings&)>& fits);

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "host/base/error.h"
+#include "host/render/agreement.h"
 #include "host/render/settings/integrator_kind.h"
 #include "host/render/small_picture.h"
 #include "host/scene/pack/packed_scene.h"
@@ -28,6 +29,17 @@ bool may_lose_light(const PackedScene& scene) {
   return has_smooth_surface(scene) && (scene.features & gpu::kFeaturePunctualLights) != 0;
 }
 
+std::string unlit_bodies(const PackedScene& scene) {
+  const bool lamps = (scene.features & gpu::kFeaturePunctualLights) != 0;
+  bool dark = false;
+  for (std::size_t i = 0; i < scene.layers.size() && lamps; ++i)
+    dark |= scene.layers[i].scattering != glm::vec3(0.0f) && scene.materials[i].ior != 1.0f &&
+            (scene.materials[i].flags >> gpu::kMaterialPriorityShift) != 0;
+  if (!dark) return {};
+  return "point, spot and directional lights do not shine into bodies that scatter through walls that refract (ior other "
+         "than 1): what they would light there stays dark; emissive surfaces and skies are found by chance";
+}
+
 std::optional<LostLight> measure_lost_light(Device& device, const PackedScene& scene, const View& view,
                                             const RenderSettings& settings, KernelCompiler& kernels,
                                             SceneOnDevice& shared, const ProgressCallback& progress) {
@@ -45,7 +57,11 @@ std::optional<LostLight> measure_lost_light(Device& device, const PackedScene& s
   small.aovs.clear(); // of which it cannot give all
   const PictureLight all = light_of(*render_whole(device, scene, view, small, progress, kernels, shared).film);
   if (!(all.sum > 0.0)) return LostLight{};
-  return LostLight{std::max(0.0, all.sum - found.sum) / all.sum, std::sqrt(all.variance + found.variance) / all.sum};
+  LostLight lost{std::max(0.0, all.sum - found.sum) / all.sum, std::sqrt(all.variance + found.variance) / all.sum};
+  constexpr double kSurelyLost = 4.0;
+  if (lost.share > kSurelyLost * lost.standard_error)
+    lost.disagrees = find_disagreement(device, scene, view, settings, small, kernels, shared).has_value();
+  return lost;
 }
 
 } // namespace wavepath

@@ -224,7 +224,8 @@ Json choice_json(const IntegratorChoice& choice) {
     trials.push_back({{"flags", trial.flags},
                       {"cost", trial.cost},
                       {"cost_ci95", {trial.lo, trial.hi}},
-                      {"missing_light", trial.missing}});
+                      {"missing_light", trial.missing},
+                      {"disagrees", trial.disagrees}});
   return {{"taken", choice.trials[choice.taken].flags},
           {"seconds", choice.seconds},
           {"render_seconds", choice.render_seconds},
