@@ -21,7 +21,7 @@
 
 #include "host/base/atomic_file.h"
 #include "host/base/error.h"
-#include "host/images/radiance.h"
+#include "host/images/picture_module.h"
 #include "host/scene/pack/environment_light.h"
 #include "host/scene/pack/intervals.h"
 
@@ -86,7 +86,7 @@ std::string write_exr_map(const std::string& name, int width, int height, const 
 std::string write_hdr_map(const std::string& name, std::uint32_t width, std::uint32_t height,
                           const std::vector<float>& values) {
   const std::string file = temporary_file(name);
-  const auto bytes = encode_radiance({.shape = {width, height, 3}, .bytes = {}, .words = {}, .floats = values});
+  const std::vector<std::uint8_t> bytes = picture_module(file).encode_radiance(width, height, values);
   write_file(file, {bytes.begin(), bytes.end()});
   return file;
 }
@@ -132,7 +132,8 @@ TEST(Environment, RefusesWhatIsNeitherConstantNorMap) {
   EXPECT_TRUE(has(message_of("1,2"), "neither R,G,B nor"));
   EXPECT_TRUE(has(message_of("1,2,x"), "neither R,G,B nor"));
   EXPECT_TRUE(has(message_of("1,2,3,4"), "neither R,G,B nor"));
-  EXPECT_TRUE(has(message_of("sky.png"), "neither R,G,B nor"));
+  EXPECT_TRUE(has(message_of("studioo"), "neither R,G,B nor"));
+  EXPECT_TRUE(has(message_of("sky.png"), "does not exist"));
   EXPECT_TRUE(has(message_of("-1,0,0"), "not negative"));
   EXPECT_TRUE(has(message_of(temporary_file("missing.exr")), "does not exist"));
   EXPECT_THROW(load_environment("1,1,1", -1.0), UsageError);

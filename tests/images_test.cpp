@@ -15,7 +15,6 @@
 
 #include "host/images/jpeg.h"
 #include "host/images/png.h"
-#include "host/images/radiance.h"
 #include "host/images/webp.h"
 
 namespace wavepath::test {
@@ -23,7 +22,6 @@ namespace {
 
 using Bytes = std::vector<std::uint8_t>;
 using Words = std::vector<std::uint16_t>;
-using Floats = std::vector<float>;
 
 void accept(const ImageShape&) {}
 
@@ -116,7 +114,7 @@ TEST(Png, GreyOfEveryDepth) {
   EXPECT_EQ(shape_of(eight), (std::array<std::uint32_t, 3>{2, 2, 1}));
   const DecodedImage deep = read({2, 1, 16, grey, {0, 0x12, 0x34, 0xff, 0xfe}});
   EXPECT_EQ(deep.words, (Words{0x1234, 0xfffe}));
-  EXPECT_TRUE(deep.bytes.empty() && deep.floats.empty());
+  EXPECT_TRUE(deep.bytes.empty());
 }
 
 TEST(Png, ColourAndAlpha) {
@@ -362,108 +360,17 @@ TEST(Webp, AnimationsAreRefused) {
   EXPECT_EQ(refusal(file), "is an animation");
 }
 
-// --- Radiance ---
-
-Bytes radiance(const std::string& size, const Bytes& pixels, const std::string& header = "FORMAT=32-bit_rle_rgbe\n") {
-  return text("#?RADIANCE\n" + header + "\n" + size + "\n") + pixels;
-}
-
-TEST(Radiance, FlatScanlines) {
-  const DecodedImage image = decode_any(radiance("-Y 2 +X 1", {128, 64, 0, 129, 255, 1, 2, 0}));
-  EXPECT_EQ(shape_of(image), (std::array<std::uint32_t, 3>{1, 2, 3}));
-  EXPECT_EQ(image.floats, (Floats{1.0f, 0.5f, 0.0f, 0.0f, 0.0f, 0.0f})); // exponent 0 is black
-  EXPECT_EQ(decode_any(radiance("-Y 1 +X 1", {200, 0, 0, 255})).floats[0], std::ldexp(200.0f, 119));
-  EXPECT_EQ(decode_any(radiance("-Y 1 +X 1", {1, 0, 0, 1})).floats[0], std::ldexp(1.0f, -135));
-  EXPECT_EQ(decode_any(radiance("-Y 1 +X 1", {1, 2, 3, 136}, "")).floats, (Floats{1, 2, 3})); // says no format
-  EXPECT_EQ(decode_any(radiance("-Y 1 +X 1", {1, 2, 3, 136}, "# words\nEXPOSURE=2\r\n")).floats, (Floats{1, 2, 3}));
-}
-
-TEST(Radiance, NewRunLengths) {
-  const Bytes red{128 + 10, 16}, green{3, 1, 2, 3, 128 + 7, 4}, blue{10, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9},
-      exponent{128 + 4, 136, 6, 137, 137, 137, 137, 137, 137};
-  const DecodedImage image = decode_any(radiance("-Y 1 +X 10", Bytes{2, 2, 0, 10} + red + green + blue + exponent));
-  for (std::size_t x = 0; x < 10; ++x) {
-    const float scale = x < 4 ? 1.0f : 2.0f;
-    EXPECT_EQ(image.floats[3 * x], 16.0f * scale);
-    EXPECT_EQ(image.floats[3 * x + 1], std::min(static_cast<float>(x) + 1.0f, 4.0f) * scale);
-    EXPECT_EQ(image.floats[3 * x + 2], static_cast<float>(x) * scale);
-  }
-}
-
-TEST(Radiance, OldRunLengths) {
-  // A pixel, repeated 3 times, another; then one repeated 2 + 256 times, as two digits.
-  const DecodedImage brief = decode_any(radiance("-Y 1 +X 5", {9, 8, 7, 136, 1, 1, 1, 3, 4, 5, 6, 136}));
-  EXPECT_EQ(brief.floats, (Floats{9, 8, 7, 9, 8, 7, 9, 8, 7, 9, 8, 7, 4, 5, 6}));
-  const DecodedImage image = decode_any(radiance("-Y 1 +X 259", {9, 8, 7, 136, 1, 1, 1, 2, 1, 1, 1, 1}));
-  for (std::size_t i = 0; i < 259 * 3; ++i) ASSERT_EQ(image.floats[i], 9.0f - static_cast<float>(i % 3)) << i;
-}
-
-TEST(Radiance, WhatIsDamagedOrTurnedIsRefused) {
-  const auto expect = [](const Bytes& file, const std::string& words) {
-    EXPECT_NE(refusal(file).find(words), std::string::npos) << refusal(file);
-  };
-  const Bytes pixel{9, 8, 7, 136};
-  for (const char* size : {"+Y 1 +X 1", "-Y 1 -X 1", "+X 1 -Y 1", "-X 1 +Y 1"})
-    expect(radiance(size, pixel), "turned or mirrored");
-  for (const char* size :
-       {"-Y 0 +X 1", "-Y 1 +X 0", "-Y -1 +X 1", "-Y 1", "-Y 1 +X 1 1", "-Y 99999999999 +X 1", "1 1", "-Y x +X 1"})
-    expect(radiance(size, pixel), "no sound size");
-  expect(radiance("-Y 1 +X 1", pixel, "FORMAT=32-bit_rle_xyze\n"), "other colours");
-  expect(text("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n"), "ends early");
-  expect(radiance("-Y 1 +X 2", {1, 1, 1, 1, 9, 8, 7, 136}), "run beyond"); // of nothing
-  expect(radiance("-Y 1 +X 2", {9, 8, 7, 136, 1, 1, 1, 2}), "run beyond");
-  expect(radiance("-Y 1 +X 2", pixel + Bytes{1, 1, 1, 0, 1, 1, 1, 0, 1, 1, 1, 0, 1, 1, 1, 0, 1, 1, 1, 0}),
-         "run beyond");
-  expect(radiance("-Y 1 +X 9", {2, 2, 0, 10}), "another length");
-  expect(radiance("-Y 1 +X 9", {2, 2, 0, 9, 128 + 10, 1}), "beyond the end");
-  expect(radiance("-Y 1 +X 9", {2, 2, 0, 9, 0}), "beyond the end");
-  expect(radiance("-Y 2 +X 1", pixel), "ends early");
-}
-
-TEST(Radiance, WhatIsWrittenComesBack) {
-  for (const std::uint32_t width : {1u, 7u, 8u, 300u, 40000u}) {
-    DecodedImage image;
-    image.shape = {width, 3, 3};
-    std::mt19937 random(width);
-    const DecodedImage back = [&] {
-      while (image.floats.size() < image.shape.pixels() * 3) { // runs of 1 to 300 equal pixels, exact in 8 bits
-        const float scale = std::ldexp(1.0f, static_cast<int>(random() % 200) - 100);
-        const float color[] = {static_cast<float>(128 + random() % 128), static_cast<float>(random() % 256), 0.0f};
-        for (std::size_t run = 1 + random() % (random() % 300 + 1); run > 0; --run)
-          for (const float value : color) image.floats.push_back(value * scale);
-      }
-      image.floats.resize(image.shape.pixels() * 3);
-      return decode_any(encode_radiance(image));
-    }();
-    EXPECT_EQ(shape_of(back), shape_of(image));
-    EXPECT_EQ(back.floats, image.floats) << width;
-  }
-}
-
-TEST(Radiance, RoundsToNearest) {
-  DecodedImage image;
-  image.shape = {4, 1, 3};
-  image.floats = {255.6f, 1.4f, 0.6f, 255.4f, 1.6f, 0.4f, 1e-45f, 0.0f, 0.0f, 1.6e38f, 1e30f, 0.0f};
-  const Floats back = decode_any(encode_radiance(image)).floats;
-  EXPECT_EQ((Floats{back.begin(), back.begin() + 9}), (Floats{256, 2, 0, 255, 2, 0, 0, 0, 0}));
-  EXPECT_NEAR(back[9] / 1.6e38f, 1.0f, 1.0f / 256.0f);
-}
-
 // --- files that are not what they say ---
 
 // One small file of every format.
 std::vector<Bytes> samples() {
-  DecodedImage hdr = noise(20, 5, 3);
-  hdr.floats.assign(hdr.bytes.begin(), hdr.bytes.end());
   return {encode_png(noise(9, 7, 4)),
           file_of({2, 2, 8, palette, {0, 0, 1, 0, 1, 0}, chunk("PLTE", {1, 2, 3, 4, 5, 6}) + chunk("tRNS", {9})}),
           encode_jpeg(noise(20, 12, 3)),
           jpeg_of({200, 100, 50}, {.progressive = true}),
           jpeg_of({255, 128, 0, 204}, {.given = JCS_CMYK, .stored = JCS_YCCK}),
           webp_of(noise(11, 6, 4), false),
-          webp_of(noise(16, 16, 4), true),
-          encode_radiance(hdr),
-          radiance("-Y 1 +X 5", {9, 8, 7, 136, 1, 1, 1, 3, 4, 5, 6, 136})};
+          webp_of(noise(16, 16, 4), true)};
 }
 
 TEST(Images, CutShortAtEveryLengthIsRefusedInSilence) {
@@ -499,7 +406,7 @@ TEST(Images, DamagedBytesDoNoHarm) {
         const DecodedImage image = decode(*format, damaged, [](const ImageShape& shape) {
           if (shape.pixels() > 1u << 20) throw ImageError("is too large");
         });
-        const std::size_t count = image.bytes.size() + image.words.size() + image.floats.size();
+        const std::size_t count = image.bytes.size() + image.words.size();
         EXPECT_EQ(count, image.shape.pixels() * image.shape.channels);
         ++decoded;
       } catch (const ImageError&) {
@@ -549,7 +456,7 @@ TEST(Images, SizesAreTriedBeforeMemoryIsTaken) {
   Bytes webp = webp_of(noise(8, 8, 3), false); // "VP8L", its size, 0x2f; 14 bits each of width - 1 and height - 1
   std::fill_n(webp.begin() + 21, 3, std::uint8_t{0xff});
   for (const Bytes& file :
-       {file_of({60000, 60000, 16, rgba, {}}), jpeg, webp, radiance("-Y 2147483647 +X 2147483647", {})}) {
+       {file_of({60000, 60000, 16, rgba, {}}), jpeg, webp}) {
     std::uint64_t pixels = 0;
     const auto refuse = [&](const ImageShape& shape) {
       pixels = shape.pixels();
@@ -564,8 +471,7 @@ TEST(Images, FormatsAreKnownByTheirFirstBytes) {
   EXPECT_EQ(file_format(encode_png(noise(1, 1, 1))), FileFormat::png);
   EXPECT_EQ(file_format(encode_jpeg(noise(1, 1, 1))), FileFormat::jpeg);
   EXPECT_EQ(file_format(webp_of(noise(1, 1, 3), true)), FileFormat::webp);
-  EXPECT_EQ(file_format(text("#?RGBE\n")), FileFormat::radiance);
-  for (const char* other : {"", "#", "RIFF1234WAVE", "GIF89a", "II*"}) EXPECT_FALSE(file_format(text(other))) << other;
+  for (const char* other : {"", "#?RGBE\n", "RIFF1234WAVE", "GIF89a", "II*"}) EXPECT_FALSE(file_format(text(other))) << other;
 }
 
 } // namespace

@@ -242,11 +242,11 @@ TEST_F(PictureIoTest, ColoursCountTimesTheirAlpha) {
     write_file(folder_.file("a.png"), {file.begin(), file.end()});
     return read_picture(folder_.file("a.png"));
   };
-  const Picture color = read({.shape = {1, 1, 4}, .bytes = {255, 128, 0, 51}, .words = {}, .floats = {}});
+  const Picture color = read({.shape = {1, 1, 4}, .bytes = {255, 128, 0, 51}, .words = {}});
   EXPECT_FLOAT_EQ(color.channels[0].values[0], 0.2f);
   EXPECT_FLOAT_EQ(color.channels[1].values[0], 0.2f * from_srgb(128.0f / 255.0f));
   EXPECT_EQ(color.channels[2].values[0], 0.0f);
-  const Picture grey = read({.shape = {1, 1, 2}, .bytes = {}, .words = {65535, 13107}, .floats = {}});
+  const Picture grey = read({.shape = {1, 1, 2}, .bytes = {}, .words = {65535, 13107}});
   ASSERT_EQ(grey.channels.size(), 3u);
   for (const Channel& channel : grey.channels) EXPECT_FLOAT_EQ(channel.values[0], 0.2f);
 }

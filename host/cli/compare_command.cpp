@@ -42,11 +42,6 @@ bool is_display(const std::string& path) {
   return format == PictureFormat::png || format == PictureFormat::jpg;
 }
 
-// Whether values are what a display shows; WebP is read, but not written.
-bool holds_display(const std::string& path) {
-  return is_display(path) || std::filesystem::path(path).extension() == ".webp";
-}
-
 Json to_json(const CompareCommandRequest& request, const PictureMetrics& metrics, double flip) {
   Json json{{"image", request.image}, {"reference", request.reference}};
   if (metrics.finite()) {
@@ -86,7 +81,7 @@ int run_compare(const CompareCommandRequest& request) {
   }
   const Picture image = read_picture(request.image), reference = read_picture(request.reference);
   if (!request.map.empty()) require_format(request.map, image.width, image.height);
-  const bool display = holds_display(request.image) && holds_display(request.reference);
+  const bool display = image.display && reference.display;
   const PictureMetrics metrics = compare_pictures(image, reference, display ? 1.0 : 0.0);
   double flip = 0.0;
   if (metrics.finite()) {
@@ -128,12 +123,12 @@ void read_limit(const FlagValue& value, std::vector<Limit>& limits) {
 Command add_compare(CLI::App& app) {
   CLI::App* command = add_command(
       app, "compare", "measure how far an image is from a reference",
-      "All metrics are of linear values over pixels and RGB; .png and .jpg are decoded from sRGB first. FLIP is "
-      "HDR-FLIP unless both "
-      "are .png or .jpg. PSNR takes the reference's largest value as its peak, or 1 for .png and .jpg.");
+      "All metrics are of linear values over pixels and RGB; 8 and 16 bits, as of .png and .jpg, are decoded from sRGB "
+      "first. FLIP is HDR-FLIP unless both are such. PSNR takes the reference's largest value as its peak, or 1 for "
+      "such.");
   const auto request = std::make_shared<CompareCommandRequest>();
   const auto keep = [](std::string& text) { return [&text](const FlagValue& value) { text = value.text; }; };
-  require(add_flag(*command, "Pictures", {"IMAGE", "FILE", ".exr, .hdr, .png or .jpg"}, keep(request->image)));
+  require(add_flag(*command, "Pictures", {"IMAGE", "FILE", ".exr, .hdr, .png, .jpg, or a picture of another format"}, keep(request->image)));
   require(add_flag(*command, "Pictures", {"REFERENCE", "FILE", "what it should look like, of the same size"},
                    keep(request->reference)));
   add_flag(*command, "Output",

@@ -1,11 +1,10 @@
-// EXR files by OpenEXR, streamed through AtomicFile.
+// EXR files by OpenEXR, streamed through AtomicFile: OpenImageIO would hold a file of exact sums in memory as a whole. What
+// headers say of a render, and its sums, are read the same way; pictures as all others are, by host/images.
 #include "host/film/exr.h"
 
 #include <algorithm>
 #include <cmath>
 #include <exception>
-#include <functional>
-#include <iterator>
 #include <thread>
 
 #include <Imath/half.h>
@@ -18,6 +17,7 @@
 #include <OpenEXR/ImfIntAttribute.h>
 #include <OpenEXR/ImfMatrixAttribute.h>
 #include <OpenEXR/ImfOutputFile.h>
+#include <OpenEXR/ImfStandardAttributes.h>
 #include <OpenEXR/ImfStringAttribute.h>
 #include <OpenEXR/ImfThreading.h>
 #include <OpenEXR/ImfVecAttribute.h>
@@ -29,7 +29,7 @@
 #include "host/base/read_file.h"
 #include "host/film/film.h"
 #include "host/film/picture_format.h"
-#include "host/images/exr_planes.h"
+#include "host/images/primaries.h"
 #include "kernels/film/film_types.h"
 #include "kernels/frame_types.h"
 
@@ -107,7 +107,6 @@ Imath::M44f to_matrix(const std::array<float, 16>& values) {
 // there, which take next to no room in a compressed file.
 constexpr std::size_t kNetWords = sizeof(gpu::FilmPixel) / 4, kPixelWords = gpu::kReplicates * kNetWords,
                       kAovWords = sizeof(gpu::FilmAovs) / 4, kSplatWords = gpu::kReplicates * gpu::kSplatWords;
-constexpr const char* kFilmPrefix = "film.";
 constexpr const char* kWholeNets = "whole"; // value of the attribute wavepath.nets
 constexpr const char* kQuads = "quads";     // of wavepath.shared: pixels that share samples
 
@@ -121,7 +120,6 @@ std::vector<std::string> film_channels(const FilmShape& film) {
   for (std::size_t i = 0; i < (film.aovs && film.whole_nets ? kAovWords : 0); ++i) names.push_back(second_channel(i));
   return names;
 }
-bool is_film_channel(const std::string& name) { return name.starts_with(kFilmPrefix); }
 
 // The sums of second nets, where the measured pixels lie.
 struct SecondNets {
@@ -165,6 +163,8 @@ void insert_film(Imf::FrameBuffer& pixels, Film& film, SecondNets& second) {
 Imf::Header make_header(const Picture& picture, const PictureInfo& info, bool half) {
   Imf::Header header(static_cast<int>(picture.width), static_cast<int>(picture.height));
   header.compression() = Imf::ZIP_COMPRESSION;
+  const std::array<float, 8>& c = kRec709;
+  Imf::addChromaticities(header, {{c[0], c[1]}, {c[2], c[3]}, {c[4], c[5]}, {c[6], c[7]}});
   for (const Channel& channel : picture.channels)
     header.channels().insert(channel.name, Imf::Channel(half && !needs_float(channel.name) ? Imf::HALF : Imf::FLOAT));
 
@@ -278,24 +278,6 @@ std::uint64_t write_exr(const std::string& path, const Picture& picture, const P
   stream.rethrow();
   file.commit();
   return clamped;
-}
-
-Picture read_exr(const std::string& path) try {
-  Picture picture;
-  std::vector<std::string> names;
-  std::vector<std::vector<float>> planes = read_exr_planes(path, [&](const ExrShape& shape) {
-    std::ranges::copy_if(shape.channels, std::back_inserter(names), std::not_fn(is_film_channel));
-    const std::uint64_t pixel_count = std::uint64_t{shape.width} * shape.height;
-    if (pixel_count > kMostPixels) throw Error(path, "claims more pixels than can be read", "check that it is intact");
-    require_memory(path, "reading it", pixel_count * names.size() * sizeof(float), "use a smaller picture");
-    picture.width = shape.width;
-    picture.height = shape.height;
-    return names;
-  });
-  for (std::size_t i = 0; i < names.size(); ++i) picture.channels.push_back({names[i], std::move(planes[i])});
-  return picture;
-} catch (const ImageError& error) {
-  throw Error(path, error.what(), "check that it is a complete EXR file of full resolution");
 }
 
 std::optional<double> read_number(const std::string& path, const std::string& name) {

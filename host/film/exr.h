@@ -32,9 +32,11 @@ struct PictureInfo {
   std::shared_ptr<const Film> film;
 };
 
-// As write_picture and read_picture of picture_io.h, which call them.
+// As write_picture of picture_io.h, which calls it.
 std::uint64_t write_exr(const std::string& path, const Picture& picture, const PictureInfo& info, bool half);
-Picture read_exr(const std::string& path);
+
+// What the names of channels of exact sums begin with.
+inline constexpr const char* kFilmPrefix = "film.";
 
 // A text or float attribute of an EXR header, as text; empty if the file is no EXR or has none of that name.
 std::string read_attribute(const std::string& path, const std::string& name);

@@ -16,6 +16,7 @@ struct Channel {
 struct Picture {
   std::uint32_t width = 0, height = 0;
   std::vector<Channel> channels; // R G B A first
+  bool display = false;          // read from 8 or 16 bits that a display shows
 };
 
 } // namespace wavepath

@@ -4,26 +4,26 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <functional>
+#include <utility>
 
 #include "host/base/atomic_file.h"
 #include "host/base/error.h"
-#include "host/base/memory.h"
-#include "host/base/read_file.h"
 #include "host/film/exposure.h"
-#include "host/images/decode.h"
 #include "host/images/jpeg.h"
+#include "host/images/linear_picture.h"
+#include "host/images/picture_module.h"
 #include "host/images/png.h"
-#include "host/images/radiance.h"
 
 namespace wavepath {
 namespace {
 
 using Encode = std::vector<std::uint8_t> (*)(const DecodedImage&);
 
-void write_encoded(const std::string& path, const DecodedImage& image, Encode encode) {
+void write_encoded(const std::string& path, const std::function<std::vector<std::uint8_t>()>& encode) {
   std::vector<std::uint8_t> bytes;
   try {
-    bytes = encode(image);
+    bytes = encode();
   } catch (const ImageError& error) {
     throw Error(path, error.what(), "choose another size or format");
   }
@@ -43,21 +43,20 @@ std::vector<float> interleave(const Picture& picture) {
 std::uint64_t write_hdr(const std::string& path, const Picture& picture) {
   constexpr float kLargest = 1.6e38f;
   std::uint64_t clamped = 0;
-  DecodedImage image{
-      .shape = {picture.width, picture.height, 3}, .bytes = {}, .words = {}, .floats = interleave(picture)};
-  for (float& value : image.floats) {
+  std::vector<float> rgb = interleave(picture);
+  for (float& value : rgb) {
     const float kept = value > 0.0f ? std::min(value, kLargest) : 0.0f;
     clamped += !(kept == value);
     value = kept;
   }
-  write_encoded(path, image, encode_radiance);
+  write_encoded(path, [&] { return picture_module(path).encode_radiance(picture.width, picture.height, rgb); });
   return clamped;
 }
 
 void write_display(const std::string& path, const Picture& picture, const WriteOptions& options, Encode encode) {
   const float scale = static_cast<float>(std::exp2(exposure_of(picture, options)));
   const std::array<const Channel*, 3> channels = shown_channels(picture);
-  DecodedImage image{.shape = {picture.width, picture.height, 3}, .bytes = {}, .words = {}, .floats = {}};
+  DecodedImage image{.shape = {picture.width, picture.height, 3}, .bytes = {}, .words = {}};
   image.bytes.resize(3 * picture.channels[0].values.size());
   for (std::size_t i = 0; i < image.bytes.size() / 3; ++i) {
     const glm::vec3 radiance(channels[0]->values[i], channels[1]->values[i], channels[2]->values[i]);
@@ -66,55 +65,7 @@ void write_display(const std::string& path, const Picture& picture, const WriteO
       image.bytes[3 * i + static_cast<std::size_t>(c)] =
           static_cast<std::uint8_t>(std::lround(255.0f * to_srgb(shown[c])));
   }
-  write_encoded(path, image, encode);
-}
-
-// Sample `i` as radiance: linear values as they are, others decoded from sRGB.
-float to_linear(const DecodedImage& image, std::size_t i) {
-  static const std::array<float, 256> kLinear = [] {
-    std::array<float, 256> linear;
-    for (std::size_t byte = 0; byte < linear.size(); ++byte)
-      linear[byte] = from_srgb(static_cast<float>(byte) * (1.0f / 255.0f));
-    return linear;
-  }();
-  if (!image.bytes.empty()) return kLinear[image.bytes[i]];
-  return image.words.empty() ? image.floats[i] : from_srgb(static_cast<float>(image.words[i]) * (1.0f / 65535.0f));
-}
-
-// Alpha is stored as it is, and colours are not yet multiplied by it.
-float alpha_of(const DecodedImage& image, std::size_t i) {
-  return image.bytes.empty() ? static_cast<float>(image.words[i]) * (1.0f / 65535.0f)
-                             : static_cast<float>(image.bytes[i]) * (1.0f / 255.0f);
-}
-
-Picture read_encoded(const std::string& path) {
-  const std::optional<std::vector<std::uint8_t>> file = read_whole_file(path);
-  if (!file) throw Error(path, "cannot be read", "check the name and its permissions");
-  const std::optional<FileFormat> format = file_format(*file);
-  if (!format)
-    throw Error(path, "is no picture of a format that can be read", "give a .exr, .hdr, .png, .jpg or .webp picture");
-  DecodedImage image;
-  try {
-    image = decode(*format, *file, [&](const ImageShape& shape) {
-      const std::uint64_t sample_bytes = *format == FileFormat::radiance ? sizeof(float) : sizeof(std::uint16_t);
-      require_memory(path, "reading it", shape.pixels() * (shape.channels * sample_bytes + 3 * sizeof(float)),
-                     "use a smaller picture");
-    });
-  } catch (const ImageError& error) {
-    throw Error(path, error.what(), "check that it is a complete picture");
-  }
-  Picture picture{image.shape.width, image.shape.height, {}};
-  const std::size_t stored = image.shape.channels;
-  const bool has_alpha = stored == 2 || stored == 4;
-  for (std::size_t c = 0; c < 3; ++c) {
-    std::vector<float> values(image.shape.pixels());
-    for (std::size_t i = 0; i < values.size(); ++i) {
-      values[i] = to_linear(image, i * stored + (stored >= 3 ? c : 0));
-      if (has_alpha) values[i] *= alpha_of(image, i * stored + stored - 1);
-    }
-    picture.channels.push_back({std::string(1, "RGB"[c]), std::move(values)});
-  }
-  return picture;
+  write_encoded(path, [&] { return encode(image); });
 }
 
 } // namespace
@@ -136,14 +87,21 @@ double exposure_of(const Picture& picture, const WriteOptions& options) {
 Picture read_picture(const std::string& path) {
   std::error_code error;
   if (!std::filesystem::exists(path, error)) throw Error(path, "does not exist", "check the name");
-  if (picture_format(path) != PictureFormat::exr) return read_encoded(path);
-  Picture picture = read_exr(path);
-  if (const Channel* grey = find_channel(picture, "Y"); grey && !find_channel(picture, "R")) {
-    const std::vector<float> values = grey->values;
-    picture.channels = {{"R", values}, {"G", values}, {"B", values}};
-  }
-  if (!find_channel(picture, "R") || !find_channel(picture, "G") || !find_channel(picture, "B"))
-    throw Error(path, "has no channels R, G and B", "choose a picture with colour");
+  LinearPicture stored =
+      read_linear(path, {.wanted = [](const std::string& channel) { return !channel.starts_with(kFilmPrefix); }});
+  Picture picture{stored.width, stored.height, {}, stored.display};
+  for (std::size_t i = 0; i < stored.planes.size(); ++i)
+    picture.channels.push_back({stored.channels[i], std::move(stored.planes[i])});
+  return picture;
+}
+
+Picture read_light(const std::string& path) {
+  std::error_code error;
+  if (!std::filesystem::exists(path, error)) throw Error(path, "does not exist", "check the name");
+  LinearPicture stored = read_linear(path, {.light = true, .wanted = {}, .check = {}});
+  Picture picture{stored.width, stored.height, {}};
+  for (std::size_t i = 0; i < stored.planes.size(); ++i)
+    picture.channels.push_back({stored.channels[i], std::move(stored.planes[i])});
   return picture;
 }
 

@@ -35,9 +35,12 @@ std::uint64_t write_picture(const std::string& path, const Picture& picture, con
 // The exposure with which a picture is written to a PNG or JPG.
 double exposure_of(const Picture& picture, const WriteOptions& options);
 
-// Linear values of a file, R G B first; grey is spread to three channels, 8 and 16 bit images count as sRGB. Throws
-// Error.
+// Linear values of a file of any format that host/images/linear_picture.h reads, R G B first; grey is spread to three
+// channels. Throws Error.
 Picture read_picture(const std::string& path);
+
+// The same, R G B alone, as light: without values that other primaries would make negative.
+Picture read_light(const std::string& path);
 
 // The channel of that name, or null.
 const Channel* find_channel(const Picture& picture, const std::string& name);

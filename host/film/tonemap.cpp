@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "host/scene/pack/srgb.h"
+#include "host/images/srgb.h"
 
 namespace wavepath {
 namespace {

@@ -5,7 +5,6 @@
 
 #include "host/images/jpeg.h"
 #include "host/images/png.h"
-#include "host/images/radiance.h"
 #include "host/images/webp.h"
 
 namespace wavepath {
@@ -15,7 +14,6 @@ std::optional<FileFormat> file_format(std::span<const std::uint8_t> file) {
   if (head.starts_with("\x89PNG\r\n\x1a\n")) return FileFormat::png;
   if (head.starts_with("\xff\xd8\xff")) return FileFormat::jpeg;
   if (head.starts_with("RIFF") && head.ends_with("WEBP")) return FileFormat::webp;
-  if (head.starts_with("#?")) return FileFormat::radiance;
   return std::nullopt;
 }
 
@@ -26,11 +24,9 @@ DecodedImage decode(FileFormat format, std::span<const std::uint8_t> file, const
     case FileFormat::jpeg:
       return decode_jpeg(file, check);
     case FileFormat::webp:
-      return decode_webp(file, check);
-    case FileFormat::radiance:
       break;
   }
-  return decode_radiance(file, check);
+  return decode_webp(file, check);
 }
 
 } // namespace wavepath

@@ -1,4 +1,4 @@
-// Decodes a picture by what its first bytes say, not by its name.
+// Decodes the pictures that textures may be by what their first bytes say, not by their names.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@
 
 namespace wavepath {
 
-enum class FileFormat : std::uint8_t { png, jpeg, webp, radiance };
+enum class FileFormat : std::uint8_t { png, jpeg, webp };
 
 // Nothing for other formats.
 std::optional<FileFormat> file_format(std::span<const std::uint8_t> file);

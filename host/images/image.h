@@ -15,13 +15,12 @@ struct ImageShape {
   std::uint64_t pixels() const { return std::uint64_t{width} * height; }
 };
 
-// Rows from the top, channels interleaved, alpha not multiplied in. What the format stores decides which of the three
-// holds width * height * channels values; the others are empty.
+// Rows from the top, channels interleaved, alpha not multiplied in. What the format stores decides which of the two
+// holds width * height * channels values; the other is empty.
 struct DecodedImage {
   ImageShape shape;
   std::vector<std::uint8_t> bytes;  // PNG of up to 8 bits, JPEG, WebP: 0 to 255, in the file's own encoding
   std::vector<std::uint16_t> words; // PNG of 16 bits: 0 to 65535
-  std::vector<float> floats;        // Radiance: linear
 };
 
 // A file that cannot be decoded. what() continues a sentence about it: "is damaged or cut short (IDAT: CRC error)".

@@ -10,9 +10,8 @@
 #include <utility>
 
 #include "host/base/error.h"
-#include "host/base/read_file.h"
-#include "host/images/exr_planes.h"
-#include "host/images/radiance.h"
+#include "host/images/linear_picture.h"
+#include "host/images/stored_format.h"
 #include "host/scene/environment_sky.h"
 #include "host/scene/environment_studio.h"
 
@@ -44,23 +43,6 @@ std::optional<glm::vec3> parse_rgb(const std::string& text) {
   return rgb;
 }
 
-std::string lower_extension(const std::string& file) {
-  std::string extension = std::filesystem::path(file).extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return std::tolower(c); });
-  return extension;
-}
-
-// The names of red, green and blue; a single channel counts as grey.
-std::vector<std::string> choose_channels(const std::string& file, const std::vector<std::string>& channels) {
-  const std::vector<std::string> rgb{"R", "G", "B"};
-  if (std::ranges::all_of(rgb, [&](const std::string& c) { return std::ranges::count(channels, c) > 0; })) return rgb;
-  if (channels.size() == 1) return channels;
-  std::string names;
-  for (const std::string& name : channels) names += (names.empty() ? "" : ", ") + name;
-  throw Error(file, "has no R, G and B channels (it has " + names + ")", "save the environment as an RGB image");
-}
-
 void check_size(const std::string& file, std::uint32_t width, std::uint32_t height) {
   if (std::uint64_t{width} * height > kMostTexels)
     throw Error(
@@ -81,46 +63,26 @@ void check_texel(const std::string& file, const glm::vec3& rgb, std::size_t x, s
   }
 }
 
-void read_exr_map(const std::string& file, Environment& environment) {
-  const auto planes = read_exr_planes(file, [&](const ExrShape& shape) {
-    check_size(file, shape.width, shape.height);
-    if (shape.cropped)
-      throw Error(file,
-                  "has a data window (" + std::to_string(shape.width) + " x " + std::to_string(shape.height) +
-                      ") that differs from its display window",
-                  "save the environment uncropped");
-    environment.width = shape.width;
-    environment.height = shape.height;
-    return choose_channels(file, shape.channels);
-  });
-  environment.map.resize(planes[0].size());
-  for (std::size_t i = 0; i < environment.map.size(); ++i)
-    for (std::size_t c = 0; c < 3; ++c)
-      environment.map[i][static_cast<int>(c)] = planes[std::min(c, planes.size() - 1)][i];
-}
-
-void read_hdr_map(const std::string& file, Environment& environment) {
-  const std::optional<std::vector<std::uint8_t>> bytes = read_whole_file(file);
-  if (!bytes) throw Error(file, "cannot be read", "check its permissions");
-  const DecodedImage image =
-      decode_radiance(*bytes, [&](const ImageShape& shape) { check_size(file, shape.width, shape.height); });
-  environment.width = image.shape.width;
-  environment.height = image.shape.height;
-  environment.map.resize(image.shape.pixels());
-  for (std::size_t i = 0; i < environment.map.size(); ++i)
-    environment.map[i] = {image.floats[3 * i], image.floats[3 * i + 1], image.floats[3 * i + 2]};
-}
-
-void read_map(const std::string& file, bool is_exr, Environment& environment) {
-  if (!std::filesystem::exists(file)) throw Error(file, "does not exist", "give a .exr or .hdr file, or R,G,B");
-  try {
-    is_exr ? read_exr_map(file, environment) : read_hdr_map(file, environment);
-  } catch (const ImageError& error) {
-    throw Error(file, std::string("cannot be opened as an image: ") + error.what(),
-                "give a lat-long .exr or .hdr image that other programs can open");
-  }
-  for (std::size_t i = 0; i < environment.map.size(); ++i)
+void read_map(const std::string& file, Environment& environment) {
+  const LinearPicture picture =
+      read_linear(file, {.environment = true,
+                         .light = true,
+                         .wanted = {},
+                         .check = [&](std::uint32_t width, std::uint32_t height) { check_size(file, width, height); }});
+  environment.width = picture.width;
+  environment.height = picture.height;
+  environment.map.resize(picture.planes[0].size());
+  for (std::size_t i = 0; i < environment.map.size(); ++i) {
+    environment.map[i] = {picture.planes[0][i], picture.planes[1][i], picture.planes[2][i]};
     check_texel(file, environment.map[i], i % environment.width, i / environment.width);
+  }
+}
+
+// Whether the text looks like a file rather than a misspelled name.
+bool names_file(const std::string& source) {
+  std::error_code error;
+  return std::filesystem::path(source).has_extension() || source.find('/') != std::string::npos ||
+         std::filesystem::exists(source, error);
 }
 
 // Sums of radiance overflow above, as of the lights of a file.
@@ -172,12 +134,13 @@ Environment load_environment(const std::string& source, double intensity, double
     builtin.rotation = rotation;
     return not_too_bright(std::move(builtin));
   }
-  const std::string extension = lower_extension(source);
-  if (extension != ".exr" && extension != ".hdr")
-    throw UsageError("--env",
-                     "'" + source + "' is neither R,G,B nor a .exr or .hdr file, nor studio, sky, black or white",
-                     "give one of these names, a constant such as 1,1,1, or a lat-long image of one of these types");
-  read_map(source, extension == ".exr", environment);
+  if (!names_file(source))
+    throw UsageError("--env", "'" + source + "' is neither R,G,B nor a picture file, nor studio, sky, black or white",
+                     "give one of these names, a constant such as 1,1,1, or a lat-long image");
+  std::error_code error;
+  if (!std::filesystem::exists(source, error))
+    throw Error(source, "does not exist", std::string("give a lat-long image (") + kReadablePictures + "), or R,G,B");
+  read_map(source, environment);
   return not_too_bright(std::move(environment));
 }
 

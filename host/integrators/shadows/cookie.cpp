@@ -14,7 +14,7 @@ namespace wavepath {
 
 std::vector<glm::vec4> read_cookie(const std::string& path, const DeviceInfo& device) {
   if (path.empty()) return std::vector<glm::vec4>(gpu::kCookieHeaderTexels);
-  const Picture picture = read_picture(path);
+  const Picture picture = read_light(path);
   const std::size_t texels = std::size_t{picture.width} * picture.height;
   const std::uint64_t most = std::min(device.max_texels(16), device.max_allocation / sizeof(glm::vec4));
   if (texels + gpu::kCookieHeaderTexels > most)

@@ -42,7 +42,7 @@ void spread(std::vector<T>& texels, const ImageShape& shape, T opaque) {
 Image decode_image(const std::string& where, const std::string& name, std::span<const std::uint8_t> file) {
   const std::string what = "image '" + name + "' ";
   const std::optional<FileFormat> format = file_format(file);
-  if (!format || *format == FileFormat::radiance) throw Error(where, what + describe(file), kRemedy);
+  if (!format) throw Error(where, what + describe(file), kRemedy);
   const auto check = [&](const ImageShape& shape) {
     if (shape.pixels() > kMaxTexels)
       throw Error(where, what + "has " + std::to_string(shape.width) + " x " + std::to_string(shape.height) + " texels",

@@ -8,7 +8,7 @@
 
 #include <tbb/parallel_for.h>
 
-#include "host/scene/pack/srgb.h"
+#include "host/images/srgb.h"
 #include "kernels/tile_order.h"
 
 namespace wavepath {

@@ -9,7 +9,7 @@
 #include <tbb/parallel_for.h>
 
 #include "host/base/error.h"
-#include "host/scene/pack/srgb.h"
+#include "host/images/srgb.h"
 #include "kernels/scene_types.h"
 #include "kernels/tile_order.h"
 
