@@ -408,7 +408,7 @@ TEST_F(PicturesTest, RadianceWrittenComesBack) {
     rgb.resize(width * 9);
     const LinearPicture back = read_linear(write("a.hdr", picture_module("").encode_radiance(width, 3, rgb)), {});
     ASSERT_EQ(back.width, width);
-    for (std::size_t i = 0; i < rgb.size(); ++i) ASSERT_EQ(back.planes[i % 3][i / 3], rgb[i]) << width << " " << i;
+    for (std::size_t i = 0; i < rgb.size(); ++i) ASSERT_FLOAT_EQ(back.planes[i % 3][i / 3], rgb[i]) << width << " " << i;
   }
 }
 
@@ -457,7 +457,7 @@ Bytes dds(std::uint32_t caps = 0) {
   std::array<std::uint32_t, 32> words{};
   words[0] = 0x20534444;
   words[1] = 124, words[2] = 0x1007, words[3] = 1, words[4] = 2, words[19] = 32, words[20] = 0x41, words[22] = 32;
-  words[23] = 0xff0000, words[24] = 0xff00, words[25] = 0xff, words[26] = 0xff000000, words[27] = 0x1000;
+  words[23] = 0xff0000, words[24] = 0xff00, words[25] = 0xff, words[26] = 0xff000000, words[27] = caps != 0 ? 0x1008 : 0x1000;
   words[28] = caps;
   const Bytes pixel{51, 102, 204, 255};
   Bytes file = little(words) + pixel + pixel;
@@ -593,8 +593,7 @@ std::map<std::string, Bytes> samples(const TemporaryFolder& folder) {
           {"a.dds", dds()},
           {"a.psd", photoshop()},
           {"a.pfm", floatmap()},
-          {"a.jp2", from_hex(kJpeg2000)},
-          {"a.avif", from_hex(kAvif)}};
+          {"a.jp2", from_hex(kJpeg2000)}};
 }
 
 TEST_F(PicturesTest, CutShortIsRefused) {
@@ -623,7 +622,7 @@ TEST_F(PicturesTest, DamagedBytesDoNoHarm) {
     if (std::uint64_t{width} * height > 1u << 20) throw Error("it", "is too large", "shrink it");
   };
   for (const auto& [name, whole] : samples(folder_))
-    for (int i = 0; i < 150; ++i) {
+    for (int i = 0; i < 100; ++i) {
       Bytes damaged = whole;
       for (std::uint32_t flips = 1 + random() % 4; flips > 0; --flips)
         damaged[random() % std::min<std::size_t>(damaged.size(), 400)] ^=

@@ -231,7 +231,8 @@ LinearPicture read_stored(const std::string& path, const char* format, const Rea
 LinearPicture read_linear(const std::string& path, const ReadRequest& request) {
   const char* format = stored_format(path);
   if (!format)
-    throw Error(path, "is no picture of a format that can be read", std::string("give ") + kReadablePictures);
+    throw Error(path, "cannot be opened as an image: is no picture of a format that can be read",
+                std::string("give ") + kReadablePictures);
   try {
     const bool lean = !std::strcmp(format, "png") || !std::strcmp(format, "jpeg") || !std::strcmp(format, "webp");
     return lean ? read_decoded(path, request) : read_stored(path, format, request);

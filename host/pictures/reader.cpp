@@ -9,8 +9,8 @@
 #include <OpenImageIO/imageio.h>
 
 #include "host/images/image.h"
+#include "host/pictures/header_checks.h"
 #include "host/pictures/luminance_chroma.h"
-#include "host/pictures/photoshop.h"
 
 namespace wavepath {
 namespace {
@@ -159,6 +159,8 @@ std::vector<std::vector<float>> read_by_openimageio(const std::string& path, con
                                                     std::uint64_t most_bytes, const ChooseStored& choose) {
   const bool exr = std::strcmp(format, "openexr") == 0;
   if (std::strcmp(format, "psd") == 0) check_photoshop(path);
+  if (std::strcmp(format, "dds") == 0) check_dds(path);
+  if (std::strcmp(format, "bmp") == 0) check_bitmap(path);
   OIIO::attribute("limits:imagesize_MB", static_cast<int>(std::min<std::uint64_t>(most_bytes >> 20, 1u << 30)));
   OIIO::attribute("limits:channels", kMostChannels);
   const auto input = ImageInput::create(format);
