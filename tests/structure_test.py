@@ -19,7 +19,7 @@ WAVEPATH, COMPILER = sys.argv[2], sys.argv[3]
 # A file includes only files of its own folder and of those before it.
 DOWNHILL = [
     "bvh", "kernels", "kernels/film", "kernels/display", "kernels/path", "kernels/bidirectional", "kernels/shading", "kernels/shadows", "kernels/hybrid", "kernels/transparency", "kernels/occlusion", "kernels/antialias", "kernels/whitted", "kernels/selftest", "kernels/bench",
-    "host/base", "host/images", "host/scene", "host/scene/gltf", "host/scene/pack", "host/gpu", "host/film",
+    "host/base", "host/images", "host/pictures", "host/scene", "host/scene/gltf", "host/scene/pack", "host/gpu", "host/film",
     "host/render/settings", "host/render/device", "host/render/loop", "host/render", "host/render/devices", "host/render/progressive", "host/render/report",
     "host/integrators/path", "host/integrators/bidirectional", "host/integrators/raster", "host/integrators/shading", "host/integrators/shadows", "host/integrators/transparency", "host/integrators/occlusion", "host/integrators/antialias", "host/integrators/hybrid", "host/integrators/whitted", "host/integrators/automatic", "host/integrators", "benchmarks", "host/bench/structures", "host/bench", "host/selftest", "host/study", "host/view", "host/cli", "host",
 ]

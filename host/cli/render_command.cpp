@@ -26,6 +26,7 @@
 #include "host/cli/trace_report.h"
 #include "host/film/tev.h"
 #include "host/gpu/pipeline_cache.h"
+#include "host/images/picture_module.h"
 #include "host/render/bvh_choice.h"
 #include "host/render/denoised.h"
 #include "host/render/depth_cut.h"
@@ -550,6 +551,8 @@ int finish(const RenderCommandRequest& request, Prepared& prepared, Run& run, At
 int run_render(RenderCommandRequest& request) {
   const std::optional<Picture> reference = check(request);
   Prepared prepared = prepare(request);
+  for (const std::string& path : request.output.pictures)
+    if (picture_format(path) == PictureFormat::hdr) begin_loading_pictures(); // its writer, beside the render
   request.render.settings.moving = prepared.packed.moves(); // else the shutter would cost something
   const Choices choices = settle_choices(request, prepared);
   if (!choices.integrator.disagreement.empty()) prepared.warnings.add(choices.integrator.disagreement);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <future>
 #include <limits>
 #include <numbers>
 
@@ -88,11 +89,10 @@ void add_scene_flags(CLI::App& app, SceneRequest& request, bool required) {
   add_flag(
       app, group,
       {"--env", "FILE|R,G,B|studio|sky|black|white",
-       "environment: lat-long .exr or .hdr, its centre along world +X and three quarters across along +Z; constant "
-       "radiance; soft boxes of a studio, or a clear sky with the sun, under both of which a white floor has radiance "
-       "1",
-       "a file with a camera and lights or lamps is lit as authored (black); anything else is an asset and gets "
-       "studio, "
+       "environment: lat-long picture, its centre along world +X and three quarters across along +Z, or a cube map of "
+       "OpenEXR, of any format that docs/pictures.md lists; constant radiance; soft boxes of a studio, or a clear sky "
+       "with the sun, under both of which a white floor has radiance 1",
+       "a file with a camera and lights or lamps is lit as authored (black); anything else is an asset and gets studio, "
        "an interior sky, or a lamp where it is closed and has no lights; punctual lights of its own shine besides"},
       [&](const FlagValue& value) { read_environment(value, request); });
   add_flag(app, group, {"--env-intensity", "X", "factor on the environment's radiance", "1"},
@@ -177,17 +177,18 @@ void add_view_flags(CLI::App& app, ViewRequest& request) {
 
 LoadedScene load_scene(const SceneRequest& request, const SceneDescribed& described) {
   LoadedScene loaded;
-  // Read first, so that an unreadable map is refused before the time of reading the scene is spent.
-  std::optional<Environment> environment;
-  if (!request.environment.empty()) environment = requested_environment(request);
+  // Beside the scene: what reads pictures may have to be loaded itself.
+  std::future<Environment> environment;
+  if (!request.environment.empty())
+    environment = std::async(std::launch::async, [&] { return requested_environment(request); });
   loaded.sun = request.sun;
   loaded.scene = load_gltf(request.path, request.load, [&](Scene& scene) {
     if (request.sun_if_unlit && !loaded.sun && !is_lit(scene)) loaded.sun = kUsualSun;
     if (loaded.sun) scene.lights.push_back(sun_at(*loaded.sun));
-    const bool unlit = !environment && rule_light(request, scene, loaded) != DefaultLight::authored;
+    const bool unlit = !environment.valid() && rule_light(request, scene, loaded) != DefaultLight::authored;
     if (unlit || request.ground || is_framed(scene, request.view)) loaded.framing = find_framing(scene);
-    if (environment)
-      scene.environment = *std::move(environment);
+    if (environment.valid())
+      scene.environment = environment.get();
     else
       light_by_rule(request, scene, loaded);
     if (loaded.sun)

@@ -16,7 +16,6 @@ enum class Encoding : std::uint8_t { linear, srgb, gamma };
 
 // One picture of a file, as its header tells of it.
 struct StoredPart {
-  std::string name;                              // of a part that has one
   std::uint32_t width = 0, height = 0;           // of the data window: what is stored
   std::int64_t x = 0, y = 0;                     // its upper left corner, from that of the display window
   std::uint32_t full_width = 0, full_height = 0; // of the display window

@@ -46,13 +46,18 @@ void guarded(const Step& step) {
   throw ImageError("is damaged or cut short (" + words_of(input.geterror()) + ")");
 }
 
+std::string text_of(const ImageSpec& spec, const char* name) {
+  const OIIO::string_view text = spec.get_string_attribute(name);
+  return {text.data(), text.size()};
+}
+
 bool is_whole(const TypeDesc& type) { return !type.is_floating_point(); }
 
 // Whole numbers are for displays, and by custom in sRGB, unless the file says otherwise; floats are linear.
 void set_encoding(const ImageSpec& spec, bool display, StoredPart& part) {
   if (!display) return;
   part.encoding = Encoding::srgb;
-  std::string space = spec.get_string_attribute("oiio:ColorSpace");
+  std::string space = text_of(spec, "oiio:ColorSpace");
   std::transform(space.begin(), space.end(), space.begin(), [](unsigned char c) { return std::tolower(c); });
   const float gamma = spec.get_float_attribute("oiio:Gamma", 0.0f);
   if (space.starts_with("lin")) part.encoding = Encoding::linear;
@@ -69,7 +74,6 @@ std::optional<std::array<float, 8>> chromaticities_of(const ImageSpec& spec) {
 
 StoredPart part_of(const ImageSpec& spec, bool exr) {
   StoredPart part;
-  part.name = spec.get_string_attribute("name", spec.get_string_attribute("oiio:subimagename"));
   part.width = static_cast<std::uint32_t>(std::max(spec.width, 0));
   part.height = static_cast<std::uint32_t>(std::max(spec.height, 0));
   part.x = std::int64_t{spec.x} - spec.full_x;
@@ -84,7 +88,7 @@ StoredPart part_of(const ImageSpec& spec, bool exr) {
   part.chromaticities = chromaticities_of(spec);
   part.orientation = spec.get_int_attribute("Orientation", 1);
   part.deep = spec.deep;
-  part.cube = spec.get_string_attribute("textureformat") == "CubeFace Environment";
+  part.cube = text_of(spec, "textureformat") == "CubeFace Environment";
   if (part.width == 0 || part.height == 0 || spec.depth > 1) throw ImageError("is no flat picture of pixels");
   if (spec.nchannels > kMostChannels || static_cast<int>(part.channels.size()) != spec.nchannels)
     throw ImageError("has channels that cannot be told apart");
