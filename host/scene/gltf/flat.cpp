@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 namespace wavepath::gltf {
 namespace {
@@ -63,10 +64,11 @@ Mesh flattened(const Mesh& mesh, const glm::dvec3& direction) {
     return glm::vec3(glm::dvec3(v) - direction * glm::dot(direction, glm::dvec3(v)));
   };
   for (glm::vec3& p : flat.positions) p = flatten(p);
-  for (glm::vec4& t : flat.tangents) {
-    const glm::dvec3 along(flatten(glm::vec3(t)));
-    t = glm::vec4(glm::vec3(along / std::max(glm::length(along), 1e-300)), t.w);
-  }
+  for (std::vector<glm::vec4>* tangents : {&flat.tangents, &flat.layer_tangents[0], &flat.layer_tangents[1]})
+    for (glm::vec4& t : *tangents) {
+      const glm::dvec3 along(flatten(glm::vec3(t)));
+      t = glm::vec4(glm::vec3(along / std::max(glm::length(along), 1e-300)), t.w);
+    }
   flat.normals.clear();
   for (Primitive& primitive : flat.primitives) primitive.has_normals = false;
   return flat;
