@@ -32,7 +32,7 @@ std::vector<std::uint32_t> sets_read(const Material& material) {
   };
   if (material.normal_texture.present()) add(material.normal_texture.uv_set);
   visit_textures(material, [&](const MaterialTexture&, const TextureSlot& slot) { add(slot.uv_set); });
-  if (needs_tangents(material)) add(tangent_uv_set(material));
+  if (needs_tangents(material)) add(tangent_slot(material).uv_set);
   return sets;
 }
 
