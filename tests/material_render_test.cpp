@@ -504,7 +504,7 @@ Scene mapped_quad(const Material& material, const glm::mat2& first, const glm::m
     const glm::vec2 uv(0.4f * p.x + 0.1f * p.z, 0.3f * p.z);
     mesh.uvs[0].push_back(first * uv), mesh.uvs[1].push_back(second * uv);
   }
-  generate_tangents(mesh, material);
+  add_tangents(mesh, material);
   add_instance(scene, quad);
   return scene;
 }

@@ -59,7 +59,7 @@ TEST(Tangents, GoByTheCoordinatesThatTexturesAreReadWith) {
     m.normal_texture.uv_offset = {3.0f, -7.0f};
     m.coat_normal_texture.uv_set = 1;
     m.anisotropy_texture.uv_matrix = k.matrix;
-    generate_tangents(mesh, m);
+    add_tangents(mesh, m);
     ASSERT_EQ(mesh.tangents.size(), 4u);
     ASSERT_EQ(mesh.layer_tangents[kCoatTangents].size(), 4u);
     EXPECT_TRUE(mesh.layer_tangents[kGrainTangents].empty()); // it is read as the normal map
@@ -81,7 +81,7 @@ TEST(Tangents, OfAllLayersAreSplitWithTheirVertices) {
   Material m;
   m.normal_texture.image = m.coat_normal_texture.image = 0;
   m.coat_normal_texture.uv_set = 1;
-  generate_tangents(mesh, m);
+  add_tangents(mesh, m);
   ASSERT_EQ(mesh.positions.size(), 6u);
   ASSERT_EQ(mesh.tangents.size(), 6u);
   ASSERT_EQ(mesh.layer_tangents[kCoatTangents].size(), 6u);

@@ -274,7 +274,7 @@ Mesh read_primitive(Document& document, Scene& scene, MaterialMap& map, const ti
   if (needs_tangents(material)) {
     const std::size_t count = part.tangents.empty() ? 0 : repair_tangents(part);
     if (count) scene.warnings.add("vertex tangent without a direction replaced by an arbitrary one", count);
-    if (part.tangents.empty()) generate_tangents(part, material);
+    if (part.tangents.empty()) add_tangents(part, material);
   }
   part.primitives = {{0, static_cast<std::uint32_t>(part.indices.size()), material_index, has_normals}};
   return part;

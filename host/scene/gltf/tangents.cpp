@@ -148,7 +148,7 @@ std::vector<glm::vec2> turned_uvs(const Mesh& mesh, const TextureSlot& slot) {
 
 } // namespace
 
-void generate_tangents(Mesh& mesh, const Material& material) {
+void add_tangents(Mesh& mesh, const Material& material) {
   generate_tangents(mesh, turned_uvs(mesh, tangent_slot(material)), mesh.tangents);
   for (std::size_t layer = 0; layer < 2; ++layer)
     if (has_layer_tangents(material, layer))

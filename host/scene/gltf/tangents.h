@@ -12,7 +12,7 @@ namespace wavepath {
 // Fills mesh.tangents, and mesh.layer_tangents where the material needs them, by the coordinates that its textures are
 // read with: KHR_texture_transform included. What a file gives as TANGENT, by contrast, stays as it is, as the
 // specification has it, and serves all textures.
-void generate_tangents(Mesh& mesh, const Material& material);
+void add_tangents(Mesh& mesh, const Material& material);
 
 // Fills `into`, an array of the mesh that is empty, from positions, normals (flat if empty) and `uvs` (as many as
 // positions, or empty: arbitrary tangents). Vertices where triangles of both handednesses meet are split, so vertex and

@@ -213,9 +213,9 @@ void pack_vertices(Scene& scene, const Usage& usage, const Streams& streams, std
 
   if (packed.moves()) packed.end_normals = static_cast<std::uint32_t>(vertex_count);
   if (streams.layer_tangents) packed.layer_tangents = static_cast<std::uint32_t>(vertex_count) + packed.end_normals;
-  const std::size_t normals = vertex_count + packed.end_normals;
+  const std::size_t normal_count = vertex_count + packed.end_normals;
   if (streams.normals)
-    packed.vertex_normals.assign(normals + (streams.layer_tangents ? vertex_count : 0), glm::vec4(0.0f));
+    packed.vertex_normals.assign(normal_count + (streams.layer_tangents ? vertex_count : 0), glm::vec4(0.0f));
   if (streams.uvs) packed.vertex_uvs.assign(vertex_count, glm::vec4(0.0f));
   if (streams.colors) packed.vertex_colors.assign(vertex_count, glm::vec4(1.0f));
   std::size_t repaired = 0;
