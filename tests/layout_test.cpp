@@ -107,7 +107,7 @@ TEST(Layout, Geometry) {
 TEST(Layout, Materials) {
   Offsets offsets = {AT(Material, flags)};
   Offsets layer_offsets = {AT(MaterialLayers, ggx_table), AT(MaterialLayers, sheen_table),
-                           AT(MaterialLayers, glass_table)};
+                           AT(MaterialLayers, glass_table), AT(MaterialLayers, layer_tangents)};
   const Material material{};
   const MaterialLayers layers{};
   const auto distance = [](const auto* from, const auto* to) {
