@@ -153,6 +153,25 @@ TEST(Usage, ViewNeedsAScreen) {
   expect_error({"view", kBox, "--show", "albdo"}, 2, "did you mean albedo?");
 }
 
+// A variable that leads the Vulkan loader astray is named with its value, whichever command finds no driver.
+TEST(Usage, ABogusListOfDriversIsNamed) {
+  for (const char* name : {"VK_ICD_FILENAMES", "VK_DRIVER_FILES"}) {
+    const TemporaryFolder folder;
+    const RunOptions astray{.in_child = [&] {
+      for (const char* other : {"VK_ICD_FILENAMES", "VK_DRIVER_FILES", "VK_ADD_DRIVER_FILES"}) unsetenv(other);
+      setenv(name, "/nowhere/driver.json", 1);
+    }};
+    const std::string words = std::string(name) + " is '/nowhere/driver.json', which hides the drivers";
+    const Outcome render = run_wavepath({"render", kBox, "-o", folder.file("a.exr")}, astray);
+    EXPECT_EQ(render.exit_code, 1);
+    EXPECT_NE(render.err.find("wavepath: error: Vulkan: there is no driver; " + words), std::string::npos)
+        << render.err;
+    const Outcome info = run_wavepath({"info"}, astray);
+    EXPECT_EQ(info.exit_code, 0);
+    EXPECT_NE(info.out.find("no Vulkan device: " + words), std::string::npos) << info.out;
+  }
+}
+
 TEST(Usage, BadValues) {
   expect_error({"render", kBox, "--size", "0x0"}, 2, "--size: '0' is not");
   expect_error({"render", kBox, "--size", "1e9x1e9"}, 2, "--size: '1e9' is not");
