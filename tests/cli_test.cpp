@@ -155,13 +155,15 @@ TEST(Usage, ViewNeedsAScreen) {
 
 // A variable that leads the Vulkan loader astray is named with its value, whichever command finds no driver.
 TEST(Usage, ABogusListOfDriversIsNamed) {
-  for (const char* name : {"VK_ICD_FILENAMES", "VK_DRIVER_FILES"}) {
+  for (const char* stem : {"ICD_FILENAMES", "DRIVER_FILES"}) {
     const TemporaryFolder folder;
+    const std::string prefix = "VK_", name = prefix + stem;
     const RunOptions astray{.in_child = [&] {
-      for (const char* other : {"VK_ICD_FILENAMES", "VK_DRIVER_FILES", "VK_ADD_DRIVER_FILES"}) unsetenv(other);
-      setenv(name, "/nowhere/driver.json", 1);
+      for (const char* other : {"ICD_FILENAMES", "DRIVER_FILES", "ADD_DRIVER_FILES"})
+        unsetenv((prefix + other).c_str());
+      setenv(name.c_str(), "/nowhere/driver.json", 1);
     }};
-    const std::string words = std::string(name) + " is '/nowhere/driver.json', which hides the drivers";
+    const std::string words = name + " is '/nowhere/driver.json', which hides the drivers";
     const Outcome render = run_wavepath({"render", kBox, "-o", folder.file("a.exr")}, astray);
     EXPECT_EQ(render.exit_code, 1);
     EXPECT_NE(render.err.find("wavepath: error: Vulkan: there is no driver; " + words), std::string::npos)

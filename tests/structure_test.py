@@ -143,6 +143,13 @@ def local_names(path):
 
 
 class Structure(unittest.TestCase):
+    def test_words_cost_no_picture(self):
+        """fmt::print throws where a stream cannot be written: host/base/print.h knows what that is to mean."""
+        for path in sources(".h", ".cpp"):
+            if name(path).startswith("host/"):
+                with self.subTest(file=name(path)):
+                    self.assertNotRegex(code_of(path), r"\bfmt::print\(|\bstd::c(out|err)\b")
+
     def test_files_include_what_is_precompiled(self):
         for path in sources(".h", ".cpp"):
             code = re.sub(r"//.*", "", path.read_text())
