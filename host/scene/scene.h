@@ -53,7 +53,8 @@ struct Mesh {
 
 struct Instance {
   std::uint32_t mesh = 0;
-  glm::dmat4 world_from_object{1.0}; // affine, finite, invertible (others are dropped with a warning)
+  // Affine, finite, invertible: the loader makes a flat matrix a flat mesh and drops others with a warning.
+  glm::dmat4 world_from_object{1.0};
 };
 
 struct Camera {
