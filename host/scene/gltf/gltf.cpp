@@ -264,6 +264,7 @@ Scene load_moment(const std::filesystem::path& path, const LoadOptions& options,
     if (node.mesh >= 0) place_mesh(import, index);
     place_light(import, index);
   }
+  if (scene.instances.empty()) scene.warnings.add("scene shows no mesh");
   if (described) described(scene);
   if (decode) scene.images = images.get();
   return scene;
