@@ -1,6 +1,7 @@
 // Cameras: glTF's, the user's own, and the framing of a scene that has none.
 #include "host/scene/view.h"
 
+#include <cmath>
 #include <numbers>
 
 #include <gtest/gtest.h>
