@@ -24,7 +24,7 @@ struct TextureSlot {
   Wrap wrap_u = Wrap::repeat, wrap_v = Wrap::repeat;
   bool nearest = false;      // magFilter NEAREST
   bool srgb = false;         // the bytes of RGB are sRGB-encoded
-  std::uint32_t uv_set = 0;  // TEXCOORD_0 or _1
+  std::uint32_t uv_set = 0;  // 0 or 1: of Mesh::uvs
   glm::mat2 uv_matrix{1.0f}; // KHR_texture_transform: uv' = uv_matrix * uv + uv_offset
   glm::vec2 uv_offset{0.0f};
 

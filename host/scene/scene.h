@@ -39,7 +39,7 @@ struct Mesh {
   // Of layers (kCoatTangents, kGrainTangents) whose texture is read by other coordinates; empty where they are as
   // those.
   std::vector<glm::vec4> layer_tangents[2];
-  std::vector<glm::vec2> uvs[2];
+  std::vector<glm::vec2> uvs[2]; // the sets of the file that the material of each primitive reads
   std::vector<glm::vec4> colors; // COLOR_0, linear RGBA
   std::vector<std::uint32_t> indices;
   std::vector<Primitive> primitives;
