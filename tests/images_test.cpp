@@ -455,8 +455,7 @@ TEST(Images, SizesAreTriedBeforeMemoryIsTaken) {
   std::fill_n(size, 4, std::uint8_t{0xfd});
   Bytes webp = webp_of(noise(8, 8, 3), false); // "VP8L", its size, 0x2f; 14 bits each of width - 1 and height - 1
   std::fill_n(webp.begin() + 21, 3, std::uint8_t{0xff});
-  for (const Bytes& file :
-       {file_of({60000, 60000, 16, rgba, {}}), jpeg, webp}) {
+  for (const Bytes& file : {file_of({60000, 60000, 16, rgba, {}}), jpeg, webp}) {
     std::uint64_t pixels = 0;
     const auto refuse = [&](const ImageShape& shape) {
       pixels = shape.pixels();
@@ -471,7 +470,8 @@ TEST(Images, FormatsAreKnownByTheirFirstBytes) {
   EXPECT_EQ(file_format(encode_png(noise(1, 1, 1))), FileFormat::png);
   EXPECT_EQ(file_format(encode_jpeg(noise(1, 1, 1))), FileFormat::jpeg);
   EXPECT_EQ(file_format(webp_of(noise(1, 1, 3), true)), FileFormat::webp);
-  for (const char* other : {"", "#?RGBE\n", "RIFF1234WAVE", "GIF89a", "II*"}) EXPECT_FALSE(file_format(text(other))) << other;
+  for (const char* other : {"", "#?RGBE\n", "RIFF1234WAVE", "GIF89a", "II*"})
+    EXPECT_FALSE(file_format(text(other))) << other;
 }
 
 } // namespace

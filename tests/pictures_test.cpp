@@ -1,5 +1,5 @@
-// Pictures that OpenImageIO reads: what their channels, parts, windows, colours and encodings mean, every format by known
-// bytes, cut short, damaged, and too large to be believed.
+// Pictures that OpenImageIO reads: what their channels, parts, windows, colours and encodings mean, every format by
+// known bytes, cut short, damaged, and too large to be believed.
 #include "host/images/linear_picture.h"
 
 #include <algorithm>
@@ -158,11 +158,15 @@ TEST_F(PicturesTest, ColoursAreFoundWhateverTheyAreCalled) {
       {{"Red", .25f}, {"Green", .5f}, {"Blue", .75f}},
       {{"diffuse.R", .25f}, {"diffuse.G", .5f}, {"diffuse.B", .75f}, {"Z", 9.0f}},
       {{"a.R", 7.0f}, {"a.G", 7.0f}, {"a.B", 7.0f}, {"R", .25f}, {"G", .5f}, {"B", .75f}, {"A", .5f}},
-      {{"View.AO.R", 7.0f}, {"View.AO.G", 7.0f}, {"View.AO.B", 7.0f}, {"View.Combined.R", .25f},
-       {"View.Combined.G", .5f}, {"View.Combined.B", .75f}, {"View.Depth.Z", 9.0f}},
+      {{"View.AO.R", 7.0f},
+       {"View.AO.G", 7.0f},
+       {"View.AO.B", 7.0f},
+       {"View.Combined.R", .25f},
+       {"View.Combined.G", .5f},
+       {"View.Combined.B", .75f},
+       {"View.Depth.Z", 9.0f}},
   };
-  for (const auto& channels : files)
-    expect_color(read_linear(write_exr(folder_.file("a.exr"), channels), {}), kColor);
+  for (const auto& channels : files) expect_color(read_linear(write_exr(folder_.file("a.exr"), channels), {}), kColor);
   for (const auto& [name, value] : std::map<std::string, float>{{"Y", .5f}, {"L", .25f}, {"beauty.Y", .75f}}) {
     const std::string path = write_exr(folder_.file("grey.exr"), {{name.c_str(), value}, {"A", 1.0f}, {"Z", 3.0f}});
     expect_color(read_linear(path, {}), {value, value, value});
@@ -182,27 +186,31 @@ TEST_F(PicturesTest, ThePartThatHasColoursIsTaken) {
   expect_color(read_linear(path, {}), kColor);
   write_parts(path, {{"mask", {{"Y", 7.0f}}}, {"matte", {{"A", 1.0f}}}, {"x", {{"B", .75f}, {"G", .5f}, {"R", .25f}}}});
   expect_color(read_linear(path, {}), kColor);
-  write_parts(path, {{"first", {{"R", .25f}, {"G", .5f}, {"B", .75f}}}, {"second", {{"R", 9.f}, {"G", 9.f}, {"B", 9.f}}}});
+  write_parts(path,
+              {{"first", {{"R", .25f}, {"G", .5f}, {"B", .75f}}}, {"second", {{"R", 9.f}, {"G", 9.f}, {"B", 9.f}}}});
   expect_color(read_linear(path, {}), kColor);
   write_parts(path, {{"a", {{"Z", 7.0f}}}, {"b", {{"N.X", 7.0f}}}});
   EXPECT_TRUE(has(refusal(path), "(it has Z, N.X)")) << refusal(path);
 }
 
 TEST_F(PicturesTest, FurtherChannelsAreReadIfWanted) {
-  const std::string path = write_exr(folder_.file("a.exr"), {{"R", .25f}, {"G", .5f}, {"B", .75f}, {"A", 1.0f},
-                                                             {"N.X", 2.0f}, {"film.00", 5.0f}, {"Z", 3.0f}});
+  const std::string path =
+      write_exr(folder_.file("a.exr"),
+                {{"R", .25f}, {"G", .5f}, {"B", .75f}, {"A", 1.0f}, {"N.X", 2.0f}, {"film.00", 5.0f}, {"Z", 3.0f}});
   ReadRequest request;
   request.wanted = [](const std::string& name) { return !name.starts_with("film."); };
   const LinearPicture picture = read_linear(path, request);
   ASSERT_EQ(picture.channels.size(), 6u);
   std::map<std::string, float> values;
   for (std::size_t i = 0; i < 6; ++i) values[picture.channels[i]] = picture.planes[i].at(77);
-  EXPECT_EQ(values, (std::map<std::string, float>{{"R", .25f}, {"G", .5f}, {"B", .75f}, {"A", 1}, {"N.X", 2}, {"Z", 3}}));
+  EXPECT_EQ(values,
+            (std::map<std::string, float>{{"R", .25f}, {"G", .5f}, {"B", .75f}, {"A", 1}, {"N.X", 2}, {"Z", 3}}));
   EXPECT_EQ(read_linear(path, {}).channels.size(), 3u);
 }
 
 TEST_F(PicturesTest, WholeNumbersOfExrKeepTheirValues) {
-  const auto path = write_exr(folder_.file("a.exr"), {{"R", 2.0f}, {"G", 300.0f}, {"B", 70000.0f}}, Imf::Header(16, 8), Imf::UINT);
+  const auto path =
+      write_exr(folder_.file("a.exr"), {{"R", 2.0f}, {"G", 300.0f}, {"B", 70000.0f}}, Imf::Header(16, 8), Imf::UINT);
   expect_color(read_linear(path, {}), {2.0, 300.0, 70000.0});
   EXPECT_FALSE(read_linear(path, {}).display);
 }
@@ -341,7 +349,7 @@ TEST_F(PicturesTest, RadianceFlatAndInRuns) {
   EXPECT_EQ(flat.height, 2u);
   EXPECT_FALSE(flat.display);
   EXPECT_EQ(color_at(flat, 0), (Color{1, .5, 0}));
-  EXPECT_EQ(color_at(flat, 1), (Color{0, 0, 0})); // exponent 0 is black
+  EXPECT_EQ(color_at(flat, 1), (Color{0, 0, 0}));                                       // exponent 0 is black
   const auto header = "# words\nEXPOSURE=2\nFORMAT=32-bit_rle_rgbe\nVIEW= -vp 0 0 0\n"; // exposure is not divided out
   EXPECT_EQ(color_at(read_linear(write("a.hdr", radiance("-Y 1 +X 1", {1, 2, 3, 136}, header)), {})), (Color{1, 2, 3}));
   const Bytes red{128 + 10, 16}, green{3, 1, 2, 3, 128 + 7, 4}, blue{10, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9},
@@ -408,7 +416,8 @@ TEST_F(PicturesTest, RadianceWrittenComesBack) {
     rgb.resize(width * 9);
     const LinearPicture back = read_linear(write("a.hdr", picture_module("").encode_radiance(width, 3, rgb)), {});
     ASSERT_EQ(back.width, width);
-    for (std::size_t i = 0; i < rgb.size(); ++i) ASSERT_FLOAT_EQ(back.planes[i % 3][i / 3], rgb[i]) << width << " " << i;
+    for (std::size_t i = 0; i < rgb.size(); ++i)
+      ASSERT_FLOAT_EQ(back.planes[i % 3][i / 3], rgb[i]) << width << " " << i;
   }
 }
 
@@ -427,7 +436,23 @@ double from_byte(double value) { return std::pow((value / 255.0 + 0.055) / 1.055
 const Color kBytes{from_byte(204), from_byte(102), from_byte(51)};
 
 Bytes targa(const Bytes& pixel) {
-  return Bytes{0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 2, 0, 1, 0, static_cast<std::uint8_t>(8 * pixel.size()),
+  return Bytes{0,
+               0,
+               2,
+               0,
+               0,
+               0,
+               0,
+               0,
+               0,
+               0,
+               0,
+               0,
+               2,
+               0,
+               1,
+               0,
+               static_cast<std::uint8_t>(8 * pixel.size()),
                static_cast<std::uint8_t>(0x20 | (pixel.size() == 4 ? 8 : 0))} +
          pixel + pixel;
 }
@@ -457,7 +482,8 @@ Bytes dds(std::uint32_t caps = 0) {
   std::array<std::uint32_t, 32> words{};
   words[0] = 0x20534444;
   words[1] = 124, words[2] = 0x1007, words[3] = 1, words[4] = 2, words[19] = 32, words[20] = 0x41, words[22] = 32;
-  words[23] = 0xff0000, words[24] = 0xff00, words[25] = 0xff, words[26] = 0xff000000, words[27] = caps != 0 ? 0x1008 : 0x1000;
+  words[23] = 0xff0000, words[24] = 0xff00, words[25] = 0xff, words[26] = 0xff000000,
+  words[27] = caps != 0 ? 0x1008 : 0x1000;
   words[28] = caps;
   const Bytes pixel{51, 102, 204, 255};
   Bytes file = little(words) + pixel + pixel;
@@ -467,8 +493,8 @@ Bytes dds(std::uint32_t caps = 0) {
 
 // Channels one after another, not packed.
 Bytes photoshop(std::uint8_t channels = 3) {
-  return text("8BPS") + Bytes{0, 1, 0, 0, 0, 0, 0, 0, 0, channels, 0, 0, 0, 1, 0, 0, 0, 2, 0, 8, 0, 3} +
-         Bytes(12, 0) + Bytes{0, 0, 204, 204, 102, 102, 51, 51};
+  return text("8BPS") + Bytes{0, 1, 0, 0, 0, 0, 0, 0, 0, channels, 0, 0, 0, 1, 0, 0, 0, 2, 0, 8, 0, 3} + Bytes(12, 0) +
+         Bytes{0, 0, 204, 204, 102, 102, 51, 51};
 }
 
 Bytes floatmap() { // from the bottom row up
@@ -526,7 +552,7 @@ TEST_F(PicturesTest, EveryFormat) {
   expect("a.psd", photoshop());
   expect("a.ppm", text("P6\n2 1\n255\n") + Bytes{204, 102, 51, 204, 102, 51});
   expect("a.jp2", from_hex(kJpeg2000), 0.01);
-  expect("picture", bitmap()); // formats are known by their first bytes
+  expect("picture", bitmap());                                // formats are known by their first bytes
   const Bytes avif = from_hex(kAvif), heic = from_hex(kHeic); // where the installed library decodes them
   for (const Bytes& bytes : {avif, heic}) {
     const std::string path = write("a.heif", bytes);
@@ -542,7 +568,8 @@ TEST_F(PicturesTest, FloatsAreLinear) {
   EXPECT_EQ(color_at(map, 0), kColor);
   EXPECT_EQ(color_at(map, 2), (Color{1, 2, 3}));
   EXPECT_FALSE(map.display);
-  const LinearPicture deep = read_linear(write("a.tif", tiff(32, little(std::array<float, 6>{.25f, .5f, .75f, 4, 5, 6}))), {});
+  const LinearPicture deep =
+      read_linear(write("a.tif", tiff(32, little(std::array<float, 6>{.25f, .5f, .75f, 4, 5, 6}))), {});
   EXPECT_EQ(color_at(deep, 0), kColor);
   EXPECT_EQ(color_at(deep, 1), (Color{4, 5, 6}));
   EXPECT_FALSE(deep.display);
@@ -581,8 +608,8 @@ std::map<std::string, Bytes> samples(const TemporaryFolder& folder) {
     return Bytes(std::istreambuf_iterator<char>(file), {});
   };
   const Bytes exr = read(write_exr(folder.file("s.exr"), {{"R", .25f}, {"G", .5f}, {"B", .75f}}));
-  const Bytes parts = read(
-      write_parts(folder.file("p.exr"), {{"depth", {{"Z", 7.0f}}}, {"beauty", {{"R", .25f}, {"G", .5f}, {"B", .75f}}}}));
+  const Bytes parts = read(write_parts(folder.file("p.exr"),
+                                       {{"depth", {{"Z", 7.0f}}}, {"beauty", {{"R", .25f}, {"G", .5f}, {"B", .75f}}}}));
   return {{"a.exr", exr},
           {"parts.exr", parts},
           {"a.hdr", radiance("-Y 1 +X 9", Bytes{2, 2, 0, 9, 137, 1, 137, 2, 137, 3, 137, 136})},

@@ -128,7 +128,8 @@ Command add_compare(CLI::App& app) {
       "such.");
   const auto request = std::make_shared<CompareCommandRequest>();
   const auto keep = [](std::string& text) { return [&text](const FlagValue& value) { text = value.text; }; };
-  require(add_flag(*command, "Pictures", {"IMAGE", "FILE", ".exr, .hdr, .png, .jpg, or a picture of another format"}, keep(request->image)));
+  require(add_flag(*command, "Pictures", {"IMAGE", "FILE", ".exr, .hdr, .png, .jpg, or a picture of another format"},
+                   keep(request->image)));
   require(add_flag(*command, "Pictures", {"REFERENCE", "FILE", "what it should look like, of the same size"},
                    keep(request->reference)));
   add_flag(*command, "Output",

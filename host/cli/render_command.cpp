@@ -553,7 +553,7 @@ int run_render(RenderCommandRequest& request) {
   Prepared prepared = prepare(request);
   for (const std::string& path : request.output.pictures)
     if (picture_format(path) == PictureFormat::hdr) begin_loading_pictures(); // its writer, beside the render
-  request.render.settings.moving = prepared.packed.moves(); // else the shutter would cost something
+  request.render.settings.moving = prepared.packed.moves();                   // else the shutter would cost something
   const Choices choices = settle_choices(request, prepared);
   if (!choices.integrator.disagreement.empty()) prepared.warnings.add(choices.integrator.disagreement);
   if (const std::string unlit = unlit_bodies(prepared.packed); !unlit.empty()) prepared.warnings.add(unlit);

@@ -1,5 +1,5 @@
-// EXR files by OpenEXR, streamed through AtomicFile: OpenImageIO would hold a file of exact sums in memory as a whole. What
-// headers say of a render, and its sums, are read the same way; pictures as all others are, by host/images.
+// EXR files by OpenEXR, streamed through AtomicFile: OpenImageIO would hold a file of exact sums in memory as a whole.
+// What headers say of a render, and its sums, are read the same way; pictures as all others are, by host/images.
 #include "host/film/exr.h"
 
 #include <algorithm>

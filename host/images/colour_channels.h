@@ -17,8 +17,8 @@ struct ColourChannels {
 };
 
 // R, G and B of the first part that has them, in any case, or as words; else luminance, Y or L or what a format of one
-// channel calls I; else R, G and B of a layer, "NAME.R": of one whose name says that it is the whole picture if there is
-// one, of the first otherwise. Nothing where no channel is a colour: depth and alpha are none.
+// channel calls I; else R, G and B of a layer, "NAME.R": of one whose name says that it is the whole picture if there
+// is one, of the first otherwise. Nothing where no channel is a colour: depth and alpha are none.
 std::optional<ColourChannels> colour_channels(const std::vector<StoredPart>& parts);
 
 // "R, G, depth.Z": of all parts, for messages.

@@ -91,8 +91,8 @@ struct Stored {
 };
 
 void refuse_windows(const std::string& path, const StoredPart& part) {
-  const bool covered = part.x <= 0 && part.y <= 0 && part.x + part.width >= part.full_width &&
-                       part.y + part.height >= part.full_height;
+  const bool covered =
+      part.x <= 0 && part.y <= 0 && part.x + part.width >= part.full_width && part.y + part.height >= part.full_height;
   if (!covered)
     throw Error(path,
                 "has a data window (" + std::to_string(part.width) + " x " + std::to_string(part.height) +
@@ -139,8 +139,8 @@ std::vector<float> in_display_window(const StoredPart& part, std::vector<float> 
   return shown;
 }
 
-// An EXIF orientation is what is done to the stored picture: 2 mirrored, 3 turned by half, 4 upside down, 5 to 8 with rows
-// and columns exchanged.
+// An EXIF orientation is what is done to the stored picture: 2 mirrored, 3 turned by half, 4 upside down, 5 to 8 with
+// rows and columns exchanged.
 std::vector<float> upright(int orientation, std::uint32_t width, std::uint32_t height, std::vector<float> plane) {
   if (orientation < 2 || orientation > 8) return plane;
   const bool exchanged = orientation >= 5;
@@ -151,7 +151,8 @@ std::vector<float> upright(int orientation, std::uint32_t width, std::uint32_t h
   for (std::size_t y = 0; y < rows; ++y)
     for (std::size_t x = 0; x < columns; ++x) {
       const std::size_t across = exchanged ? y : x, down = exchanged ? x : y;
-      const std::size_t column = right_first ? width - 1 - across : across, row = bottom_first ? height - 1 - down : down;
+      const std::size_t column = right_first ? width - 1 - across : across,
+                        row = bottom_first ? height - 1 - down : down;
       turned[y * columns + x] = plane[row * width + column];
     }
   return turned;

@@ -20,12 +20,12 @@ struct ReadRequest {
   bool environment = false;
   // Colours are light, which is not negative: those outside of Rec. 709 are clipped where they would become so.
   bool light = false;
-  std::function<bool(const std::string&)> wanted;                    // channels besides colours; none if it is empty
+  std::function<bool(const std::string&)> wanted;                       // channels besides colours; none if it is empty
   std::function<void(std::uint32_t width, std::uint32_t height)> check; // throws to refuse a size
 };
 
-// The picture within its display window. Colours are those of colour_channels.h, multiplied by alpha where the file says
-// that they are not yet. Throws Error.
+// The picture within its display window. Colours are those of colour_channels.h, multiplied by alpha where the file
+// says that they are not yet. Throws Error.
 LinearPicture read_linear(const std::string& path, const ReadRequest& request);
 
 } // namespace wavepath

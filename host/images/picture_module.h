@@ -22,10 +22,10 @@ struct StoredPart {
   std::vector<std::string> channels;
   std::optional<std::size_t> unassociated_alpha; // the channel that colours are not yet multiplied by
   Encoding encoding = Encoding::linear;
-  double gamma = 1.0;                                  // of Encoding::gamma: linear = stored ^ gamma
-  std::optional<std::array<float, 8>> chromaticities;  // x and y of red, green, blue and white
-  int orientation = 1;                                 // as in EXIF: 1 is upright
-  bool display = false;                                // 8 or 16 bits for a display
+  double gamma = 1.0;                                 // of Encoding::gamma: linear = stored ^ gamma
+  std::optional<std::array<float, 8>> chromaticities; // x and y of red, green, blue and white
+  int orientation = 1;                                // as in EXIF: 1 is upright
+  bool display = false;                               // 8 or 16 bits for a display
   bool deep = false, cube = false;
 };
 
@@ -42,9 +42,10 @@ struct PictureModule {
   // numbers of EXR files keep their values; those of other formats become 0 to 1. Throws ImageError.
   std::vector<std::vector<float>> (*read)(const std::string& path, const char* format, std::uint64_t most_bytes,
                                           const ChooseStored& choose);
-  // A Radiance file of three interleaved channels, each from 0 to below 2^127, rounded to the nearest that the brightest
-  // channel of the pixel leaves. Throws ImageError.
-  std::vector<std::uint8_t> (*encode_radiance)(std::uint32_t width, std::uint32_t height, const std::vector<float>& rgb);
+  // A Radiance file of three interleaved channels, each from 0 to below 2^127, rounded to the nearest that the
+  // brightest channel of the pixel leaves. Throws ImageError.
+  std::vector<std::uint8_t> (*encode_radiance)(std::uint32_t width, std::uint32_t height,
+                                               const std::vector<float>& rgb);
 };
 
 inline constexpr const char* kPictureModuleFile = "libwavepath_pictures.so";

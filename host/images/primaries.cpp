@@ -35,8 +35,8 @@ bool is_rec709(const std::array<float, 8>& chromaticities) {
 }
 
 glm::dmat3 to_rec709(const std::array<float, 8>& chromaticities) {
-  const dmat3 matrix =
-      glm::inverse(rgb_to_xyz(kRec709)) * adapt_to_d65(chromaticities[6], chromaticities[7]) * rgb_to_xyz(chromaticities);
+  const dmat3 matrix = glm::inverse(rgb_to_xyz(kRec709)) * adapt_to_d65(chromaticities[6], chromaticities[7]) *
+                       rgb_to_xyz(chromaticities);
   for (int column = 0; column < 3; ++column)
     for (int row = 0; row < 3; ++row)
       if (!(std::abs(matrix[column][row]) < 1e3)) throw ImageError("has chromaticities that span no colours");

@@ -23,17 +23,24 @@ struct Signature {
 };
 
 constexpr Signature kSignatures[] = {
-    {0, "\x76\x2f\x31\x01"sv, "openexr"},   {0, "#?"sv, "hdr"},
-    {0, "\x89PNG\r\n\x1a\n"sv, "png"},      {0, "\xff\xd8\xff"sv, "jpeg"},
-    {8, "WEBP"sv, "webp"},                  {0, "II*\0"sv, "tiff"},
-    {0, "MM\0*"sv, "tiff"},                 {0, "II+\0"sv, "tiff"},
-    {0, "MM\0+"sv, "tiff"},                 {0, "BM"sv, "bmp"},
-    {0, "DDS "sv, "dds"},                   {0, "8BPS"sv, "psd"},
-    {0, "\0\0\0\x0cjP  \r\n\x87\n"sv, "jpeg2000"}, {0, "\xff\x4f\xff\x51"sv, "jpeg2000"},
+    {0, "\x76\x2f\x31\x01"sv, "openexr"},
+    {0, "#?"sv, "hdr"},
+    {0, "\x89PNG\r\n\x1a\n"sv, "png"},
+    {0, "\xff\xd8\xff"sv, "jpeg"},
+    {8, "WEBP"sv, "webp"},
+    {0, "II*\0"sv, "tiff"},
+    {0, "MM\0*"sv, "tiff"},
+    {0, "II+\0"sv, "tiff"},
+    {0, "MM\0+"sv, "tiff"},
+    {0, "BM"sv, "bmp"},
+    {0, "DDS "sv, "dds"},
+    {0, "8BPS"sv, "psd"},
+    {0, "\0\0\0\x0cjP  \r\n\x87\n"sv, "jpeg2000"},
+    {0, "\xff\x4f\xff\x51"sv, "jpeg2000"},
 };
 
-constexpr std::string_view kHeifBrands[] = {"heic"sv, "heix"sv, "heim"sv, "heis"sv, "hevc"sv, "hevx"sv,
-                                            "mif1"sv, "msf1"sv, "avif"sv, "avis"sv};
+constexpr std::string_view kHeifBrands[] = {"heic"sv, "heix"sv, "heim"sv, "heis"sv, "hevc"sv,
+                                            "hevx"sv, "mif1"sv, "msf1"sv, "avif"sv, "avis"sv};
 
 bool is_pnm(std::string_view head) {
   return head.size() > 2 && head[0] == 'P' && "123456fF"sv.find(head[1]) != std::string_view::npos &&

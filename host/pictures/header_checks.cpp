@@ -69,7 +69,8 @@ void check_dds(const std::string& path) {
   for (std::size_t i = 0; i < 32; ++i) words[i] = little_endian(file);
   const std::uint64_t height = words[3], width = words[4], code = words[21], bits = words[22];
   const bool packed = (words[20] & 4) != 0; // blocks of 4 x 4
-  constexpr std::uint64_t kDx10 = 0x30315844, kDxt1 = 0x31545844, kAti1 = 0x31495441, kBc4 = 0x55344342, kBc4s = 0x53344342;
+  constexpr std::uint64_t kDx10 = 0x30315844, kDxt1 = 0x31545844, kAti1 = 0x31495441, kBc4 = 0x55344342,
+                          kBc4s = 0x53344342;
   std::uint64_t header = 128, block = 16;
   if (packed && code == kDx10) {
     words[32] = little_endian(file);
@@ -92,7 +93,8 @@ void check_bitmap(const std::string& path) {
   const std::uint64_t width = little_endian(file, old ? 2 : 4), signed_height = little_endian(file, old ? 2 : 4);
   little_endian(file, 2); // planes
   const std::uint64_t bits = little_endian(file, 2), compression = old ? 0 : little_endian(file);
-  const std::uint64_t height = old || signed_height < 1u << 31 ? signed_height : (std::uint64_t{1} << 32) - signed_height;
+  const std::uint64_t height =
+      old || signed_height < 1u << 31 ? signed_height : (std::uint64_t{1} << 32) - signed_height;
   if (width == 0 || height == 0 || width >= 1u << 24 || height >= 1u << 24 || bits == 0 || bits > 32)
     throw ImageError("is damaged (its header tells no sound size)");
   const bool runs = compression == 1 || compression == 2; // two bytes stand for 255 pixels at the most

@@ -4,7 +4,6 @@
 #include "host/pictures/reader.h"
 
 extern "C" __attribute__((visibility("default"))) const wavepath::PictureModule* wavepath_pictures() {
-  static const wavepath::PictureModule module{wavepath::read_by_openimageio,
-                                              wavepath::encode_radiance_by_openimageio};
+  static const wavepath::PictureModule module{wavepath::read_by_openimageio, wavepath::encode_radiance_by_openimageio};
   return &module;
 }

@@ -64,11 +64,10 @@ void check_texel(const std::string& file, const glm::vec3& rgb, std::size_t x, s
 }
 
 void read_map(const std::string& file, Environment& environment) {
-  const LinearPicture picture =
-      read_linear(file, {.environment = true,
-                         .light = true,
-                         .wanted = {},
-                         .check = [&](std::uint32_t width, std::uint32_t height) { check_size(file, width, height); }});
+  const LinearPicture picture = read_linear(
+      file, {.environment = true, .light = true, .wanted = {}, .check = [&](std::uint32_t width, std::uint32_t height) {
+               check_size(file, width, height);
+             }});
   environment.width = picture.width;
   environment.height = picture.height;
   environment.map.resize(picture.planes[0].size());

@@ -8,8 +8,8 @@
 
 #include "host/base/error.h"
 #include "host/gpu/commands.h"
-#include "host/render/device/query_scene.h"
 #include "host/images/srgb.h"
+#include "host/render/device/query_scene.h"
 #include "kernels/light_tree_types.h"
 #include "kernels/scene_types.h"
 
