@@ -213,7 +213,7 @@ TEST(Files, AreCheckedBeforeAnythingIsLoaded) {
                "does not exist; create it first");
   std::ofstream(folder.file("r.exr")) << "no picture";
   expect_error({"render", nonsense, "-o", folder.file("a.exr"), "--reference", folder.file("r.exr")}, 1,
-               "r.exr: OpenEXR cannot read it");
+               "r.exr: cannot be opened as an image");
   expect_error({"render", nonsense, "-o", folder.file("r.exr"), "--reference", folder.file("r.exr")}, 2,
                "would overwrite an input");
   EXPECT_FALSE(std::filesystem::exists(folder.file("a.exr")));
