@@ -63,23 +63,24 @@ TEST_P(ManyLights, EightFitAtTheDefaultSize) {
   EXPECT_EQ(std::ranges::count(bias, report.smaller), report.smaller.empty() ? 0 : 1);
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    OfEveryTechnique, ManyLights,
-    testing::Values(Technique{"map", Many::points}, Technique{"map-id", Many::spots}, Technique{"pcf", Many::spots},
-                    Technique{"vsm", Many::spots}, Technique{"esm", Many::suns}, Technique{"evsm", Many::points},
-                    Technique{"moment", Many::spots}, Technique{"leak", Many::points}, Technique{"pcss", Many::squares},
-                    Technique{"vssm", Many::squares}, Technique{"average", Many::squares},
-                    Technique{"cascades", Many::suns}, Technique{"sdsm", Many::suns}, Technique{"lispsm", Many::suns},
-                    Technique{"tsm", Many::suns}, Technique{"psm", Many::suns}, Technique{"cube", Many::points},
-                    Technique{"paraboloid", Many::points}, Technique{"virtual", Many::spots},
-                    Technique{"izb", Many::points}, Technique{"planar", Many::points},
-                    Technique{"lightmap", Many::points}, Technique{"projected", Many::spots},
-                    Technique{"zpass", Many::points}, Technique{"zfail", Many::points}),
-    [](const auto& info) {
-      std::string name(info.param.name);
-      std::erase(name, '-');
-      return name;
-    });
+INSTANTIATE_TEST_SUITE_P(OfEveryTechnique, ManyLights,
+                         testing::Values(Technique{"map", Many::points}, Technique{"map-id", Many::spots},
+                                         Technique{"pcf", Many::spots}, Technique{"vsm", Many::spots},
+                                         Technique{"esm", Many::suns}, Technique{"evsm", Many::points},
+                                         Technique{"moment", Many::spots}, Technique{"leak", Many::points},
+                                         Technique{"pcss", Many::squares}, Technique{"vssm", Many::squares},
+                                         Technique{"average", Many::squares}, Technique{"cascades", Many::suns},
+                                         Technique{"sdsm", Many::suns}, Technique{"lispsm", Many::suns},
+                                         Technique{"tsm", Many::suns}, Technique{"psm", Many::suns},
+                                         Technique{"cube", Many::points}, Technique{"paraboloid", Many::points},
+                                         Technique{"virtual", Many::spots}, Technique{"izb", Many::points},
+                                         Technique{"planar", Many::points}, Technique{"lightmap", Many::points},
+                                         Technique{"projected", Many::spots}, Technique{"zfail", Many::points}),
+                         [](const auto& info) {
+                           std::string name(info.param.name);
+                           std::erase(name, '-');
+                           return name;
+                         });
 
 TEST_F(ChosenSize, IsKeptOrRefused) {
   RenderSettings settings = small("vsm");

@@ -2,6 +2,7 @@
 #include "host/scene/pack/emission.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <numbers>
 #include <optional>
@@ -16,11 +17,11 @@ namespace {
 
 constexpr int kSubdivision = 8;                // 64 congruent pieces of a part, one look-up in the middle of each
 constexpr double kFewTexels = 4.0;             // along a side: such parts are integrated, larger ones judged by blocks
-constexpr double kSmallestSide = 0.5;          // texels: of parts that are not cut
+constexpr double kSmallestSide = 0.125;        // texels: of parts that are not cut
 constexpr std::uint32_t kMostDepth = 12;       // 4096 cells along a side
-constexpr std::uint64_t kMostParts = 1u << 18; // of all triangles that are cut: 2 MiB
+constexpr std::uint64_t kMostParts = 1u << 17; // of all triangles that are cut: 1 MiB
 // A part is cut if its variance costs more than this share of the light of its material.
-constexpr double kWorthCutting = 0x1p-13;
+constexpr double kWorthCutting = 0x1p-17;
 
 // A part of a triangle, by what its corners look up.
 struct PartPlace {
@@ -108,6 +109,7 @@ std::optional<EmissionMoments> integrated(const EmissionMap& map, const PartPlac
       cell = column;
       clip(cell, rest, 1, y, 1.0);
       clip(cell, rest, 1, y + 1.0, -1.0);
+      if (cell.size() < 3) continue;
       for (std::size_t i = 2; i < cell.size(); ++i) add_triangle(map, cell[0], cell[i - 1], cell[i], all);
     }
   }
@@ -143,8 +145,10 @@ PartLight light_of(const EmissionMap& map, const PartPlace& part) {
 
 class Cutter {
 public:
-  // `worth`: excess of density times the part's share of the triangle.
-  Cutter(const EmissionMap& map, double worth) : map_(map), worth_(worth) {}
+  // `worth`: excess of density times the part's share of the triangle. `count`: of the parts of all triangles; no part
+  // is cut once they are too many.
+  Cutter(const EmissionMap& map, double worth, std::atomic<std::uint64_t>& count)
+      : map_(map), worth_(worth), count_(count) {}
 
   std::vector<EmissionPart> cut(const PartPlace& whole, std::uint8_t& depth) {
     add(whole, 0, 0);
@@ -157,13 +161,14 @@ private:
   // `end` is the number of the part among all of its size until all of them are there.
   void add(const PartPlace& part, std::uint32_t level, std::uint32_t number) {
     const PartLight light = light_of(map_, part);
-    const bool cut = level < kMostDepth && light.side > kSmallestSide &&
+    const bool cut = level < kMostDepth && light.side > kSmallestSide && count_ <= kMostParts &&
                      light.excess > worth_ * static_cast<double>(std::uint64_t{1} << 2 * level);
     if (!cut) {
       parts_.push_back({number, light.density});
       levels_.push_back(level);
       return;
     }
+    count_ += level > 0 ? 3 : 4;
     const std::size_t first = parts_.size();
     for (int quarter = 0; quarter < 4; ++quarter)
       add(quarter_of(part, quarter), level + 1, number << 2 | static_cast<std::uint32_t>(quarter));
@@ -178,6 +183,7 @@ private:
 
   const EmissionMap& map_;
   double worth_;
+  std::atomic<std::uint64_t>& count_;
   std::vector<EmissionPart> parts_;
   std::vector<std::uint32_t> levels_;
 };
@@ -250,14 +256,14 @@ Emission find_emission(const PackedScene& packed, std::span<const Object> object
   tbb::parallel_for(std::size_t{0}, textured.size(),
                     [&](std::size_t i) { means[i] = light_of(*maps[textured[i].material], textured[i].whole).mean; });
   for (std::size_t i = 0; i < textured.size(); ++i) totals[textured[i].material] += means[i] * textured[i].area;
-  for (double worth = kWorthCutting;; worth *= 2.0) {
+  for (double worth = kWorthCutting;; worth *= 4.0) {
+    std::atomic<std::uint64_t> parts =
+        0; // never above kMostParts in the pass that is kept, so that no order of threads shows
     tbb::parallel_for(std::size_t{0}, textured.size(), [&](std::size_t i) {
       Textured& triangle = textured[i];
-      Cutter cutter(*maps[triangle.material], worth * totals[triangle.material] / triangle.area);
+      Cutter cutter(*maps[triangle.material], worth * totals[triangle.material] / triangle.area, parts);
       triangle.parts = cutter.cut(triangle.whole, triangle.depth);
     });
-    std::uint64_t parts = 0;
-    for (const Textured& triangle : textured) parts += triangle.parts.size() > 1 ? triangle.parts.size() : 0;
     if (parts <= kMostParts) break;
   }
 

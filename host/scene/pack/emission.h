@@ -31,9 +31,9 @@ struct Emission {
   std::span<const EmissionPart> parts_of(std::size_t triangle) const;
 };
 
-// Triangles are cut where their emission texture varies, down to half a texel where much of the light comes from; all
-// copies of a triangle alike. The density of a part is zero exactly where no look-up within it can yield light, and on
-// unlit triangles. Empty if no triangle emits.
+// Triangles are cut where their emission texture varies, down to an eighth of a texel where much of the light comes
+// from; all copies of a triangle alike. The density of a part is zero exactly where no look-up within it can yield
+// light, and on unlit triangles. Empty if no triangle emits.
 Emission find_emission(const PackedScene& packed, std::span<const Object> objects);
 
 } // namespace wavepath
