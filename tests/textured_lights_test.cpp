@@ -124,10 +124,14 @@ std::vector<double> expected_floor(const TexturedLamp& lamp, int pixels) {
   return floor;
 }
 
+// Of green, relative: of the mean picture, and root-mean-square over the pixels.
+struct FloorError {
+  double mean = 0.0, rms = 0.0;
+};
+
 class TexturedLights : public VulkanTest {
 protected:
-  // Relative root-mean-square error of green.
-  double error(const TexturedLamp& lamp, const std::vector<double>& floor, RenderSettings settings) {
+  FloorError error(const TexturedLamp& lamp, const std::vector<double>& floor, RenderSettings settings) {
     settings.width = settings.height = 64;
     settings.last_sample = 64;
     settings.max_depth = 1;
@@ -136,10 +140,19 @@ protected:
     const View view = resolve_view(scene, {}, settings.width, settings.height);
     const PackedScene packed = pack(scene, {.direct = settings.direct, .lights = settings.lights});
     const RenderResult result = render(device(), packed, view, settings, RenderHooks{}, shared_kernels(device()));
-    double sum = 0.0;
+    double sum = 0.0, mean = 0.0;
     const std::vector<float>& green = result.picture.channels[1].values;
-    for (std::size_t i = 0; i < floor.size(); ++i) sum += std::pow(green[i] / floor[i] - 1.0, 2.0);
-    return std::sqrt(sum / static_cast<double>(floor.size()));
+    const double one = 1.0 / static_cast<double>(floor.size());
+    for (std::size_t i = 0; i < floor.size(); ++i) {
+      const double off = green[i] / floor[i] - 1.0;
+      sum += one * off * off, mean += one * off;
+    }
+    return {std::abs(mean), std::sqrt(sum)};
+  }
+  // Without cuts where filtering reaches, the reported lamp has a mean 54 % off and pixels 250 %.
+  static void expect_small(const FloorError& error) {
+    EXPECT_LT(error.mean, 0.002);
+    EXPECT_LT(error.rms, 0.02);
   }
 
   void expect_exact(const TexturedLamp& lamp) {
@@ -148,7 +161,8 @@ protected:
     settings.integrator = &kPath;
     for (const std::uint32_t direct : {gpu::kDirectNee, gpu::kDirectMis}) {
       settings.direct = direct;
-      EXPECT_LT(error(lamp, floor, settings), 0.01) << "direct " << direct;
+      SCOPED_TRACE(direct);
+      expect_small(error(lamp, floor, settings));
     }
   }
 };
@@ -182,12 +196,12 @@ TEST_F(TexturedLights, AreExactByEveryWayToPickThem) {
   RenderSettings settings;
   settings.integrator = &kPath;
   settings.lights = gpu::kLightsTree;
-  EXPECT_LT(error(lamp, floor, settings), 0.01);
+  expect_small(error(lamp, floor, settings));
   settings.lights = gpu::kLightsLearned;
-  EXPECT_LT(error(lamp, floor, settings), 0.01);
+  expect_small(error(lamp, floor, settings));
   settings.lights = gpu::kLightsPower;
   settings.integrator = &kBidirectional;
-  EXPECT_LT(error(lamp, floor, settings), 0.01);
+  expect_small(error(lamp, floor, settings));
 }
 
 // A lamp of which chance finds enough: rays alone agree with light samples.
@@ -197,7 +211,7 @@ TEST_F(TexturedLights, AgreeWithRaysAlone) {
   RenderSettings settings;
   settings.integrator = &kPath;
   settings.direct = gpu::kDirectMis;
-  EXPECT_LT(error(lamp, floor, settings), 0.02);
+  expect_small(error(lamp, floor, settings));
   settings.direct = gpu::kDirectBsdf;
   settings.width = settings.height = 64;
   settings.last_sample = 64;

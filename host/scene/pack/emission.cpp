@@ -21,7 +21,7 @@ constexpr double kSmallestSide = 0.125;        // texels: of parts that are not 
 constexpr std::uint32_t kMostDepth = 12;       // 4096 cells along a side
 constexpr std::uint64_t kMostParts = 1u << 17; // of all triangles that are cut: 1 MiB
 // A part is cut if its variance costs more than this share of the light of its material.
-constexpr double kWorthCutting = 0x1p-17;
+constexpr double kWorthCutting = 0x1p-19;
 
 // A part of a triangle, by what its corners look up.
 struct PartPlace {
