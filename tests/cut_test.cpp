@@ -129,10 +129,10 @@ TEST(CutHuge, PiecesAreAsSmallAsTheyAreNear) {
 
 TEST(CutHuge, TellsWhenThereWereTooMany) {
   Scene scene = ground_scene(1e7f);
-  EXPECT_FALSE(cut_of(scene, {{0.0, 1.0, 0.0}}).coarse);
-  for (int i = 0; i < 300; ++i)
-    add_instance(scene, 0, glm::translate(glm::dmat4(1.0), glm::dvec3(0.0, -0.01 * i, 0.0)));
-  const Cut cut = cut_of(scene, {{0.0, 1.0, 0.0}});
+  EXPECT_FALSE(cut_of(scene, {{3e5, 1.0, 1.1e5}}).coarse);
+  for (int i = 0; i < 600; ++i)
+    add_instance(scene, 0, glm::translate(glm::dmat4(1.0), glm::dvec3(0.0, -1e-3 * i, 0.0)));
+  const Cut cut = cut_of(scene, {{3e5, 1.0, 1.1e5}});
   EXPECT_TRUE(cut.coarse);
   EXPECT_LE(cut.pieces.size(), kMostPieces);
   EXPECT_GT(cut.pieces.size(), kMostPieces / 16);
