@@ -78,7 +78,8 @@ GPU_CONSTANT Feature kFeatureSampledTextures =
 GPU_CONSTANT Feature kFeatureExactTextures = GPU_LOBE(14); // but beside these there are some that they do not
 GPU_CONSTANT Feature kFeatureLearnedSky =
     GPU_LOBE(15); // parts of the environment map are picked in shares that a pilot has learned
-GPU_CONSTANT Feature kFeatureWalls = GPU_LOBE(16); // bodies of ior 1, whose walls shadow rays pass; beside kFeaturePanes
+GPU_CONSTANT Feature kFeatureWalls =
+    GPU_LOBE(16); // bodies of ior 1, whose walls shadow rays pass; beside kFeaturePanes
 GPU_CONSTANT Feature kLobesLayered = GPU_LOBE(8) - GPU_LOBE(0); // those that only the LAYERED builds of kernels know
 
 // ---- specialization constants ---------------------------------------------------------------------------------------

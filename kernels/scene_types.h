@@ -56,7 +56,8 @@ GPU_CONSTANT uint kLeafFirstMask = 0x0fffffffu;
 GPU_CONSTANT uint kTriangleSingleSided = 1u << 31; // invisible from behind
 GPU_CONSTANT uint kTriangleAlpha = 1u << 30;       // MASK or BLEND that lets some rays pass, or unlit
 GPU_CONSTANT uint kTriangleSmooth = 1u << 29;      // has vertex normals
-GPU_CONSTANT uint kTrianglePane = 1u << 28;        // its material may be a thin smooth pane, or a body of ior 1: light passes unbent
+GPU_CONSTANT uint kTrianglePane =
+    1u << 28; // its material may be a thin smooth pane, or a body of ior 1: light passes unbent
 GPU_CONSTANT uint kTriangleMaterialMask = kTrianglePane - 1u;
 
 // Set in the id of a piece that a huge triangle was cut into (host/scene/pack/cut.h), but for the first one, which keeps

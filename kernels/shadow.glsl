@@ -47,7 +47,7 @@ bool passes_pane(Hit hit, float place) {
   bool is_wall = uses_walls() && is_unbending_wall(v.bsdf);
   vec3 passed = is_wall || is_pane(v.bsdf) ? pane_transmittance(v.bsdf, dot(v.wo, v.normal)) : vec3(0.0);
   if (is_pane_too_many() || !(max_component(passed) > 0.0)) return false;
-  if (is_wall && !keep_wall(v.surface.material, v.front, place)) return false;
+  if (is_wall && has(kFeatureVolume)) return keep_wall(v.surface.material, v.front, place, min(passed, vec3(1.0)));
   uvec3 steps = uvec3(shadow_steps(min(passed.x, 1.0)), shadow_steps(min(passed.y, 1.0)), shadow_steps(min(passed.z, 1.0)));
   steps = mix(uvec3(kOpaqueShadow), steps, greaterThan(passed, vec3(0.0)));
   pane_depth = min(pane_depth + steps, uvec3(kOpaqueShadow)); // a colour that is gone stays gone

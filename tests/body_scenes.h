@@ -1,5 +1,6 @@
-// Scenes by chance, from a seed: bodies that nest, touch, overlap or stand apart, thick and thin, clear and absorbing, smooth
-// and rough, with cameras and lamps in and out of them. For tests that compare integrators on scenes that nobody chose.
+// Scenes by chance, from a seed: bodies that nest, touch, overlap or stand apart, thick and thin, clear and absorbing,
+// smooth and rough, with cameras and lamps in and out of them. For tests that compare integrators on scenes that nobody
+// chose.
 #pragma once
 
 #include <cmath>
@@ -99,7 +100,7 @@ inline BodyScene body_scene_of(std::uint32_t seed) {
   const std::uint32_t meshes[] = {add_mesh(scene, unit_body(false)), add_mesh(scene, unit_body(true))};
   const auto add_body = [&](const Material& material, glm::dmat4 place, bool ball) {
     if (dice.one_in(4)) place = place * placed({}, {-1, 1, 1}); // mirrored
-    if (dice.one_in(4)) place[1] += 0.3 * place[0];              // sheared
+    if (dice.one_in(4)) place[1] += 0.3 * place[0];             // sheared
     Mesh mesh = scene.meshes[meshes[ball ? 1 : 0]];
     mesh.primitives[0].material = add_material(material);
     scene.meshes.push_back(mesh);
@@ -122,11 +123,13 @@ inline BodyScene body_scene_of(std::uint32_t seed) {
     add_instance(scene, add_mesh(scene, quad({-1, -1.6f, 1.9f}, {2, -1.6f, 1.8f}, {2, 1, 1.8f}, {-1, 1, 1.9f}),
                                  add_material(body_material(true))));
   // Something that is no body within the first one, and something outside.
-  add_box(scene, glm::vec3(middle) + glm::vec3(-0.5f, -0.7f, -0.6f), glm::vec3(middle) + glm::vec3(0.1f, -0.4f, 0.1f), grey);
+  add_box(scene, glm::vec3(middle) + glm::vec3(-0.5f, -0.7f, -0.6f), glm::vec3(middle) + glm::vec3(0.1f, -0.4f, 0.1f),
+          grey);
   add_box(scene, {1.5f, -1.6f, 1.9f}, {2.2f, -0.9f, 2.5f}, grey);
 
   const auto place_of_lamp = [&](bool inside) {
-    return inside ? middle + 0.3 * dice.point(1.0) * large : glm::dvec3(dice.between(-2, 2), dice.between(1.9, 2.8), 2.2);
+    return inside ? middle + 0.3 * dice.point(1.0) * large
+                  : glm::dvec3(dice.between(-2, 2), dice.between(1.9, 2.8), 2.2);
   };
   const int lamps = 1 + dice.below(2);
   for (int i = 0; i < lamps; ++i) {
@@ -134,7 +137,9 @@ inline BodyScene body_scene_of(std::uint32_t seed) {
     const glm::dvec3 at = place_of_lamp(inside);
     if (made.punctual) {
       PunctualLight light;
-      light.kind = dice.one_in(3) ? LightKind::spot : !inside && dice.one_in(2) ? LightKind::directional : LightKind::point;
+      light.kind = dice.one_in(3)              ? LightKind::spot
+                   : !inside && dice.one_in(2) ? LightKind::directional
+                                               : LightKind::point;
       light.intensity = light.kind == LightKind::directional ? glm::vec3(2.0f) : glm::vec3(4.0f, 3.0f, 5.0f);
       light.position = at;
       light.direction = glm::normalize(glm::dvec3(dice.between(-0.4, 0.4), -1.0, dice.between(-0.6, 0.2)));
@@ -153,13 +158,14 @@ inline BodyScene body_scene_of(std::uint32_t seed) {
     }
   }
   if (dice.one_in(made.punctual ? 4 : 2)) {
-    if (dice.one_in(2)) add_sky(scene);
-    else scene.environment.radiance = glm::vec3(0.4f, 0.5f, 0.6f);
+    if (dice.one_in(2))
+      add_sky(scene);
+    else
+      scene.environment.radiance = glm::vec3(0.4f, 0.5f, 0.6f);
   }
   const bool outside = dice.one_in(2), orthographic = outside && dice.one_in(3); // its rays must begin in one body, too
-  const glm::dvec3 eye =
-      outside ? glm::dvec3(dice.between(-1, 2), dice.between(0, 1.2), dice.between(2.9, 3.6))
-              : middle + 0.4 * large * glm::dvec3(dice.between(0.2, 0.9), dice.between(0, 0.8), 0.9);
+  const glm::dvec3 eye = outside ? glm::dvec3(dice.between(-1, 2), dice.between(0, 1.2), dice.between(2.9, 3.6))
+                                 : middle + 0.4 * large * glm::dvec3(dice.between(0.2, 0.9), dice.between(0, 0.8), 0.9);
   scene.cameras.push_back(camera_at(eye, orthographic));
   scene.cameras.back().yfov = 1.0;
   if (dice.one_in(4)) made.aperture = 0.1;

@@ -1,5 +1,5 @@
-// Integrators and sets of techniques agree with path tracing on scenes by chance (tests/body_scenes.h). The suite takes a few;
-// WAVEPATH_CROSS_CHECK=FIRST:COUNT takes others, and says which disagree:
+// Integrators and sets of techniques agree with path tracing on scenes by chance (tests/body_scenes.h). The suite takes
+// a few; WAVEPATH_CROSS_CHECK=FIRST:COUNT takes others, and says which disagree:
 //   WAVEPATH_CROSS_CHECK=0:50 build/tests/cross_check_test
 #include <cstdio>
 #include <cstdlib>

@@ -177,7 +177,8 @@ TEST_F(MaterialRender, MistScattersAsItsPhaseFunctionSays) {
   }
 }
 
-// A floor under fog of ior 1 has what the sun keeps on its way, whatever the walls: rough, tinted, nested, overlapping, mirrored.
+// A floor under fog of ior 1 has what the sun keeps on its way, whatever the walls: rough, tinted, nested, overlapping,
+// mirrored.
 TEST_F(MaterialRender, FogDimsTheSun) {
   constexpr float kThick = 0.3f, kOther = 0.9f;
   constexpr double kCosine = 0.8, kAbove = 0.5; // of the sun; the camera above the floor, which lies at y = -1
@@ -201,16 +202,17 @@ TEST_F(MaterialRender, FogDimsTheSun) {
   rough.roughness = 1.0f;
   tinted.base_color = {0.25f, 0.25f, 0.25f, 1.0f};
   const std::vector<glm::vec3> around = slab(-2.0f, 2.0f);
-  for (const Case& c : std::vector<Case>{{"around all", {{around, fog}}, 3.0, 0.0},
-                                         {"above all", {{slab(0.0f, 1.5f), fog}}, 1.5, 0.0},
-                                         {"rough", {{around, rough}}, 3.0, 0.0},
-                                         {"tinted", {{around, tinted}}, 3.0, 0.0, 0.25},
-                                         {"mirrored", {{around, fog}}, 3.0, 0.0, 1.0, true},
-                                         {"nested", {{around, fog}, {narrow(0.0f, 1.0f), other}}, 2.0, 1.0},
-                                         {"overlapping", {{around, fog}, {narrow(1.5f, 3.0f), other}}, 2.5, 1.5},
-                                         {"one above the other", {{around, fog}, {slab(2.5f, 3.5f), other}}, 3.0, 1.0},
-                                         {"around and within", {{around, fog}, {narrow(-1.8f, 1.0f), other}}, 1.0, 2.0},
-                                         {"a pane above", {{around, fog}, {slab(4.0f, 4.0f), glass}}, 3.0, 0.0, 0.25}}) {
+  for (const Case& c :
+       std::vector<Case>{{"around all", {{around, fog}}, 3.0, 0.0},
+                         {"above all", {{slab(0.0f, 1.5f), fog}}, 1.5, 0.0},
+                         {"rough", {{around, rough}}, 3.0, 0.0},
+                         {"tinted", {{around, tinted}}, 3.0, 0.0, 0.25},
+                         {"mirrored", {{around, fog}}, 3.0, 0.0, 1.0, true},
+                         {"nested", {{around, fog}, {narrow(0.0f, 1.0f), other}}, 2.0, 1.0},
+                         {"overlapping", {{around, fog}, {narrow(1.5f, 3.0f), other}}, 2.5, 1.5},
+                         {"one above the other", {{around, fog}, {slab(2.5f, 3.5f), other}}, 3.0, 1.0},
+                         {"around and within", {{around, fog}, {narrow(-1.8f, 1.0f), other}}, 1.0, 2.0},
+                         {"a pane above", {{around, fog}, {slab(4.0f, 4.0f), glass}}, 3.0, 0.0, 0.25}}) {
     Scene scene;
     scene.path = "test";
     scene.materials.push_back(plain_material());
@@ -226,15 +228,18 @@ TEST_F(MaterialRender, FogDimsTheSun) {
     sun.kind = LightKind::directional;
     sun.direction = {0.6, -0.8, 0.0};
     scene.lights.push_back(sun);
-    const bool camera_in_fog = c.name != std::string("above all"), in_other = c.name == std::string("around and within");
+    const bool camera_in_fog = c.name != std::string("above all"),
+               in_other = c.name == std::string("around and within");
     const double eye = !camera_in_fog ? 0.0 : in_other ? kOther * kAbove : kThick * kAbove;
     const double passed = c.passed * std::exp(-(kThick * c.fog + kOther * c.other) / kCosine - eye);
     const double expected = 0.5 / kPi * kCosine * passed;
-    EXPECT_NEAR(mean(scene, orthographic({0, -1, 0}, {0, -1, 0}, 0.01, kAbove), 2, 4, 6).y, expected, 2e-5 * expected) << c.name;
+    EXPECT_NEAR(mean(scene, orthographic({0, -1, 0}, {0, -1, 0}, 0.01, kAbove), 2, 4, 6).y, expected, 2e-5 * expected)
+        << c.name;
   }
 }
 
-// A lamp within milk that bends light, which no shadow ray could leave, lights it: radiance of a thin body that scatters once.
+// A lamp within milk that bends light, which no shadow ray could leave, lights it: radiance of a thin body that
+// scatters once.
 TEST_F(MaterialRender, LampsWithinBodiesLightThem) {
   constexpr float kDensity = 0.01f; // per metre: little is scattered twice
   for (const float ior : {1.0f, 1.33f}) {

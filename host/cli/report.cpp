@@ -111,7 +111,8 @@ std::vector<std::string> list_bias(const RenderSettings& settings, const PackedS
                                 percent_text(cut->share, cut->standard_error), cut->deeper);
   if (lost && lost->disagrees)
     bias.emplace_back(
-        "path and bidirectional disagree on light that both find, after one bounce: one of them is wrong; please report "
+        "path and bidirectional disagree on light that both find, after one bounce: one of them is wrong; please "
+        "report "
         "this with the scene");
   else if (lost)
     bias.push_back(fmt::format(

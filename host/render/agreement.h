@@ -12,10 +12,10 @@ struct Disagreement {
   double standard_error = 0.0; // of that
 };
 
-// Renders small pictures by both with one bounce. Light that is scattered once has met neither mirror nor smooth glass on
-// its way, so that every complete way finds all of it: what differs by more than four standard errors and a percent, in
-// a second trial with another seed and four times the samples as well, and to the same side, is no chance. Nothing where
-// they agree.
+// Renders small pictures by both with one bounce. Light that is scattered once has met neither mirror nor smooth glass
+// on its way, so that every complete way finds all of it: what differs by more than four standard errors and a percent,
+// in a second trial with another seed and four times the samples as well, and to the same side, is no chance. Nothing
+// where they agree.
 std::optional<Disagreement> find_disagreement(Device& device, const PackedScene& scene, const View& view,
                                               const RenderSettings& first, const RenderSettings& second,
                                               KernelCompiler& kernels, SceneOnDevice& shared);

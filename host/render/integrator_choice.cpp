@@ -232,8 +232,9 @@ IntegratorChoice choose_integrator(Device& device, const PackedScene& scene, con
   }
   const auto disagree = [&](std::size_t i, const std::string& how) {
     choice.trials[i].disagrees = true;
-    choice.disagreement = fmt::format("{} and {} disagree on light that both find, {}: one of them is wrong, please report it with the scene",
-                                      choice.trials[i].flags, choice.trials[0].flags, how);
+    choice.disagreement = fmt::format(
+        "{} and {} disagree on light that both find, {}: one of them is wrong, please report it with the scene",
+        choice.trials[i].flags, choice.trials[0].flags, how);
     choice.taken = best_of(choice.trials);
   };
   for (std::size_t i = 1; i < pilots.size(); ++i) {
@@ -245,8 +246,8 @@ IntegratorChoice choose_integrator(Device& device, const PackedScene& scene, con
       disagree(i, "each brighter than the other somewhere");
   }
   if (choice.taken > 0 && pilots[choice.taken].settings.integrator != pilots[0].settings.integrator)
-    if (const auto apart = find_disagreement(device, scene, view, pilots[0].settings,
-                                             pilots[choice.taken].settings, kernels, shared))
+    if (const auto apart =
+            find_disagreement(device, scene, view, pilots[0].settings, pilots[choice.taken].settings, kernels, shared))
       disagree(choice.taken, fmt::format("by {:.2g} % +- {:.1g} % after one bounce", 100.0 * apart->share,
                                          100.0 * apart->standard_error));
   choice.settings = pilots[choice.taken].settings;

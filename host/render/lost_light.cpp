@@ -36,7 +36,8 @@ std::string unlit_bodies(const PackedScene& scene) {
     dark |= scene.layers[i].scattering != glm::vec3(0.0f) && scene.materials[i].ior != 1.0f &&
             (scene.materials[i].flags >> gpu::kMaterialPriorityShift) != 0;
   if (!dark) return {};
-  return "point, spot and directional lights do not shine into bodies that scatter through walls that refract (ior other "
+  return "point, spot and directional lights do not shine into bodies that scatter through walls that refract (ior "
+         "other "
          "than 1): what they would light there stays dark; emissive surfaces and skies are found by chance";
 }
 

@@ -12,8 +12,8 @@ namespace wavepath {
 struct LostLight {
   double share = 0.0;          // of all light, missing
   double standard_error = 0.0; // of that
-  // The two integrators disagree on light that both find (agreement.h): then one of them is wrong, and the difference is
-  // no loss.
+  // The two integrators disagree on light that both find (agreement.h): then one of them is wrong, and the difference
+  // is no loss.
   bool disagrees = false;
 };
 
@@ -23,8 +23,8 @@ bool has_smooth_surface(const PackedScene& scene);
 // Whether the scene has both such lights and a surface of a single direction.
 bool may_lose_light(const PackedScene& scene);
 
-// What lamps and suns outside bodies that scatter do not light in them, because their walls refract: a sentence, empty if
-// there is no such body or no such light.
+// What lamps and suns outside bodies that scatter do not light in them, because their walls refract: a sentence, empty
+// if there is no such body or no such light.
 std::string unlit_bodies(const PackedScene& scene);
 
 // Renders a small picture with `settings`, and one by an integrator that has light paths; the difference of their light

@@ -259,7 +259,7 @@ void follow(Ray ray, Hit hit, inout PathState path, out bool wants_ray, out Ray 
   Vertex v = make_vertex(surface, material, ray.direction);
   if (is_hidden(v, slot)) {
     cross_surface(v, slot);
-    path.bsdf_pdf = -1.0; // shadow rays do not get here
+    if (!uses_walls() || !is_unbending_wall(v.bsdf)) path.bsdf_pdf = -1.0; // shadow rays do not get here
     next = Ray(offset_ray_origin(surface.position, surface.position_error, surface.geometric_normal, ray.direction), slot,
                ray.direction, kFar);
     wants_ray = wave.bounce < frame.max_depth;

@@ -28,9 +28,8 @@ std::uint32_t lens_of(const RenderSettings& settings) {
 gpu::Feature generic_features(gpu::Feature scene) {
   return gpu::kFeaturesAll | gpu::kFeatureLearnedSky | gpu::kLobeMultiple |
          (scene & gpu::kLobesLayered ? gpu::kLobesLayered : 0) |
-         (scene &
-          (gpu::kFeatureMips | gpu::kFeatureTexelPages | gpu::kFeatureSampledTextures | gpu::kFeatureExactTextures |
-           gpu::kFeatureWalls));
+         (scene & (gpu::kFeatureMips | gpu::kFeatureTexelPages | gpu::kFeatureSampledTextures |
+                   gpu::kFeatureExactTextures | gpu::kFeatureWalls));
 }
 
 KernelConfig kernel_config(gpu::Feature features, std::uint32_t stack_size, const RenderSettings& settings) {

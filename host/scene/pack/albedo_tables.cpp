@@ -204,6 +204,11 @@ std::vector<glm::vec4> make_albedo_tables(std::span<const gpu::Material> materia
       const bool body = materials[m].transmission > 0.0f && (materials[m].flags & gpu::kMaterialVolume);
       const bool rough = materials[m].roughness * materials[m].roughness >= gpu::kMinAlpha;
       if (!body || !rough) continue;
+      if (materials[m].ior == 1.0f &&
+          materials[m].metallic == 0.0f) { // facets that neither reflect nor bend lack nothing
+        layers[m].ggx_table = gpu::kNone;
+        continue;
+      }
       const auto [found, is_new] = glass.emplace(materials[m].ior, 0);
       if (is_new) found->second = add(glass_albedo_tables(std::max(materials[m].ior, 1.0f)));
       layers[m].glass_table = found->second;

@@ -27,7 +27,8 @@ std::vector<std::uint32_t> body_priorities(const Scene& scene);
 // three rays. A body with holes holds what two of them say.
 std::vector<std::uint32_t> bodies_at(const PackedScene& scene, const glm::dvec3& point);
 
-// Whether the box of a body of the device's world holds a lamp, or a part of one. Suns and skies are outside all bodies.
+// Whether the box of a body of the device's world holds a lamp, or a part of one. Suns and skies are outside all
+// bodies.
 bool lamps_in_bodies(const PackedScene& scene);
 
 } // namespace wavepath
