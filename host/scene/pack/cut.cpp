@@ -166,9 +166,9 @@ struct Cutting {
   bool active[3];
 };
 
-class Cutter {
+class TriangleCutter {
 public:
-  Cutter(const CutRule& rule, bool huge, std::size_t most) : rule_(rule), huge_(huge), most_(most) {}
+  TriangleCutter(const CutRule& rule, bool huge, std::size_t most) : rule_(rule), huge_(huge), most_(most) {}
 
   // False if there are too many pieces.
   bool cut(const Cutting& whole, std::vector<Piece>& pieces) const {
@@ -276,7 +276,7 @@ Cut cut_huge(const Scene& scene, std::span<const Part> parts, std::span<const gl
         cutting.corner[k] = {t.corner[k], glm::dvec3(k == 0, k == 1, k == 2)};
         cutting.active[k] = edges.contains(make_cut_edge(t.corner[(k + 1) % 3], t.corner[(k + 2) % 3]));
       }
-      fits[i] = Cutter(rule, std::ranges::binary_search(huge, tasks[i]), kMostPieces).cut(cutting, pieces[i]);
+      fits[i] = TriangleCutter(rule, std::ranges::binary_search(huge, tasks[i]), kMostPieces).cut(cutting, pieces[i]);
     });
     std::size_t count = 0;
     for (const std::vector<Piece>& some : pieces) count += some.size();
