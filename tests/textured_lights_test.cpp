@@ -149,10 +149,10 @@ protected:
     }
     return {std::abs(mean), std::sqrt(sum)};
   }
-  // Without cuts where filtering reaches, the reported lamp has a mean 54 % off and pixels 250 %.
+  // Without cuts where filtering reaches, the reported lamp has a mean 54 % too bright by nee alone.
   static void expect_small(const FloorError& error) {
     EXPECT_LT(error.mean, 0.002);
-    EXPECT_LT(error.rms, 0.02);
+    EXPECT_LT(error.rms, 0.03);
   }
 
   void expect_exact(const TexturedLamp& lamp) {

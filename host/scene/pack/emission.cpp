@@ -21,7 +21,7 @@ constexpr double kSmallestSide = 0.125;        // texels: of parts that are not 
 constexpr std::uint32_t kMostDepth = 12;       // 4096 cells along a side
 constexpr std::uint64_t kMostParts = 1u << 17; // of all triangles that are cut: 1 MiB
 // A part is cut if its variance costs more than this share of the light of its material.
-constexpr double kWorthCutting = 0x1p-19;
+constexpr double kWorthCutting = 0x1p-17;
 
 // A part of a triangle, by what its corners look up.
 struct PartPlace {
@@ -84,6 +84,8 @@ void add_triangle(const EmissionMap& map, const glm::dvec2& a, const glm::dvec2&
 // What of a convex polygon lies where sign * (p[axis] - limit) >= 0.
 using Polygon = std::vector<glm::dvec2>;
 void clip(Polygon& polygon, Polygon& rest, int axis, double limit, double sign) {
+  const auto is_inside = [&](const glm::dvec2& p) { return sign * (p[axis] - limit) >= 0.0; };
+  if (std::ranges::all_of(polygon, is_inside)) return;
   rest.clear();
   for (std::size_t i = 0; i < polygon.size(); ++i) {
     const glm::dvec2 &p = polygon[i], &next = polygon[(i + 1) % polygon.size()];
