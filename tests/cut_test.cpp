@@ -228,6 +228,18 @@ TEST(CutScene, SharedMeshesAreCutWhereOneOfThemIsNear) {
   EXPECT_EQ(pack(scene, {.near = {{0.0, 1.7, 0.0}}}).cut.triangles, 2u);
   EXPECT_EQ(pack(scene, {.near = {{0.0, 1.7 - 3e4, 0.0}}}).cut.triangles, 2u);
   EXPECT_EQ(pack(scene, {.near = {{0.0, 5e4, 0.0}}}).cut.triangles, 0u);
+
+  // Near the eye the coordinates of the object are fine, wherever the mesh has its zero.
+  for (glm::vec3& p : scene.meshes[0].positions) p += glm::vec3(1e6f, 0.0f, 2e6f);
+  for (Instance& instance : scene.instances)
+    instance.world_from_object = glm::translate(instance.world_from_object, glm::dvec3(-1e6, 0.0, -2e6));
+  const PackedScene packed = pack(scene, {.eye = glm::dvec3(0.0, 1.7, 0.0), .near = {{0.0, 1.7, 0.0}}});
+  float nearest = 1e30f;
+  for (const gpu::Triangle& triangle : packed.triangles) nearest = std::min(nearest, glm::length(triangle.v0));
+  EXPECT_LT(nearest, 3.0f);
+  EXPECT_EQ(packed.triangle_count, 4u);
+  for (const gpu::Instance& instance : packed.instances)
+    EXPECT_LT(std::abs(instance.world_from_object[0].w) + std::abs(instance.world_from_object[2].w), 1.0f);
 }
 
 TEST(CutScene, IsPlannedAndTheSameEachTime) {

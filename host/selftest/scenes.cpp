@@ -49,7 +49,8 @@ PackedScene pack_positions(const std::vector<glm::vec3>& positions, bvh::Quality
 
 RenderResult render_scene(Device& device, Scene scene, const RenderSettings& settings) {
   const View view = resolve_view(scene, {}, settings.width, settings.height);
-  return render(device, pack(scene, {.direct = settings.direct, .eye = view.position, .near = {view.position}}), view, settings);
+  return render(device, pack(scene, {.direct = settings.direct, .eye = view.position, .near = {view.position}}), view,
+                settings);
 }
 
 double mean_of(const Picture& picture, int channel) {
