@@ -111,6 +111,38 @@ bool is_huge(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, std:
   return false;
 }
 
+// The places as a part's mesh sees them, for a first look at its triangles as they are: most scenes need no other.
+// `reach`: square of the longest edge over the distance from which on a triangle may be huge, under the transform.
+struct CutSight {
+  std::vector<glm::dvec3> near;
+  double reach = 0.0;
+};
+
+CutSight sight_of(const Part& part, std::span<const glm::dvec3> near) {
+  const glm::dmat4 object_from_device = glm::inverse(part.device_from_object);
+  CutSight sight;
+  for (const glm::dvec3& p : near) sight.near.push_back(transform_point(object_from_device, p));
+  // Norms of Frobenius bound the largest stretch, and one over the smallest. A hundredth more is for rounding.
+  const auto norm = [](const glm::dmat4& m) {
+    return std::sqrt(glm::dot(m[0], m[0]) + glm::dot(m[1], m[1]) + glm::dot(m[2], m[2]));
+  };
+  sight.reach = 1.01 * norm(part.device_from_object) * norm(object_from_device) / kHugeRatio;
+  sight.reach *= sight.reach;
+  return sight;
+}
+
+bool may_be_huge(const Mesh& mesh, const CutSight& sight, std::uint32_t first_index) {
+  if (mesh.moves()) return true;
+  const glm::vec3 &a = mesh.positions[mesh.indices[first_index]], &b = mesh.positions[mesh.indices[first_index + 1]],
+                  &c = mesh.positions[mesh.indices[first_index + 2]];
+  const glm::dvec3 lo = glm::min(a, glm::min(b, c)), hi = glm::max(a, glm::max(b, c)), size = hi - lo;
+  const double reach = sight.reach * glm::dot(size, size);
+  return std::ranges::any_of(sight.near, [&](const glm::dvec3& p) {
+    const glm::dvec3 aside = glm::max(glm::max(lo - p, p - hi), glm::dvec3(0.0));
+    return !(glm::dot(aside, aside) >= reach); // NaN, too
+  });
+}
+
 template <typename Predicate>
 std::vector<CutTask> find_triangles(const Scene& scene, std::span<const Part> parts, const Predicate& predicate) {
   std::vector<CutTask> found;
@@ -241,7 +273,10 @@ private:
 Cut cut_huge(const Scene& scene, std::span<const Part> parts, std::span<const glm::dvec3> near) {
   if (near.empty()) return {};
   const auto whole = [&](const CutTask& task) { return whole_triangle(scene, parts, task); };
+  std::vector<CutSight> sights;
+  for (const Part& part : parts) sights.push_back(sight_of(part, near));
   const std::vector<CutTask> huge = find_triangles(scene, parts, [&](const CutTask& task) {
+    if (!may_be_huge(scene.meshes[parts[task.part].mesh], sights[task.part], task.first_index)) return false;
     const CutWhole t = whole(task);
     const CutVertexPlace &a = t.corner[0], &b = t.corner[1], &c = t.corner[2];
     return is_huge(a.open, b.open, c.open, near) ||
