@@ -60,8 +60,8 @@ GPU_CONSTANT uint kTrianglePane =
     1u << 28; // its material may be a thin smooth pane, or a body of ior 1: light passes unbent
 GPU_CONSTANT uint kTriangleMaterialMask = kTrianglePane - 1u;
 
-// Set in the id of a piece that a huge triangle was cut into (host/scene/pack/cut.h), but for the first one, which keeps
-// the triangle's: the rest counts the pieces of the scene. Every piece has the triangle's id behind its vertices.
+// Set in the id of a piece that a huge triangle was cut into (host/scene/pack/cut.h), but for the first one, which
+// keeps the triangle's: the rest counts the pieces of the scene. Every piece has the triangle's id behind its vertices.
 GPU_CONSTANT uint kPieceId = 1u << 28;
 
 // Object space for instanced meshes, device world space for everything else. A tree with spatial splits holds copies of
