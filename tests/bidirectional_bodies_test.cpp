@@ -48,7 +48,7 @@ TEST_F(BidirectionalTest, AShiningQuadMayBeHalfInABody) {
   Scene scene = corner();
   add_shining_quad(scene, 2.5f);
   flood(scene, {-6, -6, -6}, {6, 1.5f, 6}, {0.6f, 0.3f, 1.2f});
-  expect_path_light(scene, 4, {kAllButMerge, kHit | kSplat, kHit | kConnect | kSplat}, 32);
+  expect_path_light(scene, 4, {kAllButMerge, kHit | kSplat, kHit | kConnect | kSplat}, 64);
 }
 
 // A bubble around the lamp, and one that overlaps with the water's surface; in the list of bodies they go before it.
@@ -60,7 +60,7 @@ TEST_F(BidirectionalTest, LampsMayBeInBodiesWithinBodies) {
   flood(scene, {-3.0f, 1.0f, 5.0f}, {3.0f, 2.0f, 7.0f}, {1.0f, 1.0f, 1.0f});
   scene.cameras.back().yfov = 0.5; // past the bubble: splats do not pass its walls
   ASSERT_TRUE(pack(scene).features & gpu::kLobeNested);
-  expect_path_light(scene, 4, {kAllButMerge, kSplat}, 32);
+  expect_path_light(scene, 4, {kAllButMerge, kSplat}, 256);
 }
 
 // Rough glass on the way, whose ior is that against the water around it, whichever end meets it.
