@@ -12,6 +12,7 @@
 #include <OpenEXR/ImfInputFile.h>
 #include <OpenEXR/ImfIntAttribute.h>
 #include <OpenEXR/ImfMatrixAttribute.h>
+#include <OpenEXR/ImfStandardAttributes.h>
 #include <OpenEXR/ImfStringAttribute.h>
 #include <sys/resource.h>
 
@@ -114,6 +115,8 @@ TEST_F(PictureIoTest, ExrHasTheDocumentedHeader) {
   EXPECT_FALSE(attribute<Imf::StringAttribute>(file, "wavepath.version").empty());
   EXPECT_EQ(attribute<Imf::IntAttribute>(file, "samplesPerPixel"), 64);
   EXPECT_EQ(attribute<Imf::FloatAttribute>(file, "renderTimeSeconds"), 1.5f);
+  ASSERT_TRUE(Imf::hasChromaticities(file.header())); // of Rec. 709, which is OpenEXR's default as well
+  EXPECT_EQ(Imf::chromaticities(file.header()), Imf::Chromaticities());
   EXPECT_EQ(read_attribute(path, "wavepath.filter"), "box");
   EXPECT_EQ(read_attribute(path, "nothing"), "");
 }
@@ -225,6 +228,7 @@ TEST_F(PictureIoTest, FilesAreKnownByTheirFirstBytes) {
     const Picture back = read_picture(folder_.file(name));
     std::filesystem::rename(folder_.file(name), folder_.file("renamed.png"));
     EXPECT_EQ(read_picture(folder_.file("renamed.png")).channels[1].values, back.channels[1].values) << name;
+    EXPECT_EQ(back.display, name != "a.hdr"); // what FLIP asks
   }
   std::ofstream(folder_.file("a.tiff")) << "II*";
   try {

@@ -1,7 +1,9 @@
 // Loads the module by the dynamic linker; it stays loaded.
 #include "host/images/picture_module.h"
 
+#include <filesystem>
 #include <future>
+#include <system_error>
 
 #include <dlfcn.h>
 
@@ -15,9 +17,25 @@ struct LoadedModule {
   std::string problem;
 };
 
-// The linker looks beside the program, by its run path.
+// Where the module lies, from the folder of this program: beside it; as installed; from the tests of a build folder. A
+// run path would not do: AddressSanitizer opens libraries in the place of the program, and has none.
+constexpr const char* kModuleFolders[] = {"", "../lib/wavepath", "../host"};
+
+void* open_module() {
+  Dl_info self{}; // of the program or library that this code is in; a program found by PATH is named without its folder
+  const bool known = dladdr(reinterpret_cast<const void*>(&open_module), &self) != 0 && self.dli_fname;
+  for (const char* name : {known ? self.dli_fname : "", "/proc/self/exe"})
+    for (const char* folder : kModuleFolders) {
+      std::error_code error;
+      const std::filesystem::path here = std::filesystem::canonical(name, error).parent_path();
+      const std::filesystem::path file = here / folder / kPictureModuleFile;
+      if (!here.empty() && std::filesystem::exists(file, error)) return dlopen(file.c_str(), RTLD_LAZY | RTLD_LOCAL);
+    }
+  return dlopen(kPictureModuleFile, RTLD_LAZY | RTLD_LOCAL); // as the user has set LD_LIBRARY_PATH
+}
+
 LoadedModule load_module() {
-  void* library = dlopen(kPictureModuleFile, RTLD_LAZY | RTLD_LOCAL);
+  void* library = open_module();
   void* entry = library ? dlsym(library, kPictureModuleEntry) : nullptr;
   if (!entry) {
     const char* words = dlerror();
