@@ -45,7 +45,7 @@ std::vector<std::string> layers_of(const StoredPart& part) {
     const std::string layer = dot == std::string::npos ? "" : channel.substr(0, dot);
     if (!layer.empty() && std::ranges::count(layers, layer) == 0) layers.push_back(layer);
   }
-  std::ranges::stable_partition(layers, [](const std::string& layer) {
+  std::stable_partition(layers.begin(), layers.end(), [](const std::string& layer) {
     const std::string last = lower(layer.substr(layer.rfind('.') + 1)); // npos + 1 is 0
     const Names whole = {"combined", "beauty", "rgba", "rgb", "color", "colour"};
     return std::ranges::count(whole, last) > 0;
