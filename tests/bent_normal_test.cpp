@@ -1,6 +1,6 @@
 // Facets, smooth normals and normal maps that point different ways: all estimators find the light that directions drawn
-// from the BSDF alone find, on scenes that a seed makes. WAVEPATH_BENT_SCENES=A:B renders seeds A to B instead of the
-// suite's.
+// from the BSDF alone find, on scenes that a seed makes. WAVEPATH_BENT_SCENES=A:B renders the seeds from A to
+// before B instead of the suite's one, with more samples.
 #include <array>
 #include <cmath>
 #include <cstdio>
