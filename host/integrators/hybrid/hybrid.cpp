@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include <fmt/format.h>
+
 #include "host/integrators/antialias/catalogue.h"
 #include "host/integrators/hybrid/denoise.h"
 #include "host/integrators/hybrid/frame_filter.h"
