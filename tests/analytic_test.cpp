@@ -228,10 +228,26 @@ TEST_P(AnalyticWhitted, FindsIt) {
 // Not those whose light is too noisy when sampled by area, for which the scene itself names other estimators.
 std::vector<fs::path> scenes_for_whitted() {
   std::vector<fs::path> paths;
-  for (const char* name : {"absorbing_glass_slab", "absorbing_slab", "glass_slab", "mirror", "facing_squares",
-                           "alpha_blend", "alpha_mask_cut", "alpha_mask_kept", "directional_light", "point_light",
-                           "spot_light", "disc_light", "half_hidden_disc_light", "rectangle_light_centre",
-                           "rectangle_light_corner", "sphere_light", "tilted_sphere_light", "emitter", "unlit"})
+  for (const char* name : {"absorbing_glass_slab",
+                           "absorbing_slab",
+                           "glass_slab",
+                           "mirror",
+                           "facing_squares",
+                           "alpha_blend",
+                           "alpha_mask_cut",
+                           "alpha_mask_kept",
+                           "directional_light",
+                           "point_light",
+                           "spot_light",
+                           "floor_in_fog",
+                           "disc_light",
+                           "half_hidden_disc_light",
+                           "rectangle_light_centre",
+                           "rectangle_light_corner",
+                           "sphere_light",
+                           "tilted_sphere_light",
+                           "emitter",
+                           "unlit"})
     paths.push_back(kScenes / "analytic" / (std::string(name) + ".gltf"));
   return paths;
 }
@@ -265,7 +281,14 @@ INSTANTIATE_TEST_SUITE_P(Scenes, AnalyticShared,
                                            kScenes / "analytic/truncated_enclosure.gltf"),
                          name_of);
 
-// Bidirectional path tracing finds all of it.
+// Bidirectional path tracing finds all of it, but for the sun in fog: its shadow rays stop at walls, and it refuses
+// what scatters.
+std::vector<fs::path> scenes_for_light_paths() {
+  std::vector<fs::path> paths = list_scenes(true);
+  std::erase_if(paths, [](const fs::path& path) { return path.stem().string().ends_with("_in_fog"); });
+  return paths;
+}
+
 class AnalyticBidirectional : public Analytic {};
 
 TEST_P(AnalyticBidirectional, FindsIt) {
@@ -277,7 +300,7 @@ TEST_P(AnalyticBidirectional, FindsIt) {
               oracle);
 }
 
-INSTANTIATE_TEST_SUITE_P(Scenes, AnalyticBidirectional, ::testing::ValuesIn(list_scenes(true)), name_of);
+INSTANTIATE_TEST_SUITE_P(Scenes, AnalyticBidirectional, ::testing::ValuesIn(scenes_for_light_paths()), name_of);
 
 // Light of lamps and suns through glass, water and off mirrors, which paths from the camera cannot find: where it falls
 // on a diffuse floor that the camera sees, through glass or in a mirror as well (scenes/caustics/README.md).

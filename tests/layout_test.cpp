@@ -254,15 +254,15 @@ TEST(Layout, Shadows) {
 }
 
 TEST(Layout, Bidirectional) {
-  compare(
-      "BidirectionalFrame", sizeof(BidirectionalFrame),
-      {AT(BidirectionalFrame, scene_centre), AT(BidirectionalFrame, scene_radius), AT(BidirectionalFrame, pixel_area),
-       AT(BidirectionalFrame, light_paths), AT(BidirectionalFrame, techniques)});
+  compare("BidirectionalFrame", sizeof(BidirectionalFrame),
+          {AT(BidirectionalFrame, scene_centre), AT(BidirectionalFrame, scene_radius),
+           AT(BidirectionalFrame, pixel_area), AT(BidirectionalFrame, light_paths), AT(BidirectionalFrame, techniques),
+           AT(BidirectionalFrame, lamps_in_bodies)});
   compare("PathWeights", sizeof(PathWeights), {AT(PathWeights, connect), AT(PathWeights, others)});
   compare("LightVertex", sizeof(LightVertex),
           {AT(LightVertex, direction), AT(LightVertex, bounce), AT(LightVertex, light), AT(LightVertex, connect),
            AT(LightVertex, triangle), AT(LightVertex, instance), AT(LightVertex, b1), AT(LightVertex, b2),
-           AT(LightVertex, others)});
+           AT(LightVertex, others), AT(LightVertex, outside)});
   compare("Connection", sizeof(Connection),
           {AT(Connection, origin), AT(Connection, slot), AT(Connection, direction), AT(Connection, triangle),
            AT(Connection, contribution), AT(Connection, instance), AT(Connection, pixel)});
