@@ -59,8 +59,8 @@ void print_details(const Run& run) {
               share.lost ? ", then lost" : "");
   print_err("  scene       {} triangles, {} lights\n", run.packed.triangle_count, run.packed.lights.size());
   if (const CutCounts& cut = run.packed.cut; cut.triangles > 0)
-    print_err("  cut         {} triangles that are huge beside their distance to the eye, into {} pieces\n", cut.triangles,
-              cut.pieces);
+    print_err("  cut         {} triangles that are huge beside their distance to the eye, into {} pieces\n",
+              cut.triangles, cut.pieces);
   print_err("  memory      {} on the device at most: scene {}, BVH {}, paths {}, film {}\n",
             to_size_text(run.peak_bytes), to_size_text(result.memory.scene), to_size_text(result.memory.bvh),
             to_size_text(result.memory.paths), to_size_text(result.memory.film));

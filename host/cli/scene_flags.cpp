@@ -92,7 +92,8 @@ void add_scene_flags(CLI::App& app, SceneRequest& request, bool required) {
        "environment: lat-long picture, its centre along world +X and three quarters across along +Z, or a cube map of "
        "OpenEXR, of any format that docs/pictures.md lists; constant radiance; soft boxes of a studio, or a clear sky "
        "with the sun, under both of which a white floor has radiance 1",
-       "a file with a camera and lights or lamps is lit as authored (black); anything else is an asset and gets studio, "
+       "a file with a camera and lights or lamps is lit as authored (black); anything else is an asset and gets "
+       "studio, "
        "an interior sky, or a lamp where it is closed and has no lights; punctual lights of its own shine besides"},
       [&](const FlagValue& value) { read_environment(value, request); });
   add_flag(app, group, {"--env-intensity", "X", "factor on the environment's radiance", "1"},
