@@ -519,7 +519,7 @@ Image through_file(const std::string& name, const std::vector<std::uint8_t>& fil
 // A row of texels as a PNG file.
 std::vector<std::uint8_t> png_of(std::uint32_t channels, const Texels& texels) {
   const auto count = static_cast<std::uint32_t>(texels.size());
-  return encode_png({.shape = {count / channels, 1, channels}, .bytes = texels, .words = {}, .floats = {}});
+  return encode_png({.shape = {count / channels, 1, channels}, .bytes = texels, .words = {}});
 }
 
 TEST(GltfImage, ChannelsBecomeRgbaUnchanged) {
@@ -541,7 +541,7 @@ TEST(GltfImage, PalettesWithTransparency) {
 
 TEST(GltfImage, SixteenBitsBecomeFloats) {
   const std::vector<std::uint8_t> file =
-      encode_png({.shape = {1, 1, 3}, .bytes = {}, .words = {65535, 16384, 1}, .floats = {}});
+      encode_png({.shape = {1, 1, 3}, .bytes = {}, .words = {65535, 16384, 1}});
   const Image image = through_file("deep.png", file);
   EXPECT_TRUE(image.bytes.empty());
   ASSERT_EQ(image.floats.size(), 4u);
@@ -569,7 +569,7 @@ TEST(GltfImage, OfSeveralBadOnesTheFirstIsNamed) {
 
 TEST(GltfImage, Jpeg) {
   const Image jpeg = through_file(
-      "grey.jpg", encode_jpeg({.shape = {16, 1, 3}, .bytes = Texels(3 * 16, 102), .words = {}, .floats = {}}));
+      "grey.jpg", encode_jpeg({.shape = {16, 1, 3}, .bytes = Texels(3 * 16, 102), .words = {}}));
   ASSERT_EQ(jpeg.bytes.size(), 64u);
   EXPECT_NEAR(jpeg.bytes[0], 102, 2);
   EXPECT_EQ(jpeg.bytes[3], 255);
