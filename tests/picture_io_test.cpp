@@ -4,14 +4,17 @@
 #include <csignal>
 #include <filesystem>
 #include <fstream>
+#include <optional>
 #include <random>
 
 #include <OpenEXR/ImfChannelList.h>
 #include <OpenEXR/ImfFloatAttribute.h>
+#include <OpenEXR/ImfFrameBuffer.h>
 #include <OpenEXR/ImfHeader.h>
 #include <OpenEXR/ImfInputFile.h>
 #include <OpenEXR/ImfIntAttribute.h>
 #include <OpenEXR/ImfMatrixAttribute.h>
+#include <OpenEXR/ImfOutputFile.h>
 #include <OpenEXR/ImfStandardAttributes.h>
 #include <OpenEXR/ImfStringAttribute.h>
 #include <sys/resource.h>
@@ -20,7 +23,9 @@
 
 #include "host/base/atomic_file.h"
 #include "host/base/error.h"
+#include "host/film/exr.h"
 #include "host/film/picture_io.h"
+#include "host/images/linear_picture.h"
 #include "host/images/png.h"
 #include "tests/temporary_folder.h"
 
@@ -289,6 +294,47 @@ TEST_F(PictureIoTest, AFullDiskLeavesTheOldPicture) {
   }
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_.path()), std::filesystem::directory_iterator()),
             4);
+}
+
+// Both ways to read a picture of ours say the same; one that another program may have changed is left to OpenImageIO.
+TEST(PictureIo, OwnPicturesAreReadAsOthersAre) {
+  const TemporaryFolder folder;
+  const Picture picture = random_picture(7, 5, {"R", "G", "B", "A", "Z", "albedo.R"});
+  for (const bool half : {false, true}) {
+    write_exr(folder.file("a.exr"), picture, example_info(), half);
+    const std::optional<Picture> own = read_own_exr(folder.file("a.exr"));
+    ASSERT_TRUE(own);
+    const LinearPicture other = read_linear(folder.file("a.exr"), {.wanted = [](const std::string&) { return true; }});
+    ASSERT_EQ(own->channels.size(), other.channels.size());
+    EXPECT_EQ(own->width, other.width);
+    EXPECT_EQ(own->height, other.height);
+    for (std::size_t i = 0; i < other.channels.size(); ++i) {
+      EXPECT_EQ(own->channels[i].name, other.channels[i]);
+      EXPECT_EQ(own->channels[i].values, other.planes[i]) << other.channels[i];
+    }
+  }
+  const std::string foreign = folder.file("foreign.exr");
+  Imf::Header header(7, 5);
+  for (const char* name : {"R", "G", "B"}) header.channels().insert(name, Imf::Channel(Imf::FLOAT));
+  Imf::FrameBuffer pixels;
+  for (std::size_t c = 0; c < 3; ++c)
+    pixels.insert(std::string(1, "RGB"[c]),
+                  Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(const_cast<float*>(picture.channels[c].values.data())),
+                             sizeof(float), sizeof(float) * 7));
+  const auto write_foreign = [&] {
+    Imf::OutputFile output(foreign.c_str(), header);
+    output.setFrameBuffer(pixels);
+    output.writePixels(5);
+  };
+  write_foreign();
+  EXPECT_FALSE(read_own_exr(foreign));
+  header.insert("wavepath.version", Imf::StringAttribute("0"));
+  write_foreign();
+  EXPECT_TRUE(read_own_exr(foreign));
+  Imf::addChromaticities(header, {{0.713f, 0.293f}, {0.165f, 0.83f}, {0.128f, 0.044f}, {0.32168f, 0.33767f}}); // AP1
+  write_foreign();
+  EXPECT_FALSE(read_own_exr(foreign));
+  EXPECT_FALSE(read_own_exr(folder.file("absent.exr")));
 }
 
 } // namespace

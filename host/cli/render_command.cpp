@@ -93,7 +93,10 @@ void check_files(RenderCommandRequest& request) {
   OutputRequest& output = request.output;
   if (output.pictures.empty()) output.pictures = {std::filesystem::path(request.scene.path).stem().string() + ".exr"};
   const RenderSettings& settings = request.render.settings;
-  for (const std::string& path : output.pictures) require_format(path, settings.width, settings.height);
+  for (const std::string& path : output.pictures) {
+    require_format(path, settings.width, settings.height);
+    if (picture_format(path) == PictureFormat::hdr) begin_loading_pictures(); // its writer, beside the scene
+  }
   check_channels(request);
   require_file(request.scene.path);
   const std::vector<std::string> targets = targets_of(request);
@@ -548,12 +551,17 @@ int finish(const RenderCommandRequest& request, Prepared& prepared, Run& run, At
   return exit_code(request, result);
 }
 
+// Writers that had to be loaded are there: what cannot be written is not rendered.
+void require_writers(const OutputRequest& output) {
+  for (const std::string& path : output.pictures)
+    if (picture_format(path) == PictureFormat::hdr) picture_module(path);
+}
+
 int run_render(RenderCommandRequest& request) {
   const std::optional<Picture> reference = check(request);
   Prepared prepared = prepare(request);
-  for (const std::string& path : request.output.pictures)
-    if (picture_format(path) == PictureFormat::hdr) begin_loading_pictures(); // its writer, beside the render
-  request.render.settings.moving = prepared.packed.moves();                   // else the shutter would cost something
+  require_writers(request.output);
+  request.render.settings.moving = prepared.packed.moves(); // else the shutter would cost something
   const Choices choices = settle_choices(request, prepared);
   if (!choices.integrator.disagreement.empty()) prepared.warnings.add(choices.integrator.disagreement);
   if (const std::string unlit = unlit_bodies(prepared.packed); !unlit.empty()) prepared.warnings.add(unlit);

@@ -1,11 +1,15 @@
 // EXR files by OpenEXR, streamed through AtomicFile: OpenImageIO would hold a file of exact sums in memory as a whole.
-// What headers say of a render, and its sums, are read the same way; pictures as all others are, by host/images.
+// What headers say of a render, its sums and its picture are read the same way; pictures of other programs by
+// host/images.
 #include "host/film/exr.h"
 
 #include <algorithm>
 #include <cmath>
 #include <exception>
+#include <new>
+#include <string_view>
 #include <thread>
+#include <utility>
 
 #include <Imath/half.h>
 #include <OpenEXR/ImfChannelList.h>
@@ -278,6 +282,52 @@ std::uint64_t write_exr(const std::string& path, const Picture& picture, const P
   stream.rethrow();
   file.commit();
   return clamped;
+}
+
+std::optional<Picture> read_own_exr(const std::string& path) try {
+  if (!regular_file_size(path)) return {};
+  Imf::setGlobalThreadCount(static_cast<int>(std::thread::hardware_concurrency()));
+  Imf::InputFile input(path.c_str());
+  const Imf::Header& header = input.header();
+  const Imath::Box2i window = header.dataWindow();
+  const bool whole =
+      window == header.displayWindow() && window.min == Imath::V2i(0, 0) && !header.hasName(); // parts have names
+  if (!whole || !header.findTypedAttribute<Imf::StringAttribute>("wavepath.version")) return {};
+  if (Imf::hasChromaticities(header)) {
+    const Imf::Chromaticities c = Imf::chromaticities(header);
+    if (!is_rec709({c.red.x, c.red.y, c.green.x, c.green.y, c.blue.x, c.blue.y, c.white.x, c.white.y})) return {};
+  }
+
+  std::vector<std::string> names;
+  for (auto channel = header.channels().begin(); channel != header.channels().end(); ++channel) {
+    if (std::string_view(channel.name()).starts_with(kFilmPrefix)) continue;
+    if (channel.channel().xSampling != 1 || channel.channel().ySampling != 1) return {};
+    names.emplace_back(channel.name());
+  }
+  const auto rank = [](const std::string& name) {
+    return std::pair(name.size() == 1 ? std::string_view("RGBA").find(name) : std::string_view::npos, name);
+  };
+  std::ranges::sort(names, {}, rank);
+  if (names.size() < 3 || names[0] != "R" || names[1] != "G" || names[2] != "B") return {};
+
+  Picture picture{static_cast<std::uint32_t>(window.max.x) + 1, static_cast<std::uint32_t>(window.max.y) + 1, {}};
+  const std::uint64_t pixel_count = std::uint64_t{picture.width} * picture.height;
+  if (pixel_count > kMostPixels) return {};
+  require_memory(path, "reading it", pixel_count * names.size() * sizeof(float), "use a smaller picture");
+  Imf::FrameBuffer pixels;
+  for (const std::string& name : names) {
+    std::vector<float>& values = picture.channels.emplace_back(Channel{name, std::vector<float>(pixel_count)}).values;
+    pixels.insert(name, Imf::Slice::Make(Imf::FLOAT, values.data(), window));
+  }
+  input.setFrameBuffer(pixels);
+  input.readPixels(window.min.y, window.max.y);
+  return picture;
+} catch (const Error&) {
+  throw;
+} catch (const std::bad_alloc&) {
+  throw;
+} catch (const std::exception&) { // host/images says what is wrong
+  return {};
 }
 
 std::optional<double> read_number(const std::string& path, const std::string& name) {

@@ -87,6 +87,7 @@ double exposure_of(const Picture& picture, const WriteOptions& options) {
 Picture read_picture(const std::string& path) {
   std::error_code error;
   if (!std::filesystem::exists(path, error)) throw Error(path, "does not exist", "check the name");
+  if (std::optional<Picture> own = read_own_exr(path)) return *std::move(own);
   LinearPicture stored =
       read_linear(path, {.wanted = [](const std::string& channel) { return !channel.starts_with(kFilmPrefix); }});
   Picture picture{stored.width, stored.height, {}, stored.display};

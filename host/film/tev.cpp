@@ -217,7 +217,7 @@ TevViewer::TevViewer(const std::string& address) : link_(std::make_shared<Link>(
   std::thread([link = link_, host = host, port = port] {
     try {
       link->serve(host, port);
-    } catch (const std::bad_alloc&) { // a picture that there is no room for is none that can be shown
+    } catch (const std::exception&) { // as of a picture that there is no room for
       const std::lock_guard lock(link->mutex);
       link->gone = true, link->connecting = link->sending = false;
       link->changed.notify_all();

@@ -1,6 +1,7 @@
 // Loads the module by the dynamic linker; it stays loaded.
 #include "host/images/picture_module.h"
 
+#include <cstring>
 #include <filesystem>
 #include <future>
 #include <system_error>
@@ -22,8 +23,11 @@ struct LoadedModule {
 constexpr const char* kModuleFolders[] = {"", "../lib/wavepath", "../host"};
 
 void* open_module() {
-  Dl_info self{}; // of the program or library that this code is in; a program found by PATH is named without its folder
-  const bool known = dladdr(reinterpret_cast<const void*>(&open_module), &self) != 0 && self.dli_fname;
+  // Of the program or library that this code is in. A program that PATH has found is named without its folder; the name
+  // alone would be looked for in the current one, where a stranger's module may lie.
+  Dl_info self{};
+  const bool known = dladdr(reinterpret_cast<const void*>(&open_module), &self) != 0 && self.dli_fname &&
+                     std::strchr(self.dli_fname, '/');
   for (const char* name : {known ? self.dli_fname : "", "/proc/self/exe"})
     for (const char* folder : kModuleFolders) {
       std::error_code error;

@@ -165,7 +165,7 @@ std::vector<std::vector<float>> read_by_openimageio(const std::string& path, con
   if (std::strcmp(format, "psd") == 0) check_photoshop(path);
   if (std::strcmp(format, "dds") == 0) check_dds(path);
   if (std::strcmp(format, "bmp") == 0) check_bitmap(path);
-  OIIO::attribute("limits:imagesize_MB", static_cast<int>(std::min<std::uint64_t>(most_bytes >> 20, 1u << 30)));
+  OIIO::attribute("limits:imagesize_MB", static_cast<int>(std::clamp<std::uint64_t>(most_bytes >> 20, 1, 1u << 30)));
   OIIO::attribute("limits:channels", kMostChannels);
   OIIO::attribute("oiio:print_uncaught_errors", 0); // what is wrong is in what is thrown
   const auto input = ImageInput::create(format);

@@ -87,7 +87,7 @@ bool names_file(const std::string& source) {
 // Sums of radiance overflow above, as of the lights of a file.
 constexpr double kBrightestEnvironment = 1e30;
 
-Environment not_too_bright(Environment environment) {
+Environment not_too_bright(Environment environment, double intensity) {
   double largest = 1.0;
   if (!environment.map.empty()) largest = 0.0;
   for (const glm::vec3& texel : environment.map)
@@ -96,6 +96,8 @@ Environment not_too_bright(Environment environment) {
   if (!(largest <= kBrightestEnvironment)) {
     std::ostringstream value;
     value << largest;
+    if (intensity == 1.0)
+      throw UsageError("--env", "is as bright as " + value.str() + ", more than 1e30", "give a darker environment");
     throw UsageError("--env-intensity", "makes the environment as bright as " + value.str() + ", more than 1e30",
                      "give a smaller factor, or a darker environment");
   }
@@ -125,13 +127,13 @@ Environment load_environment(const std::string& source, double intensity, double
     for (int c = 0; c < 3; ++c)
       if (!std::isfinite(environment.radiance[c]) || environment.radiance[c] < 0.0f)
         throw UsageError("--env", "radiance " + source + " must be finite and not negative", "give R,G,B of 0 or more");
-    return not_too_bright(std::move(environment));
+    return not_too_bright(std::move(environment), intensity);
   }
   if (std::ranges::count(kEnvironmentNames, source) > 0) {
     Environment builtin = make_builtin(source);
     builtin.radiance *= environment.radiance;
     builtin.rotation = rotation;
-    return not_too_bright(std::move(builtin));
+    return not_too_bright(std::move(builtin), intensity);
   }
   if (!names_file(source))
     throw UsageError("--env", "'" + source + "' is neither R,G,B nor a picture file, nor studio, sky, black or white",
@@ -140,7 +142,7 @@ Environment load_environment(const std::string& source, double intensity, double
   if (!std::filesystem::exists(source, error))
     throw Error(source, "does not exist", std::string("give a lat-long image (") + kReadablePictures + "), or R,G,B");
   read_map(source, environment);
-  return not_too_bright(std::move(environment));
+  return not_too_bright(std::move(environment), intensity);
 }
 
 } // namespace wavepath

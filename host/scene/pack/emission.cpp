@@ -152,8 +152,8 @@ public:
   Cutter(const EmissionMap& map, double worth, std::atomic<std::uint64_t>& count)
       : map_(map), worth_(worth), count_(count) {}
 
-  std::vector<EmissionPart> cut(const PartPlace& whole, std::uint8_t& depth) {
-    add(whole, 0, 0);
+  std::vector<EmissionPart> cut(const PartPlace& whole, const PartLight& light, std::uint8_t& depth) {
+    add(whole, light, 0, 0);
     depth = static_cast<std::uint8_t>(*std::ranges::max_element(levels_));
     for (std::size_t i = 0; i < parts_.size(); ++i) parts_[i].end = (parts_[i].end + 1) << 2u * (depth - levels_[i]);
     return std::move(parts_);
@@ -161,8 +161,7 @@ public:
 
 private:
   // `end` is the number of the part among all of its size until all of them are there.
-  void add(const PartPlace& part, std::uint32_t level, std::uint32_t number) {
-    const PartLight light = light_of(map_, part);
+  void add(const PartPlace& part, const PartLight& light, std::uint32_t level, std::uint32_t number) {
     const bool cut = level < kMostDepth && light.side > kSmallestSide && count_ <= kMostParts &&
                      light.excess > worth_ * static_cast<double>(std::uint64_t{1} << 2 * level);
     if (!cut) {
@@ -172,8 +171,10 @@ private:
     }
     count_ += level > 0 ? 3 : 4;
     const std::size_t first = parts_.size();
-    for (int quarter = 0; quarter < 4; ++quarter)
-      add(quarter_of(part, quarter), level + 1, number << 2 | static_cast<std::uint32_t>(quarter));
+    for (int quarter = 0; quarter < 4; ++quarter) {
+      const PartPlace place = quarter_of(part, quarter);
+      add(place, light_of(map_, place), level + 1, number << 2 | static_cast<std::uint32_t>(quarter));
+    }
     const bool dark = std::all_of(parts_.begin() + static_cast<std::ptrdiff_t>(first), parts_.end(),
                                   [](const EmissionPart& p) { return p.density == 0.0; });
     if (!dark) return;
@@ -195,6 +196,7 @@ struct Textured {
   std::uint32_t item = 0;
   std::uint32_t material = 0;
   PartPlace whole;
+  PartLight light{}; // of the whole
   double area = 0.0;
   std::uint8_t depth = 0;
   std::vector<EmissionPart> parts{};
@@ -254,17 +256,18 @@ Emission find_emission(const PackedScene& packed, std::span<const Object> object
     }
   }
 
-  std::vector<double> means(textured.size()), totals(maps.size(), 0.0);
-  tbb::parallel_for(std::size_t{0}, textured.size(),
-                    [&](std::size_t i) { means[i] = light_of(*maps[textured[i].material], textured[i].whole).mean; });
-  for (std::size_t i = 0; i < textured.size(); ++i) totals[textured[i].material] += means[i] * textured[i].area;
+  tbb::parallel_for(std::size_t{0}, textured.size(), [&](std::size_t i) {
+    textured[i].light = light_of(*maps[textured[i].material], textured[i].whole);
+  });
+  std::vector<double> totals(maps.size(), 0.0);
+  for (const Textured& triangle : textured) totals[triangle.material] += triangle.light.mean * triangle.area;
   for (double worth = kWorthCutting;; worth *= 4.0) {
     std::atomic<std::uint64_t> parts =
         0; // never above kMostParts in the pass that is kept, so that no order of threads shows
     tbb::parallel_for(std::size_t{0}, textured.size(), [&](std::size_t i) {
       Textured& triangle = textured[i];
       Cutter cutter(*maps[triangle.material], worth * totals[triangle.material] / triangle.area, parts);
-      triangle.parts = cutter.cut(triangle.whole, triangle.depth);
+      triangle.parts = cutter.cut(triangle.whole, triangle.light, triangle.depth);
     });
     if (parts <= kMostParts) break;
   }
