@@ -250,10 +250,22 @@ protected:
   TempFolder folder_;
   std::string scene_ = folder_.write("wall.gltf", white_triangle().json()).string();
   std::string exr_ = (folder_.path() / "a.exr").string(), stats_ = (folder_.path() / "a.json").string();
-  const std::vector<std::string> bright_{"--env", "3e38,3e38,3e38", "--direct", "nee", "--seed", "6"};
+  // A light of 9e29 candela, a micrometre before a triangle of that size.
+  static GltfBuilder triangle_beside_a_bright_lamp() {
+    GltfBuilder builder = white_triangle();
+    builder.root["nodes"][0]["scale"] = Json::array({1e-6, 1e-6, 1e-6});
+    builder.root["nodes"].push_back(
+        Json::parse(R"({"translation": [3e-7, 3e-7, 1e-6], "extensions": {"KHR_lights_punctual": {"light": 0}}})"));
+    builder.root["extensions"] =
+        Json::parse(R"({"KHR_lights_punctual": {"lights": [{"type": "point", "intensity": 9e29}]}})");
+    builder.root["extensionsUsed"] = Json::array({"KHR_lights_punctual"});
+    return builder;
+  }
+  const std::vector<std::string> bright_{"--env", "black", "--direct", "nee", "--seed", "6"};
 };
 
 TEST_F(NonfiniteCliTest, StrictNamesWhatReplaysIt) {
+  scene_ = folder_.write("lamp.gltf", triangle_beside_a_bright_lamp().json()).string();
   std::vector<std::string> flags = bright_;
   flags.insert(flags.end(), {"-o", exr_, "--stats", stats_, "--strict"});
   const Outcome outcome = run(flags);

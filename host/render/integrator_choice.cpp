@@ -237,7 +237,7 @@ IntegratorChoice choose_integrator(Device& device, const PackedScene& scene, con
         choice.trials[i].flags, choice.trials[0].flags, how);
     choice.taken = best_of(choice.trials);
   };
-  for (std::size_t i = 1; i < pilots.size(); ++i) {
+  for (std::size_t i = 1; i < pilots.size() && !folds_mirrors(scene); ++i) {
     if (!differ_both_ways(*pilots[i].result.film, *pilots[0].result.film)) continue;
     RenderSettings ours = pilots[i].settings, theirs = pilots[0].settings;
     ours.seed ^= kSeedOfConfirmation, theirs.seed ^= kSeedOfConfirmation;

@@ -32,13 +32,16 @@ bool may_lose_light(const PackedScene& scene) {
 std::string unlit_bodies(const PackedScene& scene) {
   const bool lamps = (scene.features & gpu::kFeaturePunctualLights) != 0;
   bool dark = false;
-  for (std::size_t i = 0; i < scene.layers.size() && lamps; ++i)
-    dark |= scene.layers[i].scattering != glm::vec3(0.0f) && scene.materials[i].ior != 1.0f &&
-            (scene.materials[i].flags >> gpu::kMaterialPriorityShift) != 0;
+  for (std::size_t i = 0; i < scene.layers.size() && lamps; ++i) {
+    const gpu::Material& m = scene.materials[i];
+    // Shadow rays find lamps through the lobes of rough walls, and of those that let light through diffusely.
+    const bool smooth = m.roughness * m.roughness < gpu::kMinAlpha && scene.layers[i].diffuse_transmission == 0.0f;
+    dark |= scene.layers[i].scattering != glm::vec3(0.0f) && smooth && m.ior != 1.0f &&
+            (m.flags >> gpu::kMaterialPriorityShift) != 0;
+  }
   if (!dark) return {};
-  return "point, spot and directional lights do not shine into bodies that scatter through walls that refract (ior "
-         "other "
-         "than 1): what they would light there stays dark; emissive surfaces and skies are found by chance";
+  return "point, spot and directional lights do not shine into bodies that scatter through smooth walls that refract "
+         "(ior other than 1): what they would light there stays dark; emissive surfaces and skies are found by chance";
 }
 
 std::optional<LostLight> measure_lost_light(Device& device, const PackedScene& scene, const View& view,

@@ -23,8 +23,8 @@ bool has_smooth_surface(const PackedScene& scene);
 // Whether the scene has both such lights and a surface of a single direction.
 bool may_lose_light(const PackedScene& scene);
 
-// What lamps and suns outside bodies that scatter do not light in them, because their walls refract: a sentence, empty
-// if there is no such body or no such light.
+// What lamps and suns outside bodies that scatter do not light in them, because their smooth walls refract: a sentence,
+// empty if there is no such body or no such light.
 std::string unlit_bodies(const PackedScene& scene);
 
 // Renders a small picture with `settings`, and one by an integrator that has light paths; the difference of their light

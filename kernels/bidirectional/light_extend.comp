@@ -46,7 +46,7 @@ const uint kMostPassed = 64u;
 
 void begin_in_bodies(Ray ray, Hit hit) {
   uvec4 bodies = uvec4(kNoBody), met = uvec4(kNoBody); // the first bodies of four materials
-  for (uint passed = 0u; passed < kMostPassed && hit.triangle != kNone; ++passed) {
+  for (uint passed = 0u; passed < kMostPassed && hit.triangle != kNone && met.w == kNoBody; ++passed) {
     Surface surface = fetch_surface(hit);
     bool is_met = any(equal(met, uvec4(surface.material)));
     if (!is_met && body_priority(surface.material) > 0u) {

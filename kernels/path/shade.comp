@@ -171,6 +171,13 @@ void connect_to_sky(Vertex v, Lobes lobes, Receiver receiver, Sampler path_sampl
   }
 }
 
+// Whether a wall of ior 1 lets shadow rays through, as kernels/shadow.glsl has it.
+bool lets_shadow_rays_pass(Vertex v) {
+  if (!uses_walls() || !is_unbending_wall(v.bsdf)) return false;
+  uint flags = floatBitsToUint(texelFetch(triangles, int(v.surface.hit.triangle * kTriangleTexels)).w);
+  return (flags & kTrianglePane) != 0u && max_component(pane_transmittance(v.bsdf, dot(v.wo, v.normal))) > 0.0;
+}
+
 // Scatters the path: true if it goes on with `ray`. `receives`: the vertex does, of the light that neighbours find.
 // `passed`: straight through a pane, as shadow rays do.
 bool scatter(Vertex v, Lobes lobes, Sampler path_sampler, uint dimension, uint slot, bool receives, inout PathState path,
@@ -182,7 +189,7 @@ bool scatter(Vertex v, Lobes lobes, Sampler path_sampler, uint dimension, uint s
   vec3 wi;
   float bsdf_pdf;
   if (!guided_sample(v, lobes, guide, u_choice.x, u, s, wi, bsdf_pdf)) return false;
-  bool is_straight = is_pane(v.bsdf) || (uses_walls() && v.material.ior == 1.0 && is_unbending_wall(v.bsdf));
+  bool is_straight = is_pane(v.bsdf) || (v.material.ior == 1.0 && lets_shadow_rays_pass(v));
   passed = uses(kFeaturePanes) && is_straight && s.pdf < 0.0 && s.transmitted;
   if (passed) wi = -v.wo;
   if (!sides_agree(v, s, wi)) return false;
@@ -259,7 +266,7 @@ void follow(Ray ray, Hit hit, inout PathState path, out bool wants_ray, out Ray 
   Vertex v = make_vertex(surface, material, ray.direction);
   if (is_hidden(v, slot)) {
     cross_surface(v, slot);
-    if (!uses_walls() || !is_unbending_wall(v.bsdf)) path.bsdf_pdf = -1.0; // shadow rays do not get here
+    if (!lets_shadow_rays_pass(v)) path.bsdf_pdf = -1.0; // they do not get here
     next = Ray(offset_ray_origin(surface.position, surface.position_error, surface.geometric_normal, ray.direction), slot,
                ray.direction, kFar);
     wants_ray = wave.bounce < frame.max_depth;

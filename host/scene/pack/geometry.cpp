@@ -99,20 +99,22 @@ struct Ids {
   std::vector<std::uint32_t> own, source;
 };
 
-// `sources`: the valid ones.
+// `sources`: the valid ones. The first of a triangle's pieces that is valid stands for it.
 Ids number_pieces(const PlacedCut& cut, const std::vector<TriangleSource>& sources) {
   Ids ids;
-  std::vector<std::uint32_t> first_pieces(cut.cut.pieces.size(), 0); // by piece, of those that stand for their triangle
-  for (std::uint32_t i = 0; i < sources.size(); ++i)
-    if (sources[i].piece != kNoIndex) first_pieces[sources[i].piece] = i;
   std::vector<std::uint32_t> triangle_of(cut.cut.pieces.size());
   for (const CutTriangle& whole : cut.cut.triangles)
     for (std::uint32_t k = 0; k < whole.piece_count; ++k) triangle_of[whole.first_piece + k] = whole.first_piece;
+  std::vector<std::uint32_t> stands_for(cut.cut.pieces.size(), kNoIndex); // by triangle: an index of `sources`
   for (std::uint32_t i = 0; i < sources.size(); ++i) {
-    const std::uint32_t piece = sources[i].piece;
-    const bool whole = piece == kNoIndex || triangle_of[piece] == piece;
-    ids.own.push_back(whole ? i : gpu::kPieceId | (cut.first_piece + piece));
-    ids.source.push_back(whole ? i : first_pieces[triangle_of[piece]]);
+    if (sources[i].piece == kNoIndex) continue;
+    std::uint32_t& first = stands_for[triangle_of[sources[i].piece]];
+    first = std::min(first, i);
+  }
+  for (std::uint32_t i = 0; i < sources.size(); ++i) {
+    const std::uint32_t piece = sources[i].piece, source = piece == kNoIndex ? i : stands_for[triangle_of[piece]];
+    ids.own.push_back(source == i ? i : gpu::kPieceId | (cut.first_piece + piece));
+    ids.source.push_back(source);
   }
   return ids;
 }

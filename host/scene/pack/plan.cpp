@@ -47,7 +47,9 @@ Plan plan(const Scene& scene, const Packing& packing) {
   plan.triangle_bytes = triangles + corners;
   const std::uint64_t nodes = triangle_node_bytes(items) + (placed > 0 ? instance_node_bytes(plan.instances) : 0);
   plan.node_bytes = nodes + placed;
-  plan.vertex_bytes = (streams.count() + (moving && streams.normals ? 1 : 0)) * stream;
+  const std::uint64_t normals = // of one buffer
+      (unsigned{streams.normals} + unsigned{streams.normals && moving} + unsigned{streams.layer_tangents}) * stream;
+  plan.vertex_bytes = normals + (unsigned{streams.uvs} + unsigned{streams.colors}) * stream;
   const std::uint64_t texels = materials.textures.word_count * sizeof(std::uint32_t);
   const Atlases& atlases = materials.textures.atlases;
   plan.texel_bytes = texels + atlases[0].bytes() + atlases[1].bytes();
@@ -60,8 +62,8 @@ Plan plan(const Scene& scene, const Packing& packing) {
   if (local_lights > kFewLights) plan.light_tree_bytes = light_tree_bytes(local_lights);
   for (std::size_t m = 0; m < scene.materials.size(); ++m)
     plan.smooth_surfaces |= usage.material_used[m] && is_smooth(scene.materials[m]);
-  plan.largest_buffer = std::max({triangles, corners, nodes, placed, streams.any() ? stream : 0, texels,
-                                  atlases[0].bytes(), atlases[1].bytes(), environment, plan.light_bytes});
+  plan.largest_buffer = std::max({triangles, corners, nodes, placed, streams.any() ? std::max(stream, normals) : 0,
+                                  texels, atlases[0].bytes(), atlases[1].bytes(), environment, plan.light_bytes});
   return plan;
 }
 
