@@ -172,10 +172,10 @@ void connect_to_sky(Vertex v, Lobes lobes, Receiver receiver, Sampler path_sampl
 }
 
 // Whether a wall of ior 1 lets shadow rays through, as kernels/shadow.glsl has it.
+bool may_be_pane; // of the triangle that is shaded, where there are walls
 bool lets_shadow_rays_pass(Vertex v) {
-  if (!uses_walls() || !is_unbending_wall(v.bsdf)) return false;
-  uint flags = floatBitsToUint(texelFetch(triangles, int(v.surface.hit.triangle * kTriangleTexels)).w);
-  return (flags & kTrianglePane) != 0u && max_component(pane_transmittance(v.bsdf, dot(v.wo, v.normal))) > 0.0;
+  if (!uses_walls() || !may_be_pane || !is_unbending_wall(v.bsdf)) return false;
+  return max_component(pane_transmittance(v.bsdf, dot(v.wo, v.normal))) > 0.0;
 }
 
 // Scatters the path: true if it goes on with `ray`. `receives`: the vertex does, of the light that neighbours find.
@@ -264,6 +264,8 @@ void follow(Ray ray, Hit hit, inout PathState path, out bool wants_ray, out Ray 
   }
   if (wave.bounce == 0u) open_cone(hit, offset);
   Vertex v = make_vertex(surface, material, ray.direction);
+  if (uses_walls())
+    may_be_pane = (floatBitsToUint(texelFetch(triangles, int(hit.triangle * kTriangleTexels)).w) & kTrianglePane) != 0u;
   if (is_hidden(v, slot)) {
     cross_surface(v, slot);
     if (!lets_shadow_rays_pass(v)) path.bsdf_pdf = -1.0; // they do not get here
