@@ -80,6 +80,11 @@ struct Taps {
 };
 
 Taps taps_at(double x, std::int64_t n, std::uint32_t mode, bool nearest) {
+  if (!nearest && x >= 0.5 &&
+      x < static_cast<double>(n) - 0.5) { // most places, and the same to the bit, without divisions
+    const auto first = static_cast<std::int64_t>(x - 0.5);
+    return {first, first + 1, x - 0.5 - static_cast<double>(first)};
+  }
   x = wrapped(x, static_cast<double>(n), mode);
   if (nearest) {
     const auto texel = std::clamp<std::int64_t>(static_cast<std::int64_t>(x), 0, n - 1);
