@@ -540,8 +540,7 @@ TEST(GltfImage, PalettesWithTransparency) {
 }
 
 TEST(GltfImage, SixteenBitsBecomeFloats) {
-  const std::vector<std::uint8_t> file =
-      encode_png({.shape = {1, 1, 3}, .bytes = {}, .words = {65535, 16384, 1}});
+  const std::vector<std::uint8_t> file = encode_png({.shape = {1, 1, 3}, .bytes = {}, .words = {65535, 16384, 1}});
   const Image image = through_file("deep.png", file);
   EXPECT_TRUE(image.bytes.empty());
   ASSERT_EQ(image.floats.size(), 4u);
@@ -568,8 +567,8 @@ TEST(GltfImage, OfSeveralBadOnesTheFirstIsNamed) {
 }
 
 TEST(GltfImage, Jpeg) {
-  const Image jpeg = through_file(
-      "grey.jpg", encode_jpeg({.shape = {16, 1, 3}, .bytes = Texels(3 * 16, 102), .words = {}}));
+  const Image jpeg =
+      through_file("grey.jpg", encode_jpeg({.shape = {16, 1, 3}, .bytes = Texels(3 * 16, 102), .words = {}}));
   ASSERT_EQ(jpeg.bytes.size(), 64u);
   EXPECT_NEAR(jpeg.bytes[0], 102, 2);
   EXPECT_EQ(jpeg.bytes[3], 255);
