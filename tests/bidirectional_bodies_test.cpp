@@ -40,7 +40,7 @@ TEST_F(BidirectionalTest, LightFromOutsideBeginsOutside) {
   Scene sunny = corner();
   add_lamp(sunny, LightKind::directional);
   flood(sunny, {-6, -6, -6}, {6, 6, 6}, {0.1f, 0.05f, 0.2f});
-  expect_path_light(sunny, 4, {kAllButMerge, kSplat}, 32);
+  expect_path_light(sunny, 4, {kAllButMerge, kSplat}, 64);
 }
 
 // The quad is tilted, and the water's surface cuts it.

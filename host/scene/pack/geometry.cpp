@@ -82,7 +82,7 @@ std::vector<TriangleSource> list_sources(const ObjectSource& object) {
   for (std::uint32_t p = 0; p < object.parts.size(); ++p) {
     const Primitive& primitive = object.scene.meshes[object.parts[p].mesh].primitives[object.parts[p].primitive];
     for (std::uint32_t i = 0; i + 2 < primitive.index_count; i += 3) {
-      TriangleSource& source = sources.emplace_back(p, primitive.first_index + i, kNoIndex);
+      TriangleSource& source = sources.emplace_back(TriangleSource{p, primitive.first_index + i, kNoIndex});
       if (next == cut.triangles.end() || next->part != p || next->first_index != source.first_index) continue;
       source.piece = next->first_piece;
       ++next;
