@@ -122,8 +122,9 @@ std::optional<EmissionMoments> integrated(const EmissionMap& map, const PartPlac
 struct PartLight {
   double density = 0.0; // 0 where nothing shines
   double mean = 0.0;
-  double excess = 0.0; // of the density above the mean
-  double side = 0.0;   // the longest, in texels; 0 of those that cannot be cut
+  double excess = 0.0;   // of the density above the mean
+  double side = 0.0;     // the longest, in texels; 0 of those that cannot be cut
+  bool looks_up = false; // the density is at least what looked_up() finds, which is asked of parts that stay alone
 };
 
 PartLight light_of(const EmissionMap& map, const PartPlace& part) {
@@ -134,11 +135,8 @@ PartLight light_of(const EmissionMap& map, const PartPlace& part) {
   if (!shines_within(map, lo, hi)) return {};
   const double side = std::max({glm::distance(c[0], c[1]), glm::distance(c[1], c[2]), glm::distance(c[2], c[0])});
   const EmissionMoments around = block_moments(map, lo, hi);
-  if (side > kFewTexels) {
-    // Look-ups may miss a small light: it gets half of the density that it has if all of it is within.
-    const EmissionMoments seen = looked_up(map, part);
-    return {std::max(seen.rms, 0.5 * around.rms), around.mean, around.rms - around.mean, side};
-  }
+  // Look-ups may miss a small light: it gets half of the density that it has if all of it is within.
+  if (side > kFewTexels) return {0.5 * around.rms, around.mean, around.rms - around.mean, side, true};
   // What only rounding can reach is picked, but hardly ever.
   const std::optional<EmissionMoments> integral = integrated(map, part, lo, hi);
   const EmissionMoments exact = integral ? *integral : looked_up(map, part);
@@ -165,7 +163,8 @@ private:
     const bool cut = level < kMostDepth && light.side > kSmallestSide && count_ <= kMostParts &&
                      light.excess > worth_ * static_cast<double>(std::uint64_t{1} << 2 * level);
     if (!cut) {
-      parts_.push_back({number, light.density});
+      const double seen = light.looks_up ? looked_up(map_, part).rms : 0.0;
+      parts_.push_back({number, std::max(seen, light.density)});
       levels_.push_back(level);
       return;
     }
