@@ -6,13 +6,13 @@
 
 namespace wavepath {
 
-// Where, what is wrong and what to do, as Error has it: also for memory and threads that cannot be had.
+// The line of an Error (place, problem, remedy), and one of the same form for a lack of memory or threads.
 std::string failure_text(const std::exception& failure);
 
 // Steps of which each is tried, whatever became of those before: one output that fails does not cost the others.
 class Attempts {
 public:
-  // Whether it did not fail.
+  // Returns false if it failed.
   template <class Step>
   bool attempt(const Step& step) {
     try {

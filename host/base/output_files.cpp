@@ -41,7 +41,7 @@ std::string lower_case(std::string text) {
   return text;
 }
 
-// Whether names that differ in case alone are one in this folder: a file that is made for the question tells.
+// True if names that differ in case alone are one file in this folder: a temporary file is made to find out.
 bool ignores_case(const fs::path& folder) {
   std::string lower = (folder / fmt::format(".wavepath-case-{}-XXXXXX", ::getpid())).string();
   const int descriptor = ::mkostemp(lower.data(), O_CLOEXEC);

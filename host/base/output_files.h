@@ -1,4 +1,4 @@
-// What a command is going to write must not replace what it reads, nor each other, whatever names these files have.
+// Outputs of a command must replace neither its inputs nor each other, whatever names these files have.
 #pragma once
 
 #include <filesystem>
@@ -7,7 +7,7 @@
 
 namespace wavepath {
 
-// Where a file of this name is, or would be made: links are followed, also those that lead to nothing yet.
+// The place where a file of this name is, or would be made: links are followed, also those that lead to nothing yet.
 std::filesystem::path place_of(const std::string& name);
 
 // Throws UsageError where an output is the file of an input, of another output, or of stdout or stderr: the same device
