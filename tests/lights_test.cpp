@@ -448,8 +448,9 @@ TEST(TexturedLights, AreCutWhereTheTextureVaries) {
       sum += density;
       const glm::dvec3 p =
           (1.0 - b1 - b2) * glm::dvec3(t.v0) + b1 * glm::dvec3(t.v1) + b2 * glm::dvec3(t.v2) + packed.origin;
-      if (std::abs(p.x - 38.0 / 64.0) > 4.0 / 64.0 || std::abs(p.y - 22.0 / 64.0) > 4.0 / 64.0)
+      if (std::abs(p.x - 38.0 / 64.0) > 4.0 / 64.0 || std::abs(p.y - 22.0 / 64.0) > 4.0 / 64.0) {
         EXPECT_LT(density, 1.0) << p.x << " " << p.y; // 100 times that where it shines
+      }
     }
   EXPECT_NEAR(sum / (256 * 257 / 2), 1.0, 0.05);
 }

@@ -76,8 +76,8 @@ INSTANTIATE_TEST_SUITE_P(OfEveryTechnique, ManyLights,
                                          Technique{"virtual", Many::spots}, Technique{"izb", Many::points},
                                          Technique{"planar", Many::points}, Technique{"lightmap", Many::points},
                                          Technique{"projected", Many::spots}, Technique{"zfail", Many::points}),
-                         [](const auto& info) {
-                           std::string name(info.param.name);
+                         [](const auto& of) {
+                           std::string name(of.param.name);
                            std::erase(name, '-');
                            return name;
                          });
