@@ -11,7 +11,7 @@ import sys
 import tempfile
 
 KERNELS = ["generate", "extend", "shade", "connect", "accumulate"]
-# kFeature bits of kernels/features.h that packing a scene sets.
+# kFeature bits of kernels/base/features.h that packing a scene sets.
 SCENES = {
     "Cornell box": ["Cull", "Emission", "TriangleLights"],
     "Sponza, lat-long environment": ["Alpha", "Cull", "Textures", "NormalMaps", "SmoothNormals", "Specular", "Environment",
@@ -22,7 +22,7 @@ OTHERS = {"StackSize": STACK, "Sampler": 2, "Stack": 1, "Filter": 2, "Nets": 1}
 
 
 def numbers(tree, prefix):
-    text = (tree / "kernels/features.h").read_text()
+    text = next((tree / "kernels").rglob("features.h")).read_text() # older trees have it one folder further up
     bits = {k: 1 << int(v) for k, v in re.findall(rf"{prefix}(\w+)\s*=\s*1u << (\d+)", text)}
     return bits or {k: int(v) for k, v in re.findall(rf"{prefix}(\w+) = (\d+)u", text)}
 

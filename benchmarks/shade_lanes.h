@@ -16,9 +16,9 @@
 #include <utility>
 #include <vector>
 
-#include "kernels/frame_types.h"
+#include "kernels/base/frame_types.h"
+#include "kernels/base/scene_types.h"
 #include "kernels/path/path_types.h"
-#include "kernels/scene_types.h"
 
 #ifdef __clang__
 #pragma clang diagnostic ignored "-Wbitwise-instead-of-logical" // of one lane

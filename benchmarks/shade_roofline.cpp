@@ -22,11 +22,11 @@
 #include "host/gpu/commands.h"
 #include "host/gpu/device.h"
 #include "host/integrators/path/paths.h"
-#include "host/render/device/kernel_compiler.h"
 #include "host/render/settings/traversal.h"
+#include "host/render/workspace/kernel_compiler.h"
 #include "host/scene/gltf/gltf.h"
 #include "host/scene/pack/pack.h"
-#include "host/scene/view.h"
+#include "host/scene/staging/view.h"
 
 namespace wavepath {
 namespace {

@@ -1,7 +1,7 @@
-// The ray tests, step by step as kernels/bvh.glsl repeats them: a padded slab test (Ize 2013) of the four boxes of a
-// node, and the watertight triangle test of Woop, Benthin and Wald (2013). Every product and sum rounds on its own (no
-// fused multiply-add): the sign of a*b - c*d is then exact or zero, because rounding is monotone, and neighbours agree
-// on the edge they share.
+// The ray tests, step by step as kernels/bvh/bvh.glsl repeats them: a padded slab test (Ize 2013) of the four boxes of
+// a node, and the watertight triangle test of Woop, Benthin and Wald (2013). Every product and sum rounds on its own
+// (no fused multiply-add): the sign of a*b - c*d is then exact or zero, because rounding is monotone, and neighbours
+// agree on the edge they share.
 #pragma once
 
 #include <bit>

@@ -146,7 +146,7 @@ def rough_metal(alpha, cosine):
            g.material("metal", metallic=1.0, roughness=math.sqrt(alpha)))
     sine = math.sqrt(1 - cosine * cosine)
     g.camera((0.0, cosine, sine), (0.0, 0.0, 0.0), up=(0.0, sine, -cosine), extent=WIDE)
-    # A single bounce returns 1 - ln 2 at alpha 1 and cosine 1; the rest comes by table (kernels/multiple.glsl).
+    # A single bounce returns 1 - ln 2 at alpha 1 and cosine 1; the rest comes by table (kernels/surface/multiple.glsl).
     g.expect("metal that absorbs nothing returns all light, after however many bounces between its facets", [1.0] * 3,
              flags(1024, 1, "--env", "1,1,1"), slack=2e-3)
     return g

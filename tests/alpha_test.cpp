@@ -9,13 +9,13 @@
 
 #include "bvh/traverse.h"
 #include "host/scene/pack/pack.h"
-#include "kernels/scene_types.h"
+#include "kernels/base/scene_types.h"
 #include "tests/scene_builder.h"
 
 namespace wavepath {
 namespace {
 
-// ---- the look-up of kernels/texture.glsl and kernels/surface.glsl, in single precision ------------------------------
+// ---- the look-up of kernels/surface/texture.glsl and kernels/surface/surface.glsl, in single precision ------------------------------
 float wrapped(float u, Wrap wrap) {
   const auto fraction = [](float x) { return x - std::floor(x); };
   u = std::isfinite(u) ? u : 0.0f;

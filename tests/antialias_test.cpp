@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "host/base/error.h"
-#include "host/integrators/antialias/catalogue.h"
+#include "host/integrators/hybrid/antialias/catalogue.h"
 #include "host/render/settings/antialias_settings.h"
 #include "tests/shadow_scene.h"
 

@@ -10,8 +10,8 @@
 #include "host/scene/pack/pack.h"
 #include "host/scene/pack/plan.h"
 #include "host/scene/pack/textures.h"
-#include "kernels/scene_types.h"
-#include "kernels/tile_order.h"
+#include "kernels/base/scene_types.h"
+#include "kernels/base/tile_order.h"
 #include "tests/scene_builder.h"
 
 namespace wavepath::test {
@@ -167,7 +167,7 @@ TEST(SampledTextures, HoldTheSameTexels) {
           for (std::uint32_t x = 0; x < from.width; ++x)
             ASSERT_EQ(read_texel(from, exact.texels, x, y), read_texel(to, sampled.texels, sampled.atlases, x, y));
         if (level == from.mip_count) break;
-        // As kernels/texture.glsl finds the next level.
+        // As kernels/surface/texture.glsl finds the next level.
         if (level == 0)
           to.first_texel += to.width + 2, from.first_texel = from.first_mip;
         else

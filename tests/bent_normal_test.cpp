@@ -19,7 +19,7 @@
 #include "host/integrators/whitted/kind.h"
 #include "host/render/render.h"
 #include "host/scene/pack/pack.h"
-#include "host/scene/view.h"
+#include "host/scene/staging/view.h"
 #include "tests/scene_builder.h"
 #include "tests/shared_kernels.h"
 #include "tests/vulkan_device.h"

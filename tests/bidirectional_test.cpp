@@ -3,7 +3,7 @@
 #include <numbers>
 
 #include "host/film/error.h"
-#include "host/render/device/workspace.h"
+#include "host/render/workspace/workspace.h"
 #include "host/scene/gltf/gltf.h"
 #include "tests/bidirectional_scene.h"
 

@@ -1,5 +1,5 @@
 // Samples of a vertex against the density that its evaluation claims, by chi-square, and the integral of that density.
-#include "kernels/features.h"
+#include "kernels/base/features.h"
 #include "tests/bsdf_probe.h"
 
 namespace wavepath::test {

@@ -10,7 +10,7 @@
 #include "tests/statistics.h"
 
 #include "host/scene/pack/albedo_tables.h"
-#include "kernels/features.h"
+#include "kernels/base/features.h"
 #include "tests/probes/bsdf_eval_probe.spv.h"
 #include "tests/probes/bsdf_sample_probe.spv.h"
 

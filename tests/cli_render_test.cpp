@@ -15,9 +15,9 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "host/film/picture_io.h"
-#include "host/film/tonemap.h"
 #include "host/gpu/device.h"
+#include "host/picture/files/picture_io.h"
+#include "host/picture/tonemap.h"
 #include "tests/fake_tev.h"
 #include "tests/run_wavepath.h"
 #include "tests/small_disk.h"

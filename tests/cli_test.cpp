@@ -9,7 +9,7 @@
 
 #include "host/cli/flags.h"
 #include "host/cli/progress.h"
-#include "host/film/picture_io.h"
+#include "host/picture/files/picture_io.h"
 #include "tests/run_wavepath.h"
 #include "tests/temporary_folder.h"
 

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <cstdint>
 
-#include "host/film/metrics.h"
-#include "host/film/picture.h"
+#include "host/picture/metrics/metrics.h"
+#include "host/picture/picture.h"
 #include "host/render/render.h"
 #include "tests/statistics.h"
 

@@ -6,8 +6,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "host/film/picture_io.h"
-#include "host/render/devices/deal.h"
+#include "host/picture/files/picture_io.h"
+#include "host/render/multi_device/deal.h"
 #include "tests/run_wavepath.h"
 #include "tests/temporary_folder.h"
 #include "tests/vulkan_device.h"

@@ -1,5 +1,5 @@
 // Environments: values of flags, valid and broken files, the lat-long convention, and the importance table.
-#include "host/scene/environment.h"
+#include "host/scene/staging/environment.h"
 
 #include <bit>
 #include <cmath>
@@ -21,7 +21,7 @@
 
 #include "host/base/atomic_file.h"
 #include "host/base/error.h"
-#include "host/images/picture_module.h"
+#include "host/codecs/picture_module.h"
 #include "host/scene/pack/environment_light.h"
 #include "host/scene/pack/intervals.h"
 

@@ -20,7 +20,7 @@
 
 #include <gtest/gtest.h>
 
-#include "host/film/picture.h"
+#include "host/picture/picture.h"
 
 namespace wavepath::test {
 

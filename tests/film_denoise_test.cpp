@@ -11,7 +11,7 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
-#include "host/film/denoise.h"
+#include "host/picture/filter/denoise.h"
 
 namespace wavepath {
 namespace {

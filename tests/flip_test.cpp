@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 #include <glm/glm.hpp>
 
-#include "host/film/metrics.h"
+#include "host/picture/metrics/metrics.h"
 
 namespace wavepath {
 namespace {

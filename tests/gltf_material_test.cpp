@@ -6,8 +6,8 @@
 
 #include "host/base/error.h"
 #include "host/base/overloaded.h"
-#include "host/images/jpeg.h"
-#include "host/images/png.h"
+#include "host/codecs/jpeg.h"
+#include "host/codecs/png.h"
 #include "tests/gltf_checks.h"
 
 namespace wavepath {

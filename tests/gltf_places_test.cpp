@@ -10,8 +10,8 @@
 #include "host/scene/bounds.h"
 #include "host/scene/gltf/flat.h"
 #include "host/scene/pack/pack.h"
-#include "host/scene/view.h"
-#include "kernels/gpu.h"
+#include "host/scene/staging/view.h"
+#include "kernels/base/gpu.h"
 #include "tests/gltf_checks.h"
 
 namespace wavepath {

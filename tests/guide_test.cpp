@@ -12,17 +12,17 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "host/film/picture_io.h"
 #include "host/integrators/path/guide_field.h"
 #include "host/integrators/path/guide_map.h"
 #include "host/integrators/path/guiding.h"
-#include "host/render/device/kernel_compiler.h"
+#include "host/picture/files/picture_io.h"
 #include "host/render/pilot_length.h"
 #include "host/render/render.h"
 #include "host/render/report/state_file.h"
+#include "host/render/workspace/kernel_compiler.h"
 #include "host/scene/gltf/gltf.h"
 #include "host/scene/pack/pack.h"
-#include "host/scene/view.h"
+#include "host/scene/staging/view.h"
 #include "tests/coverage.h"
 #include "tests/gltf_builder.h"
 #include "tests/probe.h"

@@ -1,5 +1,5 @@
 // Picture files: every kind by known bytes, back from the writers, cut short, damaged, and too large to be believed.
-#include "host/images/decode.h"
+#include "host/codecs/decode.h"
 
 #include <algorithm>
 #include <array>
@@ -13,9 +13,9 @@
 #include <jpeglib.h>
 #include <webp/encode.h>
 
-#include "host/images/jpeg.h"
-#include "host/images/png.h"
-#include "host/images/webp.h"
+#include "host/codecs/jpeg.h"
+#include "host/codecs/png.h"
+#include "host/codecs/webp.h"
 
 namespace wavepath::test {
 namespace {

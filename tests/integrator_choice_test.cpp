@@ -8,13 +8,13 @@
 #include "host/integrators/bidirectional/kind.h"
 #include "host/integrators/path/kind.h"
 #include "host/render/agreement.h"
-#include "host/render/device/kernel_compiler.h"
 #include "host/render/integrator_choice.h"
 #include "host/render/report/diagnosis.h"
 #include "host/render/small_picture.h"
+#include "host/render/workspace/kernel_compiler.h"
 #include "host/scene/gltf/gltf.h"
 #include "host/scene/pack/pack.h"
-#include "host/scene/view.h"
+#include "host/scene/staging/view.h"
 #include "tests/vulkan_device.h"
 
 namespace wavepath::test {

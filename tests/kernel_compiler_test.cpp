@@ -7,11 +7,11 @@
 #include "host/integrators/hybrid/kind.h"
 #include "host/integrators/path/kind.h"
 #include "host/integrators/path/paths.h"
-#include "host/render/device/kernel_compiler.h"
 #include "host/render/render.h"
+#include "host/render/workspace/kernel_compiler.h"
 #include "host/scene/gltf/gltf.h"
 #include "host/scene/pack/pack.h"
-#include "host/scene/view.h"
+#include "host/scene/staging/view.h"
 #include "tests/probe.h"
 
 namespace wavepath::test {

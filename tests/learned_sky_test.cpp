@@ -13,7 +13,7 @@
 #include "host/integrators/path/path_replay.h"
 #include "host/integrators/path/sky_rows.h"
 #include "host/render/pilot_length.h"
-#include "kernels/learned_sky_types.h"
+#include "kernels/base/learned_sky_types.h"
 #include "tests/light_rooms.h"
 
 namespace wavepath::test {

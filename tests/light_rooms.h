@@ -12,11 +12,11 @@
 
 #include "host/film/film.h"
 #include "host/integrators/path/kind.h"
-#include "host/render/device/kernel_compiler.h"
 #include "host/render/loop/render_state.h"
 #include "host/render/render.h"
+#include "host/render/workspace/kernel_compiler.h"
 #include "host/scene/pack/pack.h"
-#include "host/scene/view.h"
+#include "host/scene/staging/view.h"
 #include "tests/mean_picture.h"
 #include "tests/scene_builder.h"
 #include "tests/vulkan_device.h"

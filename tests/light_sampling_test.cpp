@@ -1,4 +1,4 @@
-// kernels/light_sampling.glsl on the device: which light, where on it, and how the environment is addressed and
+// kernels/light/light_sampling.glsl on the device: which light, where on it, and how the environment is addressed and
 // sampled.
 #include <algorithm>
 #include <bit>
@@ -10,9 +10,9 @@
 #include "tests/probe.h"
 #include "tests/statistics.h"
 
+#include "kernels/base/frame_types.h"
+#include "kernels/base/scene_types.h"
 #include "kernels/film/film_types.h"
-#include "kernels/frame_types.h"
-#include "kernels/scene_types.h"
 #include "tests/probes/light_sampling_probe.spv.h"
 
 namespace wavepath::test {

@@ -15,7 +15,7 @@
 #include "host/scene/gltf/gltf.h"
 #include "host/scene/pack/lights.h"
 #include "host/scene/pack/pack.h"
-#include "kernels/light_tree_types.h"
+#include "kernels/base/light_tree_types.h"
 #include "tests/coverage.h"
 #include "tests/light_rooms.h"
 

@@ -1,5 +1,5 @@
-// kernels/light_tree.glsl on the device: picks follow their probabilities, probabilities make one, and no light that
-// shines on a point is left out.
+// kernels/light/light_tree.glsl on the device: picks follow their probabilities, probabilities make one, and no light
+// that shines on a point is left out.
 #include <algorithm>
 #include <cmath>
 #include <numbers>

@@ -416,7 +416,7 @@ std::vector<double> cell_densities(const PackedScene& packed, const gpu::Light& 
   return densities;
 }
 
-// The cell that has these weights, counted as kernels/light_sampling.glsl does, in integers: of 2^24.
+// The cell that has these weights, counted as kernels/light/light_sampling.glsl does, in integers: of 2^24.
 std::size_t cell_of(std::uint32_t depth, double b1, double b2) {
   auto x = static_cast<std::int64_t>(b1 * 0x1p24), y = static_cast<std::int64_t>(b2 * 0x1p24);
   const std::int64_t half = 1 << 23;

@@ -2,7 +2,7 @@
 // sun.
 #pragma once
 
-#include "host/integrators/shadows/views.h"
+#include "host/integrators/hybrid/shadows/views.h"
 #include "tests/shadow_scene.h"
 
 namespace wavepath::test {

@@ -7,9 +7,9 @@
 #include <gtest/gtest.h>
 
 #include "host/scene/pack/pack.h"
-#include "kernels/features.h"
-#include "kernels/scene_types.h"
-#include "kernels/tile_order.h"
+#include "kernels/base/features.h"
+#include "kernels/base/scene_types.h"
+#include "kernels/base/tile_order.h"
 #include "tests/scene_builder.h"
 
 namespace wavepath {

@@ -1,5 +1,5 @@
-// kernels/math.glsl on the device: trigonometry against double precision, warps against their densities, rounding by
-// bits.
+// kernels/base/math.glsl on the device: trigonometry against double precision, warps against their densities, rounding
+// by bits.
 #include <bit>
 #include <limits>
 #include <numbers>

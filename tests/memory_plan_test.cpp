@@ -7,8 +7,8 @@
 #include "host/integrators/automatic/kind.h"
 #include "host/integrators/bidirectional/kind.h"
 #include "host/integrators/path/kind.h"
-#include "host/render/device/workspace.h"
 #include "host/render/memory_plan.h"
+#include "host/render/workspace/workspace.h"
 
 namespace wavepath::test {
 namespace {

@@ -8,7 +8,7 @@
 #include <glm/glm.hpp>
 
 #include "host/base/error.h"
-#include "host/film/metrics.h"
+#include "host/picture/metrics/metrics.h"
 
 namespace wavepath {
 namespace {

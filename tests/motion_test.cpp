@@ -7,12 +7,12 @@
 
 #include <gtest/gtest.h>
 
-#include "host/film/picture_io.h"
 #include "host/integrators/path/kind.h"
-#include "host/render/device/kernel_compiler.h"
+#include "host/picture/files/picture_io.h"
 #include "host/render/render.h"
+#include "host/render/workspace/kernel_compiler.h"
 #include "host/scene/pack/pack.h"
-#include "host/scene/view.h"
+#include "host/scene/staging/view.h"
 #include "tests/shining_disc.h"
 #include "tests/vulkan_device.h"
 

@@ -7,12 +7,12 @@
 #include <nlohmann/json.hpp>
 
 #include "host/integrators/path/path_replay.h"
-#include "host/render/device/levels.h"
 #include "host/render/loop/render_state.h"
 #include "host/render/render.h"
+#include "host/render/workspace/levels.h"
 #include "host/scene/gltf/gltf.h"
-#include "host/scene/view.h"
-#include "kernels/tile_order.h"
+#include "host/scene/staging/view.h"
+#include "kernels/base/tile_order.h"
 #include "tests/gltf_builder.h"
 #include "tests/probe.h"
 #include "tests/run_wavepath.h"

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "host/base/error.h"
-#include "host/integrators/occlusion/catalogue.h"
+#include "host/integrators/hybrid/occlusion/catalogue.h"
 #include "host/render/settings/occlusion_settings.h"
 #include "tests/shadow_scene.h"
 

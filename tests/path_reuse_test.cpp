@@ -16,7 +16,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "host/film/metrics.h"
+#include "host/picture/metrics/metrics.h"
 #include "host/render/reuse_choice.h"
 #include "host/render/settings/path_reuse.h"
 #include "tests/coverage.h"

@@ -5,7 +5,7 @@
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "host/scene/pack/pack.h"
-#include "kernels/features.h"
+#include "kernels/base/features.h"
 #include "tests/scene_builder.h"
 
 namespace wavepath {

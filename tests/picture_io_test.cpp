@@ -23,10 +23,10 @@
 
 #include "host/base/atomic_file.h"
 #include "host/base/error.h"
-#include "host/film/exr.h"
-#include "host/film/picture_io.h"
-#include "host/images/linear_picture.h"
-#include "host/images/png.h"
+#include "host/codecs/linear_picture.h"
+#include "host/codecs/png.h"
+#include "host/picture/files/exr.h"
+#include "host/picture/files/picture_io.h"
 #include "tests/temporary_folder.h"
 
 namespace wavepath::test {

@@ -1,6 +1,6 @@
 // Pictures that OpenImageIO reads: what their channels, parts, windows, colours and encodings mean, every format by
 // known bytes, cut short, damaged, and too large to be believed.
-#include "host/images/linear_picture.h"
+#include "host/codecs/linear_picture.h"
 
 #include <algorithm>
 #include <array>
@@ -28,8 +28,8 @@
 #include <gtest/gtest.h>
 
 #include "host/base/error.h"
-#include "host/images/picture_module.h"
-#include "host/images/primaries.h"
+#include "host/codecs/picture_module.h"
+#include "host/codecs/primaries.h"
 #include "tests/temporary_folder.h"
 
 namespace wavepath::test {

@@ -9,7 +9,7 @@
 #include "host/scene/gltf/gltf.h"
 #include "host/scene/pack/pack.h"
 #include "host/scene/pack/plan.h"
-#include "kernels/scene_types.h"
+#include "kernels/base/scene_types.h"
 #include "tests/scene_builder.h"
 
 namespace wavepath {

@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "host/gpu/commands.h"
-#include "kernels/gpu.h"
+#include "kernels/base/gpu.h"
 #include "tests/vulkan_device.h"
 
 namespace wavepath::test {

@@ -7,16 +7,16 @@
 #include <thread>
 
 #include "host/film/error.h"
-#include "host/film/error_map.h"
 #include "host/integrators/hybrid/kind.h"
 #include "host/integrators/path/kind.h"
-#include "host/render/device/kernel_compiler.h"
+#include "host/picture/error_map.h"
 #include "host/render/progressive/display.h"
 #include "host/render/progressive/progressive.h"
 #include "host/render/render.h"
+#include "host/render/workspace/kernel_compiler.h"
 #include "host/scene/gltf/gltf.h"
 #include "host/scene/pack/pack.h"
-#include "host/scene/view.h"
+#include "host/scene/staging/view.h"
 #include "tests/probe.h"
 #include "tests/shared_kernels.h"
 

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <numeric>
 
-#include "kernels/features.h"
+#include "kernels/base/features.h"
 #include "tests/probe.h"
 #include "tests/probes/queue_place_probe.spv.h"
 

@@ -14,7 +14,7 @@
 #include "host/render/settings/mips.h"
 #include "host/render/settings/textures.h"
 #include "host/scene/pack/pack.h"
-#include "host/scene/view.h"
+#include "host/scene/staging/view.h"
 #include "tests/scene_builder.h"
 #include "tests/shared_kernels.h"
 #include "tests/statistics.h"

@@ -6,8 +6,8 @@
 #include "tests/probe.h"
 #include "tests/statistics.h"
 
-#include "kernels/features.h"
-#include "kernels/frame_types.h"
+#include "kernels/base/features.h"
+#include "kernels/base/frame_types.h"
 #include "tests/probes/filter_probe.spv.h"
 #include "tests/probes/sampler_probe.spv.h"
 

@@ -12,7 +12,7 @@
 
 #include <gtest/gtest.h>
 
-#include "host/film/picture_io.h"
+#include "host/picture/files/picture_io.h"
 #include "tests/run_wavepath.h"
 #include "tests/temporary_folder.h"
 

@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "host/base/error.h"
-#include "host/integrators/shading/catalogue.h"
+#include "host/integrators/hybrid/shading/catalogue.h"
 #include "host/render/settings/settings_table.h"
 #include "host/render/settings/shading_settings.h"
 

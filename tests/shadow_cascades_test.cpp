@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "host/base/error.h"
-#include "host/integrators/shadows/cascade_views.h"
+#include "host/integrators/hybrid/shadows/cascade_views.h"
 
 namespace wavepath::test {
 namespace {

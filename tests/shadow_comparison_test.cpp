@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "host/film/picture_io.h"
+#include "host/picture/files/picture_io.h"
 #include "host/render/progressive/display.h"
 #include "tests/shadow_scene.h"
 

@@ -8,9 +8,9 @@
 #include <fmt/format.h>
 
 #include "host/base/error.h"
-#include "host/integrators/shadows/lightmap_charts.h"
-#include "host/integrators/shadows/placed_triangles.h"
-#include "kernels/shadows/lightmap_types.h"
+#include "host/integrators/hybrid/shadows/lightmap_charts.h"
+#include "host/integrators/hybrid/shadows/placed_triangles.h"
+#include "kernels/hybrid/shadows/lightmap_types.h"
 
 namespace wavepath::test {
 namespace {
@@ -22,8 +22,8 @@ struct Texel {
   std::uint32_t side = 0;
 };
 
-// The points that the texels of an atlas stand for, worked out from what kernels/shadows/lightmap_types.h says of
-// charts.
+// The points that the texels of an atlas stand for, worked out from what kernels/hybrid/shadows/lightmap_types.h says
+// of charts.
 std::vector<Texel> texels_of(const PackedScene& scene, std::uint32_t size) {
   const LightmapCharts atlas = make_lightmap_charts(scene, size);
   std::vector<Texel> texels;

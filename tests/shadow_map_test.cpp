@@ -6,8 +6,8 @@
 #include <gtest/gtest.h>
 
 #include "host/base/error.h"
-#include "host/integrators/shadows/catalogue.h"
-#include "host/integrators/shadows/sources.h"
+#include "host/integrators/hybrid/shadows/catalogue.h"
+#include "host/integrators/hybrid/shadows/sources.h"
 #include "host/render/settings/settings_table.h"
 
 namespace wavepath::test {

@@ -7,9 +7,9 @@
 #include <fmt/format.h>
 
 #include "host/base/error.h"
-#include "host/film/picture_io.h"
-#include "host/integrators/shadows/catalogue.h"
-#include "host/integrators/shadows/receiver_planes.h"
+#include "host/integrators/hybrid/shadows/catalogue.h"
+#include "host/integrators/hybrid/shadows/receiver_planes.h"
+#include "host/picture/files/picture_io.h"
 
 namespace wavepath::test {
 namespace {

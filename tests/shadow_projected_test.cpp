@@ -11,8 +11,8 @@
 #include <fmt/format.h>
 
 #include "host/base/error.h"
-#include "host/film/picture_io.h"
-#include "host/integrators/shadows/catalogue.h"
+#include "host/integrators/hybrid/shadows/catalogue.h"
+#include "host/picture/files/picture_io.h"
 #include "host/render/settings/identity.h"
 
 namespace wavepath::test {

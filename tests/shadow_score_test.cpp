@@ -1,5 +1,5 @@
 // Scores of shadows on pictures made for it: each kind of error is counted as what it is.
-#include "host/film/shadow_score.h"
+#include "host/picture/metrics/shadow_score.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "host/film/picture_io.h"
+#include "host/picture/files/picture_io.h"
 
 namespace wavepath::test {
 namespace {

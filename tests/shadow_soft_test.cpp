@@ -5,9 +5,9 @@
 
 #include <gtest/gtest.h>
 
-#include "kernels/frame_types.h"
-#include "kernels/shadows/sat_columns.spv.h"
-#include "kernels/shadows/sat_rows.spv.h"
+#include "kernels/base/frame_types.h"
+#include "kernels/hybrid/shadows/sat_columns.spv.h"
+#include "kernels/hybrid/shadows/sat_rows.spv.h"
 #include "tests/probe.h"
 #include "tests/probes/shadow_sat_probe.spv.h"
 

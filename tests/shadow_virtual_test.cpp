@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "host/integrators/shadows/virtual_pages.h"
+#include "host/integrators/hybrid/shadows/virtual_pages.h"
 
 namespace wavepath::test {
 namespace {

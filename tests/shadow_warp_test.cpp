@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "host/base/error.h"
-#include "host/integrators/shadows/warped_views.h"
+#include "host/integrators/hybrid/shadows/warped_views.h"
 
 namespace wavepath::test {
 namespace {

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "host/render/device/kernel_compiler.h"
+#include "host/render/workspace/kernel_compiler.h"
 
 namespace wavepath::test {
 

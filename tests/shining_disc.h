@@ -6,7 +6,7 @@
 #include <numbers>
 #include <vector>
 
-#include "host/scene/view.h"
+#include "host/scene/staging/view.h"
 #include "tests/scene_builder.h"
 
 namespace wavepath::test {

@@ -11,10 +11,10 @@
 #include "host/integrators/hybrid/kind.h"
 #include "host/integrators/path/kind.h"
 #include "host/integrators/whitted/kind.h"
-#include "host/render/device/kernel_compiler.h"
 #include "host/render/render.h"
+#include "host/render/workspace/kernel_compiler.h"
 #include "host/scene/pack/pack.h"
-#include "host/scene/view.h"
+#include "host/scene/staging/view.h"
 #include "tests/scene_builder.h"
 #include "tests/vulkan_device.h"
 

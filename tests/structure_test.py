@@ -18,10 +18,10 @@ WAVEPATH, COMPILER = sys.argv[2], sys.argv[3]
 
 # A file includes only files of its own folder and of those before it.
 DOWNHILL = [
-    "bvh", "kernels", "kernels/film", "kernels/display", "kernels/path", "kernels/bidirectional", "kernels/shading", "kernels/shadows", "kernels/hybrid", "kernels/transparency", "kernels/occlusion", "kernels/antialias", "kernels/whitted", "kernels/selftest", "kernels/bench",
-    "host/base", "host/images", "host/pictures", "host/scene", "host/scene/gltf", "host/scene/pack", "host/gpu", "host/film",
-    "host/render/settings", "host/render/device", "host/render/loop", "host/render", "host/render/devices", "host/render/progressive", "host/render/report",
-    "host/integrators/path", "host/integrators/bidirectional", "host/integrators/raster", "host/integrators/shading", "host/integrators/shadows", "host/integrators/transparency", "host/integrators/occlusion", "host/integrators/antialias", "host/integrators/hybrid", "host/integrators/whitted", "host/integrators/automatic", "host/integrators", "benchmarks", "host/bench/structures", "host/bench", "host/selftest", "host/study", "host/view", "host/cli", "host",
+    "bvh", "kernels/base", "kernels/bvh", "kernels/surface", "kernels/light", "kernels/film", "kernels/display", "kernels/path", "kernels/bidirectional", "kernels/hybrid/shading", "kernels/hybrid/shadows", "kernels/hybrid", "kernels/hybrid/transparency", "kernels/hybrid/occlusion", "kernels/hybrid/antialias", "kernels/whitted", "kernels/selftest", "kernels/bench",
+    "host/base", "host/codecs", "host/codecs/openimageio", "host/scene", "host/scene/staging", "host/scene/gltf", "host/scene/pack", "host/gpu", "host/picture", "host/film", "host/picture/files", "host/picture/filter", "host/picture/metrics",
+    "host/render/settings", "host/render/workspace", "host/render/loop", "host/render", "host/render/multi_device", "host/render/progressive", "host/render/report",
+    "host/integrators/path", "host/integrators/bidirectional", "host/integrators/hybrid/raster", "host/integrators/hybrid/shading", "host/integrators/hybrid/shadows", "host/integrators/hybrid/transparency", "host/integrators/hybrid/occlusion", "host/integrators/hybrid/antialias", "host/integrators/hybrid", "host/integrators/whitted", "host/integrators/automatic", "host/integrators", "benchmarks", "host/bench/structures", "host/bench", "host/selftest", "host/study", "host/view", "host/cli", "host",
 ]
 VULKAN_DOORS = {"host/gpu", "host/view"}
 DOCUMENTS = ["README.md", "CONTRIBUTING.md", "scenes/README.md", *(f"docs/{p.name}" for p in sorted(ROOT.glob("docs/*.md")))]

@@ -8,9 +8,9 @@
 
 #include <nlohmann/json.hpp>
 
-#include "host/film/picture_io.h"
 #include "host/integrators/hybrid/kind.h"
 #include "host/integrators/path/kind.h"
+#include "host/picture/files/picture_io.h"
 #include "host/render/settings/shadow_settings.h"
 #include "host/study/tables.h"
 #include "tests/run_wavepath.h"

@@ -1,5 +1,5 @@
 // What tev is shown, and what happens where there is none.
-#include "host/film/tev.h"
+#include "host/picture/tev.h"
 
 #include <numeric>
 #include <utility>

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "host/film/tonemap.h"
+#include "host/picture/tonemap.h"
 
 namespace wavepath {
 namespace {

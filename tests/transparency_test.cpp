@@ -7,8 +7,8 @@
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "host/base/error.h"
+#include "host/integrators/hybrid/transparency/catalogue.h"
 #include "host/integrators/path/kind.h"
-#include "host/integrators/transparency/catalogue.h"
 #include "host/render/settings/transparency_settings.h"
 
 namespace wavepath::test {

@@ -3,9 +3,9 @@
 
 #include <algorithm>
 
-#include "host/render/device/kernel_set.h"
+#include "host/render/workspace/kernel_set.h"
+#include "kernels/base/scene_types.h"
 #include "kernels/path/shade.spv.h"
-#include "kernels/scene_types.h"
 #include "tests/probe.h"
 
 #include "tests/probes/trim_probe.spv.h"

@@ -1,5 +1,5 @@
 // Cameras: glTF's, the user's own, and the framing of a scene that has none.
-#include "host/scene/view.h"
+#include "host/scene/staging/view.h"
 
 #include <cmath>
 #include <numbers>

@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "host/film/picture_io.h"
+#include "host/picture/files/picture_io.h"
 #include "tests/run_wavepath.h"
 #include "tests/temporary_folder.h"
 #include "tests/virtual_display.h"

@@ -16,7 +16,7 @@
 namespace wavepath {
 namespace {
 
-// Float operations of kernels/bvh.glsl and its walk in step, for all devices. A visit: 4 children x 6 planes, each
+// Float operations of kernels/bvh/bvh.glsl and its walk in step, for all devices. A visit: 4 children x 6 planes, each
 // scaled and moved (2) and compared (1), and the last comparison, padded (2). A test: 3 vertices moved (3) and sheared
 // (5), 3 edge functions (3), their sum and signs (8), and the place of the hit (about 80).
 constexpr double kVisitFlops = 4 * (6 * 3 + 2), kTestFlops = 3 * 8 + 3 * 3 + 8 + 80;

@@ -10,12 +10,12 @@
 
 #include <fmt/format.h>
 
-#include "host/render/device/kernel_compiler.h"
 #include "host/render/settings/integrator_kind.h"
 #include "host/render/settings/occlusion_settings.h"
 #include "host/render/settings/shading_settings.h"
 #include "host/render/settings/shadow_settings.h"
 #include "host/render/settings/traversal.h"
+#include "host/render/workspace/kernel_compiler.h"
 
 namespace wavepath {
 namespace {

@@ -4,8 +4,8 @@
 #include <memory>
 #include <vector>
 
-#include "host/render/device/kernel_compiler.h"
 #include "host/render/loop/render_loop.h"
+#include "host/render/workspace/kernel_compiler.h"
 
 namespace wavepath {
 

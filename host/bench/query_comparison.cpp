@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "host/bench/summary.h"
-#include "host/render/device/kernel_compiler.h"
+#include "host/render/workspace/kernel_compiler.h"
 
 namespace wavepath {
 

@@ -8,9 +8,9 @@
 #include "host/gpu/warm_up.h"
 #include "host/integrators/path/path_replay.h"
 #include "host/render/settings/traversal.h"
-#include "kernels/frame_types.h"
+#include "kernels/base/frame_types.h"
+#include "kernels/base/wave.h"
 #include "kernels/path/path_types.h"
-#include "kernels/wave.h"
 
 namespace wavepath {
 namespace {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "host/integrators/path/paths.h"
-#include "kernels/frame_types.h"
+#include "kernels/base/frame_types.h"
 #include "kernels/path/path_types.h"
 
 namespace wavepath {

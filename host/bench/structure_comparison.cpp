@@ -9,7 +9,7 @@
 #include "host/bench/structures/device_structure.h"
 #include "host/bench/summary.h"
 #include "host/bench/work.h"
-#include "host/render/device/kernel_compiler.h"
+#include "host/render/workspace/kernel_compiler.h"
 #include "host/scene/pack/flatten.h"
 #include "kernels/bench/binary_bvh.spv.h"
 #include "kernels/bench/kd_tree.spv.h"

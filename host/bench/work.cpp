@@ -6,9 +6,9 @@
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 
-#include "kernels/frame_types.h"
+#include "kernels/base/frame_types.h"
+#include "kernels/base/scene_types.h"
 #include "kernels/path/path_types.h"
-#include "kernels/scene_types.h"
 
 namespace wavepath {
 namespace {

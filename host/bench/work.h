@@ -6,7 +6,7 @@
 
 #include "bvh/traverse.h"
 #include "host/scene/pack/pack.h"
-#include "kernels/frame_types.h"
+#include "kernels/base/frame_types.h"
 #include "kernels/path/path_types.h"
 
 namespace wavepath {

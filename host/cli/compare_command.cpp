@@ -13,9 +13,9 @@
 #include "host/base/print.h"
 #include "host/cli/commands.h"
 #include "host/cli/flags.h"
-#include "host/film/error_map.h"
-#include "host/film/metrics.h"
-#include "host/film/picture_io.h"
+#include "host/picture/error_map.h"
+#include "host/picture/files/picture_io.h"
+#include "host/picture/metrics/metrics.h"
 #include "host/render/report/stats.h"
 
 namespace wavepath {

@@ -11,13 +11,13 @@
 #include "host/cli/scene_flags.h"
 #include "host/gpu/device.h"
 #include "host/gpu/device_choice.h"
-#include "host/render/device/workspace.h"
 #include "host/render/integrator_choice.h"
 #include "host/render/memory_plan.h"
 #include "host/render/report/stats.h"
 #include "host/render/settings/integrator_kind.h"
 #include "host/render/settings/mips.h"
 #include "host/render/settings/shadow_settings.h"
+#include "host/render/workspace/workspace.h"
 #include "host/scene/pack/plan.h"
 
 namespace wavepath {

@@ -15,7 +15,7 @@
 #include "host/cli/report.h"
 #include "host/film/error.h"
 #include "host/film/film.h"
-#include "host/film/picture_io.h"
+#include "host/picture/files/picture_io.h"
 #include "host/render/denoised.h"
 #include "host/render/settings/identity.h"
 

@@ -8,7 +8,7 @@
 #include "host/cli/render_flags.h"
 #include "host/cli/scene_flags.h"
 #include "host/gpu/device.h"
-#include "host/render/device/kernel_compiler.h"
+#include "host/render/workspace/kernel_compiler.h"
 #include "host/scene/pack/pack.h"
 
 namespace wavepath {

@@ -10,11 +10,10 @@
 
 #include "host/base/error.h"
 #include "host/cli/scene_flags.h"
-#include "host/film/oidn.h"
 #include "host/gpu/context.h"
 #include "host/gpu/device_choice.h"
+#include "host/picture/filter/oidn.h"
 #include "host/render/adaptive_choice.h"
-#include "host/render/device/levels.h"
 #include "host/render/reuse_choice.h"
 #include "host/render/settings/antialias_settings.h"
 #include "host/render/settings/denoising.h"
@@ -22,6 +21,7 @@
 #include "host/render/settings/mips.h"
 #include "host/render/settings/settings_table.h"
 #include "host/render/sky_choice.h"
+#include "host/render/workspace/levels.h"
 
 namespace wavepath {
 namespace {

@@ -10,7 +10,7 @@
 
 #include "bvh/build.h"
 #include "host/cli/flags.h"
-#include "host/film/picture_io.h"
+#include "host/picture/files/picture_io.h"
 #include "host/render/render.h"
 #include "host/render/settings/setting.h"
 

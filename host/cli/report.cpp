@@ -17,7 +17,7 @@
 #include "host/render/settings/denoising.h"
 #include "host/render/settings/integrator_kind.h"
 #include "host/render/settings/mips.h"
-#include "kernels/tile_order.h"
+#include "kernels/base/tile_order.h"
 
 namespace wavepath {
 namespace {

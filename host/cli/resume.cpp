@@ -7,9 +7,9 @@
 #include "host/base/atomic_file.h"
 #include "host/base/error.h"
 #include "host/base/failure.h"
-#include "host/render/device/levels.h"
 #include "host/render/settings/adaptivity.h"
 #include "host/render/settings/identity.h"
+#include "host/render/workspace/levels.h"
 
 namespace wavepath {
 

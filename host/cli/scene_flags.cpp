@@ -15,9 +15,9 @@
 #include "host/base/print.h"
 #include "host/cli/flags.h"
 #include "host/render/settings/setting.h"
-#include "host/scene/default_light.h"
-#include "host/scene/environment.h"
-#include "host/scene/ground.h"
+#include "host/scene/staging/default_light.h"
+#include "host/scene/staging/environment.h"
+#include "host/scene/staging/ground.h"
 
 namespace wavepath {
 namespace {

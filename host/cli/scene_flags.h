@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "host/render/settings/settings.h"
-#include "host/scene/framing.h"
 #include "host/scene/gltf/gltf.h"
-#include "host/scene/view.h"
+#include "host/scene/staging/framing.h"
+#include "host/scene/staging/view.h"
 
 namespace CLI {
 class App;

@@ -27,7 +27,7 @@
 #include "host/cli/scene_flags.h"
 #include "host/integrators/hybrid/kind.h"
 #include "host/integrators/hybrid/occlusion_radius.h"
-#include "host/integrators/shadows/sources.h"
+#include "host/integrators/hybrid/shadows/sources.h"
 #include "host/render/bvh_choice.h"
 #include "host/render/settings/settings_table.h"
 #include "host/render/settings/shadow_settings.h"

@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "host/render/device/nonfinite.h"
+#include "host/render/workspace/nonfinite.h"
 
 namespace wavepath {
 namespace {

@@ -23,9 +23,9 @@
 #include "host/render/settings/settings_table.h"
 #include "host/render/settings/shadow_settings.h"
 #include "host/render/settings/textures.h"
-#include "host/scene/environment.h"
 #include "host/scene/pack/features.h"
 #include "host/scene/pack/plan.h"
+#include "host/scene/staging/environment.h"
 #include "host/view/comparison_choice.h"
 #ifdef WAVEPATH_VIEWER
 #include "host/view/window.h"

@@ -11,9 +11,9 @@
 #include <tbb/parallel_for.h>
 
 #include "host/film/film.h"
-#include "kernels/frame_types.h"
-#include "kernels/net_layout.h"
-#include "kernels/tile_order.h"
+#include "kernels/base/frame_types.h"
+#include "kernels/base/net_layout.h"
+#include "kernels/base/tile_order.h"
 
 namespace wavepath {
 namespace {

@@ -7,8 +7,8 @@
 #include <limits>
 
 #include "host/film/exact_sum.h"
+#include "kernels/base/frame_types.h"
 #include "kernels/film/film_types.h"
-#include "kernels/frame_types.h"
 
 namespace wavepath {
 namespace {

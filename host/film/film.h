@@ -8,10 +8,10 @@
 
 #include <glm/glm.hpp>
 
-#include "host/film/picture.h"
+#include "host/picture/picture.h"
+#include "kernels/base/frame_types.h"
+#include "kernels/base/net_layout.h"
 #include "kernels/film/film_types.h"
-#include "kernels/frame_types.h"
-#include "kernels/net_layout.h"
 
 namespace wavepath {
 
@@ -19,7 +19,7 @@ namespace wavepath {
 struct FilmShape {
   std::uint32_t width = 0, height = 0;
   bool aovs = false, splats = false;
-  bool whole_nets = false; // see kernels/net_layout.h
+  bool whole_nets = false; // see kernels/base/net_layout.h
   std::uint32_t seed = 0;  // of the render: it picks the measured pixels of whole nets
   bool quads = false;      // four neighbouring pixels share samples (host/render/settings/path_reuse.h)
 

@@ -15,7 +15,7 @@
 #include "host/base/error.h"
 #include "host/gpu/device_choice.h"
 #include "host/gpu/pipeline_cache.h"
-#include "kernels/gpu.h"
+#include "kernels/base/gpu.h"
 
 namespace wavepath {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "host/base/error.h"
 #include "host/gpu/buffer.h"
-#include "kernels/gpu.h"
+#include "kernels/base/gpu.h"
 
 namespace wavepath {
 namespace {

@@ -13,7 +13,7 @@
 #include "host/gpu/device.h"
 #include "host/gpu/image.h"
 #include "host/gpu/texels_as_storage.h"
-#include "kernels/gpu.h"
+#include "kernels/base/gpu.h"
 
 namespace wavepath {
 

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "kernels/gpu.h"
+#include "kernels/base/gpu.h"
 
 namespace wavepath {
 

@@ -8,7 +8,7 @@
 #include "host/base/error.h"
 #include "host/gpu/pipeline_cache.h"
 #include "host/gpu/shader_module.h"
-#include "kernels/gpu.h"
+#include "kernels/base/gpu.h"
 
 namespace wavepath {
 namespace {

@@ -1,8 +1,8 @@
 #include "host/render/adaptive_choice.h"
 
-#include "host/render/device/levels.h"
 #include "host/render/settings/integrator_kind.h"
 #include "host/render/trial.h"
+#include "host/render/workspace/levels.h"
 
 namespace wavepath {
 namespace {

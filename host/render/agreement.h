@@ -12,8 +12,8 @@ struct Disagreement {
   double standard_error = 0.0; // of that
 };
 
-// Whether ways may differ by design: what a mirror with a normal map folds up (kernels/world_scattering.glsl) cannot be
-// followed back from the light, so that `bidirectional` cuts it off, and `path` does not.
+// Whether ways may differ by design: what a mirror with a normal map folds up (kernels/surface/world_scattering.glsl)
+// cannot be followed back from the light, so that `bidirectional` cuts it off, and `path` does not.
 bool folds_mirrors(const PackedScene& scene);
 
 // Renders small pictures by both with one bounce. Light that is scattered once has met neither mirror nor smooth glass

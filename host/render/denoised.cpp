@@ -4,9 +4,9 @@
 #include <iterator>
 
 #include "host/base/clock.h"
-#include "host/film/denoise.h"
-#include "host/film/oidn.h"
-#include "host/film/picture_io.h"
+#include "host/picture/files/picture_io.h"
+#include "host/picture/filter/denoise.h"
+#include "host/picture/filter/oidn.h"
 #include "host/render/settings/denoising.h"
 
 namespace wavepath {

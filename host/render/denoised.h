@@ -2,7 +2,7 @@
 #pragma once
 
 #include "host/film/film.h"
-#include "host/film/picture.h"
+#include "host/picture/picture.h"
 #include "host/render/loop/render_result.h"
 #include "host/render/settings/settings.h"
 

@@ -14,7 +14,7 @@
 #include "host/render/settings/settings_table.h"
 #include "host/render/small_picture.h"
 #include "host/render/trial.h"
-#include "host/scene/view.h"
+#include "host/scene/staging/view.h"
 
 namespace wavepath {
 namespace {

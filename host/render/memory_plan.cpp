@@ -5,13 +5,13 @@
 
 #include <fmt/format.h>
 
-#include "host/film/denoise.h"
-#include "host/render/device/kernel_compiler.h"
-#include "host/render/device/workspace.h"
+#include "host/picture/filter/denoise.h"
 #include "host/render/settings/adaptivity.h"
 #include "host/render/settings/denoising.h"
 #include "host/render/settings/integrator_kind.h"
 #include "host/render/settings/light_samples.h"
+#include "host/render/workspace/kernel_compiler.h"
+#include "host/render/workspace/workspace.h"
 
 namespace wavepath {
 namespace {

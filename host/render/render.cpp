@@ -1,7 +1,7 @@
 #include "host/render/render.h"
 
-#include "host/render/device/kernel_compiler.h"
 #include "host/render/loop/render_loop.h"
+#include "host/render/workspace/kernel_compiler.h"
 
 namespace wavepath {
 

@@ -10,10 +10,10 @@
 namespace wavepath {
 
 class Device;
-class KernelCompiler; // host/render/device/kernel_compiler.h
-struct DeviceScene;   // host/render/device/device_scene.h
+class KernelCompiler; // host/render/workspace/kernel_compiler.h
+struct DeviceScene;   // host/render/workspace/device_scene.h
 struct PackedScene;
-struct View; // host/scene/view.h: the resolved camera
+struct View; // host/scene/staging/view.h: the resolved camera
 
 // Renders `scene` as seen by `view`. Throws Error if the device cannot hold it or fails. The result depends on the
 // device, the scene, the view and the settings alone, not on wave_slots or timing (save where time_limit or

@@ -9,12 +9,12 @@
 
 #include "host/base/clock.h"
 #include "host/gpu/device.h"
-#include "host/render/device/kernel_compiler.h"
 #include "host/render/loop/render_loop.h"
 #include "host/render/settings/integrator_kind.h"
 #include "host/render/settings/light_samples.h"
 #include "host/render/small_picture.h"
 #include "host/render/trial.h"
+#include "host/render/workspace/kernel_compiler.h"
 #include "host/scene/pack/packed_scene.h"
 
 namespace wavepath {

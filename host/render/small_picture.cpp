@@ -6,7 +6,7 @@
 #include "host/render/settings/adaptivity.h"
 #include "host/render/settings/path_reuse.h"
 #include "host/render/settings/whole_nets.h"
-#include "kernels/net_layout.h"
+#include "kernels/base/net_layout.h"
 
 namespace wavepath {
 

@@ -9,8 +9,8 @@
 #include <glm/glm.hpp>
 
 #include "host/base/overloaded.h"
-#include "kernels/features.h"
-#include "kernels/scene_types.h"
+#include "kernels/base/features.h"
+#include "kernels/base/scene_types.h"
 
 namespace wavepath {
 

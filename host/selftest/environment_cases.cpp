@@ -7,8 +7,8 @@
 #include <unistd.h>
 
 #include "host/base/error.h"
-#include "host/film/picture_io.h"
-#include "host/scene/environment.h"
+#include "host/picture/files/picture_io.h"
+#include "host/scene/staging/environment.h"
 #include "host/selftest/oracles.h"
 #include "host/selftest/scenes.h"
 #include "host/selftest/selftest.h"

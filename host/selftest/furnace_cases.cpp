@@ -32,9 +32,9 @@ Measurement lambert_furnace(const SelftestContext& context) {
   return judge_near(dark ? estimate.smallest : estimate.largest, 1.0, 1e-6, "the pixel farthest from 1");
 }
 
-// What meets a second facet comes back, too (kernels/multiple.glsl): all of it, to the error of the interpolated
-// tables. The facets and the wide lobe that makes up for the rest are drawn apart, so single samples are above 1 and
-// below.
+// What meets a second facet comes back, too (kernels/surface/multiple.glsl): all of it, to the error of the
+// interpolated tables. The facets and the wide lobe that makes up for the rest are drawn apart, so single samples are
+// above 1 and below.
 constexpr double kTableError = 2e-3;
 
 Measurement ggx_furnace(const SelftestContext& context) {

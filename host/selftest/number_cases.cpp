@@ -7,8 +7,8 @@
 
 #include <fmt/format.h>
 
-#include "host/film/picture_io.h"
 #include "host/gpu/commands.h"
+#include "host/picture/files/picture_io.h"
 #include "host/render/settings/textures.h"
 #include "host/selftest/scenes.h"
 #include "host/selftest/selftest.h"

@@ -8,8 +8,8 @@
 #include "host/selftest/selftest.h"
 #include "host/selftest/shapes.h"
 #include "host/selftest/traced_scene.h"
-#include "kernels/frame_types.h"
-#include "kernels/scene_types.h"
+#include "kernels/base/frame_types.h"
+#include "kernels/base/scene_types.h"
 #include "kernels/selftest/selftest_offset.spv.h"
 
 namespace wavepath {

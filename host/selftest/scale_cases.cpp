@@ -5,7 +5,7 @@
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "host/bench/builtin_scene.h"
-#include "host/film/metrics.h"
+#include "host/picture/metrics/metrics.h"
 #include "host/selftest/props.h"
 #include "host/selftest/scenes.h"
 #include "host/selftest/selftest.h"

@@ -4,7 +4,7 @@
 
 #include <glm/gtc/matrix_transform.hpp>
 
-#include "host/scene/view.h"
+#include "host/scene/staging/view.h"
 
 namespace wavepath {
 

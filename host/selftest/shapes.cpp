@@ -1,5 +1,5 @@
 #include "host/selftest/shapes.h"
-#include "kernels/frame_types.h"
+#include "kernels/base/frame_types.h"
 
 #include <numbers>
 

@@ -7,7 +7,7 @@
 
 #include <glm/glm.hpp>
 
-#include "kernels/frame_types.h"
+#include "kernels/base/frame_types.h"
 
 namespace wavepath {
 

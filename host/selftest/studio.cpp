@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "host/scene/pack/pack.h"
-#include "host/scene/view.h"
+#include "host/scene/staging/view.h"
 
 namespace wavepath {
 

@@ -4,8 +4,8 @@
 #include <limits>
 #include <string>
 
-#include "host/render/device/kernel_compiler.h"
 #include "host/render/render.h"
+#include "host/render/workspace/kernel_compiler.h"
 #include "host/scene/scene.h"
 #include "host/selftest/selftest.h"
 

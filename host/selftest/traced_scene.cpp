@@ -5,7 +5,7 @@
 
 #include "host/gpu/commands.h"
 #include "host/integrators/path/paths.h"
-#include "host/render/device/kernel_compiler.h"
+#include "host/render/workspace/kernel_compiler.h"
 #include "kernels/path/connect.spv.h"
 #include "kernels/path/connect_query.spv.h"
 #include "kernels/path/extend.spv.h"

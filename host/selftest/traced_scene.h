@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "host/gpu/kernel.h"
-#include "host/render/device/device_scene.h"
+#include "host/render/workspace/device_scene.h"
 #include "host/scene/pack/pack.h"
-#include "kernels/frame_types.h"
+#include "kernels/base/frame_types.h"
 #include "kernels/path/path_types.h"
 
 namespace wavepath {

@@ -14,13 +14,13 @@
 
 #include "host/base/error.h"
 #include "host/base/failure.h"
-#include "host/film/picture_io.h"
+#include "host/picture/files/picture_io.h"
 #include "host/render/denoised.h"
-#include "host/render/device/kernel_compiler.h"
 #include "host/render/pilot_length.h"
 #include "host/render/report/stats.h"
 #include "host/render/settings/integrator_kind.h"
 #include "host/render/settings/shadow_settings.h"
+#include "host/render/workspace/kernel_compiler.h"
 
 namespace wavepath {
 namespace {

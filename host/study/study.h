@@ -8,15 +8,15 @@
 #include <utility>
 #include <vector>
 
-#include "host/film/metrics.h"
-#include "host/film/shadow_score.h"
 #include "host/gpu/device.h"
+#include "host/picture/metrics/metrics.h"
+#include "host/picture/metrics/shadow_score.h"
 #include "host/render/render.h"
 #include "host/render/settings/denoising.h"
 #include "host/render/settings/integrator_kind.h"
 #include "host/render/settings/shadow_settings.h"
 #include "host/scene/pack/pack.h"
-#include "host/scene/view.h"
+#include "host/scene/staging/view.h"
 #include "host/study/grid.h"
 
 namespace wavepath {

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <filesystem>
 
-#include "host/film/error_map.h"
-#include "host/film/picture_io.h"
+#include "host/picture/error_map.h"
+#include "host/picture/files/picture_io.h"
 #include "host/study/tables.h"
 
 namespace wavepath {

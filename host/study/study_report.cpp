@@ -11,7 +11,7 @@
 #include "host/base/error.h"
 #include "host/base/failure.h"
 #include "host/base/shell_quote.h"
-#include "host/film/picture_io.h"
+#include "host/picture/files/picture_io.h"
 #include "host/render/report/stats.h"
 #include "host/render/settings/settings_table.h"
 #include "host/study/study_pictures.h"

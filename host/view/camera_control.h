@@ -7,8 +7,8 @@
 
 #include <glm/glm.hpp>
 
-#include "host/scene/framing.h"
-#include "host/scene/view.h"
+#include "host/scene/staging/framing.h"
+#include "host/scene/staging/view.h"
 
 namespace wavepath {
 

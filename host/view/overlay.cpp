@@ -7,8 +7,8 @@
 #include <backends/imgui_impl_vulkan.h>
 #include <imgui.h>
 
-#include "host/film/tonemap.h"
 #include "host/gpu/commands.h"
+#include "host/picture/tonemap.h"
 
 namespace wavepath {
 namespace {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "host/film/shadow_score.h"
+#include "host/picture/metrics/shadow_score.h"
 #include "host/render/progressive/display.h"
 #include "host/render/progressive/progressive.h"
 #include "host/view/comparison_choice.h"

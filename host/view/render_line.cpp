@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "host/base/shell_quote.h"
-#include "host/film/picture_io.h"
+#include "host/picture/files/picture_io.h"
 #include "host/render/settings/settings_table.h"
 #include "host/view/camera_control.h"
 

@@ -5,7 +5,7 @@
 
 #include "host/render/progressive/display.h"
 #include "host/render/render.h"
-#include "host/scene/view.h"
+#include "host/scene/staging/view.h"
 
 namespace wavepath {
 

@@ -11,7 +11,7 @@
 
 #include "host/base/error.h"
 #include "host/base/print.h"
-#include "host/film/exposure.h"
+#include "host/picture/exposure.h"
 #include "host/render/progressive/shadow_comparison.h"
 #include "host/render/settings/shadow_settings.h"
 #include "host/scene/pack/pick.h"

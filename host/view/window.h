@@ -8,10 +8,10 @@
 
 #include "host/render/progressive/display.h"
 #include "host/render/progressive/progressive.h"
-#include "host/scene/framing.h"
 #include "host/scene/pack/pack.h"
 #include "host/scene/scene.h"
-#include "host/scene/view.h"
+#include "host/scene/staging/framing.h"
+#include "host/scene/staging/view.h"
 #include "host/view/comparison_choice.h"
 #include "host/view/environment_choice.h"
 

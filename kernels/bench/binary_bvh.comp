@@ -5,7 +5,7 @@
 #include "kernels/bench/structure.glsl"
 
 const uint kMostDepth = 64u; // as bvh/binary.h has it
-const float kPadding = 1.0 + 1.90734863e-6; // as in kernels/bvh.glsl
+const float kPadding = 1.0 + 1.90734863e-6; // as in kernels/bvh/bvh.glsl
 
 // Where the ray enters the node's box, or infinity.
 float enter(uint node) {

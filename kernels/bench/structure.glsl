@@ -4,11 +4,11 @@
 #ifndef WAVEPATH_STRUCTURE_GLSL
 #define WAVEPATH_STRUCTURE_GLSL
 
-#include "kernels/triangle.glsl"
+#include "kernels/bvh/triangle.glsl"
 
 layout(local_size_x = 64) in;
 layout(constant_id = 0) const bool kAnyHit = false;
-layout(constant_id = 1) const bool kStackInRegisters = false; // where local arrays are dear, see kernels/bvh_in_step.glsl
+layout(constant_id = 1) const bool kStackInRegisters = false; // where local arrays are dear, see kernels/bvh/bvh_in_step.glsl
 layout(constant_id = 2) const bool kCounts = false; // tells the work of each ray
 layout(set = 0, binding = 0) uniform samplerBuffer rays; // two texels a ray: origin and t_max, direction
 layout(set = 0, binding = 1) uniform samplerBuffer corners; // three texels a triangle

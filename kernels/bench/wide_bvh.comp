@@ -1,5 +1,5 @@
 // An 8-wide BVH of compressed nodes (Ylitie, Karras, Laine 2017), five texels a node, which host/bench/structures/
-// wide_tree.cpp describes. Traversal goes as in kernels/bvh.glsl: nearest child first, for any hit the largest; items of a
+// wide_tree.cpp describes. Traversal goes as in kernels/bvh/bvh.glsl: nearest child first, for any hit the largest; items of a
 // node that the ray enters wait until all lanes have some, or are done.
 #version 460
 #extension GL_GOOGLE_include_directive : require
@@ -7,7 +7,7 @@
 #include "kernels/bench/structure.glsl"
 
 const uint kMostDepth = 64u;                // as bvh/binary.h has it
-const float kPadding = 1.0 + 1.90734863e-6; // as in kernels/bvh.glsl
+const float kPadding = 1.0 + 1.90734863e-6; // as in kernels/bvh/bvh.glsl
 const uint kCellBias = 66u;                 // as in bvh/wide.h
 const uint kNodeTexels = 5u;
 const uint kMissedKey = 0xffffffffu;
@@ -151,7 +151,7 @@ void visit() {
 
 bool can_visit() { return orders.x != 0u && waiting_items == 0u && !stack_is_full(); }
 
-// As in kernels/bvh.glsl: what loops cost depends on the driver.
+// As in kernels/bvh/bvh.glsl: what loops cost depends on the driver.
 void visit_nodes() {
   if (!kStackInRegisters) {
     while (can_visit()) visit();

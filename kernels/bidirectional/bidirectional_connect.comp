@@ -12,13 +12,13 @@
 #include "kernels/bidirectional/records.glsl"
 #include "kernels/path/nonfinite.glsl"
 #include "kernels/path/records.glsl"
-#include "kernels/pixel.glsl"
-#include "kernels/records.glsl"
-#include "kernels/shadow.glsl"
+#include "kernels/base/pixel.glsl"
+#include "kernels/base/records.glsl"
+#include "kernels/light/shadow.glsl"
 
 #define ALPHA_TEST(hit) lets_light_through(hit)
 #define ANY_HIT
-#include "kernels/trace.glsl"
+#include "kernels/bvh/trace.glsl"
 
 layout(local_size_x = kWorkgroupSize) in;
 

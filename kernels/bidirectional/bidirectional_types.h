@@ -2,7 +2,7 @@
 #ifndef WAVEPATH_BIDIRECTIONAL_TYPES_H
 #define WAVEPATH_BIDIRECTIONAL_TYPES_H
 
-#include "kernels/frame_types.h"
+#include "kernels/base/frame_types.h"
 
 #ifdef __cplusplus
 namespace wavepath::gpu {

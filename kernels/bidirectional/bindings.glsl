@@ -2,7 +2,7 @@
 #ifndef WAVEPATH_BIDIRECTIONAL_BINDINGS_GLSL
 #define WAVEPATH_BIDIRECTIONAL_BINDINGS_GLSL
 
-#define KEEPS_MIRRORS // see kernels/world_scattering.glsl
+#define KEEPS_MIRRORS // see kernels/surface/world_scattering.glsl
 
 #include "kernels/bidirectional/bidirectional_types.h"
 #include "kernels/bidirectional/photon_types.h"

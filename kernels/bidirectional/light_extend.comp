@@ -28,7 +28,7 @@ bool passes(Hit hit, float t) {
 
 #define ALPHA_TEST(hit) passes(hit, t_pending)
 #define SEES_BACKS
-#include "kernels/trace.glsl"
+#include "kernels/bvh/trace.glsl"
 
 layout(local_size_x = kWorkgroupSize) in;
 

@@ -4,8 +4,8 @@
 #define WAVEPATH_LIGHT_PATH_GLSL
 
 #include "kernels/bidirectional/weights.glsl"
-#include "kernels/emission.glsl"
-#include "kernels/pixel.glsl"
+#include "kernels/light/emission.glsl"
+#include "kernels/base/pixel.glsl"
 
 // Light paths draw from dimensions of their own: those of a sampler with another seed. As they do not belong to their pixels,
 // those of a whole picture share one Sobol sequence for each replicate: what they bring to a pixel is stratified however few a

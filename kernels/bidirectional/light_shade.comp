@@ -19,7 +19,7 @@
 #include "kernels/bidirectional/bindings.glsl"
 #include "kernels/bidirectional/light_step.glsl"
 #include "kernels/bidirectional/receiver.glsl"
-#include "kernels/filter.glsl"
+#include "kernels/base/filter.glsl"
 #include "kernels/path/nonfinite.glsl"
 #include "kernels/path/queue.glsl"
 

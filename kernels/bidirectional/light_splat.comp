@@ -13,15 +13,15 @@
 #include "kernels/bidirectional/records.glsl"
 #include "kernels/film/splat.glsl"
 #include "kernels/path/nonfinite.glsl"
-#include "kernels/pixel.glsl"
-#include "kernels/records.glsl"
+#include "kernels/base/pixel.glsl"
+#include "kernels/base/records.glsl"
 #define SHADOW_SEES_UNLIT true
-#include "kernels/shadow.glsl"
+#include "kernels/light/shadow.glsl"
 
 #define ALPHA_TEST(hit) lets_light_through(hit)
 #define ANY_HIT
 #define CAMERA_RAYS true
-#include "kernels/trace.glsl"
+#include "kernels/bvh/trace.glsl"
 
 layout(local_size_x = kWorkgroupSize) in;
 

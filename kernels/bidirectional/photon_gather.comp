@@ -19,7 +19,7 @@
 #include "kernels/path/crossing.glsl"
 #include "kernels/path/nonfinite.glsl"
 #include "kernels/path/records.glsl"
-#include "kernels/pixel.glsl"
+#include "kernels/base/pixel.glsl"
 
 layout(local_size_x = kWorkgroupSize) in;
 

@@ -4,7 +4,7 @@
 #ifndef WAVEPATH_PHOTON_TYPES_H
 #define WAVEPATH_PHOTON_TYPES_H
 
-#include "kernels/gpu.h"
+#include "kernels/base/gpu.h"
 
 #ifdef __cplusplus
 namespace wavepath::gpu {

@@ -3,7 +3,7 @@
 #define WAVEPATH_PHOTONS_GLSL
 
 #include "kernels/bidirectional/photon_types.h"
-#include "kernels/sampler.glsl"
+#include "kernels/base/sampler.glsl"
 
 Photon fetch_photon(uint place) {
   int texel = int(3u * place);

@@ -3,8 +3,8 @@
 #ifndef WAVEPATH_BIDIRECTIONAL_RECEIVER_GLSL
 #define WAVEPATH_BIDIRECTIONAL_RECEIVER_GLSL
 
-#include "kernels/light_selection.glsl"
-#include "kernels/vertex.glsl"
+#include "kernels/light/light_selection.glsl"
+#include "kernels/surface/vertex.glsl"
 
 // With the normal of the geometry: that of shading is held towards whoever looks, so that the two ends of a path would
 // disagree. No light comes from below either (see sides_agree()).

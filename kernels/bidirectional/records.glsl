@@ -1,4 +1,4 @@
-// Records of light paths and connections, read and written 16 bytes at a time (see kernels/records.glsl).
+// Records of light paths and connections, read and written 16 bytes at a time (see kernels/base/records.glsl).
 #ifndef WAVEPATH_BIDIRECTIONAL_RECORDS_GLSL
 #define WAVEPATH_BIDIRECTIONAL_RECORDS_GLSL
 

@@ -5,7 +5,7 @@
 #ifndef WAVEPATH_BIDIRECTIONAL_SCATTERING_GLSL
 #define WAVEPATH_BIDIRECTIONAL_SCATTERING_GLSL
 
-#include "kernels/vertex.glsl"
+#include "kernels/surface/vertex.glsl"
 
 float surface_cosine(Vertex v, vec3 direction) { return abs(dot(v.surface.geometric_normal, direction)); }
 

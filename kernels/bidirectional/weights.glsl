@@ -8,7 +8,7 @@
 #define WAVEPATH_BIDIRECTIONAL_WEIGHTS_GLSL
 
 #include "kernels/bidirectional/bidirectional_types.h"
-#include "kernels/camera.glsl"
+#include "kernels/base/camera.glsl"
 
 bool uses_technique(uint technique) { return (bidirectional.techniques & technique) != 0u; }
 

@@ -6,9 +6,9 @@
 #include "kernels/display/display_types.h"
 #include "kernels/display/tonemap.glsl"
 #include "kernels/film/film_types.h"
-#include "kernels/frame_types.h"
-#include "kernels/net_layout.h"
-#include "kernels/tile_order.h"
+#include "kernels/base/frame_types.h"
+#include "kernels/base/net_layout.h"
+#include "kernels/base/tile_order.h"
 
 layout(local_size_x = kWorkgroupSize) in;
 layout(push_constant) uniform JobBlock { DisplayJob job; };

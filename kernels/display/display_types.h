@@ -2,7 +2,7 @@
 #ifndef WAVEPATH_DISPLAY_TYPES_H
 #define WAVEPATH_DISPLAY_TYPES_H
 
-#include "kernels/gpu.h"
+#include "kernels/base/gpu.h"
 
 #ifdef __cplusplus
 namespace wavepath::gpu {

@@ -2,7 +2,7 @@
 #ifndef WAVEPATH_FILM_BINDINGS_GLSL
 #define WAVEPATH_FILM_BINDINGS_GLSL
 
-#include "kernels/bindings.glsl"
+#include "kernels/base/bindings.glsl"
 #include "kernels/film/film_types.h"
 
 #ifdef BIND_FILM

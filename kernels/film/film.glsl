@@ -5,7 +5,7 @@
 
 #include "kernels/film/exact_sum.glsl"
 #include "kernels/film/records.glsl"
-#include "kernels/math.glsl"
+#include "kernels/base/math.glsl"
 
 // `radiance` is finite.
 void add_sample(inout FilmPixel pixel, vec3 radiance) {

@@ -2,7 +2,7 @@
 #ifndef WAVEPATH_FILM_TYPES_H
 #define WAVEPATH_FILM_TYPES_H
 
-#include "kernels/gpu.h"
+#include "kernels/base/gpu.h"
 
 #ifdef __cplusplus
 namespace wavepath::gpu {

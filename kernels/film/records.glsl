@@ -1,4 +1,4 @@
-// Records of the film, read and written 16 bytes at a time (see kernels/records.glsl).
+// Records of the film, read and written 16 bytes at a time (see kernels/base/records.glsl).
 #ifndef WAVEPATH_FILM_RECORDS_GLSL
 #define WAVEPATH_FILM_RECORDS_GLSL
 

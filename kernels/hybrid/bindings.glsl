@@ -2,7 +2,7 @@
 #ifndef WAVEPATH_HYBRID_BINDINGS_GLSL
 #define WAVEPATH_HYBRID_BINDINGS_GLSL
 
-#include "kernels/bindings.glsl"
+#include "kernels/base/bindings.glsl"
 #include "kernels/hybrid/hybrid_types.h"
 
 #ifdef BIND_HYBRID

@@ -11,17 +11,17 @@
 #define BIND_GEOMETRY
 #define BIND_SURFACES
 #define BIND_VISIBILITY
-#include "kernels/frame_types.h"
+#include "kernels/base/frame_types.h"
 #include "kernels/film/bindings.glsl"
 #include "kernels/hybrid/bindings.glsl"
 #include "kernels/path/bindings.glsl"
-#include "kernels/camera.glsl"
+#include "kernels/base/camera.glsl"
 #include "kernels/film/film.glsl"
 #include "kernels/hybrid/frame_terms.glsl"
 #include "kernels/hybrid/hybrid.glsl"
-#include "kernels/known_triangle.glsl"
+#include "kernels/bvh/known_triangle.glsl"
 #include "kernels/path/first_hit.glsl"
-#include "kernels/pixel.glsl"
+#include "kernels/base/pixel.glsl"
 
 layout(local_size_x = kWorkgroupSize) in;
 

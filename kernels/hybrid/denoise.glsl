@@ -9,7 +9,7 @@
 
 #include "kernels/hybrid/hybrid_types.h"
 #include "kernels/hybrid/reproject.glsl"
-#include "kernels/math.glsl"
+#include "kernels/base/math.glsl"
 
 // kHybrid bits: the signals to filter. The other passes through.
 layout(constant_id = 0) const uint kWanted = 3u;

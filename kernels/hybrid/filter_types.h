@@ -2,7 +2,7 @@
 #ifndef WAVEPATH_FILTER_TYPES_H
 #define WAVEPATH_FILTER_TYPES_H
 
-#include "kernels/gpu.h"
+#include "kernels/base/gpu.h"
 
 #ifdef __cplusplus
 namespace wavepath::gpu {
@@ -60,7 +60,7 @@ GPU_CONSTANT uint kFilterGuideIn = 12u;       // texels RGBA32UI: packed shape, 
 GPU_CONSTANT uint kFilterGuideOut = 13u;      // storage uvec4[]
 GPU_CONSTANT uint kFilterSlopes = 14u;        // storage vec2[]: change of disparity from pixel to pixel
 GPU_CONSTANT uint kFilterSlopeTexels = 15u;   // texels RG32UI: the same memory, for reading
-// Of filters of edges, see kernels/antialias.
+// Of filters of edges, see kernels/hybrid/antialias.
 GPU_CONSTANT uint kFilterEdges = 16u; // storage uint[]
 
 #ifdef __cplusplus

@@ -3,8 +3,8 @@
 #ifndef WAVEPATH_FRAME_CORNER_GLSL
 #define WAVEPATH_FRAME_CORNER_GLSL
 
-#include "kernels/camera.glsl"
-#include "kernels/instance.glsl"
+#include "kernels/base/camera.glsl"
+#include "kernels/bvh/instance.glsl"
 
 // 1: the clockwise side, 2: the other.
 uint hidden_sides_of(uint triangle, uint instance) {

@@ -9,9 +9,9 @@
 #include "kernels/hybrid/bindings.glsl"
 #include "kernels/path/bindings.glsl"
 #include "kernels/hybrid/frame_terms.glsl"
-#include "kernels/math.glsl"
+#include "kernels/base/math.glsl"
 #include "kernels/path/records.glsl"
-#include "kernels/pixel.glsl"
+#include "kernels/base/pixel.glsl"
 
 layout(local_size_x = kWorkgroupSize) in;
 

@@ -3,8 +3,8 @@
 #ifndef WAVEPATH_HYBRID_GLSL
 #define WAVEPATH_HYBRID_GLSL
 
-#include "kernels/camera.glsl"
-#include "kernels/sampler.glsl"
+#include "kernels/base/camera.glsl"
+#include "kernels/base/sampler.glsl"
 
 // Bit for bit the ray that generate.comp makes where the filter gives the same place in the pixel.
 void hybrid_camera_ray(uvec2 pixel, out vec3 origin, out vec3 direction) {

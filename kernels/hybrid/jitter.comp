@@ -5,11 +5,11 @@
 #define BIND_HYBRID
 #define BIND_JITTERS
 #include "kernels/hybrid/bindings.glsl"
-#include "kernels/config.glsl"
-#include "kernels/dimensions.glsl"
-#include "kernels/filter.glsl"
+#include "kernels/base/config.glsl"
+#include "kernels/base/dimensions.glsl"
+#include "kernels/base/filter.glsl"
 #include "kernels/hybrid/frame_terms.glsl"
-#include "kernels/sampler.glsl"
+#include "kernels/base/sampler.glsl"
 
 layout(local_size_x = kWorkgroupSize) in;
 

@@ -13,16 +13,16 @@
 #define BIND_SIGNALS
 #include "kernels/hybrid/bindings.glsl"
 #include "kernels/path/bindings.glsl"
-#include "kernels/dimensions.glsl"
+#include "kernels/base/dimensions.glsl"
 #include "kernels/hybrid/frame_terms.glsl"
 #include "kernels/path/records.glsl"
-#include "kernels/pixel.glsl"
-#include "kernels/surface.glsl"
+#include "kernels/base/pixel.glsl"
+#include "kernels/surface/surface.glsl"
 
 Sampler path_sampler;
 #define ALPHA_TEST(hit) is_hole(hit, path_sampler, kHashConnect)
 #define ANY_HIT
-#include "kernels/trace.glsl"
+#include "kernels/bvh/trace.glsl"
 
 layout(local_size_x = kWorkgroupSize) in;
 

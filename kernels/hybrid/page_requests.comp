@@ -4,7 +4,7 @@
 #extension GL_GOOGLE_include_directive : require
 
 #include "kernels/hybrid/visible_point.glsl"
-#include "kernels/shadows/view.glsl"
+#include "kernels/hybrid/shadows/view.glsl"
 
 layout(local_size_x = kWorkgroupSize) in;
 

@@ -8,11 +8,11 @@
 #define BIND_HYBRID
 #define BIND_VISIBILITY
 #include "kernels/hybrid/bindings.glsl"
-#include "kernels/shadows/bindings.glsl"
+#include "kernels/hybrid/shadows/bindings.glsl"
 #include "kernels/hybrid/hybrid.glsl"
-#include "kernels/known_triangle.glsl"
-#include "kernels/shadows/planar.glsl"
-#include "kernels/surface.glsl"
+#include "kernels/bvh/known_triangle.glsl"
+#include "kernels/hybrid/shadows/planar.glsl"
+#include "kernels/surface/surface.glsl"
 
 layout(location = 0) flat in uint triangle;
 layout(location = 1) flat in uint instance;

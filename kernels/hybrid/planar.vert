@@ -10,9 +10,9 @@
 #define BIND_PLANAR_PAIRS
 #define BIND_HYBRID
 #include "kernels/hybrid/bindings.glsl"
-#include "kernels/shadows/bindings.glsl"
-#include "kernels/camera.glsl"
-#include "kernels/shadows/planar.glsl"
+#include "kernels/hybrid/shadows/bindings.glsl"
+#include "kernels/base/camera.glsl"
+#include "kernels/hybrid/shadows/planar.glsl"
 
 layout(location = 0) flat out uint triangle;
 layout(location = 1) flat out uint instance;

@@ -19,13 +19,13 @@
 #include "kernels/hybrid/covered_places.glsl"
 #include "kernels/hybrid/frame_terms.glsl"
 #include "kernels/hybrid/hybrid.glsl"
-#include "kernels/known_triangle.glsl"
+#include "kernels/bvh/known_triangle.glsl"
 #include "kernels/path/bodies.glsl"
 #include "kernels/path/records.glsl"
-#include "kernels/pixel.glsl"
-#include "kernels/ray_cone.glsl"
-#include "kernels/records.glsl"
-#include "kernels/surface.glsl"
+#include "kernels/base/pixel.glsl"
+#include "kernels/surface/ray_cone.glsl"
+#include "kernels/base/records.glsl"
+#include "kernels/surface/surface.glsl"
 
 layout(local_size_x = kWorkgroupSize) in;
 

@@ -4,7 +4,7 @@
 #define WAVEPATH_SEEN_THROUGH_GLSL
 
 #include "kernels/hybrid/hybrid.glsl"
-#include "kernels/surface.glsl"
+#include "kernels/surface/surface.glsl"
 
 // Bayer's matrix of 8x8 (1973): its place in the order in which pixels open, as a share. A place is made of two bits of x and
 // y at a time, the coarsest last.

@@ -4,7 +4,7 @@
 #extension GL_GOOGLE_include_directive : require
 
 #include "kernels/hybrid/reproject.glsl"
-#include "kernels/math.glsl"
+#include "kernels/base/math.glsl"
 
 layout(set = 0, binding = kFilterColorIn) uniform samplerBuffer color_in;
 layout(set = 0, binding = kFilterColorOut, std430) writeonly buffer ColorBlock { vec4 color_out[]; };

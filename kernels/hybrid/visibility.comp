@@ -8,14 +8,14 @@
 #define BIND_HYBRID
 #include "kernels/hybrid/bindings.glsl"
 #include "kernels/hybrid/seen_through.glsl"
-#include "kernels/tile_order.h"
+#include "kernels/base/tile_order.h"
 
 layout(set = 0, binding = kBindVisibility, std430) writeonly buffer VisibilityBlock { uvec2 seen[]; };
 
 uvec2 pixel; // of the ray
 #define ALPHA_TEST(hit) is_seen_through(hit, pixel)
 #define CAMERA_RAYS true
-#include "kernels/trace.glsl"
+#include "kernels/bvh/trace.glsl"
 
 layout(local_size_x = kWorkgroupSize) in;
 

@@ -9,7 +9,7 @@
 #define BIND_HYBRID
 #include "kernels/hybrid/bindings.glsl"
 #include "kernels/hybrid/seen_through.glsl"
-#include "kernels/known_triangle.glsl"
+#include "kernels/bvh/known_triangle.glsl"
 
 layout(location = 0) flat in uint triangle;
 layout(location = 1) flat in uint instance;

@@ -8,9 +8,9 @@
 #define BIND_VISIBILITY
 #include "kernels/hybrid/bindings.glsl"
 #include "kernels/hybrid/hybrid.glsl"
-#include "kernels/known_triangle.glsl"
-#include "kernels/shadows/bindings.glsl"
-#include "kernels/surface.glsl"
+#include "kernels/bvh/known_triangle.glsl"
+#include "kernels/hybrid/shadows/bindings.glsl"
+#include "kernels/surface/surface.glsl"
 
 layout(set = 0, binding = kBindShadowScratch, std430) buffer FrameWordBlock { uint frame_words[]; };
 
@@ -28,7 +28,7 @@ bool visible_point(out vec3 position, out float depth) {
   return true;
 }
 
-// Keeps the order of floats. Inverse of float_of() in host/integrators/shadows/sdsm.cpp.
+// Keeps the order of floats. Inverse of float_of() in host/integrators/hybrid/shadows/sdsm.cpp.
 uint ordered_bits(float x) {
   uint bits = floatBitsToUint(x);
   return (bits & 0x80000000u) != 0u ? ~bits : bits | 0x80000000u;

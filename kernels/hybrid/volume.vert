@@ -9,7 +9,7 @@
 #define BIND_HYBRID
 #include "kernels/hybrid/bindings.glsl"
 #include "kernels/hybrid/frame_corner.glsl"
-#include "kernels/shadows/volume_types.h"
+#include "kernels/hybrid/shadows/volume_types.h"
 
 layout(set = 0, binding = kBindVolumePieces) uniform usamplerBuffer volume_pieces;
 layout(set = 0, binding = kBindVolumeLights) uniform samplerBuffer volume_lights;

@@ -8,15 +8,15 @@
 #define BIND_PATHS
 #define BIND_FILM
 #define BIND_REUSE
-#include "kernels/frame_types.h"
+#include "kernels/base/frame_types.h"
 #include "kernels/film/bindings.glsl"
 #include "kernels/path/bindings.glsl"
 #include "kernels/film/film.glsl"
 #include "kernels/film/records.glsl"
-#include "kernels/math.glsl"
+#include "kernels/base/math.glsl"
 #include "kernels/path/records.glsl"
 #include "kernels/path/reuse_gather.glsl"
-#include "kernels/pixel.glsl"
+#include "kernels/base/pixel.glsl"
 
 layout(local_size_x = kWorkgroupSize) in;
 

@@ -5,7 +5,7 @@
 
 #define BIND_QUEUES
 #define BIND_COUNTERS
-#include "kernels/config.glsl"
+#include "kernels/base/config.glsl"
 #include "kernels/path/bindings.glsl"
 #include "kernels/path/sky.glsl"
 

@@ -2,8 +2,8 @@
 #ifndef WAVEPATH_PATH_BINDINGS_GLSL
 #define WAVEPATH_PATH_BINDINGS_GLSL
 
-#include "kernels/bindings.glsl"
-#include "kernels/config.glsl"
+#include "kernels/base/bindings.glsl"
+#include "kernels/base/config.glsl"
 #include "kernels/film/film_types.h"
 #include "kernels/path/path_types.h"
 

@@ -15,23 +15,23 @@
 #define BIND_QUEUES
 #define BIND_COUNTERS
 #include "kernels/path/bindings.glsl"
-#include "kernels/dimensions.glsl"
-#include "kernels/learned_sky.glsl"
+#include "kernels/base/dimensions.glsl"
+#include "kernels/light/learned_sky.glsl"
 #include "kernels/path/bodies.glsl"
 #include "kernels/path/nonfinite.glsl"
 #include "kernels/path/queue.glsl"
 #include "kernels/path/records.glsl"
 #include "kernels/path/sky_density.glsl"
 #include "kernels/path/path_sampler.glsl"
-#include "kernels/records.glsl"
+#include "kernels/base/records.glsl"
 
 Sampler path_sampler;
 #define SHADOW_PASSES_PANES
-#include "kernels/shadow.glsl"
+#include "kernels/light/shadow.glsl"
 
 #define ALPHA_TEST(hit) lets_light_through(hit, t_pending)
 #define ANY_HIT
-#include "kernels/trace.glsl"
+#include "kernels/bvh/trace.glsl"
 
 layout(local_size_x = kWorkgroupSize) in;
 

@@ -4,7 +4,7 @@
 #define WAVEPATH_PATH_CROSSING_GLSL
 
 #include "kernels/path/bodies.glsl"
-#include "kernels/vertex.glsl"
+#include "kernels/surface/vertex.glsl"
 
 #ifdef LAYERED
 

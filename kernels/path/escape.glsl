@@ -3,7 +3,7 @@
 #ifndef WAVEPATH_PATH_ESCAPE_GLSL
 #define WAVEPATH_PATH_ESCAPE_GLSL
 
-#include "kernels/emission.glsl"
+#include "kernels/light/emission.glsl"
 #include "kernels/path/found_light.glsl"
 #include "kernels/path/medium.glsl"
 #include "kernels/path/receiver.glsl"

@@ -12,7 +12,7 @@
 #define BIND_SORTED_RAYS
 #define BIND_QUEUES
 #include "kernels/path/bindings.glsl"
-#include "kernels/dimensions.glsl"
+#include "kernels/base/dimensions.glsl"
 #include "kernels/path/queue.glsl"
 #include "kernels/path/records.glsl"
 #include "kernels/path/path_sampler.glsl"
@@ -20,12 +20,12 @@
 uint path_slot;
 // From the eye, or from a lobe of one direction (see PathState::bsdf_pdf).
 #define SEES_UNLIT (wave.bounce == 0u || texelFetch(path_texels, int(2u * path_slot)).w < 0.0)
-#include "kernels/surface.glsl"
+#include "kernels/surface/surface.glsl"
 
 Sampler path_sampler;
 #define ALPHA_TEST(hit) is_hole(hit, path_sampler, kHashExtend)
 #define CAMERA_RAYS (wave.bounce == 0u)
-#include "kernels/trace.glsl"
+#include "kernels/bvh/trace.glsl"
 
 layout(local_size_x = kWorkgroupSize) in;
 

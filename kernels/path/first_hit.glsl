@@ -2,7 +2,7 @@
 #ifndef WAVEPATH_FIRST_HIT_GLSL
 #define WAVEPATH_FIRST_HIT_GLSL
 
-#include "kernels/vertex.glsl"
+#include "kernels/surface/vertex.glsl"
 
 // Which surface a ray has hit, as the source counts.
 void identify(Hit hit, uint material, inout PathAovs aovs) {

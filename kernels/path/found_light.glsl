@@ -2,9 +2,9 @@
 #ifndef WAVEPATH_PATH_FOUND_LIGHT_GLSL
 #define WAVEPATH_PATH_FOUND_LIGHT_GLSL
 
-#include "kernels/math.glsl"
+#include "kernels/base/math.glsl"
 #include "kernels/path/records.glsl"
-#include "kernels/pixel.glsl"
+#include "kernels/base/pixel.glsl"
 
 void add_radiance(inout PathState path, uint slot, vec3 radiance) {
   if (has(kFeatureSharedFirstHit) && wave.bounce == 0u) { // all light samples of the frame see the same

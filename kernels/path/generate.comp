@@ -9,10 +9,10 @@
 #define BIND_COUNTERS
 #define BIND_REUSE
 #include "kernels/path/bindings.glsl"
-#include "kernels/camera.glsl"
-#include "kernels/config.glsl"
-#include "kernels/dimensions.glsl"
-#include "kernels/filter.glsl"
+#include "kernels/base/camera.glsl"
+#include "kernels/base/config.glsl"
+#include "kernels/base/dimensions.glsl"
+#include "kernels/base/filter.glsl"
 #include "kernels/path/bodies.glsl"
 #include "kernels/path/nonfinite.glsl"
 #include "kernels/path/path_sampler.glsl"

@@ -7,8 +7,8 @@
 #ifndef WAVEPATH_GUIDE_GLSL
 #define WAVEPATH_GUIDE_GLSL
 
-#include "kernels/bsdf_types.glsl"
-#include "kernels/math.glsl"
+#include "kernels/surface/bsdf_types.glsl"
+#include "kernels/base/math.glsl"
 #include "kernels/path/guide_map.glsl"
 #include "kernels/path/path_types.h"
 

@@ -6,7 +6,7 @@
 #ifndef WAVEPATH_GUIDE_MAP_GLSL
 #define WAVEPATH_GUIDE_MAP_GLSL
 
-#include "kernels/math.glsl"
+#include "kernels/base/math.glsl"
 #include "kernels/path/path_types.h"
 
 // ---- where a direction lies -------------------------------------------------------------------------------------

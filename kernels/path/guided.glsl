@@ -3,7 +3,7 @@
 #define WAVEPATH_PATH_GUIDED_GLSL
 
 #include "kernels/path/guide.glsl"
-#include "kernels/vertex.glsl"
+#include "kernels/surface/vertex.glsl"
 
 // As vertex_sample() for the vertex's lobes, by both techniques, of which u.y picks one, too; kernels without guiding know the
 // BSDF alone. `bsdf_pdf`: of the BSDF alone.

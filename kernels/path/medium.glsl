@@ -3,11 +3,11 @@
 #ifndef WAVEPATH_PATH_MEDIUM_GLSL
 #define WAVEPATH_PATH_MEDIUM_GLSL
 
-#include "kernels/dimensions.glsl"
+#include "kernels/base/dimensions.glsl"
 #include "kernels/path/crossing.glsl"
 #include "kernels/path/records.glsl"
 #include "kernels/path/path_sampler.glsl"
-#include "kernels/vertex.glsl"
+#include "kernels/surface/vertex.glsl"
 
 #ifdef LAYERED
 

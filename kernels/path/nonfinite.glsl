@@ -1,4 +1,4 @@
-// Samples that are not finite, counted by the kernel that made them. Include kernels/bindings.glsl with BIND_COUNTERS
+// Samples that are not finite, counted by the kernel that made them. Include kernels/base/bindings.glsl with BIND_COUNTERS
 // first.
 //
 // Radiance that is not finite marks a path: no later sum makes it finite again. The kernel that makes it so counts the
@@ -6,10 +6,10 @@
 #ifndef WAVEPATH_NONFINITE_GLSL
 #define WAVEPATH_NONFINITE_GLSL
 
-#include "kernels/config.glsl"
-#include "kernels/math.glsl"
+#include "kernels/base/config.glsl"
+#include "kernels/base/math.glsl"
 #include "kernels/path/path_types.h"
-#include "kernels/wave.h"
+#include "kernels/base/wave.h"
 
 // Slots of a wave, or of one of its levels, go by sample, then by pixel, so that the lowest is the first whatever the order of
 // the lanes.

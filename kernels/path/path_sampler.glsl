@@ -6,7 +6,7 @@
 #ifndef WAVEPATH_PATH_SAMPLER_GLSL
 #define WAVEPATH_PATH_SAMPLER_GLSL
 
-#include "kernels/pixel.glsl"
+#include "kernels/base/pixel.glsl"
 
 const uint kSecondReplicate = 1u << 31u; // of halved nets, beside the index in its replicate
 

@@ -2,8 +2,8 @@
 #ifndef WAVEPATH_PATH_TYPES_H
 #define WAVEPATH_PATH_TYPES_H
 
-#include "kernels/features.h"
-#include "kernels/frame_types.h"
+#include "kernels/base/features.h"
+#include "kernels/base/frame_types.h"
 
 #ifdef __cplusplus
 namespace wavepath::gpu {

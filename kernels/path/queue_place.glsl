@@ -6,7 +6,7 @@
 #ifndef WAVEPATH_PATH_QUEUE_PLACE_GLSL
 #define WAVEPATH_PATH_QUEUE_PLACE_GLSL
 
-#include "kernels/config.glsl"
+#include "kernels/base/config.glsl"
 
 const uint kSliceGroups = 32u; // workgroups that stay neighbours, so that threads seldom write to one line of the cache
 const uint kFarApart = 8u;     // parts of the queue that consecutive slices are taken from in turn

@@ -3,8 +3,8 @@
 #ifndef WAVEPATH_PATH_RECEIVER_GLSL
 #define WAVEPATH_PATH_RECEIVER_GLSL
 
-#include "kernels/learned_sky.glsl"
-#include "kernels/vertex.glsl"
+#include "kernels/light/learned_sky.glsl"
+#include "kernels/surface/vertex.glsl"
 
 // Whether a ray that a vertex scatters must know it when it arrives: for the choice of the light, or because panes between
 // make the ray begin elsewhere.

@@ -1,4 +1,4 @@
-// Records of paths, read and written 16 bytes at a time (see kernels/records.glsl).
+// Records of paths, read and written 16 bytes at a time (see kernels/base/records.glsl).
 #ifndef WAVEPATH_PATH_RECORDS_GLSL
 #define WAVEPATH_PATH_RECORDS_GLSL
 

@@ -12,17 +12,17 @@
 #define BIND_QUEUES
 #define BIND_COUNTERS
 #include "kernels/path/bindings.glsl"
-#include "kernels/bsdf_types.glsl"
-#include "kernels/dimensions.glsl"
+#include "kernels/surface/bsdf_types.glsl"
+#include "kernels/base/dimensions.glsl"
 #include "kernels/path/path_sampler.glsl"
 #include "kernels/path/queue_place.glsl"
 #include "kernels/path/reuse.glsl"
-#include "kernels/records.glsl"
-#include "kernels/shadow.glsl"
+#include "kernels/base/records.glsl"
+#include "kernels/light/shadow.glsl"
 
 #define ALPHA_TEST(hit) lets_light_through(hit)
 #define ANY_HIT
-#include "kernels/trace.glsl"
+#include "kernels/bvh/trace.glsl"
 
 layout(local_size_x = kWorkgroupSize) in;
 
@@ -50,7 +50,7 @@ struct Link {
 
 // Cosine at the receiver of the mirror image of a direction, 0 if it has none, and that of the direction itself, 0 below the
 // surface that a map stands for: as has_image() and has_itself() in
-// kernels/world_scattering.glsl.
+// kernels/surface/world_scattering.glsl.
 float mirrored_cosine(uint slot, vec3 normal, vec3 direction, inout float cosine) {
   vec3 mirror = fetch_reuse(slot, kReuseReceiverMirror).xyz;
   if (mirror == vec3(0.0)) return 0.0;

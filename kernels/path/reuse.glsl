@@ -9,7 +9,7 @@
 //
 // where K_ij = cos cos / (pi distance^2) between x_i and y_j, or 0 if they do not see each other: a path from x_i finds
 // y_j with density P_i K_ij per area, P_i being the probability of the diffuse lobe. (Where a map bends the normal, the
-// cosine at x_i is the sum of two, see kernels/world_scattering.glsl.) w_i is the lobe's albedo, T the share
+// cosine at x_i is the sum of two, see kernels/surface/world_scattering.glsl.) w_i is the lobe's albedo, T the share
 // of light along a direction that passes the interface above the diffuse base. So every path is a sample of one technique,
 // weighed by the balance heuristic (Veach 1997, section 9.2), and the mean is that of paths that share nothing.
 //
@@ -22,9 +22,9 @@
 #ifndef WAVEPATH_PATH_REUSE_GLSL
 #define WAVEPATH_PATH_REUSE_GLSL
 
-#include "kernels/fresnel.glsl"
+#include "kernels/surface/fresnel.glsl"
 #include "kernels/path/path_types.h"
-#include "kernels/pixel.glsl"
+#include "kernels/base/pixel.glsl"
 
 #define REUSES_PATHS (kReuse == kReuseQuads && frame.reuses_paths != 0u) // a macro, as has() is
 #define TURNS_NORMALS has(kFeatureSmoothNormals | kFeatureNormalMaps)

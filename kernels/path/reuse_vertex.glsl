@@ -3,11 +3,11 @@
 #ifndef WAVEPATH_PATH_REUSE_VERTEX_GLSL
 #define WAVEPATH_PATH_REUSE_VERTEX_GLSL
 
-#include "kernels/dimensions.glsl"
+#include "kernels/base/dimensions.glsl"
 #include "kernels/path/medium.glsl"
 #include "kernels/path/path_sampler.glsl"
 #include "kernels/path/reuse.glsl"
-#include "kernels/vertex.glsl"
+#include "kernels/surface/vertex.glsl"
 
 // Whether its diffuse lobe is that of reuse.glsl, by a normal that is the same for all directions.
 bool may_share(Vertex v, Lobes l) {

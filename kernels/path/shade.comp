@@ -19,8 +19,8 @@
 #define BIND_GUIDE
 #define BIND_REUSE
 #include "kernels/path/bindings.glsl"
-#include "kernels/dimensions.glsl"
-#include "kernels/emission.glsl"
+#include "kernels/base/dimensions.glsl"
+#include "kernels/light/emission.glsl"
 #include "kernels/path/escape.glsl"
 #include "kernels/path/first_hit.glsl"
 #include "kernels/path/found_light.glsl"
@@ -34,10 +34,10 @@
 #include "kernels/path/records.glsl"
 #include "kernels/path/sky_density.glsl"
 #include "kernels/path/path_sampler.glsl"
-#include "kernels/ray_cone.glsl"
-#include "kernels/records.glsl"
-#include "kernels/vertex.glsl"
-#include "kernels/walls.glsl"
+#include "kernels/surface/ray_cone.glsl"
+#include "kernels/base/records.glsl"
+#include "kernels/surface/vertex.glsl"
+#include "kernels/surface/walls.glsl"
 
 layout(local_size_x = kWorkgroupSize) in;
 
@@ -171,7 +171,7 @@ void connect_to_sky(Vertex v, Lobes lobes, Receiver receiver, Sampler path_sampl
   }
 }
 
-// Whether a wall of ior 1 lets shadow rays through, as kernels/shadow.glsl has it.
+// Whether a wall of ior 1 lets shadow rays through, as kernels/light/shadow.glsl has it.
 bool may_be_pane; // of the triangle that is shaded, where there are walls
 bool lets_shadow_rays_pass(Vertex v) {
   if (!uses_walls() || !may_be_pane || !is_unbending_wall(v.bsdf)) return false;

@@ -6,7 +6,7 @@
 #ifndef WAVEPATH_PATH_SKY_GLSL
 #define WAVEPATH_PATH_SKY_GLSL
 
-#include "kernels/config.glsl"
+#include "kernels/base/config.glsl"
 
 #define SHARES_SKY (kSky == kSkyByShadowRays) // a macro, as has() is
 

@@ -3,7 +3,7 @@
 #ifndef WAVEPATH_PATH_SKY_DENSITY_GLSL
 #define WAVEPATH_PATH_SKY_DENSITY_GLSL
 
-#include "kernels/learned_sky.glsl"
+#include "kernels/light/learned_sky.glsl"
 #include "kernels/path/sky.glsl"
 
 #define LEARNS_SKY (SHARES_SKY && uses_learned_sky()) // whether further directions are drawn by what was learned

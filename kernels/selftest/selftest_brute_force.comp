@@ -9,7 +9,7 @@
 #define BIND_RAYS
 #define BIND_QUEUES
 #include "kernels/path/bindings.glsl"
-#include "kernels/bvh.glsl"
+#include "kernels/bvh/bvh.glsl"
 #include "kernels/path/records.glsl"
 
 layout(local_size_x = kWorkgroupSize) in;

@@ -13,9 +13,9 @@
 #define BIND_RAYS
 #define BIND_QUEUES
 #include "kernels/path/bindings.glsl"
-#include "kernels/bvh.glsl"
+#include "kernels/bvh/bvh.glsl"
 #include "kernels/path/records.glsl"
-#include "kernels/surface.glsl"
+#include "kernels/surface/surface.glsl"
 
 layout(local_size_x = kWorkgroupSize) in;
 

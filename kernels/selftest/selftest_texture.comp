@@ -8,7 +8,7 @@
 #define BIND_QUEUES
 #include "kernels/path/bindings.glsl"
 #include "kernels/path/records.glsl"
-#include "kernels/texture.glsl"
+#include "kernels/surface/texture.glsl"
 
 layout(local_size_x = kWorkgroupSize) in;
 

@@ -3,7 +3,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
-#include "kernels/sampler.glsl"
+#include "kernels/base/sampler.glsl"
 
 layout(local_size_x = kWorkgroupSize) in;
 layout(set = 0, binding = 0, std430) writeonly buffer Results { uvec2 results[]; };

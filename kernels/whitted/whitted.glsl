@@ -9,8 +9,8 @@
 #ifndef WAVEPATH_WHITTED_GLSL
 #define WAVEPATH_WHITTED_GLSL
 
-#include "kernels/dimensions.glsl"
-#include "kernels/pixel.glsl"
+#include "kernels/base/dimensions.glsl"
+#include "kernels/base/pixel.glsl"
 #include "kernels/whitted/whitted_types.h"
 
 layout(set = 0, binding = kBindWhitted, std140) uniform WhittedBlock { WhittedFrame whitted; };

@@ -4,10 +4,10 @@
 
 #define BIND_PATHS
 #include "kernels/path/bindings.glsl"
-#include "kernels/camera.glsl"
-#include "kernels/filter.glsl"
+#include "kernels/base/camera.glsl"
+#include "kernels/base/filter.glsl"
 #include "kernels/path/records.glsl"
-#include "kernels/pixel.glsl"
+#include "kernels/base/pixel.glsl"
 #include "kernels/whitted/whitted.glsl"
 
 layout(local_size_x = kWorkgroupSize) in;

@@ -11,19 +11,19 @@
 #define BIND_PATHS
 #define BIND_COUNTERS
 #include "kernels/path/bindings.glsl"
-#include "kernels/emission.glsl"
+#include "kernels/light/emission.glsl"
 #include "kernels/path/records.glsl"
-#include "kernels/pixel.glsl"
-#include "kernels/vertex.glsl"
+#include "kernels/base/pixel.glsl"
+#include "kernels/surface/vertex.glsl"
 #include "kernels/whitted/whitted.glsl"
 
 Sampler path_sampler;
 #define SHADOW_PASSES_PANES
-#include "kernels/shadow.glsl"
+#include "kernels/light/shadow.glsl"
 
 #define ALPHA_TEST(hit) lets_light_through(hit, t_pending)
 #define ANY_HIT
-#include "kernels/trace.glsl"
+#include "kernels/bvh/trace.glsl"
 
 layout(local_size_x = kWorkgroupSize) in;
 

@@ -11,18 +11,18 @@
 #define BIND_PATHS
 #define BIND_COUNTERS
 #include "kernels/path/bindings.glsl"
-#include "kernels/emission.glsl"
+#include "kernels/light/emission.glsl"
 #include "kernels/path/first_hit.glsl"
 #include "kernels/path/records.glsl"
-#include "kernels/pixel.glsl"
-#include "kernels/vertex.glsl"
+#include "kernels/base/pixel.glsl"
+#include "kernels/surface/vertex.glsl"
 #include "kernels/whitted/whitted.glsl"
 
 Sampler path_sampler;
 uint alpha_kind; // see alpha_key(): one for every ray of the tree
 #define ALPHA_TEST(hit) is_hole(hit, path_sampler, alpha_kind)
 #define CAMERA_RAYS (wave.bounce == 0u)
-#include "kernels/trace.glsl"
+#include "kernels/bvh/trace.glsl"
 
 layout(local_size_x = kWorkgroupSize) in;
 

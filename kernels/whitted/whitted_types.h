@@ -2,7 +2,7 @@
 #ifndef WAVEPATH_WHITTED_TYPES_H
 #define WAVEPATH_WHITTED_TYPES_H
 
-#include "kernels/frame_types.h"
+#include "kernels/base/frame_types.h"
 
 #ifdef __cplusplus
 namespace wavepath::gpu {

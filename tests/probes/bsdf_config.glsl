@@ -3,7 +3,7 @@
 #ifndef WAVEPATH_TESTS_BSDF_CONFIG_GLSL
 #define WAVEPATH_TESTS_BSDF_CONFIG_GLSL
 
-#include "kernels/bsdf.glsl"
+#include "kernels/surface/bsdf.glsl"
 
 // Bound by the probe: albedo tables, GGX first, then sheen, then glass from outside and inside.
 layout(set = 0, binding = BIND_TABLES, std430) readonly buffer Tables { vec4 tables[]; };
@@ -46,7 +46,7 @@ Bsdf bsdf_of(Config c) {
               stretched, c.diffuse_through, c.diffuse_transmission, false);
 }
 
-// A vertex as kernels/vertex.glsl has it, in a world whose axes are those of the local basis.
+// A vertex as kernels/surface/vertex.glsl has it, in a world whose axes are those of the local basis.
 struct Facet {
   vec3 geometric_normal;
 };
@@ -60,7 +60,7 @@ struct Vertex {
   vec3 wo, normal, tangent, bitangent, plane;
   Bsdf bsdf;
 };
-#include "kernels/world_scattering.glsl"
+#include "kernels/surface/world_scattering.glsl"
 
 Vertex vertex_of(Config c) {
   return Vertex(Facet(c.facet.xyz), Map(c.bent != 0u ? 0u : kNone), true, c.wo.xyz, vec3(0.0, 0.0, 1.0), vec3(1.0, 0.0, 0.0),

@@ -2,7 +2,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #define LAYERED
-#include "kernels/sampler.glsl"
+#include "kernels/base/sampler.glsl"
 #define BIND_TABLES 4
 #include "tests/probes/bsdf_config.glsl"
 

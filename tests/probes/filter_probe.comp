@@ -1,7 +1,7 @@
-// Evaluates kernels/filter.glsl: positions in the unit square become offsets from the pixel's centre.
+// Evaluates kernels/base/filter.glsl: positions in the unit square become offsets from the pixel's centre.
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#include "kernels/filter.glsl"
+#include "kernels/base/filter.glsl"
 
 layout(local_size_x = kWorkgroupSize) in;
 layout(push_constant) uniform Push { uint invocations; };

@@ -1,11 +1,11 @@
-// Evaluates kernels/light_sampling.glsl on the buffers that the renderer binds: one function by mode (wave.bounce).
+// Evaluates kernels/light/light_sampling.glsl on the buffers that the renderer binds: one function by mode (wave.bounce).
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #define BIND_LIGHTS
 #define BIND_ENVIRONMENT
-#include "kernels/bindings.glsl"
+#include "kernels/base/bindings.glsl"
 #include "kernels/film/film_types.h"
-#include "kernels/light_sampling.glsl"
+#include "kernels/light/light_sampling.glsl"
 
 layout(local_size_x = kWorkgroupSize) in;
 struct Element {

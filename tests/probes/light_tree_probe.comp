@@ -1,10 +1,10 @@
-// Walks a light tree with kernels/light_tree.glsl: one element an invocation.
+// Walks a light tree with kernels/light/light_tree.glsl: one element an invocation.
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#include "kernels/light_tree_types.h"
+#include "kernels/base/light_tree_types.h"
 
 layout(set = 0, binding = 0) uniform usamplerBuffer light_tree;
-#include "kernels/light_tree.glsl"
+#include "kernels/light/light_tree.glsl"
 
 layout(local_size_x = kWorkgroupSize) in;
 

@@ -1,7 +1,7 @@
-// Evaluates kernels/math.glsl: one function by mode, on one element of four vectors.
+// Evaluates kernels/base/math.glsl: one function by mode, on one element of four vectors.
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#include "kernels/math.glsl"
+#include "kernels/base/math.glsl"
 
 layout(local_size_x = 64) in;
 layout(push_constant) uniform Push { uint invocations; };

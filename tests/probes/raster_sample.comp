@@ -1,7 +1,7 @@
 // Samples a colour, a depth and an integer image where the host says.
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#include "kernels/gpu.h"
+#include "kernels/base/gpu.h"
 
 layout(local_size_x = kWorkgroupSize) in;
 layout(push_constant) uniform Push { uint count; };

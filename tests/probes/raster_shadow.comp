@@ -1,7 +1,7 @@
 // Compares the layers of a depth image with a reference, as a shadow map is read.
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#include "kernels/gpu.h"
+#include "kernels/base/gpu.h"
 
 layout(local_size_x = kWorkgroupSize) in;
 layout(push_constant) uniform Push { uint count; };

@@ -1,7 +1,7 @@
-// Evaluates kernels/sampler.glsl for a block of (pixel, dimension, sample), samples innermost.
+// Evaluates kernels/base/sampler.glsl for a block of (pixel, dimension, sample), samples innermost.
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#include "kernels/sampler.glsl"
+#include "kernels/base/sampler.glsl"
 
 layout(local_size_x = kWorkgroupSize) in;
 layout(push_constant) uniform Push { uint invocations; };

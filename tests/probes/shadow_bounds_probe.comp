@@ -1,9 +1,9 @@
 // The share of a list of depths that is not below another depth, as moments of the list bound it.
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#include "kernels/gpu.h"
-#include "kernels/shadows/bounds.glsl"
-#include "kernels/shadows/moments16.glsl"
+#include "kernels/base/gpu.h"
+#include "kernels/hybrid/shadows/bounds.glsl"
+#include "kernels/hybrid/shadows/moments16.glsl"
 
 layout(local_size_x = kWorkgroupSize) in;
 layout(push_constant) uniform Push { uint invocations; };

@@ -1,7 +1,7 @@
-// Means over boxes of a summed-area table, as kernels/shadows/sat_box.glsl finds them.
+// Means over boxes of a summed-area table, as kernels/hybrid/shadows/sat_box.glsl finds them.
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#include "kernels/gpu.h"
+#include "kernels/base/gpu.h"
 
 layout(local_size_x = kWorkgroupSize) in;
 layout(push_constant) uniform Push { uint invocations; };
@@ -13,7 +13,7 @@ struct Box {
 layout(set = 0, binding = 0, std430) buffer Boxes { Box boxes[]; };
 layout(set = 0, binding = 1, std430) readonly buffer Table { uvec4 shadow_scratch[]; };
 
-#include "kernels/shadows/sat_box.glsl"
+#include "kernels/hybrid/shadows/sat_box.glsl"
 
 void main() {
   uint i = gl_GlobalInvocationID.x;

@@ -2,7 +2,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
-#include "kernels/gpu.h"
+#include "kernels/base/gpu.h"
 
 layout(local_size_x = kWorkgroupSize) in;
 layout(push_constant) uniform Push { uint count; };

@@ -2,7 +2,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
-#include "kernels/gpu.h"
+#include "kernels/base/gpu.h"
 
 layout(local_size_x = kWorkgroupSize) in;
 layout(constant_id = 0) const uint kA = 0u;

@@ -10,9 +10,9 @@
 #include "kernels/hybrid/bindings.glsl"
 #include "kernels/path/bindings.glsl"
 #include "kernels/hybrid/hybrid.glsl"
-#include "kernels/known_triangle.glsl"
+#include "kernels/bvh/known_triangle.glsl"
 #include "kernels/path/records.glsl"
-#include "kernels/pixel.glsl"
+#include "kernels/base/pixel.glsl"
 
 layout(local_size_x = kWorkgroupSize) in;
 

@@ -4,8 +4,8 @@
 #include <array>
 #include <cstddef>
 
-#include "host/render/device/wave_queue.h"
 #include "host/render/loop/render_result.h"
+#include "host/render/workspace/wave_queue.h"
 #include "host/scene/pack/bodies.h"
 #include "host/scene/pack/features.h"
 #include "kernels/bidirectional/bidirectional_connect.spv.h"

@@ -16,8 +16,8 @@ constexpr std::uint64_t kMostPaths = 1u << 18;    // of a map and replicate
 constexpr std::uint64_t kBlockSamples = 1u << 17; // of all pixels, that blocks hold at most if they can
 constexpr double kPixels = 2.0;                   // first radius
 constexpr double kShrink = 2.0 / 3.0;             // alpha of Knaus and Zwicker
-constexpr float kSmooth = 0.01f;                  // roughness below which kernels/bsdf.glsl has a lobe of one direction
-constexpr std::uint32_t kLeastBounces = 3;        // delta, other, delta
+constexpr float kSmooth = 0.01f; // roughness below which kernels/surface/bsdf.glsl has a lobe of one direction
+constexpr std::uint32_t kLeastBounces = 3; // delta, other, delta
 
 bool is_delta(const gpu::Material& m) {
   return m.roughness < kSmooth && !(m.flags & gpu::kMaterialUnlit) &&

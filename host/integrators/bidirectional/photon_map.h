@@ -6,9 +6,9 @@
 
 #include <glm/glm.hpp>
 
+#include "kernels/base/features.h"
+#include "kernels/base/frame_types.h"
 #include "kernels/bidirectional/photon_types.h"
-#include "kernels/features.h"
-#include "kernels/frame_types.h"
 
 namespace wavepath {
 

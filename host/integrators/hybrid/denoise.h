@@ -9,7 +9,7 @@
 
 #include "host/gpu/commands.h"
 #include "host/integrators/hybrid/filter_bands.h"
-#include "host/render/device/resources.h"
+#include "host/render/workspace/resources.h"
 #include "kernels/hybrid/filter_types.h"
 
 namespace wavepath {

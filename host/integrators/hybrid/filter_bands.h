@@ -4,7 +4,7 @@
 #include <cstdint>
 
 #include "host/gpu/commands.h"
-#include "host/render/device/resources.h"
+#include "host/render/workspace/resources.h"
 #include "kernels/hybrid/filter_types.h"
 
 namespace wavepath {

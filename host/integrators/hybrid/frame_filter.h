@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "host/integrators/hybrid/filter_bands.h"
-#include "host/render/device/resources.h"
+#include "host/render/workspace/resources.h"
 
 namespace wavepath {
 

@@ -6,19 +6,21 @@
 
 #include <fmt/format.h>
 
-#include "host/integrators/antialias/catalogue.h"
+#include "host/integrators/hybrid/antialias/catalogue.h"
 #include "host/integrators/hybrid/denoise.h"
 #include "host/integrators/hybrid/frame_filter.h"
+#include "host/integrators/hybrid/occlusion/catalogue.h"
+#include "host/integrators/hybrid/occlusion/screen_space.h"
 #include "host/integrators/hybrid/occlusion_radius.h"
+#include "host/integrators/hybrid/shading/catalogue.h"
+#include "host/integrators/hybrid/shadows/catalogue.h"
+#include "host/integrators/hybrid/shadows/sources.h"
 #include "host/integrators/hybrid/taa.h"
-#include "host/integrators/occlusion/catalogue.h"
-#include "host/integrators/occlusion/screen_space.h"
-#include "host/integrators/shading/catalogue.h"
-#include "host/integrators/shadows/catalogue.h"
-#include "host/integrators/shadows/sources.h"
-#include "host/integrators/transparency/catalogue.h"
+#include "host/integrators/hybrid/transparency/catalogue.h"
 #include "host/render/settings/mips.h"
 #include "host/render/settings/occlusion_settings.h"
+#include "kernels/base/tile_order.h"
+#include "kernels/base/wave.h"
 #include "kernels/hybrid/composite.spv.h"
 #include "kernels/hybrid/gather.spv.h"
 #include "kernels/hybrid/jitter.spv.h"
@@ -26,8 +28,6 @@
 #include "kernels/hybrid/occlusion_query.spv.h"
 #include "kernels/hybrid/resolve.spv.h"
 #include "kernels/hybrid/share_shading.spv.h"
-#include "kernels/tile_order.h"
-#include "kernels/wave.h"
 
 namespace wavepath {
 namespace {

@@ -10,12 +10,12 @@
 #include <memory>
 #include <vector>
 
+#include "host/integrators/hybrid/shading/local_shading.h"
+#include "host/integrators/hybrid/shadows/technique.h"
+#include "host/integrators/hybrid/shadows/times.h"
+#include "host/integrators/hybrid/transparency/layers.h"
 #include "host/integrators/hybrid/visibility.h"
 #include "host/integrators/path/paths.h"
-#include "host/integrators/shading/local_shading.h"
-#include "host/integrators/shadows/technique.h"
-#include "host/integrators/shadows/times.h"
-#include "host/integrators/transparency/layers.h"
 #include "host/render/loop/render_result.h"
 #include "kernels/hybrid/filter_types.h"
 #include "kernels/hybrid/hybrid_types.h"
@@ -24,7 +24,7 @@ namespace wavepath {
 
 class Denoiser;             // host/integrators/hybrid/denoise.h
 class FrameFilter;          // host/integrators/hybrid/frame_filter.h
-class ScreenSpaceOcclusion; // host/integrators/occlusion/screen_space.h
+class ScreenSpaceOcclusion; // host/integrators/hybrid/occlusion/screen_space.h
 class Taa;                  // host/integrators/hybrid/taa.h
 
 // Whether frames have light beyond the direct one, or are nothing but occlusion.

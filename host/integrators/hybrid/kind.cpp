@@ -6,14 +6,14 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "host/integrators/antialias/catalogue.h"
+#include "host/integrators/hybrid/antialias/catalogue.h"
 #include "host/integrators/hybrid/denoise.h"
 #include "host/integrators/hybrid/hybrid.h"
-#include "host/integrators/occlusion/catalogue.h"
-#include "host/integrators/shading/catalogue.h"
-#include "host/integrators/shadows/catalogue.h"
-#include "host/integrators/transparency/catalogue.h"
-#include "host/integrators/transparency/layers.h"
+#include "host/integrators/hybrid/occlusion/catalogue.h"
+#include "host/integrators/hybrid/shading/catalogue.h"
+#include "host/integrators/hybrid/shadows/catalogue.h"
+#include "host/integrators/hybrid/transparency/catalogue.h"
+#include "host/integrators/hybrid/transparency/layers.h"
 #include "host/render/render.h"
 #include "host/render/settings/mips.h"
 #include "host/render/settings/settings_table.h"

@@ -6,9 +6,9 @@
 #include <fmt/format.h>
 
 #include "host/base/error.h"
-#include "host/render/device/kernel_compiler.h"
 #include "host/render/render.h"
-#include "kernels/frame_types.h"
+#include "host/render/workspace/kernel_compiler.h"
+#include "kernels/base/frame_types.h"
 #include "kernels/hybrid/filter_types.h"
 #include "kernels/hybrid/hybrid_types.h"
 #include "kernels/hybrid/visibility.spv.h"

@@ -12,13 +12,13 @@
 #include <vector>
 
 #include "host/gpu/raster.h"
-#include "host/integrators/raster/culling.h"
-#include "host/integrators/raster/slices.h"
-#include "host/render/device/device_scene.h"
-#include "host/render/device/kernel_set.h"
-#include "host/render/device/wave_queue.h"
+#include "host/integrators/hybrid/raster/culling.h"
+#include "host/integrators/hybrid/raster/slices.h"
+#include "host/render/workspace/device_scene.h"
+#include "host/render/workspace/kernel_set.h"
+#include "host/render/workspace/wave_queue.h"
 #include "host/scene/pack/pack.h"
-#include "host/scene/view.h"
+#include "host/scene/staging/view.h"
 
 namespace wavepath {
 

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <utility>
 
-#include "kernels/light_tree_types.h"
+#include "kernels/base/light_tree_types.h"
 
 namespace wavepath {
 namespace {

@@ -1,4 +1,5 @@
-// The shares of kernels/light_selection.glsl, by row and column: as they are before a pilot, and as it teaches them.
+// The shares of kernels/light/light_selection.glsl, by row and column: as they are before a pilot, and as it teaches
+// them.
 #pragma once
 
 #include <cstdint>
@@ -6,7 +7,7 @@
 #include <vector>
 
 #include "host/scene/pack/packed_scene.h"
-#include "kernels/light_tree_types.h"
+#include "kernels/base/light_tree_types.h"
 
 namespace wavepath {
 

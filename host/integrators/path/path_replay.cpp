@@ -11,12 +11,12 @@
 #include "host/render/settings/light_samples.h"
 #include "host/render/settings/traversal.h"
 #include "host/render/settings/whole_nets.h"
-#include "kernels/frame_types.h"
-#include "kernels/net_layout.h"
+#include "kernels/base/frame_types.h"
+#include "kernels/base/net_layout.h"
+#include "kernels/base/scene_types.h"
+#include "kernels/base/tile_order.h"
+#include "kernels/base/wave.h"
 #include "kernels/path/path_types.h"
-#include "kernels/scene_types.h"
-#include "kernels/tile_order.h"
-#include "kernels/wave.h"
 
 namespace wavepath {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "host/integrators/path/light_teacher.h"
 #include "host/integrators/path/paths.h"
-#include "kernels/frame_types.h"
+#include "kernels/base/frame_types.h"
 #include "kernels/path/path_types.h"
 
 namespace wavepath {

@@ -7,10 +7,10 @@
 #include <memory>
 #include <vector>
 
-#include "host/render/device/kernel_compiler.h"
-#include "host/render/device/resources.h"
-#include "host/render/device/workspace.h"
 #include "host/render/loop/integrator.h"
+#include "host/render/workspace/kernel_compiler.h"
+#include "host/render/workspace/resources.h"
+#include "host/render/workspace/workspace.h"
 #include "kernels/path/path_types.h"
 
 namespace wavepath {

@@ -18,7 +18,7 @@ constexpr double kLeastSkyPrior = 0.25, kSkyPriorPicks = 512.0;
 
 Shares equal_shares() { return Shares(gpu::kSkyParts, 1.0 / gpu::kSkyParts); }
 
-// The words of a row: kernels/learned_sky_types.h.
+// The words of a row: kernels/base/learned_sky_types.h.
 std::vector<std::uint32_t> ends_of(const Shares& shares) {
   std::vector<double> bands(gpu::kSkySide, 0.0);
   for (std::size_t part = 0; part < gpu::kSkyParts; ++part) bands[part / gpu::kSkySide] += shares[part];

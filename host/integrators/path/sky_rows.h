@@ -1,12 +1,12 @@
-// The shares of kernels/learned_sky.glsl, by row and part of the sky: as they are before a pilot, and as it teaches
-// them.
+// The shares of kernels/light/learned_sky.glsl, by row and part of the sky: as they are before a pilot, and as it
+// teaches them.
 #pragma once
 
 #include <cstdint>
 #include <span>
 #include <vector>
 
-#include "kernels/learned_sky_types.h"
+#include "kernels/base/learned_sky_types.h"
 
 namespace wavepath {
 

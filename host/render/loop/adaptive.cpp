@@ -4,7 +4,7 @@
 #include <cmath>
 #include <future>
 
-#include "kernels/tile_order.h"
+#include "kernels/base/tile_order.h"
 
 namespace wavepath {
 namespace {

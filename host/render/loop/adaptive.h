@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "host/film/film.h"
-#include "host/render/device/film_target.h"
-#include "host/render/device/levels.h"
+#include "host/render/workspace/film_target.h"
+#include "host/render/workspace/levels.h"
 
 namespace wavepath {
 

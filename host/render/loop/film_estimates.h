@@ -8,7 +8,7 @@
 
 #include "host/film/error.h"
 #include "host/film/film.h"
-#include "host/render/device/film_target.h"
+#include "host/render/workspace/film_target.h"
 
 namespace wavepath {
 

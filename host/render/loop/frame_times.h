@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "host/render/device/totals.h"
 #include "host/render/loop/render_result.h"
+#include "host/render/workspace/totals.h"
 
 namespace wavepath {
 

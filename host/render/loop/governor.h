@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cstdint>
 
-#include "kernels/gpu.h"
+#include "kernels/base/gpu.h"
 
 namespace wavepath {
 

@@ -5,7 +5,7 @@
 #include <functional>
 
 #include "host/film/error.h"
-#include "host/film/picture.h"
+#include "host/picture/picture.h"
 
 namespace wavepath {
 

@@ -1,7 +1,7 @@
 #include "host/render/loop/integrator.h"
 
-#include "host/render/device/film_target.h"
-#include "kernels/wave.h"
+#include "host/render/workspace/film_target.h"
+#include "kernels/base/wave.h"
 
 namespace wavepath {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "host/render/settings/integrator_kind.h"
-#include "kernels/frame_types.h"
+#include "kernels/base/frame_types.h"
 
 namespace wavepath {
 

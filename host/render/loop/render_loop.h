@@ -12,8 +12,6 @@
 #include "host/base/clock.h"
 #include "host/base/error.h"
 #include "host/film/film.h"
-#include "host/render/device/wave_queue.h"
-#include "host/render/device/workspace.h"
 #include "host/render/loop/film_estimates.h"
 #include "host/render/loop/governor.h"
 #include "host/render/loop/hooks.h"
@@ -21,6 +19,8 @@
 #include "host/render/loop/render_result.h"
 #include "host/render/loop/render_state.h"
 #include "host/render/loop/target.h"
+#include "host/render/workspace/wave_queue.h"
+#include "host/render/workspace/workspace.h"
 
 namespace wavepath {
 

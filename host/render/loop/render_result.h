@@ -10,9 +10,9 @@
 #include <glm/glm.hpp>
 
 #include "host/film/error.h"
-#include "host/film/picture.h"
-#include "host/render/device/totals.h"
+#include "host/picture/picture.h"
 #include "host/render/settings/settings.h"
+#include "host/render/workspace/totals.h"
 
 namespace wavepath {
 

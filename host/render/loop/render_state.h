@@ -7,9 +7,9 @@
 
 #include "host/film/error.h"
 #include "host/film/film.h"
-#include "host/render/device/totals.h"
 #include "host/render/loop/render_result.h"
 #include "host/render/settings/settings.h"
+#include "host/render/workspace/totals.h"
 
 namespace wavepath {
 

@@ -2,9 +2,9 @@
 
 #include <array>
 
-#include "host/render/device/levels.h"
-#include "kernels/net_layout.h"
-#include "kernels/tile_order.h"
+#include "host/render/workspace/levels.h"
+#include "kernels/base/net_layout.h"
+#include "kernels/base/tile_order.h"
 
 namespace wavepath {
 

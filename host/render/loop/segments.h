@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "host/render/device/film_target.h"
 #include "host/render/loop/integrator.h"
+#include "host/render/workspace/film_target.h"
 
 namespace wavepath {
 

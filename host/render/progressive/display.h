@@ -9,8 +9,8 @@
 #include <string_view>
 #include <vector>
 
-#include "host/film/tonemap.h"
 #include "host/gpu/kernel.h"
+#include "host/picture/tonemap.h"
 #include "host/render/progressive/progressive.h"
 #include "kernels/display/display_types.h"
 

@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "host/film/picture_io.h"
+#include "host/picture/files/picture_io.h"
 #include "host/render/settings/settings_table.h"
 #include "host/render/settings/shadow_settings.h"
 

@@ -6,8 +6,8 @@
 #include <memory>
 #include <optional>
 
-#include "host/film/picture.h"
-#include "host/film/shadow_score.h"
+#include "host/picture/metrics/shadow_score.h"
+#include "host/picture/picture.h"
 #include "host/render/progressive/progressive.h"
 
 namespace wavepath {

@@ -9,12 +9,12 @@
 #include "host/film/error.h"
 #include "host/film/film.h"
 #include "host/render/bvh_choice.h"
-#include "host/render/device/kernel_compiler.h"
 #include "host/render/report/diagnosis.h"
 #include "host/render/settings/integrator_kind.h"
 #include "host/render/settings/settings_table.h"
-#include "kernels/learned_sky_types.h"
-#include "kernels/tile_order.h"
+#include "host/render/workspace/kernel_compiler.h"
+#include "kernels/base/learned_sky_types.h"
+#include "kernels/base/tile_order.h"
 
 namespace wavepath {
 namespace {

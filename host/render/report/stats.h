@@ -8,8 +8,8 @@
 #include <nlohmann/json.hpp>
 
 #include "host/gpu/device.h"
-#include "host/render/devices/several_devices.h"
 #include "host/render/integrator_choice.h"
+#include "host/render/multi_device/several_devices.h"
 #include "host/render/render.h"
 #include "host/render/report/true_error.h"
 #include "host/render/reuse_choice.h"

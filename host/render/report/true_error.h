@@ -1,7 +1,7 @@
 // The error of a picture against a reference.
 #pragma once
 
-#include "host/film/metrics.h"
+#include "host/picture/metrics/metrics.h"
 
 namespace wavepath {
 

@@ -7,7 +7,7 @@
 
 namespace wavepath {
 
-// host/integrators/antialias has a file for each.
+// host/integrators/hybrid/antialias has a file for each.
 inline constexpr std::array<std::string_view, 7> kAntialiasNames = {"filter", "none", "supersample", "fxaa",
                                                                     "smaa",   "taa",  "msaa"};
 inline constexpr std::uint32_t kAntialiasFilterName = 0, kAntialiasTaaName = 5;

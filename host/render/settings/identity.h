@@ -7,7 +7,7 @@
 #include <string>
 
 #include "host/render/settings/settings.h"
-#include "host/scene/view.h"
+#include "host/scene/staging/view.h"
 
 namespace wavepath {
 

@@ -10,8 +10,8 @@
 
 #include <glm/glm.hpp>
 
+#include "kernels/base/features.h"
 #include "kernels/bidirectional/bidirectional_types.h"
-#include "kernels/features.h"
 
 namespace wavepath {
 
@@ -42,8 +42,9 @@ inline constexpr std::uint32_t kTriesReuseNowhere = 0, kTriesReuseUnlearned = 1,
 // How noise is filtered: by filters of our own, or finished pictures by Intel's Open Image Denoise.
 inline constexpr std::uint32_t kDenoiseOff = 0, kDenoiseOn = 1, kDenoiseOidn = 2;
 
-// What a pilot has learned of which lights reach where, as light_rows.h teaches it for kernels/light_selection.glsl,
-// and which parts of an environment map, as sky_rows.h does for kernels/learned_sky.glsl; null: nothing.
+// What a pilot has learned of which lights reach where, as light_rows.h teaches it for
+// kernels/light/light_selection.glsl, and which parts of an environment map, as sky_rows.h does for
+// kernels/light/learned_sky.glsl; null: nothing.
 struct LightShares {
   std::shared_ptr<const std::vector<std::uint32_t>> lights, sky;
   explicit operator bool() const { return lights || sky; }

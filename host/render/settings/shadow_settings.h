@@ -10,13 +10,13 @@ namespace wavepath {
 
 struct RenderSettings;
 
-// The first one traces rays; host/integrators/shadows has a file for each of the others.
+// The first one traces rays; host/integrators/hybrid/shadows has a file for each of the others.
 inline constexpr std::array<std::string_view, 26> kShadowNames = {
     "traced",     "map",     "map-id", "pcf",      "pcss",     "vsm",       "esm",   "evsm", "moment",
     "vssm",       "average", "leak",   "cascades", "sdsm",     "lispsm",    "tsm",   "psm",  "cube",
     "paraboloid", "virtual", "izb",    "planar",   "lightmap", "projected", "zpass", "zfail"};
 inline constexpr std::uint32_t kShadowsTraced = 0;
-// By kBias and kPattern constant of kernels/shadows/shadow_types.h.
+// By kBias and kPattern constant of kernels/hybrid/shadows/shadow_types.h.
 inline constexpr std::array<std::string_view, 7> kShadowBiasNames = {"constant", "slope",        "normal",  "plane",
                                                                      "cone",     "second-depth", "midpoint"};
 inline constexpr std::array<std::string_view, 4> kShadowPatternNames = {"grid", "poisson", "rotated", "vogel"};

@@ -7,7 +7,7 @@
 
 namespace wavepath {
 
-// The first one passes through at random; host/integrators/transparency has a file for each of the others.
+// The first one passes through at random; host/integrators/hybrid/transparency has a file for each of the others.
 inline constexpr std::array<std::string_view, 7> kTransparencyNames = {
     "traced", "sorted", "peel", "weighted", "screendoor", "stochastic", "refractive"};
 inline constexpr std::uint32_t kTransparencyTraced = 0;

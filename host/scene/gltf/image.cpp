@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include "host/base/error.h"
-#include "host/images/decode.h"
+#include "host/codecs/decode.h"
 
 namespace wavepath {
 namespace {

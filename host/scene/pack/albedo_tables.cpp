@@ -48,8 +48,8 @@ double remaining_shadowing(const glm::dvec3& wo, const glm::dvec3& wi, double al
 }
 
 // Mean over microfacets visible from a direction with this cosine (ggx_sample_visible_normal() of
-// kernels/microfacet.glsl). Strata grow narrow towards the rim of the cap, where steep facets are: with equal ones the
-// error was 1e-2 at alpha 0.1. Spokes are those of one half; the other is its mirror image.
+// kernels/surface/microfacet.glsl). Strata grow narrow towards the rim of the cap, where steep facets are: with equal
+// ones the error was 1e-2 at alpha 0.1. Spokes are those of one half; the other is its mirror image.
 template <class Weight>
 double mean_of_visible(double alpha, double cosine, Weight weight) {
   const glm::dvec3 wo(std::sqrt(1.0 - cosine * cosine), 0.0, cosine);
@@ -65,7 +65,7 @@ double mean_of_visible(double alpha, double cosine, Weight weight) {
   return sum / (kCapRings * kCapSpokes);
 }
 
-// fresnel_exact() of kernels/fresnel.glsl.
+// fresnel_exact() of kernels/surface/fresnel.glsl.
 double fresnel(double c, double eta) {
   const double g2 = c * c + eta * eta - 1.0;
   if (g2 <= 0.0) return 1.0;
@@ -95,7 +95,7 @@ double glass_albedo(double alpha, double cosine, double eta) {
   });
 }
 
-// sheen_curve() and eval_sheen() of kernels/sheen.glsl.
+// sheen_curve() and eval_sheen() of kernels/surface/sheen.glsl.
 double sheen_lambda(double cosine, double alpha) {
   const auto curve = [&](double x) {
     const double t = (1.0 - alpha) * (1.0 - alpha);

@@ -1,4 +1,4 @@
-// Directional albedo of rough surfaces, tabulated for the kernels (kernels/albedo_table.glsl).
+// Directional albedo of rough surfaces, tabulated for the kernels (kernels/surface/albedo_table.glsl).
 #pragma once
 
 #include <span>
@@ -6,8 +6,8 @@
 
 #include <glm/glm.hpp>
 
-#include "kernels/features.h"
-#include "kernels/scene_types.h"
+#include "kernels/base/features.h"
+#include "kernels/base/scene_types.h"
 
 namespace wavepath {
 

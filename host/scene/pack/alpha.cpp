@@ -39,7 +39,8 @@ ColorRange color_range(const Mesh& mesh, std::uint32_t first_index) {
   return color_range(corners);
 }
 
-// What a material makes of texels whose alpha lies in a range: opacity() of kernels/surface.glsl, with its arithmetic.
+// What a material makes of texels whose alpha lies in a range: opacity() of kernels/surface/surface.glsl, with its
+// arithmetic.
 Coverage coverage(const Material& m, const ColorRange& color, const AlphaPyramid::Range& texels) {
   if (m.alpha_mode == AlphaMode::opaque) return Coverage::opaque;
   float lo = std::numeric_limits<float>::max(), hi = std::numeric_limits<float>::lowest();
@@ -72,7 +73,7 @@ void set_box(Footprint& f) {
   f.hi = glm::max(f.corner[0], glm::max(f.corner[1], f.corner[2]));
 }
 
-// The coordinates of texture_uv() in kernels/texture.glsl, times the image's size.
+// The coordinates of texture_uv() in kernels/surface/texture.glsl, times the image's size.
 Footprint make_footprint(const Mesh& mesh, const TextureSlot& slot, std::uint32_t first_index, glm::uvec2 image_size) {
   Footprint f;
   const glm::dvec2 size(image_size);

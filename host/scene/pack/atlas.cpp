@@ -7,8 +7,8 @@
 
 #include <tbb/parallel_for.h>
 
-#include "kernels/scene_types.h"
-#include "kernels/tile_order.h"
+#include "kernels/base/scene_types.h"
+#include "kernels/base/tile_order.h"
 
 namespace wavepath {
 namespace {

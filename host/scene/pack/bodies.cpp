@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "host/scene/bounds.h"
-#include "kernels/scene_types.h"
+#include "kernels/base/scene_types.h"
 
 namespace wavepath {
 namespace {

@@ -10,7 +10,7 @@
 #include <tbb/parallel_for.h>
 
 #include "host/scene/pack/geometry.h"
-#include "kernels/scene_types.h"
+#include "kernels/base/scene_types.h"
 
 namespace wavepath {
 namespace {
@@ -28,7 +28,7 @@ struct PartPlace {
   glm::dvec2 corner[3];
 };
 
-// Quarters as kernels/light_sampling.glsl numbers them.
+// Quarters as kernels/light/light_sampling.glsl numbers them.
 PartPlace quarter_of(const PartPlace& part, int quarter) {
   const glm::dvec2* const c = part.corner;
   const glm::dvec2 m[3] = {0.5 * (c[1] + c[2]), 0.5 * (c[2] + c[0]), 0.5 * (c[0] + c[1])};

@@ -12,7 +12,7 @@ namespace wavepath {
 
 struct Object; // of geometry.h
 
-// Of a triangle's 4^depth cells (kernels/light_sampling.glsl), those from the end of the part before to `end`.
+// Of a triangle's 4^depth cells (kernels/light/light_sampling.glsl), those from the end of the part before to `end`.
 struct EmissionPart {
   std::uint32_t end = 0;
   double density = 0.0; // pi times the root-mean-square of the luminance, twice that if both sides emit

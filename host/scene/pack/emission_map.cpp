@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "host/scene/pack/textures.h"
-#include "kernels/scene_types.h"
+#include "kernels/base/scene_types.h"
 
 namespace wavepath {
 namespace {

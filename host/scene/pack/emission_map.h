@@ -1,4 +1,4 @@
-// What an emission texture shines like: at a point, filtered as kernels/texture.glsl filters, and over regions.
+// What an emission texture shines like: at a point, filtered as kernels/surface/texture.glsl filters, and over regions.
 #pragma once
 
 #include <cstdint>

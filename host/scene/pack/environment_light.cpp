@@ -9,9 +9,9 @@
 
 #include <tbb/parallel_for.h>
 
-#include "host/scene/environment.h"
 #include "host/scene/pack/emission.h"
 #include "host/scene/pack/intervals.h"
+#include "host/scene/staging/environment.h"
 
 namespace wavepath {
 namespace {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "kernels/scene_types.h"
+#include "kernels/base/scene_types.h"
 
 namespace wavepath {
 namespace {

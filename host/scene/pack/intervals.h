@@ -1,4 +1,4 @@
-// Discrete distributions as intervals of the 32-bit integers, which kernels/intervals.glsl picks from.
+// Discrete distributions as intervals of the 32-bit integers, which kernels/base/intervals.glsl picks from.
 #pragma once
 
 #include <cstdint>

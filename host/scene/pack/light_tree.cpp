@@ -268,7 +268,7 @@ private:
 std::uint32_t byte_of(std::uint32_t word, int k) { return word >> (8 * k) & 0xffu; }
 float unorm(std::uint32_t byte) { return static_cast<float>(byte) / 255.0f; }
 
-glm::vec3 octahedral_direction(const glm::vec2& at) { // as in kernels/light_tree.glsl
+glm::vec3 octahedral_direction(const glm::vec2& at) { // as in kernels/light/light_tree.glsl
   glm::vec3 d(at, 1.0f - std::abs(at.x) - std::abs(at.y));
   if (d.z < 0.0f) {
     const glm::vec2 folded = 1.0f - glm::abs(glm::vec2(d.y, d.x));

@@ -1,5 +1,5 @@
-// Builds the light tree of kernels/light_tree.glsl: a binary tree over lights that have a place, by the surface area
-// orientation heuristic (Conty Estevez and Kulla 2018, "Importance Sampling of Many Lights with Adaptive Tree
+// Builds the light tree of kernels/light/light_tree.glsl: a binary tree over lights that have a place, by the surface
+// area orientation heuristic (Conty Estevez and Kulla 2018, "Importance Sampling of Many Lights with Adaptive Tree
 // Splitting").
 #pragma once
 
@@ -9,7 +9,7 @@
 
 #include <glm/glm.hpp>
 
-#include "kernels/light_tree_types.h"
+#include "kernels/base/light_tree_types.h"
 
 namespace wavepath {
 

@@ -9,7 +9,7 @@
 #include "host/scene/pack/textures.h"
 #include "host/scene/scene.h"
 #include "host/scene/usage.h"
-#include "kernels/scene_types.h"
+#include "kernels/base/scene_types.h"
 
 namespace wavepath {
 
@@ -28,7 +28,7 @@ MaterialTable pack_materials(const Scene& scene, const Usage& usage, bool mips =
 // The kLobe bits of what the material has beyond metallic-roughness.
 gpu::Feature layer_lobes(const Material& material);
 
-// Whether the surface is a thin smooth pane (is_pane() of kernels/bsdf.glsl), at some texels at least.
+// Whether the surface is a thin smooth pane (is_pane() of kernels/surface/bsdf.glsl), at some texels at least.
 bool may_be_pane(const Material& material);
 // Whether it is the wall of a body that does not bend light (is_unbending_wall()).
 bool may_be_wall(const Material& material);

@@ -8,8 +8,8 @@
 
 #include <tbb/parallel_for.h>
 
-#include "host/images/srgb.h"
-#include "kernels/tile_order.h"
+#include "host/codecs/srgb.h"
+#include "kernels/base/tile_order.h"
 
 namespace wavepath {
 namespace {

@@ -23,7 +23,7 @@ std::uint32_t mip_count(std::uint32_t width, std::uint32_t height);
 std::uint64_t mip_texels(std::uint32_t width, std::uint32_t height);
 std::uint64_t mip_words(const Image& image);
 
-// Writes all levels, one after the other, as kernels/texture.glsl finds them.
+// Writes all levels, one after the other, as kernels/surface/texture.glsl finds them.
 void store_mips(const Image& image, MipKind kind, std::uint32_t* words);
 
 } // namespace wavepath

@@ -10,8 +10,8 @@
 
 #include "bvh/build.h"
 #include "host/scene/pack/atlas.h"
-#include "kernels/features.h"
-#include "kernels/scene_types.h"
+#include "kernels/base/features.h"
+#include "kernels/base/scene_types.h"
 
 namespace wavepath {
 
@@ -78,9 +78,9 @@ struct PackedScene {
   Atlases atlases;                   // and of those that samplers of the device look up
 
   std::vector<gpu::Light> lights;         // that next-event estimation samples, the environment included
-  std::vector<std::uint32_t> light_parts; // of triangles that are cut: see kernels/light_sampling.glsl
+  std::vector<std::uint32_t> light_parts; // of triangles that are cut: see kernels/light/light_sampling.glsl
   std::uint32_t local_light_count = 0;    // of those that have a place; they come first
-  // The light tree as kernels/light_tree_types.h has it, empty where lights are picked by power; and its columns.
+  // The light tree as kernels/base/light_tree_types.h has it, empty where lights are picked by power; and its columns.
   std::vector<glm::uvec4> light_tree;
   std::uint32_t light_tree_depth = 0;
   double light_places = 0.0;     // in which its lights are, see lights.h

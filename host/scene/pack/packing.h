@@ -9,7 +9,7 @@
 
 #include "bvh/build.h"
 #include "host/scene/pack/atlas.h"
-#include "kernels/features.h"
+#include "kernels/base/features.h"
 
 namespace wavepath {
 

@@ -7,7 +7,7 @@
 #include <glm/glm.hpp>
 
 #include "host/scene/pack/packed_scene.h"
-#include "host/scene/view.h"
+#include "host/scene/staging/view.h"
 
 namespace wavepath {
 

@@ -9,9 +9,9 @@
 #include <tbb/parallel_for.h>
 
 #include "host/base/error.h"
-#include "host/images/srgb.h"
-#include "kernels/scene_types.h"
-#include "kernels/tile_order.h"
+#include "host/codecs/srgb.h"
+#include "kernels/base/scene_types.h"
+#include "kernels/base/tile_order.h"
 
 namespace wavepath {
 namespace {

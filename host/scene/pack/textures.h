@@ -11,7 +11,7 @@
 #include "host/scene/pack/atlas.h"
 #include "host/scene/pack/mips.h"
 #include "host/scene/scene.h"
-#include "kernels/scene_types.h"
+#include "kernels/base/scene_types.h"
 
 namespace wavepath {
 
@@ -22,7 +22,7 @@ struct StoredImage {
   std::uint32_t image = 0;
   bool decode_srgb = false;
   std::uint64_t first_word = 0;
-  std::uint32_t beside = 0; // 2^beside images of the same size lie side by side (kernels/tile_order.h)
+  std::uint32_t beside = 0; // 2^beside images of the same size lie side by side (kernels/base/tile_order.h)
 };
 
 // An image's mip levels in the texel buffer.

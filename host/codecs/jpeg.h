@@ -1,0 +1,20 @@
+// JPEG files by libjpeg.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "host/codecs/image.h"
+
+namespace wavepath {
+
+// Grey stays grey, YCbCr becomes RGB. CMYK and YCCK become RGB without a profile: each of R, G, B is its ink times
+// black, both stored inverted, as every program writes them since Adobe's did. Profiles are passed over, as glTF asks.
+// Throws ImageError; also where libjpeg only warns, but pixels are missing or wrong.
+DecodedImage decode_jpeg(std::span<const std::uint8_t> file, const CheckShape& check);
+
+// `bytes` of one or three channels, at most 65500 pixels wide and high: quality 95, colours at full resolution.
+std::vector<std::uint8_t> encode_jpeg(const DecodedImage& image);
+
+} // namespace wavepath

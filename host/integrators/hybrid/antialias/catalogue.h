@@ -1,0 +1,20 @@
+// The technique of anti-aliasing that settings name, and what it refuses.
+#pragma once
+
+#include <span>
+
+#include "host/integrators/hybrid/antialias/technique.h"
+#include "host/render/settings/settings.h"
+
+namespace wavepath {
+
+// In the order of kAntialiasNames.
+std::span<const AntialiasKind* const> antialias_kinds();
+const AntialiasKind& antialias_kind(const RenderSettings& settings);
+
+// Samples that the whole render is to have of every pixel.
+std::uint32_t whole_samples(const RenderSettings& settings);
+// Throws UsageError if other settings do not go with it.
+void check_antialias_settings(const RenderSettings& settings);
+
+} // namespace wavepath

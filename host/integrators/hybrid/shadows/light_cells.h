@@ -1,0 +1,31 @@
+// Which cells of a light's view every triangle covers, conservatively: whatever rounding does to a shadow ray that was
+// listed in a cell, a triangle that the ray's own test may find is put against that cell.
+//
+// A ray from o towards a light at L is the line from o to L but for an error e of its direction (two roundings) and of
+// the view's rows (one each): no point of it is farther than 2^-20 * R from that line, where R bounds the coordinates
+// of the scene and of the light, summed. The triangle test accepts rays that pass it by less than 2^-20 * R. Triangles
+// are grown by 2^-18 * R, times the condition number of the transform of their instance. The line projects to one
+// point, that of o, whose cell is known to half a cell (ShadowView::near keeps points away for which it is not), so
+// covered cells are taken one cell wider.
+#pragma once
+
+#include <vector>
+
+#include <glm/glm.hpp>
+
+#include "host/scene/pack/packed_scene.h"
+#include "kernels/hybrid/shadows/shadow_types.h"
+
+namespace wavepath {
+
+// Sets ShadowView::radius to how much triangles are grown by, ShadowView::texel to how far rays may pass their light by
+// (of a sun: the length by which directions may differ), and ShadowView::near to the least w of points whose cell is
+// known well enough. `lo`, `hi`: box of the scene. Views are parallel or in perspective.
+void bound_rounding(gpu::ShadowView& view, std::uint32_t size, const glm::dvec3& lo, const glm::dvec3& hi);
+
+// For kBindIzbItems, in the order of the views, each of size * size cells. Triangles are cut to the view and into
+// pieces of some ten cells' sides, so that none takes long.
+std::vector<glm::uvec4> cover_cells(const PackedScene& scene, const std::vector<gpu::ShadowView>& views,
+                                    std::uint32_t size);
+
+} // namespace wavepath

@@ -1,0 +1,230 @@
+// Planar shadows (Blinn 1988): what is above one of the scene's large planes is flattened onto it, away from the light,
+// and drawn as the camera sees it. What is on no such plane stays lit.
+#include <array>
+
+#include <fmt/format.h>
+
+#include "host/base/error.h"
+#include "host/gpu/raster.h"
+#include "host/integrators/hybrid/raster/culling.h"
+#include "host/integrators/hybrid/raster/slices.h"
+#include "host/integrators/hybrid/shadows/kinds.h"
+#include "host/integrators/hybrid/shadows/receiver_planes.h"
+#include "host/integrators/hybrid/shadows/times.h"
+#include "kernels/hybrid/hybrid_types.h"
+#include "kernels/hybrid/planar_frag.spv.h"
+#include "kernels/hybrid/planar_vert.spv.h"
+#include "kernels/hybrid/shadows/look_up_planar.spv.h"
+#include "kernels/hybrid/shadows/planar_types.h"
+#include "kernels/hybrid/shadows/shadow_types.h"
+
+namespace wavepath {
+namespace {
+
+using enum BindingKind;
+
+enum PlanarBuffer : std::size_t { kPlanarFrameData, kPairs, kPlanarSources, kShadows, kPlanarBufferCount };
+struct PlanarBinding {
+  std::uint32_t slot;
+  BindingKind kind;
+  PlanarBuffer buffer;
+};
+constexpr std::array<PlanarBinding, 5> kPlanarBindings = {{{gpu::kBindShadowFrame, uniform, kPlanarFrameData},
+                                                           {gpu::kBindShadowViews, texels_rgba32f, kPairs}, // not read
+                                                           {gpu::kBindShadowLights, texels_rg32ui, kPlanarSources},
+                                                           {gpu::kBindPlanarPairs, texels_rgba32f, kPairs},
+                                                           {gpu::kBindPlanarShadows, texels_r32ui, kShadows}}};
+
+std::vector<Binding> planar_layout() {
+  std::vector<Binding> layout = path_layout();
+  for (const PlanarBinding& binding : kPlanarBindings) layout.push_back({binding.slot, binding.kind, nullptr});
+  layout.push_back({gpu::kBindHybrid, uniform, nullptr});
+  layout.push_back({gpu::kBindVisibility, texels_rg32ui, nullptr});
+  return layout;
+}
+
+const std::array<KernelCode, 1> kPlanarStages = {{{kShadowLookUpStage, wavepath_look_up_planar_spv}}};
+const KernelProgram kPlanarProgram = {kPlanarStages, kOnlyStage, planar_layout};
+
+constexpr std::array<AttachmentInfo, 1> kPlanarAttachments{{{.name = "planar shadows", .format = ImageFormat::r32ui}}};
+const RasterCode kCode{"planar shadows", wavepath_planar_vert_spv, wavepath_planar_frag_spv};
+constexpr std::uint64_t kPlanarFirstTriangles = 1 << 16; // of a slice: a guess
+constexpr double kGrazing = 1e-6; // cosine of the angle to a plane's normal up to which no light reaches it
+
+// Nothing where the light shines along the plane.
+std::optional<gpu::PlanarPair> pair_of(const ReceiverPlane& plane, const ShadowSource& source, double tolerance) {
+  const bool is_point = source.kind != kDirectionalSource;
+  const glm::dvec3 light = is_point ? source.position : -source.direction;
+  const double height = glm::dot(plane.normal, light) + (is_point ? plane.offset : 0.0);
+  if (std::abs(height) <= (is_point ? tolerance : kGrazing)) return std::nullopt;
+  const double side = height > 0.0 ? 1.0 : -1.0;
+  gpu::PlanarPair pair{};
+  pair.normal = glm::vec3(side * plane.normal);
+  pair.offset = static_cast<float>(side * plane.offset);
+  pair.light = glm::vec3(light);
+  pair.is_point = is_point ? 1.0f : 0.0f;
+  pair.height = static_cast<float>(side * height);
+  pair.tolerance = static_cast<float>(tolerance);
+  return pair;
+}
+
+// What casters of the plane reach into: above it, and below the light.
+std::vector<HalfSpace> between(const gpu::PlanarPair& pair) {
+  const glm::dvec3 normal(pair.normal);
+  std::vector<HalfSpace> sides = {{normal, pair.offset}};
+  if (pair.is_point > 0.0f) sides.push_back({-normal, double{pair.height} - pair.offset});
+  return sides;
+}
+
+class PlanarShadows : public ShadowTechnique {
+public:
+  explicit PlanarShadows(const ShadowContext& context)
+      : workspace_(context.workspace),
+        kernels_(context.kernels),
+        sources_(context.sources),
+        chunks_(make_chunks(context.workspace.scene)) {
+    make_pairs();
+  }
+
+  void change(const View& view, const RenderSettings& settings, const std::vector<Binding>& shared) override {
+    need_ = whole_need(kPlanarProgram, kernel_config(needed_features(workspace_.scene, view, settings),
+                                                     workspace_.scene.stack_size, settings));
+    kernels_.start(need_);
+    make_room(settings);
+    gpu::ShadowFrame frame{};
+    frame.ambient = static_cast<float>(settings.shadow_ambient);
+    buffers_[kPlanarFrameData] = upload(workspace_.device, std::vector<gpu::ShadowFrame>{frame});
+    std::vector<Binding> own = shared, drawn = workspace_.bindings(workspace_.film.bands().front());
+    for (const Binding& binding : shared)
+      if (binding.slot == gpu::kBindHybrid || binding.slot == gpu::kBindVisibility) drawn.push_back(binding);
+    for (const PlanarBinding& binding : kPlanarBindings)
+      for (std::vector<Binding>* bindings : {&own, &drawn})
+        bindings->push_back({binding.slot, binding.kind, &buffers_[binding.buffer]});
+    sets_ = bind_bands(workspace_, own);
+    pipeline_.reset();
+    raster_set_ = std::make_unique<BindingSet>(workspace_.device, drawn, sizeof(gpu::Wave), BindingSet::kRasterStages);
+    pipeline_.emplace(workspace_.device, kCode, kPlanarAttachments, RasterState{}, *raster_set_,
+                      specialization(need_.config, workspace_.device.info()));
+  }
+
+  bool is_ready() override { return kernels_.ready(need_); }
+  double get_ready() override { return kernels_.best(need_).seconds(); }
+
+  // Anew for each frame, which sees other points.
+  void build(WaveQueue& queue, std::uint32_t) override {
+    const std::uint64_t most = triangles_a_slice_.next_frame();
+    const std::vector<Draw> nothing;
+    for (std::uint32_t source = 0; source < sources_.size(); ++source) {
+      const auto copy = [this, last = source + 1 == sources_.size()](Commands& commands) {
+        if (last) target_->image(0).copy_to(commands.handle(), buffers_[kShadows]);
+      };
+      const auto [first, end] = pairs_of_source_[source];
+      if (first == end) draw_pair(queue, most, 0, {.source = source, .clear = true}, nothing, copy);
+      for (std::uint32_t pair = first; pair < end; ++pair)
+        draw_pair(
+            queue, most, pair, {.source = source, .clear = pair == first}, draws_within(chunks_, between(pairs_[pair])),
+            pair + 1 == end ? std::function<void(Commands&)>(copy) : [](Commands&) {});
+    }
+  }
+
+  void record_look_up(Commands& commands, std::size_t band, const gpu::Wave& wave) override {
+    commands.bind(*sets_[band]);
+    commands.dispatch(kernels_.best(need_)[0], groups_for(std::uint64_t{wave.pixel_count} * wave.sample_count), &wave);
+  }
+
+  std::uint64_t bytes() const override {
+    std::uint64_t bytes = target_ ? target_->bytes() : 0;
+    for (const Buffer& buffer : buffers_) bytes += buffer.bytes();
+    return bytes;
+  }
+  std::uint32_t view_count() const override { return static_cast<std::uint32_t>(pairs_.size()); }
+
+private:
+  struct Layer {
+    std::uint32_t source;
+    bool clear;
+  };
+
+  void make_pairs() {
+    const PackedScene& scene = workspace_.scene;
+    const std::vector<ReceiverPlane> planes = receiver_planes(scene);
+    std::vector<glm::uvec2> light_sources(std::max<std::size_t>(scene.lights.size(), 1), glm::uvec2(gpu::kNone, 0));
+    for (std::uint32_t i = 0; i < sources_.size(); ++i) {
+      const auto first = static_cast<std::uint32_t>(pairs_.size());
+      for (const ReceiverPlane& plane : planes)
+        if (std::optional<gpu::PlanarPair> pair = pair_of(plane, sources_[i], plane_tolerance(scene))) {
+          pair->source = i;
+          pairs_.push_back(*pair);
+        }
+      pairs_of_source_.emplace_back(first, static_cast<std::uint32_t>(pairs_.size()));
+      for (const std::uint32_t light : sources_[i].lights) light_sources[light] = glm::uvec2(i, 1);
+    }
+    buffers_[kPlanarSources] = upload(workspace_.device, light_sources);
+    buffers_[kPairs] = upload(workspace_.device, pairs_.empty() ? std::vector<gpu::PlanarPair>(1) : pairs_);
+  }
+
+  void make_room(const RenderSettings& settings) {
+    const glm::uvec2 size(settings.width, settings.height);
+    if (size == made_for_) return;
+    made_for_ = glm::uvec2(0);
+    target_.reset(); // the device may not hold both at once
+    const DeviceInfo& info = workspace_.device.info();
+    const std::uint64_t texels = std::uint64_t{size.x} * size.y * sources_.size(), bytes = 4 * texels;
+    const std::uint64_t most = std::min({4 * info.max_texels(4), info.max_allocation, info.memory_bytes / 2});
+    if (bytes > most)
+      throw Error(info.name,
+                  fmt::format("cannot hold pictures of the shadows of {} lights, {:.0f} MiB; at most {:.0f} MiB",
+                              sources_.size(), bytes / 1048576.0, most / 1048576.0),
+                  "use a smaller --size or --shadows traced");
+    buffers_[kShadows] = Buffer(workspace_.device, bytes);
+    target_ = std::make_unique<RasterTarget>(workspace_.device, size.x, size.y, kPlanarAttachments,
+                                             static_cast<std::uint32_t>(sources_.size()));
+    made_for_ = size;
+  }
+
+  void draw_pair(WaveQueue& queue, std::uint64_t most, std::uint32_t pair, const Layer& layer,
+                 const std::vector<Draw>& draws, const std::function<void(Commands&)>& after) {
+    gpu::Wave wave{};
+    wave.first_pixel = pair;
+    const SlicedPass pass{.target = target_.get(),
+                          .pipeline = &*pipeline_,
+                          .bindings = raster_set_.get(),
+                          .push = &wave,
+                          .layer = layer.source,
+                          .stage = kShadowBuildStage,
+                          .clear = layer.clear ? kClearAll : kClearNothing};
+    draw_in_slices(
+        queue, pass, draws, most, [](Commands&) {}, after,
+        [this](double seconds) { triangles_a_slice_.note(seconds); });
+  }
+
+  Workspace& workspace_;
+  KernelCompiler& kernels_;
+  std::vector<ShadowSource> sources_;
+  std::vector<Chunk> chunks_;
+  std::vector<gpu::PlanarPair> pairs_;
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs_of_source_; // first, end
+  KernelNeed need_;
+  std::array<Buffer, kPlanarBufferCount> buffers_;
+  glm::uvec2 made_for_{0}; // the picture's size
+  std::unique_ptr<RasterTarget> target_;
+  std::unique_ptr<BindingSet> raster_set_;
+  std::optional<RasterPipeline> pipeline_;
+  std::vector<std::unique_ptr<BindingSet>> sets_; // by band
+  SliceLength triangles_a_slice_{kPlanarFirstTriangles};
+};
+
+} // namespace
+
+constinit const ShadowKind kShadowPlanar = {
+    .name = "planar",
+    .summary = "casters flattened onto the scene's large planes (Blinn 1988)",
+    .sources = kPunctualSources,
+    .program = &kPlanarProgram,
+    .make = [](const ShadowContext& context) -> std::unique_ptr<ShadowTechnique> {
+      return std::make_unique<PlanarShadows>(context);
+    },
+    .refusal = no_receiver_planes,
+};
+
+} // namespace wavepath

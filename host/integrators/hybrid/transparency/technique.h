@@ -1,0 +1,41 @@
+// Techniques of transparency: what is known of one before there is a device, and what one of layers consists of.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+#include "host/gpu/raster.h"
+#include "host/render/settings/settings.h"
+#include "kernels/base/scene_types.h"
+
+namespace wavepath {
+
+inline bool is_blended(const gpu::Material& material) { return material.flags & gpu::kMaterialBlend; }
+
+// What draws the triangles of layers, BLEND ones unless it says otherwise, that lie in front of what is opaque into a
+// picture of the layers alone: their light, and the share of the light behind them that they let pass.
+struct LayerRecipe {
+  RasterCode code; // layer.vert, and a fragment shader
+  std::span<const AttachmentInfo> attachments;
+  RasterState state{};
+  bool sorts = false; // from back to front
+  // Makes the layers of what was drawn, pixel by pixel; empty = the first attachment holds them.
+  KernelCode finish{};
+  // Times that everything is drawn, each followed by `finish`.
+  std::uint32_t (*passes)(const RenderSettings& settings) = [](const RenderSettings&) { return 1u; };
+  std::span<const std::uint32_t> bindings{}; // that attachments are copied to for `finish`, by attachment
+  bool (*holds)(const gpu::Material& material) = is_blended;
+};
+
+// One constant for each stands in its file.
+struct TransparencyKind {
+  std::string_view name; // value of --transparency
+  std::string_view summary;
+  std::string_view subject = "BLEND surfaces";  // of which it is the summary
+  std::span<const std::string_view> settings{}; // that it takes
+  std::uint32_t flag = 0;                       // kHybrid bit of its frames
+  const LayerRecipe* layers = nullptr;          // null = it has none
+};
+
+} // namespace wavepath

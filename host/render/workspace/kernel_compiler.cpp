@@ -1,0 +1,168 @@
+#include "host/render/workspace/kernel_compiler.h"
+
+#include <algorithm>
+
+#include "host/render/settings/adaptivity.h"
+#include "host/render/settings/integrator_kind.h"
+#include "host/render/settings/light_samples.h"
+#include "host/render/settings/mips.h"
+#include "host/render/settings/path_reuse.h"
+#include "host/render/settings/shadow_settings.h"
+#include "host/render/settings/traversal.h"
+#include "host/render/settings/whole_nets.h"
+
+namespace wavepath {
+namespace {
+
+// Stack sizes come in steps, so that one set of kernels fits most scenes: unused entries cost nothing that could be
+// measured (33 to 128 entries, llvmpipe).
+constexpr std::uint32_t kStackStep = 64;
+
+std::uint32_t lens_of(const RenderSettings& settings) {
+  if (!(settings.aperture > 0.0) || !takes(*settings.integrator, "aperture")) return gpu::kLensPinhole;
+  return settings.blades > 0 ? settings.blades : gpu::kLensDisc;
+}
+
+} // namespace
+
+gpu::Feature generic_features(gpu::Feature scene) {
+  return gpu::kFeaturesAll | gpu::kFeatureLearnedSky | gpu::kLobeMultiple |
+         (scene & gpu::kLobesLayered ? gpu::kLobesLayered : 0) |
+         (scene & (gpu::kFeatureMips | gpu::kFeatureTexelPages | gpu::kFeatureSampledTextures |
+                   gpu::kFeatureExactTextures | gpu::kFeatureWalls));
+}
+
+KernelConfig kernel_config(gpu::Feature features, std::uint32_t stack_size, const RenderSettings& settings) {
+  const std::uint32_t stack = (stack_size + kStackStep - 1) / kStackStep * kStackStep;
+  const std::uint32_t light_samples = light_samples_of(settings, features);
+  const bool shares_sky = sky_samples_of(settings, features) > 1 ||
+                          (settings.tries_sky && may_share_sky(settings, features) && tries_sky_cheaply(features));
+  const bool reuse = reuses_paths(settings) || tries_reuse(settings, features);
+  const std::uint32_t sky = shares_sky ? gpu::kSkyByShadowRays : gpu::kSkyByPaths;
+  if (!settings.specialize) features = generic_features(features);
+  // Generic kernels, too, leave out what the settings do not ask for.
+  constexpr gpu::Feature kByRequest = gpu::kFeatureAovs | gpu::kFeatureAdaptive | gpu::kFeatureSharedFirstHit |
+                                      gpu::kFeatureLightRows | gpu::kFeatureLearnedSky | gpu::kFeatureGuide;
+  features &= ~kByRequest | features_of(settings);
+  if (!walks_light_tree(settings)) features &= ~gpu::kFeatureLightTree;
+  if (!(features & gpu::kFeatureLightTree)) features &= ~gpu::kFeatureLightRows;
+  if (!passes_panes(settings)) features &= ~(gpu::kFeaturePanes | gpu::kFeatureWalls);
+  if (!settings.integrator->nests_bodies) features &= ~gpu::kLobeNested;
+  if (!wants_mips(settings)) features &= ~gpu::kFeatureMips;
+  features = (features | settings.added_features) & ~settings.removed_features;
+  if (!(features & gpu::kFeatureEnvironmentMap) && !shares_sky) features &= ~gpu::kFeatureLearnedSky;
+  const std::uint32_t nets =
+      has_whole_nets(settings) || settings.room_for_whole_nets ? gpu::kNetsWhole : gpu::kNetsHalved;
+  const std::uint32_t motion = settings.moving && takes(*settings.integrator, "shutter") ? 1u : 0u;
+  // A path that leaves the scene sees the environment, and ends a note of the pilot that guiding learns from.
+  const bool escapes = settings.guide || features & gpu::kFeatureEnvironment;
+  const std::uint32_t sort = !settings.integrator->sorts_hits ? gpu::kSortNone
+                             : escapes                        ? gpu::kSortEscapes
+                                                              : gpu::kSortHits;
+  const std::uint32_t terminator =
+      takes(*settings.integrator, "terminator") ? settings.terminator : gpu::kTerminatorFacets;
+  return {features,
+          stack,
+          settings.sampler,
+          direct_of(settings),
+          settings.hemisphere,
+          settings.filter,
+          nets,
+          lens_of(settings),
+          settings.cull,
+          motion,
+          terminator,
+          traversal_of(settings),
+          sort,
+          light_samples,
+          sky,
+          reuse ? gpu::kReuseQuads : gpu::kReuseNone};
+}
+
+gpu::Feature features_of(const RenderSettings& settings) {
+  gpu::Feature features = is_adaptive(settings) ? gpu::kFeatureAdaptive : 0;
+  const bool learned =
+      settings.learns_lights && (settings.lights == gpu::kLightsLearned || settings.lights == gpu::kLightsAuto);
+  if (learned && settings.integrator->light_lesson_bytes > 0) features |= gpu::kFeatureLightRows;
+  if (learned && settings.integrator->sky_lesson_bytes > 0 && direct_of(settings) != gpu::kDirectBsdf)
+    features |= gpu::kFeatureLearnedSky;
+  return features | settings.integrator->features(settings);
+}
+
+bool walks_light_tree(const RenderSettings& settings) {
+  const bool connects = !takes(*settings.integrator, "techniques") || settings.techniques & gpu::kTechniqueLight;
+  return settings.integrator->walks_light_tree && settings.lights != gpu::kLightsPower && connects;
+}
+
+bool passes_panes(const RenderSettings& settings) {
+  return settings.integrator->passes_panes && settings.direct != gpu::kDirectBsdf && settings.max_depth > 1;
+}
+
+bool generic_first(const DeviceInfo& device) { return device.type != "cpu"; }
+
+void KernelCompiler::start(const KernelNeed& need) {
+  const std::lock_guard lock(mutex_);
+  for (const Entry& entry : entries_)
+    if (entry.made_for == need) return;
+  Entry& entry = entries_.emplace_back();
+  entry.made_for = need;
+  entry.compiling = std::async(std::launch::async, [this, &entry] {
+    std::unique_ptr<KernelSet> set;
+    std::exception_ptr failure;
+    try {
+      set = std::make_unique<KernelSet>(device_, entry.made_for);
+    } catch (...) {
+      failure = std::current_exception();
+    }
+    const std::lock_guard done(mutex_);
+    entry.set = std::move(set);
+    entry.failure = failure;
+    changed_.notify_all();
+  });
+}
+
+const KernelCompiler::Entry* KernelCompiler::choose(const KernelNeed& need) const {
+  const Entry* chosen = nullptr;
+  for (const Entry& entry : entries_) {
+    if (!entry.made_for.covers(need) || (!entry.set && !entry.failure)) continue;
+    if (entry.made_for == need) return &entry;
+    if (entry.set) chosen = &entry;
+  }
+  return chosen;
+}
+
+const KernelSet& KernelCompiler::best(const KernelNeed& need) {
+  start(need);
+  std::unique_lock lock(mutex_);
+  const Entry* chosen = nullptr;
+  changed_.wait(lock, [&] { return (chosen = choose(need)) != nullptr; });
+  if (chosen->failure) std::rethrow_exception(chosen->failure);
+  return *chosen->set;
+}
+
+bool KernelCompiler::ready(const KernelNeed& need) {
+  start(need);
+  const std::lock_guard lock(mutex_);
+  return choose(need) != nullptr;
+}
+
+std::vector<const KernelSet*> KernelCompiler::all() {
+  std::unique_lock lock(mutex_);
+  changed_.wait(lock, [&] { return std::ranges::all_of(entries_, [](const Entry& e) { return e.set || e.failure; }); });
+  std::vector<const KernelSet*> sets;
+  for (const Entry& entry : entries_) {
+    if (entry.failure) std::rethrow_exception(entry.failure);
+    sets.push_back(entry.set.get());
+  }
+  return sets;
+}
+
+gpu::Feature KernelCompiler::features(const KernelProgram& program) const {
+  const std::lock_guard lock(mutex_);
+  gpu::Feature features = 0;
+  for (const Entry& entry : entries_)
+    if (entry.made_for.program == &program) features |= entry.made_for.config.features;
+  return features;
+}
+
+} // namespace wavepath

@@ -1,0 +1,62 @@
+// Samples that were not finite: how many each kernel made, and which was the first.
+#pragma once
+
+#include <array>
+#include <compare>
+#include <cstdint>
+#include <numeric>
+#include <optional>
+#include <string_view>
+
+#include "kernels/base/wave.h"
+
+namespace wavepath {
+
+// By the values of the kMaker... constants.
+inline constexpr std::array<std::string_view, gpu::kMakerCount> kMakerNames = {"generate", "shade", "connect"};
+
+// A pixel and which of its nets; 1 is the second net of a measured pixel (kernels/base/net_layout.h).
+struct PixelNet {
+  std::uint32_t pixel = 0; // in tile order
+  std::uint32_t net = 0;
+  auto operator<=>(const PixelNet&) const = default;
+};
+
+// First by sample, then by place in tile order: an order that no size of waves and no number of lanes can change.
+struct NonfiniteSample {
+  std::uint32_t sample = 0;
+  PixelNet at;
+  std::uint32_t maker = 0; // kMaker...
+  auto operator<=>(const NonfiniteSample&) const = default;
+};
+
+struct Nonfinite {
+  std::array<std::uint64_t, gpu::kMakerCount> by_maker{};
+  std::optional<NonfiniteSample> first;
+  bool operator==(const Nonfinite&) const = default;
+
+  std::uint64_t samples() const { return std::accumulate(by_maker.begin(), by_maker.end(), std::uint64_t{0}); }
+
+  // What the kernels counted in one wave; pixel_at(place) is the PixelNet that has a place in the wave.
+  // Returns whether there was anything.
+  template <class PixelAt>
+  bool add(const gpu::Counters& counters, const gpu::Wave& wave, PixelAt pixel_at) {
+    bool any = false;
+    for (std::uint32_t maker = 0; maker < gpu::kMakerCount; ++maker) {
+      if (counters.nonfinite_count[maker] == 0) continue;
+      any = true;
+      by_maker[maker] += counters.nonfinite_count[maker];
+      for (int level = 0; level < gpu::kLevels; ++level) {
+        const std::uint32_t slot = counters.nonfinite_first[maker * gpu::kLevels + static_cast<std::uint32_t>(level)];
+        if (slot == gpu::kNone) continue;
+        const gpu::WavePart part = gpu::part_of_slot(wave, slot);
+        const NonfiniteSample lowest{part.first_sample + gpu::local_sample(part, slot),
+                                     pixel_at(wave.first_pixel + gpu::local_place(part, slot)), maker};
+        if (!first || lowest < *first) first = lowest;
+      }
+    }
+    return any;
+  }
+};
+
+} // namespace wavepath

@@ -1,0 +1,61 @@
+// Buffers declared rather than enumerated: a name, a size rule and how kernels see it. Allocation, bindings, byte
+// counts and stand-ins follow.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "host/gpu/kernel.h"
+#include "kernels/base/features.h"
+
+namespace wavepath {
+
+// What sizes depend on.
+struct Extent {
+  std::uint64_t pixels = 0;
+  std::uint64_t slots = 0;         // paths in flight
+  gpu::Feature features = 0;       // kFeature bits of all kernels that may run
+  std::uint32_t options = 0;       // bits whose meaning the owner of the buffers defines
+  std::uint32_t light_samples = 1; // that a path takes where it first scatters
+};
+
+struct BufferView {
+  std::uint32_t slot;
+  BindingKind kind;
+};
+
+struct BufferRule {
+  const char* name;
+  std::uint64_t (*bytes)(const Extent&); // 0 = not needed: kernels are bound to a stand-in
+  std::vector<BufferView> views;
+};
+
+class BufferSet {
+public:
+  // `rules` outlive the set.
+  BufferSet(Device& device, std::span<const BufferRule> rules)
+      : device_(&device), rules_(rules), buffers_(rules.size()) {}
+
+  // Makes room where there is too little; what a buffer that is replaced held is lost. Returns whether any was. Throws
+  // Error if the device has no memory for it.
+  bool fit(const Extent& extent);
+
+  Buffer& operator[](std::size_t rule) { return buffers_[rule]; }
+  const Buffer& operator[](std::size_t rule) const { return buffers_[rule]; }
+  void add_bindings(std::vector<Binding>& bindings) const;
+  std::uint64_t bytes() const;
+
+private:
+  Device* device_;
+  std::span<const BufferRule> rules_;
+  std::vector<Buffer> buffers_;
+};
+
+// Binding numbers and kinds without buffers, for layouts.
+void add_layout(std::span<const BufferRule> rules, std::vector<Binding>& bindings);
+
+// Replaces `buffer` if it is smaller than `bytes`; what it held is lost then. Returns whether it was.
+bool make_room(Device& device, Buffer& buffer, std::uint64_t bytes);
+
+} // namespace wavepath

@@ -1,0 +1,208 @@
+#include "host/render/workspace/workspace.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "host/base/clock.h"
+#include "host/render/settings/adaptivity.h"
+#include "host/render/settings/denoising.h"
+#include "host/render/settings/integrator_kind.h"
+#include "host/render/settings/path_reuse.h"
+#include "host/render/settings/traversal.h"
+#include "host/render/settings/whole_nets.h"
+#include "host/render/workspace/kernel_compiler.h"
+#include "host/render/workspace/levels.h"
+#include "host/render/workspace/resources.h"
+#include "host/scene/pack/bodies.h"
+#include "host/scene/pack/pick.h"
+#include "kernels/base/features.h"
+#include "kernels/base/frame_types.h"
+#include "kernels/base/net_layout.h"
+#include "kernels/base/tile_order.h"
+
+namespace wavepath {
+namespace {
+
+// As path_media has them, see kernels/path/bodies.glsl.
+glm::uvec2 bodies_at_eye(const PackedScene& scene, const glm::dvec3& eye, std::uint32_t lobes) {
+  if (!(scene.features & gpu::kFeatureVolume)) return glm::uvec2(gpu::kNone);
+  const std::vector<std::uint32_t> bodies = bodies_at(scene, eye);
+  const bool nested = (lobes & static_cast<std::uint32_t>(gpu::kLobeNested >> 32)) != 0;
+  if (!nested) return {bodies.empty() ? gpu::kNone : bodies[0], gpu::kNone};
+  std::uint32_t list[4];
+  for (std::size_t i = 0; i < 4; ++i) list[i] = i < bodies.size() ? bodies[i] : 0xffffu;
+  return {list[0] | list[1] << 16, list[2] | list[3] << 16};
+}
+
+// The device's world has `origin` at zero: subtract in double, then round once.
+gpu::Frame make_frame(const PackedScene& scene, const View& view, const RenderSettings& settings, std::uint32_t slots) {
+  gpu::Frame frame{};
+  frame.camera_position = glm::vec3(view.position - scene.origin);
+  frame.camera_right = glm::vec3(view.right);
+  frame.camera_up = glm::vec3(view.up);
+  frame.camera_forward = glm::vec3(view.forward);
+  frame.orthographic = view.orthographic ? 1u : 0u;
+  frame.width = settings.width;
+  frame.height = settings.height;
+  frame.max_depth = settings.max_depth;
+  frame.seed = settings.seed;
+  frame.environment_radiance = scene.environment_radiance;
+  frame.environment_probability = scene.environment_probability;
+  frame.environment_rotation = glm::vec2(std::cos(scene.environment_rotation), std::sin(scene.environment_rotation));
+  frame.environment_width = scene.environment_width;
+  frame.environment_height = scene.environment_height;
+  frame.light_count = static_cast<std::uint32_t>(scene.lights.size());
+  frame.root = scene.root;
+  frame.root_is_top = scene.root_is_top ? 1u : 0u;
+  frame.sample_total = settings.sample_total > 0 ? settings.sample_total : settings.last_sample;
+  frame.slot_count = slots;
+  frame.scene_features = static_cast<std::uint32_t>(scene.features);
+  frame.scene_lobes = static_cast<std::uint32_t>(scene.features >> 32);
+  frame.first_layers = static_cast<std::uint32_t>(scene.materials.size() * gpu::kMaterialTexels);
+  if (!walks_light_tree(settings)) frame.scene_features &= ~gpu::kFeatureLightTree;
+  if (!passes_panes(settings)) {
+    frame.scene_features &= ~gpu::kFeaturePanes;
+    frame.scene_lobes &= ~static_cast<std::uint32_t>(gpu::kFeatureWalls >> 32);
+  }
+  if (!settings.integrator->nests_bodies) frame.scene_lobes &= ~static_cast<std::uint32_t>(gpu::kLobeNested >> 32);
+  frame.bodies_at_eye = bodies_at_eye(scene, glm::dvec3(view.position - scene.origin), frame.scene_lobes);
+  frame.quad_scale = static_cast<float>(settings.quad_scale);
+  frame.reuses_paths = reuses_paths(settings) ? 1u : 0u;
+  frame.whole_nets = film_shape(settings).measures();
+  frame.local_light_count = scene.local_light_count;
+  frame.motion_texel = static_cast<std::uint32_t>(scene.triangles.size()) * gpu::kTriangleTexels;
+  frame.end_normals = scene.end_normals;
+  if (settings.aperture > 0.0) {
+    const bool passes_backs = settings.cull != gpu::kCullNone;
+    frame.lens_radius = static_cast<float>(0.5 * settings.aperture);
+    frame.focus_distance =
+        static_cast<float>(settings.focus ? *settings.focus : depth_of_middle(scene, view, passes_backs));
+  }
+  return frame;
+}
+
+// Paths in flight. Dispatches of late bounces last as long as their longest ray, so that large GPUs want many paths: on
+// an NVIDIA H200, 2^23 take 0.6 to 0.8 of the time of 2^21, and 2^24 no less.
+std::uint64_t usual_slots(const DeviceInfo& info) {
+  return info.type == "cpu" ? 1u << 17 : info.type == "integrated" ? 1u << 21 : 1u << 23;
+}
+
+} // namespace
+
+FilmShape film_shape(const RenderSettings& settings) {
+  return {.width = settings.width,
+          .height = settings.height,
+          .aovs = records_aovs(settings),
+          .splats = settings.integrator->splats,
+          .whole_nets = has_whole_nets(settings),
+          .seed = settings.seed,
+          .quads = reuses_paths(settings)};
+}
+
+Workspace::Workspace(Device& device_, const PackedScene& scene_, std::uint32_t slots_, std::uint32_t traversal,
+                     std::shared_ptr<const DeviceScene> uploaded)
+    : device(device_),
+      scene(scene_),
+      on_device([&] {
+        const Clock::time_point start = Clock::now();
+        const bool by_query = traces_by_query(traversal, device_.info());
+        auto result =
+            uploaded ? uploaded : std::make_shared<const DeviceScene>(upload_scene(device_, scene_, by_query));
+        upload_seconds = seconds_since(start);
+        return result;
+      }()),
+      slots(slots_),
+      film(device_),
+      frame_buffer_(device_, sizeof(gpu::Frame)),
+      counters_(device_, sizeof(gpu::Counters)) {}
+
+void Workspace::change(const View& view, const RenderSettings& settings) {
+  frame = make_frame(scene, view, settings, slots);
+  if (on_device->queries) frame.top_level = words_of_address(on_device->queries->address());
+}
+
+bool Workspace::fit(const RenderSettings& settings, gpu::Feature features) {
+  bool moved = film.fit(film_shape(settings), features & gpu::kFeatureAovs);
+  const std::uint64_t places = features & gpu::kFeatureAdaptive ? film.shape().places() : 0;
+  moved |= make_room(device, places_buffer_, places * sizeof(std::uint32_t));
+  frame_buffer_.write(&frame, sizeof(frame));
+  places_.clear();
+  if (places > 0) { // until samples are shared out
+    std::vector<std::uint32_t> all(places);
+    std::iota(all.begin(), all.end(), 0u);
+    set_places(std::move(all));
+  }
+  return moved;
+}
+
+void Workspace::send_frame() { frame_buffer_.write(&frame, sizeof(frame)); }
+
+void Workspace::set_places(std::vector<std::uint32_t> places) {
+  places_ = std::move(places);
+  places_buffer_.write(places_.data(), places_.size() * sizeof(std::uint32_t));
+}
+
+std::uint32_t Workspace::place_at(std::uint32_t index) const { return places_.empty() ? index : places_[index]; }
+
+PixelNet Workspace::pixel_at(std::uint32_t index) const {
+  const FilmShape& shape = film.shape();
+  const std::uint32_t place = place_at(index);
+  if (shape.whole_nets && place >= shape.pixels()) {
+    const auto block = place - static_cast<std::uint32_t>(shape.pixels());
+    const glm::uvec2 at = gpu::measured_pixel(block, shape.width, shape.height, shape.seed, shape.measures());
+    return {gpu::tile_order_of(at, shape.width, shape.height), 1};
+  }
+  return {place, 0};
+}
+
+std::vector<Binding> Workspace::bindings(const FilmBand& band) const {
+  std::vector<Binding> bindings = on_device->bindings();
+  bindings.insert(bindings.end(), {{gpu::kBindFrame, BindingKind::uniform, &frame_buffer_},
+                                   {gpu::kBindPlaces, BindingKind::texels_r32ui, &places_buffer_},
+                                   {gpu::kBindCounters, BindingKind::storage, &counters_}});
+  add_bindings(band, bindings);
+  return bindings;
+}
+
+std::vector<Binding> workspace_layout() {
+  std::vector<Binding> layout = DeviceScene{}.bindings();
+  layout.insert(layout.end(), {{gpu::kBindFrame, BindingKind::uniform, nullptr},
+                               {gpu::kBindPlaces, BindingKind::texels_r32ui, nullptr},
+                               {gpu::kBindCounters, BindingKind::storage, nullptr}});
+  for (const Binding& binding : film_layout()) layout.push_back(binding);
+  for (Binding& binding : layout) binding.buffer = nullptr;
+  return layout;
+}
+
+std::vector<std::unique_ptr<BindingSet>> bind_bands(const Workspace& workspace, const std::vector<Binding>& own) {
+  std::vector<std::unique_ptr<BindingSet>> sets;
+  for (const FilmBand& band : workspace.film.bands()) {
+    std::vector<Binding> bindings = workspace.bindings(band);
+    bindings.insert(bindings.end(), own.begin(), own.end());
+    sets.push_back(
+        std::make_unique<BindingSet>(workspace.device, bindings, static_cast<std::uint32_t>(sizeof(gpu::Wave))));
+  }
+  return sets;
+}
+
+std::uint32_t choose_slots(const DeviceInfo& info, gpu::Feature features, const RenderSettings& settings) {
+  const std::uint64_t places = film_shape(settings).places();
+  const std::uint64_t samples = settings.last_sample - settings.first_sample;
+  const IntegratorKind& kind = *settings.integrator;
+  std::uint64_t slots = usual_slots(info);
+  if (settings.wave_slots) slots = settings.wave_slots;
+  const std::uint64_t together = reuses_paths(settings) ? gpu::kQuadPixels : 1; // pixels that no wave parts
+  const std::uint64_t least = together * kind.slots_per_pixel(settings);        // that a wave takes at once
+  slots = std::max(std::min(slots, places * samples), least);
+  if (is_adaptive(settings)) slots = std::max(slots, kAdaptiveStep * kHighestFactor * least); // least: of one sample
+  const std::uint64_t record = kind.largest_record(settings);
+  slots = std::min(slots, info.max_storage_range / record);
+  slots = std::min(slots, info.max_texels(16) / std::max<std::uint64_t>(record / 16, 4));
+  slots = std::min<std::uint64_t>(slots, std::uint64_t{info.max_groups} * gpu::kWorkgroupSize);
+  slots =
+      std::min(slots, std::max<std::uint64_t>(info.memory_bytes / 8 / kind.bytes_per_slot(features, settings), 1024));
+  return static_cast<std::uint32_t>(std::max(slots, least));
+}
+
+} // namespace wavepath

@@ -1,0 +1,119 @@
+// One render as all kernels see it: the camera and settings, a wave of samples, rays and hits.
+#ifndef WAVEPATH_FRAME_TYPES_H
+#define WAVEPATH_FRAME_TYPES_H
+
+#include "kernels/base/gpu.h"
+
+#ifdef __cplusplus
+namespace wavepath::gpu {
+#endif
+
+GPU_CONSTANT uint kBindFrame = 0u;     // uniform Frame
+GPU_CONSTANT uint kBindPlaces = 19u;   // texels R32UI: places in the order of waves (kFeatureAdaptive)
+GPU_CONSTANT uint kBindCounters = 15u; // storage Counters
+
+// ---- one render -----------------------------------------------------------------------------------------------------
+// Constants of a render. Camera rays: origin = camera_position (+ x*camera_right + y*camera_up, orthographic),
+// direction = camera_forward (+ x*camera_right + y*camera_up, perspective), with x, y in [-1,1], y upwards; right and
+// up carry the image's half extent. A lens moves the origin over its aperture and turns the ray about its point in the
+// plane of focus (camera.glsl).
+struct Frame {
+  vec3 camera_position;
+  uint width;
+  vec3 camera_right;
+  uint height;
+  vec3 camera_up;
+  uint max_depth;
+  vec3 camera_forward;
+  uint seed;
+  vec3 environment_radiance;     // constant environment, or the scale of the map
+  float environment_probability; // of next-event estimation picking the environment
+  vec2 environment_rotation;     // cos, sin: direction in the map = rotation about +Y of the world direction
+  uint environment_width;
+  uint environment_height;
+  uint light_count;
+  uint root;        // node where traversal starts
+  uint root_is_top; // 1: the root is that of the top-level tree, whose leaves hold instances
+  uint orthographic;
+  uint sample_total;      // samples a pixel that the stratified sampler spreads over
+  uint slot_count;        // capacity of one ray queue
+  uint scene_features;    // kFeature bits that the scene has data for, whatever the kernels were compiled with
+  uint local_light_count; // triangles, points and spots, which come first among the lights
+  float light_sum_scale;  // radiance to units of the sums of a pilot (kFeatureLearning)
+  uint whole_nets;        // kMeasuresAll: halved; else whole, by pixels or quads (net_layout.h)
+  uint scene_lobes;       // kLobe bits, likewise
+  uint first_layers;      // texel of the first MaterialLayers
+  float lens_radius;      // metres, of the circle that holds the aperture (kSpecLens)
+  float focus_distance;   // along the view axis, to the plane that is sharp
+  uint motion_texel;      // of the triangles: where the displacements of their corners begin (kSpecMotion)
+  uint end_normals;       // vertices from one's normal to that when the shutter closes
+  uvec2 bodies_at_eye;    // bodies that hold the eye, as path_media has them (kFeatureVolume): kernels/path/bodies.glsl
+  float pixel_spread;     // width of the cone of a pixel in metres, at a distance of one metre where there is a
+                          // perspective; 0 = textures are looked up exactly (kFeatureMips)
+  uint sky_samples;       // directions in which a vertex looks for a sky of one colour (kSpecSky)
+  uvec2 top_level;        // device address of the scene's structure for ray queries: low, high
+  uint reuses_paths;      // 1: pixels share the paths of their neighbours (kSpecReuse)
+  float quad_scale;       // of the four pixels of a quad about their middle, where pixels may share paths
+};
+GPU_CHECK(sizeof(Frame) == 192);
+
+// Halved nets: sample s belongs to replicate s % kReplicates. Whole nets: all samples of a pixel belong to replicate 0,
+// and measured pixels have as many of replicate 1 (net_layout.h). Replicates are scrambled independently, so that their
+// spread measures the error of any sampler.
+GPU_CONSTANT uint kReplicates = 2u;
+
+// Levels of an adaptive render: a run of level k gets 2^k times the samples.
+GPU_CONSTANT int kLowestLevel = -2, kHighestLevel = 3;
+GPU_CONSTANT int kLevels = kHighestLevel - kLowestLevel + 1;
+
+// Push constants: the wave of (pixel, sample) pairs that a dispatch works on. Slot = local sample * pixel_count + local
+// pixel; for kernels of an adaptive render (kFeatureAdaptive) wave.h tells it, by levels.
+struct Wave {
+  // In tile order, second nets after all pixels (net_layout.h); where places are listed, in the order of their list.
+  uint first_pixel;
+  uint pixel_count;
+  uint first_sample;
+  uint sample_count;
+  uint bounce;           // 0 = camera rays
+  uint first_film_pixel; // pixel, in tile order, of the film's first entry; for second nets, what their place exceeds
+                         // it by
+  uint level_places[kLevels]; // kFeatureAdaptive: places of each level, the highest first, that make up pixel_count;
+                              // first_sample and sample_count are those of level 0
+};
+
+struct Ray {
+  vec3 origin;
+  uint slot;
+  vec3 direction; // unit length
+  float t_max;
+};
+GPU_CHECK(sizeof(Ray) == 32);
+
+struct Hit {
+  uint triangle; // kNone = miss
+  uint instance;
+  float b1; // barycentric weight of v1
+  float b2;
+};
+GPU_CHECK(sizeof(Hit) == 16);
+
+// The kernels that can make a sample not finite.
+GPU_CONSTANT uint kMakerGenerate = 0u, kMakerShade = 1u, kMakerConnect = 2u; // escape counts as shade
+GPU_CONSTANT uint kMakerCount = 3u;
+
+// What the kernels of one wave count; the host adds the waves up.
+struct Counters {
+  uint camera_rays[2]; // 64 bits: low, high
+  uint bounce_rays[2];
+  uint shadow_rays[2];
+  uint occlusion_rays[2];
+  uint nonfinite_count[kMakerCount];           // by the kernel that made them
+  uint nonfinite_first[kMakerCount * kLevels]; // their lowest slots, by level in an adaptive render (WavePart's rank),
+                                               // else that of index 0; kNone if there are none
+};
+GPU_CHECK(sizeof(Counters) == 116);
+
+#ifdef __cplusplus
+} // namespace wavepath::gpu
+#endif
+#endif

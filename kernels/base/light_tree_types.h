@@ -1,0 +1,63 @@
+// The light tree on the device: a binary tree over the lights that have a place, as records of 32 bytes.
+#ifndef WAVEPATH_LIGHT_TREE_TYPES_H
+#define WAVEPATH_LIGHT_TREE_TYPES_H
+
+#include "kernels/base/gpu.h"
+
+#ifdef __cplusplus
+namespace wavepath::gpu {
+#endif
+
+GPU_CONSTANT uint kBindLightTree =
+    56u; // texels RGBA32UI: root and nodes; by light trail and column; the columns' trails
+
+// A link is the record of an inner node, or with kLightLeaf the index of a light.
+GPU_CONSTANT uint kLightLeaf = 0x80000000u;
+GPU_CONSTANT uint kLightTwoSided = 0x40000000u; // some light below shines to both sides
+GPU_CONSTANT uint kLightColumn = 0x20000000u;   // a column of the learned selection begins here
+GPU_CONSTANT uint kLightIndexMask = kLightColumn - 1u;
+
+GPU_CONSTANT uint kLightRecordTexels = 2u; // RGBA32UI
+
+// Where a walk begins, record 0, and where it has come to.
+struct LightCluster {
+  vec3 lo; // of the box
+  uint link;
+  vec3 hi;
+  uint depth; // choices made so far
+};
+GPU_CHECK(sizeof(LightCluster) == 16 * kLightRecordTexels);
+
+// One of the two subtrees of a node. All is rounded so that no light falls outside. Bytes, lowest first:
+struct LightTreeChild {
+  uint box0;     // lo.x, lo.y, lo.z, hi.x in 1/255 of the node's own box, which the walk carries along
+  uint box1;     // hi.y, hi.z; axis of the cone, octahedral
+  uint emission; // 16 bits: peak intensity, see light_intensity(); sines of half of theta_o and half of theta_e
+  uint link;
+};
+GPU_CHECK(sizeof(LightTreeChild) == 16);
+
+struct LightTreeNode {
+  LightTreeChild child[2];
+};
+GPU_CHECK(sizeof(LightTreeNode) == 16 * kLightRecordTexels);
+
+// Exponent of the smallest intensity that 16 bits hold, six of them exponent, in units of the whole tree's.
+GPU_CONSTANT uint kLeastIntensityExponent = 127u - 62u;
+
+// ---- learned selection ----------------------------------------------------------------------------------------------
+// A row for every cell of space, by hash; its columns share the light that comes there: subtrees of the light tree, the
+// environment, all directional lights, and the whole tree, which is chosen often enough that no light is left out.
+GPU_CONSTANT uint kBindLightRows = 57u; // texels R32UI: by row and column the end of the column's share of all integers
+GPU_CONSTANT uint kBindLightSums =
+    58u; // storage uint[], four a column (kFeatureLearning), see kernels/path/connect.comp
+GPU_CONSTANT uint kLightRows = 1u << 14;
+GPU_CONSTANT uint kLightColumns = 64u;
+GPU_CONSTANT uint kSubtreeColumns = 61u;
+GPU_CONSTANT uint kEnvironmentColumn = 61u, kDirectionalColumn = 62u, kTreeColumn = 63u;
+GPU_CONSTANT uint kLightCellShift = 2u; // a cell is a quarter to an eighth as wide as it is far
+
+#ifdef __cplusplus
+} // namespace wavepath::gpu
+#endif
+#endif

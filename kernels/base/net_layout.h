@@ -1,0 +1,130 @@
+// Whole nets: which pixel of every block is measured, that is, has a second net of samples. Compiled by kernels and
+// host alike.
+//
+// A pixel's error is the less the more samples its net has: two halves of a net cost up to twice the squared error of
+// the whole. So pixels keep their nets whole, and one in a block has a second one, scrambled independently, whose
+// difference from the first measures the error of the block. A hash picks it, so that no pattern of the picture can
+// hide from it.
+//
+// Where four neighbouring pixels share samples, they err alike, and a second net takes neighbours that share with it.
+// So there pixels are measured by quads. A quad is four consecutive pixels in tile order, counted from the first of the
+// picture: a square of 2x2 in a complete tile, and always within one tile, since tiles begin at multiples of eight. Of
+// every tile block, one or four tiles side by side, the hash picks one quad, all four pixels of which have second nets.
+// Pixels of equal rank in their quads, 0 to 3, are a block: the four blocks of a tile block lie in one another, and
+// each has one measured pixel.
+//
+// Places in waves, and so entries of the film, are those of all pixels in tile order, then those of second nets, block
+// by block from the top left; by quads those of a tile block follow each other, so that second nets are quads as well.
+// The last quad of the picture may have fewer than four pixels. It is measured only where its tile block has no other,
+// and then has as many second nets: the last quad of second nets may be as short.
+#ifndef WAVEPATH_NET_LAYOUT_H
+#define WAVEPATH_NET_LAYOUT_H
+
+#include "kernels/base/division.h"
+#include "kernels/base/tile_order.h"
+
+#ifdef __cplusplus
+namespace wavepath::gpu {
+#endif
+
+// Which pixels are measured, as Frame and DisplayJob have it: all, since their nets are halved; one of each block; one
+// quad of each tile block.
+GPU_CONSTANT uint kMeasuresAll = 0u, kMeasuresPixels = 1u, kMeasuresQuads = 2u;
+GPU_CONSTANT uint kQuadPixels = 4u;
+
+// Pixels of a block's side. From 262,144 pixels on larger blocks have 4,096 measured pixels as well, for 1.6 %
+// more samples instead of 6.3 %; 2,048 are enough for the error of a picture (docs/error-and-stopping.md).
+GPU_FUNCTION uint net_side(uint width, uint height) { return width * height < 1u << 18u ? 4u : 8u; }
+
+// Blocks in a row, where `pixels` is the width, or in a column; the last one may be cut off by the border.
+GPU_FUNCTION uint net_blocks(uint pixels, uint side) { return (pixels + side - 1u) / side; }
+
+// A tile block is 8 or 32 pixels wide, so that it has as many for each measured one as a block has. Logarithm of that,
+// and how many there are in a row.
+GPU_FUNCTION uint tile_block_shift(uint width, uint height) { return net_side(width, height) == 4u ? 3u : 5u; }
+GPU_FUNCTION uint tile_blocks_across(uint width, uint height) {
+  uint shift = tile_block_shift(width, height);
+  return (width + (1u << shift) - 1u) >> shift;
+}
+
+// Its pixels, which follow each other in tile order.
+struct TileBlock {
+  uint first;
+  uint pixels;
+};
+GPU_FUNCTION TileBlock tile_block(uint index, uint width, uint height) {
+  uint whole = 1u << tile_block_shift(width, height), across = tile_blocks_across(width, height);
+  uint row = divide(index, across), left = (index - row * across) * whole;
+  uint columns = width - left < whole ? width - left : whole;
+  uint rows = height - 8u * row < 8u ? height - 8u * row : 8u;
+  TileBlock block;
+  block.first = row * 8u * width + left * rows;
+  block.pixels = columns * rows;
+  return block;
+}
+
+// Second nets of the upper `rows` of the picture, which are all or end with a row of tiles.
+GPU_FUNCTION uint second_nets_above(uint rows, uint width, uint height, uint measures) {
+  if (measures == kMeasuresAll) return 0u;
+  if (measures == kMeasuresPixels) {
+    uint side = net_side(width, height);
+    return net_blocks(rows, side) * net_blocks(width, side);
+  }
+  uint blocks = net_blocks(rows, 8u) * tile_blocks_across(width, height);
+  uint last = tile_block(blocks - 1u, width, height).pixels;
+  return kQuadPixels * (blocks - 1u) + (last < kQuadPixels ? last : kQuadPixels);
+}
+
+// By quads: which pixel of its quad a place is, in a picture of so many pixels; and how many places that quad has.
+GPU_FUNCTION uint rank_in_quad(uint place, uint pixels) {
+  return (place < pixels ? place : place - pixels) & (kQuadPixels - 1u);
+}
+GPU_FUNCTION uint quad_places(uint place, uint width, uint height) {
+  uint pixels = width * height;
+  uint end = place < pixels ? pixels : pixels + second_nets_above(height, width, height, kMeasuresQuads);
+  uint left = end - place + rank_in_quad(place, pixels);
+  return left < kQuadPixels ? left : kQuadPixels;
+}
+
+GPU_FUNCTION uint net_block_of(uvec2 pixel, uint width, uint height, uint measures) {
+  if (measures == kMeasuresQuads) {
+    uint block = pixel.y / 8u * tile_blocks_across(width, height) + (pixel.x >> tile_block_shift(width, height));
+    return block * kQuadPixels + rank_in_quad(tile_order_of(pixel, width, height), width * height);
+  }
+  uint side = net_side(width, height);
+  return pixel.y / side * net_blocks(width, side) + pixel.x / side;
+}
+
+// Of one word, in which every bit of it tells on every bit of the result: multiply, shift, twice.
+GPU_FUNCTION uint net_hash(uint word) {
+  word = (word ^ (word >> 16u)) * 0x9e3779b1u;
+  word = (word ^ (word >> 15u)) * 0x85ebca6bu;
+  return word ^ (word >> 13u);
+}
+
+// The quad of a tile block that is measured: each complete one with the same chance. Its first pixel, in tile order.
+GPU_FUNCTION uint measured_quad(uint index, uint width, uint height, uint seed) {
+  TileBlock block = tile_block(index, width, height);
+  uint random = net_hash(index + net_hash(seed)) >> 16u;
+  return block.first + (random * (block.pixels / kQuadPixels) >> 16u) * kQuadPixels;
+}
+
+// The pixel of a block that has the second net: each with the same chance, but for up to three of an incomplete quad.
+GPU_FUNCTION uvec2 measured_pixel(uint block, uint width, uint height, uint seed, uint measures) {
+  if (measures == kMeasuresQuads) {
+    uint first = measured_quad(block / kQuadPixels, width, height, seed);
+    return pixel_in_tile_order(first + block % kQuadPixels, width, height);
+  }
+  uint side = net_side(width, height), across = net_blocks(width, side);
+  uint row = divide(block, across), left = (block - row * across) * side, top = row * side;
+  uint columns = width - left < side ? width - left : side, rows = height - top < side ? height - top : side;
+  uint random = net_hash(block + net_hash(seed)) >> 16u;
+  uint place = random * (columns * rows) >> 16u;
+  uint down = divide_small(place, columns);
+  return uvec2(left + (place - down * columns), top + down);
+}
+
+#ifdef __cplusplus
+} // namespace wavepath::gpu
+#endif
+#endif

@@ -1,0 +1,29 @@
+// The mean of hard shadows from points spread over a lamp: as a lamp of that many points would cast them, each as bright on
+// a matte surface as its share of the lamp.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+
+#include "kernels/hybrid/shadows/look_up.glsl"
+#include "kernels/hybrid/shadows/bias.glsl"
+
+// Light of equal areas of the lamp upon a matte surface, relative to each other.
+float brightness(Receiver r) {
+  float distance_ = distance(r.view.light, r.position);
+  return max(dot(r.normal, r.to_light), 0.0) * r.depth / (distance_ * distance_ * distance_);
+}
+
+float lit_share(Receiver r) {
+  float lit = 0.0, all = 0.0;
+  for (uint i = 0u; i < r.views.y; ++i) {
+    Receiver from = r;
+    if (!look_through(r.views.x + i, from)) {
+      if (from.view.is_part != 0u) continue; // behind the lamp's own horizon, or grazing it
+      return -1.0;                           // what not all of them show is traced
+    }
+    float share = brightness(from);
+    offset_receiver(from);
+    all += share;
+    if (texel_lights(from, ivec2(floor(from.place)))) lit += share;
+  }
+  return all > 0.0 ? lit / all : -1.0;
+}

@@ -1,0 +1,13 @@
+// Percentage-closer filtering (Reeves, Salesin and Cook 1987): the share of comparisons around the place that find light.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+
+#define BIND_SHADOW_TAPS
+#include "kernels/hybrid/shadows/look_up.glsl"
+#include "kernels/hybrid/shadows/bias.glsl"
+#include "kernels/hybrid/shadows/taps.glsl"
+
+float lit_share(Receiver r) {
+  offset_receiver(r);
+  return lit_taps(r, shadow.blur);
+}

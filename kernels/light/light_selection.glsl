@@ -1,0 +1,145 @@
+// Which light next-event estimation goes to from a receiver: by power, by the light tree, or by shares that were learned
+// near it. Include bindings.glsl with BIND_LIGHTS and BIND_LIGHT_TREE first.
+#ifndef WAVEPATH_LIGHT_SELECTION_GLSL
+#define WAVEPATH_LIGHT_SELECTION_GLSL
+
+#include "kernels/base/config.glsl"
+#include "kernels/base/intervals.glsl"
+#include "kernels/light/light_sampling.glsl"
+#include "kernels/light/light_tree.glsl"
+#include "kernels/base/sampler.glsl"
+
+bool uses_light_tree() { return has(kFeatureLightTree) && (frame.scene_features & kFeatureLightTree) != 0u; }
+bool uses_light_rows() { return has(kFeatureLightRows) && (frame.scene_features & kFeatureLightRows) != 0u; }
+
+// ---- receivers, packed ------------------------------------------------------------------------------------------
+// Both techniques weigh with the density from the same receiver, bit by bit: the one that is stored with the path.
+
+// Bit 0: the normal counts. Then 15 and 16 bits of octahedral coordinates.
+uint pack_normal(vec3 normal) {
+  vec2 at = normal.xy / (abs(normal.x) + abs(normal.y) + abs(normal.z));
+  if (normal.z < 0.0) at = (1.0 - abs(at.yx)) * vec2(at.x < 0.0 ? -1.0 : 1.0, at.y < 0.0 ? -1.0 : 1.0);
+  uvec2 steps = uvec2(clamp(at * 0.5 + 0.5, 0.0, 1.0) * vec2(65535.0, 32767.0) + 0.5);
+  return steps.x << 16u | steps.y << 1u | 1u;
+}
+
+Receiver unpack_receiver(uvec4 words) {
+  vec2 at = vec2(float(words.w >> 16u) / 65535.0, float((words.w >> 1u) & 32767u) / 32767.0) * 2.0 - 1.0;
+  return Receiver(uintBitsToFloat(words.xyz), (words.w & 1u) != 0u ? octahedral_direction(at) : vec3(0.0));
+}
+
+// ---- learned shares ---------------------------------------------------------------------------------------------
+
+// Row of the cell that a receiver is in. Cells are cubes whose sides double with the distance from the eye, so that they
+// look alike from there, apart by the six axes that a surface may face; rows are theirs by hash. At a level above 0 cells are
+// 4^level times as wide: from these a pilot learns where it saw little.
+uint light_row(Receiver receiver, int level) {
+  vec3 place = receiver.position - frame.camera_position;
+  uint exponent = clamp(floatBitsToUint(max_component(abs(place))) >> 23u, 16u, 240u) - kLightCellShift + 2u * uint(level);
+  ivec3 cell = ivec3(floor(place / uintBitsToFloat(exponent << 23u)));
+  vec3 n = receiver.normal, size = abs(n);
+  uint axis = size.x >= size.y && size.x >= size.z ? 0u : size.y >= size.z ? 1u : 2u;
+  uint facing = n == vec3(0.0) ? 6u : 2u * axis + (n[axis] < 0.0 ? 1u : 0u);
+  uvec3 bits = (uvec3(cell) & 0x3ffu) | uvec3(exponent, facing, 0u) << 10u;
+  return pcg3d(bits).x & (kLightRows - 1u);
+}
+
+uint light_row(Receiver receiver) { return light_row(receiver, 0); }
+
+uint column_row; // of which share_end tells
+uint share_end(uint column) { return texelFetch(light_rows, int(column_row * kLightColumns + column)).x; }
+
+float column_share(uint row, uint column) {
+  column_row = row;
+  return float(share_end(column) - (column > 0u ? share_end(column - 1u) : 0u)) * (1.0 / 4294967296.0);
+}
+
+// ---- the light tree's words -------------------------------------------------------------------------------------
+// Behind the records: by light its trail and its column, two lights a texel, then the columns' trails, four a texel.
+
+uvec2 light_trail_column(uint light) {
+  uvec4 words = texelFetch(light_tree, int(kLightRecordTexels * frame.local_light_count + (light >> 1u)));
+  return (light & 1u) != 0u ? words.zw : words.xy;
+}
+
+uint column_trail(uint column) {
+  uint first = kLightRecordTexels * frame.local_light_count + (frame.local_light_count + 1u >> 1u);
+  uvec4 words = texelFetch(light_tree, int(first + (column >> 2u)));
+  return words[column & 3u];
+}
+
+// ---- picks ------------------------------------------------------------------------------------------------------
+
+// Shares of the picks that groups of lights have by power. The intervals of the local ones come first.
+uint local_end() { return light_end(frame.local_light_count - 1u); }
+uint placed_lights() { return frame.light_count - (frame.environment_probability > 0.0 ? 1u : 0u); }
+float share_of_integers(uint count) { return float(count) * (1.0 / 4294967296.0); }
+
+// Probability of a local light, to which a walk has led.
+float local_probability(Receiver receiver, LightWalk walk, uint column) {
+  if (!uses_light_rows()) return share_of_integers(local_end()) * walk.probability;
+  uint row = light_row(receiver);
+  return column_share(row, kTreeColumn) * walk.probability + column_share(row, column) * walk.below_column;
+}
+
+uint directional_group() { return light_end(placed_lights() - 1u) - local_end(); }
+
+// A directional light, by power among them.
+uint pick_directional(inout uvec2 u, out float group_share) {
+  uint count = placed_lights(), group = local_end(), size = directional_group(), offset, rest;
+  umulExtended(u.x, size, offset, rest);
+  uint index, begin, end, pick = group + offset;
+  PICK_INTERVAL(pick, count, light_end, index, begin, end)
+  group_share = share_of_integers(size);
+  return index;
+}
+
+// A light for the receiver, and how many times more probable it is than by power. u.x becomes what is left of it. kNone:
+// the pick fell to lights that cannot contribute.
+uint pick_light_for(Receiver receiver, inout uvec2 u, out float ratio) {
+  ratio = 1.0;
+  if (!uses_light_tree()) return pick_light(u);
+  uint pick = min(u.x, kLargestPick), column = kTreeColumn, begin = 0u, end = local_end();
+  if (uses_light_rows()) {
+    column_row = light_row(receiver);
+    PICK_INTERVAL(pick, kLightColumns, share_end, column, begin, end)
+    u.x = stretch(pick - begin, end - begin);
+    if (column == kEnvironmentColumn || column == kDirectionalColumn) {
+      float group_share = frame.environment_probability;
+      uint light = column == kEnvironmentColumn ? placed_lights() : pick_directional(u, group_share);
+      ratio = column_share(column_row, column) / group_share;
+      return light;
+    }
+  } else {
+    if (pick >= end) return pick_light(u);
+    u.x = stretch(pick, end);
+  }
+  Draw draw = make_draw(u.x);
+  uint trail = column == kTreeColumn ? 0u : column_trail(column);
+  LightWalk walk = walk_lights(receiver, trail, column == kTreeColumn, true, draw);
+  u.x = stretch(draw.value, draw.range);
+  if (walk.light == kNone) return kNone;
+  ratio = local_probability(receiver, walk, light_trail_column(walk.light).y) / fetch_light(walk.light).probability;
+  return walk.light;
+}
+
+// That ratio of a local light, of the environment, and of any light.
+float local_light_ratio(Receiver receiver, uint light) {
+  if (!uses_light_tree()) return 1.0;
+  uvec2 trail_column = light_trail_column(light);
+  LightWalk walk = walk_to(receiver, trail_column.x);
+  if (walk.light == kNone) return 0.0;
+  return local_probability(receiver, walk, trail_column.y) / fetch_light(light).probability;
+}
+float environment_ratio(Receiver receiver) {
+  if (!uses_light_rows() || !(frame.environment_probability > 0.0)) return 1.0;
+  return column_share(light_row(receiver), kEnvironmentColumn) / frame.environment_probability;
+}
+float light_ratio(Receiver receiver, uint light) {
+  if (light < frame.local_light_count) return local_light_ratio(receiver, light);
+  if (light >= placed_lights()) return environment_ratio(receiver);
+  if (!uses_light_rows()) return 1.0;
+  return column_share(light_row(receiver), kDirectionalColumn) / share_of_integers(directional_group());
+}
+
+#endif

@@ -1,0 +1,187 @@
+// Picks one of many lights in proportion to a bound of what it brings to a point: the walk down the light tree (Conty
+// Estevez and Kulla 2018, "Importance Sampling of Many Lights with Adaptive Tree Splitting"; pbrt-v4, 12.6.3).
+//
+// All choices are drawn with one integer, which keeps the net of the sampler whole: each cuts the range of integers in two
+// and goes on in one part, so that what is left is uniform again. Include light_tree_types.h first and declare
+// `usamplerBuffer light_tree`.
+#ifndef WAVEPATH_LIGHT_TREE_GLSL
+#define WAVEPATH_LIGHT_TREE_GLSL
+
+#include "kernels/base/math.glsl"
+
+// ---- one integer for many choices -------------------------------------------------------------------------------
+
+// Uniform in [0, range), which is kept between 2^30 and 2^31: where it becomes shorter it is stretched and hashed bits
+// fill up the value, as in an arithmetic decoder. So any number of choices can be drawn with one integer.
+struct Draw {
+  uint value, range, spare;
+};
+
+Draw make_draw(uint bits) { return Draw(bits >> 1u, 0x80000000u, bits); }
+
+// Permuted congruential hash (Jarzynski and Olano, JCGT 2020).
+uint next_spare(uint x) {
+  x = x * 747796405u + 2891336453u;
+  x = ((x >> ((x >> 28u) + 4u)) ^ x) * 277803737u;
+  return (x >> 22u) ^ x;
+}
+
+// Goes on in [first, first + size) of the range.
+void enter_part(inout Draw draw, uint first, uint size) {
+  uint shift = 30u - min(uint(findMSB(size)), 30u);
+  draw.spare = next_spare(draw.spare);
+  draw.range = size << shift;
+  draw.value = ((draw.value - first) << shift) | (draw.spare & ((1u << shift) - 1u));
+}
+
+// True with probability `share`, which is neither 0 nor 1.
+bool draw_share(inout Draw draw, float share) {
+  uint below = uint(float(draw.range) * share);
+  bool inside = draw.value < below;
+  enter_part(draw, inside ? 0u : below, inside ? below : draw.range - below);
+  return inside;
+}
+
+// What is left, in [0, 1).
+float remainder_of(Draw draw) { return min(float(draw.value) / float(draw.range), kOneMinusEpsilon); }
+
+// ---- bounds -----------------------------------------------------------------------------------------------------
+
+vec3 octahedral_direction(vec2 at) { // in [-1, 1]^2
+  vec3 d = vec3(at, 1.0 - abs(at.x) - abs(at.y));
+  if (d.z < 0.0) d.xy = (1.0 - abs(d.yx)) * vec2(d.x < 0.0 ? -1.0 : 1.0, d.y < 0.0 ? -1.0 : 1.0);
+  return normalize(d);
+}
+
+float light_intensity(uint bits) { return uintBitsToFloat((bits << 13u) + (kLeastIntensityExponent << 23u)); }
+
+// Cosine and sine of max(0, a - b).
+vec2 angle_beyond(vec2 a, vec2 b) {
+  return a.x >= b.x ? vec2(1.0, 0.0) : vec2(a.x * b.x + a.y * b.y, a.y * b.x - a.x * b.y);
+}
+
+vec2 angle_of(float cosine) { return vec2(cosine, sqrt(max(0.0, 1.0 - cosine * cosine))); }
+
+// A receiver of light. `normal` is zero where light counts from both sides.
+struct Receiver {
+  vec3 position, normal;
+};
+
+// Bound of the light that a subtree with this box brings to the receiver, up to a factor that all subtrees share. Zero
+// only where no light of the subtree can contribute: bounds hold the lights with their rounding, and the slacks below
+// are larger than the rounding here and of packed normals. A floor under the cosines keeps weights bounded where the
+// walk knows only a little.
+float subtree_importance(Receiver receiver, vec3 lo, vec3 hi, LightTreeChild child) {
+  const float kSlack = 1e-3, kLeastCosine = 0.01;
+  vec3 to_centre = 0.5 * (lo + hi) - receiver.position, to_corner = 0.5 * (hi - lo);
+  float radius2 = 1.02 * dot(to_corner, to_corner), distance2 = dot(to_centre, to_centre);
+  vec3 direction = to_centre / sqrt(max(distance2, 1e-37));
+  // Half angle under which the sphere about the box is seen; everything if the receiver is inside.
+  float sine2 = min(radius2 / max(distance2, 1e-37), 1.0);
+  vec2 seen = distance2 > radius2 ? vec2(sqrt(1.0 - sine2), sqrt(sine2)) : vec2(-1.0, 0.0);
+
+  vec4 cone = unpackUnorm4x8(child.emission), axis = unpackUnorm4x8(child.box1);
+  vec2 half_sines = cone.zw;
+  vec2 cosines = 1.0 - 2.0 * half_sines * half_sines;
+  vec2 spread = vec2(cosines.x, 2.0 * half_sines.x * sqrt(1.0 - half_sines.x * half_sines.x));
+  float leaving = -dot(octahedral_direction(axis.zw * 2.0 - 1.0), direction);
+  if ((child.link & kLightTwoSided) != 0u) leaving = abs(leaving);
+  float emitted = angle_beyond(angle_beyond(angle_of(leaving), spread), seen).x;
+  bool dark = emitted < cosines.y - kSlack;
+
+  float received = 1.0;
+  if (receiver.normal != vec3(0.0)) {
+    received = angle_beyond(angle_of(dot(receiver.normal, direction)), seen).x;
+    dark = dark || received < -kSlack;
+  }
+  float importance = light_intensity(child.emission & 0xffffu) * max(emitted, kLeastCosine) * max(received, kLeastCosine) /
+                     max(max(distance2, radius2), 1e-30);
+  return dark ? 0.0 : max(importance, 1e-36);
+}
+
+// ---- walks ------------------------------------------------------------------------------------------------------
+
+LightCluster fetch_light_root() {
+  uvec4 lo_link = texelFetch(light_tree, 0), hi_depth = texelFetch(light_tree, 1);
+  return LightCluster(uintBitsToFloat(lo_link.xyz), lo_link.w, uintBitsToFloat(hi_depth.xyz), hi_depth.w);
+}
+
+// The two subtrees of a node, and the probability of the first.
+struct Fork {
+  LightCluster child[2];
+  float share;
+  bool dead; // neither can contribute
+};
+
+LightCluster fetch_child(Receiver receiver, LightCluster at, uint k, out float importance) {
+  uvec4 words = texelFetch(light_tree, int(kLightRecordTexels * (at.link & kLightIndexMask) + k));
+  LightTreeChild child = LightTreeChild(words.x, words.y, words.z, words.w);
+  vec4 box0 = unpackUnorm4x8(child.box0), box1 = unpackUnorm4x8(child.box1);
+  vec3 size = at.hi - at.lo;
+  vec3 lo = at.lo + size * box0.xyz, hi = at.lo + size * vec3(box0.w, box1.xy);
+  importance = subtree_importance(receiver, lo, hi, child);
+  return LightCluster(lo, child.link, hi, at.depth + 1u);
+}
+
+// A subtree that can contribute is taken once in 4096 times at least: then the integers that stand for it, 2^18 or more,
+// agree with its probability to 4e-6.
+Fork fetch_fork(Receiver receiver, LightCluster at) {
+  const float kLeastShare = 1.0 / 4096.0;
+  Fork fork;
+  float first, second;
+  fork.child[0] = fetch_child(receiver, at, 0u, first);
+  fork.child[1] = fetch_child(receiver, at, 1u, second);
+  fork.dead = first == 0.0 && second == 0.0;
+  fork.share = first == 0.0 ? 0.0 : second == 0.0 ? 1.0 : clamp(first / (first + second), kLeastShare, 1.0 - kLeastShare);
+  return fork;
+}
+
+// Where a walk ended: at a light, which it reaches with this probability from the root, and from the column on its way
+// with `below_column`. kNone: at subtrees that cannot contribute.
+struct LightWalk {
+  uint light;
+  float probability, below_column;
+};
+
+const LightWalk kNowhere = LightWalk(kNone, 0.0, 0.0);
+
+// Follows `trail`, whose bit d chooses at depth d; draws its choices instead if `drawn`, or once it is below a column if
+// `drawn_below_column`.
+LightWalk walk_lights(Receiver receiver, uint trail, bool drawn, bool drawn_below_column, inout Draw draw) {
+  LightCluster at = fetch_light_root();
+  LightWalk walk = LightWalk(kNone, 1.0, 1.0);
+  while ((at.link & kLightLeaf) == 0u) {
+    Fork fork = fetch_fork(receiver, at);
+    bool first = (trail >> at.depth & 1u) == 0u;
+    float share = fork.share;
+    if (fork.dead) return kNowhere;
+    if (drawn) {
+      if (share == 0.0 || share == 1.0) first = share == 1.0;
+      else first = draw_share(draw, share);
+    }
+    if (!first) share = 1.0 - share;
+    if (share == 0.0) return kNowhere;
+    walk.probability *= share;
+    walk.below_column *= share;
+    if (first) at = fork.child[0]; else at = fork.child[1];
+    if ((at.link & kLightColumn) != 0u) {
+      walk.below_column = 1.0;
+      drawn = drawn || drawn_below_column;
+    }
+  }
+  walk.light = at.link & kLightIndexMask;
+  return walk;
+}
+
+// A light drawn from the whole tree; from the subtree of a column, to which `trail` leads; and the probability of the
+// light at the end of `trail`.
+LightWalk draw_from_tree(Receiver receiver, inout Draw draw) { return walk_lights(receiver, 0u, true, true, draw); }
+LightWalk draw_from_column(Receiver receiver, uint trail, inout Draw draw) {
+  return walk_lights(receiver, trail, false, true, draw);
+}
+LightWalk walk_to(Receiver receiver, uint trail) {
+  Draw none = Draw(0u, 1u, 0u);
+  return walk_lights(receiver, trail, false, false, none);
+}
+
+#endif

@@ -1,8 +1,0 @@
-// Two moments of each of two exponential warps of depth (Lauritzen and McCool 2008), averaged along rows.
-#version 460
-#extension GL_GOOGLE_include_directive : require
-
-#include "kernels/shadows/blur_rows.glsl"
-#include "kernels/shadows/bounds.glsl"
-
-vec4 moments_of(float depth) { return warped_moments(depth, shadow.exponent); }

@@ -1,8 +1,0 @@
-// Two moments of depth (Donnelly and Lauritzen 2006), averaged along rows.
-#version 460
-#extension GL_GOOGLE_include_directive : require
-
-#include "kernels/shadows/blur_rows.glsl"
-#include "kernels/shadows/bounds.glsl"
-
-vec4 moments_of(float depth) { return variance_moments(depth); }

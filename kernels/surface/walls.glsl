@@ -1,0 +1,69 @@
+// Walls of bodies of ior 1 along a shadow ray, which light passes unbent and unreflected, dimmed by the body: traversal meets
+// them in any order, so that they are kept, and put in order once the ray has arrived. Include bindings.glsl with BIND_SURFACES
+// first.
+#ifndef WAVEPATH_WALLS_GLSL
+#define WAVEPATH_WALLS_GLSL
+
+#include "kernels/surface/bodies.glsl"
+
+bool uses_walls() { return has_lobe(kFeatureWalls) && (frame.scene_lobes & kFeatureWalls) != 0u; }
+
+const uint kMostWalls = 16u; // which a ray passes: each is a bounce, of which paths have 8 if nothing else is asked for
+uint wall_count;
+float wall_places[kMostWalls]; // along the ray
+uint wall_bodies[kMostWalls];  // 2 * material, + 1 where the ray enters
+vec3 wall_shares[kMostWalls];  // of the light that it lets through, if no other body hides it
+
+bool keep_wall(uint material, bool enters, float place, vec3 share) {
+  if (wall_count == kMostWalls) return false;
+  wall_places[wall_count] = place;
+  wall_shares[wall_count] = share;
+  wall_bodies[wall_count++] = 2u * material + (enters ? 1u : 0u);
+  return true;
+}
+
+void sort_walls() {
+  for (uint i = 1u; i < wall_count; ++i) {
+    float place = wall_places[i];
+    vec3 share = wall_shares[i];
+    uint body = wall_bodies[i], k = i;
+    for (; k > 0u && (wall_places[k - 1u] > place || (wall_places[k - 1u] == place && wall_bodies[k - 1u] > body)); --k) {
+      wall_places[k] = wall_places[k - 1u];
+      wall_bodies[k] = wall_bodies[k - 1u];
+      wall_shares[k] = wall_shares[k - 1u];
+    }
+    wall_places[k] = place;
+    wall_bodies[k] = body;
+    wall_shares[k] = share;
+  }
+}
+
+vec3 optical_depth(uint body, float distance_) { return body == kNoBody ? vec3(0.0) : fetch_material(body).attenuation * distance_; }
+
+// What walls and bodies on its way leave of a ray that begins within `bodies` and ends `end` metres away; `metre`: of a unit of
+// wall_places. Nothing, if a wall borders on a body that makes it bend light: paths do not go straight on there.
+vec3 bodies_passed(uvec4 bodies, float metre, float end) {
+  sort_walls();
+  vec3 depth = vec3(0.0), share = vec3(1.0);
+  float from = 0.0;
+  for (uint i = 0u; i < wall_count; ++i) {
+    float place = wall_places[i] * metre;
+    uint body = wall_bodies[i] >> 1u;
+    bool enters = (wall_bodies[i] & 1u) != 0u;
+    depth += optical_depth(bodies.x, place - from);
+    from = place;
+    if (!is_nested()) {
+      share *= wall_shares[i];
+      bodies = enters ? one_body(body) : uvec4(kNoBody);
+      continue;
+    }
+    uvec4 others = enters ? bodies : without_body(bodies, body);
+    bool is_hidden = others.x != kNoBody && body_priority(others.x) >= body_priority(body);
+    if (!is_hidden) share *= others.x != kNoBody && fetch_material(others.x).ior != 1.0 ? vec3(0.0) : wall_shares[i];
+    bodies = enters ? with_body(bodies, body) : others;
+  }
+  depth += optical_depth(bodies.x, end - from);
+  return share * exp(-depth);
+}
+
+#endif
