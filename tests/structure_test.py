@@ -267,10 +267,14 @@ class Structure(unittest.TestCase):
         known = helps()
         checked = 0
         for document in DOCUMENTS:
-            for line in re.findall(r"^(?:\$ )?(?:\./run|wavepath) +([^#\n]*)", (ROOT / document).read_text(), re.M):
+            # At the start of a line, or quoted in a sentence or a table.
+            pattern = r"(?:^(?:\$ )?|`)(?:\./run|wavepath) +([^#\n`]*)"
+            for line in re.findall(pattern, (ROOT / document).read_text(), re.M):
                 words = line.split()
                 while words[0] in ("--no-install",):
                     words.pop(0)
+                if words[0] in ("--help", "--version", "ARGS..."):
+                    continue
                 with self.subTest(document=document, line=line):
                     checked += 1
                     if words[0] in ("test", "setup", "format"):
@@ -285,10 +289,18 @@ class Structure(unittest.TestCase):
         self.assertGreater(checked, 1)
 
     def test_links_in_documents_lead_somewhere(self):
-        for document in [*DOCUMENTS, "CHANGELOG.md", "benchmarks/results/README.md"]:
-            for target in re.findall(r"\]\(([^)#:]+)\)", (ROOT / document).read_text()):
-                with self.subTest(document=document, target=target):
-                    self.assertTrue(((ROOT / document).parent / target).exists())
+        def anchors(page):
+            """Of headings, as GitHub names them."""
+            titles = re.findall(r"^#+ +(.*)$", page.read_text(), re.M)
+            return {re.sub(r"[^\w -]", "", title.lower()).replace(" ", "-") for title in titles}
+
+        for document in [*DOCUMENTS, "CHANGELOG.md", "benchmarks/results/README.md", "benchmarks/results/NOTES.md"]:
+            for target, anchor in re.findall(r"\]\(([^)#:\s]*)(?:#([^)\s]+))?\)", (ROOT / document).read_text()):
+                with self.subTest(document=document, target=target, anchor=anchor):
+                    page = (ROOT / document).parent / target if target else ROOT / document
+                    self.assertTrue(page.exists())
+                    if anchor:
+                        self.assertIn(anchor, anchors(page))
 
 
 if __name__ == "__main__":
