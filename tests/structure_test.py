@@ -294,7 +294,8 @@ class Structure(unittest.TestCase):
             titles = re.findall(r"^#+ +(.*)$", page.read_text(), re.M)
             return {re.sub(r"[^\w -]", "", title.lower()).replace(" ", "-") for title in titles}
 
-        for document in [*DOCUMENTS, "CHANGELOG.md", "benchmarks/results/README.md", "benchmarks/results/NOTES.md"]:
+        results = [name(page) for page in sorted(ROOT.glob("benchmarks/results/**/*.md"))]
+        for document in [*DOCUMENTS, "CHANGELOG.md", *results]:
             for target, anchor in re.findall(r"\]\(([^)#:\s]*)(?:#([^)\s]+))?\)", (ROOT / document).read_text()):
                 with self.subTest(document=document, target=target, anchor=anchor):
                     page = (ROOT / document).parent / target if target else ROOT / document
