@@ -288,6 +288,18 @@ class Structure(unittest.TestCase):
                             self.assertTrue((ROOT / flag).exists(), flag)
         self.assertGreater(checked, 1)
 
+    def test_pages_open_alike(self):
+        """What it does, when to use it, an example, and a table or a picture, before anything else."""
+        for page in sorted(ROOT.glob("docs/*.md")):
+            if page.name == "README.md":
+                continue
+            with self.subTest(page=page.name):
+                opening = page.read_text().split("\n## ")[0]
+                self.assertRegex(opening, r"\A# .+\n\n\*\*What it does\.\*\* ")
+                self.assertRegex(opening, r"(?m)^\*\*When to (use it|care)\.\*\* ")
+                self.assertRegex(opening, r"(?m)^(```|\*\*Example\.\*\* )")
+                self.assertRegex(opening, r"(?m)^(\| ---|!\[|```mermaid)")
+
     def test_links_in_documents_lead_somewhere(self):
         def anchors(page):
             """Of headings, as GitHub names them."""
