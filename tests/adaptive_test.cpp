@@ -15,7 +15,7 @@
 #include <gtest/gtest.h>
 
 #include "host/film/film.h"
-#include "host/render/adaptive_choice.h"
+#include "host/plan/adaptive.h"
 #include "host/render/loop/adaptive.h"
 #include "host/render/loop/render_loop.h"
 #include "host/render/loop/render_state.h"

@@ -12,7 +12,7 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
-#include "host/cli/render_flags.h"
+#include "host/cli/resolve.h"
 #include "host/cli/scene_flags.h"
 #include "host/film/film.h"
 #include "host/render/render.h"
@@ -73,7 +73,7 @@ RenderResult render_scene(Device& device, const fs::path& path, std::vector<std:
   flags.insert(flags.begin(), path.string());
   std::reverse(flags.begin(), flags.end()); // as CLI11 wants it
   app.parse(flags);
-  settle_samples(request);
+  resolve_samples(request);
   request.settings.wave_slots = wave_slots;
 
   Scene scene = load_scene(scene_request).scene;

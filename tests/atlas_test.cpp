@@ -183,7 +183,7 @@ TEST(SampledTextures, ArePlanned) {
   for (const bool mips : {false, true}) {
     Scene scene = textured_scene();
     const PackedScene packed = pack_sampled(scene, mips);
-    const Plan planned = plan(scene, {.mips = mips, .samplers = kRoomy});
+    const ScenePlan planned = plan(scene, {.mips = mips, .samplers = kRoomy});
     EXPECT_EQ(planned.texel_bytes, packed.atlases[0].bytes() + packed.atlases[1].bytes());
     EXPECT_EQ(packed.atlases[1].words.size() * 4, packed.atlases[1].bytes());
     EXPECT_GT(planned.texel_bytes, 0u);

@@ -1,7 +1,7 @@
 // Which tree is built for how many rays.
 #include <gtest/gtest.h>
 
-#include "host/render/bvh_choice.h"
+#include "host/plan/bvh_quality.h"
 
 namespace wavepath::test {
 namespace {

@@ -251,7 +251,7 @@ TEST(CutScene, IsPlannedAndTheSameEachTime) {
     EXPECT_EQ(a.triangles[i].v0, b.triangles[i].v0);
     EXPECT_EQ(a.triangles[i].id, b.triangles[i].id);
   }
-  const Plan planned = plan(scene, packing);
+  const ScenePlan planned = plan(scene, packing);
   EXPECT_EQ(planned.triangle_bytes, a.triangles.size() * (sizeof(gpu::Triangle) + sizeof(glm::uvec4)));
   EXPECT_EQ(planned.vertex_bytes,
             (a.vertex_normals.size() + a.vertex_uvs.size() + a.vertex_colors.size()) * sizeof(glm::vec4));

@@ -7,8 +7,8 @@
 #include "host/integrators/automatic/kind.h"
 #include "host/integrators/bidirectional/kind.h"
 #include "host/integrators/path/kind.h"
+#include "host/plan/integrator.h"
 #include "host/render/agreement.h"
-#include "host/render/integrator_choice.h"
 #include "host/render/report/diagnosis.h"
 #include "host/render/small_picture.h"
 #include "host/render/workspace/kernel_compiler.h"
@@ -36,7 +36,9 @@ protected:
     Scene scene = load_gltf(kScenes + file);
     const View view = resolve_view(scene, seen, settings.width, settings.height);
     SceneOnDevice on_device;
-    return choose_integrator(device(), pack(scene, {.eye = view.position}), view, settings, *kernels_, on_device, fits);
+    const PackedScene packed = pack(scene, {.eye = view.position});
+    PilotRunner pilots(device(), packed, view, *kernels_, on_device);
+    return choose_integrator(pilots, settings, fits);
   }
   static RenderSettings settings(std::uint32_t spp) {
     RenderSettings settings;

@@ -12,7 +12,7 @@
 #include "host/integrators/path/kind.h"
 #include "host/integrators/path/path_replay.h"
 #include "host/integrators/path/sky_rows.h"
-#include "host/render/pilot_length.h"
+#include "host/plan/training.h"
 #include "kernels/base/learned_sky_types.h"
 #include "tests/light_rooms.h"
 

@@ -12,7 +12,7 @@
 #include "host/integrators/path/kind.h"
 #include "host/integrators/path/path_replay.h"
 #include "host/render/settings/light_samples.h"
-#include "host/render/sky_choice.h"
+#include "host/plan/sky_samples.h"
 #include "tests/light_rooms.h"
 
 namespace wavepath::test {
@@ -313,7 +313,8 @@ TEST_F(LightSamples, TheRoomTakesMoreSkySamplesAndTheOpenOne) {
     const Subject shown = subject(scene, settings);
     if (!kernels_) render(shown, settings); // begins the kernels
     SceneOnDevice on_device;
-    return choose_sky_samples(device(), shown.packed, shown.view, settings, *kernels_, on_device);
+    PilotRunner pilots(device(), shown.packed, shown.view, *kernels_, on_device);
+    return choose_sky_samples(pilots, settings);
   };
   Scene open = floor_under_map();
   open.environment = {};

@@ -7,7 +7,7 @@
 #include "host/integrators/automatic/kind.h"
 #include "host/integrators/bidirectional/kind.h"
 #include "host/integrators/path/kind.h"
-#include "host/render/memory_plan.h"
+#include "host/plan/memory.h"
 #include "host/render/workspace/workspace.h"
 
 namespace wavepath::test {
@@ -38,16 +38,15 @@ std::uint64_t bytes_of(const std::vector<MemoryItem>& items, std::string_view na
 }
 
 TEST(MemoryPlan, ListsWhatTheSceneAndTheSettingsUse) {
-  Plan plain, rich;
+  ScenePlan plain, rich;
   rich.light_tree_bytes = rich.environment_bytes = 1000;
   rich.smooth_surfaces = true;
   const RenderSettings path = settings_of(kPath), both = settings_of(kBidirectional);
   RenderSettings guided = path, shallow = both;
   guided.guide = true;
   shallow.max_depth = 2;
-  const auto once = [](const RenderSettings& settings, const Plan& scene, gpu::Feature features, const char* name) {
-    return bytes_of(plan_memory(settings, scene, features).render, name);
-  };
+  const auto once = [](const RenderSettings& settings, const ScenePlan& scene, gpu::Feature features,
+                       const char* name) { return bytes_of(plan_memory(settings, scene, features).render, name); };
   EXPECT_EQ(once(path, plain, kLamps, "guiding field"), 0u);
   EXPECT_GT(once(guided, plain, kLamps, "guiding field"), 0u);
   EXPECT_EQ(once(path, plain, kLamps, "learned lights") + once(path, plain, kLamps, "learned sky"), 0u);
@@ -78,7 +77,7 @@ TEST(MemoryPlan, NamesWhatPathsTake) {
 }
 
 TEST(MemoryPlan, RefusesWhatDoesNotFit) {
-  Plan scene;
+  ScenePlan scene;
   scene.triangle_bytes = 1000;
   const DeviceInfo cpu = device_of("cpu");
   const RenderSettings both = settings_of(kBidirectional);

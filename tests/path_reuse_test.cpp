@@ -17,7 +17,7 @@
 #include <gtest/gtest.h>
 
 #include "host/picture/metrics/metrics.h"
-#include "host/render/reuse_choice.h"
+#include "host/plan/reuse.h"
 #include "host/render/settings/path_reuse.h"
 #include "tests/coverage.h"
 #include "tests/light_rooms.h"
@@ -530,7 +530,8 @@ TEST_F(PathReuse, AutoTakesItWhereLightComesByDiffuseSurfaces) {
     const Subject shown = room(scene, settings, {0.0, 0.1, 1.9});
     if (!kernels_) kernels_ = std::make_unique<KernelCompiler>(device());
     SceneOnDevice on_device;
-    return choose_reuse(device(), shown.packed, shown.view, settings, *kernels_, on_device);
+    PilotRunner pilots(device(), shown.packed, shown.view, *kernels_, on_device);
+    return choose_reuse(pilots, settings);
   };
   const Scene diffuse = parted_room(plain_material());
   const ReuseChoice first = choose(diffuse, 4096), again = choose(diffuse, 4096);

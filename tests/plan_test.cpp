@@ -53,7 +53,7 @@ void expect_indices_in_range(const PackedScene& p) {
   }
 }
 
-TEST(Plan, CountsWhatIsShown) {
+TEST(ScenePlan, CountsWhatIsShown) {
   Scene scene = triangle_scene();
   add_instance(scene, 0, glm::translate(glm::dmat4(1.0), glm::dvec3(2.0)));
   add_instance(scene, add_mesh(scene, kUnitTriangle));
@@ -63,7 +63,7 @@ TEST(Plan, CountsWhatIsShown) {
   scene.environment.width = 8;
   scene.environment.height = 4;
   scene.environment.map.assign(32, glm::vec3(1.0f));
-  const Plan p = plan(scene);
+  const ScenePlan p = plan(scene);
   EXPECT_EQ(p.triangles_stored, 2u);
   EXPECT_EQ(p.triangles_seen, 3u);
   EXPECT_EQ(p.instances, 3u);
@@ -73,7 +73,7 @@ TEST(Plan, CountsWhatIsShown) {
   EXPECT_EQ(p.largest_buffer, 32u * 16);
 }
 
-TEST(Plan, TellsOfSmoothSurfacesInUse) {
+TEST(ScenePlan, TellsOfSmoothSurfacesInUse) {
   Scene scene = triangle_scene();
   scene.materials[0].specular = scene.materials[0].roughness = 1.0f;
   scene.materials.push_back(scene.materials[0]); // not in use
@@ -83,7 +83,7 @@ TEST(Plan, TellsOfSmoothSurfacesInUse) {
   EXPECT_TRUE(plan(scene).smooth_surfaces);
 }
 
-TEST(Plan, CountsTexelsOnceAnImage) {
+TEST(ScenePlan, CountsTexelsOnceAnImage) {
   Scene scene = triangle_scene();
   scene.images.push_back({"bytes", 16, 16, std::vector<std::uint8_t>(1024, 255), {}});
   scene.images.push_back({"floats", 4, 4, {}, std::vector<float>(64, 1.0f)});
@@ -93,7 +93,7 @@ TEST(Plan, CountsTexelsOnceAnImage) {
   EXPECT_EQ(plan(scene).texel_bytes, 16u * 16 * 4 + 4u * 4 * 16);
 }
 
-TEST(Plan, FitsManyInstances) {
+TEST(ScenePlan, FitsManyInstances) {
   Scene scene = triangle_scene();
   for (int i = 0; i < 2000; ++i)
     add_instance(scene, 0, glm::translate(glm::dmat4(1.0), glm::dvec3(i % 50, i / 50, i % 7)));
@@ -103,7 +103,7 @@ TEST(Plan, FitsManyInstances) {
   EXPECT_LT(planned, 1.3 * real);
 }
 
-TEST(Plan, FitsRealScenes) {
+TEST(ScenePlan, FitsRealScenes) {
   const std::filesystem::path folder = std::filesystem::path(WAVEPATH_SOURCE_DIR) / ".." / "shared" / "scenes";
   if (!std::filesystem::exists(folder)) GTEST_SKIP() << folder << " is not there";
   int packed_count = 0;
@@ -117,7 +117,7 @@ TEST(Plan, FitsRealScenes) {
     } catch (const Error&) {
       continue; // what cannot be loaded is the loader's test
     }
-    const Plan p = plan(scene);
+    const ScenePlan p = plan(scene);
     const PackedScene packed = pack(scene);
     ++packed_count;
     expect_indices_in_range(packed);

@@ -26,6 +26,7 @@
 #include "host/scene/gltf/gltf.h"
 #include "host/scene/pack/pack.h"
 #include "host/scene/staging/view.h"
+#include "tests/plan_in_stats.h"
 #include "tests/run_wavepath.h"
 #include "tests/small_disk.h"
 #include "tests/temporary_folder.h"
@@ -241,7 +242,7 @@ TEST_F(Resume, KeepsTheLevelsThatAutoChose) {
     const Outcome outcome = go_on({"--spp", "70", "--resume", "--stats", path("stats.json")});
     EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
     const auto stats = nlohmann::json::parse(std::ifstream(path("stats.json")));
-    EXPECT_EQ(stats["noise_pilot"]["used"], true);
+    EXPECT_EQ(decision_in(stats, "adaptive")["taken"], "on");
   }
   const std::string before = bytes("state");
   const Outcome merged = go_on({"--spp", "128", "--resume", "--mergeable"});
@@ -324,7 +325,7 @@ TEST_F(Resume, RefusesAnEndWithinThePassInProgress) {
   ASSERT_EQ(render("part.exr", {"--checkpoint", "state", "--spp", "8"}).exit_code, 0);
   StateRecord record = read_state(path("state"));
   record.state.cursor = {4, 4, 0, 100};
-  write_state(path("state"), record.identity, record.device, record.state);
+  write_state(path("state"), record.identity, record.device, record.plan, record.state);
   const Outcome outcome = render("x.exr", {"--checkpoint", "state", "--resume", "--spp", "6"});
   EXPECT_EQ(outcome.exit_code, 1);
   EXPECT_NE(outcome.err.find("has come to sample 8, beyond 6; ask for 8"), std::string::npos) << outcome.err;
@@ -435,9 +436,9 @@ TEST_F(Resume, WhatAutoChoseIsKept) {
     return wavepath(all);
   };
   const Outcome begun = render_bulb("4", {"-o", "part.exr", "--checkpoint", "state"});
-  EXPECT_NE(begun.err.find("auto took path"), std::string::npos) << begun.err;
+  EXPECT_NE(begun.err.find("plan: integrator path"), std::string::npos) << begun.err;
   const Outcome fresh = render_bulb("4096", {"-o", "fresh.exr"});
-  EXPECT_NE(fresh.err.find("auto took bidirectional"), std::string::npos) << fresh.err;
+  EXPECT_NE(fresh.err.find("plan: integrator bidirectional"), std::string::npos) << fresh.err;
   const Outcome resumed = render_bulb("4096", {"-o", "part.exr", "--checkpoint", "state", "--resume", "--mergeable"});
   ASSERT_EQ(resumed.exit_code, 0) << resumed.err;
   EXPECT_TRUE(read_film(path("part.exr"))->splats.empty()); // path tracing has none

@@ -12,7 +12,7 @@
 #include <CLI/CLI.hpp>
 
 #include "host/base/error.h"
-#include "host/cli/render_flags.h"
+#include "host/cli/resolve.h"
 #include "host/cli/scene_flags.h"
 #include "host/render/settings/identity.h"
 #include "host/render/settings/occlusion_settings.h"
@@ -232,8 +232,8 @@ RenderSettings parsed(const std::string& line) {
   std::ranges::reverse(arguments); // as the parser wants them
   arguments.pop_back();            // the program
   app.parse(arguments);
-  settle_samples(request);
-  settle_default_integrator(request);
+  resolve_samples(request);
+  resolve_integrator(request);
   check_integrator(request);
   return request.settings;
 }

@@ -20,7 +20,7 @@ WAVEPATH, COMPILER = sys.argv[2], sys.argv[3]
 DOWNHILL = [
     "bvh", "kernels/base", "kernels/bvh", "kernels/surface", "kernels/light", "kernels/film", "kernels/display", "kernels/path", "kernels/bidirectional", "kernels/hybrid/shading", "kernels/hybrid/shadows", "kernels/hybrid", "kernels/hybrid/transparency", "kernels/hybrid/occlusion", "kernels/hybrid/antialias", "kernels/whitted", "kernels/selftest", "kernels/bench",
     "host/base", "host/codecs", "host/codecs/openimageio", "host/scene", "host/scene/staging", "host/scene/gltf", "host/scene/pack", "host/gpu", "host/picture", "host/film", "host/picture/files", "host/picture/filter", "host/picture/metrics",
-    "host/render/settings", "host/render/workspace", "host/render/loop", "host/render", "host/render/multi_device", "host/render/progressive", "host/render/report",
+    "host/render/settings", "host/render/workspace", "host/render/loop", "host/render", "host/render/multi_device", "host/render/progressive", "host/plan", "host/render/report",
     "host/integrators/path", "host/integrators/bidirectional", "host/integrators/hybrid/raster", "host/integrators/hybrid/shading", "host/integrators/hybrid/shadows", "host/integrators/hybrid/transparency", "host/integrators/hybrid/occlusion", "host/integrators/hybrid/antialias", "host/integrators/hybrid", "host/integrators/whitted", "host/integrators/automatic", "host/integrators", "benchmarks", "host/bench/structures", "host/bench", "host/selftest", "host/study", "host/view", "host/cli", "host",
 ]
 VULKAN_DOORS = {"host/gpu", "host/view"}

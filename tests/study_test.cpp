@@ -390,6 +390,20 @@ TEST_F(StudyCommand, RowsCanBeRepeated) {
   expect_repeatable(Json::parse(read("study.json"))["configurations"][1]["points"].back());
 }
 
+// Pictures as large as those of studies are by default, under a sky: every pilot of `render` would be made.
+TEST_F(StudyCommand, RowsAndReferencesOfTheUsualSizeCanBeRepeated) {
+  ASSERT_EQ(study({"-o", out_, "--size", "256x256", "--max-depth", "3", "--budget", "8", "--vary", "sampler", "--env",
+                   "0.5,0.6,0.7"})
+                .exit_code,
+            0);
+  const Json json = Json::parse(read("study.json"));
+  expect_repeatable(json["configurations"][1]["points"].back());
+  const std::string kept = folder_.file("kept.exr"), reference = json["reference"]["file"];
+  fs::copy_file(reference, kept);
+  ASSERT_EQ(repeat(json["reference"]["command"]).exit_code, 0);
+  EXPECT_EQ(run_program({WAVEPATH_BINARY, "compare", reference, kept, "--max", "mse=0"}).exit_code, 0);
+}
+
 // Each way to filter textures has a packed scene of its own; the reference has exact ones, whatever the flag says.
 TEST_F(StudyCommand, VariesHowTexturesAreFiltered) {
   scene_ = WAVEPATH_SOURCE_DIR "/scenes/showcase.glb";

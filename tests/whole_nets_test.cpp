@@ -358,7 +358,7 @@ TEST_F(WholeNetsRender, GoOnWithinSecondNetsToTheSameBits) {
     ASSERT_EQ(render(settings, stopping).stop, StopReason::interrupted);
     ASSERT_GT(state->cursor.pixels_done, 43u * 37) << "stopped before the second nets";
     const TemporaryFolder folder;
-    write_state(folder.file("state"), "identity", "device", *state);
+    write_state(folder.file("state"), "identity", "device", "[]", *state);
     const StateRecord record = read_state(folder.file("state"));
     EXPECT_TRUE(record.state.film == state->film);
     EXPECT_EQ(record.state.film.measured, state->film.measured);

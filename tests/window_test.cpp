@@ -143,12 +143,11 @@ protected:
     const Outcome outcome = run_program(flags, {.folder = folder_.path().string()});
     ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   }
-  // Runs a line that the window copied; in a window pixels share nothing.
+  // Runs a line that the window copied.
   Picture rendered(std::string line) const {
     const std::string program = "wavepath";
     EXPECT_EQ(line.substr(0, program.size()), program);
-    line =
-        WAVEPATH_BINARY + line.substr(program.size(), line.size() - program.size() - 1) + " -q --reuse off -o copy.exr";
+    line = WAVEPATH_BINARY + line.substr(program.size(), line.size() - program.size() - 1) + " -q -o copy.exr";
     const Outcome outcome = run_program({"/bin/sh", "-c", line}, {.folder = folder_.path().string()});
     EXPECT_EQ(outcome.exit_code, 0) << line << outcome.err;
     return read_picture(path("copy.exr"));

@@ -7,12 +7,17 @@
 #include "host/base/print.h"
 #include "host/cli/commands.h"
 #include "host/cli/flags.h"
+#include "host/cli/plan_report.h"
 #include "host/cli/render_flags.h"
+#include "host/cli/resolve.h"
 #include "host/cli/scene_flags.h"
 #include "host/gpu/device.h"
 #include "host/gpu/device_choice.h"
-#include "host/render/integrator_choice.h"
-#include "host/render/memory_plan.h"
+#include "host/plan/bvh_quality.h"
+#include "host/plan/integrator.h"
+#include "host/plan/memory.h"
+#include "host/plan/plan.h"
+#include "host/plan/record.h"
 #include "host/render/report/stats.h"
 #include "host/render/settings/integrator_kind.h"
 #include "host/render/settings/mips.h"
@@ -28,7 +33,7 @@ using Json = nlohmann::ordered_json;
 struct InfoCommandRequest {
   SceneRequest scene;
   RenderRequest render;
-  bool json = false;
+  bool json = false, plan = false;
 };
 
 Json to_json(const DeviceInfo& device) {
@@ -84,7 +89,7 @@ Json to_json(const std::vector<MemoryItem>& items) {
 }
 
 // What a render takes besides the scene: each of the ways that --integrator auto may take.
-Json describe_renders(const RenderSettings& settings, const Plan& planned, const PackedScene& packed) {
+Json describe_renders(const RenderSettings& settings, const ScenePlan& planned, const PackedScene& packed) {
   std::vector<RenderSettings> ways = {settings};
   if (settings.integrator->candidates) ways = settings.integrator->candidates(settings, packed);
   Json renders = Json::array();
@@ -117,7 +122,7 @@ Json film_bytes() {
 }
 
 // What info tells of a scene, in the order in which it is printed.
-Json describe(const std::string& path, const Scene& scene, const Plan& planned, const PackedScene& packed) {
+Json describe(const std::string& path, const Scene& scene, const ScenePlan& planned, const PackedScene& packed) {
   Json cameras = Json::array(), left_out = Json::array(), warnings = Json::array();
   for (const Camera& camera : scene.cameras)
     cameras.push_back({{"name", camera.name}, {"kind", camera.orthographic ? "orthographic" : "perspective"}});
@@ -204,25 +209,42 @@ void print_scene(const Json& about, const std::vector<std::string>& extensions) 
               number(entry["bytes"]) > 0 ? ", saves " + to_size_text(number(entry["bytes"])) : "");
 }
 
+// What a render would do, as far as it is known before its pilots.
+std::vector<Decision> plan_by_rules(const InfoCommandRequest& request, const RenderSettings& settings,
+                                    const ScenePlan& planned, const PackedScene& packed) {
+  const std::vector<DeviceInfo> devices = list_devices();
+  const DeviceInfo device = devices.empty() ? DeviceInfo{} : devices[choose_device(devices, "")];
+  const PlanRequest asked{.settings = settings, .policy = Policy::rules, .stands_alone = stands_alone(request.render)};
+  std::vector<Decision> decisions = decide(asked, packed, devices.empty() || device.type == "cpu", nullptr).decisions;
+  decisions.push_back(decision_of(choose_quality(settings, planned.triangles_stored, device)));
+  return decisions;
+}
+
 int run_scene(InfoCommandRequest& request) {
-  settle_settings(request.scene, request.render);
+  resolve_settings(request.scene, request.render);
   RenderSettings& settings = request.render.settings;
   LoadedScene loaded = load_scene(request.scene);
   Scene& scene = loaded.scene;
   const View view = resolve_view(scene, loaded.framing, request.scene.view, settings.width, settings.height);
   const Packing packing{
       .direct = direct_of(settings), .near = {view.position}, .lights = settings.lights, .mips = wants_mips(settings)};
-  const Plan planned = plan(scene, packing);
+  const ScenePlan planned = plan(scene, packing);
   require_memory(request.scene.path, "packing it", planned.total(), "use a simpler scene");
   const PackedScene packed = pack(scene, packing);
   settings.moving = packed.moves();
   Json about = describe(request.scene.path, scene, planned, packed);
   about["lights"]["by_rule"] = loaded.light;
   about["renders"] = describe_renders(settings, planned, packed);
+  const std::vector<Decision> decisions =
+      request.plan ? plan_by_rules(request, settings, planned, packed) : std::vector<Decision>();
+  if (request.plan) about["plan"] = to_json(decisions);
   if (request.json) {
     print_out("{}", to_text(about));
   } else {
     print_scene(about, scene.extensions_used);
+    if (request.plan)
+      print_out("plan of a render at {}x{}, {} spp\n{}", settings.width, settings.height, settings.last_sample,
+                plan_table(decisions));
   }
   print_warnings(scene.warnings);
   return kExitDone;
@@ -237,6 +259,10 @@ Command add_info(CLI::App& app) {
   add_scene_flags(*command, request->scene, false);
   add_shutter_flag(*command, request->scene);
   add_settings_of_render(*command, request->render);
+  add_switch(*command, "Output",
+             {"--plan", "", "print what a render by these flags would do: each decision, why, and what its pilots take",
+              "off"},
+             request->plan);
   add_switch(*command, "Output", {"--json", "", "print one JSON document", "off"}, request->json);
   return [request] { return request->scene.path.empty() ? run_devices(*request) : run_scene(*request); };
 }

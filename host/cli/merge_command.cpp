@@ -155,6 +155,7 @@ void read_common(const std::string& part, PictureInfo& info) {
   info.command = read_attribute(part, "wavepath.command");
   info.filter = read_attribute(part, "wavepath.filter");
   info.bias = read_attribute(part, "wavepath.bias");
+  info.plan = read_attribute(part, "wavepath.plan");
   info.world_to_camera = read_matrix(part, "worldToCamera");
   info.world_to_ndc = read_matrix(part, "worldToNDC");
 }

@@ -13,20 +13,21 @@
 #include "host/gpu/context.h"
 #include "host/gpu/device_choice.h"
 #include "host/picture/filter/oidn.h"
-#include "host/render/adaptive_choice.h"
-#include "host/render/reuse_choice.h"
+#include "host/plan/adaptive.h"
+#include "host/plan/reuse.h"
+#include "host/plan/sky_samples.h"
 #include "host/render/settings/antialias_settings.h"
 #include "host/render/settings/denoising.h"
 #include "host/render/settings/integrator_kind.h"
 #include "host/render/settings/mips.h"
 #include "host/render/settings/settings_table.h"
-#include "host/render/sky_choice.h"
 #include "host/render/workspace/levels.h"
 
 namespace wavepath {
 namespace {
 
 constexpr std::uint32_t kLargestIndex = std::numeric_limits<std::int32_t>::max(); // of pixels and samples
+constexpr std::uint32_t kMostTrainingPaths = 1u << 24, kMostGuideIterations = 6;
 constexpr std::string_view kBvhNames[] = {"auto", "fast", "balanced", "best"};
 constexpr const char* kTransport = "Light transport";
 
@@ -55,11 +56,6 @@ Flag flag_of(const Setting& row, Offer command, const Wording* wording) {
   if (row.takers != Takers::all && (setting_named("integrator").offered & command))
     flag.meaning += fmt::format("; only with --integrator {}", takers_text(row.name));
   return flag;
-}
-
-[[noreturn]] void refuse_not_taken(const std::string& flag, const RenderSettings& settings, const std::string& takers) {
-  throw UsageError(flag, fmt::format("is not taken by --integrator {}", settings.integrator->name),
-                   fmt::format("use --integrator {}, or leave it out", takers));
 }
 
 } // namespace
@@ -155,36 +151,6 @@ void add_devices_flag(CLI::App& app, RenderRequest& request) {
            [&](const FlagValue& value) { request.devices = value.text; });
 }
 
-void settle_devices(RenderRequest& request) {
-  if (request.devices.empty()) return;
-  const auto refuse = [&](bool given, const char* flag, const char* why) {
-    if (given)
-      throw UsageError("--devices", fmt::format("does not go with {}, {}", flag, why), "leave out one of them");
-  };
-  refuse(!request.device.empty(), "--device", "which names one");
-  refuse(!request.state.file.empty(), "--checkpoint", "whose state is that of one device");
-  refuse(request.settings.adaptive == kAdaptiveOn, "--adaptive", "whose samples are not shared out evenly");
-  refuse(request.pixel.has_value(), "--pixel", "which renders one path");
-  const std::vector<DeviceInfo> known = list_devices();
-  std::vector<std::string> wanted;
-  if (request.devices == "all") {
-    const auto usable = [&](bool cpu) {
-      for (std::size_t i = 0; i < known.size(); ++i)
-        if (known[i].missing.empty() && (known[i].type == "cpu") == cpu) wanted.push_back(std::to_string(i));
-    };
-    usable(false);
-    if (wanted.empty()) usable(true);         // beside a GPU a CPU would have to be waited for
-    if (wanted.empty()) wanted.push_back(""); // says what is missing
-  } else {
-    std::istringstream list(request.devices);
-    for (std::string one; std::getline(list, one, ',');)
-      if (!one.empty()) wanted.push_back(std::to_string(choose_device(known, one)));
-    if (wanted.empty()) throw UsageError("--devices", "names no device", "write --devices 0,1 or --devices all");
-  }
-  request.device = wanted.front();
-  request.other_devices.assign(wanted.begin() + 1, wanted.end());
-}
-
 void add_picture_flags(CLI::App& app, Offer command, RenderRequest& request) {
   add_settings(app, command, SettingGroup::picture, request);
   add_flag(app, kHeadings[static_cast<std::size_t>(SettingGroup::picture)],
@@ -199,6 +165,24 @@ void add_transport_flags(CLI::App& app, Offer command, RenderRequest& request) {
   add_bvh_flag(app, request);
   add_device_flag(app, request);
   add_settings(app, command, SettingGroup::special, request);
+}
+
+void add_plan_flags(CLI::App& app, RenderRequest& request) {
+  const char* group = "What an earlier render decided";
+  add_flag(app, group,
+           {"--plan", "FILE",
+            "take the decisions of an earlier render from its .exr, its --checkpoint or its --stats .json, and make no "
+            "pilots",
+            "pilots decide"},
+           [&](const FlagValue& value) { request.plan_file = value.text; });
+  add_flag(app, group,
+           {"--training-paths", "N", "paths that train the choice of lights; 0 = as many as parts of a render have",
+            "by the length of the render"},
+           [&](const FlagValue& value) { request.training_paths = value.whole_number(0, kMostTrainingPaths); });
+  add_flag(app, group,
+           {"--guide-iterations", "N", "training passes of --guide, each of twice as many paths as the one before",
+            "by the length of the render"},
+           [&](const FlagValue& value) { request.guide_iterations = value.whole_number(1, kMostGuideIterations); });
 }
 
 void add_replay_flags(CLI::App& app, RenderRequest& request) {
@@ -258,128 +242,6 @@ void add_output_flags(CLI::App& app, OutputRequest& request) {
   add_switch(app, group,
              {"-v,--verbose", "", "say more on stderr: device, memory, seconds by stage, what is left out", "off"},
              request.verbose);
-}
-
-void settle_samples(RenderRequest& request) {
-  RenderSettings& settings = request.settings;
-  if (request.state.resume && request.state.file.empty())
-    throw UsageError("--resume", "there is nothing to resume from", "name the state with --checkpoint FILE");
-  const bool part = is_given(request, "samples");
-  if (settings.adaptive == kAdaptiveOn && (part || request.mergeable))
-    throw UsageError("--adaptive", "does not share its samples out evenly, so parts of it cannot be merged",
-                     "leave out --adaptive, or --samples and --mergeable");
-  request.mergeable |= part;
-  // Parts of one render give its --spp, so that they share its strata.
-  const std::uint32_t spp = settings.sample_total; // 0 = not given
-  if (part && spp > 0 && settings.last_sample > spp)
-    throw UsageError("--samples", fmt::format("{} ends beyond --spp {}", settings.last_sample, spp),
-                     "give a range within 0:spp");
-  if (part) return;
-  const bool open_ended = settings.time_limit > 0.0 || settings.target_error > 0.0;
-  settings.last_sample = spp > 0 ? spp : open_ended ? kOpenEndedSamples : settings.last_sample;
-  settings.sample_total = 0;
-}
-
-void settle_default_integrator(RenderRequest& request) {
-  RenderSettings& settings = request.settings;
-  const IntegratorKind& automatic = *find_integrator("auto");
-  const bool lone_part = is_given(request, "samples") && settings.sample_total == 0;
-  const bool refuses_flag = std::ranges::any_of(settings_table(), [&](const Setting& row) {
-    return row.takers == Takers::listed_else_refused && !is_taken(row, automatic) && !is_default(row, settings);
-  });
-  const bool refuses_aov = std::ranges::any_of(settings.aovs, [&](const std::string& aov) {
-    return !aov_takers_text(aov).empty() && std::ranges::count(automatic.aovs, aov) == 0;
-  });
-  const bool replays = request.pixel.has_value() && !takes(automatic, "pixel");
-  const bool asks_for_path = settings.reuse == kReuseOn; // which other integrators would drop
-  if (is_given(request, "integrator") || lone_part || refuses_flag || refuses_aov || replays || asks_for_path) return;
-  settings.integrator = &automatic;
-}
-
-void check_integrator(const RenderRequest& request) {
-  const RenderSettings& settings = request.settings;
-  const IntegratorKind& kind = *settings.integrator;
-  for (const Setting& row : settings_table())
-    if (row.takers == Takers::listed_else_refused && !is_taken(row, kind) && !is_default(row, settings))
-      refuse_not_taken(fmt::format("--{}", row.name), settings, takers_text(row.name));
-  if (kind.check) kind.check(settings);
-  for (const std::string& aov : settings.aovs)
-    if (const std::string takers = aov_takers_text(aov); !takers.empty() && std::ranges::count(kind.aovs, aov) == 0)
-      refuse_not_taken("--aov " + aov, settings, takers);
-  for (const std::string_view aov : kind.lacks_aovs)
-    if (std::ranges::count(settings.aovs, aov) > 0)
-      throw UsageError(fmt::format("--aov {}", aov), fmt::format("cannot be told apart by --integrator {}", kind.name),
-                       "leave it out, or use --integrator path");
-  if (request.pixel && !takes(kind, "pixel")) refuse_not_taken("--pixel", settings, takers_text("pixel"));
-  if (request.strict && kind.is_biased(settings))
-    throw UsageError(fmt::format("--integrator {}", kind.name), "is biased, which --strict refuses",
-                     settings.denoise      ? "leave out --denoise"
-                     : uses_mips(settings) ? "use --integrator path, or --max-depth 1 --mips off for direct light"
-                                           : "use --integrator path, or --max-depth 1 for direct light");
-  if (request.strict && settings.textures == kTexturesHardware)
-    throw UsageError("--textures hardware", "is biased, which --strict refuses", "leave it out");
-  const bool splits = request.mergeable || !request.state.file.empty() || !request.devices.empty();
-  const auto refuse_history = [](const char* flag) {
-    throw UsageError(flag, "makes every sample depend on those before, and no file keeps that history",
-                     "leave it out, or --checkpoint, --samples, --mergeable and --devices");
-  };
-  if (splits && settings.denoise != kDenoiseOff && !denoises_film(settings)) refuse_history("--denoise");
-  if (splits && settings.antialias == kAntialiasTaaName) refuse_history("--antialias taa");
-  if (request.strict && denoises_film(settings))
-    throw UsageError("--denoise", "is biased, which --strict refuses", "leave out --denoise");
-  if (settings.denoise != kDenoiseOidn) return;
-  if (!denoises_film(settings))
-    throw UsageError("--denoise oidn", fmt::format("filters no frames, of which --integrator {} is made", kind.name),
-                     "use --denoise alone, or --integrator path");
-  require_oidn();
-}
-
-void settle_strict(RenderRequest& request) {
-  if (!request.strict) return;
-  if (is_given(request, "techniques") && request.settings.techniques & gpu::kTechniqueMerge)
-    throw UsageError("--strict", "refuses merging, which blurs", "leave merge out of --techniques");
-  request.settings.techniques &= ~gpu::kTechniqueMerge;
-}
-
-bool stands_alone(const RenderRequest& request) { return !request.mergeable && request.devices.empty(); }
-
-void settle_adaptive(RenderRequest& request) {
-  request.settings.tries_adaptive = stands_alone(request) && !request.pixel && may_pay_adaptive(request.settings);
-}
-
-void settle_settings(const SceneRequest& scene, RenderRequest& request) {
-  settle_samples(request);
-  settle_default_integrator(request);
-  check_integrator(request);
-  check_shutter(scene, request.settings);
-  settle_strict(request);
-  request.settings.tries_sky = may_try_sky(request.settings, false); // the device is not known yet
-  request.settings.tries_reuse = where_to_try_reuse(request.settings, false);
-  settle_adaptive(request);
-}
-
-void check_replay(const RenderRequest& request) {
-  const RenderSettings& settings = request.settings;
-  if (request.pixel.has_value() != request.sample.has_value())
-    throw UsageError(request.pixel ? "--pixel" : "--sample", "names no path alone", "give --pixel X,Y and --sample N");
-  if (!request.pixel) {
-    if (request.net != 0) throw UsageError("--net", "names no path alone", "give --pixel X,Y and --sample N as well");
-    return;
-  }
-  if (settings.guide)
-    throw UsageError("--pixel", "replays paths without a guiding field, which are others", "leave out --guide");
-  if (request.pixel->x >= settings.width || request.pixel->y >= settings.height)
-    throw UsageError(
-        "--pixel",
-        fmt::format("{},{} is outside the picture of {}x{}", request.pixel->x, request.pixel->y, settings.width,
-                    settings.height),
-        fmt::format("stay within {},{}, or give the --size of the render", settings.width - 1, settings.height - 1));
-  // Noisy pixels of an adaptive render have more samples than --spp.
-  const bool may_have_more = settings.adaptive == kAdaptiveOn || may_pay_adaptive(settings);
-  const std::uint64_t end = std::uint64_t{settings.last_sample} * (may_have_more ? kHighestFactor : 1);
-  if (*request.sample < settings.first_sample || *request.sample >= end)
-    throw UsageError("--sample", fmt::format("{} is not in {}:{}", *request.sample, settings.first_sample, end),
-                     "give the --spp or --samples of the render");
 }
 
 } // namespace wavepath

@@ -18,8 +18,6 @@ namespace wavepath {
 
 inline constexpr std::uint32_t kOpenEndedSamples = 65536; // where time, error or the user ends the render
 
-struct SceneRequest; // host/cli/scene_flags.h
-
 struct OutputRequest {
   std::vector<std::string> pictures; // .exr .hdr .png .jpg
   WriteOptions write;
@@ -36,7 +34,7 @@ struct StateRequest {
 };
 
 struct RenderRequest {
-  RenderSettings settings;             // its sample range is complete after settle_samples()
+  RenderSettings settings;             // its sample range is complete after resolve_samples() (resolve.h)
   std::vector<std::string_view> given; // names of the settings that the command line has
   std::optional<bvh::Quality> bvh;     // empty = chosen from the number of rays
   std::string device;
@@ -46,9 +44,12 @@ struct RenderRequest {
   bool strict = false;
   bool mergeable = false; // .exr outputs hold the exact sums
   StateRequest state;
-  std::optional<glm::uvec2> pixel;     // replay this one's
-  std::optional<std::uint32_t> sample; // instead of rendering
-  std::uint32_t net = 0;               // of which net of the pixel
+  std::string plan_file;                         // of an earlier render, whose decisions are taken over; empty = none
+  std::optional<std::uint64_t> training_paths;   // empty = by the length of the render
+  std::optional<std::uint32_t> guide_iterations; // likewise
+  std::optional<glm::uvec2> pixel;               // replay this one's
+  std::optional<std::uint32_t> sample;           // instead of rendering
+  std::uint32_t net = 0;                         // of which net of the pixel
 };
 
 // The words of a command line for the parser. A flag that may stand without its value would take the word behind it,
@@ -56,10 +57,6 @@ struct RenderRequest {
 std::vector<std::string> spelled_out(std::vector<std::string> words);
 
 bool is_given(const RenderRequest& request, std::string_view setting);
-
-// What --devices means: sets `device` and `other_devices`. Throws Error if there is no such device, and UsageError
-// where the render cannot be shared out.
-void settle_devices(RenderRequest& request);
 
 // What a command says otherwise about a setting than the table does.
 struct Wording {
@@ -85,33 +82,11 @@ void add_stop_flags(CLI::App& app, RenderRequest& request); // of `render`
 void add_bvh_flag(CLI::App& app, RenderRequest& request);
 void add_device_flag(CLI::App& app, RenderRequest& request, const char* heading = nullptr);
 void add_devices_flag(CLI::App& app, RenderRequest& request);
+void add_plan_flags(CLI::App& app, RenderRequest& request);
 void add_replay_flags(CLI::App& app, RenderRequest& request);
 void add_output_flags(CLI::App& app, OutputRequest& request);
 // Which files, and how they are written. `initial`: what is written if none is named, for the help.
 void add_picture_output_flags(CLI::App& app, OutputRequest& request, const char* initial);
 void add_tone_flags(CLI::App& app, WriteOptions& options);
-
-// Works out the sample range once all flags are known. Throws UsageError where --spp and --samples disagree.
-void settle_samples(RenderRequest& request);
-// Leaves out what --strict refuses. Throws UsageError where a flag has asked for it.
-void settle_strict(RenderRequest& request);
-// Whether a render is neither a part of another one nor shared by several devices.
-bool stands_alone(const RenderRequest& request);
-// Whether --adaptive auto looks for noise: in renders that stand alone.
-void settle_adaptive(RenderRequest& request);
-
-// To be called after it, by commands that render a whole picture: without --integrator, `auto`. But `path` where a flag
-// asks for what `auto` leaves out; and where parts of a render do not know its --spp, because they might choose each
-// its own.
-void settle_default_integrator(RenderRequest& request);
-
-// To be called after it. Throws UsageError for settings and flags that the chosen integrator does not take.
-void check_integrator(const RenderRequest& request);
-
-// All of these, in their order, with the shutter of the scene and the pilots that may be made.
-void settle_settings(const SceneRequest& scene, RenderRequest& request);
-
-// To be called after it. Throws UsageError where a path is to be replayed that the render does not have.
-void check_replay(const RenderRequest& request);
 
 } // namespace wavepath

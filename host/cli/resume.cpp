@@ -50,11 +50,12 @@ std::optional<RenderState> read_resumed(const StateRequest& request, const Rende
 }
 
 std::function<void(const RenderState&)> state_saver(const StateRequest& request, const std::string& identity,
-                                                    const DeviceInfo& device, Warnings& warnings) {
+                                                    const std::string& plan, const DeviceInfo& device,
+                                                    Warnings& warnings) {
   if (request.file.empty()) return {};
-  return [&request, identity, text = device_text(device), &warnings](const RenderState& state) {
+  return [&request, identity, plan, text = device_text(device), &warnings](const RenderState& state) {
     try {
-      write_state(request.file, identity, text, state);
+      write_state(request.file, identity, text, plan, state);
     } catch (const std::exception& failure) {
       warnings.add(fmt::format("{} (the render goes on; the file is as it was)", failure_text(failure)));
     }

@@ -22,7 +22,8 @@ std::optional<RenderState> read_resumed(const StateRequest& request, const Rende
 // Writes the state to the file; a failure (a full disk) becomes a warning, because the render can go on and the file
 // still holds what it held.
 std::function<void(const RenderState&)> state_saver(const StateRequest& request, const std::string& identity,
-                                                    const DeviceInfo& device, Warnings& warnings);
+                                                    const std::string& plan, const DeviceInfo& device,
+                                                    Warnings& warnings);
 
 // Name and driver.
 std::string device_text(const DeviceInfo& device);

@@ -13,6 +13,7 @@
 
 #include "host/base/error.h"
 #include "host/base/print.h"
+#include "host/base/shell_quote.h"
 #include "host/cli/flags.h"
 #include "host/render/settings/setting.h"
 #include "host/scene/staging/default_light.h"
@@ -148,6 +149,24 @@ std::vector<std::string> inputs_of(const SceneRequest& request, const RenderSett
   std::error_code error;
   if (!builtin && std::filesystem::exists(request.environment, error)) inputs.push_back(request.environment);
   return inputs;
+}
+
+std::string flags_of(const SceneRequest& request) {
+  const LoadOptions& load = request.load;
+  std::string flags;
+  const auto add = [&flags](const char* flag, const std::string& value) {
+    if (!value.empty()) flags += fmt::format(" {} {}", flag, shell_quoted(value));
+  };
+  add("--scene", load.scene);
+  add("--animation", load.animation);
+  if (load.shutter) add("--shutter", fmt::format("{},{}", load.shutter->first, load.shutter->second));
+  if (load.at != 0.0) add("--at", fmt::format("{}", load.at));
+  add("--env", request.environment);
+  if (request.environment_intensity != 1.0) add("--env-intensity", fmt::format("{}", request.environment_intensity));
+  if (request.environment_degrees != 0.0) add("--env-rotation", fmt::format("{}", request.environment_degrees));
+  if (request.ground) flags += " --ground";
+  if (request.sun) flags += fmt::format(" --sun {},{}", request.sun->x, request.sun->y);
+  return flags;
 }
 
 void add_view_flags(CLI::App& app, ViewRequest& request) {

@@ -37,6 +37,8 @@ void check_shutter(const SceneRequest& request, RenderSettings& settings);
 // The files that a command reads besides those that the scene names; `reference` may be empty.
 std::vector<std::string> inputs_of(const SceneRequest& request, const RenderSettings& settings,
                                    const std::string& reference = "");
+// What SceneRequest has besides file and camera, as the flags that it is read from, each with a space before.
+std::string flags_of(const SceneRequest& request);
 void add_view_flags(CLI::App& app, ViewRequest& request);
 
 // A scene that is lit and can be framed.

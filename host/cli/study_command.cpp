@@ -28,7 +28,7 @@
 #include "host/integrators/hybrid/kind.h"
 #include "host/integrators/hybrid/occlusion_radius.h"
 #include "host/integrators/hybrid/shadows/sources.h"
-#include "host/render/bvh_choice.h"
+#include "host/plan/bvh_quality.h"
 #include "host/render/settings/settings_table.h"
 #include "host/render/settings/shadow_settings.h"
 #include "host/render/settings/textures.h"

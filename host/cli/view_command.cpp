@@ -13,9 +13,11 @@
 #include "host/cli/flags.h"
 #include "host/cli/open_scene.h"
 #include "host/cli/report.h"
+#include "host/cli/resolve.h"
 #include "host/gpu/pipeline_cache.h"
-#include "host/render/bvh_choice.h"
-#include "host/render/memory_plan.h"
+#include "host/plan/bvh_quality.h"
+#include "host/plan/memory.h"
+#include "host/plan/plan.h"
 #include "host/render/progressive/display.h"
 #include "host/render/progressive/progressive.h"
 #include "host/render/settings/denoising.h"
@@ -23,6 +25,7 @@
 #include "host/render/settings/settings_table.h"
 #include "host/render/settings/shadow_settings.h"
 #include "host/render/settings/textures.h"
+#include "host/render/workspace/light_training.h"
 #include "host/scene/pack/features.h"
 #include "host/scene/pack/plan.h"
 #include "host/scene/staging/environment.h"
@@ -68,8 +71,6 @@ void check(ViewCommandRequest& request) {
                      "use --integrator hybrid or ao");
   if (!is_given(request.render, "spp")) settings.sample_total = request.frames ? request.frames : kOpenEndedSamples;
   settings.last_sample = settings.sample_total;
-  // A window begins anew whenever the camera moves: no pilot unless asked for.
-  settings.learns_lights = settings.lights != gpu::kLightsAuto;
   if (request.frames > settings.last_sample)
     throw UsageError("--frames", fmt::format("{} is more than --spp {}", request.frames, settings.last_sample),
                      "give a number up to --spp");
@@ -121,7 +122,11 @@ public:
     packing_.eye = packed_.origin; // whatever is packed later stands where this does
     print_warnings(scene_.warnings);
     environment_ = {request.scene.environment, request.scene.environment_intensity, request.scene.environment_degrees};
-    RenderSettings shown = settings;
+    // A copied command renders what the window shows: nothing is left for pilots to decide.
+    RenderSettings shown = as_told(settings);
+    // A window begins anew whenever the camera moves: no training unless asked for.
+    if (shown.lights == gpu::kLightsAuto)
+      shown.lights = packed_.light_tree.empty() ? gpu::kLightsPower : gpu::kLightsTree;
     shown.moving = packed_.moves();
     progressive_ = std::make_unique<Progressive>(*open_.device, packed_, view, shown, *open_.kernels);
   }
@@ -156,22 +161,16 @@ public:
 private:
   // What `wavepath render` needs besides camera and settings.
   std::string flags() const {
-    const LoadOptions& load = request_.scene.load;
-    std::string flags;
-    const auto add = [&flags](const char* flag, const std::string& value) {
-      if (!value.empty()) flags += fmt::format(" {} {}", flag, shell_quoted(value));
-    };
-    add("--scene", load.scene);
-    add("--animation", load.animation);
-    if (load.shutter) add("--shutter", fmt::format("{},{}", load.shutter->first, load.shutter->second));
-    if (load.at != 0.0) add("--at", fmt::format("{}", load.at));
-    add("--env", environment_.source);
-    if (environment_.intensity != 1.0) add("--env-intensity", fmt::format("{}", environment_.intensity));
-    if (environment_.rotation_degrees != 0.0) add("--env-rotation", fmt::format("{}", environment_.rotation_degrees));
-    if (request_.scene.ground) flags += " --ground";
-    if (request_.scene.sun) flags += fmt::format(" --sun {},{}", request_.scene.sun->x, request_.scene.sun->y);
-    add("--origin", fmt::format("{},{},{}", packed_.origin.x, packed_.origin.y, packed_.origin.z));
-    add("--device", request_.render.device);
+    SceneRequest shown = request_.scene;
+    shown.environment = environment_.source;
+    shown.environment_intensity = environment_.intensity;
+    shown.environment_degrees = environment_.rotation_degrees;
+    std::string flags = flags_of(shown);
+    flags += fmt::format(" --origin {},{},{}", packed_.origin.x, packed_.origin.y, packed_.origin.z);
+    const RenderSettings& settings = progressive_->settings();
+    if (trains_light_selection(packed_, settings))
+      flags += fmt::format(" --training-paths {}", settings.light_pilot_paths);
+    if (!request_.render.device.empty()) flags += fmt::format(" --device {}", shell_quoted(request_.render.device));
     return flags;
   }
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "host/render/settings/integrator_kind.h"
 #include "host/render/small_picture.h"
 #include "host/scene/pack/packed_scene.h"
 

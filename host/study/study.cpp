@@ -15,8 +15,9 @@
 #include "host/base/error.h"
 #include "host/base/failure.h"
 #include "host/picture/files/picture_io.h"
+#include "host/plan/plan.h"
+#include "host/plan/training.h"
 #include "host/render/denoised.h"
-#include "host/render/pilot_length.h"
 #include "host/render/report/stats.h"
 #include "host/render/settings/integrator_kind.h"
 #include "host/render/settings/shadow_settings.h"
@@ -130,8 +131,9 @@ private:
     return unshadowed_[{octave, rays}] = render_light("map", octave, rays);
   }
 
-  // As the command that repeats it does.
+  // As the command that repeats it does (study_report.cpp).
   RenderResult render_one(RenderSettings settings, KernelCompiler& kernels, const std::string& what) {
+    settings = as_told(settings);
     set_pilot_lengths(settings, device_.info().type == "cpu");
     const auto on_progress = [&](const Progress& progress) {
       return progress_({fmt::format("{}, {} spp", what, settings.last_sample), seconds_ + progress.seconds});

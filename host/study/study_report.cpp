@@ -11,6 +11,7 @@
 #include "host/base/error.h"
 #include "host/base/failure.h"
 #include "host/base/shell_quote.h"
+#include "host/plan/plan.h"
 #include "host/picture/files/picture_io.h"
 #include "host/render/report/stats.h"
 #include "host/render/settings/settings_table.h"
@@ -44,28 +45,40 @@ std::string frame_flags(const StudyRecord& record) {
   return fmt::format(" --ao-radius {}", record.settings.render.ao_radius.value_or(0.0));
 }
 
+// What `render` would else find out by pilots: a study renders as told.
+std::string told_flags(const RenderSettings& settings, const Configuration* varied) {
+  const RenderSettings told = as_told(settings);
+  std::string flags;
+  for (const char* name : {"integrator", "sky-samples", "reuse", "adaptive"}) {
+    const Setting& row = setting_named(name);
+    if (is_taken(row, *told.integrator) && !(varied && !varied->value_of(name).empty()))
+      flags += " " + flag_text(row, told);
+  }
+  return flags;
+}
+
 std::string point_command(const StudyRecord& record, const Series& series, const StudyPoint& point) {
-  const bool path = series.configuration.settings.integrator->traces_paths;
   const Configuration& configuration = series.configuration;
-  const bool named =
-      configuration.settings.integrator == &default_integrator() || !configuration.value_of("integrator").empty();
+  const bool path = configuration.settings.integrator->traces_paths;
   const bool has_samples =
       !configuration.value_of("shadows").empty() && configuration.value_of("shadow-samples").empty();
   return fmt::format("{}{} {}{}{} --seed {} --spp {} --reference {} -o {}-{}.exr", record.repeat,
-                     named ? "" : fmt::format(" --integrator {}", configuration.settings.integrator->name),
-                     series.configuration.flags(), path ? "" : frame_flags(record),
+                     told_flags(configuration.settings, &configuration), configuration.flags(),
+                     path ? "" : frame_flags(record),
                      has_samples ? fmt::format(" --shadow-samples {}", configuration.settings.shadow_samples) : "",
                      point.seed, point.spp,
                      shell_quoted(series.shows_occlusion() ? occlusion_file(record) : reference_file(record)),
-                     series.configuration.name("-"), point.spp);
+                     configuration.name("-"), point.spp);
 }
 
 std::string reference_command(const StudyRecord& record) {
   const StudyReference& reference = record.study.reference;
   if (!reference.file.empty()) return "";
-  return fmt::format("{} --sampler sobol --direct mis --hemisphere cosine{} --seed {} --spp {} -o {}", record.repeat,
-                     record.study.occlusion ? " --aov direct" : "", reference.seed, reference.spp,
-                     shell_quoted(reference_file(record)));
+  RenderSettings settings = record.settings.render;
+  settings.integrator = &default_integrator();
+  return fmt::format("{}{} --sampler sobol --direct mis --hemisphere cosine{} --seed {} --spp {} -o {}", record.repeat,
+                     told_flags(settings, nullptr), record.study.occlusion ? " --aov direct" : "", reference.seed,
+                     reference.spp, shell_quoted(reference_file(record)));
 }
 
 std::string occlusion_command(const StudyRecord& record) {

@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 #include <glm/gtc/matrix_transform.hpp>
 
-#include "host/base/shell_quote.h"
 
 namespace wavepath {
 namespace {
@@ -24,20 +23,6 @@ glm::dvec3 swing(const glm::dvec3& direction, const glm::dvec3& up, double about
   const double wanted = std::clamp(polar - towards, kNearestPole, glm::pi<double>() - kNearestPole);
   return turned(level, polar - wanted, glm::normalize(glm::cross(level, axis)));
 }
-
-// The angle in degrees that --yfov turns into exactly these radians; rounding may need a neighbour of the quotient.
-double exact_degrees(double radians) {
-  const double first = glm::degrees(radians);
-  double lower = first, upper = first;
-  for (int i = 0; i < 4; ++i) {
-    if (glm::radians(lower) == radians) return lower;
-    if (glm::radians(upper) == radians) return upper;
-    lower = std::nextafter(lower, 0.0), upper = std::nextafter(upper, 360.0);
-  }
-  return first;
-}
-
-std::string triple(const glm::dvec3& v) { return fmt::format("{},{},{}", v.x, v.y, v.z); }
 
 } // namespace
 
@@ -132,17 +117,6 @@ void CameraControl::frame_scene() {
   p.target = framing_.bounds.centre();
   p.eye = p.target - forward * (radius() / std::sin(half_angle));
   set(p);
-}
-
-std::string camera_flags(const ViewRequest& request) {
-  std::string flags;
-  const auto add = [&](const char* flag, const std::string& value) { flags += fmt::format(" {} {}", flag, value); };
-  if (!request.camera.empty()) add("--camera", shell_quoted(request.camera));
-  if (request.eye) add("--eye", triple(*request.eye));
-  if (request.look_at) add("--look-at", triple(*request.look_at));
-  if (request.up) add("--up", triple(*request.up));
-  if (request.yfov) add("--yfov", fmt::format("{}", exact_degrees(*request.yfov)));
-  return flags;
 }
 
 } // namespace wavepath

@@ -54,8 +54,4 @@ private:
   std::uint32_t width_ = 1, height_ = 1;
 };
 
-// As flags of `wavepath render`, from which the same request is read again, to the last bit; empty for the first
-// camera.
-std::string camera_flags(const ViewRequest& request);
-
 } // namespace wavepath

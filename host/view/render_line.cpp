@@ -5,7 +5,7 @@
 #include "host/base/shell_quote.h"
 #include "host/picture/files/picture_io.h"
 #include "host/render/settings/settings_table.h"
-#include "host/view/camera_control.h"
+#include "host/scene/staging/view_flags.h"
 
 namespace wavepath {
 

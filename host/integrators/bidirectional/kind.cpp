@@ -88,7 +88,7 @@ constinit const IntegratorKind kBidirectional = {
     },
     .slots_per_pixel = [](const RenderSettings&) { return 1u; },
     .bytes_per_pixel = [](const RenderSettings&) { return std::uint64_t{0}; },
-    .items = [](const RenderSettings& settings, const Plan& scene, gpu::Feature features) -> std::vector<MemoryItem> {
+    .items = [](const RenderSettings& settings, const ScenePlan& scene, gpu::Feature features) -> std::vector<MemoryItem> {
       const std::uint64_t pixels = std::uint64_t{settings.width} * settings.height;
       return {{"photons", may_have_photons(settings, scene, features) ? plan_photons(pixels).bytes() : 0}};
     },

@@ -54,7 +54,7 @@ bool asks_for_photons(const RenderSettings& settings) {
   return (settings.techniques & gpu::kTechniqueMerge) != 0 && settings.max_depth >= kLeastBounces;
 }
 
-bool may_have_photons(const RenderSettings& settings, const Plan& scene, gpu::Feature features) {
+bool may_have_photons(const RenderSettings& settings, const ScenePlan& scene, gpu::Feature features) {
   constexpr gpu::Feature kLights = gpu::kFeatureTriangleLights | gpu::kFeaturePunctualLights | gpu::kFeatureEnvironment;
   return asks_for_photons(settings) && scene.smooth_surfaces && !(features & gpu::kLobeCoat) && (features & kLights);
 }

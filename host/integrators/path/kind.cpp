@@ -48,7 +48,7 @@ std::vector<std::string> bias(const RenderSettings& settings, const RenderResult
   return {fmt::format("light paths end after {} bounces (--max-depth)", settings.max_depth)};
 }
 
-std::vector<MemoryItem> memory_items(const RenderSettings& settings, const Plan&, gpu::Feature) {
+std::vector<MemoryItem> memory_items(const RenderSettings& settings, const ScenePlan&, gpu::Feature) {
   return {{"guiding field", settings.guide ? kGuideBytes : 0}};
 }
 

@@ -10,32 +10,13 @@
 #include "host/integrators/path/light_rows.h"
 #include "host/integrators/path/sky_rows.h"
 #include "host/render/loop/segments.h"
-#include "host/render/settings/light_samples.h"
+#include "host/render/workspace/light_training.h"
 
 namespace wavepath {
 namespace {
 
 constexpr std::uint64_t kPartPilotPaths = 1u << 16; // whole samples of a small picture that it holds; else one
 constexpr std::uint32_t kPilotSeed = 0x6c8e9cf5u;
-
-gpu::Feature features_for(const PackedScene& scene, const RenderSettings& settings) {
-  return kernel_config(scene.features | features_of(settings), scene.stack_size, settings).features;
-}
-
-bool chooses_by_shares(const PackedScene& scene, const RenderSettings& settings) {
-  return (features_for(scene, settings) & gpu::kFeatureLightRows) != 0 && !scene.light_tree.empty();
-}
-
-bool learns_one_colour(const PackedScene& scene, const RenderSettings& settings) {
-  return settings.learns_sky && sky_samples_of(settings, scene.features) > 1 &&
-         (features_for(scene, settings) & gpu::kFeatureLearnedSky) != 0;
-}
-
-bool chooses_parts_of_sky(const PackedScene& scene, const RenderSettings& settings) {
-  const bool of_map = !scene.environment_ends.empty() && scene.environment_probability > 0.0f && settings.max_depth > 0;
-  return (of_map && (features_for(scene, settings) & gpu::kFeatureLearnedSky) != 0) ||
-         learns_one_colour(scene, settings);
-}
 
 // A picture of about that many paths, the render's own or a smaller one. 0: as many as parts have, of the render's own.
 Pilot pilot_picture(const FilmTarget& film, std::uint64_t paths) {
@@ -55,13 +36,9 @@ Pilot pilot_picture(const FilmTarget& film, std::uint64_t paths) {
 
 } // namespace
 
-bool LightTeacher::has_lesson(const PackedScene& scene, const RenderSettings& settings) {
-  return chooses_by_shares(scene, settings) || chooses_parts_of_sky(scene, settings);
-}
-
 void LightTeacher::change(const RenderSettings& settings) {
-  of_lights_ = chooses_by_shares(workspace_.scene, settings);
-  of_sky_ = chooses_parts_of_sky(workspace_.scene, settings);
+  of_lights_ = trains_lights(workspace_.scene, settings);
+  of_sky_ = trains_sky(workspace_.scene, settings);
   taken_over_ = {of_lights_ ? settings.light_shares.lights : nullptr, of_sky_ ? settings.light_shares.sky : nullptr};
   learns_ = (of_lights_ && !taken_over_.lights) || (of_sky_ && !taken_over_.sky); // all, where one is missing
   pilot_paths_ = settings.light_pilot_paths;
@@ -69,7 +46,7 @@ void LightTeacher::change(const RenderSettings& settings) {
   if (of_lights_) workspace_.frame.scene_features |= gpu::kFeatureLightRows;
   if (of_sky_) workspace_.frame.scene_lobes |= static_cast<std::uint32_t>(gpu::kFeatureLearnedSky >> 32);
   workspace_.frame.light_sum_scale =
-      static_cast<float>(light_sum_scale(workspace_.scene, learns_one_colour(workspace_.scene, settings)));
+      static_cast<float>(light_sum_scale(workspace_.scene, trains_one_colour(workspace_.scene, settings)));
 }
 
 // Those of the sky lie behind those of lights.

@@ -16,9 +16,6 @@ public:
   LightTeacher(Workspace& workspace, KernelCompiler& kernels, Paths& paths)
       : workspace_(workspace), kernels_(kernels), paths_(paths) {}
 
-  // Whether a pilot would learn anything for these settings.
-  static bool has_lesson(const PackedScene& scene, const RenderSettings& settings);
-
   // Takes up settings, before the paths do; rooms() is then what they need besides.
   void change(const RenderSettings& settings);
   std::uint32_t rooms() const { return learns_ ? kRoomForLightSums : 0; }

@@ -184,6 +184,8 @@ Imf::Header make_header(const Picture& picture, const PictureInfo& info, bool ha
   add_text("wavepath.command", info.command);
   add_text("wavepath.filter", info.filter);
   add_text("wavepath.bias", info.bias);
+  if (!info.plan.empty()) add_text("wavepath.plan", info.plan);
+  if (!info.repeat.empty()) add_text("wavepath.repeat", info.repeat);
   add_text("wavepath.version", WAVEPATH_VERSION);
   if (info.film) {
     add_text("wavepath.identity", info.identity);

@@ -21,7 +21,9 @@ struct PictureInfo {
   std::uint32_t seed = 0;      // at most 2^31 - 1, as EXR integers are signed
   std::string samples;         // "A:B"
   std::string scene, command, filter;
-  std::string bias; // entries separated by "; "
+  std::string bias;   // entries separated by "; "
+  std::string plan;   // the decisions that were made, as JSON
+  std::string repeat; // a command that renders the same bits; empty where there is none
   std::optional<View> view;
   std::optional<std::array<float, 16>> world_to_camera,
       world_to_ndc; // where there is no view, as read_matrix gives them

@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::uint32_t kAdaptivePass = 16; // samples
 // Of what auto tries: costs above this are not told from chance.
-constexpr double kWorthwhile = 0.92;
+constexpr double kWorthwhile = 0.9; // as of pilots before the render (host/plan/pilots.h)
 
 // Windows, and renders that end by the clock, want to be asked again soon.
 std::uint32_t first_wave(const DeviceInfo& device, const Pace& pace, const RenderSettings& settings) {

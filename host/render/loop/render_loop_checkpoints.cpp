@@ -187,8 +187,6 @@ RenderState RenderLoop::state() {
           result_.checkpoints,
           levels_,
           result_.noise,
-          settings_.light_pilot_paths,
-          settings_.guide_iterations,
           result_.stop == StopReason::device_lost ? film_next_check_ : target_.next_check(),
           has_film() ? *film_ : workspace_.film.download()};
 }

@@ -30,8 +30,6 @@ struct RenderState {
   std::vector<Checkpoint> checkpoints;
   std::vector<std::int8_t> levels;     // of an adaptive render, see adaptive.h
   std::optional<NoisePilot> noise;     // of which they come, or that nothing is shared out
-  std::uint64_t light_pilot_paths = 0; // of its settings when it was begun, as guide_iterations
-  std::uint32_t guide_iterations = kGuideIterations;
   std::uint32_t next_check = 0; // sample at which to look at the error next; 0 = at checkpoints only
   Film film;
 };

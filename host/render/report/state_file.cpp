@@ -19,7 +19,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::string_view kMagic = "wavepath state 5\n";
+constexpr std::string_view kMagic = "wavepath state 6\n";
 constexpr const char* kRemedy = "start again without --resume, or name another --checkpoint";
 
 Json state_json(const Checkpoint& c) {
@@ -76,13 +76,15 @@ std::optional<NoisePilot> noise_from(const Json& json) {
   return NoisePilot{json.at(0), json.at(1), json.at(2), json.at(3), json.at(4)};
 }
 
-Json describe(const std::string& identity, const std::string& device, const RenderState& state) {
+Json describe(const std::string& identity, const std::string& device, const std::string& plan,
+              const RenderState& state) {
   Json checkpoints = Json::array(), stages = Json::array();
   for (const Checkpoint& c : state.checkpoints) checkpoints.push_back(state_json(c));
   for (const StageTime& s : state.stages) stages.push_back({s.name, s.seconds, s.dispatches});
   const RenderCursor& cursor = state.cursor;
   return {{"identity", identity},
           {"device", device},
+          {"plan", plan},
           {"cursor", {cursor.sample, cursor.pass_samples, cursor.segment, cursor.pixels_done}},
           {"first_sample", state.first_sample},
           {"seconds", state.seconds},
@@ -93,8 +95,6 @@ Json describe(const std::string& identity, const std::string& device, const Rend
           {"checkpoints", checkpoints},
           {"levels", state.levels},
           {"noise", state_json(state.noise)},
-          {"light_pilot_paths", state.light_pilot_paths},
-          {"guide_iterations", state.guide_iterations},
           {"next_check", state.next_check},
           {"size", {state.film.width, state.film.height}},
           {"aovs", !state.film.aovs.empty()},
@@ -118,8 +118,6 @@ RenderState state_from(const Json& json) {
   for (const Json& c : json.at("checkpoints")) state.checkpoints.push_back(checkpoint_from(c));
   state.levels = json.at("levels").get<std::vector<std::int8_t>>();
   state.noise = noise_from(json.value("noise", Json()));
-  state.light_pilot_paths = json.value("light_pilot_paths", std::uint64_t{0});
-  state.guide_iterations = json.value("guide_iterations", kGuideIterations);
   state.next_check = json.at("next_check");
   return state;
 }
@@ -154,8 +152,8 @@ std::uint64_t byte_count(const std::vector<T>& values) {
 } // namespace
 
 void write_state(const std::string& path, const std::string& identity, const std::string& device,
-                 const RenderState& state) {
-  const std::string document = describe(identity, device, state).dump();
+                 const std::string& plan, const RenderState& state) {
+  const std::string document = describe(identity, device, plan, state).dump();
   AtomicFile file(path);
   Hash checksum;
   const auto write = [&](const void* data, std::size_t bytes) {
@@ -186,7 +184,7 @@ StateRecord read_state(const std::string& path) try {
   std::string document(length, ' ');
   reader.read(document.data(), length);
   const Json json = Json::parse(document);
-  StateRecord record{json.at("identity"), json.at("device"), state_from(json)};
+  StateRecord record{json.at("identity"), json.at("device"), json.at("plan"), state_from(json)};
 
   const FilmShape shape{json.at("size").at(0), json.at("size").at(1), json.at("aovs"),           json.at("splats"),
                         json.at("whole_nets"), json.at("seed"),       json.value("quads", false)};

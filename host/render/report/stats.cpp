@@ -8,7 +8,8 @@
 
 #include "host/film/error.h"
 #include "host/film/film.h"
-#include "host/render/bvh_choice.h"
+#include "host/plan/bvh_quality.h"
+#include "host/plan/record.h"
 #include "host/render/report/diagnosis.h"
 #include "host/render/settings/integrator_kind.h"
 #include "host/render/settings/settings_table.h"
@@ -217,43 +218,6 @@ Json light_selection_json(const Run& run) {
   return selection;
 }
 
-// What --integrator auto tried, and took.
-Json choice_json(const IntegratorChoice& choice) {
-  Json trials = Json::array();
-  for (const Trial& trial : choice.trials)
-    trials.push_back({{"flags", trial.flags},
-                      {"cost", trial.cost},
-                      {"cost_ci95", {trial.lo, trial.hi}},
-                      {"missing_light", trial.missing},
-                      {"disagrees", trial.disagrees}});
-  return {{"taken", choice.trials[choice.taken].flags},
-          {"seconds", choice.seconds},
-          {"render_seconds", choice.render_seconds},
-          {"trials", trials}};
-}
-
-Json sky_choice_json(const SkyChoice& choice) {
-  return {{"taken", choice.samples},
-          {"learns", choice.learns},
-          {"cost", choice.cost},
-          {"seconds", choice.seconds},
-          {"render_seconds", choice.render_seconds}};
-}
-
-Json reuse_choice_json(const ReuseChoice& choice) {
-  return {{"taken", choice.pays},
-          {"cost", choice.cost},
-          {"seconds", choice.seconds},
-          {"render_seconds", choice.render_seconds}};
-}
-
-// What --adaptive found.
-Json noise_pilot_json(const std::optional<NoisePilot>& pilot) {
-  if (!pilot) return nullptr;
-  return {
-      {"used", pilot->used}, {"cost", pilot->cost}, {"size", {pilot->width, pilot->height}}, {"spp", pilot->samples}};
-}
-
 // What each of several devices did.
 Json devices_json(const SharedResult& shared) {
   Json devices = Json::array();
@@ -293,17 +257,15 @@ Json stats_document(const Run& run) {
       {"wavepath", WAVEPATH_VERSION},
       {"scene", run.scene},
       {"command", run.command},
+      {"repeat", run.repeat.empty() ? Json() : Json(run.repeat)},
       {"seed", settings.seed},
       {"sampler", kSamplerNames[settings.sampler]},
       {"integrator", settings.integrator->name},
-      {"choice", run.choice ? choice_json(*run.choice) : Json()},
-      {"sky_choice", run.sky_choice ? sky_choice_json(*run.sky_choice) : Json()},
-      {"reuse_choice", run.reuse_choice ? reuse_choice_json(*run.reuse_choice) : Json()},
+      {"plan", to_json(run.plan)},
       {"max_depth", settings.max_depth},
       {"settings", settings_json(settings)},
       {"hybrid", settings.integrator->stats(settings, run.packed, result)},
       {"guide", guide_json(result.guide)},
-      {"noise_pilot", noise_pilot_json(result.noise)},
       {"merge", merge_json(result.merging)},
       {"denoise", denoise_json(run)},
       {"device",

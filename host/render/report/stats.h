@@ -8,12 +8,10 @@
 #include <nlohmann/json.hpp>
 
 #include "host/gpu/device.h"
-#include "host/render/integrator_choice.h"
+#include "host/plan/decision.h"
 #include "host/render/multi_device/several_devices.h"
 #include "host/render/render.h"
 #include "host/render/report/true_error.h"
-#include "host/render/reuse_choice.h"
-#include "host/render/sky_choice.h"
 #include "host/scene/pack/pack.h"
 
 namespace wavepath {
@@ -33,10 +31,9 @@ struct Run {
   std::optional<TrueError> denoised_error{}; // of the filtered picture
   std::vector<std::string> diagnosis{};
   std::vector<std::string> bias{};
-  const IntegratorChoice* choice = nullptr;  // of --integrator auto
-  const ReuseChoice* reuse_choice = nullptr; // of --reuse auto
-  const SkyChoice* sky_choice = nullptr;     // of --sky-samples auto
-  const SharedResult* shared = nullptr;      // of --devices
+  std::vector<Decision> plan{};         // with what came of it
+  std::string repeat{};                 // a command that renders the same bits; empty = there is none
+  const SharedResult* shared = nullptr; // of --devices
 };
 
 // The BVH: quality, seconds to build, expected cost, size, and copies of triangles made by spatial splits.

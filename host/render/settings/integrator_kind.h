@@ -20,7 +20,7 @@ class KernelCompiler;
 class Workspace;
 struct DeviceInfo;
 struct PackedScene;
-struct Plan;
+struct ScenePlan;
 struct RayCounts;
 struct RenderResult;
 
@@ -72,7 +72,7 @@ struct IntegratorKind {
   // Device memory that a pixel takes besides paths and film.
   std::uint64_t (*bytes_per_pixel)(const RenderSettings& settings) = nullptr;
   // Device memory besides, by name, at most; of no bytes where this scene has no use for it. Null = none.
-  std::vector<MemoryItem> (*items)(const RenderSettings& settings, const Plan& scene, gpu::Feature features) = nullptr;
+  std::vector<MemoryItem> (*items)(const RenderSettings& settings, const ScenePlan& scene, gpu::Feature features) = nullptr;
   // Whether the picture converges to something else than the light of all paths up to --max-depth.
   bool (*is_biased)(const RenderSettings& settings) = nullptr;
   // What of the light is approximated or missing, a sentence each; the first one is about long paths.

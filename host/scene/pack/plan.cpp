@@ -24,12 +24,12 @@ bool is_smooth(const Material& m) {
 
 } // namespace
 
-Plan plan(const Scene& scene, const Packing& packing) {
+ScenePlan plan(const Scene& scene, const Packing& packing) {
   const Usage usage = find_usage(scene);
   const Streams streams = needed_streams(scene, usage);
   const MaterialTable materials = pack_materials(scene, usage, packing.mips, packing.samplers);
 
-  Plan plan;
+  ScenePlan plan;
   plan.triangles_stored = usage.triangles_stored;
   plan.triangles_seen = usage.triangles_seen;
   plan.instances = usage.two_level() ? usage.shared_instances + 1 : 0;

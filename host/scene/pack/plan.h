@@ -10,7 +10,7 @@ namespace wavepath {
 
 // Bytes. Exact except for tree nodes (an average of real scenes), lights (every triangle of a textured emitter counts,
 // though most may prove black) and spatial splits (the largest number of copies).
-struct Plan {
+struct ScenePlan {
   std::uint64_t triangle_bytes = 0, node_bytes = 0, vertex_bytes = 0, texel_bytes = 0, environment_bytes = 0,
                 light_bytes = 0, light_tree_bytes = 0;
   std::uint64_t triangles_stored = 0, triangles_seen = 0, instances = 0;
@@ -22,6 +22,6 @@ struct Plan {
   }
 };
 // Of what pack() makes, whatever eye, direct and lights are.
-Plan plan(const Scene& scene, const Packing& packing = {});
+ScenePlan plan(const Scene& scene, const Packing& packing = {});
 
 } // namespace wavepath

@@ -19,7 +19,7 @@ struct MemoryPlan {
 };
 
 // Only what this scene and these settings use. `features`: kFeature bits of the scene, or those expected of it.
-MemoryPlan plan_memory(const RenderSettings& settings, const Plan& scene, gpu::Feature features);
+MemoryPlan plan_memory(const RenderSettings& settings, const ScenePlan& scene, gpu::Feature features);
 
 std::uint64_t total_bytes(const std::vector<MemoryItem>& items);
 
@@ -27,7 +27,7 @@ std::uint64_t total_bytes(const std::vector<MemoryItem>& items);
 // before the scene is packed, it can still be asked when pilots have decided about the render.
 class MemoryCheck {
 public:
-  MemoryCheck(std::string file, const Plan& scene, gpu::Feature features, DeviceInfo device,
+  MemoryCheck(std::string file, const ScenePlan& scene, gpu::Feature features, DeviceInfo device,
               std::uint64_t available = available_memory());
 
   std::uint64_t bytes(const RenderSettings& settings) const;
@@ -36,7 +36,7 @@ public:
 
 private:
   std::string file_;
-  Plan scene_;
+  ScenePlan scene_;
   gpu::Feature features_;
   DeviceInfo device_;
   std::uint64_t available_;

@@ -1,9 +1,8 @@
 // --reuse auto: whether neighbouring pixels share the light that their paths find.
 #pragma once
 
-#include <string>
-
-#include "host/render/render.h"
+#include "host/plan/decision.h"
+#include "host/plan/pilot_runner.h"
 
 namespace wavepath {
 
@@ -13,6 +12,8 @@ struct ReuseChoice {
   double cost = 1.0;           // squared error times work that is expected, over that of paths of their own
   double seconds = 0.0;        // that the pilots took, waiting for kernels and upload included
   double render_seconds = 0.0; // of these, rendering alone
+  PilotPicture pilot;
+  double fraction = 0.0;       // of the render's paths that the pilots have, as foreseen
   // RenderSettings::tries_reuse of the render: in short ones the kernels for pilots serve it, too.
   std::uint32_t tries_reuse = kTriesReuseNowhere;
 };
@@ -24,10 +25,9 @@ std::uint32_t where_to_try_reuse(const RenderSettings& settings, bool cpu);
 // Renders a small picture in which paths are shared and one in which they are not, and compares squared error times
 // work. Sharing pays where light comes by diffuse surfaces: it takes .3 of the squared error in a Cornell box, but none
 // where most noise is of direct light, of metal or of glass. Work is counted, never timed.
-ReuseChoice choose_reuse(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings,
-                         KernelCompiler& kernels, SceneOnDevice& shared);
+ReuseChoice choose_reuse(PilotRunner& pilots, const RenderSettings& settings);
 
-// "reuse of paths: a given error is expected to cost 0.45 of the work without".
-std::string reuse_choice_text(const ReuseChoice& choice);
+// For the plan.
+Decision decision_of(const ReuseChoice& choice, const RenderSettings& settings);
 
 } // namespace wavepath

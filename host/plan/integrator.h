@@ -5,18 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "host/render/render.h"
+#include "host/plan/decision.h"
+#include "host/plan/pilot_runner.h"
 
 namespace wavepath {
-
-// What a pilot told of one way to render.
-struct Trial {
-  std::string flags;         // "path", "path --guide": as the command line names it
-  double cost = 0.0;         // squared error times work, over that of the first trial
-  double lo = 0.0, hi = 0.0; // 95 % interval of `cost`, from those of both errors
-  double missing = 0.0;      // share of the brightest trial's light that this one lacks beyond noise
-  bool disagrees = false;    // with the first trial, on light that both find (agreement.h): one of the two is wrong
-};
 
 struct IntegratorChoice {
   RenderSettings settings;            // never of an integrator that has candidates
@@ -27,6 +19,8 @@ struct IntegratorChoice {
   std::string disagreement;           // what one that disagrees finds; empty where all agree
   double seconds = 0.0;               // that the pilots took, compiling included
   double render_seconds = 0.0;        // of these, rendering alone
+  PilotPicture pilot;                 // of the first round
+  double fraction = 0.0;              // of the render's paths that the pilots had
 };
 
 // `settings` themselves, unless their integrator stands for the best of others (IntegratorKind::candidates). Then each
@@ -38,8 +32,7 @@ struct IntegratorChoice {
 // for it, if it is easy (10 % error at 16 samples), or if the others would cost more than a twentieth of the whole,
 // half of it where it is hard (100 %), as much where it is hopeless (300 %). Others than the first are left out where a
 // whole render by them does not fit into memory (`fits`). One that disagrees with the first (agreement.h) is not taken.
-IntegratorChoice choose_integrator(Device& device, const PackedScene& scene, const View& view,
-                                   const RenderSettings& settings, KernelCompiler& kernels, SceneOnDevice& shared,
+IntegratorChoice choose_integrator(PilotRunner& pilots, const RenderSettings& settings,
                                    const std::function<bool(const RenderSettings&)>& fits);
 
 // The integrator and what else of a way to render differs from the default: "path --guide", as the command line has it.
@@ -47,5 +40,8 @@ std::string way_text(const RenderSettings& settings);
 
 // "auto took bidirectional: a given error costs 0.21 (0.15 to 0.29) of the work of path".
 std::string choice_text(const IntegratorChoice& choice);
+
+// For the plan.
+Decision decision_of(const IntegratorChoice& choice);
 
 } // namespace wavepath

@@ -1,4 +1,4 @@
-#include "host/render/pilot_length.h"
+#include "host/plan/training.h"
 
 #include <algorithm>
 #include <cmath>

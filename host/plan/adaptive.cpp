@@ -1,4 +1,4 @@
-#include "host/render/adaptive_choice.h"
+#include "host/plan/adaptive.h"
 
 #include "host/render/settings/integrator_kind.h"
 #include "host/render/trial.h"
@@ -13,13 +13,18 @@ constexpr double kWholeOverPilot = 16.0;        // in paths
 
 } // namespace
 
-bool may_pay_adaptive(const RenderSettings& settings) {
+double adaptive_pilot_paths(const RenderSettings& settings) {
   const std::uint64_t pixels = std::uint64_t{settings.width} * settings.height;
   const double part = noise_pilot_part(pixels);
-  const double pilot = static_cast<double>(pixels) * kFewestPilotSamples / (part * part);
+  return static_cast<double>(pixels) * kFewestPilotSamples / (part * part);
+}
+
+bool may_pay_adaptive(const RenderSettings& settings) {
+  const std::uint64_t pixels = std::uint64_t{settings.width} * settings.height;
   const bool shares_out = settings.first_sample % kAdaptiveStep == 0 && settings.last_sample % kAdaptiveStep == 0;
   return settings.adaptive == kAdaptiveAuto && takes(*settings.integrator, "adaptive") && shares_out &&
-         pixels >= kFewestPixels && pixels <= kMostPixels && expected_paths(settings, true) >= kWholeOverPilot * pilot;
+         pixels >= kFewestPixels && pixels <= kMostPixels &&
+         expected_paths(settings, true) >= kWholeOverPilot * adaptive_pilot_paths(settings);
 }
 
 } // namespace wavepath

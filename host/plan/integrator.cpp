@@ -1,4 +1,4 @@
-#include "host/render/integrator_choice.h"
+#include "host/plan/integrator.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,30 +7,25 @@
 #include <fmt/format.h>
 
 #include "host/base/clock.h"
-#include "host/gpu/device.h"
 #include "host/gpu/device_limit.h"
 #include "host/render/agreement.h"
 #include "host/render/lost_light.h"
 #include "host/render/settings/settings_table.h"
-#include "host/render/small_picture.h"
 #include "host/render/trial.h"
-#include "host/scene/staging/view.h"
 
 namespace wavepath {
 namespace {
 
-constexpr std::uint32_t kPilotSide = 64;
-
-// How long a trial is. Two iterations of guiding are enough to see that it does not pay; where it does, the field of
+// How long a pilot is. Two iterations of guiding are enough to see that it does not pay; where it does, the field of
 // the whole render, which learns for longer, is better still.
 struct Round {
-  std::uint32_t samples, guide_iterations;
+  const PilotRow& row;
+  std::uint32_t guide_iterations;
 };
-constexpr Round kFirstRound{16, 2};
-constexpr std::uint32_t kSecondOverFirst = 4; // samples of a second round
-constexpr Round kSecondRound{kSecondOverFirst * kFirstRound.samples, kGuideIterations};
-constexpr double kAlike = 2.0;            // of costs after 16 samples: either may be the lower one
-constexpr double kWholeOverPilots = 20.0; // in paths; below that, not even the first is tried
+constexpr Round kFirstRound{kIntegratorPilot, 2};
+constexpr Round kSecondRound{kIntegratorPilotAgain, kGuideIterations};
+constexpr std::uint32_t kSecondOverFirst = kIntegratorPilotAgain.samples / kIntegratorPilot.samples;
+constexpr double kAlike = 2.0; // of costs after 16 samples: either may be the lower one
 // Errors of the first trial. Where it is below kEasy, nothing else is tried; above kHard and kHopeless, trials may cost
 // more of the render, because such scenes gain by factors.
 constexpr double kEasy = 0.1, kHard = 1.0, kHopeless = 3.0;
@@ -42,16 +37,13 @@ constexpr double kTrialsOverFirst = 6.0, kCpuKernels = 5e6, kGpuKernels = 2.5e9;
 // A trial that lacks more light than this, beyond four standard errors, does not find all of it, however smooth it is.
 constexpr double kMissing = 0.01, kSure = 4.0;
 constexpr double kNever = 1e30; // a cost that no other exceeds
-// A second round is no more of the render's work than this.
-constexpr double kWholeOverSecondRound = 10.0;
 // Pictures that seem to differ both ways are looked at again with other random numbers.
 constexpr std::uint32_t kSeedOfConfirmation = 0x6c8e9cf5u;
 
 RenderSettings pilot_of(const RenderSettings& settings, const Round& round = kFirstRound) {
-  RenderSettings small = small_picture(settings, kPilotSide, round.samples);
-  small.seed = settings.seed ^ 0x9e3779b9u;
-  small.guide_iterations = round.guide_iterations;
-  return small;
+  RenderSettings pilot = PilotRunner::settings_of(round.row, settings);
+  pilot.guide_iterations = round.guide_iterations;
+  return pilot;
 }
 
 // How many times the paths of a pilot the whole render has.
@@ -59,12 +51,12 @@ double length_of(const RenderSettings& settings, bool cpu) {
   return expected_paths(settings, cpu) / paths_of(pilot_of(settings));
 }
 
-struct PilotRender {
-  RenderSettings settings;
+struct Tried {
+  RenderSettings settings; // of the whole render
   RenderResult result;
   PictureLight light;
-  double steady = 0.0, learned = 0.0; // work of the trial: for its samples, and for what came before them
-  double work = 0.0;                  // of its samples, and as much of learning as they have to bear
+  double steady = 0.0, learned = 0.0; // work of the pilot: for its samples, and for what came before them
+  double work = 0.0;                  // of its samples, and as much of training as they have to bear
 };
 
 // Of the work from which a trial learned, what the samples of the trial have to bear: a whole render learns once, and
@@ -76,7 +68,7 @@ double learning_share(const RenderSettings& settings, const RenderResult& trial,
 }
 
 // Whether to try the others after the first, in a render `length` times as long as a pilot.
-bool tries_others(const PilotRender& first, double length, bool may_lack_light, bool cpu) {
+bool tries_others(const Tried& first, double length, bool may_lack_light, bool cpu) {
   const double error = first.result.error.relative_rms;
   if (may_lack_light || error < kEasy) return may_lack_light;
   const double trials = kTrialsOverFirst * first.work + (cpu ? kCpuKernels : kGpuKernels);
@@ -86,19 +78,19 @@ bool tries_others(const PilotRender& first, double length, bool may_lack_light, 
   return length * first.work >= whole_over_trials * trials;
 }
 
-double cost_of(const PilotRender& pilot) {
+double cost_of(const Tried& pilot) {
   const double error = pilot.result.error.relative_rms;
   return error * error * pilot.work;
 }
 
 // Of the logarithm of the cost: half the width of its 95 % interval.
-double doubt_of(const PilotRender& pilot) {
+double doubt_of(const Tried& pilot) {
   const ErrorEstimate& error = pilot.result.error;
   return error.relative_rms > 0.0 ? 2.0 * std::log(error.ci95[1] / error.relative_rms) : 0.0;
 }
 
 // Against the first and the brightest of the pilots.
-Trial judge(const PilotRender& pilot, const PilotRender& first, const PictureLight& brightest) {
+Trial judge(const Tried& pilot, const Tried& first, const PictureLight& brightest) {
   Trial trial{.flags = way_text(pilot.settings)};
   const double ours = cost_of(pilot), theirs = cost_of(first);
   trial.cost = theirs > 0.0 ? ours / theirs : ours > 0.0 ? kNever : 1.0; // a black picture is as good as another
@@ -134,7 +126,7 @@ std::vector<std::size_t> contenders(const std::vector<Trial>& trials, std::size_
 }
 
 // Whether to try those again, in a render `length` times as long as a pilot.
-bool tries_again(const std::vector<PilotRender>& pilots, const std::vector<std::size_t>& which, double length) {
+bool tries_again(const std::vector<Tried>& pilots, const std::vector<std::size_t>& which, double length) {
   if (which.size() < 2) return false;
   double work = 0.0, cheapest = std::numeric_limits<double>::infinity();
   for (const std::size_t i : which) {
@@ -142,28 +134,35 @@ bool tries_again(const std::vector<PilotRender>& pilots, const std::vector<std::
     constexpr double kLonger = 1u << (kSecondRound.guide_iterations - kFirstRound.guide_iterations);
     work += kSecondOverFirst * pilots[i].steady + kLonger * pilots[i].learned;
   }
-  return length * cheapest >= kWholeOverSecondRound * work;
+  return length * cheapest >= kIntegratorPilotAgain.render_over_pilots * work;
 }
 
-std::string reason_text(const IntegratorChoice& choice) {
-  if (choice.trials.empty())
-    return fmt::format("auto took {} without a trial{}", way_text(choice.settings),
-                       choice.too_large.empty() ? ": the render is short" : "");
+// Why that was taken; empty where nothing but the choice is to be told.
+std::string reason_of(const IntegratorChoice& choice) {
+  if (choice.trials.empty()) return choice.too_large.empty() ? "the render is short" : "";
   const Trial &taken = choice.trials[choice.taken], &first = choice.trials.front();
-  if (choice.taken == 0 && first.missing > 0.0 && !choice.disagreement.empty())
-    return fmt::format("auto took {}", taken.flags);
+  if (choice.taken == 0 && first.missing > 0.0 && !choice.disagreement.empty()) return "";
   if (choice.taken > 0 && first.missing > 0.0)
-    return fmt::format("auto took {}: {} lacks {:.3g} % of the light", taken.flags, first.flags, 100.0 * first.missing);
+    return fmt::format("{} lacks {:.3g} % of the light", first.flags, 100.0 * first.missing);
   if (choice.taken > 0)
-    return fmt::format("auto took {}: a given error costs {:.2g} ({:.2g} to {:.2g}) of the work of {}", taken.flags,
-                       taken.cost, taken.lo, taken.hi, first.flags);
-  if (choice.trials.size() == 1 && !choice.refused.empty()) return fmt::format("auto took {}", taken.flags);
-  if (choice.trials.size() == 1)
-    return fmt::format("auto took {}: the others would cost more than they may gain", taken.flags);
+    return fmt::format("a given error costs {:.2g} ({:.2g} to {:.2g}) of the work of {}", taken.cost, taken.lo,
+                       taken.hi, first.flags);
+  if (choice.trials.size() == 1 && !choice.refused.empty()) return "";
+  if (choice.trials.size() == 1) return "the others would cost more than they may gain";
   const auto second = std::min_element(choice.trials.begin() + 1, choice.trials.end(),
                                        [](const Trial& a, const Trial& b) { return a.cost < b.cost; });
-  return fmt::format("auto took {}: a given error costs {} {:.2g} ({:.2g} to {:.2g}) times the work", taken.flags,
-                     second->flags, second->cost, second->lo, second->hi);
+  return fmt::format("a given error costs {} {:.2g} ({:.2g} to {:.2g}) times the work", second->flags, second->cost,
+                     second->lo, second->hi);
+}
+
+// What could not be tried, as clauses.
+std::vector<std::string> exceptions_of(const IntegratorChoice& choice) {
+  std::vector<std::string> clauses;
+  if (!choice.too_large.empty())
+    clauses.push_back(fmt::format("there is too little memory for {}", fmt::join(choice.too_large, " or ")));
+  if (!choice.refused.empty())
+    clauses.push_back(fmt::format("the device's limits rule out {}", fmt::join(choice.refused, " and ")));
+  return clauses;
 }
 
 } // namespace
@@ -177,16 +176,17 @@ std::string way_text(const RenderSettings& settings) {
   return text;
 }
 
-IntegratorChoice choose_integrator(Device& device, const PackedScene& scene, const View& view,
-                                   const RenderSettings& settings, KernelCompiler& kernels, SceneOnDevice& shared,
+IntegratorChoice choose_integrator(PilotRunner& pilots, const RenderSettings& settings,
                                    const std::function<bool(const RenderSettings&)>& fits) {
   if (!settings.integrator->candidates) return {.settings = settings};
   const Clock::time_point start = Clock::now();
+  const double rendered_before = pilots.render_seconds();
+  const PackedScene& scene = pilots.scene();
   const std::vector<RenderSettings> all = settings.integrator->candidates(settings, scene);
-  const bool cpu = device.info().type == "cpu";
+  const bool cpu = pilots.is_cpu();
   IntegratorChoice choice{.settings = all.front()};
   const double length = length_of(settings, cpu);
-  if (all.size() < 2 || length < kWholeOverPilots * static_cast<double>(all.size())) return choice;
+  if (all.size() < 2 || length < kIntegratorPilot.render_over_pilots * static_cast<double>(all.size())) return choice;
   std::vector<RenderSettings> candidates = {all.front()};
   for (std::size_t i = 1; i < all.size(); ++i)
     if (fits(all[i]))
@@ -194,31 +194,29 @@ IntegratorChoice choose_integrator(Device& device, const PackedScene& scene, con
     else
       choice.too_large.push_back(way_text(all[i]));
   if (candidates.size() < 2) return choice;
-  std::vector<PilotRender> pilots;
+  choice.pilot = PilotRunner::picture_of(kIntegratorPilot, settings);
+  std::vector<Tried> tried;
   const auto try_out = [&](const RenderSettings& candidate, const Round& round) {
-    PilotRender pilot{.settings = candidate};
     RenderSettings small = pilot_of(candidate, round);
-    if (!pilots.empty()) small.light_shares = shared.light_shares; // that the first has learned, as the others would
-    pilot.result = render(device, scene, view, small, RenderHooks{}, kernels, &shared);
-    choice.render_seconds += pilot.result.seconds;
-    pilot.light = light_of(*pilot.result.film);
-    pilot.steady = steady_work(candidate, pilot.result, cpu);
-    pilot.learned = std::max(0.0, candidate.integrator->work(candidate, pilot.result.rays, cpu) - pilot.steady);
-    pilot.work = pilot.steady + pilot.learned * learning_share(candidate, pilot.result, round);
-    return pilot;
+    if (!tried.empty()) small.light_shares = pilots.shared().light_shares; // that the first trained, as they would
+    PilotRender pilot = pilots.run(small);
+    Tried one{candidate, std::move(pilot.result), pilot.light, pilot.steady_work, pilot.training_work};
+    one.work = one.steady + one.learned * learning_share(candidate, one.result, round);
+    choice.fraction += paths_of(small) / expected_paths(settings, cpu);
+    return one;
   };
   const auto judge_all = [&] {
     const PictureLight& brightest =
-        std::ranges::max_element(pilots, {}, [](const auto& p) { return p.light.sum; })->light;
+        std::ranges::max_element(tried, {}, [](const auto& t) { return t.light.sum; })->light;
     choice.trials.clear();
-    for (const PilotRender& pilot : pilots) choice.trials.push_back(judge(pilot, pilots.front(), brightest));
+    for (const Tried& one : tried) choice.trials.push_back(judge(one, tried.front(), brightest));
     choice.taken = best_of(choice.trials);
   };
-  pilots.push_back(try_out(candidates.front(), kFirstRound));
-  if (tries_others(pilots[0], length, may_lose_light(scene), cpu)) {
+  tried.push_back(try_out(candidates.front(), kFirstRound));
+  if (tries_others(tried[0], length, may_lose_light(scene), cpu)) {
     for (std::size_t i = 1; i < candidates.size(); ++i) {
       try {
-        pilots.push_back(try_out(candidates[i], kFirstRound));
+        tried.push_back(try_out(candidates[i], kFirstRound));
       } catch (const DeviceLimit&) {
         choice.refused.push_back(way_text(candidates[i]));
       }
@@ -226,8 +224,8 @@ IntegratorChoice choose_integrator(Device& device, const PackedScene& scene, con
   }
   judge_all();
   const std::vector<std::size_t> close = contenders(choice.trials, choice.taken);
-  if (choice.taken > 0 && tries_again(pilots, close, length)) {
-    for (const std::size_t i : close) pilots[i] = try_out(pilots[i].settings, kSecondRound);
+  if (choice.taken > 0 && tries_again(tried, close, length)) {
+    for (const std::size_t i : close) tried[i] = try_out(tried[i].settings, kSecondRound);
     judge_all();
   }
   const auto disagree = [&](std::size_t i, const std::string& how) {
@@ -237,31 +235,51 @@ IntegratorChoice choose_integrator(Device& device, const PackedScene& scene, con
         choice.trials[i].flags, choice.trials[0].flags, how);
     choice.taken = best_of(choice.trials);
   };
-  for (std::size_t i = 1; i < pilots.size() && !folds_mirrors(scene); ++i) {
-    if (!differ_both_ways(*pilots[i].result.film, *pilots[0].result.film)) continue;
-    RenderSettings ours = pilots[i].settings, theirs = pilots[0].settings;
+  for (std::size_t i = 1; i < tried.size() && !folds_mirrors(scene); ++i) {
+    if (!differ_both_ways(*tried[i].result.film, *tried[0].result.film)) continue;
+    RenderSettings ours = tried[i].settings, theirs = tried[0].settings;
     ours.seed ^= kSeedOfConfirmation, theirs.seed ^= kSeedOfConfirmation;
-    const Round again{kSecondRound.samples, kFirstRound.guide_iterations};
+    const Round again{kSecondRound.row, kFirstRound.guide_iterations};
     if (differ_both_ways(*try_out(ours, again).result.film, *try_out(theirs, again).result.film))
       disagree(i, "each brighter than the other somewhere");
   }
-  if (choice.taken > 0 && pilots[choice.taken].settings.integrator != pilots[0].settings.integrator)
+  if (choice.taken > 0 && tried[choice.taken].settings.integrator != tried[0].settings.integrator)
     if (const auto apart =
-            find_disagreement(device, scene, view, pilots[0].settings, pilots[choice.taken].settings, kernels, shared))
+            find_disagreement(pilots.device(), scene, pilots.view(), tried[0].settings, tried[choice.taken].settings,
+                              pilots.kernels(), pilots.shared()))
       disagree(choice.taken, fmt::format("by {:.2g} % +- {:.1g} % after one bounce", 100.0 * apart->share,
                                          100.0 * apart->standard_error));
-  choice.settings = pilots[choice.taken].settings;
+  choice.settings = tried[choice.taken].settings;
   choice.seconds = seconds_since(start);
+  choice.render_seconds = pilots.render_seconds() - rendered_before;
   return choice;
 }
 
 std::string choice_text(const IntegratorChoice& choice) {
-  std::string reason = reason_text(choice);
-  if (!choice.too_large.empty())
-    reason += fmt::format("; there is too little memory for {}", fmt::join(choice.too_large, " or "));
-  if (!choice.refused.empty())
-    reason += fmt::format("; the device's limits rule out {}", fmt::join(choice.refused, " and "));
-  return reason;
+  const std::string reason = reason_of(choice);
+  std::string text =
+      fmt::format("auto took {}{}{}{}", way_text(choice.settings), choice.trials.empty() ? " without a trial" : "",
+                  reason.empty() ? "" : ": ", reason);
+  for (const std::string& clause : exceptions_of(choice)) text += "; " + clause;
+  return text;
+}
+
+Decision decision_of(const IntegratorChoice& choice) {
+  Decision decision{.what = "integrator",
+                    .taken = std::string(choice.settings.integrator->name),
+                    .seconds = choice.seconds,
+                    .render_seconds = choice.render_seconds,
+                    .fraction = choice.fraction,
+                    .pilot = choice.pilot,
+                    .trials = choice.trials};
+  std::vector<std::string> clauses = exceptions_of(choice);
+  if (const std::string reason = reason_of(choice); !reason.empty()) clauses.insert(clauses.begin(), reason);
+  decision.why = fmt::format("{}{}", choice.trials.empty() ? "no pilot: " : "", fmt::join(clauses, "; "));
+  if (!choice.trials.empty()) {
+    const Trial& taken = choice.trials[choice.taken];
+    decision.cost = taken.cost, decision.lo = taken.lo, decision.hi = taken.hi;
+  }
+  return decision;
 }
 
 } // namespace wavepath

@@ -1,9 +1,8 @@
 // --sky-samples auto: in how many directions a vertex looks for a sky of one colour.
 #pragma once
 
-#include <string>
-
-#include "host/render/render.h"
+#include "host/plan/decision.h"
+#include "host/plan/pilot_runner.h"
 
 namespace wavepath {
 
@@ -14,6 +13,8 @@ struct SkyChoice {
   double cost = 1.0;
   double seconds = 0.0;        // that the pilots took, waiting for kernels and upload included
   double render_seconds = 0.0; // of these, rendering alone
+  PilotPicture pilot;
+  double fraction = 0.0;       // of the render's paths that the pilots have, as foreseen
   // Kernels for pilots serve the render, too (RenderSettings::tries_sky): others are not worth compiling for 1 % of the
   // time (StanfordDragon with one sky sample, llvmpipe).
   bool keeps_kernels = false;
@@ -30,10 +31,9 @@ bool may_try_sky(const RenderSettings& settings, bool cpu);
 // open. Where more pay and lights are learned, directions are learned as well. Work is counted, never timed. Nothing is
 // tried in a render of less than 20 times the paths of both pilots and of what compiling for them takes, or if a number
 // was asked for.
-SkyChoice choose_sky_samples(Device& device, const PackedScene& scene, const View& view, const RenderSettings& settings,
-                             KernelCompiler& kernels, SceneOnDevice& shared);
+SkyChoice choose_sky_samples(PilotRunner& pilots, const RenderSettings& settings);
 
-// "7 sky samples, learned (drawn like paths' they would have cost 0.45 of the work of one)".
-std::string sky_choice_text(const SkyChoice& choice);
+// For the plan.
+Decision decision_of(const SkyChoice& choice, const RenderSettings& settings);
 
 } // namespace wavepath

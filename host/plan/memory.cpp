@@ -1,4 +1,4 @@
-#include "host/render/memory_plan.h"
+#include "host/plan/memory.h"
 
 #include <algorithm>
 #include <utility>
@@ -33,7 +33,7 @@ std::uint64_t total_bytes(const std::vector<MemoryItem>& items) {
   return sum;
 }
 
-MemoryPlan plan_memory(const RenderSettings& settings, const Plan& scene, gpu::Feature features) {
+MemoryPlan plan_memory(const RenderSettings& settings, const ScenePlan& scene, gpu::Feature features) {
   const std::uint64_t pixels = std::uint64_t{settings.width} * settings.height;
   const IntegratorKind& kind = *settings.integrator;
   const FilmShape shape = film_shape(settings);
@@ -60,7 +60,7 @@ MemoryPlan plan_memory(const RenderSettings& settings, const Plan& scene, gpu::F
   return {std::move(items), std::move(path)};
 }
 
-MemoryCheck::MemoryCheck(std::string file, const Plan& scene, gpu::Feature features, DeviceInfo device,
+MemoryCheck::MemoryCheck(std::string file, const ScenePlan& scene, gpu::Feature features, DeviceInfo device,
                          std::uint64_t available)
     : file_(std::move(file)), scene_(scene), features_(features), device_(std::move(device)), available_(available) {}
 

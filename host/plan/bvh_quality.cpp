@@ -1,4 +1,4 @@
-#include "host/render/bvh_choice.h"
+#include "host/plan/bvh_quality.h"
 
 #include <algorithm>
 
@@ -28,6 +28,12 @@ bvh::Quality choose_quality(const RenderSettings& settings, std::uint64_t triang
   return rays_per_triangle >= kBestPays       ? bvh::Quality::best
          : rays_per_triangle >= kBalancedPays ? bvh::Quality::balanced
                                               : bvh::Quality::fast;
+}
+
+Decision decision_of(bvh::Quality quality) {
+  return {.what = "bvh",
+          .taken = std::string(kQualityNames[static_cast<std::size_t>(quality)]),
+          .why = "rule: the rays of the render pay for it"};
 }
 
 } // namespace wavepath

@@ -1,0 +1,17 @@
+// The plan in words.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "host/plan/decision.h"
+
+namespace wavepath {
+
+// "plan: sky-samples 7: pilots: a given error costs 0.45x the work of one sky sample".
+std::string plan_line(const Decision& decision);
+
+// A line for each decision, in columns, with what its pilots take of the render.
+std::string plan_table(const std::vector<Decision>& decisions);
+
+} // namespace wavepath

@@ -1,0 +1,162 @@
+#include "host/cli/render_finish.h"
+
+#include <fmt/format.h>
+
+#include "host/base/clock.h"
+#include "host/base/error.h"
+#include "host/base/print.h"
+#include "host/base/process_clock.h"
+#include "host/cli/commands.h"
+#include "host/cli/interrupt.h"
+#include "host/cli/repeat.h"
+#include "host/cli/report.h"
+#include "host/cli/resume.h"
+#include "host/gpu/pipeline_cache.h"
+#include "host/render/denoised.h"
+#include "host/render/report/diagnosis.h"
+#include "host/render/settings/integrator_kind.h"
+#include "host/render/settings/settings_table.h"
+
+namespace wavepath {
+namespace {
+
+PictureInfo picture_info(const RenderCommandRequest& request, const Prepared& prepared, const Rendered& rendered,
+                         const Run& run) {
+  const RenderSettings& settings = prepared.plan.settings;
+  const RenderResult& result = rendered.result;
+  PictureInfo info;
+  info.spp = result.spp;
+  info.seconds = result.seconds;
+  info.error = estimated_error(result);
+  info.seed = settings.seed;
+  info.samples = fmt::format("{}:{}", settings.first_sample, settings.first_sample + result.spp);
+  info.scene = request.scene.path;
+  info.command = request.command_line;
+  info.repeat = run.repeat;
+  info.plan = to_line(run.plan);
+  info.filter = kFilterNames[settings.filter];
+  info.bias = fmt::format("{}", fmt::join(run.bias, "; "));
+  info.view = prepared.view;
+  if (request.render.mergeable && result.even) {
+    info.identity = prepared.identity;
+    info.device = device_text(prepared.device->info());
+    if (rendered.shared && !rendered.shared->bits_agree) info.device = "several devices that round differently";
+    info.origin = prepared.packed.origin;
+    info.film = result.film;
+  }
+  return info;
+}
+
+int exit_code(const RenderCommandRequest& request, const RenderResult& result) {
+  if (result.stop == StopReason::interrupted) return kExitInterrupted;
+  const double target = request.render.settings.target_error;
+  const std::optional<double> error = estimated_error(result);
+  return target > 0.0 && !(error && *error <= target) ? kExitTargetMissed : kExitDone;
+}
+
+bool reports_bias(const RenderCommandRequest& request) {
+  return !request.output.stats.empty() || request.output.json || request.output.verbose;
+}
+
+// Then there is no time, or no device, to find out more.
+bool ended_early(const RenderResult& result) {
+  return result.stop == StopReason::interrupted || result.stop == StopReason::device_lost;
+}
+
+// The first device that was not lost, for what is measured after the render.
+RenderingDevice surviving(const Prepared& prepared, const SharedResult* shared) {
+  for (std::size_t i = 1; shared && i < shared->shares.size() && shared->shares.front().lost; ++i)
+    if (!shared->shares[i].lost) return {prepared.others[i - 1].device.get(), prepared.others[i - 1].kernels.get()};
+  return {prepared.device.get(), prepared.kernels.get()};
+}
+
+// What light is missing, where a report tells it. An interrupt ends the measurement, not the command.
+MissingLight missing_light(const RenderCommandRequest& request, Prepared& prepared, const RenderResult& result,
+                           const SharedResult* shared) {
+  MissingLight missing;
+  if (!reports_bias(request) || ended_early(result)) return missing;
+  const RenderSettings& settings = prepared.plan.settings;
+  const RenderingDevice on = surviving(prepared, shared);
+  SceneOnDevice elsewhere;
+  SceneOnDevice& on_device = on.device == prepared.device.get() ? prepared.on_device : elsewhere;
+  const auto go_on = [](const Progress&) { return !interrupted(); };
+  constexpr const char* kWhat = "how much light is missing was";
+  if (settings.integrator->measures_depth_cut) // its paths are cut
+    missing.no_cut = why_not_measured(prepared, kWhat, [&] {
+      missing.cut =
+          measure_depth_cut(*on.device, prepared.packed, prepared.view, settings, *on.kernels, on_device, go_on);
+    });
+  missing.no_lost = why_not_measured(prepared, kWhat, [&] {
+    missing.lost =
+        measure_lost_light(*on.device, prepared.packed, prepared.view, settings, *on.kernels, on_device, go_on);
+  });
+  return missing;
+}
+
+// Writes the pictures and reports what the run measured.
+void write_and_report(const RenderCommandRequest& request, Prepared& prepared, const Rendered& rendered, Run& run,
+                      Attempts& attempts) {
+  Device& device = *prepared.device;
+  const Clock::time_point start = Clock::now();
+  OutputRequest output = request.output;
+  write_pictures(output, picture_info(request, prepared, rendered, run), rendered.result.picture, prepared.warnings,
+                 attempts);
+  run.write_seconds = seconds_since(start);
+  run.load_seconds = prepared.load_seconds;
+  run.peak_bytes = device.memory_peak();
+  if (device.memory_displaced() > 0)
+    prepared.warnings.add(fmt::format("the device's memory is full: {:.1f} MiB lie elsewhere, which is much slower",
+                                      static_cast<double>(device.memory_displaced()) / 1048576.0));
+  run.total_seconds = seconds_since_process_start();
+  device.pipeline_cache().save();
+  run.kernel_cache = device.pipeline_cache().describe();
+  report(run, output, prepared.warnings, attempts);
+  if (prepared.viewer && !prepared.viewer->finish()) // all else is done, so that it costs a second at most
+    print_err("wavepath: warning: --tev: the viewer did not take the whole picture\n");
+}
+
+// The picture is written; what else is wrong ends the command.
+void check_result(const RenderCommandRequest& request, const Prepared& prepared, const RenderResult& result) {
+  if (request.render.strict && result.nonfinite.first)
+    throw Error(request.scene.path,
+                fmt::format("samples that were not finite: {}, {}", result.nonfinite.samples(),
+                            describe_first(result.nonfinite, prepared.plan.settings)),
+                "report this with the scene, or render without --strict");
+  if (result.stop == StopReason::device_lost)
+    throw DeviceLost(
+        prepared.device->info().name,
+        fmt::format("was lost while rendering; what is written has the first {} samples a pixel", result.spp),
+        request.render.state.file.empty() ? "render with --checkpoint to go on after such an end"
+        : request.render.state.resume     ? "run the same command to go on"
+                                          : "add --resume to go on");
+}
+
+} // namespace
+
+int finish(const RenderCommandRequest& request, Prepared& prepared, Rendered& rendered,
+           const std::optional<Picture>& reference) {
+  const RenderSettings& settings = prepared.plan.settings;
+  RenderResult& result = rendered.result;
+  Attempts attempts; // the picture as it was rendered is there, whatever becomes of its filtered one
+  attempts.attempt([&] { denoise_if_asked(result, settings); });
+  show(request, prepared, result.picture);
+  Run run{request.scene.path, request.command_line, prepared.device->info(), settings, prepared.packed, result};
+  run.plan = prepared.plan.decisions;
+  add_outcomes(run.plan, result);
+  run.repeat = repeat_command(request, prepared, result);
+  if (rendered.shared) run.shared = &*rendered.shared;
+  run.bias = list_bias(settings, prepared.packed, result, missing_light(request, prepared, result, run.shared));
+  if (reference && result.denoised)
+    why_not_measured(prepared, "the true error of the filtered picture was",
+                     [&] { run.denoised_error = measure_true_error(shown_picture(result.picture), *reference); });
+  run.true_errors = rendered.true_errors;
+  run.diagnosis = diagnose(settings, prepared.packed, result, run.true_errors, run.bias);
+  if (request.render.mergeable && !result.even)
+    prepared.warnings.add("stopped before all pixels had the same samples, so the picture cannot be merged");
+  write_and_report(request, prepared, rendered, run, attempts);
+  attempts.finish();
+  check_result(request, prepared, result);
+  return exit_code(request, result);
+}
+
+} // namespace wavepath

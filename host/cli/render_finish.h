@@ -1,0 +1,12 @@
+// Ends a render: writes the pictures, measures what a report tells besides, and reports.
+#pragma once
+
+#include "host/cli/render_run.h"
+
+namespace wavepath {
+
+// Returns the exit code. Throws Error.
+int finish(const RenderCommandRequest& request, Prepared& prepared, Rendered& rendered,
+           const std::optional<Picture>& reference);
+
+} // namespace wavepath

@@ -1,0 +1,117 @@
+#include "host/cli/render_prepare.h"
+
+#include <algorithm>
+#include <filesystem>
+
+#include <fmt/format.h>
+
+#include "host/base/clock.h"
+#include "host/base/output_files.h"
+#include "host/base/print.h"
+#include "host/cli/open_scene.h"
+#include "host/cli/plan_report.h"
+#include "host/cli/resolve.h"
+#include "host/plan/bvh_quality.h"
+#include "host/plan/pilot_runner.h"
+#include "host/render/lost_light.h"
+#include "host/render/report/plan_file.h"
+#include "host/render/settings/identity.h"
+#include "host/render/settings/mips.h"
+#include "host/render/settings/shadow_settings.h"
+#include "host/render/settings/textures.h"
+#include "host/scene/pack/features.h"
+#include "host/scene/pack/plan.h"
+#include "host/scene/scene_hash.h"
+
+namespace wavepath {
+namespace {
+
+bool needs_identity(const RenderCommandRequest& request) {
+  return request.render.mergeable || !request.render.state.file.empty();
+}
+
+// Decisions that a state or another file keeps, where the command goes on from it.
+std::optional<PlanRecord> recorded_plan(const RenderRequest& render) {
+  if (!render.plan_file.empty()) return read_plan(render.plan_file);
+  std::error_code error;
+  if (render.state.resume && std::filesystem::exists(render.state.file, error))
+    return read_plan(render.state.file);
+  return std::nullopt;
+}
+
+std::string identity_as(const RenderCommandRequest& request, const Prepared& prepared, const RenderSettings& settings) {
+  std::string identity = identity_of(prepared.scene_hash, prepared.view, settings);
+  if (const std::optional<glm::dvec3>& origin = request.render.origin)
+    identity += fmt::format(";origin={:a},{:a},{:a}", origin->x, origin->y, origin->z);
+  return identity;
+}
+
+// Pilots that found more than what a rule would have taken, and integrators, are told without --verbose as well.
+bool is_told(const RenderCommandRequest& request, const Decision& decision) {
+  if (request.output.quiet) return false;
+  if (request.output.verbose) return true;
+  if (decision.what == "integrator") return !decision.trials.empty() || is_given(request.render, "integrator");
+  return decision.cost < 1.0;
+}
+
+} // namespace
+
+Prepared prepare(const RenderCommandRequest& request) {
+  const RenderSettings& settings = request.render.settings;
+  const Clock::time_point start = Clock::now();
+  Prepared prepared;
+  if (!request.output.tev.empty()) prepared.viewer = std::make_unique<TevViewer>(request.output.tev);
+  OpenScene open = open_scene(request.scene, request.render); // its scene is freed here: rendering needs the packed one
+  prepared.device = std::move(open.device);
+  prepared.kernels = std::move(open.kernels);
+  for (const std::string& wanted : request.render.other_devices) {
+    OtherDevice& other = prepared.others.emplace_back();
+    other.device = std::make_unique<Device>(wanted);
+    other.kernels = std::make_unique<KernelCompiler>(*other.device);
+  }
+  const DeviceInfo& device = prepared.device->info();
+  Scene& scene = open.loaded.scene;
+  if (!request.render.pixel) refuse_overwriting(targets_of(request), scene.files);
+  if (!request.output.quiet) print_light(open.loaded);
+  const View view = resolve_view(scene, open.loaded.framing, request.scene.view, settings.width, settings.height);
+  const bvh::Quality quality =
+      request.render.bvh.value_or(choose_quality(settings, plan(scene).triangles_stored, device));
+  Packing packing{.direct = direct_of(settings),
+                  .quality = quality,
+                  .eye = request.render.origin.value_or(view.position),
+                  .near = {view.position},
+                  .lights = settings.lights,
+                  .mips = wants_mips(settings),
+                  .samplers = sampler_limits(settings, device)};
+  for (const OtherDevice& other : prepared.others)
+    packing.samplers = common_limits(packing.samplers, other.device->info());
+  prepared.memory.emplace(request.scene.path, plan(scene, packing), expected_features(scene, packing.direct), device);
+  prepared.memory->require(settings);
+  if (needs_identity(request)) prepared.scene_hash = hash_scene(scene);
+  prepared.view = view;
+  prepared.packed = pack(scene, packing);
+  prepared.warnings = scene.warnings;
+  prepared.load_seconds = seconds_since(start) - prepared.packed.bvh_seconds;
+  return prepared;
+}
+
+void plan_render(const RenderCommandRequest& request, Prepared& prepared) {
+  PlanRequest asked{.settings = request.render.settings,
+                    .stands_alone = stands_alone(request.render),
+                    .recorded = recorded_plan(request.render),
+                    .training_paths = request.render.training_paths,
+                    .guide_iterations = request.render.guide_iterations,
+                    .fits = [&](const RenderSettings& way) { return prepared.memory->fits(way); }};
+  asked.settings.moving = prepared.packed.moves(); // else the shutter would cost something
+  PilotRunner pilots(*prepared.device, prepared.packed, prepared.view, *prepared.kernels, prepared.on_device);
+  prepared.plan = decide(asked, prepared.packed, pilots.is_cpu(), &pilots);
+  if (!request.render.bvh) prepared.plan.decisions.push_back(decision_of(prepared.packed.bvh_quality));
+  for (const Decision& decision : prepared.plan.decisions)
+    if (is_told(request, decision)) print_err("wavepath: {}\n", plan_line(decision));
+  for (const std::string& warning : prepared.plan.warnings) prepared.warnings.add(warning);
+  if (const std::string unlit = unlit_bodies(prepared.packed); !unlit.empty()) prepared.warnings.add(unlit);
+  prepared.memory->require(prepared.plan.settings); // which a state may have told, or pilots made to take more
+  if (needs_identity(request)) prepared.identity = identity_as(request, prepared, prepared.plan.settings);
+}
+
+} // namespace wavepath

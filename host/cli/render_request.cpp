@@ -1,0 +1,93 @@
+#include "host/cli/render_request.h"
+
+#include <algorithm>
+#include <filesystem>
+
+#include <fmt/format.h>
+
+#include "host/base/atomic_file.h"
+#include "host/base/error.h"
+#include "host/base/output_files.h"
+#include "host/cli/open_scene.h"
+#include "host/cli/resolve.h"
+#include "host/cli/resume.h"
+#include "host/codecs/picture_module.h"
+#include "host/render/settings/settings_table.h"
+
+namespace wavepath {
+namespace {
+
+// Channels and sums that no output would hold.
+void check_channels(const RenderCommandRequest& request) {
+  const auto& pictures = request.output.pictures;
+  if (std::ranges::count(pictures, PictureFormat::exr, picture_format) > 0) return;
+  const bool shown = !request.output.tev.empty(); // tev has all channels
+  if (!request.render.settings.aovs.empty() && !shown)
+    throw UsageError("--aov", fmt::format("channels go into .exr files, and {} is none", fmt::join(pictures, ", ")),
+                     "add -o FILE.exr, or leave out --aov");
+  if (request.render.mergeable && !is_given(request.render, "samples"))
+    throw UsageError("--mergeable", fmt::format("sums go into .exr files, and {} is none", fmt::join(pictures, ", ")),
+                     "add -o FILE.exr, or leave out --mergeable");
+}
+
+// Refuses files that cannot be read or written.
+void check_files(RenderCommandRequest& request) {
+  OutputRequest& output = request.output;
+  if (output.pictures.empty()) output.pictures = {std::filesystem::path(request.scene.path).stem().string() + ".exr"};
+  const RenderSettings& settings = request.render.settings;
+  for (const std::string& path : output.pictures) {
+    require_format(path, settings.width, settings.height);
+    if (picture_format(path) == PictureFormat::hdr) begin_loading_pictures(); // its writer, beside the scene
+  }
+  check_channels(request);
+  require_file(request.scene.path);
+  const std::vector<std::string> targets = targets_of(request);
+  refuse_overwriting(targets, inputs_of(request.scene, settings, output.reference));
+  check_state_file(request.render.state);
+  for (const std::string& target : targets) require_writable(target);
+}
+
+// The reference, read early so that a wrong one is refused early. A box-filtered one asks for the same filter.
+std::optional<Picture> read_reference(RenderCommandRequest& request) {
+  RenderSettings& settings = request.render.settings;
+  const std::string& path = request.output.reference;
+  std::optional<Picture> reference;
+  if (!path.empty()) {
+    reference = read_picture(path);
+    if (reference->width != settings.width || reference->height != settings.height)
+      throw UsageError(path,
+                       fmt::format("is {}x{}, the render {}x{}", reference->width, reference->height, settings.width,
+                                   settings.height),
+                       fmt::format("render with --size {}x{}", reference->width, reference->height));
+  }
+  const bool box = reference && read_attribute(path, "wavepath.filter") == kFilterNames[gpu::kFilterBox];
+  if (box && !is_given(request.render, "filter")) settings.filter = gpu::kFilterBox;
+  return reference;
+}
+
+} // namespace
+
+std::vector<std::string> targets_of(const RenderCommandRequest& request) {
+  std::vector<std::string> targets = request.output.pictures;
+  for (const std::string& file : {request.output.stats, request.render.state.file})
+    if (!file.empty()) targets.push_back(file);
+  return targets;
+}
+
+std::optional<Picture> resolve(RenderCommandRequest& request) {
+  resolve_settings(request.scene, request.render);
+  if (request.render.pixel && !request.output.tev.empty())
+    throw UsageError("--pixel", "renders no picture that --tev could show", "leave out one of them");
+  if (request.render.pixel)
+    require_file(request.scene.path);
+  else
+    check_files(request);
+  return read_reference(request);
+}
+
+void require_writers(const OutputRequest& output) {
+  for (const std::string& path : output.pictures)
+    if (picture_format(path) == PictureFormat::hdr) picture_module(path);
+}
+
+} // namespace wavepath

@@ -1,0 +1,36 @@
+#include "host/cli/repeat.h"
+
+#include <fmt/format.h>
+
+#include "host/base/shell_quote.h"
+#include "host/cli/resolve.h"
+#include "host/render/settings/settings_table.h"
+#include "host/render/workspace/light_training.h"
+#include "host/scene/staging/view_flags.h"
+
+namespace wavepath {
+
+std::string repeat_command(const RenderCommandRequest& request, const Prepared& prepared, const RenderResult& result) {
+  RenderSettings settings = prepared.plan.settings;
+  const bool shares_out = result.noise && result.noise->used;
+  const bool is_whole = result.spp == settings.last_sample - settings.first_sample || shares_out;
+  const bool by_clock = settings.time_limit > 0.0 || settings.target_error > 0.0;
+  if (!result.even || (shares_out && (by_clock || result.stop != StopReason::samples))) return "";
+  if (!is_whole && settings.sampler == gpu::kSamplerStratified) return ""; // whose points depend on the samples planned
+  if (!is_whole && settings.sample_total == 0) settings.last_sample = settings.first_sample + result.spp;
+  if (settings.adaptive == kAdaptiveAuto) settings.adaptive = shares_out ? kAdaptiveOn : kAdaptiveOff;
+  std::string command = fmt::format("wavepath render {}{}{}{} --origin {},{},{}", shell_quoted(request.scene.path),
+                                    camera_flags(request.scene.view), flags_of(settings), flags_of(request.scene),
+                                    prepared.packed.origin.x, prepared.packed.origin.y, prepared.packed.origin.z);
+  if (stands_alone(request.render) && (settings.guide || trains_light_selection(prepared.packed, settings)))
+    command += fmt::format(" --training-paths {}", settings.light_pilot_paths);
+  if (stands_alone(request.render) && settings.guide)
+    command += fmt::format(" --guide-iterations {}", settings.guide_iterations);
+  if (!request.render.device.empty() && request.render.devices.empty())
+    command += fmt::format(" --device {}", shell_quoted(request.render.device));
+  if (!request.render.devices.empty()) command += fmt::format(" --devices {}", shell_quoted(request.render.devices));
+  if (request.render.mergeable) command += " --mergeable";
+  return command;
+}
+
+} // namespace wavepath

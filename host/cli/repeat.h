@@ -1,0 +1,15 @@
+// A finished render as a command that renders the same bits.
+#pragma once
+
+#include <string>
+
+#include "host/cli/render_prepare.h"
+#include "host/render/loop/render_result.h"
+
+namespace wavepath {
+
+// Every decision of the plan as a flag, and the samples that were rendered. Empty where no command repeats it: stopped
+// within a pass, or by the clock while samples were shared out by noise.
+std::string repeat_command(const RenderCommandRequest& request, const Prepared& prepared, const RenderResult& result);
+
+} // namespace wavepath

@@ -1,0 +1,65 @@
+#include "host/plan/pilot_runner.h"
+
+#include <algorithm>
+
+#include "host/gpu/device.h"
+#include "host/render/settings/integrator_kind.h"
+#include "host/render/trial.h"
+#include "host/scene/pack/packed_scene.h"
+
+namespace wavepath {
+
+bool is_affordable(const PilotRow& row, const RenderSettings& render, bool cpu) {
+  return expected_paths(render, cpu) >= row.render_over_pilots * PilotRunner::paths_of_all(row, render);
+}
+
+PilotRunner::PilotRunner(Device& device, const PackedScene& scene, const View& view, KernelCompiler& kernels,
+                         SceneOnDevice& shared)
+    : device_(device),
+      scene_(scene),
+      view_(view),
+      kernels_(kernels),
+      shared_(shared),
+      cpu_(device.info().type == "cpu") {}
+
+RenderSettings PilotRunner::settings_of(const PilotRow& row, const RenderSettings& render) {
+  RenderSettings pilot = small_picture(render, row.side, row.samples);
+  pilot.seed = render.seed ^ row.seed;
+  return pilot;
+}
+
+PilotPicture PilotRunner::picture_of(const PilotRow& row, const RenderSettings& render) {
+  const RenderSettings pilot = settings_of(row, render);
+  return {pilot.width, pilot.height, row.samples};
+}
+
+double PilotRunner::paths_of_all(const PilotRow& row, const RenderSettings& render) {
+  return row.pictures * paths_of(settings_of(row, render));
+}
+
+PilotRender PilotRunner::run(const RenderSettings& pilot) {
+  std::unique_ptr<RenderLoop> loop = std::move(loop_); // one that throws is of no use any more
+  if (loop && loop->settings().integrator == pilot.integrator) {
+    loop->restart(view_, pilot);
+  } else {
+    loop.reset(); // the device may not hold both at once
+    loop = std::make_unique<RenderLoop>(device_, scene_, view_, pilot, kernels_, RenderHooks{}, Pace{}, shared_.scene);
+  }
+  if (!shared_.scene) {
+    shared_.scene = loop->workspace().on_device;
+    shared_.upload_seconds = loop->workspace().upload_seconds;
+  }
+  while (loop->step()) {
+  }
+  PilotRender made{.settings = pilot, .result = loop->finish()};
+  if (made.result.light_pilot.shares) shared_.light_shares = made.result.light_pilot.shares;
+  render_seconds_ += made.result.seconds;
+  made.light = light_of(*made.result.film);
+  made.steady_work = steady_work(pilot, made.result, cpu_);
+  made.training_work =
+      std::max(0.0, pilot.integrator->work(pilot, made.result.rays, cpu_) - made.steady_work);
+  loop_ = std::move(loop);
+  return made;
+}
+
+} // namespace wavepath

@@ -1,0 +1,193 @@
+#include "host/plan/plan.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "host/plan/adaptive.h"
+#include "host/plan/integrator.h"
+#include "host/plan/pilot_runner.h"
+#include "host/plan/reuse.h"
+#include "host/plan/sky_samples.h"
+#include "host/plan/training.h"
+#include "host/render/loop/render_result.h"
+#include "host/render/settings/integrator_kind.h"
+#include "host/render/settings/light_samples.h"
+#include "host/render/settings/path_reuse.h"
+#include "host/render/settings/settings_table.h"
+#include "host/render/trial.h"
+#include "host/render/workspace/light_training.h"
+#include "host/scene/pack/packed_scene.h"
+
+namespace wavepath {
+namespace {
+
+bool is_auto(const RenderSettings& settings, std::string_view name) {
+  const Setting& row = setting_named(name);
+  return is_taken(row, *settings.integrator) && text_of(row, settings) == "auto";
+}
+
+// What a pilot would decide, before it is made.
+Decision to_be_tried(std::string_view what, const PilotRow& row, const RenderSettings& settings, bool cpu) {
+  Decision decision{.what = what, .taken = "auto"};
+  decision.pilot = PilotRunner::picture_of(row, settings);
+  decision.fraction = PilotRunner::paths_of_all(row, settings) / expected_paths(settings, cpu);
+  decision.why = fmt::format("pilots of {}x{} pixels, {} samples, decide", decision.pilot.width, decision.pilot.height,
+                             row.samples);
+  return decision;
+}
+
+Decision decide_light_samples(const RenderSettings& settings, const PackedScene& scene) {
+  const std::uint32_t samples = light_samples_of(settings, scene.features);
+  return {.what = "light-samples",
+          .taken = fmt::format("{}", samples),
+          .why = samples > 1 ? "rule: under an environment map a shadow ray costs little beside its path"
+                             : "rule: no environment map"};
+}
+
+Decision decide_lights(const RenderSettings& settings, const PackedScene& scene) {
+  const bool trains = trains_light_selection(scene, settings);
+  const bool tree = !scene.light_tree.empty() && settings.integrator->walks_light_tree;
+  Decision decision{.what = "lights", .taken = trains ? "learned" : tree ? "tree" : "power"};
+  decision.why = trains ? fmt::format("rule: an environment map, or many lights in many places; trained on {} paths",
+                                      settings.light_pilot_paths)
+                        : "rule: few lights, or nothing to train for";
+  return decision;
+}
+
+void decide_adaptive(Plan& plan, bool stands_alone, bool cpu) {
+  RenderSettings& settings = plan.settings;
+  settings.tries_adaptive = false;
+  if (!is_auto(settings, "adaptive")) return;
+  Decision decision{.what = "adaptive", .taken = "off"};
+  if (!stands_alone) {
+    decision.why = "rule: parts of a render share their samples out evenly";
+  } else if (!may_pay_adaptive(settings)) {
+    decision.why = "no pilot: the render is short, or its picture small or very large";
+  } else {
+    decision.taken = "auto";
+    decision.why = "a pilot of noise decides when the render begins";
+    decision.fraction = adaptive_pilot_paths(settings) / expected_paths(settings, cpu);
+    settings.tries_adaptive = true;
+  }
+  if (!settings.tries_adaptive) settings.adaptive = kAdaptiveOff;
+  plan.decisions.push_back(std::move(decision));
+}
+
+void decide_sky_samples(Plan& plan, const PackedScene& scene, bool cpu, PilotRunner* pilots) {
+  RenderSettings& settings = plan.settings;
+  if (!is_auto(settings, "sky-samples")) return;
+  SkyChoice choice;
+  if (pilots) {
+    choice = choose_sky_samples(*pilots, settings);
+    settings.tries_sky = choice.keeps_kernels;
+  } else if (may_try_sky(settings, cpu) && may_share_sky(settings, scene.features)) {
+    plan.decisions.push_back(to_be_tried("sky-samples", kSkyPilot, settings, cpu));
+    return;
+  }
+  if (choice.samples > 1) settings.sky_samples = choice.samples; // 0 is 1 as well
+  plan.decisions.push_back(decision_of(choice, settings));
+}
+
+void decide_integrator(Plan& plan, const PlanRequest& request, bool cpu, PilotRunner* pilots) {
+  RenderSettings& settings = plan.settings;
+  if (!settings.integrator->candidates) return;
+  if (!pilots) {
+    plan.decisions.push_back(to_be_tried("integrator", kIntegratorPilot, settings, cpu));
+    return;
+  }
+  const IntegratorChoice choice = choose_integrator(*pilots, settings, request.fits);
+  settings = choice.settings;
+  plan.decisions.push_back(decision_of(choice));
+  if (!choice.disagreement.empty()) plan.warnings.push_back(choice.disagreement);
+}
+
+void decide_reuse(Plan& plan, const PackedScene& scene, bool cpu, PilotRunner* pilots) {
+  RenderSettings& settings = plan.settings;
+  if (!is_auto(settings, "reuse")) return;
+  ReuseChoice choice;
+  if (pilots) {
+    choice = choose_reuse(*pilots, settings);
+    settings.reuse = choice.pays ? kReuseOn : kReuseOff;
+    settings.tries_reuse = choice.tries_reuse;
+  } else {
+    RenderSettings trying = settings;
+    trying.tries_reuse = where_to_try_reuse(settings, cpu);
+    if (tries_reuse(trying, scene.features)) {
+      plan.decisions.push_back(to_be_tried("reuse", kSmallReusePilot, settings, cpu));
+      return;
+    }
+    settings.reuse = kReuseOff;
+  }
+  plan.decisions.push_back(decision_of(choice, settings));
+}
+
+} // namespace
+
+RenderSettings as_told(RenderSettings settings, bool looks_for_noise) {
+  if (settings.integrator->candidates) settings.integrator = &default_integrator();
+  settings.tries_adaptive = looks_for_noise && settings.adaptive == kAdaptiveAuto;
+  if (settings.adaptive == kAdaptiveAuto && !looks_for_noise) settings.adaptive = kAdaptiveOff;
+  if (settings.reuse == kReuseAuto) settings.reuse = kReuseOff;
+  if (settings.sky_samples == 0) settings.sky_samples = 1;
+  settings.tries_sky = false;
+  settings.tries_reuse = kTriesReuseNowhere;
+  return settings;
+}
+
+void foresee(RenderSettings& settings, Policy policy, bool stands_alone) {
+  const bool pilots = policy == Policy::pilots;
+  settings.tries_sky = pilots && may_try_sky(settings, false); // the device is not known yet
+  settings.tries_reuse = pilots ? where_to_try_reuse(settings, false) : kTriesReuseNowhere;
+  settings.tries_adaptive = pilots && stands_alone && may_pay_adaptive(settings);
+}
+
+Plan decide(const PlanRequest& request, const PackedScene& scene, bool cpu, PilotRunner* pilots) {
+  Plan plan{.settings = request.settings};
+  RenderSettings& settings = plan.settings;
+  if (request.stands_alone && request.policy != Policy::as_told) set_pilot_lengths(settings, cpu);
+  if (request.recorded) apply(*request.recorded, settings);
+  if (request.training_paths) settings.light_pilot_paths = *request.training_paths;
+  if (request.guide_iterations) settings.guide_iterations = *request.guide_iterations;
+  if (request.recorded || request.policy == Policy::as_told) {
+    settings = as_told(settings, request.recorded.has_value() && request.stands_alone);
+    if (request.recorded)
+      for (const auto& [name, value] : request.recorded->values)
+        plan.decisions.push_back({.what = setting_named(name).name, .taken = value, .why = "recorded"});
+  } else {
+    decide_sky_samples(plan, scene, cpu, pilots);
+    decide_integrator(plan, request, cpu, pilots);
+    // Last of the pilots: what tells whether others are worth trying is the error of paths that share nothing.
+    decide_reuse(plan, scene, cpu, pilots);
+    decide_adaptive(plan, request.stands_alone, cpu);
+    if (settings.sky_samples == 0 && pilots) settings.sky_samples = 1; // said plainly, once all pilots are made
+  }
+  if (is_auto(settings, "light-samples")) plan.decisions.push_back(decide_light_samples(settings, scene));
+  if (is_auto(settings, "lights")) plan.decisions.push_back(decide_lights(settings, scene));
+  complete(plan.decisions, settings, trains_light_selection(scene, settings));
+  return plan;
+}
+
+void add_outcomes(std::vector<Decision>& decisions, const RenderResult& result) {
+  for (Decision& decision : decisions) {
+    if (decision.what == "adaptive" && result.noise) {
+      const NoisePilot& noise = *result.noise;
+      decision.taken = noise.used ? "on" : "off";
+      decision.why = fmt::format("a pilot of {}x{} pixels by {} samples expects {:.2g}x the work for a given error",
+                                 noise.width, noise.height, noise.samples, noise.cost);
+      decision.cost = decision.lo = decision.hi = noise.cost;
+      decision.pilot = {noise.width, noise.height, noise.samples};
+    }
+    if (decision.what == "lights" && result.light_pilot.paths > 0) {
+      const LightPilot& training = result.light_pilot;
+      decision.why += fmt::format("; {} cells of lights, {} of the sky", training.rows, training.sky_rows);
+      decision.seconds = training.seconds;
+    }
+    if (decision.what == "guide" && result.guide) {
+      decision.why += result.guide->used ? fmt::format("; variance {:.2g}x", result.guide->variance)
+                                         : std::string("; unguided after all: no gain was promised");
+    }
+  }
+}
+
+} // namespace wavepath

@@ -1,0 +1,108 @@
+#include "host/plan/record.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "host/render/settings/settings_table.h"
+
+namespace wavepath {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// Settings that pilots decide, or that come with what they decide.
+constexpr std::array<std::string_view, 6> kPlanned = {"integrator", "sky-samples", "reuse",
+                                                      "guide",      "adaptive",    "techniques"};
+constexpr std::string_view kTrainingPathsName = "training-paths", kGuideIterationsName = "guide-iterations";
+
+template <class Number>
+std::optional<Number> number_from(const std::string& text) {
+  Number number{};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  return error == std::errc{} && end == text.data() + text.size() ? std::optional(number) : std::nullopt;
+}
+
+Json pilot_json(const PilotPicture& pilot) {
+  if (pilot.spp == 0) return nullptr;
+  return {{"size", {pilot.width, pilot.height}}, {"spp", pilot.spp}};
+}
+
+} // namespace
+
+void complete(std::vector<Decision>& decisions, const RenderSettings& settings, bool trains) {
+  const auto add = [&](std::string_view what, std::string taken, const char* why) {
+    if (std::ranges::count(decisions, what, &Decision::what) == 0)
+      decisions.push_back({.what = what, .taken = std::move(taken), .why = why});
+  };
+  for (const std::string_view name : kPlanned) {
+    const Setting& row = setting_named(name);
+    const std::string text = text_of(row, settings);
+    if (is_taken(row, *settings.integrator) && !text.empty()) add(name, text, "as asked, or with another decision");
+  }
+  if (trains || settings.guide)
+    add(kTrainingPathsName, fmt::format("{}", settings.light_pilot_paths),
+        settings.light_pilot_paths > 0 ? "rule: by the paths of the render" : "rule: as parts of a render have");
+  if (settings.guide)
+    add(kGuideIterationsName, fmt::format("{}", settings.guide_iterations), "rule: by the paths of the render");
+}
+
+Json to_json(const std::vector<Decision>& decisions) {
+  Json list = Json::array();
+  for (const Decision& decision : decisions) {
+    Json trials = Json::array();
+    for (const Trial& trial : decision.trials)
+      trials.push_back({{"flags", trial.flags},
+                        {"cost", trial.cost},
+                        {"cost_ci95", {trial.lo, trial.hi}},
+                        {"missing_light", trial.missing},
+                        {"disagrees", trial.disagrees}});
+    list.push_back({{"what", decision.what},
+                    {"taken", decision.taken},
+                    {"why", decision.why},
+                    {"cost", decision.cost},
+                    {"cost_ci95", {decision.lo, decision.hi}},
+                    {"seconds", decision.seconds},
+                    {"render_seconds", decision.render_seconds},
+                    {"fraction", decision.fraction},
+                    {"pilot", pilot_json(decision.pilot)},
+                    {"trials", trials}});
+  }
+  return list;
+}
+
+std::string to_line(const std::vector<Decision>& decisions) {
+  Json list = Json::array();
+  for (const Decision& decision : decisions)
+    list.push_back({{"what", decision.what}, {"taken", decision.taken}, {"why", decision.why}});
+  return list.dump();
+}
+
+PlanRecord record_from(const Json& decisions) {
+  PlanRecord record;
+  for (const Json& decision : decisions) {
+    const std::string what = decision.at("what"), taken = decision.at("taken");
+    if (what == kTrainingPathsName)
+      record.training_paths = number_from<std::uint64_t>(taken);
+    else if (what == kGuideIterationsName)
+      record.guide_iterations = number_from<std::uint32_t>(taken);
+    else if (std::ranges::count(kPlanned, what) > 0)
+      record.values.emplace_back(what, taken);
+  }
+  return record;
+}
+
+void apply(const PlanRecord& record, RenderSettings& settings) {
+  for (const auto& [name, value] : record.values) {
+    const Setting& row = setting_named(name);
+    const bool open = name == "integrator" ? settings.integrator->candidates != nullptr : is_default(row, settings);
+    if (open) read_setting(row, value, settings);
+  }
+  if (record.training_paths) settings.light_pilot_paths = *record.training_paths;
+  if (record.guide_iterations) settings.guide_iterations = *record.guide_iterations;
+}
+
+} // namespace wavepath

@@ -1,0 +1,83 @@
+#include "host/plan/reuse.h"
+
+#include <fmt/format.h>
+
+#include "host/base/clock.h"
+#include "host/render/settings/path_reuse.h"
+#include "host/render/trial.h"
+#include "host/scene/pack/packed_scene.h"
+
+namespace wavepath {
+namespace {
+
+constexpr double kReuseTrainingPaths = 2e5; // that light selection takes, which pilots have to train first
+// In paths: what compiling takes of a CPU that also renders, if it is not done while the scene is loaded.
+constexpr double kCpuReuseKernels = 1e6;
+
+// Its pixels are those of few quads of the whole picture, as neighbours have the more in common the closer they are.
+RenderSettings reuse_pilot_of(const PilotRow& row, const RenderSettings& settings, std::uint32_t reuse) {
+  RenderSettings pilot = PilotRunner::settings_of(row, settings);
+  pilot.reuse = reuse;
+  pilot.quad_scale = static_cast<double>(pilot.width) / settings.width;
+  pilot.tries_reuse = kTriesReuseAnywhere;
+  return pilot;
+}
+
+// Null: none pays.
+const PilotRow* affordable_reuse_pilot(const RenderSettings& settings, bool cpu) {
+  for (const PilotRow* row : {&kReusePilot, &kSmallReusePilot})
+    if (is_affordable(*row, settings, cpu)) return row;
+  return nullptr;
+}
+
+} // namespace
+
+std::uint32_t where_to_try_reuse(const RenderSettings& settings, bool cpu) {
+  if (settings.reuse != kReuseAuto || !affordable_reuse_pilot(settings, cpu)) return kTriesReuseNowhere;
+  return expected_paths(settings, cpu) < kReusePilot.render_over_pilots * kReuseTrainingPaths ? kTriesReuseUnlearned
+                                                                                        : kTriesReuseAnywhere;
+}
+
+ReuseChoice choose_reuse(PilotRunner& pilots, const RenderSettings& settings) {
+  const bool cpu = pilots.is_cpu();
+  RenderSettings trying = settings;
+  trying.tries_reuse = where_to_try_reuse(settings, cpu);
+  if (!tries_reuse(trying, pilots.scene().features)) // a CPU had better not compile others now
+    return {.tries_reuse = cpu ? settings.tries_reuse : kTriesReuseNowhere};
+  trying.learns_sky = settings.learns_sky && trying.tries_reuse == kTriesReuseAnywhere; // else its training is too long
+  const Clock::time_point start = Clock::now();
+  const double rendered_before = pilots.render_seconds();
+  const PilotRow& row = *affordable_reuse_pilot(settings, cpu);
+  const PilotRender apart = pilots.run(reuse_pilot_of(row, trying, kReuseOff));
+  RenderSettings sharing = reuse_pilot_of(row, trying, kReuseOn);
+  sharing.light_shares = apart.result.light_pilot.shares;
+  const PilotRender together = pilots.run(sharing);
+  ReuseChoice choice{.tried = true};
+  if (apart.cost() > 0.0) choice.cost = together.cost() / apart.cost();
+  choice.pays = choice.cost < kWorthwhile;
+  if (cpu && expected_paths(settings, cpu) < kReusePilot.render_over_pilots * kCpuReuseKernels)
+    choice.tries_reuse = trying.tries_reuse;
+  choice.seconds = seconds_since(start);
+  choice.render_seconds = pilots.render_seconds() - rendered_before;
+  choice.pilot = PilotRunner::picture_of(row, settings);
+  choice.fraction = PilotRunner::paths_of_all(row, settings) / expected_paths(settings, cpu);
+  return choice;
+}
+
+Decision decision_of(const ReuseChoice& choice, const RenderSettings& settings) {
+  Decision decision{.what = "reuse",
+                    .taken = reuses_paths(settings) ? "on" : "off",
+                    .cost = choice.cost,
+                    .lo = choice.cost,
+                    .hi = choice.cost,
+                    .seconds = choice.seconds,
+                    .render_seconds = choice.render_seconds,
+                    .fraction = choice.fraction,
+                    .pilot = choice.pilot};
+  decision.why = choice.tried ? fmt::format("pilots: a given error costs {:.2g}x the work without", choice.cost)
+                 : may_reuse_paths(settings) ? "no pilot: the render is short"
+                                             : "these settings trace paths that neighbours cannot share";
+  return decision;
+}
+
+} // namespace wavepath

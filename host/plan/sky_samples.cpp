@@ -1,0 +1,104 @@
+#include "host/plan/sky_samples.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "host/base/clock.h"
+#include "host/render/settings/integrator_kind.h"
+#include "host/render/settings/light_samples.h"
+#include "host/render/trial.h"
+#include "host/render/workspace/kernel_compiler.h"
+#include "host/scene/pack/packed_scene.h"
+
+namespace wavepath {
+namespace {
+
+constexpr std::uint32_t kTried = 4; // besides 1
+// In paths: what compiling takes of a CPU that also renders, if it is not done while the scene is loaded.
+constexpr double kCpuSkyKernels = 5e5;
+
+RenderSettings sky_pilot_of(const PilotRow& row, const RenderSettings& settings, std::uint32_t sky_samples) {
+  RenderSettings pilot = PilotRunner::settings_of(row, settings);
+  pilot.guide = false;
+  pilot.sky_samples = sky_samples;
+  pilot.tries_sky = true;
+  pilot.learns_sky = false; // training would take longer than the pilot
+  return pilot;
+}
+
+// Null: none pays.
+const PilotRow* affordable_sky_pilot(const RenderSettings& settings, bool cpu) {
+  for (const PilotRow* row : {&kSkyPilot, &kSmallSkyPilot})
+    if (is_affordable(*row, settings, cpu)) return row;
+  return nullptr;
+}
+
+// What a pilot showed.
+struct Measured {
+  double squared_error, work;
+};
+
+} // namespace
+
+bool may_try_sky(const RenderSettings& settings, bool cpu) {
+  return settings.sky_samples == 0 && takes(*settings.integrator, "sky-samples") &&
+         affordable_sky_pilot(settings, cpu) != nullptr;
+}
+
+SkyChoice choose_sky_samples(PilotRunner& pilots, const RenderSettings& settings) {
+  const bool cpu = pilots.is_cpu();
+  const gpu::Feature features = pilots.scene().features;
+  const bool longer = expected_paths(settings, cpu) >= kSkyPilot.render_over_pilots * kCpuSkyKernels;
+  if (!may_try_sky(settings, cpu) || !may_share_sky(settings, features) || !(longer || tries_sky_cheaply(features)))
+    return {};
+  const Clock::time_point start = Clock::now();
+  const double rendered_before = pilots.render_seconds();
+  SkyChoice choice{.samples = 1};
+  const PilotRow& row = *affordable_sky_pilot(settings, cpu);
+  const auto measure = [&](std::uint32_t sky_samples) {
+    const PilotRender pilot = pilots.run(sky_pilot_of(row, settings, sky_samples));
+    return Measured{pilot.squared_error(), pilot.steady_work};
+  };
+  const Measured one = measure(1), more = measure(kTried);
+
+  // squared_error = rest + sky / n, work = paths + n * shadow_ray
+  const double sky = (one.squared_error - more.squared_error) / (1.0 - 1.0 / kTried), rest = one.squared_error - sky;
+  const double shadow_ray = (more.work - one.work) / (kTried - 1.0), paths = one.work - shadow_ray;
+  const std::uint32_t most = sky_samples_that_fit(settings, features);
+  for (std::uint32_t n = 2; n <= most; ++n) {
+    const double cost = (std::max(rest, 0.0) + sky / n) * (paths + n * shadow_ray) / (one.squared_error * one.work);
+    if (cost < std::min(choice.cost, kWorthwhile)) choice.samples = n, choice.cost = cost;
+  }
+  choice.learns = choice.samples > 1 && (features_of(settings) & gpu::kFeatureLearnedSky) != 0;
+  if (choice.learns) choice.samples = learned_sky_samples(settings, features);
+  choice.keeps_kernels = cpu && !longer;
+  choice.seconds = seconds_since(start);
+  choice.render_seconds = pilots.render_seconds() - rendered_before;
+  choice.pilot = PilotRunner::picture_of(row, settings);
+  choice.fraction = PilotRunner::paths_of_all(row, settings) / expected_paths(settings, cpu);
+  return choice;
+}
+
+Decision decision_of(const SkyChoice& choice, const RenderSettings& settings) {
+  Decision decision{.what = "sky-samples",
+                    .taken = fmt::format("{}", std::max(settings.sky_samples, 1u)),
+                    .cost = choice.cost,
+                    .lo = choice.cost,
+                    .hi = choice.cost,
+                    .seconds = choice.seconds,
+                    .render_seconds = choice.render_seconds,
+                    .fraction = choice.fraction,
+                    .pilot = choice.pilot};
+  if (choice.samples == 0)
+    decision.why = "no pilot: the render is short, or no path could share a sky of one colour";
+  else if (choice.samples == 1)
+    decision.why = "pilots: more cost a given error more work";
+  else
+    decision.why = fmt::format("pilots: a given error costs {:.2g}x the work of one sky sample{}", choice.cost,
+                               choice.learns ? "; directions are learned, which costs less" : "");
+  return decision;
+}
+
+} // namespace wavepath
